@@ -23,7 +23,7 @@ namespace {
 
 // Geometry numbers within an Embree scene: the kinds of primitives by HitKind, then these.  In the
 // top scene, instances follow.
-enum GeometryId : unsigned { kMoving = kHitKinds, kFirstInstance };
+enum GeometryId : unsigned { kWide = kHitKinds, kMoving, kFirstInstance };
 
 std::optional<UnitRay> unit_ray(const Ray& ray, const RaySpace& space) {
   return lucerna::unit_ray(Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.t_min,
@@ -226,9 +226,24 @@ SceneHandle Accelerator::State::commit(GeometrySet& set,
     RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, set.vertices.data(),
                                0, sizeof(Vec3<float>), set.vertices.size());
-    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, set.triangles.data(),
-                               0, 3 * sizeof(std::uint32_t), set.triangles.size() / 3);
+    if (set.wide.empty()) {
+      rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                 set.triangles.data(), 0, 3 * sizeof(std::uint32_t),
+                                 set.triangles.size() / 3);
+    } else {
+      // Wide triangles keep their numbers here, but shrink to points, which no ray meets.
+      auto* indices = static_cast<std::uint32_t*>(
+          rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                  3 * sizeof(std::uint32_t), set.triangles.size() / 3));
+      if (indices != nullptr) {  // else Embree has no memory, which status() reports
+        std::ranges::copy(set.triangles, indices);
+        for (const WideTriangle& w : set.wide)
+          std::fill_n(indices + 3 * std::size_t{w.triangle}, 3,
+                      indices[3 * std::size_t{w.triangle}]);
+      }
+    }
     attach(g, static_cast<unsigned>(HitKind::kTriangle));
+    if (!set.wide.empty()) attach(wide_geometry(device.get(), &set), kWide);
   }
   const auto counts = set.counts();
   for (unsigned kind = 1; kind < kHitKinds; ++kind) {

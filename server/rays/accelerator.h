@@ -3,6 +3,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,7 @@
 #include "lights/shapes/area_shape.h"
 #include "lights/shapes/bilinear_patch.h"
 #include "server/rays/ray.h"
+#include "server/rays/wide_triangle.h"
 
 namespace lucerna {
 
@@ -44,8 +46,15 @@ struct GeometrySet {
   std::vector<std::uint32_t> triangles{};  ///< three vertex numbers for each triangle
   std::vector<BilinearPatch<double>> patches{};
   Quadrics quadrics{};
+  std::vector<WideTriangle> wide{};  ///< of `triangles`, in ascending order
   /// The unit of Embree's space for this set (ray_limits.h).  The Accelerator chooses it.
   double unit_m = 1;
+
+  /// The triangle of this number if it is wide, or null.
+  const WideTriangle* wide_triangle(std::uint32_t number) const {
+    const auto at = std::ranges::lower_bound(wide, number, {}, &WideTriangle::triangle);
+    return at != wide.end() && at->triangle == number ? &*at : nullptr;
+  }
 
   /// The quadrics of one type, such as Sphere<double>.
   template <typename Shape>
@@ -90,7 +99,7 @@ struct GeometrySet {
   bool empty() const { return primitives() == 0; }
   std::size_t bytes() const {
     const auto bytes_of = [](const auto& v) { return v.capacity() * sizeof v[0]; };
-    std::size_t sum = bytes_of(vertices) + bytes_of(triangles);
+    std::size_t sum = bytes_of(vertices) + bytes_of(triangles) + bytes_of(wide);
     for_each_kind_of_surface([&](const auto& surfaces) { sum += bytes_of(surfaces); });
     return sum;
   }

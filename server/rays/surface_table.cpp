@@ -57,8 +57,9 @@ LUCERNA_QUADRICS(LUCERNA_KIND)
 
 class Appender {
  public:
-  Appender(const Vec3<double>& origin, std::uint32_t surface, GeometrySet& set, SurfaceTable& table)
-      : origin_(origin), surface_(surface), set_(set), table_(table) {}
+  Appender(const Vec3<double>& origin, double detail_m, std::uint32_t surface, GeometrySet& set,
+           SurfaceTable& table)
+      : origin_(origin), detail_m_(detail_m), surface_(surface), set_(set), table_(table) {}
 
   absl::Status operator()(const TriangleMeshData& mesh) {
     const std::size_t base = set_.vertices.size();
@@ -69,8 +70,9 @@ class Appender {
     LUCERNA_RETURN_IF_ERROR(append_mesh(mesh.positions, mesh.indices, origin_, set_));
     append_normals(mesh.normals, base, mesh.positions.size(), table_.vertex_normals);
     begin_run(HitKind::kTriangle, set_.triangles.size() / 3, 0, 1);
-    for (const std::uint32_t i : mesh.indices)
-      set_.triangles.push_back(static_cast<std::uint32_t>(base) + i);
+    for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3)
+      append_triangle(mesh.positions, static_cast<std::uint32_t>(base),
+                      {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]});
     return absl::OkStatus();
   }
 
@@ -94,10 +96,12 @@ class Appender {
         begin_run(this_kind, flat ? set_.triangles.size() / 3 : set_.patches.size(), i / 4,
                   flat ? 2 : 1);
       kind = this_kind;
-      if (flat)
-        for (const int k : {0, 1, 2, 1, 3, 2}) set_.triangles.push_back(base + v[k]);
-      else
+      if (flat) {
+        append_triangle(mesh.positions, base, {v[0], v[1], v[2]});
+        append_triangle(mesh.positions, base, {v[1], v[3], v[2]});
+      } else {
         append_patch(mesh, v, c);
+      }
     }
     if (any_flat)
       append_normals({}, base, mesh.positions.size(), table_.vertex_normals);
@@ -123,6 +127,17 @@ class Appender {
                                                    per_light_primitive});
   }
 
+  void append_triangle(const std::vector<Vec3<double>>& positions, std::uint32_t base,
+                       const std::array<std::uint32_t, 3>& v) {
+    constexpr double kShare = 1e-3;
+    constexpr std::size_t kMostWide = 4096;
+    const std::array corners{positions[v[0]] - origin_, positions[v[1]] - origin_,
+                             positions[v[2]] - origin_};
+    if (ray_error_of(corners) > kShare * detail_m_ && set_.wide.size() < kMostWide)
+      set_.wide.push_back({static_cast<std::uint32_t>(set_.triangles.size() / 3), corners});
+    for (const std::uint32_t i : v) set_.triangles.push_back(base + i);
+  }
+
   void append_patch(const PatchMeshData& mesh, const std::uint32_t* v,
                     const std::array<Vec3<double>, 4>& c) {
     if (!mesh.normals.empty() || !table_.patch_normals.empty()) {
@@ -134,6 +149,7 @@ class Appender {
   }
 
   const Vec3<double>& origin_;
+  double detail_m_;
   std::uint32_t surface_;
   GeometrySet& set_;
   SurfaceTable& table_;
@@ -218,10 +234,12 @@ bool is_flat_and_convex(const std::array<Vec3<double>, 4>& c) {
 }
 
 absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& origin,
-                          std::int32_t light, GeometrySet& set, SurfaceTable& table) {
+                          double detail_m, std::int32_t light, GeometrySet& set,
+                          SurfaceTable& table) {
   const auto surface = static_cast<std::uint32_t>(table.surfaces.size());
   table.surfaces.push_back({shape.material, light});
-  return located(std::visit(Appender(origin, surface, set, table), shape.geometry), shape.where);
+  return located(std::visit(Appender(origin, detail_m, surface, set, table), shape.geometry),
+                 shape.where);
 }
 
 absl::Status located(const absl::Status& status, const SourceLocation& where) {

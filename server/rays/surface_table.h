@@ -61,9 +61,11 @@ inline Vec3<float> about(const Vec3<double>& position, const Vec3<double>& origi
 /// rounding of its coordinates.  Two triangles are then the same surface, and faster to hit.
 bool is_flat_and_convex(const std::array<Vec3<double>, 4>& corners);
 
-/// Adds one shape to `set` and `table`, with positions about `origin`.
+/// Adds one shape to `set` and `table`, with positions about `origin`.  Triangles that Embree finds
+/// with an error of more than a thousandth of `detail_m` become wide, up to 4096 in a set.
 absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& origin,
-                          std::int32_t light, GeometrySet& set, SurfaceTable& table);
+                          double detail_m, std::int32_t light, GeometrySet& set,
+                          SurfaceTable& table);
 
 /// `status` with file:line:column before its message.  OK is returned unchanged.
 absl::Status located(const absl::Status& status, const SourceLocation& where);

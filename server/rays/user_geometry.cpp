@@ -79,6 +79,40 @@ void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
   if (intersect(shapes, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
 }
 
+std::optional<WideHit> intersect_wide(const GeometrySet& set, unsigned primitive,
+                                      const RTCRay& ray) {
+  return intersect(set.wide[primitive], Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * set.unit_m,
+                   Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * set.unit_m, ray.tnear, ray.tfar);
+}
+
+void wide_bounds(const RTCBoundsFunctionArguments* args) {
+  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
+  Bounds box;
+  for (const Vec3<double>& corner : set.wide[args->primID].corners) box.add(corner);
+  *args->bounds_o = rounded({box.lower, box.upper}, set.unit_m);
+}
+
+void intersect_wide(const RTCIntersectFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
+  auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+  const auto found = intersect_wide(set, args->primID, query.ray);
+  if (!found) return;
+  query.ray.tfar = static_cast<float>(found->t);
+  query.hit.u = static_cast<float>(found->uv.x);
+  query.hit.v = static_cast<float>(found->uv.y);
+  query.hit.geomID = static_cast<unsigned>(HitKind::kTriangle);
+  query.hit.primID = set.wide[args->primID].triangle;
+  query.hit.instID[0] = args->context->instID[0];
+}
+
+void occluded_wide(const RTCOccludedFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
+  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  if (intersect_wide(set, args->primID, ray)) ray.tfar = -INFINITY;
+}
+
 /// A ray of the scene in the object's space, in Embree's form.
 struct ObjectRay {
   RTCRay ray;
@@ -175,6 +209,10 @@ MovingInstance::MovingInstance(const GeometryInstance& instance, RTCScene object
 RTCGeometry analytic_geometry(RTCDevice device, AnalyticShapes* shapes, std::size_t count) {
   return user_geometry(device, count, shapes, analytic_bounds, intersect_analytic,
                        occluded_analytic);
+}
+
+RTCGeometry wide_geometry(RTCDevice device, GeometrySet* set) {
+  return user_geometry(device, set->wide.size(), set, wide_bounds, intersect_wide, occluded_wide);
 }
 
 RTCGeometry moving_geometry(RTCDevice device, std::vector<MovingInstance>* instances) {

@@ -45,9 +45,10 @@ struct MovingInstance {
   RTCBounds swept;  ///< in the scene's units, over all time
 };
 
-/// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes` and
-/// `instances`.
+/// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes`, `set` and
+/// `instances`.  A hit on a wide triangle is one of the geometry kTriangle.
 RTCGeometry analytic_geometry(RTCDevice device, AnalyticShapes* shapes, std::size_t count);
+RTCGeometry wide_geometry(RTCDevice device, GeometrySet* set);
 RTCGeometry moving_geometry(RTCDevice device, std::vector<MovingInstance>* instances);
 
 }  // namespace lucerna

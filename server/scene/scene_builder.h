@@ -64,6 +64,7 @@ class Scene::Builder {
   std::shared_ptr<Scene> scene_;
   std::unordered_map<std::string, std::uint32_t> file_numbers_;
   std::vector<Vec3<double>> object_origins_;
+  double detail_m_ = Bounds::kInfinity;       // the extent of the smallest shape
   std::vector<Vec3<double>> moving_origins_;  ///< of each moving shape
   std::uint64_t read_by_embree_ = 0;  ///< bytes of geometry that Embree reads and also counts
 };

@@ -31,14 +31,15 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
-      LUCERNA_RETURN_IF_ERROR(append_shape(s, scene_->origin_, emitter, set, scene_->surfaces_));
+      LUCERNA_RETURN_IF_ERROR(
+          append_shape(s, scene_->origin_, detail_m_, emitter, set, scene_->surfaces_));
       continue;
     }
     // A moving shape is an object about its own origin with one instance.
     const Vec3<double>& origin = moving_origins_[moving_shape];
     const std::size_t object = in_.objects.size() + moving_shape++;
-    LUCERNA_RETURN_IF_ERROR(
-        append_shape(s, origin, emitter, objects[object], scene_->object_surfaces_[object]));
+    LUCERNA_RETURN_IF_ERROR(append_shape(s, origin, detail_m_, emitter, objects[object],
+                                         scene_->object_surfaces_[object]));
     if (!objects[object].empty())
       instances.push_back(
           {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
@@ -48,8 +49,8 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
     for (const auto& s : in_.objects[i].shapes)
-      LUCERNA_RETURN_IF_ERROR(
-          append_shape(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]));
+      LUCERNA_RETURN_IF_ERROR(append_shape(s, object_origins_[i], detail_m_, -1, objects[i],
+                                           scene_->object_surfaces_[i]));
   }
   for (const auto& i : in_.instances) {
     if (objects[i.object].empty()) continue;
@@ -105,7 +106,7 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
                                      const Stopwatch& watch) {
   // Vertices, then primitives by HitKind.
   std::array<std::uint64_t, 1 + kHitKinds> counts{}, bytes{};
-  std::uint64_t surface_bytes = scene_->surfaces_.bytes();
+  std::uint64_t surface_bytes = scene_->surfaces_.bytes(), wide = 0, wide_bytes = 0;
   const auto count = [&](const GeometrySet& s) {
     std::size_t next = 0;
     const auto add = [&](const auto& v, std::size_t per = 1) {
@@ -114,6 +115,7 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
     };
     add(s.vertices), add(s.triangles, 3);
     s.for_each_kind_of_surface([&](const auto& surfaces) { add(surfaces); });
+    wide += s.wide.size(), wide_bytes += s.wide.capacity() * sizeof(WideTriangle);
   };
   count(set);
   for (const auto& o : objects) count(o);
@@ -132,6 +134,11 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
            fmt::format("{} {}", counts[i], counts[i] == 1 ? names[i].one : names[i].many));
       read_by_embree_ += bytes[i];
     }
+  if (wide > 0) {
+    part("wide triangles", wide_bytes, watch,
+         fmt::format("{} triangles that rays meet in double precision", wide));
+    read_by_embree_ += wide_bytes;
+  }
   if (surface_bytes > 0)
     part("surfaces", surface_bytes, watch, "materials, shading normals and lights of surfaces");
   if (!scene_->materials_.empty())

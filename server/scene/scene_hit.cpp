@@ -1,5 +1,5 @@
 // Computes a surface point, with all data for shading, from a hit of Embree.  Embree returns
-// floats; the point is computed again in double from the primitive.
+// floats; the point is computed again in double from the ray and the primitive.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,15 +14,27 @@ using Vector = Vec3<double>;
 
 Vector absolute(const Vector& v) { return {std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}; }
 
+Vector largest(const Vector& a, const Vector& b) {
+  return {std::fmax(a.x, b.x), std::fmax(a.y, b.y), std::fmax(a.z, b.z)};
+}
+
 /// A point in the space of its GeometrySet.
 struct LocalHit {
   Vector position, ng, ns;  // ns zero: the same as ng
-  double error = 0;  // error in finding the surface by rays, without the rounding of `position`
+  // Errors in finding the surface by rays, without the rounding of `position`.
+  double error = 0;         // of each coordinate
+  double normal_error = 0;  // along ng
+  // Of a triangle: the error of `position` within the plane, and how far the rounding of its
+  // vertices moves the plane along ng.
+  double plane_error = 0, vertex_rounding = 0;
 };
 
 LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const RawHit& raw) {
   const std::uint32_t* v = &set.triangles[3 * std::size_t{raw.primitive}];
-  const auto vertex = [&](int i) { return Vector(set.vertices[v[i]]) * set.unit_m; };
+  const WideTriangle* wide = set.wide.empty() ? nullptr : set.wide_triangle(raw.primitive);
+  const auto vertex = [&](int i) {
+    return wide != nullptr ? wide->corners[i] : Vector(set.vertices[v[i]]) * set.unit_m;
+  };
   const Vector a = vertex(0), b = vertex(1), c = vertex(2);
   const Vector ab = b - a, ac = c - a, bc = c - b;
   const double u1 = raw.uv.x, u2 = raw.uv.y;
@@ -39,8 +51,23 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
   const double others2 = longest2 > 0 ? ab2 * (ac2 / longest2) * bc2 : 0;
   const double n2 = dot(n, n);
   const double condition = others2 < 256 * n2 ? std::sqrt(others2 / n2) : 16;
-  const double reach = std::max({max_abs(from_a), max_abs(ab - from_a), max_abs(ac - from_a)});
-  hit.error = kTraversalBound * std::max(1.0, condition) * reach;
+  const Vector to_a = absolute(from_a), to_b = absolute(ab - from_a), to_c = absolute(ac - from_a);
+  const double reach = std::max({max_abs(to_a), max_abs(to_b), max_abs(to_c)});
+  hit.plane_error = kTraversalBound * std::max(1.0, condition) * reach;
+  // The distance to the plane is the sum of n_k (v - o)_k.  Each n_k is a difference of products of
+  // two edges, and has their rounding.  So a triangle in a plane of the axes has no error.
+  const Vector extent = largest(largest(absolute(ab), absolute(ac)), absolute(bc));
+  const Vector products{extent.y * extent.z, extent.z * extent.x, extent.x * extent.y};
+  // Rays meet wide triangles in double.
+  const double to_double = wide != nullptr ? 0x1p-53 / kFloatRoundoff : 1;
+  const double along =
+      2 * kTraversalBound * dot(products, largest(largest(to_a, to_b), to_c)) / std::sqrt(n2);
+  const Vector across = absolute(hit.ng);
+  // fmin() ignores the NaN of a triangle without area.
+  hit.normal_error =
+      to_double * std::fmin(hit.plane_error * (across.x + across.y + across.z), along);
+  hit.vertex_rounding = to_double * kFloatRoundoff *
+                        dot(across, largest(largest(absolute(a), absolute(b)), absolute(c)));
   if (!table.vertex_normals.empty()) {
     const auto& normals = table.vertex_normals;
     hit.ns = Vector(normals[v[0]]) * (1 - u1 - u2) + Vector(normals[v[1]]) * u1 +
@@ -50,7 +77,7 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
 }
 
 LocalHit analytic_hit(const SurfaceTable& table, const RawHit& raw, const Ray& ray) {
-  LocalHit hit{raw.position, raw.normal, {}, 0};
+  LocalHit hit{.position = raw.position, .ng = raw.normal};
   // All in double precision; the rounding error grows with the length of the ray.
   hit.error = 64 * 0x1p-53 *
               (max_abs(Vector(ray.origin)) + raw.t * max_abs(Vector(ray.direction)) +
@@ -62,6 +89,14 @@ LocalHit analytic_hit(const SurfaceTable& table, const RawHit& raw, const Ray& r
              Vector(n[2]) * ((1 - u) * v) + Vector(n[3]) * (u * v);
   }
   return hit;
+}
+
+/// Converts the errors of a triangle to the scene's space.  `along`: the size there of a unit of
+/// length along ng.  `most`: the largest size of any unit of length.
+void scale_errors(LocalHit& hit, double along, double most) {
+  hit.normal_error *= along;
+  hit.vertex_rounding *= along;
+  hit.plane_error *= most;
 }
 
 /// Converts the hit to the scene's space and returns the error of each coordinate.
@@ -76,9 +111,11 @@ Vector to_scene(const Transform& scene_from_object, LocalHit& hit) {
              (point ? std::fabs(a[i][3]) : 0);
     return Vector{r[0], r[1], r[2]};
   };
-  const Vector local = hit.position;
+  const Vector local = hit.position, local_ng = hit.ng;
   hit.position = scene_from_object.point(local);
-  hit.ng = normalized(scene_from_object.normal(hit.ng));
+  hit.ng = normalized(scene_from_object.normal(local_ng));
+  const Vector sizes = times(m, {1, 1, 1}, false);
+  scale_errors(hit, std::fabs(dot(hit.ng, scene_from_object.vector(local_ng))), max_abs(sizes));
   if (hit.ns != Vector{}) hit.ns = scene_from_object.normal(hit.ns);
   // Embree converts rays to the object's space in floats, with an inverse that it computes in
   // floats.
@@ -95,17 +132,42 @@ Vector to_scene(const GeometryInstance& instance, double time_s, LocalHit& hit) 
   const Vector object_error =
       absolute(hit.position) * kTraversalBound + Vector{hit.error, hit.error, hit.error};
   hit.position = pose.point(at_start);
-  hit.ng = pose.vector(normalized(start_from_object.normal(hit.ng)));
+  const Vector start_ng = normalized(start_from_object.normal(hit.ng));
+  const double along = std::fabs(dot(start_ng, start_from_object.vector(hit.ng)));
+  hit.ng = pose.vector(start_ng);
   if (hit.ns != Vector{}) hit.ns = pose.vector(start_from_object.normal(hit.ns));
   const auto& m = start_from_object.matrix();
   const auto start_row = [&](int i) { return absolute({m[i][0], m[i][1], m[i][2]}); };
   const Vector start_error{dot(start_row(0), object_error), dot(start_row(1), object_error),
                            dot(start_row(2), object_error)};
+  const Vector one{1, 1, 1};
+  scale_errors(
+      hit, along,
+      max_abs(Vector{dot(start_row(0), one), dot(start_row(1), one), dot(start_row(2), one)}));
   const double rounding =
       16 * 0x1p-53 * (max_abs(at_start) + max_abs(pose.shift_m) + max_abs(hit.position));
   return Vector{dot(absolute(pose.r[0]), start_error), dot(absolute(pose.r[1]), start_error),
                 dot(absolute(pose.r[2]), start_error)} +
          Vector{rounding, rounding, rounding};
+}
+
+/// Moves the hit on a triangle to the point where the ray meets the plane, in double.  Embree's
+/// barycentric coordinates are floats, which in a large triangle are far apart.  Far from the
+/// triangle, a ray itself is less accurate than they are.
+void meet_plane(const Ray& ray, LocalHit& hit) {
+  const Vector origin(ray.origin), direction(ray.direction);
+  const double towards = dot(hit.ng, direction);
+  const double t = dot(hit.ng, hit.position - origin) / towards;
+  const Vector meeting = origin + direction * t;
+  const double error = 8 * 0x1p-53 * (max_abs(origin) + std::fabs(t) * max_abs(direction)) +
+                       8 * 0x1p-53 * max_abs(hit.position);
+  // A ray along the plane meets it nowhere near.
+  const double grazing = std::fabs(towards) / length(direction);
+  if (!(error < hit.plane_error) ||
+      !(max_abs(meeting - hit.position) * grazing <= 4 * hit.plane_error))
+    return;
+  hit.position = meeting;
+  hit.normal_error += error;
 }
 
 }  // namespace
@@ -126,10 +188,16 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
     error = instance->motion ? to_scene(*instance, ray.time_s, local)
                              : to_scene(instance->scene_from_object, local);
 
+  if (raw->kind == HitKind::kTriangle) meet_plane(ray, local);
+
   SurfaceHit hit;
   hit.t = raw->t;
   hit.time_s = ray.time_s;
   hit.position = local.position;
+  const Vector across = absolute(local.ng);
+  hit.vertex_rounding = static_cast<float>(local.vertex_rounding +
+                                           dot(across, error) * (kFloatRoundoff / kTraversalBound));
+  error += across * local.normal_error;
   // Adds the rounding of the position at the start of rays, and the rounding error of doubles.
   error += absolute(local.position) * (kFloatRoundoff * (1 + 1e-6));
   error += Vector{kLeastError, kLeastError, kLeastError};

@@ -40,9 +40,12 @@ absl::Status check_extent(const Bounds& bounds, const SourceLocation& where) {
 
 absl::Status Scene::Builder::place() {
   std::vector<Bounds> object_bounds(in_.objects.size());
-  const auto grow = [](Bounds& bounds, const ShapeDescription& shape) -> absl::Status {
+  const auto grow = [this](Bounds& bounds, const ShapeDescription& shape) -> absl::Status {
     LUCERNA_ASSIGN_OR_RETURN(const Bounds b, shape_bounds(shape));
-    if (!b.empty()) bounds.add(b.lower), bounds.add(b.upper);
+    if (b.empty()) return absl::OkStatus();
+    bounds.add(b.lower), bounds.add(b.upper);
+    if (const double extent = max_abs(b.upper - b.lower); extent > 0)
+      detail_m_ = std::fmin(detail_m_, extent);
     return absl::OkStatus();
   };
   // Adds the space that `motion` sweeps, which must be within the range of rays.

@@ -71,8 +71,7 @@ class Maker {
   void add_ground() {
     // The corners of a tilted ground, and the middle of a triangle, are rounded by their distance.
     const bool upright = axis_.z == 1;
-    // Larger grounds are wrong today (docs/oracle.md).
-    constexpr double kMostDecades = 3;
+    constexpr double kMostDecades = 9;
     const bool triangle = !upright || random_.chance(0.3);
     const Real half = random_.power(0, upright && !triangle ? kMostDecades : 2) * 1.5L;
     Shape ground;

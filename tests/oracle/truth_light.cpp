@@ -12,9 +12,10 @@ namespace {
 constexpr int kMostCells = 20000;
 
 /// Whether the convex hull of `corners`, seen from `eye`, is surely apart from a convex shape.
-/// `error`: how far off the shape and the points may be.
+/// `off`: how far off the shape and the points may be along each axis.
 bool surely_apart(const Shape& shape, const Vec& eye, const std::array<Vec, 4>& corners,
-                  Real error) {
+                  const Vec& off) {
+  const Real error = length(off);
   if (shape.kind == ShapeKind::kSphere) {
     Vec middle{};
     for (const Vec& p : corners) middle = middle + p * 0.25L;
@@ -26,14 +27,15 @@ bool surely_apart(const Shape& shape, const Vec& eye, const std::array<Vec, 4>& 
     return length(eye + along * (t / distance) - shape.at[0]) >
            shape.radius + error + radius * t / distance;
   }
-  const auto all_beyond = [&](const Vec& from, const Vec& n) {
+  const auto all_beyond = [&](const Vec& from, const Vec& n, Real by) {
     return std::ranges::all_of(corners,
-                               [&](const Vec& p) { return dot(p - from, n) > error * length(n); });
+                               [&](const Vec& p) { return dot(p - from, n) > by * length(n); });
   };
   // On one side of its plane.
   Vec n = normal_of(shape);
   if (dot(eye - shape.at[0], n) < 0) n = -n;
-  if (dot(eye - shape.at[0], n) > error && all_beyond(shape.at[0], n)) return true;
+  const Real across = dot(absolute(n), off);
+  if (dot(eye - shape.at[0], n) > across && all_beyond(shape.at[0], n, across)) return true;
   // Outside of one of its edges, as the eye sees them.
   const std::vector<Vec> around = surroundings(shape);
   Vec middle{};
@@ -41,7 +43,7 @@ bool surely_apart(const Shape& shape, const Vec& eye, const std::array<Vec, 4>& 
   for (std::size_t i = 0; i < around.size(); ++i) {
     Vec m = cross(around[i] - eye, around[(i + 1) % around.size()] - eye);
     if (dot(middle - eye, m) > 0) m = -m;
-    if (all_beyond(eye, m)) return true;
+    if (all_beyond(eye, m, error)) return true;
   }
   return false;
 }
@@ -133,8 +135,7 @@ void Truth::add_cell(const Cell& c, int depth, Amount& sum) const {
     const bool own = c.at->on == static_cast<int>(i);
     if (static_cast<int>(i) == c.emitter || (own && other.kind != ShapeKind::kSphere)) continue;
     if (!own && surely_apart(other, c.at->at, corners,
-                             length(rounding(other)) + length(rounding(c.at->at)) +
-                                 length(rounding(middle))))
+                             rounding(other) + rounding(c.at->at) + rounding(middle)))
       continue;
     // All corners behind one convex shape: so is the cell.
     const auto count = [&](Way way) {

@@ -69,11 +69,19 @@ double largest_coordinate(const Scene& scene) {
   return max_abs(scene.sphere().center_m) + scene.sphere().radius_m;
 }
 
-/// The rounding error of a surface's vertices.  `position_error` is larger: it bounds the error of
-/// the hit of a ray.
+/// How far the rounding of its vertices moves a surface along its normal, with the rounding of the
+/// hit itself.
 double rounding_of(const SurfaceHit& hit) {
-  return kFloatRoundoff * max_abs(hit.position) +
-         max_abs(hit.position_error) * (kFloatRoundoff / kTraversalBound);
+  const auto across = [](double n, double p) { return std::fabs(n * p); };
+  return hit.vertex_rounding +
+         kFloatRoundoff * (across(hit.ng.x, hit.position.x) + across(hit.ng.y, hit.position.y) +
+                           across(hit.ng.z, hit.position.z));
+}
+
+/// The extent of the error of a hit along the surface's normal.
+double normal_error_of(const SurfaceHit& hit) {
+  return std::fabs(hit.ng.x) * hit.position_error.x + std::fabs(hit.ng.y) * hit.position_error.y +
+         std::fabs(hit.ng.z) * hit.position_error.z;
 }
 
 /// Whether the plane of `hit` passes `point` at a distance of at most twice the sum of `error` and
@@ -149,13 +157,21 @@ ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& n
   if (!has_normal(normal)) return point;
   const auto largest = static_cast<float>(largest_coordinate(scene));
   const float reach = kStartWithoutNormal * (point.error + kTraversalError * largest);
-  const auto hit = scene.closest_hit(
-      {Vec3<float>(point.position + Vec3<double>(normal * reach)), -normal, 0, 2 * reach, time_s});
-  if (!hit) return point;
-  const float away = std::fabs(hit->t - reach);
-  const float error = max_abs(hit->position_error);
-  // A surface farther away is another one, which the point does not lie on.
-  if (away <= 2 * (point.error + error)) point.error += away + error;
+  Ray ray{Vec3<float>(point.position + Vec3<double>(normal * reach)), -normal, 0, 2 * reach,
+          time_s};
+  // Surfaces farther away are others, which the point does not lie on, such as a lamp over it.
+  constexpr int kMostSurfaces = 16;
+  for (int i = 0; i < kMostSurfaces; ++i) {
+    const auto hit = scene.closest_hit(ray);
+    if (!hit) break;
+    const double away = std::fabs(dot(hit->ng, hit->position - point.position));
+    const double error = normal_error_of(*hit);
+    if (away <= 2 * (point.error + error)) {
+      point.error += static_cast<float>((away + error) * (1 + 1e-6));
+      break;
+    }
+    ray.t_min = std::nextafter(hit->t, INFINITY);
+  }
   return point;
 }
 
