@@ -224,18 +224,22 @@ struct IesHeader {
   std::size_t vertical, horizontal;  ///< number of angles
   PhotometricType type;
   double factor;  ///< of every candela value, including the tilt factor
+  int lamps;
+  double lamp_lm;   ///< of each lamp; -1: absolute photometry
+  int lamps_line;   ///< of the file
+  double operated;  ///< the flux of the lamps in use, as a share of their rated flux
 };
 
 IesHeader read_header(Numbers& numbers, const Edition& edition, double tilt_factor) {
   IesHeader header;
-  header.factor = tilt_factor;
-  numbers.whole("the number of lamps", 0, 1'000'000, "a whole number, not negative");
-  const double lumens =
-      numbers.number("lumens per lamp", -1, kAny, "-1 (absolute photometry) or more");
-  if (numbers.status.ok() && lumens < 0 && lumens != -1)
-    numbers.fail(
-        fmt::format("lumens per lamp = {}, allowed: -1 (absolute photometry), 0 or more", lumens));
-  header.factor *= numbers.positive("candela multiplier");
+  numbers.skip();
+  header.lamps_line = numbers.line();
+  header.lamps = numbers.whole("the number of lamps", 0, 1'000'000, "a whole number, not negative");
+  header.lamp_lm = numbers.number("lumens per lamp", -1, kAny, "-1 (absolute photometry) or more");
+  if (numbers.status.ok() && header.lamp_lm < 0 && header.lamp_lm != -1)
+    numbers.fail(fmt::format("lumens per lamp = {}, allowed: -1 (absolute photometry), 0 or more",
+                             header.lamp_lm));
+  const double multiplier = numbers.positive("candela multiplier");
   header.vertical = numbers.count("the number of vertical angles", 2, "2 or more");
   header.horizontal = numbers.count("the number of horizontal angles", 1, "1 or more");
   const int type = numbers.whole("photometric type", 1, 3, "1 (type C), 2 (type B), 3 (type A)");
@@ -246,14 +250,15 @@ IesHeader read_header(Numbers& numbers, const Edition& edition, double tilt_fact
   // Negative sizes stand for rounded shapes.
   for (const char* size : {"width", "length", "height"})
     numbers.number(size, -kAny, kAny, "finite");
-  header.factor *= numbers.positive("ballast factor");
+  header.operated = tilt_factor * numbers.positive("ballast factor");
   // The second number is a factor up to 1991, has no meaning in 1995 and 2002, and describes how
   // the file was made in 2019.
   if (edition.year <= 1991)
-    header.factor *= numbers.positive("ballast-lamp photometric factor");
+    header.operated *= numbers.positive("ballast-lamp photometric factor");
   else
     numbers.next("the second number after the sizes");
   numbers.number("input watts", -kAny, kAny, "finite");
+  header.factor = multiplier * header.operated;
   return header;
 }
 
@@ -289,6 +294,19 @@ absl::StatusOr<PhotometricType> read_candela(Numbers& numbers, const IesHeader& 
   return web.type;
 }
 
+/// Adds a note if more light leaves the luminaire than its lamps emit, by more than 2%.
+void check_flux(const IesHeader& header, PhotometricFile& file) {
+  if (header.lamp_lm < 0 || header.lamps == 0 || !(header.operated > 0)) return;
+  const double lamps_lm = header.lamps * header.lamp_lm;
+  if (file.web->flux_lm() / header.operated <= 1.02 * lamps_lm) return;
+  file.notes.push_back(
+      {header.lamps_line,
+       fmt::format("{} {} of {:.6g} lm {} {:.6g} lm", header.lamps,
+                   header.lamps == 1 ? "lamp" : "lamps", header.lamp_lm,
+                   header.lamps == 1 ? "emits" : "emit", lamps_lm * header.operated),
+       fmt::format("the flux of the intensities is used, {:.6g} lm", file.web->flux_lm())});
+}
+
 char letter(PhotometricType type) {
   return type == PhotometricType::kC ? 'C' : type == PhotometricType::kB ? 'B' : 'A';
 }
@@ -307,6 +325,7 @@ absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_vie
   if (!numbers.room_for(vertical + horizontal + vertical * horizontal)) return numbers.status;
   LUCERNA_ASSIGN_OR_RETURN(const PhotometricType type,
                            read_candela(numbers, header, edition, name, file));
+  check_flux(header, file);
   file.format = fmt::format("{}, type {}", edition.name, letter(type));
   return file;
 }

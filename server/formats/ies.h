@@ -15,7 +15,8 @@ namespace lucerna {
 /// Intensity is candela times the candela multiplier, the ballast factor, and in the editions of
 /// 1986 and 1991 the ballast-lamp photometric factor.  The edition of 1986 has the same number for
 /// types A and C; negative vertical angles then mean type A.  The lumens of the lamps do not scale
-/// anything: the candela values are for these lamps, or absolute if lumens are -1.
+/// anything: the candela values are for these lamps, or absolute if lumens are -1.  A note reports
+/// a flux that exceeds that of the lamps by more than 2%.
 ///
 /// The luminaire hangs in the position of the measurement, so the factor at angle 0 of a tilt table
 /// applies.  A tilt table in a separate file is not read; its factor counts as 1.  Text after the

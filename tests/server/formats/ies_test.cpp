@@ -1,6 +1,7 @@
 // IES LM-63: values of the standard, and errors with line and allowed values.
 #include "server/formats/ies.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,6 +38,35 @@ TEST(Ies, ReadsTheIntensities) {
   EXPECT_EQ(file.web->at({0, 0, 1}), 100);
   EXPECT_NEAR(file.web->at({1, 0, 1}), 50, 1e-12);
   EXPECT_EQ(file.web->at({0, 0, -1}), 0);
+}
+
+TEST(Ies, MoreFluxThanOfTheLampsIsNoted) {
+  Ies f;
+  const double lm = ies(f.text()).web->flux_lm();
+  const auto notes_with = [&](const std::string& lamps) {
+    f.lamps = lamps;
+    return notes(ies(f.text()));
+  };
+  EXPECT_EQ(notes_with(fmt::format("1 {} 1", lm / 1.01)), "");
+  EXPECT_EQ(notes_with(fmt::format("2 {} 1", lm)), "");
+  EXPECT_EQ(notes_with("0 0 1"), "");
+  EXPECT_EQ(notes_with("1 -1 1000"), "");
+  EXPECT_EQ(notes_with("1 100 1"),
+            fmt::format("5 1 lamp of 100 lm emits 100 lm -> the flux of the intensities is used, "
+                        "{:.6g} lm\n",
+                        lm));
+  EXPECT_EQ(notes_with("2 100 2"),
+            fmt::format("5 2 lamps of 100 lm emit 200 lm -> the flux of the intensities is used, "
+                        "{:.6g} lm\n",
+                        2 * lm));
+  EXPECT_THAT(notes_with("1 0 1"), HasSubstr("5 1 lamp of 0 lm emits 0 lm"));
+  // The ballast dims the lamps too.
+  f.ballast = "0.5 1 10\n";
+  EXPECT_EQ(notes_with(fmt::format("1 {} 1", lm / 1.01)), "");
+  EXPECT_EQ(notes_with("1 100 1"),
+            fmt::format("5 1 lamp of 100 lm emits 50 lm -> the flux of the intensities is used, "
+                        "{:.6g} lm\n",
+                        lm / 2));
 }
 
 TEST(Ies, EditionsByTheirFirstLine) {
