@@ -15,7 +15,7 @@ using Vector = Vec3<double>;
 Vector absolute(const Vector& v) { return {std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}; }
 
 Vector largest(const Vector& a, const Vector& b) {
-  return {std::fmax(a.x, b.x), std::fmax(a.y, b.y), std::fmax(a.z, b.z)};
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 
 /// A point in the space of its GeometrySet.
@@ -51,23 +51,21 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
   const double others2 = longest2 > 0 ? ab2 * (ac2 / longest2) * bc2 : 0;
   const double n2 = dot(n, n);
   const double condition = others2 < 256 * n2 ? std::sqrt(others2 / n2) : 16;
-  const Vector to_a = absolute(from_a), to_b = absolute(ab - from_a), to_c = absolute(ac - from_a);
-  const double reach = std::max({max_abs(to_a), max_abs(to_b), max_abs(to_c)});
-  hit.plane_error = kTraversalBound * std::max(1.0, condition) * reach;
+  // The largest distance of a vertex along each axis.
+  const Vector reach =
+      largest(largest(absolute(from_a), absolute(ab - from_a)), absolute(ac - from_a));
+  hit.plane_error = kTraversalBound * std::max(1.0, condition) * max_abs(reach);
   // The distance to the plane is the sum of n_k (v - o)_k.  Each n_k is a difference of products of
-  // two edges, and has their rounding.  So a triangle in a plane of the axes has no error.
-  const Vector extent = largest(largest(absolute(ab), absolute(ac)), absolute(bc));
-  const Vector products{extent.y * extent.z, extent.z * extent.x, extent.x * extent.y};
+  // two edges, at most 2 (2 reach_i) (2 reach_j), and has their rounding.  So a triangle in a plane
+  // of the axes has no error.
+  const double along = 24 * kTraversalBound * (reach.x * reach.y * reach.z) / std::sqrt(n2);
+  const Vector across = absolute(hit.ng);
   // Rays meet wide triangles in double.
   const double to_double = wide != nullptr ? 0x1p-53 / kFloatRoundoff : 1;
-  const double along =
-      2 * kTraversalBound * dot(products, largest(largest(to_a, to_b), to_c)) / std::sqrt(n2);
-  const Vector across = absolute(hit.ng);
-  // fmin() ignores the NaN of a triangle without area.
-  hit.normal_error =
-      to_double * std::fmin(hit.plane_error * (across.x + across.y + across.z), along);
-  hit.vertex_rounding = to_double * kFloatRoundoff *
-                        dot(across, largest(largest(absolute(a), absolute(b)), absolute(c)));
+  // A triangle without area has no `along`.
+  const double isotropic = hit.plane_error * (across.x + across.y + across.z);
+  hit.normal_error = to_double * (along < isotropic ? along : isotropic);
+  hit.vertex_rounding = to_double * kFloatRoundoff * dot(across, absolute(hit.position) + reach);
   if (!table.vertex_normals.empty()) {
     const auto& normals = table.vertex_normals;
     hit.ns = Vector(normals[v[0]]) * (1 - u1 - u2) + Vector(normals[v[1]]) * u1 +
@@ -162,9 +160,9 @@ void meet_plane(const Ray& ray, LocalHit& hit) {
   const double error = 8 * 0x1p-53 * (max_abs(origin) + std::fabs(t) * max_abs(direction)) +
                        8 * 0x1p-53 * max_abs(hit.position);
   // A ray along the plane meets it nowhere near.
-  const double grazing = std::fabs(towards) / length(direction);
+  const double moved = max_abs(meeting - hit.position) * towards;
   if (!(error < hit.plane_error) ||
-      !(max_abs(meeting - hit.position) * grazing <= 4 * hit.plane_error))
+      !(moved * moved <= 16 * hit.plane_error * hit.plane_error * dot(direction, direction)))
     return;
   hit.position = meeting;
   hit.normal_error += error;
