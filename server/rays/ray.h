@@ -29,8 +29,6 @@ struct SurfaceHit {
   /// and rays find the surface within it.  For a triangle the box is narrow across the plane: the
   /// position itself is as accurate as the double precision in which the ray meets the plane.
   Vec3<float> position_error;
-  /// By how much the rounding of the surface's vertices to floats moves it along ng [m].
-  float vertex_rounding = 0;
   /// Geometric normal, unit, on the outside.  In double, because floats cannot resolve on which
   /// side a grazing ray leaves the surface.
   Vec3<double> ng;

@@ -24,9 +24,7 @@ struct LocalHit {
   // Errors in finding the surface by rays, without the rounding of `position`.
   double error = 0;         // of each coordinate
   double normal_error = 0;  // along ng
-  // Of a triangle: the error of `position` within the plane, and how far the rounding of its
-  // vertices moves the plane along ng.
-  double plane_error = 0, vertex_rounding = 0;
+  double plane_error = 0;   // of a triangle: of `position` within the plane
 };
 
 LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const RawHit& raw) {
@@ -65,7 +63,6 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
   // A triangle without area has no `along`.
   const double isotropic = hit.plane_error * (across.x + across.y + across.z);
   hit.normal_error = to_double * (along < isotropic ? along : isotropic);
-  hit.vertex_rounding = to_double * kFloatRoundoff * dot(across, absolute(hit.position) + reach);
   if (!table.vertex_normals.empty()) {
     const auto& normals = table.vertex_normals;
     hit.ns = Vector(normals[v[0]]) * (1 - u1 - u2) + Vector(normals[v[1]]) * u1 +
@@ -93,7 +90,6 @@ LocalHit analytic_hit(const SurfaceTable& table, const RawHit& raw, const Ray& r
 /// length along ng.  `most`: the largest size of any unit of length.
 void scale_errors(LocalHit& hit, double along, double most) {
   hit.normal_error *= along;
-  hit.vertex_rounding *= along;
   hit.plane_error *= most;
 }
 
@@ -192,10 +188,7 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   hit.t = raw->t;
   hit.time_s = ray.time_s;
   hit.position = local.position;
-  const Vector across = absolute(local.ng);
-  hit.vertex_rounding = static_cast<float>(local.vertex_rounding +
-                                           dot(across, error) * (kFloatRoundoff / kTraversalBound));
-  error += across * local.normal_error;
+  error += absolute(local.ng) * local.normal_error;
   // Adds the rounding of the position at the start of rays, and the rounding error of doubles.
   error += absolute(local.position) * (kFloatRoundoff * (1 + 1e-6));
   error += Vector{kLeastError, kLeastError, kLeastError};

@@ -69,19 +69,19 @@ double largest_coordinate(const Scene& scene) {
   return max_abs(scene.sphere().center_m) + scene.sphere().radius_m;
 }
 
-/// How far the rounding of its vertices moves a surface along its normal, with the rounding of the
-/// hit itself.
-double rounding_of(const SurfaceHit& hit) {
-  const auto across = [](double n, double p) { return std::fabs(n * p); };
-  return hit.vertex_rounding +
-         kFloatRoundoff * (across(hit.ng.x, hit.position.x) + across(hit.ng.y, hit.position.y) +
-                           across(hit.ng.z, hit.position.z));
-}
-
 /// The extent of the error of a hit along the surface's normal.
 double normal_error_of(const SurfaceHit& hit) {
   return std::fabs(hit.ng.x) * hit.position_error.x + std::fabs(hit.ng.y) * hit.position_error.y +
          std::fabs(hit.ng.z) * hit.position_error.z;
+}
+
+/// How far the rounding of its vertices moves a surface along its normal.  The error of a hit is
+/// larger: it is that of many roundings.
+double rounding_of(const SurfaceHit& hit) {
+  const auto across = [](double n, double p) { return std::fabs(n * p); };
+  return kFloatRoundoff * (across(hit.ng.x, hit.position.x) + across(hit.ng.y, hit.position.y) +
+                           across(hit.ng.z, hit.position.z)) +
+         normal_error_of(hit) * (kFloatRoundoff / kTraversalBound);
 }
 
 /// Whether the plane of `hit` passes `point` at a distance of at most twice the sum of `error` and

@@ -32,11 +32,20 @@ const Plane kTilted{"tilted", {0.6, 0, 0.8}, {-0.64, 0.6, 0.48}, {-0.48, -0.8, 0
 
 enum class Kind { kTriangles, kPatch };
 
-ShapeDescription rectangle(const Plane& plane, double half, double height, Kind kind) {
-  const Point a = plane.at(-half, -half, height), b = plane.at(half, -half, height),
-              c = plane.at(-half, half, height), d = plane.at(half, half, height);
+/// From -half to `reach` half on both axes.
+ShapeDescription rectangle(const Plane& plane, double half, double reach, double height,
+                           Kind kind) {
+  const double far = reach * half;
+  const Point a = plane.at(-half, -half, height), b = plane.at(far, -half, height),
+              c = plane.at(-half, far, height), d = plane.at(far, far, height);
   if (kind == Kind::kPatch) return patch(a, b, c, d);
   return shape(TriangleMeshData{.positions = {a, b, c, d}, .indices = {0, 1, 2, 1, 3, 2}});
+}
+
+/// A square of 2 m whose outside faces the ground.
+ShapeDescription facing_down(const Plane& plane, double height) {
+  return patch(plane.at(1, -1, height), plane.at(-1, -1, height), plane.at(1, 1, height),
+               plane.at(-1, 1, height));
 }
 
 /// Half sides from a thousand times the screens and lamps on it.
@@ -94,7 +103,8 @@ std::vector<IrradianceEstimate> direct_lx(const Scene& scene, const Plane& plane
 /// A ground, a screen over its middle and a point light over the screen.
 SceneDescription screened(const Plane& plane, Kind kind, double half, double height) {
   SceneDescription d = description();
-  d.shapes = {rectangle(plane, half, 0, kind), rectangle(plane, 1, height, Kind::kTriangles)};
+  d.shapes = {rectangle(plane, half, 1.3, 0, kind),
+              rectangle(plane, 1, 1, height, Kind::kTriangles)};
   LightDescription light;
   PointLightParams point;
   point.intensity_cd = Rgb<double>(100);
@@ -138,8 +148,7 @@ TEST(GroundExtremes, LampsJustAboveTheGround) {
   for_each_ground([&](const Plane& plane, Kind kind, double half, const std::string& what) {
     for (const double height : {1e-4, 1e-3}) {
       SceneDescription d = description();
-      d.shapes = {rectangle(plane, half, 0, kind),
-                  emissive(rectangle(plane, 1, height, Kind::kPatch), 2, true)};
+      d.shapes = {rectangle(plane, half, 1.3, 0, kind), emissive(facing_down(plane, height), 2)};
       const auto scene = build(std::move(d));
       // The lamp fills the hemisphere but for a share of height^2.
       const auto lx = direct_lx(*scene, plane, points_on(plane, 0.45, 20));
