@@ -18,9 +18,9 @@ double ray_error_of(const std::array<Vec3<double>, 3>& corners) {
   return area2 > 0 ? 6 * kTraversalBound * products / area2 : 0;
 }
 
-// The ray passes the edges on one side, by the triple products of the ray with each edge
-// [Shevtsov07].  Swapping the ends of an edge only changes the sign of its product, so triangles
-// with a common edge agree on its side.
+// The ray passes all edges on one side: the triple products of the ray with each edge have one
+// sign.  Swapping the ends of an edge only changes the sign of its product, so triangles with a
+// common edge agree on its side.
 std::optional<WideHit> intersect(const WideTriangle& triangle, const Vec3<double>& origin,
                                  const Vec3<double>& direction, double t_min, double t_max) {
   const Vec3<double> a = triangle.corners[0] - origin, b = triangle.corners[1] - origin,
