@@ -92,6 +92,15 @@ double counted(const Reached& reached) {
   return reached.seconds * (reached.how == Reached::How::kExtrapolated ? kExtrapolatedCounts : 1);
 }
 
+/// A number in proportion to the samples of an amount; amount_value() is the inverse.  The samples
+/// of a target error grow with the inverse of its square.
+double proportional_samples(const Amount& amount) {
+  return amount.target ? 1 / (amount.value * amount.value) : amount.value;
+}
+double amount_value(bool by_target, double samples) {
+  return by_target ? 1 / std::sqrt(samples) : samples;
+}
+
 /// Medians of times and means of errors.  With `late`, upper quartiles of times and upper ends of
 /// the errors' intervals.
 std::vector<Measured> measured(const std::vector<Cell>& cells, bool late) {
@@ -100,19 +109,21 @@ std::vector<Measured> measured(const std::vector<Cell>& cells, bool late) {
     if (late && !std::isfinite(cell.error.upper)) continue;
     result.push_back({.seconds = late ? cell.seconds.upper : cell.seconds.median,
                       .error = late ? cell.error.upper : cell.error.mean,
-                      .samples = cell.amount.value});
+                      .samples = proportional_samples(cell.amount)});
   }
   return result;
 }
 
-/// When a setting with these cells reaches `error`.  Errors that are not resolved are extrapolated
-/// from resolved ones.  Approximations are never extrapolated, because more samples do not make
-/// their errors smaller.
+/// When a setting with these cells reaches `error`, and with which amount.  Errors that are not
+/// resolved are extrapolated from resolved ones.  Approximations are never extrapolated, because
+/// more samples do not make their errors smaller.
 std::optional<Reached> reach(std::vector<Measured> curve, double error, const Setting& setting,
                              const Reference& reference) {
   const double resolved = reference.exact ? 0 : kResolved * reference.relative_error;
   if (error < resolved) std::erase_if(curve, [&](const Measured& m) { return m.error < resolved; });
-  return time_to_error(std::move(curve), error, !cli::is_approximate(setting.accuracy));
+  auto reached = time_to_error(std::move(curve), error, !cli::is_approximate(setting.accuracy));
+  if (reached) reached->samples = amount_value(setting.by_target, reached->samples);
+  return reached;
 }
 
 Recommendation recommend(std::size_t level, const std::vector<Setting>& settings,

@@ -100,13 +100,10 @@ std::optional<Reached> time_to_error(std::vector<Measured> curve, double error, 
   const Measured& last = curve.back();
   const double factor = std::pow(error / last.error, 1 / kRate);
   if (factor > kFarthest) return std::nullopt;
-  // Assume that work grows with the time as it did over the tail.  The growth is less than
-  // proportional if calls have a fixed cost.
-  const double growth =
-      std::log(last.samples / tail.front().samples) / std::log(last.seconds / tail.front().seconds);
+  // The samples follow from the errors alone.  Times of a noisy machine say too little about them.
   return Reached{.how = Reached::How::kExtrapolated,
                  .seconds = last.seconds * factor,
-                 .samples = last.samples * std::pow(factor, growth)};
+                 .samples = last.samples * factor};
 }
 
 std::vector<std::size_t> pareto_front(std::span<const Measured> points) {

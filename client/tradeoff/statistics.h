@@ -40,7 +40,7 @@ Interval root_mean_interval(std::span<const double> squares);
 struct Measured {
   double seconds = 0;  ///< > 0
   double error = 0;    ///< >= 0
-  double samples = 0;  ///< > 0, or a target error
+  double samples = 0;  ///< > 0; with target errors, a number in proportion to the samples
 };
 
 /// Where a curve reaches an error.

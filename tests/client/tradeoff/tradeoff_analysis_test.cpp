@@ -14,15 +14,20 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 /// Adds five runs of one amount, spread by the share `scatter` about their middle.
-void add_runs(SweepResult& to, std::size_t setting, double samples, double seconds, double error,
-              double scatter = 0.01) {
+void add_runs(SweepResult& to, std::size_t setting, const Amount& amount, double seconds,
+              double error, double scatter = 0.01) {
   for (int i = -2; i <= 2; ++i) {
-    Run run{.setting = setting, .amount = {.target = false, .value = samples}, .round = 1};
+    Run run{.setting = setting, .amount = amount, .round = 1};
     run.seconds = seconds * (1 + scatter * i / 2);
     run.errors.relative_mse = error * error * (1 + scatter * i);
     run.errors.rmse = std::sqrt(run.errors.relative_mse);
     to.runs.push_back(run);
   }
+}
+
+void add_runs(SweepResult& to, std::size_t setting, double samples, double seconds, double error,
+              double scatter = 0.01) {
+  add_runs(to, setting, Amount{.target = false, .value = samples}, seconds, error, scatter);
 }
 
 std::vector<Setting> made_settings(std::size_t count) {
@@ -75,6 +80,20 @@ TEST(TradeoffAnalysis, ExtrapolatedTimesCountTwice) {
   EXPECT_EQ(fast.setting, 1U);
   EXPECT_NEAR(fast.automatic_ratio.value(), 0.4 / 0.7, 1e-9);
   EXPECT_TRUE(fast.automatic_extrapolated);
+}
+
+TEST(TradeoffAnalysis, TargetErrorsAreExtrapolatedFromErrorsAlone) {
+  // Half of the target error took hardly more time, by chance.
+  SweepResult sweep;
+  add_runs(sweep, 0, Amount{.target = true, .value = 0.2}, 1, 0.08, 0);
+  add_runs(sweep, 0, Amount{.target = true, .value = 0.1}, 1 + 1e-9, 0.04, 0);
+  std::vector<Setting> settings = made_settings(1);
+  settings[0].by_target = true;
+  const Recommendation r = analyse(settings, sweep, known()).levels[1];
+  EXPECT_EQ(r.error, 0.01);
+  EXPECT_EQ(r.reached.how, Reached::How::kExtrapolated);
+  EXPECT_NEAR(r.reached.samples, 0.025, 1e-9);
+  EXPECT_EQ(r.amount.flags(), "--error 2.5%");
 }
 
 /// A setting that takes nine tenths of automatic's time, with runs that scatter.

@@ -105,6 +105,10 @@ TEST(TradeoffStatistics, TimeToErrorInterpolatesAndExtrapolatesByTheRootOfTime) 
   const auto fast = time_to_error({{1, 0.1, 100}, {4, 0.02, 400}, {16, 0.004, 1600}}, 0.002);
   ASSERT_TRUE(fast);
   EXPECT_NEAR(fast->seconds, 64, 1e-9);
+  // Nearly equal times of a noisy machine do not change the samples.
+  const auto noisy = time_to_error({{1, 0.1, 100}, {1 + 1e-9, 0.05, 400}}, 0.025);
+  ASSERT_TRUE(noisy);
+  EXPECT_NEAR(noisy->samples, 1600, 1e-6);
   EXPECT_FALSE(time_to_error(curve, 0.0125, false));
   EXPECT_FALSE(time_to_error(curve, 0.0001)) << "62500 times the longest measured time";
 }
