@@ -2,8 +2,8 @@
 """A precompiled header follows the headers in it, also when ccache answers.
 
 Builds a small project with the function lucerna_precompile and the launcher of the root's CMakeLists.txt.  The header
-changes from A to B.  A fresh build folder then gets A from the cache, and the header changes to C.  After each step the
-program must print the header's value.
+changes from A to B.  A fresh build folder then gets A from the cache, and the header changes to C.  Last, only a comment
+of the header changes.  After each step the program must print the header's value.
 """
 import os
 import pathlib
@@ -52,12 +52,15 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         source = pathlib.Path(folder)
         (source / "CMakeLists.txt").write_text(PROJECT % (launcher, function))
-        (source / "program.cpp").write_text("#include <value.h>\n#include <cstdio>\nint main() { std::puts(kValue); }\n")
         environment = os.environ | {"CCACHE_DIR": str(source / "cache")}
         environment.pop("CCACHE_DISABLE", None)
-        for value, fresh in (("A", True), ("B", False), ("A", True), ("C", False)):
+        steps = (("A", True, ""), ("B", False, ""), ("A", True, ""), ("C", False, ""), ("C", False, "// a comment"))
+        for number, (value, fresh, comment) in enumerate(steps):
+            # Each step compiles the program; ccache cannot answer.
+            (source / "program.cpp").write_text(
+                f"#include <value.h>\n#include <cstdio>\nint main() {{ std::puts(kValue); return {number} * 0; }}\n")
             header = source / "value.h"
-            header.write_text(f'#pragma once\ninline constexpr char kValue[] = "{value}";\n')
+            header.write_text(f'#pragma once\ninline constexpr char kValue[] = "{value}";{comment}\n')
             if fresh:
                 shutil.rmtree(source / "build", ignore_errors=True)
                 run("cmake", "-G", "Ninja", "-S", source, "-B", source / "build", env=environment)
