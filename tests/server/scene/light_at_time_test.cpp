@@ -84,16 +84,20 @@ void expect_same(const LightAtTime& at_time, const L& light, const Receiver<doub
     EXPECT_TRUE(same(at_time.pdf_li(receiver, point).per_sr, light.pdf_li(receiver, point).per_sr));
     EXPECT_TRUE(same(at_time.ray_from(point, e.direction), light.ray_from(point, e.direction)));
   }
-  if constexpr (SeenBeyond<L>)
+  if constexpr (SeenBeyond<L>) {
     EXPECT_TRUE(same(at_time.le_escaped(receiver.position, s.wi),
                      light.le_escaped(receiver.position, s.wi)));
-  if constexpr (LeavesFreely<L>)
+  }
+  if constexpr (LeavesFreely<L>) {
     EXPECT_TRUE(
         same(at_time.le_leaving(e.origin, e.direction), light.le_leaving(e.origin, e.direction)));
+  }
   if constexpr (HasIrradiance<L>) {
     const auto lx = light.irradiance(receiver), at_time_lx = at_time.irradiance(receiver);
     ASSERT_EQ(at_time_lx.has_value(), lx.has_value());
-    if (lx) EXPECT_TRUE(same(*at_time_lx, *lx));
+    if (lx) {
+      EXPECT_TRUE(same(*at_time_lx, *lx));
+    }
     EXPECT_EQ(at_time.hides_itself(), light.hides_itself());
   }
   EXPECT_TRUE(same(at_time.power(sphere).lumens, light.power(sphere).lumens));
