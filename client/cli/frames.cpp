@@ -181,7 +181,7 @@ void FramesOption::check() const {
 std::vector<Frame> FramesOption::plan(const FrameNames& names, bool at_moment) const {
   const auto range = FrameRange::parse(frames);
   if (!range.ok()) wrong_use("--frames: " + std::string(range.status().message()));
-  std::optional<FramePattern> scene, error, counts, journal;
+  std::optional<FramePattern> scene, errors, intervals, counts, journal;
   if (names.scene.find('%') != std::string::npos) {
     scene = pattern("SCENE", names.scene);
     const auto needs_one_scene = [](bool given, const char* name) {
@@ -196,9 +196,10 @@ std::vector<Frame> FramesOption::plan(const FrameNames& names, bool at_moment) c
   }
   if (shutter_s && at_moment) wrong_use("--shutter and --time: a moment has no length");
   std::vector<FramePattern> outputs;
-  for (const std::string& path : names.outputs) outputs.push_back(pattern("--output", path));
-  if (!names.error_output.empty()) error = pattern("--stderr", names.error_output);
-  if (!names.counts_output.empty()) counts = pattern("--counts", names.counts_output);
+  for (const std::string& path : names.files.pictures) outputs.push_back(pattern("--output", path));
+  if (!names.files.errors.empty()) errors = pattern("--stderr", names.files.errors);
+  if (!names.files.intervals.empty()) intervals = pattern("--interval", names.files.intervals);
+  if (!names.files.counts.empty()) counts = pattern("--counts", names.files.counts);
   if (!names.journal.empty()) journal = pattern("--journal", names.journal);
 
   std::vector<Frame> planned;
@@ -212,9 +213,10 @@ std::vector<Frame> FramesOption::plan(const FrameNames& names, bool at_moment) c
     frame.later_s = (static_cast<double>(n) - 1) / fps.value_or(kDefaultFps);
     frame.shutter_s = shutter_s;
     for (const FramePattern& p : outputs)
-      written.add(frame.outputs.emplace_back(p.name(n)), n, true);
-    if (error) written.add(frame.error_output = error->name(n), n, true);
-    if (counts) written.add(frame.counts_output = counts->name(n), n, true);
+      written.add(frame.files.pictures.emplace_back(p.name(n)), n, true);
+    if (errors) written.add(frame.files.errors = errors->name(n), n, true);
+    if (intervals) written.add(frame.files.intervals = intervals->name(n), n, true);
+    if (counts) written.add(frame.files.counts = counts->name(n), n, true);
     if (journal) written.add(frame.journal = journal->name(n), n, false);
   }
   return planned;
@@ -225,9 +227,10 @@ bool FrameRun::is_there(const Frame& frame) const {
     std::error_code ignored;
     return fs::is_regular_file(path, ignored);
   };
-  return std::all_of(frame.outputs.begin(), frame.outputs.end(), exists) &&
-         (frame.error_output.empty() || exists(frame.error_output)) &&
-         (frame.counts_output.empty() || exists(frame.counts_output));
+  const PictureNames& files = frame.files;
+  const auto is_done = [&](const std::string& path) { return path.empty() || exists(path); };
+  return std::all_of(files.pictures.begin(), files.pictures.end(), exists) &&
+         is_done(files.errors) && is_done(files.intervals) && is_done(files.counts);
 }
 
 const Frame* FrameRun::next() {
@@ -235,7 +238,7 @@ const Frame* FrameRun::next() {
     current_ = frames_[next_];
     if (skip_existing_ && is_there(current_)) {
       if (!session_.json()) {
-        fmt::print("{}: exists already\n", fmt::join(current_.outputs, ", "));
+        fmt::print("{}: exists already\n", fmt::join(current_.files.pictures, ", "));
         std::fflush(stdout);
       }
       continue;

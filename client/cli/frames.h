@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/cli/picture_files.h"
 #include "client/jobs/held_scene.h"
 #include "client/terminal/session.h"
 #include "lucerna/v1/render.pb.h"
@@ -46,9 +47,7 @@ struct Frame {
   std::uint64_t number = 0;
   std::string scene;
   bool own_scene = false;  ///< only this frame uses the scene file
-  std::vector<std::string> outputs;
-  std::string error_output;         ///< empty: none
-  std::string counts_output;        ///< empty: none
+  PictureNames files{};
   std::string journal;              ///< empty: none
   double later_s = 0;               ///< time after frame 1
   std::optional<double> shutter_s;  ///< unset: as in the scene file
@@ -61,9 +60,7 @@ struct Frame {
 /// The names on the command line, with their patterns.
 struct FrameNames {
   std::string scene;
-  std::vector<std::string> outputs;
-  std::string error_output;
-  std::string counts_output;
+  PictureNames files{};
   std::string journal;
 };
 

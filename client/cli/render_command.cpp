@@ -5,18 +5,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
-#include <set>
 #include <tuple>
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
 #include "client/cli/commands.h"
 #include "client/cli/frames.h"
+#include "client/cli/picture_files.h"
 #include "client/cli/preview.h"
 #include "client/cli/render_servers.h"
-#include "client/files/write_picture.h"
 #include "client/jobs/picture.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/luminance.h"
@@ -31,12 +29,9 @@
 namespace lucerna::cli {
 namespace {
 
-using client::PictureFile;
-
 struct RenderOptions {
   std::string scene;
-  std::vector<std::string> outputs;
-  std::string error_output, counts_output;
+  PictureNames files;
   StopOption stop;
   MethodOptions methods;
   TimeOption time;
@@ -49,13 +44,6 @@ struct RenderOptions {
   FramesOption frames;
   const Frame* frame = nullptr;  ///< null: a single picture
 };
-
-/// Ends the program before rendering if the file cannot be written.
-PictureFile create(const std::string& path) {
-  auto file = PictureFile::create(path);
-  if (!file.ok()) wrong_use(std::string(file.status().message()));
-  return *std::move(file);
-}
 
 /// Progress of a picture: by its samples, by its time, or by its pixels.
 class PictureProgress {
@@ -113,14 +101,6 @@ std::pair<client::Picture, v1::RenderImageResponse> render_picture(
   return {session.value_or_fail(assembler.picture()), last};
 }
 
-void write(PictureFile file, const client::Picture& picture, const std::vector<float>& values,
-           const std::string& description, double exposure_ev) {
-  const absl::Status status = file.write(
-      {.width = picture.width, .height = picture.height, .rgb = values, .description = description},
-      exposure_ev);
-  if (!status.ok()) throw CommandError(kServerRefused, std::string(status.message()));
-}
-
 /// "samples per pixel: at least 64, median 256, at most 4096".
 std::string describe_samples(std::vector<std::uint32_t> samples) {
   const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
@@ -131,9 +111,10 @@ std::string describe_samples(std::vector<std::uint32_t> samples) {
                      ends[1]);
 }
 
-/// Checks the luminance of each pixel.
-TargetCheck check_target(const client::Picture& picture, const v1::TargetError& target) {
-  TargetCheck check(target);
+/// Checks the luminance of each pixel; without a target error, nothing.
+TargetCheck check_target(const client::Picture& picture, const v1::Accuracy& accuracy) {
+  TargetCheck check(accuracy.target_error());
+  if (!accuracy.has_target_error()) return check;
   for (std::size_t i = 0; i < picture.upper.size(); ++i) {
     // The number of samples of a pixel is a power of two.
     check.add(luminance(picture.pixels.data() + 3 * i), picture.lower[i], picture.upper[i],
@@ -149,34 +130,18 @@ void check(const RenderOptions& options) {
     wrong_use("--budget: not with --servers, where tiles wait in queues; use --error or --samples");
   if (options.servers.samples_per_piece > 0 && options.stop.error)
     wrong_use("--split-samples: not with --error, where each pixel has its own number of samples");
-  if (!options.error_output.empty() && options.stop.samples == 1U)
-    wrong_use("--stderr: a single sample has no standard error; --samples must be 2 or more");
-  const auto format = client::picture_format(options.counts_output);
-  if (!options.counts_output.empty() && format.ok() && *format == client::PictureFormat::kPng)
-    wrong_use("--counts " + options.counts_output +
-              ": 8 bits cannot store counts; must be .exr or .pfm");
+  options.files.check(options.stop.samples);
 }
 
 void render(Session& session, const RenderOptions& options, Preview& preview) {
   check(options);
   if (!options.servers) session.need_one_server("a picture on several servers requires --servers");
-  std::vector<PictureFile> files;
-  std::set<std::filesystem::path> names;
-  const auto add = [&](const std::string& path) {
-    if (!names.insert(std::filesystem::absolute(path).lexically_normal()).second) {
-      wrong_use("-o, --stderr and --counts: " + path + " is given twice");
-    }
-    return create(path);
-  };
-  for (const std::string& path : options.outputs) files.push_back(add(path));
-  std::optional<PictureFile> error_file, counts_file;
-  if (!options.error_output.empty()) error_file = add(options.error_output);
-  if (!options.counts_output.empty()) counts_file = add(options.counts_output);
+  PictureFiles files(options.files);
   // --skip-existing would take a preview for the picture.
   if (options.frame != nullptr) {
-    for (PictureFile& file : files) file.keep_no_preview();
+    for (client::PictureFile& file : files.pictures()) file.keep_no_preview();
   }
-  preview.begin(files, options.exposure_ev);
+  preview.begin(files.pictures(), options.exposure_ev);
   // Runs before the files are destroyed.
   const absl::Cleanup no_more = [&preview] { preview.files_done(); };
 
@@ -189,6 +154,7 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
   options.time.put(request);
   if (options.frame != nullptr) options.frame->put(request);
   request.set_final_only(!preview);
+  request.set_intervals(options.files.want_intervals());
   client::Picture picture;
   v1::RenderImageResponse last;
   std::string description;
@@ -205,39 +171,24 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
   }
   preview.files_done();
 
-  if (error_file && picture.standard_error.empty()) {
-    throw CommandError(kServerRefused, "--stderr: a single block of samples has no standard error");
-  }
-  for (PictureFile& file : files) {
-    write(std::move(file), picture, picture.pixels, description, options.exposure_ev);
-  }
-  if (error_file) {
-    write(*std::move(error_file), picture, picture.standard_error, description,
-          options.exposure_ev);
-  }
-  if (counts_file) {
-    // Pictures have three channels, so a count becomes grey.
-    std::vector<float> counts;
-    counts.reserve(picture.pixels.size());
-    for (const std::uint32_t n : picture.samples)
-      counts.insert(counts.end(), 3, static_cast<float>(n));
-    write(*std::move(counts_file), picture, counts, description, 0);
-  }
+  files.write(picture, description, options.stop.confidence(), options.exposure_ev);
   preview.finish();
   const v1::Accuracy& accuracy = request.accuracy();
-  const TargetCheck target = check_target(picture, accuracy.target_error());
+  const TargetCheck target = check_target(picture, accuracy);
   if (session.json()) {
     std::string more = json_of_approximate(accuracy);
     if (accuracy.has_target_error())
       more += fmt::format(",\"pixelsNotReached\":{}", target.missed());
+    if (!picture.upper.empty())
+      more += fmt::format(",\"pixelsWithoutLight\":{}", pixels_without_light(picture));
     fmt::print("{}", to_json(last, more));
   } else {
     const std::string counts =
         options.stop.error || options.stop.budget_s ? describe_samples(picture.samples) + "; " : "";
     const auto most = std::max_element(picture.samples.begin(), picture.samples.end());
     fmt::print(
-        "{}: {} x {} pixels; {}{}{}{}{}\n", fmt::join(options.outputs, ", "), picture.width,
-        picture.height, counts, target.describe("pixels"),
+        "{}: {} x {} pixels; {}{}{}{}{}{}\n", fmt::join(options.files.pictures, ", "),
+        picture.width, picture.height, counts, files.summary(), target.describe("pixels"),
         describe_overrun(accuracy, last.cost(), most == picture.samples.end() ? 0 : *most, "pixel"),
         describe(last.cost()), describe_approximations(accuracy, last.cost()));
     session.print_remarks();
@@ -250,18 +201,15 @@ void render_frames(Session& session, const RenderOptions& options) {
   check(options);
   if (options.preview.redraw_s > 0 && options.frames.skip_existing)
     wrong_use("--preview and --skip-existing: a preview would count as a finished picture");
-  Preview preview(options.preview, options.outputs);
-  const FrameNames names{options.scene, options.outputs, options.error_output,
-                         options.counts_output, options.servers.journal};
+  Preview preview(options.preview, options.files.pictures);
+  const FrameNames names{options.scene, options.files, options.servers.journal};
   RenderOptions one = options;  // outlives the run, whose loads refer to its members
   FrameRun run(session, options.frames.plan(names, options.time.given()),
                options.frames.skip_existing, static_cast<bool>(options.servers));
   while (const Frame* frame = run.next()) {
     one.frame = frame;
     if (one.scene != frame->scene) one.scene = frame->scene;
-    one.outputs = frame->outputs;
-    one.error_output = frame->error_output;
-    one.counts_output = frame->counts_output;
+    one.files = frame->files;
     one.servers.journal = frame->journal;
     one.servers.held = &run.held();
     render(session, one, preview);
@@ -284,19 +232,12 @@ void add_render_command(CLI::App& app, Session& session) {
       "further frame opens 1/fps later.\n"
       "--json prints the last RenderImageResponse without its tile, one line for each frame, and\n"
       "`approximate`, whether you chose an approximation (--far-light, --visibility shadow-maps);\n"
-      "with --error also `pixelsNotReached`, the number of pixels that missed the target.");
+      "with --error also `pixelsNotReached`, the number of pixels that missed the target;\n"
+      "with --error, --stderr or --interval also `pixelsWithoutLight`, the number of pixels\n"
+      "whose samples found no light.");
   const auto options = std::make_shared<RenderOptions>();
   command->add_option("SCENE", options->scene, kSceneHelp)->required();
-  command
-      ->add_option("-o,--output", options->outputs,
-                   "File of the picture: .exr or .pfm (linear RGB, 32-bit float) or .png (8-bit "
-                   "sRGB); may be repeated")
-      ->allow_extra_args(false)
-      ->required();
-  command->add_option("--stderr", options->error_output,
-                      "Also write a picture of the standard error of each pixel");
-  command->add_option("--counts", options->counts_output,
-                      "Also write a picture of the number of samples of each pixel: .exr or .pfm");
+  options->files.add(*command);
   // A pixel's luminance is in this unit.
   options->stop.add(*command, "pixel", "as in the scene file", "cd/m2 times the film's scale");
   options->methods.add(*command);
@@ -325,7 +266,7 @@ void add_render_command(CLI::App& app, Session& session) {
   command->callback([options, &session] {
     options->frames.check();
     if (options->frames) return render_frames(session, *options);
-    Preview preview(options->preview, options->outputs);
+    Preview preview(options->preview, options->files.pictures);
     render(session, *options, preview);
   });
 }

@@ -37,9 +37,10 @@ absl::Status cannot_write(const std::string& path, const std::string& why) {
 absl::Status write_exr(const std::string& path, const PictureView& picture) {
   const int width = static_cast<int>(picture.width);
   const int height = static_cast<int>(picture.height);
-  LUCERNA_ASSIGN_OR_RETURN(const auto file,
-                           MapWriter::create(path, {0, 0, width, height, 0, 0, width, height},
-                                             {"R", "G", "B"}, picture.description));
+  LUCERNA_ASSIGN_OR_RETURN(
+      const auto file,
+      MapWriter::create(path, {0, 0, width, height, 0, 0, width, height},
+                        {picture.channels.begin(), picture.channels.end()}, picture.description));
   const std::size_t row = std::size_t{picture.width} * 3;
   for (std::size_t y = 0; y < picture.height; ++y)
     LUCERNA_RETURN_IF_ERROR(file->write_row(picture.rgb.subspan(y * row, row)));

@@ -2,6 +2,7 @@
 // half-written picture.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -18,6 +19,9 @@ enum class PictureFormat {
   kPng,  ///< 8 bits, exposed, sRGB curve
 };
 
+/// Names of three channels.
+using ChannelNames = std::array<std::string, 3>;
+
 /// Linear RGB, interleaved, rows from the top.
 struct PictureView {
   std::uint32_t width = 0;
@@ -25,6 +29,8 @@ struct PictureView {
   std::span<const float> rgb;
   /// Written as the file's description if the format has one (PFM has none).
   std::string description{};
+  /// In .exr.  The other formats have no names.
+  ChannelNames channels{"R", "G", "B"};
 };
 
 /// INVALID_ARGUMENT lists the extensions.

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "proto/common/luminance_moments.h"
 #include "proto/common/status_macros.h"
 #include "proto/common/tile_statistics.h"
 
@@ -53,14 +54,20 @@ absl::Status check(const v1::Tile& tile) {
         std::to_string(tile.deviation().size()) + " bytes, must be " + std::to_string(bytes));
   }
   const std::size_t each = pixel_count(rect) * sizeof(std::uint32_t);
-  for (const std::string* plane : {&tile.samples(), &tile.lower(), &tile.upper()}) {
-    if (tile.samples().empty() ? !plane->empty() : plane->size() != each)
-      return absl::InvalidArgumentError(
-          name + ": samples, lower and upper have " + std::to_string(tile.samples().size()) + ", " +
-          std::to_string(tile.lower().size()) + " and " + std::to_string(tile.upper().size()) +
-          " bytes, must be 0 or " + std::to_string(each) + ", all of them");
-  }
-  if (!tile.samples().empty() && tile.first_block() != 0)
+  const bool target = !tile.samples().empty();
+  const bool intervals = target || !tile.lower().empty() || !tile.upper().empty();
+  if ((target && tile.samples().size() != each) ||
+      (intervals && (tile.lower().size() != each || tile.upper().size() != each)))
+    return absl::InvalidArgumentError(
+        name + ": samples, lower and upper have " + std::to_string(tile.samples().size()) + ", " +
+        std::to_string(tile.lower().size()) + " and " + std::to_string(tile.upper().size()) +
+        " bytes, must be 0 or " + std::to_string(each) + "; lower and upper belong together");
+  const std::size_t moments = intervals && !target ? pixel_count(rect) * kMomentBytes : 0;
+  if (tile.moments().size() != moments)
+    return absl::InvalidArgumentError(name + ": moments has " +
+                                      std::to_string(tile.moments().size()) + " bytes, must be " +
+                                      std::to_string(moments));
+  if (target && tile.first_block() != 0)
     return absl::InvalidArgumentError(name +
                                       ": first_block = " + std::to_string(tile.first_block()) +
                                       ", allowed with a target error: 0");
@@ -99,37 +106,90 @@ struct Piece {
   /// Per pixel; empty without a target error.
   std::vector<std::uint32_t> samples;
   std::vector<float> lower, upper;
+  /// Per pixel; empty without intervals, and with a target error.
+  std::vector<LuminanceMoments> moments;
   /// Created at the first merge.
-  std::optional<BlockMerger> merger;
+  struct Mergers {
+    BlockMerger<> channels;
+    BlockMerger<LuminanceMoments> moments;
+  };
+  std::optional<Mergers> mergers;
+
+  bool has_intervals() const { return !lower.empty() || !moments.empty(); }
 };
 
 Piece make_piece(const v1::Tile& tile) {
-  return {.rect = tile.rect(),
-          .samples_per_block = tile.samples_per_block(),
-          .first_block = tile.first_block(),
-          .blocks = tile.block_count(),
-          .total = statistics(tile),
-          .samples = plane<std::uint32_t>(tile.samples()),
-          .lower = plane<float>(tile.lower()),
-          .upper = plane<float>(tile.upper()),
-          .merger = std::nullopt};
+  Piece piece{.rect = tile.rect(),
+              .samples_per_block = tile.samples_per_block(),
+              .first_block = tile.first_block(),
+              .blocks = tile.block_count(),
+              .total = statistics(tile),
+              .samples = plane<std::uint32_t>(tile.samples()),
+              .lower = {},
+              .upper = {},
+              .moments = moments_of(tile.moments()),
+              .mergers = std::nullopt};
+  // Without a target error, intervals follow from the moments.
+  if (!piece.samples.empty()) {
+    piece.lower = plane<float>(tile.lower());
+    piece.upper = plane<float>(tile.upper());
+  }
+  return piece;
 }
 
 /// Adds the tile's blocks to the piece.  Returns false, without any change, if the tile does not
 /// continue the piece.
 bool merge_into(const v1::Tile& tile, Piece* piece) {
   if (tile.samples_per_block() != piece->samples_per_block) return false;
-  if (!piece->samples.empty()) return false;
-  std::optional<BlockMerger> merger = piece->merger;
-  if (!merger) {
-    merger.emplace(piece->first_block, piece->total.size());
-    if (!merger->add(piece->first_block, piece->blocks, piece->total)) return false;
+  if (!piece->samples.empty() || tile.moments().empty() != piece->moments.empty()) return false;
+  std::optional<Piece::Mergers> mergers = piece->mergers;
+  if (!mergers) {
+    mergers.emplace(
+        Piece::Mergers{BlockMerger<>(piece->first_block, piece->total.size()),
+                       BlockMerger<LuminanceMoments>(piece->first_block, piece->moments.size())});
+    if (!mergers->channels.add(piece->first_block, piece->blocks, piece->total) ||
+        !mergers->moments.add(piece->first_block, piece->blocks, piece->moments))
+      return false;
   }
-  if (!merger->add(tile.first_block(), tile.block_count(), statistics(tile))) return false;
-  piece->merger = std::move(merger);
-  piece->blocks = piece->merger->blocks();
-  piece->total = piece->merger->total();
+  if (!mergers->channels.add(tile.first_block(), tile.block_count(), statistics(tile)) ||
+      !mergers->moments.add(tile.first_block(), tile.block_count(), moments_of(tile.moments())))
+    return false;
+  piece->mergers = std::move(mergers);
+  piece->blocks = piece->mergers->channels.blocks();
+  piece->total = piece->mergers->channels.total();
+  piece->moments = piece->mergers->moments.total();
   return true;
+}
+
+/// Writes the statistics of a piece into the picture, except its standard errors if these are not
+/// known.
+void put_piece(const Piece& piece, Picture& to) {
+  const auto n = static_cast<double>(piece.blocks);
+  const std::vector<FloatInterval> intervals =
+      pixel_intervals(piece.moments, piece.blocks, piece.samples_per_block);
+  std::size_t from = 0;
+  for (std::size_t y = piece.rect.y0(); y < piece.rect.y1(); ++y) {
+    const std::size_t row = y * to.width;
+    for (std::size_t i = row + piece.rect.x0(); i < row + piece.rect.x1(); ++i, ++from) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const BlockStatistics& total = piece.total[3 * from + c];
+        to.pixels[3 * i + c] = mean(total, n);
+        if (piece.blocks > 1)
+          to.standard_error[3 * i + c] =
+              static_cast<float>(std::sqrt(total.deviation / (n * (n - 1))));
+      }
+      to.samples[i] = piece.samples.empty()
+                          ? static_cast<std::uint32_t>(piece.blocks * piece.samples_per_block)
+                          : piece.samples[from];
+      if (!piece.lower.empty()) {
+        to.lower[i] = piece.lower[from];
+        to.upper[i] = piece.upper[from];
+      } else if (!intervals.empty()) {
+        to.lower[i] = intervals[from].lower;
+        to.upper[i] = intervals[from].upper;
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -235,30 +295,9 @@ absl::StatusOr<Picture> PictureAssembler::picture() const {
   result.upper.resize(state.owner.size());
   bool has_error = true, has_interval = true;
   for (const Piece& piece : state.pieces) {
-    const auto n = static_cast<double>(piece.blocks);
     has_error = has_error && piece.blocks > 1;
-    has_interval = has_interval && !piece.samples.empty();
-    const BlockStatistics* from = piece.total.data();
-    std::size_t pixel = 0;
-    for (std::size_t y = piece.rect.y0(); y < piece.rect.y1(); ++y) {
-      const std::size_t row = 3 * (y * state.width + piece.rect.x0());
-      const std::size_t end = 3 * (y * state.width + piece.rect.x1());
-      for (std::size_t i = row; i < end; ++i, ++from) {
-        result.pixels[i] = mean(*from, n);
-        if (has_error) {
-          result.standard_error[i] = static_cast<float>(std::sqrt(from->deviation / (n * (n - 1))));
-        }
-      }
-      for (std::size_t i = row / 3; i < end / 3; ++i, ++pixel) {
-        if (piece.samples.empty()) {
-          result.samples[i] = static_cast<std::uint32_t>(piece.blocks * piece.samples_per_block);
-          continue;
-        }
-        result.samples[i] = piece.samples[pixel];
-        result.lower[i] = piece.lower[pixel];
-        result.upper[i] = piece.upper[pixel];
-      }
-    }
+    has_interval = has_interval && piece.has_intervals();
+    put_piece(piece, result);
   }
   if (!has_error) result.standard_error.clear();
   if (!has_interval) {

@@ -32,8 +32,8 @@ struct Picture {
   std::vector<float> standard_error;
   /// Samples of each pixel, width * height.
   std::vector<std::uint32_t> samples{};
-  /// Interval of the luminance of each pixel, with the confidence of the target error.  Empty
-  /// unless all tiles have a target error.
+  /// Interval of the luminance of each pixel; see Tile.lower.  Empty unless all tiles have
+  /// intervals.
   std::vector<float> lower{}, upper{};
 };
 
@@ -56,7 +56,7 @@ class PictureAssembler {
   /// INVALID_ARGUMENT, without any change, for a tile that is inconsistent (rectangle, plane sizes)
   /// or belongs to a picture of another size.  The same for a tile that partly overlaps another, or
   /// does not continue the earlier blocks.  No tile continues a tile with a target error, since its
-  /// pixels have all of their samples.
+  /// pixels have all of their samples.  Either all tiles of a pixel have moments or none.
   absl::Status add(const v1::Tile& tile);
 
   /// The current pixels of a tile, in the order of put_pixels().  NOT_FOUND if no tile with this

@@ -88,6 +88,7 @@ class Render final : public DistributedWork {
     if (options_.request.has_time_s()) request.set_time_s(options_.request.time_s());
     if (options_.request.has_shutter()) *request.mutable_shutter() = options_.request.shutter();
     *request.mutable_accuracy() = options_.request.accuracy();
+    request.set_intervals(options_.request.intervals());
     if (by_area_) {
       if (options_.request.has_samples_per_block())
         request.set_samples_per_block(options_.request.samples_per_block());
@@ -154,7 +155,9 @@ class Render final : public DistributedWork {
   }
 
   bool has_blocks_of(const v1::Tile& tile, const Piece& piece) const {
-    return by_area_ ? !tile.samples().empty() : tile.block_count() == piece.blocks;
+    if (by_area_) return !tile.samples().empty();
+    return tile.block_count() == piece.blocks &&
+           tile.moments().empty() != options_.request.intervals();
   }
 
   /// The number of the piece that equals the tile; nothing if no piece does.

@@ -1,5 +1,7 @@
 #include "proto/common/answer_size.h"
 
+#include "proto/common/luminance_moments.h"
+
 namespace lucerna {
 namespace {
 
@@ -77,10 +79,15 @@ AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64
                       2 * kFloat * wavelengths(request)};
 }
 
-AnswerSize tile_size(const v1::Accuracy& accuracy) {
-  // Sum and squared deviation of each channel; samples and interval.
-  const std::uint64_t target = accuracy.has_target_error() ? 3 * kFloat : 0;
-  return {.per_item = std::uint64_t{2} * 3 * kDouble + target};
+AnswerSize tile_size(const v1::Accuracy& accuracy, bool intervals) {
+  // Sum and squared deviation of each channel; samples, interval and moments.
+  std::uint64_t more = 0;
+  if (accuracy.has_target_error()) {
+    more = 3 * kFloat;
+  } else if (intervals) {
+    more = 2 * kFloat + kMomentBytes;
+  }
+  return {.per_item = std::uint64_t{2} * 3 * kDouble + more};
 }
 
 }  // namespace lucerna

@@ -35,6 +35,6 @@ AnswerSize answer_size(const v1::TestVisibilityRequest& request);
 /// `lights`: the number in the scene; used only with `per_light`.
 AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64_t lights);
 /// An item is a pixel, in tiles of either call.
-AnswerSize tile_size(const v1::Accuracy& accuracy);
+AnswerSize tile_size(const v1::Accuracy& accuracy, bool intervals);
 
 }  // namespace lucerna

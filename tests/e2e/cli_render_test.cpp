@@ -1,4 +1,6 @@
 // lucerna render.
+#include <OpenImageIO/imageio.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -40,6 +42,10 @@ TEST_F(Cli, RenderRefusesUnwritableFilesBeforeItStarts) {
   expect_wrong_use(render({"-o", path("a.exr"), "--stderr", path("b.gif")}), "b.gif");
   expect_wrong_use(render({"-o", path("a.exr"), "--stderr", path("b.exr"), "--samples", "1"}),
                    "--samples must be 2 or more");
+  expect_wrong_use(render({"-o", path("a.exr"), "--interval", path("b.exr"), "--samples", "1"}),
+                   "a single sample has no interval; --samples must be 2 or more");
+  expect_wrong_use(render({"-o", path("a.exr"), "--interval", path("b.pfm")}), "must be .exr");
+  expect_wrong_use(render({"-o", path("a.exr"), "--interval", path("a.exr")}), "is given twice");
   expect_wrong_use(render({}), "--output");
   expect_no(render({"-o", path("a.exr")}), "cannot reach");
   EXPECT_EQ(files(), before);
@@ -83,6 +89,68 @@ TEST_F(Cli, RenderStopsEachPixelAtAnError) {
   EXPECT_EQ(first_channel(path("a.pfm")), first_channel(path("b.pfm")));
   EXPECT_EQ(first_channel(path("e.pfm")), first_channel(path("f.pfm")));
   for (const char* name : {"a.pfm", "b.pfm", "e.pfm", "f.pfm", "n.pfm"}) fs::remove(path(name));
+}
+
+/// A floor whose lamp shines through a slit, and a camera of 8 x 8 pixels.
+constexpr char kSlit[] = R"(
+LookAt 0 0 1  0 0 0  0 1 0
+Camera "perspective" "float fov" 20
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "float iso" 100 "float exposuretime" 1
+WorldBegin
+Shape "bilinearmesh" "point3 P" [-9 -9 0  9 -9 0  -9 9 0  9 9 0]
+Shape "bilinearmesh" "point3 P" [-9 -9 2  -.001 -9 2  -9 9 2  -.001 9 2]
+Shape "bilinearmesh" "point3 P" [.001 -9 2  9 -9 2  .001 9 2  9 9 2]
+AreaLightSource "diffuse" "rgb L" [9 9 9]
+Shape "bilinearmesh" "point3 P" [-1 -1 3  -1 1 3  1 -1 3  1 1 3]
+)";
+
+TEST_F(Cli, RenderSaysWhichPixelsSawNoLight) {
+  std::ofstream(path("scenes/slit.pbrt")) << kSlit;
+  const auto render = [](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"render", "slit.pbrt", "--bounces",
+                                          "0",      "-o",        path("a.pfm")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return lucerna(arguments);
+  };
+  const Outcome outcome = render({"--samples", "64", "--stderr", path("e.pfm"), "--interval",
+                                  path("i.exr"), "--counts", path("n.pfm")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::vector<float> values = first_channel(path("a.pfm")),
+                           errors = first_channel(path("e.pfm"));
+  const auto without = static_cast<std::size_t>(std::count(values.begin(), values.end(), 0.0F));
+  ASSERT_GT(without, 1U);
+  ASSERT_LT(without, 64U);
+  EXPECT_THAT(outcome.out, HasSubstr("e.pfm: standard errors, upper bounds at " +
+                                     std::to_string(without) + " pixels without light; "));
+  EXPECT_THAT(outcome.out, HasSubstr("i.exr: 95% confidence intervals; "));
+  // PFM has its rows from the bottom, EXR from the top.
+  const auto in = OIIO::ImageInput::open(path("i.exr"));
+  ASSERT_NE(in, nullptr);
+  EXPECT_THAT(in->spec().channelnames, ::testing::ElementsAre("Y", "lower.Y", "upper.Y"));
+  EXPECT_THAT(std::string(in->spec().get_string_attribute("ImageDescription")),
+              HasSubstr("95% confidence intervals"));
+  std::vector<float> intervals(8 * 8 * 3);
+  ASSERT_TRUE(in->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, intervals.data()));
+  for (std::size_t y = 0; y < 8; ++y)
+    for (std::size_t x = 0; x < 8; ++x) {
+      const float* interval = &intervals[3 * (8 * (7 - y) + x)];
+      EXPECT_NEAR(interval[0], values[8 * y + x], 1e-6);
+      EXPECT_LE(interval[1], interval[0]);
+      EXPECT_GT(interval[2], interval[0]);
+      EXPECT_GT(errors[8 * y + x], 0);
+      if (values[8 * y + x] == 0) {
+        EXPECT_EQ(errors[8 * y + x], interval[2]);
+      }
+    }
+  // The files do not change the picture.  A target error has the same intervals.
+  ASSERT_EQ(render({"--samples", "64", "--json"}).status, 0);
+  EXPECT_EQ(first_channel(path("a.pfm")), values);
+  const Outcome target =
+      render({"--error", "50%", "--max-samples", "64", "--interval", path("i.exr"), "--json"});
+  ASSERT_EQ(target.status, 0) << target.err;
+  EXPECT_THAT(target.out, HasSubstr("\"pixelsWithoutLight\":"));
+  for (const char* name : {"a.pfm", "e.pfm", "i.exr", "n.pfm", "scenes/slit.pbrt"})
+    fs::remove(path(name));
 }
 
 TEST_F(Cli, RenderStopsWhenTheTimeIsOver) {

@@ -35,6 +35,7 @@ class RenderJob : public ::testing::Test {
     request_.set_seed(5);
     request_.mutable_accuracy()->set_samples(48);
     request_.set_final_only(true);
+    request_.set_intervals(true);
     client::PictureAssembler whole;
     ASSERT_TRUE(servers_[0]
                     ->client()
@@ -73,6 +74,9 @@ class RenderJob : public ::testing::Test {
     EXPECT_EQ(result->picture.width, expected_.width);
     EXPECT_EQ(result->picture.pixels, expected_.pixels);
     EXPECT_EQ(result->picture.standard_error, expected_.standard_error);
+    EXPECT_FALSE(result->picture.upper.empty());
+    EXPECT_EQ(result->picture.lower, expected_.lower);
+    EXPECT_EQ(result->picture.upper, expected_.upper);
   }
   /// Calls `f` once, when the job has finished `pieces` pieces.
   void when(std::size_t pieces, std::function<void()> f) {

@@ -17,7 +17,7 @@ std::vector<BlockStatistics> one(double value) { return {{value, 0}}; }
 
 TEST(Merge, GivesSumAndSquaredDeviationOfAllBlocks) {
   // 1, 3 and 5, 7: sums 4 and 12, deviations 2 and 2.  Together: mean 4, 9 + 1 + 1 + 9 = 20.
-  const BlockStatistics all = merge({4, 2}, 2, {12, 2}, 2);
+  const BlockStatistics all = merge(BlockStatistics{4, 2}, 2, BlockStatistics{12, 2}, 2);
   EXPECT_EQ(all.sum, 16);
   EXPECT_EQ(all.deviation, 20);
 }

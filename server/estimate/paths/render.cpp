@@ -54,9 +54,7 @@ class TileEstimator {
       if (settings_.target) {
         pixel_within_target(x, y, i, work);
       } else {
-        const Blocks these{settings_.first_block, static_cast<std::uint32_t>(settings_.block_count),
-                           settings_.samples_per_block};
-        put(i, pixel<3>(x, y, these, nullptr, work));
+        pixel_by_count(x, y, i, work);
       }
     }
     const std::lock_guard lock(mutex_);
@@ -66,77 +64,57 @@ class TileEstimator {
   bool stopped() const { return stopped_; }
 
  private:
-  /// Moments of the samples' luminances.  Intervals need them in addition to the scatter of the
-  /// blocks.
-  struct Moments {
-    double sum = 0, sum_of_squares = 0, sum_of_cubes = 0;
-    double largest_unshadowed = 0;
-    bool partly_hidden = false;
+  /// With this many samples, the mean is so close to normal that 95% intervals hold in 94% of
+  /// cases: 25 times the squared skewness of the samples.  [Cochran77, 2.15]
+  static double least_samples(const EstimateMoments& m) {
+    // A deviation below the rounding error of the rays has no meaningful skewness.
+    return m.deviation > 3e-5 * m.mean ? 25 * m.skewness * m.skewness : 0;
+  }
 
-    void add(double value, double unshadowed) {
-      sum += value;
-      sum_of_squares += value * value;
-      sum_of_cubes += value * value * value;
-      largest_unshadowed = std::max(largest_unshadowed, unshadowed);
-      partly_hidden |= value < unshadowed;
-    }
-    /// With this many samples, the mean is so close to normal that 95% intervals hold in 94% of
-    /// cases: 25 times the squared skewness of the samples.  [Cochran77, 2.15]
-    double least_samples(double count) const {
-      const double mean = sum / count, square = sum_of_squares / count;
-      const double variance = square - mean * mean;
-      // A variance below the rounding error has no meaningful skewness.
-      if (!(variance > 1e-9 * square)) return 0;
-      const double third = sum_of_cubes / count - mean * (3 * square - 2 * mean * mean);
-      const double skewness = third / (variance * std::sqrt(variance));
-      return std::isfinite(skewness) ? 25 * skewness * skewness : 0;
-    }
-  };
-
-  template <std::size_t n>
-  void put(std::size_t i, const std::array<BlockStatistics, n>& channels) {
+  void put(std::size_t i, const ChannelStatistics<3>& channels) {
     std::copy_n(channels.begin(), 3, result_.channels.begin() + static_cast<std::ptrdiff_t>(3 * i));
   }
 
-  /// Statistics of R, G and B and, if n is 4, of luminance.
-  template <std::size_t n>
-  std::array<BlockStatistics, n> pixel(int x, int y, const Blocks& these, Moments* moments,
-                                       WorkCounts& work) {
+  void pixel_by_count(int x, int y, std::size_t i, WorkCounts& work) {
+    const Blocks these{settings_.first_block, static_cast<std::uint32_t>(settings_.block_count),
+                       settings_.samples_per_block};
+    put(i, pixel(x, y, these, settings_.intervals ? &result_.moments[i] : nullptr, work));
+  }
+
+  /// Statistics of R, G and B and, unless null, of the luminance.
+  ChannelStatistics<3> pixel(int x, int y, const Blocks& these, LuminanceMoments* moments,
+                             WorkCounts& work) {
     const auto item =
         static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(scene_.camera().width()) +
         static_cast<std::uint64_t>(x);
-    BlockStream<n> stream(these.first);
+    BlockStream<3> channels(these.first);
+    BlockTotal<LuminanceMoments> luminances(these.first);
     for (std::uint64_t b = these.first; b < these.first + these.count; ++b) {
       const SampleSequence sequence(settings_.methods.sampler, settings_.seed, item, b);
-      const Rgb<double> mean = block(x, y, sequence, these.samples, moments, work);
+      BlockMoments of_block;
+      const Rgb<double> mean =
+          block(x, y, sequence, these.samples, moments != nullptr ? &of_block : nullptr, work);
       if (stopped_) return {};
-      std::array<double, n> values{mean.r, mean.g, mean.b};
-      if constexpr (n == 4) values[3] = luminance(mean);
-      stream.add(values);
+      channels.add({mean.r, mean.g, mean.b});
+      if (moments != nullptr) luminances.add(of_block.result(luminance(mean)));
     }
-    return stream.total();
-  }
-
-  /// The interval of a pixel's luminance, as if `replicates` blocks had as many samples.
-  ConfidenceInterval interval(const BlockStatistics& total, const Blocks& these,
-                              const Moments& moments, std::uint64_t replicates) const {
-    const auto count = static_cast<double>(these.count);
-    const IntervalRule rule(settings_.target->confidence, replicates, these.count * these.samples);
-    return rule.interval({total.sum / count, std::sqrt(total.deviation / (count * (count - 1))),
-                          moments.sum_of_squares, moments.largest_unshadowed,
-                          moments.partly_hidden});
+    if (moments != nullptr) *moments = luminances.total();
+    return channels.total();
   }
 
   void pixel_within_target(int x, int y, std::size_t i, WorkCounts& work) {
     const std::uint64_t replicates = settings_.block_count;
+    const auto interval = [&](const EstimateMoments& m, std::uint64_t samples) {
+      return IntervalRule(settings_.target->confidence, replicates, samples).interval(m);
+    };
     const auto needed =
         needed_samples(*settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
-          Moments moments;
-          const auto total = pixel<4>(x, y, these, &moments, work);
+          LuminanceMoments moments;
+          pixel(x, y, these, &moments, work);
           if (stopped_) return std::nullopt;
-          const auto count = static_cast<double>(these.count);
-          return PilotEstimate{total[3].sum / count, interval(total[3], these, moments, replicates),
-                               moments.least_samples(count * these.samples)};
+          const std::uint64_t samples = std::uint64_t{these.count} * these.samples;
+          const EstimateMoments m = estimate_moments(moments, these.count, samples);
+          return PilotEstimate{m.mean, interval(m, samples), least_samples(m)};
         });
     if (!needed) return;
     // Sample counts of a tile are powers of two.
@@ -144,17 +122,17 @@ class TileEstimator {
         std::min(std::bit_ceil(static_cast<std::uint64_t>(std::ceil(*needed))),
                  std::bit_floor(settings_.target->max_samples));
     const Blocks these{0, replicates, static_cast<std::uint32_t>(samples / replicates)};
-    Moments moments;
-    const auto total = pixel<4>(x, y, these, &moments, work);
+    LuminanceMoments moments;
+    const ChannelStatistics<3> channels = pixel(x, y, these, &moments, work);
     if (stopped_) return;
-    put(i, total);
+    put(i, channels);
     result_.samples[i] = static_cast<std::uint32_t>(samples);
-    result_.intervals[i] = interval(total[3], these, moments, replicates);
+    result_.intervals[i] = interval(estimate_moments(moments, these.count, samples), samples);
   }
 
   /// The mean of a block of n samples.
-  Rgb<double> block(int x, int y, const SampleSequence& sequence, std::uint32_t n, Moments* moments,
-                    WorkCounts& work) {
+  Rgb<double> block(int x, int y, const SampleSequence& sequence, std::uint32_t n,
+                    BlockMoments* moments, WorkCounts& work) {
     const double scale = scene_.camera().film_scale();
     SampleSum sum;
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -208,6 +186,8 @@ TileResult render_tile(const Scene& scene, const TileSettings& settings, std::st
   if (settings.target) {
     result.samples.resize(pixels);
     result.intervals.resize(pixels);
+  } else if (settings.intervals) {
+    result.moments.resize(pixels);
   }
   const std::uint64_t samples_per_pixel = settings.block_count * settings.samples_per_block;
   const std::size_t grain =

@@ -7,9 +7,11 @@
 #include <stop_token>
 #include <vector>
 
+#include "proto/common/confidence.h"
+#include "proto/common/luminance_moments.h"
 #include "proto/common/tile_statistics.h"
 #include "server/estimate/lights/methods.h"
-#include "server/estimate/statistics/confidence.h"
+#include "server/estimate/statistics/target_error.h"
 #include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
 
@@ -40,6 +42,8 @@ struct TileSettings {
   /// needs.  `first_block` must be 0.  The limit is max_samples / block_count, which must be 1 or
   /// more.
   std::optional<TargetError> target{};
+  /// Without a target error: also return the moments that intervals need.
+  bool intervals = false;
 };
 
 struct TileResult {
@@ -50,6 +54,8 @@ struct TileResult {
   /// luminance with the requested confidence, in the unit of the channels.
   std::vector<std::uint32_t> samples{};
   std::vector<ConfidenceInterval> intervals{};
+  /// With `intervals` and no target error, for each pixel.
+  std::vector<LuminanceMoments> moments{};
   WorkCounts work{};
   bool stopped = false;  ///< `stop` was requested; the other members are incomplete
 };

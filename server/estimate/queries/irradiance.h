@@ -8,8 +8,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "proto/common/confidence.h"
 #include "server/estimate/lights/methods.h"
-#include "server/estimate/statistics/confidence.h"
+#include "server/estimate/statistics/target_error.h"
 #include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
 

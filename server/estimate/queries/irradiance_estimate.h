@@ -10,11 +10,11 @@
 #include <span>
 #include <vector>
 
+#include "proto/common/confidence.h"
 #include "server/estimate/lights/direct_light.h"
 #include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/statistics/block_stream.h"
-#include "server/estimate/statistics/confidence.h"
 #include "server/estimate/statistics/sample_sum.h"
 
 namespace lucerna {

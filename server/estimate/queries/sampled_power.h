@@ -7,7 +7,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "server/estimate/statistics/confidence.h"
+#include "proto/common/confidence.h"
+#include "server/estimate/statistics/target_error.h"
 #include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
 

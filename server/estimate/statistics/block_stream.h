@@ -11,18 +11,27 @@
 
 namespace lucerna {
 
-/// Statistics of N channels over consecutive blocks.
+/// Statistics of N channels over the same blocks.
 template <std::size_t N>
-class BlockStream {
+using ChannelStatistics = std::array<BlockStatistics, N>;
+
+template <std::size_t N>
+ChannelStatistics<N> merge(const ChannelStatistics<N>& a, std::uint64_t na,
+                           const ChannelStatistics<N>& b, std::uint64_t nb) {
+  ChannelStatistics<N> sum;
+  for (std::size_t i = 0; i < N; ++i) sum[i] = merge(a[i], na, b[i], nb);
+  return sum;
+}
+
+/// Merges the values of consecutive blocks; they have a function merge(a, na, b, nb).
+template <typename Value>
+class BlockTotal {
  public:
-  using Channels = std::array<BlockStatistics, N>;
+  explicit BlockTotal(std::uint64_t first_block) : next_(first_block) {}
 
-  explicit BlockStream(std::uint64_t first_block) : next_(first_block) {}
-
-  /// Adds the values of the next block.
-  void add(const std::array<double, N>& values) {
-    Run run{next_++, 1, {}};
-    for (std::size_t i = 0; i < N; ++i) run.channels[i] = {values[i], 0};
+  /// Adds the value of the next block.
+  void add(const Value& value) {
+    Run run{next_++, 1, value};
     while (!runs_.empty()) {
       const Run& low = runs_.back();
       if (low.blocks != run.blocks || low.first % (2 * low.blocks) != 0) break;
@@ -32,31 +41,51 @@ class BlockStream {
     runs_.push_back(run);
   }
 
-  /// Statistics of all blocks so far.
-  Channels total() const {
+  /// All blocks so far.
+  Value total() const {
     if (runs_.empty()) return {};
     Run sum = runs_[0];
     for (std::size_t i = 1; i < runs_.size(); ++i) sum = joined(sum, runs_[i]);
-    return sum.channels;
+    return sum.value;
   }
 
  private:
   struct Run {
     std::uint64_t first, blocks;
-    Channels channels;
+    Value value;
   };
 
   static Run joined(const Run& low, const Run& high) {
-    Run run{low.first, low.blocks + high.blocks, {}};
-    for (std::size_t i = 0; i < N; ++i)
-      run.channels[i] = merge(low.channels[i], low.blocks, high.channels[i], high.blocks);
-    return run;
+    return {low.first, low.blocks + high.blocks,
+            merge(low.value, low.blocks, high.value, high.blocks)};
   }
 
   std::uint64_t next_;
   // Runs grow to the largest and then shrink.  An array for the largest possible number of
   // runs would have 10 kB to clear for each exact answer.
   std::vector<Run> runs_;
+};
+
+/// Statistics of N channels over consecutive blocks.
+template <std::size_t N>
+class BlockStream {
+ public:
+  using Channels = ChannelStatistics<N>;
+
+  explicit BlockStream(std::uint64_t first_block) : total_(first_block) {}
+
+  /// Adds the values of the next block.
+  void add(const std::array<double, N>& values) {
+    Channels channels;
+    for (std::size_t i = 0; i < N; ++i) channels[i] = {values[i], 0};
+    total_.add(channels);
+  }
+
+  /// Statistics of all blocks so far.
+  Channels total() const { return total_.total(); }
+
+ private:
+  BlockTotal<Channels> total_;
 };
 
 }  // namespace lucerna

@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "server/estimate/statistics/confidence.h"
+#include "proto/common/confidence.h"
+#include "server/estimate/statistics/target_error.h"
 
 namespace lucerna {
 

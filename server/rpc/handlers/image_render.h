@@ -48,8 +48,9 @@ class ImageRender {
   RenderQuery query_;
   bool final_only_ = false;
   std::vector<PixelRect> tiles_;
-  std::vector<BlockMerger> merged_;  // one for each tile
-  std::uint64_t blocks_ = 0;         // of each pixel at the end; with a time budget, the most
+  std::vector<BlockMerger<>> merged_;                   // one for each tile
+  std::vector<BlockMerger<LuminanceMoments>> moments_;  // with intervals, one for each tile
+  std::uint64_t blocks_ = 0;  // of each pixel at the end; with a time budget, the most
   std::uint64_t pass_begin_ = 0, pass_end_ = 0;
   std::size_t tile_ = 0;  // the next one
   bool sending_ = false;  // everything is rendered, and tiles are only sent

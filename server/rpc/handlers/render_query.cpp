@@ -6,10 +6,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <string>
 
 #include "proto/common/defaults.h"
+#include "proto/common/luminance_moments.h"
 #include "proto/common/sample_blocks.h"
 #include "proto/common/status_macros.h"
 #include "server/estimate/queries/queries.h"
@@ -106,6 +106,7 @@ absl::StatusOr<RenderQuery> check(const Context& context, const Scene& scene,
   LUCERNA_RETURN_IF_ERROR(put_blocks(request, query));
   LUCERNA_ASSIGN_OR_RETURN(query.settings.methods, check_methods(request.accuracy()));
   query.settings.seed = request.seed();
+  query.settings.intervals = request.intervals();
   if (request.has_time_s()) query.settings.time_s = request.time_s();
   query.settings.bounces =
       request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(scene);
@@ -124,19 +125,11 @@ void set_plane(std::string* plane, std::size_t n, F&& number) {
   }
 }
 
-/// The float at or below `v`; rounded_up() gives the float at or above.  The rounded interval
-/// contains the exact one.
-float rounded_down(double v) {
-  const auto f = static_cast<float>(v);
-  return f > v ? std::nextafter(f, -1.0F) : f;
-}
-float rounded_up(double v) {
-  constexpr float kLargest = std::numeric_limits<float>::max();
-  // A bound that does not fit a float, or whose squares overflowed a double, becomes the largest
-  // float.
-  if (!(v < kLargest)) return kLargest;
-  const auto f = static_cast<float>(v);
-  return f < v ? std::nextafter(f, kLargest) : f;
+void set_intervals(const std::vector<FloatInterval>& intervals, v1::Tile* out) {
+  set_plane(out->mutable_lower(), intervals.size(),
+            [&](std::size_t i) { return intervals[i].lower; });
+  set_plane(out->mutable_upper(), intervals.size(),
+            [&](std::size_t i) { return intervals[i].upper; });
 }
 
 }  // namespace
@@ -181,16 +174,16 @@ void set_tile(const Scene& scene, const TileSettings& settings, std::uint64_t fi
   set_plane(out->mutable_sum(), channels.size(), [&](std::size_t i) { return channels[i].sum; });
   set_plane(out->mutable_deviation(), channels.size(),
             [&](std::size_t i) { return channels[i].deviation; });
-  const auto& intervals = result.intervals;
   set_plane(out->mutable_samples(), result.samples.size(),
             [&](std::size_t i) { return result.samples[i]; });
-  set_plane(out->mutable_lower(), intervals.size(), [&](std::size_t i) {
-    return intervals[i].lower > 0
-               ? std::min(rounded_down(intervals[i].lower), rounded_up(intervals[i].upper))
-               : 0.0F;
-  });
-  set_plane(out->mutable_upper(), intervals.size(),
-            [&](std::size_t i) { return rounded_up(intervals[i].upper); });
+  if (settings.target) {
+    std::vector<FloatInterval> rounded;
+    for (const ConfidenceInterval& i : result.intervals) rounded.push_back(rounded_outwards(i));
+    set_intervals(rounded, out);
+  } else if (settings.intervals) {
+    set_intervals(pixel_intervals(result.moments, blocks, settings.samples_per_block), out);
+    *out->mutable_moments() = bytes_of(result.moments);
+  }
 }
 
 }  // namespace lucerna::rpc

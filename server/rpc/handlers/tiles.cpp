@@ -37,8 +37,8 @@ absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
   if (area(rect) > context.limits.max_tile_pixels) {
     return over_limit("pixels of rect", area(rect), context.limits.max_tile_pixels);
   }
-  LUCERNA_RETURN_IF_ERROR(
-      check_answer_size(context, "pixels of rect", area(rect), tile_size(request.accuracy())));
+  LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "pixels of rect", area(rect),
+                                            tile_size(request.accuracy(), request.intervals())));
   return rect;
 }
 

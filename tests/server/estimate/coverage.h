@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/statistics/confidence.h"
+#include "proto/common/confidence.h"
 #include "tests/server/extremes/wire_settings.h"
 
 namespace lucerna::testing {

@@ -43,7 +43,8 @@ ShapeDescription rectangle(const Plane& plane, double half, double reach, double
   const Point a = plane.at(-half, -half, height), b = plane.at(far, -half, height),
               c = plane.at(-half, farther, height), d = plane.at(far, farther, height);
   if (kind == Kind::kPatch) return patch(a, b, c, d);
-  return shape(TriangleMeshData{.positions = {a, b, c, d}, .indices = {0, 1, 2, 1, 3, 2}});
+  return shape(
+      TriangleMeshData{.positions = {a, b, c, d}, .normals = {}, .indices = {0, 1, 2, 1, 3, 2}});
 }
 
 /// A square of 2 m whose outside faces the ground.

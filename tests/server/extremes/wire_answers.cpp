@@ -122,6 +122,7 @@ const std::map<std::string, std::string>& signed_fields() {
       {"lucerna.v1.SampleLeResponse.directions", "directions"},
       {"lucerna.v1.SampleLeResponse.light_normals", "normals"},
       {"lucerna.v1.KeyFrame.time_s", "a time of the scene, which may begin before 0"},
+      {"lucerna.v1.Tile.moments", "third moments"},
       {"lucerna.v1.RoundShape.z_min_m", "a coordinate along the shape's own axis"},
       {"lucerna.v1.RoundShape.z_max_m", "a coordinate along the shape's own axis"},
       {"lucerna.v1.SceneSummary.shutter_open_s", "a time of the scene"},
@@ -132,7 +133,8 @@ const std::map<std::string, std::string>& signed_fields() {
 
 bool holds_doubles(const FieldDescriptor& field) {
   return field.full_name() == "lucerna.v1.Tile.sum" ||
-         field.full_name() == "lucerna.v1.Tile.deviation";
+         field.full_name() == "lucerna.v1.Tile.deviation" ||
+         field.full_name() == "lucerna.v1.Tile.moments";
 }
 
 bool holds_floats(const FieldDescriptor& field) {

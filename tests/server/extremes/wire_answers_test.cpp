@@ -96,6 +96,12 @@ TEST(WrongNumbers, AreFoundInTheBytesOfTilesAndStreamedPictures) {
                   ElementsAre(fmt::format("lucerna.v1.Tile.deviation[0] = {}", v)));
       t->set_deviation(bytes_of<double>({0, 0, 0}));
     }
+    for (const double v : {kNan, kInfinity}) {
+      t->set_moments(bytes_of<double>({1, v, -1}));
+      EXPECT_THAT(wrong_numbers(whole),
+                  ElementsAre(fmt::format("lucerna.v1.Tile.moments[1] = {}", v)));
+      t->clear_moments();
+    }
     const std::string sum = t->sum();
     t->set_sum(sum.substr(1));
     EXPECT_THAT(wrong_numbers(whole),

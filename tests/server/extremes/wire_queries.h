@@ -118,7 +118,7 @@ class WireQueries {
   void is_probability(const std::string& name, std::size_t item, double p);
   void is_light(const std::string& name, std::size_t item, std::uint64_t id);
   void tile_holds(const std::string& name, const v1::Tile& tile, const v1::PixelRect& rect,
-                  bool target);
+                  bool target, bool intervals);
   void is_unit(const std::string& name, std::size_t item, const Floats& v);
   void is_zero(const std::string& name, std::size_t item, const Floats& v, std::size_t each);
   void expect(const std::string& name, std::size_t size, std::size_t expected,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "proto/common/luminance_moments.h"
 #include "tests/server/extremes/wire_queries.h"
 
 namespace lucerna::testing {
@@ -24,15 +25,18 @@ void WireQueries::render_time(Request* out) {
 }
 
 void WireQueries::tile_holds(const std::string& name, const v1::Tile& tile,
-                             const v1::PixelRect& rect, bool target) {
+                             const v1::PixelRect& rect, bool target, bool intervals) {
   hold(tile.rect().SerializeAsString() == rect.SerializeAsString(), name, 0,
        fmt::format("{}, not {}", tile.rect().ShortDebugString(), rect.ShortDebugString()));
   const std::size_t pixels = std::size_t{rect.x1() - rect.x0()} * (rect.y1() - rect.y0());
   expect(name, tile.sum().size(), 3 * sizeof(double) * pixels, "bytes of sum");
   expect(name, tile.deviation().size(), 3 * sizeof(double) * pixels, "bytes of deviation");
-  const std::size_t expected = target ? sizeof(float) * pixels : 0;
-  for (const std::string* plane : {&tile.samples(), &tile.lower(), &tile.upper()})
-    expect(name, plane->size(), expected, "bytes of samples or intervals");
+  expect(name, tile.samples().size(), target ? sizeof(float) * pixels : 0, "bytes of samples");
+  for (const std::string* plane : {&tile.lower(), &tile.upper()})
+    expect(name, plane->size(), target || intervals ? sizeof(float) * pixels : 0,
+           "bytes of intervals");
+  expect(name, tile.moments().size(), intervals && !target ? kMomentBytes * pixels : 0,
+         "bytes of moments");
   hold(tile.block_count() > 0, name, 0, "no blocks");
   count(name, pixels);
 }
@@ -44,6 +48,7 @@ void WireQueries::tile() {
   bounces(&q);
   methods(q.mutable_accuracy());
   render_time(&q);
+  q.set_intervals(n_.chance(0.3));
   // The scene file proposes only a few.
   if (n_.chance(0.2)) {
     target_or_time(q.mutable_accuracy());
@@ -72,7 +77,7 @@ void WireQueries::tile() {
   v1::RenderTileResponse r;
   const grpc::Status s = call([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
   if (answered("RenderTile", s, q, r))
-    tile_holds("RenderTile", r.tile(), rect, q.accuracy().has_target_error());
+    tile_holds("RenderTile", r.tile(), rect, q.accuracy().has_target_error(), q.intervals());
 }
 
 void WireQueries::image() {
@@ -82,6 +87,7 @@ void WireQueries::image() {
   bounces(&q);
   methods(q.mutable_accuracy());
   render_time(&q);
+  q.set_intervals(n_.chance(0.3));
   if (n_.chance(0.2)) {
     target_or_time(q.mutable_accuracy());
   } else if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
@@ -104,7 +110,7 @@ void WireQueries::image() {
       hold(rect.x0() < rect.x1() && rect.x1() <= width && rect.y0() < rect.y1() &&
                rect.y1() <= height,
            "RenderImage", 0, rect.ShortDebugString() + " is not within the picture");
-      tile_holds("RenderImage", r.tile(), rect, q.accuracy().has_target_error());
+      tile_holds("RenderImage", r.tile(), rect, q.accuracy().has_target_error(), q.intervals());
       // Tiles that a time limit ended, or that were kept until the end, are sent as they were.
       hold(r.samples_done() > done || q.accuracy().has_time_budget_s(), "RenderImage", 0,
            "no samples were added");

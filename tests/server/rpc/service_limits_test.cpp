@@ -161,7 +161,11 @@ TEST(AnswerSizes, AreBoundsOfDensitiesBitsAndTiles) {
   v1::RenderTileResponse picture;
   ASSERT_TRUE(
       status_of([&](auto* c) { return service.render.RenderTile(c, tile, &picture); }).ok());
-  expect_bounded(picture, tile_size({}), 40 * 25);
+  expect_bounded(picture, tile_size({}, false), 40 * 25);
+  tile.set_intervals(true);
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service.render.RenderTile(c, tile, &picture); }).ok());
+  expect_bounded(picture, tile_size({}, true), 40 * 25);
 }
 
 /// A server with small messages.

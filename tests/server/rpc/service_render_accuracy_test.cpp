@@ -133,6 +133,63 @@ TEST_F(RenderAccuracyTest, ImagesWithATargetErrorHaveTheBitsOfTiles) {
   }
 }
 
+TEST_F(RenderAccuracyTest, ACountReportsIntervalsIfTheyAreRequested) {
+  v1::RenderTileRequest q = tile_request();
+  q.mutable_accuracy()->set_samples(64);
+  q.set_bounces(1);
+  v1::RenderTileResponse plain, r;
+  ASSERT_TRUE(render(q, &plain).ok());
+  for (const std::string* bytes :
+       {&plain.tile().lower(), &plain.tile().upper(), &plain.tile().moments()})
+    EXPECT_TRUE(bytes->empty());
+  q.set_intervals(true);
+  ASSERT_TRUE(render(q, &r).ok());
+  EXPECT_EQ(r.tile().sum(), plain.tile().sum());
+  EXPECT_EQ(r.tile().deviation(), plain.tile().deviation());
+  EXPECT_TRUE(r.tile().samples().empty());
+  const auto lower = plane<float>(r.tile().lower()), upper = plane<float>(r.tile().upper());
+  const auto moments = plane<double>(r.tile().moments());
+  ASSERT_EQ(lower.size(), 800U);
+  ASSERT_EQ(upper.size(), 800U);
+  ASSERT_EQ(moments.size(), 800U * 7);
+  for (std::size_t i = 0; i < 800; ++i) {
+    const double value = moments[7 * i] / 8;  // 8 blocks of 8 samples
+    EXPECT_LE(lower[i], value);
+    EXPECT_GE(upper[i], value);
+    if (value > 0) {
+      EXPECT_LT(lower[i], upper[i]);
+    }
+  }
+}
+
+TEST_F(RenderAccuracyTest, ImagesHaveTheIntervalsOfTiles) {
+  v1::RenderImageRequest q = image_request();
+  q.mutable_accuracy()->set_samples(24);  // 8 blocks of 3 is no power of two
+  q.set_samples_per_block(2);
+  q.set_intervals(true);
+  q.set_tile_size(50);
+  q.set_bounces(0);
+  const auto sent = image(q);
+  ASSERT_FALSE(sent.empty());
+  for (const v1::RenderImageResponse& message : sent) {
+    const v1::Tile& t = message.tile();
+    if (!std::has_single_bit(t.block_count())) continue;
+    v1::RenderTileRequest one;
+    one.set_scene_id(scene_);
+    one.set_seed(5);
+    *one.mutable_rect() = t.rect();
+    one.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(2 * t.block_count()));
+    one.set_samples_per_block(2);
+    one.set_bounces(0);
+    one.set_intervals(true);
+    v1::RenderTileResponse same;
+    ASSERT_TRUE(render(one, &same).ok());
+    EXPECT_EQ(same.tile().SerializeAsString(), t.SerializeAsString());
+  }
+  EXPECT_EQ(sent.back().tile().block_count(), 12U);
+  EXPECT_FALSE(sent.back().tile().upper().empty());
+}
+
 TEST_F(RenderAccuracyTest, ATimeBudgetReportsItsSampleCount) {
   v1::RenderTileRequest q = tile_request();
   for (const std::uint32_t block : {0U, 2U, 64U}) {

@@ -66,6 +66,32 @@ TEST(RenderTile, GivesTheSameBitsForAnySplitOfSamples) {
   for (std::size_t i = 0; i < merged.size(); ++i) ASSERT_TRUE(same(merged[i], all.channels[i]));
 }
 
+TEST(RenderTile, GivesTheSameMomentsForAnySplitAndTheSamePictureWithoutThem) {
+  const auto scene = busy_scene();
+  TileSettings settings = whole(*scene);
+  const TileResult plain = render_tile(*scene, settings, {});
+  EXPECT_TRUE(plain.moments.empty());
+  settings.intervals = true;
+  const TileResult all = render_tile(*scene, settings, {});
+  for (std::size_t i = 0; i < all.channels.size(); ++i)
+    ASSERT_TRUE(same(all.channels[i], plain.channels[i]));
+  ASSERT_EQ(all.moments.size(), 16U * 12);
+  BlockMerger<LuminanceMoments> merger(8, all.moments.size());
+  for (const auto& [first, count] : {std::pair{8, 4}, {12, 2}, {14, 1}, {15, 1}}) {
+    settings.first_block = static_cast<std::uint64_t>(first);
+    settings.block_count = static_cast<std::uint64_t>(count);
+    ASSERT_TRUE(merger.add(settings.first_block, settings.block_count,
+                           render_tile(*scene, settings, {}).moments));
+  }
+  EXPECT_EQ(bytes_of(merger.total()), bytes_of(all.moments));
+  // The luminance of the picture.
+  for (std::size_t i = 0; i < all.moments.size(); ++i) {
+    const auto* c = &all.channels[3 * i];
+    const double sum = luminance(Rgb<double>{c[0].sum, c[1].sum, c[2].sum});
+    EXPECT_NEAR(all.moments[i].blocks.sum, sum, 1e-12 * sum);
+  }
+}
+
 TEST(RenderTile, GivesTheSameBitsForAnyNumberOfThreads) {
   const auto scene = busy_scene();
   const auto with_threads = [&](int threads) {

@@ -1,4 +1,4 @@
-#include "server/estimate/statistics/confidence.h"
+#include "proto/common/confidence.h"
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
@@ -13,6 +13,10 @@ namespace {
 constexpr double kMany = 64;
 /// Samples are not rare if more than this share of them counts.
 constexpr double kCommon = 0.25;
+/// (1 + skewness^2) / kurtosis is 1 for samples of two values.  It is 0.56 for evenly spread
+/// samples, and up to 0.5 for direct light of a lamp.  Between these limits the rule for two values
+/// counts in part.
+constexpr double kSpread = 0.6, kTwoValues = 0.8;
 
 // Overflowed parameters are not an error; there is no interval then.
 using Quiet = boost::math::policies::policy<
@@ -34,6 +38,14 @@ double weighted_counts_quantile(double mean, double variance, double below) {
   return scale / 2 * quantile(ChiSquared(2 * (mean / scale)), below);
 }
 
+/// The distance between the two values of samples beside an edge; 0 for smooth light.
+double jump(const EstimateMoments& m) {
+  const double two_valued = (1 + m.skewness * m.skewness) / m.kurtosis;
+  if (!(two_valued > kSpread)) return 0;
+  return std::min(1.0, (two_valued - kSpread) / (kTwoValues - kSpread)) * m.deviation *
+         std::sqrt(4 + m.skewness * m.skewness);
+}
+
 }  // namespace
 
 IntervalRule::IntervalRule(double confidence, std::uint64_t replicates, std::uint64_t samples)
@@ -50,9 +62,12 @@ ConfidenceInterval IntervalRule::interval(const EstimateMoments& m) const {
   }
   if (std::isinf(student_)) return {0, student_};
   const double mean_square = m.sum_of_squares / samples_;
-  double off = student_ * m.standard_error;
-  if (m.partly_hidden) off = std::hypot(off, rare_ * (mean_square / m.mean) / samples_);
-  ConfidenceInterval result{m.mean - off, m.mean + off};
+  const double scatter = student_ * m.standard_error;
+  const double unseen = std::max(m.partly_hidden ? mean_square / m.mean : 0, jump(m));
+  const double off = std::hypot(scatter, rare_ * unseen / samples_);
+  const double skewed = std::max(0.0, m.skewness) / std::sqrt(samples_) *
+                        (2 * student_ * student_ + 1) / (6 * student_);
+  ConfidenceInterval result{m.mean - off, m.mean + std::max(off, scatter * (1 + skewed))};
   const double counting = samples_ * (m.mean / mean_square * m.mean);
   if (counting < std::min(kMany, kCommon * samples_)) {
     const double tail = (1 - confidence_) / 2;

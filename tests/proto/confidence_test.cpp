@@ -1,5 +1,5 @@
 // Intervals against sums whose distribution is known.
-#include "server/estimate/statistics/confidence.h"
+#include "proto/common/confidence.h"
 
 #include <gtest/gtest.h>
 
@@ -42,6 +42,50 @@ TEST(Confidence, OfRareEqualSamplesIsPoissonsInterval) {
     EXPECT_NEAR(i.lower * n / weight, row.lower, 1e-3 * row.lower) << row.count;
     EXPECT_NEAR(i.upper * n / weight, row.upper, 1e-3 * row.upper) << row.count;
   }
+}
+
+// A pixel of which `p` is lit, by 64 samples in 8 blocks.  All blocks have the same mean.
+EstimateMoments edge(double p) {
+  const double deviation = std::sqrt(p * (1 - p)), skewness = (1 - 2 * p) / deviation;
+  return {.mean = p,
+          .sum_of_squares = 64 * p,
+          .largest = 1,
+          .deviation = deviation,
+          .skewness = skewness,
+          .kurtosis = 1 + skewness * skewness};
+}
+
+TEST(Confidence, BesideAnEdgeIsTheRuleOfThree) {
+  const IntervalRule rule(0.95, 8, 64);
+  for (const double p : {0.3, 0.5, 0.9}) {
+    // One sample more changes the mean by 1/64.
+    const ConfidenceInterval i = rule.interval(edge(p));
+    EXPECT_NEAR(i.upper, p + 2.9957 / 64, 1e-5);
+    EXPECT_NEAR(i.lower, p - 2.9957 / 64, 1e-5);
+  }
+  // Evenly spread samples have a kurtosis of 1.8.
+  EstimateMoments smooth = edge(0.5);
+  smooth.kurtosis = 1.8;
+  EXPECT_EQ(rule.interval(smooth).upper, 0.5);
+  // Half of the rule: (1 + skewness^2) / kurtosis = 0.7.
+  smooth.kurtosis = 1 / 0.7;
+  EXPECT_NEAR(rule.interval(smooth).upper, 0.5 + 0.5 * 2.9957 / 64, 1e-5);
+}
+
+TEST(Confidence, OfSkewedSamplesReachesFartherUp) {
+  EstimateMoments m{.mean = 10,
+                    .standard_error = 0.1,
+                    .sum_of_squares = 1024 * 101.0,
+                    .largest = 20,
+                    .deviation = 3.2,
+                    .skewness = 6,
+                    .kurtosis = 100};
+  const ConfidenceInterval i = IntervalRule(0.95, 16, 1024).interval(m);
+  // 2.1314 standard errors; skewness / sqrt(n) (2 t^2 + 1) / (6 t) = 0.14791.
+  EXPECT_NEAR(i.lower, 10 - 0.21314, 1e-5);
+  EXPECT_NEAR(i.upper, 10 + 0.21314 * 1.14786, 1e-4);
+  m.skewness = -6;
+  EXPECT_NEAR(IntervalRule(0.95, 16, 1024).interval(m).upper, 10 + 0.21314, 1e-5);
 }
 
 TEST(Confidence, OfOneReplicateIsInfinite) {

@@ -12,14 +12,6 @@ struct ConfidenceInterval {
 /// The default confidence of intervals.
 inline constexpr double kConfidence = 0.95;
 
-/// The accuracy at which an estimate is good enough.
-struct TargetError {
-  double relative = 0;        ///< of the estimate, > 0
-  double absolute_floor = 0;  ///< the error does not have to be smaller; in the estimate's unit
-  double confidence = kConfidence;  ///< of the interval, in (0, 1)
-  std::uint64_t max_samples = 1U << 16;
-};
-
 /// Moments of an estimate that is the mean of non-negative samples.
 struct EstimateMoments {
   double mean = 0;
@@ -29,6 +21,10 @@ struct EstimateMoments {
   double largest = 0;
   /// Some samples were shadowed.
   bool partly_hidden = false;
+  /// Shape of the samples' distribution; 0 if it is not known, or if the samples are equal.
+  double deviation = 0;  ///< standard deviation of the samples
+  double skewness = 0;
+  double kurtosis = 0;  ///< not the excess; at least 1
 };
 
 /// Computes intervals of estimates with equal sample counts.  Immutable.
@@ -52,6 +48,15 @@ class IntervalRule {
   /// of three for a value that no replicate had is added to Student's width.  Obstacles that no
   /// sample met are unknown.  With 95% confidence, they hide less than three samples' share of the
   /// light.
+  ///
+  /// Beside an edge the samples have two values.  Each replicate then has nearly the same number of
+  /// each, and the rule of three for one more of the other value is added in the same way.  The
+  /// distance of the values is that of the two-point distribution with the samples' deviation and
+  /// skewness.  The kurtosis shows how close the samples are to two values: it is at least
+  /// 1 + skewness^2, and equal to it for exactly two.  [Pearson16]
+  ///
+  /// Means of few skewed samples lie below the converged value more often than above it.  The upper
+  /// end is moved by the first term of the Cornish-Fisher expansion of Student's t.  [Hall92]
   ///
   /// The upper end is infinite if there is one replicate and some light.
   ConfidenceInterval interval(const EstimateMoments& m) const;
