@@ -14,8 +14,8 @@ constexpr double kMany = 64;
 /// Samples are not rare if more than this share of them counts.
 constexpr double kCommon = 0.25;
 /// (1 + skewness^2) / kurtosis is 1 for samples of two values.  It is 0.56 for evenly spread
-/// samples, and up to 0.5 for direct light of a lamp.  Between these limits the rule for two values
-/// counts in part.
+/// samples, and about 0.4 to 0.5 for direct light of a lamp.  The rule for two values counts in
+/// full from kTwoValues, not at all up to kSpread, and in part between.
 constexpr double kSpread = 0.6, kTwoValues = 0.8;
 
 // Overflowed parameters are not an error; there is no interval then.

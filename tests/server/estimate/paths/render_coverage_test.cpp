@@ -118,7 +118,8 @@ TEST(RenderCoverage, OfSmoothLightByACount) {
   for (const std::uint32_t each : {8U, 32U, 64U})
     expect_covered(coverage_of(lamp_pixel(), {.samples_per_block = each, .block_count = 8}),
                    "lamp, " + std::to_string(each) + " samples a block");
-  for (const std::uint32_t each : {8U, 64U})
+  // Skewed light is held in 96% to 98.5%: the upper ends reach farther for rare bright samples.
+  for (const std::uint32_t each : {8U, 32U, 64U})
     expect_covered_at_least(
         coverage_of(furnace_pixel(), {.samples_per_block = each, .block_count = 8}),
         "furnace, " + std::to_string(each) + " samples a block");
@@ -126,6 +127,7 @@ TEST(RenderCoverage, OfSmoothLightByACount) {
 
 // Blocks have nearly the same number of samples on each side of an edge.  Often all are equal, and
 // their standard error is 0.  Student's interval of 8 blocks of 8 samples holds in 46% for 0.51.
+// The rule of three holds more often than stated: the number of samples on a side takes few values.
 TEST(RenderCoverage, OfEdges) {
   for (const double share : {0.26, 0.3, 0.51, 0.9})
     for (const std::uint32_t each : {8U, 32U})
