@@ -1,4 +1,4 @@
-// Asks a lucernad four questions about a scene file.  Usage: ask HOST:PORT SCENE
+// Sends a lucernad four queries about a scene file.  Usage: ask HOST:PORT SCENE
 #include <iostream>
 
 #include "lucerna/client/client.h"

@@ -1,4 +1,4 @@
-"""Asks a lucernad four questions about a scene file.  Usage: ask.py HOST:PORT SCENE
+"""Sends a lucernad four queries about a scene file.  Usage: ask.py HOST:PORT SCENE
 
 The stubs: mkdir -p stubs; protoc -I proto --python_out=stubs --grpc_out=stubs \
   --plugin=protoc-gen-grpc=/usr/bin/grpc_python_plugin proto/lucerna/v1/*.proto; PYTHONPATH=stubs
