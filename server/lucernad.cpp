@@ -133,8 +133,10 @@ class Arguments {
              "Disk space of uploaded files.  Least recently used files are deleted first");
     add_size("--max-asset-bytes", options_.assets.max_asset_bytes,
              "Largest size of one uploaded file");
-    add("--interactive-queue", interactive_queue_, 1, 1U << 20, "Most queries of less than 0.1 s that may wait");
-    add("--bulk-queue", bulk_queue_, 1, 1U << 20, "Most renders, loads and longer queries that may wait");
+    add("--interactive-queue", interactive_queue_, 1, 1U << 20,
+        "Most queries of less than 0.1 s that may wait");
+    add("--bulk-queue", bulk_queue_, 1, 1U << 20,
+        "Most renders, loads and longer queries that may wait");
     add("--drain-seconds", drain_seconds_, 0, 86400,
         "How long calls may continue after SIGTERM [s]");
   }

@@ -22,7 +22,6 @@ namespace {
 
 // Samples of one piece: a few seconds of one core with several bounces.
 constexpr std::uint64_t kSamplesPerPiece = std::uint64_t{1} << 20;
-constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
 constexpr std::size_t kItemsPerRead = 8192;  // for the survey of the whole file
 
 std::uint32_t samples_of(const v1::EstimateIrradianceRequest& request) {

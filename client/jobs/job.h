@@ -68,6 +68,8 @@ Client::Done<Response> answer_as(DistributedWork::Done done) {
 /// Lease of the scene on each server.  A job renews the lease while it runs.  After the job the
 /// lease expires.
 inline constexpr std::chrono::seconds kJobLease(60);
+/// The most pieces of one job.
+inline constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
 
 struct JobProgress {
   std::size_t done = 0;

@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::uint32_t kDefaultTileSize = 64;
 constexpr std::uint32_t kDefaultSamples = 64;  // the default of RenderImage
-constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
 
 /// The pieces of one picture.
 class Render final : public DistributedWork {

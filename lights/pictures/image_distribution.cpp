@@ -26,7 +26,7 @@ Chosen choose(const double* sums, int n, double u) {
 /// The fraction x of the way from weight a to weight b, with density proportional to a (1 - x) + b
 /// x.  This form does not cancel.  An end of weight 0 is never returned, even for u = 0 and 1, so
 /// every sample has a density.  [Pharr23, 2.3.2]
-double sample_linear(double a, double b, double u) {
+double linear_share(double a, double b, double u) {
   if (a == b) return u;
   u = std::clamp(u, 0x1p-80, 1 - 0x1p-53);
   const double x = u * (a + b) / (a + std::sqrt(a * a * (1 - u) + b * b * u));
@@ -118,8 +118,8 @@ ImageDistribution::Sample ImageDistribution::sample(Vec2<double> u) const {
   const Corners c = corners(column.index, row.index);
   double sy = row.share, sx = column.share;
   if (!nearest()) {
-    sy = sample_linear(c.w[0][0] + c.w[0][1], c.w[1][0] + c.w[1][1], row.share);
-    sx = sample_linear(mix(c.w[0][0], c.w[1][0], sy), mix(c.w[0][1], c.w[1][1], sy), column.share);
+    sy = linear_share(c.w[0][0] + c.w[0][1], c.w[1][0] + c.w[1][1], row.share);
+    sx = linear_share(mix(c.w[0][0], c.w[1][0], sy), mix(c.w[0][1], c.w[1][1], sy), column.share);
   } else {
     // The edges belong to the neighbours, so keep rounding away from them.
     sx = std::clamp(sx, 0x1p-30, 1 - 0x1p-30);

@@ -33,9 +33,9 @@ void check_type(const std::string& type, const Place& place) {
                             printable(type)));
 }
 
-std::string text(const Rgb<double>& c) {
-  return c.r == c.g && c.g == c.b ? fmt::format("{:.4g}", c.r)
-                                  : fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b);
+/// The colour for a message; one number for greys.
+std::string short_text(const Rgb<double>& c) {
+  return c.r == c.g && c.g == c.b ? fmt::format("{:.4g}", c.r) : text(c);
 }
 
 }  // namespace
@@ -144,8 +144,9 @@ Rgb<double> Materials::diffuse_of(Context& context, const Material& material) {
     const Rgb<double> clamped{std::clamp(value.r, 0.0, 1.0), std::clamp(value.g, 0.0, 1.0),
                               std::clamp(value.b, 0.0, 1.0)};
     if (clamped != value)
-      context.remark(material.place, fmt::format("{} is not a valid reflectance", text(value)),
-                     fmt::format("clamped to {}", text(clamped)));
+      context.remark(material.place,
+                     fmt::format("{} is not a valid reflectance", short_text(value)),
+                     fmt::format("clamped to {}", short_text(clamped)));
     return clamped;
   };
   const std::string owner = material.name.empty()
@@ -172,13 +173,13 @@ Rgb<double> Materials::diffuse_of(Context& context, const Material& material) {
     const Rgb<double> value =
         index ? context.scene.materials[*index].reflectance : Rgb<double>(0.5);
     context.remark(material.place, "material \"mix\" is not modelled",
-                   fmt::format("its first part, diffuse, reflectance {}", text(value)));
+                   fmt::format("its first part, diffuse, reflectance {}", short_text(value)));
     return value;
   }
   // Default reflectances of pbrt-v4; 0.5 for materials without one.
   const Rgb<double> value = reflectance_of(material.type == "diffusetransmission" ? 0.25 : 0.5);
   context.remark(material.place, fmt::format("material \"{}\" is not modelled", material.type),
-                 fmt::format("diffuse, reflectance {}", text(value)));
+                 fmt::format("diffuse, reflectance {}", short_text(value)));
   return value;
 }
 

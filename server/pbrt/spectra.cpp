@@ -120,10 +120,6 @@ Rgb<double> rgb_of(const Parameter& parameter) {
   return {parameter.numbers[0], parameter.numbers[1], parameter.numbers[2]};
 }
 
-std::string text(const Rgb<double>& c) {
-  return fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b);
-}
-
 /// The spectrum, read once for all lights that share it.  Null for parameters without a spectrum.
 std::shared_ptr<const Spectrum> spectrum_of(Context& context, const Parameter* parameter) {
   if (parameter == nullptr || parameter->type == "rgb") return nullptr;
@@ -207,6 +203,10 @@ Rgb<double> reflectance(Context& context, const Parameter& parameter) {
                    fmt::format("\"{}\" = {} is not a valid reflectance", parameter.name, text(rgb)),
                    fmt::format("clamped to {}", text(clamped)));
   return clamped;
+}
+
+std::string text(const Rgb<double>& c) {
+  return fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b);
 }
 
 }  // namespace lucerna::pbrt

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "lights/spectra/rgb.h"
 #include "lights/spectra/spectrum.h"
@@ -29,5 +31,8 @@ Rgb<double> light_level(Context& context, const ParameterSet& params, std::strin
 /// The reflectance of a parameter (rgb, spectrum, float), each channel clamped to [0, 1].  The
 /// caller handles textures.
 Rgb<double> reflectance(Context& context, const Parameter& parameter);
+
+/// The colour for a message.
+std::string text(const Rgb<double>& c);
 
 }  // namespace lucerna::pbrt

@@ -153,7 +153,7 @@ TEST_F(CliCertainty, MissedTargetsAreCounted) {
   EXPECT_THAT(said(power), Not(HasSubstr("missed the target")));
   EXPECT_EQ(answered(power, "reached"), json({true}));
 
-  std::vector<std::string> render = {"render", "sphere.pbrt",   "-o", path("a.pfm"), "--bounces",
+  std::vector<std::string> render = {"render", "small.pbrt",    "-o", path("a.pfm"), "--bounces",
                                      "0",      "--max-samples", "64", "--error",     "0.01%"};
   EXPECT_THAT(said(render), ContainsRegex("; [1-9][0-9]* of [1-9][0-9]* pixels missed the target; "
                                           ".*; --max-samples reached"));

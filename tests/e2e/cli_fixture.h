@@ -27,6 +27,13 @@ class Cli : public ::testing::Test {
     for (const char* file : {"point.pbrt", "sphere.pbrt", "rectangle_near.pbrt", "ball.ply"}) {
       fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / file, scenes / file);
     }
+    // sphere.pbrt with a ninth of its pixels.
+    std::ifstream sphere(scenes / "sphere.pbrt");
+    std::ofstream small(scenes / "small.pbrt");
+    for (std::string line; std::getline(sphere, line); small << line << "\n")
+      if (line.starts_with("Film"))
+        line = "Film \"rgb\" \"integer xresolution\" 54 \"integer yresolution\" 40";
+    small.close();
     fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "pbrt" / "moving_point.pbrt",
                   scenes / "moving_point.pbrt");
     std::ofstream(scenes / "broken.pbrt") << "WorldBegin\nShape sphere\n";

@@ -63,13 +63,13 @@ std::vector<float> first_channel(const std::string& path) {
 
 TEST_F(Cli, RenderStopsEachPixelAtAnError) {
   const Outcome outcome = lucerna(
-      {"render",      "sphere.pbrt", "-o",           path("a.pfm"), "--error",       "20%",
-       "--floor",     "0.01",        "--confidence", "90%",         "--max-samples", "512",
-       "--bounces",   "0",           "--counts",     path("n.pfm"), "--stderr",      path("e.pfm"),
-       "--tile-size", "50"});
+      {"render",      "small.pbrt", "-o",           path("a.pfm"), "--error",       "20%",
+       "--floor",     "0.01",       "--confidence", "90%",         "--max-samples", "512",
+       "--bounces",   "0",          "--counts",     path("n.pfm"), "--stderr",      path("e.pfm"),
+       "--tile-size", "17"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::vector<float> counts = first_channel(path("n.pfm"));
-  ASSERT_EQ(counts.size(), 160U * 120);
+  ASSERT_EQ(counts.size(), 54U * 40);
   const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
   EXPECT_EQ(*least, 64);
   EXPECT_LE(*most, 512);
@@ -77,11 +77,11 @@ TEST_F(Cli, RenderStopsEachPixelAtAnError) {
   std::vector<float> sorted = counts;
   std::sort(sorted.begin(), sorted.end());
   EXPECT_THAT(outcome.out,
-              HasSubstr("160 x 120 pixels; samples per pixel: at least 64, median " +
+              HasSubstr("54 x 40 pixels; samples per pixel: at least 64, median " +
                         std::to_string(static_cast<int>(sorted[(sorted.size() - 1) / 2])) +
                         ", at most " + std::to_string(static_cast<int>(*most)) + "; "));
   // The tiles do not matter.
-  ASSERT_EQ(lucerna({"render", "sphere.pbrt", "-o", path("b.pfm"), "--error", "20%", "--floor",
+  ASSERT_EQ(lucerna({"render", "small.pbrt", "-o", path("b.pfm"), "--error", "20%", "--floor",
                      "0.01", "--confidence", "90%", "--max-samples", "512", "--bounces", "0",
                      "--stderr", path("f.pfm")})
                 .status,

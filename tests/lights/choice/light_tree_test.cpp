@@ -5,17 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "lights/maths/vec.h"
 #include "tests/lights/local_lights.h"
 
 namespace lucerna::testing {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kPi = std::numbers::pi;
 
 /// A light that emits equally in all directions from one point.
 LightTree::Item lamp(const Vec3<double>& at, double power = 1) {

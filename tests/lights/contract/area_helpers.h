@@ -6,15 +6,12 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "lights/models/area_light.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna::testing {
-
-inline constexpr double kPi = std::numbers::pi;
 
 /// A receiver that always samples points uniformly by area.
 template <typename Real>

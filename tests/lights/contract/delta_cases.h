@@ -2,8 +2,7 @@
 // the code of the lights.
 #pragma once
 
-#include <numbers>
-
+#include "lights/maths/vec.h"
 #include "lights/models/distant_light.h"
 #include "lights/models/infinite_light.h"
 #include "lights/models/point_light.h"
@@ -12,7 +11,6 @@
 
 namespace lucerna::testing {
 
-inline constexpr double kPi = std::numbers::pi;
 inline const Rgb<double> kDeltaLevel{3, 5, 7};
 
 /// Composite Simpson's rule on 2 n intervals.

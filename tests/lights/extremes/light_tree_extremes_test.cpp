@@ -3,16 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "lights/maths/vec.h"
 #include "tests/lights/local_lights.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// A random number with 48 bits.
 double random_u(RandomU& random) { return double{random.next()} + double{random.next()} * 0x1p-24; }

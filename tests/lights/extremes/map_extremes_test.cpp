@@ -12,7 +12,7 @@ namespace lucerna::testing {
 namespace {
 
 using Row = ReferenceTable::Row;
-constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kFloatPi = std::numbers::pi_v<float>;
 
 Vec3<Served> look_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
 std::string place_of(const Row& row) {
@@ -25,7 +25,7 @@ float textbook_value(const Row& row) {
   const auto x = static_cast<float>(row["x"]), y = static_cast<float>(row["y"]),
              z = static_cast<float>(row["z"]);
   const int w = static_cast<int>(row["w"]), h = static_cast<int>(row["h"]);
-  float s = std::atan2(z, x) / (2 * kPi), t = std::acos(std::clamp(y, -1.0F, 1.0F)) / kPi;
+  float s = std::atan2(z, x) / (2 * kFloatPi), t = std::acos(std::clamp(y, -1.0F, 1.0F)) / kFloatPi;
   if (s < 0) s += 1;
   s *= static_cast<float>(w), t *= static_cast<float>(h);
   if (filter_of(row) == ImageFilter::kNearest) s -= 0.5F, t -= 0.5F;

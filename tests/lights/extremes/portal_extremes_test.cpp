@@ -26,7 +26,7 @@ const PortalLight<Served>& portal(double side) {
 }
 
 Vec3<Served> receiver_of(const Row& row) { return {row["x"], row["y"], -row["depth"]}; }
-std::string place_of(const Row& row) {
+std::string portal_of(const Row& row) {
   return row.text("side") + " m from (" + row.text("x") + ", " + row.text("y") + ", " +
          row.text("depth") + ")";
 }
@@ -40,8 +40,8 @@ TEST(PortalExtremes, Density) {
   for (const auto& row : table.rows()) {
     const auto& light = portal(row["side"]);
     const Vec3<Served> w{row["wx"], row["wy"], row["wz"]};
-    sweep.compare(light.pdf_li(receiver_of(row), w).per_sr, row["per_sr"], place_of(row));
-    EXPECT_EQ(light.le_escaped(receiver_of(row), w).g, 1) << place_of(row);
+    sweep.compare(light.pdf_li(receiver_of(row), w).per_sr, row["per_sr"], portal_of(row));
+    EXPECT_EQ(light.le_escaped(receiver_of(row), w).g, 1) << portal_of(row);
   }
   sweep.expect_within(1e-11);
 }
@@ -82,10 +82,10 @@ TEST(PortalExtremes, SamplesLeadThroughThePortal) {
       if (!resolved && s.reason == NoLight::kOutOfRange) continue;
       const bool same = light.pdf_li(receiver_of(row), s.wi) == s.pdf;
       const bool through = light.le_escaped(receiver_of(row), s.wi) == s.value;
-      sweep.answer(s.reason != NoLight::kNone ? Sweep::name_of(s.reason) + ": " + place_of(row)
-                   : !same                    ? "another density: " + place_of(row)
+      sweep.answer(s.reason != NoLight::kNone ? Sweep::name_of(s.reason) + ": " + portal_of(row)
+                   : !same                    ? "another density: " + portal_of(row)
                    : through                  ? "pass through it, with the right density"
-                                              : "beside it: " + place_of(row));
+                                              : "beside it: " + portal_of(row));
     }
   }
   sweep.expect_answers("pass through it, with the right density");

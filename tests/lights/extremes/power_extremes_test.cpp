@@ -12,7 +12,7 @@ namespace lucerna::testing {
 namespace {
 
 using Row = ReferenceTable::Row;
-constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kFloatPi = std::numbers::pi_v<float>;
 
 /// Compares the exact power with the reference, and checks the stated error of the approximate one.
 template <typename L>
@@ -40,7 +40,7 @@ TEST(PowerExtremes, Spots) {
       check_power(sweep, light, truth, row.text("cone_rad"));
       const float sum = std::cos(static_cast<float>(row["start_rad"])) +
                         std::cos(static_cast<float>(row["cone_rad"]));
-      sweep.compare_textbook(2 * kPi * (1 - 0.5F * sum), truth);
+      sweep.compare_textbook(2 * kFloatPi * (1 - 0.5F * sum), truth);
     }
   sweep.expect_within(2e-15);
 }
@@ -68,7 +68,7 @@ TEST(PowerExtremes, EvenProjections) {
     const float shorter = std::tan(static_cast<float>(row["fov_rad"]) / 2);
     const auto aspect = static_cast<float>(row["aspect"]);
     const float corner = shorter * std::hypot(std::max(aspect, 1.0F), 1 / std::min(aspect, 1.0F));
-    sweep.compare_textbook(2 * kPi * (1 - std::cos(std::atan(corner))), row["even_lm"]);
+    sweep.compare_textbook(2 * kFloatPi * (1 - std::cos(std::atan(corner))), row["even_lm"]);
   }
   sweep.expect_within(1e-14);
 }
@@ -125,7 +125,7 @@ void check_areas(Sweep& sweep, bool bent) {
       // The cross product in floats, whose squares exceed their range.
       const auto f = static_cast<float>(s);
       const float area = std::sqrt(2 * (2 * f * f) * (2 * f * f)) / 2;
-      sweep.compare_textbook(kPi * area, truth);
+      sweep.compare_textbook(kFloatPi * area, truth);
     } else {
       const bool flat = name == "flat";
       check_power(sweep,
@@ -199,7 +199,7 @@ TEST(PowerExtremes, OtherLights) {
                       {.width_m = size, .height_m = 3 * size, .illuminance_lx = one}),
                   truth, at, scene);
     const auto r = static_cast<float>(size);
-    if (name == "infinite") sweep.compare_textbook(4 * kPi * kPi * r * r, truth);
+    if (name == "infinite") sweep.compare_textbook(4 * kFloatPi * kFloatPi * r * r, truth);
   }
   sweep.expect_within(1e-15);
 }

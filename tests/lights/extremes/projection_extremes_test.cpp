@@ -21,7 +21,7 @@ ProjectionLight<Served> projection(const Row& row) {
        .intensity_cd = Rgb<double>(1)});
 }
 
-std::string place_of(const Row& row) {
+std::string projection_of(const Row& row) {
   return row.text("filter") + " " + row.text("fov_deg") + " (" + row.text("x") + ", " +
          row.text("y") + ")";
 }
@@ -52,7 +52,7 @@ TEST(ProjectionExtremes, Intensity) {
   const ReferenceTable table("projection_maps");
   for (const auto& row : table.rows()) {
     sweep.compare(projection(row).intensity({row["x"], row["y"], 1}).g, row["value"],
-                  place_of(row));
+                  projection_of(row));
     if (row["value"] > 0) sweep.compare_textbook(textbook_value(row), row["value"]);
   }
   sweep.expect_within(1e-12);
@@ -69,7 +69,7 @@ TEST(ProjectionExtremes, DensityOfRays) {
       EXPECT_NEAR(per_sr, row["per_sr"], 1e-5 * row["per_sr"]);
       continue;
     }
-    sweep.compare(per_sr, row["per_sr"], place_of(row));
+    sweep.compare(per_sr, row["per_sr"], projection_of(row));
   }
   sweep.expect_within(1e-14);
 }

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/maths/vec.h"
 #include "tests/lights/extremes/area_extremes.h"
 
 namespace lucerna::testing {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// The disk of a row, seen from the origin.
 DiskLight<Served> disk_in(const ReferenceTable::Row& row) {

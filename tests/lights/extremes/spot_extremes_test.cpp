@@ -96,7 +96,7 @@ TEST(SpotExtremes, PowerOfNarrowCones) {
 }
 
 /// The angle between unit vectors, accurate for small and wide angles.
-double angle_between(const Vec3<double>& a, const Vec3<double>& b) {
+double angle_from(const Vec3<double>& a, const Vec3<double>& b) {
   return 2 * std::atan2(length(a - b), length(a + b));
 }
 
@@ -114,7 +114,7 @@ TEST(SpotExtremes, RaysOfNarrowCones) {
       const auto ray = light.sample_le({}, {row["u"], turn}, {});
       const std::string at = row.text("cone_deg") + " " + row.text("u");
       sweep.compare(ray.value.g / ray.pdf_direction.per_sr, row["power_lm"], at);
-      const double angle = angle_between(ray.direction, axis);
+      const double angle = angle_from(ray.direction, axis);
       // The narrowest angles exist only along z; along other axes, those that unit vectors resolve.
       if (along_z(row)) sweep.compare(angle, row["angle_rad"], at);
       EXPECT_NEAR(angle, row["angle_rad"], 0x1p-51 + 1e-14 * row["angle_rad"]) << at;

@@ -15,7 +15,7 @@ using Row = ReferenceTable::Row;
 
 const char* const kPictures = "1e9 and 1e30 among 1, 1 among 1e30, 1e-30 ... 1e9 among 0";
 
-std::string place_of(const Row& row) {
+std::string texel_of(const Row& row) {
   return row.text("mapping") + ", " + row.text("bright") + " in " + row.text("background");
 }
 
@@ -50,7 +50,7 @@ TEST(TexelExtremes, ProbabilitiesOfTexels) {
     const double texel_sr = mapping_of(row) == SphereMapping::kEqualArea
                                 ? 4 * pi / 64
                                 : pi / 4 * 2 * std::sin(top + pi / 16) * std::sin(pi / 16);
-    sweep.compare(per_sr * texel_sr, row["chance"], place_of(row));
+    sweep.compare(per_sr * texel_sr, row["chance"], texel_of(row));
     if (mapping_of(row) == SphereMapping::kEqualArea)
       sweep.compare_textbook(textbook_chance(row), row["chance"]);
   }
@@ -66,7 +66,7 @@ TEST(TexelExtremes, SampleValuesLeadToTheirTexels) {
     const auto sample = light.sample_li({0, 0, 0}, {row["ux"], row["uy"]});
     const Vec2<double> p = square_from_direction(mapping_of(row), sample.wi);
     const bool right = std::floor(p.x * 8) == row["column"] && std::floor(p.y * 8) == row["row"];
-    sweep.answer(right ? "the right one" : "another: " + place_of(row));
+    sweep.answer(right ? "the right one" : "another: " + texel_of(row));
   }
   sweep.expect_answers("the right one");
 }
@@ -78,7 +78,7 @@ TEST(TexelExtremes, EverySampleEstimatesTheIntegral) {
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
     const auto sample = light.sample_li({0, 0, 0}, {row["ux"], row["uy"]});
-    sweep.compare(sample.value.g / sample.pdf.per_sr, row["integral"], place_of(row));
+    sweep.compare(sample.value.g / sample.pdf.per_sr, row["integral"], texel_of(row));
   }
   sweep.expect_within(1e-14);
 }
@@ -93,7 +93,7 @@ TEST(TexelExtremes, EveryBilinearSampleEstimatesTheIntegral) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kBilinear);
     for (int i = 0; i < 100; ++i) {
       const auto sample = light.sample_li({0, 0, 0}, random.pair<Served>());
-      sweep.compare(sample.value.g / sample.pdf.per_sr, row["integral"], place_of(row));
+      sweep.compare(sample.value.g / sample.pdf.per_sr, row["integral"], texel_of(row));
     }
   }
   sweep.expect_within(1e-12);
@@ -109,7 +109,7 @@ void sweep_powers(Sweep& sweep, const SceneSphere& scene, double scale, F&& make
     const auto light = make(image, row);
     const Power exact = light.power(scene), approximate = light.power_approximate(scene);
     const double truth = row["integral"] * scale;
-    sweep.compare(exact.lumens.g, truth, place_of(row));
+    sweep.compare(exact.lumens.g, truth, texel_of(row));
     EXPECT_LE(std::fabs(approximate.lumens.g - truth), approximate.error_lumens + 1e-12 * truth);
     // The formula of pbrt-v2 and v3: the mean texel times pi R^2 for a sky, 4 pi for a lamp; R is
     // 2.

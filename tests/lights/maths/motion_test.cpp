@@ -4,17 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "lights/maths/vec.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna::testing {
 namespace {
 
 using ::testing::HasSubstr;
-constexpr double kPi = std::numbers::pi;
-
 Transform turned(double angle_rad, const Vec3<double>& axis, const Vec3<double>& position) {
   return Transform::translate(position) * *Transform::rotate(angle_rad, axis);
 }

@@ -5,12 +5,12 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "lights/maths/vec.h"
 
 namespace lucerna {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 

@@ -3,14 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numbers>
+#include "lights/maths/vec.h"
 
 namespace lucerna {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kPi = std::numbers::pi;
 
 /// 1 cd at gamma 0; at gamma 90 2 cd at C0, 3 at C90, 4 at C180, 5 at C270.
 std::shared_ptr<const PhotometricWeb> compass() {

@@ -4,16 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "lights/maths/vec.h"
 #include "lights/pictures/map_illuminance.h"
 #include "lights/sampling/sampling.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 std::shared_ptr<const SphereMap> map_of(int n, std::vector<Rgb<float>> texels,
                                         SphereMapping mapping = SphereMapping::kEqualArea) {

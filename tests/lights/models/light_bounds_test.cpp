@@ -2,14 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
+#include "lights/maths/vec.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna::testing {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(LightBounds, APointReachesExactlyItsCone) {
   const LightBounds<double> bounds{{1, 2, 3}, {1, 2, 3}, {0, 0, 1}, kPi / 6};

@@ -4,16 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "lights/maths/vec.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna {
 namespace {
 
 using testing::RandomU;
-
-constexpr double kPi = std::numbers::pi;
 
 /// Around [0, width] x [0, height] at `z`; light comes from above.
 std::array<Vec3<double>, 4> window(double width, double height, double z) {

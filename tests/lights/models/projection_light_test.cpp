@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <string>
 
+#include "lights/maths/vec.h"
 #include "tests/lights/contract/contract_checks.h"
 
 namespace lucerna {
@@ -14,7 +14,6 @@ namespace {
 using testing::RandomU;
 using testing::relative_difference;
 
-constexpr double kPi = std::numbers::pi;
 constexpr SceneSphere kScene{{}, 1};
 
 std::shared_ptr<const Image> image(int width, int height, std::vector<Rgb<float>> texels) {

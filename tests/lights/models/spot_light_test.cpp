@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/maths/vec.h"
 #include "tests/lights/contract/contract_checks.h"
 
 namespace lucerna {
@@ -13,7 +14,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kPi = std::numbers::pi;
 double degrees(double d) { return d * kPi / 180; }
 
 SpotLightParams spot(double cone_rad, double start_rad) {

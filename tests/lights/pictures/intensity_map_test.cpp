@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "lights/maths/normal_cone.h"
+#include "lights/maths/vec.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna {
@@ -16,7 +16,6 @@ using testing::integrate;
 using testing::RandomU;
 using testing::Region;
 
-constexpr double kPi = std::numbers::pi;
 constexpr auto kMappings = {SphereMapping::kEqualArea, SphereMapping::kLatitudeLongitude};
 constexpr auto kFilters = {ImageFilter::kNearest, ImageFilter::kBilinear};
 

@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "lights/maths/vec.h"
 
 namespace lucerna {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 std::shared_ptr<const SphereMap> map_of(int width, int height, std::vector<Rgb<float>> texels,
                                         SphereMapping mapping, ImageFilter filter) {

@@ -3,9 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "lights/maths/normal_cone.h"
+#include "lights/maths/vec.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna {
@@ -17,7 +16,6 @@ using testing::integrate;
 using testing::RandomU;
 using testing::Region;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kRad = kPi / 180;
 
 std::vector<double> range(double first, double last, double step) {

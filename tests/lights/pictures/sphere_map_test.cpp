@@ -4,15 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "lights/maths/vec.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna {
 namespace {
 
 using testing::RandomU;
-constexpr double kPi = std::numbers::pi;
 constexpr auto kBoth = {SphereMapping::kEqualArea, SphereMapping::kLatitudeLongitude};
 
 Vec3<double> random_direction(RandomU& random) {

@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/shapes/shape_helpers.h"
 
 namespace lucerna::testing {
 namespace {
-
-constexpr double kFar = std::numeric_limits<double>::infinity();
 
 /// z = x y over the unit square: a saddle, whose normal is (-y, -x, 1).
 const BilinearPatch<double> kSaddle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};

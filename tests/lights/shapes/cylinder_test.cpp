@@ -4,15 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/shapes/shape_helpers.h"
 
 namespace lucerna::testing {
 namespace {
 
 using ::testing::HasSubstr;
-constexpr double kFar = std::numeric_limits<double>::infinity();
-
-Transform matrix(const Transform::Matrix& m) { return *Transform::from_matrix(m); }
-
 TEST(Cylinder, AreaIsExactForEqualScaleAcrossAndAnyScaleAlong) {
   EXPECT_DOUBLE_EQ(Cylinder<float>::create({.radius_m = 3})->area(), 12 * kPi);
   // Swept by 1 rad, radius 2 doubled, height 1.5 stretched by five, rotated and mirrored.
@@ -42,7 +39,7 @@ TEST(Cylinder, MapsThatMakeAreaUnevenCannotEmitAndGiveTheReason) {
 }
 
 /// The shares of a point of object space in the area of a tube |z| < 1 swept by 4 rad.
-Vec2<double> share(const Vec3<double>& p) {
+Vec2<double> cylinder_share(const Vec3<double>& p) {
   const double phi = std::atan2(p.y, p.x);
   return {(p.z + 1) / 2, (phi < 0 ? phi + 2 * kPi : phi) / 4};
 }
@@ -57,7 +54,7 @@ TEST(Cylinder, SamplesAreUniformByArea) {
     const auto s = tube.sample({9, 9, 9}, random.pair<double>());
     const Vec3<double> object = map.inverse().point(s.point.position);
     EXPECT_NEAR(std::hypot(object.x, object.y), 0.5, 1e-14);
-    return share(object);
+    return cylinder_share(object);
   });
   EXPECT_GT(p, kUnlikely);
 }
@@ -66,7 +63,7 @@ TEST(Cylinder, UniformityTestRejectsHeightsThatAreThoseOfASphere) {
   RandomU random(31);
   const double p = uniformity_p_value([&] {
     const auto u = random.pair<double>();
-    return share({std::cos(4 * u.y), std::sin(4 * u.y), std::cos(kPi * u.x)});
+    return cylinder_share({std::cos(4 * u.y), std::sin(4 * u.y), std::cos(kPi * u.x)});
   });
   EXPECT_LT(p, kUnlikely);
 }

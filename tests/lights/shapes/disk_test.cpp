@@ -5,15 +5,12 @@
 
 #include "lights/sampling/spherical_ellipse.h"
 #include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/shapes/shape_helpers.h"
 
 namespace lucerna::testing {
 namespace {
 
 using ::testing::HasSubstr;
-constexpr double kFar = std::numeric_limits<double>::infinity();
-
-Transform matrix(const Transform::Matrix& m) { return *Transform::from_matrix(m); }
-
 TEST(Disk, AreaOfAnnulusAndSectorUnderAnAffineMap) {
   const auto disk = *Disk<float>::create({.radius_m = 2,
                                           .inner_radius_m = 1,
@@ -26,7 +23,7 @@ TEST(Disk, AreaOfAnnulusAndSectorUnderAnAffineMap) {
 }
 
 /// The shares of a point of object space in the area of the annulus 0.5 < r < 2, phi < 4.
-Vec2<double> share(const Vec3<double>& p) {
+Vec2<double> disk_share(const Vec3<double>& p) {
   const double phi = std::atan2(p.y, p.x);
   return {(p.x * p.x + p.y * p.y - 0.25) / 3.75, (phi < 0 ? phi + 2 * kPi : phi) / 4};
 }
@@ -44,7 +41,7 @@ TEST(Disk, SamplesAreUniformByAreaOnASectorOfAnEllipse) {
     const auto s = disk.sample({9, 9, 9}, random.pair<double>());
     const Vec3<double> object = map.inverse().point(s.point.position);
     EXPECT_NEAR(object.z, 1, 1e-14);
-    return share(object);
+    return disk_share(object);
   });
   EXPECT_GT(p, kUnlikely);
 }
@@ -54,7 +51,7 @@ TEST(Disk, UniformityTestRejectsARadiusThatIsUniform) {
   const double p = uniformity_p_value([&] {
     const auto u = random.pair<double>();
     const double r = 0.5 + 1.5 * u.x;
-    return share({r * std::cos(4 * u.y), r * std::sin(4 * u.y), 1});
+    return disk_share({r * std::cos(4 * u.y), r * std::sin(4 * u.y), 1});
   });
   EXPECT_LT(p, kUnlikely);
 }

@@ -4,13 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/shapes/shape_helpers.h"
 
 namespace lucerna::testing {
 namespace {
 
 using ::testing::HasSubstr;
-constexpr double kFar = std::numeric_limits<double>::infinity();
-
 TEST(Sphere, AreaOfWholeAndCutSpheres) {
   EXPECT_DOUBLE_EQ(Sphere<float>::create({.radius_m = 3})->area(), 36 * kPi);
   // A zone of height 1.5 on a sphere of radius 2 swept by 1 rad, doubled in size by the map.
@@ -114,7 +113,9 @@ TEST(Sphere, ConeSamplesAreTheNearIntersectionsAndUniformInSolidAngle) {
 
 /// The shares of a point in the area of the zone -0.5 < z < 1.5 of the sphere of radius 2 swept by
 /// 2 rad.
-Vec2<double> share(const Vec3<double>& p) { return {(p.z + 0.5) / 2, std::atan2(p.y, p.x) / 2}; }
+Vec2<double> sphere_share(const Vec3<double>& p) {
+  return {(p.z + 0.5) / 2, std::atan2(p.y, p.x) / 2};
+}
 
 TEST(Sphere, CutSpheresAreSampledUniformlyWithinTheirCuts) {
   const Transform map = Transform::translate({1, 2, 3}) * *Transform::rotate(1, {1, 2, -1}) *
@@ -126,7 +127,7 @@ TEST(Sphere, CutSpheresAreSampledUniformlyWithinTheirCuts) {
     const auto s = sphere.sample({9, 9, 9}, random.pair<double>());
     const Vec3<double> object = map.inverse().point(s.point.position);
     EXPECT_NEAR(length(object), 2, 1e-14);
-    return share(object);
+    return sphere_share(object);
   });
   EXPECT_GT(p, kUnlikely);
 }
@@ -137,8 +138,8 @@ TEST(Sphere, UniformityTestRejectsAnAngleThatIsUniform) {
   const double p = uniformity_p_value([&] {
     const auto u = random.pair<double>();
     const double theta = low + (high - low) * u.x;
-    return share({2 * std::sin(theta) * std::cos(2 * u.y), 2 * std::sin(theta) * std::sin(2 * u.y),
-                  2 * std::cos(theta)});
+    return sphere_share({2 * std::sin(theta) * std::cos(2 * u.y),
+                         2 * std::sin(theta) * std::sin(2 * u.y), 2 * std::cos(theta)});
   });
   EXPECT_LT(p, kUnlikely);
 }

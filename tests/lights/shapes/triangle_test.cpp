@@ -2,14 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/shapes/shape_helpers.h"
 
 namespace lucerna::testing {
 namespace {
-
-constexpr double kFar = std::numeric_limits<double>::infinity();
 
 /// Barycentric coordinates (of b and of c) in the triangle a = 0, b = (2, 0, 1), c = (0, 4, 0).
 const Triangle<double> kSkewed{{0, 0, 0}, {2, 0, 1}, {0, 4, 0}};

@@ -167,7 +167,7 @@ TEST(RenderCoverage, OfLightThroughAPinhole) {
     settings.target->max_samples = most;
     expect_covered_at_least(coverage_of(q, settings), std::to_string(most) + " samples");
   }
-  for (const std::uint32_t each : {8U, 128U, 2048U})
+  for (const std::uint32_t each : {8U, 128U, 1024U})
     expect_covered_at_least(coverage_of(q, {.samples_per_block = each, .block_count = 8}),
                             std::to_string(each) + " samples a block");
 }
