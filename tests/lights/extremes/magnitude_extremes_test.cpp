@@ -24,10 +24,11 @@ float textbook_per_square(const Vec3<float>& to_light) {
   return 1 / (to_light.x * to_light.x + to_light.y * to_light.y + to_light.z * to_light.z);
 }
 
-constexpr char kSwept[] = "1e-100 ... 1e100";
+constexpr char kMagnitudes[] = "1e-100 ... 1e100";
 
 TEST(MagnitudeExtremes, PointLights) {
-  Sweep sweep(9, "point, spot and projection lights, positions and distances", kSwept, "value");
+  Sweep sweep(9, "point, spot and projection lights, positions and distances", kMagnitudes,
+              "value");
   const ReferenceTable table("magnitude_points");
   ProjectedPictureParams square;
   square.fov_rad = 2.4;
@@ -153,7 +154,7 @@ float textbook_by_area(const Vec3<float>& to_light, const Vec3<float>& normal, f
 
 TEST(MagnitudeExtremes, DensityOfShapes) {
   Sweep sweep(9, "triangle, rectangle, disk, sphere and cylinder lights, sizes and distances",
-              kSwept, "density");
+              kMagnitudes, "density");
   const ReferenceTable table("magnitude_shapes");
   for (const auto& row : table.rows()) {
     const std::string& shape = row.text("shape");
@@ -177,7 +178,8 @@ TEST(MagnitudeExtremes, DensityOfShapes) {
 }
 
 TEST(MagnitudeExtremes, PowerOfShapes) {
-  Sweep sweep(9, "triangle, rectangle, disk, sphere and cylinder lights, sizes", kSwept, "power");
+  Sweep sweep(9, "triangle, rectangle, disk, sphere and cylinder lights, sizes", kMagnitudes,
+              "power");
   const ReferenceTable table("magnitude_shapes");
   for (const auto& row : table.rows()) {
     visit_shape(row.text("shape"), row["size"], [&](const auto& light) {
