@@ -13,8 +13,8 @@ mkdir -p "$output"
 output=$(cd "$output" && pwd)
 export PATH=$build/bin:$PATH
 source "$root/deploy/local_server.sh"
-# If the demo itself is killed, the server stops after 120 s.  -k kills it if it does not stop.
-start_server "$build" "$root/scenes" timeout -k 5 120
+# If the demo itself is killed, the server stops after an hour.  -k kills it if it does not stop.
+start_server "$build" "$root/scenes" timeout -k 5 3600
 echo "lucernad runs at $LUCERNA_SERVER, scene root scenes/."
 
 run() { printf '\n$ lucerna %s\n' "$*"; lucerna "$@"; }
