@@ -7,30 +7,67 @@ namespace {
 
 /// The corners in order around the shape.
 std::vector<Vec> outline(const Shape& shape) {
-  const auto& [a, b, c] = shape.at;
+  const auto& [a, b, c, d] = shape.at;
   if (shape.kind == ShapeKind::kTriangle) return {a, b, c};
   return {a, b, b + (c - a), c};
+}
+
+/// The extent of a disk along each axis.
+Vec reach_of_disk(const Vec& n, Real radius) {
+  const auto one = [&](Real x) { return std::sqrt(std::fmax(0, 1 - x * x)) * radius; };
+  return {one(n.x), one(n.y), one(n.z)};
+}
+
+/// dP/ds x dP/dt of a patch.
+Vec stretch(const Shape& shape, Real s, Real t) {
+  const auto& [a, b, c, d] = shape.at;
+  return cross((b - a) * (1 - t) + (d - c) * t, (c - a) * (1 - s) + (d - b) * s);
+}
+
+Real area_in_cells(const Shape& shape, int cells) {
+  Real sum = 0;
+  for (int i = 0; i < cells * cells; ++i) {
+    for (const Real x : {-1, 1}) {
+      for (const Real y : {-1, 1}) {
+        const Real g = 1 / (2 * std::sqrt(3.0L));  // Gauss, two points in each direction
+        sum += length(
+            stretch(shape, (i % cells + 0.5L + g * x) / cells, (i / cells + 0.5L + g * y) / cells));
+      }
+    }
+  }
+  return sum / (4 * cells * cells);
 }
 
 }  // namespace
 
 std::vector<Vec> hull(const Shape& shape) {
-  const auto& [a, b, c] = shape.at;
-  if (shape.kind == ShapeKind::kTriangle) return {a, b, c};
-  if (shape.kind == ShapeKind::kParallelogram) return {a, b, c, b + (c - a)};
-  Vec reach{shape.radius, shape.radius, shape.radius};
-  if (shape.kind == ShapeKind::kDisk) {
-    const Vec n = unit(b - a);
-    reach = {std::sqrt(std::fmax(0, 1 - n.x * n.x)) * shape.radius,
-             std::sqrt(std::fmax(0, 1 - n.y * n.y)) * shape.radius,
-             std::sqrt(std::fmax(0, 1 - n.z * n.z)) * shape.radius};
+  const auto& [a, b, c, d] = shape.at;
+  switch (shape.kind) {
+    case ShapeKind::kTriangle:
+      return {a, b, c};
+    case ShapeKind::kParallelogram:
+      return {a, b, c, b + (c - a)};
+    case ShapeKind::kPatch:
+      return {a, b, c, d};
+    case ShapeKind::kDisk: {
+      const Vec reach = reach_of_disk(b, shape.radius);
+      return {a - reach, a + reach};
+    }
+    case ShapeKind::kSphere: {
+      const Vec reach{shape.radius, shape.radius, shape.radius};
+      return {a - reach, a + reach};
+    }
+    case ShapeKind::kCylinder: {
+      const Vec reach = reach_of_disk(b, shape.radius) + absolute(b) * shape.half_height;
+      return {a - reach, a + reach};
+    }
   }
-  return {a - reach, a + reach};
+  return {};
 }
 
 Vec normal_of(const Shape& shape) {
-  const auto& [a, b, c] = shape.at;
-  return shape.kind == ShapeKind::kDisk ? unit(b - a) : unit(cross(b - a, c - a));
+  const auto& [a, b, c, d] = shape.at;
+  return shape.kind == ShapeKind::kDisk ? b : unit(cross(b - a, c - a));
 }
 
 std::vector<Vec> surroundings(const Shape& shape) {
@@ -56,6 +93,62 @@ Real inside_by(const Shape& shape, const Vec& n, const Vec& p) {
     least = std::fmin(least, dot(cross(n, edge), p - corners[i]) / length(edge));
   }
   return least;
+}
+
+SurfacePoint point_of(const Shape& shape, Real s, Real t) {
+  const auto& [a, b, c, d] = shape.at;
+  switch (shape.kind) {
+    case ShapeKind::kTriangle:
+      if (s + t > 1) s = 1 - s, t = 1 - t;
+      [[fallthrough]];
+    case ShapeKind::kParallelogram:
+      return {a + (b - a) * s + (c - a) * t, normal_of(shape)};
+    case ShapeKind::kPatch:
+      return {(a * (1 - s) + b * s) * (1 - t) + (c * (1 - s) + d * s) * t,
+              unit(stretch(shape, s, t))};
+    case ShapeKind::kDisk: {
+      const Vec &n = b, u = across(n);
+      const Real angle = 2 * kPi * t;
+      return {
+          a + (u * std::cos(angle) + cross(n, u) * std::sin(angle)) * (shape.radius * std::sqrt(s)),
+          n};
+    }
+    case ShapeKind::kSphere: {
+      const Real z = 2 * s - 1, angle = 2 * kPi * t;
+      const Real r = std::sqrt(std::fmax(0, 1 - z * z));
+      const Vec n{r * std::cos(angle), r * std::sin(angle), z};
+      return {a + n * shape.radius, n};
+    }
+    case ShapeKind::kCylinder: {
+      const Vec &w = b, u = across(w);
+      const Real angle = 2 * kPi * t;
+      const Vec n = u * std::cos(angle) + cross(w, u) * std::sin(angle);
+      return {a + n * shape.radius + w * (shape.half_height * (2 * s - 1)), n};
+    }
+  }
+  return {};
+}
+
+std::pair<Real, Real> area_of(const Shape& shape) {
+  const auto& [a, b, c, d] = shape.at;
+  const Real r = shape.radius;
+  switch (shape.kind) {
+    case ShapeKind::kTriangle:
+      return {length(cross(b - a, c - a)) / 2, 0};
+    case ShapeKind::kParallelogram:
+      return {length(cross(b - a, c - a)), 0};
+    case ShapeKind::kDisk:
+      return {kPi * r * r, 0};
+    case ShapeKind::kSphere:
+      return {4 * kPi * r * r, 0};
+    case ShapeKind::kCylinder:
+      return {4 * kPi * r * shape.half_height, 0};
+    case ShapeKind::kPatch: {
+      const Real coarse = area_in_cells(shape, 16), fine = area_in_cells(shape, 32);
+      return {fine, std::fabs(fine - coarse)};
+    }
+  }
+  return {};
 }
 
 }  // namespace lucerna::oracle

@@ -1,16 +1,20 @@
 // What the oracle knows of single shapes.
 #pragma once
 
-#include <numbers>
 #include <vector>
 
 #include "tests/oracle/world.h"
 
 namespace lucerna::oracle {
 
-inline constexpr Real kPi = std::numbers::pi_v<Real>;
+inline bool is_curved(const Shape& shape) {
+  return shape.kind == ShapeKind::kPatch || shape.kind == ShapeKind::kCylinder;
+}
+inline bool is_flat(const Shape& shape) {
+  return !is_curved(shape) && shape.kind != ShapeKind::kSphere;
+}
 
-/// The corners of flat shapes; for disks and spheres the corners of a box around them.
+/// Points whose convex hull holds the shape, or the corners of a box around it.
 std::vector<Vec> hull(const Shape& shape);
 /// Of a flat shape, unit, on the side that emits.
 Vec normal_of(const Shape& shape);
@@ -19,5 +23,15 @@ std::vector<Vec> surroundings(const Shape& shape);
 /// How far inside of the flat shape's border a point of its plane lies; negative outside, where it
 /// is at most the distance.  `n`: normal_of(shape).
 Real inside_by(const Shape& shape, const Vec& n, const Vec& p);
+
+/// A point of a shape with its unit normal, on the side that emits.
+struct SurfacePoint {
+  Vec at, normal;
+};
+/// `s` and `t` are in [0, 1].  Over triangles, parallelograms, disks, spheres and cylinders they
+/// are uniform by area.
+SurfacePoint point_of(const Shape& shape, Real s, Real t);
+/// [m2], with a bound of its error.
+std::pair<Real, Real> area_of(const Shape& shape);
 
 }  // namespace lucerna::oracle

@@ -14,8 +14,16 @@ constexpr Real kRoundoff = 0x1p-24L;
 constexpr Real kRoundings = 4;
 /// The least difference that floats keep, in the server's unit.
 constexpr Real kTiny = 0x1p-120L;
+/// The error of the coordinates of a point of a request, relative to the largest one.
+constexpr Real kOfPoint = 0x1p-21L;
+/// A point lies on a surface that is within this many errors: twice its own and that of a ray.
+constexpr Real kNear = 6.5L;
+/// A way from a point without a normal begins within this many errors.
+constexpr Real kLoose = 17;
+/// The error of a direction: per metre of the way.
+constexpr Real kOfDirection = kRoundings * kRoundoff;
 
-struct Box {
+struct Bounds {
   Vec lower{std::numeric_limits<Real>::infinity(), std::numeric_limits<Real>::infinity(),
             std::numeric_limits<Real>::infinity()};
   Vec upper = -lower;
@@ -25,17 +33,62 @@ struct Box {
   }
 };
 
+bool has_place(const Light& light) {
+  return light.kind != LightKind::kDistant && light.kind != LightKind::kSun &&
+         light.kind != LightKind::kSky;
+}
+
 }  // namespace
 
-Truth::Truth(const World& world) : world_(world) {
-  Box box;
+Shape at_time(const Shape& shape, Real time) {
+  Shape moved = shape;
+  const bool has_axis = shape.kind == ShapeKind::kDisk || shape.kind == ShapeKind::kCylinder;
+  for (std::size_t i = 0; i < (has_axis ? 1 : moved.at.size()); ++i)
+    moved.at[i] = moved.at[i] + shape.moves * time;
+  return moved;
+}
+
+World at_its_time(const World& world) {
+  World moved = world;
+  for (Shape& shape : moved.shapes) shape = at_time(shape, world.time);
+  for (Light& light : moved.lights) light.at = light.at + light.moves * world.time;
+  return moved;
+}
+
+Amount& Amount::operator+=(const Amount& other) {
+  value += other.value;
+  bound += other.bound;
+  sure = sure && other.sure;
+  cells += other.cells;
+  return *this;
+}
+
+Truth::Truth(const World& world) : world_(at_its_time(world)) {
+  Bounds box;
   for (const Shape& shape : world.shapes) {
-    for (const Vec& p : hull(shape)) box.add(p);
+    for (const Vec& p : hull(shape)) {
+      box.add(p);
+      box.add(p + shape.moves);
+    }
   }
-  for (const Light& light : world.lights) {
-    if (light.kind == LightKind::kPoint) box.add(light.at);
+  if (world.shapes.empty()) {
+    for (const Light& light : world.lights) {
+      if (!has_place(light)) continue;
+      box.add(light.at);
+      box.add(light.at + light.moves);
+    }
   }
-  centre_ = (box.lower + box.upper) * 0.5L;
+  // The server keeps floats about the middle of the scene, rounded to a multiple of the smallest
+  // power of two that is not below its extent.
+  const Vec wide = box.upper - box.lower;
+  const Real extent = std::fmax(std::fmax(wide.x, wide.y), wide.z);
+  if (!(extent >= 0)) return;
+  const Real step = extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
+  const auto middle = [&](Real lower, Real upper) {
+    return std::nearbyint((lower + upper) / 2 / step) * step;
+  };
+  centre_ = {middle(box.lower.x, box.upper.x), middle(box.lower.y, box.upper.y),
+             middle(box.lower.z, box.upper.z)};
 }
 
 Vec Truth::rounding(const Vec& point) const {
@@ -49,7 +102,27 @@ Vec Truth::rounding(const Shape& shape) const {
     const Vec r = rounding(p);
     most = {std::fmax(most.x, r.x), std::fmax(most.y, r.y), std::fmax(most.z, r.z)};
   }
+  // A shape that moves is turned and shifted in floats.
+  if (length(shape.moves) > 0) most = most * 2;
   return most;
+}
+
+Real Truth::near(const Place& place) const {
+  const Vec d = absolute(place.at - centre_);
+  return place.asked ? kNear * kOfPoint * std::fmax(std::fmax(d.x, d.y), d.z) : 0;
+}
+
+Real Truth::blur(const Place& place) const {
+  return dot(place.normal, place.normal) > 0 ? 0 : near(place) * (kLoose / kNear);
+}
+
+Real Truth::reach(const Vec& at) const {
+  Real reach = 0;
+  for (const Shape& shape : world_.shapes) {
+    for (const Vec& p : hull(shape)) reach = std::fmax(reach, length(p - at));
+  }
+  // Without shapes, far enough to have a direction.
+  return 2 * reach + 1e-6L * length(at) + 1e-30L;
 }
 
 Way Truth::past_flat(const Shape& shape, const Place& from, const Place& to) const {
@@ -57,17 +130,16 @@ Way Truth::past_flat(const Shape& shape, const Place& from, const Place& to) con
   const Vec n = normal_of(shape), along = to.at - from.at;
   const Real distance = length(along);
   const Vec of_shape = rounding(shape);
-  const Real of_direction = kRoundings * kRoundoff;  // per metre of the way
   const auto off_plane = [&](const Vec& p) { return dot(absolute(n), of_shape + rounding(p)); };
   const Real from_error = off_plane(from.at);
-  const Real to_error = to.far ? of_direction * distance : off_plane(to.at);
+  const Real to_error = to.far ? kOfDirection * distance : off_plane(to.at);
   const bool on_from = from.on == number, on_to = to.on == number;
   const Real a = dot(from.at - shape.at[0], n), b = dot(to.at - shape.at[0], n);
-  const bool near_from = on_from || std::fabs(a) <= from_error;
-  const bool near_to = on_to || std::fabs(b) <= to_error;
+  const bool near_from = on_from || std::fabs(a) <= from_error + near(from);
+  const bool near_to = on_to || std::fabs(b) <= to_error + near(to);
   const Real of_end = to.far ? 0 : length(rounding(to.at));
   const auto in_plane_at = [&](Real t) {
-    return length(of_shape) + length(rounding(from.at)) + of_end + of_direction * t;
+    return length(of_shape) + length(rounding(from.at)) + of_end + kOfDirection * t;
   };
   const Real in_plane = in_plane_at(distance);
   if (near_from && near_to) {
@@ -87,9 +159,12 @@ Way Truth::past_flat(const Shape& shape, const Place& from, const Place& to) con
   const Vec meeting = from.at + along * (t / distance);
   const Real cosine = std::fabs(a - b) / distance;
   const Real margin =
-      in_plane_at(t) + (from_error + (to.far ? 0 : to_error)) / cosine + of_direction * t / cosine;
+      in_plane_at(t) + (from_error + (to.far ? 0 : to_error)) / cosine + kOfDirection * t / cosine;
   const Real inside = inside_by(shape, n, meeting);
-  if (inside > margin) return Way::kBlocked;
+  if (inside > margin) {
+    const bool loose = t <= blur(from) || distance - t <= blur(to);
+    return loose ? Way::kUnsure : Way::kBlocked;
+  }
   return inside < -margin ? Way::kFree : Way::kUnsure;
 }
 
@@ -99,7 +174,7 @@ Way Truth::past_sphere(const Shape& shape, const Place& from, const Place& to) c
   const Real distance = length(along), r = shape.radius;
   const Real reach = std::fmin(distance, length(centre - from.at) + r);
   const Real error = length(rounding(shape)) + length(rounding(from.at)) +
-                     (to.far ? 0 : length(rounding(to.at))) + kRoundings * kRoundoff * reach;
+                     (to.far ? 0 : length(rounding(to.at))) + kOfDirection * reach;
   const bool on_from = from.on == number, on_to = to.on == number;
   const Real a = length(from.at - centre) - r, b = length(to.at - centre) - r;
   const Vec w = along * (1 / distance);
@@ -113,10 +188,13 @@ Way Truth::past_sphere(const Shape& shape, const Place& from, const Place& to) c
     if (std::fabs(cosine) * r <= 4 * (error + std::sqrt(error * r))) return Way::kUnsure;
     if (cosine > 0) return on_from && on_to ? Way::kUnsure : Way::kFree;
     if (on_from && on_to) return Way::kFree;
-    if (off > error) return Way::kBlocked;
-    return off < -error ? Way::kFree : Way::kUnsure;
+    const Real loose = error + std::fmax(near(other), blur(other));
+    if (off > loose) return Way::kBlocked;
+    return off < -loose ? Way::kFree : Way::kUnsure;
   }
-  if (std::fabs(a) <= error || std::fabs(b) <= error) return Way::kUnsure;
+  if (std::fabs(a) <= error + std::fmax(near(from), blur(from)) ||
+      std::fabs(b) <= error + std::fmax(near(to), blur(to)))
+    return Way::kUnsure;
   if ((a < 0) != (b < 0)) return Way::kBlocked;
   if (a < 0) return Way::kFree;  // both inside
   const Real t = std::clamp(dot(centre - from.at, w), Real{0}, distance);
@@ -125,9 +203,32 @@ Way Truth::past_sphere(const Shape& shape, const Place& from, const Place& to) c
   return gap < -error ? Way::kBlocked : Way::kUnsure;
 }
 
+End Truth::end(const Place& place, const Shape& shape, const Place& other) const {
+  Vec error = rounding(place.at);
+  if (place.far) {
+    const Real r = kOfDirection * length(place.at - other.at);
+    error = {r, r, r};
+  }
+  const bool on = place.on == static_cast<int>(&shape - world_.shapes.data());
+  const Real near = on ? 0 : Truth::near(place);
+  const Real distance = length(place.at - other.at);
+  return {box_about(place.at, error + Vec{near, near, near}), on, place.s, place.t,
+          distance > 0 ? blur(place) / distance : 0};
+}
+
 Way Truth::past(const Shape& shape, const Place& from, const Place& to) const {
-  return shape.kind == ShapeKind::kSphere ? past_sphere(shape, from, to)
-                                          : past_flat(shape, from, to);
+  if (is_curved(shape)) {
+    const Way way = past_curved(shape, rounding(shape), end(from, shape, to), end(to, shape, from));
+    // A way that grazes its own surface may end at it earlier.
+    constexpr Real kGrazing = 0.1L;
+    const Vec w = unit(to.at - from.at);
+    const int number = static_cast<int>(&shape - world_.shapes.data());
+    const auto grazes = [&](const Place& p) {
+      return p.on == number && std::fabs(dot(point_of(shape, p.s, p.t).normal, w)) < kGrazing;
+    };
+    return way == Way::kBlocked && (grazes(from) || grazes(to)) ? Way::kUnsure : way;
+  }
+  return is_flat(shape) ? past_flat(shape, from, to) : past_sphere(shape, from, to);
 }
 
 Way Truth::way(const Place& from, const Place& to) const {

@@ -2,70 +2,106 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "tests/oracle/vec.h"
 
 namespace lucerna::oracle {
 
-/// Extended precision: 64 bits of mantissa on x86-64.
-using Real = long double;
-
-struct Vec {
-  Real x = 0, y = 0, z = 0;
+/// A grey picture, row by row from the top.  Its values are floats.  Empty: none.
+struct Texels {
+  int width = 0, height = 0;
+  std::vector<Real> values;
+  Real at(int x, int y) const { return values[static_cast<std::size_t>(y * width + x)]; }
+  bool empty() const { return values.empty(); }
 };
-inline Vec operator+(const Vec& a, const Vec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec operator-(const Vec& a, const Vec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec operator-(const Vec& a) { return {-a.x, -a.y, -a.z}; }
-inline Vec operator*(const Vec& a, Real s) { return {a.x * s, a.y * s, a.z * s}; }
-inline Real dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vec cross(const Vec& a, const Vec& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline Real length(const Vec& a) { return std::sqrt(dot(a, a)); }
-inline Vec unit(const Vec& a) { return a * (1 / length(a)); }
-inline Vec absolute(const Vec& a) { return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}; }
-/// A unit vector across the unit vector `n`.
-inline Vec across(const Vec& n) {
-  return unit(cross(std::fabs(n.x) < 0.6L ? Vec{1, 0, 0} : Vec{0, 1, 0}, n));
-}
 
-enum class ShapeKind : std::uint8_t { kTriangle, kParallelogram, kDisk, kSphere };
-inline constexpr int kShapeKinds = 4;
+enum class ShapeKind : std::uint8_t {
+  kTriangle,
+  kParallelogram,
+  kPatch,
+  kDisk,
+  kSphere,
+  kCylinder
+};
+inline constexpr std::array<const char*, 6> kShapeNames{"triangle", "parallelogram", "patch",
+                                                        "disk",     "sphere",        "cylinder"};
 
 /// A surface, in metres.
 struct Shape {
   ShapeKind kind = ShapeKind::kTriangle;
-  /// Triangle: its corners.  Parallelogram: a corner and its two neighbours.  Disk: the centre, and
-  /// a point on its axis at a distance of 1.  Sphere: the centre.  All are doubles.
-  std::array<Vec, 3> at{};
-  Real radius = 0;    ///< of disks and spheres
-  Real radiance = 0;  ///< [cd/m2], white; 0: does not emit
-  bool two_sided = false;
+  /// All are doubles.
+  /// - Triangle: its corners.
+  /// - Parallelogram, patch: the corners at (s, t) = (0, 0), (1, 0), (0, 1), and of a patch (1, 1).
+  /// - Disk, cylinder: the middle, and its axis, a unit vector.
+  /// - Sphere: the centre.
+  std::array<Vec, 4> at{};
+  Real radius = 0;         ///< of disks, spheres and cylinders
+  Real half_height = 0;    ///< of cylinders
+  Real radiance = 0;       ///< [cd/m2], white; 0: does not emit
+  bool two_sided = false;  ///< emits on both sides
+  Texels picture{};        ///< factors of the radiance, over a parallelogram; nearest texel
+  Vec moves{};             ///< from time 0 to time 1
 };
 
-enum class LightKind : std::uint8_t { kPoint, kDistant };
-inline constexpr int kLightKinds = 2;
+enum class LightKind : std::uint8_t {
+  kPoint,
+  kSpot,
+  kPicture,
+  kWeb,
+  kProjection,
+  kBeam,
+  kDistant,
+  kSun,
+  kSky,
+  kPortal
+};
+inline constexpr std::array<const char*, 10> kLightNames{
+    "point", "spot", "picture", "web", "projection", "beam", "distant", "sun", "sky", "portal"};
 
 /// A light without a surface.
 struct Light {
   LightKind kind = LightKind::kPoint;
-  Vec at;          ///< distant light: the unit vector towards the light
-  Real level = 0;  ///< [cd]; distant light: illuminance on a surface that faces it [lx]
+  Vec at;  ///< the middle; of a portal a corner
+  /// Unit vectors at right angles.  Spots, projections and beams shine along the third, it is the
+  /// downward axis of a web, and it points to the distant light or to the sun.  The first two are
+  /// the sides of a portal.
+  std::array<Vec, 3> axes{Vec{1, 0, 0}, Vec{0, 1, 0}, Vec{0, 0, 1}};
+  /// [cd], where a picture is 1.  Beam, distant, sun: illuminance on a surface that faces it [lx].
+  /// Sky, portal: radiance [cd/m2], where the picture is 1.
+  Real level = 0;
+  /// Radians.  Spot: the half angle.  Projection: the field of view of the shorter side.  Sun: the
+  /// diameter.
+  Real angle = 0;
+  Real edge = 0;  ///< radians, of a spot: the width of the smooth edge
+  /// [m]  Beam: half of the shorter side.  Portal: the sides.
+  std::array<Real, 2> extent{};
+  /// Picture, sky: equal-area map of all directions.  Projection, beam: the picture.
+  Texels picture{};
+  /// Web: candela at angles from the downward axis, ascending, and at equal steps of azimuth.  The
+  /// azimuths go from 0 to `sweep` [degrees]; the web repeats in mirrors beyond.
+  std::vector<Real> gammas{}, candela{};
+  int planes = 1, sweep = 0;
+  Vec moves{};  ///< from time 0 to time 1
 };
 
 /// A point that a question names.
 struct Place {
-  Vec at;            ///< doubles
-  Vec normal;        ///< floats, not normalised; zero in free space
-  int on = -1;       ///< the shape that it lies on; -1: none
-  bool far = false;  ///< stands for infinity in its direction
+  Vec at{};            ///< doubles
+  Vec normal{};        ///< floats, not normalised; zero in free space
+  int on = -1;         ///< the shape that it lies on; -1: none
+  Real s = 0, t = 0;   ///< the parameters of the point if `on` is a patch
+  bool far = false;    ///< stands for infinity in its direction
+  bool asked = false;  ///< a point of a request, whose coordinates have an error by the contract
 };
 
 struct World {
   std::vector<Shape> shapes;
   std::vector<Light> lights;
+  Real time = 0;
   std::vector<Place> receivers;  ///< each has a normal
   struct Segment {
     Place from, to;
@@ -73,8 +109,23 @@ struct World {
   std::vector<Segment> segments;
 };
 
+/// The numbers of light sources: first `World::lights`, then the shapes that emit.
+inline std::vector<int> emitting_shapes(const World& world) {
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < world.shapes.size(); ++i) {
+    if (world.shapes[i].radiance > 0) numbers.push_back(static_cast<int>(i));
+  }
+  return numbers;
+}
+
+/// Where things are at the world's time.
+Shape at_time(const Shape& shape, Real time);
+World at_its_time(const World& world);
+
 /// The scene as a .pbrt file.  Numbers keep all bits of a double.
 std::string pbrt_text(const World& world);
+/// The pictures and luminaire files that it names: names and contents.
+std::vector<std::pair<std::string, std::string>> pbrt_files(const World& world);
 
 /// The random scene with this number.
 World random_world(std::uint64_t number);

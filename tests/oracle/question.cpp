@@ -1,0 +1,28 @@
+#include "tests/oracle/question.h"
+
+#include <array>
+
+namespace lucerna::oracle {
+
+std::string name_of(Question::Kind kind) {
+  constexpr std::array kNames{"visibility", "illuminance", "power", "delta", "density"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+std::vector<Question> questions_about(const World& world) {
+  using Kind = Question::Kind;
+  std::vector<Question> questions;
+  for (const auto& segment : world.segments)
+    questions.push_back({Kind::kVisibility, segment.from, segment.to});
+  for (const Place& receiver : world.receivers) questions.push_back({Kind::kIlluminance, receiver});
+  const int lights = static_cast<int>(world.lights.size());
+  const int sources = lights + static_cast<int>(emitting_shapes(world).size());
+  for (int i = 0; i < sources; ++i) {
+    questions.push_back({Kind::kPower, {}, {}, i});
+    const Place& receiver = world.receivers[static_cast<std::size_t>(i) % world.receivers.size()];
+    questions.push_back({i < lights ? Kind::kDelta : Kind::kDensity, receiver, {}, i});
+  }
+  return questions;
+}
+
+}  // namespace lucerna::oracle

@@ -1,0 +1,22 @@
+// Questions about a random scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/oracle/world.h"
+
+namespace lucerna::oracle {
+
+struct Question {
+  enum class Kind : std::uint8_t { kVisibility, kIlluminance, kPower, kDelta, kDensity };
+  Kind kind = Kind::kVisibility;
+  Place from{}, to{};  ///< visibility: both ends; else the receiver, except for power
+  /// Of power, delta and density: first World::lights, then the shapes that emit.
+  int source = -1;
+};
+
+std::vector<Question> questions_about(const World& world);
+std::string name_of(Question::Kind kind);
+
+}  // namespace lucerna::oracle

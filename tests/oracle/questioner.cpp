@@ -1,0 +1,239 @@
+#include "tests/oracle/questioner.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "tests/oracle/lights.h"
+#include "tests/oracle/shapes.h"
+
+namespace lucerna::testing {
+namespace {
+
+using oracle::Amount;
+using oracle::Place;
+using oracle::Real;
+using oracle::Truth;
+using oracle::Vec;
+using oracle::Way;
+using Kind = Verdict::Kind;
+
+std::string shown(const Vec& v) {
+  return fmt::format("({:.17g}, {:.17g}, {:.17g})", static_cast<double>(v.x),
+                     static_cast<double>(v.y), static_cast<double>(v.z));
+}
+std::string shown(const Place& p) {
+  return shown(p.at) + " m, normal " + shown(p.normal) + fmt::format(", on shape {}", p.on);
+}
+std::string shown(const Amount& a) {
+  return fmt::format("{} +- {}", static_cast<double>(a.value), static_cast<double>(a.bound));
+}
+
+/// Each query asks for one point.  It is the batch's origin, so that no coordinate is rounded.
+void set_point(const Place& p, v1::Points* points) {
+  points->mutable_origin_m()->set_x(static_cast<double>(p.at.x));
+  points->mutable_origin_m()->set_y(static_cast<double>(p.at.y));
+  points->mutable_origin_m()->set_z(static_cast<double>(p.at.z));
+  for (int i = 0; i < 3; ++i) points->add_offsets_m(0);
+}
+
+template <typename Field>
+void add_normal(const Place& p, Field* field) {
+  for (const Real x : {p.normal.x, p.normal.y, p.normal.z}) field->Add(static_cast<float>(x));
+}
+
+Vec vec_of(const google::protobuf::RepeatedField<float>& field, int i) {
+  return {field[3 * i], field[3 * i + 1], field[3 * i + 2]};
+}
+
+Verdict verdict_of(bool right, const std::string& text) {
+  return right ? Verdict{Kind::kAgrees} : Verdict{Kind::kWrong, text};
+}
+
+}  // namespace
+
+bool Questioner::load(const oracle::World& world) {
+  for (const auto& [name, bytes] : pbrt_files(world))
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+  std::ofstream(folder_ / "scene.pbrt") << pbrt_text(world);
+  v1::LoadSceneRequest q;
+  q.set_path("scene.pbrt");
+  v1::LoadSceneResponse r;
+  const grpc::Status s = status_of([&](auto* c) { return service_.scenes.LoadScene(c, q, &r); });
+  EXPECT_TRUE(s.ok()) << s.error_message() << "\n" << pbrt_text(world);
+  id_ = r.scene_id();
+  return s.ok();
+}
+
+void Questioner::release() {
+  v1::ReleaseSceneRequest q;
+  q.set_scene_id(id_);
+  v1::ReleaseSceneResponse r;
+  EXPECT_TRUE(status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, q, &r); }).ok());
+}
+
+Verdict Questioner::judge(const Truth& truth, const Question& question) {
+  switch (question.kind) {
+    case Question::Kind::kVisibility:
+      return visibility(truth, question);
+    case Question::Kind::kIlluminance:
+      return illuminance(truth, question);
+    case Question::Kind::kPower:
+      return power(truth, question);
+    case Question::Kind::kDelta:
+      return delta(truth, question);
+    case Question::Kind::kDensity:
+      return density(truth, question);
+  }
+  return {};
+}
+
+Verdict Questioner::visibility(const Truth& truth, const Question& question) {
+  const Way way = truth.way(question.from, question.to);
+  if (way == Way::kUnsure) return {};
+  v1::TestVisibilityRequest q;
+  q.set_scene_id(id_);
+  q.set_time_s(static_cast<double>(truth.world().time));
+  set_point(question.from, q.mutable_segments()->mutable_from());
+  set_point(question.to, q.mutable_segments()->mutable_to());
+  if (length(question.from.normal) > 0) add_normal(question.from, q.mutable_normals());
+  v1::TestVisibilityResponse r;
+  const grpc::Status s =
+      status_of([&](auto* c) { return service_.lighting.TestVisibility(c, q, &r); });
+  if (!s.ok()) return {Kind::kWrong, s.error_message()};
+  if (r.status_size() > 0 && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
+  const bool visible = (r.visible()[0] & 1) != 0;
+  return verdict_of(visible == (way == Way::kFree),
+                    fmt::format("from {}\nto {}\nvisible: the server says {}", shown(question.from),
+                                shown(question.to), visible));
+}
+
+Verdict Questioner::illuminance(const Truth& truth, const Question& question) {
+  const Amount amount = truth.illuminance(question.from);
+  if (!amount.sure) return {};
+  v1::EstimateIrradianceRequest q;
+  q.set_scene_id(id_);
+  q.set_time_s(static_cast<double>(truth.world().time));
+  set_point(question.from, q.mutable_receivers());
+  add_normal(question.from, q.mutable_normals());
+  q.set_bounces(0);
+  v1::EstimateIrradianceResponse r;
+  const grpc::Status s =
+      status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); });
+  if (!s.ok()) return {Kind::kWrong, s.error_message()};
+  if (r.status_size() > 0 && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
+  const Real slack = amount.bound + 1e-6L * amount.value;
+  const bool exact = r.standard_error_lx(0) == 0 && r.lower_lx(0) == r.upper_lx(0);
+  const bool holds = r.lower_lx(0) <= amount.value + slack && r.upper_lx(0) >= amount.value - slack;
+  const std::string text = fmt::format(
+      "at {}\nilluminance: the server says {} from {} to {} lx, right is {} lx",
+      shown(question.from), r.illuminance_lx(0), r.lower_lx(0), r.upper_lx(0), shown(amount));
+  if (exact) return verdict_of(holds, text);
+  return {holds ? Kind::kHolds : Kind::kMisses, text};
+}
+
+Verdict Questioner::power(const Truth& truth, const Question& question) {
+  const auto amount = truth.power(question.source);
+  if (!amount || !amount->sure) return {amount ? Kind::kUnsure : Kind::kNoAnswer};
+  v1::EstimatePowerRequest q;
+  q.set_scene_id(id_);
+  q.add_light_ids(static_cast<std::uint64_t>(question.source) + 1);
+  v1::EstimatePowerResponse r;
+  const grpc::Status s =
+      status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &r); });
+  if (!s.ok()) return {Kind::kWrong, s.error_message()};
+  const auto& light = r.lights(0);
+  const Real slack = amount->bound + light.error_lm() + 1e-6L * amount->value;
+  return verdict_of(
+      std::fabs(light.power_lm() - amount->value) <= slack,
+      fmt::format("power of light {}: the server says {} +- {} lm, right is {} lm",
+                  question.source + 1, light.power_lm(), light.error_lm(), shown(*amount)));
+}
+
+v1::SampleLiResponse Questioner::sample(const Truth& truth, const Question& question,
+                                        std::uint32_t samples, v1::AreaSampling sampling) {
+  v1::SampleLiRequest q;
+  q.set_scene_id(id_);
+  q.set_time_s(static_cast<double>(truth.world().time));
+  q.set_light_id(static_cast<std::uint64_t>(question.source) + 1);
+  set_point(question.from, q.mutable_receivers());
+  add_normal(question.from, q.mutable_normals());
+  q.set_test_visibility(true);
+  q.mutable_accuracy()->set_samples(samples);
+  q.mutable_accuracy()->set_area_sampling(sampling);
+  q.mutable_accuracy()->set_sampler(v1::SAMPLER_INDEPENDENT);
+  v1::SampleLiResponse r;
+  const grpc::Status s = status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
+  EXPECT_TRUE(s.ok()) << s.error_message();
+  return r;
+}
+
+Verdict Questioner::delta(const Truth& truth, const Question& question) {
+  const auto& light = truth.world().lights[static_cast<std::size_t>(question.source)];
+  const Vec& at = question.from.at;
+  const auto a = arrival(light, at, truth.reach(at));
+  if (!a) return {Kind::kNoAnswer};
+  const Vec d = a->end.at - at;
+  const Real distance = length(d);
+  const Real slant =
+      (a->end.far ? 0 : length(truth.rounding(at) + truth.rounding(a->end.at)) / distance) +
+      0x1p-22L;
+  if (!(slant < 1e-3L)) return {};
+  Real change = 0;
+  const Vec u = oracle::across(d * (1 / distance)), v = cross(d * (1 / distance), u);
+  for (const Vec& side : {u, -u, v, -v}) {
+    const auto there = arrival(light, at + side * (distance * slant), truth.reach(at));
+    change = std::fmax(change, std::fabs(there->facing - a->facing));
+  }
+  if (change > 0.01L * a->facing) return {};
+  const v1::SampleLiResponse r = sample(truth, question, 1, v1::AREA_SAMPLING_UNSPECIFIED);
+  if (r.value_size() != 3) return {Kind::kWrong, "no sample"};
+  const bool ok = r.status_size() == 0 || r.status(0) == v1::ITEM_STATUS_OK;
+  if (!ok && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
+  const Real value = r.value(0), slack = change + a->facing * (4 * slant + 1e-6L);
+  const std::string text = fmt::format(
+      "light {} at {}\nsample: the server says {} lx from {}, visible {}, right is {} lx from {}",
+      question.source + 1, shown(question.from), static_cast<double>(value),
+      shown(vec_of(r.wi(), 0)), (r.visible()[0] & 1) != 0, static_cast<double>(a->facing),
+      shown(d * (1 / distance)));
+  // Numbers below the smallest normal float are 0.
+  if (a->facing > 0 && a->facing < 1e-36L) return {Kind::kNoAnswer};
+  if (std::fabs(value - a->facing) > slack) return {Kind::kWrong, text};
+  if (a->facing == 0) return {Kind::kAgrees};
+  if (length(vec_of(r.wi(), 0) - d * (1 / distance)) > 4 * slant) return {Kind::kWrong, text};
+  const Way way = truth.way(question.from, a->end);
+  if (way == Way::kUnsure) return {Kind::kAgrees};
+  return verdict_of(((r.visible()[0] & 1) != 0) == (way == Way::kFree), text);
+}
+
+Verdict Questioner::density(const Truth& truth, const Question& question) {
+  const std::size_t number =
+      static_cast<std::size_t>(question.source) - truth.world().lights.size();
+  const int shape = emitting_shapes(truth.world())[number];
+  const Amount omega = truth.solid_angle(shape, question.from);
+  if (!omega.sure) return {};
+  const std::uint32_t samples = 256;
+  const v1::SampleLiResponse r = sample(truth, question, samples, v1::AREA_SAMPLING_UNSPECIFIED);
+  Real sum = 0, squares = 0;
+  for (int i = 0; i < static_cast<int>(samples); ++i) {
+    const bool ok = r.status_size() == 0 || r.status(i) == v1::ITEM_STATUS_OK;
+    if (r.status_size() > 0 && r.status(i) == v1::ITEM_STATUS_OUT_OF_RANGE)
+      return {Kind::kNoAnswer};
+    const Real x = ok ? 1 / static_cast<Real>(r.pdf_per_sr(i)) : 0;
+    sum += x;
+    squares += x * x;
+  }
+  const Real mean = sum / samples;
+  const Real error = std::sqrt(std::fmax(0, squares / samples - mean * mean) / (samples - 1));
+  const std::string text =
+      fmt::format("light {} at {}\nmean of 1/density: the server gives {} +- {} sr, right is {} sr",
+                  question.source + 1, shown(question.from), static_cast<double>(mean),
+                  static_cast<double>(error), shown(omega));
+  const Real off = std::fabs(mean - omega.value), slack = omega.bound + 1e-5L * omega.value;
+  if (mean > 0 && error <= 1e-5L * mean) return verdict_of(off <= slack, text);
+  // If no sample found the light, it is a rare one at most.
+  if (mean == 0 && omega.value > 0) return {Kind::kMisses, text};
+  return {off <= slack + 2 * error ? Kind::kHolds : Kind::kMisses, text};
+}
+
+}  // namespace lucerna::testing

@@ -1,0 +1,56 @@
+// Questions about a random scene, asked to a server over the wire and answered by the oracle.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "tests/oracle/question.h"
+#include "tests/oracle/truth.h"
+#include "tests/server/rpc/service_fixture.h"
+
+namespace lucerna::testing {
+
+using oracle::Question;
+
+/// What comparing two answers gave.
+struct Verdict {
+  enum class Kind : std::uint8_t {
+    kAgrees,   ///< an answer without random error is right
+    kHolds,    ///< an interval contains the right value
+    kMisses,   ///< an interval does not contain it, which may happen in 5%
+    kWrong,    ///< an answer without random error is wrong
+    kUnsure,   ///< the floats of scene and request do not decide it
+    kNoAnswer  ///< the server gave a status that the contract allows
+  };
+  Kind kind = Kind::kUnsure;
+  std::string text{};  ///< of wrong answers: the question and both answers
+};
+
+class Questioner {
+ public:
+  /// `folder`: the server's scene root.
+  Questioner(Service& service, std::filesystem::path folder)
+      : service_(service), folder_(std::move(folder)) {}
+
+  /// Loads the scene in place of the one before.  False if the server refuses it.
+  bool load(const oracle::World& world);
+  /// Of the loaded scene.
+  Verdict judge(const oracle::Truth& truth, const Question& question);
+  void release();
+
+ private:
+  Verdict visibility(const oracle::Truth& truth, const Question& question);
+  Verdict illuminance(const oracle::Truth& truth, const Question& question);
+  Verdict power(const oracle::Truth& truth, const Question& question);
+  Verdict delta(const oracle::Truth& truth, const Question& question);
+  Verdict density(const oracle::Truth& truth, const Question& question);
+  v1::SampleLiResponse sample(const oracle::Truth& truth, const Question& question,
+                              std::uint32_t samples, v1::AreaSampling sampling);
+
+  Service& service_;
+  std::filesystem::path folder_;
+  std::string id_;
+};
+
+}  // namespace lucerna::testing
