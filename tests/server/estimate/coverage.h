@@ -104,14 +104,16 @@ void expect_sees_wrong_widths(CoverageOf&& coverage) {
 
 /// For a query with a target error.
 inline constexpr std::size_t kTargetQuestions = 4000;
+/// The relative error that they request.
+inline constexpr double kTargetRelative = 0.04;
 
-/// Checks that 95% of the answers are within 2%: three standard deviations more than exactly
-/// 95%. `estimate(i)` answers one of kTargetQuestions.
+/// Checks that 95% of the answers are within kTargetRelative: three standard deviations more than
+/// exactly 95%. `estimate(i)` answers one of kTargetQuestions.
 template <typename Estimate>
 void expect_reached(double truth, Estimate&& estimate, const std::string& what) {
   std::size_t reached = 0;
   for (std::size_t i = 0; i < kTargetQuestions; ++i)
-    reached += std::fabs(estimate(i) - truth) <= 0.02 * truth;
+    reached += std::fabs(estimate(i) - truth) <= kTargetRelative * truth;
   EXPECT_GE(static_cast<double>(reached) / kTargetQuestions, 0.9603) << what;
 }
 

@@ -183,8 +183,9 @@ TEST(RenderCoverage, NoticesIntervalsThatAreTooNarrowOrTooWide) {
 TEST(RenderTarget, IsReached) {
   for (const PixelQuestion& q : {lamp_pixel(), edge_pixel(), furnace_pixel()}) {
     std::vector<Answer> answers(kTargetQuestions);
-    tbb::parallel_for(std::size_t{0}, answers.size(),
-                      [&](std::size_t i) { answers[i] = answer(q, within(0.02), 5000 + i); });
+    tbb::parallel_for(std::size_t{0}, answers.size(), [&](std::size_t i) {
+      answers[i] = answer(q, within(kTargetRelative), 5000 + i);
+    });
     expect_reached(
         q.truth, [&](std::size_t i) { return answers[i].value; }, q.name);
   }

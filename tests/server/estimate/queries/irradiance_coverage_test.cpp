@@ -98,7 +98,7 @@ TEST(IrradianceTarget, IsReached) {
     const std::vector<IrradiancePoint> points(
         kTargetQuestions, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
     const IrradianceSettings settings{.block_count = 16,
-                                      .target = TargetError{.relative = 0.02},
+                                      .target = TargetError{.relative = kTargetRelative},
                                       .bounces = q.bounces,
                                       .methods = {.closed_forms = ClosedForms::kOff}};
     const IrradianceResult r = estimate_irradiance(*q.scene, points, settings, {});
