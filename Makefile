@@ -1,7 +1,7 @@
 # make demo | test | soak | extremes | mutants | test-slurm | bench | tradeoff | automatic | fit | distributed | precision | format
 # Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test wire soak extremes mutants test-slurm bench tradeoff automatic fit distributed precision format
+.PHONY: deps release programs demo test wire oracle soak extremes mutants test-slurm bench tradeoff automatic fit distributed precision format
 
 deps:
 	@deploy/install-deps.sh
@@ -27,6 +27,12 @@ wire: deps
 	@test -f build/asan/build.ninja || cmake --preset asan
 	@cmake --build --preset asan --target wire_property_test
 	@LUCERNA_WIRE_ITEMS=$(ITEMS) build/asan/tests/server/extremes/wire_property_test
+
+# Compares the server's answers about random scenes with right answers.
+SCENES ?= 1000000
+oracle: release
+	@cmake --build --preset release --target oracle_test
+	@LUCERNA_ORACLE_SCENES=$(SCENES) build/release/tests/oracle/oracle_test
 
 # What takes long: ten times the items, ten times the rays in the shadow tests, four times the repeats in the interval
 # tests, and all mutants.

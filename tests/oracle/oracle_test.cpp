@@ -1,7 +1,8 @@
 // The server's answers about random small scenes against the oracle's.
 //
-// LUCERNA_ORACLE_SCENES: how many scenes, by default 2000.  LUCERNA_ORACLE_SCENE: the number of a
-// single scene, to reproduce a failure.
+// LUCERNA_ORACLE_SCENES: how many scenes, by default 2000.  LUCERNA_ORACLE_FIRST: the number of the
+// first one, by default 0.  LUCERNA_ORACLE_SCENE: the number of a single scene, to reproduce a
+// failure.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -36,6 +37,7 @@ class Oracle : public ::testing::Test {
 
   void check(std::uint64_t number) {
     const oracle::World world = oracle::random_world(number);
+    count(world);
     ASSERT_TRUE(questioner_.load(world));
     const oracle::Truth truth(world);
     for (const Question& question : questions_about(world)) {
@@ -46,6 +48,18 @@ class Oracle : public ::testing::Test {
       show(number, world, question);
     }
     questioner_.release();
+  }
+
+  void count(const oracle::World& world) {
+    for (const oracle::Shape& shape : world.shapes) {
+      const std::string kind = oracle::kShapeNames.at(static_cast<std::size_t>(shape.kind));
+      ++kinds_[kind];
+      if (shape.radiance > 0) ++kinds_[kind + " that emits"];
+      if (length(shape.moves) > 0) ++kinds_["shape that moves"];
+    }
+    for (const oracle::Light& light : world.lights)
+      ++kinds_[std::string("light: ") +
+               oracle::kLightNames.at(static_cast<std::size_t>(light.kind))];
   }
 
   Verdict judge(const oracle::World& world, const Question& question) {
@@ -68,6 +82,7 @@ class Oracle : public ::testing::Test {
   Service service_{options()};
   Questioner questioner_{service_, root_.path()};
   std::map<Question::Kind, Tally> tallies_;
+  std::map<std::string, std::uint64_t> kinds_;
   std::uint64_t failures_ = 0;
 };
 
@@ -78,10 +93,13 @@ TEST_F(Oracle, AgreesWithTheServer) {
   const std::uint64_t all = ~std::uint64_t{0};
   const std::uint64_t one = setting("LUCERNA_ORACLE_SCENE", all);
   const std::uint64_t scenes = setting("LUCERNA_ORACLE_SCENES", 2000);
-  for (std::uint64_t i = one == all ? 0 : one; i < (one == all ? scenes : one + 1); ++i) {
+  const std::uint64_t first = one == all ? setting("LUCERNA_ORACLE_FIRST", 0) : one;
+  const std::uint64_t last = one == all ? first + scenes : one + 1;
+  for (std::uint64_t i = first; i < last; ++i) {
     check(i);
     if (HasFatalFailure()) return;
   }
+  for (const auto& [kind, n] : kinds_) std::cout << fmt::format("{}: {}\n", kind, n);
   using K = Verdict::Kind;
   for (const auto& [kind, t] : tallies_)
     std::cout << fmt::format(
