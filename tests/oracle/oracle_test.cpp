@@ -87,14 +87,15 @@ class Oracle : public ::testing::Test {
 };
 
 TEST_F(Oracle, AgreesWithTheServer) {
-  const auto setting = [](const char* name, std::uint64_t usual) {
-    return whole_number_of(name, 0, usual).value();
-  };
   const std::uint64_t all = ~std::uint64_t{0};
-  const std::uint64_t one = setting("LUCERNA_ORACLE_SCENE", all);
-  const std::uint64_t scenes = setting("LUCERNA_ORACLE_SCENES", 2000);
-  const std::uint64_t first = one == all ? setting("LUCERNA_ORACLE_FIRST", 0) : one;
-  const std::uint64_t last = one == all ? first + scenes : one + 1;
+  const auto one_scene = whole_number_of("LUCERNA_ORACLE_SCENE", 0, all);
+  const auto from = whole_number_of("LUCERNA_ORACLE_FIRST", 0, 0);
+  const auto scenes = whole_number_of("LUCERNA_ORACLE_SCENES", 1, 2000);
+  for (const auto* setting : {&one_scene, &from, &scenes})
+    ASSERT_TRUE(setting->ok()) << setting->status();
+  const std::uint64_t one = *one_scene;
+  const std::uint64_t first = one == all ? *from : one;
+  const std::uint64_t last = one == all ? first + *scenes : one + 1;
   for (std::uint64_t i = first; i < last; ++i) {
     check(i);
     if (HasFatalFailure()) return;

@@ -87,6 +87,5 @@ inline Box box_about(const Vec& middle, const Vec& reach) {
   return {Range::about(middle.x, reach.x), Range::about(middle.y, reach.y),
           Range::about(middle.z, reach.z)};
 }
-inline Box box_of(const Vec& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace lucerna::oracle
