@@ -26,7 +26,10 @@ bool is_density(SolidAnglePdf<Real> pdf) {
 
 template <std::floating_point Real, template <typename> typename Shape>
 AreaLight<Real, Shape>::AreaLight(const DiffuseEmission& emission, Shape<Real> shape)
-    : emission_(emission), radiance_(emission.radiance_cd_m2), shape_(std::move(shape)) {}
+    : emission_(emission), radiance_(emission.radiance_cd_m2), shape_(std::move(shape)) {
+  if constexpr (kPainted)
+    radiance_ = Rgb<Real>(emission.radiance_cd_m2 * shape_.picture().brightest());
+}
 
 template <std::floating_point Real, template <typename> typename Shape>
 absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
@@ -153,6 +156,37 @@ std::optional<Rgb<Real>> AreaLight<Real, Shape>::irradiance(
   return irradiance_of(Rgb<double>(radiance_), receiver, [&](const Vec3<double>& normal) {
     return shape_.projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
   });
+}
+
+// A part dA of radiance L sends L cos(theta) cos(theta') dA / r^2, which is at most L dA / r^2.  A
+// panel sends at most I / r^2 for the file's largest intensity I.
+template <std::floating_point Real, template <typename> typename Shape>
+MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& receiver) const {
+  if constexpr (kHasIrradiance)
+    if (const auto lx = irradiance(receiver)) return {luminance(Rgb<double>(*lx))};
+  const Vec3<double> p(receiver.position), n(receiver.normal);
+  const bool all_around = n == Vec3<double>{};
+  if (is_black() || !bounds()->reaches(receiver.position) ||
+      !(all_around || shape_.height_above(p, n) > 0))
+    return {0, 0};
+  const auto [lower, upper] = shape_.bounds();
+  const auto outside = [](double at, double from, double to) {
+    return std::max({0.0, from - at, at - to});
+  };
+  const double distance =
+      length(Vec3<double>{outside(p.x, lower.x, upper.x), outside(p.y, lower.y, upper.y),
+                          outside(p.z, lower.z, upper.z)});
+  double most_cd = luminance(Rgb<double>(radiance_));
+  // This radiance from all directions.
+  double everywhere = most_cd * std::numbers::pi * (all_around ? 4 : 1);
+  if constexpr (kPanel) {
+    most_cd *= shape_.profile().web->max_cd();
+    everywhere = std::numeric_limits<double>::infinity();
+  } else {
+    most_cd *= area_m2();
+  }
+  const double lx = most_cd / distance / distance;
+  return {std::min(lx, everywhere), lx};
 }
 
 template <std::floating_point Real, template <typename> typename Shape>

@@ -71,6 +71,10 @@ class AreaLight {
     return shape_.hides_itself();
   }
 
+  /// Upper bounds on the illuminance on the side that `receiver` faces.  In closed form, or from
+  /// the distance to the shape's box.
+  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const;
+
   /// Radiance [cd/m2] leaving `point` towards the vector `w` of any length; 0 on the dark side and
   /// along the surface.
   Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const;
@@ -143,7 +147,7 @@ class AreaLight {
   Rgb<Real> radiance_at(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
 
   DiffuseEmission emission_;
-  Rgb<Real> radiance_;
+  Rgb<Real> radiance_;  ///< of the brightest point; for a panel a factor
   Shape<Real> shape_;
 };
 

@@ -92,6 +92,19 @@ SolidAnglePdf<Real> ImageInfiniteLight<Real>::pdf_li(const Receiver<Real>& recei
 }
 
 template <std::floating_point Real>
+MostIrradiance ImageInfiniteLight<Real>::most_irradiance(const Receiver<Real>& receiver) const {
+  const double lx = luminance(params_.map->integral() * params_.radiance_cd_m2);
+  const bool all_around = receiver.normal == Vec3<Real>{};
+  const auto is_lit = [&](const Vec3<Real>& n) {
+    return params_.map->shines_above(axes_.map_from_world(Vec3<double>(n)));
+  };
+  if (!(lx > 0) || !(all_around || is_lit(receiver.normal))) return {0, 0};
+  // Texels above the map's mean have all samples of an `incomplete` receiver.  The receiver's own
+  // directions find the rest: at most the mean times pi, a quarter of the integral.
+  return {lx, lx * 1.25};
+}
+
+template <std::floating_point Real>
 Rgb<Real> ImageInfiniteLight<Real>::le_escaped(const Vec3<Real>&, const Vec3<Real>& w) const {
   const Vec3<double> direction = axes_.map_from_world(Vec3<double>(w));
   if (!is_finite(direction)) return {};

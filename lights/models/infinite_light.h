@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "lights/models/irradiance.h"
 #include "lights/models/light_model.h"
 #include "lights/sampling/light_sample.h"
 
@@ -31,6 +32,9 @@ class UniformInfiniteLight {
   /// receiver has no normal or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
   bool hides_itself() const { return false; }
+  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const {
+    return most_from_beyond(*this, receiver);
+  }
   /// Radiance [cd/m2] that a ray from `origin` meets when it leaves the scene towards `w`.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
   /// Flux through the disk of the scene's sphere from all directions, 4 pi L pi R^2.

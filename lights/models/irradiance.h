@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <optional>
 
 #include "lights/sampling/light_sample.h"
@@ -16,6 +18,23 @@ concept HasIrradiance = requires(const L& light, const Receiver<double>& receive
   light.irradiance(receiver);
   light.hides_itself();
 };
+
+/// Upper bounds on the illuminance at a receiver, or on the spherical illuminance at one without a
+/// normal.  0 only where certainly no light arrives.
+struct MostIrradiance {
+  double lx = 0;
+  /// Of the illuminance that one sample of `sample_li` stands for: its value times the cosine over
+  /// the density.  Infinite where no bound is known.
+  double sample_lx = std::numeric_limits<double>::infinity();
+};
+
+/// The bound of a light at infinity that has `irradiance`.
+template <std::floating_point Real, typename L>
+MostIrradiance most_from_beyond(const L& light, const Receiver<Real>& receiver) {
+  if (const auto lx = light.irradiance(receiver)) return {luminance(Rgb<double>(*lx))};
+  // The flux through a disk of radius 1 that faces each direction.
+  return {luminance(light.power({{}, 1}).lumens) / std::numbers::pi};
+}
 
 /// The irradiance [lx] from `radiance` [cd/m2] in all directions of a projected solid angle.
 /// `projected_sr` returns that angle for the receiver's unit normal, or nothing.  The irradiance is

@@ -100,12 +100,16 @@ concept AnyLightModel = requires(const L& light, const Receiver<Real>& receiver,
 /// Lights in double that have each optional member that their kind needs:
 /// - A ray's value is `le`, `le_leaving`, or the same for all rays (`kSameForAllRays`).
 /// - Rays and camera paths can meet what has a density: `le` or `le_escaped`.
-/// - `kHasIrradiance` states whether irradiance has a closed form (lights/models/irradiance.h).
+/// - What has a density states whether irradiance has a closed form (`kHasIrradiance`), and has an
+///   upper bound of it (`most_irradiance`).  See lights/models/irradiance.h.
 template <typename L>
 concept HasMembersOfItsKind =
     (SeenOnSurface<L> || LeavesFreely<L> || requires { requires L::kSameForAllRays; }) &&
     (L::kDelta || SeenOnSurface<L> ||
-     SeenBeyond<L>)&&(L::kDelta || requires { requires L::kHasIrradiance == HasIrradiance<L>; });
+     SeenBeyond<L>)&&(L::kDelta || requires(const L& light, const Receiver<double>& receiver) {
+      requires L::kHasIrradiance == HasIrradiance<L>;
+      { light.most_irradiance(receiver) } -> std::same_as<MostIrradiance>;
+    });
 
 /// A light with a surface, which comes from a shape.
 template <typename L, typename Real>

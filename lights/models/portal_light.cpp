@@ -237,7 +237,24 @@ SolidAnglePdf<Real> PortalLight<Real>::pdf_li(const Receiver<Real>& receiver,
 template <std::floating_point Real>
 std::optional<Rgb<Real>> PortalLight<Real>::irradiance(const Receiver<Real>& receiver) const {
   if (params_.map != nullptr) return std::nullopt;
-  return irradiance_of(params_.radiance_cd_m2, receiver, [&](const Vec3<double>& normal) {
+  return uniform_irradiance(params_.radiance_cd_m2, receiver);
+}
+
+template <std::floating_point Real>
+MostIrradiance PortalLight<Real>::most_irradiance(const Receiver<Real>& receiver) const {
+  const auto seen = uniform_irradiance(Rgb<double>(1), receiver);
+  Window unused;
+  if (seen ? seen->is_black() : window(receiver.position, unused) != NoLight::kNone) return {0, 0};
+  if (params_.map == nullptr && seen)
+    return {luminance(params_.radiance_cd_m2) * luminance(Rgb<double>(*seen))};
+  const double lx = luminance(on_portal_.without_cosine);
+  return {lx, lx / (1 - WindowedDistribution::kUniformShare)};
+}
+
+template <std::floating_point Real>
+std::optional<Rgb<Real>> PortalLight<Real>::uniform_irradiance(
+    const Rgb<double>& radiance_cd_m2, const Receiver<Real>& receiver) const {
+  return irradiance_of(radiance_cd_m2, receiver, [&](const Vec3<double>& normal) {
     const Vec3<double> p(receiver.position);
     const double depth = dot(corner_ - p, z_);
     return depth > 0 ? polygon_projected_solid_angle(corners_m(), p, normal, depth) : 0;

@@ -69,6 +69,9 @@ class PortalLight {
   /// if the receiver has no normal or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
   bool hides_itself() const { return false; }
+  /// Upper bounds on the illuminance on the side that `receiver` faces: with a map, its integral
+  /// over all directions that can pass through the portal.
+  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const;
   /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets.  0 if the ray
   /// does not leave through the portal.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
@@ -127,6 +130,9 @@ class PortalLight {
   NoLight window(const Vec3<Real>& position, Window& window) const;
   /// The map towards `l` in the portal's axes; 1 without a map.
   Rgb<double> sky(const Vec3<double>& l) const;
+  /// The irradiance of a sky of this radiance through the portal, or nothing.
+  std::optional<Rgb<Real>> uniform_irradiance(const Rgb<double>& radiance_cd_m2,
+                                              const Receiver<Real>& receiver) const;
   /// Radiance from the unit vector `w`; 0 where it is not a positive normal `Real`.
   Rgb<Real> radiance(const Vec3<Real>& w) const;
   /// Density with respect to solid angle at the unit vector `w` [1/sr]; 0 outside of the window.

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "lights/maths/motion.h"
+#include "lights/models/irradiance.h"
 #include "lights/models/light_bounds.h"
 #include "lights/sampling/inverse_square.h"
 #include "lights/sampling/light_sample.h"
@@ -41,6 +42,12 @@ class Posed {
   { return light_.irradiance(to_light(receiver)); }
   bool hides_itself() const requires requires(const L& l) { l.hides_itself(); }
   { return light_.hides_itself(); }
+
+  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const requires
+      requires(const L& l) {
+    l.most_irradiance(receiver);
+  }
+  { return light_.most_irradiance(to_light(receiver)); }
 
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const {
     return light_.pdf_li(to_light(receiver), inverse_vector(wi));

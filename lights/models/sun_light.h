@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "lights/models/irradiance.h"
 #include "lights/models/light_model.h"
 #include "lights/sampling/light_sample.h"
 
@@ -35,6 +36,9 @@ class SunLight {
   /// has no normal or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
   bool hides_itself() const { return false; }
+  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const {
+    return most_from_beyond(*this, receiver);
+  }
   /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
   /// The same for a ray that enters the scene towards `w`.

@@ -115,12 +115,44 @@ absl::StatusOr<std::shared_ptr<const SphereMap>> SphereMap::create(
   return std::shared_ptr<const SphereMap>(new SphereMap(std::move(image), mapping, filter));
 }
 
+namespace {
+
+/// The range of cosines with the mapping's axis (+z of an equal-area map, else +y) of a rectangle
+/// of the square, which may reach over its edges.
+std::pair<double, double> cosines_of(SphereMapping mapping, Vec2<double> from, Vec2<double> to) {
+  if (mapping == SphereMapping::kLatitudeLongitude)
+    return {std::cos(kPi * std::min(1.0, to.y)), std::cos(kPi * std::max(0.0, from.y))};
+  // The cosine falls with r = |u| + |v|, from 1 in the middle to -1 in the corners.
+  const auto least = [](double a, double b) {
+    return a * b < 0 ? 0 : std::min(std::fabs(a), std::fabs(b));
+  };
+  const auto most = [](double a, double b) { return std::max(std::fabs(a), std::fabs(b)); };
+  const auto cosine = [](double r) {
+    return r < 1 ? 1 - r * r : (2 - std::min(r, 2.0)) * (2 - std::min(r, 2.0)) - 1;
+  };
+  const Vec2<double> a{2 * from.x - 1, 2 * from.y - 1}, b{2 * to.x - 1, 2 * to.y - 1};
+  return {cosine(most(a.x, b.x) + most(a.y, b.y)), cosine(least(a.x, b.x) + least(a.y, b.y))};
+}
+
+}  // namespace
+
 SphereMap::SphereMap(std::shared_ptr<const Image> image, SphereMapping mapping, ImageFilter filter)
     : image_(std::move(image)),
       mapping_(mapping),
       filter_(filter),
       integral_(mapping == SphereMapping::kEqualArea ? image_->mean() * (4 * kPi)
-                                                     : integrate_rows(*image_, filter)) {}
+                                                     : integrate_rows(*image_, filter)) {
+  const double h = image_->height(), w = image_->width();
+  // A filter spreads a texel over half of its neighbours.
+  const double spread = filter == ImageFilter::kNearest ? 0 : 0.5;
+  for (int y = 0; y < image_->height(); ++y)
+    for (int x = 0; x < image_->width(); ++x) {
+      if (Rgb<double>(image_->texel(x, y)).is_black()) continue;
+      const auto [low, high] = cosines_of(mapping, {(x - spread) / w, (y - spread) / h},
+                                          {(x + 1 + spread) / w, (y + 1 + spread) / h});
+      low_ = std::min(low_, low), high_ = std::max(high_, high);
+    }
+}
 
 ImageBorder SphereMap::border() const {
   return mapping_ == SphereMapping::kEqualArea ? ImageBorder::kOctahedral
@@ -129,6 +161,17 @@ ImageBorder SphereMap::border() const {
 
 Rgb<double> SphereMap::lookup(const Vec3<double>& w) const {
   return lookup(square_from_direction(mapping_, w));
+}
+
+bool SphereMap::shines_above(const Vec3<double>& n) const {
+  if (low_ > high_) return false;
+  const bool equal_area = mapping_ == SphereMapping::kEqualArea;
+  const double along = equal_area ? n.z : n.y;
+  const double across = std::hypot(n.x, equal_area ? n.y : n.z);
+  // The lit direction nearest to `n` at each cosine c: its height is along c + across sqrt(1 -
+  // c^2).
+  const double c = std::clamp(along, low_, high_);
+  return along * c + across * std::sqrt(std::max(0.0, 1 - c * c)) > 1e-12;
 }
 
 Rgb<double> SphereMap::brightest() const {

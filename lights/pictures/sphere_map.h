@@ -49,6 +49,10 @@ class SphereMap {
   /// The largest value of each channel over all texels.
   Rgb<double> brightest() const;
 
+  /// Whether light may come from above the plane with the unit normal `n`, in the map's axes. False
+  /// only if the map is black there, to within 1e-12 rad.
+  bool shines_above(const Vec3<double>& n) const;
+
   const Image& image() const { return *image_; }
   SphereMapping mapping() const { return mapping_; }
   ImageFilter filter() const { return filter_; }
@@ -61,6 +65,8 @@ class SphereMap {
   SphereMapping mapping_;
   ImageFilter filter_;
   Rgb<double> integral_;
+  /// Cosines of the lit directions with the axis of the mapping: the lowest and the highest.
+  double low_ = 1, high_ = -1;
 };
 
 /// A map's own axes in the world, of unit length and at right angles.

@@ -46,6 +46,8 @@ concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3<Real>& 
 /// - `touches(position, primitive)`: whether a position lies on a primitive.
 /// - `height_over(point, position)`: how far a position is above the plane of a flat primitive.
 ///   None for curved shapes.
+/// - `height_above(p, n)`: a bound on the height of its points over the plane through `p` with the
+///   unit normal `n`.
 /// - `pdf_area(point)`, `locate(position)`, `located_normal(point)`: for rays that leave the shape.
 /// - `normals`, `bounds`: a cone with all normals, and a box.
 /// - `size`: how many primitives it has.
@@ -54,7 +56,8 @@ concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3<Real>& 
 template <typename Shape, typename Real>
 concept AreaShape = requires(const Shape& shape, const Receiver<Real>& receiver,
                              const SurfacePoint<Real>& point, const Vec3<Real>& v,
-                             const Vec2<Real>& u, void (&f)(const SurfacePoint<Real>&)) {
+                             const Vec3<double>& p, const Vec2<Real>& u,
+                             void (&f)(const SurfacePoint<Real>&)) {
   { shape.area() } -> std::same_as<double>;
   { shape.area_error_m2() } -> std::same_as<double>;
   { shape.emissive_error() } -> std::same_as<absl::Status>;
@@ -63,6 +66,7 @@ concept AreaShape = requires(const Shape& shape, const Receiver<Real>& receiver,
   shape.for_each_hit(v, v, f);
   { shape.touches(v, 0) } -> std::same_as<bool>;
   { shape.height_over(point, v) } -> std::same_as<std::optional<double>>;
+  { shape.height_above(p, p) } -> std::same_as<double>;
   { shape.pdf_area(point) } -> std::same_as<AreaPdf<double>>;
   { shape.locate(v, 0.0) } -> std::same_as<std::optional<SurfacePoint<Real>>>;
   { shape.located_normal(point) } -> std::same_as<Vec3<Real>>;

@@ -29,6 +29,9 @@ class Covered {
   std::optional<double> height_over(const SurfacePoint<Real>& point, const Vec3<Real>& p) const {
     return under().height_over(point, p);
   }
+  double height_above(const Vec3<double>& p, const Vec3<double>& n) const {
+    return under().height_above(p, n);
+  }
   std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
     return under().locate(position, slack_m);
   }

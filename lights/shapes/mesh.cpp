@@ -145,6 +145,15 @@ SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Receiver<Real>& receiver,
 }
 
 template <typename Real, template <typename> typename Primitive>
+double Mesh<Real, Primitive>::height_above(const Vec3<double>& p, const Vec3<double>& n) const {
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const auto& primitive : primitives_)
+    for (const Vec3<double>& corner : around(primitive))
+      highest = std::max(highest, dot(corner - p, n));
+  return highest;
+}
+
+template <typename Real, template <typename> typename Primitive>
 std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::bounds() const {
   auto [lower, upper] = primitives_.front().bounds();
   for (const auto& primitive : primitives_) {

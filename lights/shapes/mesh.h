@@ -64,6 +64,9 @@ class Mesh {
     return primitives_[point.primitive].height_of(p);
   }
 
+  /// A bound on the height of its points over the plane through `p` with the unit normal `n` [m].
+  double height_above(const Vec3<double>& p, const Vec3<double>& n) const;
+
   /// Whether `p` lies on a flat primitive, which it then sees edge-on.
   bool touches(const Vec3<Real>& p, std::uint32_t primitive) const {
     return primitive < primitives_.size() && is_flat(primitive) &&

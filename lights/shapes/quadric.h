@@ -121,6 +121,15 @@ class Quadric {
     return found ? found->normal : p.normal;
   }
 
+  /// A bound on the height of its points over the plane through `p` with the unit normal `n` [m]:
+  /// the height of the enclosure.
+  double height_above(const Vec3<double>& p, const Vec3<double>& n) const {
+    const RoundEnclosure e = self().enclosure();
+    const double x = dot(e.x, n), y = dot(e.y, n), z = dot(e.z, n);
+    return dot(e.center - p, n) +
+           (e.is_prism ? std::hypot(x, y) + std::fabs(z) : std::hypot(x, y, z));
+  }
+
   const ShapeParams& params() const { return params_; }
   /// World coordinates are relative to the `origin_m` of `create`.
   const Transform& world_from_object() const { return world_from_object_; }

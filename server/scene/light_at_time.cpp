@@ -1,5 +1,7 @@
 #include "server/scene/light_at_time.h"
 
+#include <algorithm>
+
 namespace lucerna {
 namespace {
 
@@ -49,6 +51,17 @@ constexpr LightCalls kCalls{
           else
             return false;
         },
+    .most_irradiance = [](const void* light, const Receiver<double>& receiver) -> MostIrradiance {
+      if constexpr (requires { as<L>(light).most_irradiance(receiver); }) {
+        return as<L>(light).most_irradiance(receiver);
+      } else {
+        const LightSample<double> s = as<L>(light).sample_li(receiver, {0.5, 0.5});
+        const bool all_around = receiver.normal == Vec3<double>{};
+        const double lx =
+            luminance(s.value) * (all_around ? 1 : std::max(0.0, dot(receiver.normal, s.wi)));
+        return {lx, lx};
+      }
+    },
     .le = [](const void* light, const SurfacePoint<double>& point,
              const Vec3<double>& w) -> Rgb<double> {
       if constexpr (SeenOnSurface<L>)

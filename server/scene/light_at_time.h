@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "lights/models/irradiance.h"
 #include "lights/models/light_bounds.h"
 #include "lights/models/point_light.h"
 #include "lights/models/posed_light.h"
@@ -38,6 +39,7 @@ struct LightCalls {
                                         const SurfacePoint<double>&);
   std::optional<Rgb<double>> (*irradiance)(const void*, const Receiver<double>&);
   bool (*hides_itself)(const void*);
+  MostIrradiance (*most_irradiance)(const void*, const Receiver<double>&);
   Rgb<double> (*le)(const void*, const SurfacePoint<double>&, const Vec3<double>& w);
   Rgb<double> (*le_escaped)(const void*, const Vec3<double>& origin, const Vec3<double>& w);
   Rgb<double> (*le_leaving)(const void*, const Vec3<double>& origin, const Vec3<double>& w,
@@ -78,6 +80,9 @@ class AnyModel {
     return calls_.irradiance(light_, receiver);
   }
   bool hides_itself() const { return calls_.hides_itself(light_); }
+  MostIrradiance most_irradiance(const Receiver<double>& receiver) const {
+    return calls_.most_irradiance(light_, receiver);
+  }
   Rgb<double> le(const SurfacePoint<double>& point, const Vec3<double>& w) const {
     return calls_.le(light_, point, w);
   }
@@ -146,6 +151,9 @@ class LightAtTime {
     return calls_->irradiance(light_, receiver);
   }
   bool hides_itself() const { return calls_->hides_itself(light_); }
+  MostIrradiance most_irradiance(const Receiver<double>& receiver) const {
+    return calls_->most_irradiance(light_, receiver);
+  }
   Rgb<double> le(const SurfacePoint<double>& point, const Vec3<double>& w) const {
     return calls_->le(light_, point, w);
   }

@@ -115,12 +115,25 @@ const LightSelector& Scene::area_selector() const {
 
 std::string Scene::isa() const { return accelerator_->isa(); }
 
+namespace {
+
+// kAll visits each light once, so each is equally likely.
+LightSelection selection_of_one(LightSelection how) {
+  return how == LightSelection::kAll ? LightSelection::kUniform : how;
+}
+
+}  // namespace
+
 std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
                                         const Receiver<double>& receiver, double u) {
   if (scene.lights().size() == 1) return LightChoice{0, 1};
-  // kAll visits each light once, so each is equally likely.
-  if (how == LightSelection::kAll) how = LightSelection::kUniform;
-  return scene.light_selector().choose(how, receiver, u);
+  return scene.light_selector().choose(selection_of_one(how), receiver, u);
+}
+
+double choice_probability(const Scene& scene, LightSelection how, const Receiver<double>& receiver,
+                          std::uint32_t light) {
+  if (scene.lights().size() == 1) return 1;
+  return scene.light_selector().probability(selection_of_one(how), receiver, light);
 }
 
 LightChoice choose_emitter(const Scene& scene, double u) {

@@ -189,6 +189,9 @@ std::string scene_id(const std::vector<Asset>& assets);
 /// Requires at least one light.
 std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
                                         const Receiver<double>& receiver, double u);
+/// The probability with which `choose_light` chooses this light.
+double choice_probability(const Scene& scene, LightSelection how, const Receiver<double>& receiver,
+                          std::uint32_t light);
 /// Chooses a light by flux, for a ray that leaves it.
 LightChoice choose_emitter(const Scene& scene, double u);
 

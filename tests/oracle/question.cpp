@@ -5,7 +5,7 @@
 namespace lucerna::oracle {
 
 std::string name_of(Question::Kind kind) {
-  constexpr std::array kNames{"visibility", "illuminance", "power", "delta", "density"};
+  constexpr std::array kNames{"visibility", "illuminance", "power", "delta", "samples", "density"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
@@ -20,7 +20,12 @@ std::vector<Question> questions_about(const World& world) {
   for (int i = 0; i < sources; ++i) {
     questions.push_back({Kind::kPower, {}, {}, i});
     const Place& receiver = world.receivers[static_cast<std::size_t>(i) % world.receivers.size()];
-    questions.push_back({i < lights ? Kind::kDelta : Kind::kDensity, receiver, {}, i});
+    if (i < lights) {
+      questions.push_back({Kind::kDelta, receiver, {}, i});
+    } else {
+      questions.push_back({Kind::kSamples, receiver, {}, i});
+      questions.push_back({Kind::kDensity, receiver, {}, i});
+    }
   }
   return questions;
 }

@@ -9,10 +9,10 @@
 namespace lucerna::oracle {
 
 struct Question {
-  enum class Kind : std::uint8_t { kVisibility, kIlluminance, kPower, kDelta, kDensity };
+  enum class Kind : std::uint8_t { kVisibility, kIlluminance, kPower, kDelta, kSamples, kDensity };
   Kind kind = Kind::kVisibility;
   Place from{}, to{};  ///< visibility: both ends; else the receiver, except for power
-  /// Of power, delta and density: first World::lights, then the shapes that emit.
+  /// Of power, delta, samples and density: first World::lights, then the shapes that emit.
   int source = -1;
 };
 

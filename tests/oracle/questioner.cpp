@@ -82,6 +82,8 @@ Verdict Questioner::judge(const Truth& truth, const Question& question) {
       return power(truth, question);
     case Question::Kind::kDelta:
       return delta(truth, question);
+    case Question::Kind::kSamples:
+      return samples(truth, question);
     case Question::Kind::kDensity:
       return density(truth, question);
   }
@@ -206,10 +208,66 @@ Verdict Questioner::delta(const Truth& truth, const Question& question) {
   return verdict_of(((r.visible()[0] & 1) != 0) == (way == Way::kFree), text);
 }
 
+Verdict Questioner::samples(const Truth& truth, const Question& question) {
+  const std::size_t number =
+      static_cast<std::size_t>(question.source) - truth.world().lights.size();
+  const int shape_number = emitting_shapes(truth.world())[number];
+  const oracle::Shape& shape = truth.world().shapes[static_cast<std::size_t>(shape_number)];
+  // Points of patches and of pictures are not uniform by area.
+  if (shape.kind == oracle::ShapeKind::kPatch || !shape.picture.empty()) return {Kind::kNoAnswer};
+  const Place& from = question.from;
+  const v1::SampleLiResponse r = sample(truth, question, 16, v1::AREA_SAMPLING_SQUARE_ROOT);
+  const Real at_ends = length(truth.rounding(shape)) + length(truth.rounding(from.at));
+  bool compared = false;
+  for (int i = 0; i < r.pdf_per_sr_size(); ++i) {
+    const auto status = r.status_size() == 0 ? v1::ITEM_STATUS_OK : r.status(i);
+    if (status == v1::ITEM_STATUS_OUT_OF_RANGE) continue;
+    const Vec way = vec_of(r.light_offsets_m(), i), given = vec_of(r.light_normals(), i);
+    const Real distance = length(way);
+    if (!(distance > 0)) continue;
+    const Vec w = way * (1 / distance);
+    const oracle::SurfacePoint p = nearest_point(shape, from.at + way);
+    const Real error = at_ends + 0x1p-22L * distance;
+    const Real curved = is_flat(shape) ? 0 : error / shape.radius;
+    const Real cosine = -dot(p.normal, w);
+    const Real of_cosine = error / distance + curved + 0x1p-22L;
+    if (std::fabs(cosine) < 100 * of_cosine) continue;
+    const bool lit = shape.two_sided || cosine > 0;
+    const std::string text = fmt::format(
+        "light {} at {}\nsample {}: the server gives status {}, point {} from the receiver, normal "
+        "{}, value {}, density {}, visible {}\nright is normal {}, value {}, density {}",
+        question.source + 1, shown(from), i, static_cast<int>(status), shown(way), shown(given),
+        r.value(3 * i), r.pdf_per_sr(i), (r.visible()[i / 8] >> i % 8 & 1) != 0, shown(p.normal),
+        static_cast<double>(lit ? shape.radiance : 0),
+        static_cast<double>(distance * distance / (area_of(shape).first * std::fabs(cosine))));
+    if (length(p.at - from.at - way) > 8 * error) return {Kind::kWrong, text};
+    if ((status == v1::ITEM_STATUS_OK) != lit) return {Kind::kWrong, text};
+    compared = true;
+    if (!lit) continue;
+    const Real side = shape.two_sided && dot(given, p.normal) < 0 ? -1 : 1;
+    if (length(given * side - p.normal) > 8 * curved + 1e-5L + error / shape_size(shape))
+      return {Kind::kWrong, text};
+    if (std::fabs(r.value(3 * i) - shape.radiance) > 1e-6L * shape.radiance)
+      return {Kind::kWrong, text};
+    const Real by_area = r.pdf_per_sr(i) * area_of(shape).first * std::fabs(cosine);
+    const Real off = std::fabs(by_area / (distance * distance) - 1);
+    if (off > 1e-5L + 4 * error / distance + 2 * of_cosine / std::fabs(cosine) +
+                  8 * at_ends / shape_size(shape))
+      return {Kind::kWrong, text};
+    const Way free = truth.way(from, Place{.at = p.at, .on = shape_number});
+    const bool visible = (r.visible()[i / 8] >> i % 8 & 1) != 0;
+    if (free != Way::kUnsure && visible != (free == Way::kFree)) return {Kind::kWrong, text};
+  }
+  return {compared ? Kind::kAgrees : Kind::kNoAnswer};
+}
+
 Verdict Questioner::density(const Truth& truth, const Question& question) {
   const std::size_t number =
       static_cast<std::size_t>(question.source) - truth.world().lights.size();
   const int shape = emitting_shapes(truth.world())[number];
+  // Black parts of a picture have no samples.
+  if (!truth.world().shapes[static_cast<std::size_t>(shape)].picture.empty())
+    return {Kind::kNoAnswer};
   const Amount omega = truth.solid_angle(shape, question.from);
   if (!omega.sure) return {};
   const std::uint32_t samples = 256;
@@ -232,8 +290,11 @@ Verdict Questioner::density(const Truth& truth, const Question& question) {
   const Real off = std::fabs(mean - omega.value), slack = omega.bound + 1e-5L * omega.value;
   if (mean > 0 && error <= 1e-5L * mean) return verdict_of(off <= slack, text);
   // If no sample found the light, it is a rare one at most.
-  if (mean == 0 && omega.value > 0) return {Kind::kMisses, text};
-  return {off <= slack + 2 * error ? Kind::kHolds : Kind::kMisses, text};
+  if (mean == 0) return {omega.value > 0 ? Kind::kMisses : Kind::kHolds, text};
+  // Few samples that count have no normal distribution.
+  constexpr Real kFewest = 64, kDeviations = 2.6L;
+  if (sum * sum < kFewest * squares) return {Kind::kNoAnswer};
+  return {off <= slack + kDeviations * error ? Kind::kHolds : Kind::kMisses, text};
 }
 
 }  // namespace lucerna::testing

@@ -44,6 +44,7 @@ class Questioner {
   Verdict illuminance(const oracle::Truth& truth, const Question& question);
   Verdict power(const oracle::Truth& truth, const Question& question);
   Verdict delta(const oracle::Truth& truth, const Question& question);
+  Verdict samples(const oracle::Truth& truth, const Question& question);
   Verdict density(const oracle::Truth& truth, const Question& question);
   v1::SampleLiResponse sample(const oracle::Truth& truth, const Question& question,
                               std::uint32_t samples, v1::AreaSampling sampling);

@@ -40,8 +40,7 @@ std::array<Vec, 3> random_frame(Numbers& random, const Vec& w) {
 
 Light random_light(Numbers& random, const Stage& stage) {
   Light light;
-  // Portals come last and are left out, see docs/oracle.md.
-  light.kind = static_cast<LightKind>(random.below(static_cast<int>(kLightNames.size()) - 1));
+  light.kind = static_cast<LightKind>(random.below(static_cast<int>(kLightNames.size())));
   light.level = random.power(-2, 2);
   light.at = stage.over(random.between(-1, 1), random.between(-1, 1), random.power(-2, 0.5));
   // Most lights shine to where the shapes are.

@@ -99,10 +99,11 @@ class Maker {
         shape.radius = static_cast<double>(wide);
         break;
     }
-    // Curved shapes and pictures do not emit, see docs/oracle.md.
-    if (!is_curved(shape) && random_.chance(0.3)) {
+    if (random_.chance(0.3)) {
       shape.radiance = random_.power(-2, 2);
       shape.two_sided = random_.chance(0.3);
+      if (shape.kind == ShapeKind::kParallelogram && random_.chance(0.5))
+        shape.picture = random_texels(random_, 1 + random_.below(4), 1 + random_.below(4));
     }
     if (moving && random_.chance(0.5)) shape.moves = motion();
     world_.shapes.push_back(shape);

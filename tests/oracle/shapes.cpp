@@ -129,6 +129,33 @@ SurfacePoint point_of(const Shape& shape, Real s, Real t) {
   return {};
 }
 
+SurfacePoint nearest_point(const Shape& shape, const Vec& p) {
+  const Vec& middle = shape.at[0];
+  if (shape.kind == ShapeKind::kSphere) {
+    const Vec out = unit(p - middle);
+    return {middle + out * shape.radius, out};
+  }
+  if (shape.kind == ShapeKind::kCylinder) {
+    const Vec& axis = shape.at[1];
+    const Real height = dot(p - middle, axis);
+    const Vec on_axis = middle + axis * std::clamp(height, -shape.half_height, shape.half_height);
+    const Vec out = unit(p - middle - axis * height);
+    return {on_axis + out * shape.radius, out};
+  }
+  const Vec n = normal_of(shape);
+  const Real outside = std::fmin(0, inside_by(shape, n, p));
+  return {p - n * dot(p - middle, n) - across(n) * outside, n};
+}
+
+Real shape_size(const Shape& shape) {
+  if (shape.kind == ShapeKind::kCylinder) return std::fmin(shape.radius, shape.half_height);
+  if (shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kDisk) return shape.radius;
+  const std::vector<Vec> corners = hull(shape);
+  Real longest = 0;
+  for (const Vec& c : corners) longest = std::fmax(longest, length(c - corners[0]));
+  return area_of(shape).first / longest;
+}
+
 std::pair<Real, Real> area_of(const Shape& shape) {
   const auto& [a, b, c, d] = shape.at;
   const Real r = shape.radius;

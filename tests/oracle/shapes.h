@@ -31,6 +31,11 @@ struct SurfacePoint {
 /// `s` and `t` are in [0, 1].  Over triangles, parallelograms, disks, spheres and cylinders they
 /// are uniform by area.
 SurfacePoint point_of(const Shape& shape, Real s, Real t);
+/// The point of a flat shape, a sphere or a cylinder nearest to `p`, which may be outside of its
+/// border.
+SurfacePoint nearest_point(const Shape& shape, const Vec& p);
+/// The least extent along the surface [m].
+Real shape_size(const Shape& shape);
 /// [m2], with a bound of its error.
 std::pair<Real, Real> area_of(const Shape& shape);
 

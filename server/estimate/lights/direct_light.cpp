@@ -54,6 +54,16 @@ double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
 
 }  // namespace
 
+double most_missed(const LightAtTime& light, const Receiver<double>& receiver, double probability,
+                   const IntervalRule& rule) {
+  // A probability of 0: the bounds of its cluster exclude light.
+  if (!(probability > 0)) return 0;
+  const MostIrradiance most = light.most_irradiance(receiver);
+  EstimateMoments none;
+  none.largest = most.sample_lx / probability;
+  return std::min(most.lx, rule.interval(none).upper);
+}
+
 DirectLight::DirectLight(const Scene& scene, const Methods& methods)
     : scene_(scene), methods_(methods), visibility_(scene, methods.visibility) {
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l) deltas_ += is_delta(l) ? 1 : 0;
@@ -260,6 +270,16 @@ void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSa
   if (!(sum > 0 && std::isfinite(sum))) return;
   const double scale = share * (sum / kept.value.max_component());
   v.found(light, shadowed(v.hit, light, kept.sample, kept.value * scale, v.work));
+}
+
+double DirectLight::most_missed(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
+                                std::uint32_t light, const IntervalRule& rule) const {
+  const Receiver<double> r = receiver(hit, wo);
+  double probability = 1;
+  if (spending == Spending::kDrawn || spending == Spending::kAreasDrawn)
+    probability = selector(spending).probability(methods_.light_selection, r, light);
+  return lucerna::most_missed(LightAtTime(scene_.lights()[light], hit.time_s), r, probability,
+                              rule);
 }
 
 double DirectLight::found_weight(Spending spending, const SurfaceHit& from, const Vec3<float>& wo,

@@ -8,10 +8,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "proto/common/confidence.h"
 #include "server/estimate/lights/light_visibility.h"
 #include "server/estimate/lights/methods.h"
 #include "server/estimate/lights/path_sample.h"
 #include "server/runtime/work_counts.h"
+#include "server/scene/light_at_time.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {
@@ -55,6 +57,12 @@ enum class Spending {
   /// As kDrawn, for all lights except delta lights.
   kAreasDrawn,
 };
+
+/// An upper bound on the illuminance [lx] of a light of which no sample found light, not even
+/// without shadows.  0 only if certainly no light arrives.  `probability`: that a sample chooses
+/// the light.  `rule`: of the samples.
+double most_missed(const LightAtTime& light, const Receiver<double>& receiver, double probability,
+                   const IntervalRule& rule);
 
 /// Estimates the radiance [cd/m2] that a diffuse surface of reflectance 1 at `hit` sends
 /// towards `wo`: 1/pi of the irradiance on that side.  Immutable; may be called from any
@@ -119,6 +127,10 @@ class DirectLight {
                                             std::uint32_t light) const;
   /// Whether closed forms are used: at receivers, or at the first vertex of paths.
   bool uses_closed_forms(bool at_receiver) const;
+
+  /// most_missed of a light at `hit`, on the side of `wo`.
+  double most_missed(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
+                     std::uint32_t light, const IntervalRule& rule) const;
 
   /// Whether directions of surfaces are sampled and may find lights.
   bool finds_lights() const {

@@ -137,10 +137,12 @@ class IrradianceEstimator {
     if (settings_.target) own.emplace(confidence_, settings_.block_count, samples_of(per_block));
     const IntervalRule& rule = own ? *own : rule_;
     const double count = settings_.block_count;
-    result_.points[p] = e.total.result(settled.exact, count, rule);
+    result_.points[p] = e.total.result(settled.exact, count, rule,
+                                       [&] { return most_missed(receiver, settled, rule); });
     for (std::uint32_t l = 0; l < e.shares.size(); ++l)
       if (!settled.lights.has(l))
-        result_.per_light[p * e.shares.size() + l] = e.shares[l].result({}, count, rule);
+        result_.per_light[p * e.shares.size() + l] = e.shares[l].result(
+            {}, count, rule, [&] { return most_missed(receiver, settled, l, rule); });
     const std::span<double> at_wavelengths = spectral(p);
     for (std::size_t k = 0; k < at_wavelengths.size(); ++k) {
       const BlockStatistics at = e.at_wavelengths[k].total()[0];
@@ -149,6 +151,20 @@ class IrradianceEstimator {
         result_.spectral_error[p * at_wavelengths.size() + k] =
             std::sqrt(at.deviation / (count * (count - 1)));
     }
+  }
+
+  /// An upper bound on the direct light of the lights that are not settled [lx], if no sample found
+  /// any.  Reflected light that no sample found is not bounded.
+  double most_missed(const SurfaceHit& receiver, const Settled& settled,
+                     const IntervalRule& rule) const {
+    double sum = 0;
+    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
+      if (!settled.lights.has(l)) sum += most_missed(receiver, settled, l, rule);
+    return sum;
+  }
+  double most_missed(const SurfaceHit& receiver, const Settled& settled, std::uint32_t light,
+                     const IntervalRule& rule) const {
+    return direct_.most_missed(settled.spending, receiver, receiver.ns, light, rule);
   }
 
   /// Entries of point `p`, one for each wavelength.
@@ -232,7 +248,8 @@ class IrradianceEstimator {
           if (stopped_) return std::nullopt;
           const IntervalRule rule(confidence_, replicates, these.count * these.samples);
           const IrradianceEstimate e =
-              pilot.total.result(settled.exact, static_cast<double>(these.count), rule);
+              pilot.total.result(settled.exact, static_cast<double>(these.count), rule,
+                                 [&] { return most_missed(receiver, settled, rule); });
           return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
         });
     return static_cast<std::uint32_t>(std::min(static_cast<double>(most_per_block()),

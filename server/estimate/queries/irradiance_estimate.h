@@ -1,6 +1,8 @@
 // Sums over the samples of one irradiance estimate.
 #pragma once
 
+#include <absl/functional/function_ref.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -40,9 +42,10 @@ struct Estimate {
     blocks.add({v.r, v.g, v.b, luminance(v)});
     block_sum = {};
   }
-  /// `exact`: additional light that did not need sampling [lx].
-  IrradianceEstimate result(const Rgb<double>& exact, double block_count,
-                            const IntervalRule& rule) const;
+  /// `exact`: additional light that did not need sampling [lx].  `most_missed`: an upper bound on
+  /// the sampled light if no sample found any, not even without shadows [lx].
+  IrradianceEstimate result(const Rgb<double>& exact, double block_count, const IntervalRule& rule,
+                            absl::FunctionRef<double()> most_missed) const;
 };
 
 /// Sets an answer that did not need samples [lx].
@@ -54,7 +57,8 @@ inline void set_exact(Rgb<double> exact, IrradianceEstimate& e) {
 }
 
 inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double block_count,
-                                           const IntervalRule& rule) const {
+                                           const IntervalRule& rule,
+                                           absl::FunctionRef<double()> most_missed) const {
   IrradianceEstimate e;
   e.irradiance_lx = exact;
   const double exact_lx = luminance(exact);
@@ -67,11 +71,12 @@ inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double bloc
   e.irradiance_lx += {mean(0), mean(1), mean(2)};
   e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
   e.illuminance_error_lx = standard_error(3);
-  const ConfidenceInterval sampled_lx = rule.interval(
+  ConfidenceInterval sampled_lx = rule.interval(
       {mean(3), standard_error(3), sum_of_squares, largest_unshadowed, partly_hidden});
+  const bool nothing = !(mean(3) > 0);
+  if (nothing && !(largest_unshadowed > 0)) sampled_lx.upper = most_missed();
   e.illuminance_lx = {exact_lx + sampled_lx.lower, exact_lx + sampled_lx.upper};
-  // If no sample found light even without shadows, no light was missed.
-  if (!(mean(3) > 0) && largest_unshadowed > 0) e.zero_bound_lx = e.illuminance_lx.upper;
+  if (nothing && sampled_lx.upper > 0) e.zero_bound_lx = e.illuminance_lx.upper;
   return e;
 }
 

@@ -16,8 +16,9 @@ namespace {
 // The stop token is polled every tenth of a millisecond.
 constexpr std::size_t kSamplesAtOnce = 512;
 
-/// The estimate from blocks of equally many samples.
-IrradianceEstimate estimate(std::span<const LiShare> shares, std::size_t samples_per_block,
+/// The estimate from a receiver's blocks of equally many samples.
+IrradianceEstimate estimate(const LiSampler& sampler, std::size_t receiver,
+                            std::span<const LiShare> shares, std::size_t samples_per_block,
                             const IntervalRule& rule) {
   Estimate e;
   const std::size_t blocks = shares.size() / samples_per_block;
@@ -26,7 +27,8 @@ IrradianceEstimate estimate(std::span<const LiShare> shares, std::size_t samples
     if ((i + 1) % samples_per_block == 0)
       e.end_block(static_cast<std::uint32_t>(samples_per_block));
   }
-  return e.result({}, static_cast<double>(blocks), rule);
+  return e.result({}, static_cast<double>(blocks), rule,
+                  [&] { return sampler.most_missed(receiver, rule); });
 }
 
 /// Finds the number of samples that receivers need.
@@ -43,8 +45,9 @@ class Pilots {
         needed_samples(target_, [&](const Blocks& these) -> std::optional<PilotEstimate> {
           const std::vector<LiShare> shares = pilot(receiver, these, work);
           if (stopped_) return std::nullopt;
-          const IrradianceEstimate e = estimate(
-              shares, these.samples, IntervalRule(target_.confidence, replicates_, shares.size()));
+          const IrradianceEstimate e =
+              estimate(sampler_, receiver, shares, these.samples,
+                       IntervalRule(target_.confidence, replicates_, shares.size()));
           return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
         });
     const std::uint64_t most = std::max<std::uint64_t>(1, target_.max_samples / replicates_);
@@ -141,10 +144,10 @@ BlockStatistics spectral_blocks(std::span<const LiShare> shares, std::size_t blo
 
 }  // namespace
 
-LiEstimates estimates_of(const LiLayout& layout, std::size_t receivers, std::uint32_t replicates,
-                         double confidence, std::span<const LiShare> shares,
-                         std::span<const int> status, std::span<const float> spectral_value,
-                         std::size_t wavelengths) {
+LiEstimates estimates_of(const LiSampler& sampler, const LiLayout& layout, std::size_t receivers,
+                         std::uint32_t replicates, double confidence,
+                         std::span<const LiShare> shares, std::span<const int> status,
+                         std::span<const float> spectral_value, std::size_t wavelengths) {
   const DenormalsAreZero denormals;
   LiEstimates all;
   all.points.resize(receivers);
@@ -165,7 +168,7 @@ LiEstimates estimates_of(const LiLayout& layout, std::size_t receivers, std::uin
     } else {
       if (rule_samples != n) rule.emplace(confidence, replicates, n);
       rule_samples = n;
-      all.points[r] = estimate(own, n / replicates, *rule);
+      all.points[r] = estimate(sampler, r, own, n / replicates, *rule);
     }
     const std::size_t blocks = exact ? 1 : replicates;
     const auto count = static_cast<double>(blocks);

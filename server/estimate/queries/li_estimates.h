@@ -37,9 +37,9 @@ struct LiEstimates {
 
 /// Estimates from all samples of an answer: their shares, their status and, sample by sample,
 /// their values at `wavelengths` wavelengths.
-LiEstimates estimates_of(const LiLayout& layout, std::size_t receivers, std::uint32_t replicates,
-                         double confidence, std::span<const LiShare> shares,
-                         std::span<const int> status, std::span<const float> spectral_value,
-                         std::size_t wavelengths);
+LiEstimates estimates_of(const LiSampler& sampler, const LiLayout& layout, std::size_t receivers,
+                         std::uint32_t replicates, double confidence,
+                         std::span<const LiShare> shares, std::span<const int> status,
+                         std::span<const float> spectral_value, std::size_t wavelengths);
 
 }  // namespace lucerna

@@ -133,6 +133,20 @@ ItemResult LiSampler::receiver_result(std::size_t receiver) const {
   return at(receiver).point.result;
 }
 
+double LiSampler::most_missed(std::size_t receiver, const IntervalRule& rule) const {
+  const At here = at(receiver);
+  const Receiver<double> r = receiver_of(here.point, here.normal);
+  const auto most = [&](std::uint32_t light, double probability) {
+    return lucerna::most_missed(LightAtTime(scene_.lights()[light], q_.time_s), r, probability,
+                                rule);
+  };
+  if (q_.light) return most(*q_.light, 1);
+  double sum = 0;
+  for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
+    sum += most(l, choice_probability(scene_, q_.methods.light_selection, r, l));
+  return sum;
+}
+
 /// The receiver in the form that lights use.
 Receiver<double> LiSampler::receiver_of(const ScenePoint& point, const Vec3<double>& normal) const {
   Receiver<double> r(point.position);

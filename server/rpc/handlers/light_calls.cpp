@@ -103,7 +103,7 @@ std::optional<v1::SampleLiResponse> estimate(const LiRequest& li, const LiSample
   if (stop.stop_requested()) return std::nullopt;
   const double confidence = li.stop_rule.target.value_or(TargetError{}).confidence;
   const LiEstimates estimates =
-      estimates_of(layout, query.receivers.size(), kReplicates, confidence, shares,
+      estimates_of(sampler, layout, query.receivers.size(), kReplicates, confidence, shares,
                    {answer.status, layout.size()},
                    {answer.spectral_value, layout.size() * wavelengths}, wavelengths);
   put_estimates(layout, estimates, wavelengths, response->mutable_estimates());

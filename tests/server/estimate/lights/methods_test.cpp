@@ -92,7 +92,7 @@ TEST(Methods, GiveTheSameReflectedLightOfFewLights) {
 TEST(Methods, GiveTheSameDirectLightOfEveryKindOfLight) {
   // At places that are not just below the luminaires.
   expect_same_irradiance(*build(testing::invariant_scene()),
-                         testing::kEveryLightMiddle + Vec3<double>{0.37, 0.21, 0}, 0, 16384, true);
+                         testing::kEveryLightMiddle + Vec3<double>{0.37, 0.21, 0}, 0, 8192, true);
 }
 
 TEST(Methods, GiveTheSamePicture) {

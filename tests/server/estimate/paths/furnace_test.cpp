@@ -239,7 +239,7 @@ TEST_P(ClosedBox, IrradianceIsPiTimesTheRadianceEverywhere) {
     points.push_back({p, {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)});
   }
   const IrradianceResult result =
-      estimate_irradiance(*room, points, {.seed = 6, .block_count = 2048, .bounces = kBounces}, {});
+      estimate_irradiance(*room, points, {.seed = 6, .block_count = 1024, .bounces = kBounces}, {});
   const double expected = std::numbers::pi * series(rho(), kBounces);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const IrradianceEstimate& e = result.points[i];
