@@ -162,13 +162,24 @@ std::optional<Rgb<Real>> AreaLight<Real, Shape>::irradiance(
 // panel sends at most I / r^2 for the file's largest intensity I.
 template <std::floating_point Real, template <typename> typename Shape>
 MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& receiver) const {
-  if constexpr (kHasIrradiance)
-    if (const auto lx = irradiance(receiver)) return {luminance(Rgb<double>(*lx))};
   const Vec3<double> p(receiver.position), n(receiver.normal);
   const bool all_around = n == Vec3<double>{};
   if (is_black() || !bounds()->reaches(receiver.position) ||
       !(all_around || shape_.height_above(p, n) > 0))
-    return {0, 0};
+    return {};
+  double most_cd = luminance(Rgb<double>(radiance_));
+  // This radiance from all directions.
+  double lx = most_cd * std::numbers::pi * (all_around ? 4 : 1);
+  if constexpr (kPanel) {
+    most_cd *= shape_.profile().web->max_cd();
+    lx = std::numeric_limits<double>::infinity();
+  } else {
+    most_cd *= area_m2();
+  }
+  if constexpr (kHasIrradiance) {
+    if (const auto known = irradiance(receiver)) lx = luminance(Rgb<double>(*known));
+    if (lx == 0) return {};
+  }
   const auto [lower, upper] = shape_.bounds();
   const auto outside = [](double at, double from, double to) {
     return std::max({0.0, from - at, at - to});
@@ -176,17 +187,8 @@ MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& rec
   const double distance =
       length(Vec3<double>{outside(p.x, lower.x, upper.x), outside(p.y, lower.y, upper.y),
                           outside(p.z, lower.z, upper.z)});
-  double most_cd = luminance(Rgb<double>(radiance_));
-  // This radiance from all directions.
-  double everywhere = most_cd * std::numbers::pi * (all_around ? 4 : 1);
-  if constexpr (kPanel) {
-    most_cd *= shape_.profile().web->max_cd();
-    everywhere = std::numeric_limits<double>::infinity();
-  } else {
-    most_cd *= area_m2();
-  }
-  const double lx = most_cd / distance / distance;
-  return {std::min(lx, everywhere), lx};
+  const double sample_lx = most_cd / distance / distance;
+  return {std::min(lx, sample_lx), sample_lx};
 }
 
 template <std::floating_point Real, template <typename> typename Shape>

@@ -98,7 +98,7 @@ MostIrradiance ImageInfiniteLight<Real>::most_irradiance(const Receiver<Real>& r
   const auto is_lit = [&](const Vec3<Real>& n) {
     return params_.map->shines_above(axes_.map_from_world(Vec3<double>(n)));
   };
-  if (!(lx > 0) || !(all_around || is_lit(receiver.normal))) return {0, 0};
+  if (!(lx > 0) || !(all_around || is_lit(receiver.normal))) return {};
   // Texels above the map's mean have all samples of an `incomplete` receiver.  The receiver's own
   // directions find the rest: at most the mean times pi, a quarter of the integral.
   return {lx, lx * 1.25};

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -24,16 +23,17 @@ concept HasIrradiance = requires(const L& light, const Receiver<double>& receive
 struct MostIrradiance {
   double lx = 0;
   /// Of the illuminance that one sample of `sample_li` stands for: its value times the cosine over
-  /// the density.  Infinite where no bound is known.
-  double sample_lx = std::numeric_limits<double>::infinity();
+  /// the density.
+  double sample_lx = 0;
 };
 
 /// The bound of a light at infinity that has `irradiance`.
 template <std::floating_point Real, typename L>
 MostIrradiance most_from_beyond(const L& light, const Receiver<Real>& receiver) {
-  if (const auto lx = light.irradiance(receiver)) return {luminance(Rgb<double>(*lx))};
-  // The flux through a disk of radius 1 that faces each direction.
-  return {luminance(light.power({{}, 1}).lumens) / std::numbers::pi};
+  // The flux through a disk of radius 1 that faces each direction: the integral of the radiance.
+  const double all = luminance(light.power({{}, 1}).lumens) / std::numbers::pi;
+  const auto lx = light.irradiance(receiver);
+  return {lx ? luminance(Rgb<double>(*lx)) : all, all};
 }
 
 /// The irradiance [lx] from `radiance` [cd/m2] in all directions of a projected solid angle.

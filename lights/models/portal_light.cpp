@@ -244,11 +244,10 @@ template <std::floating_point Real>
 MostIrradiance PortalLight<Real>::most_irradiance(const Receiver<Real>& receiver) const {
   const auto seen = uniform_irradiance(Rgb<double>(1), receiver);
   Window unused;
-  if (seen ? seen->is_black() : window(receiver.position, unused) != NoLight::kNone) return {0, 0};
-  if (params_.map == nullptr && seen)
-    return {luminance(params_.radiance_cd_m2) * luminance(Rgb<double>(*seen))};
-  const double lx = luminance(on_portal_.without_cosine);
-  return {lx, lx / (1 - WindowedDistribution::kUniformShare)};
+  if (seen ? seen->is_black() : window(receiver.position, unused) != NoLight::kNone) return {};
+  const double all = luminance(on_portal_.without_cosine);
+  const auto lx = irradiance(receiver);
+  return {lx ? luminance(Rgb<double>(*lx)) : all, all / (1 - WindowedDistribution::kUniformShare)};
 }
 
 template <std::floating_point Real>

@@ -17,7 +17,8 @@ std::optional<Entry> entry_from_afar(const Vec3<double>& origin_m, const Vec3<do
 }
 
 double unit_for(double reach_m) {
-  return reach_m > 0 && std::isfinite(reach_m) ? std::exp2(std::ilogb(reach_m)) : 1;
+  return reach_m > 0 && std::isfinite(reach_m) ? std::exp2(std::ilogb(reach_m) - kReachExponent)
+                                               : 1;
 }
 
 double magnification(const Transform& scene_from_object) {

@@ -1,5 +1,5 @@
-// The space of Embree's rays.  It is scaled by a power of two so that the size of the geometry is
-// about 1, for any size in metres.
+// The space of Embree's rays.  It is scaled by a power of two so that the geometry has the same
+// size for any size in metres.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,14 @@
 
 namespace lucerna {
 
-/// The power of two that divides coordinates up to `reach_m` so that they are at most 2.
+/// Coordinates in the space of Embree are below 2 to the power of this plus 1.  Embree multiplies
+/// the two edges of a triangle and its distance from a ray.  A sheet of 1 m, 1 cm above a ground of
+/// 1e9 m, would have a product of 1e-38 if the ground had size 1, which floats do not hold.  In an
+/// instance of 2^-40 of the scene's size, products of a position, a direction and an edge are below
+/// 2^123.
+inline constexpr int kReachExponent = 12;
+
+/// The power of two that divides coordinates up to `reach_m` so that they have this size.
 double unit_for(double reach_m);
 
 /// A space of Embree: the scene's or an object's.

@@ -54,14 +54,12 @@ double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
 
 }  // namespace
 
-double most_missed(const LightAtTime& light, const Receiver<double>& receiver, double probability,
-                   const IntervalRule& rule) {
+MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receiver,
+                       double probability) {
   // A probability of 0: the bounds of its cluster exclude light.
-  if (!(probability > 0)) return 0;
+  if (!(probability > 0)) return {};
   const MostIrradiance most = light.most_irradiance(receiver);
-  EstimateMoments none;
-  none.largest = most.sample_lx / probability;
-  return std::min(most.lx, rule.interval(none).upper);
+  return {most.lx, most.sample_lx / probability};
 }
 
 DirectLight::DirectLight(const Scene& scene, const Methods& methods)
@@ -272,14 +270,13 @@ void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSa
   v.found(light, shadowed(v.hit, light, kept.sample, kept.value * scale, v.work));
 }
 
-double DirectLight::most_missed(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
-                                std::uint32_t light, const IntervalRule& rule) const {
+MostIrradiance DirectLight::most(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
+                                 std::uint32_t light) const {
   const Receiver<double> r = receiver(hit, wo);
   double probability = 1;
   if (spending == Spending::kDrawn || spending == Spending::kAreasDrawn)
     probability = selector(spending).probability(methods_.light_selection, r, light);
-  return lucerna::most_missed(LightAtTime(scene_.lights()[light], hit.time_s), r, probability,
-                              rule);
+  return most_of(LightAtTime(scene_.lights()[light], hit.time_s), r, probability);
 }
 
 double DirectLight::found_weight(Spending spending, const SurfaceHit& from, const Vec3<float>& wo,

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "proto/common/confidence.h"
 #include "server/estimate/lights/light_visibility.h"
 #include "server/estimate/lights/methods.h"
 #include "server/estimate/lights/path_sample.h"
@@ -58,11 +57,9 @@ enum class Spending {
   kAreasDrawn,
 };
 
-/// An upper bound on the illuminance [lx] of a light of which no sample found light, not even
-/// without shadows.  0 only if certainly no light arrives.  `probability`: that a sample chooses
-/// the light.  `rule`: of the samples.
-double most_missed(const LightAtTime& light, const Receiver<double>& receiver, double probability,
-                   const IntervalRule& rule);
+/// Upper bounds on the light of a light that samples choose with this probability.
+MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receiver,
+                       double probability);
 
 /// Estimates the radiance [cd/m2] that a diffuse surface of reflectance 1 at `hit` sends
 /// towards `wo`: 1/pi of the irradiance on that side.  Immutable; may be called from any
@@ -128,9 +125,9 @@ class DirectLight {
   /// Whether closed forms are used: at receivers, or at the first vertex of paths.
   bool uses_closed_forms(bool at_receiver) const;
 
-  /// most_missed of a light at `hit`, on the side of `wo`.
-  double most_missed(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
-                     std::uint32_t light, const IntervalRule& rule) const;
+  /// Upper bounds on the light of a light at `hit`, on the side of `wo`.
+  MostIrradiance most(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
+                      std::uint32_t light) const;
 
   /// Whether directions of surfaces are sampled and may find lights.
   bool finds_lights() const {

@@ -137,12 +137,12 @@ class IrradianceEstimator {
     if (settings_.target) own.emplace(confidence_, settings_.block_count, samples_of(per_block));
     const IntervalRule& rule = own ? *own : rule_;
     const double count = settings_.block_count;
-    result_.points[p] = e.total.result(settled.exact, count, rule,
-                                       [&] { return most_missed(receiver, settled, rule); });
+    result_.points[p] =
+        e.total.result(settled.exact, count, rule, [&] { return most(receiver, settled); });
     for (std::uint32_t l = 0; l < e.shares.size(); ++l)
       if (!settled.lights.has(l))
-        result_.per_light[p * e.shares.size() + l] = e.shares[l].result(
-            {}, count, rule, [&] { return most_missed(receiver, settled, l, rule); });
+        result_.per_light[p * e.shares.size() + l] =
+            e.shares[l].result({}, count, rule, [&] { return most(receiver, settled, l); });
     const std::span<double> at_wavelengths = spectral(p);
     for (std::size_t k = 0; k < at_wavelengths.size(); ++k) {
       const BlockStatistics at = e.at_wavelengths[k].total()[0];
@@ -153,18 +153,20 @@ class IrradianceEstimator {
     }
   }
 
-  /// An upper bound on the direct light of the lights that are not settled [lx], if no sample found
-  /// any.  Reflected light that no sample found is not bounded.
-  double most_missed(const SurfaceHit& receiver, const Settled& settled,
-                     const IntervalRule& rule) const {
-    double sum = 0;
-    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
-      if (!settled.lights.has(l)) sum += most_missed(receiver, settled, l, rule);
+  /// Upper bounds on the direct light of the lights that are not settled.  Reflected light has no
+  /// bound.
+  MostIrradiance most(const SurfaceHit& receiver, const Settled& settled) const {
+    MostIrradiance sum;
+    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
+      if (settled.lights.has(l)) continue;
+      const MostIrradiance one = most(receiver, settled, l);
+      sum.lx += one.lx, sum.sample_lx += one.sample_lx;
+    }
     return sum;
   }
-  double most_missed(const SurfaceHit& receiver, const Settled& settled, std::uint32_t light,
-                     const IntervalRule& rule) const {
-    return direct_.most_missed(settled.spending, receiver, receiver.ns, light, rule);
+  MostIrradiance most(const SurfaceHit& receiver, const Settled& settled,
+                      std::uint32_t light) const {
+    return direct_.most(settled.spending, receiver, receiver.ns, light);
   }
 
   /// Entries of point `p`, one for each wavelength.
@@ -249,7 +251,7 @@ class IrradianceEstimator {
           const IntervalRule rule(confidence_, replicates, these.count * these.samples);
           const IrradianceEstimate e =
               pilot.total.result(settled.exact, static_cast<double>(these.count), rule,
-                                 [&] { return most_missed(receiver, settled, rule); });
+                                 [&] { return most(receiver, settled); });
           return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
         });
     return static_cast<std::uint32_t>(std::min(static_cast<double>(most_per_block()),

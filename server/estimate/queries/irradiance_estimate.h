@@ -28,6 +28,8 @@ struct Estimate {
   double sum_of_squares = 0;      // of samples' illuminances
   double largest_unshadowed = 0;  // largest illuminance of a sample without shadows [lx]
   bool partly_hidden = false;     // some sample was shadowed
+  std::uint64_t samples = 0;
+  std::uint64_t lit = 0;  // samples with light, shadowed or not
 
   void add(const LightEstimate& e) {
     block_sum.add(e.value);
@@ -36,16 +38,23 @@ struct Estimate {
     const double unshadowed = luminance(e.unshadowed);
     largest_unshadowed = std::max(largest_unshadowed, unshadowed);
     partly_hidden |= lux < unshadowed;
+    ++samples;
+    lit += unshadowed > 0 ? 1 : 0;
   }
   void end_block(std::uint32_t samples) {
     const Rgb<double> v = block_sum.value() / samples;
     blocks.add({v.r, v.g, v.b, luminance(v)});
     block_sum = {};
   }
-  /// `exact`: additional light that did not need sampling [lx].  `most_missed`: an upper bound on
-  /// the sampled light if no sample found any, not even without shadows [lx].
+  /// `exact`: additional light that did not need sampling [lx].  `most`: upper bounds on the direct
+  /// light of the samples.
   IrradianceEstimate result(const Rgb<double>& exact, double block_count, const IntervalRule& rule,
-                            absl::FunctionRef<double()> most_missed) const;
+                            absl::FunctionRef<MostIrradiance()> most) const;
+
+ private:
+  /// The interval of the sampled light [lx].
+  ConfidenceInterval interval(double mean, double standard_error, const IntervalRule& rule,
+                              absl::FunctionRef<MostIrradiance()> most) const;
 };
 
 /// Sets an answer that did not need samples [lx].
@@ -56,9 +65,24 @@ inline void set_exact(Rgb<double> exact, IrradianceEstimate& e) {
   e.illuminance_lx = {exact_lx, exact_lx};
 }
 
+// If few samples found light, they say little about what other samples may find.
+inline ConfidenceInterval Estimate::interval(double mean, double standard_error,
+                                             const IntervalRule& rule,
+                                             absl::FunctionRef<MostIrradiance()> most) const {
+  constexpr std::uint64_t kFew = 8;
+  EstimateMoments moments{mean, standard_error, sum_of_squares, largest_unshadowed, partly_hidden};
+  ConfidenceInterval result = rule.interval(moments);
+  if (lit >= kFew || 4 * lit >= samples) return result;
+  const MostIrradiance bounds = most();
+  if (bounds.sample_lx <= largest_unshadowed) return result;
+  moments.largest = bounds.sample_lx;
+  result.upper = std::max(result.upper, std::min(bounds.lx, rule.interval(moments).upper));
+  return result;
+}
+
 inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double block_count,
                                            const IntervalRule& rule,
-                                           absl::FunctionRef<double()> most_missed) const {
+                                           absl::FunctionRef<MostIrradiance()> most) const {
   IrradianceEstimate e;
   e.irradiance_lx = exact;
   const double exact_lx = luminance(exact);
@@ -71,12 +95,9 @@ inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double bloc
   e.irradiance_lx += {mean(0), mean(1), mean(2)};
   e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
   e.illuminance_error_lx = standard_error(3);
-  ConfidenceInterval sampled_lx = rule.interval(
-      {mean(3), standard_error(3), sum_of_squares, largest_unshadowed, partly_hidden});
-  const bool nothing = !(mean(3) > 0);
-  if (nothing && !(largest_unshadowed > 0)) sampled_lx.upper = most_missed();
+  const ConfidenceInterval sampled_lx = interval(mean(3), standard_error(3), rule, most);
   e.illuminance_lx = {exact_lx + sampled_lx.lower, exact_lx + sampled_lx.upper};
-  if (nothing && sampled_lx.upper > 0) e.zero_bound_lx = e.illuminance_lx.upper;
+  if (!(mean(3) > 0) && sampled_lx.upper > 0) e.zero_bound_lx = e.illuminance_lx.upper;
   return e;
 }
 

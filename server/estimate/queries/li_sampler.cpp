@@ -133,17 +133,19 @@ ItemResult LiSampler::receiver_result(std::size_t receiver) const {
   return at(receiver).point.result;
 }
 
-double LiSampler::most_missed(std::size_t receiver, const IntervalRule& rule) const {
+MostIrradiance LiSampler::most(std::size_t receiver) const {
   const At here = at(receiver);
   const Receiver<double> r = receiver_of(here.point, here.normal);
-  const auto most = [&](std::uint32_t light, double probability) {
-    return lucerna::most_missed(LightAtTime(scene_.lights()[light], q_.time_s), r, probability,
-                                rule);
+  const auto of_light = [&](std::uint32_t light, double probability) {
+    return most_of(LightAtTime(scene_.lights()[light], q_.time_s), r, probability);
   };
-  if (q_.light) return most(*q_.light, 1);
-  double sum = 0;
-  for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
-    sum += most(l, choice_probability(scene_, q_.methods.light_selection, r, l));
+  if (q_.light) return of_light(*q_.light, 1);
+  MostIrradiance sum;
+  for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
+    const MostIrradiance one =
+        of_light(l, choice_probability(scene_, q_.methods.light_selection, r, l));
+    sum.lx += one.lx, sum.sample_lx += one.sample_lx;
+  }
   return sum;
 }
 

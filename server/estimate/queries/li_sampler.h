@@ -42,9 +42,8 @@ class LiSampler {
   bool needs_one_sample() const;
   /// The status of a receiver before any sample.
   ItemResult receiver_result(std::size_t receiver) const;
-  /// An upper bound on the light at a receiver [lx], if no sample found any, not even without
-  /// shadows.  `rule`: of the samples.
-  double most_missed(std::size_t receiver, const IntervalRule& rule) const;
+  /// Upper bounds on the light at a receiver.
+  MostIrradiance most(std::size_t receiver) const;
 
  private:
   struct At {

@@ -263,6 +263,44 @@ TEST(GroundExtremes, Segments) {
   sweep.expect_none(wrong, cases, 0);
 }
 
+// Products of a sheet's edges and of a distance near it are tiny, compared with the ground's size.
+TEST(GroundExtremes, SmallSheets) {
+  Sweep sweep(36, "segments from a small sheet above a ground, to points over and under it",
+              "sheets of 1e-3 ... 1 m, grounds of 1e3 ... 1e9 m, level and tilted",
+              "hidden or visible, wrongly");
+  std::int64_t wrong = 0, cases = 0;
+  for_each_ground([&](const Plane& plane, Kind kind, double half, const std::string& what) {
+    for (const double size : {1e-3, 1e-2, 0.1, 1.0}) {
+      const double height = 10 * size;
+      SceneDescription d = description();
+      d.shapes = {rectangle(plane, half, 1.3, 0, kind),
+                  rectangle(plane, size / 2, 1, height, Kind::kTriangles)};
+      const auto scene = build(std::move(d));
+      std::vector<Point> on = points_on(plane, 0.4 * size, 20);
+      std::vector<Point> over, under, beyond;
+      for (Point& p : on) {
+        p = p + plane.n * height;
+        over.push_back(p + plane.n * size + plane.x * size);
+        under.push_back(p - plane.n * size + plane.x * size);
+        beyond.push_back(p - plane.n * (11 * size));
+      }
+      const std::vector<Point> up(on.size(), plane.n), down(on.size(), -plane.n);
+      const auto expect = [&](const char* which, const std::vector<bool>& seen, bool right) {
+        for (std::size_t i = 0; i < seen.size(); ++i, ++cases) {
+          if (seen[i] == right) continue;
+          if (++wrong < 10)
+            ADD_FAILURE() << what << ", sheet of " << size << " m: " << which << " " << i;
+        }
+      };
+      expect("up", visible(*scene, on, over, up), true);
+      expect("down", visible(*scene, on, under, down), true);
+      expect("through the ground", visible(*scene, on, beyond, down), false);
+      expect("through the sheet", visible(*scene, over, under, {}), true);
+    }
+  });
+  sweep.expect_none(wrong, cases, 0);
+}
+
 TEST(GroundExtremes, Pictures) {
   Sweep sweep(36, "pictures of a ground with the shadow of a screen, seen from above",
               "grounds of 1e3 ... 1e9 m, level and tilted, triangles and patches",
