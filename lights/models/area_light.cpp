@@ -280,10 +280,11 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
 
 template <std::floating_point Real, template <typename> typename Shape>
 EmissionSample<Real> AreaLight<Real, Shape>::ray_from(SurfacePoint<Real> point,
-                                                      const Vec3<Real>& direction) const {
+                                                      const Vec3<Real>& direction,
+                                                      double slack_m) const {
   // The normal that pdf_le will use.  Along the surface, two normals that differ by a rounding give
   // completely different cosines.
-  point.normal = shape_.located_normal(point);
+  point.normal = shape_.located_normal(point, slack_m);
   EmissionSample<Real> sample;
   sample.origin = point.position;
   sample.normal = point.normal;

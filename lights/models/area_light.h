@@ -92,8 +92,9 @@ class AreaLight {
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
   /// The ray that leaves `point`, which may be rounded, towards the unit vector `direction`, with
-  /// its value and the density of sample_le.
-  EmissionSample<Real> ray_from(SurfacePoint<Real> point, const Vec3<Real>& direction) const;
+  /// its value and the density of sample_le.  `slack_m`: as in pdf_le.
+  EmissionSample<Real> ray_from(SurfacePoint<Real> point, const Vec3<Real>& direction,
+                                double slack_m = 0) const;
   /// Both 0 where `position` is not on the light to within rounding and `slack_m`, or where
   /// `direction` leads to a side that does not emit.  Where parts of the light meet, the nearest
   /// part counts.

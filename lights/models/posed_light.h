@@ -93,7 +93,14 @@ class Posed {
                                 const Vec3<Real>& direction) const requires requires(const L& l) {
     l.ray_from(point, direction);
   }
-  { return from_light(light_.ray_from(to_light(point), inverse_vector(direction))); }
+  {
+    const SurfacePoint<Real> p = to_light(point);
+    const Vec3<Real> w = inverse_vector(direction);
+    if constexpr (requires { light_.ray_from(p, w, 0.0); })
+      return from_light(light_.ray_from(p, w, slack_m(point.position)));
+    else
+      return from_light(light_.ray_from(p, w));
+  }
 
   /// Positions count as on the light if they are within their own rounding of it.  This is the
   /// rounding at the light's present position.  It may be much larger than the rounding of the

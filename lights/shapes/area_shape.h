@@ -48,7 +48,8 @@ concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3<Real>& 
 ///   None for curved shapes.
 /// - `height_above(p, n)`: a bound on the height of its points over the plane through `p` with the
 ///   unit normal `n`.
-/// - `pdf_area(point)`, `locate(position)`, `located_normal(point)`: for rays that leave the shape.
+/// - `pdf_area(point)`, `locate(position, slack)`, `located_normal(point, slack)`: for rays that
+///   leave the shape.
 /// - `normals`, `bounds`: a cone with all normals, and a box.
 /// - `size`: how many primitives it has.
 /// - `bytes`: its memory.
@@ -69,7 +70,7 @@ concept AreaShape = requires(const Shape& shape, const Receiver<Real>& receiver,
   { shape.height_above(p, p) } -> std::same_as<double>;
   { shape.pdf_area(point) } -> std::same_as<AreaPdf<double>>;
   { shape.locate(v, 0.0) } -> std::same_as<std::optional<SurfacePoint<Real>>>;
-  { shape.located_normal(point) } -> std::same_as<Vec3<Real>>;
+  { shape.located_normal(point, 0.0) } -> std::same_as<Vec3<Real>>;
   { shape.normals() } -> std::same_as<NormalCone<Real>>;
   { shape.bounds() } -> std::same_as<std::pair<Vec3<Real>, Vec3<Real>>>;
   { shape.size() } -> std::same_as<std::size_t>;

@@ -85,6 +85,12 @@ int invert(const BilinearForm& p, const Vec3<double>& position, double tolerance
     const Vec3<double> line = p.f + p.g * u;
     const double v = dot(q - p.e * u, line) / dot(line, line);
     uv[i] = {u, std::isfinite(v) ? std::clamp(v, 0.0, 1.0) : 0.5};
+    // Beyond an edge, the nearest point of the edge may have another u: far off in a needle.
+    if (uv[i].y != v) {
+      const Vec3<double> edge = p.e + p.g * uv[i].y;
+      const double nearest = dot(q - p.f * uv[i].y, edge) / dot(edge, edge);
+      if (std::isfinite(nearest)) uv[i].x = std::clamp(nearest, 0.0, 1.0);
+    }
     error[i] = length(p.at(uv[i].x, uv[i].y) - position);
   }
   if (count == 2) {
@@ -389,9 +395,28 @@ std::pair<Vec3<Real>, Vec3<Real>> BilinearPatch<Real>::bounds() const {
 
 template <typename Real>
 Vec2<Real> BilinearPatch<Real>::locate(const Vec3<Real>& position) const {
+  const BilinearForm p(*this);
+  const Vec3<double> q(position);
   Vec2<double> uv[2];
-  invert(BilinearForm(*this), Vec3<double>(position), 0, uv);
-  return {static_cast<Real>(uv[0].x), static_cast<Real>(uv[0].y)};
+  invert(p, q, 0, uv);
+  // Where the patch is parallel to the direction of projection, small errors of the position are
+  // large ones of (u, v).  Steps to the nearest point of the tangent plane correct them.
+  Vec2<double> best = uv[0];
+  double error = length(p.at(best.x, best.y) - q);
+  constexpr int kSteps = 4;
+  for (int i = 0; i < kSteps && error > 0; ++i) {
+    const Vec3<double> off = q - p.at(best.x, best.y);
+    const Vec3<double> du = p.e + p.g * best.y, dv = p.f + p.g * best.x;
+    const double uu = dot(du, du), u_v = dot(du, dv), vv = dot(dv, dv);
+    const double determinant = uu * vv - u_v * u_v;
+    const Vec2<double> next{
+        std::clamp(best.x + (vv * dot(du, off) - u_v * dot(dv, off)) / determinant, 0.0, 1.0),
+        std::clamp(best.y + (uu * dot(dv, off) - u_v * dot(du, off)) / determinant, 0.0, 1.0)};
+    const double left = length(p.at(next.x, next.y) - q);
+    if (!(left < error)) break;
+    best = next, error = left;
+  }
+  return {static_cast<Real>(best.x), static_cast<Real>(best.y)};
 }
 
 template struct BilinearPatch<float>;

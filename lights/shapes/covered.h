@@ -35,7 +35,9 @@ class Covered {
   std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
     return under().locate(position, slack_m);
   }
-  Vec3<Real> located_normal(const SurfacePoint<Real>& p) const { return under().located_normal(p); }
+  Vec3<Real> located_normal(const SurfacePoint<Real>& p, double slack_m) const {
+    return under().located_normal(p, slack_m);
+  }
   bool touches(const Vec3<Real>& p, std::uint32_t primitive) const {
     return under().touches(p, primitive);
   }

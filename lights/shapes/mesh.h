@@ -102,7 +102,7 @@ class Mesh {
   /// on the nearest primitive, the first of equally near ones.  Tests each primitive.
   std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const;
   /// The normal that `locate` finds at the position of `p`, on the primitive of `p`.
-  Vec3<Real> located_normal(const SurfacePoint<Real>& p) const {
+  Vec3<Real> located_normal(const SurfacePoint<Real>& p, double /*slack_m*/) const {
     if constexpr (kAlwaysHasWays) {
       return p.normal;
     } else {

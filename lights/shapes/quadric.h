@@ -116,8 +116,8 @@ class Quadric {
     return SurfacePoint<Real>{position, self().normal_at(*q)};
   }
   /// The normal that `locate` finds at the position of `p`.
-  Vec3<Real> located_normal(const SurfacePoint<Real>& p) const {
-    const auto found = locate(p.position);
+  Vec3<Real> located_normal(const SurfacePoint<Real>& p, double slack_m) const {
+    const auto found = locate(p.position, slack_m);
     return found ? found->normal : p.normal;
   }
 

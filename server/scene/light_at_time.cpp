@@ -90,9 +90,11 @@ constexpr LightCalls kCalls{
            const SceneSphere& scene) {
           return as<L>(light).sample_le(u_position, u_direction, scene);
         },
-    .ray_from = [](const void* light, const SurfacePoint<double>& point,
-                   const Vec3<double>& w) -> EmissionSample<double> {
-      if constexpr (SeenOnSurface<L>)
+    .ray_from = [](const void* light, const SurfacePoint<double>& point, const Vec3<double>& w,
+                   double slack_m) -> EmissionSample<double> {
+      if constexpr (requires { as<L>(light).ray_from(point, w, slack_m); })
+        return as<L>(light).ray_from(point, w, slack_m);
+      else if constexpr (SeenOnSurface<L>)
         return as<L>(light).ray_from(point, w);
       else
         return {};

@@ -47,7 +47,7 @@ struct LightCalls {
   EmissionSample<double> (*sample_le)(const void*, Vec2<double> u_position,
                                       Vec2<double> u_direction, const SceneSphere&);
   EmissionSample<double> (*ray_from)(const void*, const SurfacePoint<double>&,
-                                     const Vec3<double>& w);
+                                     const Vec3<double>& w, double slack_m);
   EmissionPdf<double> (*pdf_le)(const void*, const Vec3<double>& position, const Vec3<double>& w,
                                 const SceneSphere&, double slack_m);
   Power (*power)(const void*, const SceneSphere&);
@@ -101,7 +101,11 @@ class AnyModel {
     return calls_.sample_le(light_, u_position, u_direction, scene);
   }
   EmissionSample<double> ray_from(const SurfacePoint<double>& point, const Vec3<double>& w) const {
-    return calls_.ray_from(light_, point, w);
+    return calls_.ray_from(light_, point, w, 0);
+  }
+  EmissionSample<double> ray_from(const SurfacePoint<double>& point, const Vec3<double>& w,
+                                  double slack_m) const requires(kSlack) {
+    return calls_.ray_from(light_, point, w, slack_m);
   }
   EmissionPdf<double> pdf_le(const Vec3<double>& position, const Vec3<double>& w,
                              const SceneSphere& scene) const {
@@ -168,7 +172,7 @@ class LightAtTime {
     return calls_->sample_le(light_, u_position, u_direction, scene);
   }
   EmissionSample<double> ray_from(const SurfacePoint<double>& point, const Vec3<double>& w) const {
-    return calls_->ray_from(light_, point, w);
+    return calls_->ray_from(light_, point, w, 0);
   }
   EmissionPdf<double> pdf_le(const Vec3<double>& position, const Vec3<double>& w,
                              const SceneSphere& scene) const {

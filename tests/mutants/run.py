@@ -3,6 +3,7 @@
 
     tests/mutants/run.py [NAME...]       applies each patch (all, or the named ones, such as 01), builds, and expects
                                          its test to fail
+    tests/mutants/run.py --oracle        only those that the oracle must find, with the oracle as the test
     tests/mutants/run.py --apply-only    checks that all patches apply, and that each row of the page has one
 
 A patch NN.patch (or NNx.patch) belongs to row NN and begins with
@@ -10,6 +11,11 @@ A patch NN.patch (or NNx.patch) belongs to row NN and begins with
     Row NN: what the changed code does.
     Test: EXECUTABLE FILTER
     Fails by: crash                      (or timeout; only if it does not fail by an expectation)
+    Found by the oracle.                 (only if it is)
+
+A patch oNN.patch is one for the oracle (docs/oracle.md) and begins with
+
+    Oracle: what the changed code does.
 
 Exits with 1 if a mutant survives, which means that no test of FILTER fails.  A patch that does not apply or build, and a
 filter that matches no test, are errors too.  The copy build/mutants is kept, so that the next run is quick.
@@ -36,13 +42,27 @@ ENVIRONMENT = os.environ | {"GIT_CEILING_DIRECTORIES": str(COPY.parent), "CCACHE
 class Mutant:
     def __init__(self, path):
         self.path, self.name, text = path, path.stem, path.read_text()
-        row = re.match(r"Row (\d+): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?", text)
-        if not row or f"{int(row[1]):02}" != self.name[:2]:
-            sys.exit(f"{path.relative_to(ROOT)}: does not begin with Row {self.name[:2]}: ... and Test: EXECUTABLE FILTER")
-        self.about, self.executable, self.filter, self.fails_by = row[2], row[3], row[4], row[5] or "expectation"
+        if self.name.startswith("o"):
+            row = re.match(r"(Oracle): (.+)\n", text)
+        else:
+            row = re.match(r"Row (\d+): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?(Found by the oracle)?", text)
+            if row and f"{int(row[1]):02}" != self.name[:2]:
+                row = None
+        if not row:
+            sys.exit(f"{path.relative_to(ROOT)}: does not begin with the lines that run.py describes")
+        self.about, self.fails_by = row[2], "expectation"
+        if self.name.startswith("o"):
+            self.is_for_oracle = True
+            self.use_oracle()
+        else:
+            self.executable, self.filter, self.fails_by = row[3], row[4], row[5] or self.fails_by
+            self.is_for_oracle = row[6] is not None
         self.files = re.findall(r"^\+\+\+ b/(.+)$", text, re.M)
         if not self.files or any(not f.startswith(("lights/", "server/", "proto/")) for f in self.files):
             sys.exit(f"{path.relative_to(ROOT)}: changes {self.files}, not only lights, server and proto")
+
+    def use_oracle(self):
+        self.executable, self.filter, self.fails_by = "oracle_test", "Oracle.AgreesWithTheServer", "expectation"
 
 
 def run(*command, **options):
@@ -144,10 +164,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*")
     parser.add_argument("--apply-only", action="store_true")
+    parser.add_argument("--oracle", action="store_true")
     options = parser.parse_args()
     mutants = [Mutant(p) for p in sorted(HERE.glob("*.patch")) if not options.names or p.stem in options.names]
     if unknown := set(options.names) - {m.name for m in mutants}:
         sys.exit("no such mutants: " + ", ".join(sorted(unknown)))
+    if options.oracle:
+        mutants = [m for m in mutants if m.is_for_oracle]
+        for m in mutants:
+            m.use_oracle()
     sys.exit(0 if (check if options.apply_only else run_mutants)(mutants) else 1)
 
 

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "tests/oracle/questioner.h"
+#include "tests/oracle/shapes.h"
 #include "tests/oracle/shrink.h"
 #include "tests/server/extremes/wire_settings.h"
 #include "tests/temp_directory.h"
@@ -27,6 +28,9 @@ struct Tally {
   void add(Verdict::Kind kind) { ++of.at(static_cast<std::size_t>(kind)); }
 };
 
+/// Printing a failure takes as long as many scenes.
+constexpr std::uint64_t kMostFailures = 20;
+
 class Oracle : public ::testing::Test {
  protected:
   rpc::ServerOptions options() const {
@@ -38,7 +42,8 @@ class Oracle : public ::testing::Test {
   void check(std::uint64_t number) {
     const oracle::World world = oracle::random_world(number);
     count(world);
-    ASSERT_TRUE(questioner_.load(world));
+    const grpc::Status loaded = questioner_.load(world);
+    ASSERT_TRUE(loaded.ok()) << loaded.error_message() << "\n" << pbrt_text(world);
     const oracle::Truth truth(world);
     for (const Question& question : questions_about(world)) {
       const Verdict verdict = questioner_.judge(truth, question);
@@ -64,7 +69,11 @@ class Oracle : public ::testing::Test {
 
   Verdict judge(const oracle::World& world, const Question& question) {
     questioner_.release();
-    if (!questioner_.load(world)) return {Verdict::Kind::kNoAnswer};
+    // The server may leave out or refuse shapes that rounding made degenerate.
+    for (const int emitter : emitting_shapes(world))
+      if (!(area_of(world.shapes[static_cast<std::size_t>(emitter)]).first > 0))
+        return {Verdict::Kind::kNoAnswer};
+    if (!questioner_.load(world).ok()) return {Verdict::Kind::kNoAnswer};
     return questioner_.judge(oracle::Truth(world), question);
   }
 
@@ -98,7 +107,7 @@ TEST_F(Oracle, AgreesWithTheServer) {
   const std::uint64_t last = one == all ? first + *scenes : one + 1;
   for (std::uint64_t i = first; i < last; ++i) {
     check(i);
-    if (HasFatalFailure()) return;
+    ASSERT_LT(failures_, kMostFailures) << "stopped after scene " << i;
   }
   for (const auto& [kind, n] : kinds_) std::cout << fmt::format("{}: {}\n", kind, n);
   using K = Verdict::Kind;

@@ -9,7 +9,18 @@
 namespace lucerna::oracle {
 
 struct Question {
-  enum class Kind : std::uint8_t { kVisibility, kIlluminance, kPower, kDelta, kSamples, kDensity };
+  enum class Kind : std::uint8_t {
+    kVisibility,
+    kIlluminance,
+    kTarget,  ///< illuminance with a target error
+    kSolid,   ///< a receiver inside of a sphere
+    kPower,
+    kRays,   ///< that leave a light
+    kDelta,  ///< the sample of a light of one direction
+    kSamples,
+    kDensity,
+    kLe
+  };
   Kind kind = Kind::kVisibility;
   Place from{}, to{};  ///< visibility: both ends; else the receiver, except for power
   /// Of power, delta, samples and density: first World::lights, then the shapes that emit.

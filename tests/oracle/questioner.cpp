@@ -6,53 +6,11 @@
 
 #include "tests/oracle/lights.h"
 #include "tests/oracle/shapes.h"
+#include "tests/oracle/wire_parts.h"
 
 namespace lucerna::testing {
-namespace {
 
-using oracle::Amount;
-using oracle::Place;
-using oracle::Real;
-using oracle::Truth;
-using oracle::Vec;
-using oracle::Way;
-using Kind = Verdict::Kind;
-
-std::string shown(const Vec& v) {
-  return fmt::format("({:.17g}, {:.17g}, {:.17g})", static_cast<double>(v.x),
-                     static_cast<double>(v.y), static_cast<double>(v.z));
-}
-std::string shown(const Place& p) {
-  return shown(p.at) + " m, normal " + shown(p.normal) + fmt::format(", on shape {}", p.on);
-}
-std::string shown(const Amount& a) {
-  return fmt::format("{} +- {}", static_cast<double>(a.value), static_cast<double>(a.bound));
-}
-
-/// Each query asks for one point.  It is the batch's origin, so that no coordinate is rounded.
-void set_point(const Place& p, v1::Points* points) {
-  points->mutable_origin_m()->set_x(static_cast<double>(p.at.x));
-  points->mutable_origin_m()->set_y(static_cast<double>(p.at.y));
-  points->mutable_origin_m()->set_z(static_cast<double>(p.at.z));
-  for (int i = 0; i < 3; ++i) points->add_offsets_m(0);
-}
-
-template <typename Field>
-void add_normal(const Place& p, Field* field) {
-  for (const Real x : {p.normal.x, p.normal.y, p.normal.z}) field->Add(static_cast<float>(x));
-}
-
-Vec vec_of(const google::protobuf::RepeatedField<float>& field, int i) {
-  return {field[3 * i], field[3 * i + 1], field[3 * i + 2]};
-}
-
-Verdict verdict_of(bool right, const std::string& text) {
-  return right ? Verdict{Kind::kAgrees} : Verdict{Kind::kWrong, text};
-}
-
-}  // namespace
-
-bool Questioner::load(const oracle::World& world) {
+grpc::Status Questioner::load(const oracle::World& world) {
   for (const auto& [name, bytes] : pbrt_files(world))
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
   std::ofstream(folder_ / "scene.pbrt") << pbrt_text(world);
@@ -60,12 +18,12 @@ bool Questioner::load(const oracle::World& world) {
   q.set_path("scene.pbrt");
   v1::LoadSceneResponse r;
   const grpc::Status s = status_of([&](auto* c) { return service_.scenes.LoadScene(c, q, &r); });
-  EXPECT_TRUE(s.ok()) << s.error_message() << "\n" << pbrt_text(world);
   id_ = r.scene_id();
-  return s.ok();
+  return s;
 }
 
 void Questioner::release() {
+  if (id_.empty()) return;  // the server refused the scene
   v1::ReleaseSceneRequest q;
   q.set_scene_id(id_);
   v1::ReleaseSceneResponse r;
@@ -78,14 +36,22 @@ Verdict Questioner::judge(const Truth& truth, const Question& question) {
       return visibility(truth, question);
     case Question::Kind::kIlluminance:
       return illuminance(truth, question);
+    case Question::Kind::kTarget:
+      return target(truth, question);
+    case Question::Kind::kSolid:
+      return solid(truth, question);
     case Question::Kind::kPower:
       return power(truth, question);
+    case Question::Kind::kRays:
+      return rays(truth, question);
     case Question::Kind::kDelta:
       return delta(truth, question);
     case Question::Kind::kSamples:
       return samples(truth, question);
     case Question::Kind::kDensity:
       return density(truth, question);
+    case Question::Kind::kLe:
+      return le(truth, question);
   }
   return {};
 }
@@ -110,28 +76,85 @@ Verdict Questioner::visibility(const Truth& truth, const Question& question) {
                                 shown(question.to), visible));
 }
 
-Verdict Questioner::illuminance(const Truth& truth, const Question& question) {
-  const Amount amount = truth.illuminance(question.from);
-  if (!amount.sure) return {};
-  v1::EstimateIrradianceRequest q;
+grpc::Status Questioner::irradiance(const Truth& truth, const Place& at,
+                                    v1::EstimateIrradianceRequest q,
+                                    v1::EstimateIrradianceResponse* r) {
   q.set_scene_id(id_);
   q.set_time_s(static_cast<double>(truth.world().time));
-  set_point(question.from, q.mutable_receivers());
-  add_normal(question.from, q.mutable_normals());
+  set_point(at, q.mutable_receivers());
+  add_normal(at, q.mutable_normals());
   q.set_bounces(0);
-  v1::EstimateIrradianceResponse r;
-  const grpc::Status s =
-      status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); });
-  if (!s.ok()) return {Kind::kWrong, s.error_message()};
+  return status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
+}
+
+Verdict Questioner::compare(const Amount& amount, const v1::EstimateIrradianceResponse& r,
+                            const Place& at) {
   if (r.status_size() > 0 && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
   const Real slack = amount.bound + 1e-6L * amount.value;
   const bool exact = r.standard_error_lx(0) == 0 && r.lower_lx(0) == r.upper_lx(0);
   const bool holds = r.lower_lx(0) <= amount.value + slack && r.upper_lx(0) >= amount.value - slack;
-  const std::string text = fmt::format(
-      "at {}\nilluminance: the server says {} from {} to {} lx, right is {} lx",
-      shown(question.from), r.illuminance_lx(0), r.lower_lx(0), r.upper_lx(0), shown(amount));
-  if (exact) return verdict_of(holds, text);
+  const std::string text =
+      fmt::format("at {}\nilluminance: the server says {} from {} to {} lx, right is {} lx",
+                  shown(at), r.illuminance_lx(0), r.lower_lx(0), r.upper_lx(0), shown(amount));
+  // What is reported as 0 must have an upper bound, or be 0.
+  const bool has_bound = r.illuminance_lx(0) > 0 || r.zero_bound_lx(0) == r.upper_lx(0);
+  if (exact || !has_bound) return verdict_of(holds && has_bound, text);
   return {holds ? Kind::kHolds : Kind::kMisses, text};
+}
+
+Verdict Questioner::illuminance(const Truth& truth, const Question& question) {
+  const Amount amount = truth.illuminance(question.from);
+  if (!amount.sure) return {};
+  v1::EstimateIrradianceResponse r;
+  const grpc::Status s = irradiance(truth, question.from, {}, &r);
+  if (!s.ok()) return {Kind::kWrong, s.error_message()};
+  return compare(amount, r, question.from);
+}
+
+Verdict Questioner::target(const Truth& truth, const Question& question) {
+  constexpr double kTarget = 0.05;
+  const Amount amount = truth.illuminance(question.from);
+  if (!amount.sure) return {};
+  v1::EstimateIrradianceRequest q;
+  q.mutable_accuracy()->mutable_target_error()->set_relative(kTarget);
+  q.mutable_accuracy()->mutable_target_error()->set_max_samples(2048);
+  v1::EstimateIrradianceResponse r;
+  const grpc::Status s = irradiance(truth, question.from, q, &r);
+  if (!s.ok()) return {Kind::kWrong, s.error_message()};
+  Verdict verdict = compare(amount, r, question.from);
+  const Real value = r.illuminance_lx(0);
+  const bool reached = (r.upper_lx(0) - r.lower_lx(0)) / 2 <= kTarget * value;
+  const bool is_within = std::fabs(value - amount.value) <= kTarget * value + amount.bound;
+  if (verdict.kind == Kind::kHolds && reached && !is_within) verdict.kind = Kind::kMisses;
+  return verdict;
+}
+
+Verdict Questioner::solid(const Truth& truth, const Question& question) {
+  const Vec& at = question.from.at;
+  const oracle::World& world = truth.world();
+  if (question.from.on >= 0) return {Kind::kNoAnswer};
+  const auto inside = [](const oracle::Shape& sphere, const Vec& p, Real share) {
+    return length(p - sphere.at[0]) < share * sphere.radius;
+  };
+  for (const oracle::Shape& shape : world.shapes) {
+    if (shape.kind != oracle::ShapeKind::kSphere || shape.radiance > 0) continue;
+    if (!inside(shape, at, 0.9L)) continue;
+    bool has_light = false;
+    for (const oracle::Light& light : world.lights) has_light |= inside(shape, light.at, 1.1L);
+    if (has_light || !emitting_shapes(world).empty()) return {Kind::kNoAnswer};
+    v1::EstimateIrradianceResponse r;
+    const grpc::Status s = irradiance(truth, question.from, {}, &r);
+    if (!s.ok()) return {Kind::kWrong, s.error_message()};
+    const auto status = r.status_size() == 0 ? v1::ITEM_STATUS_OK : r.status(0);
+    if (status == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
+    // A point on a surface is not inside of a solid.
+    for (std::size_t i = 0; i < world.shapes.size(); ++i)
+      if (truth.may_lie_on(world.shapes[i], question.from)) return {};
+    return verdict_of(status == v1::ITEM_STATUS_INSIDE_SOLID,
+                      fmt::format("inside of a sphere at {}: the server gives status {}",
+                                  shown(question.from), static_cast<int>(status)));
+  }
+  return {Kind::kNoAnswer};
 }
 
 Verdict Questioner::power(const Truth& truth, const Question& question) {
@@ -254,7 +277,8 @@ Verdict Questioner::samples(const Truth& truth, const Question& question) {
     if (off > 1e-5L + 4 * error / distance + 2 * of_cosine / std::fabs(cosine) +
                   8 * at_ends / shape_size(shape))
       return {Kind::kWrong, text};
-    const Way free = truth.way(from, Place{.at = p.at, .on = shape_number});
+    // The point has the error of an answer's floats, as points of a request do.
+    const Way free = truth.way(from, Place{.at = p.at, .on = shape_number, .asked = true});
     const bool visible = (r.visible()[i / 8] >> i % 8 & 1) != 0;
     if (free != Way::kUnsure && visible != (free == Way::kFree)) return {Kind::kWrong, text};
   }

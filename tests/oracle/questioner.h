@@ -33,8 +33,8 @@ class Questioner {
   Questioner(Service& service, std::filesystem::path folder)
       : service_(service), folder_(std::move(folder)) {}
 
-  /// Loads the scene in place of the one before.  False if the server refuses it.
-  bool load(const oracle::World& world);
+  /// Loads the scene in place of the one before.
+  grpc::Status load(const oracle::World& world);
   /// Of the loaded scene.
   Verdict judge(const oracle::Truth& truth, const Question& question);
   void release();
@@ -42,10 +42,20 @@ class Questioner {
  private:
   Verdict visibility(const oracle::Truth& truth, const Question& question);
   Verdict illuminance(const oracle::Truth& truth, const Question& question);
+  Verdict target(const oracle::Truth& truth, const Question& question);
+  Verdict solid(const oracle::Truth& truth, const Question& question);
   Verdict power(const oracle::Truth& truth, const Question& question);
+  Verdict rays(const oracle::Truth& truth, const Question& question);
   Verdict delta(const oracle::Truth& truth, const Question& question);
   Verdict samples(const oracle::Truth& truth, const Question& question);
   Verdict density(const oracle::Truth& truth, const Question& question);
+  Verdict le(const oracle::Truth& truth, const Question& question);
+  grpc::Status irradiance(const oracle::Truth& truth, const oracle::Place& at,
+                          v1::EstimateIrradianceRequest q, v1::EstimateIrradianceResponse* r);
+  static Verdict compare(const oracle::Amount& amount, const v1::EstimateIrradianceResponse& r,
+                         const oracle::Place& at);
+  bool has_densities(const oracle::Truth& truth, const Question& question,
+                     const v1::SampleLeResponse& rays, std::string& text);
   v1::SampleLiResponse sample(const oracle::Truth& truth, const Question& question,
                               std::uint32_t samples, v1::AreaSampling sampling);
 

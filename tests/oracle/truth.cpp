@@ -116,6 +116,27 @@ Real Truth::blur(const Place& place) const {
   return dot(place.normal, place.normal) > 0 ? 0 : near(place) * (kLoose / kNear);
 }
 
+bool Truth::may_lie_on(const Shape& shape, const Place& place) const {
+  Place probe = place;
+  probe.normal = {};
+  const Real reach = 2 * (length(rounding(shape)) + length(rounding(place.at)) + blur(probe));
+  if (is_flat(shape)) {
+    const Vec n = normal_of(shape);
+    return std::fabs(dot(place.at - shape.at[0], n)) <= reach &&
+           inside_by(shape, n, place.at) >= -reach;
+  }
+  if (shape.kind == ShapeKind::kSphere)
+    return std::fabs(length(place.at - shape.at[0]) - shape.radius) <= reach;
+  Bounds box;
+  for (const Vec& p : hull(shape)) box.add(p);
+  const auto apart = [&](Real at, Real lower, Real upper) {
+    return std::fmax(0, std::fmax(lower - at, at - upper));
+  };
+  return std::fmax(std::fmax(apart(place.at.x, box.lower.x, box.upper.x),
+                             apart(place.at.y, box.lower.y, box.upper.y)),
+                   apart(place.at.z, box.lower.z, box.upper.z)) <= reach;
+}
+
 Real Truth::reach(const Vec& at) const {
   Real reach = 0;
   for (const Shape& shape : world_.shapes) {
@@ -224,7 +245,10 @@ Way Truth::past(const Shape& shape, const Place& from, const Place& to) const {
     const Vec w = unit(to.at - from.at);
     const int number = static_cast<int>(&shape - world_.shapes.data());
     const auto grazes = [&](const Place& p) {
-      return p.on == number && std::fabs(dot(point_of(shape, p.s, p.t).normal, w)) < kGrazing;
+      if (p.on != number) return false;
+      const SurfacePoint own =
+          shape.kind == ShapeKind::kPatch ? point_of(shape, p.s, p.t) : nearest_point(shape, p.at);
+      return std::fabs(dot(own.normal, w)) < kGrazing;
     };
     return way == Way::kBlocked && (grazes(from) || grazes(to)) ? Way::kUnsure : way;
   }
