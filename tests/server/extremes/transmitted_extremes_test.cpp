@@ -175,13 +175,15 @@ TEST(TransmittedExtremes, SamplesOfLightsWithoutSurface) {
   sweep.expect_within(0);
 }
 
-/// Densities of rays against those of the reported rays.
-void compare_rays(Sweep& sweep, const Scene& scene, std::uint32_t light, double time_s) {
+/// Densities of rays against those of the reported rays.  `least_per_sr`: leaves out rays along the
+/// surface, which rounding may move to its other side.
+void compare_rays(Sweep& sweep, const Scene& scene, std::uint32_t light, double time_s,
+                  float least_per_sr = 0) {
   const Items t = rays_of(scene, light, 4000, time_s);
   const Items evaluated = densities_of(scene, light, t, time_s);
   int rays = 0;
   for (std::size_t i = 0; i < t.n; ++i) {
-    if (!t.has_light(i)) continue;
+    if (!t.has_light(i) || t.per_sr[i] < least_per_sr) continue;
     ++rays;
     sweep.compare(t.per_m2[i], evaluated.per_m2[i], name(scene, light) + ", position");
     sweep.compare(t.per_sr[i], evaluated.per_sr[i], name(scene, light) + ", direction");
@@ -219,6 +221,48 @@ TEST(TransmittedExtremes, RaysOfLightsThatMove) {
     for (const double time_s : {0.0, 0.37, 1.0}) compare_rays(sweep, *file.scene, light, time_s);
   // The light rotates a direction again, with one rounding of doubles.
   sweep.expect_within(1e-6);
+}
+
+/// The rounding of positions is that of the scene, and larger than that of the light about itself.
+TEST(TransmittedExtremes, RaysOfSmallLightsThatMove) {
+  Sweep sweep(33, "rays of round lights that move over a ground of 1e5 m", "radius 20 ... 300 m",
+              "densities against PdfLe of the reported ray");
+  const std::string ground =
+      "Shape \"bilinearmesh\" \"point3 P\" [-5000 -5000 0  5000 -5000 0  -5000 5000 0  5000 5000 "
+      "0]\n";
+  for (const double radius : {20.0, 60.0, 300.0}) {
+    const std::string r = "\"float radius\" " + std::to_string(radius);
+    const std::string z = std::to_string(radius / 2);
+    const FileScene file = scene_of(
+        ground +
+        "ActiveTransform EndTime\nTranslate 0.7 -0.3 0.2\nActiveTransform All\n"
+        "Translate 12000 -900 300\nAreaLightSource \"diffuse\"\nShape \"sphere\" " +
+        r + "\nShape \"cylinder\" " + r + " \"float zmin\" -" + z + " \"float zmax\" " + z + "\n");
+    ASSERT_TRUE(file.status.ok()) << file.status;
+    for (std::uint32_t light = 0; light < file.scene->lights().size(); ++light)
+      for (const double time_s : {0.0, 0.37})
+        compare_rays(sweep, *file.scene, light, time_s, 1e-3F);
+  }
+  sweep.expect_within(1e-6);
+}
+
+/// Their points, rounded to floats, are not quite on them.
+TEST(TransmittedExtremes, RaysOfNeedlesAndBentPatches) {
+  Sweep sweep(33, "rays of needles of two acute corners, and of a patch that bends back",
+              "length : width 10 ... 1e6", "densities against PdfLe of the reported ray");
+  const auto patch = [](const std::string& corners) {
+    return "Shape \"bilinearmesh\" \"point3 P\" [" + corners + "]\n";
+  };
+  std::string lights = "AreaLightSource \"diffuse\"\n";
+  for (const char* width : {"0.3", "0.03", "3e-3", "3e-4", "3e-5", "3e-6"})
+    lights += patch(std::string("1 2 3  1 3 6.1  ") + width + " 1.9 2.65  " + width + " 2.9 5.75");
+  lights += patch("-1.12 0.85 0  -1.03 0.85 0  -1.17 0.75 0  -1.11 0.8 -0.022");
+  lights += patch("0 0 0  1 0 0  0 1 0  0.1 0.1 0.6");
+  const FileScene file = scene_of(lights);
+  ASSERT_TRUE(file.status.ok()) << file.status;
+  for (std::uint32_t light = 0; light < file.scene->lights().size(); ++light)
+    compare_rays(sweep, *file.scene, light, 0);
+  sweep.expect_within(0);
 }
 
 /// Where no float direction leads into a light, the answer describes the sampled direction.
