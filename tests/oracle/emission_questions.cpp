@@ -127,9 +127,10 @@ Verdict Questioner::le(const Truth& truth, const Question& question) {
   const Real off =
       4 * (length(truth.rounding(shape)) + length(truth.rounding(from.at)) + 0x1p-22L * distance) /
       std::fabs(cosine);
-  if (std::fabs(cosine) < 0.02L || off > 0.05L * shape_size(shape)) return {};
+  if (std::fabs(cosine) < 0.02L || off > 0.05L * shape_size(shape)) return {Kind::kNoAnswer};
   const Way free = truth.way(from, Place{.at = p.at, .on = number, .s = kS, .t = kT});
-  if (free == Way::kUnsure || (free == Way::kBlocked && !is_flat(shape))) return {};
+  if (free == Way::kUnsure) return {};
+  if (free == Way::kBlocked && !is_flat(shape)) return {Kind::kNoAnswer};  // perhaps by itself
   v1::LeRequest q;
   q.set_scene_id(id_);
   q.set_time_s(static_cast<double>(truth.world().time));

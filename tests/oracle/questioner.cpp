@@ -149,7 +149,7 @@ Verdict Questioner::solid(const Truth& truth, const Question& question) {
     if (status == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
     // A point on a surface is not inside of a solid.
     for (std::size_t i = 0; i < world.shapes.size(); ++i)
-      if (truth.may_lie_on(world.shapes[i], question.from)) return {};
+      if (truth.may_lie_on(world.shapes[i], question.from)) return {Kind::kNoAnswer};
     return verdict_of(status == v1::ITEM_STATUS_INSIDE_SOLID,
                       fmt::format("inside of a sphere at {}: the server gives status {}",
                                   shown(question.from), static_cast<int>(status)));
