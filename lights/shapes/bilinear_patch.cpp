@@ -85,12 +85,6 @@ int invert(const BilinearForm& p, const Vec3<double>& position, double tolerance
     const Vec3<double> line = p.f + p.g * u;
     const double v = dot(q - p.e * u, line) / dot(line, line);
     uv[i] = {u, std::isfinite(v) ? std::clamp(v, 0.0, 1.0) : 0.5};
-    // Beyond an edge, the nearest point of the edge may have another u: far off in a needle.
-    if (uv[i].y != v) {
-      const Vec3<double> edge = p.e + p.g * uv[i].y;
-      const double nearest = dot(q - p.f * uv[i].y, edge) / dot(edge, edge);
-      if (std::isfinite(nearest)) uv[i].x = std::clamp(nearest, 0.0, 1.0);
-    }
     error[i] = length(p.at(uv[i].x, uv[i].y) - position);
   }
   if (count == 2) {
@@ -399,8 +393,9 @@ Vec2<Real> BilinearPatch<Real>::locate(const Vec3<Real>& position) const {
   const Vec3<double> q(position);
   Vec2<double> uv[2];
   invert(p, q, 0, uv);
-  // Where the patch is parallel to the direction of projection, small errors of the position are
-  // large ones of (u, v).  Steps to the nearest point of the tangent plane correct them.
+  // In needles, and where the patch is parallel to the direction of projection, small errors of the
+  // position are large ones of (u, v).  Steps to the nearest point of the tangent plane correct
+  // them.
   Vec2<double> best = uv[0];
   double error = length(p.at(best.x, best.y) - q);
   constexpr int kSteps = 4;

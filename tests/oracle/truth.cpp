@@ -241,7 +241,7 @@ Way Truth::past(const Shape& shape, const Place& from, const Place& to) const {
   if (is_curved(shape)) {
     const Way way = past_curved(shape, rounding(shape), end(from, shape, to), end(to, shape, from));
     // A way that grazes its own surface may end at it earlier.
-    constexpr Real kGrazing = 0.1L;
+    constexpr Real kGrazing = 0.3L;
     const Vec w = unit(to.at - from.at);
     const int number = static_cast<int>(&shape - world_.shapes.data());
     const auto grazes = [&](const Place& p) {
