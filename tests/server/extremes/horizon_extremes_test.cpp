@@ -130,13 +130,16 @@ TEST(HorizonExtremes, LightsBelow) {
   sweep.expect_none(wrong, cases, 0);
 }
 
-/// A sky whose lit half is up.  `spread`: the filter carries light a little below the horizon.
+/// A sky whose lit half is up.  `spread`: the filter carries light below the horizon, too little to
+/// be sampled.
 std::shared_ptr<const Scene> half_sky(bool spread) {
-  std::vector<Rgb<float>> texels(8 * 4);
-  for (std::size_t i = 0; i < 16; ++i) texels[i] = Rgb<float>(1);
+  constexpr int kWidth = 8, kHeight = 1000;
+  std::vector<Rgb<float>> texels(kWidth * kHeight);
+  for (std::size_t i = 0; i < texels.size() / 2; ++i) texels[i] = Rgb<float>(1);
   ImageInfiniteLightParams sky;
-  sky.map = *SphereMap::create(*Image::create(8, 4, texels), SphereMapping::kLatitudeLongitude,
-                               spread ? ImageFilter::kBilinear : ImageFilter::kNearest);
+  sky.map =
+      *SphereMap::create(*Image::create(kWidth, kHeight, texels), SphereMapping::kLatitudeLongitude,
+                         spread ? ImageFilter::kBilinear : ImageFilter::kNearest);
   sky.world_from_map = *Transform::rotate(std::numbers::pi / 2, {1, 0, 0});  // +y up to +z
   SceneDescription d = description();
   d.lights = {{sky, {}}};
