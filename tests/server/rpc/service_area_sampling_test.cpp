@@ -113,7 +113,7 @@ TEST_F(AreaSamplingTest, IrradianceEqualsTheClosedFormForEachMethod) {
     for (const v1::AreaSampling way : kWays) {
       auto q = request<v1::EstimateIrradianceRequest>(p, way);
       q.set_bounces(0);
-      q.mutable_accuracy()->set_samples(512);
+      q.mutable_accuracy()->set_samples(256);
       v1::EstimateIrradianceResponse r;
       ASSERT_TRUE(
           status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); }).ok());
