@@ -26,9 +26,14 @@ bool is_density(SolidAnglePdf<Real> pdf) {
 
 template <std::floating_point Real, template <typename> typename Shape>
 AreaLight<Real, Shape>::AreaLight(const DiffuseEmission& emission, Shape<Real> shape)
-    : emission_(emission), radiance_(emission.radiance_cd_m2), shape_(std::move(shape)) {
+    : emission_(emission),
+      radiance_(emission.radiance_cd_m2),
+      most_cd_m2_(luminance(emission.radiance_cd_m2)),
+      shape_(std::move(shape)) {
+  // Points are drawn by the luminance of the picture alone.  A sample may so have the picture's
+  // light in the brightest channel.
   if constexpr (kPainted)
-    radiance_ = Rgb<Real>(emission.radiance_cd_m2 * shape_.picture().brightest());
+    most_cd_m2_ = emission.radiance_cd_m2.max_component() * luminance(shape_.picture().brightest());
 }
 
 template <std::floating_point Real, template <typename> typename Shape>
@@ -158,26 +163,24 @@ std::optional<Rgb<Real>> AreaLight<Real, Shape>::irradiance(
   });
 }
 
-// A part dA of radiance L sends L cos(theta) cos(theta') dA / r^2, which is at most L dA / r^2.  A
-// panel sends at most I / r^2 for the file's largest intensity I.
+// A part dA of radiance L sends L cos(theta) cos(theta') dA / r^2.  The cosine at the receiver is
+// at most the part's height over r.  A panel sends at most I cos(theta') / r^2 for the file's
+// largest intensity I.
 template <std::floating_point Real, template <typename> typename Shape>
 MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& receiver) const {
+  if (!(most_cd_m2_ > 0) || is_black()) return {};
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Vec3<double> p(receiver.position), n(receiver.normal);
   const bool all_around = n == Vec3<double>{};
-  if (is_black() || !bounds()->reaches(receiver.position) ||
-      !(all_around || shape_.height_above(p, n) > 0))
-    return {};
-  double most_cd = luminance(Rgb<double>(radiance_));
-  // This radiance from all directions.
-  double lx = most_cd * std::numbers::pi * (all_around ? 4 : 1);
-  if constexpr (kPanel) {
-    most_cd *= shape_.profile().web->max_cd();
-    lx = std::numeric_limits<double>::infinity();
-  } else {
-    most_cd *= area_m2();
-  }
+  const double height = all_around ? kInfinity : shape_.height_above(p, n);
+  if (!(height > 0) || !bounds()->reaches(receiver.position)) return {};
+  // The illuminance if this radiance came from all directions.
+  double lx = kPanel ? kInfinity : most_cd_m2_ * std::numbers::pi * (all_around ? 4 : 1);
   if constexpr (kHasIrradiance) {
-    if (const auto known = irradiance(receiver)) lx = luminance(Rgb<double>(*known));
+    // A sum over all primitives, which takes too long for large meshes.
+    constexpr std::size_t kMany = 1024;
+    if (shape_.size() <= kMany)
+      if (const auto known = irradiance(receiver)) lx = luminance(Rgb<double>(*known));
     if (lx == 0) return {};
   }
   const auto [lower, upper] = shape_.bounds();
@@ -187,7 +190,16 @@ MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& rec
   const double distance =
       length(Vec3<double>{outside(p.x, lower.x, upper.x), outside(p.y, lower.y, upper.y),
                           outside(p.z, lower.z, upper.z)});
-  const double sample_lx = most_cd / distance / distance;
+  if (!(distance > 0)) return {lx, kInfinity};
+  double most_cd = most_cd_m2_;
+  if constexpr (kPanel)
+    most_cd *= shape_.profile().web->max_cd();
+  else
+    most_cd *= area_m2();
+  // The density of points of patches and pictures is at least half of the uniform one.
+  constexpr double kLeastDensity = 0.5;
+  const double sample_lx =
+      most_cd / kLeastDensity * std::min(1.0, height / distance) / distance / distance;
   return {std::min(lx, sample_lx), sample_lx};
 }
 

@@ -71,8 +71,9 @@ class AreaLight {
     return shape_.hides_itself();
   }
 
-  /// Upper bounds on the illuminance on the side that `receiver` faces.  In closed form, or from
-  /// the distance to the shape's box.
+  /// Upper bounds of the illuminance on the side that `receiver` faces, if the light's nearest part
+  /// hides the parts behind it.  They come from the closed form, or from the distance to the
+  /// shape's box.
   MostIrradiance most_irradiance(const Receiver<Real>& receiver) const;
 
   /// Radiance [cd/m2] leaving `point` towards the vector `w` of any length; 0 on the dark side and
@@ -148,7 +149,9 @@ class AreaLight {
   Rgb<Real> radiance_at(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
 
   DiffuseEmission emission_;
-  Rgb<Real> radiance_;  ///< of the brightest point; for a panel a factor
+  Rgb<Real> radiance_;
+  /// A bound of the luminance of its points; for a panel of the factor of its intensity.
+  double most_cd_m2_;
   Shape<Real> shape_;
 };
 

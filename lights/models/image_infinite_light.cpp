@@ -93,15 +93,15 @@ SolidAnglePdf<Real> ImageInfiniteLight<Real>::pdf_li(const Receiver<Real>& recei
 
 template <std::floating_point Real>
 MostIrradiance ImageInfiniteLight<Real>::most_irradiance(const Receiver<Real>& receiver) const {
-  const double lx = luminance(params_.map->integral() * params_.radiance_cd_m2);
-  const bool all_around = receiver.normal == Vec3<Real>{};
-  const auto is_lit = [&](const Vec3<Real>& n) {
-    return params_.map->shines_above(axes_.map_from_world(Vec3<double>(n)));
-  };
-  if (!(lx > 0) || !(all_around || is_lit(receiver.normal))) return {};
-  // Texels above the map's mean have all samples of an `incomplete` receiver.  The receiver's own
-  // directions find the rest: at most the mean times pi, a quarter of the integral.
-  return {lx, lx * 1.25};
+  const double all = luminance(params_.map->integral() * params_.radiance_cd_m2);
+  double height = 1;
+  if (receiver.normal != Vec3<Real>{})
+    height = params_.map->lit_height(axes_.map_from_world(Vec3<double>(receiver.normal)));
+  const double lx = all * height;
+  // The density of a bilinear latitude-longitude map may be half of the proportional one.  Samples
+  // of an `incomplete` receiver lie only on texels above the map's mean.  Directions of the
+  // receiver find the other light.  It is at most pi times the mean, a quarter of the integral.
+  return {lx, lx * 2.5};
 }
 
 template <std::floating_point Real>

@@ -43,7 +43,8 @@ class ImageInfiniteLight {
   /// kOutOfRange where value or density is not a positive normal `Real`.  [Karlik19]
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
-  /// Upper bounds on the illuminance on the side that `receiver` faces: the integral of the map.
+  /// Upper bounds of the illuminance on the side that `receiver` faces: the integral of the map,
+  /// times the largest cosine.
   MostIrradiance most_irradiance(const Receiver<Real>& receiver) const;
   /// Radiance [cd/m2] that a ray from anywhere meets when it leaves the scene towards the unit
   /// vector `w`.

@@ -18,19 +18,19 @@ concept HasIrradiance = requires(const L& light, const Receiver<double>& receive
   light.hides_itself();
 };
 
-/// Upper bounds on the illuminance at a receiver, or on the spherical illuminance at one without a
-/// normal.  0 only where certainly no light arrives.
+/// Upper bounds of the illuminance at a receiver, or of the spherical illuminance if it has no
+/// normal.  `lx` is 0 only where certainly no light arrives.
 struct MostIrradiance {
   double lx = 0;
-  /// Of the illuminance that one sample of `sample_li` stands for: its value times the cosine over
-  /// the density.
+  /// Of one sample of `sample_li`: its value times the cosine, divided by the density.  Infinite if
+  /// no bound is known.
   double sample_lx = 0;
 };
 
-/// The bound of a light at infinity that has `irradiance`.
+/// The bounds of a light at infinity that has `irradiance`.
 template <std::floating_point Real, typename L>
 MostIrradiance most_from_beyond(const L& light, const Receiver<Real>& receiver) {
-  // The flux through a disk of radius 1 that faces each direction: the integral of the radiance.
+  // A disk of radius 1 that faces every direction receives pi times the integral of the radiance.
   const double all = luminance(light.power({{}, 1}).lumens) / std::numbers::pi;
   const auto lx = light.irradiance(receiver);
   return {lx ? luminance(Rgb<double>(*lx)) : all, all};

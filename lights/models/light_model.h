@@ -100,8 +100,9 @@ concept AnyLightModel = requires(const L& light, const Receiver<Real>& receiver,
 /// Lights in double that have each optional member that their kind needs:
 /// - A ray's value is `le`, `le_leaving`, or the same for all rays (`kSameForAllRays`).
 /// - Rays and camera paths can meet what has a density: `le` or `le_escaped`.
-/// - What has a density states whether irradiance has a closed form (`kHasIrradiance`), and has an
-///   upper bound of it (`most_irradiance`).  See lights/models/irradiance.h.
+/// - Lights with a density state whether irradiance has a closed form (`kHasIrradiance`).  They
+/// also
+///   have an upper bound of it (`most_irradiance`).  See lights/models/irradiance.h.
 template <typename L>
 concept HasMembersOfItsKind =
     (SeenOnSurface<L> || LeavesFreely<L> || requires { requires L::kSameForAllRays; }) &&

@@ -246,8 +246,11 @@ MostIrradiance PortalLight<Real>::most_irradiance(const Receiver<Real>& receiver
   Window unused;
   if (seen ? seen->is_black() : window(receiver.position, unused) != NoLight::kNone) return {};
   const double all = luminance(on_portal_.without_cosine);
-  const auto lx = irradiance(receiver);
-  return {lx ? luminance(Rgb<double>(*lx)) : all, all / (1 - WindowedDistribution::kUniformShare)};
+  if (const auto lx = irradiance(receiver))
+    return {luminance(Rgb<double>(*lx)), all / (1 - WindowedDistribution::kUniformShare)};
+  // `all` counts cells that cross the portal's plane by half at least.  A cell of the table may
+  // miss its brightest texel, so samples have no useful bound.
+  return {2 * all, std::numeric_limits<double>::infinity()};
 }
 
 template <std::floating_point Real>

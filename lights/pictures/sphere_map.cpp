@@ -117,8 +117,8 @@ absl::StatusOr<std::shared_ptr<const SphereMap>> SphereMap::create(
 
 namespace {
 
-/// The range of cosines with the mapping's axis (+z of an equal-area map, else +y) of a rectangle
-/// of the square, which may reach over its edges.
+/// The range of cosines between the mapping's axis and the directions of a rectangle.  The axis is
+/// +z of an equal-area map, else +y.  The rectangle may extend beyond the square.
 std::pair<double, double> cosines_of(SphereMapping mapping, Vec2<double> from, Vec2<double> to) {
   if (mapping == SphereMapping::kLatitudeLongitude)
     return {std::cos(kPi * std::min(1.0, to.y)), std::cos(kPi * std::max(0.0, from.y))};
@@ -143,7 +143,7 @@ SphereMap::SphereMap(std::shared_ptr<const Image> image, SphereMapping mapping, 
       integral_(mapping == SphereMapping::kEqualArea ? image_->mean() * (4 * kPi)
                                                      : integrate_rows(*image_, filter)) {
   const double h = image_->height(), w = image_->width();
-  // A filter spreads a texel over half of its neighbours.
+  // The bilinear filter extends a texel by half a texel on each side.
   const double spread = filter == ImageFilter::kNearest ? 0 : 0.5;
   for (int y = 0; y < image_->height(); ++y)
     for (int x = 0; x < image_->width(); ++x) {
@@ -151,6 +151,7 @@ SphereMap::SphereMap(std::shared_ptr<const Image> image, SphereMapping mapping, 
       const auto [low, high] = cosines_of(mapping, {(x - spread) / w, (y - spread) / h},
                                           {(x + 1 + spread) / w, (y + 1 + spread) / h});
       low_ = std::min(low_, low), high_ = std::max(high_, high);
+      if (mapping == SphereMapping::kLatitudeLongitude) break;  // the same for the whole row
     }
 }
 
@@ -163,15 +164,16 @@ Rgb<double> SphereMap::lookup(const Vec3<double>& w) const {
   return lookup(square_from_direction(mapping_, w));
 }
 
-bool SphereMap::shines_above(const Vec3<double>& n) const {
-  if (low_ > high_) return false;
+double SphereMap::lit_height(const Vec3<double>& n) const {
+  if (low_ > high_) return 0;
   const bool equal_area = mapping_ == SphereMapping::kEqualArea;
   const double along = equal_area ? n.z : n.y;
   const double across = std::hypot(n.x, equal_area ? n.y : n.z);
-  // The lit direction nearest to `n` at each cosine c: its height is along c + across sqrt(1 -
-  // c^2).
+  // Of the directions with cosine c, the nearest to `n` has the height
+  // along c + across sqrt(1 - c^2).
   const double c = std::clamp(along, low_, high_);
-  return along * c + across * std::sqrt(std::max(0.0, 1 - c * c)) > 1e-12;
+  const double height = along * c + across * std::sqrt(std::max(0.0, 1 - c * c));
+  return height > 1e-12 ? std::min(1.0, height) : 0;
 }
 
 Rgb<double> SphereMap::brightest() const {

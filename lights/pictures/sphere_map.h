@@ -49,9 +49,9 @@ class SphereMap {
   /// The largest value of each channel over all texels.
   Rgb<double> brightest() const;
 
-  /// Whether light may come from above the plane with the unit normal `n`, in the map's axes. False
-  /// only if the map is black there, to within 1e-12 rad.
-  bool shines_above(const Vec3<double>& n) const;
+  /// A bound of the height of lit directions over the plane with the unit normal `n`, in the map's
+  /// axes.  0 only if the map is black above the plane, to within 1e-12 rad.
+  double lit_height(const Vec3<double>& n) const;
 
   const Image& image() const { return *image_; }
   SphereMapping mapping() const { return mapping_; }
@@ -65,7 +65,7 @@ class SphereMap {
   SphereMapping mapping_;
   ImageFilter filter_;
   Rgb<double> integral_;
-  /// Cosines of the lit directions with the axis of the mapping: the lowest and the highest.
+  /// The lowest and the highest cosine between the mapping's axis and a lit direction.
   double low_ = 1, high_ = -1;
 };
 

@@ -47,7 +47,9 @@ Mesh<Real, Primitive>::Mesh(std::vector<Primitive<Real>> primitives,
       cumulative_area_(std::move(cumulative_area)),
       area_error_m2_(area_error_m2),
       rectangles_(std::move(rectangles)),
-      flat_(std::move(flat)) {}
+      flat_(std::move(flat)),
+      normals_(cone_of_normals()),
+      bounds_(box()) {}
 
 template <typename Real, template <typename> typename Primitive>
 absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
@@ -146,6 +148,14 @@ SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Receiver<Real>& receiver,
 
 template <typename Real, template <typename> typename Primitive>
 double Mesh<Real, Primitive>::height_above(const Vec3<double>& p, const Vec3<double>& n) const {
+  const auto upmost = [](double at, double low, double high, double along) {
+    return std::max((low - at) * along, (high - at) * along);
+  };
+  const auto& [lower, upper] = bounds_;
+  const double of_box = upmost(p.x, lower.x, upper.x, n.x) + upmost(p.y, lower.y, upper.y, n.y) +
+                        upmost(p.z, lower.z, upper.z, n.z);
+  constexpr std::size_t kMany = 1024;
+  if (of_box <= 0 || primitives_.size() > kMany) return of_box;
   double highest = -std::numeric_limits<double>::infinity();
   for (const auto& primitive : primitives_)
     for (const Vec3<double>& corner : around(primitive))
@@ -154,7 +164,7 @@ double Mesh<Real, Primitive>::height_above(const Vec3<double>& p, const Vec3<dou
 }
 
 template <typename Real, template <typename> typename Primitive>
-std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::bounds() const {
+std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::box() const {
   auto [lower, upper] = primitives_.front().bounds();
   for (const auto& primitive : primitives_) {
     const auto [l, h] = primitive.bounds();
@@ -243,7 +253,7 @@ std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>
 }
 
 template <typename Real, template <typename> typename Primitive>
-NormalCone<Real> Mesh<Real, Primitive>::normals() const {
+NormalCone<Real> Mesh<Real, Primitive>::cone_of_normals() const {
   // The normals of a bilinear patch are sums of the normals at its corners with positive weights.
   // So a cone that contains those and is not wider than a hemisphere contains all normals.
   const auto for_each_normal = [this](const auto& f) {

@@ -64,7 +64,8 @@ class Mesh {
     return primitives_[point.primitive].height_of(p);
   }
 
-  /// A bound on the height of its points over the plane through `p` with the unit normal `n` [m].
+  /// A bound on the height of its points over the plane through `p` with the unit normal `n` [m]:
+  /// that of its corners, or of the box of a large mesh.
   double height_above(const Vec3<double>& p, const Vec3<double>& n) const;
 
   /// Whether `p` lies on a flat primitive, which it then sees edge-on.
@@ -111,10 +112,9 @@ class Mesh {
     }
   }
   /// A cone about the mean normal: exact for flat meshes, all directions for closed ones.
-  NormalCone<Real> normals() const;
-
+  NormalCone<Real> normals() const { return normals_; }
   /// {lower, upper}
-  std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
+  std::pair<Vec3<Real>, Vec3<Real>> bounds() const { return bounds_; }
   /// Memory, including the vectors [bytes].
   std::size_t bytes() const;
   std::size_t size() const { return primitives_.size(); }
@@ -133,11 +133,16 @@ class Mesh {
   /// one, because close to the plane the cosine to a normal loses all digits.
   double pdf_by_area(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
+  NormalCone<Real> cone_of_normals() const;
+  std::pair<Vec3<Real>, Vec3<Real>> box() const;
+
   std::vector<Primitive<Real>> primitives_;
   std::vector<double> cumulative_area_;  ///< running sums [m2]
   double area_error_m2_;
   /// For each patch, whether it is a rectangle, and whether it is flat; empty for triangles.
   std::vector<bool> rectangles_, flat_;
+  NormalCone<Real> normals_;
+  std::pair<Vec3<Real>, Vec3<Real>> bounds_;
 };
 
 template <typename Real>

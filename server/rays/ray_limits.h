@@ -11,12 +11,10 @@
 
 namespace lucerna {
 
-/// Coordinates in the space of Embree are below 2 to the power of this plus 1.  Embree multiplies
-/// the two edges of a triangle and its distance from a ray.  A sheet of 1 m, 1 cm above a ground of
-/// 1e9 m, would have a product of 1e-38 if the ground had size 1, which floats do not hold.  In an
-/// instance of 2^-40 of the scene's size, products of a position, a direction and an edge are below
-/// 2^123.
-inline constexpr int kReachExponent = 12;
+/// Coordinates in the space of Embree are below 2^(kReachExponent + 1).  Embree multiplies the two
+/// edges of a triangle and its distance from a ray.  A ray may start 1e-9 m above a sheet of 1 mm.
+/// If a ground of 1e8 m had size 1, this product would be 1e-39, which floats do not hold.
+inline constexpr int kReachExponent = 8;
 
 /// The power of two that divides coordinates up to `reach_m` so that they have this size.
 double unit_for(double reach_m);

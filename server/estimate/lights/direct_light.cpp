@@ -56,7 +56,7 @@ double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
 
 MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receiver,
                        double probability) {
-  // A probability of 0: the bounds of its cluster exclude light.
+  // The probability is 0 only if the bounds of the light's cluster exclude light.
   if (!(probability > 0)) return {};
   const MostIrradiance most = light.most_irradiance(receiver);
   return {most.lx, most.sample_lx / probability};

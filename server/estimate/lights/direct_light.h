@@ -57,7 +57,7 @@ enum class Spending {
   kAreasDrawn,
 };
 
-/// Upper bounds on the light of a light that samples choose with this probability.
+/// Upper bounds of a light's illuminance, if samples choose the light with this probability.
 MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receiver,
                        double probability);
 
@@ -125,7 +125,7 @@ class DirectLight {
   /// Whether closed forms are used: at receivers, or at the first vertex of paths.
   bool uses_closed_forms(bool at_receiver) const;
 
-  /// Upper bounds on the light of a light at `hit`, on the side of `wo`.
+  /// Upper bounds of a light's illuminance at `hit`, on the side of `wo`.
   MostIrradiance most(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
                       std::uint32_t light) const;
 

@@ -42,8 +42,9 @@ struct Settled {
 /// Sums over all samples of one point.
 struct Sampled {
   Estimate total;
-  std::vector<Estimate> shares;                // of each light, with `per_light`
-  BySpectrum by_spectrum;                      // of the current block
+  LightSet found;                // lights of which a sample found light, shadowed or not
+  std::vector<Estimate> shares;  // of each light, with `per_light`
+  BySpectrum by_spectrum;        // of the current block
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
 };
 
@@ -137,12 +138,14 @@ class IrradianceEstimator {
     if (settings_.target) own.emplace(confidence_, settings_.block_count, samples_of(per_block));
     const IntervalRule& rule = own ? *own : rule_;
     const double count = settings_.block_count;
-    result_.points[p] =
-        e.total.result(settled.exact, count, rule, [&] { return most(receiver, settled); });
+    result_.points[p] = e.total.result(settled.exact, count, rule, [&](bool missed) {
+      return most(receiver, settled, missed ? &e.found : nullptr);
+    });
     for (std::uint32_t l = 0; l < e.shares.size(); ++l)
       if (!settled.lights.has(l))
-        result_.per_light[p * e.shares.size() + l] =
-            e.shares[l].result({}, count, rule, [&] { return most(receiver, settled, l); });
+        result_.per_light[p * e.shares.size() + l] = e.shares[l].result(
+            {}, count, rule,
+            [&](bool missed) { return missed ? MostIrradiance{} : most(receiver, settled, l); });
     const std::span<double> at_wavelengths = spectral(p);
     for (std::size_t k = 0; k < at_wavelengths.size(); ++k) {
       const BlockStatistics at = e.at_wavelengths[k].total()[0];
@@ -153,12 +156,15 @@ class IrradianceEstimator {
     }
   }
 
-  /// Upper bounds on the direct light of the lights that are not settled.  Reflected light has no
-  /// bound.
-  MostIrradiance most(const SurfaceHit& receiver, const Settled& settled) const {
+  /// Upper bounds of the direct light of the lights that are not settled.  `found`: leaves out
+  /// these lights; then 0 if lights are drawn, because many are never drawn.  Reflected light has
+  /// no bound.
+  MostIrradiance most(const SurfaceHit& receiver, const Settled& settled,
+                      const LightSet* found) const {
     MostIrradiance sum;
+    if (found != nullptr && settled.spending != Spending::kEach) return sum;
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
-      if (settled.lights.has(l)) continue;
+      if (settled.lights.has(l) || (found != nullptr && found->has(l))) continue;
       const MostIrradiance one = most(receiver, settled, l);
       sum.lx += one.lx, sum.sample_lx += one.sample_lx;
     }
@@ -204,6 +210,7 @@ class IrradianceEstimator {
 
   Sampled no_samples(std::size_t shares, std::size_t wavelengths) const {
     return {{},
+            {},
             std::vector<Estimate>(shares),
             no_spectra(wavelengths),
             std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0))};
@@ -249,9 +256,10 @@ class IrradianceEstimator {
           blocks(p, receiver, these, settled, pilot, work);
           if (stopped_) return std::nullopt;
           const IntervalRule rule(confidence_, replicates, these.count * these.samples);
-          const IrradianceEstimate e =
-              pilot.total.result(settled.exact, static_cast<double>(these.count), rule,
-                                 [&] { return most(receiver, settled); });
+          const IrradianceEstimate e = pilot.total.result(
+              settled.exact, static_cast<double>(these.count), rule, [&](bool missed) {
+                return most(receiver, settled, missed ? &pilot.found : nullptr);
+              });
           return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
         });
     return static_cast<std::uint32_t>(std::min(static_cast<double>(most_per_block()),
@@ -310,6 +318,7 @@ class IrradianceEstimator {
   void add(std::uint32_t light, const LightEstimate& e, LightEstimate& sum, Sampled& to) const {
     const LightEstimate lx{e.value * kPi, e.unshadowed * kPi};
     sum += lx;
+    if (!lx.unshadowed.is_black()) to.found.add(light);
     if (!to.shares.empty()) to.shares[light].add(lx);
     add_to(to.by_spectrum, light, lx.value);
   }

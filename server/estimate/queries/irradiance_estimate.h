@@ -46,15 +46,17 @@ struct Estimate {
     blocks.add({v.r, v.g, v.b, luminance(v)});
     block_sum = {};
   }
-  /// `exact`: additional light that did not need sampling [lx].  `most`: upper bounds on the direct
-  /// light of the samples.
+  /// Upper bounds of the direct light of the samples.  `missed`: only of lights of which no sample
+  /// found light.
+  using Most = absl::FunctionRef<MostIrradiance(bool missed)>;
+  /// `exact`: additional light that did not need sampling [lx].
   IrradianceEstimate result(const Rgb<double>& exact, double block_count, const IntervalRule& rule,
-                            absl::FunctionRef<MostIrradiance()> most) const;
+                            Most most) const;
 
  private:
   /// The interval of the sampled light [lx].
   ConfidenceInterval interval(double mean, double standard_error, const IntervalRule& rule,
-                              absl::FunctionRef<MostIrradiance()> most) const;
+                              Most most) const;
 };
 
 /// Sets an answer that did not need samples [lx].
@@ -65,24 +67,26 @@ inline void set_exact(Rgb<double> exact, IrradianceEstimate& e) {
   e.illuminance_lx = {exact_lx, exact_lx};
 }
 
-// If few samples found light, they say little about what other samples may find.
+// If few samples found light, they say little about what other samples may find.  A light of which
+// no sample found any adds its bound.
 inline ConfidenceInterval Estimate::interval(double mean, double standard_error,
-                                             const IntervalRule& rule,
-                                             absl::FunctionRef<MostIrradiance()> most) const {
+                                             const IntervalRule& rule, Most most) const {
   constexpr std::uint64_t kFew = 8;
   EstimateMoments moments{mean, standard_error, sum_of_squares, largest_unshadowed, partly_hidden};
   ConfidenceInterval result = rule.interval(moments);
-  if (lit >= kFew || 4 * lit >= samples) return result;
-  const MostIrradiance bounds = most();
-  if (bounds.sample_lx <= largest_unshadowed) return result;
-  moments.largest = bounds.sample_lx;
-  result.upper = std::max(result.upper, std::min(bounds.lx, rule.interval(moments).upper));
+  const bool few = lit < kFew && 4 * lit < samples;
+  const MostIrradiance bounds = most(!few);
+  if (!(bounds.lx > 0)) return result;
+  if (!few) moments = {};
+  moments.largest = std::max(moments.largest, bounds.sample_lx);
+  const double wider = std::isfinite(bounds.sample_lx) ? rule.interval(moments).upper : bounds.lx;
+  const double most_lx = std::min(bounds.lx, wider);
+  result.upper = few ? std::max(result.upper, most_lx) : result.upper + most_lx;
   return result;
 }
 
 inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double block_count,
-                                           const IntervalRule& rule,
-                                           absl::FunctionRef<MostIrradiance()> most) const {
+                                           const IntervalRule& rule, Most most) const {
   IrradianceEstimate e;
   e.irradiance_lx = exact;
   const double exact_lx = luminance(exact);

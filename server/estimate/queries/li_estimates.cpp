@@ -27,7 +27,8 @@ IrradianceEstimate estimate(const LiSampler& sampler, std::size_t receiver,
     if ((i + 1) % samples_per_block == 0)
       e.end_block(static_cast<std::uint32_t>(samples_per_block));
   }
-  return e.result({}, static_cast<double>(blocks), rule, [&] { return sampler.most(receiver); });
+  return e.result({}, static_cast<double>(blocks), rule,
+                  [&](bool missed) { return missed ? MostIrradiance{} : sampler.most(receiver); });
 }
 
 /// Finds the number of samples that receivers need.

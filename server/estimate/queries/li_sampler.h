@@ -42,7 +42,7 @@ class LiSampler {
   bool needs_one_sample() const;
   /// The status of a receiver before any sample.
   ItemResult receiver_result(std::size_t receiver) const;
-  /// Upper bounds on the light at a receiver.
+  /// Upper bounds of the illuminance at a receiver.
   MostIrradiance most(std::size_t receiver) const;
 
  private:
