@@ -393,9 +393,9 @@ Vec2<Real> BilinearPatch<Real>::locate(const Vec3<Real>& position) const {
   const Vec3<double> q(position);
   Vec2<double> uv[2];
   invert(p, q, 0, uv);
-  // In needles, and where the patch is parallel to the direction of projection, small errors of the
-  // position are large ones of (u, v).  Steps to the nearest point of the tangent plane correct
-  // them.
+  // Small errors of the position cause large errors of (u, v) in needles.  They also do so where
+  // the patch is parallel to the direction of projection.  Steps to the nearest point of the
+  // tangent plane correct them.
   Vec2<double> best = uv[0];
   double error = length(p.at(best.x, best.y) - q);
   constexpr int kSteps = 4;

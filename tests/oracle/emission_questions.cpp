@@ -17,7 +17,7 @@ const oracle::Shape* shape_of(const oracle::World& world, int source) {
 
 }  // namespace
 
-/// Whether PdfLe gives the densities of the rays.
+/// Whether PdfLe returns the densities that SampleLe reported.
 bool Questioner::has_densities(const Truth& truth, const Question& question,
                                const v1::SampleLeResponse& rays, std::string& text) {
   v1::PdfLeRequest q;
@@ -90,8 +90,8 @@ Verdict Questioner::rays(const Truth& truth, const Question& question) {
                                         shown(own.normal))};
   }
   std::string text;
-  // Rounding may move a point to a black texel, or to where a curved light emits elsewhere.  The
-  // densities are then those before rounding.
+  // Rounding may move a point to a black texel, or to a point of a curved light with another
+  // normal.  The densities are then those before rounding.
   const bool is_coarse = shape != nullptr && (!shape->picture.empty() || !is_flat(*shape)) &&
                          length(truth.rounding(shape->at[0])) > 1e-3L * shape_size(*shape);
   if (!is_coarse && !has_densities(truth, question, r, text)) return {Kind::kWrong, text};

@@ -28,7 +28,7 @@ struct Tally {
   void add(Verdict::Kind kind) { ++of.at(static_cast<std::size_t>(kind)); }
 };
 
-/// Printing a failure takes as long as many scenes.
+/// Printing a failure takes as long as testing many scenes.
 constexpr std::uint64_t kMostFailures = 20;
 
 class Oracle : public ::testing::Test {

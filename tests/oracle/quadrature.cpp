@@ -15,7 +15,7 @@ namespace {
 constexpr int kMostCells = 500;
 /// The relative bound at which the division stops.
 constexpr Real kEnough = 0.003L;
-/// Cells whose middle is not this many radii away are divided.  The error of a rule of n points
+/// A cell is divided if its middle is nearer than this many radii.  The error of a rule of n points
 /// falls with the power 2 n of this number.
 constexpr Real kFarther = 2.5L;
 

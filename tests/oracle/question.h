@@ -23,7 +23,8 @@ struct Question {
   };
   Kind kind = Kind::kVisibility;
   Place from{}, to{};  ///< visibility: both ends; else the receiver, except for power
-  /// Of power, delta, samples and density: first World::lights, then the shapes that emit.
+  /// Of power, rays, delta, samples, density and le: first World::lights, then the shapes that
+  /// emit.
   int source = -1;
 };
 

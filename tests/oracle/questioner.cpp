@@ -96,7 +96,7 @@ Verdict Questioner::compare(const Amount& amount, const v1::EstimateIrradianceRe
   const std::string text =
       fmt::format("at {}\nilluminance: the server says {} from {} to {} lx, right is {} lx",
                   shown(at), r.illuminance_lx(0), r.lower_lx(0), r.upper_lx(0), shown(amount));
-  // What is reported as 0 must have an upper bound, or be 0.
+  // An answer of 0 must be exact or have an upper bound.
   const bool has_bound = r.illuminance_lx(0) > 0 || r.zero_bound_lx(0) == r.upper_lx(0);
   if (exact || !has_bound) return verdict_of(holds && has_bound, text);
   return {holds ? Kind::kHolds : Kind::kMisses, text};
@@ -277,7 +277,7 @@ Verdict Questioner::samples(const Truth& truth, const Question& question) {
     if (off > 1e-5L + 4 * error / distance + 2 * of_cosine / std::fabs(cosine) +
                   8 * at_ends / shape_size(shape))
       return {Kind::kWrong, text};
-    // The point has the error of an answer's floats, as points of a request do.
+    // The point is rounded to floats, like the points of a request.
     const Way free = truth.way(from, Place{.at = p.at, .on = shape_number, .asked = true});
     const bool visible = (r.visible()[i / 8] >> i % 8 & 1) != 0;
     if (free != Way::kUnsure && visible != (free == Way::kFree)) return {Kind::kWrong, text};
@@ -315,7 +315,7 @@ Verdict Questioner::density(const Truth& truth, const Question& question) {
   if (mean > 0 && error <= 1e-5L * mean) return verdict_of(off <= slack, text);
   // If no sample found the light, it is a rare one at most.
   if (mean == 0) return {omega.value > 0 ? Kind::kMisses : Kind::kHolds, text};
-  // Few samples that count have no normal distribution.
+  // The mean of few samples is not normally distributed.
   constexpr Real kFewest = 64, kDeviations = 2.6L;
   if (sum * sum < kFewest * squares) return {Kind::kNoAnswer};
   return {off <= slack + kDeviations * error ? Kind::kHolds : Kind::kMisses, text};

@@ -49,7 +49,7 @@ class Truth {
   /// Luminous flux [lm]; nothing for lights at infinity, since it depends on the sphere that the
   /// server puts around the scene.
   std::optional<Amount> power(int source) const;
-  /// Whether a point of a request may count as one of the surface.
+  /// Whether a point of a request may count as a point on the surface.
   bool may_lie_on(const Shape& shape, const Place& place) const;
   /// How far off each coordinate of a point may be.
   Vec rounding(const Vec& point) const;

@@ -24,7 +24,7 @@ inline std::uint64_t repeats() {
 }
 
 /// Whether there is time for the largest sample counts.
-inline bool takes_long() { return repeats() > 1000; }
+inline bool has_time_for_large_counts() { return repeats() > 1000; }
 
 /// Answers to one query whose converged value is `truth`.
 class Coverage {

@@ -263,7 +263,7 @@ TEST(GroundExtremes, Segments) {
   sweep.expect_none(wrong, cases, 0);
 }
 
-// Products of a sheet's edges and of a distance near it are tiny, compared with the ground's size.
+// The product of a sheet's edges and a short distance is tiny, relative to the ground's size.
 TEST(GroundExtremes, SmallSheets) {
   Sweep sweep(36, "segments from a small sheet above a ground, to points over and under it",
               "sheets of 1e-3 ... 1 m, grounds of 1e3 ... 1e9 m, level and tilted",
@@ -295,7 +295,7 @@ TEST(GroundExtremes, SmallSheets) {
       expect("up", visible(*scene, on, over, up), true);
       expect("down", visible(*scene, on, under, down), true);
       expect("through the ground", visible(*scene, on, beyond, down), false);
-      expect("through the sheet", visible(*scene, over, under, {}), true);
+      expect("beside the sheet", visible(*scene, over, under, {}), true);
     }
   });
   sweep.expect_none(wrong, cases, 0);

@@ -1,4 +1,4 @@
-// Row 38: lights of which only a small part is above the receiver's horizon.  Most answers of a few
+// Row 38: lights with only a small part above the receiver's horizon.  Most answers of a few
 // samples are 0.  They must not be called exact.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ Low painted(double above) {
   return {"painted square", std::move(d), of_square(above)};
 }
 
-/// Leans away from the receiver, so each side shows a part of it.
+/// One corner is 1e-9 m off the plane of the others, so there is no closed form.
 Low folded(double above) {
   SceneDescription d = description();
   const auto s = upright(above);
@@ -65,7 +65,7 @@ Low portal(double above) {
   return {"portal", std::move(d), of_square(above)};
 }
 
-/// A long cylinder across the view, whose lit strip is so low that it is nearly flat.
+/// A long cylinder across the view.  The strip above the horizon is nearly flat.
 Low cylinder(double above) {
   constexpr double kRadius = 0.5, kHalf = 1e4;
   SceneDescription d = description();
@@ -130,8 +130,8 @@ TEST(HorizonExtremes, LightsBelow) {
   sweep.expect_none(wrong, cases, 0);
 }
 
-/// A sky whose lit half is up.  `spread`: the filter carries light below the horizon, too little to
-/// be sampled.
+/// The upper half of the sky is lit.  With `spread`, the filter carries some light below the
+/// horizon, too little for samples to find.
 std::shared_ptr<const Scene> half_sky(bool spread) {
   constexpr int kWidth = 8, kHeight = 1000;
   std::vector<Rgb<float>> texels(kWidth * kHeight);
@@ -146,7 +146,7 @@ std::shared_ptr<const Scene> half_sky(bool spread) {
   return build(std::move(d));
 }
 
-TEST(HorizonExtremes, SkiesSeenFromBelow) {
+TEST(HorizonExtremes, HalfSkiesAtReceiversThatFaceDown) {
   Sweep sweep(38, "a sky whose lower half is black, seen by receivers that face down",
               "nearest and bilinear filter; 16 samples", "answer");
   for (const bool spread : {false, true}) {

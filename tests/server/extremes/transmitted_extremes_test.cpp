@@ -223,7 +223,8 @@ TEST(TransmittedExtremes, RaysOfLightsThatMove) {
   sweep.expect_within(1e-6);
 }
 
-/// The rounding of positions is that of the scene, and larger than that of the light about itself.
+/// Positions are rounded relative to the scene.  This rounding is larger than that about the
+/// light's own origin.
 TEST(TransmittedExtremes, RaysOfSmallLightsThatMove) {
   Sweep sweep(33, "rays of round lights that move over a ground of 1e5 m", "radius 20 ... 300 m",
               "densities against PdfLe of the reported ray");
@@ -246,9 +247,9 @@ TEST(TransmittedExtremes, RaysOfSmallLightsThatMove) {
   sweep.expect_within(1e-6);
 }
 
-/// Their points, rounded to floats, are not quite on them.
+/// Points of these lights lie slightly off them after rounding to floats.
 TEST(TransmittedExtremes, RaysOfNeedlesAndBentPatches) {
-  Sweep sweep(33, "rays of needles of two acute corners, and of a patch that bends back",
+  Sweep sweep(33, "rays of needles with two acute corners, and of a patch that bends back",
               "length : width 10 ... 1e6", "densities against PdfLe of the reported ray");
   const auto patch = [](const std::string& corners) {
     return "Shape \"bilinearmesh\" \"point3 P\" [" + corners + "]\n";

@@ -160,7 +160,7 @@ TEST(RenderCoverage, OfSmoothLightByATarget) {
 
 TEST(RenderCoverage, OfLightThroughAPinhole) {
   const PixelQuestion q = pinhole_pixel();
-  if (takes_long()) expect_covered_at_least(coverage_of(q, within(1)), "within 1");
+  if (has_time_for_large_counts()) expect_covered_at_least(coverage_of(q, within(1)), "within 1");
   // The largest allowed sample count, which is too small.
   for (const std::uint64_t most : {64U, 256U, 1024U}) {
     TileSettings settings = within(0.01);
@@ -168,7 +168,7 @@ TEST(RenderCoverage, OfLightThroughAPinhole) {
     expect_covered_at_least(coverage_of(q, settings), std::to_string(most) + " samples");
   }
   for (const std::uint32_t each : {8U, 128U, 1024U})
-    if (each < 1024 || takes_long())
+    if (each < 1024 || has_time_for_large_counts())
       expect_covered_at_least(coverage_of(q, {.samples_per_block = each, .block_count = 8}),
                               std::to_string(each) + " samples a block");
 }

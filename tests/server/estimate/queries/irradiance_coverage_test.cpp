@@ -59,7 +59,7 @@ TEST(IrradianceCoverage, OfLightAtAnEdgeByACount) {
 
 TEST(IrradianceCoverage, OfLightAtAnEdgeByATarget) {
   for (const Question& q : at_edges())
-    for (const double relative : {0.1, takes_long() ? 0.02 : 0.04})
+    for (const double relative : {0.1, has_time_for_large_counts() ? 0.02 : 0.04})
       expect_covered_at_least(
           coverage_of(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
           q.name + " within " + std::to_string(relative));
@@ -68,7 +68,7 @@ TEST(IrradianceCoverage, OfLightAtAnEdgeByATarget) {
 TEST(IrradianceCoverage, OfLightThroughAPinholeByACount) {
   const Question q = pinhole();
   for (const std::uint32_t each : {1U, 16U, 64U, 256U, 1024U})
-    if (each < 1024 || takes_long())
+    if (each < 1024 || has_time_for_large_counts())
       expect_covered_at_least(coverage_of(q, {.samples_per_block = each, .block_count = 16}),
                               std::to_string(each) + " samples a replicate");
 }

@@ -49,8 +49,8 @@ Answered answer(const Question& q, const Settings& settings, std::uint64_t i) {
   std::vector<LiShare> shares(layout.size());
   fill_samples(sampler, layout, room.answer(), shares, {});
   const LiEstimates e =
-      estimates_of(sampler, layout, 1, kReplicates, settings.target.value_or(TargetError{}).confidence,
-                   shares, room.status, {}, 0);
+      estimates_of(sampler, layout, 1, kReplicates,
+                   settings.target.value_or(TargetError{}).confidence, shares, room.status, {}, 0);
   EXPECT_EQ(e.results[0], ItemResult::kOk);
   return {e.points[0], layout.size()};
 }
