@@ -115,6 +115,29 @@ TEST(HorizonExtremes, LowLights) {
   sweep.expect_none(wrong, cases, 0);
 }
 
+TEST(HorizonExtremes, LowLightsBesideOthers) {
+  Sweep sweep(38, "a low painted square 1e6 times as bright as a lamp overhead",
+              "1e-9 ... 1e-3 of 1 m above the horizon; 16 samples", "too low an upper end");
+  std::int64_t wrong = 0, cases = 0;
+  for (int exponent = -9; exponent <= -3; ++exponent) {
+    Low low = painted(std::pow(10.0, exponent));
+    low.scene.shapes[0].emission->radiance_cd_m2 = Rgb<double>(1e6);
+    // A cylinder has no closed form, so it is sampled.
+    low.scene.shapes.push_back(emissive(
+        {CylinderParams{.radius_m = 0.3, .world_from_object = Transform::translate({0, 0, 3})}}, 1,
+        true));
+    const auto scene = build(std::move(low.scene));
+    for (int seed = 0; seed < kSeeds; ++seed, ++cases) {
+      const IrradianceEstimate e = answer(*scene, static_cast<std::uint64_t>(seed));
+      if (e.illuminance_lx.upper >= 1e6 * low.lx * (1 - 1e-5)) continue;
+      if (++wrong < 10)
+        ADD_FAILURE() << "1e" << exponent << " m: at most " << e.illuminance_lx.upper
+                      << ", right is more than " << 1e6 * low.lx;
+    }
+  }
+  sweep.expect_none(wrong, cases, 0);
+}
+
 TEST(HorizonExtremes, LightsBelow) {
   Sweep sweep(38, "the same, all below the horizon", "1e-9 ... 0.1 m below it; 16 samples",
               "upper bound above 0");
