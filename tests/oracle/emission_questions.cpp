@@ -92,8 +92,15 @@ Verdict Questioner::rays(const Truth& truth, const Question& question) {
   std::string text;
   // Rounding may move a point to a black texel, or to a point of a curved light with another
   // normal.  The densities are then those before rounding.
-  const bool is_coarse = shape != nullptr && (!shape->picture.empty() || !is_flat(*shape)) &&
-                         length(truth.rounding(shape->at[0])) > 1e-3L * shape_size(*shape);
+  // A point of a beam's picture is as coarse.
+  const oracle::Light* beam = nullptr;
+  if (shape == nullptr) beam = &truth.world().lights[static_cast<std::size_t>(question.source)];
+  if (beam != nullptr && beam->kind != oracle::LightKind::kBeam) beam = nullptr;
+  const bool is_coarse_beam = beam != nullptr && !beam->picture.empty() &&
+                              length(truth.rounding(beam->at)) > 1e-3L * beam->extent[0];
+  const bool is_coarse =
+      is_coarse_beam || (shape != nullptr && (!shape->picture.empty() || !is_flat(*shape)) &&
+                         length(truth.rounding(shape->at[0])) > 1e-3L * shape_size(*shape));
   if (!is_coarse && !has_densities(truth, question, r, text)) return {Kind::kWrong, text};
   const Real mean = sum / kRays;
   const Real error = std::sqrt(std::fmax(0, squares / kRays - mean * mean) / (kRays - 1));

@@ -277,8 +277,12 @@ Verdict Questioner::samples(const Truth& truth, const Question& question) {
     if (off > 1e-5L + 4 * error / distance + 2 * of_cosine / std::fabs(cosine) +
                   8 * at_ends / shape_size(shape))
       return {Kind::kWrong, text};
-    // The point is rounded to floats, like the points of a request.
-    const Way free = truth.way(from, Place{.at = p.at, .on = shape_number, .asked = true});
+    // Rays end beside the light, within the error of rays that meet it.
+    const Vec beside = p.normal * (16 * length(truth.rounding(p.at)) / 4 + 0x1p-19L * distance);
+    Way free = truth.way(from, Place{.at = p.at, .on = shape_number, .asked = true});
+    for (const Vec& end : {p.at + beside, p.at - beside})
+      if (truth.way(from, Place{.at = end, .on = shape_number, .asked = true}) != free)
+        free = Way::kUnsure;
     const bool visible = (r.visible()[i / 8] >> i % 8 & 1) != 0;
     if (free != Way::kUnsure && visible != (free == Way::kFree)) return {Kind::kWrong, text};
   }

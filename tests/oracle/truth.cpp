@@ -66,10 +66,15 @@ Amount& Amount::operator+=(const Amount& other) {
 Truth::Truth(const World& world) : world_(at_its_time(world)) {
   Bounds box;
   for (const Shape& shape : world.shapes) {
+    Bounds own;
     for (const Vec& p : hull(shape)) {
+      own.add(p);
       box.add(p);
       box.add(p + shape.moves);
     }
+    const Vec size = own.upper - own.lower;
+    const Real extent = std::fmax(std::fmax(size.x, size.y), size.z);
+    detail_ = detail_ > 0 ? std::fmin(detail_, extent) : extent;
   }
   if (world.shapes.empty()) {
     for (const Light& light : world.lights) {
@@ -107,9 +112,26 @@ Vec Truth::rounding(const Shape& shape) const {
   return most;
 }
 
+// Rays meet a triangle with an error relative to the distance of its corners, unless it is level or
+// so large that the error is a thousandth of the smallest shape.
+Real Truth::start(const Shape& shape, const Vec& p) const {
+  constexpr Real kOfCorners = 0x1p-20L, kMost = 1e-3L;
+  const Vec n = absolute(normal_of(shape));
+  if (std::fmax(std::fmax(n.x, n.y), n.z) == 1) return 0;
+  Real farthest = 0;
+  for (const Vec& corner : hull(shape)) farthest = std::fmax(farthest, length(corner - p));
+  return std::fmin(kOfCorners * farthest, kMost * detail_);
+}
+
 Real Truth::near(const Place& place) const {
   const Vec d = absolute(place.at - centre_);
-  return place.asked ? kNear * kOfPoint * std::fmax(std::fmax(d.x, d.y), d.z) : 0;
+  if (!place.asked) return 0;
+  Real near = kNear * kOfPoint * std::fmax(std::fmax(d.x, d.y), d.z);
+  if (place.on >= 0) {
+    const Shape& own = world_.shapes[static_cast<std::size_t>(place.on)];
+    if (is_flat(own)) near += 2 * start(own, place.at);
+  }
+  return near;
 }
 
 Real Truth::blur(const Place& place) const {

@@ -69,8 +69,12 @@ class Truth {
   Amount from_sky(const Light& light, const Place& at) const;
   Amount from_shape(int shape, const Integral& integral) const;
 
+  /// How far a way from a point on the shape may begin from its plane [m].
+  Real start(const Shape& shape, const Vec& p) const;
+
   World world_;
   Vec centre_;
+  Real detail_ = 0;  ///< the extent of the smallest shape [m]
 };
 
 }  // namespace lucerna::oracle
