@@ -176,7 +176,11 @@ MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& rec
   if (!(height > 0) || !bounds()->reaches(receiver.position)) return {};
   // The illuminance if this radiance came from all directions.
   double lx = kPanel ? kInfinity : most_cd_m2_ * std::numbers::pi * (all_around ? 4 : 1);
-  if constexpr (kHasIrradiance) {
+  constexpr bool kDisk = requires { shape_.height_of(receiver.position); };
+  if constexpr (kDisk) {
+    // The closed form of a disk that the horizon cuts takes too long.
+    if (!emits_to_side(shape_.height_of(receiver.position))) return {};
+  } else if constexpr (kHasIrradiance) {
     // A sum over all primitives, which takes too long for large meshes.
     constexpr std::size_t kMany = 1024;
     if (shape_.size() <= kMany)

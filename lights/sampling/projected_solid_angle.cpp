@@ -56,9 +56,10 @@ struct Corner {
   Vec3<double> edge;
 };
 
-/// A convex polygon of up to four corners, plus one where the horizon cuts it.
+/// A convex polygon of up to four corners, and its part above the horizon.  Rounding may cut a
+/// polygon along the horizon at each edge.  Then each of the two corners above it becomes three.
 struct Polygon {
-  std::array<Corner, 5> corner;
+  std::array<Corner, 6> corner;
   int count = 0;
 
   void add(const Corner& c) { corner[count++] = c; }
@@ -142,12 +143,14 @@ double by_rule(const Part& t) {
 /// The same for any triangle, in units of twice its area.  It is halved across its longest side
 /// until its parts are small.  Four equal parts would leave slivers as slivers, and need very many
 /// parts near the receiver.  [Rivara84]
-double by_parts(const Part& t, int depth) {
+/// `parts`: how many more halvings are allowed.  A receiver next to a side takes a few for each
+/// binary digit of its distance.
+double by_parts(const Part& t, int depth, int& parts) {
   const Vec3<double> centre = (t.v[0] + t.v[1] + t.v[2]) / 3;
   const auto away = [&](int i) { return dot(t.v[i] - centre, t.v[i] - centre); };
   // At a distance of four times the radius, the rule of 8 by 8 nodes has an error of 1e-14.
-  if (depth == 0 || 16 * std::max({away(0), away(1), away(2)}) <= dot(centre, centre))
-    return by_rule(t);
+  const double widest = 16 * std::max({away(0), away(1), away(2)});
+  if (depth == 0 || !(widest > dot(centre, centre)) || --parts < 0) return by_rule(t);
   const auto side2 = [&](int i) {
     const Vec3<double> side = t.v[(i + 1) % 3] - t.v[i];
     return dot(side, side);
@@ -158,19 +161,20 @@ double by_parts(const Part& t, int depth) {
   Part first = t, second = t;
   first.v[to] = second.v[from] = (t.v[from] + t.v[to]) * 0.5;
   first.up[to] = second.up[from] = (t.up[from] + t.up[to]) * 0.5;
-  return (by_parts(first, depth - 1) + by_parts(second, depth - 1)) / 2;
+  return (by_parts(first, depth - 1, parts) + by_parts(second, depth - 1, parts)) / 2;
 }
 
 /// height times the integral of up / |v|^4 over the polygon.  No term is negative.
 double by_area(const Polygon& polygon, double height) {
-  constexpr int kDepth = 120;
+  constexpr int kDepth = 120, kMostParts = 65536;
   const Corner& first = polygon.corner[0];
   double sum = 0;
   Vec3<double> to_b = first.edge;
   for (int i = 1; i + 1 < polygon.count; ++i) {
     const Corner &b = polygon.corner[i], &c = polygon.corner[i + 1];
+    int parts = kMostParts;
     sum += length(cross(to_b, b.edge)) *
-           by_parts({{first.v, b.v, c.v}, {first.up, b.up, c.up}}, kDepth);
+           by_parts({{first.v, b.v, c.v}, {first.up, b.up, c.up}}, kDepth, parts);
     to_b += b.edge;
   }
   return height * sum;
