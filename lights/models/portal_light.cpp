@@ -242,12 +242,14 @@ std::optional<Rgb<Real>> PortalLight<Real>::irradiance(const Receiver<Real>& rec
 
 template <std::floating_point Real>
 MostIrradiance PortalLight<Real>::most_irradiance(const Receiver<Real>& receiver) const {
-  const auto seen = uniform_irradiance(Rgb<double>(1), receiver);
   Window unused;
-  if (seen ? seen->is_black() : window(receiver.position, unused) != NoLight::kNone) return {};
+  if (window(receiver.position, unused) != NoLight::kNone) return {};
+  const Vec3<double> p(receiver.position), n(receiver.normal);
+  bool is_above = n == Vec3<double>{};
+  for (const Vec3<double>& corner : corners_m()) is_above |= dot(corner - p, n) > 0;
   const double all = luminance(on_portal_.without_cosine);
-  if (const auto lx = irradiance(receiver))
-    return {luminance(Rgb<double>(*lx)), all / (1 - WindowedDistribution::kUniformShare)};
+  if (!is_above || !(all > 0)) return {};
+  if (params_.map == nullptr) return {all, all / (1 - WindowedDistribution::kUniformShare)};
   // `all` counts cells that cross the portal's plane by half at least.  A cell of the table may
   // miss its brightest texel, so samples have no useful bound.
   return {2 * all, std::numeric_limits<double>::infinity()};

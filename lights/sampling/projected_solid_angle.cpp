@@ -166,7 +166,7 @@ double by_parts(const Part& t, int depth, int& parts) {
 
 /// height times the integral of up / |v|^4 over the polygon.  No term is negative.
 double by_area(const Polygon& polygon, double height) {
-  constexpr int kDepth = 120, kMostParts = 65536;
+  constexpr int kDepth = 120, kMostParts = 32768;
   const Corner& first = polygon.corner[0];
   double sum = 0;
   Vec3<double> to_b = first.edge;
