@@ -30,8 +30,7 @@ AreaLight<Real, Shape>::AreaLight(const DiffuseEmission& emission, Shape<Real> s
       radiance_(emission.radiance_cd_m2),
       most_cd_m2_(luminance(emission.radiance_cd_m2)),
       shape_(std::move(shape)) {
-  // Points are drawn by the luminance of the picture alone.  A sample may so have the picture's
-  // light in the brightest channel.
+  // Points are drawn by the luminance of the picture alone, without the colour of the radiance.
   if constexpr (kPainted)
     most_cd_m2_ = emission.radiance_cd_m2.max_component() * luminance(shape_.picture().brightest());
 }
