@@ -69,8 +69,8 @@ class PortalLight {
   /// if the receiver has no normal or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
   bool hides_itself() const { return false; }
-  /// Upper bounds of the illuminance on the side that `receiver` faces: the integral of the radiance
-  /// over all directions that can pass through the portal.
+  /// Upper bounds of the illuminance on the side that `receiver` faces: the integral of the
+  /// radiance over all directions that can pass through the portal.
   MostIrradiance most_irradiance(const Receiver<Real>& receiver) const;
   /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets.  0 if the ray
   /// does not leave through the portal.

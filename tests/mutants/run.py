@@ -171,6 +171,8 @@ def main():
         sys.exit("no such mutants: " + ", ".join(sorted(unknown)))
     if options.oracle:
         mutants = [m for m in mutants if m.is_for_oracle]
+        if not mutants:
+            sys.exit("none of these mutants is for the oracle")
         for m in mutants:
             m.use_oracle()
     sys.exit(0 if (check if options.apply_only else run_mutants)(mutants) else 1)
