@@ -398,6 +398,12 @@ Vec2<Real> BilinearPatch<Real>::locate(const Vec3<Real>& position) const {
   // tangent plane correct them.
   Vec2<double> best = uv[0];
   double error = length(p.at(best.x, best.y) - q);
+  const auto improve = [&](const Vec2<double>& next) {
+    const double left = length(p.at(next.x, next.y) - q);
+    if (!(left < error)) return false;
+    best = next, error = left;
+    return true;
+  };
   constexpr int kSteps = 4;
   for (int i = 0; i < kSteps && error > 0; ++i) {
     const Vec3<double> off = q - p.at(best.x, best.y);
@@ -407,9 +413,15 @@ Vec2<Real> BilinearPatch<Real>::locate(const Vec3<Real>& position) const {
     const Vec2<double> next{
         std::clamp(best.x + (vv * dot(du, off) - u_v * dot(dv, off)) / determinant, 0.0, 1.0),
         std::clamp(best.y + (uu * dot(dv, off) - u_v * dot(du, off)) / determinant, 0.0, 1.0)};
-    const double left = length(p.at(next.x, next.y) - q);
-    if (!(left < error)) break;
-    best = next, error = left;
+    if (!improve(next)) break;
+  }
+  if (!(error > 0)) return {static_cast<Real>(best.x), static_cast<Real>(best.y)};
+  // Where the sides are almost parallel, the nearest point of an edge is not where the step leaves
+  // the patch.
+  for (const double end : {0.0, 1.0}) {
+    const Vec3<double> du = p.e + p.g * end, dv = p.f + p.g * end;
+    improve({std::clamp(dot(q - p.at(0, end), du) / dot(du, du), 0.0, 1.0), end});
+    improve({end, std::clamp(dot(q - p.at(end, 0), dv) / dot(dv, dv), 0.0, 1.0)});
   }
   return {static_cast<Real>(best.x), static_cast<Real>(best.y)};
 }

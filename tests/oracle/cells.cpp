@@ -9,7 +9,19 @@ namespace {
 using Kind = Emitter::Kind;
 
 Vec around(const Emitter& e, Real angle) {
-  return e.u * std::cos(2 * kPi * angle) + e.v * std::sin(2 * kPi * angle);
+  // Extended functions of large angles are slow, so quarters of a turn are taken off first.
+  const Real quarters = std::rint(4 * angle), rest = kPi / 2 * (4 * angle - quarters);
+  const Real c = std::cos(rest), s = std::sin(rest);
+  switch (static_cast<int>(quarters) & 3) {
+    case 0:
+      return e.u * c + e.v * s;
+    case 1:
+      return e.v * c - e.u * s;
+    case 2:
+      return -(e.u * c + e.v * s);
+    default:
+      return e.u * s - e.v * c;
+  }
 }
 
 /// A direction from the centre of a sphere.

@@ -109,12 +109,38 @@ Way at_lines(const std::array<Box, 4>& q, const Range& u, const Box& d, const Bl
   return at_line(q, u, d, blur) == Way::kFree ? Way::kFree : Way::kUnsure;
 }
 
+/// Whether a plane surely separates the segment from all corners.  `q`: the corners as seen from
+/// the start; `d`: the end.
+bool misses_hull(const std::array<Box, 4>& q, const Box& d) {
+  const auto middle = [](const Box& b) {
+    return Vec{(b.x.lo + b.x.hi) / 2, (b.y.lo + b.y.hi) / 2, (b.z.lo + b.z.hi) / 2};
+  };
+  const Vec along = middle(d);
+  const auto separates = [&](const Vec& normal) {
+    const Box n{normal.x, normal.y, normal.z};
+    const Range end = dot(d, n);
+    const auto beyond = [&](bool above) {
+      return std::ranges::all_of(q, [&](const Box& corner) {
+        const Range h = dot(corner, n);
+        return above ? h.lo > std::max(end.hi, Real{0}) : h.hi < std::min(end.lo, Real{0});
+      });
+    };
+    return beyond(true) || beyond(false);
+  };
+  if (separates(along)) return true;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (separates(cross(along, middle(q[i]) - middle(q[k])))) return true;
+  return false;
+}
+
 Way past_patch(const Shape& shape, const Vec& off, const End& from, const End& to) {
   if (to.on && !from.on) return past_patch(shape, off, to, from);
   const Blur blur{from.blur, to.blur};
   std::array<Box, 4> q;
   for (std::size_t i = 0; i < 4; ++i) q[i] = box_about(shape.at[i], off) - from.box;
   const Box d = to.box - from.box, e0 = q[1] - q[0], e1 = q[3] - q[2];
+  if (!from.on && misses_hull(q, d)) return Way::kFree;
   const Range a = dot(d, cross(e0, e1));
   if (from.on) {
     const Box e = q[2] - q[0] + (e1 - e0) * from.s;

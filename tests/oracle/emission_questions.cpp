@@ -1,6 +1,7 @@
 // Questions about rays that leave lights, and about rays that meet them.
 #include <fmt/format.h>
 
+#include "tests/oracle/numbers.h"
 #include "tests/oracle/shapes.h"
 #include "tests/oracle/wire_parts.h"
 
@@ -115,7 +116,59 @@ Verdict Questioner::rays(const Truth& truth, const Question& question) {
   return {off <= slack + kDeviations * error ? Kind::kHolds : Kind::kMisses, text};
 }
 
+Verdict Questioner::le_of_portal(const Truth& truth, const Question& question) {
+  const auto& portal = truth.world().lights[static_cast<std::size_t>(question.source)];
+  Place from = question.from;
+  from.normal = {};
+  if (from.on >= 0) return {Kind::kNoAnswer};
+  // In units of the sides: rays through the portal and beside it.
+  constexpr std::array<std::pair<Real, Real>, 4> kPoints{
+      {{0.37L, 0.61L}, {0.97L, 0.04L}, {1.03L, 0.61L}, {0.37L, -0.04L}}};
+  v1::LeRequest q;
+  q.set_scene_id(id_);
+  q.set_time_s(static_cast<double>(truth.world().time));
+  q.set_light_id(static_cast<std::uint64_t>(question.source) + 1);
+  std::array<Way, 4> free{};
+  const Real error = length(truth.rounding(portal.at)) + length(truth.rounding(from.at));
+  const Real narrow = std::fmin(portal.extent[0], portal.extent[1]);
+  for (std::size_t i = 0; i < kPoints.size(); ++i) {
+    const auto [s, t] = kPoints.at(i);
+    const Vec way = portal.at + portal.axes[0] * (portal.extent[0] * s) +
+                    portal.axes[1] * (portal.extent[1] * t) - from.at;
+    const Real distance = length(way);
+    const Vec d = floats(way * (1 / distance));
+    const Real cosine = std::fabs(dot(portal.axes[2], way)) / distance;
+    if (cosine < 0.02L || 4 * (error + 0x1p-22L * distance) / cosine > 0.01L * narrow)
+      return {Kind::kNoAnswer};
+    const Vec end = from.at + d * (truth.reach(from.at) / length(d));
+    free.at(i) = truth.way(from, Place{.at = end, .far = true});
+    if (i == 0)
+      set_point(from, q.mutable_points());
+    else
+      for (int k = 0; k < 3; ++k) q.mutable_points()->add_offsets_m(0);
+    for (const Real x : {d.x, d.y, d.z}) q.add_directions(static_cast<float>(x));
+  }
+  if (std::ranges::count(free, Way::kUnsure) > 0) return {};
+  v1::LeResponse r;
+  const grpc::Status sent = status_of([&](auto* c) { return service_.lighting.Le(c, q, &r); });
+  if (!sent.ok()) return {Kind::kWrong, sent.error_message()};
+  if (r.status_size() > 0 && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
+  const bool is_in_front = dot(portal.axes[2], from.at - portal.at) > 0;
+  for (std::size_t i = 0; i < kPoints.size(); ++i) {
+    const bool lit = is_in_front && i < 2 && free.at(i) == Way::kFree;
+    const Real given = r.radiance_cd_m2(3 * static_cast<int>(i)), right = lit ? portal.level : 0;
+    if (std::fabs(given - right) <= 1e-6L * right) continue;
+    return {Kind::kWrong,
+            fmt::format("from {}, ray {} to portal {}: the server says {} cd/m2, right is {} cd/m2",
+                        shown(from), i, question.source + 1, static_cast<double>(given),
+                        static_cast<double>(right))};
+  }
+  return {Kind::kAgrees};
+}
+
 Verdict Questioner::le(const Truth& truth, const Question& question) {
+  if (question.source < static_cast<int>(truth.world().lights.size()))
+    return le_of_portal(truth, question);
   const oracle::Shape& shape = *shape_of(truth.world(), question.source);
   if (!shape.picture.empty()) return {Kind::kNoAnswer};
   const int number = static_cast<int>(&shape - truth.world().shapes.data());

@@ -28,6 +28,8 @@ std::vector<Question> questions_about(const World& world) {
     const Place& receiver = world.receivers[static_cast<std::size_t>(i) % world.receivers.size()];
     if (i < lights) {
       questions.push_back({Kind::kDelta, receiver, {}, i});
+      if (world.lights[static_cast<std::size_t>(i)].kind == LightKind::kPortal)
+        questions.push_back({Kind::kLe, receiver, {}, i});
     } else {
       questions.push_back({Kind::kSamples, receiver, {}, i});
       questions.push_back({Kind::kDensity, receiver, {}, i});

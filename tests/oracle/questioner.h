@@ -50,6 +50,7 @@ class Questioner {
   Verdict samples(const oracle::Truth& truth, const Question& question);
   Verdict density(const oracle::Truth& truth, const Question& question);
   Verdict le(const oracle::Truth& truth, const Question& question);
+  Verdict le_of_portal(const oracle::Truth& truth, const Question& question);
   grpc::Status irradiance(const oracle::Truth& truth, const oracle::Place& at,
                           v1::EstimateIrradianceRequest q, v1::EstimateIrradianceResponse* r);
   static Verdict compare(const oracle::Amount& amount, const v1::EstimateIrradianceResponse& r,

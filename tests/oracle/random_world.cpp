@@ -49,12 +49,14 @@ class Maker {
                  stage_.over(-half, far, 0)};
     ground_ = static_cast<int>(world_.shapes.size());
     world_.shapes.push_back(ground);
+    is_sliver_.push_back(false);
   }
 
   void add_shape(bool moving) {
     Shape shape;
     shape.kind = static_cast<ShapeKind>(random_.below(static_cast<int>(kShapeNames.size())));
-    const double size = random_.power(-2, 0);
+    const bool sliver = shape.kind <= ShapeKind::kPatch && random_.chance(0.12);
+    const double size = sliver ? random_.power(-0.5, 0.5) : random_.power(-2, 0);
     // Some hang a hair over the ground, some lie in it.
     const bool low = random_.chance(0.25);
     const double height = random_.chance(0.03) ? 0
@@ -68,7 +70,9 @@ class Maker {
       v = cross(w, u);
     }
     const Real wide = size * stage_.scale;
-    const Real slim = random_.chance(0.2) ? random_.power(-3, 0) : 1;
+    const Real slim = sliver                ? random_.power(-3, -1.7)
+                      : random_.chance(0.2) ? random_.power(-3, 0)
+                                            : 1;
     const Vec middle = stage_.over(x, y, height);
     shape.at[0] = middle;
     switch (shape.kind) {
@@ -107,6 +111,7 @@ class Maker {
     }
     if (moving && random_.chance(0.5)) shape.moves = motion();
     world_.shapes.push_back(shape);
+    is_sliver_.push_back(sliver);
   }
 
   Place place(bool with_normal) {
@@ -118,7 +123,8 @@ class Maker {
       p.at = stage_.over(random_.between(-1.5, 1.5), random_.between(-1.5, 1.5), 0);
       p.on = ground_;
       p.normal = floats(stage_.axis);
-    } else if (random_.chance(0.5) && shape.radiance == 0 && number != ground_) {
+    } else if (random_.chance(0.5) && shape.radiance == 0 && number != ground_ &&
+               !is_sliver_[static_cast<std::size_t>(number)]) {
       p.s = random_.uniform(), p.t = random_.uniform();
       const auto [at, n] = point_of(shape, p.s, p.t);
       const bool front = random_.chance(0.5);
@@ -131,10 +137,32 @@ class Maker {
     } else {
       p.at = stage_.over(random_.between(-1, 1), random_.between(-1, 1), random_.power(-2, 0.5));
       p.normal = floats(random_.direction());
+      if (const Shape* emitter = an_emitter();
+          emitter != nullptr && number != ground_ && random_.chance(0.3))
+        put_behind(shape, *emitter, p);
     }
     if (!with_normal) p.normal = {};
     p.asked = true;
     return p;
+  }
+
+  const Shape* an_emitter() {
+    const std::vector<int> emitters = emitting_shapes(world_);
+    if (emitters.empty()) return nullptr;
+    const int number =
+        emitters[static_cast<std::size_t>(random_.below(static_cast<int>(emitters.size())))];
+    return &world_.shapes[static_cast<std::size_t>(number)];
+  }
+
+  /// Moves the place to where the shape hides a point of the emitter.
+  void put_behind(const Shape& shape, const Shape& emitter, Place& p) {
+    const Vec lit =
+        point_of(at_time(emitter, world_.time), random_.uniform(), random_.uniform()).at;
+    const Vec dark = point_of(shape, random_.uniform(), random_.uniform()).at;
+    const Vec way = dark - lit;
+    if (!(length(way) > 0)) return;
+    p.at = doubles(dark + way * (random_.power(-1.5, 0) * stage_.scale / length(way)));
+    p.normal = floats(random_.direction() - unit(way) * 1.5L);
   }
 
   /// Not within one flat surface.
@@ -148,6 +176,7 @@ class Maker {
   World world_;
   Stage stage_;
   int ground_ = -1;
+  std::vector<bool> is_sliver_;  ///< of each shape; rounding decides most queries on slivers
 };
 
 }  // namespace

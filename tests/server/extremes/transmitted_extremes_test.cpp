@@ -1,4 +1,5 @@
 // Rows 10 and 33: an answer's values match the directions and positions that it reports as floats.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -259,6 +260,27 @@ TEST(TransmittedExtremes, RaysOfNeedlesAndBentPatches) {
     lights += patch(std::string("1 2 3  1 3 6.1  ") + width + " 1.9 2.65  " + width + " 2.9 5.75");
   lights += patch("-1.12 0.85 0  -1.03 0.85 0  -1.17 0.75 0  -1.11 0.8 -0.022");
   lights += patch("0 0 0  1 0 0  0 1 0  0.1 0.1 0.6");
+  const FileScene file = scene_of(lights);
+  ASSERT_TRUE(file.status.ok()) << file.status;
+  for (std::uint32_t light = 0; light < file.scene->lights().size(); ++light)
+    compare_rays(sweep, *file.scene, light, 0);
+  sweep.expect_within(0);
+}
+
+/// The sides of these patches are almost parallel.
+TEST(TransmittedExtremes, RaysOfShearedNeedles) {
+  Sweep sweep(33, "rays of needles with almost parallel sides, 1e4 lengths from the origin",
+              "length : width 10 ... 1e4", "densities against PdfLe of the reported ray");
+  std::string lights = "Shape \"disk\" \"float radius\" 1e5\nAreaLightSource \"diffuse\"\n";
+  for (const double width : {0.1, 0.01, 1e-3, 1e-4})
+    for (const double share : {0.5, 0.3, -0.4}) {
+      const Vec3<double> corner{1.3e4, -2.7e3, 4.1e3}, u{0.8, 0.5, -0.33};
+      const Vec3<double> v = u * share + Vec3<double>{0.5, -0.8, 0.1} * width;
+      std::string corners;
+      for (const Vec3<double>& p : {corner, corner + u, corner + v, corner + u + v})
+        corners += fmt::format("{} {} {} ", p.x, p.y, p.z);
+      lights += "Shape \"bilinearmesh\" \"point3 P\" [" + corners + "]\n";
+    }
   const FileScene file = scene_of(lights);
   ASSERT_TRUE(file.status.ok()) << file.status;
   for (std::uint32_t light = 0; light < file.scene->lights().size(); ++light)
