@@ -242,6 +242,7 @@ SceneHandle Accelerator::State::commit(GeometrySet& set,
                       indices[3 * std::size_t{w.triangle}]);
       }
     }
+    check_along(g, &set);
     attach(g, static_cast<unsigned>(HitKind::kTriangle));
     if (!set.wide.empty()) attach(wide_geometry(device.get(), &set), kWide);
   }
@@ -319,7 +320,7 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
   query.ray = embree_ray(*start);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  QueryContext context(ray.time_s);
+  QueryContext context(ray.time_s, start->t_max);
   rtcIntersect1(state_->top.get(), &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   RawHit hit;
@@ -338,7 +339,7 @@ bool Accelerator::occluded(const Ray& ray) const {
   const std::optional<UnitRay> start = unit_ray(ray, state_->space);
   if (!start) return false;
   alignas(16) RTCRay query = embree_ray(*start);
-  QueryContext context(ray.time_s);
+  QueryContext context(ray.time_s, start->t_max);
   rtcOccluded1(state_->top.get(), &context.embree, &query);
   return query.tfar < 0;  // Embree sets it to minus infinity
 }

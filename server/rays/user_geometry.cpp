@@ -113,6 +113,28 @@ void occluded_wide(const RTCOccludedFunctionNArguments* args) {
   if (intersect_wide(set, args->primID, ray)) ray.tfar = -INFINITY;
 }
 
+/// For a ray along a triangle, Embree divides two numbers that are rounding errors.  It may then
+/// find a hit beyond the triangle.  Such hits are checked in double.
+void check_hit(const RTCFilterFunctionNArguments* args) {
+  const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);  // N is 1
+  const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+  const Vec3<float> n{hit.Ng_x, hit.Ng_y, hit.Ng_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
+  // A cosine.  Above it, the error of the hit is below 2^-10 of the triangle's size.
+  constexpr float kAlong = 0x1p-12F;
+  const float cosine = dot(n, d);
+  if (!(cosine * cosine < kAlong * kAlong * dot(n, n) * dot(d, d))) [[likely]]
+    return;
+  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
+  WideTriangle triangle;
+  for (std::size_t k = 0; k < 3; ++k)
+    triangle.corners[k] =
+        Vec3<double>(set.vertices[set.triangles[3 * std::size_t{hit.primID} + k]]);
+  const auto& context = *reinterpret_cast<const QueryContext*>(args->context);
+  if (!intersect(triangle, Vec3<double>{ray.org_x, ray.org_y, ray.org_z}, Vec3<double>(d),
+                 ray.tnear, context.t_max))
+    args->valid[0] = 0;
+}
+
 /// A ray of the scene in the object's space, in Embree's form.
 struct ObjectRay {
   RTCRay ray;
@@ -156,7 +178,10 @@ void intersect_moving(const RTCIntersectFunctionNArguments* args) {
   local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   local.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   args->context->instID[0] = instance.number;
+  auto& context = *reinterpret_cast<QueryContext*>(args->context);
+  const float t_max = std::exchange(context.t_max, local.ray.tfar);
   rtcIntersect1(instance.object, args->context, &local);
+  context.t_max = t_max;
   args->context->instID[0] = RTC_INVALID_GEOMETRY_ID;
   if (local.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
   query.ray.tfar = static_cast<float>(local.ray.tfar * start->units + start->start);
@@ -172,7 +197,10 @@ void occluded_moving(const RTCOccludedFunctionNArguments* args) {
   const std::optional<ObjectRay> start = to_object(instance, args->context, ray);
   if (!start) return;
   alignas(16) RTCRay local = start->ray;
+  auto& context = *reinterpret_cast<QueryContext*>(args->context);
+  const float t_max = std::exchange(context.t_max, local.tfar);
   rtcOccluded1(instance.object, args->context, &local);
+  context.t_max = t_max;
   if (local.tfar < 0) ray.tfar = -INFINITY;
 }
 
@@ -204,6 +232,12 @@ MovingInstance::MovingInstance(const GeometryInstance& instance, RTCScene object
                                                  corner & 2 ? box.upper.y : box.lower.y,
                                                  corner & 4 ? box.upper.z : box.lower.z}));
   swept = rounded(motion->bounds(placed.lower, placed.upper), scene_unit_m);
+}
+
+void check_along(RTCGeometry triangles, GeometrySet* set) {
+  rtcSetGeometryUserData(triangles, set);
+  rtcSetGeometryIntersectFilterFunction(triangles, check_hit);
+  rtcSetGeometryOccludedFilterFunction(triangles, check_hit);
 }
 
 RTCGeometry analytic_geometry(RTCDevice device, AnalyticShapes* shapes, std::size_t count) {

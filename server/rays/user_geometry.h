@@ -13,13 +13,16 @@
 
 namespace lucerna {
 
-/// Embree passes the context of a query to the callbacks.  It has the time of the query and the
-/// exact hit.
+/// Embree passes the context of a query to the callbacks.  It has the time and the end of the
+/// query, and the exact hit.
 struct QueryContext {
-  explicit QueryContext(double time_s) : time_s(time_s) { rtcInitIntersectContext(&embree); }
+  QueryContext(double time_s, float t_max) : time_s(time_s), t_max(t_max) {
+    rtcInitIntersectContext(&embree);
+  }
 
   RTCIntersectContext embree;  // first, so that its address is this object's
   double time_s;
+  float t_max;  ///< of the ray in the space that Embree traverses
   Vec3<double> position, normal;
 };
 
@@ -44,6 +47,9 @@ struct MovingInstance {
   double scene_unit_m;
   RTCBounds swept;  ///< in the scene's units, over all time
 };
+
+/// Lets the geometry of `set`'s triangles reject hits of rays along a triangle that do not meet it.
+void check_along(RTCGeometry triangles, GeometrySet* set);
 
 /// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes`, `set` and
 /// `instances`.  A hit on a wide triangle is one of the geometry kTriangle.

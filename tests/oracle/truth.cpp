@@ -138,6 +138,12 @@ Real Truth::blur(const Place& place) const {
   return dot(place.normal, place.normal) > 0 ? 0 : near(place) * (kLoose / kNear);
 }
 
+Real Truth::shift(const Place& place) const {
+  if (!place.asked || place.on >= 0 || !(length(place.normal) > 0)) return 0;
+  const Vec d = absolute(place.at - centre_), n = absolute(unit(place.normal));
+  return (n.x + n.y + n.z) * kOfPoint * std::fmax(std::fmax(d.x, d.y), d.z);
+}
+
 bool Truth::may_lie_on(const Shape& shape, const Place& place) const {
   Place probe = place;
   probe.normal = {};
@@ -174,15 +180,20 @@ Way Truth::past_flat(const Shape& shape, const Place& from, const Place& to) con
   const Real distance = length(along);
   const Vec of_shape = rounding(shape);
   const auto off_plane = [&](const Vec& p) { return dot(absolute(n), of_shape + rounding(p)); };
-  const Real from_error = off_plane(from.at);
-  const Real to_error = to.far ? kOfDirection * distance : off_plane(to.at);
+  const Real from_error = off_plane(from.at) + shift(from);
+  const Real to_error = (to.far ? kOfDirection * distance : off_plane(to.at)) + shift(to);
   const bool on_from = from.on == number, on_to = to.on == number;
   const Real a = dot(from.at - shape.at[0], n), b = dot(to.at - shape.at[0], n);
-  const bool near_from = on_from || std::fabs(a) <= from_error + near(from);
-  const bool near_to = on_to || std::fabs(b) <= to_error + near(to);
+  // A request's point that is nearer than the triangle's own error may lie on it.
+  const auto near_this = [&](const Place& place) {
+    return near(place) + (place.asked ? 2 * start(shape, place.at) : 0);
+  };
+  const bool near_from = on_from || std::fabs(a) <= from_error + near_this(from);
+  const bool near_to = on_to || std::fabs(b) <= to_error + near_this(to);
   const Real of_end = to.far ? 0 : length(rounding(to.at));
   const auto in_plane_at = [&](Real t) {
-    return length(of_shape) + length(rounding(from.at)) + of_end + kOfDirection * t;
+    return length(of_shape) + length(rounding(from.at)) + of_end + shift(from) + shift(to) +
+           kOfDirection * t;
   };
   const Real in_plane = in_plane_at(distance);
   if (near_from && near_to) {
@@ -217,7 +228,8 @@ Way Truth::past_sphere(const Shape& shape, const Place& from, const Place& to) c
   const Real distance = length(along), r = shape.radius;
   const Real reach = std::fmin(distance, length(centre - from.at) + r);
   const Real error = length(rounding(shape)) + length(rounding(from.at)) +
-                     (to.far ? 0 : length(rounding(to.at))) + kOfDirection * reach;
+                     (to.far ? 0 : length(rounding(to.at))) + shift(from) + shift(to) +
+                     kOfDirection * reach;
   const bool on_from = from.on == number, on_to = to.on == number;
   const Real a = length(from.at - centre) - r, b = length(to.at - centre) - r;
   const Vec w = along * (1 / distance);

@@ -15,7 +15,7 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr int kSeeds = 20;
+constexpr int kSeedsOfLow = 20;
 
 /// A light 1 m away whose upper edge is `above` the horizon [m], and its illuminance at the origin.
 struct Low {
@@ -101,7 +101,7 @@ TEST(HorizonExtremes, LowLights) {
     for (int exponent = -9; exponent <= -1; ++exponent) {
       Low low = make(std::pow(10.0, exponent));
       const auto scene = build(std::move(low.scene));
-      for (int seed = 0; seed < kSeeds; ++seed, ++cases) {
+      for (int seed = 0; seed < kSeedsOfLow; ++seed, ++cases) {
         const IrradianceEstimate e = answer(*scene, static_cast<std::uint64_t>(seed));
         if (!e.irradiance_lx.is_black()) continue;  // IrradianceCoverage tests these
         ++zeros;
@@ -127,7 +127,7 @@ TEST(HorizonExtremes, LowLightsBesideOthers) {
         {CylinderParams{.radius_m = 0.3, .world_from_object = Transform::translate({0, 0, 3})}}, 1,
         true));
     const auto scene = build(std::move(low.scene));
-    for (int seed = 0; seed < kSeeds; ++seed, ++cases) {
+    for (int seed = 0; seed < kSeedsOfLow; ++seed, ++cases) {
       const IrradianceEstimate e = answer(*scene, static_cast<std::uint64_t>(seed));
       if (e.illuminance_lx.upper >= 1e6 * low.lx * (1 - 1e-5)) continue;
       if (++wrong < 10)
