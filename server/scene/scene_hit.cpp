@@ -40,23 +40,23 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
   const Vector from_a = ab * u1 + ac * u2;
   hit.position = a + from_a;
   const Vector n = cross(ab, ac);
-  hit.ng = normalized(n);
+  const double n2 = dot(n, n), n_length = std::sqrt(n2);
+  hit.ng = is_safe_square(n2) ? n / n_length : normalized(n);
   // Embree takes the cross product of two edges, the shorter ones if terms would cancel.
   // In a needle, the error of n is that of their product.  Above a factor of 16, floats do not
   // define the plane of the triangle anyway.
   const double ab2 = dot(ab, ab), ac2 = dot(ac, ac), bc2 = dot(bc, bc);
-  const double longest2 = std::max({ab2, ac2, bc2});
-  const double others2 = longest2 > 0 ? ab2 * (ac2 / longest2) * bc2 : 0;
-  const double n2 = dot(n, n);
-  const double condition = others2 < 256 * n2 ? std::sqrt(others2 / n2) : 16;
+  const double shorter2 = std::min({ab2 * ac2, ab2 * bc2, ac2 * bc2});
+  double condition = 1;
+  if (shorter2 > n2) condition = shorter2 < 256 * n2 ? std::sqrt(shorter2 / n2) : 16;
   // The largest distance of a vertex along each axis.
   const Vector reach =
       largest(largest(absolute(from_a), absolute(ab - from_a)), absolute(ac - from_a));
-  hit.plane_error = kTraversalBound * std::max(1.0, condition) * max_abs(reach);
+  hit.plane_error = kTraversalBound * condition * max_abs(reach);
   // The distance to the plane is the sum of n_k (v - o)_k.  Each n_k is a difference of products of
   // two edges, at most 2 (2 reach_i) (2 reach_j), and has their rounding.  So a triangle in a plane
   // of the axes has no error.
-  const double along = 24 * kTraversalBound * (reach.x * reach.y * reach.z) / std::sqrt(n2);
+  const double along = 24 * kTraversalBound * (reach.x * reach.y * reach.z) / n_length;
   const Vector across = absolute(hit.ng);
   // Rays meet wide triangles in double.
   const double to_double = wide != nullptr ? 0x1p-53 / kFloatRoundoff : 1;
