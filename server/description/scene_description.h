@@ -16,6 +16,7 @@
 #include "lights/shapes/picture.h"
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset.h"
+#include "server/materials/material.h"
 
 namespace lucerna {
 
@@ -33,10 +34,6 @@ struct Remark {
   std::string instead;  ///< "diffuse, reflectance 0.5"
 };
 
-struct DiffuseMaterial {
-  Rgb<double> reflectance{0.5};  ///< each channel in [0, 1]
-};
-
 /// A triangle mesh in world space (object space within an ObjectDefinition).  cross(p1 - p0, p2 -
 /// p0) points to the outside.  The loader sets this winding from ReverseOrientation, mirrors and
 /// vertex normals.
@@ -44,7 +41,7 @@ struct TriangleMeshData {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<float>> normals;    ///< shading normals, unit, one for each vertex; empty: flat
   std::vector<std::uint32_t> indices;  ///< three per triangle, all < positions.size()
-  /// (u, v) of each triangle's corners, for an emission image; empty if there is none.
+  /// (u, v) of each triangle's corners, for an emission image or textures; empty if there is none.
   std::vector<Vec2<float>> corner_uv{};
 };
 
@@ -63,6 +60,7 @@ struct ShapeDescription {
   std::variant<TriangleMeshData, PatchMeshData LUCERNA_QUADRICS(LUCERNA_PARAMS)> geometry;
 #undef LUCERNA_PARAMS
   std::uint32_t material = 0;  ///< index into SceneDescription::materials
+  bool has_uv = false;         ///< whether textures use the (u, v) of its surface
   /// Set if the shape is an area light.  The level is final: `scale` and `power` are applied.
   struct Emission {
     Rgb<double> radiance_cd_m2;
@@ -128,7 +126,8 @@ struct RenderHints {
 };
 
 struct SceneDescription {
-  std::vector<DiffuseMaterial> materials;
+  std::vector<Material> materials;
+  Textures textures;
   std::vector<ShapeDescription> shapes;
   std::vector<ObjectDefinition> objects;
   std::vector<InstanceDescription> instances;

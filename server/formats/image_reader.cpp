@@ -169,6 +169,11 @@ float linear_from_srgb(float coded) {
   return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
 }
 
+float decoded_texel(float coded, Encoding encoding) {
+  if (encoding == kSrgb) return linear_from_srgb(coded);
+  return encoding == kLinear ? coded : static_cast<float>(std::pow(double{coded}, encoding.gamma));
+}
+
 absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec,
                         std::uint64_t max_texels) {
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
@@ -197,7 +202,8 @@ std::optional<bool> is_coded(const OIIO::TypeDesc& type) {
 
 }  // namespace
 
-absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint64_t max_texels) {
+absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint64_t max_texels,
+                                          Encoding encoding) {
   LUCERNA_ASSIGN_OR_RETURN(auto open, open_image(content));
   const OIIO::ImageSpec spec = open.spec;
   LUCERNA_RETURN_IF_ERROR(check_spec(content, spec, max_texels));
@@ -233,7 +239,7 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
     bool below = false;
     const auto value = [&](std::size_t c) {
       const float v = values[i * read + static_cast<std::size_t>((*channels)[c] - low)];
-      if (coded[c]) return linear_from_srgb(v);
+      if (coded[c]) return decoded_texel(v, encoding);
       // NaN and -infinity are kept, so that Image::create rejects them.
       if (!(v < 0) || std::isinf(v)) return v;
       below = true;

@@ -1,8 +1,8 @@
-// Decodes image files for lights.  Only this file of the server knows OpenImageIO.
+// Decodes image files for lights and textures.  Only this file of the server knows OpenImageIO.
 //
-// Integer texels are sRGB-coded and floating-point texels are linear, both with the primaries of
-// Rec. 709, as in pbrt-v4.  Alpha is not applied.  Formats: OpenEXR, Radiance .hdr, .pfm, PNG,
-// TIFF, JPEG.
+// Integer texels are sRGB-coded by default and floating-point texels are linear, both with the
+// primaries of Rec. 709, as in pbrt-v4.  Alpha is not applied.  Formats: OpenEXR, Radiance .hdr,
+// .pfm, PNG, TIFF, JPEG.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -28,6 +28,14 @@ struct DecodedImage {
   std::vector<ImageRemark> remarks;
 };
 
+/// What the integer texels of a picture mean.  Floating-point texels are linear in any case.
+struct Encoding {
+  double gamma = 0;  ///< value = code^gamma; 0: sRGB.  1: linear
+  bool operator==(const Encoding&) const = default;
+  bool operator<(const Encoding& e) const { return gamma < e.gamma; }
+};
+inline constexpr Encoding kSrgb{0}, kLinear{1};
+
 /// The largest picture: 16384 x 8192 texels, 1.6 GB in memory.
 inline constexpr std::uint64_t kMaxImageTexels = std::uint64_t{1} << 27;
 
@@ -38,6 +46,7 @@ inline constexpr std::uint64_t kMaxImageTexels = std::uint64_t{1} << 27;
 /// and B, integers of more than 16 bits, or a texel that is not finite (with its position);
 /// RESOURCE_EXHAUSTED for more than `max_texels`.
 absl::StatusOr<DecodedImage> decode_image(const AssetContent& content,
-                                          std::uint64_t max_texels = kMaxImageTexels);
+                                          std::uint64_t max_texels = kMaxImageTexels,
+                                          Encoding encoding = kSrgb);
 
 }  // namespace lucerna

@@ -169,8 +169,9 @@ void Builder::named_material(const std::string& name, const Place& place) {
 void Builder::texture(const std::string& name, const std::string& kind, const std::string& type,
                       Parameters params, const Place& place) {
   require_world("Texture", place);
-  materials_.make_texture(context_, name, kind, type,
-                          ParameterSet(std::move(params), state_.texture_attributes), place);
+  materials_.textures().make(context_, name, kind, type,
+                             ParameterSet(std::move(params), state_.texture_attributes), place,
+                             still_transform("a texture", place));
 }
 
 void Builder::shape(const std::string& type, Parameters params, const Place& place) {
@@ -180,13 +181,15 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   const Transform& world_from_object =
       open_object_ ? still_transform("a shape within an object definition", place)
                    : state_.world_from_object.start;
-  const bool with_uv = state_.area_light && !open_object_ && needs_uv(*state_.area_light);
+  const bool with_uv = (state_.area_light && !open_object_ && needs_uv(*state_.area_light)) ||
+                       materials_.may_need_uv(state_.material);
   auto geometry = make_geometry(
       context_, {type, set, place, world_from_object, state_.reverse_orientation, with_uv});
   if (!geometry) return;
   ShapeDescription shape;
   if (!open_object_) shape.motion = motion("Shape", place);
   shape.material = state_.material;
+  shape.has_uv = materials_.may_need_uv(state_.material);
   shape.where = location(place);
   if (state_.area_light && open_object_) {
     context_.remark(place, "an area light within an object definition", "the shape emits nothing");

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "server/pbrt/area_lights.h"
+#include "server/pbrt/lights/area_lights.h"
 #include "server/pbrt/camera.h"
-#include "server/pbrt/lights.h"
-#include "server/pbrt/materials.h"
-#include "server/pbrt/params.h"
+#include "server/pbrt/lights/lights.h"
+#include "server/pbrt/surfaces/materials.h"
+#include "server/pbrt/syntax/params.h"
 
 namespace lucerna::pbrt {
 

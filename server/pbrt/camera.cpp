@@ -11,10 +11,6 @@
 namespace lucerna::pbrt {
 namespace {
 
-bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 void check_type(const Setting& setting, const char* directive,
                 std::initializer_list<std::string_view> types) {
   if (!is_one_of(setting.type, types))

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "server/pbrt/params.h"
+#include "server/pbrt/syntax/params.h"
 
 namespace lucerna::pbrt {
 

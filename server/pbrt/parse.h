@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/pbrt/builder.h"
-#include "server/pbrt/token.h"
+#include "server/pbrt/syntax/token.h"
 
 namespace lucerna::pbrt {
 

@@ -13,6 +13,8 @@
 
 namespace lucerna {
 
+enum class HitKind : std::uint8_t;  // accelerator.h
+
 struct Ray {
   Vec3<float> origin;
   Vec3<float> direction;  ///< any length except 0; its length is the unit of t
@@ -38,6 +40,10 @@ struct SurfaceHit {
   std::uint32_t light_primitive{};  ///< the primitive of that light's shape
   std::uint64_t shape{};            ///< the same for all hits on one shape of one instance
   double time_s = 0;                ///< time of the ray
+  // Which primitive was hit, for textures: as in RawHit.
+  HitKind kind{};
+  std::uint32_t primitive{};
+  Vec2<float> uv{};
 
   SurfacePoint<double> on_light() const { return {position, ng, light_primitive}; }
 };

@@ -58,8 +58,13 @@ LUCERNA_QUADRICS(LUCERNA_KIND)
 class Appender {
  public:
   Appender(const Vec3<double>& origin, double detail_m, std::uint32_t surface, GeometrySet& set,
-           SurfaceTable& table)
-      : origin_(origin), detail_m_(detail_m), surface_(surface), set_(set), table_(table) {}
+           bool has_uv, SurfaceTable& table)
+      : origin_(origin),
+        detail_m_(detail_m),
+        surface_(surface),
+        set_(set),
+        has_uv_(has_uv),
+        table_(table) {}
 
   absl::Status operator()(const TriangleMeshData& mesh) {
     const std::size_t base = set_.vertices.size();
@@ -70,9 +75,13 @@ class Appender {
     LUCERNA_RETURN_IF_ERROR(append_mesh(mesh.positions, mesh.indices, origin_, set_));
     append_normals(mesh.normals, base, mesh.positions.size(), table_.vertex_normals);
     begin_run(HitKind::kTriangle, set_.triangles.size() / 3, 0, 1);
-    for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3)
+    for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
       append_triangle(mesh.positions, static_cast<std::uint32_t>(base),
                       {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]});
+      auto uv = kTriangleUv;
+      if (!mesh.corner_uv.empty()) std::copy_n(&mesh.corner_uv[i], 3, uv.begin());
+      keep_uv(uv, set_.triangles.size() / 3, kTriangleUv, table_.triangle_uv);
+    }
     return absl::OkStatus();
   }
 
@@ -96,11 +105,16 @@ class Appender {
         begin_run(this_kind, flat ? set_.triangles.size() / 3 : set_.patches.size(), i / 4,
                   flat ? 2 : 1);
       kind = this_kind;
+      auto uv = kPatchUv;
+      if (!mesh.corner_uv.empty()) std::copy_n(&mesh.corner_uv[i], 4, uv.begin());
       if (flat) {
         append_triangle(mesh.positions, base, {v[0], v[1], v[2]});
+        keep_uv({uv[0], uv[1], uv[2]}, set_.triangles.size() / 3, kTriangleUv, table_.triangle_uv);
         append_triangle(mesh.positions, base, {v[1], v[3], v[2]});
+        keep_uv({uv[1], uv[3], uv[2]}, set_.triangles.size() / 3, kTriangleUv, table_.triangle_uv);
       } else {
         append_patch(mesh, v, c);
+        keep_uv(uv, set_.patches.size(), kPatchUv, table_.patch_uv);
       }
     }
     if (any_flat)
@@ -125,6 +139,16 @@ class Appender {
     table_.runs[static_cast<int>(kind)].push_back({static_cast<std::uint32_t>(first), surface_,
                                                    static_cast<std::uint32_t>(light_primitive),
                                                    per_light_primitive});
+  }
+
+  /// Stores the (u, v) of the last of `count` primitives, if this or an earlier shape needs them.
+  template <std::size_t n>
+  void keep_uv(const std::array<Vec2<float>, n>& uv, std::size_t count,
+               const std::array<Vec2<float>, n>& otherwise,
+               std::vector<std::array<Vec2<float>, n>>& out) const {
+    if (!has_uv_ && out.empty()) return;
+    out.resize(count, otherwise);
+    if (has_uv_) out.back() = uv;
   }
 
   void append_triangle(const std::vector<Vec3<double>>& positions, std::uint32_t base,
@@ -152,6 +176,7 @@ class Appender {
   double detail_m_;
   std::uint32_t surface_;
   GeometrySet& set_;
+  bool has_uv_;
   SurfaceTable& table_;
 };
 
@@ -198,7 +223,9 @@ const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) con
 std::size_t SurfaceTable::bytes() const {
   std::size_t sum = surfaces.capacity() * sizeof(Surface) +
                     vertex_normals.capacity() * sizeof(Vec3<float>) +
-                    patch_normals.capacity() * sizeof(std::array<Vec3<float>, 4>);
+                    patch_normals.capacity() * sizeof(std::array<Vec3<float>, 4>) +
+                    triangle_uv.capacity() * sizeof(std::array<Vec2<float>, 3>) +
+                    patch_uv.capacity() * sizeof(std::array<Vec2<float>, 4>);
   for (const auto& r : runs) sum += r.capacity() * sizeof(PrimitiveRun);
   return sum;
 }
@@ -238,8 +265,9 @@ absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& ori
                           SurfaceTable& table) {
   const auto surface = static_cast<std::uint32_t>(table.surfaces.size());
   table.surfaces.push_back({shape.material, light});
-  return located(std::visit(Appender(origin, detail_m, surface, set, table), shape.geometry),
-                 shape.where);
+  return located(
+      std::visit(Appender(origin, detail_m, surface, set, shape.has_uv, table), shape.geometry),
+      shape.where);
 }
 
 absl::Status located(const absl::Status& status, const SourceLocation& where) {

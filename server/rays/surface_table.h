@@ -19,6 +19,10 @@ struct Surface {
   std::int32_t light = -1;
 };
 
+/// The default (u, v) of a triangle's and a patch's corners.
+inline constexpr std::array<Vec2<float>, 3> kTriangleUv{{{0, 0}, {1, 0}, {1, 1}}};
+inline constexpr std::array<Vec2<float>, 4> kPatchUv{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+
 /// Consecutive primitives of one kind that belong to one shape.
 struct PrimitiveRun {
   std::uint32_t first = 0;
@@ -36,6 +40,10 @@ struct SurfaceTable {
   std::vector<Vec3<float>> vertex_normals;
   /// Shading normals at the corners of each patch.  Empty if no patch has any.
   std::vector<std::array<Vec3<float>, 4>> patch_normals;
+
+  /// (u, v) at the corners of each triangle and of each patch.  Empty if no texture needs them.
+  std::vector<std::array<Vec2<float>, 3>> triangle_uv;
+  std::vector<std::array<Vec2<float>, 4>> patch_uv;
 
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;
   std::size_t bytes() const;

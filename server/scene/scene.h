@@ -120,7 +120,18 @@ class Scene {
   bool has_visible_lights() const { return has_visible_lights_; }
   /// Whether there is nothing to hit.
   bool empty() const { return accelerator_->empty(); }
-  std::span<const DiffuseMaterial> materials() const { return materials_; }
+  std::span<const Material> materials() const { return materials_; }
+  const Textures& textures() const { return textures_; }
+  /// The reflectance of a diffuse material without textures; null for all others.
+  const Rgb<double>* plain_diffuse(std::uint32_t material) const {
+    return plain_[material] ? &reflectances_[material] : nullptr;
+  }
+  /// Where a surface was hit, as textures need it.
+  struct ShadingPoint {
+    TexturePoint texture;
+    Vec3<double> dpdu;  ///< scene, of any length: the direction of growing u; 0 if there is none
+  };
+  ShadingPoint shading_point(const SurfaceHit& hit) const;
   const Camera& camera() const { return camera_; }
   const RenderHints& hints() const { return hints_; }
   const std::vector<Remark>& remarks() const { return remarks_; }
@@ -164,7 +175,11 @@ class Scene {
   // Both are empty if no light has a spectrum.
   std::vector<std::shared_ptr<const Spectrum>> spectra_;
   std::vector<std::int32_t> light_spectra_;  // of each light, into spectra_; -1: RGB
-  std::vector<DiffuseMaterial> materials_;
+  std::vector<Material> materials_;
+  // By material: whether it is diffuse without textures, and then its reflectance.
+  std::vector<bool> plain_;
+  std::vector<Rgb<double>> reflectances_;
+  Textures textures_;
   std::unique_ptr<Accelerator> accelerator_;
   SurfaceTable surfaces_;                        // of the scene's own geometry
   std::vector<SurfaceTable> object_surfaces_;    // of each object, then of each moving shape

@@ -43,6 +43,7 @@ class Scene::Builder {
   absl::Status prepare_choice();
 
   absl::Status build_geometry(const std::string& isa);
+  void keep_materials();
   void report_motion(const std::vector<GeometryInstance>& instances);
   void report_geometry(const GeometrySet& set, const std::vector<GeometrySet>& objects,
                        const Stopwatch& watch);

@@ -1,6 +1,7 @@
 // Prepares the surfaces of a scene for rays.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "proto/common/status_macros.h"
@@ -63,7 +64,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
       instances.push_back({i.object, rounded_to_float(scene_from_object)});
   }
   report_motion(instances);
-  if (!set.empty() || !instances.empty()) scene_->materials_ = std::move(in_.materials);
+  if (!set.empty() || !instances.empty()) keep_materials();
   report_geometry(set, objects, watch);
   in_.shapes.clear();
   in_.objects.clear();
@@ -79,6 +80,18 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
        fmt::format("rays against {} primitives{}", scene_->primitive_count(),
                    instance_count > 0 ? fmt::format(", {} instances", instance_count) : ""));
   return absl::OkStatus();
+}
+
+/// Diffuse materials without textures keep only their reflectance, unless the scene has others.
+void Scene::Builder::keep_materials() {
+  for (const Material& m : in_.materials) {
+    const Rgb<double>* reflectance = m.plain_diffuse();
+    scene_->plain_.push_back(reflectance != nullptr);
+    scene_->reflectances_.push_back(reflectance != nullptr ? *reflectance : Rgb<double>());
+  }
+  if (std::ranges::find(scene_->plain_, false) == scene_->plain_.end()) return;
+  scene_->materials_ = std::move(in_.materials);
+  scene_->textures_ = std::move(in_.textures);
 }
 
 void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instances) {
@@ -141,9 +154,17 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
   }
   if (surface_bytes > 0)
     part("surfaces", surface_bytes, watch, "materials, shading normals and lights of surfaces");
-  if (!scene_->materials_.empty())
-    part("materials", scene_->materials_.capacity() * sizeof(DiffuseMaterial), watch,
-         fmt::format("{} diffuse reflectances", scene_->materials_.size()));
+  if (!scene_->reflectances_.empty())
+    part("materials",
+         scene_->reflectances_.capacity() * sizeof(Rgb<double>) + scene_->plain_.capacity() / 8 +
+             scene_->materials_.capacity() * sizeof(Material),
+         watch,
+         scene_->materials_.empty()
+             ? fmt::format("{} diffuse reflectances", scene_->reflectances_.size())
+             : fmt::format("{} materials", scene_->materials_.size()));
+  if (!scene_->textures_.empty())
+    part("textures", scene_->textures_.bytes(), watch,
+         fmt::format("{} textures of materials", scene_->textures_.size()));
 }
 
 }  // namespace lucerna

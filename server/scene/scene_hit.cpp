@@ -72,7 +72,7 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
 }
 
 LocalHit analytic_hit(const SurfaceTable& table, const RawHit& raw, const Ray& ray) {
-  LocalHit hit{.position = raw.position, .ng = raw.normal};
+  LocalHit hit{.position = raw.position, .ng = raw.normal, .ns = {}};
   // All in double precision; the rounding error grows with the length of the ray.
   hit.error = 64 * 0x1p-53 *
               (max_abs(Vector(ray.origin)) + raw.t * max_abs(Vector(ray.direction)) +
@@ -205,6 +205,9 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   hit.light = surface.light;
   // Instance -1 is the scene's own geometry.
   hit.shape = (static_cast<std::uint64_t>(raw->instance + 1) << 32) | run.surface;
+  hit.kind = raw->kind;
+  hit.primitive = raw->primitive;
+  hit.uv = raw->uv;
   hit.light_primitive =
       run.first_light_primitive + (raw->primitive - run.first) / run.per_light_primitive;
   return hit;

@@ -156,7 +156,8 @@ class Walker {
     found(from_camera, hit, nullptr, questions);
     Vec3<float> wo = -from_camera.direction;
     for (std::uint32_t depth = 0; hit; ++depth) {
-      if (scene_.materials()[hit->material].reflectance.is_black()) return;
+      const Rgb<double>* reflectance = scene_.plain_diffuse(hit->material);
+      if (reflectance != nullptr && reflectance->is_black()) return;
       Receiver<double> receiver(hit->position);
       receiver.normal = Vec3<double>(dot(hit->ns, wo) < 0 ? -hit->ns : hit->ns);
       receiver.area_sampling = settings_.methods.area_sampling;

@@ -85,9 +85,12 @@ double DirectLight::weight(double a, double b) const {
   return 1 / (1 + (methods_.combination == Combination::kBalanceHeuristic ? ratio : ratio * ratio));
 }
 
-Receiver<double> DirectLight::receiver(const SurfaceHit& hit, const Vec3<float>& wo) const {
+Receiver<double> DirectLight::receiver(const SurfaceHit& hit, const Vec3<float>& wo,
+                                       const SurfaceScattering* scattering) const {
   Receiver<double> r(hit.position);
-  r.normal = Vec3<double>(dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns);
+  // Without a normal, light arrives from both sides.
+  if (scattering == nullptr || !scattering->transmits())
+    r.normal = Vec3<double>(dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns);
   r.area_sampling = methods_.area_sampling;
   // Each vertex samples lights and a direction of the surface, and weights both.
   r.incomplete = methods_.combination != Combination::kLights;
@@ -117,21 +120,24 @@ Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
   return scene_.lights().size() - deltas_ <= kFewAreas ? Spending::kEach : Spending::kAreasDrawn;
 }
 
-LightSample<double> DirectLight::light_sample(const SurfaceHit& hit, const Vec3<float>& wo,
-                                              std::uint32_t light, Vec2<float> u) const {
-  const LightAtTime l(scene_.lights()[light], hit.time_s);
-  const Receiver<double> r = receiver(hit, wo);
+LightSample<double> DirectLight::light_sample(const Vertex& v, std::uint32_t light,
+                                              Vec2<float> u) const {
+  const LightAtTime l(scene_.lights()[light], v.hit.time_s);
+  const Receiver<double> r = receiver(v.hit, v.wo, v.scattering);
   if (methods_.far_light_radii)
     if (const auto s = far_sample(l, r, *methods_.far_light_radii)) return *s;
   return l.sample_li(r, {u.x, u.y});
 }
 
-DirectLight::Candidate DirectLight::candidate(const SurfaceHit& hit, const Vec3<float>& wo,
-                                              const LightChoice& choice, std::uint32_t points,
-                                              Vec2<float> u) const {
-  Candidate c{light_sample(hit, wo, choice.light, u), {}, {}};
+DirectLight::Candidate DirectLight::candidate(const Vertex& v, const LightChoice& choice,
+                                              std::uint32_t points, Vec2<float> u) const {
+  Candidate c{light_sample(v, choice.light, u), {}, {}};
   const LightSample<double>& s = c.sample;
-  const double f = reflected_share(hit, wo, s);  // equals the density of cosine_direction
+  if (v.scattering != nullptr) {
+    scatter(v, choice, points, c);
+    return c;
+  }
+  const double f = reflected_share(v.hit, v.wo, s);  // equals the density of cosine_direction
   if (!(f > 0)) return c;
   if (s.delta) {
     c.value = s.value * (f / choice.probability);
@@ -149,6 +155,31 @@ DirectLight::Candidate DirectLight::candidate(const SurfaceHit& hit, const Vec3<
       c.value = s.value * (f * weight(points * light_pdf, f) / light_pdf);
   }
   return c;
+}
+
+void DirectLight::scatter(const Vertex& v, const LightChoice& choice, std::uint32_t points,
+                          Candidate& c) const {
+  const LightSample<double>& s = c.sample;
+  if (s.reason != NoLight::kNone) return;
+  const Vec3<double> wo(v.wo);
+  const Rgb<double> f = v.scattering->value(wo, s.wi);
+  if (f.is_black()) return;
+  if (s.delta) {
+    c.value = s.value * f * (1 / choice.probability);
+    return;
+  }
+  const double light_pdf = s.pdf.per_sr * choice.probability;
+  const double direction_pdf = v.scattering->pdf(wo, s.wi);
+  switch (methods_.combination) {
+    case Combination::kSurfaces:
+      if (direction_pdf > 0) c.found = s.value * f / direction_pdf;
+      break;
+    case Combination::kLights:
+      c.value = s.value * f / light_pdf;
+      break;
+    default:
+      c.value = s.value * f * (weight(points * light_pdf, direction_pdf) / light_pdf);
+  }
 }
 
 LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
@@ -198,8 +229,8 @@ std::optional<Rgb<double>> DirectLight::in_closed_form(const SurfaceHit& hit, co
 
 void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
                          std::uint32_t depth, const PathSample& s, const LightSet& settled,
-                         WorkCounts& work, Found found) const {
-  const Vertex v{hit, wo, depth, settled, work, found};
+                         WorkCounts& work, Found found, const SurfaceScattering* scattering) const {
+  const Vertex v{hit, wo, depth, settled, work, found, scattering};
   if (spending == Spending::kEach) {
     const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
     for (std::uint32_t l = 0; l < lights; ++l)
@@ -209,7 +240,8 @@ void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<fl
   }
   if (candidates_ == 1) {
     const double u = choosing_value(s.at(depth, PathSample::kLight));
-    const auto choice = selector(spending).choose(methods_.light_selection, receiver(hit, wo), u);
+    const auto choice =
+        selector(spending).choose(methods_.light_selection, receiver(hit, wo, scattering), u);
     if (choice && !settled.has(choice->light))
       sample_points(v, *choice, s, 1 + 4 * depth + PathSample::kLightPoint);
     return;
@@ -224,7 +256,7 @@ void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, cons
   const std::uint32_t points = points_on(choice.light);
   LightEstimate sum;
   for (std::uint32_t j = 0; j < points; ++j) {
-    const Candidate c = candidate(v.hit, v.wo, choice, points, s.part(j, points).pair(dimension));
+    const Candidate c = candidate(v, choice, points, s.part(j, points).pair(dimension));
     sum += shadowed(v.hit, choice.light, c.sample, c.value, v.work);
     sum.unshadowed += c.found;
   }
@@ -254,15 +286,14 @@ void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSa
       u = (u - part) / (1 - part);
     }
   };
-  const Receiver<double> from = receiver(v.hit, v.wo);
+  const Receiver<double> from = receiver(v.hit, v.wo, v.scattering);
   const LightSelector& lights = selector(spending);
   for (std::uint32_t j = 0; j < candidates_; ++j) {
     const PathSample part = s.part(j, candidates_);
     const auto choice = lights.choose(methods_.light_selection, from,
                                       choosing_value(part.at(v.depth, PathSample::kLight)));
     if (!choice || v.settled.has(choice->light)) continue;
-    weigh(choice->light,
-          candidate(v.hit, v.wo, *choice, 1, part.at(v.depth, PathSample::kLightPoint)));
+    weigh(choice->light, candidate(v, *choice, 1, part.at(v.depth, PathSample::kLightPoint)));
   }
   share /= candidates_;
   if (!(sum > 0 && std::isfinite(sum))) return;
@@ -281,9 +312,10 @@ MostIrradiance DirectLight::most(Spending spending, const SurfaceHit& hit, const
 
 double DirectLight::found_weight(Spending spending, const SurfaceHit& from, const Vec3<float>& wo,
                                  const Ray& ray, const std::optional<SurfaceHit>& hit,
-                                 std::uint32_t light, double direction_pdf) const {
+                                 std::uint32_t light, double direction_pdf,
+                                 const SurfaceScattering* scattering) const {
   if (methods_.combination == Combination::kSurfaces && !methods_.far_light_radii) return 1;
-  const Receiver<double> r = receiver(from, wo);
+  const Receiver<double> r = receiver(from, wo, scattering);
   const LightAtTime l(scene_.lights()[light], ray.time_s);
   // Directions do not find a light that counts as a point.
   if (methods_.far_light_radii && far_sample(l, r, *methods_.far_light_radii)) return 0;

@@ -11,6 +11,7 @@
 #include "server/estimate/lights/light_visibility.h"
 #include "server/estimate/lights/methods.h"
 #include "server/estimate/lights/path_sample.h"
+#include "server/estimate/lights/surface_scattering.h"
 #include "server/runtime/work_counts.h"
 #include "server/scene/light_at_time.h"
 #include "server/scene/scene.h"
@@ -61,9 +62,9 @@ enum class Spending {
 MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receiver,
                        double probability);
 
-/// Estimates the radiance [cd/m2] that a diffuse surface of reflectance 1 at `hit` sends
-/// towards `wo`: 1/pi of the irradiance on that side.  Immutable; may be called from any
-/// thread.
+/// Estimates the radiance [cd/m2] that a surface at `hit` sends towards `wo`.  Without a
+/// SurfaceScattering the surface is diffuse with reflectance 1: 1/pi of the irradiance on the side
+/// of `wo`.  Immutable; may be called from any thread.
 class DirectLight {
  public:
   DirectLight(const Scene& scene, const Methods& methods);
@@ -106,7 +107,8 @@ class DirectLight {
   using Found = absl::FunctionRef<void(std::uint32_t light, const LightEstimate&)>;
   /// Samples the lights that are not in `settled`.
   void sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
-              const PathSample& s, const LightSet& settled, WorkCounts& work, Found found) const;
+              const PathSample& s, const LightSet& settled, WorkCounts& work, Found found,
+              const SurfaceScattering* scattering = nullptr) const;
 
   /// All light of a light that is seen in one direction from `hit`: a delta light, or a light so
   /// far away that it counts as a point.  Nothing for other lights.
@@ -137,10 +139,10 @@ class DirectLight {
   /// `sample` with the same `spending` and `wo` may choose the same light.
   double found_weight(Spending spending, const SurfaceHit& from, const Vec3<float>& wo,
                       const Ray& ray, const std::optional<SurfaceHit>& hit, std::uint32_t light,
-                      double direction_pdf) const;
+                      double direction_pdf, const SurfaceScattering* scattering = nullptr) const;
 
  private:
-  /// A weighted light sample, reflected by a diffuse surface of reflectance 1, without shadows.
+  /// A weighted light sample, scattered by the surface, without shadows.
   struct Candidate {
     LightSample<double> sample;
     Rgb<double> value;
@@ -156,15 +158,18 @@ class DirectLight {
     const LightSet& settled;
     WorkCounts& work;
     Found found;
+    const SurfaceScattering* scattering;
   };
   void sample_points(const Vertex& v, const LightChoice& choice, const PathSample& s,
                      std::uint32_t dimension) const;
   void sample_one_of(const Vertex& v, Spending spending, const PathSample& s, double share) const;
 
-  LightSample<double> light_sample(const SurfaceHit& hit, const Vec3<float>& wo,
-                                   std::uint32_t light, Vec2<float> u) const;
-  Candidate candidate(const SurfaceHit& hit, const Vec3<float>& wo, const LightChoice& choice,
-                      std::uint32_t points, Vec2<float> u) const;
+  LightSample<double> light_sample(const Vertex& v, std::uint32_t light, Vec2<float> u) const;
+  Candidate candidate(const Vertex& v, const LightChoice& choice, std::uint32_t points,
+                      Vec2<float> u) const;
+  /// Sets the values of a candidate at a vertex with a SurfaceScattering.
+  void scatter(const Vertex& v, const LightChoice& choice, std::uint32_t points,
+               Candidate& c) const;
   LightEstimate shadowed(const SurfaceHit& hit, std::uint32_t light,
                          const LightSample<double>& sample, const Rgb<double>& value,
                          WorkCounts& work) const;
@@ -175,7 +180,8 @@ class DirectLight {
   double weight(double a, double b) const;
 
   /// The receiver at `hit` for lights.  Samples and weights use the same receiver.
-  Receiver<double> receiver(const SurfaceHit& hit, const Vec3<float>& wo) const;
+  Receiver<double> receiver(const SurfaceHit& hit, const Vec3<float>& wo,
+                            const SurfaceScattering* scattering = nullptr) const;
 
   const Scene& scene_;
   Methods methods_;

@@ -15,6 +15,13 @@ constexpr double kInvPi = std::numbers::inv_pi;
 /// bounces between surfaces that do not absorb would take minutes.
 constexpr std::uint32_t kLongDepth = 256;
 
+/// How a path goes on.
+struct Direction {
+  Vec3<float> wi;
+  double pdf = 0;          ///< [1/sr]
+  bool is_single = false;  ///< one of the surface's single directions, such as a mirror's
+};
+
 }  // namespace
 
 Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo,
@@ -36,9 +43,15 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   Rgb<double> throughput{1};
   LightSet settled;
   for (;; ++depth) {
-    throughput = throughput * scene_.materials()[hit.material].reflectance;
-    if (throughput.is_black()) return sum;
-    if (depth == 0 && direct_.uses_closed_forms(false)) {
+    // Most surfaces are diffuse without textures, and need no scattering function.
+    std::optional<SurfaceScattering> scattering;
+    if (const Rgb<double>* reflectance = scene_.plain_diffuse(hit.material)) [[likely]] {
+      throughput = throughput * *reflectance;
+      if (throughput.is_black()) return sum;
+    } else {
+      scattering.emplace(scene_, hit);
+    }
+    if (depth == 0 && !scattering && direct_.uses_closed_forms(false)) {
       for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
         const auto all = direct_.in_closed_form(hit, wo, l);
         if (!all) continue;
@@ -47,14 +60,31 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       }
     }
 
-    direct_.sample(direct_.spending(), hit, wo, depth, sample, settled, work,
-                   [&](std::uint32_t, const LightEstimate& e) {
-                     sum.value += throughput * e.value;
-                     sum.unshadowed += throughput * e.unshadowed;
-                   });
+    if (!scattering || !scattering->all_delta())
+      direct_.sample(
+          direct_.spending(), hit, wo, depth, sample, settled, work,
+          [&](std::uint32_t, const LightEstimate& e) {
+            sum.value += throughput * e.value;
+            sum.unshadowed += throughput * e.unshadowed;
+          },
+          scattering ? &*scattering : nullptr);
 
     const bool last = depth >= last_depth_;
-    if (last && !direct_.finds_lights()) return sum;
+    Direction next_direction;
+    if (scattering) {
+      const auto scattered =
+          scattering->sample(Vec3<double>(wo), {sample.pair(PathSample::kFirstLobe + depth).x,
+                                                {sample.at(depth, PathSample::kDirection).x,
+                                                 sample.at(depth, PathSample::kDirection).y}});
+      if (!scattered) return sum;
+      throughput = throughput * scattered->weight;
+      if (throughput.is_black() || !is_finite(throughput)) return sum;
+      next_direction = {Vec3<float>(scattered->wi), scattered->pdf.per_sr, scattered->delta};
+    }
+    // Lights do not sample single directions, so these always find lights.
+    const bool finds =
+        next_direction.is_single ? scene_.has_visible_lights() : direct_.finds_lights();
+    if (last && !finds) return sum;
     if (depth >= (endless_ ? kSafeDepth : kLongDepth)) {
       // Below 1 even if nothing is absorbed, so that every path ends.
       const double survival = std::min(0.95, throughput.max_component());
@@ -62,19 +92,25 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       throughput = throughput / survival;
     }
 
-    const Vec3<float> wi = cosine_direction(hit.ns, wo, sample.at(depth, PathSample::kDirection));
-    const double pdf = std::fabs(dot(hit.ns, wi)) * kInvPi;
+    if (!scattering) {
+      next_direction.wi = cosine_direction(hit.ns, wo, sample.at(depth, PathSample::kDirection));
+      next_direction.pdf = std::fabs(dot(hit.ns, next_direction.wi)) * kInvPi;
+    }
+    const Vec3<float>& wi = next_direction.wi;
     const Ray ray = spawn_ray(hit, wi);
     ++work.indirect_rays;
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray);
     const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
       if (settled.has(light)) return;
       const double weight =
-          direct_.found_weight(direct_.spending(), hit, wo, ray, next, light, pdf);
+          next_direction.is_single
+              ? 1
+              : direct_.found_weight(direct_.spending(), hit, wo, ray, next, light,
+                                     next_direction.pdf, scattering ? &*scattering : nullptr);
       sum.value += throughput * le * weight;
       sum.unshadowed += throughput * le * weight;
     };
-    if (direct_.finds_lights()) for_each_emitter(ray, next, found);
+    if (finds) for_each_emitter(ray, next, found);
     if (!next || last) return sum;
     hit = *next;
     wo = -wi;

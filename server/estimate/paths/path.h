@@ -1,5 +1,5 @@
-// Light along paths.  Each vertex samples lights and one direction of the diffuse surface.  The
-// power heuristic with exponent 2 weights them against each other.  [Veach95]
+// Light along paths.  Each vertex samples lights and one direction of the surface.  The power
+// heuristic with exponent 2 weights them against each other.  [Veach95]
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,7 @@
 
 #include "server/formats/eulumdat.h"
 #include "server/formats/ies.h"
-#include "server/pbrt/place.h"
+#include "server/pbrt/syntax/place.h"
 #include "server/scene/scene.h"
 #include "tests/server/formats/photometric_texts.h"
 #include "tests/server/formats/picture_texts.h"

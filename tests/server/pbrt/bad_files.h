@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "server/pbrt/place.h"
+#include "server/pbrt/syntax/place.h"
 #include "server/scene/scene.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 

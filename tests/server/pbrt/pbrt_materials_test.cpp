@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "pbrt_fixture.h"
 
 namespace lucerna {
@@ -19,7 +21,26 @@ std::pair<Rgb<double>, std::string> surface(const std::string& text) {
     ADD_FAILURE() << text << ": " << scene.status();
     return {};
   }
-  return {scene->materials.at(scene->shapes[0].material).reflectance, remarks_of(*scene)};
+  const Rgb<double>* reflectance = scene->materials.at(scene->shapes[0].material).plain_diffuse();
+  if (reflectance == nullptr) {
+    ADD_FAILURE() << text << ": not diffuse without textures";
+    return {};
+  }
+  return {*reflectance, remarks_of(*scene)};
+}
+
+/// The parameters of the disk's material after `text`, which must have no remark.
+template <typename Params>
+Params params_of(const std::string& text) {
+  const auto scene = load_world(text + " Shape \"disk\"");
+  if (!scene.ok() || scene->shapes.size() != 1) {
+    ADD_FAILURE() << text << ": " << scene.status();
+    return {};
+  }
+  EXPECT_EQ(remarks_of(*scene), "") << text;
+  const auto* params = std::get_if<Params>(&scene->materials.at(scene->shapes[0].material).params);
+  EXPECT_NE(params, nullptr) << text;
+  return params != nullptr ? *params : Params{};
 }
 
 TEST(PbrtMaterials, DiffuseTakesRgbFloatAndConstantSpectra) {
@@ -55,23 +76,20 @@ TEST(PbrtMaterials, DiffuseTakesRgbFloatAndConstantSpectra) {
 
 TEST(PbrtMaterials, OthersBecomeDiffuseWithARemark) {
   const std::tuple<const char*, double, const char*> kCases[] = {
-      {"Material \"coateddiffuse\" \"rgb reflectance\" [.2 .2 .2] \"float roughness\" 0", .2,
-       "1:12 material \"coateddiffuse\" is not modelled -> diffuse, reflectance 0.2\n"},
-      {"Material \"conductor\" \"rgb reflectance\" [.9 .9 .9]", .9,
-       "1:12 material \"conductor\" is not modelled -> diffuse, reflectance 0.9\n"},
-      {"Material \"conductor\"", .5,
-       "1:12 material \"conductor\" is not modelled -> diffuse, reflectance 0.5\n"},
-      {"Material \"dielectric\"", .5,
-       "1:12 material \"dielectric\" is not modelled -> diffuse, reflectance 0.5\n"},
+      {"Material \"hair\"", .5,
+       "1:12 material \"hair\" is not modelled -> diffuse, with its reflectance or 0.5\n"},
+      {"Material \"subsurface\" \"rgb reflectance\" [.9 .9 .9]", .9,
+       "1:12 material \"subsurface\" is not modelled -> diffuse, with its reflectance or 0.5\n"},
       {"Material \"diffuse\" \"rgb reflectance\" [2 2 2]", 1,
        "1:31 \"reflectance\" = [2 2 2] is not a valid reflectance -> clamped to [1 1 1]\n"},
-      {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\" Material \"diffuse\" "
+      {"Texture \"t\" \"spectrum\" \"marble\" Material \"diffuse\" "
        "\"texture reflectance\" \"t\"",
-       .5, "1:12 texture \"t\" (imagemap) is not modelled -> constant 0.5\n"},
+       .5, "1:12 texture \"t\" (marble) is not modelled -> constant 0.5\n"},
       {"Material \"diffuse\" \"spectrum reflectance\" \"x.spd\"", .5,
        "1:31 spectrum \"reflectance\" of a surface is not modelled -> grey 0.5\n"},
-      {"Material \"diffuse\" \"string normalmap\" \"x.png\"", .5,
-       "1:31 \"normalmap\" of material \"diffuse\" is not modelled -> the surface without it\n"},
+      {"Material \"diffuse\" \"float displacement\" 1", .5,
+       "1:31 \"displacement\" of material \"diffuse\" is not modelled -> the surface without "
+       "it\n"},
   };
   for (const auto& [text, expected, remark] : kCases) {
     const auto [reflectance, remarks] = surface(text);
@@ -80,14 +98,95 @@ TEST(PbrtMaterials, OthersBecomeDiffuseWithARemark) {
   }
 }
 
-TEST(PbrtMaterials, MixIsItsFirstPart) {
-  const auto [reflectance, remarks] = surface(
-      "Material \"mix\" \"string materials\" [\"a\" \"b\"] MakeNamedMaterial \"a\" \"string type\" "
-      "\"diffuse\" "
-      "\"rgb reflectance\" [.3 .3 .3] MakeNamedMaterial \"b\" \"string type\" \"conductor\"");
-  EXPECT_EQ(reflectance, Rgb<double>(.3));
-  EXPECT_EQ(remarks,
-            "1:12 material \"mix\" is not modelled -> its first part, diffuse, reflectance 0.3\n");
+TEST(PbrtMaterials, MetalsHaveTheIndexOfTheirSpectra) {
+  const auto flat = params_of<MetalParams>(
+      "Material \"conductor\" \"spectrum eta\" [360 .2 830 .2] \"spectrum k\" [360 3 830 3] "
+      "\"float roughness\" .3 \"bool remaproughness\" false");
+  for (const auto channel : {&Rgb<double>::r, &Rgb<double>::g, &Rgb<double>::b}) {
+    EXPECT_NEAR(flat.eta.constant.*channel, 0.2, 1e-5);
+    EXPECT_NEAR(flat.k.constant.*channel, 3, 1e-4);
+  }
+  EXPECT_EQ(flat.roughness.u.constant, .3);
+  EXPECT_EQ(flat.roughness.v.constant, .3);
+  EXPECT_FALSE(flat.roughness.remap);
+  // Copper is the default, and reflects red best.
+  const auto copper = params_of<MetalParams>("Material \"conductor\" \"float uroughness\" .1");
+  const auto named = params_of<MetalParams>(
+      "Material \"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" "
+      "\"metal-Cu-k\"");
+  EXPECT_EQ(copper.eta.constant, named.eta.constant);
+  EXPECT_EQ(copper.k.constant, named.k.constant);
+  EXPECT_EQ(copper.roughness.u.constant, .1);
+  EXPECT_EQ(copper.roughness.v.constant, 0);
+  EXPECT_GT(copper.k.constant.r, copper.k.constant.b);
+  EXPECT_EQ(params_of<MetalParams>("Material \"conductor\" \"rgb reflectance\" [.9 .5 .1]")
+                .reflectance->constant,
+            (Rgb<double>{.9, .5, .1}));
+}
+
+TEST(PbrtMaterials, OtherMaterialsKeepTheirParameters) {
+  EXPECT_EQ(params_of<DielectricParams>("Material \"dielectric\"").eta.constant, 1.5);
+  EXPECT_EQ(params_of<DielectricParams>("Material \"dielectric\" \"float eta\" 1.3 "
+                                        "\"float roughness\" .2")
+                .roughness.v.constant,
+            .2);
+  EXPECT_EQ(
+      params_of<ThinDielectricParams>("Material \"thindielectric\" \"float eta\" 1.4").eta.constant,
+      1.4);
+  const auto leaf = params_of<DiffuseTransmissionParams>(
+      "Material \"diffusetransmission\" \"rgb transmittance\" [.5 .5 .5] \"float scale\" .8");
+  EXPECT_EQ(leaf.reflectance.constant, Rgb<double>(.25));
+  EXPECT_EQ(leaf.transmittance.constant, Rgb<double>(.5));
+  EXPECT_EQ(leaf.scale, .8);
+  const auto paint = params_of<CoatedDiffuseParams>(
+      "Material \"coateddiffuse\" \"rgb reflectance\" [.2 .2 .2] \"float roughness\" .1 "
+      "\"float thickness\" .02 \"float eta\" 1.6");
+  EXPECT_EQ(paint.reflectance.constant, Rgb<double>(.2));
+  EXPECT_EQ(paint.coat.roughness.u.constant, .1);
+  EXPECT_EQ(paint.coat.thickness.constant, .02);
+  EXPECT_EQ(paint.coat.eta.constant, 1.6);
+  const auto lacquer = params_of<CoatedMetalParams>(
+      "Material \"coatedconductor\" \"float conductor.roughness\" .2 "
+      "\"float interface.roughness\" .05 \"float interface.eta\" 1.4");
+  EXPECT_EQ(lacquer.metal.roughness.u.constant, .2);
+  EXPECT_EQ(lacquer.coat.roughness.u.constant, .05);
+  EXPECT_EQ(lacquer.coat.eta.constant, 1.4);
+}
+
+TEST(PbrtMaterials, MixesReferToTheirParts) {
+  const auto scene = load_world(
+      "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .3 "
+      "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.3 .3 .3] "
+      "MakeNamedMaterial \"b\" \"string type\" \"conductor\" Shape \"disk\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto& mix = std::get<MixParams>(scene->materials.at(scene->shapes[0].material).params);
+  EXPECT_EQ(*scene->materials[mix.materials[0]].plain_diffuse(), Rgb<double>(.3));
+  EXPECT_TRUE(std::holds_alternative<MetalParams>(scene->materials[mix.materials[1]].params));
+  EXPECT_EQ(mix.amount.constant, .3);
+}
+
+TEST(PbrtMaterials, GlassesHaveTheIndexOfYellowLight) {
+  const auto scene =
+      load_world("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\" Shape \"disk\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(std::get<DielectricParams>(scene->materials[0].params).eta.constant, 1.5168);
+  EXPECT_THAT(remarks_of(*scene), HasSubstr("dispersion"));
+}
+
+TEST(PbrtMaterials, TexturesThatVaryBecomeNodes) {
+  const auto scene = load_world(
+      "Texture \"c\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 "
+      "\"rgb tex1\" [.7 .7 .7] \"rgb tex2\" [.1 .1 .1] "
+      "Texture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"c\" \"float scale\" .5 "
+      "Material \"diffuse\" \"texture reflectance\" \"s\" Shape \"disk\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(remarks_of(*scene), "");
+  EXPECT_EQ(scene->textures.size(), 2U);
+  EXPECT_TRUE(scene->shapes[0].has_uv);
+  const ColourValue& value =
+      std::get<DiffuseParams>(scene->materials.at(scene->shapes[0].material).params).reflectance;
+  EXPECT_EQ(scene->textures(value, {.uv = {0.05, 0.5}}), Rgb<double>(.35));
+  EXPECT_EQ(scene->textures(value, {.uv = {0.2, 0.5}}), Rgb<double>(.05));
 }
 
 TEST(PbrtMaterials, NamedMaterialsMayBeUsedBeforeTheirDefinition) {
@@ -96,7 +195,7 @@ TEST(PbrtMaterials, NamedMaterialsMayBeUsedBeforeTheirDefinition) {
       "\"rgb reflectance\" [.3 .3 .3] Shape \"disk\" Material \"diffuse\" Material \"conductor\"");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(scene->materials.size(), 1U);  // unused materials are not built
-  EXPECT_EQ(scene->materials[scene->shapes[1].material].reflectance, Rgb<double>(.3));
+  EXPECT_EQ(*scene->materials[scene->shapes[1].material].plain_diffuse(), Rgb<double>(.3));
   EXPECT_EQ(remarks_of(*scene), "");
 }
 
@@ -130,6 +229,22 @@ TEST(PbrtMaterials, InvalidMaterialsAreErrors) {
       {"Material \"diffuse\" \"spectrum reflectance\" [500 1 400 1] Shape \"disk\"",
        "wavelength 400 nm follows 500 nm"},
       {"Texture \"t\" \"spectrum\" \"wood\"", "unknown texture class \"wood\""},
+      {"Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"t\"",
+       "texture \"t\" is not defined before this place"},
+      {"Texture \"t\" \"spectrum\" \"imagemap\"", "lacks \"string filename\""},
+      {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"none.png\"", "none.png"},
+      {"Texture \"t\" \"spectrum\" \"checkerboard\" \"integer dimension\" 4",
+       "\"integer dimension\" = 4, allowed: 2, 3"},
+      {"Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"cube\"",
+       "\"string mapping\" = \"cube\", allowed: uv, spherical, cylindrical, planar"},
+      {"Material \"dielectric\" \"float eta\" 0 Shape \"disk\"", "\"float eta\" = 0, allowed"},
+      {"Material \"conductor\" \"float roughness\" -1 Shape \"disk\"",
+       "\"float roughness\" = -1, allowed: at least 0"},
+      {"Material \"conductor\" \"rgb reflectance\" [1 1 1] \"rgb eta\" [1 1 1] Shape \"disk\"",
+       "are both given"},
+      {"MakeNamedMaterial \"a\" \"string type\" \"diffuse\" Material \"mix\" "
+       "\"string materials\" [\"a\"] Shape \"disk\"",
+       "has 1 names, allowed: 2"},
   };
   for (const auto& [text, expected] : kCases)
     EXPECT_THAT(world_error_of(text), HasSubstr(expected)) << text;

@@ -5,7 +5,7 @@
 
 #include "pbrt_fixture.h"
 #include "server/formats/ply.h"
-#include "server/pbrt/place.h"
+#include "server/pbrt/syntax/place.h"
 
 namespace lucerna {
 namespace {

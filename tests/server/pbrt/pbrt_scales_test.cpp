@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "server/pbrt/scales.h"
+#include "server/pbrt/lights/scales.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {

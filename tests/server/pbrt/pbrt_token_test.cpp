@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "server/pbrt/token.h"
+#include "server/pbrt/syntax/token.h"
 
 namespace lucerna::pbrt {
 namespace {

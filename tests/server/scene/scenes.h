@@ -22,7 +22,7 @@ inline std::shared_ptr<const Scene> build(SceneDescription description) {
 
 inline SceneDescription description(double reflectance = 0.5) {
   SceneDescription d;
-  d.materials = {{Rgb<double>(reflectance)}};
+  d.materials = {diffuse_material(Rgb<double>(reflectance))};
   d.film = {.width = 16, .height = 12};
   return d;
 }

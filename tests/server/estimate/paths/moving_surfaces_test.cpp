@@ -111,7 +111,7 @@ TEST(MovingSurfaces, ScaledInstancesMove) {
 
 TEST(MovingSurfaces, KeepMaterialsShadingNormalsAndLightNumbers) {
   SceneDescription d = description();
-  d.materials.push_back({Rgb<double>(0.25)});
+  d.materials.push_back(diffuse_material(Rgb<double>(0.25)));
   d.shapes.push_back(emissive(floor(1, 0), 1));
   TriangleMeshData mesh{{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}}, {}, {0, 1, 2, 1, 3, 2}};
   const Vec3<float> tilted = normalized(Vec3<float>{0, 0.6F, 0.8F});

@@ -111,7 +111,7 @@ std::vector<std::size_t> pixels_of(const Scene& scene, const Rgb<double>& surfac
   const Camera& camera = scene.camera();
   const auto shows = [&](int x, int y) {
     const auto hit = scene.closest_hit(camera.ray(float(x) + 0.5F, float(y) + 0.5F));
-    return hit && scene.materials()[hit->material].reflectance == surface;
+    return hit && *scene.plain_diffuse(hit->material) == surface;
   };
   std::vector<std::size_t> pixels;
   for (int y = 1; y + 1 < camera.height(); ++y)
@@ -139,10 +139,11 @@ TEST(ColourReference, PictureAgreesWithPbrt4AfterCorrectionForItsSpectra) {
     for (ShapeDescription& shape : d.shapes)
       if (shape.emission && emitters++ != light) shape.emission.reset();
     ASSERT_EQ(emitters, 2);
-    for (DiffuseMaterial& material : d.materials)
+    for (Material& material : d.materials)
       for (const ColourOfProduct& colour : kColours) {
-        if (!(material.reflectance == colour.surface)) continue;
-        material.reflectance = colour.surface * colour.over_product[light];
+        auto& reflectance = std::get<DiffuseParams>(material.params).reflectance.constant;
+        if (!(reflectance == colour.surface)) continue;
+        reflectance = colour.surface * colour.over_product[light];
         ++surfaces;
         break;
       }

@@ -1,0 +1,135 @@
+#include "server/materials/material.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace lucerna {
+namespace {
+
+Rgb<double> clamped(const Rgb<double>& c, double low, double high) {
+  return {std::clamp(c.r, low, high), std::clamp(c.g, low, high), std::clamp(c.b, low, high)};
+}
+
+/// The least index that is not a vacuum of its own: below it, refraction has no meaning.
+constexpr double kLeastEta = 1e-3, kMostEta = 1e3;
+
+class Maker {
+ public:
+  Maker(const Textures& textures, const TexturePoint& p) : textures_(textures), p_(p) {}
+
+  Bsdf<double> operator()(const DiffuseParams& m) const {
+    return Diffuse<double>(share(m.reflectance));
+  }
+  Bsdf<double> operator()(const DiffuseTransmissionParams& m) const {
+    Rgb<double> r = share(m.reflectance) * m.scale, t = share(m.transmittance) * m.scale;
+    // No more than all light.
+    const double most = (r + t).max_component();
+    if (most > 1) r = r / most, t = t / most;
+    return DiffuseTransmission<double>(r, t);
+  }
+  Bsdf<double> operator()(const MetalParams& m) const {
+    const auto [x, y] = alpha(m.roughness);
+    return metal(m, 1, x, y);
+  }
+  Bsdf<double> operator()(const DielectricParams& m) const {
+    const auto [x, y] = alpha(m.roughness);
+    return Dielectric<double>(eta(m.eta), x, y);
+  }
+  Bsdf<double> operator()(const ThinDielectricParams& m) const {
+    return ThinDielectric<double>(eta(m.eta));
+  }
+  Bsdf<double> operator()(const CoatedDiffuseParams& m) const {
+    const auto [x, y] = alpha(m.coat.roughness);
+    return CoatedDiffuse<double>({.boundary = {eta(m.coat.eta), x, y},
+                                  .base = Diffuse<double>(share(m.reflectance)),
+                                  .alpha_x = x,
+                                  .alpha_y = y,
+                                  .base_alpha_x = 1,
+                                  .base_alpha_y = 1,
+                                  .thickness = thickness(m.coat)});
+  }
+  Bsdf<double> operator()(const CoatedMetalParams& m) const {
+    const auto [x, y] = alpha(m.coat.roughness);
+    const auto [base_x, base_y] = alpha(m.metal.roughness);
+    const double of_coat = eta(m.coat.eta);
+    return CoatedConductor<double>({.boundary = {of_coat, x, y},
+                                    .base = metal(m.metal, of_coat, base_x, base_y),
+                                    .alpha_x = x,
+                                    .alpha_y = y,
+                                    .base_alpha_x = base_x,
+                                    .base_alpha_y = base_y,
+                                    .thickness = thickness(m.coat)});
+  }
+  Bsdf<double> operator()(const MixParams&) const { return Diffuse<double>(Rgb<double>(0)); }
+
+ private:
+  Rgb<double> share(const ColourValue& value) const { return clamped(textures_(value, p_), 0, 1); }
+  double eta(const NumberValue& value) const {
+    return std::clamp(textures_(value, p_), kLeastEta, kMostEta);
+  }
+  double thickness(const CoatParams& coat) const {
+    return std::fmax(0, textures_(coat.thickness, p_));
+  }
+  Vec2<double> alpha(const Roughness& r) const {
+    const auto one = [&](const NumberValue& value) {
+      const double given = std::clamp(textures_(value, p_), 0.0, 1.0);
+      return r.remap ? std::sqrt(given) : given;
+    };
+    return {one(r.u), one(r.v)};
+  }
+  /// `outside`: the index around the metal.
+  Conductor<double> metal(const MetalParams& m, double outside, double alpha_x,
+                          double alpha_y) const {
+    Rgb<double> n, k;
+    if (m.reflectance) {
+      // The k of an index with eta 1 and this reflectance at normal incidence.
+      const Rgb<double> r = clamped(textures_(*m.reflectance, p_), 0, 0.9999);
+      const auto k_of = [](double x) { return 2 * std::sqrt(x) / std::sqrt(1 - x); };
+      n = Rgb<double>(1);
+      k = {k_of(r.r), k_of(r.g), k_of(r.b)};
+    } else {
+      constexpr double kMost = 1e6;
+      n = clamped(textures_(m.eta, p_), 0, kMost);
+      k = clamped(textures_(m.k, p_), 0, kMost);
+    }
+    return {n / outside, k / outside, alpha_x, alpha_y};
+  }
+
+  const Textures& textures_;
+  const TexturePoint& p_;
+};
+
+/// A number in [0, 1) that depends on a position.  SplitMix64.
+double number_of(const Vec3<double>& p) {
+  std::uint64_t z = 0;
+  for (const double x : {p.x, p.y, p.z}) {
+    z = (z ^ std::bit_cast<std::uint64_t>(x)) + 0x9e3779b97f4a7c15U;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    z ^= z >> 31;
+  }
+  return static_cast<double>(z >> 11) * 0x1p-53;
+}
+
+}  // namespace
+
+Bsdf<double> bsdf_of(const Material& material, const Textures& textures, const TexturePoint& p) {
+  return std::visit(Maker(textures, p), material.params);
+}
+
+std::uint32_t chosen(std::span<const Material> materials, std::uint32_t number,
+                     const Textures& textures, const TexturePoint& p) {
+  double u = -1;
+  while (const auto* mix = std::get_if<MixParams>(&materials[number].params)) {
+    if (u < 0) u = number_of(p.position);
+    const double amount = std::clamp(textures(mix->amount, p), 0.0, 1.0);
+    const bool second = u < amount;
+    number = mix->materials[second];
+    // The rest of the number chooses within a mix of mixes.
+    u = second ? u / amount : (u - amount) / (1 - amount);
+  }
+  return number;
+}
+
+}  // namespace lucerna

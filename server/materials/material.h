@@ -1,0 +1,95 @@
+// Materials: the parameters of a scattering function, constant or from textures.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include "server/materials/bsdf.h"
+#include "server/materials/texture.h"
+
+namespace lucerna {
+
+/// Roughness along u and v.  With `remap`, alpha is its square root, as in pbrt-v4.
+struct Roughness {
+  NumberValue u{}, v{};
+  bool remap = true;
+};
+
+struct DiffuseParams {
+  ColourValue reflectance{Rgb<double>(0.5)};
+};
+struct DiffuseTransmissionParams {
+  ColourValue reflectance{Rgb<double>(0.25)}, transmittance{Rgb<double>(0.25)};
+  double scale = 1;  ///< of both
+};
+/// A metal's complex index, relative to the outside.  Or a reflectance at normal incidence, from
+/// which an index with eta 1 follows.
+struct MetalParams {
+  ColourValue eta{Rgb<double>(1)}, k{};
+  std::optional<ColourValue> reflectance{};
+  Roughness roughness{};
+};
+struct DielectricParams {
+  NumberValue eta{1.5};
+  Roughness roughness{};
+};
+struct ThinDielectricParams {
+  NumberValue eta{1.5};
+};
+/// A clear coat.
+struct CoatParams {
+  NumberValue eta{1.5}, thickness{0.01};
+  Roughness roughness{};
+};
+struct CoatedDiffuseParams {
+  ColourValue reflectance{Rgb<double>(0.5)};
+  CoatParams coat{};
+};
+struct CoatedMetalParams {
+  MetalParams metal{};
+  CoatParams coat{};
+};
+/// Each point has one of two materials, the second with probability `amount`.  Numbers of
+/// materials that come before this one.
+struct MixParams {
+  std::array<std::uint32_t, 2> materials{};
+  NumberValue amount{0.5};
+};
+
+using MaterialParams =
+    std::variant<DiffuseParams, DiffuseTransmissionParams, MetalParams, DielectricParams,
+                 ThinDielectricParams, CoatedDiffuseParams, CoatedMetalParams, MixParams>;
+
+struct Material {
+  MaterialParams params{};
+  /// Tangent-space normals, from a picture whose channels are (n + 1) / 2; -1: none.
+  std::int32_t normal_map = -1;
+  /// Height of the surface along its normal [m]; changes only the shading normal.
+  std::optional<NumberValue> displacement{};
+
+  /// The reflectance of a diffuse material without textures; null for all others.
+  const Rgb<double>* plain_diffuse() const {
+    const auto* diffuse = std::get_if<DiffuseParams>(&params);
+    return diffuse != nullptr && diffuse->reflectance.is_constant() && !changes_normals()
+               ? &diffuse->reflectance.constant
+               : nullptr;
+  }
+  bool changes_normals() const { return normal_map >= 0 || displacement.has_value(); }
+};
+
+inline Material diffuse_material(const Rgb<double>& reflectance) {
+  return {.params = DiffuseParams{{reflectance}}};
+}
+
+/// The scattering function of `material` at a place.  Values of textures are clamped to their
+/// domain.  Not for mixes; see `chosen`.
+Bsdf<double> bsdf_of(const Material& material, const Textures& textures, const TexturePoint& p);
+
+/// The number of the material itself, or of the part of a mix at this place.  The choice depends on
+/// the position only, as in pbrt-v4.
+std::uint32_t chosen(std::span<const Material> materials, std::uint32_t number,
+                     const Textures& textures, const TexturePoint& p);
+
+}  // namespace lucerna

@@ -1,0 +1,60 @@
+// The microfacet distribution of rough surfaces: GGX, with different roughness along x and y.
+// [Walter07], [Heitz14], and visible normals of [Heitz18].
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <numbers>
+
+#include "lights/maths/density.h"
+#include "lights/maths/vec.h"
+
+namespace lucerna {
+
+/// Normals m of microfacets, about the normal +z.  They are the normals of an ellipsoid with the
+/// half axes 1/alpha_x, 1/alpha_y and 1.
+template <std::floating_point Real>
+class Microfacets {
+ public:
+  /// Both above 0.  From about 1 on the surface is as rough as it gets.
+  Microfacets(Real alpha_x, Real alpha_y) : x_(alpha_x), y_(alpha_y) {}
+
+  /// Below this roughness a surface counts as smooth, as in pbrt-v4.
+  static constexpr Real kSmooth = Real(1e-3);
+  static bool is_smooth(Real alpha_x, Real alpha_y) {
+    return std::fmax(alpha_x, alpha_y) < kSmooth;
+  }
+  /// The least roughness of a rough surface: along one axis it may be 0.
+  static Real rough(Real alpha) { return std::fmax(alpha, Real(1e-4)); }
+
+  /// Area of microfacets with normal `m` per area of the surface [1/sr].  m.z >= 0.
+  Real density(const Vec3<Real>& m) const {
+    const Real x = m.x / x_, y = m.y / y_, q = x * x + y * y + m.z * m.z;
+    return std::numbers::inv_pi_v<Real> / (x_ * y_ * q * q);
+  }
+  /// The share of microfacets facing `w` that is not hidden behind others, over |w.z|.
+  Real seen_per_cosine(const Vec3<Real>& w) const { return 2 / (std::fabs(w.z) + stretched(w)); }
+  /// The share of those seen from `wo` that `wi` sees too.
+  Real also_seen(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
+    // (1 + L_o) / (1 + L_o + L_i), with 1 + 2 L = stretched / |z|, multiplied by |z_o z_i|.
+    const Real o = std::fabs(wo.z), i = std::fabs(wi.z);
+    const Real of_o = (o + stretched(wo)) * i, of_i = (stretched(wi) - i) * o;
+    return of_o > 0 ? of_o / (of_o + of_i) : Real(0);
+  }
+  /// Density of `sample` [1/sr].
+  SolidAnglePdf<Real> pdf(const Vec3<Real>& w, const Vec3<Real>& m) const {
+    return {seen_per_cosine(w) * density(m) * std::fmax(Real(0), dot(w, m))};
+  }
+  /// A normal with the density of those that `w` sees.  w.z > 0.
+  Vec3<Real> sample(const Vec3<Real>& w, Vec2<Real> u) const;
+
+ private:
+  /// Length of `w` in the space where the ellipsoid is a sphere.
+  Real stretched(const Vec3<Real>& w) const {
+    const Real x = x_ * w.x, y = y_ * w.y;
+    return std::sqrt(x * x + y * y + w.z * w.z);
+  }
+  Real x_, y_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,158 @@
+#include "server/materials/texture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace lucerna {
+namespace {
+
+/// 0 to n - 1 for a texel that lies outside, or nothing.
+std::optional<int> wrapped(int i, int n, TextureWrap wrap) {
+  if (i >= 0 && i < n) return i;
+  switch (wrap) {
+    case TextureWrap::kBlack:
+      return std::nullopt;
+    case TextureWrap::kRepeat:
+      return ((i % n) + n) % n;
+    default:
+      return std::clamp(i, 0, n - 1);
+  }
+}
+
+/// Texel coordinates far outside of the picture: their fraction is lost, and int cannot hold them.
+constexpr double kMostTexels = 1 << 30;
+
+double texel_coordinate(double x, int n, TextureWrap wrap) {
+  if (wrap == TextureWrap::kRepeat) x -= std::floor(x);
+  return std::clamp(x * n, -kMostTexels, kMostTexels);
+}
+
+Rgb<double> texel(const ImageTexture& t, int x, int y) {
+  if (t.wrap == TextureWrap::kOctahedral) {
+    const auto [ix, iy] =
+        t.image->at_border(ImageBorder::kOctahedral, std::clamp(x, -1, t.image->width()),
+                           std::clamp(y, -1, t.image->height()));
+    return Rgb<double>(t.image->texel(ix, iy));
+  }
+  const auto i = wrapped(x, t.image->width(), t.wrap), j = wrapped(y, t.image->height(), t.wrap);
+  return i && j ? Rgb<double>(t.image->texel(*i, *j)) : Rgb<double>{};
+}
+
+Rgb<double> lookup(const ImageTexture& t, const Vec2<double>& st) {
+  const double x = texel_coordinate(st.x, t.image->width(), t.wrap),
+               y = texel_coordinate(1 - st.y, t.image->height(), t.wrap);
+  if (!std::isfinite(x) || !std::isfinite(y)) return {};
+  if (t.filter == ImageFilter::kNearest)
+    return texel(t, static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
+  const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
+  const double u = x - 0.5 - left, v = y - 0.5 - top;
+  const int i = static_cast<int>(left), j = static_cast<int>(top);
+  return (texel(t, i, j) * (1 - u) + texel(t, i + 1, j) * u) * (1 - v) +
+         (texel(t, i, j + 1) * (1 - u) + texel(t, i + 1, j + 1) * u) * v;
+}
+
+/// A number in [0, 1) that depends on a square of (s, t).  SplitMix64.
+double number_of(double s, double t, std::uint64_t which) {
+  const auto bits = [](double x) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::clamp(x, -1e18, 1e18)));
+  };
+  std::uint64_t z = bits(s) * 0x9e3779b97f4a7c15U + bits(t) * 0xd1b54a32d192ed03U + which;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+/// Whether a sum of rounded coordinates is odd.
+bool is_odd(double sum) { return std::fmod(sum, 2) != 0; }
+
+class Evaluation {
+ public:
+  Evaluation(const Textures& textures, const TexturePoint& p) : textures_(textures), p_(p) {}
+
+  Rgb<double> operator()(const ImageTexture& t) const {
+    const Rgb<double> value = lookup(t, t.mapping(p_)) * t.scale;
+    if (!t.invert) return value;
+    const auto inverse = [](double x) { return std::max(0.0, 1 - x); };
+    return {inverse(value.r), inverse(value.g), inverse(value.b)};
+  }
+  Rgb<double> operator()(const CheckerboardTexture& t) const {
+    if (t.dimension == 3) {
+      const Vec3<double> q = t.mapping.texture_from_world.point(p_.position);
+      return textures_(t.parts[is_odd(std::floor(q.x) + std::floor(q.y) + std::floor(q.z))], p_);
+    }
+    const Vec2<double> st = t.mapping(p_);
+    return textures_(t.parts[is_odd(std::floor(st.x) + std::floor(st.y))], p_);
+  }
+  Rgb<double> operator()(const ScaleTexture& t) const {
+    return textures_(t.part, p_) * textures_(t.factor, p_);
+  }
+  Rgb<double> operator()(const MixTexture& t) const {
+    const double amount = textures_(t.amount, p_);
+    return textures_(t.parts[0], p_) * (1 - amount) + textures_(t.parts[1], p_) * amount;
+  }
+  Rgb<double> operator()(const DirectionMixTexture& t) const {
+    const double along = std::fabs(dot(p_.normal, t.direction));
+    return textures_(t.parts[0], p_) * along + textures_(t.parts[1], p_) * (1 - along);
+  }
+  Rgb<double> operator()(const BilerpTexture& t) const {
+    const Vec2<double> st = t.mapping(p_);
+    return (t.corners[0] * (1 - st.y) + t.corners[1] * st.y) * (1 - st.x) +
+           (t.corners[2] * (1 - st.y) + t.corners[3] * st.y) * st.x;
+  }
+  Rgb<double> operator()(const DotsTexture& t) const {
+    const Vec2<double> st = t.mapping(p_);
+    const double s = std::floor(st.x + 0.5), v = std::floor(st.y + 0.5);
+    if (number_of(s, v, 0) < 0.5) return textures_(t.outside, p_);
+    constexpr double kRadius = 0.35, kMostShift = 0.5 - kRadius;
+    const double x = st.x - s - kMostShift * (2 * number_of(s, v, 1) - 1),
+                 y = st.y - v - kMostShift * (2 * number_of(s, v, 2) - 1);
+    return textures_(x * x + y * y < kRadius * kRadius ? t.inside : t.outside, p_);
+  }
+
+ private:
+  const Textures& textures_;
+  const TexturePoint& p_;
+};
+
+}  // namespace
+
+Vec2<double> TextureMapping::operator()(const TexturePoint& p) const {
+  if (kind == Kind::kUv) return {scale.x * p.uv.x + shift.x, scale.y * p.uv.y + shift.y};
+  const Vec3<double> q = texture_from_world.point(p.position);
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const auto around = [&] {
+    const double angle = std::atan2(q.y, q.x);
+    return (angle < 0 ? angle + kTurn : angle) / kTurn;
+  };
+  switch (kind) {
+    case Kind::kSpherical:
+      return {std::atan2(std::hypot(q.x, q.y), q.z) / std::numbers::pi, around()};
+    case Kind::kCylindrical:
+      // The seam is at -x.
+      return {0.5 + std::atan2(q.y, q.x) / kTurn, q.z};
+    default:
+      return {dot(q, axis_s) + shift.x, dot(q, axis_t) + shift.y};
+  }
+}
+
+std::int32_t Textures::add(TextureNode node) {
+  nodes_.push_back(std::move(node));
+  return static_cast<std::int32_t>(nodes_.size() - 1);
+}
+
+Rgb<double> Textures::at(std::int32_t texture, const TexturePoint& p) const {
+  return std::visit(Evaluation(*this, p), nodes_[static_cast<std::size_t>(texture)]);
+}
+
+std::size_t Textures::bytes() const {
+  std::size_t sum = nodes_.capacity() * sizeof(TextureNode);
+  std::set<const Image*> counted;
+  for (const TextureNode& node : nodes_)
+    if (const auto* t = std::get_if<ImageTexture>(&node))
+      if (counted.insert(t->image.get()).second) sum += t->image->bytes();
+  return sum;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,122 @@
+// Textures: values that vary over a surface.
+//
+// A texture is a node that may use others.  Nodes stand in one array, each after those that it
+// uses, so that there are no cycles.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "lights/maths/transform.h"
+#include "lights/maths/vec.h"
+#include "lights/pictures/image.h"
+#include "lights/spectra/rgb.h"
+
+namespace lucerna {
+
+/// A constant, or a texture by its number.
+struct ColourValue {
+  Rgb<double> constant{};
+  std::int32_t texture = -1;  ///< -1: the constant
+  bool is_constant() const { return texture < 0; }
+};
+/// The same for a number; a texture's red channel.
+struct NumberValue {
+  double constant = 0;
+  std::int32_t texture = -1;
+  bool is_constant() const { return texture < 0; }
+};
+
+/// A place on a surface.
+struct TexturePoint {
+  Vec2<double> uv;        ///< surface coordinates
+  Vec3<double> position;  ///< world [m]
+  Vec3<double> normal;    ///< world, unit: the shading normal
+};
+
+/// How a texture's coordinates (s, t) follow from the place.
+struct TextureMapping {
+  enum class Kind : std::uint8_t { kUv, kSpherical, kCylindrical, kPlanar };
+  Kind kind = Kind::kUv;
+  /// kUv: s = scale.x u + shift.x, and so for t.  kPlanar: s = position . axis_s + shift.x.
+  Vec2<double> scale{1, 1}, shift{};
+  Vec3<double> axis_s{1, 0, 0}, axis_t{0, 1, 0};
+  Transform texture_from_world{};  ///< for all kinds but kUv
+
+  Vec2<double> operator()(const TexturePoint& p) const;
+};
+
+enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kOctahedral };
+
+/// A picture.  Its upper left corner is at s = 0, t = 1.
+struct ImageTexture {
+  std::shared_ptr<const Image> image;  ///< not null
+  TextureMapping mapping{};
+  TextureWrap wrap = TextureWrap::kRepeat;
+  ImageFilter filter = ImageFilter::kBilinear;
+  double scale = 1;
+  bool invert = false;  ///< 1 - value, after the scale; not below 0
+};
+/// Squares of size 1 in (s, t), in turns; cubes in (x, y, z) with `dimension` 3.
+struct CheckerboardTexture {
+  TextureMapping mapping{};
+  int dimension = 2;
+  std::array<ColourValue, 2> parts{};
+};
+/// `part` times `factor`.
+struct ScaleTexture {
+  ColourValue part{};
+  ColourValue factor{};
+};
+/// parts[0] (1 - amount) + parts[1] amount.
+struct MixTexture {
+  std::array<ColourValue, 2> parts{};
+  NumberValue amount{};
+};
+/// parts[0] where the normal is along `direction`, parts[1] where it is across, as the absolute
+/// cosine.
+struct DirectionMixTexture {
+  std::array<ColourValue, 2> parts{};
+  Vec3<double> direction{0, 1, 0};  ///< world, unit
+};
+/// Linear between four values at (s, t) = (0, 0), (0, 1), (1, 0) and (1, 1).
+struct BilerpTexture {
+  TextureMapping mapping{};
+  std::array<Rgb<double>, 4> corners{};
+};
+/// A dot of `inside` in about half of the unit squares of (s, t).
+struct DotsTexture {
+  TextureMapping mapping{};
+  ColourValue inside{}, outside{};
+};
+
+using TextureNode = std::variant<ImageTexture, CheckerboardTexture, ScaleTexture, MixTexture,
+                                 DirectionMixTexture, BilerpTexture, DotsTexture>;
+
+/// All textures of a scene.  Immutable once made; may be read from any thread.
+class Textures {
+ public:
+  /// `node` uses only textures that were added before.  Returns its number.
+  std::int32_t add(TextureNode node);
+  bool empty() const { return nodes_.empty(); }
+  std::size_t size() const { return nodes_.size(); }
+
+  Rgb<double> operator()(const ColourValue& value, const TexturePoint& p) const {
+    return value.is_constant() ? value.constant : at(value.texture, p);
+  }
+  double operator()(const NumberValue& value, const TexturePoint& p) const {
+    return value.is_constant() ? value.constant : at(value.texture, p).r;
+  }
+  /// Memory, with each picture once.
+  std::size_t bytes() const;
+
+ private:
+  Rgb<double> at(std::int32_t texture, const TexturePoint& p) const;
+  std::vector<TextureNode> nodes_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,304 @@
+#include "server/pbrt/lights/area_lights.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "lights/shapes/bilinear_patch.h"
+#include "lights/shapes/triangle.h"
+#include "server/pbrt/lights/image_lights.h"
+#include "server/pbrt/lights/levels.h"
+#include "server/pbrt/lights/lights.h"
+#include "server/pbrt/lights/photometric_lights.h"
+#include "server/pbrt/syntax/spectra.h"
+
+namespace lucerna::pbrt {
+namespace {
+
+/// dp/du of the first primitive that has an area; its first edge if its (u, v) are degenerate.
+/// `normal(corners)` is the normal of a primitive.
+template <std::size_t kCorners, typename Mesh, typename F>
+Vec3<double> tangent_of(const Mesh& mesh, F&& normal) {
+  static constexpr std::array<Vec2<float>, 4> kPatch{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
+    std::array<Vec3<double>, kCorners> p;
+    std::array<Vec2<float>, kCorners> uv;
+    for (std::size_t k = 0; k < kCorners; ++k) {
+      p[k] = mesh.positions[mesh.indices[i + k]];
+      uv[k] = mesh.corner_uv.empty() ? kPatch[k] : mesh.corner_uv[i + k];
+    }
+    if (normal(p) == Vec3<double>{}) continue;
+    const Vec3<double> e = p[1] - p[0], f = p[2] - p[0];
+    const double du1 = uv[1].x - uv[0].x, dv1 = uv[1].y - uv[0].y;
+    const double du2 = uv[2].x - uv[0].x, dv2 = uv[2].y - uv[0].y;
+    const double determinant = du1 * dv2 - dv1 * du2;
+    // Limits the sine between the edges of the chart, which does not depend on their length.
+    constexpr double kParallel = 1e-9;
+    if (!(std::fabs(determinant) > kParallel * std::hypot(du1, dv1) * std::hypot(du2, dv2)))
+      return e;
+    return (e * dv2 - f * dv1) / determinant;
+  }
+  return {};
+}
+
+Vec3<double> tangent_of(const Geometry& geometry, const Place& shape_place) {
+  if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry))
+    return tangent_of<3>(*mesh, [](const auto& p) {
+      return Triangle<double>{p[0], p[1], p[2]}.normal();
+    });
+  if (const auto* mesh = std::get_if<PatchMeshData>(&geometry))
+    return tangent_of<4>(*mesh, [](const auto& p) {
+      return BilinearPatch<double>{p[0], p[1], p[2], p[3]}.normal({0.5, 0.5});
+    });
+#define LUCERNA_TANGENT(Shape)                                  \
+  if (const auto* flat = std::get_if<Shape##Params>(&geometry)) \
+    return flat->world_from_object.vector({1, 0, 0});
+  LUCERNA_FLAT_QUADRICS(LUCERNA_TANGENT)
+#undef LUCERNA_TANGENT
+  const std::string_view name = std::visit(
+      []<typename Params>(const Params&) -> std::string_view {
+        if constexpr (requires { QuadricOf<Params>::kName; })
+          return QuadricOf<Params>::kName;
+        else
+          return "mesh";
+      },
+      geometry);
+  std::string flat_names = "bilinearmesh, trianglemesh, plymesh";
+#define LUCERNA_ADD_NAME(Shape) flat_names += fmt::format(", {}", Shape<double>::kName);
+  LUCERNA_FLAT_QUADRICS(LUCERNA_ADD_NAME)
+#undef LUCERNA_ADD_NAME
+  fail(shape_place, fmt::format("a light with \"profile\" on a {}, allowed: flat shapes ({})", name,
+                                flat_names));
+}
+
+/// The error if the shape cannot have the profile.
+absl::Status check_panel(const Geometry& geometry, const PanelProfile& profile) {
+  const auto made = [&]<template <typename> typename Surface>(auto surface) -> absl::Status {
+    if (!surface.ok()) return surface.status();
+    return Panel<double, Surface>::create(*std::move(surface), profile).status();
+  };
+  if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry)) {
+    std::vector<Triangle<double>> triangles;
+    for (std::size_t i = 0; i + 3 <= mesh->indices.size(); i += 3)
+      triangles.push_back({mesh->positions[mesh->indices[i]], mesh->positions[mesh->indices[i + 1]],
+                           mesh->positions[mesh->indices[i + 2]]});
+    return made.template operator()<TriangleMesh>(
+        TriangleMesh<double>::create(std::move(triangles)));
+  }
+  if (const auto* mesh = std::get_if<PatchMeshData>(&geometry)) {
+    std::vector<BilinearPatch<double>> patches;
+    for (std::size_t i = 0; i + 4 <= mesh->indices.size(); i += 4)
+      patches.push_back({mesh->positions[mesh->indices[i]], mesh->positions[mesh->indices[i + 1]],
+                         mesh->positions[mesh->indices[i + 2]],
+                         mesh->positions[mesh->indices[i + 3]]});
+    return made.template operator()<PatchMesh>(PatchMesh<double>::create(std::move(patches)));
+  }
+#define LUCERNA_MADE(Shape)                                     \
+  if (const auto* flat = std::get_if<Shape##Params>(&geometry)) \
+    return made.template operator()<Shape>(Shape<double>::create(*flat));
+  LUCERNA_FLAT_QUADRICS(LUCERNA_MADE)
+#undef LUCERNA_MADE
+  return absl::InternalError("a panel on a curved shape");  // tangent_of refuses it before
+}
+
+/// The emission image of "string filename"; nothing if there is none.  Fails if "L" is given too.
+std::optional<Picture> area_picture(Context& context, const ParameterSet& params) {
+  const Parameter* filename = params.find("filename", {"string"});
+  if (filename == nullptr) {
+    check_without_picture(context, params, {"filter"});
+    return std::nullopt;
+  }
+  if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
+    fail(l->place, "\"L\" and \"filename\" are both given, allowed: one of them, and \"scale\"");
+  NamedImage named = read_image(context, *filename);
+  return Picture{std::move(named.image), image_filter(params, "bilinear"), std::move(named.name)};
+}
+
+/// The photometry of "string profile"; nothing if there is none.  Fails if an image is given too,
+/// on files of other kinds, and on shapes that are not flat.
+std::optional<PanelProfile> area_profile(Context& context, const ParameterSet& params,
+                                         const Geometry& geometry, const Place& shape_place,
+                                         bool mirrored) {
+  const Parameter* file = params.find("profile", {"string"});
+  if (file == nullptr) return std::nullopt;
+  if (params.find("filename", {"string"}) != nullptr)
+    fail(file->place, "\"profile\" and \"filename\" are both given, allowed: one of them");
+  if (file->strings.size() != 1 || !names_photometric_file(file->strings.front()))
+    fail(file->place,
+         fmt::format("\"string profile\" = \"{}\", allowed: the name of an .ies or .ldt file",
+                     file->strings.empty() ? "" : printable(file->strings.front())));
+  NamedPhotometricFile named = read_photometric_file(context, *file);
+  PanelProfile profile{.web = std::move(named.file.web),
+                       .tangent = tangent_of(geometry, shape_place),
+                       .mirrored = mirrored,
+                       .file = std::move(named.name),
+                       .format = std::move(named.file.format)};
+  if (const absl::Status status = check_panel(geometry, profile); !status.ok())
+    fail(shape_place, status);
+  return profile;
+}
+
+/// Whether every texel of an emission image has the same area on the shape.
+bool has_equal_texels(const Geometry& geometry) {
+  if (std::holds_alternative<CylinderParams>(geometry)) return true;
+  const auto* mesh = std::get_if<PatchMeshData>(&geometry);
+  if (mesh == nullptr || !mesh->corner_uv.empty()) return false;
+  for (std::size_t i = 0; i + 4 <= mesh->indices.size(); i += 4) {
+    const auto corner = [&](std::size_t k) { return mesh->positions[mesh->indices[i + k]]; };
+    const Vec3<double> along = corner(1) - corner(0), across = corner(2) - corner(0);
+    const Vec3<double> opposite = corner(3) - corner(2);
+    if (length(opposite - along) > 1e-6 * (length(along) + length(across))) return false;
+  }
+  return true;
+}
+
+double finite_area(const Place& place, double area) {
+  if (!std::isfinite(area)) fail(place, "the area of an emitting mesh is not finite");
+  return area;
+}
+
+double area_of(const Place& place, const TriangleMeshData& mesh) {
+  double area = 0;
+  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3)
+    area += Triangle<double>{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
+                             mesh.positions[mesh.indices[i + 2]]}
+                .area();
+  return finite_area(place, area);
+}
+
+double area_of(const Place& place, const PatchMeshData& mesh) {
+  double area = 0;
+  for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4)
+    area +=
+        BilinearPatch<double>{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
+                              mesh.positions[mesh.indices[i + 2]],
+                              mesh.positions[mesh.indices[i + 3]]}
+            .area();
+  return finite_area(place, area);
+}
+
+template <typename Params>
+double area_of(const Place& place, const Params& params) {
+  const auto shape = QuadricOf<Params>::create(params);
+  if (!shape.ok()) fail(place, shape.status());
+  if (const auto status = shape->emissive_error(); !status.ok()) fail(place, status);
+  return shape->area();
+}
+
+std::size_t primitives_of(const Geometry& geometry) {
+  if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry)) return mesh->indices.size() / 3;
+  if (const auto* mesh = std::get_if<PatchMeshData>(&geometry)) return mesh->indices.size() / 4;
+  return 1;
+}
+
+/// Sides that emit.
+double sides(const ShapeDescription::Emission& emission) { return emission.two_sided ? 2 : 1; }
+
+/// A shape without area emits nothing, so a "power" for it is an error.
+void remark_no_area(Context& context, const ParameterSet& params, const Place& shape_place) {
+  if (const Parameter* power = positive_parameter(params, "power"))
+    fail(power->place,
+         fmt::format("\"float power\" = {} lm for the shape at {}, which has no area{}",
+                     power->numbers.front(), to_string(shape_place), kOnlyAsIfNotGiven));
+  context.remark(shape_place, "a light without area", "the shape emits nothing");
+}
+
+/// Luminous flux of a panel at level 1 [lm].  Adds a remark if its back, which does not emit, loses
+/// a part.
+double panel_lumens(Context& context, const ParameterSet& params,
+                    const ShapeDescription::Emission& emission) {
+  const PhotometricWeb& web = *emission.panel->web;
+  const double lumens = emission.two_sided ? web.flux_lm() : web.downward_flux_lm();
+  // A relative 1e-6 allows for the digits of the file.
+  if (const double lost = web.flux_lm() - lumens; lost > 1e-6 * web.flux_lm())
+    context.remark(params.find("profile", {"string"})->place,
+                   fmt::format("{:.6g} of the file's {:.6g} lm go to the back of a panel that "
+                               "emits from its front only",
+                               lost, web.flux_lm()),
+                   "left out; \"bool twosided\" true includes them");
+  return lumens;
+}
+
+/// Luminous flux of the shape at level 1 [lm].
+double lumens_of_unit_level(Context& context, const ParameterSet& params,
+                            const ShapeDescription::Emission& emission, double area) {
+  if (emission.panel) return panel_lumens(context, params, emission);
+  // pbrt-v4 uses a picture's mean, as if all of its texels had the same area on the shape.
+  const double mean = emission.picture ? luminance(emission.picture->image->mean()) : 1;
+  return sides(emission) * kPi * area * mean;
+}
+
+/// Fails if the brightest radiance of a picture or a panel does not fit a float.
+void require_emission(const AreaLightDirective& light, const ShapeDescription::Emission& emission,
+                      double lumens, double area) {
+  const Place place = level_place(light.params, "L", light.place);
+  if (emission.picture)
+    require_level(place,
+                  fmt::format("the brightest texel of {} times the light's level",
+                              printable(emission.picture->name)),
+                  emission.radiance_cd_m2 * emission.picture->brightest());
+  if (emission.panel)
+    require_level(place,
+                  fmt::format("the radiance of a surface with the flux of {} times the light's "
+                              "level",
+                              printable(emission.panel->file)),
+                  emission.radiance_cd_m2 * lumens / (sides(emission) * kPi * area));
+}
+
+/// Adds remarks if "power" differs from pbrt-v4, or only approximates a picture.
+void remark_power(Context& context, const ParameterSet& params, const Geometry& geometry,
+                  bool has_picture) {
+  const Parameter* power = positive_parameter(params, "power");
+  if (power == nullptr) return;
+  if (const std::size_t primitives = primitives_of(geometry); primitives > 1)
+    context.remark(
+        power->place,
+        fmt::format(
+            "\"power\" on a mesh of {} primitives; pbrt-v4 gives this power to each of them",
+            primitives),
+        "the power of the whole mesh");
+  if (has_picture && !has_equal_texels(geometry))
+    context.remark(power->place,
+                   "\"power\" of a picture on a shape that shows its texels on unequal areas",
+                   "that of the picture's mean, the same as in pbrt-v4");
+}
+
+}  // namespace
+
+bool needs_uv(const AreaLightDirective& light) {
+  return light.params.find("filename", {"string"}) != nullptr ||
+         light.params.find("profile", {"string"}) != nullptr;
+}
+
+std::optional<ShapeDescription::Emission> make_emission(Context& context,
+                                                        const AreaLightDirective& light,
+                                                        const Geometry& geometry,
+                                                        const Place& shape_place, bool mirrored) {
+  const ParameterSet& params = light.params;
+  if (light.type != "diffuse")
+    fail(light.place,
+         fmt::format("unknown area light \"{}\", expected \"diffuse\"", printable(light.type)));
+  ShapeDescription::Emission emission;
+  emission.picture = area_picture(context, params);
+  emission.two_sided = params.boolean("twosided", false);
+  emission.where = location(light.place);
+  emission.samples = samples_of(params);
+  const double area =
+      std::visit([&](const auto& shape) { return area_of(shape_place, shape); }, geometry);
+  if (!(area > 0)) {
+    remark_no_area(context, params, shape_place);
+    return std::nullopt;
+  }
+  emission.panel = area_profile(context, params, geometry, shape_place, mirrored);
+  const double lumens = lumens_of_unit_level(context, params, emission, area);
+  emission.radiance_cd_m2 =
+      light_level_with_target(context, params, light.place, "L", {"power", "lm", lumens});
+  require_emission(light, emission, lumens, area);
+  emission.spectrum = light_spectrum(context, params, "L");
+  remark_power(context, params, geometry, emission.picture.has_value());
+  params.remark_unused(context, "AreaLightSource \"diffuse\"");
+  return emission;
+}
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,39 @@
+// Converts AreaLightSource directives to the emission of shapes.  Parameters that pbrt-v4 does not
+// have:
+//   "string filter"  bilinear (pbrt-v4's) | nearest: how an emission image is read
+//   "string profile" an .ies or .ldt file: a flat shape (rectangle, patches, triangles, disk) has
+//                    this photometry as a whole.  Its normal is straight down from the luminaire
+//                    and dp/du lies in the plane C0.  Meshes use dp/du of their first primitive,
+//                    disks use +x.  "L" and "scale" multiply the file's candela; "power" is the
+//                    flux that leaves the shape.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lights/models/panel.h"
+#include "server/pbrt/surfaces/shapes.h"
+#include "server/pbrt/syntax/images.h"
+
+namespace lucerna::pbrt {
+
+/// An AreaLightSource directive, kept for the shapes that follow it.
+struct AreaLightDirective {
+  std::string type;
+  ParameterSet params;
+  Place place;
+};
+
+/// Whether the light needs the (u, v) of shapes, for an image or a profile.
+bool needs_uv(const AreaLightDirective& light);
+
+/// The emission of `geometry` with `light`.  Nothing, and a remark, if the shape has no area.
+/// "power" is that of the whole mesh.  `mirrored`: the shape's transform mirrors the shape and the
+/// photometry of a profile.  Fails on invalid levels, on shapes that cannot emit, and on a profile
+/// for a shape that is not flat.
+std::optional<ShapeDescription::Emission> make_emission(Context& context,
+                                                        const AreaLightDirective& light,
+                                                        const Geometry& geometry,
+                                                        const Place& shape_place, bool mirrored);
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,106 @@
+#include "server/pbrt/lights/photometric_lights.h"
+
+#include <fmt/format.h>
+
+#include <tuple>
+#include <utility>
+
+#include "server/formats/eulumdat.h"
+#include "server/formats/ies.h"
+#include "server/pbrt/lights/image_lights.h"
+#include "server/pbrt/lights/scales.h"
+#include "server/pbrt/syntax/images.h"
+
+namespace lucerna::pbrt {
+namespace {
+
+bool ends_in(const std::string& name, std::string_view lower_case) {
+  if (name.size() < lower_case.size()) return false;
+  const std::string_view end = std::string_view(name).substr(name.size() - lower_case.size());
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    const char c = end[i] >= 'A' && end[i] <= 'Z' ? static_cast<char>(end[i] + 32) : end[i];
+    if (c != lower_case[i]) return false;
+  }
+  return true;
+}
+
+/// The picture that a parameter names; lights that use it in the same way share it.
+std::shared_ptr<const IntensityMap> read_intensity_map(Context& context, const Parameter& filename,
+                                                       SphereMapping mapping, ImageFilter filter,
+                                                       std::string& name) {
+  const NamedImage named = read_image(context, filename);
+  name = named.name;
+  std::shared_ptr<const IntensityMap>& map =
+      context.intensity_maps[std::tuple(named.name, mapping, filter)];
+  if (map != nullptr) return map;
+  auto made = IntensityMap::create(named.image, mapping, filter);
+  if (!made.ok())
+    fail(filename.place,
+         fmt::format("\"string filename\": {}: {}; \"string mapping\" \"latlong\" takes any",
+                     printable(named.name), std::string(made.status().message())));
+  if (!is_grey(*named.image))
+    context.remark(
+        filename.place,
+        fmt::format("{} has colours, but a goniometric light has one intensity for each direction",
+                    printable(named.name)),
+        "the mean of R, G and B, the same as in pbrt-v4");
+  return map = *std::move(made);
+}
+
+}  // namespace
+
+bool names_photometric_file(const std::string& name) {
+  return ends_in(name, ".ies") || ends_in(name, ".ldt");
+}
+
+NamedPhotometricFile read_photometric_file(Context& context, const Parameter& filename) {
+  if (filename.strings.size() != 1)
+    fail(filename.place, fmt::format("\"string {}\" takes one name", filename.name));
+  const AssetContent content = context.read(filename);
+  PhotometricFile& file = context.photometric_files[content.name];
+  if (file.web == nullptr) {
+    context.poll();
+    const std::string shown = printable(content.name);
+    auto parsed = ends_in(content.name, ".ldt") ? parse_eulumdat(content.bytes, shown)
+                                                : parse_ies(content.bytes, shown);
+    if (!parsed.ok())
+      fail(filename.place, absl::Status(parsed.status().code(),
+                                        fmt::format("\"string {}\": {}", filename.name,
+                                                    std::string(parsed.status().message()))));
+    for (const PhotometricFile::Note& note : parsed->notes)
+      context.remark(filename.place, fmt::format("{}:{}: {}", shown, note.line, note.what),
+                     note.instead);
+    file = *std::move(parsed);
+  }
+  return {content.name, file};
+}
+
+GoniometricLightParams goniometric(Context& context, const ParameterSet& params, const Place& place,
+                                   const Transform& world_from_light) {
+  GoniometricLightParams light;
+  light.position_m = world_from_light.point({0, 0, 0});
+  light.intensity = Rgb<double>(1);
+  const Parameter* filename = params.find("filename", {"string"});
+  if (filename == nullptr) {
+    // A light that is equal in all directions does not need axes.
+    check_without_picture(context, params, {"mapping", "filter"});
+    return light;
+  }
+  require_equal_scale(place, "a goniometric light", world_from_light);
+  light.axes = {world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),
+                world_from_light.vector({0, 0, 1})};
+  if (filename->strings.size() == 1 && names_photometric_file(filename->strings.front())) {
+    NamedPhotometricFile named = read_photometric_file(context, *filename);
+    light.web = std::move(named.file.web);
+    light.file = std::move(named.name);
+    light.format = std::move(named.file.format);
+    return light;
+  }
+  const SphereMapping mapping = sphere_mapping(params);
+  light.map = read_intensity_map(context, *filename, mapping, image_filter(params), light.file);
+  // pbrt-v4 swaps y and z when it looks up the picture.
+  if (mapping == SphereMapping::kEqualArea) std::swap(light.axes.t, light.axes.n);
+  return light;
+}
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,23 @@
+// Scale factors of transforms, for lights that only allow equal scale.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "lights/maths/transform.h"
+#include "server/pbrt/syntax/place.h"
+
+namespace lucerna::pbrt {
+
+/// The scale factors of a transform along three perpendicular directions, ascending: the singular
+/// values of its linear part.  [Golub13]
+std::array<double, 3> scales_of(const Transform& transform);
+
+/// "scales 1, 1 and 2".
+std::string scales_text(const Transform& transform);
+
+/// Fails if `transform` scales lengths unequally.  `what`: "a spot".
+void require_equal_scale(const Place& place, std::string_view what, const Transform& transform);
+
+}  // namespace lucerna::pbrt

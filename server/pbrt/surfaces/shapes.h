@@ -1,0 +1,27 @@
+// Converts Shape directives to geometry in world space (in an object definition: in object space).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "server/pbrt/syntax/params.h"
+
+namespace lucerna::pbrt {
+
+/// A Shape directive and its graphics state.
+struct ShapeDirective {
+  std::string type;
+  const ParameterSet& params;
+  Place place;
+  Transform world_from_object;
+  bool reverse_orientation = false;
+  bool needs_uv = false;  ///< meshes then have the (u, v) of their corners
+};
+
+using Geometry = decltype(ShapeDescription::geometry);
+
+/// The geometry of a Shape directive.  Nothing, and a remark, for shapes that are not modelled.
+/// Fails on unknown shapes and on invalid parameters.
+std::optional<Geometry> make_geometry(Context& context, const ShapeDirective& shape);
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,232 @@
+#include "server/pbrt/surfaces/textures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+#include <utility>
+
+#include "server/pbrt/syntax/images.h"
+#include "server/pbrt/syntax/spectra.h"
+
+namespace lucerna::pbrt {
+namespace {
+
+template <typename T>
+T choice(const ParameterSet& params, const char* name, const char* otherwise,
+         std::initializer_list<std::pair<std::string_view, T>> choices) {
+  const std::string given = params.string(name, otherwise);
+  std::string allowed;
+  for (const auto& [word, value] : choices) {
+    if (given == word) return value;
+    allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", word);
+  }
+  fail(params.find(name, {"string"})->place,
+       fmt::format("\"string {}\" = \"{}\", allowed: {}", name, printable(given), allowed));
+}
+
+TextureMapping mapping_of(const ParameterSet& params, const Transform& world_from_texture) {
+  using Kind = TextureMapping::Kind;
+  TextureMapping m;
+  m.kind = choice<Kind>(params, "mapping", "uv",
+                        {{"uv", Kind::kUv},
+                         {"spherical", Kind::kSpherical},
+                         {"cylindrical", Kind::kCylindrical},
+                         {"planar", Kind::kPlanar}});
+  if (m.kind == Kind::kUv) {
+    m.scale = {params.number("uscale", 1), params.number("vscale", 1)};
+    m.shift = {params.number("udelta", 0), params.number("vdelta", 0)};
+    return m;
+  }
+  m.texture_from_world = world_from_texture.inverse();
+  if (m.kind != Kind::kPlanar) return m;
+  m.shift = {params.number("udelta", 0), params.number("vdelta", 0)};
+  const auto axis = [&](const char* name, const Vec3<double>& otherwise) {
+    const auto given = params.vectors(name, "vector3");
+    return given.empty() ? otherwise : given.front();
+  };
+  m.axis_s = axis("v1", m.axis_s);
+  m.axis_t = axis("v2", m.axis_t);
+  return m;
+}
+
+/// "sRGB", "linear" or "gamma 2.2".
+Encoding encoding_of(const ParameterSet& params) {
+  const std::string given = params.string("encoding", "sRGB");
+  if (given == "sRGB") return kSrgb;
+  if (given == "linear") return kLinear;
+  constexpr std::string_view kGamma = "gamma ";
+  double gamma = 0;
+  if (given.starts_with(kGamma)) {
+    const char* end = given.data() + given.size();
+    if (std::from_chars(given.data() + kGamma.size(), end, gamma).ptr == end && gamma > 0 &&
+        gamma < 100)
+      return {gamma};
+  }
+  fail(params.find("encoding", {"string"})->place,
+       fmt::format("\"string encoding\" = \"{}\", allowed: sRGB, linear, or gamma and a number "
+                   "above 0",
+                   printable(given)));
+}
+
+/// Whether two constants can be combined at once.
+bool are_constant(std::initializer_list<bool> constant) {
+  return std::ranges::all_of(constant, [](bool c) { return c; });
+}
+
+}  // namespace
+
+ColourValue TextureTable::texture(const Parameter& parameter) const {
+  for (const char* kind : {"spectrum ", "float "}) {
+    const auto found = values_.find(kind + parameter.strings.front());
+    if (found != values_.end()) return found->second;
+  }
+  fail(parameter.place, fmt::format("texture \"{}\" is not defined before this place",
+                                    printable(parameter.strings.front())));
+}
+
+NumberValue TextureTable::number(const ParameterSet& params, const std::string& name,
+                                 double otherwise) const {
+  const Parameter* given = params.find(name, {"float", "texture"});
+  if (given == nullptr) return {otherwise};
+  if (given->type == "float") return {given->numbers.front()};
+  const auto found = values_.find("float " + given->strings.front());
+  if (found == values_.end())
+    fail(given->place, fmt::format("float texture \"{}\" is not defined before this place",
+                                   printable(given->strings.front())));
+  return {found->second.constant.r, found->second.texture};
+}
+
+ColourValue TextureTable::reflectance(Context& context, const ParameterSet& params,
+                                      const std::string& name, const ColourValue& otherwise) const {
+  const Parameter* parameter = params.find(name, {"rgb", "spectrum", "texture", "float"});
+  if (parameter == nullptr) return otherwise;
+  if (parameter->type != "texture") return {pbrt::reflectance(context, *parameter)};
+  ColourValue value = texture(*parameter);
+  if (!value.is_constant()) return value;
+  const Rgb<double>& c = value.constant;
+  const Rgb<double> clamped{std::clamp(c.r, 0.0, 1.0), std::clamp(c.g, 0.0, 1.0),
+                            std::clamp(c.b, 0.0, 1.0)};
+  if (clamped != c)
+    context.remark(parameter->place, fmt::format("{} is not a valid reflectance", text(c)),
+                   fmt::format("clamped to {}", text(clamped)));
+  return {clamped};
+}
+
+/// A part of a texture.  Those of float textures are not reflectances and may exceed 1.
+ColourValue TextureTable::colour(Context& context, const ParameterSet& params,
+                                 const std::string& name, bool is_float, double otherwise) const {
+  if (!is_float) return reflectance(context, params, name, {Rgb<double>(otherwise)});
+  const NumberValue value = number(params, name, otherwise);
+  return {Rgb<double>(value.constant), value.texture};
+}
+
+TextureNode TextureTable::image(Context& context, const ParameterSet& params, const Place& place,
+                                const TextureMapping& mapping) const {
+  const Parameter* file = params.find("filename", {"string"});
+  if (file == nullptr) fail(place, "Texture \"imagemap\" lacks \"string filename\"");
+  ImageTexture t;
+  t.mapping = mapping;
+  t.image = read_image(context, *file, encoding_of(params)).image;
+  t.wrap = choice<TextureWrap>(params, "wrap", "repeat",
+                               {{"repeat", TextureWrap::kRepeat},
+                                {"black", TextureWrap::kBlack},
+                                {"clamp", TextureWrap::kClamp},
+                                {"octahedralsphere", TextureWrap::kOctahedral}});
+  const std::string filter = params.string("filter", "bilinear");
+  t.filter = choice<ImageFilter>(params, "filter", "bilinear",
+                                 {{"point", ImageFilter::kNearest},
+                                  {"bilinear", ImageFilter::kBilinear},
+                                  {"trilinear", ImageFilter::kBilinear},
+                                  {"EWA", ImageFilter::kBilinear},
+                                  {"ewa", ImageFilter::kBilinear}});
+  if (filter != "point" && filter != "bilinear")
+    context.remark(params.find("filter", {"string"})->place,
+                   fmt::format("filter \"{}\" is not modelled", printable(filter)),
+                   "bilinear; more samples of a pixel average more texels");
+  params.ignore({"maxanisotropy"});
+  t.scale = params.number("scale", 1);
+  t.invert = params.boolean("invert", false);
+  return t;
+}
+
+void TextureTable::make(Context& context, const std::string& name, const std::string& kind,
+                        const std::string& type, const ParameterSet& params, const Place& place,
+                        const Transform& world_from_texture) {
+  if (kind != "float" && kind != "spectrum")
+    fail(place, fmt::format("texture \"{}\" has type \"{}\", expected \"float\" or \"spectrum\"",
+                            printable(name), printable(kind)));
+  const auto [it, added] = values_.try_emplace(kind + " " + name, ColourValue{Rgb<double>(0.5)});
+  if (!added)
+    fail(place, fmt::format("{} texture \"{}\" is already defined", kind, printable(name)));
+  // A texture that uses its own name would use itself.
+  values_.erase(it);
+  const bool is_float = kind == "float";
+  const auto part = [&](const char* parameter, double otherwise) {
+    return colour(context, params, parameter, is_float, otherwise);
+  };
+  const auto mapping = [&] { return mapping_of(params, world_from_texture); };
+  const auto node = [&](TextureNode made) {
+    return ColourValue{{}, context.scene.textures.add(std::move(made))};
+  };
+  ColourValue value{Rgb<double>(0.5)};
+  if (type == "constant") {
+    value = part("value", 1);
+  } else if (type == "scale") {
+    const NumberValue scale = number(params, "scale", 1);
+    const ColourValue tex = part("tex", 1), factor{Rgb<double>(scale.constant), scale.texture};
+    value = are_constant({tex.is_constant(), factor.is_constant()})
+                ? ColourValue{tex.constant * factor.constant}
+                : node(ScaleTexture{tex, factor});
+  } else if (type == "mix") {
+    const NumberValue amount = number(params, "amount", 0.5);
+    const ColourValue a = part("tex1", 0), b = part("tex2", 1);
+    const double t = amount.constant;
+    value = are_constant({a.is_constant(), b.is_constant(), amount.is_constant()})
+                ? ColourValue{a.constant * (1 - t) + b.constant * t}
+                : node(MixTexture{{a, b}, amount});
+  } else if (type == "directionmix") {
+    const auto given = params.vectors("dir", "vector3");
+    const Vec3<double> direction =
+        normalized(world_from_texture.vector(given.empty() ? Vec3<double>{0, 1, 0} : given[0]));
+    if (max_abs(direction) == 0 || !is_finite(direction))
+      fail(place, "\"vector3 dir\" has no direction");
+    value = node(DirectionMixTexture{{part("tex1", 0), part("tex2", 1)}, direction});
+  } else if (type == "imagemap") {
+    value = node(image(context, params, place, mapping()));
+  } else if (type == "checkerboard") {
+    const int dimension = params.integer("dimension", 2);
+    if (dimension != 2 && dimension != 3)
+      fail(params.place_of({"dimension"}, place),
+           fmt::format("\"integer dimension\" = {}, allowed: 2, 3", dimension));
+    TextureMapping m = dimension == 2 ? mapping() : TextureMapping{};
+    if (dimension == 3) m.texture_from_world = world_from_texture.inverse();
+    value = node(CheckerboardTexture{m, dimension, {part("tex1", 1), part("tex2", 0)}});
+  } else if (type == "bilerp") {
+    const auto corner = [&](const char* parameter, double otherwise) {
+      const ColourValue c = part(parameter, otherwise);
+      if (!c.is_constant())
+        fail(params.place_of({parameter}, place),
+             fmt::format("\"{}\" of a bilerp is a texture, allowed: a constant", parameter));
+      return c.constant;
+    };
+    value = node(BilerpTexture{
+        mapping(), {corner("v00", 0), corner("v01", 1), corner("v10", 0), corner("v11", 1)}});
+  } else if (type == "dots") {
+    value = node(DotsTexture{mapping(), part("inside", 1), part("outside", 0)});
+    context.remark(place, fmt::format("the dots of texture \"{}\"", printable(name)),
+                   "as many as in pbrt-v4, in other squares");
+  } else if (is_one_of(type, {"fbm", "wrinkled", "windy", "marble", "ptex"})) {
+    context.remark(place, fmt::format("texture \"{}\" ({}) is not modelled", printable(name), type),
+                   "constant 0.5");
+    values_.insert_or_assign(kind + " " + name, value);
+    return;
+  } else {
+    fail(place, fmt::format("unknown texture class \"{}\"", printable(type)));
+  }
+  params.remark_unused(context, fmt::format("texture \"{}\"", printable(name)));
+  values_.insert_or_assign(kind + " " + name, value);
+}
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,42 @@
+// Textures of .pbrt files, and material parameters that may name one.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "lights/maths/transform.h"
+#include "server/materials/texture.h"
+#include "server/pbrt/syntax/params.h"
+
+namespace lucerna::pbrt {
+
+/// The textures that a file has defined so far.  Constants, and products and mixtures of constants,
+/// become constants.
+class TextureTable {
+ public:
+  /// A Texture directive.  `kind`: float or spectrum.  Adds a node to `context.scene.textures`
+  /// unless the texture is constant.  Fails on unknown classes, on names that are defined twice,
+  /// and on parts that are not defined before.
+  void make(Context& context, const std::string& name, const std::string& kind,
+            const std::string& type, const ParameterSet& params, const Place& place,
+            const Transform& world_from_texture);
+
+  /// A parameter of type rgb, spectrum, float or texture.  Constants are clamped to [0, 1] with a
+  /// remark.  Fails on textures that are not defined before.
+  ColourValue reflectance(Context& context, const ParameterSet& params, const std::string& name,
+                          const ColourValue& otherwise) const;
+  /// A parameter of type float or texture.
+  NumberValue number(const ParameterSet& params, const std::string& name, double otherwise) const;
+  /// The value of a texture that `parameter` names.
+  ColourValue texture(const Parameter& parameter) const;
+
+ private:
+  ColourValue colour(Context& context, const ParameterSet& params, const std::string& name,
+                     bool is_float, double otherwise) const;
+  TextureNode image(Context& context, const ParameterSet& params, const Place& place,
+                    const TextureMapping& mapping) const;
+
+  std::map<std::string, ColourValue> values_;  ///< by "kind name"
+};
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,67 @@
+#include "server/pbrt/syntax/context.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "server/pbrt/syntax/params.h"
+
+namespace lucerna::pbrt {
+
+void Context::remark(const Place& place, std::string what, std::string instead) {
+  constexpr std::size_t kMaxRemarks = 1000;
+  if (scene.remarks.size() >= kMaxRemarks) {
+    ++uncounted_;
+    return;
+  }
+  if (!said_.insert(to_string(place) + what + instead).second) return;
+  scene.remarks.push_back({location(place), std::move(what), std::move(instead)});
+}
+
+void Context::finish_remarks() {
+  if (uncounted_ == 0) return;
+  Remark& rest = scene.remarks.emplace_back();
+  rest.where.file = scene_file;
+  rest.what = fmt::format("{} more things are not modelled", uncounted_);
+  rest.instead = "see the remarks before this one";
+}
+
+absl::StatusOr<AssetContent> Context::find(const Place& place, const std::string& name) {
+  if (!is_printable(name))
+    return absl::InvalidArgumentError("a file name must be UTF-8 without control characters");
+  auto content = assets.read_unpacked(name, scene_file);
+  if (absl::IsNotFound(content.status()) && place.file != nullptr && *place.file != scene_file) {
+    if (auto nearby = assets.read_unpacked(name, *place.file); !absl::IsNotFound(nearby.status()))
+      content = std::move(nearby);
+  }
+  return content;
+}
+
+AssetContent Context::read(const Place& place, const std::string& name) {
+  auto content = find(place, name);
+  if (!content.ok()) fail(place, content.status());
+  return *std::move(content);
+}
+
+AssetContent Context::read(const Parameter& parameter) {
+  const std::string& name = parameter.strings.front();
+  auto content = find(parameter.place, name);
+  if (content.ok()) return *std::move(content);
+  const absl::Status& status = content.status();
+  const bool missing = absl::IsNotFound(status);
+  // Other errors do not depend on the parameter's value: the file may still arrive, is too large,
+  // or the load was stopped.
+  if (!missing && !absl::IsInvalidArgument(status)) fail(parameter.place, status);
+  fail(parameter.place,
+       absl::Status(
+           status.code(),
+           fmt::format("\"{} {}\" = \"{}\": {}{}", parameter.type, printable(parameter.name),
+                       printable(name), std::string(status.message()),
+                       missing ? ", allowed: a file inside the scene root" : "")));
+}
+
+void Context::poll() const {
+  if (stop.stop_requested()) throw Failure{absl::CancelledError("loading was cancelled")};
+}
+
+}  // namespace lucerna::pbrt

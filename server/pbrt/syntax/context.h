@@ -1,0 +1,70 @@
+// The state that all parts of the reader share.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <set>
+#include <stop_token>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "lights/pictures/image.h"
+#include "lights/pictures/intensity_map.h"
+#include "lights/spectra/spectrum.h"
+#include "server/assets/asset_reader.h"
+#include "server/description/scene_description.h"
+#include "server/formats/image_reader.h"
+#include "server/formats/photometric_file.h"
+#include "server/pbrt/syntax/place.h"
+
+namespace lucerna::pbrt {
+
+struct Parameter;
+
+struct Context {
+  Context(AssetReader& assets, SceneDescription& scene, std::stop_token stop,
+          std::string scene_file)
+      : assets(assets), scene(scene), stop(std::move(stop)), scene_file(std::move(scene_file)) {}
+
+  AssetReader& assets;
+  SceneDescription& scene;
+  std::stop_token stop;
+  std::string scene_file;  ///< the first file of the load
+  /// Pictures read so far, by file name and encoding.
+  std::map<std::pair<std::string, Encoding>, std::shared_ptr<const Image>> images;
+  /// Spectra of lights, shared by lights with the same spectrum (spectra.cpp).
+  std::map<std::string, std::shared_ptr<const Spectrum>> spectra;
+  /// Luminaires read so far, by file name.
+  std::map<std::string, PhotometricFile> photometric_files;
+  /// Pictures of goniometric lights, by file name and the way they are read.
+  std::map<std::tuple<std::string, SphereMapping, ImageFilter>, std::shared_ptr<const IntensityMap>>
+      intensity_maps;
+
+  /// Adds a remark that `what` at `place` is not modelled, and what happens instead.  Equal remarks
+  /// are added once, since each shape of an area light would repeat them.  After 1000 remarks,
+  /// further ones are only counted.
+  void remark(const Place& place, std::string what, std::string instead);
+  /// Adds a remark with the number of remarks that were only counted, if any.
+  void finish_remarks();
+
+  /// The unpacked content of the file `name`.  Looks in the directory of the scene file first, as
+  /// pbrt-v4 does, then in that of the file that names it.  Fails at `place`.
+  AssetContent read(const Place& place, const std::string& name);
+  /// The file that the first string of `parameter` names.  Errors name the parameter too.
+  AssetContent read(const Parameter& parameter);
+
+  /// Fails with CANCELLED if the caller has stopped the load.
+  void poll() const;
+
+ private:
+  absl::StatusOr<AssetContent> find(const Place& place, const std::string& name);
+
+  std::set<std::string> said_;
+  std::size_t uncounted_ = 0;
+};
+
+}  // namespace lucerna::pbrt

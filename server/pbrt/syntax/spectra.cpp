@@ -1,0 +1,222 @@
+#include "server/pbrt/syntax/spectra.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "server/formats/byte_order_mark.h"
+
+namespace lucerna::pbrt {
+namespace {
+
+/// Samples from pairs of wavelength and value.  Fails if the numbers do not form such pairs.
+SampledSpectrum samples(const Place& place, const std::string& what,
+                        const std::vector<double>& numbers) {
+  if (numbers.size() % 2 != 0)
+    fail(place, fmt::format("{} has {} numbers, expected pairs of wavelength and value", what,
+                            numbers.size()));
+  SampledSpectrum result;
+  for (std::size_t i = 0; i < numbers.size(); i += 2) {
+    result.wavelengths_nm.push_back(numbers[i]);
+    result.values.push_back(numbers[i + 1]);
+  }
+  if (const absl::Status status = check_samples(result); !status.ok())
+    fail(place, fmt::format("{}: {}", what, std::string(status.message())));
+  return result;
+}
+
+/// The numbers of a text file; # begins a comment.
+std::vector<double> numbers_of(const Place& place, const AssetContent& file) {
+  std::vector<double> numbers;
+  std::string_view rest = without_byte_order_mark(file.bytes);
+  for (int line = 1; !rest.empty(); ++line) {
+    const std::size_t end = rest.find('\n');
+    std::string_view text = rest.substr(0, end);
+    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+    text = text.substr(0, text.find('#'));
+    constexpr std::string_view kBlank = " \t\r\f\v,";
+    while ((text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size())),
+            !text.empty())) {
+      const std::string_view word = text.substr(0, text.find_first_of(kBlank));
+      const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
+      double value = 0;
+      const auto [stop, error] =
+          std::from_chars(digits.data(), digits.data() + digits.size(), value);
+      if (error != std::errc() || stop != digits.data() + digits.size() || !std::isfinite(value))
+        fail(place, fmt::format("{}:{}: \"{}\", expected a finite number", printable(file.name),
+                                line, printable(std::string(word))));
+      numbers.push_back(value);
+      text.remove_prefix(word.size());
+    }
+  }
+  return numbers;
+}
+
+template <typename Source>
+Spectrum made(const Place& place, const std::string& what, Source source) {
+  absl::StatusOr<Spectrum> spectrum = Spectrum::create(std::move(source));
+  if (!spectrum.ok())
+    fail(place, fmt::format("{}: {}", what, std::string(spectrum.status().message())));
+  return *std::move(spectrum);
+}
+
+/// Whether pbrt-v4 uses the name for a spectrum that is not a light's.
+bool of_no_light(const std::string& name) {
+  return name.starts_with("metal-") || name.starts_with("glass-") || name.starts_with("canon_") ||
+         name.starts_with("nikon_") || name.starts_with("sony_");
+}
+
+/// A key for sharing spectra: the content if it is short, else the place in the file.
+std::string key_of(const Parameter& p) {
+  if (p.type == "blackbody") return fmt::format("blackbody {}", p.numbers.front());
+  if (!p.strings.empty() && p.strings.front().starts_with("stdillum-")) return p.strings.front();
+  const SourceLocation at = location(p.place);
+  return fmt::format("{}:{}:{}", at.file, at.line, at.column);
+}
+
+std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter& p) {
+  if (p.type == "blackbody") {
+    if (p.numbers.size() != 1)
+      fail(p.place, fmt::format("\"blackbody {}\" has {} values, allowed: one temperature in "
+                                "[100, 1e7] K",
+                                p.name, p.numbers.size()));
+    return std::make_shared<Spectrum>(
+        made(p.place, fmt::format("\"blackbody {}\"", p.name), BlackBody{p.numbers.front()}));
+  }
+  const std::string what = fmt::format("spectrum \"{}\"", p.name);
+  std::vector<double> numbers = p.numbers;
+  if (numbers.empty()) {
+    const std::string& name = p.strings.front();
+    constexpr std::string_view kIlluminant = "stdillum-";
+    if (name.starts_with(kIlluminant))
+      return std::make_shared<Spectrum>(
+          made(p.place, what, CieIlluminant{printable(name.substr(kIlluminant.size()))}));
+    if (of_no_light(name)) {
+      context.remark(p.place,
+                     fmt::format("{} \"{}\" is not the spectrum of a light", what, printable(name)),
+                     "linear RGB [1 1 1]");
+      return nullptr;
+    }
+    numbers = numbers_of(p.place, context.read(p));
+    if (numbers.empty()) fail(p.place, fmt::format("\"{}\" holds no numbers", printable(name)));
+  }
+  absl::StatusOr<Spectrum> spectrum = Spectrum::create(samples(p.place, what, numbers));
+  if (absl::IsFailedPrecondition(spectrum.status())) {
+    context.remark(p.place, fmt::format("{}: {}", what, std::string(spectrum.status().message())),
+                   "black");
+    return nullptr;
+  }
+  return std::make_shared<Spectrum>(*std::move(spectrum));
+}
+
+Rgb<double> rgb_of(const Parameter& parameter) {
+  if (parameter.numbers.size() != 3)
+    fail(parameter.place, fmt::format("parameter \"{}\" has {} values, expected 3", parameter.name,
+                                      parameter.numbers.size()));
+  return {parameter.numbers[0], parameter.numbers[1], parameter.numbers[2]};
+}
+
+/// The spectrum, read once for all lights that share it.  Null for parameters without a spectrum.
+std::shared_ptr<const Spectrum> spectrum_of(Context& context, const Parameter* parameter) {
+  if (parameter == nullptr || parameter->type == "rgb") return nullptr;
+  const auto [entry, is_new] = context.spectra.try_emplace(key_of(*parameter));
+  if (is_new) entry->second = read_spectrum(context, *parameter);
+  return entry->second;
+}
+
+}  // namespace
+
+std::shared_ptr<const Spectrum> light_spectrum(Context& context, const ParameterSet& params,
+                                               std::string_view name) {
+  const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
+  const std::shared_ptr<const Spectrum> spectrum = spectrum_of(context, parameter);
+  if (spectrum != nullptr && spectrum->clipped())
+    context.remark(parameter->place,
+                   fmt::format("{} \"{}\" is outside of the RGB gamut", parameter->type, name),
+                   fmt::format("linear RGB {} of luminance 1; queries by wavelength are exact",
+                               text(spectrum->rgb())));
+  return spectrum;
+}
+
+void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
+                                   std::string_view name) {
+  const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
+  if (const auto spectrum = spectrum_of(context, parameter))
+    context.remark(
+        parameter->place,
+        fmt::format("{} \"{}\" of a light with a picture, whose colours are RGB", parameter->type,
+                    name),
+        fmt::format("the spectrum becomes RGB {} of luminance 1, also for queries by wavelength",
+                    text(spectrum->rgb())));
+}
+
+Rgb<double> light_level(Context& context, const ParameterSet& params, std::string_view name) {
+  const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
+  if (parameter == nullptr) return Rgb<double>(1);
+  if (parameter->type == "rgb") {
+    const Rgb<double> rgb = rgb_of(*parameter);
+    if (std::min({rgb.r, rgb.g, rgb.b}) < 0)
+      fail(parameter->place,
+           fmt::format("\"rgb {}\" = {}, allowed: not negative", name, text(rgb)));
+    return rgb;
+  }
+  if (const auto spectrum = spectrum_of(context, parameter)) return spectrum->rgb();
+  const bool named = parameter->numbers.empty() && of_no_light(parameter->strings.front());
+  return Rgb<double>(named ? 1 : 0);
+}
+
+SampledSpectrum spectrum_samples(Context& context, const Parameter& parameter) {
+  const std::string what = fmt::format("spectrum \"{}\"", parameter.name);
+  if (!parameter.numbers.empty()) return samples(parameter.place, what, parameter.numbers);
+  const std::vector<double> numbers = numbers_of(parameter.place, context.read(parameter));
+  if (numbers.empty())
+    fail(parameter.place,
+         fmt::format("\"{}\" holds no numbers", printable(parameter.strings.front())));
+  return samples(parameter.place, what, numbers);
+}
+
+Rgb<double> reflectance(Context& context, const Parameter& parameter) {
+  Rgb<double> rgb(0.5);
+  if (parameter.type == "rgb") {
+    rgb = rgb_of(parameter);
+  } else if (parameter.type == "float") {
+    rgb = Rgb<double>(parameter.numbers.front());
+  } else if (parameter.type == "spectrum" && !parameter.numbers.empty()) {
+    const auto [wavelengths, values] =
+        samples(parameter.place, fmt::format("spectrum \"{}\"", parameter.name), parameter.numbers);
+    constexpr std::array<double, 2> kVisible{360, 830}, kOne{1, 1};
+    rgb = Rgb<double>(tristimulus(wavelengths, values).y / tristimulus(kVisible, kOne).y);
+    const bool constant =
+        std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end() &&
+        wavelengths.front() <= kVisible[0] && wavelengths.back() >= kVisible[1];
+    if (constant) {
+      rgb = Rgb<double>(values.front());
+    } else {
+      context.remark(parameter.place,
+                     fmt::format("spectrum \"{}\" of a surface is not modelled", parameter.name),
+                     fmt::format("grey {:.4g}, its luminous reflectance", rgb.r));
+    }
+  } else {
+    context.remark(
+        parameter.place,
+        fmt::format("{} \"{}\" of a surface is not modelled", parameter.type, parameter.name),
+        "grey 0.5");
+  }
+  const Rgb<double> clamped{std::clamp(rgb.r, 0.0, 1.0), std::clamp(rgb.g, 0.0, 1.0),
+                            std::clamp(rgb.b, 0.0, 1.0)};
+  if (clamped != rgb)
+    context.remark(parameter.place,
+                   fmt::format("\"{}\" = {} is not a valid reflectance", parameter.name, text(rgb)),
+                   fmt::format("clamped to {}", text(clamped)));
+  return clamped;
+}
+
+std::string text(const Rgb<double>& c) {
+  return fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b);
+}
+
+}  // namespace lucerna::pbrt
