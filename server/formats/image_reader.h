@@ -40,4 +40,9 @@ inline constexpr std::uint64_t kMaxImageTexels = std::uint64_t{1} << 27;
 absl::StatusOr<DecodedImage> decode_image(const AssetContent& content,
                                           std::uint64_t max_texels = kMaxImageTexels);
 
+/// The alpha of each texel of the first picture, rows from the top, in [0, 1] for integers.  Empty
+/// if the picture has no alpha.  Errors: those of decode_image.
+absl::StatusOr<std::vector<float>> decode_alpha(const AssetContent& content,
+                                                std::uint64_t max_texels = kMaxImageTexels);
+
 }  // namespace lucerna

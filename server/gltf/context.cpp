@@ -5,7 +5,11 @@
 namespace lucerna::gltf {
 
 SourceLocation Context::location(const std::string& pointer) const {
-  return {pointer.empty() ? file : fmt::format("{}#{}", file, printable(pointer)), 0, 0};
+  // Keys of the file may be long or hold anything.
+  constexpr std::size_t kMostBytes = 1000;
+  const bool is_fit = pointer.size() <= kMostBytes && is_printable(pointer);
+  return {pointer.empty() ? file : fmt::format("{}#{}", file, is_fit ? pointer : printable(pointer)),
+          0, 0};
 }
 
 void Context::fail(const std::string& pointer, const std::string& what) const {

@@ -69,6 +69,13 @@ bool has_scheme(std::string_view uri) {
   });
 }
 
+/// The ending of the name of an embedded picture, from which readers learn its format.
+std::string ending_of(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG")) return ".png";
+  if (bytes.starts_with("\xff\xd8\xff")) return ".jpg";
+  return "";
+}
+
 }  // namespace
 
 Document::Document(Context& context) : context_(context) {
@@ -187,6 +194,7 @@ const AssetContent* Document::read_uri(const View& uri) const {
     context_.claim(uri.pointer(), text.size(), 1);
     if (!absl::Base64Unescape(text.substr(comma + 1), &content.bytes))
       uri.fail("a data URI with invalid base64");
+    content.name += ending_of(content.bytes);
   } else {
     const std::string name = unescaped(text);
     if (has_scheme(text) || !is_printable(name))
@@ -241,13 +249,13 @@ const AssetContent* Document::read(const View& thing) const {
   const std::size_t view = given.index(model_.bufferViews.size(), "bufferView");
   if (!missing_.ok()) return nullptr;
   AssetContent content;
-  content.name = context_.location(thing.pointer()).file;
   content.bytes = view_bytes(view, given.pointer());
+  content.name = context_.location(thing.pointer()).file + ending_of(content.bytes);
   context_.claim(given.pointer(), content.bytes.size(), 1);
   return &files_.emplace(given.pointer(), std::move(content)).first->second;
 }
 
-std::shared_ptr<const Image> Document::image(std::size_t index) const {
+std::shared_ptr<const Image> Document::image(std::size_t index, bool says) const {
   std::shared_ptr<const Image>& image = images_[index];
   if (image != nullptr) return image;
   const View place = root().at("images")[index];
@@ -256,8 +264,9 @@ std::shared_ptr<const Image> Document::image(std::size_t index) const {
   context_.poll();
   auto decoded = decode_image(*content);
   if (!decoded.ok()) place.fail(decoded.status());
-  for (const ImageRemark& r : decoded->remarks)
-    context_.remark(place.pointer(), r.what, r.instead);
+  if (says)
+    for (const ImageRemark& r : decoded->remarks)
+      context_.remark(place.pointer(), r.what, r.instead);
   image = decoded->image;
   context_.claim(place.pointer(), image->bytes(), 1);
   return image;

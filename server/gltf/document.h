@@ -32,8 +32,8 @@ class Document {
   /// The bytes of a thing with "uri" or "bufferView".  If the file was not uploaded yet, the load
   /// goes on without it (null) until require_all_files.
   const AssetContent* read(const View& thing) const;
-  /// The picture images/`index`; null as above.
-  std::shared_ptr<const Image> image(std::size_t index) const;
+  /// The picture images/`index`; null as above.  `says`: with remarks on parts that are not used.
+  std::shared_ptr<const Image> image(std::size_t index, bool says = true) const;
   /// Fails if a file was not uploaded yet.
   void require_all_files() const;
 

@@ -36,8 +36,9 @@ SpotLightParams spot_light(const View& light, const Vec3<double>& position,
   spot.position_m = position;
   spot.axis = axis;
   spot.intensity_cd = level_of(light, "intensity", "cd");
-  const View angles = light.at("spot");
-  angles.require_object();
+  // Earlier drafts of the extension allowed a spot without its angles.
+  const auto given = light.find("spot");
+  const View angles = given ? given->require_object() : light;
   constexpr double kMost = std::numbers::pi / 2;
   spot.cone_half_angle_rad =
       angles.number("outerConeAngle", std::numbers::pi / 4, {1e-6, kMost + 1e-6});

@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "server/gltf/image_based.h"
 #include "server/gltf/lights.h"
 #include "server/gltf/place.h"
 
@@ -19,11 +20,13 @@ absl::StatusOr<SceneDescription> load_gltf(AssetReader& assets, const std::strin
     gltf::Materials materials(document);
     materials.read_pictures();
     gltf::read_photometric_files(document);
+    gltf::read_environment_pictures(document);
     document.require_all_files();
 
     const gltf::Tree tree(document);
     gltf::place_meshes(document, materials, tree);
     for (const gltf::PlacedNode& node : tree.nodes()) gltf::add_lights(document, node);
+    gltf::add_environment(document, tree);
     gltf::set_camera(document, tree.nodes());
     context.finish_remarks();
   } catch (const gltf::Failure& failure) {

@@ -34,6 +34,19 @@ void apply_transform(const View& transform, MaterialEmission& emission) {
       transform.integer("texCoord", static_cast<std::uint64_t>(emission.uv_set), 0, 1000));
 }
 
+/// Checks a reference to a texture.
+void check_texture(const Document& document, const View& info) {
+  info.at("index").index(document.count("textures"), "texture");
+  info.integer("texCoord", 0, 0, 1000);
+  info.number("scale", 1);
+  info.number("strength", 1, kUnit);
+  if (const auto transform = info.extension("KHR_texture_transform")) {
+    transform->numbers("offset", {0, 0});
+    transform->numbers("scale", {1, 1});
+    transform->number("rotation", 0);
+  }
+}
+
 }  // namespace
 
 bool is_material_extension(std::string_view name) {
@@ -102,7 +115,10 @@ Materials::Use Materials::make(const View& material) {
   DiffuseMaterial diffuse{Rgb<double>(1.0)};
   std::vector<std::string> left_out;
   const auto note = [&](const View& parent, std::string_view key) {
-    if (parent.find(key)) left_out.emplace_back(key);
+    const auto texture = parent.find(key);
+    if (!texture) return;
+    check_texture(document_, *texture);
+    left_out.emplace_back(key);
   };
   if (const auto pbr = material.find("pbrMetallicRoughness")) {
     const std::vector<double> base =

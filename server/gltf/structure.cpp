@@ -89,6 +89,7 @@ void check_attributes(const View& attributes, std::size_t accessors) {
 
 void check_mesh(const View& mesh, std::size_t accessors, std::size_t materials) {
   mesh.require_object();
+  mesh.text("name", "");
   mesh.at("primitives").require_array(1);
   for_each(mesh, "primitives", [&](const View& primitive) {
     check_attributes(primitive.at("attributes"), accessors);
@@ -105,6 +106,7 @@ void check_mesh(const View& mesh, std::size_t accessors, std::size_t materials) 
 
 void check_node(const View& node, const View& root) {
   node.require_object();
+  node.text("name", "");
   node.index("camera", count_of(root, "cameras"), "camera");
   node.index("mesh", count_of(root, "meshes"), "mesh");
   node.index("skin", count_of(root, "skins"), "skin");
@@ -145,7 +147,8 @@ void check_trees(const View& root) {
   }
   for_each(root, "scenes", [&](const View& scene) {
     std::set<std::size_t> roots;
-    for_each(scene.require_object(), "nodes", [&](const View& node) {
+    scene.require_object().text("name", "");
+    for_each(scene, "nodes", [&](const View& node) {
       const std::size_t i = node.index(count, "node");
       if (parent[i] != kNone)
         node.fail(fmt::format("node {} has the parent {}, allowed: nodes without a parent", i,

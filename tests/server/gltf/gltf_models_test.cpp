@@ -41,6 +41,14 @@ const std::map<std::string, std::string>& broken() {
       {"glTF2/SchemaFailures/sceneWrongType.gltf", "#/scene: found \"hello\""},
       {"glTF2/TestNoRootNode/NoScene.gltf", "#/scene: found 0, allowed: nothing"},
       {"glTF2/wrongTypes/badArray.gltf", "#/meshes/0/primitives: found an object"},
+      {"glTF2/wrongTypes/badExtension.gltf",
+       "#/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform: found "
+       "\"Not an object\", allowed: an object"},
+      {"glTF2/wrongTypes/badNumber.gltf",
+       "#/materials/0/normalTexture: \"index\" is missing"},
+      {"glTF2/wrongTypes/badString.gltf", "#/scenes/0/name: found 42, allowed: a string"},
+      {"glTF2/wrongTypes/badUint.gltf",
+       "#/materials/0/pbrMetallicRoughness/baseColorTexture/index: found -1, allowed: the index"},
       {"glTF2/wrongTypes/badObject.gltf",
        "#/materials/0/pbrMetallicRoughness: found an array of 1, allowed: an object"},
   };
