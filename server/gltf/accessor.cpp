@@ -94,20 +94,19 @@ void apply_sparse(const Document& document, const std::string& pointer,
   const auto count = static_cast<std::size_t>(sparse.count);
   const std::string at = pointer + "/sparse";
   const std::size_t size = size_of(accessor.componentType);
-  const Elements places = elements(
-      document, at + "/indices", static_cast<std::size_t>(sparse.indices.bufferView),
-      static_cast<std::size_t>(sparse.indices.byteOffset), count,
-      size_of(sparse.indices.componentType), false);
-  const Elements changed = elements(
-      document, at + "/values", static_cast<std::size_t>(sparse.values.bufferView),
-      static_cast<std::size_t>(sparse.values.byteOffset), count, components * size, false);
+  const Elements places =
+      elements(document, at + "/indices", static_cast<std::size_t>(sparse.indices.bufferView),
+               static_cast<std::size_t>(sparse.indices.byteOffset), count,
+               size_of(sparse.indices.componentType), false);
+  const Elements changed =
+      elements(document, at + "/values", static_cast<std::size_t>(sparse.values.bufferView),
+               static_cast<std::size_t>(sparse.values.byteOffset), count, components * size, false);
   for (std::size_t i = 0; i < count; ++i) {
     const auto place = static_cast<std::size_t>(
         number_at(places.first + i * places.stride, sparse.indices.componentType, false));
     if (place >= accessor.count)
-      document.context().fail(at + "/indices",
-                              fmt::format("index {} is {}, allowed: 0 to {}", i, place,
-                                          accessor.count - 1));
+      document.context().fail(at + "/indices", fmt::format("index {} is {}, allowed: 0 to {}", i,
+                                                           place, accessor.count - 1));
     for (std::size_t k = 0; k < components; ++k)
       values[place * components + k] = number_at(changed.first + i * changed.stride + k * size,
                                                  accessor.componentType, accessor.normalized);
@@ -138,15 +137,14 @@ std::vector<double> read_numbers(const Document& document, std::size_t index,
   const std::size_t size = size_of(accessor.componentType);
   std::vector<double> values;
   if (accessor.bufferView >= 0) {
-    const Elements from =
-        elements(document, pointer, static_cast<std::size_t>(accessor.bufferView),
-                 accessor.byteOffset, accessor.count, components * size, true);
+    const Elements from = elements(document, pointer, static_cast<std::size_t>(accessor.bufferView),
+                                   accessor.byteOffset, accessor.count, components * size, true);
     context.claim(pointer, accessor.count, components * sizeof(double));
     values.reserve(accessor.count * components);
     for (std::size_t i = 0; i < accessor.count; ++i)
       for (std::size_t k = 0; k < components; ++k)
-        values.push_back(number_at(from.first + i * from.stride + k * size,
-                                   accessor.componentType, accessor.normalized));
+        values.push_back(number_at(from.first + i * from.stride + k * size, accessor.componentType,
+                                   accessor.normalized));
   } else {
     if (accessor.count > kMostZeros)
       context.fail(pointer + "/count", fmt::format("found {} elements without bytes, allowed: {}",

@@ -103,24 +103,25 @@ void Animations::add(const View& channel, const tinygltf::Animation& animation,
   Tracks& tracks = nodes_[node];
   Track& track = path == "rotation" ? tracks.rotation : tracks.translation;
   if (!document_.model().nodes[node].matrix.empty())
-    channel.fail(fmt::format("animates node {}, which has a matrix, allowed: translation, rotation "
-                             "and scale",
-                             node));
+    channel.fail(
+        fmt::format("animates node {}, which has a matrix, allowed: translation, rotation "
+                    "and scale",
+                    node));
   if (!track.empty()) {
-    context.remark(channel.pointer(),
-                   fmt::format("a second animation of the {} of node {} is not modelled", path,
-                               node),
-                   "the first");
+    context.remark(
+        channel.pointer(),
+        fmt::format("a second animation of the {} of node {} is not modelled", path, node),
+        "the first");
     return;
   }
   const auto& sampler = animation.samplers[static_cast<std::size_t>(source.sampler)];
-  const std::string at = animation_place.at("samplers")[static_cast<std::size_t>(source.sampler)]
-                             .pointer();
+  const std::string at =
+      animation_place.at("samplers")[static_cast<std::size_t>(source.sampler)].pointer();
   std::vector<double> times = read_numbers(document_, static_cast<std::size_t>(sampler.input), 1);
   for (std::size_t i = 0; i < times.size(); ++i)
     if (times[i] < 0 || (i > 0 && !(times[i] > times[i - 1])))
-      context.fail(at + "/input", fmt::format("time {} is {} s, allowed: from 0 on, ascending", i,
-                                              times[i]));
+      context.fail(at + "/input",
+                   fmt::format("time {} is {} s, allowed: from 0 on, ascending", i, times[i]));
   const auto kind = sampler.interpolation == "STEP"          ? Track::Kind::kStep
                     : sampler.interpolation == "CUBICSPLINE" ? Track::Kind::kSpline
                                                              : Track::Kind::kLinear;
@@ -129,9 +130,9 @@ void Animations::add(const View& channel, const tinygltf::Animation& animation,
       read_numbers(document_, static_cast<std::size_t>(sampler.output), components);
   const std::size_t expected = times.size() * components * (kind == Track::Kind::kSpline ? 3 : 1);
   if (values.size() != expected)
-    context.fail(at + "/output", fmt::format("found {} values, expected {} for {} times",
-                                             values.size() / components, expected / components,
-                                             times.size()));
+    context.fail(at + "/output",
+                 fmt::format("found {} values, expected {} for {} times",
+                             values.size() / components, expected / components, times.size()));
   track = Track(std::move(times), std::move(values), components, kind);
 }
 

@@ -57,8 +57,8 @@ std::string unpack_meshopt(const View& packed, std::string_view bytes) {
                 ? meshopt_decodeIndexBuffer(result.data(), count, stride, data, bytes.size())
                 : meshopt_decodeIndexSequence(result.data(), count, stride, data, bytes.size());
   } else {
-    packed.at("mode").fail(fmt::format("found \"{}\", allowed: ATTRIBUTES, TRIANGLES, INDICES",
-                                       printable(mode)));
+    packed.at("mode").fail(
+        fmt::format("found \"{}\", allowed: ATTRIBUTES, TRIANGLES, INDICES", printable(mode)));
   }
   if (error != 0)
     packed.fail(fmt::format("the {} bytes are not {} compressed elements", bytes.size(), count));

@@ -8,8 +8,9 @@ SourceLocation Context::location(const std::string& pointer) const {
   // Keys of the file may be long or hold anything.
   constexpr std::size_t kMostBytes = 1000;
   const bool is_fit = pointer.size() <= kMostBytes && is_printable(pointer);
-  return {pointer.empty() ? file : fmt::format("{}#{}", file, is_fit ? pointer : printable(pointer)),
-          0, 0};
+  return {
+      pointer.empty() ? file : fmt::format("{}#{}", file, is_fit ? pointer : printable(pointer)), 0,
+      0};
 }
 
 void Context::fail(const std::string& pointer, const std::string& what) const {
@@ -17,9 +18,8 @@ void Context::fail(const std::string& pointer, const std::string& what) const {
 }
 
 void Context::fail(const std::string& pointer, const absl::Status& status) const {
-  throw Failure{
-      absl::Status(status.code(), fmt::format("{}: {}", location(pointer).file,
-                                              std::string(status.message())))};
+  throw Failure{absl::Status(
+      status.code(), fmt::format("{}: {}", location(pointer).file, std::string(status.message())))};
 }
 
 void Context::remark(const std::string& pointer, std::string what, std::string instead) {

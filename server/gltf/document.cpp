@@ -104,8 +104,8 @@ std::string_view Document::split_container(std::string_view bytes) {
     context_.fail("", fmt::format("container version {}, allowed: 2", number_at(bytes, 4)));
   const std::size_t length = number_at(bytes, 8);
   if (length > bytes.size() || length < 20)
-    context_.fail("", fmt::format("the header states {} bytes, but the file has {}", length,
-                                  bytes.size()));
+    context_.fail(
+        "", fmt::format("the header states {} bytes, but the file has {}", length, bytes.size()));
   constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
   const std::size_t text_length = number_at(bytes, 12);
   if (number_at(bytes, 16) != kJson) context_.fail("", "the first chunk is not JSON");
@@ -130,8 +130,8 @@ std::string_view Document::split_container(std::string_view bytes) {
 
 void Document::parse(std::string_view text, std::size_t start) {
   if (text.size() > kMostText)
-    context_.fail("", absl::ResourceExhaustedError(fmt::format(
-                          "JSON text of {} bytes, allowed: {}", text.size(), kMostText)));
+    context_.fail("", absl::ResourceExhaustedError(fmt::format("JSON text of {} bytes, allowed: {}",
+                                                               text.size(), kMostText)));
   std::size_t values = 0;
   const auto check = [&](int level, Json::parse_event_t event, const Json&) {
     if (level > kMostLevels)
@@ -148,8 +148,8 @@ void Document::parse(std::string_view text, std::size_t start) {
     json_ = Json::parse(text.begin(), text.end(), check);
   } catch (const Json::parse_error& error) {
     if (start > 0)
-      context_.fail("", fmt::format("invalid JSON at byte {}: {}", start + error.byte,
-                                    reason_of(error)));
+      context_.fail(
+          "", fmt::format("invalid JSON at byte {}: {}", start + error.byte, reason_of(error)));
     throw Failure{absl::InvalidArgumentError(fmt::format("{}:{}: invalid JSON: {}", context_.file,
                                                          line_and_column(text, error.byte),
                                                          reason_of(error)))};
@@ -198,8 +198,8 @@ const AssetContent* Document::read_uri(const View& uri) const {
   } else {
     const std::string name = unescaped(text);
     if (has_scheme(text) || !is_printable(name))
-      uri.fail(fmt::format("found \"{}\", allowed: a relative path or a data URI",
-                           printable(text)));
+      uri.fail(
+          fmt::format("found \"{}\", allowed: a relative path or a data URI", printable(text)));
     absl::StatusOr<AssetContent> read = context_.assets.read(name, context_.file);
     if (absl::IsFailedPrecondition(read.status())) {
       if (missing_.ok())

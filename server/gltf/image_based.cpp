@@ -66,8 +66,9 @@ std::vector<Rgb<float>> face_texels(const Document& document, const View& face, 
   const std::shared_ptr<const Image> image = document.image(index, false);
   if (image == nullptr) return {};
   if (image->width() != size || image->height() != size)
-    face.fail(fmt::format("a picture of {} x {} texels, allowed: {} x {}, as specularImageSize says",
-                          image->width(), image->height(), size, size));
+    face.fail(
+        fmt::format("a picture of {} x {} texels, allowed: {} x {}, as specularImageSize says",
+                    image->width(), image->height(), size, size));
   document.context().claim(face.pointer(), image->bytes(), 1);
   const auto alpha = decode_alpha(*document.read(document.root().at("images")[index]));
   if (!alpha.ok()) face.fail(alpha.status());
@@ -133,8 +134,7 @@ void add_environment(const Document& document, const Tree& tree) {
   const View faces = faces_of(light);
   Cube cube;
   cube.size = static_cast<int>(light.at("specularImageSize").integer(1, kMostFaceTexels));
-  for (std::size_t f = 0; f < 6; ++f)
-    cube.faces[f] = face_texels(document, faces[f], cube.size);
+  for (std::size_t f = 0; f < 6; ++f) cube.faces[f] = face_texels(document, faces[f], cube.size);
 
   auto map = SphereMap::create(panorama(document, cube, light), SphereMapping::kLatitudeLongitude,
                                ImageFilter::kBilinear);

@@ -15,8 +15,8 @@ Vec3<double> column(const Matrix& m, std::size_t j) { return {m[0][j], m[1][j], 
 
 Rgb<double> level_of(const View& light, std::string_view intensity, std::string_view unit) {
   const std::vector<double> colour = light.numbers("color", {1, 1, 1}, kNotNegative);
-  const Rgb<double> level = Rgb<double>(colour[0], colour[1], colour[2]) *
-                            light.number(intensity, 1, kNotNegative);
+  const Rgb<double> level =
+      Rgb<double>(colour[0], colour[1], colour[2]) * light.number(intensity, 1, kNotNegative);
   if (const auto status = check_light_value<float>(intensity, level, unit); !status.ok())
     light.fail(status);
   return level;
@@ -73,7 +73,7 @@ void add_punctual(const Document& document, const PlacedNode& node, const View& 
     light.context().remark(range->pointer(),
                            fmt::format("a range of {} m is not applied", range->number()),
                            "light falls off with the square of the distance, without an end");
-  result.where = document.context().location(light.pointer());
+  result.where = document.context().location(fmt::format("/nodes/{}", node.index));
   result.motion = node.motion;
   document.context().scene.lights.push_back(std::move(result));
 }
@@ -95,8 +95,8 @@ void add_photometric(const Document& document, const PlacedNode& node, const Vie
   // angles of type C are counter-clockwise seen from above, which is from +z of the node.
   light.axes = Frame<double>{column(frame, 0), -column(frame, 1), -column(frame, 2)};
   const std::vector<double> colour = use.numbers("color", {1, 1, 1}, kUnit);
-  light.intensity = Rgb<double>(colour[0], colour[1], colour[2]) *
-                    use.number("multiplier", 1, kNotNegative);
+  light.intensity =
+      Rgb<double>(colour[0], colour[1], colour[2]) * use.number("multiplier", 1, kNotNegative);
   light.web = file->web;
   light.file = content->name;
   light.format = file->format;
@@ -104,7 +104,7 @@ void add_photometric(const Document& document, const PlacedNode& node, const Vie
     use.fail(status);
   LightDescription result;
   result.params = std::move(light);
-  result.where = document.context().location(use.pointer());
+  result.where = document.context().location(fmt::format("/nodes/{}", node.index));
   result.motion = node.motion;
   document.context().scene.lights.push_back(std::move(result));
 }
@@ -120,8 +120,7 @@ void read_photometric_files(const Document& document) {
 
 void add_lights(const Document& document, const PlacedNode& node) {
   const View place = document.root().at("nodes")[node.index];
-  if (const auto use = place.extension("KHR_lights_punctual"))
-    add_punctual(document, node, *use);
+  if (const auto use = place.extension("KHR_lights_punctual")) add_punctual(document, node, *use);
   if (const auto use = place.extension("EXT_lights_ies")) add_photometric(document, node, *use);
 }
 
@@ -158,9 +157,9 @@ void set_camera(const Document& document, const std::vector<PlacedNode>& nodes) 
       half_height = std::tan(given.perspective.yfov / 2);
       half_width = half_height * given.perspective.aspectRatio;
     } else {
-      context.remark(
-          fmt::format("/cameras/{}", document.model().nodes[chosen->index].camera),
-          "an orthographic camera is not modelled", "a perspective camera, 90 degrees high");
+      context.remark(fmt::format("/cameras/{}", document.model().nodes[chosen->index].camera),
+                     "an orthographic camera is not modelled",
+                     "a perspective camera, 90 degrees high");
       if (given.orthographic.xmag > 0 && given.orthographic.ymag > 0)
         half_width = std::clamp(given.orthographic.xmag / given.orthographic.ymag, 1e-3, 1e3);
     }

@@ -100,8 +100,7 @@ std::shared_ptr<const MaterialEmission> Materials::emission(const View& material
   MaterialEmission emission;
   emission.radiance_cd_m2 = Rgb<double>(factor[0], factor[1], factor[2]) * strength;
   if (emission.radiance_cd_m2.is_black()) return nullptr;
-  if (const auto status =
-          check_light_value<float>("emission", emission.radiance_cd_m2, "cd/m2");
+  if (const auto status = check_light_value<float>("emission", emission.radiance_cd_m2, "cd/m2");
       !status.ok())
     material.fail(status);
   if (const auto texture = material.find("emissiveTexture");

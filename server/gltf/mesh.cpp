@@ -19,8 +19,8 @@ class Attributes {
       : document_(document), primitive_(primitive), pointer_(place.pointer()) {
     const auto packed = place.extension("KHR_draco_mesh_compression");
     if (!packed) return;
-    const std::size_t view = packed->at("bufferView")
-                                 .index(document.model().bufferViews.size(), "bufferView");
+    const std::size_t view =
+        packed->at("bufferView").index(document.model().bufferViews.size(), "bufferView");
     draco_ = unpack_draco(*packed, document.view_bytes(view, packed->pointer()));
   }
 
@@ -38,15 +38,14 @@ class Attributes {
     if (draco_ && draco_->attributes.contains(name)) {
       const DracoMesh::Attribute& packed = draco_->attributes.at(name);
       if (packed.components != components)
-        document_.context().fail(at, fmt::format("found {} components, allowed: {}",
-                                                 packed.components, components));
+        document_.context().fail(
+            at, fmt::format("found {} components, allowed: {}", packed.components, components));
       values = packed.values;
       for (const double value : values)
-        if (!std::isfinite(value))
-          document_.context().fail(at, "a compressed value is not finite");
+        if (!std::isfinite(value)) document_.context().fail(at, "a compressed value is not finite");
     } else {
-      values = read_numbers(
-          document_, static_cast<std::size_t>(primitive_.attributes.at(name)), components);
+      values = read_numbers(document_, static_cast<std::size_t>(primitive_.attributes.at(name)),
+                            components);
     }
     if (count && values.size() != *count * components)
       document_.context().fail(at, fmt::format("found {} elements, but there are {} vertices",
@@ -79,8 +78,7 @@ std::vector<Vec3<double>> vectors(const std::vector<double>& numbers) {
 std::vector<std::uint32_t> triangles(int mode, const std::vector<std::uint32_t>& corners) {
   std::vector<std::uint32_t> result;
   if (mode == TINYGLTF_MODE_TRIANGLES) {
-    result.assign(corners.begin(),
-                  corners.end() - static_cast<std::ptrdiff_t>(corners.size() % 3));
+    result.assign(corners.begin(), corners.end() - static_cast<std::ptrdiff_t>(corners.size() % 3));
     return result;
   }
   if (corners.size() < 3) return result;
@@ -103,8 +101,7 @@ void morph(const Document& document, const tinygltf::Primitive& primitive,
   for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
     const auto found = primitive.targets[t].find(attribute);
     if (weights[t] == 0 || found == primitive.targets[t].end()) continue;
-    const auto change =
-        vectors(read_numbers(document, static_cast<std::size_t>(found->second), 3));
+    const auto change = vectors(read_numbers(document, static_cast<std::size_t>(found->second), 3));
     if (change.size() != values.size())
       document.context().fail(fmt::format("{}/targets/{}/{}", pointer, t, attribute),
                               fmt::format("found {} elements, but there are {} vertices",
@@ -172,8 +169,7 @@ std::vector<Vec3<float>> directions(Context& context, const std::string& pointer
 /// The (u, v) of the corners in the picture.  Triangles within one repetition of the picture are
 /// moved to it.
 std::vector<Vec2<float>> corner_uv(Context& context, const std::string& pointer,
-                                   const MaterialEmission& emission,
-                                   const std::vector<double>& uv,
+                                   const MaterialEmission& emission, const std::vector<double>& uv,
                                    const std::vector<std::uint32_t>& indices) {
   using Wrap = MaterialEmission::Wrap;
   std::vector<Vec2<float>> result;
@@ -187,8 +183,8 @@ std::vector<Vec2<float>> corner_uv(Context& context, const std::string& pointer,
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const Wrap wrap = axis == 0 ? emission.wrap_u : emission.wrap_v;
       double* x = at[axis];
-      const double tile = std::floor((std::min({x[0], x[1], x[2]}) + std::max({x[0], x[1], x[2]})) /
-                                     2);
+      const double tile =
+          std::floor((std::min({x[0], x[1], x[2]}) + std::max({x[0], x[1], x[2]})) / 2);
       for (std::size_t k = 0; k < 3; ++k) {
         if (wrap == Wrap::kClamp) continue;
         x[k] -= tile;
@@ -214,10 +210,10 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
   context.poll();
   const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
   if (mode < TINYGLTF_MODE_TRIANGLES) {
-    context.remark(pointer + "/mode",
-                   mode == TINYGLTF_MODE_POINTS ? "points are not modelled"
-                                                : "lines are not modelled",
-                   "left out");
+    context.remark(
+        pointer + "/mode",
+        mode == TINYGLTF_MODE_POINTS ? "points are not modelled" : "lines are not modelled",
+        "left out");
     return std::nullopt;
   }
   const Attributes attributes(document, primitive, place);
@@ -247,9 +243,9 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
   }
   for (std::size_t i = 0; i < corners.size(); ++i)
     if (corners[i] >= count)
-      context.fail(pointer + "/indices",
-                   fmt::format("index {} names vertex {}, but there are {} vertices", i, corners[i],
-                               count));
+      context.fail(
+          pointer + "/indices",
+          fmt::format("index {} names vertex {}, but there are {} vertices", i, corners[i], count));
   context.claim(pointer, corners.size(), 3 * sizeof(std::uint32_t));
   // Draco's faces are triangles already.
   part.mesh.indices =
@@ -274,8 +270,7 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
     }
   }
   for (std::size_t i = 0; i < count; ++i)
-    if (!is_finite(positions[i]))
-      context.fail(pointer, fmt::format("vertex {} is not finite", i));
+    if (!is_finite(positions[i])) context.fail(pointer, fmt::format("vertex {} is not finite", i));
   part.mesh.positions = std::move(positions);
   part.mesh.normals = directions(context, pointer, normals);
   if (attributes.has("COLOR_0"))
@@ -300,8 +295,8 @@ std::vector<Part> make_parts(const Document& document, Materials& materials, std
   const View primitives = document.root().at("meshes")[index].at("primitives");
   std::vector<Part> parts;
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
-    auto part = make_part(document, materials, mesh, mesh.primitives[p],
-primitives[p], deformation);
+    auto part =
+        make_part(document, materials, mesh, mesh.primitives[p], primitives[p], deformation);
     if (part) parts.push_back(*std::move(part));
   }
   return parts;

@@ -1,11 +1,11 @@
 #include <fstream>  // tinygltf needs it even without files
 #define TINYGLTF_IMPLEMENTATION
-#include "server/gltf/model.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <string_view>
+
+#include "server/gltf/model.h"
 
 namespace lucerna::gltf {
 namespace {

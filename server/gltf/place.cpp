@@ -67,8 +67,8 @@ void Placer::find_places(const PlacedNode& node) {
 void Placer::add_place(const PlacedNode& node, const Matrix& world_from_mesh, std::size_t mesh) {
   const auto transform = Transform::from_matrix(world_from_mesh);
   if (!transform) {
-    context_.remark(node_pointer(node.index), "a transform without an inverse, such as a scale of 0",
-                    "its mesh is left out");
+    context_.remark(node_pointer(node.index),
+                    "a transform without an inverse, such as a scale of 0", "its mesh is left out");
     return;
   }
   context_.claim(node_pointer(node.index), 1, sizeof(MeshPlace) + sizeof(InstanceDescription));
@@ -109,10 +109,10 @@ void Placer::find_instances(const PlacedNode& node, const View& instancing, std:
     if (!rotation.empty()) std::copy_n(&rotation[4 * i], 4, turn.begin());
     if (turn == Quaternion{})
       attributes.at("ROTATION").fail(fmt::format("element {} is 0, allowed: a quaternion", i));
-    add_place(node,
-              multiply(node.world_from_node,
-                       from_parts(vec(translation, i, 0), turn, vec(scale, i, 1))),
-              mesh);
+    add_place(
+        node,
+        multiply(node.world_from_node, from_parts(vec(translation, i, 0), turn, vec(scale, i, 1))),
+        mesh);
   }
 }
 
@@ -131,8 +131,7 @@ void Placer::add_deformed(const PlacedNode& node, std::size_t mesh) {
     const tinygltf::Skin& skin = document_.model().skins[static_cast<std::size_t>(n.skin)];
     std::vector<double> inverses;
     if (skin.inverseBindMatrices >= 0)
-      inverses =
-          read_numbers(document_, static_cast<std::size_t>(skin.inverseBindMatrices), 16);
+      inverses = read_numbers(document_, static_cast<std::size_t>(skin.inverseBindMatrices), 16);
     if (!inverses.empty() && inverses.size() < 16 * skin.joints.size())
       context_.fail(fmt::format("/skins/{}/inverseBindMatrices", n.skin),
                     fmt::format("found {} matrices, but there are {} joints", inverses.size() / 16,
@@ -182,8 +181,7 @@ void Placer::add(std::size_t mesh, const std::vector<Part>& parts,
     }
     if (!has_object) {
       const std::string name = printable(document_.model().meshes[mesh].name);
-      context_.scene.objects.push_back(
-          {name.empty() ? fmt::format("/meshes/{}", mesh) : name, {}});
+      context_.scene.objects.push_back({name.empty() ? fmt::format("/meshes/{}", mesh) : name, {}});
       has_object = true;
     }
     add_shape(part, nullptr);
@@ -191,8 +189,8 @@ void Placer::add(std::size_t mesh, const std::vector<Part>& parts,
   if (!has_object) return;
   const auto object = static_cast<std::uint32_t>(context_.scene.objects.size() - 1);
   for (const MeshPlace& place : places)
-    context_.scene.instances.push_back({object, place.world_from_mesh, place.motion,
-                                        context_.location(node_pointer(place.node))});
+    context_.scene.instances.push_back(
+        {object, place.world_from_mesh, place.motion, context_.location(node_pointer(place.node))});
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 namespace lucerna::gltf {
 
-/// Adds the meshes of all nodes.  A mesh with one place becomes shapes.  A mesh with several becomes
-/// an object with instances; only its emissive parts are copied to each place.
+/// Adds the meshes of all nodes.  A mesh with one place becomes shapes.  A mesh with several
+/// becomes an object with instances; only its emissive parts are copied to each place.
 void place_meshes(const Document& document, Materials& materials, const Tree& tree);
 
 }  // namespace lucerna::gltf

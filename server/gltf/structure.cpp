@@ -59,8 +59,7 @@ void check_accessor(const View& accessor, std::size_t views) {
   check_component_type(accessor.at("componentType"), false);
   accessor.boolean("normalized", false);
   const std::uint64_t count = accessor.at("count").integer(1, kMostElements);
-  check_one_of(accessor.at("type"),
-               {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"});
+  check_one_of(accessor.at("type"), {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"});
   const auto sparse = accessor.find("sparse");
   if (!sparse) return;
   // tinygltf holds the count in an int.
@@ -129,9 +128,9 @@ void check_trees(const View& root) {
     for_each(node, "children", [&](const View& child) {
       const std::size_t c = child.index(count, "node");
       if (parent[c] != kNone)
-        child.fail(fmt::format(
-            "node {} has two parents, nodes {} and {}, allowed: one; nodes form trees", c,
-            parent[c], n));
+        child.fail(
+            fmt::format("node {} has two parents, nodes {} and {}, allowed: one; nodes form trees",
+                        c, parent[c], n));
       parent[c] = n;
     });
     ++n;
@@ -233,14 +232,15 @@ void check_extensions(const View& root) {
   };
   for_each(root, "extensionsRequired", [&](const View& name) {
     if (!is_modelled(name.text()))
-      name.fail(absl::InvalidArgumentError(fmt::format(
-          "the file requires the extension \"{}\", which is not modelled", printable(name.text()))));
+      name.fail(absl::InvalidArgumentError(
+          fmt::format("the file requires the extension \"{}\", which is not modelled",
+                      printable(name.text()))));
   });
   for_each(root, "extensionsUsed", [&](const View& name) {
     if (!is_modelled(name.text()))
-      root.context().remark(
-          name.pointer(),
-          fmt::format("extension \"{}\" is not modelled", printable(name.text())), "ignored");
+      root.context().remark(name.pointer(),
+                            fmt::format("extension \"{}\" is not modelled", printable(name.text())),
+                            "ignored");
   });
 }
 

@@ -9,7 +9,7 @@ namespace lucerna::gltf {
 /// form trees.  Fails at the first fault, with its JSON pointer.
 void check_structure(const View& root);
 
-/// Fails if the version is not 2.x, or if the file requires an extension that is not modelled.  Adds
+/// Fails if the version is not 2.x, or if the file requires an extension that is not modelled. Adds
 /// a remark for each other extension that the file uses.
 void check_extensions(const View& root);
 

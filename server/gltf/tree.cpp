@@ -21,13 +21,15 @@ void check_matrix(const Document& document, std::size_t node) {
 Tree::Tree(const Document& document)
     : document_(document),
       animations_(document),
-      parent_(document.model().nodes.size(), -1) {
+      parent_(document.model().nodes.size(), -1),
+      carries_(document.model().nodes.size(), false) {
   const auto& nodes = document.model().nodes;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     check_matrix(document, i);
     for (const int child : nodes[i].children)
       parent_[static_cast<std::size_t>(child)] = static_cast<std::ptrdiff_t>(i);
   }
+  find_carriers();
   // A list of open nodes instead of recursion, since trees may be deep.
   const std::vector<std::size_t> first = roots();
   std::vector<PlacedNode> open;
@@ -36,7 +38,7 @@ Tree::Tree(const Document& document)
     document.context().poll();
     PlacedNode node = std::move(open.back());
     open.pop_back();
-    if (animations_.animates(node.index)) {
+    if (animations_.animates(node.index) && carries_[node.index]) {
       Moved moved = move(node.index);
       node.world_from_node = moved.world_from_node;
       node.motion = std::move(moved.motion);
@@ -48,6 +50,20 @@ Tree::Tree(const Document& document)
     for (auto i = children.rbegin(); i != children.rend(); ++i)
       open.push_back({static_cast<std::size_t>(*i), node.world_from_node, node.motion});
     nodes_.push_back(std::move(node));
+  }
+}
+
+void Tree::find_carriers() {
+  const auto& nodes = document_.model().nodes;
+  const auto places = document_.root().find("nodes");
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const View place = (*places)[i];
+    if (nodes[i].camera < 0 && (nodes[i].mesh < 0 || nodes[i].skin >= 0) &&
+        !place.extension("KHR_lights_punctual") && !place.extension("EXT_lights_ies"))
+      continue;
+    for (auto n = static_cast<std::ptrdiff_t>(i); n >= 0 && !carries_[static_cast<std::size_t>(n)];
+         n = parent_[static_cast<std::size_t>(n)])
+      carries_[static_cast<std::size_t>(n)] = true;
   }
 }
 
@@ -86,23 +102,37 @@ Tree::Moved Tree::move(std::size_t node) const {
   Context& context = document_.context();
   const std::string pointer = fmt::format("/nodes/{}", node);
   std::vector<std::size_t> moving;
-  for (auto n = static_cast<std::ptrdiff_t>(node); n >= 0; n = parent_[static_cast<std::size_t>(n)])
+  std::uint64_t depth = 0;
+  for (auto n = static_cast<std::ptrdiff_t>(node); n >= 0;
+       n = parent_[static_cast<std::size_t>(n)]) {
+    ++depth;
     if (animations_.animates(static_cast<std::size_t>(n)))
       moving.push_back(static_cast<std::size_t>(n));
+  }
   std::vector<double> times;
   for (const std::size_t n : moving) {
+    context.poll();
     const std::vector<double> more = animations_.times_s(n, moving.size() > 1);
     times.insert(times.end(), more.begin(), more.end());
   }
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   if (times.empty()) return {world(node, std::nullopt), nullptr};
+  // Deep trees of moving nodes would take hours.
+  constexpr std::uint64_t kMostEvaluations = 200'000'000;
+  evaluations_ += times.size() * depth;
+  if (evaluations_ > kMostEvaluations)
+    context.fail(pointer, absl::ResourceExhaustedError(fmt::format(
+                              "{} key frames of {} nodes above each other bring the transforms to "
+                              "{}, allowed: {}",
+                              times.size(), depth, evaluations_, kMostEvaluations)));
   context.claim(pointer, times.size(), sizeof(KeyTransform) + sizeof(Motion::KeyFrame));
   Moved moved{world(node, times[0]), nullptr};
   std::vector<KeyTransform> frames;
   frames.reserve(times.size());
   bool moves = false;
   for (const double time_s : times) {
+    context.poll();
     const Matrix m = world(node, time_s);
     moves = moves || m != moved.world_from_node;
     const auto transform = Transform::from_matrix(m);

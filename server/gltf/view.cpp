@@ -76,8 +76,7 @@ double View::number(Range range) const {
   const double value = value_->is_number() ? value_->get<double>() : std::nan("");
   if (!(value >= range.least && value <= range.most)) {
     if (range.least == Range{}.least) refuse("a finite number");
-    if (range.most == Range{}.most)
-      refuse(fmt::format("a finite number from {}", range.least));
+    if (range.most == Range{}.most) refuse(fmt::format("a finite number from {}", range.least));
     refuse(fmt::format("a number from {} to {}", range.least, range.most));
   }
   return value;

@@ -291,7 +291,8 @@ absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
   LoadedScene incomplete;
   AssetReader reader(
       std::make_unique<ManifestSource>(manifest, *state_->assets, incomplete.missing));
-  absl::StatusOr<SceneDescription> description = load_scene_file(reader, manifest.main, options.stop);
+  absl::StatusOr<SceneDescription> description =
+      load_scene_file(reader, manifest.main, options.stop);
   if (absl::IsCancelled(description.status())) return description.status();
   if (!incomplete.missing.empty()) return incomplete;
   LUCERNA_RETURN_IF_ERROR(description.status());
@@ -433,7 +434,9 @@ absl::StatusOr<bool> SceneStore::release(const std::string& id, const std::strin
 
 const std::string& SceneStore::root() const { return state_->root; }
 
-FileListing SceneStore::available() const { return list_files(state_->options.root, scene_file_extensions()); }
+FileListing SceneStore::available() const {
+  return list_files(state_->options.root, scene_file_extensions());
+}
 
 std::size_t SceneStore::size() const {
   const std::lock_guard lock(state_->mutex);

@@ -10,9 +10,9 @@ namespace {
 
 using testing::GltfFile;
 using testing::GltfFiles;
+using ::testing::HasSubstr;
 using testing::Json;
 using testing::message_of;
-using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 std::string error_of_text(const std::string& text, const std::string& name = "scene.gltf") {
@@ -63,8 +63,9 @@ TEST(GltfBadFiles, OtherVersions) {
 TEST(GltfBadFiles, WrongTypesAndIndices) {
   EXPECT_EQ(error_with("/nodes/0/mesh", 7),
             "scene.gltf#/nodes/0/mesh: found 7, allowed: the index of a mesh, 0 to 0");
-  EXPECT_EQ(error_with("/nodes/0/camera", 0),
-            "scene.gltf#/nodes/0/camera: found 0, allowed: nothing, because the file has no camera");
+  EXPECT_EQ(
+      error_with("/nodes/0/camera", 0),
+      "scene.gltf#/nodes/0/camera: found 0, allowed: nothing, because the file has no camera");
   EXPECT_EQ(error_with("/nodes/0/mesh", "x"),
             "scene.gltf#/nodes/0/mesh: found \"x\", allowed: the index of a mesh, 0 to 0");
   EXPECT_EQ(error_with("/nodes", 3), "scene.gltf#/nodes: found 3, allowed: an array");
@@ -87,14 +88,16 @@ TEST(GltfBadFiles, IndicesOutOfRange) {
   Json primitive = file.triangle();
   primitive["indices"] = file.add(std::vector<std::uint8_t>{0, 1, 3}, "SCALAR", 5121);
   file.add_node({{"mesh", file.add_mesh(primitive)}});
-  EXPECT_EQ(file.error(), "scene.gltf#/meshes/0/primitives/0/indices: index 2 names vertex 3, but "
-                          "there are 3 vertices");
+  EXPECT_EQ(file.error(),
+            "scene.gltf#/meshes/0/primitives/0/indices: index 2 names vertex 3, but "
+            "there are 3 vertices");
 }
 
 TEST(GltfBadFiles, BuffersTooShort) {
-  EXPECT_EQ(error_with("/accessors/0/count", 4),
-            "scene.gltf#/accessors/0: 4 elements of 12 bytes from byte 0 on, but /bufferViews/0 has "
-            "36 bytes");
+  EXPECT_EQ(
+      error_with("/accessors/0/count", 4),
+      "scene.gltf#/accessors/0: 4 elements of 12 bytes from byte 0 on, but /bufferViews/0 has "
+      "36 bytes");
   EXPECT_EQ(error_with("/bufferViews/0/byteLength", 1000),
             "scene.gltf#/bufferViews/0: bytes 0 to 1000 of buffer 0, which has 40 bytes (named by "
             "/accessors/0)");
@@ -129,8 +132,9 @@ TEST(GltfBadFiles, CyclesAndSharedNodes) {
             "nodes form trees");
   file.json["nodes"] = Json::array({{{"children", {1}}}, Json::object()});
   file.json["scenes"] = Json::array({{{"nodes", {1}}}});
-  EXPECT_EQ(file.error(), "scene.gltf#/scenes/0/nodes/0: node 1 has the parent 0, allowed: nodes "
-                          "without a parent");
+  EXPECT_EQ(file.error(),
+            "scene.gltf#/scenes/0/nodes/0: node 1 has the parent 0, allowed: nodes "
+            "without a parent");
 }
 
 TEST(GltfBadFiles, DeepTreesLoad) {
@@ -141,13 +145,32 @@ TEST(GltfBadFiles, DeepTreesLoad) {
   EXPECT_EQ(file.error(), "");
 }
 
+TEST(GltfBadFiles, DeepTreesOfMovingNodesAreBounded) {
+  GltfFile file;
+  const Json samplers = Json::array({{{"input", file.add_floats({0, 1}, "SCALAR")},
+                                      {"output", file.add_floats({0, 0, 0, 1, 0, 0}, "VEC3")}}});
+  Json channels = Json::array();
+  constexpr int kNodes = 10'000;
+  for (int i = 0; i < kNodes; ++i) {
+    file.json["nodes"].push_back(i + 1 < kNodes ? Json{{"children", {i + 1}}}
+                                                : GltfFile::light_node(0));
+    channels.push_back({{"sampler", 0}, {"target", {{"node", i}, {"path", "translation"}}}});
+  }
+  file.add_light({{"type", "point"}});
+  file.json["scenes"] = Json::array({{{"nodes", {0}}}});
+  file.json["animations"] = Json::array({{{"samplers", samplers}, {"channels", channels}}});
+  const absl::Status status = file.load().status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(message_of(status), HasSubstr("nodes above each other"));
+}
+
 TEST(GltfBadFiles, NumbersThatAreNotFinite) {
   GltfFile file;
   const float infinite = std::numeric_limits<float>::infinity();
-  file.add_node({{"mesh", file.add_mesh({{"attributes",
-                                          {{"POSITION", file.add_floats({0, 0, 0, 1, infinite, 0, 0,
-                                                                         1, 0},
-                                                                        "VEC3")}}}})}});
+  file.add_node(
+      {{"mesh", file.add_mesh({{"attributes",
+                                {{"POSITION", file.add_floats({0, 0, 0, 1, infinite, 0, 0, 1, 0},
+                                                              "VEC3")}}}})}});
   EXPECT_EQ(file.error(), "scene.gltf#/accessors/0: element 1 has the value inf, allowed: finite");
 }
 
@@ -155,29 +178,31 @@ TEST(GltfBadFiles, SparseIndicesOutOfRange) {
   GltfFile file = indexed();
   const int indices = file.add_view(testing::bytes_of(std::vector<std::uint8_t>{3}));
   const int values = file.add_view(testing::bytes_of(std::vector<float>{5, 6, 7}));
-  file.json["accessors"][0]["sparse"] = {{"count", 1},
-                                         {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
-                                         {"values", {{"bufferView", values}}}};
-  EXPECT_EQ(file.error(),
-            "scene.gltf#/accessors/0/sparse/indices: index 0 is 3, allowed: 0 to 2");
+  file.json["accessors"][0]["sparse"] = {
+      {"count", 1},
+      {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
+      {"values", {{"bufferView", values}}}};
+  EXPECT_EQ(file.error(), "scene.gltf#/accessors/0/sparse/indices: index 0 is 3, allowed: 0 to 2");
 }
 
 TEST(GltfBadFiles, AttributesOfDifferentLengths) {
   GltfFile file = indexed();
   file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
       file.add_floats({0, 0, 1, 0, 0, 1}, "VEC3");
-  EXPECT_EQ(file.error(), "scene.gltf#/meshes/0/primitives/0/attributes/NORMAL: found 2 elements, "
-                          "but there are 3 vertices");
+  EXPECT_EQ(file.error(),
+            "scene.gltf#/meshes/0/primitives/0/attributes/NORMAL: found 2 elements, "
+            "but there are 3 vertices");
 }
 
 // Nothing in the file limits the count of elements without bytes.
 TEST(GltfBadFiles, ElementsWithoutBytesAreBounded) {
   GltfFile file;
-  file.json["accessors"] = Json::array(
-      {{{"componentType", 5126}, {"count", 17'000'000}, {"type", "VEC3"}}});
+  file.json["accessors"] =
+      Json::array({{{"componentType", 5126}, {"count", 17'000'000}, {"type", "VEC3"}}});
   file.add_node({{"mesh", file.add_mesh({{"attributes", {{"POSITION", 0}}}})}});
-  EXPECT_EQ(file.error(), "scene.gltf#/accessors/0/count: found 17000000 elements without bytes, "
-                          "allowed: 16777216");
+  EXPECT_EQ(file.error(),
+            "scene.gltf#/accessors/0/count: found 17000000 elements without bytes, "
+            "allowed: 16777216");
 }
 
 TEST(GltfBadFiles, Lights) {
@@ -196,8 +221,9 @@ TEST(GltfBadFiles, Lights) {
               StartsWith(at + "/spot/innerConeAngle: found 1 rad"));
   GltfFile file;
   file.add_node(GltfFile::light_node(0));
-  EXPECT_EQ(file.error(), "scene.gltf#/nodes/0/extensions/KHR_lights_punctual: the file has no "
-                          "/extensions/KHR_lights_punctual");
+  EXPECT_EQ(file.error(),
+            "scene.gltf#/nodes/0/extensions/KHR_lights_punctual: the file has no "
+            "/extensions/KHR_lights_punctual");
 }
 
 TEST(GltfBadFiles, Containers) {

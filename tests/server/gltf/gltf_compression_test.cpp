@@ -4,17 +4,20 @@
 #include <gmock/gmock.h>
 #include <meshoptimizer.h>
 
+#include <random>
+#include <utility>
+
 #include "gltf_fixture.h"
 
 namespace lucerna {
 namespace {
 
 using testing::bytes_of;
+using ::testing::ElementsAre;
 using testing::GltfFile;
+using ::testing::HasSubstr;
 using testing::Json;
 using testing::mesh_of;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using Point = Vec3<double>;
 
@@ -25,10 +28,13 @@ int add_meshopt(GltfFile& file, const std::vector<unsigned char>& packed, std::s
                 std::size_t stride, const std::string& mode, const std::string& filter = "NONE") {
   const int view = file.add_view(bytes_of(packed));
   Json& place = file.json["bufferViews"][static_cast<std::size_t>(view)];
-  place["extensions"]["EXT_meshopt_compression"] = {
-      {"buffer", 0},     {"byteOffset", place["byteOffset"]}, {"byteLength", packed.size()},
-      {"count", count},  {"byteStride", stride},              {"mode", mode},
-      {"filter", filter}};
+  place["extensions"]["EXT_meshopt_compression"] = {{"buffer", 0},
+                                                    {"byteOffset", place["byteOffset"]},
+                                                    {"byteLength", packed.size()},
+                                                    {"count", count},
+                                                    {"byteStride", stride},
+                                                    {"mode", mode},
+                                                    {"filter", filter}};
   place["byteOffset"] = 0;
   place["byteLength"] = count * stride;
   return view;
@@ -52,7 +58,8 @@ TEST(GltfMeshopt, VerticesAndIndices) {
   const int view = add_meshopt(file, packed, 3, 4, "TRIANGLES");
   file.json["accessors"].push_back(
       {{"bufferView", view}, {"componentType", 5125}, {"count", 3}, {"type", "SCALAR"}});
-  file.add_node({{"mesh", file.add_mesh({{"attributes", {{"POSITION", points}}}, {"indices", 1}})}});
+  file.add_node(
+      {{"mesh", file.add_mesh({{"attributes", {{"POSITION", points}}}, {"indices", 1}})}});
   file.json["extensionsRequired"] = {"EXT_meshopt_compression"};
   const SceneDescription scene = file.scene();
   ASSERT_EQ(scene.shapes.size(), 1U);
@@ -78,7 +85,8 @@ TEST(GltfMeshopt, TheExponentialFilter) {
 
 TEST(GltfMeshopt, Errors) {
   GltfFile file;
-  file.add_node({{"mesh", file.add_mesh({{"attributes", {{"POSITION", add_packed_points(file)}}}})}});
+  file.add_node(
+      {{"mesh", file.add_mesh({{"attributes", {{"POSITION", add_packed_points(file)}}}})}});
   const std::string at = "scene.gltf#/bufferViews/0/extensions/EXT_meshopt_compression";
   const auto error_with = [&](const std::string& key, const Json& value) {
     GltfFile changed = file;
@@ -128,13 +136,12 @@ GltfFile draco_file() {
                    {{"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}}});
   file.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   file.add_node(
-      {{"mesh",
-        file.add_mesh({{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}},
-                       {"indices", 2},
-                       {"extensions",
-                        {{"KHR_draco_mesh_compression",
-                          {{"bufferView", view},
-                           {"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}}}}}})}});
+      {{"mesh", file.add_mesh({{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}},
+                               {"indices", 2},
+                               {"extensions",
+                                {{"KHR_draco_mesh_compression",
+                                  {{"bufferView", view},
+                                   {"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}}}}}})}});
   return file;
 }
 
@@ -151,16 +158,45 @@ TEST(GltfDraco, ATriangle) {
 }
 
 TEST(GltfDraco, Errors) {
-  const std::string at =
-      "scene.gltf#/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression";
+  const std::string at = "scene.gltf#/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression";
   GltfFile file = draco_file();
-  Json& packed = file.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+  Json& packed =
+      file.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
   packed["attributes"]["POSITION"] = 9;
   EXPECT_EQ(file.error(),
             at + "/attributes/POSITION: found 9, which is no attribute of the compressed mesh");
   packed["attributes"]["POSITION"] = 0;
   file.json["bufferViews"][0]["byteLength"] = 20;
   EXPECT_THAT(file.error(), StartsWith(at + ": Draco: "));
+}
+
+// Broken bytes end with a scene or with an error.
+TEST(GltfCompression, BrokenBytesEndWithASceneOrAnError) {
+  std::mt19937 random(20260127);
+  GltfFile meshopt;
+  meshopt.add_node(
+      {{"mesh", meshopt.add_mesh({{"attributes", {{"POSITION", add_packed_points(meshopt)}}}})}});
+  const GltfFile draco = draco_file();
+  const testing::GltfFiles files;
+  files.write("meshopt.gltf", meshopt.text("meshopt.bin"));
+  files.write("draco.gltf", draco.text("draco.bin"));
+  int errors = 0;
+  for (int i = 0; i < 1500; ++i) {
+    for (const auto& [name, whole] :
+         {std::pair{"meshopt", &meshopt.bytes()}, std::pair{"draco", &draco.bytes()}}) {
+      std::string bytes = *whole;
+      for (std::size_t edits = 1 + random() % 3; edits > 0; --edits)
+        bytes[random() % bytes.size()] = static_cast<char>(random());
+      files.write(std::string(name) + ".bin", bytes);
+      const auto scene = files.load(std::string(name) + ".gltf");
+      errors += !scene.ok();
+      if (!scene.ok()) continue;
+      for (const ShapeDescription& shape : scene->shapes)
+        for (const std::uint32_t index : mesh_of(shape).indices)
+          ASSERT_LT(index, mesh_of(shape).positions.size());
+    }
+  }
+  EXPECT_GT(errors, 500);
 }
 
 }  // namespace

@@ -16,14 +16,14 @@ namespace lucerna {
 namespace {
 
 using testing::bytes_of;
+using ::testing::ElementsAre;
+using testing::gltf_remarks;
 using testing::GltfFile;
 using testing::GltfFiles;
-using testing::gltf_remarks;
-using testing::Json;
-using testing::message_of;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::Json;
+using testing::message_of;
 using ::testing::StartsWith;
 using Point = Vec3<double>;
 
@@ -49,7 +49,8 @@ std::string png(std::uint32_t width, std::uint32_t height, const std::vector<std
   compress(reinterpret_cast<Bytef*>(packed.data()), &size,
            reinterpret_cast<const Bytef*>(rows.data()), rows.size());
   packed.resize(size);
-  return "\x89PNG\r\n\x1a\n" + chunk("IHDR", big(width) + big(height) + std::string("\x8\x6\0\0\0", 5)) +
+  return "\x89PNG\r\n\x1a\n" +
+         chunk("IHDR", big(width) + big(height) + std::string("\x8\x6\0\0\0", 5)) +
          chunk("IDAT", packed) + chunk("IEND", "");
 }
 
@@ -103,16 +104,14 @@ TEST(GltfPictures, RepetitionsAreMovedToTheFirst) {
               HasSubstr("an emissive picture that repeats within a triangle is not modelled"));
 }
 
-
 // The specification's matrices, multiplied by hand: u becomes 0.25 + 0.5 v and v becomes
 // 0.75 - 0.5 u, where v runs downwards.
 TEST(GltfPictures, TextureTransforms) {
-  GltfFile file = painted({0, 0, 1, 0, 0, 1},
-                          {{"extensions",
-                            {{"KHR_texture_transform",
-                              {{"offset", {0.25, 0.75}},
-                               {"rotation", std::numbers::pi / 2},
-                               {"scale", {0.5, 0.5}}}}}}});
+  GltfFile file = painted({0, 0, 1, 0, 0, 1}, {{"extensions",
+                                                {{"KHR_texture_transform",
+                                                  {{"offset", {0.25, 0.75}},
+                                                   {"rotation", std::numbers::pi / 2},
+                                                   {"scale", {0.5, 0.5}}}}}}});
   file.json["images"] =
       Json::array({{{"bufferView", file.add_view(kPicture)}, {"mimeType", "image/png"}}});
   file.json["samplers"] = Json::array({{{"wrapS", 33071}, {"wrapT", 33071}}});
@@ -133,10 +132,10 @@ constexpr char kIes[] =
 TEST(GltfLuminaires, ShineAlongMinusZ) {
   GltfFile file;
   file.json["extensions"]["EXT_lights_ies"]["lights"] = Json::array({{{"uri", "lamp.ies"}}});
-  file.add_node({{"translation", {1, 2, 3}},
-                 {"extensions",
-                  {{"EXT_lights_ies",
-                    {{"light", 0}, {"multiplier", 2}, {"color", {1, 0.5, 0.5}}}}}}});
+  file.add_node(
+      {{"translation", {1, 2, 3}},
+       {"extensions",
+        {{"EXT_lights_ies", {{"light", 0}, {"multiplier", 2}, {"color", {1, 0.5, 0.5}}}}}}});
   const GltfFiles files;
   files.write("scene.gltf", file.text());
   files.write("lamp.ies", kIes);
@@ -169,9 +168,8 @@ TEST(GltfLuminaires, ErrorsNameTheFileAndItsLine) {
 /// A scene with a sky of six faces of one texel each.
 std::string environment(GltfFile& file, const GltfFiles& files, std::uint8_t alpha) {
   // +x red, -x green, +y blue, -y black, +z white, -z black.
-  const std::vector<std::vector<std::uint8_t>> colours{{255, 0, 0},     {0, 255, 0}, {0, 0, 255},
-                                                       {0, 0, 0},       {255, 255, 255},
-                                                       {0, 0, 0}};
+  const std::vector<std::vector<std::uint8_t>> colours{{255, 0, 0}, {0, 255, 0},     {0, 0, 255},
+                                                       {0, 0, 0},   {255, 255, 255}, {0, 0, 0}};
   Json level = Json::array();
   for (std::size_t f = 0; f < 6; ++f) {
     std::vector<std::uint8_t> texel = colours[f];
@@ -180,9 +178,11 @@ std::string environment(GltfFile& file, const GltfFiles& files, std::uint8_t alp
     file.json["images"].push_back({{"uri", "face" + std::to_string(f) + ".png"}});
     level.push_back(f);
   }
-  file.json["extensions"]["EXT_lights_image_based"]["lights"] = Json::array(
-      {{{"intensity", 10}, {"specularImageSize", 1}, {"specularImages", Json::array({level})},
-        {"irradianceCoefficients", Json::array()}}});
+  file.json["extensions"]["EXT_lights_image_based"]["lights"] =
+      Json::array({{{"intensity", 10},
+                    {"specularImageSize", 1},
+                    {"specularImages", Json::array({level})},
+                    {"irradianceCoefficients", Json::array()}}});
   file.json["scenes"] =
       Json::array({{{"extensions", {{"EXT_lights_image_based", {{"light", 0}}}}}}});
   return file.text();
@@ -243,9 +243,10 @@ TEST(GltfEnvironments, SizesMustAgree) {
   environment(file, files, 255);
   file.json["extensions"]["EXT_lights_image_based"]["lights"][0]["specularImageSize"] = 4;
   files.write("scene.gltf", file.text());
-  EXPECT_EQ(message_of(files.load("scene.gltf").status()),
-            "scene.gltf#/extensions/EXT_lights_image_based/lights/0/specularImages/0/0: a picture of "
-            "1 x 1 texels, allowed: 4 x 4, as specularImageSize says");
+  EXPECT_EQ(
+      message_of(files.load("scene.gltf").status()),
+      "scene.gltf#/extensions/EXT_lights_image_based/lights/0/specularImages/0/0: a picture of "
+      "1 x 1 texels, allowed: 4 x 4, as specularImageSize says");
 }
 
 /// A room: a floor, a lamp of two triangles that shines down, a point, a spot and a distant light.
@@ -262,8 +263,9 @@ GltfFile room() {
         {"emissiveFactor", {1, 0.5, 0.25}},
         {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 800}}}}}}});
   file.add_node({{"mesh", file.add_mesh(quad({-3, 0, 3, 3, 0, 3, 3, 0, -3, -3, 0, -3}, 0))}});
-  file.add_node({{"mesh", file.add_mesh(quad({-0.5, 0, -0.5, 0.5, 0, -0.5, 0.5, 0, 0.5, -0.5, 0, 0.5}, 1))},
-                 {"translation", {0, 2, 0}}});
+  file.add_node(
+      {{"mesh", file.add_mesh(quad({-0.5, 0, -0.5, 0.5, 0, -0.5, 0.5, 0, 0.5, -0.5, 0, 0.5}, 1))},
+       {"translation", {0, 2, 0}}});
   const auto light = [&](const Json& params, const Json& place) {
     Json node = GltfFile::light_node(file.add_light(params));
     node.update(place);
@@ -275,7 +277,8 @@ GltfFile room() {
   light({{"type", "directional"}, {"intensity", 300}}, {{"rotation", {-h, 0, 0, h}}});
   light({{"type", "spot"},
          {"intensity", 90},
-         {"spot", {{"innerConeAngle", std::numbers::pi / 6}, {"outerConeAngle", std::numbers::pi / 3}}}},
+         {"spot",
+          {{"innerConeAngle", std::numbers::pi / 6}, {"outerConeAngle", std::numbers::pi / 3}}}},
         {{"translation", {-1, 1, 0}}, {"rotation", {-h, 0, 0, h}}});
   return file;
 }

@@ -109,7 +109,9 @@ class GltfFile {
   const std::string& bytes() const { return bytes_; }
 
   /// With the buffer as a data URI.
-  std::string text() const { return with_buffer("data:application/octet-stream;base64," + coded()); }
+  std::string text() const {
+    return with_buffer("data:application/octet-stream;base64," + coded());
+  }
   /// With the buffer in another file.
   std::string text(const std::string& uri) const { return with_buffer(uri); }
   /// A .glb file.
@@ -120,8 +122,7 @@ class GltfFile {
       return bytes_of(std::vector<std::uint32_t>{static_cast<std::uint32_t>(n)});
     };
     std::string chunks = number(text.size()) + "JSON" + text;
-    if (!bytes_.empty())
-      chunks += number(bytes_.size()) + std::string("BIN\0", 4) + bytes_;
+    if (!bytes_.empty()) chunks += number(bytes_.size()) + std::string("BIN\0", 4) + bytes_;
     return "glTF" + number(2) + number(12 + chunks.size()) + chunks;
   }
 

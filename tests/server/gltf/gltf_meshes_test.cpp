@@ -6,12 +6,12 @@
 namespace lucerna {
 namespace {
 
+using ::testing::ElementsAre;
 using testing::GltfFile;
 using testing::GltfFiles;
+using ::testing::HasSubstr;
 using testing::Json;
 using testing::mesh_of;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using Point = Vec3<double>;
 
 /// The mesh of a scene of one node with this primitive.
@@ -40,10 +40,10 @@ TEST(GltfMeshes, StripsAndFansKeepTheirWinding) {
                   .indices,
               ElementsAre(0U, 1U, 2U, 1U, 3U, 2U));
   GltfFile fan;
-  EXPECT_THAT(mesh_with(fan, {{"attributes", {{"POSITION", fan.add_floats(kSquare, "VEC3")}}},
-                              {"mode", 6}})
-                  .indices,
-              ElementsAre(1U, 2U, 0U, 2U, 3U, 0U));
+  EXPECT_THAT(
+      mesh_with(fan, {{"attributes", {{"POSITION", fan.add_floats(kSquare, "VEC3")}}}, {"mode", 6}})
+          .indices,
+      ElementsAre(1U, 2U, 0U, 2U, 3U, 0U));
 }
 
 TEST(GltfMeshes, PointsAndLinesAreLeftOutWithARemark) {
@@ -64,9 +64,8 @@ TEST(GltfMeshes, IndicesOfEachTypeAreTheSame) {
   const auto with = [](auto value, int type) {
     GltfFile file;
     Json primitive = file.triangle();
-    primitive["indices"] = file.add(std::vector{decltype(value)(2), decltype(value)(0),
-                                                decltype(value)(1)},
-                                    "SCALAR", type);
+    primitive["indices"] = file.add(
+        std::vector{decltype(value)(2), decltype(value)(0), decltype(value)(1)}, "SCALAR", type);
     return mesh_with(file, primitive).indices;
   };
   EXPECT_THAT(with(std::uint8_t{}, 5121), ElementsAre(2U, 0U, 1U));
@@ -77,8 +76,8 @@ TEST(GltfMeshes, IndicesOfEachTypeAreTheSame) {
 template <typename T>
 TriangleMeshData with_positions(const std::vector<T>& values, int type, bool normalized) {
   GltfFile file;
-  return mesh_with(
-      file, {{"attributes", {{"POSITION", file.add(values, "VEC3", type, normalized)}}}});
+  return mesh_with(file,
+                   {{"attributes", {{"POSITION", file.add(values, "VEC3", type, normalized)}}}});
 }
 
 // KHR_mesh_quantization: c / 127 and so on for normalised integers, else the integer itself.
@@ -99,8 +98,8 @@ TEST(GltfMeshes, QuantizedPositionsOfEachType) {
 TEST(GltfMeshes, InterleavedAttributesHaveAStride) {
   GltfFile file;
   // Position and normal of each vertex.
-  const int view = file.add_view(testing::bytes_of(std::vector<float>{
-      0, 0, 0, 0, 0, 2, 1, 0, 0, 0, 0, 2, 0, 1, 0, 0, 0, 2}));
+  const int view = file.add_view(
+      testing::bytes_of(std::vector<float>{0, 0, 0, 0, 0, 2, 1, 0, 0, 0, 0, 2, 0, 1, 0, 0, 0, 2}));
   file.json["bufferViews"][static_cast<std::size_t>(view)]["byteStride"] = 24;
   for (const int offset : {0, 12})
     file.json["accessors"].push_back({{"bufferView", view},
@@ -108,8 +107,7 @@ TEST(GltfMeshes, InterleavedAttributesHaveAStride) {
                                       {"componentType", 5126},
                                       {"count", 3},
                                       {"type", "VEC3"}});
-  const TriangleMeshData mesh =
-      mesh_with(file, {{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}});
+  const TriangleMeshData mesh = mesh_with(file, {{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}});
   EXPECT_THAT(mesh.positions, ElementsAre(Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0)));
   ASSERT_EQ(mesh.normals.size(), 3U);
   EXPECT_EQ(mesh.normals[2], Vec3<float>(0, 0, 1));
@@ -120,9 +118,10 @@ TEST(GltfMeshes, SparseAccessorsReplaceSomeElements) {
   const Json primitive = file.triangle();
   const int indices = file.add_view(testing::bytes_of(std::vector<std::uint8_t>{1}));
   const int values = file.add_view(testing::bytes_of(std::vector<float>{5, 6, 7}));
-  file.json["accessors"][0]["sparse"] = {{"count", 1},
-                                         {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
-                                         {"values", {{"bufferView", values}}}};
+  file.json["accessors"][0]["sparse"] = {
+      {"count", 1},
+      {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
+      {"values", {{"bufferView", values}}}};
   EXPECT_THAT(mesh_with(file, primitive).positions,
               ElementsAre(Point(0, 0, 0), Point(5, 6, 7), Point(0, 1, 0)));
 }
@@ -133,9 +132,10 @@ TEST(GltfMeshes, SparseAccessorsWithoutABufferViewStartFromZeros) {
   const int indices = file.add_view(testing::bytes_of(std::vector<std::uint16_t>{1, 2}));
   const int values = file.add_view(testing::bytes_of(std::vector<float>{5, 6, 7, 8, 9, 10}));
   file.json["accessors"][0].erase("bufferView");
-  file.json["accessors"][0]["sparse"] = {{"count", 2},
-                                         {"indices", {{"bufferView", indices}, {"componentType", 5123}}},
-                                         {"values", {{"bufferView", values}}}};
+  file.json["accessors"][0]["sparse"] = {
+      {"count", 2},
+      {"indices", {{"bufferView", indices}, {"componentType", 5123}}},
+      {"values", {{"bufferView", values}}}};
   EXPECT_THAT(mesh_with(file, primitive).positions,
               ElementsAre(Point(0, 0, 0), Point(5, 6, 7), Point(8, 9, 10)));
 }
@@ -161,9 +161,9 @@ TEST(GltfMeshes, BuffersInAFileInTheTextAndInAContainerAreTheSame) {
 TEST(GltfMeshes, MorphTargetsAtTheirWeights) {
   GltfFile file;
   Json primitive = file.triangle();
-  primitive["targets"] = Json::array(
-      {{{"POSITION", file.add_floats({0, 0, 0, 0, 0, 4, 0, 0, 0}, "VEC3")}},
-       {{"POSITION", file.add_floats({0, 0, 0, 8, 0, 0, 0, 0, 0}, "VEC3")}}});
+  primitive["targets"] =
+      Json::array({{{"POSITION", file.add_floats({0, 0, 0, 0, 0, 4, 0, 0, 0}, "VEC3")}},
+                   {{"POSITION", file.add_floats({0, 0, 0, 8, 0, 0, 0, 0, 0}, "VEC3")}}});
   const int mesh = file.add_mesh(primitive);
   file.json["meshes"][0]["weights"] = {0.5, 0};
   file.add_node({{"mesh", mesh}});
@@ -171,9 +171,9 @@ TEST(GltfMeshes, MorphTargetsAtTheirWeights) {
   const SceneDescription scene = file.scene();
   ASSERT_EQ(scene.shapes.size(), 2U);
   // The node's weights replace those of the mesh.
-  EXPECT_THAT((std::vector{mesh_of(scene.shapes[0]).positions[1],
-                           mesh_of(scene.shapes[1]).positions[1]}),
-              ::testing::UnorderedElementsAre(Point(1, 0, 2), Point(3, 0, 0)));
+  EXPECT_THAT(
+      (std::vector{mesh_of(scene.shapes[0]).positions[1], mesh_of(scene.shapes[1]).positions[1]}),
+      ::testing::UnorderedElementsAre(Point(1, 0, 2), Point(3, 0, 0)));
 }
 
 TEST(GltfMeshes, SkinsAtRestFollowTheirJoints) {
@@ -187,10 +187,10 @@ TEST(GltfMeshes, SkinsAtRestFollowTheirJoints) {
   const int first = file.add_node({{"translation", {10, 0, 0}}});
   const int second = file.add_node({{"translation", {0, 20, 0}}});
   // The inverse of the second joint's bind pose moves by -5 along y.
-  std::vector<float> inverse{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,
+  std::vector<float> inverse{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,  0, 1,
                              1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -5, 0, 1};
-  file.json["skins"] = Json::array({{{"joints", {first, second}},
-                                     {"inverseBindMatrices", file.add_floats(inverse, "MAT4")}}});
+  file.json["skins"] = Json::array(
+      {{{"joints", {first, second}}, {"inverseBindMatrices", file.add_floats(inverse, "MAT4")}}});
   file.add_node({{"mesh", mesh}, {"skin", 0}, {"translation", {100, 100, 100}}});
   const SceneDescription scene = file.scene();
   ASSERT_EQ(scene.shapes.size(), 1U);

@@ -21,8 +21,7 @@ const std::map<std::string, std::string>& broken() {
       // Version 1 of the format.
       {"glTF/BoxTextured-glTF-Binary/BoxTextured.glb", ": container version 1, allowed: 2"},
       {"glTF/BoxTextured-glTF-Embedded/BoxTextured.gltf", "#/asset/version: found \"1.0\""},
-      {"glTF/BoxTextured-glTF-MaterialsCommon/BoxTextured.gltf",
-       "#/asset/version: found \"1.0\""},
+      {"glTF/BoxTextured-glTF-MaterialsCommon/BoxTextured.gltf", "#/asset/version: found \"1.0\""},
       {"glTF/BoxTextured-glTF/BoxTextured.gltf", "#/asset"},
       {"glTF/CesiumMilkTruck/CesiumMilkTruck.gltf", "#/asset/version: found 1, allowed: a string"},
       {"glTF/IncorrectVertexArrays/Cube_v1.gltf", "#/asset/version: found \"1.0\""},
@@ -42,10 +41,10 @@ const std::map<std::string, std::string>& broken() {
       {"glTF2/TestNoRootNode/NoScene.gltf", "#/scene: found 0, allowed: nothing"},
       {"glTF2/wrongTypes/badArray.gltf", "#/meshes/0/primitives: found an object"},
       {"glTF2/wrongTypes/badExtension.gltf",
-       "#/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform: found "
+       "#/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform: "
+       "found "
        "\"Not an object\", allowed: an object"},
-      {"glTF2/wrongTypes/badNumber.gltf",
-       "#/materials/0/normalTexture: \"index\" is missing"},
+      {"glTF2/wrongTypes/badNumber.gltf", "#/materials/0/normalTexture: \"index\" is missing"},
       {"glTF2/wrongTypes/badString.gltf", "#/scenes/0/name: found 42, allowed: a string"},
       {"glTF2/wrongTypes/badUint.gltf",
        "#/materials/0/pbrMetallicRoughness/baseColorTexture/index: found -1, allowed: the index"},

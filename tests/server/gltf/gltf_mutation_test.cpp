@@ -37,8 +37,8 @@ GltfFile everything() {
   const int mesh = file.add_mesh(primitive);
   file.json["meshes"][0]["weights"] = {0.5};
   file.json["skins"] = Json::array({{{"joints", {1, 2}}}});
-  file.json["cameras"] = Json::array(
-      {{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}});
+  file.json["cameras"] =
+      Json::array({{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}});
   file.add_node({{"mesh", mesh}, {"scale", {1, 2, -1}}});
   file.add_node({{"translation", {10, 0, 0}}, {"camera", 0}});
   file.add_node({{"rotation", {0, 0, 0, 1}}});
@@ -93,9 +93,22 @@ void collect(Json& value, std::vector<Json*>& all) {
 
 /// Replaces one value by another, so that the text stays valid JSON.
 void mutate_value(Json& json, std::mt19937& random) {
-  static const std::vector<Json> kValues{
-      0,     1,   2,       7,       -1,   1e9,           4294967295U,          0.5,
-      1e308, "x", nullptr, Json::array(), Json::object(), {0, 0, 0, 0}, true, "translation"};
+  static const std::vector<Json> kValues{0,
+                                         1,
+                                         2,
+                                         7,
+                                         -1,
+                                         1e9,
+                                         4294967295U,
+                                         0.5,
+                                         1e308,
+                                         "x",
+                                         nullptr,
+                                         Json::array(),
+                                         Json::object(),
+                                         {0, 0, 0, 0},
+                                         true,
+                                         "translation"};
   std::vector<Json*> all;
   collect(json, all);
   Json& place = *all[1 + random() % (all.size() - 1)];

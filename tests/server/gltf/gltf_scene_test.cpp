@@ -9,12 +9,12 @@
 namespace lucerna {
 namespace {
 
-using testing::GltfFile;
+using ::testing::ElementsAre;
 using testing::gltf_remarks;
+using testing::GltfFile;
+using ::testing::HasSubstr;
 using testing::Json;
 using testing::mesh_of;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using Point = Vec3<double>;
 
 constexpr double kHalf = std::numbers::sqrt2 / 2;
@@ -68,13 +68,15 @@ TEST(GltfNodes, AScaleOfZeroHidesAMesh) {
   file.add_node({{"mesh", file.add_mesh(file.triangle())}, {"scale", {0, 0, 0}}});
   const SceneDescription scene = file.scene();
   EXPECT_TRUE(scene.shapes.empty());
-  EXPECT_THAT(gltf_remarks(scene), HasSubstr("scene.gltf#/nodes/0: a transform without an inverse"));
+  EXPECT_THAT(gltf_remarks(scene),
+              HasSubstr("scene.gltf#/nodes/0: a transform without an inverse"));
 }
 
 TEST(GltfNodes, OnlyTheDefaultSceneIsLoaded) {
   GltfFile file;
   const int mesh = file.add_mesh(file.triangle());
-  file.json["nodes"] = Json::array({{{"mesh", mesh}}, {{"mesh", mesh}, {"translation", {0, 0, 5}}}});
+  file.json["nodes"] =
+      Json::array({{{"mesh", mesh}}, {{"mesh", mesh}, {"translation", {0, 0, 5}}}});
   file.json["scenes"] = Json::array({{{"nodes", {0}}}, {{"nodes", {1}}}});
   file.json["scene"] = 1;
   const SceneDescription scene = file.scene();
@@ -99,17 +101,18 @@ TEST(GltfNodes, GpuInstancingPlacesAMesh) {
   GltfFile file;
   const int mesh = file.add_mesh(file.triangle());
   const int translation = file.add_floats({1, 0, 0, 2, 0, 0}, "VEC3");
-  const int rotation = file.add(std::vector<std::int16_t>{0, 0, 0, 32767, 0, 0, 32767, 0}, "VEC4",
-                                5122, true);
+  const int rotation =
+      file.add(std::vector<std::int16_t>{0, 0, 0, 32767, 0, 0, 32767, 0}, "VEC4", 5122, true);
   const int scale = file.add_floats({1, 1, 1, 3, 3, 3}, "VEC3");
   file.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
   file.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
-  file.add_node({{"mesh", mesh},
-                 {"translation", {0, 10, 0}},
-                 {"extensions",
-                  {{"EXT_mesh_gpu_instancing",
-                    {{"attributes",
-                      {{"TRANSLATION", translation}, {"ROTATION", rotation}, {"SCALE", scale}}}}}}}});
+  file.add_node(
+      {{"mesh", mesh},
+       {"translation", {0, 10, 0}},
+       {"extensions",
+        {{"EXT_mesh_gpu_instancing",
+          {{"attributes",
+            {{"TRANSLATION", translation}, {"ROTATION", rotation}, {"SCALE", scale}}}}}}}});
   const SceneDescription scene = file.scene();
   ASSERT_EQ(scene.instances.size(), 2U);
   EXPECT_EQ(scene.instances[0].world_from_object.point({1, 0, 0}), Point(2, 10, 0));
@@ -142,9 +145,9 @@ TEST(GltfCameras, LookAlongMinusZ) {
 TEST(GltfCameras, OthersGetARemark) {
   GltfFile file;
   EXPECT_THAT(gltf_remarks(file.scene()), HasSubstr("the scene has no camera"));
-  file.json["cameras"] = Json::array(
-      {{{"type", "orthographic"},
-        {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0}, {"zfar", 9}}}}});
+  file.json["cameras"] =
+      Json::array({{{"type", "orthographic"},
+                    {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0}, {"zfar", 9}}}}});
   file.add_node({{"camera", 0}});
   file.add_node({{"camera", 0}});
   const std::string remarks = gltf_remarks(file.scene());
@@ -164,9 +167,9 @@ Params light_of(const Json& light, const Json& node = Json::object()) {
 }
 
 TEST(GltfLights, PointsAreInCandela) {
-  const auto light = light_of<PointLightParams>(
-      {{"type", "point"}, {"intensity", 100}, {"color", {1, 0.5, 0.25}}},
-      {{"translation", {1, 2, 3}}, {"scale", {9, 9, 9}}});
+  const auto light =
+      light_of<PointLightParams>({{"type", "point"}, {"intensity", 100}, {"color", {1, 0.5, 0.25}}},
+                                 {{"translation", {1, 2, 3}}, {"scale", {9, 9, 9}}});
   EXPECT_EQ(light.intensity_cd, Rgb<double>(100, 50, 25));
   EXPECT_EQ(light.position_m, Point(1, 2, 3));
 }
@@ -194,18 +197,19 @@ TEST(GltfLights, SpotsHaveHalfAngles) {
 TEST(GltfLights, ARangeIsReportedAndNotApplied) {
   GltfFile file;
   file.add_node(GltfFile::light_node(file.add_light({{"type", "point"}, {"range", 12}})));
-  EXPECT_THAT(gltf_remarks(file.scene()),
-              HasSubstr("scene.gltf#/extensions/KHR_lights_punctual/lights/0/range: a range of 12 m "
-                        "is not applied"));
+  EXPECT_THAT(
+      gltf_remarks(file.scene()),
+      HasSubstr("scene.gltf#/extensions/KHR_lights_punctual/lights/0/range: a range of 12 m "
+                "is not applied"));
 }
 
 TEST(GltfMaterials, BaseColourIsTheReflectance) {
   GltfFile file;
   Json primitive = file.triangle();
   primitive["material"] = 0;
-  file.json["materials"] = Json::array(
-      {{{"pbrMetallicRoughness",
-         {{"baseColorFactor", {0.1, 0.2, 0.3, 1}}, {"metallicFactor", 0}}}}});
+  file.json["materials"] =
+      Json::array({{{"pbrMetallicRoughness",
+                     {{"baseColorFactor", {0.1, 0.2, 0.3, 1}}, {"metallicFactor", 0}}}}});
   file.add_node({{"mesh", file.add_mesh(primitive)}});
   const SceneDescription scene = file.scene();
   EXPECT_EQ(scene.materials.at(scene.shapes.at(0).material).reflectance,
@@ -272,8 +276,7 @@ SceneDescription moving(const std::string& path, const std::vector<float>& times
          Json::array({{{"input", file.add_floats(times, "SCALAR")},
                        {"output", file.add_floats(values, path == "rotation" ? "VEC4" : "VEC3")},
                        {"interpolation", interpolation}}})},
-        {"channels",
-         Json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}})}}});
+        {"channels", Json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}})}}});
   return file.scene();
 }
 
@@ -289,9 +292,8 @@ TEST(GltfAnimation, ATranslationIsLinear) {
 TEST(GltfAnimation, AChildTurnsAboutItsParent) {
   const auto h = static_cast<float>(kHalf);
   // Half a turn in two seconds, by two quarters.
-  const SceneDescription scene =
-      moving("rotation", {0, 1, 2}, {0, 0, 0, 1, 0, 0, h, h, 0, 0, 1, 0}, "LINEAR",
-             {{"translation", {2, 0, 0}}});
+  const SceneDescription scene = moving("rotation", {0, 1, 2}, {0, 0, 0, 1, 0, 0, h, h, 0, 0, 1, 0},
+                                        "LINEAR", {{"translation", {2, 0, 0}}});
   const ShapeDescription& shape = scene.shapes.at(0);
   ASSERT_NE(shape.motion, nullptr);
   const Point start = mesh_of(shape).positions[0];
@@ -333,8 +335,8 @@ TEST(GltfAnimation, LightsAndCamerasMoveToo) {
   GltfFile file;
   Json node = GltfFile::light_node(file.add_light({{"type", "point"}}));
   node["camera"] = 0;
-  file.json["cameras"] = Json::array(
-      {{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}});
+  file.json["cameras"] =
+      Json::array({{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}});
   file.add_node(node);
   file.json["animations"] = Json::array(
       {{{"samplers", Json::array({{{"input", file.add_floats({0, 1}, "SCALAR")},
