@@ -10,7 +10,8 @@ packages=(
   libembree-dev libtbb-dev libopenimageio-dev openimageio-tools libopenexr-dev libpng-dev
   colord-data
   libcli11-dev libspdlog-dev libfmt-dev libboost-dev nlohmann-json3-dev libjs-chart.js
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libtinygltf-dev libdraco-dev libmeshoptimizer-dev
+  libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels
   python3 python3-grpcio python3-protobuf python3-mpmath python3-numpy
 )
 [ $# -eq 0 ] || packages=("$@")

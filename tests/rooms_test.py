@@ -17,7 +17,7 @@ ROOMS = [
     "lights/maths", "lights/spectra", "lights/sampling", "lights/pictures", "lights/shapes", "lights/models",
     "lights/choice",
     "server/runtime", "server/assets", "server/formats", "server/materials", "server/description",
-    "server/pbrt/syntax", "server/pbrt/surfaces", "server/pbrt/lights", "server/pbrt", "server/rays",
+    "server/pbrt/syntax", "server/pbrt/surfaces", "server/pbrt/lights", "server/pbrt", "server/gltf", "server/rays",
     "server/scene", "server/store", "server/shadows", "server/estimate/statistics", "server/estimate/lights",
     "server/estimate/paths", "server/estimate/queries", "server/rpc/messages", "server/rpc/handlers", "server/rpc",
     "server",

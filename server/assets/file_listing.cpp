@@ -43,9 +43,14 @@ bool is_file(const fs::directory_entry& entry, const fs::path& root) {
   return !error && is_under(target, root) && fs::is_regular_file(target, error);
 }
 
+bool ends_with_one_of(const std::string& name, const std::vector<std::string>& extensions) {
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const std::string& e) { return name.ends_with(e); });
+}
+
 }  // namespace
 
-FileListing list_files(const std::string& root, const std::string& extension,
+FileListing list_files(const std::string& root, const std::vector<std::string>& extensions,
                        const FileListingLimits& limits) {
   FileListing listing;
   std::error_code error;
@@ -72,7 +77,7 @@ FileListing list_files(const std::string& root, const std::string& extension,
         } else {
           listing.incomplete = true;
         }
-      } else if (name.ends_with(extension) && is_file(*entry, top)) {
+      } else if (ends_with_one_of(name, extensions) && is_file(*entry, top)) {
         listing.paths.push_back(entry->path().lexically_relative(top).string());
       }
     }

@@ -20,7 +20,8 @@
 
 namespace lucerna {
 
-/// A place in a file.  `file` is relative to the scene root.
+/// A place in a file.  `file` is relative to the scene root.  In a glTF file it ends with "#" and a
+/// JSON pointer, such as "room.gltf#/nodes/3", and `line` is 0.
 struct SourceLocation {
   std::string file;
   int line = 0;    ///< from 1; 0: the file as a whole

@@ -258,4 +258,19 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
   return decoded;
 }
 
+absl::StatusOr<std::vector<float>> decode_alpha(const AssetContent& content,
+                                                std::uint64_t max_texels) {
+  LUCERNA_ASSIGN_OR_RETURN(auto open, open_image(content));
+  const OIIO::ImageSpec& spec = open.spec;
+  LUCERNA_RETURN_IF_ERROR(check_spec(content, spec, max_texels));
+  const auto found = std::ranges::find(spec.channelnames, "A");
+  if (found == spec.channelnames.end()) return std::vector<float>{};
+  const int alpha = static_cast<int>(found - spec.channelnames.begin());
+  std::vector<float> values(static_cast<std::size_t>(spec.width) *
+                            static_cast<std::size_t>(spec.height));
+  if (!open.input->read_image(0, 0, alpha, alpha + 1, OIIO::TypeDesc::FLOAT, values.data()))
+    return unreadable(content, known_extension(content.name), open.input->geterror());
+  return values;
+}
+
 }  // namespace lucerna

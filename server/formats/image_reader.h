@@ -49,4 +49,9 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content,
                                           std::uint64_t max_texels = kMaxImageTexels,
                                           Encoding encoding = kSrgb);
 
+/// The alpha of each texel of the first picture, rows from the top, in [0, 1] for integers.  Empty
+/// if the picture has no alpha.  Errors: those of decode_image.
+absl::StatusOr<std::vector<float>> decode_alpha(const AssetContent& content,
+                                                std::uint64_t max_texels = kMaxImageTexels);
+
 }  // namespace lucerna

@@ -16,7 +16,7 @@
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/assets/asset_reader.h"
-#include "server/pbrt/load.h"
+#include "server/store/scene_file.h"
 
 namespace lucerna {
 namespace {
@@ -291,7 +291,8 @@ absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
   LoadedScene incomplete;
   AssetReader reader(
       std::make_unique<ManifestSource>(manifest, *state_->assets, incomplete.missing));
-  absl::StatusOr<SceneDescription> description = load_pbrt(reader, manifest.main, options.stop);
+  absl::StatusOr<SceneDescription> description =
+      load_scene_file(reader, manifest.main, options.stop);
   if (absl::IsCancelled(description.status())) return description.status();
   if (!incomplete.missing.empty()) return incomplete;
   LUCERNA_RETURN_IF_ERROR(description.status());
@@ -322,7 +323,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
       if (found != state_->scenes.end()) return state_->answer(found->second, key, options, true);
     }
   }
-  absl::StatusOr<SceneDescription> description = load_pbrt(*reader, path, options.stop);
+  absl::StatusOr<SceneDescription> description = load_scene_file(*reader, path, options.stop);
   // NOT_FOUND may also come from a file that the scene names.
   if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
     return load_uploaded(path, options);
@@ -433,7 +434,9 @@ absl::StatusOr<bool> SceneStore::release(const std::string& id, const std::strin
 
 const std::string& SceneStore::root() const { return state_->root; }
 
-FileListing SceneStore::available() const { return list_files(state_->options.root, ".pbrt"); }
+FileListing SceneStore::available() const {
+  return list_files(state_->options.root, scene_file_extensions());
+}
 
 std::size_t SceneStore::size() const {
   const std::lock_guard lock(state_->mutex);

@@ -73,8 +73,8 @@ class SceneStore {
   /// An absolute path is accepted if it is under the root.  If no file has this name, the most
   /// recently used uploaded scene of this name is loaded.
   ///
-  /// Errors: those of load_pbrt and Scene::build; CANCELLED; RESOURCE_EXHAUSTED if leases leave no
-  /// room (with kRetryAfterPayload), or if the scene by itself exceeds the budget.
+  /// Errors: those of load_scene_file and Scene::build; CANCELLED; RESOURCE_EXHAUSTED if leases
+  /// leave no room (with kRetryAfterPayload), or if the scene by itself exceeds the budget.
   absl::StatusOr<LoadedScene> load(const std::string& path, const LoadOptions& options = {});
   /// The same for uploaded files.  Returns the missing files if there are any.
   absl::StatusOr<LoadedScene> load(const Manifest& manifest, const LoadOptions& options = {});

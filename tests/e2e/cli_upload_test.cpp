@@ -52,6 +52,22 @@ class CliUpload : public ::testing::Test {
   std::unique_ptr<testing::LocalServer> server_;
 };
 
+TEST_F(CliUpload, GltfScenesBringTheirBuffers) {
+  const std::string room = std::string(LUCERNA_TEST_DATA) + "/gltf/room.gltf";
+  const Outcome loaded = lucerna({"load", "--upload", room});
+  ASSERT_EQ(loaded.status, 0) << loaded.err;
+  EXPECT_THAT(lucerna({"lights", "room.gltf"}).out, HasSubstr("room.gltf#/nodes/4"));
+  const Outcome lux =
+      lucerna({"irradiance", "room.gltf", "--point", "2.5,0,2.5", "--normal", "0,1,0"});
+  EXPECT_EQ(lux.status, 0) << lux.err;
+  // The folder of the server has no file of this name, and a broken file changes nothing.
+  std::ofstream(directory_ / "mine" / "broken.gltf") << "{\"asset\": {\"version\": \"1.0\"}}";
+  const Outcome broken = lucerna({"load", "--upload", path("mine/broken.gltf")});
+  EXPECT_EQ(broken.status, 1);
+  EXPECT_THAT(broken.err, HasSubstr("broken.gltf#/asset/version: found \"1.0\""));
+  EXPECT_EQ(lucerna({"lights", "room.gltf"}).status, 0);
+}
+
 TEST_F(CliUpload, LoadsFilesThatTheServerDoesNotHave) {
   EXPECT_EQ(lucerna({"load", "textured.pbrt"}).status, 1);
   const Outcome first = lucerna({"load", "--upload", path("mine/textured.pbrt")});

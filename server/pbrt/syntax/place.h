@@ -4,9 +4,9 @@
 #include <absl/status/status.h>
 
 #include <string>
-#include <string_view>
 
 #include "server/description/scene_description.h"
+#include "server/formats/printable.h"
 
 namespace lucerna::pbrt {
 
@@ -22,11 +22,8 @@ SourceLocation location(const Place& place);
 /// "scene.pbrt:12:7".
 std::string to_string(const Place& place);
 
-/// `text` made printable for messages: well-formed UTF-8, no control characters, at most 80 bytes.
-std::string printable(std::string_view text);
-
-/// Whether `text` is well-formed UTF-8 without control characters.
-bool is_printable(std::string_view text);
+using lucerna::is_printable;
+using lucerna::printable;
 
 /// Thrown within this folder and caught in load_pbrt: a status whose message begins with the place.
 struct Failure {

@@ -272,7 +272,8 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   out->set_id(entry.id);
   out->set_samples_per_light(entry.samples);
   const SourceLocation where = scene.source_of(entry);
-  out->set_source(fmt::format("{}:{}:{}", where.file, where.line, where.column));
+  out->set_source(where.line > 0 ? fmt::format("{}:{}:{}", where.file, where.line, where.column)
+                                 : where.file);
   const Vec3<double>& origin_m = scene.origin_of(entry);
   visit(
       [&]<typename L>(const L& l) {

@@ -24,7 +24,7 @@ class FileListingTest : public ::testing::Test {
   }
   fs::path root() const { return directory_.path() / "root"; }
   FileListing list(const FileListingLimits& limits = {}) const {
-    return list_files(root().string(), ".pbrt", limits);
+    return list_files(root().string(), {".pbrt"}, limits);
   }
 
   TempDirectory directory_;

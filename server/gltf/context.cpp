@@ -1,0 +1,55 @@
+#include "server/gltf/context.h"
+
+#include <fmt/format.h>
+
+namespace lucerna::gltf {
+
+SourceLocation Context::location(const std::string& pointer) const {
+  // Keys of the file may be long or hold anything.
+  constexpr std::size_t kMostBytes = 1000;
+  const bool is_fit = pointer.size() <= kMostBytes && is_printable(pointer);
+  return {
+      pointer.empty() ? file : fmt::format("{}#{}", file, is_fit ? pointer : printable(pointer)), 0,
+      0};
+}
+
+void Context::fail(const std::string& pointer, const std::string& what) const {
+  fail(pointer, absl::InvalidArgumentError(what));
+}
+
+void Context::fail(const std::string& pointer, const absl::Status& status) const {
+  throw Failure{absl::Status(
+      status.code(), fmt::format("{}: {}", location(pointer).file, std::string(status.message())))};
+}
+
+void Context::remark(const std::string& pointer, std::string what, std::string instead) {
+  constexpr std::size_t kMaxRemarks = 1000;
+  if (scene.remarks.size() >= kMaxRemarks) {
+    ++uncounted_;
+    return;
+  }
+  if (!said_.insert(pointer + what + instead).second) return;
+  scene.remarks.push_back({location(pointer), std::move(what), std::move(instead)});
+}
+
+void Context::finish_remarks() {
+  if (uncounted_ == 0) return;
+  scene.remarks.push_back({location(""), fmt::format("{} more things are not modelled", uncounted_),
+                           "see the remarks before this one"});
+}
+
+void Context::claim(const std::string& pointer, std::uint64_t count, std::uint64_t bytes_each) {
+  // Counts of accessors are below 2^32 and elements below 1 KiB, so the product cannot overflow.
+  unpacked_ += count * bytes_each;
+  if (unpacked_ > kMostUnpackedBytes)
+    fail(pointer, absl::ResourceExhaustedError(
+                      fmt::format("{} elements of {} bytes bring the unpacked scene to {} bytes, "
+                                  "allowed: {}",
+                                  count, bytes_each, unpacked_, kMostUnpackedBytes)));
+}
+
+void Context::poll() const {
+  if (stop.stop_requested()) throw Failure{absl::CancelledError("loading was cancelled")};
+}
+
+}  // namespace lucerna::gltf

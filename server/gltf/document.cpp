@@ -1,0 +1,279 @@
+#include "server/gltf/document.h"
+
+#include <absl/strings/escaping.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+
+#include "server/formats/image_reader.h"
+#include "server/gltf/compression.h"
+#include "server/gltf/structure.h"
+
+namespace lucerna::gltf {
+namespace {
+
+/// Limits of the JSON text.  Larger data belongs into buffers.
+constexpr std::size_t kMostText = std::size_t{1} << 30;
+constexpr std::size_t kMostValues = 8'000'000;
+constexpr int kMostLevels = 64;
+
+constexpr std::string_view kMagic = "glTF";
+
+std::uint32_t number_at(std::string_view bytes, std::size_t at) {
+  std::uint32_t value;  // little-endian, as all machines that we build for
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+/// "3:14" of a byte in a text.
+std::string line_and_column(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, std::min(byte, text.size()));
+  const auto lines = std::count(before.begin(), before.end(), '\n');
+  const std::size_t start = before.rfind('\n');
+  const std::size_t column = before.size() - (start == std::string_view::npos ? 0 : start + 1);
+  return fmt::format("{}:{}", lines + 1, std::max<std::size_t>(column, 1));
+}
+
+/// The message of an exception, without its number and its place.
+std::string reason_of(const Json::exception& error) {
+  const std::string_view what = error.what();
+  const std::size_t place = what.find("column ");
+  const std::size_t end = what.find(": ", place == std::string_view::npos ? 0 : place);
+  return printable(end == std::string_view::npos ? what : what.substr(end + 2));
+}
+
+/// A URI without its percent escapes.  [RFC3986, 2.1]
+std::string unescaped(std::string_view uri) {
+  std::string result;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] == '%' && i + 2 < uri.size() &&
+        std::isxdigit(static_cast<unsigned char>(uri[i + 1])) != 0 &&
+        std::isxdigit(static_cast<unsigned char>(uri[i + 2])) != 0) {
+      result += absl::HexStringToBytes(std::string(uri.substr(i + 1, 2)));
+      i += 2;
+    } else {
+      result += uri[i];
+    }
+  }
+  return result;
+}
+
+/// Whether the URI begins with a scheme, such as "https:".  [RFC3986, 3.1]
+bool has_scheme(std::string_view uri) {
+  const std::size_t colon = uri.find(':');
+  if (colon == std::string_view::npos || colon == 0) return false;
+  return std::all_of(uri.begin(), uri.begin() + static_cast<std::ptrdiff_t>(colon), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '+' || c == '-' || c == '.';
+  });
+}
+
+/// The ending of the name of an embedded picture, from which readers learn its format.
+std::string ending_of(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG")) return ".png";
+  if (bytes.starts_with("\xff\xd8\xff")) return ".jpg";
+  return "";
+}
+
+}  // namespace
+
+Document::Document(Context& context) : context_(context) {
+  absl::StatusOr<AssetContent> content = context.assets.read(context.file);
+  if (!content.ok()) throw Failure{content.status()};
+  const std::string_view text = split_container(content->bytes);
+  parse(text, static_cast<std::size_t>(text.data() - content->bytes.data()));
+  content->bytes = {};
+  root().require_object();
+  check_extensions(root());
+  check_structure(root());
+  model_ = parse_model(root());
+  read_buffers();
+}
+
+std::size_t Document::count(std::string_view key) const {
+  const auto found = root().find(key);
+  return found ? found->require_array().size() : 0;
+}
+
+/// The JSON text; sets the binary chunk.
+std::string_view Document::split_container(std::string_view bytes) {
+  if (!bytes.starts_with(kMagic)) return bytes;
+  if (bytes.size() < 20) context_.fail("", "the file ends within its header of 20 bytes");
+  if (number_at(bytes, 4) != 2)
+    context_.fail("", fmt::format("container version {}, allowed: 2", number_at(bytes, 4)));
+  const std::size_t length = number_at(bytes, 8);
+  if (length > bytes.size() || length < 20)
+    context_.fail(
+        "", fmt::format("the header states {} bytes, but the file has {}", length, bytes.size()));
+  constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
+  const std::size_t text_length = number_at(bytes, 12);
+  if (number_at(bytes, 16) != kJson) context_.fail("", "the first chunk is not JSON");
+  if (text_length > length - 20)
+    context_.fail("", fmt::format("the JSON chunk states {} bytes, but {} are left", text_length,
+                                  length - 20));
+  // Chunks begin at multiples of 4 bytes.
+  for (std::size_t at = 20 + text_length; at + 8 <= length;) {
+    const std::size_t chunk = number_at(bytes, at);
+    if (chunk > length - at - 8)
+      context_.fail("", fmt::format("the chunk at byte {} states {} bytes, but {} are left", at,
+                                    chunk, length - at - 8));
+    if (number_at(bytes, at + 4) == kBinary) {
+      embedded_ = bytes.substr(at + 8, chunk);
+      has_embedded_ = true;
+      break;
+    }
+    at += 8 + chunk;
+  }
+  return bytes.substr(20, text_length);
+}
+
+void Document::parse(std::string_view text, std::size_t start) {
+  if (text.size() > kMostText)
+    context_.fail("", absl::ResourceExhaustedError(fmt::format("JSON text of {} bytes, allowed: {}",
+                                                               text.size(), kMostText)));
+  std::size_t values = 0;
+  const auto check = [&](int level, Json::parse_event_t event, const Json&) {
+    if (level > kMostLevels)
+      context_.fail("", absl::InvalidArgumentError(
+                            fmt::format("JSON text of more than {} levels", kMostLevels)));
+    if (event != Json::parse_event_t::object_end && event != Json::parse_event_t::array_end &&
+        ++values > kMostValues)
+      context_.fail("", absl::ResourceExhaustedError(
+                            fmt::format("JSON text of more than {} values", kMostValues)));
+    if (values % 4096 == 0) context_.poll();
+    return true;
+  };
+  try {
+    json_ = Json::parse(text.begin(), text.end(), check);
+  } catch (const Json::parse_error& error) {
+    if (start > 0)
+      context_.fail(
+          "", fmt::format("invalid JSON at byte {}: {}", start + error.byte, reason_of(error)));
+    throw Failure{absl::InvalidArgumentError(fmt::format("{}:{}: invalid JSON: {}", context_.file,
+                                                         line_and_column(text, error.byte),
+                                                         reason_of(error)))};
+  } catch (const Json::exception& error) {  // a number beyond the range of a double
+    context_.fail("", fmt::format("invalid JSON: {}", reason_of(error)));
+  }
+}
+
+void Document::read_buffers() {
+  buffers_.resize(count("buffers"));
+  for (std::size_t i = 0; i < buffers_.size(); ++i) {
+    context_.poll();
+    const View buffer = root().at("buffers")[i];
+    const auto uri = buffer.find("uri");
+    const std::uint64_t needed = buffer.at("byteLength").integer(1, std::uint64_t{1} << 40);
+    if (uri) {
+      if (read_uri(*uri) == nullptr) continue;
+      buffers_[i] = std::move(files_.extract(uri->pointer()).mapped().bytes);
+    } else if (i == 0 && has_embedded_) {
+      buffers_[i] = std::move(embedded_);
+    } else {
+      continue;  // compressed views have their own buffer; others fail where they are used
+    }
+    if (buffers_[i].size() < needed)
+      buffer.at("byteLength")
+          .fail(fmt::format("found {}, but the buffer has {} bytes", needed, buffers_[i].size()));
+  }
+}
+
+const AssetContent* Document::read_uri(const View& uri) const {
+  const auto known = files_.find(uri.pointer());
+  if (known != files_.end()) return &known->second;
+  const std::string& text = uri.text();
+  AssetContent content;
+  if (text.starts_with("data:")) {
+    constexpr std::string_view kCoding = ";base64,";
+    const std::size_t comma = text.find(',');
+    if (comma == std::string::npos || comma + 1 < kCoding.size() ||
+        text.compare(comma + 1 - kCoding.size(), kCoding.size(), kCoding) != 0)
+      uri.fail("a data URI of another coding, allowed: data:TYPE;base64,DATA");
+    content.name = context_.location(uri.pointer()).file;
+    context_.claim(uri.pointer(), text.size(), 1);
+    if (!absl::Base64Unescape(text.substr(comma + 1), &content.bytes))
+      uri.fail("a data URI with invalid base64");
+    content.name += ending_of(content.bytes);
+  } else {
+    const std::string name = unescaped(text);
+    if (has_scheme(text) || !is_printable(name))
+      uri.fail(
+          fmt::format("found \"{}\", allowed: a relative path or a data URI", printable(text)));
+    absl::StatusOr<AssetContent> read = context_.assets.read(name, context_.file);
+    if (absl::IsFailedPrecondition(read.status())) {
+      if (missing_.ok())
+        missing_ = absl::Status(read.status().code(),
+                                fmt::format("{}: {}", context_.location(uri.pointer()).file,
+                                            std::string(read.status().message())));
+      return nullptr;
+    }
+    if (!read.ok()) uri.fail(read.status());
+    content = *std::move(read);
+  }
+  return &files_.emplace(uri.pointer(), std::move(content)).first->second;
+}
+
+std::string_view Document::view_bytes(std::size_t view, const std::string& pointer) const {
+  const tinygltf::BufferView& v = model_.bufferViews[view];
+  const View place = root().at("bufferViews")[view];
+  if (const auto packed = place.extension("EXT_meshopt_compression")) {
+    const auto known = unpacked_.find(view);
+    if (known != unpacked_.end()) return known->second;
+    const std::size_t buffer = packed->at("buffer").index(buffers_.size(), "buffer");
+    const std::size_t offset = packed->integer("byteOffset", 0, 0, std::uint64_t{1} << 40);
+    const std::size_t length = packed->at("byteLength").integer(1, std::uint64_t{1} << 40);
+    if (offset > buffers_[buffer].size() || length > buffers_[buffer].size() - offset)
+      packed->fail(fmt::format("bytes {} to {} of buffer {}, which has {} bytes", offset,
+                               offset + length, buffer, buffers_[buffer].size()));
+    return unpacked_
+        .emplace(view,
+                 unpack_meshopt(*packed, std::string_view(buffers_[buffer]).substr(offset, length)))
+        .first->second;
+  }
+  const std::string& buffer = buffers_[static_cast<std::size_t>(v.buffer)];
+  if (v.byteOffset > buffer.size() || v.byteLength > buffer.size() - v.byteOffset)
+    place.fail(fmt::format("bytes {} to {} of buffer {}, which has {} bytes (named by {})",
+                           v.byteOffset, v.byteOffset + v.byteLength, v.buffer, buffer.size(),
+                           printable(pointer)));
+  return std::string_view(buffer).substr(v.byteOffset, v.byteLength);
+}
+
+const AssetContent* Document::read(const View& thing) const {
+  thing.require_object();
+  if (const auto uri = thing.find("uri")) return read_uri(*uri);
+  const View given = thing.at("bufferView");
+  const auto known = files_.find(given.pointer());
+  if (known != files_.end()) return &known->second;
+  // Buffers may be missing too.  Then the rest of the file is still read.
+  const std::size_t view = given.index(model_.bufferViews.size(), "bufferView");
+  if (!missing_.ok()) return nullptr;
+  AssetContent content;
+  content.bytes = view_bytes(view, given.pointer());
+  content.name = context_.location(thing.pointer()).file + ending_of(content.bytes);
+  context_.claim(given.pointer(), content.bytes.size(), 1);
+  return &files_.emplace(given.pointer(), std::move(content)).first->second;
+}
+
+std::shared_ptr<const Image> Document::image(std::size_t index, bool says) const {
+  std::shared_ptr<const Image>& image = images_[index];
+  if (image != nullptr) return image;
+  const View place = root().at("images")[index];
+  const AssetContent* content = read(place);
+  if (content == nullptr) return nullptr;
+  context_.poll();
+  auto decoded = decode_image(*content);
+  if (!decoded.ok()) place.fail(decoded.status());
+  if (says)
+    for (const ImageRemark& r : decoded->remarks)
+      context_.remark(place.pointer(), r.what, r.instead);
+  image = decoded->image;
+  context_.claim(place.pointer(), image->bytes(), 1);
+  return image;
+}
+
+void Document::require_all_files() const {
+  if (!missing_.ok()) throw Failure{missing_};
+}
+
+}  // namespace lucerna::gltf

@@ -1,0 +1,58 @@
+// One glTF file: its JSON text, its model and its bytes.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lights/pictures/image.h"
+#include "server/gltf/model.h"
+#include "server/gltf/view.h"
+
+namespace lucerna::gltf {
+
+class Document {
+ public:
+  /// Reads and checks the file `context.file`, a .gltf or a .glb file, and all its buffers.
+  explicit Document(Context& context);
+
+  Context& context() const { return context_; }
+  /// The JSON text.  Types and indices are checked (structure.h), those of extensions are not.
+  View root() const { return {context_, json_, ""}; }
+  const tinygltf::Model& model() const { return model_; }
+  /// The number of elements of an array of the root.
+  std::size_t count(std::string_view key) const;
+
+  /// The bytes of a buffer view, unpacked.  Fails at `pointer` if the buffer is too short.
+  std::string_view view_bytes(std::size_t view, const std::string& pointer) const;
+
+  /// The bytes of a thing with "uri" or "bufferView".  If the file was not uploaded yet, the load
+  /// goes on without it (null) until require_all_files.
+  const AssetContent* read(const View& thing) const;
+  /// The picture images/`index`; null as above.  `says`: with remarks on parts that are not used.
+  std::shared_ptr<const Image> image(std::size_t index, bool says = true) const;
+  /// Fails if a file was not uploaded yet.
+  void require_all_files() const;
+
+ private:
+  std::string_view split_container(std::string_view bytes);
+  void parse(std::string_view text, std::size_t start);
+  void read_buffers();
+  const AssetContent* read_uri(const View& uri) const;
+
+  Context& context_;
+  Json json_;
+  tinygltf::Model model_;
+  std::string embedded_;  ///< the binary chunk of a .glb file
+  bool has_embedded_ = false;
+  std::vector<std::string> buffers_;
+  mutable std::map<std::size_t, std::string> unpacked_;  ///< of compressed buffer views
+  mutable std::map<std::string, AssetContent> files_;    ///< by JSON pointer
+  mutable std::map<std::size_t, std::shared_ptr<const Image>> images_;
+  mutable absl::Status missing_;
+};
+
+}  // namespace lucerna::gltf

@@ -1,0 +1,178 @@
+#include "server/gltf/lights.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "lights/spectra/level_validation.h"
+#include "server/formats/ies.h"
+
+namespace lucerna::gltf {
+namespace {
+
+Vec3<double> column(const Matrix& m, std::size_t j) { return {m[0][j], m[1][j], m[2][j]}; }
+
+Rgb<double> level_of(const View& light, std::string_view intensity, std::string_view unit) {
+  const std::vector<double> colour = light.numbers("color", {1, 1, 1}, kNotNegative);
+  const Rgb<double> level =
+      Rgb<double>(colour[0], colour[1], colour[2]) * light.number(intensity, 1, kNotNegative);
+  if (const auto status = check_light_value<float>(intensity, level, unit); !status.ok())
+    light.fail(status);
+  return level;
+}
+
+/// The light `index` of an extension of the root.
+View light_of(const Document& document, const char* extension, const View& use) {
+  const auto at_root = document.root().extension(extension);
+  if (!at_root) use.fail(fmt::format("the file has no /extensions/{}", extension));
+  const View lights = at_root->at("lights");
+  return lights.require_array()[use.at("light").index(lights.size(), "light")];
+}
+
+SpotLightParams spot_light(const View& light, const Vec3<double>& position,
+                           const Vec3<double>& axis) {
+  SpotLightParams spot;
+  spot.position_m = position;
+  spot.axis = axis;
+  spot.intensity_cd = level_of(light, "intensity", "cd");
+  // Earlier drafts of the extension allowed a spot without its angles.
+  const auto given = light.find("spot");
+  const View angles = given ? given->require_object() : light;
+  constexpr double kMost = std::numbers::pi / 2;
+  spot.cone_half_angle_rad =
+      angles.number("outerConeAngle", std::numbers::pi / 4, {1e-6, kMost + 1e-6});
+  spot.falloff_start_rad = angles.number("innerConeAngle", 0, {0, kMost + 1e-6});
+  if (spot.falloff_start_rad > spot.cone_half_angle_rad)
+    angles.at("innerConeAngle")
+        .fail(fmt::format("found {} rad, allowed: 0 to {}, the outerConeAngle",
+                          spot.falloff_start_rad, spot.cone_half_angle_rad));
+  light.context().remark(
+      angles.pointer(), "the falloff x^2 between the cones, which the extension suggests",
+      "3 x^2 - 2 x^3, in which x = (cos theta - cos outer) / (cos inner - cos outer)");
+  return spot;
+}
+
+void add_punctual(const Document& document, const PlacedNode& node, const View& use) {
+  const View light = light_of(document, "KHR_lights_punctual", use);
+  const Matrix frame = without_scale(node.world_from_node);
+  const Vec3<double> position = column(frame, 3), back = column(frame, 2);
+  const std::string& type = light.at("type").text();
+  LightDescription result;
+  if (type == "point") {
+    result.params = PointLightParams{position, level_of(light, "intensity", "cd")};
+  } else if (type == "spot") {
+    result.params = spot_light(light, position, -back);
+  } else if (type == "directional") {
+    result.params = DistantLightParams{back, level_of(light, "intensity", "lx")};
+  } else {
+    light.at("type").fail(
+        fmt::format("found \"{}\", allowed: point, spot, directional", printable(type)));
+  }
+  if (const auto range = light.find("range"))
+    light.context().remark(range->pointer(),
+                           fmt::format("a range of {} m is not applied", range->number()),
+                           "light falls off with the square of the distance, without an end");
+  result.where = document.context().location(fmt::format("/nodes/{}", node.index));
+  result.motion = node.motion;
+  document.context().scene.lights.push_back(std::move(result));
+}
+
+void add_photometric(const Document& document, const PlacedNode& node, const View& use) {
+  const View profile = light_of(document, "EXT_lights_ies", use);
+  const AssetContent* content = document.read(profile);
+  if (content == nullptr) return;
+  const auto file = parse_ies(content->bytes, content->name);
+  if (!file.ok()) profile.fail(file.status());
+  for (const PhotometricFile::Note& note : file->notes)
+    document.context().remark(profile.pointer(),
+                              fmt::format("{}:{}: {}", content->name, note.line, note.what),
+                              note.instead);
+  const Matrix frame = without_scale(node.world_from_node);
+  GoniometricLightParams light;
+  light.position_m = column(frame, 3);
+  // The luminaire's downward direction is -z of the node, and its angle H = 0 is +x.  Horizontal
+  // angles of type C are counter-clockwise seen from above, which is from +z of the node.
+  light.axes = Frame<double>{column(frame, 0), -column(frame, 1), -column(frame, 2)};
+  const std::vector<double> colour = use.numbers("color", {1, 1, 1}, kUnit);
+  light.intensity =
+      Rgb<double>(colour[0], colour[1], colour[2]) * use.number("multiplier", 1, kNotNegative);
+  light.web = file->web;
+  light.file = content->name;
+  light.format = file->format;
+  if (const auto status = GoniometricIntensity<float>::check(light, {}); !status.ok())
+    use.fail(status);
+  LightDescription result;
+  result.params = std::move(light);
+  result.where = document.context().location(fmt::format("/nodes/{}", node.index));
+  result.motion = node.motion;
+  document.context().scene.lights.push_back(std::move(result));
+}
+
+}  // namespace
+
+void read_photometric_files(const Document& document) {
+  const auto extension = document.root().extension("EXT_lights_ies");
+  if (!extension) return;
+  const View lights = extension->at("lights");
+  for (std::size_t i = 0; i < lights.require_array().size(); ++i) document.read(lights[i]);
+}
+
+void add_lights(const Document& document, const PlacedNode& node) {
+  const View place = document.root().at("nodes")[node.index];
+  if (const auto use = place.extension("KHR_lights_punctual")) add_punctual(document, node, *use);
+  if (const auto use = place.extension("EXT_lights_ies")) add_photometric(document, node, *use);
+}
+
+void set_camera(const Document& document, const std::vector<PlacedNode>& nodes) {
+  Context& context = document.context();
+  PerspectiveCamera& camera = context.scene.camera;
+  Film& film = context.scene.film;
+  const PlacedNode* chosen = nullptr;
+  for (const PlacedNode& node : nodes) {
+    const int index = document.model().nodes[node.index].camera;
+    if (index < 0) continue;
+    if (chosen == nullptr)
+      chosen = &node;
+    else
+      context.remark(fmt::format("/nodes/{}/camera", node.index), "a second camera",
+                     "the first is used");
+  }
+  // A camera looks along -z; camera space here is left-handed with +z forward.
+  const Transform turned = *Transform::scale({1, 1, -1});
+  double half_height = 1, half_width = 0;
+  if (chosen == nullptr) {
+    context.remark("", "the scene has no camera", "one at the origin that looks along -z");
+    camera.world_from_camera = turned;
+  } else {
+    const auto& given =
+        document.model()
+            .cameras[static_cast<std::size_t>(document.model().nodes[chosen->index].camera)];
+    const auto place = Transform::from_matrix(without_scale(chosen->world_from_node));
+    if (!place)
+      context.fail(fmt::format("/nodes/{}", chosen->index), "the camera has no finite position");
+    camera.world_from_camera = *place * turned;
+    camera.motion = chosen->motion;
+    if (given.type == "perspective") {
+      half_height = std::tan(given.perspective.yfov / 2);
+      half_width = half_height * given.perspective.aspectRatio;
+    } else {
+      context.remark(fmt::format("/cameras/{}", document.model().nodes[chosen->index].camera),
+                     "an orthographic camera is not modelled",
+                     "a perspective camera, 90 degrees high");
+      if (given.orthographic.xmag > 0 && given.orthographic.ymag > 0)
+        half_width = std::clamp(given.orthographic.xmag / given.orthographic.ymag, 1e-3, 1e3);
+    }
+  }
+  // Without an aspect ratio, the film's.
+  if (half_width > 0) {
+    film.width = static_cast<int>(
+        std::clamp(std::round(film.height * half_width / half_height), 1.0, 65536.0));
+  } else {
+    half_width = half_height * film.width / film.height;
+  }
+  camera.screen_min = {-half_width, -half_height};
+  camera.screen_max = {half_width, half_height};
+}
+
+}  // namespace lucerna::gltf

@@ -1,0 +1,41 @@
+#include "server/gltf/load.h"
+
+#include <absl/status/status.h>
+
+#include <new>
+#include <utility>
+
+#include "server/gltf/image_based.h"
+#include "server/gltf/lights.h"
+#include "server/gltf/place.h"
+
+namespace lucerna {
+
+absl::StatusOr<SceneDescription> load_gltf(AssetReader& assets, const std::string& name,
+                                           std::stop_token stop) {
+  SceneDescription scene;
+  try {
+    gltf::Context context(assets, scene, std::move(stop), name);
+    const gltf::Document document(context);
+    gltf::Materials materials(document);
+    materials.read_pictures();
+    gltf::read_photometric_files(document);
+    gltf::read_environment_pictures(document);
+    document.require_all_files();
+
+    const gltf::Tree tree(document);
+    gltf::place_meshes(document, materials, tree);
+    for (const gltf::PlacedNode& node : tree.nodes()) gltf::add_lights(document, node);
+    gltf::add_environment(document, tree);
+    gltf::set_camera(document, tree.nodes());
+    context.finish_remarks();
+  } catch (const gltf::Failure& failure) {
+    return failure.status;
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("not enough memory to load the scene");
+  }
+  scene.assets = assets.assets();
+  return scene;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,56 @@
+// Materials of a glTF file.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/description/scene_description.h"
+#include "server/gltf/document.h"
+
+namespace lucerna::gltf {
+
+/// Whether this folder reads the extension `name` of materials or of their textures.
+bool is_material_extension(std::string_view name);
+
+/// How a surface with a material emits.
+struct MaterialEmission {
+  Rgb<double> radiance_cd_m2;
+  std::optional<Picture> picture;
+  int uv_set = 0;  ///< of the picture: TEXCOORD_0 and so on
+  /// From the (u, v) of a vertex, v downwards as in the file, to the (u, v) of the picture, v
+  /// upwards.  Rows of an affine map.
+  double uv[2][3] = {{1, 0, 0}, {0, -1, 1}};
+  enum class Wrap : std::uint8_t { kClamp, kRepeat, kMirror } wrap_u{}, wrap_v{};
+};
+
+/// Fills SceneDescription::materials.
+class Materials {
+ public:
+  explicit Materials(const Document& document) : document_(document) {}
+
+  /// Reads the pictures of all materials, so that one answer lists all missing files.
+  void read_pictures();
+
+  struct Use {
+    std::uint32_t material;  ///< index into SceneDescription::materials
+    bool double_sided = false;
+    std::shared_ptr<const MaterialEmission> emission;  ///< null: it does not emit
+  };
+  /// The material with this index; without an index, glTF's default material.
+  const Use& use(std::optional<std::size_t> index);
+
+ private:
+  Use make(const View& material);
+  std::shared_ptr<const MaterialEmission> emission(const View& material);
+  bool apply_texture(const View& texture, MaterialEmission& emission);
+
+  const Document& document_;
+  std::vector<std::optional<Use>> uses_;
+  std::optional<Use> default_;
+};
+
+}  // namespace lucerna::gltf

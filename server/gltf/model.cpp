@@ -1,0 +1,65 @@
+#include <fstream>  // tinygltf needs it even without files
+#define TINYGLTF_IMPLEMENTATION
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+
+#include "server/gltf/model.h"
+
+namespace lucerna::gltf {
+namespace {
+
+/// A copy without the members that the loader reads itself, or does not read.
+Json core_of(const Json& value) {
+  if (value.is_object()) {
+    Json result = Json::object();
+    for (const auto& [key, member] : value.items())
+      if (key != "extensions" && key != "extras" && key != "min" && key != "max")
+        result.emplace(key, core_of(member));
+    return result;
+  }
+  if (value.is_array()) {
+    Json result = Json::array();
+    for (const Json& element : value) result.push_back(core_of(element));
+    return result;
+  }
+  // tinygltf reads 3.0 as no integer.
+  if (value.is_number_float()) {
+    const double number = value.get<double>();
+    if (number == std::floor(number) && std::abs(number) < 0x1p53)
+      return static_cast<std::int64_t>(number);
+  }
+  return value;
+}
+
+}  // namespace
+
+tinygltf::Model parse_model(const View& root) {
+  constexpr const char* kParts[] = {"asset",  "accessors", "bufferViews", "meshes", "nodes",
+                                    "scenes", "scene",     "cameras",     "skins",  "animations"};
+  Json core = Json::object();
+  for (const char* part : kParts)
+    if (const auto found = root.find(part)) core[part] = core_of(found->json());
+  if (core.contains("meshes")) {
+    for (std::size_t m = 0; m < core["meshes"].size(); ++m) {
+      for (std::size_t p = 0; p < core["meshes"][m]["primitives"].size(); ++p) {
+        // The indices of compressed meshes have no bytes, which tinygltf refuses.
+        const Json& given = root.json()["meshes"][m]["primitives"][p];
+        if (given.contains("extensions") &&
+            given["extensions"].contains("KHR_draco_mesh_compression"))
+          core["meshes"][m]["primitives"][p].erase("indices");
+      }
+    }
+  }
+  const std::string text = core.dump();
+  tinygltf::Model model;
+  std::string error, warning;
+  tinygltf::TinyGLTF reader;
+  if (!reader.LoadASCIIFromString(&model, &error, &warning, text.data(),
+                                  static_cast<unsigned>(text.size()), "", 0))
+    root.fail(fmt::format("tinygltf: {}", printable(error)));
+  return model;
+}
+
+}  // namespace lucerna::gltf
