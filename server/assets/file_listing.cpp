@@ -45,7 +45,7 @@ bool is_file(const fs::directory_entry& entry, const fs::path& root) {
 
 }  // namespace
 
-FileListing list_files(const std::string& root, const std::string& extension,
+FileListing list_files(const std::string& root, std::initializer_list<std::string_view> endings,
                        const FileListingLimits& limits) {
   FileListing listing;
   std::error_code error;
@@ -72,7 +72,8 @@ FileListing list_files(const std::string& root, const std::string& extension,
         } else {
           listing.incomplete = true;
         }
-      } else if (name.ends_with(extension) && is_file(*entry, top)) {
+      } else if (std::ranges::any_of(endings, [&](auto end) { return name.ends_with(end); }) &&
+                 is_file(*entry, top)) {
         listing.paths.push_back(entry->path().lexically_relative(top).string());
       }
     }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lucerna {
@@ -17,12 +19,12 @@ struct FileListing {
   bool incomplete = false;         ///< a limit ended the search
 };
 
-/// The regular files under `root` whose names end with `extension` (such as ".pbrt").
+/// The regular files under `root` whose names end with one of `endings` (such as ".pbrt").
 ///
 /// Leaves out hidden files and folders, names that are not UTF-8, and folders that cannot be read.
 /// Does not follow symbolic links to folders.  A symbolic link to a file counts if it is relative
 /// and its target is under the root, since AssetReader opens such links.
-FileListing list_files(const std::string& root, const std::string& extension,
+FileListing list_files(const std::string& root, std::initializer_list<std::string_view> endings,
                        const FileListingLimits& limits = {});
 
 }  // namespace lucerna

@@ -433,7 +433,9 @@ absl::StatusOr<bool> SceneStore::release(const std::string& id, const std::strin
 
 const std::string& SceneStore::root() const { return state_->root; }
 
-FileListing SceneStore::available() const { return list_files(state_->options.root, ".pbrt"); }
+FileListing SceneStore::available() const {
+  return list_files(state_->options.root, {".pbrt", ".pbrt.gz"});
+}
 
 std::size_t SceneStore::size() const {
   const std::lock_guard lock(state_->mutex);
