@@ -141,9 +141,8 @@ TEST_F(Cli, UnmodelledFeaturesAreCountedBesideAnswers) {
       << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
          "property float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n";
   const std::string empty = "Shape \"plymesh\" \"string filename\" \"empty.ply\"\n";
-  std::ofstream(path("scenes/odd.pbrt"))
-      << "WorldBegin\nLightSource \"point\"\n" + empty + empty +
-             "Material \"conductor\"\nShape \"disk\"\n";
+  std::ofstream(path("scenes/odd.pbrt")) << "WorldBegin\nLightSource \"point\"\n" + empty + empty +
+                                                "Material \"conductor\"\nShape \"disk\"\n";
   const std::string counted =
       "2 surfaces left out, 1 material taken as diffuse: lucerna scene odd.pbrt --remarks\n";
   const std::vector<std::string> first = {"irradiance", "odd.pbrt", "--point",   "0,0,1",
