@@ -247,6 +247,21 @@ TEST(Curve, HitsOfObjectsAreInTheirPlace) {
   EXPECT_EQ(placed->primitive_count(), 1U);
 }
 
+TEST(Curve, MovesWithItsShape) {
+  const std::vector<KeyTransform> keys{{0, Transform()}, {1, Transform::translate({0, 4, 0})}};
+  SceneDescription d = testing::description();
+  d.shapes = {shape_of({straight({-1, 0, 0}, {1, 0, 0}, 0.5)}, CurveKind::kCylinder)};
+  d.shapes[0].motion = std::make_shared<const Motion>(*Motion::create(keys));
+  const auto scene = build(d);
+  for (const double time_s : {0.0, 0.5, 1.0})
+    for (const double y : {0.0, 2.0, 4.0}) {
+      const Vector o = Vector{0, y + 0.2, 5} - scene->origin();
+      Ray ray{Vec3<float>(o), {0, 0, -1}};
+      ray.time_s = time_s;
+      EXPECT_EQ(scene->occluded(ray), y == 4 * time_s) << time_s << " " << y;
+    }
+}
+
 TEST(Curve, BlocksShafts) {
   SceneDescription d = testing::description();
   const Vector a{-0.2, -0.2, 2}, b{-0.2, 0.2, 2}, c{0.2, -0.2, 2}, e{0.2, 0.2, 2};
