@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -24,12 +25,25 @@ absl::Status too_much(const std::string& name, std::uint64_t limit) {
       "file \"{}\": the scene's files together exceed the limit of {} bytes", name, limit));
 }
 
+/// The product, or the largest number.
+std::uint64_t saturated(std::uint64_t a, std::uint64_t b) {
+  std::uint64_t product = 0;
+  return __builtin_mul_overflow(a, b, &product) ? std::numeric_limits<std::uint64_t>::max()
+                                                : product;
+}
+
+absl::Status unpacks_too_far(const std::string& name, std::size_t packed,
+                             const AssetReaderOptions& options) {
+  return absl::ResourceExhaustedError(fmt::format(
+      "file \"{}\": its {} bytes unpack to more than the limit, the larger of {} bytes and {} "
+      "times its size",
+      name, packed, options.max_unpacked_bytes, options.max_unpacked_ratio));
+}
+
 }  // namespace
 
 AssetReader::AssetReader(std::unique_ptr<FileSource> source, const AssetReaderOptions& options)
-    : source_(std::move(source)),
-      max_total_bytes_(options.max_total_bytes),
-      remaining_bytes_(options.max_total_bytes) {}
+    : source_(std::move(source)), options_(options), remaining_bytes_(options.max_total_bytes) {}
 
 absl::StatusOr<AssetReader> AssetReader::open(const std::string& root,
                                               const AssetReaderOptions& options) {
@@ -67,7 +81,7 @@ absl::StatusOr<AssetContent> AssetReader::read(const std::string& name,
   if (!path.ok()) return path.status();
   auto file = source_->open(*path, name);
   if (!file.ok()) return file.status();
-  if (file->size > remaining_bytes_) return too_much(name, max_total_bytes_);
+  if (file->size > remaining_bytes_) return too_much(name, options_.max_total_bytes);
 
   AssetContent content{*path, std::string(file->size, '\0')};
   const std::int64_t n = read_fully(file->fd.get(), content.bytes.data(), content.bytes.size());
@@ -91,6 +105,8 @@ absl::StatusOr<AssetContent> AssetReader::read_unpacked(const std::string& name,
   if (inflateInit2(&stream, kGzipOnly) != Z_OK) return unreadable(name);
   const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, &inflateEnd);
   std::string& in = packed->bytes;
+  const std::uint64_t limit =
+      std::max(options_.max_unpacked_bytes, saturated(in.size(), options_.max_unpacked_ratio));
   std::string out;
   std::string chunk(kChunkBytes, '\0');
   std::size_t consumed = 0;
@@ -105,9 +121,11 @@ absl::StatusOr<AssetContent> AssetReader::read_unpacked(const std::string& name,
     result = inflate(&stream, Z_NO_FLUSH);
     consumed += part - stream.avail_in;
     const std::size_t produced = chunk.size() - stream.avail_out;
-    if (produced > remaining_bytes_) return too_much(name, max_total_bytes_);
+    if (produced > remaining_bytes_) return too_much(name, options_.max_total_bytes);
+    if (out.size() + produced > limit) return unpacks_too_far(name, in.size(), options_);
     remaining_bytes_ -= produced;
     out.append(chunk, 0, produced);
+    if (result == Z_STREAM_END && consumed < in.size()) result = inflateReset(&stream);
   }
   if (result != Z_STREAM_END)
     return absl::InvalidArgumentError(

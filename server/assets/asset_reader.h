@@ -19,6 +19,10 @@ namespace lucerna {
 struct AssetReaderOptions {
   /// The most bytes of all reads of one reader together.  Compressed files also count unpacked.
   std::uint64_t max_total_bytes = std::uint64_t{4} << 30;
+  /// A compressed file may unpack to this many bytes, or to this many times its own size if that
+  /// is more.  So a small file cannot become gigabytes.
+  std::uint64_t max_unpacked_bytes = std::uint64_t{256} << 20;
+  std::uint64_t max_unpacked_ratio = 64;
   bool use_openat2 = true;  ///< as in DirectorySourceOptions
 };
 
@@ -45,7 +49,10 @@ class AssetReader {
   /// More errors: not a regular file (INVALID_ARGUMENT), over max_total_bytes (RESOURCE_EXHAUSTED).
   absl::StatusOr<AssetContent> read(const std::string& name, const std::string& relative_to = "");
 
-  /// As `read`, but unpacks a file that begins with the two bytes of gzip.  [RFC1952]
+  /// As `read`, but unpacks a file that begins with the two bytes of gzip.  It may have several
+  /// members, which follow each other.  The digest is that of the compressed file.
+  /// More errors: broken, incomplete or followed by other bytes (INVALID_ARGUMENT), over
+  /// max_unpacked_bytes and max_unpacked_ratio (RESOURCE_EXHAUSTED).  [RFC1952]
   absl::StatusOr<AssetContent> read_unpacked(const std::string& name,
                                              const std::string& relative_to = "");
 
@@ -61,7 +68,7 @@ class AssetReader {
                                       const std::string& relative_to) const;
 
   std::unique_ptr<FileSource> source_;
-  std::uint64_t max_total_bytes_;
+  AssetReaderOptions options_;
   std::uint64_t remaining_bytes_;
   std::vector<Asset> assets_;
   std::set<std::string> seen_;

@@ -2,6 +2,7 @@
 // camera in world space, in double precision.  Loaders fill it; the scene builder consumes it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -56,9 +57,26 @@ struct PatchMeshData {
   std::vector<Vec2<float>> corner_uv{};
 };
 
+/// What rays meet along a curve (server/rays/curve.h).
+enum class CurveKind : std::uint8_t { kFlat, kCylinder, kRibbon };
+
+/// A cubic Bezier curve.  Its width changes evenly.
+struct CubicCurve {
+  std::array<Vec3<double>, 4> points;
+  double start_width_m = 0, end_width_m = 0;  ///< at least 0
+  std::array<Vec3<double>, 2> normals{};      ///< of a ribbon: unit, at its start and its end
+};
+
+/// Curves do not emit.
+struct CurveData {
+  CurveKind kind{};
+  std::vector<CubicCurve> curves;
+};
+
 struct ShapeDescription {
 #define LUCERNA_PARAMS(Shape) , Shape##Params
-  std::variant<TriangleMeshData, PatchMeshData LUCERNA_QUADRICS(LUCERNA_PARAMS)> geometry;
+  std::variant<TriangleMeshData, PatchMeshData, CurveData LUCERNA_QUADRICS(LUCERNA_PARAMS)>
+      geometry;
 #undef LUCERNA_PARAMS
   std::uint32_t material = 0;  ///< index into SceneDescription::materials
   bool has_uv = false;         ///< whether textures use the (u, v) of its surface

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 
 #include "proto/common/status_macros.h"
@@ -19,12 +20,52 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "copies little-endian data");
 
+/// The number at `at`.  `swapped`: its first byte is the most significant one.
+template <typename T>
+T load(const char* at, bool swapped) {
+  std::array<char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), at, sizeof(T));
+  if (swapped) std::ranges::reverse(bytes);
+  return std::bit_cast<T>(bytes);
+}
+
+/// Calls `f` with the C++ type.
+template <typename F>
+void with_type(Type type, F&& f) {
+  switch (type) {
+    case Type::kInt8:
+      return f.template operator()<std::int8_t>();
+    case Type::kUint8:
+      return f.template operator()<std::uint8_t>();
+    case Type::kInt16:
+      return f.template operator()<std::int16_t>();
+    case Type::kUint16:
+      return f.template operator()<std::uint16_t>();
+    case Type::kInt32:
+      return f.template operator()<std::int32_t>();
+    case Type::kUint32:
+      return f.template operator()<std::uint32_t>();
+    case Type::kFloat:
+      return f.template operator()<float>();
+    case Type::kDouble:
+      return f.template operator()<double>();
+  }
+}
+
 /// Reads one number after the other from the data.
 class Numbers {
  public:
   Numbers(std::string_view data, Encoding encoding) : data_(data), encoding_(encoding) {}
 
   std::size_t bytes_left() const { return data_.size(); }
+  Encoding encoding() const { return encoding_; }
+  /// The next bytes, which the caller reads itself.  Requires that many left.
+  const char* take(std::size_t bytes) {
+    const char* at = data_.data();
+    data_.remove_prefix(bytes);
+    return at;
+  }
+  std::string_view rest() const { return data_; }
 
   /// Minimum size in bytes of a number of `type`.
   std::uint64_t least_bytes(Type type) const {
@@ -51,43 +92,12 @@ class Numbers {
     return data_.empty() || is_space(data_.front());
   }
 
-  template <typename T>
-  double raw() {
-    std::array<char, sizeof(T)> bytes;
-    for (std::size_t i = 0; i < sizeof(T); ++i)
-      bytes[i] = data_[encoding_ == Encoding::kBigEndian ? sizeof(T) - 1 - i : i];
-    data_.remove_prefix(sizeof(T));
-    return static_cast<double>(std::bit_cast<T>(bytes));
-  }
-
   bool next_binary(Type type, double& value) {
     if (data_.size() < size_of(type)) return false;
-    switch (type) {
-      case Type::kInt8:
-        value = raw<std::int8_t>();
-        break;
-      case Type::kUint8:
-        value = raw<std::uint8_t>();
-        break;
-      case Type::kInt16:
-        value = raw<std::int16_t>();
-        break;
-      case Type::kUint16:
-        value = raw<std::uint16_t>();
-        break;
-      case Type::kInt32:
-        value = raw<std::int32_t>();
-        break;
-      case Type::kUint32:
-        value = raw<std::uint32_t>();
-        break;
-      case Type::kFloat:
-        value = raw<float>();
-        break;
-      case Type::kDouble:
-        value = raw<double>();
-        break;
-    }
+    const char* at = take(size_of(type));
+    with_type(type, [&]<typename T>() {
+      value = static_cast<double>(load<T>(at, encoding_ == Encoding::kBigEndian));
+    });
     return true;
   }
 
@@ -178,10 +188,123 @@ class Reader {
     } else if (element.name == "face") {
       mesh_.indices.reserve(3 * element.count);
     }
+    if (numbers_.encoding() != Encoding::kAscii) {
+      if (element.name == "vertex" && has_no_list(element)) return read_vertices(element, role);
+      if (is_plain_face(element)) return read_plain_faces(element);
+    }
     for (std::uint64_t i = 0; i < element.count; ++i) {
       if ((i & 0xffff) == 0 && stop_.stop_requested())
         return absl::CancelledError("loading was cancelled");
       LUCERNA_RETURN_IF_ERROR(read_one(element, role, i));
+    }
+    return absl::OkStatus();
+  }
+
+  // Binary data of the usual form are read in bulk.
+  static constexpr std::uint64_t kRowsAtOnce = 1 << 14;  // so that they stay in the cache
+
+  static bool has_no_list(const Element& element) {
+    return std::ranges::none_of(element.properties,
+                                [](const Property& p) { return p.count_type.has_value(); });
+  }
+
+  /// Reads vertices, one property after the other.  The data are long enough.
+  absl::Status read_vertices(const Element& element, const std::vector<Role>& role) {
+    const bool swapped = numbers_.encoding() == Encoding::kBigEndian;
+    std::size_t stride = 0;
+    for (const Property& property : element.properties) stride += size_of(property.type);
+    for (std::uint64_t first = 0; first < element.count; first += kRowsAtOnce) {
+      if (stop_.stop_requested()) return absl::CancelledError("loading was cancelled");
+      const std::uint64_t rows = std::min(kRowsAtOnce, element.count - first);
+      const char* block = numbers_.take(rows * stride);
+      mesh_.positions.resize(first + rows);
+      if (has_normals_) mesh_.normals.resize(first + rows);
+      if (has_uv_) mesh_.uv.resize(first + rows);
+      for (std::size_t p = 0; p < role.size(); block += size_of(element.properties[p++].type)) {
+        const auto column = [&](auto&& set) {
+          with_type(element.properties[p].type, [&]<typename T>() {
+            const char* at = block;
+            for (std::uint64_t i = first; i < first + rows; ++i, at += stride)
+              set(i, load<T>(at, swapped));
+          });
+        };
+        const auto into = [&](auto& values, auto component) {
+          using Real = std::decay_t<decltype(values[0].*component)>;
+          column([&](std::uint64_t i, auto n) { values[i].*component = static_cast<Real>(n); });
+        };
+        switch (role[p]) {
+          case kX:
+            into(mesh_.positions, &Vec3<double>::x);
+            break;
+          case kY:
+            into(mesh_.positions, &Vec3<double>::y);
+            break;
+          case kZ:
+            into(mesh_.positions, &Vec3<double>::z);
+            break;
+          case kNx:
+            if (has_normals_) into(mesh_.normals, &Vec3<float>::x);
+            break;
+          case kNy:
+            if (has_normals_) into(mesh_.normals, &Vec3<float>::y);
+            break;
+          case kNz:
+            if (has_normals_) into(mesh_.normals, &Vec3<float>::z);
+            break;
+          case kU:
+            into(mesh_.uv, &Vec2<float>::x);
+            break;
+          case kV:
+            into(mesh_.uv, &Vec2<float>::y);
+            break;
+          default:
+            break;
+        }
+      }
+      for (std::uint64_t i = first; i < first + rows; ++i) LUCERNA_RETURN_IF_ERROR(check_vertex(i));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status check_vertex(std::uint64_t i) const {
+    if (!is_finite(mesh_.positions[i])) return error(fmt::format("vertex {} is not finite", i));
+    if (has_uv_ && !(std::isfinite(mesh_.uv[i].x) && std::isfinite(mesh_.uv[i].y)))
+      return error(fmt::format("the u, v of vertex {} are not finite", i));
+    if (has_normals_ && !is_finite(mesh_.normals[i]))
+      return error(fmt::format("the normal of vertex {} is not finite", i));
+    return absl::OkStatus();
+  }
+
+  /// Whether each face is only its corners: a count of one byte, then indices of four.
+  bool is_plain_face(const Element& element) const {
+    if (element.name != "face" || element.properties.size() != 1 ||
+        numbers_.encoding() != Encoding::kLittleEndian)
+      return false;
+    const Property& p = element.properties[0];
+    return (p.type == Type::kInt32 || p.type == Type::kUint32) &&
+           (p.count_type == Type::kUint8 || p.count_type == Type::kInt8);
+  }
+
+  absl::Status read_plain_faces(const Element& element) {
+    const Property& property = element.properties[0];
+    // A negative index is a large one here.
+    const std::uint64_t most = property.type == Type::kInt32 ? 0x7fffffff : 0xffffffff;
+    const std::uint64_t vertices = has_vertices_ ? mesh_.positions.size() : most + 1;
+    for (std::uint64_t face = 0; face < element.count; ++face) {
+      if (face % kRowsAtOnce == 0 && stop_.stop_requested())
+        return absl::CancelledError("loading was cancelled");
+      const std::string_view rest = numbers_.rest();
+      constexpr std::size_t kTriangleBytes = 13;
+      std::array<std::uint32_t, 3> corner;
+      if (rest.size() >= kTriangleBytes && rest[0] == 3) {
+        std::memcpy(corner.data(), rest.data() + 1, sizeof corner);
+        if (std::max({corner[0], corner[1], corner[2]}) < vertices) {
+          mesh_.indices.insert(mesh_.indices.end(), corner.begin(), corner.end());
+          numbers_.take(kTriangleBytes);
+          continue;
+        }
+      }
+      LUCERNA_RETURN_IF_ERROR(read_face(property, face));
     }
     return absl::OkStatus();
   }
@@ -203,19 +326,10 @@ class Reader {
     }
     if (element.name != "vertex") return absl::OkStatus();
     const Vec3<double> position{value[kX], value[kY], value[kZ]};
-    if (!is_finite(position)) return error(fmt::format("vertex {} is not finite", i));
     mesh_.positions.push_back(position);
-    if (has_uv_) {
-      const Vec2<float> uv{static_cast<float>(value[kU]), static_cast<float>(value[kV])};
-      if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
-        return error(fmt::format("the u, v of vertex {} are not finite", i));
-      mesh_.uv.push_back(uv);
-    }
-    if (!has_normals_) return absl::OkStatus();
-    const Vec3<float> normal{Vec3<double>{value[kNx], value[kNy], value[kNz]}};
-    if (!is_finite(normal)) return error(fmt::format("the normal of vertex {} is not finite", i));
-    mesh_.normals.push_back(normal);
-    return absl::OkStatus();
+    if (has_uv_) mesh_.uv.push_back({static_cast<float>(value[kU]), static_cast<float>(value[kV])});
+    if (has_normals_) mesh_.normals.emplace_back(Vec3<double>{value[kNx], value[kNy], value[kNz]});
+    return check_vertex(i);
   }
 
   absl::Status read_face(const Property& property, std::uint64_t face) {
@@ -237,7 +351,7 @@ class Reader {
     mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[1], corner[2]});
     if (count == 4) {
       mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[2], corner[3]});
-      ++mesh_.split_quads;
+      mesh_.quads.push_back(static_cast<std::uint32_t>(mesh_.indices.size() / 3 - 2));
     }
     return absl::OkStatus();
   }

@@ -18,7 +18,8 @@ struct PlyMesh {
   std::vector<Vec3<float>> normals;     ///< any length, per vertex; empty: none
   std::vector<Vec2<float>> uv;          ///< finite, per vertex; empty: none
   std::vector<std::uint32_t> indices;   ///< three per triangle, all < positions.size()
-  std::size_t split_quads = 0;          ///< quadrilaterals, split along their first diagonal
+  /// Quadrilaterals are split along their first diagonal: the first triangle of each.
+  std::vector<std::uint32_t> quads;
 };
 
 /// The mesh in the bytes of a PLY file.  Element `vertex` has x y z and optionally nx ny nz and u v

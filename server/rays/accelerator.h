@@ -21,6 +21,7 @@
 #include "lights/maths/transform.h"
 #include "lights/shapes/area_shape.h"
 #include "lights/shapes/bilinear_patch.h"
+#include "server/rays/curve.h"
 #include "server/rays/ray.h"
 #include "server/rays/wide_triangle.h"
 
@@ -33,11 +34,11 @@ using VectorsOf = std::tuple<std::vector<Shapes>...>;
 using Quadrics = VectorsOf<void LUCERNA_QUADRICS(LUCERNA_SHAPE)>;
 #undef LUCERNA_SHAPE
 
-/// Kinds of primitives: triangles, patches, then kSphere and the other quadrics.
+/// Kinds of primitives: triangles, patches, pieces of curves, then kSphere and the other quadrics.
 #define LUCERNA_KIND(Shape) , k##Shape
-enum class HitKind : std::uint8_t { kTriangle, kPatch LUCERNA_QUADRICS(LUCERNA_KIND) };
+enum class HitKind : std::uint8_t { kTriangle, kPatch, kCurve LUCERNA_QUADRICS(LUCERNA_KIND) };
 #undef LUCERNA_KIND
-inline constexpr std::size_t kHitKinds = 2 + std::tuple_size_v<Quadrics>;
+inline constexpr std::size_t kHitKinds = 3 + std::tuple_size_v<Quadrics>;
 
 /// Everything that rays can hit in one space (the scene's or an object's).  Each kind has its
 /// own numbers, in order.
@@ -45,6 +46,7 @@ struct GeometrySet {
   std::vector<Vec3<float>> vertices{};     ///< [m]; within an Accelerator in units of `unit_m`
   std::vector<std::uint32_t> triangles{};  ///< three vertex numbers for each triangle
   std::vector<BilinearPatch<double>> patches{};
+  std::vector<CurvePiece> curves{};
   Quadrics quadrics{};
   std::vector<WideTriangle> wide{};  ///< of `triangles`, in ascending order
   /// The unit of Embree's space for this set (ray_limits.h).  The Accelerator chooses it.
@@ -65,13 +67,15 @@ struct GeometrySet {
   const std::vector<Shape>& of() const {
     return std::get<std::vector<Shape>>(quadrics);
   }
-  /// Calls `f(vector)` for the patches and then for each kind of quadric, in the order of HitKind.
+  /// Calls `f(vector)` for the patches, the curves, and each kind of quadric, in the order of
+  /// HitKind.
   template <typename F>
   void for_each_kind_of_surface(F&& f) const {
-    f(patches);
+    f(patches), f(curves);
     std::apply([&](const auto&... of_kind) { (f(of_kind), ...); }, quadrics);
   }
-  /// The result of `f(surface)` for a patch or a quadric.  `kind` is not kTriangle.
+  /// The result of `f(surface)` for a patch, a piece of a curve or a quadric.  `kind` is not
+  /// kTriangle.
   template <typename F>
   auto visit_surface(HitKind kind, std::uint32_t primitive, F&& f) const {
     switch (kind) {
@@ -80,6 +84,8 @@ struct GeometrySet {
     return f(of<Shape<double>>()[primitive]);
       LUCERNA_QUADRICS(LUCERNA_CASE)
 #undef LUCERNA_CASE
+      case HitKind::kCurve:
+        return f(curves[primitive]);
       default:
         return f(patches[primitive]);
     }
@@ -117,7 +123,7 @@ struct RawHit {
   HitKind kind{};
   std::uint32_t primitive{};   ///< within its kind, within its GeometrySet
   std::int32_t instance = -1;  ///< index of the instance; -1: the scene's own geometry
-  Vec2<float> uv;              ///< triangle: barycentrics of vertices 1 and 2; patch: (u, v)
+  Vec2<float> uv;              ///< triangle: barycentrics of vertices 1 and 2; patch, curve: (u, v)
   /// Except for triangles: the point hit and its unit normal, in the space of the
   /// GeometrySet.
   Vec3<double> position, normal;

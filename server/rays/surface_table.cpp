@@ -124,6 +124,18 @@ class Appender {
     return absl::OkStatus();
   }
 
+  absl::Status operator()(const CurveData& data) {
+    constexpr std::size_t kMaximum = std::numeric_limits<std::uint32_t>::max();
+    begin_run(HitKind::kCurve, set_.curves.size(), 0, 1);
+    for (const CubicCurve& curve : data.curves) {
+      const auto pieces = pieces_of(curve, data.kind, origin_);
+      if (set_.curves.size() + pieces.size() > kMaximum)
+        return absl::ResourceExhaustedError("more than 2^32 - 1 pieces of curves");
+      set_.curves.insert(set_.curves.end(), pieces.begin(), pieces.end());
+    }
+    return absl::OkStatus();
+  }
+
   template <typename Params>
   absl::Status operator()(const Params& params) {
     using Shape = QuadricOf<Params>;
@@ -187,6 +199,18 @@ class BoundsAdder {
 
   absl::Status operator()(const TriangleMeshData& mesh) { return add_vertices(mesh.positions); }
   absl::Status operator()(const PatchMeshData& mesh) { return add_vertices(mesh.positions); }
+  absl::Status operator()(const CurveData& data) {
+    for (const CubicCurve& curve : data.curves)
+      for (const CurvePiece& piece : pieces_of(curve, data.kind, {})) {
+        const auto [lower, upper] = piece.bounds();
+        const double reach = std::max(max_abs(lower), max_abs(upper));
+        if (!(reach <= Accelerator::kMaxCoordinate))
+          return absl::InvalidArgumentError(
+              fmt::format("a curve reaching to {} m, allowed: coordinates up to 1e30", reach));
+        bounds_.add(lower), bounds_.add(upper);
+      }
+    return absl::OkStatus();
+  }
   template <typename Params>
   absl::Status operator()(const Params& params) {
     LUCERNA_ASSIGN_OR_RETURN(const auto shape, QuadricOf<Params>::create(params));

@@ -138,8 +138,9 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
   };
 #define LUCERNA_NAME(Shape) \
   , Name { std::string(Shape<double>::kName), fmt::format("{}s", Shape<double>::kName) }
-  const std::array names{Name{"vertex", "vertices"}, Name{"triangle", "triangles"},
-                         Name{"patch", "patches"} LUCERNA_QUADRICS(LUCERNA_NAME)};
+  const std::array names{
+      Name{"vertex", "vertices"}, Name{"triangle", "triangles"}, Name{"patch", "patches"},
+      Name{"piece of a curve", "pieces of curves"} LUCERNA_QUADRICS(LUCERNA_NAME)};
 #undef LUCERNA_NAME
   for (std::size_t i = 0; i < names.size(); ++i)
     if (counts[i] > 0) {

@@ -71,12 +71,14 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
   return hit;
 }
 
-LocalHit analytic_hit(const SurfaceTable& table, const RawHit& raw, const Ray& ray) {
+LocalHit analytic_hit(const GeometrySet& set, const SurfaceTable& table, const RawHit& raw,
+                      const Ray& ray) {
   LocalHit hit{.position = raw.position, .ng = raw.normal, .ns = {}};
   // All in double precision; the rounding error grows with the length of the ray.
   hit.error = 64 * 0x1p-53 *
               (max_abs(Vector(ray.origin)) + raw.t * max_abs(Vector(ray.direction)) +
                max_abs(raw.position));
+  if (raw.kind == HitKind::kCurve) hit.error += set.curves[raw.primitive].hit_error_m(raw.uv.x);
   if (raw.kind == HitKind::kPatch && !table.patch_normals.empty()) {
     const auto& n = table.patch_normals[raw.primitive];
     const double u = raw.uv.x, v = raw.uv.y;
@@ -176,7 +178,7 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   const SurfaceTable& table = instance ? object_surfaces_[instance->object] : surfaces_;
 
   LocalHit local = raw->kind == HitKind::kTriangle ? triangle_hit(set, table, *raw)
-                                                   : analytic_hit(table, *raw, ray);
+                                                   : analytic_hit(set, table, *raw, ray);
   Vector error{local.error, local.error, local.error};
   if (instance)
     error = instance->motion ? to_scene(*instance, ray.time_s, local)

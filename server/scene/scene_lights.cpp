@@ -119,6 +119,10 @@ class AreaLightMaker {
         emission_, PatchMesh<double>::create(std::move(patches)), mesh.corner_uv);
   }
 
+  absl::StatusOr<Light<double>> operator()(const CurveData&) const {
+    return absl::InvalidArgumentError("a curve that emits, allowed: other shapes");
+  }
+
 #define LUCERNA_CURVED(Shape)                                                            \
   absl::StatusOr<Light<double>> operator()(const Shape##Params& params) const {          \
     return as_area_light<Shape, Painted##Shape>(emission_,                               \

@@ -103,6 +103,16 @@ bool is_outside(const BilinearPatch<double>& p, std::span<const HalfSpace> plane
   });
 }
 
+/// Whether a curve, which lies within its radius of the hull of its control points, is beyond a
+/// plane.
+bool is_outside(const CurvePiece& c, std::span<const HalfSpace> planes) {
+  const double radius = std::fmax(c.start_radius_m, c.end_radius_m);
+  return std::ranges::any_of(planes, [&](const HalfSpace& h) {
+    const auto at = [&](int i) { return dot(h.n, c.points[i]); };
+    return std::min({at(0), at(1), at(2), at(3)}) - radius * length(h.n) > h.at;
+  });
+}
+
 /// The primitives of a GeometrySet with their boxes, numbered kind after kind.
 class SetBoxes {
  public:

@@ -10,7 +10,7 @@
 namespace lucerna {
 
 const std::vector<std::string>& scene_file_extensions() {
-  static const std::vector<std::string> kExtensions{".pbrt", ".gltf", ".glb"};
+  static const std::vector<std::string> kExtensions{".pbrt", ".pbrt.gz", ".gltf", ".glb"};
   return kExtensions;
 }
 

@@ -137,9 +137,12 @@ TEST_F(Cli, SizesAndNumbersBelowTheirLeastAreRefused) {
 }
 
 TEST_F(Cli, UnmodelledFeaturesAreCountedBesideAnswers) {
-  std::ofstream(path("scenes/odd.pbrt"))
-      << "WorldBegin\nLightSource \"point\"\nShape \"curve\"\nShape \"loopsubdiv\"\n"
-         "Material \"conductor\"\nShape \"disk\"\n";
+  std::ofstream(path("scenes/empty.ply"))
+      << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string empty = "Shape \"plymesh\" \"string filename\" \"empty.ply\"\n";
+  std::ofstream(path("scenes/odd.pbrt")) << "WorldBegin\nLightSource \"point\"\n" + empty + empty +
+                                                "Material \"conductor\"\nShape \"disk\"\n";
   const std::string counted =
       "2 surfaces left out, 1 material taken as diffuse: lucerna scene odd.pbrt --remarks\n";
   const std::vector<std::string> first = {"irradiance", "odd.pbrt", "--point",   "0,0,1",
@@ -147,7 +150,7 @@ TEST_F(Cli, UnmodelledFeaturesAreCountedBesideAnswers) {
   const Outcome new_scene = lucerna(first);
   EXPECT_EQ(new_scene.status, 0);
   EXPECT_THAT(new_scene.out, ::testing::EndsWith("\n" + counted));
-  EXPECT_THAT(new_scene.err, HasSubstr("Shape \"curve\" is not modelled; left out\n"));
+  EXPECT_THAT(new_scene.err, HasSubstr("mesh \"empty.ply\" is empty; left out\n"));
   const Outcome known_scene = lucerna(first);
   EXPECT_THAT(known_scene.out, ::testing::EndsWith("\n" + counted));
   EXPECT_EQ(known_scene.err, "");

@@ -178,6 +178,9 @@ double area_of(const Place& place, const PatchMeshData& mesh) {
   return finite_area(place, area);
 }
 
+/// make_emission refuses curves before.
+double area_of(const Place&, const CurveData&) { return 0; }
+
 template <typename Params>
 double area_of(const Place& place, const Params& params) {
   const auto shape = QuadricOf<Params>::create(params);
@@ -276,6 +279,10 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
                                                         const Geometry& geometry,
                                                         const Place& shape_place, bool mirrored) {
   const ParameterSet& params = light.params;
+  if (std::holds_alternative<CurveData>(geometry)) {
+    context.remark(shape_place, "a curve that emits is not modelled", "the curve emits nothing");
+    return std::nullopt;
+  }
   if (light.type != "diffuse")
     fail(light.place,
          fmt::format("unknown area light \"{}\", expected \"diffuse\"", printable(light.type)));

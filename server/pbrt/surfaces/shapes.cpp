@@ -4,22 +4,19 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <type_traits>
 #include <utility>
 
 #include "server/formats/ply.h"
+#include "server/meshes/curve_pieces.h"
+#include "server/meshes/loop_subdivision.h"
+#include "server/meshes/mesh_census.h"
+#include "server/meshes/raw_mesh.h"
 
 namespace lucerna::pbrt {
 namespace {
-
-/// Vertices and primitives of a file, with `corners` indices for each primitive.
-struct RawMesh {
-  std::vector<Vec3<double>> positions;
-  std::vector<Vec3<double>> normals;
-  std::vector<std::uint32_t> indices;
-  std::vector<Vec2<float>> uv;  ///< per vertex; empty: the default (u, v) of each primitive
-};
 
 std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
                                           std::vector<Vec3<double>> positions) {
@@ -49,74 +46,6 @@ std::vector<Vec3<float>> world_normals(Context& context, const ShapeDirective& s
   return result;
 }
 
-/// Orients each primitive so that its winding gives the outside.  Vertex normals point to the
-/// outside.  Without them, either a mirror or ReverseOrientation (not both) turns the primitive.
-/// `geometric_normal(corners)` has any length.
-template <std::size_t kCorners, typename Mesh, typename F>
-void resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
-  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
-    std::uint32_t* corner = &mesh.indices[i];
-    std::array<Vec3<double>, kCorners> p;
-    Vec3<double> n{};
-    for (std::size_t k = 0; k < kCorners; ++k) {
-      p[k] = mesh.positions[corner[k]];
-      if (!mesh.normals.empty()) n += Vec3<double>(mesh.normals[corner[k]]);
-    }
-    const Vec3<double> outside = geometric_normal(p);
-    if (mesh.normals.empty() ? turned : dot(normalized(outside), n) < 0) {
-      std::swap(corner[1], corner[2]);
-      if (!mesh.corner_uv.empty()) std::swap(mesh.corner_uv[i + 1], mesh.corner_uv[i + 2]);
-    }
-  }
-}
-
-/// Numbers of primitives that get a remark.
-struct Census {
-  std::size_t without_area = 0;
-  std::size_t crossed = 0;  ///< flat patches whose edges cross
-};
-
-Census census_of(const TriangleMeshData& mesh) {
-  Census census;
-  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
-    const auto p = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
-    if (max_abs(cross(p(1) - p(0), p(2) - p(0))) == 0) ++census.without_area;
-  }
-  return census;
-}
-
-/// dp/du x dp/dv of a patch is linear in u and in v, so a patch has no area if it is 0 at all four
-/// corners.  On a flat patch it gives the turns of the outline.  The outline crosses itself if two
-/// corners turn one way and two the other.  With one different turn it is an arrowhead.
-Census census_of(const PatchMeshData& mesh) {
-  Census census;
-  for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4) {
-    const auto p = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
-    const std::array<Vec3<double>, 4> turns{
-        cross(p(1) - p(0), p(2) - p(0)), cross(p(1) - p(0), p(3) - p(1)),
-        cross(p(3) - p(2), p(2) - p(0)), cross(p(3) - p(2), p(3) - p(1))};
-    Vec3<double> largest{};
-    for (const Vec3<double>& turn : turns)
-      if (max_abs(turn) > max_abs(largest)) largest = turn;
-    if (max_abs(largest) == 0) {
-      ++census.without_area;
-      continue;
-    }
-    constexpr double kRounded = 1e-6;  // relative to the largest, from rounding of corners
-    const Vec3<double> axis = normalized(largest);
-    const double unit = length(largest);
-    int left = 0, right = 0;
-    for (const Vec3<double>& turn : turns) {
-      const Vec3<double> t = turn / unit;
-      if (max_abs(cross(axis, t)) > kRounded) break;
-      left += dot(axis, t) > kRounded;
-      right += dot(axis, t) < -kRounded;
-    }
-    if (left == 2 && right == 2) ++census.crossed;
-  }
-  return census;
-}
-
 void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
   if (raw.positions.empty())
     fail(shape.place, fmt::format("Shape \"{}\" lacks \"point3 P\"", shape.type));
@@ -141,27 +70,6 @@ void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
   if (!raw.uv.empty() && raw.uv.size() != raw.positions.size())
     fail(shape.place, fmt::format("Shape \"{}\" has {} \"uv\" for {} vertices", shape.type,
                                   raw.uv.size(), raw.positions.size()));
-}
-
-/// The (u, v) of every corner, as in pbrt-v4: those of the vertices, or the defaults of each
-/// primitive.
-template <std::size_t kCorners>
-std::vector<Vec2<float>> corner_uvs(const RawMesh& raw) {
-  static constexpr std::array<Vec2<float>, 4> kTriangle{{{0, 0}, {1, 0}, {1, 1}}};
-  static constexpr std::array<Vec2<float>, 4> kPatch{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
-  std::vector<Vec2<float>> uv;
-  uv.reserve(raw.indices.size());
-  for (std::size_t i = 0; i < raw.indices.size(); ++i)
-    uv.push_back(raw.uv.empty() ? (kCorners == 3 ? kTriangle : kPatch)[i % kCorners]
-                                : raw.uv[raw.indices[i]]);
-  return uv;
-}
-
-/// Whether each patch shows the whole image, without a flip.
-bool shows_all_on_each(const std::vector<Vec2<float>>& corner_uv) {
-  for (std::size_t i = 0; i < corner_uv.size(); ++i)
-    if (!(corner_uv[i] == Vec2<float>{float(i & 1), float(i >> 1 & 1)})) return false;
-  return true;
 }
 
 template <typename Mesh>
@@ -214,6 +122,18 @@ RawMesh raw_mesh(const ShapeDirective& shape) {
   return raw;
 }
 
+/// Quadrilaterals whose two triangles do not have one normal.
+std::size_t bent_quads(const PlyMesh& ply) {
+  return static_cast<std::size_t>(std::ranges::count_if(ply.quads, [&](std::size_t triangle) {
+    const auto normal = [&](std::size_t first) {
+      const auto p = [&](std::size_t k) { return ply.positions[ply.indices[first + k]]; };
+      return normalized(cross(p(1) - p(0), p(2) - p(0)));
+    };
+    constexpr double kRounded = 1e-4;  // floats of a flat quadrilateral
+    return length(normal(3 * triangle) - normal(3 * triangle + 3)) > kRounded;
+  }));
+}
+
 TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   const Parameter* file = shape.params.find("filename", {"string"});
   if (file == nullptr) fail(shape.place, "Shape \"plymesh\" lacks \"string filename\"");
@@ -228,6 +148,12 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
     fail(file->place, fmt::format("file \"{}\": {}", content.name, message));
   }
   RawMesh raw;
+  if (const std::size_t bent = bent_quads(*ply); bent > 0)
+    context.remark(file->place,
+                   fmt::format("{} of {} quadrilaterals of mesh \"{}\" are not flat and convex; "
+                               "pbrt-v4 makes bilinear patches of them",
+                               bent, ply->quads.size(), content.name),
+                   "two triangles each");
   raw.positions = std::move(ply->positions);
   raw.indices = std::move(ply->indices);
   if (shape.needs_uv) raw.uv = std::move(ply->uv);
@@ -238,6 +164,23 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
     return {};
   }
   return make_mesh<TriangleMeshData>(context, shape, std::move(raw));
+}
+
+/// The control mesh of a limit surface, refined.
+TriangleMeshData loop_surface(Context& context, const ShapeDirective& shape) {
+  shape.params.ignore({"scheme"});  // "loop" is the only one of pbrt-v4
+  const int levels = shape.params.integer("levels", 3);
+  const Place at = shape.params.place_of({"levels"}, shape.place);
+  if (levels < 0) fail(at, fmt::format("\"integer levels\" = {}, allowed: 0 and more", levels));
+  RawMesh raw = raw_mesh(shape);
+  check_raw(shape, raw, 3);
+  auto limit =
+      loop_subdivide({std::move(raw.positions), std::move(raw.indices)}, levels, context.stop);
+  if (!limit.ok())
+    fail(absl::IsResourceExhausted(limit.status()) ? at : shape.place, limit.status());
+  return make_mesh<TriangleMeshData>(
+      context, shape,
+      {std::move(limit->positions), std::move(limit->normals), std::move(limit->indices), {}});
 }
 
 /// Radius [m].
@@ -319,6 +262,81 @@ CylinderParams cylinder(const ShapeDirective& shape) {
   return cylinder;
 }
 
+/// A width at one end of a curve, in the shape's own space.
+double width(const ShapeDirective& shape, const char* name, double otherwise) {
+  const double width = shape.params.number(name, otherwise);
+  if (!(width >= 0))
+    fail(shape.params.place_of({name, "width"}, shape.place),
+         fmt::format("\"float {}\" = {} m, allowed: at least 0", name, width));
+  return width;
+}
+
+/// The factor from a length in the shape's own space to metres.  Adds a remark if there is no
+/// single one.
+double scale_of_widths(Context& context, const ShapeDirective& shape) {
+  const Transform& t = shape.world_from_object;
+  const Vec3<double> x = t.vector({1, 0, 0}), y = t.vector({0, 1, 0}), z = t.vector({0, 0, 1});
+  const double scale = std::cbrt(std::fabs(dot(cross(x, y), z)));
+  constexpr double kRounded = 1e-6;
+  const double s2 = kRounded * scale * scale;
+  const auto differs = [&](const Vec3<double>& v) {
+    return std::fabs(dot(v, v) - scale * scale) > s2;
+  };
+  if (differs(x) || differs(y) || differs(z) || std::fabs(dot(x, y)) > s2 ||
+      std::fabs(dot(y, z)) > s2 || std::fabs(dot(z, x)) > s2)
+    context.remark(shape.place, "a transform that deforms the cross-section of a curve",
+                   "the width is multiplied by the mean scale");
+  return scale;
+}
+
+CurveData curve(Context& context, const ShapeDirective& shape) {
+  shape.params.ignore({"splitdepth"});
+  const auto one_of = [&](const char* name, const std::string& otherwise,
+                          std::initializer_list<const char*> allowed) {
+    const std::string value = shape.params.string(name, otherwise);
+    std::string list;
+    for (const char* a : allowed) {
+      if (value == a) return value;
+      list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", a);
+    }
+    fail(shape.params.place_of({name}, shape.place),
+         fmt::format("\"string {}\" = \"{}\", allowed: {}", name, printable(value), list));
+  };
+  const std::string type = one_of("type", "flat", {"flat", "cylinder", "ribbon"});
+  CurveControl control;
+  control.is_b_spline = one_of("basis", "bezier", {"bezier", "bspline"}) == "bspline";
+  control.degree = shape.params.integer("degree", 3);
+  if (control.degree != 2 && control.degree != 3)
+    fail(shape.params.place_of({"degree"}, shape.place),
+         fmt::format("\"integer degree\" = {}, allowed: 2 or 3", control.degree));
+  const double scale = scale_of_widths(context, shape);
+  const double both = width(shape, "width", 1);
+  control.start_width_m = width(shape, "width0", both) * scale;
+  control.end_width_m = width(shape, "width1", both) * scale;
+  control.points = world_positions(shape, shape.params.vectors("P", "point3"));
+  const std::vector<Vec3<double>> normals = shape.params.vectors("N", "normal");
+  const Place normals_place = shape.params.place_of({"N"}, shape.place);
+  if (type != "ribbon") {
+    if (!normals.empty())
+      context.remark(normals_place, "\"normal N\" of a curve that is no ribbon", "not used");
+  } else {
+    if (normals.empty()) fail(shape.place, "a ribbon lacks \"normal N\"");
+    const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
+    for (const Vec3<double>& n : normals) {
+      const Vec3<double> unit = normalized(shape.world_from_object.normal(n));
+      if (!is_finite(unit) || max_abs(unit) == 0)
+        fail(normals_place, "a normal of a ribbon has no direction");
+      control.normals.push_back(turned ? -unit : unit);
+    }
+  }
+  auto curves = cubic_curves(control);
+  if (!curves.ok()) fail(shape.params.place_of({"P"}, shape.place), curves.status());
+  return {type == "flat"       ? CurveKind::kFlat
+          : type == "cylinder" ? CurveKind::kCylinder
+                               : CurveKind::kRibbon,
+          *std::move(curves)};
+}
+
 std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shape) {
   if (shape.type == "sphere") return sphere(shape);
   if (shape.type == "disk") return disk(shape);
@@ -334,11 +352,8 @@ std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shap
     if (mesh.indices.empty()) return std::nullopt;
     return mesh;
   }
-  for (const char* known : {"curve", "loopsubdiv"})
-    if (shape.type == known) {
-      context.remark(shape.place, fmt::format("Shape \"{}\" is not modelled", known), "left out");
-      return std::nullopt;
-    }
+  if (shape.type == "loopsubdiv") return loop_surface(context, shape);
+  if (shape.type == "curve") return curve(context, shape);
   fail(shape.place, fmt::format("unknown shape \"{}\", expected one of sphere disk trianglemesh "
                                 "plymesh bilinearmesh cylinder curve loopsubdiv",
                                 printable(shape.type)));

@@ -3,14 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <zlib.h>
 
+#include "tests/server/assets/gzip.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
 namespace {
 
 using ::testing::ElementsAre;
+using testing::gzipped;
 using ::testing::HasSubstr;
 using testing::message;
 using ::testing::Not;
@@ -23,20 +24,6 @@ std::string hex(const std::string& bytes) {
     result += {kDigits[c >> 4], kDigits[c & 15]};
   }
   return result;
-}
-
-std::string gzipped(const std::string& bytes) {
-  z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string out(deflateBound(&stream, bytes.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
 }
 
 /// With openat2, and with the fallback for older kernels.
@@ -175,6 +162,41 @@ TEST(AssetReader, UnpacksGzipWithinTheLimit) {
   options.max_total_bytes = 1'000'000;
   AssetReader small = *AssetReader::open(files.path().string(), options);
   EXPECT_TRUE(absl::IsResourceExhausted(small.read_unpacked("z.gz").status()));
+}
+
+TEST(AssetReader, UnpacksAllMembersOfGzip) {
+  const SceneFiles files;
+  files.write("two.gz", gzipped("one ") + gzipped("two"));
+  files.write("rest.gz", gzipped("one") + "rest");
+  std::string broken = gzipped("some text whose checksum is wrong");
+  broken[broken.size() - 6] ^= 1;
+  files.write("sum.gz", broken);
+  AssetReader assets = *AssetReader::open(files.path().string());
+  EXPECT_EQ(assets.read_unpacked("two.gz")->bytes, "one two");
+  for (const char* name : {"rest.gz", "sum.gz"}) {
+    const absl::Status status = assets.read_unpacked(name).status();
+    EXPECT_TRUE(absl::IsInvalidArgument(status));
+    EXPECT_THAT(message(status), HasSubstr(std::string("\"") + name + "\": its gzip data"));
+  }
+}
+
+// 3 MB of one letter have about 3 kB in gzip, a ratio of 1000.
+TEST(AssetReader, ASmallFileCannotUnpackToAHugeOne) {
+  const SceneFiles files;
+  files.write("bomb.gz", gzipped(std::string(3'000'000, 'z')));
+  const auto unpack = [&](std::uint64_t bytes, std::uint64_t ratio) {
+    AssetReaderOptions options;
+    options.max_unpacked_bytes = bytes;
+    options.max_unpacked_ratio = ratio;
+    return AssetReader::open(files.path().string(), options)->read_unpacked("bomb.gz").status();
+  };
+  const absl::Status refused = unpack(2'999'999, 64);
+  EXPECT_TRUE(absl::IsResourceExhausted(refused));
+  EXPECT_THAT(message(refused), HasSubstr("\"bomb.gz\""));
+  EXPECT_THAT(message(refused), HasSubstr("the larger of 2999999 bytes and 64 times its size"));
+  EXPECT_TRUE(unpack(3'000'000, 64).ok());
+  EXPECT_TRUE(unpack(0, 1032).ok());
+  EXPECT_TRUE(unpack(0, ~std::uint64_t{}).ok());
 }
 
 TEST(AssetReader, MissingRootIsAnError) {

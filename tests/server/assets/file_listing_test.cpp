@@ -24,16 +24,17 @@ class FileListingTest : public ::testing::Test {
   }
   fs::path root() const { return directory_.path() / "root"; }
   FileListing list(const FileListingLimits& limits = {}) const {
-    return list_files(root().string(), {".pbrt"}, limits);
+    return list_files(root().string(), {".pbrt", ".pbrt.gz"}, limits);
   }
 
   TempDirectory directory_;
 };
 
 TEST_F(FileListingTest, NamesFilesOfTheKindRelativeToTheRootInOrder) {
-  for (const char* name : {"b.pbrt", "a.pbrt", "room/scene.pbrt", "room/mesh.ply", "readme.txt"})
+  for (const char* name : {"b.pbrt", "a.pbrt", "room/scene.pbrt", "room/mesh.ply", "readme.txt",
+                           "c.pbrt.gz", "mesh.ply.gz"})
     write(name);
-  EXPECT_THAT(list().paths, ElementsAre("a.pbrt", "b.pbrt", "room/scene.pbrt"));
+  EXPECT_THAT(list().paths, ElementsAre("a.pbrt", "b.pbrt", "c.pbrt.gz", "room/scene.pbrt"));
   EXPECT_FALSE(list().incomplete);
 }
 

@@ -52,9 +52,66 @@ TEST(Ply, AsciiAndBothBinariesGiveTheSameMeshWithQuadsSplit) {
     EXPECT_THAT(mesh->positions, ElementsAre(Vec3<double>(0, 0, 0), Vec3<double>(1, 0, 0),
                                              Vec3<double>(1, 2, 0), Vec3<double>(0, 2, 7)));
     EXPECT_THAT(mesh->indices, ElementsAre(0, 1, 2, 0, 2, 3));
-    EXPECT_EQ(mesh->split_quads, 1U);
+    EXPECT_THAT(mesh->quads, ElementsAre(0));
     EXPECT_TRUE(mesh->normals.empty());
   }
+}
+
+/// A strip of `n` triangles with all properties of vertices, in types of several sizes.  `plain`:
+/// the faces have no other property, and indices of four bytes.
+std::string binary_strip(int n, bool big_endian, bool plain) {
+  std::string bytes =
+      "ply\nformat binary_" + std::string(big_endian ? "big" : "little") +
+      "_endian 1.0\nelement vertex " + std::to_string(n + 2) +
+      "\nproperty uchar flags\nproperty double x\nproperty float y\nproperty short z\n"
+      "property float nx\nproperty double ny\nproperty float nz\n"
+      "property float v\nproperty float u\nelement face " +
+      std::to_string(n) + "\nproperty list uchar " + (plain ? "uint" : "ushort") +
+      " vertex_indices\n" + (plain ? "" : "property int face_indices\n") + "end_header\n";
+  for (int i = 0; i < n + 2; ++i) {
+    bytes += raw(std::uint8_t{7}, big_endian) + raw(i + 0.25, big_endian) +
+             raw(float(i % 2), big_endian) + raw(std::int16_t(-i), big_endian) +
+             raw(0.5F, big_endian) + raw(0.25, big_endian) + raw(float(i), big_endian) +
+             raw(i + 0.5F, big_endian) + raw(i * 2.F, big_endian);
+  }
+  for (int i = 0; i < n; ++i) {
+    bytes += raw(std::uint8_t{3}, big_endian);
+    for (int k = 0; k < 3; ++k)
+      bytes +=
+          plain ? raw(std::uint32_t(i + k), big_endian) : raw(std::uint16_t(i + k), big_endian);
+    if (!plain) bytes += raw(i * 3, big_endian);
+  }
+  return bytes;
+}
+
+TEST(Ply, BulkReadsAllPropertiesInBothByteOrders) {
+  constexpr int kTriangles = 20000;  // more than one block of rows
+  for (const bool big_endian : {false, true})
+    for (const bool plain : {false, true}) {
+      const auto mesh = parse_ply(binary_strip(kTriangles, big_endian, plain));
+      ASSERT_TRUE(mesh.ok()) << mesh.status();
+      ASSERT_EQ(mesh->positions.size(), kTriangles + 2U);
+      ASSERT_EQ(mesh->indices.size(), 3U * kTriangles);
+      for (int i = 0; i < kTriangles + 2; i += 101) {
+        EXPECT_EQ(mesh->positions[i], Vec3<double>(i + 0.25, i % 2, -i));
+        EXPECT_EQ(mesh->normals[i], Vec3<float>(0.5F, 0.25F, float(i)));
+        EXPECT_EQ(mesh->uv[i], (Vec2<float>{i * 2.F, i + 0.5F}));
+      }
+      for (int i = 0; i < kTriangles; i += 101) EXPECT_EQ(mesh->indices[3 * i + 2], i + 2U);
+    }
+}
+
+TEST(Ply, BulkNamesTheFirstBadRow) {
+  std::string bytes = binary_strip(20000, false, true);
+  const std::size_t header = bytes.find("end_header\n") + 11;
+  constexpr std::size_t kRow = 1 + 8 + 4 + 2 + 4 + 8 + 4 + 4 + 4;
+  std::string broken = bytes;
+  const double infinite = std::numeric_limits<double>::infinity();
+  std::memcpy(&broken[header + 17000 * kRow + 1], &infinite, 8);
+  EXPECT_EQ(ply_error(broken), "PLY: vertex 17000 is not finite");
+  const std::uint32_t beyond = 20002;
+  std::memcpy(&bytes[header + 20002 * kRow + 13 * 12345 + 1], &beyond, 4);
+  EXPECT_EQ(ply_error(bytes), "PLY: face 12345 uses vertex 20002, but there are 20002 vertices");
 }
 
 TEST(Ply, TextureCoordinatesHaveSeveralNames) {

@@ -110,6 +110,89 @@ TEST(PbrtShapes, InstancesMayStandBeforeTheirObject) {
   EXPECT_EQ(scene->instances[0].object, 1U);
 }
 
+// One triangle, whose corners end at 3/5 of themselves and 1/5 of each other corner.
+const std::string kLoop =
+    "Shape \"loopsubdiv\" \"point3 P\" [0 0 0  5 0 0  0 5 0] \"integer indices\" [0 1 2] ";
+
+TEST(PbrtShapes, LoopSubdivisionGivesTrianglesOfTheLimitSurface) {
+  const auto scene = load_world("Translate 0 0 4 " + kLoop + "\"integer levels\" 0 " + kLoop);
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(remarks_of(*scene), "");
+  const auto& coarse = std::get<TriangleMeshData>(scene->shapes[0].geometry);
+  EXPECT_LT(length(coarse.positions[1] - Vec3<double>{3, 1, 4}), 1e-14);
+  EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes[1].geometry).indices.size(), 3 * 64U);
+  // The outside is against the winding of the control mesh, as in pbrt-v4.
+  EXPECT_EQ(outside_z(kLoop), -1);
+  EXPECT_EQ(outside_z("ReverseOrientation " + kLoop), 1);
+  EXPECT_EQ(outside_z("Scale -1 1 1 " + kLoop), -1);
+}
+
+TEST(PbrtShapes, LoopSubdivisionNamesWhatIsWrong) {
+  EXPECT_EQ(world_error_of(kLoop + "\"integer levels\" -1"),
+            "scene.pbrt:1:90: \"integer levels\" = -1, allowed: 0 and more");
+  EXPECT_EQ(
+      world_error_of(kLoop + "\"integer levels\" 13"),
+      "scene.pbrt:1:90: 1 triangles at \"integer levels\" = 13 become more than 16777216, the "
+      "limit");
+  EXPECT_EQ(
+      world_error_of("Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1] \"integer "
+                     "indices\" [0 1 2 0 1 3]"),
+      "scene.pbrt:1:12: triangles 0 and 1 have opposite windings at the edge from vertex 0 to "
+      "1, allowed: the same winding");
+  EXPECT_THAT(world_error_of("Shape \"loopsubdiv\""), HasSubstr("lacks \"point3 P\""));
+}
+
+const std::string kCurve = "Shape \"curve\" \"point3 P\" [0 0 0  0 0 1  0 0 2  0 0 3] ";
+
+TEST(PbrtShapes, CurvesKeepTheirKindWidthAndPlace) {
+  const auto scene = load_world(
+      "Translate 5 0 0 Scale 2 2 2 " + kCurve + kCurve +
+      "\"string type\" \"cylinder\" \"float width0\" .5 \"float width1\" .25 \"integer "
+      "splitdepth\" 3 " +
+      kCurve +
+      "\"string type\" \"ribbon\" \"string basis\" \"bspline\" \"integer degree\" 2 \"normal N\" "
+      "[3 0 0 0 2 0 1 0 0]");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(remarks_of(*scene), "");
+  const auto data = [&](int i) { return std::get<CurveData>(scene->shapes[i].geometry); };
+  EXPECT_EQ(data(0).kind, CurveKind::kFlat);
+  EXPECT_NEAR(data(0).curves[0].start_width_m, 2, 1e-15);
+  EXPECT_EQ(data(0).curves[0].points[3], Vec3<double>(5, 0, 6));
+  EXPECT_EQ(data(1).kind, CurveKind::kCylinder);
+  EXPECT_NEAR(data(1).curves[0].start_width_m, 1, 1e-15);
+  EXPECT_NEAR(data(1).curves[0].end_width_m, 0.5, 1e-15);
+  EXPECT_EQ(data(2).kind, CurveKind::kRibbon);
+  ASSERT_EQ(data(2).curves.size(), 2U);
+  EXPECT_EQ(data(2).curves[0].normals[0], Vec3<double>(1, 0, 0));
+  EXPECT_EQ(data(2).curves[1].normals[0], Vec3<double>(0, 1, 0));
+}
+
+TEST(PbrtShapes, CurvesReportWhatIsNotModelled) {
+  const auto scene = load_world("AreaLightSource \"diffuse\" Scale 1 1 2 " + kCurve +
+                                "\"normal N\" [1 0 0 1 0 0]");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_FALSE(scene->shapes[0].emission);
+  const std::string remarks = remarks_of(*scene);
+  EXPECT_THAT(remarks, HasSubstr("a curve that emits is not modelled -> the curve emits nothing"));
+  EXPECT_THAT(remarks, HasSubstr("deforms the cross-section of a curve"));
+  EXPECT_THAT(remarks, HasSubstr("of a curve that is no ribbon -> not used"));
+}
+
+TEST(PbrtShapes, CurvesNameWhatIsWrong) {
+  EXPECT_EQ(world_error_of(kCurve + "\"string type\" \"hair\""),
+            "scene.pbrt:1:66: \"string type\" = \"hair\", allowed: \"flat\", \"cylinder\", "
+            "\"ribbon\"");
+  EXPECT_THAT(world_error_of(kCurve + "\"string basis\" \"nurbs\""),
+              HasSubstr("allowed: \"bezier\", \"bspline\""));
+  EXPECT_THAT(world_error_of(kCurve + "\"integer degree\" 4"), HasSubstr("allowed: 2 or 3"));
+  EXPECT_THAT(world_error_of(kCurve + "\"float width\" -1"), HasSubstr("allowed: at least 0"));
+  EXPECT_THAT(world_error_of(kCurve + "\"string type\" \"ribbon\""),
+              HasSubstr("a ribbon lacks \"normal N\""));
+  EXPECT_THAT(world_error_of("Shape \"curve\" \"point3 P\" [0 0 0 1 1 1]"),
+              HasSubstr("scene.pbrt:1:26: 2 control points, allowed: at least 4"));
+  EXPECT_THAT(world_error_of("Shape \"curve\""), HasSubstr("0 control points"));
+}
+
 TEST(PbrtShapes, SpheresAndDisksKeepTheirParametersAndTransform) {
   const auto scene = load_world(
       "Translate 1 2 3 Shape \"sphere\" \"float radius\" 2 \"float zmin\" 1 \"float zmax\" -.5 "
@@ -235,15 +318,14 @@ TEST(PbrtShapes, CornersInRingOrderGetARemarkAndHaveArea) {
           "1 of 1 patches of this mesh have no area -> kept, but invisible and without light\n"));
 }
 
-TEST(PbrtShapes, ShapesThatAreNotModelledGetRemarks) {
-  const auto scene = load_world("Shape \"curve\"\n" + kTriangle + "\"float alpha\" .5\n" +
+TEST(PbrtShapes, PartsOfShapesThatAreNotModelledGetRemarks) {
+  const auto scene = load_world("\n" + kTriangle + "\"float alpha\" .5\n" +
                                 "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 2 0 0  0 1 0] "
                                 "\"integer indices\" [0 1 2 0 1 3]\n" +
                                 kTriangle + "\"normal N\" [0 0 0  0 0 1  0 0 1]\n");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(
       remarks_of(*scene),
-      "1:12 Shape \"curve\" is not modelled -> left out\n"
       "2:55 \"alpha\" is not modelled -> opaque\n"
       "3:1 1 of 2 triangles of this mesh have no area -> kept, but invisible and without light\n"
       "4:1 the normal of vertex 0 has no direction -> the mesh has no vertex normals\n");

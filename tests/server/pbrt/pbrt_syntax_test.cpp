@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "pbrt_fixture.h"
+#include "tests/server/assets/gzip.h"
 
 namespace lucerna {
 namespace {
 
 using testing::error_of;
+using testing::gzipped;
 using ::testing::HasSubstr;
 using testing::load_text;
 using testing::load_world;
@@ -196,6 +198,32 @@ TEST(PbrtSyntax, IncludedFilesContinueTheFileThatIncludesThem) {
   EXPECT_EQ(scene->assets[1].name, "sub/parts/a.pbrt");
 }
 
+TEST(PbrtSyntax, CompressedFilesReadAsTheirContent) {
+  const SceneFiles files;
+  const std::string main =
+      "WorldBegin Include \"parts/a.pbrt.gz\" Shape \"plymesh\" \"string filename\" \"m.ply.gz\"";
+  files.write("main.pbrt.gz", gzipped(main));
+  files.write("parts/a.pbrt.gz", gzipped("Translate 1 2 3"));
+  files.write(
+      "m.ply.gz",
+      gzipped("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+              "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+              "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+  const auto scene = files.load("main.pbrt.gz");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes[0].geometry).positions[1],
+            Vec3<double>(2, 2, 3));
+  ASSERT_EQ(scene->assets.size(), 3U);
+  EXPECT_EQ(scene->assets[0].bytes, gzipped(main).size());
+
+  // Errors name the compressed file and count the lines of its content.
+  files.write("parts/a.pbrt.gz", gzipped("Translate 1 2 3\nFoo"));
+  EXPECT_THAT(message(files.load("main.pbrt.gz").status()), HasSubstr("parts/a.pbrt.gz:2:1: "));
+  files.write("parts/a.pbrt.gz", gzipped("Translate 1 2 3").substr(0, 20));
+  EXPECT_EQ(message(files.load("main.pbrt.gz").status()),
+            "main.pbrt.gz:1:20: file \"parts/a.pbrt.gz\": its gzip data are broken or incomplete");
+}
+
 TEST(PbrtSyntax, ErrorsAfterAnIncludedFileEndedInMidDirectiveStillNameIt) {
   const SceneFiles files;
   files.write("main.pbrt", "WorldBegin Include \"a.pbrt\" 0 1 1");
@@ -305,7 +333,7 @@ TEST(PbrtSyntax, LoadingStopsOnRequest) {
 
 TEST(PbrtSyntax, RemarksAreCountedBeyondAThousand) {
   std::string text;
-  for (int i = 0; i < 1200; ++i) text += "Shape \"curve\"\n";
+  for (int i = 0; i < 1200; ++i) text += "Shape \"sphere\" \"float alpha\" .5\n";
   const auto scene = load_world(text);
   ASSERT_TRUE(scene.ok());
   ASSERT_EQ(scene->remarks.size(), 1001U);

@@ -5,12 +5,14 @@
 #include <thread>
 
 #include "server/store/scene_store.h"
+#include "tests/server/assets/gzip.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
 namespace {
 
 using ::testing::ElementsAre;
+using testing::gzipped;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::message;
@@ -64,6 +66,20 @@ class ManifestTest : public ::testing::Test {
   std::unique_ptr<SceneStore> store_;
   Manifest manifest_{.main = "room.pbrt", .assets = {}};
 };
+
+// The digests of a manifest are those of the compressed files.
+TEST_F(ManifestTest, LoadsCompressedFiles) {
+  manifest_.main = "room.pbrt.gz";
+  put("room.pbrt.gz", gzipped("WorldBegin Shape \"plymesh\" \"string filename\" \"a.ply.gz\""));
+  manifest_.assets["a.ply.gz"] = sha256(gzipped(kPly));
+  EXPECT_THAT(missing(), ElementsAre("a.ply.gz"));
+  put("a.ply.gz", gzipped(kPly));
+  EXPECT_THAT(missing(), IsEmpty());
+  EXPECT_EQ(load()->stored.scene->primitive_count(), 1U);
+  put("a.ply.gz", gzipped(kPly).substr(0, 40));
+  EXPECT_THAT(message(load().status()),
+              HasSubstr("file \"a.ply.gz\": its gzip data are broken or incomplete"));
+}
 
 TEST_F(ManifestTest, ReportsAllMissingFilesAtOnce) {
   manifest_.assets["room.pbrt"] = sha256(kMain);

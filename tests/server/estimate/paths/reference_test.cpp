@@ -69,6 +69,7 @@ TEST_P(Reference, PictureAgreesWithPbrt4) {
   const std::uint32_t samples_per_block =
       GetParam() == "portal"                                       ? 128
       : GetParam() == "textured" || GetParam() == "many_triangles" ? 32
+      : GetParam().starts_with("m_")                               ? 64
                                                                    : 16;
   const Rendered mine = render(*build(describe(GetParam())), samples_per_block);
   const std::string stem = kReference + "pictures/" + GetParam();
@@ -91,7 +92,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Reference,
                                            "triangle", "rectangle", "rectangle_near", "two_sided",
                                            "sphere", "disk", "cylinder", "textured", "goniometric",
                                            "projection", "infinite", "environment", "portal",
-                                           "many_points", "many_triangles", "bounces", "blackbody"),
+                                           "many_points", "many_triangles", "bounces", "blackbody",
+                                           "m_loop", "m_curves"),
                          [](const auto& info) { return info.param; });
 
 // `colour`: two coloured lights on coloured surfaces.  pbrt-v4 makes spectra of all these RGBs and

@@ -1,0 +1,64 @@
+// The steps from the vertices of a file to a mesh.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "lights/maths/vec.h"
+
+namespace lucerna {
+
+/// Vertices and primitives of a file, with `corners` indices for each primitive.
+struct RawMesh {
+  std::vector<Vec3<double>> positions;
+  std::vector<Vec3<double>> normals;
+  std::vector<std::uint32_t> indices;
+  std::vector<Vec2<float>> uv;  ///< per vertex; empty: the default (u, v) of each primitive
+};
+
+/// Orients each primitive so that its winding gives the outside.  Vertex normals point to the
+/// outside.  Without them, either a mirror or ReverseOrientation (not both) turns the primitive.
+/// `geometric_normal(corners)` has any length.
+template <std::size_t kCorners, typename Mesh, typename F>
+void resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
+  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
+    std::uint32_t* corner = &mesh.indices[i];
+    std::array<Vec3<double>, kCorners> p;
+    Vec3<double> n{};
+    for (std::size_t k = 0; k < kCorners; ++k) {
+      p[k] = mesh.positions[corner[k]];
+      if (!mesh.normals.empty()) n += Vec3<double>(mesh.normals[corner[k]]);
+    }
+    const Vec3<double> outside = geometric_normal(p);
+    if (mesh.normals.empty() ? turned : dot(normalized(outside), n) < 0) {
+      std::swap(corner[1], corner[2]);
+      if (!mesh.corner_uv.empty()) std::swap(mesh.corner_uv[i + 1], mesh.corner_uv[i + 2]);
+    }
+  }
+}
+
+/// The (u, v) of every corner, as in pbrt-v4: those of the vertices, or the defaults of each
+/// primitive.
+template <std::size_t kCorners>
+std::vector<Vec2<float>> corner_uvs(const RawMesh& raw) {
+  static constexpr std::array<Vec2<float>, 4> kTriangle{{{0, 0}, {1, 0}, {1, 1}}};
+  static constexpr std::array<Vec2<float>, 4> kPatch{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+  std::vector<Vec2<float>> uv;
+  uv.reserve(raw.indices.size());
+  for (std::size_t i = 0; i < raw.indices.size(); ++i)
+    uv.push_back(raw.uv.empty() ? (kCorners == 3 ? kTriangle : kPatch)[i % kCorners]
+                                : raw.uv[raw.indices[i]]);
+  return uv;
+}
+
+/// Whether each patch shows the whole image, without a flip.
+inline bool shows_all_on_each(const std::vector<Vec2<float>>& corner_uv) {
+  for (std::size_t i = 0; i < corner_uv.size(); ++i)
+    if (!(corner_uv[i] == Vec2<float>{float(i & 1), float(i >> 1 & 1)})) return false;
+  return true;
+}
+
+}  // namespace lucerna
