@@ -113,6 +113,17 @@ void scenes(Session& session, bool available) {
   fmt::print("{}", table.to_string());
 }
 
+/// The size of the picture, and the unit of its values.
+std::string describe_picture(const v1::SceneSummary& scene) {
+  std::string text = fmt::format("picture {} x {} px", scene.image_width(), scene.image_height());
+  if (scene.has_film_crop()) {
+    const v1::FilmCrop& crop = scene.film_crop();
+    text += fmt::format(" from ({}, {}) of a film of {} x {}", crop.x(), crop.y(),
+                        crop.film_width(), crop.film_height());
+  }
+  return text + fmt::format(", values in cd/m2 times {:.6g}", scene.film_scale());
+}
+
 void scene(Session& session, const std::string& name, bool remarks_only) {
   session.need_one_server("each server builds its own parts of a scene");
   v1::GetSceneRequest request;
@@ -130,6 +141,7 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
   const v1::SceneSummary& summary = response.summary();
   fmt::print("{}  {}: {} lights, {} primitives, {:.0f} kB\n", summary.scene_id(), summary.path(),
              summary.lights(), summary.primitives(), static_cast<double>(summary.bytes()) / 1000);
+  fmt::print("{}\n", describe_picture(summary));
   Table table({{"part", true}, {"memory [kB]"}, {"built in [ms]"}, {"why", true}});
   for (const v1::ScenePart& part : response.parts()) {
     table.add({part.name(), fmt::format("{:.1f}", static_cast<double>(part.bytes()) / 1000),

@@ -54,7 +54,47 @@ IntervalRule::IntervalRule(double confidence, std::uint64_t replicates, std::uin
       student_(student_quantile(confidence, replicates)),
       rare_(-std::log1p(-confidence)) {}
 
+double IntervalRule::skewed(double skewness) const {
+  return std::max(0.0, skewness) / std::sqrt(samples_) * (2 * student_ * student_ + 1) /
+         (6 * student_);
+}
+
+ConfidenceInterval IntervalRule::signed_interval(const EstimateMoments& m) const {
+  // At most this share of all samples is of a kind that none of them shows.
+  const double share = std::min(1.0, rare_ / samples_);
+  if (!(m.sum_of_squares > 0)) return {m.mean - share * m.largest, m.mean + share * m.largest};
+  if (std::isinf(student_)) return {-student_, student_};
+  const double square = m.sum_of_squares / samples_, variance = m.deviation * m.deviation;
+  const double fourth = variance * variance * m.kurtosis +
+                        4 * m.mean * variance * m.deviation * m.skewness +
+                        6 * m.mean * m.mean * variance + m.mean * m.mean * m.mean * m.mean;
+  // The magnitude of the samples that count, and their number.
+  const double size = std::sqrt(fourth / square), counting = samples_ * (square / fourth * square);
+  const double scatter = student_ * m.standard_error;
+  const double off = std::hypot(scatter, share * 2 * size);
+  ConfidenceInterval result{m.mean - std::max(off, scatter * (1 + skewed(-m.skewness))),
+                            m.mean + std::max(off, scatter * (1 + skewed(m.skewness)))};
+  if (counting < std::min(kMany, kCommon * samples_)) {
+    // The sums of positive and of negative samples, and how far the ends of their intervals are.
+    const double magnitude = std::max(counting * size / samples_, std::fabs(m.mean));
+    const double tail = (1 - confidence_) / 2, weight = m.largest / samples_;
+    const auto ends = [&](double sum) {
+      const double of_sum = square / samples_ * (sum / magnitude);
+      const double lower = sum > 0 ? weighted_counts_quantile(sum, of_sum, tail) : 0;
+      return ConfidenceInterval{
+          sum - lower,
+          weighted_counts_quantile(sum + weight, of_sum + weight * weight, 1 - tail) - sum};
+    };
+    const ConfidenceInterval positive = ends((magnitude + m.mean) / 2),
+                             negative = ends((magnitude - m.mean) / 2);
+    result.lower = std::min(result.lower, m.mean - std::hypot(positive.lower, negative.upper));
+    result.upper = std::max(result.upper, m.mean + std::hypot(positive.upper, negative.lower));
+  }
+  return result;
+}
+
 ConfidenceInterval IntervalRule::interval(const EstimateMoments& m) const {
+  if (m.may_be_negative) return signed_interval(m);
   if (!(m.mean > 0)) {
     // At most this share of all samples is not 0.
     const double share = std::min(1.0, rare_ / samples_);
@@ -65,9 +105,8 @@ ConfidenceInterval IntervalRule::interval(const EstimateMoments& m) const {
   const double scatter = student_ * m.standard_error;
   const double unseen = std::max(m.partly_hidden ? mean_square / m.mean : 0, jump(m));
   const double off = std::hypot(scatter, rare_ * unseen / samples_);
-  const double skewed = std::max(0.0, m.skewness) / std::sqrt(samples_) *
-                        (2 * student_ * student_ + 1) / (6 * student_);
-  ConfidenceInterval result{m.mean - off, m.mean + std::max(off, scatter * (1 + skewed))};
+  ConfidenceInterval result{m.mean - off,
+                            m.mean + std::max(off, scatter * (1 + skewed(m.skewness)))};
   const double counting = samples_ * (m.mean / mean_square * m.mean);
   if (counting < std::min(kMany, kCommon * samples_)) {
     const double tail = (1 - confidence_) / 2;

@@ -12,12 +12,12 @@ struct ConfidenceInterval {
 /// The default confidence of intervals.
 inline constexpr double kConfidence = 0.95;
 
-/// Moments of an estimate that is the mean of non-negative samples.
+/// Moments of an estimate that is the mean of samples.
 struct EstimateMoments {
   double mean = 0;
   double standard_error = 0;  ///< from the scatter of the replicates
   double sum_of_squares = 0;  ///< over all samples
-  /// The largest value that a missed sample may have, by the samples so far.
+  /// The largest magnitude that a missed sample may have, by the samples so far.
   double largest = 0;
   /// Some samples were shadowed.
   bool partly_hidden = false;
@@ -25,6 +25,8 @@ struct EstimateMoments {
   double deviation = 0;  ///< standard deviation of the samples
   double skewness = 0;
   double kurtosis = 0;  ///< not the excess; at least 1
+  /// Samples, and the converged value, may be negative.  Needs the shape.
+  bool may_be_negative = false;
 };
 
 /// Computes intervals of estimates with equal sample counts.  Immutable.
@@ -59,9 +61,23 @@ class IntervalRule {
   /// end is moved by the first term of the Cornish-Fisher expansion of Student's t.  [Hall92]
   ///
   /// The upper end is infinite if there is one replicate and some light.
+  ///
+  /// Samples that may be negative belong to a pixel filter with negative weights.  Both ends then
+  /// follow the same rules, and none of them ends at 0:
+  /// - If all samples were 0, the rule of three holds for both signs.
+  /// - The share of negative samples is nearly the same in each replicate, as beside an edge.  So
+  ///   the rule of three for one sample of the other sign always adds to the width.
+  /// - The end on the side of the skewness is moved.
+  /// - (sum of squares)^2 / sum of fourth powers is the number of samples that count.  If it is
+  ///   small, positive and negative samples are two sums of rare events, each with the interval of
+  ///   [Fay97].  [Zou08] combines them to an interval of their difference.
   ConfidenceInterval interval(const EstimateMoments& m) const;
 
  private:
+  ConfidenceInterval signed_interval(const EstimateMoments& m) const;
+  /// How much farther than Student's the end on the side of the skewness is.
+  double skewed(double skewness) const;
+
   double confidence_;
   double samples_;
   double student_;  ///< quantile for the number of replicates; infinite for one

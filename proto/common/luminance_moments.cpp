@@ -12,11 +12,13 @@ namespace {
 constexpr float kLargestFloat = std::numeric_limits<float>::max();
 
 /// Powers of a larger number would not fit a double.
-double held(double v) { return v > kLargestFloat ? kLargestFloat : v; }
+double held(double v) {
+  return v > kLargestFloat ? kLargestFloat : v < -kLargestFloat ? -kLargestFloat : v;
+}
 
 float rounded_down(double v) {
   const auto f = static_cast<float>(v);
-  return f > v ? std::nextafter(f, -1.0F) : f;
+  return f > v ? std::nextafter(f, -kLargestFloat) : f;
 }
 
 float rounded_up(double v) {
@@ -44,7 +46,8 @@ LuminanceMoments merge(const LuminanceMoments& a, std::uint64_t na, const Lumina
                     6 * d * d * (p * p * b.second + q * q * a.second) / (n * n) +
                     4 * d * (p * b.third - q * a.third) / n,
           .largest = std::max(a.largest, b.largest),
-          .partly_hidden = a.partly_hidden || b.partly_hidden};
+          .partly_hidden = a.partly_hidden || b.partly_hidden,
+          .may_be_negative = a.may_be_negative || b.may_be_negative};
 }
 
 EstimateMoments estimate_moments(const LuminanceMoments& m, std::uint64_t count,
@@ -56,7 +59,8 @@ EstimateMoments estimate_moments(const LuminanceMoments& m, std::uint64_t count,
       .standard_error = count > 1 ? std::sqrt(m.blocks.deviation / (n * (n - 1))) : 0,
       .sum_of_squares = static_cast<double>(samples) * (variance + mean * mean),
       .largest = m.largest,
-      .partly_hidden = m.partly_hidden};
+      .partly_hidden = m.partly_hidden,
+      .may_be_negative = m.may_be_negative};
   if (variance > 0) {
     result.deviation = std::sqrt(variance);
     result.skewness = m.third / n / (variance * result.deviation);
@@ -73,7 +77,7 @@ void BlockMoments::add(double value, double unshadowed) {
   double power = 1;
   for (double& sum : sums_) sum += power *= value - first_;
   largest_ = std::max(largest_, unshadowed);
-  partly_hidden_ |= value < unshadowed;
+  partly_hidden_ |= std::fabs(value) < unshadowed;
 }
 
 LuminanceMoments BlockMoments::result(double mean) const {
@@ -84,7 +88,8 @@ LuminanceMoments BlockMoments::result(double mean) const {
           .third = c - 3 * a * b + 2 * a * a * a,
           .fourth = std::max(0.0, d - 4 * a * c + 6 * a * a * b - 3 * a * a * a * a),
           .largest = largest_,
-          .partly_hidden = partly_hidden_};
+          .partly_hidden = partly_hidden_,
+          .may_be_negative = may_be_negative_};
 }
 
 std::string bytes_of(std::span<const LuminanceMoments> moments) {
@@ -92,8 +97,13 @@ std::string bytes_of(std::span<const LuminanceMoments> moments) {
   std::string bytes(moments.size() * kMomentBytes, '\0');
   char* to = bytes.data();
   for (const LuminanceMoments& m : moments) {
-    const double numbers[] = {m.blocks.sum, m.blocks.deviation,         m.second, m.third, m.fourth,
-                              m.largest,    m.partly_hidden ? 1.0 : 0.0};
+    const double numbers[] = {m.blocks.sum,
+                              m.blocks.deviation,
+                              m.second,
+                              m.third,
+                              m.fourth,
+                              m.largest,
+                              (m.partly_hidden ? 1.0 : 0.0) + (m.may_be_negative ? 2.0 : 0.0)};
     static_assert(sizeof numbers == kMomentBytes);
     std::memcpy(to, numbers, sizeof numbers);
     to += sizeof numbers;
@@ -113,16 +123,19 @@ std::vector<LuminanceMoments> moments_of(std::string_view bytes) {
          .third = numbers[3],
          .fourth = numbers[4],
          .largest = numbers[5],
-         .partly_hidden = numbers[6] != 0};
+         .partly_hidden = numbers[6] != 0 && numbers[6] != 2,
+         .may_be_negative = numbers[6] >= 2};
   }
   return moments;
 }
 
-FloatInterval rounded_outwards(const ConfidenceInterval& interval) {
+FloatInterval rounded_outwards(const ConfidenceInterval& interval, float least) {
   const float upper = rounded_up(interval.upper);
-  if (!(interval.lower > 0)) return {0, upper};
+  if (!(interval.lower > least)) return {std::min(least, upper), upper};
   return {std::min(rounded_down(interval.lower), upper), upper};
 }
+
+float least_value(bool may_be_negative) { return may_be_negative ? -kLargestFloat : 0; }
 
 std::vector<FloatInterval> pixel_intervals(std::span<const LuminanceMoments> moments,
                                            std::uint64_t blocks, std::uint64_t samples_per_block) {
@@ -131,7 +144,8 @@ std::vector<FloatInterval> pixel_intervals(std::span<const LuminanceMoments> mom
   std::vector<FloatInterval> result;
   result.reserve(moments.size());
   for (const LuminanceMoments& m : moments)
-    result.push_back(rounded_outwards(rule.interval(estimate_moments(m, blocks, samples))));
+    result.push_back(rounded_outwards(rule.interval(estimate_moments(m, blocks, samples)),
+                                      least_value(m.may_be_negative)));
   return result;
 }
 

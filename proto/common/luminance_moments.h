@@ -20,8 +20,10 @@ struct LuminanceMoments {
   BlockStatistics blocks;  ///< of the blocks' means
   /// The sum over blocks of the block's mean of (sample - mean)^k.
   double second = 0, third = 0, fourth = 0;
-  double largest = 0;          ///< of the samples without obstacles between vertices and lights
-  bool partly_hidden = false;  ///< an obstacle darkened some sample
+  /// The largest magnitude of the samples without obstacles between vertices and lights.
+  double largest = 0;
+  bool partly_hidden = false;    ///< an obstacle darkened some sample
+  bool may_be_negative = false;  ///< the pixel filter has negative weights
 };
 
 /// Moments of the blocks of `a` and `b` together, which hold na and nb blocks.  [Pebay08]
@@ -35,7 +37,10 @@ EstimateMoments estimate_moments(const LuminanceMoments& m, std::uint64_t count,
 /// The samples of one block, one by one.
 class BlockMoments {
  public:
-  /// `value`, `unshadowed`: luminance of the sample, and what it would be without obstacles; >= 0.
+  explicit BlockMoments(bool may_be_negative = false) : may_be_negative_(may_be_negative) {}
+
+  /// `value`: luminance of the sample, times its weight; >= 0 unless samples may be negative.
+  /// `unshadowed`: what its magnitude would be without obstacles.
   void add(double value, double unshadowed);
   /// Moments of the block, whose mean luminance is `mean`.
   LuminanceMoments result(double mean) const;
@@ -45,6 +50,7 @@ class BlockMoments {
   double sums_[4] = {};  ///< of powers of (value - first value), which loses no digits
   double largest_ = 0;
   bool partly_hidden_ = false;
+  bool may_be_negative_;
 };
 
 /// The plane Tile.moments, and the moments of a plane.  Bytes that are no whole pixel are ignored.
@@ -57,7 +63,10 @@ inline constexpr std::size_t kMomentBytes = 7 * sizeof(double);
 struct FloatInterval {
   float lower, upper;
 };
-FloatInterval rounded_outwards(const ConfidenceInterval& interval);
+/// `least`: the converged value is not below this number.
+FloatInterval rounded_outwards(const ConfidenceInterval& interval, float least = 0);
+/// 0, or the most negative float.
+float least_value(bool may_be_negative);
 
 /// For each pixel of a tile with a sample count: an interval that holds its converged luminance
 /// with 95% confidence.  `blocks`, `samples_per_block`: as in Tile.

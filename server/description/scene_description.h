@@ -17,6 +17,7 @@
 #include "lights/shapes/picture.h"
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset.h"
+#include "server/description/pixel_filter.h"
 #include "server/materials/material.h"
 
 namespace lucerna {
@@ -120,20 +121,41 @@ struct LightDescription {
   std::uint32_t samples = 1;  ///< the same as in SceneLight
 };
 
-/// A pinhole camera.  Camera space is left-handed: +x right, +y up, +z forward.
-struct PerspectiveCamera {
+/// How a camera maps film positions to rays.  [Pharr23, 5]
+enum class Projection : std::uint8_t {
+  kPerspective,
+  kOrthographic,
+  kEqualArea,        ///< all directions; +y in the middle, -y at the corners, +x right, +z below
+  kEquirectangular,  ///< all directions; +y at the top, +z at a quarter of the width
+};
+
+/// Camera space is left-handed: +x right, +y up, +z forward.
+struct CameraDescription {
   Transform world_from_camera;
-  /// The image plane at z = 1: x from screen_min.x (left) to screen_max.x, y from screen_min.y
-  /// (bottom) to screen_max.y.  The values are tangents of half angles.
+  Projection projection = Projection::kPerspective;
+  /// x from screen_min.x (left) to screen_max.x, y from screen_min.y (bottom) to screen_max.y.
+  /// Perspective: on the plane z = 1, tangents of half angles.  Orthographic: on the plane z = 0,
+  /// in units of camera space.  Not used by the other two.
   Vec2<double> screen_min{-1, -1}, screen_max{1, 1};
+  /// Of a thin lens around the camera's position, in units of camera space; 0: a pinhole.  In
+  /// [0, 1e6].  Not used by cameras that see all directions.
+  double lens_radius = 0;
+  double focal_distance = 1e6;  ///< z of the plane in focus, in [1e-6, 1e30]
   /// Motion in the world; null if it does not move.  `world_from_camera` is at the first key frame.
   std::shared_ptr<const Motion> motion{};
 };
 
+/// A rectangle of the film's pixels: x0 <= x < x1, y0 <= y < y1, not empty.
+struct FilmCrop {
+  int x0, y0, x1, y1;
+};
+
 struct Film {
-  int width = 1280;  ///< pixels; crops are ignored
+  int width = 1280;  ///< pixels, without a crop
   int height = 720;
   double scale = 1;  ///< factor of pixel values (the film's sensor); 1: linear radiance
+  std::optional<FilmCrop> crop{};               ///< the picture; unset: the whole film
+  std::shared_ptr<const PixelFilter> filter{};  ///< null: a box of one pixel
 };
 
 /// Defaults for requests that do not set these values.
@@ -151,7 +173,7 @@ struct SceneDescription {
   std::vector<ObjectDefinition> objects;
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;  ///< in file order; area lights are in `shapes`
-  PerspectiveCamera camera;
+  CameraDescription camera;
   Film film;
   RenderHints hints;
   std::vector<Remark> remarks;

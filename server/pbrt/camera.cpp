@@ -7,6 +7,8 @@
 #include <initializer_list>
 #include <numbers>
 #include <string_view>
+#include <utility>
+#include <variant>
 
 namespace lucerna::pbrt {
 namespace {
@@ -16,6 +18,88 @@ void check_type(const Setting& setting, const char* directive,
   if (!is_one_of(setting.type, types))
     fail(setting.place, fmt::format("unknown {} \"{}\", expected one of {}", directive,
                                     printable(setting.type), fmt::join(types, " ")));
+}
+
+/// Four values, each pair in ascending order; empty if the parameter is not given.
+std::vector<double> bounds_of(const Setting& setting, const char* name) {
+  std::vector<double> v = setting.params.numbers(name);
+  if (v.empty()) return v;
+  if (v.size() != 4)
+    fail(setting.params.place_of({name}, setting.place),
+         fmt::format("\"{}\" has {} values, expected four: x0 x1 y0 y1", name, v.size()));
+  if (v[1] < v[0]) std::swap(v[0], v[1]);
+  if (v[3] < v[2]) std::swap(v[2], v[3]);
+  return v;
+}
+
+/// The part of the film that the picture shows.  As in pbrt-v4, the crop window counts if both are
+/// given.
+void apply_crop(Context& context, const Setting& setting) {
+  Film& film = context.scene.film;
+  const std::vector<double> window = bounds_of(setting, "cropwindow");
+  const std::vector<double> bounds = bounds_of(setting, "pixelbounds");
+  if (window.empty() && bounds.empty()) return;
+  const auto place = [&](const char* name) {
+    return setting.params.place_of({name}, setting.place);
+  };
+  FilmCrop crop{};
+  if (!bounds.empty()) {
+    crop = {static_cast<int>(bounds[0]), static_cast<int>(bounds[2]), static_cast<int>(bounds[1]),
+            static_cast<int>(bounds[3])};
+    if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height ||
+        crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
+      fail(place("pixelbounds"),
+           fmt::format("\"pixelbounds\" [{} {} {} {}], allowed: not empty and within [0 {} 0 {}]",
+                       crop.x0, crop.x1, crop.y0, crop.y1, film.width, film.height));
+  }
+  if (!window.empty()) {
+    if (!bounds.empty())
+      context.remark(place("pixelbounds"), "\"pixelbounds\" beside \"cropwindow\"",
+                     "\"cropwindow\" counts");
+    // In floats, so that the crop has the same pixels as in pbrt-v4.
+    const auto pixel = [](double share, int size) {
+      return static_cast<int>(std::ceil(static_cast<float>(size) * static_cast<float>(share)));
+    };
+    crop = {pixel(window[0], film.width), pixel(window[2], film.height),
+            pixel(window[1], film.width), pixel(window[3], film.height)};
+    const auto text = fmt::format("\"cropwindow\" [{}]", fmt::join(window, " "));
+    if (window[0] < 0 || window[2] < 0 || window[1] > 1 || window[3] > 1)
+      fail(place("cropwindow"), text + ", allowed: four values in [0, 1]");
+    if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
+      fail(place("cropwindow"),
+           fmt::format("{} holds no pixel of a film of {} by {}", text, film.width, film.height));
+  }
+  if (crop.x0 > 0 || crop.y0 > 0 || crop.x1 < film.width || crop.y1 < film.height) film.crop = crop;
+}
+
+/// The filter of a directive that is checked to be one of pbrt's.
+PixelFilterParams filter_params(const Setting& setting) {
+  const ParameterSet& params = setting.params;
+  const auto with_radius = [&](double radius, auto shape) {
+    return PixelFilterParams{{params.number("xradius", radius), params.number("yradius", radius)},
+                             shape};
+  };
+  if (setting.type == "box") return with_radius(0.5, BoxFilter{});
+  if (setting.type == "triangle") return with_radius(2, TriangleFilter{});
+  if (setting.type == "mitchell")
+    return with_radius(2, MitchellFilter{params.number("B", 1.0 / 3), params.number("C", 1.0 / 3)});
+  if (setting.type == "sinc") return with_radius(4, SincFilter{params.number("tau", 3)});
+  return with_radius(1.5, GaussianFilter{params.number("sigma", 0.5)});
+}
+
+void apply_filter(Context& context, const Settings& settings) {
+  static const Setting kDefault{"gaussian", {}, {}};
+  const Setting& setting = settings.filter ? *settings.filter : kDefault;
+  check_type(setting, "PixelFilter", {"box", "gaussian", "mitchell", "sinc", "triangle"});
+  const PixelFilterParams params = filter_params(setting);
+  setting.params.remark_unused(context, fmt::format("PixelFilter \"{}\"", setting.type));
+  if (std::holds_alternative<BoxFilter>(params.shape) && params.radius_px == Vec2<double>{0.5, 0.5})
+    return;
+  auto filter = PixelFilter::create(params);
+  if (!filter.ok())
+    fail(setting.place, fmt::format("PixelFilter \"{}\": {}", setting.type,
+                                    std::string(filter.status().message())));
+  context.scene.film.filter = *std::move(filter);
 }
 
 void apply_film(Context& context, const Settings& settings) {
@@ -61,59 +145,95 @@ void apply_film(Context& context, const Settings& settings) {
   if (!(iso > 0)) fail(setting.place, fmt::format("\"float iso\" = {}, allowed: above 0", iso));
   film.scale = exposure_s * iso / 100;
 
-  const std::vector<double> crop = params.numbers("cropwindow");
-  if (!crop.empty() && crop != std::vector<double>{0, 1, 0, 1})
-    context.remark(setting.place, "\"cropwindow\" is not modelled", "the whole image");
-  const std::vector<double> bounds = params.numbers("pixelbounds");
-  if (!bounds.empty() && bounds != std::vector<double>{0, static_cast<double>(film.width), 0,
-                                                       static_cast<double>(film.height)})
-    context.remark(setting.place, "\"pixelbounds\" is not modelled", "the whole image");
+  apply_crop(context, setting);
   params.ignore({"filename", "savefp16", "diagonal", "coordinatesystem", "nbuckets", "lambdamin",
                  "lambdamax"});
   params.remark_unused(context, fmt::format("Film \"{}\"", setting.type));
+}
+
+/// The parameter, which must be within [low, high].
+double number_within(const Setting& setting, const char* name, double otherwise, double low,
+                     double high, const char* unit = "") {
+  const double v = setting.params.number(name, otherwise);
+  if (!(v >= low && v <= high))
+    fail(setting.params.place_of({name}, setting.place),
+         fmt::format("\"float {}\" = {}{}, allowed [{:g}, {:g}]", name, v, unit, low, high));
+  return v;
+}
+
+/// x0 x1 y0 y1 of the screen.  Without a window, its shorter side spans -1 to 1.
+std::vector<double> screen_of(const Setting& setting, double aspect) {
+  constexpr double kMostAspect = 1e6, kMostScreen = 1e9;
+  aspect = number_within(setting, "frameaspectratio", aspect, 1 / kMostAspect, kMostAspect);
+  std::vector<double> window = setting.params.numbers("screenwindow");
+  if (window.empty()) {
+    const double x = std::max(aspect, 1.0), y = std::max(1 / aspect, 1.0);
+    return {-x, x, -y, y};
+  }
+  const auto fits = [](double v) { return std::fabs(v) <= kMostScreen; };
+  if (window.size() != 4 || !(window[0] < window[1]) || !(window[2] < window[3]) ||
+      !std::all_of(window.begin(), window.end(), fits))
+    fail(setting.params.place_of({"screenwindow"}, setting.place),
+         fmt::format("\"float screenwindow\" [{}], expected four values x0 < x1, y0 < y1 in "
+                     "[-{:g}, {:g}]",
+                     fmt::join(window, " "), kMostScreen, kMostScreen));
+  return window;
+}
+
+/// A perspective or orthographic camera.
+void apply_lens_and_screen(Context& context, const Setting& setting) {
+  const ParameterSet& params = setting.params;
+  CameraDescription& camera = context.scene.camera;
+  double fov = 90;
+  if (setting.type == "perspective") {
+    fov = params.number("fov", 90);
+    if (!(fov > 0 && fov < 180))
+      fail(params.place_of({"fov"}, setting.place),
+           fmt::format("\"float fov\" = {} degrees, allowed (0, 180)", fov));
+  }
+  const auto window =
+      screen_of(setting, static_cast<double>(context.scene.film.width) / context.scene.film.height);
+  camera.lens_radius = number_within(setting, "lensradius", 0, 0, 1e6);
+  camera.focal_distance = number_within(setting, "focaldistance", 1e6, 1e-6, 1e30);
+  const double unit =
+      camera.projection == Projection::kOrthographic ? 1 : std::tan(fov * std::numbers::pi / 360);
+  camera.screen_min = {window[0] * unit, window[2] * unit};
+  camera.screen_max = {window[1] * unit, window[3] * unit};
+}
+
+Projection spherical_projection(const Setting& setting) {
+  const std::string mapping = setting.params.string("mapping", "equalarea");
+  if (mapping == "equirectangular") return Projection::kEquirectangular;
+  if (mapping != "equalarea")
+    fail(setting.params.place_of({"mapping"}, setting.place),
+         fmt::format("unknown mapping \"{}\", expected one of equalarea equirectangular",
+                     printable(mapping)));
+  return Projection::kEqualArea;
 }
 
 void apply_camera(Context& context, const Settings& settings) {
   static const Setting kDefault{"perspective", {}, {}};
   const Setting& setting = settings.camera ? *settings.camera : kDefault;
   check_type(setting, "Camera", {"perspective", "orthographic", "realistic", "spherical"});
-  const ParameterSet& params = setting.params;
-  PerspectiveCamera& camera = context.scene.camera;
+  CameraDescription& camera = context.scene.camera;
   camera.world_from_camera = settings.camera_from_world.inverse();
   camera.motion = settings.camera_motion;
-  const double width = context.scene.film.width;
-  const double height = context.scene.film.height;
-  double fov = 90;
-  double aspect = width / height;
-  std::vector<double> window;
-  if (setting.type == "perspective") {
-    fov = params.number("fov", 90);
-    if (!(fov > 0 && fov < 180))
-      fail(setting.place, fmt::format("\"float fov\" = {} degrees, allowed (0, 180)", fov));
-    aspect = params.number("frameaspectratio", aspect);
-    if (!(aspect > 0))
-      fail(setting.place, fmt::format("\"float frameaspectratio\" = {}, allowed: above 0", aspect));
-    window = params.numbers("screenwindow");
-    if (!window.empty() &&
-        (window.size() != 4 || !(window[0] < window[1]) || !(window[2] < window[3])))
-      fail(setting.place, "\"float screenwindow\", expected four values x0 < x1, y0 < y1");
-    if (params.number("lensradius", 0) > 0)
-      context.remark(setting.place, "\"lensradius\" is not modelled", "a pinhole");
-    params.ignore({"focaldistance", "shutteropen", "shutterclose"});
-    params.remark_unused(context, "Camera \"perspective\"");
-  } else {
-    context.remark(setting.place, fmt::format("Camera \"{}\" is not modelled", setting.type),
+  if (setting.type == "realistic") {
+    context.remark(setting.place, "Camera \"realistic\" is not modelled",
                    "a perspective camera, 90 degrees across the shorter side");
+    apply_lens_and_screen(context, {"perspective", {}, setting.place});
+    return;
   }
-  if (window.empty()) {
-    // The shorter side spans -1 to 1.
-    const double x = std::max(aspect, 1.0);
-    const double y = std::max(1 / aspect, 1.0);
-    window = {-x, x, -y, y};
+  if (setting.type == "spherical") {
+    camera.projection = spherical_projection(setting);
+    // These have no effect in pbrt-v4 either.
+    setting.params.ignore({"lensradius", "focaldistance", "frameaspectratio", "screenwindow"});
+  } else {
+    if (setting.type == "orthographic") camera.projection = Projection::kOrthographic;
+    apply_lens_and_screen(context, setting);
   }
-  const double tangent = std::tan(fov * std::numbers::pi / 360);
-  camera.screen_min = {window[0] * tangent, window[2] * tangent};
-  camera.screen_max = {window[1] * tangent, window[3] * tangent};
+  setting.params.ignore({"shutteropen", "shutterclose"});
+  setting.params.remark_unused(context, fmt::format("Camera \"{}\"", setting.type));
 }
 
 void apply_hints(Context& context, const Settings& settings) {
@@ -161,25 +281,13 @@ void apply_hints(Context& context, const Settings& settings) {
     sampler.params.ignore({"seed", "randomization", "jitter"});
     sampler.params.remark_unused(context, fmt::format("Sampler \"{}\"", sampler.type));
   }
-  if (settings.filter) {
-    const Setting& filter = *settings.filter;
-    check_type(filter, "PixelFilter", {"box", "gaussian", "mitchell", "sinc", "triangle"});
-    // The default radius of each filter covers at least one pixel; only that of box is exactly one.
-    const double otherwise = filter.type == "box" ? 0.5 : 2;
-    const double x = filter.params.number("xradius", otherwise);
-    const double y = filter.params.number("yradius", otherwise);
-    if (filter.type != "box" || x != 0.5 || y != 0.5)
-      context.remark(filter.place, fmt::format("PixelFilter \"{}\" is not modelled", filter.type),
-                     "a box filter of one pixel");
-    filter.params.ignore({"sigma", "B", "C", "tau"});
-    filter.params.remark_unused(context, fmt::format("PixelFilter \"{}\"", filter.type));
-  }
 }
 
 }  // namespace
 
 void apply(Context& context, const Settings& settings) {
   apply_film(context, settings);
+  apply_filter(context, settings);
   apply_camera(context, settings);
   apply_hints(context, settings);
 }

@@ -119,5 +119,60 @@ TEST(Confidence, IntervalsScaleWithTheSamples) {
   EXPECT_FALSE(i.upper < 1e200);
 }
 
+// Samples that a pixel filter weights: they may be negative.
+TEST(Confidence, OfSignedSamplesMirrorsWithThem) {
+  const IntervalRule rule(0.95, 8, 64);
+  for (const double kurtosis : {2.5, 60.0}) {
+    const EstimateMoments m{.mean = 0.3,
+                            .standard_error = 0.05,
+                            .sum_of_squares = 64 * (0.3 * 0.3 + 1),
+                            .largest = 4,
+                            .deviation = 1,
+                            .skewness = 0.7,
+                            .kurtosis = kurtosis,
+                            .may_be_negative = true};
+    EstimateMoments mirrored = m;
+    mirrored.mean = -m.mean;
+    mirrored.skewness = -m.skewness;
+    const ConfidenceInterval a = rule.interval(m), b = rule.interval(mirrored);
+    EXPECT_NEAR(a.lower, -b.upper, 1e-12) << kurtosis;
+    EXPECT_NEAR(a.upper, -b.lower, 1e-12) << kurtosis;
+    EXPECT_LT(a.lower, 0.3);
+    EXPECT_LT(b.lower, 0);
+  }
+}
+
+TEST(Confidence, OfNoSignedLightBoundsBothSigns) {
+  const ConfidenceInterval i =
+      IntervalRule(0.95, 16, 1000).interval({.largest = 5, .may_be_negative = true});
+  EXPECT_NEAR(i.upper, 2.9957 / 1000 * 5, 1e-6);
+  EXPECT_EQ(i.lower, -i.upper);
+  const ConfidenceInterval one = IntervalRule(0.95, 1, 64)
+                                     .interval({.mean = 1,
+                                                .sum_of_squares = 64,
+                                                .largest = 1,
+                                                .kurtosis = 1,
+                                                .may_be_negative = true});
+  EXPECT_EQ(one.lower, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(one.upper, std::numeric_limits<double>::infinity());
+}
+
+// A flat field: the values are 1.2 and -1.2, and all replicates have the same mean.  One sample of
+// the other sign changes the mean by 2.4 / 64; the rule of three allows for three of them.
+TEST(Confidence, OfSignedSamplesIncludesOneMoreOfTheOtherSign) {
+  const double mean = 1.05, deviation = std::sqrt(1.2 * 1.2 - mean * mean);
+  const double p = (1 - mean / 1.2) / 2, skewness = (2 * p - 1) / std::sqrt(p * (1 - p));
+  const ConfidenceInterval i = IntervalRule(0.95, 8, 64)
+                                   .interval({.mean = mean,
+                                              .sum_of_squares = 64 * 1.2 * 1.2,
+                                              .largest = 1.2,
+                                              .deviation = deviation,
+                                              .skewness = skewness,
+                                              .kurtosis = 1 + skewness * skewness,
+                                              .may_be_negative = true});
+  EXPECT_NEAR(i.upper - mean, 2.9957 * 2.4 / 64, 1e-4);
+  EXPECT_NEAR(mean - i.lower, 2.9957 * 2.4 / 64, 1e-4);
+}
+
 }  // namespace
 }  // namespace lucerna

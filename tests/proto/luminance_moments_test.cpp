@@ -101,6 +101,19 @@ TEST(LuminanceMoments, OfLargeNumbersStayFinite) {
   }
 }
 
+TEST(LuminanceMoments, KnowWhetherSamplesMayBeNegative) {
+  for (const bool hidden : {false, true}) {
+    BlockMoments moments(true);
+    moments.add(-2, hidden ? 3 : 2);
+    const LuminanceMoments m = moments_of(bytes_of(std::vector{moments.result(-2)}))[0];
+    EXPECT_TRUE(m.may_be_negative);
+    EXPECT_EQ(m.partly_hidden, hidden);
+    EXPECT_EQ(m.largest, hidden ? 3 : 2);
+    EXPECT_TRUE(merge(m, 1, m, 1).may_be_negative);
+  }
+  EXPECT_FALSE(moments_of(bytes_of(std::vector{BlockMoments().result(0)}))[0].may_be_negative);
+}
+
 TEST(PixelIntervals, AreRoundedOutwards) {
   const double third = 1.0 / 3;
   const FloatInterval i = rounded_outwards({third, 2 * third});
@@ -113,6 +126,8 @@ TEST(PixelIntervals, AreRoundedOutwards) {
     EXPECT_EQ(rounded_outwards({-1, upper}).upper, kLargest);
   EXPECT_EQ(rounded_outwards({-1, 1}).lower, 0);
   EXPECT_EQ(rounded_outwards({std::nan(""), 1}).lower, 0);
+  EXPECT_EQ(rounded_outwards({std::nan(""), 1}, least_value(true)).lower, -kLargest);
+  EXPECT_LE(rounded_outwards({-third, 1}, least_value(true)).lower, -third);
 }
 
 TEST(PixelIntervals, OfOneBlockAreUnknownUnlessAllIsBlack) {

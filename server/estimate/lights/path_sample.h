@@ -48,6 +48,8 @@ struct PathSample {
   static constexpr std::uint32_t kTime = (1u << 30) - 1;
   /// For the choice between the lobes of a surface, at each depth; drawn only if it has some.
   static constexpr std::uint32_t kFirstLobe = 1u << 29;
+  /// For the point of the lens; drawn only if there is one.
+  static constexpr std::uint32_t kLens = kTime - 1;
   /// If every light is sampled at a vertex, each has its own pair from here on.
   static constexpr std::uint32_t kFirstVisited = 1u << 30;
 

@@ -49,8 +49,10 @@ class TileEstimator {
     const DenormalsAreZero denormals;
     WorkCounts work;
     for (std::size_t i = begin; i < end && !stopped_; ++i) {
-      const int x = settings_.rect.x0 + static_cast<int>(i % width()),
-                y = settings_.rect.y0 + static_cast<int>(i / width());
+      // Positions on the film, so a pixel has the same bits in a crop as in the whole picture.
+      const FilmCrop& crop = scene_.camera().crop();
+      const int x = crop.x0 + settings_.rect.x0 + static_cast<int>(i % width()),
+                y = crop.y0 + settings_.rect.y0 + static_cast<int>(i / width());
       if (settings_.target) {
         pixel_within_target(x, y, i, work);
       } else {
@@ -85,13 +87,13 @@ class TileEstimator {
   ChannelStatistics<3> pixel(int x, int y, const Blocks& these, LuminanceMoments* moments,
                              WorkCounts& work) {
     const auto item =
-        static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(scene_.camera().width()) +
+        static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(scene_.camera().film_width()) +
         static_cast<std::uint64_t>(x);
     BlockStream<3> channels(these.first);
     BlockTotal<LuminanceMoments> luminances(these.first);
     for (std::uint64_t b = these.first; b < these.first + these.count; ++b) {
       const SampleSequence sequence(settings_.methods.sampler, settings_.seed, item, b);
-      BlockMoments of_block;
+      BlockMoments of_block(scene_.camera().may_be_negative());
       const Rgb<double> mean =
           block(x, y, sequence, these.samples, moments != nullptr ? &of_block : nullptr, work);
       if (stopped_) return {};
@@ -133,7 +135,10 @@ class TileEstimator {
   /// The mean of a block of n samples.
   Rgb<double> block(int x, int y, const SampleSequence& sequence, std::uint32_t n,
                     BlockMoments* moments, WorkCounts& work) {
-    const double scale = scene_.camera().film_scale();
+    const Camera& camera = scene_.camera();
+    const PixelFilter* const filter = camera.filter();
+    const bool has_lens = camera.has_lens();
+    const double scale = camera.film_scale();
     SampleSum sum;
     for (std::uint32_t i = 0; i < n; ++i) {
       if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
@@ -141,10 +146,13 @@ class TileEstimator {
         return {};
       }
       const PathSample sample{sequence, i};
-      const Vec2<float> film = sample.pair(PathSample::kFilm);
-      const Ray ray = scene_.camera().ray(static_cast<float>(x) + film.x,
-                                          static_cast<float>(y) + film.y, time(sample));
-      const LightEstimate e = tracer_.radiance(ray, sample, work);
+      PixelFilter::Sample film{sample.pair(PathSample::kFilm), 1};
+      if (filter != nullptr) film = filter->sample(film.position_px);
+      const Ray ray = camera.ray(
+          static_cast<float>(x) + film.position_px.x, static_cast<float>(y) + film.position_px.y,
+          time(sample), has_lens ? sample.pair(PathSample::kLens) : Vec2<float>{0.5F, 0.5F});
+      LightEstimate e = tracer_.radiance(ray, sample, work);
+      if (film.weight != 1) e = {e.value * film.weight, e.unshadowed * std::fabs(film.weight)};
       sum.add(e.value);
       if (moments == nullptr) continue;
       moments->add(luminance(e.value) * scale, luminance(e.unshadowed) * scale);
@@ -153,7 +161,7 @@ class TileEstimator {
     // Squared differences must fit too, so larger values count as the largest float.
     const auto held = [](double v) {
       constexpr double kLargest = std::numeric_limits<float>::max();
-      return v > kLargest ? kLargest : v;
+      return v > kLargest ? kLargest : v < -kLargest ? -kLargest : v;
     };
     const Rgb<double> mean = sum.value() * (scale / n);
     return {held(mean.r), held(mean.g), held(mean.b)};

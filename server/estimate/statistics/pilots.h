@@ -65,7 +65,7 @@ std::optional<double> needed_samples(const TargetError& target, Pilot&& pilot) {
     const std::optional<PilotEstimate> e =
         pilot(Blocks{kFirstBlock, kBlockCount, static_cast<std::uint32_t>(n)});
     if (!e) return std::nullopt;
-    const double allowed = std::max(target.relative * e->value, target.absolute_floor);
+    const double allowed = std::max(target.relative * std::fabs(e->value), target.absolute_floor);
     const double error = (e->interval.upper - e->interval.lower) / 2;
     // Assumes the convergence rate of independent samples, which is the slowest.
     const double off = error / allowed, times = std::fmax(1, kForLuck * off * off);

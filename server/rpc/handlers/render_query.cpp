@@ -177,8 +177,10 @@ void set_tile(const Scene& scene, const TileSettings& settings, std::uint64_t fi
   set_plane(out->mutable_samples(), result.samples.size(),
             [&](std::size_t i) { return result.samples[i]; });
   if (settings.target) {
+    const float least = least_value(scene.camera().may_be_negative());
     std::vector<FloatInterval> rounded;
-    for (const ConfidenceInterval& i : result.intervals) rounded.push_back(rounded_outwards(i));
+    for (const ConfidenceInterval& i : result.intervals)
+      rounded.push_back(rounded_outwards(i, least));
     set_intervals(rounded, out);
   } else if (settings.intervals) {
     set_intervals(pixel_intervals(result.moments, blocks, settings.samples_per_block), out);

@@ -26,6 +26,14 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
   if (const Motion* motion = scene.camera().motion()) {
     set_motion(*motion, scene.origin(), out->mutable_camera_motion());
   }
+  out->set_film_scale(scene.camera().film_scale());
+  if (const Camera& camera = scene.camera(); camera.is_cropped()) {
+    v1::FilmCrop* const crop = out->mutable_film_crop();
+    crop->set_x(static_cast<std::uint32_t>(camera.crop().x0));
+    crop->set_y(static_cast<std::uint32_t>(camera.crop().y0));
+    crop->set_film_width(static_cast<std::uint32_t>(camera.film_width()));
+    crop->set_film_height(static_cast<std::uint32_t>(camera.film_height()));
+  }
   out->set_bytes(scene.bytes());
   out->set_leased_s(stored.leased_s);
 }
