@@ -11,12 +11,12 @@
 namespace lucerna {
 
 struct CurveControl {
-  std::vector<Vec3<double>> points;
+  std::vector<Vec3<double>> points{};
   int degree = 3;            ///< 2 or 3
   bool is_b_spline = false;  ///< with even knots; else a chain of Bezier curves
   double start_width_m = 1, end_width_m = 1;
   /// Of a ribbon: unit, one more than curves; else empty.
-  std::vector<Vec3<double>> normals;
+  std::vector<Vec3<double>> normals{};
 };
 
 /// The most curves of one CurveControl.
