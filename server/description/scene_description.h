@@ -81,6 +81,8 @@ struct ShapeDescription {
 #undef LUCERNA_PARAMS
   std::uint32_t material = 0;  ///< index into SceneDescription::materials
   bool has_uv = false;         ///< whether textures use the (u, v) of its surface
+  /// The share of rays that meet the surface; the others pass it.  Not for surfaces that emit.
+  NumberValue alpha{1};
   /// Set if the shape is an area light.  The level is final: `scale` and `power` are applied.
   struct Emission {
     Rgb<double> radiance_cd_m2;

@@ -126,7 +126,7 @@ void add_lights(const Document& document, const PlacedNode& node) {
 
 void set_camera(const Document& document, const std::vector<PlacedNode>& nodes) {
   Context& context = document.context();
-  PerspectiveCamera& camera = context.scene.camera;
+  CameraDescription& camera = context.scene.camera;
   Film& film = context.scene.film;
   const PlacedNode* chosen = nullptr;
   for (const PlacedNode& node : nodes) {
@@ -157,11 +157,13 @@ void set_camera(const Document& document, const std::vector<PlacedNode>& nodes) 
       half_height = std::tan(given.perspective.yfov / 2);
       half_width = half_height * given.perspective.aspectRatio;
     } else {
-      context.remark(fmt::format("/cameras/{}", document.model().nodes[chosen->index].camera),
-                     "an orthographic camera is not modelled",
-                     "a perspective camera, 90 degrees high");
-      if (given.orthographic.xmag > 0 && given.orthographic.ymag > 0)
-        half_width = std::clamp(given.orthographic.xmag / given.orthographic.ymag, 1e-3, 1e3);
+      camera.projection = Projection::kOrthographic;
+      half_width = given.orthographic.xmag, half_height = given.orthographic.ymag;
+      if (!(half_width > 0 && half_height > 0))
+        context.fail(fmt::format("/cameras/{}/orthographic",
+                                 document.model().nodes[chosen->index].camera),
+                     fmt::format("found xmag {} and ymag {}, allowed: above 0", half_width,
+                                 half_height));
     }
   }
   // Without an aspect ratio, the film's.

@@ -7,7 +7,7 @@
 namespace lucerna {
 
 // The visible half of a sphere projects to a disk across `w`.  The disk is cut where the surface
-// hides it, and its points are raised to the sphere.  [Heitz18, 3]
+// hides it, and its points are raised to the sphere.  [Heitz18b, 3]
 template <std::floating_point Real>
 Vec3<Real> Microfacets<Real>::sample(const Vec3<Real>& w, Vec2<Real> u) const {
   const Vec3<Real> wh = normalized(Vec3<Real>{x_ * w.x, y_ * w.y, w.z});

@@ -1,5 +1,5 @@
 // The microfacet distribution of rough surfaces: GGX, with different roughness along x and y.
-// [Walter07], [Heitz14], and visible normals of [Heitz18].
+// [Walter07], [Heitz14], and visible normals of [Heitz18b].
 #pragma once
 
 #include <cmath>

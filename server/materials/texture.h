@@ -33,9 +33,9 @@ struct NumberValue {
 
 /// A place on a surface.
 struct TexturePoint {
-  Vec2<double> uv;        ///< surface coordinates
-  Vec3<double> position;  ///< world [m]
-  Vec3<double> normal;    ///< world, unit: the shading normal
+  Vec2<double> uv{};        ///< surface coordinates
+  Vec3<double> position{};  ///< world [m]
+  Vec3<double> normal{};    ///< world, unit: the shading normal
 };
 
 /// How a texture's coordinates (s, t) follow from the place.

@@ -181,15 +181,16 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   const Transform& world_from_object =
       open_object_ ? still_transform("a shape within an object definition", place)
                    : state_.world_from_object.start;
+  const NumberValue alpha = materials_.textures().number(set, "alpha", 1);
   const bool with_uv = (state_.area_light && !open_object_ && needs_uv(*state_.area_light)) ||
-                       materials_.may_need_uv(state_.material);
+                       materials_.may_need_uv(state_.material) || !alpha.is_constant();
   auto geometry = make_geometry(
       context_, {type, set, place, world_from_object, state_.reverse_orientation, with_uv});
   if (!geometry) return;
   ShapeDescription shape;
   if (!open_object_) shape.motion = motion("Shape", place);
   shape.material = state_.material;
-  shape.has_uv = materials_.may_need_uv(state_.material);
+  shape.has_uv = materials_.may_need_uv(state_.material) || !alpha.is_constant();
   shape.where = location(place);
   if (state_.area_light && open_object_) {
     context_.remark(place, "an area light within an object definition", "the shape emits nothing");
@@ -197,6 +198,11 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
     shape.emission = make_emission(context_, *state_.area_light, *geometry, place,
                                    state_.world_from_object.start.swaps_handedness());
   }
+  if (!shape.emission)
+    shape.alpha = alpha;
+  else if (!alpha.is_constant() || alpha.constant < 1)
+    context_.remark(set.find("alpha", {"float", "texture"})->place,
+                    "\"alpha\" of a shape that emits is not modelled", "opaque");
   shape.geometry = *std::move(geometry);
   auto& shapes =
       open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;

@@ -40,6 +40,8 @@ enum class HitKind : std::uint8_t { kTriangle, kPatch, kCurve LUCERNA_QUADRICS(L
 #undef LUCERNA_KIND
 inline constexpr std::size_t kHitKinds = 3 + std::tuple_size_v<Quadrics>;
 
+struct SurfaceTable;
+
 /// Everything that rays can hit in one space (the scene's or an object's).  Each kind has its
 /// own numbers, in order.
 struct GeometrySet {
@@ -49,6 +51,8 @@ struct GeometrySet {
   std::vector<CurvePiece> curves{};
   Quadrics quadrics{};
   std::vector<WideTriangle> wide{};  ///< of `triangles`, in ascending order
+  /// Cut-outs of its surfaces; null if it has none.
+  const SurfaceTable* cut_outs = nullptr;
   /// The unit of Embree's space for this set (ray_limits.h).  The Accelerator chooses it.
   double unit_m = 1;
 

@@ -244,6 +244,33 @@ const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) con
   return *(std::ranges::upper_bound(of_kind, primitive, {}, &PrimitiveRun::first) - 1);
 }
 
+bool SurfaceTable::has_cut_outs() const {
+  return std::ranges::any_of(surfaces, &Surface::is_cut_out);
+}
+
+Vec2<double> SurfaceTable::triangle_uv_at(std::uint32_t triangle, double b, double c) const {
+  const auto& uv = triangle_uv.empty() ? kTriangleUv : triangle_uv[triangle];
+  const double a = 1 - b - c;
+  return {uv[0].x * a + uv[1].x * b + uv[2].x * c, uv[0].y * a + uv[1].y * b + uv[2].y * c};
+}
+
+Vec2<double> SurfaceTable::patch_uv_at(std::uint32_t patch, double s, double t) const {
+  const auto& uv = patch_uv.empty() ? kPatchUv : patch_uv[patch];
+  const auto mix = [&](auto member) {
+    return (uv[0].*member * (1 - s) + uv[1].*member * s) * (1 - t) +
+           (uv[2].*member * (1 - s) + uv[3].*member * s) * t;
+  };
+  return {mix(&Vec2<float>::x), mix(&Vec2<float>::y)};
+}
+
+bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, const TexturePoint& at,
+                             double u) const {
+  const Surface& surface = surfaces[run(kind, primitive).surface];
+  if (!surface.is_cut_out()) return false;
+  const double alpha = (*textures)(surface.alpha, at);
+  return !(alpha > 0) || u > alpha;
+}
+
 std::size_t SurfaceTable::bytes() const {
   std::size_t sum = surfaces.capacity() * sizeof(Surface) +
                     vertex_normals.capacity() * sizeof(Vec3<float>) +
@@ -288,7 +315,7 @@ absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& ori
                           double detail_m, std::int32_t light, GeometrySet& set,
                           SurfaceTable& table) {
   const auto surface = static_cast<std::uint32_t>(table.surfaces.size());
-  table.surfaces.push_back({shape.material, light});
+  table.surfaces.push_back({shape.material, light, shape.alpha});
   return located(
       std::visit(Appender(origin, detail_m, surface, set, shape.has_uv, table), shape.geometry),
       shape.where);

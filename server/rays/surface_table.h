@@ -17,6 +17,9 @@ namespace lucerna {
 struct Surface {
   std::uint32_t material = 0;
   std::int32_t light = -1;
+  NumberValue alpha{1};
+
+  bool is_cut_out() const { return !alpha.is_constant() || alpha.constant < 1; }
 };
 
 /// The default (u, v) of a triangle's and a patch's corners.
@@ -45,8 +48,18 @@ struct SurfaceTable {
   std::vector<std::array<Vec2<float>, 3>> triangle_uv;
   std::vector<std::array<Vec2<float>, 4>> patch_uv;
 
+  /// Where the values of alpha textures are; null if no surface is cut out.
+  const Textures* textures = nullptr;
+
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;
   std::size_t bytes() const;
+  bool has_cut_outs() const;
+  /// (u, v) of a triangle at these barycentric coordinates, and of a patch at its parameters.
+  Vec2<double> triangle_uv_at(std::uint32_t triangle, double b, double c) const;
+  Vec2<double> patch_uv_at(std::uint32_t patch, double s, double t) const;
+  /// Whether a ray passes through the surface at a hit.  `u` in [0, 1) decides where alpha is
+  /// neither 0 nor 1.
+  bool lets_pass(HitKind kind, std::uint32_t primitive, const TexturePoint& at, double u) const;
 };
 
 struct Bounds {

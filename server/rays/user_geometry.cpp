@@ -1,6 +1,7 @@
 #include "server/rays/user_geometry.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -33,6 +34,47 @@ std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned prim
   return found;
 }
 
+/// A number in [0, 1) that depends on the ray only, so that a ray has one answer.  SplitMix64.
+double number_of(const RTCRay& ray) {
+  std::uint64_t z = 0;
+  for (const float x : {ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z}) {
+    z = (z ^ std::bit_cast<std::uint32_t>(x)) + 0x9e3779b97f4a7c15U;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    z ^= z >> 31;
+  }
+  return static_cast<double>(z >> 11) * 0x1p-53;
+}
+
+/// Whether the ray passes through a cut-out at this hit.
+bool is_cut_out(const AnalyticShapes& shapes, unsigned primitive, const RTCRay& ray,
+                const AnalyticHit& found) {
+  const SurfaceTable* table = shapes.set->cut_outs;
+  if (table == nullptr) return false;
+  TexturePoint at{.uv = {}, .position = found.hit.point.position, .normal = found.hit.point.normal};
+  at.uv = shapes.set->visit_surface(
+      shapes.kind, primitive, [&](const auto& surface) -> Vec2<double> {
+        if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
+          return surface.uv(at.position);
+        else
+          return table->patch_uv_at(primitive, found.uv.x, found.uv.y);
+      });
+  return table->lets_pass(shapes.kind, primitive, at, number_of(ray));
+}
+
+/// As `intersect`, past cut-outs.
+std::optional<AnalyticHit> first_hit(const AnalyticShapes& shapes, unsigned primitive,
+                                     const RTCRay& ray, double t_max) {
+  RTCRay rest = ray;
+  // A ray meets a patch or a quadric twice at most.
+  for (int i = 0; i < 3; ++i) {
+    const auto found = intersect(shapes, primitive, rest, t_max);
+    if (!found || !is_cut_out(shapes, primitive, ray, *found)) return found;
+    rest.tnear = std::nextafter(static_cast<float>(found->hit.t), INFINITY);
+  }
+  return std::nullopt;
+}
+
 /// The box in units of `unit_m`, rounded outwards.
 RTCBounds rounded(const std::pair<Vec3<double>, Vec3<double>>& box, double unit_m) {
   const auto down = [&](double v) {
@@ -59,7 +101,7 @@ void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
   auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const auto found = intersect(shapes, args->primID, query.ray, query.ray.tfar);
+  const auto found = first_hit(shapes, args->primID, query.ray, query.ray.tfar);
   if (!found) return;
   query.ray.tfar = static_cast<float>(found->hit.t);
   query.hit.u = static_cast<float>(found->uv.x);
@@ -76,13 +118,32 @@ void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (intersect(shapes, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
+  if (first_hit(shapes, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
+}
+
+/// The same for a triangle with these barycentric coordinates.
+bool is_cut_out(const GeometrySet& set, std::uint32_t triangle, const Vec2<double>& uv,
+                const RTCRay& ray) {
+  if (set.cut_outs == nullptr) return false;
+  const auto vertex = [&](std::size_t k) {
+    return Vec3<double>(set.vertices[set.triangles[3 * std::size_t{triangle} + k]]) * set.unit_m;
+  };
+  const Vec3<double> a = vertex(0), ab = vertex(1) - a, ac = vertex(2) - a;
+  return set.cut_outs->lets_pass(HitKind::kTriangle, triangle,
+                                 {.uv = set.cut_outs->triangle_uv_at(triangle, uv.x, uv.y),
+                                  .position = a + ab * uv.x + ac * uv.y,
+                                  .normal = normalized(cross(ab, ac))},
+                                 number_of(ray));
 }
 
 std::optional<WideHit> intersect_wide(const GeometrySet& set, unsigned primitive,
                                       const RTCRay& ray) {
-  return intersect(set.wide[primitive], Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * set.unit_m,
-                   Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * set.unit_m, ray.tnear, ray.tfar);
+  const WideTriangle& triangle = set.wide[primitive];
+  const auto found =
+      intersect(triangle, Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * set.unit_m,
+                Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * set.unit_m, ray.tnear, ray.tfar);
+  if (found && is_cut_out(set, triangle.triangle, found->uv, ray)) return std::nullopt;
+  return found;
 }
 
 void wide_bounds(const RTCBoundsFunctionArguments* args) {
@@ -121,10 +182,14 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
   const Vec3<float> n{hit.Ng_x, hit.Ng_y, hit.Ng_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
   // A cosine.  Above it, the error of the hit is below 2^-10 of the triangle's size.
   constexpr float kAlong = 0x1p-12F;
+  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
+  if (set.cut_outs != nullptr && is_cut_out(set, hit.primID, {hit.u, hit.v}, ray)) {
+    args->valid[0] = 0;
+    return;
+  }
   const float cosine = dot(n, d);
   if (!(cosine * cosine < kAlong * kAlong * dot(n, n) * dot(d, d))) [[likely]]
     return;
-  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
   WideTriangle triangle;
   for (std::size_t k = 0; k < 3; ++k)
     triangle.corners[k] =

@@ -48,7 +48,8 @@ struct MovingInstance {
   RTCBounds swept;  ///< in the scene's units, over all time
 };
 
-/// Lets the geometry of `set`'s triangles reject hits of rays along a triangle that do not meet it.
+/// Lets the geometry of `set`'s triangles reject hits of rays along a triangle that do not meet it,
+/// and hits of cut-outs.
 void check_along(RTCGeometry triangles, GeometrySet* set);
 
 /// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes`, `set` and

@@ -44,6 +44,7 @@ class Scene::Builder {
 
   absl::Status build_geometry(const std::string& isa);
   void keep_materials();
+  void keep_textures(GeometrySet& set, std::vector<GeometrySet>& objects);
   void report_motion(const std::vector<GeometryInstance>& instances);
   void report_geometry(const GeometrySet& set, const std::vector<GeometrySet>& objects,
                        const Stopwatch& watch);

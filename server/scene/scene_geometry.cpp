@@ -63,6 +63,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     else
       instances.push_back({i.object, rounded_to_float(scene_from_object)});
   }
+  keep_textures(set, objects);
   report_motion(instances);
   if (!set.empty() || !instances.empty()) keep_materials();
   report_geometry(set, objects, watch);
@@ -92,6 +93,19 @@ void Scene::Builder::keep_materials() {
   if (std::ranges::find(scene_->plain_, false) == scene_->plain_.end()) return;
   scene_->materials_ = std::move(in_.materials);
   scene_->textures_ = std::move(in_.textures);
+}
+
+/// Textures of cut-outs are needed even if all materials are plain.
+void Scene::Builder::keep_textures(GeometrySet& set, std::vector<GeometrySet>& objects) {
+  const auto connect = [&](GeometrySet& of, SurfaceTable& table) {
+    if (!table.has_cut_outs()) return;
+    if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
+    table.textures = &scene_->textures_;
+    of.cut_outs = &table;
+  };
+  connect(set, scene_->surfaces_);
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    connect(objects[i], scene_->object_surfaces_[i]);
 }
 
 void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instances) {

@@ -364,9 +364,7 @@ std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shap
 std::optional<Geometry> make_geometry(Context& context, const ShapeDirective& shape) {
   auto geometry = geometry_of(context, shape);
   if (!geometry) return geometry;
-  if (const Parameter* alpha = shape.params.find("alpha", {"float", "texture"});
-      alpha != nullptr && (alpha->type == "texture" || alpha->numbers.front() != 1))
-    context.remark(alpha->place, "\"alpha\" is not modelled", "opaque");
+  shape.params.ignore({"alpha"});  // the caller reads it
   shape.params.remark_unused(context, fmt::format("Shape \"{}\"", shape.type));
   return geometry;
 }

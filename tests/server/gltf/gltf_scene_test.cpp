@@ -151,8 +151,20 @@ TEST(GltfCameras, OthersGetARemark) {
   file.add_node({{"camera", 0}});
   file.add_node({{"camera", 0}});
   const std::string remarks = gltf_remarks(file.scene());
-  EXPECT_THAT(remarks, HasSubstr("#/cameras/0: an orthographic camera is not modelled"));
   EXPECT_THAT(remarks, HasSubstr("#/nodes/1/camera: a second camera"));
+  EXPECT_THAT(remarks, Not(HasSubstr("orthographic")));
+}
+
+TEST(GltfCameras, OrthographicOnesKeepTheirSize) {
+  GltfFile file;
+  file.json["cameras"] =
+      Json::array({{{"type", "orthographic"},
+                    {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0}, {"zfar", 9}}}}});
+  file.add_node({{"camera", 0}});
+  const SceneDescription scene = file.scene();
+  EXPECT_EQ(scene.camera.projection, Projection::kOrthographic);
+  EXPECT_EQ(scene.camera.screen_max, (Vec2<double>{3, 2}));
+  EXPECT_EQ(scene.film.width, scene.film.height * 3 / 2);
 }
 
 template <typename Params>

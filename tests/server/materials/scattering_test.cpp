@@ -174,7 +174,9 @@ TEST(Scattering, ScattersAtMostAllLight) {
                    error = std::sqrt(std::fmax(0, squares / kSamples - mean * mean) / kSamples);
       EXPECT_LE(mean, 1 + 5 * error + 1e-9) << s.name << " from z = " << wo.z;
       EXPECT_GT(mean, 0) << s.name;
-      if (s.absorbs_nothing && s.bsdf.all_delta()) EXPECT_NEAR(mean, 1, 1e-9) << s.name;
+      if (s.absorbs_nothing && s.bsdf.all_delta()) {
+        EXPECT_NEAR(mean, 1, 1e-9) << s.name;
+      }
     }
 }
 

@@ -1,0 +1,113 @@
+// Textures: coordinates, pictures and patterns.
+#include "server/materials/texture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace lucerna {
+namespace {
+
+/// Two rows of texels, from the top: 1 2 3 / 4 5 6.
+std::shared_ptr<const Image> digits() {
+  std::vector<Rgb<float>> texels;
+  for (int i = 1; i <= 6; ++i) texels.emplace_back(static_cast<float>(i));
+  return *Image::create(3, 2, texels);
+}
+
+double value_at(const ImageTexture& texture, Vec2<double> uv) {
+  Textures textures;
+  return textures(NumberValue{0, textures.add(texture)}, {.uv = uv});
+}
+
+TEST(Texture, PicturesBeginAtTheUpperLeft) {
+  const ImageTexture t{.image = digits(), .filter = ImageFilter::kNearest};
+  EXPECT_EQ(value_at(t, {0.1, 0.9}), 1);
+  EXPECT_EQ(value_at(t, {0.9, 0.9}), 3);
+  EXPECT_EQ(value_at(t, {0.1, 0.1}), 4);
+}
+
+TEST(Texture, WrapDecidesOutsideOfThePicture) {
+  ImageTexture t{.image = digits(), .filter = ImageFilter::kNearest};
+  EXPECT_EQ(value_at(t, {1.1, -0.1}), 1);  // repeats
+  EXPECT_EQ(value_at(t, {-0.1, 0.1}), 6);
+  t.wrap = TextureWrap::kClamp;
+  EXPECT_EQ(value_at(t, {1.1, -0.1}), 6);
+  t.wrap = TextureWrap::kBlack;
+  EXPECT_EQ(value_at(t, {1.1, 0.1}), 0);
+  for (const double far : {1e300, -1e300, double{INFINITY}, double{NAN}})
+    for (const auto wrap : {TextureWrap::kRepeat, TextureWrap::kBlack, TextureWrap::kClamp,
+                            TextureWrap::kOctahedral}) {
+      t.wrap = wrap;
+      EXPECT_TRUE(std::isfinite(value_at(t, {far, far}))) << far;
+    }
+}
+
+TEST(Texture, BilinearFilterIsTheMeanBetweenTexels) {
+  const ImageTexture t{.image = digits()};
+  EXPECT_NEAR(value_at(t, {1 / 3.0, 0.5}), (1 + 2 + 4 + 5) / 4.0, 1e-12);
+  EXPECT_NEAR(value_at(t, {0, 0.75}), (1 + 3) / 2.0, 1e-12);  // the seam of repetitions
+}
+
+TEST(Texture, ScaleAndInversion) {
+  ImageTexture t{.image = digits(), .filter = ImageFilter::kNearest, .scale = 0.1};
+  EXPECT_NEAR(value_at(t, {0.1, 0.9}), 0.1, 1e-12);
+  t.invert = true;
+  EXPECT_NEAR(value_at(t, {0.1, 0.9}), 0.9, 1e-12);
+  t.scale = 1;
+  EXPECT_EQ(value_at(t, {0.9, 0.9}), 0);  // 1 - 3 is not a reflectance
+}
+
+TEST(Texture, MappingsGiveTheirCoordinates) {
+  const auto at = [](TextureMapping::Kind kind, const Vec3<double>& position) {
+    TextureMapping m;
+    m.kind = kind;
+    m.axis_s = {0, 0, 2};
+    m.shift = {0.5, 0.25};
+    return m({.uv = {}, .position = position});
+  };
+  const auto pole = at(TextureMapping::Kind::kSpherical, {0, 0, 3});
+  EXPECT_NEAR(pole.x, 0, 1e-15);
+  const auto side = at(TextureMapping::Kind::kSpherical, {0, 2, 0});
+  EXPECT_NEAR(side.x, 0.5, 1e-15);
+  EXPECT_NEAR(side.y, 0.25, 1e-15);
+  const auto around = at(TextureMapping::Kind::kCylindrical, {0, -2, 7});
+  EXPECT_NEAR(around.x, 0.25, 1e-15);
+  EXPECT_EQ(around.y, 7);
+  const auto plane = at(TextureMapping::Kind::kPlanar, {1, 3, 4});
+  EXPECT_EQ(plane.x, 8.5);
+  EXPECT_EQ(plane.y, 3.25);
+}
+
+TEST(Texture, PatternsAreMadeOfOtherTextures) {
+  Textures textures;
+  const std::int32_t checks = textures.add(CheckerboardTexture{
+      .mapping = {.scale = {4, 4}}, .parts = {ColourValue{Rgb<double>(0.8)}, ColourValue{}}});
+  const std::int32_t half = textures.add(ScaleTexture{{{}, checks}, ColourValue{Rgb<double>(0.5)}});
+  const std::int32_t mix = textures.add(
+      MixTexture{{ColourValue{{}, half}, ColourValue{Rgb<double>(1)}}, NumberValue{0.25}});
+  const auto value = [&](std::int32_t node, Vec2<double> uv, Vec3<double> normal = {}) {
+    return textures(NumberValue{0, node}, {.uv = uv, .position = {}, .normal = normal});
+  };
+  EXPECT_EQ(value(half, {0.1, 0.1}), 0.4);
+  EXPECT_EQ(value(half, {0.3, 0.1}), 0);
+  EXPECT_EQ(value(half, {-0.1, 0.1}), 0);
+  EXPECT_NEAR(value(mix, {0.1, 0.1}), 0.4 * 0.75 + 0.25, 1e-15);
+  const std::int32_t four = textures.add(
+      BilerpTexture{.corners = {Rgb<double>(0), Rgb<double>(1), Rgb<double>(2), Rgb<double>(3)}});
+  EXPECT_NEAR(value(four, {0.25, 0.5}), 0.25 * 2 + 0.5, 1e-15);
+  const std::int32_t up =
+      textures.add(DirectionMixTexture{{ColourValue{Rgb<double>(1)}, ColourValue{}}, {0, 0, 1}});
+  EXPECT_NEAR(value(up, {}, {0, 0.6, -0.8}), 0.8, 1e-15);
+  const std::int32_t dots =
+      textures.add(DotsTexture{.inside = ColourValue{Rgb<double>(1)}, .outside = ColourValue{}});
+  int inside = 0;
+  constexpr int kPoints = 200;
+  for (int i = 0; i < kPoints; ++i)
+    for (int k = 0; k < kPoints; ++k) inside += value(dots, {0.1 * i, 0.1 * k}) > 0;
+  // Half of the squares hold a disk of radius 0.35.
+  EXPECT_NEAR(inside / double(kPoints * kPoints), 0.5 * 3.14159 * 0.35 * 0.35, 0.03);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,98 @@
+// Surfaces with holes: rays and shadow rays pass where alpha is 0.
+#include <gtest/gtest.h>
+
+#include "server/estimate/queries/irradiance.h"
+#include "tests/server/scene/scenes.h"
+
+namespace lucerna::testing {
+namespace {
+
+/// Alpha 1 for u < 1/2, else 0.
+std::int32_t left_half(SceneDescription& d) {
+  return d.textures.add(
+      CheckerboardTexture{.mapping = {.scale = {2, 1}},
+                          .parts = {ColourValue{Rgb<double>(1)}, ColourValue{Rgb<double>(0)}}});
+}
+
+/// A surface over (0, 0) to (1, 1) at z = 1 with holes where x > 1/2.
+std::shared_ptr<const Scene> with_holes(ShapeDescription surface) {
+  SceneDescription d = description();
+  surface.alpha = {0, left_half(d)};
+  surface.has_uv = true;
+  d.shapes = {std::move(surface)};
+  return build(std::move(d));
+}
+
+void expect_left_half(const Scene& scene, const char* what) {
+  for (const double x : {0.05, 0.3, 0.45, 0.55, 0.7, 0.95})
+    for (const double y : {0.1, 0.6}) {
+      const Ray ray{Vec3<float>(Vec3<double>{x, y, 0} - scene.origin()), {0, 0, 2}, 0, 1, 0};
+      EXPECT_EQ(scene.occluded(ray), x < 0.5) << what << " at " << x << ", " << y;
+      EXPECT_EQ(scene.closest_hit(ray).has_value(), x < 0.5) << what << " at " << x << ", " << y;
+    }
+}
+
+TEST(CutOuts, RaysPassThroughHolesOfEachKindOfMesh) {
+  expect_left_half(*with_holes(patch({0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1})), "flat patch");
+  expect_left_half(*with_holes(patch({0, 0, 1}, {1, 0, 1.1}, {0, 1, 1.1}, {1, 1, 1})),
+                   "bent patch");
+  TriangleMeshData mesh{.positions = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}},
+                        .normals = {},
+                        .indices = {0, 1, 2, 1, 3, 2}};
+  for (const std::uint32_t i : mesh.indices)
+    mesh.corner_uv.push_back(
+        {static_cast<float>(mesh.positions[i].x), static_cast<float>(mesh.positions[i].y)});
+  expect_left_half(*with_holes(shape(std::move(mesh))), "triangles");
+}
+
+TEST(CutOuts, RaysMeetTheFarSideOfASphereThroughAHole) {
+  // u turns about z from +x, so the half y < 0 is cut away.
+  const auto scene = with_holes(shape(SphereParams{.radius_m = 1}));
+  const auto ray = [&](const Vec3<double>& from, const Vec3<double>& way) {
+    return Ray{Vec3<float>(from - scene->origin()), Vec3<float>(way), 0, 10, 0};
+  };
+  const auto through = scene->closest_hit(ray({0, -3, 0}, {0, 1, 0}));
+  ASSERT_TRUE(through.has_value());
+  EXPECT_NEAR(through->t, 4, 1e-5);
+  const auto near = scene->closest_hit(ray({0, 3, 0}, {0, -1, 0}));
+  ASSERT_TRUE(near.has_value());
+  EXPECT_NEAR(near->t, 2, 1e-5);
+  EXPECT_FALSE(scene->occluded(ray({-3, -0.5, 0}, {1, 0, 0})));
+}
+
+TEST(CutOuts, PartOfTheRaysPassAThinnedSurface) {
+  SceneDescription d = description();
+  d.shapes = {patch({0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1})};
+  d.shapes[0].alpha = {0.3};
+  const auto scene = build(std::move(d));
+  int blocked = 0;
+  constexpr int kRays = 4000;
+  for (int i = 0; i < kRays; ++i) {
+    const Vec3<double> from{(i % 64 + 0.5) / 64, (i / 64 + 0.5) / 64, 0};
+    const Ray ray{Vec3<float>(from - scene->origin()), {0, 0, 2}, 0, 1, 0};
+    blocked += scene->occluded(ray);
+    EXPECT_EQ(scene->occluded(ray), scene->closest_hit(ray).has_value());
+  }
+  EXPECT_NEAR(blocked / double(kRays), 0.3, 0.04);
+}
+
+TEST(CutOuts, LightFallsThroughHoles) {
+  SceneDescription d = description();
+  ShapeDescription screen = patch({0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1});
+  screen.alpha = {0, left_half(d)};
+  screen.has_uv = true;
+  d.shapes = {screen,
+              emissive(patch({0.2, 0.4, 3}, {0.2, 0.6, 3}, {0.4, 0.4, 3}, {0.4, 0.6, 3}), 1, true)};
+  const auto scene = build(std::move(d));
+  const auto lx = [&](double x) {
+    const IrradiancePoint point{Vec3<double>{x, 0.5, 0} - scene->origin(), {}, {0, 0, 1}};
+    return estimate_irradiance(*scene, std::span(&point, 1), {.bounces = 0}, {})
+        .points[0]
+        .irradiance_lx.g;
+  };
+  EXPECT_EQ(lx(0.3), 0);
+  EXPECT_GT(lx(0.95), 0);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
