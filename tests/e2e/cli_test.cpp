@@ -142,7 +142,7 @@ TEST_F(Cli, UnmodelledFeaturesAreCountedBesideAnswers) {
          "property float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n";
   const std::string empty = "Shape \"plymesh\" \"string filename\" \"empty.ply\"\n";
   std::ofstream(path("scenes/odd.pbrt")) << "WorldBegin\nLightSource \"point\"\n" + empty + empty +
-                                                "Material \"conductor\"\nShape \"disk\"\n";
+                                                "Material \"hair\"\nShape \"disk\"\n";
   const std::string counted =
       "2 surfaces left out, 1 material taken as diffuse: lucerna scene odd.pbrt --remarks\n";
   const std::vector<std::string> first = {"irradiance", "odd.pbrt", "--point",   "0,0,1",
@@ -168,7 +168,7 @@ TEST_F(Cli, UnmodelledFeaturesAreCountedBesideAnswers) {
   const Outcome remarks = lucerna({"scene", "odd.pbrt", "--remarks"});
   EXPECT_EQ(remarks.status, 0);
   EXPECT_EQ(std::count(remarks.out.begin(), remarks.out.end(), '\n'), 3) << remarks.out;
-  EXPECT_THAT(remarks.out, HasSubstr("odd.pbrt:5:1: material \"conductor\" is not modelled; "));
+  EXPECT_THAT(remarks.out, HasSubstr("odd.pbrt:5:1: material \"hair\" is not modelled; "));
   EXPECT_EQ(lucerna({"scene", "point.pbrt", "--remarks"}).out, "");
 
   const std::string id =

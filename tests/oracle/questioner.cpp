@@ -140,7 +140,12 @@ Verdict Questioner::solid(const Truth& truth, const Question& question) {
     if (shape.kind != oracle::ShapeKind::kSphere || shape.radiance > 0) continue;
     if (!inside(shape, at, 0.9L)) continue;
     bool has_light = false;
-    for (const oracle::Light& light : world.lights) has_light |= inside(shape, light.at, 1.1L);
+    for (const oracle::Light& light : world.lights) {
+      has_light |= inside(shape, light.at, 1.1L);
+      // A beam begins at a rectangle.
+      has_light |= light.kind == oracle::LightKind::kBeam &&
+                   std::fabs(dot(light.axes[2], shape.at[0] - light.at)) < 1.1L * shape.radius;
+    }
     if (has_light || !emitting_shapes(world).empty()) return {Kind::kNoAnswer};
     v1::EstimateIrradianceResponse r;
     const grpc::Status s = irradiance(truth, question.from, {}, &r);

@@ -129,7 +129,7 @@ Real Truth::near(const Place& place) const {
   Real near = kNear * kOfPoint * std::fmax(std::fmax(d.x, d.y), d.z);
   if (place.on >= 0) {
     const Shape& own = world_.shapes[static_cast<std::size_t>(place.on)];
-    if (is_flat(own)) near += 2 * start(own, place.at);
+    if (is_flat(own)) near += 4 * start(own, place.at);
   }
   return near;
 }
@@ -139,7 +139,11 @@ Real Truth::blur(const Place& place) const {
 }
 
 Real Truth::shift(const Place& place) const {
-  if (!place.asked || place.on >= 0 || !(length(place.normal) > 0)) return 0;
+  if (place.asked && place.on >= 0) {
+    const Shape& own = world_.shapes[static_cast<std::size_t>(place.on)];
+    return is_flat(own) ? 4 * start(own, place.at) : 0;
+  }
+  if (!place.asked || !(length(place.normal) > 0)) return 0;
   const Vec d = absolute(place.at - centre_), n = absolute(unit(place.normal));
   return (n.x + n.y + n.z) * kOfPoint * std::fmax(std::fmax(d.x, d.y), d.z);
 }
@@ -186,7 +190,7 @@ Way Truth::past_flat(const Shape& shape, const Place& from, const Place& to) con
   const Real a = dot(from.at - shape.at[0], n), b = dot(to.at - shape.at[0], n);
   // A request's point that is nearer than the triangle's own error may lie on it.
   const auto near_this = [&](const Place& place) {
-    return near(place) + (place.asked ? 2 * start(shape, place.at) : 0);
+    return near(place) + (place.asked ? 4 * start(shape, place.at) : 0);
   };
   const bool near_from = on_from || std::fabs(a) <= from_error + near_this(from);
   const bool near_to = on_to || std::fabs(b) <= to_error + near_this(to);
@@ -204,7 +208,8 @@ Way Truth::past_flat(const Shape& shape, const Place& from, const Place& to) con
   if (on_from || on_to) return Way::kFree;  // it leaves a flat surface for ever
   if (near_from || near_to) {
     const Vec& p = near_from ? from.at : to.at;
-    const Real error = from_error + to_error;
+    // A request's point may lie on the surface or beside it.
+    const Real error = from_error + to_error + near_this(near_from ? from : to);
     const Real shift = distance * 2 * error / std::fabs(near_from ? b : a);
     return inside_by(shape, n, p) < -(in_plane + shift) ? Way::kFree : Way::kUnsure;
   }

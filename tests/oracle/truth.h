@@ -62,7 +62,7 @@ class Truth {
   Real near(const Place& place) const;
   /// Obstacles within this distance of a request's point without a normal may count or not [m].
   Real blur(const Place& place) const;
-  /// A way from a request's point begins up to this far along its normal [m].
+  /// A way from a request's point begins up to this far from it, along its normal [m].
   Real shift(const Place& place) const;
   Way past_flat(const Shape& shape, const Place& from, const Place& to) const;
   Way past_sphere(const Shape& shape, const Place& from, const Place& to) const;

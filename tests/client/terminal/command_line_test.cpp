@@ -116,7 +116,7 @@ TEST(Remarks, AreCountedByTheirReplacement) {
   };
   add("Film \"gbuffer\" is not modelled", "linear RGB");
   EXPECT_EQ(cli::count_remarks(remarks), "1 other remark");
-  add("material \"conductor\" is not modelled", "diffuse, reflectance 0.5");
+  add("material \"hair\" is not modelled", "diffuse, reflectance 0.5");
   add("Shape \"curve\" is not modelled", "left out");
   add("mesh \"a.ply\" is empty", "left out");
   add("spectrum \"reflectance\" of a surface is not modelled",
