@@ -88,6 +88,7 @@ PixelFilter::Axis::Axis(double radius_px, const std::vector<double>& values)
     integral += node.is_negative ? -area : area;
     is_signed_ |= node.is_negative && area > 0;
   }
+  nodes_.shrink_to_fit();
   nodes_.back().before = magnitude;
   for (Node& node : nodes_) node.before /= magnitude;
   if (is_signed_) excess_ = magnitude / integral;

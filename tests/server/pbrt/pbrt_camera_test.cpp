@@ -174,7 +174,7 @@ TEST(PbrtCamera, SettingsThatAreNotModelledGetRemarks) {
       {"Film \"rgb\" \"string sensor\" \"canon_eos_5d\"",
        "1:1 sensor \"canon_eos_5d\" is not modelled -> cie1931\n"},
       {"Film \"rgb\" \"float cropwindow\" [0 1 0 1] \"integer pixelbounds\" [0 1280 0 720]",
-       "1:43 \"pixelbounds\" beside \"cropwindow\" -> \"cropwindow\" counts\n"},
+       "1:41 \"pixelbounds\" beside \"cropwindow\" -> \"cropwindow\" counts\n"},
       {"Film \"gbuffer\"", "1:1 Film \"gbuffer\" is not modelled -> linear RGB\n"},
       {"ColorSpace \"rec2020\"",
        "1:1 ColorSpace \"rec2020\" is not modelled -> values are taken as srgb\n"},

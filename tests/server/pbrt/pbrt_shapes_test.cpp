@@ -326,10 +326,11 @@ TEST(PbrtShapes, PartsOfShapesThatAreNotModelledGetRemarks) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(
       remarks_of(*scene),
-      "2:55 \"alpha\" is not modelled -> opaque\n"
       "3:1 1 of 2 triangles of this mesh have no area -> kept, but invisible and without light\n"
       "4:1 the normal of vertex 0 has no direction -> the mesh has no vertex normals\n");
-  EXPECT_EQ(scene->shapes.size(), 3U);
+  ASSERT_EQ(scene->shapes.size(), 3U);
+  EXPECT_EQ(scene->shapes[0].alpha.constant, .5);
+  EXPECT_EQ(scene->shapes[1].alpha.constant, 1);
 }
 
 TEST(PbrtShapes, PlyMeshesComeFromTheirFileAndItsErrorsNameBoth) {

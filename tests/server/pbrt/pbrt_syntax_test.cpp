@@ -333,7 +333,8 @@ TEST(PbrtSyntax, LoadingStopsOnRequest) {
 
 TEST(PbrtSyntax, RemarksAreCountedBeyondAThousand) {
   std::string text;
-  for (int i = 0; i < 1200; ++i) text += "Shape \"sphere\" \"float alpha\" .5\n";
+  for (int i = 0; i < 1200; ++i)
+    text += "Texture \"t" + std::to_string(i) + "\" \"float\" \"fbm\"\n";
   const auto scene = load_world(text);
   ASSERT_TRUE(scene.ok());
   ASSERT_EQ(scene->remarks.size(), 1001U);

@@ -195,7 +195,7 @@ TEST(SphericalCamera, EqualAreaHasUpInTheMiddle) {
 TEST(SphericalCamera, EqualAreaHasEqualAreas) {
   const Camera camera = of(described(Projection::kEqualArea));
   int above = 0, ahead = 0;
-  constexpr int kEdge = 400;
+  constexpr int kEdge = 2000;
   for (int y = 0; y < kEdge; ++y)
     for (int x = 0; x < kEdge; ++x) {
       const Ray ray = camera.ray((static_cast<float>(x) + 0.5F) * kWidth / kEdge,
