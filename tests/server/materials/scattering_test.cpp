@@ -269,6 +269,30 @@ TEST(Scattering, CoatedDiffuseSurfacesReflectAsTheSeriesOfReflections) {
       }
 }
 
+/// Reflectances of walks that connect to the light from its end only, which need no weights: means
+/// of 2 million samples, +- 1e-4.
+TEST(Scattering, RoughCoatsAgreeWithConnectionsFromOneEnd) {
+  struct Case {
+    double alpha, degrees, reflected;
+  };
+  for (const Case& c : {Case{0.1, 10, 0.29934}, Case{0.1, 45, 0.30652}, Case{0.1, 75, 0.40378},
+                        Case{0.3, 10, 0.27102}, Case{0.3, 45, 0.27256}, Case{0.3, 75, 0.29982}}) {
+    const auto coat = coated_diffuse<double>(c.alpha, 0.5, 0.01);
+    RandomU random(9);
+    constexpr int kSamples = 200'000;
+    double sum = 0, squares = 0;
+    for (int i = 0; i < kSamples; ++i) {
+      const auto sample = coat.sample(at_angle(c.degrees), random_values(random));
+      const double x = sample ? sample->weight.g : 0;
+      sum += x;
+      squares += x * x;
+    }
+    const double mean = sum / kSamples,
+                 error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
+    EXPECT_NEAR(mean, c.reflected, 4 * error + 1e-4) << c.alpha << ", " << c.degrees << " degrees";
+  }
+}
+
 TEST(Fresnel, MatchesKnownReflectances) {
   EXPECT_NEAR(fresnel_dielectric(1.0, 1.5), 0.04, 1e-15);
   EXPECT_NEAR(fresnel_dielectric(-1.0, 1.5), 0.04, 1e-15);
