@@ -160,10 +160,9 @@ void set_camera(const Document& document, const std::vector<PlacedNode>& nodes) 
       camera.projection = Projection::kOrthographic;
       half_width = given.orthographic.xmag, half_height = given.orthographic.ymag;
       if (!(half_width > 0 && half_height > 0))
-        context.fail(fmt::format("/cameras/{}/orthographic",
-                                 document.model().nodes[chosen->index].camera),
-                     fmt::format("found xmag {} and ymag {}, allowed: above 0", half_width,
-                                 half_height));
+        context.fail(
+            fmt::format("/cameras/{}/orthographic", document.model().nodes[chosen->index].camera),
+            fmt::format("found xmag {} and ymag {}, allowed: above 0", half_width, half_height));
     }
   }
   // Without an aspect ratio, the film's.
