@@ -203,8 +203,8 @@ absl::StatusOr<Level> connected(ControlMesh mesh) {
                                  level.start(h), level.positions.size()));
     if (level.start(h) == level.end(h))
       return invalid(fmt::format("triangle {} has vertex {} twice", h / 3, level.start(h)));
-    edges.push_back({std::min(level.start(h), level.end(h)),
-                     std::max(level.start(h), level.end(h)), h});
+    edges.push_back(
+        {std::min(level.start(h), level.end(h)), std::max(level.start(h), level.end(h)), h});
   }
   std::ranges::sort(edges, {},
                     [](const Edge& e) { return std::tuple(e.low, e.high, e.half_edge); });

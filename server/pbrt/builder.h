@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "server/pbrt/lights/area_lights.h"
 #include "server/pbrt/camera.h"
+#include "server/pbrt/lights/area_lights.h"
 #include "server/pbrt/lights/lights.h"
 #include "server/pbrt/surfaces/materials.h"
 #include "server/pbrt/syntax/params.h"

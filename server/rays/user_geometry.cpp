@@ -52,8 +52,8 @@ bool is_cut_out(const AnalyticShapes& shapes, unsigned primitive, const RTCRay& 
   const SurfaceTable* table = shapes.set->cut_outs;
   if (table == nullptr) return false;
   TexturePoint at{.uv = {}, .position = found.hit.point.position, .normal = found.hit.point.normal};
-  at.uv = shapes.set->visit_surface(
-      shapes.kind, primitive, [&](const auto& surface) -> Vec2<double> {
+  at.uv =
+      shapes.set->visit_surface(shapes.kind, primitive, [&](const auto& surface) -> Vec2<double> {
         if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
           return surface.uv(at.position);
         else

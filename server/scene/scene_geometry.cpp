@@ -104,8 +104,7 @@ void Scene::Builder::keep_textures(GeometrySet& set, std::vector<GeometrySet>& o
     of.cut_outs = &table;
   };
   connect(set, scene_->surfaces_);
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    connect(objects[i], scene_->object_surfaces_[i]);
+  for (std::size_t i = 0; i < objects.size(); ++i) connect(objects[i], scene_->object_surfaces_[i]);
 }
 
 void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instances) {
