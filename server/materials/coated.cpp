@@ -1,22 +1,21 @@
 #include "server/materials/coated.h"
 
 #include <algorithm>
-#include <bit>
 
+#include "lights/sampling/hash_number.h"
 #include "server/materials/fresnel.h"
 
 namespace lucerna {
 namespace {
 
-/// Random numbers that depend on two directions only, so that a value can be repeated.  SplitMix64.
+/// Random numbers that depend on two directions only, so that a value can be repeated.
 class WalkNumbers {
  public:
   template <std::floating_point Real>
-  WalkNumbers(const Vec3<Real>& wo, const Vec3<Real>& wi) {
-    for (const Real x : {wo.x, wo.y, wo.z, wi.x, wi.y, wi.z})
-      state_ = next() ^ std::bit_cast<std::uint64_t>(static_cast<double>(x));
-  }
-  double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+  WalkNumbers(const Vec3<Real>& wo, const Vec3<Real>& wi)
+      : state_(hash_of({wo.x, wo.y, wo.z, wi.x, wi.y, wi.z})) {}
+
+  double uniform() { return static_cast<double>(mix_bits(state_++) >> 11) * 0x1p-53; }
   template <std::floating_point Real>
   ScatterValues<Real> values() {
     const auto one = [&] { return static_cast<Real>(uniform()); };
@@ -25,13 +24,7 @@ class WalkNumbers {
   }
 
  private:
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15U);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    return z ^ (z >> 31);
-  }
-  std::uint64_t state_ = 0x2545f4914f6cdd1dU;
+  std::uint64_t state_;
 };
 
 /// The weight of a direction of density `a` that another strategy finds with density `b`.
@@ -39,6 +32,16 @@ template <std::floating_point Real>
 Real power_weight(Real a, Real b) {
   const Real ratio = b / a;
   return 1 / (1 + ratio * ratio);
+}
+
+/// Roughness of a base.
+template <std::floating_point Real>
+Vec2<Real> alpha_of(const Conductor<Real>& base) {
+  return base.alpha();
+}
+template <std::floating_point Real>
+Vec2<Real> alpha_of(const Diffuse<Real>&) {
+  return {1, 1};
 }
 
 /// Share of directions near those of a metal; the rest is cosine-weighted, for walks of many
@@ -54,8 +57,10 @@ Coated<Real, Base>::Coated(const Params& p)
     : boundary_(p.boundary),
       base_(p.base),
       guide_(Rgb<Real>(1), Rgb<Real>(1),
-             std::min(Real(1), std::hypot(p.boundary.eta() * p.base_alpha_x, p.alpha_x)),
-             std::min(Real(1), std::hypot(p.boundary.eta() * p.base_alpha_y, p.alpha_y))),
+             std::min(Real(1),
+                      std::hypot(p.boundary.eta() * alpha_of(p.base).x, p.boundary.alpha().x)),
+             std::min(Real(1),
+                      std::hypot(p.boundary.eta() * alpha_of(p.base).y, p.boundary.alpha().y))),
       thickness_(p.thickness) {}
 
 template <std::floating_point Real, typename Base>

@@ -26,8 +26,6 @@ class Coated {
   struct Params {
     Dielectric<Real> boundary;
     Base base;
-    Real alpha_x{}, alpha_y{};            ///< of the boundary
-    Real base_alpha_x{}, base_alpha_y{};  ///< of a metal
     Real thickness{};
   };
   explicit Coated(const Params& params);

@@ -20,6 +20,7 @@ class Conductor {
         smooth_(Microfacets<Real>::is_smooth(alpha_x, alpha_y)) {}
 
   bool all_delta() const { return smooth_; }
+  Vec2<Real> alpha() const { return facets_.alpha(); }
   Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
   SolidAnglePdf<Real> pdf(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
   std::optional<ScatterSample<Real>> sample(const Vec3<Real>& wo,

@@ -20,6 +20,7 @@ class Dielectric {
 
   Real eta() const { return eta_; }
   bool all_delta() const { return smooth_; }
+  Vec2<Real> alpha() const { return facets_.alpha(); }
   Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
     return Rgb<Real>(value(wo, wi, Carries::kRadiance));
   }

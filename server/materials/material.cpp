@@ -1,8 +1,9 @@
 #include "server/materials/material.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+
+#include "lights/sampling/hash_number.h"
 
 namespace lucerna {
 namespace {
@@ -43,10 +44,6 @@ class Maker {
     const auto [x, y] = alpha(m.coat.roughness);
     return CoatedDiffuse<double>({.boundary = {eta(m.coat.eta), x, y},
                                   .base = Diffuse<double>(share(m.reflectance)),
-                                  .alpha_x = x,
-                                  .alpha_y = y,
-                                  .base_alpha_x = 1,
-                                  .base_alpha_y = 1,
                                   .thickness = thickness(m.coat)});
   }
   Bsdf<double> operator()(const CoatedMetalParams& m) const {
@@ -55,10 +52,6 @@ class Maker {
     const double of_coat = eta(m.coat.eta);
     return CoatedConductor<double>({.boundary = {of_coat, x, y},
                                     .base = metal(m.metal, of_coat, base_x, base_y),
-                                    .alpha_x = x,
-                                    .alpha_y = y,
-                                    .base_alpha_x = base_x,
-                                    .base_alpha_y = base_y,
                                     .thickness = thickness(m.coat)});
   }
   Bsdf<double> operator()(const MixParams&) const { return Diffuse<double>(Rgb<double>(0)); }
@@ -100,18 +93,6 @@ class Maker {
   const TexturePoint& p_;
 };
 
-/// A number in [0, 1) that depends on a position.  SplitMix64.
-double number_of(const Vec3<double>& p) {
-  std::uint64_t z = 0;
-  for (const double x : {p.x, p.y, p.z}) {
-    z = (z ^ std::bit_cast<std::uint64_t>(x)) + 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    z ^= z >> 31;
-  }
-  return static_cast<double>(z >> 11) * 0x1p-53;
-}
-
 }  // namespace
 
 Bsdf<double> bsdf_of(const Material& material, const Textures& textures, const TexturePoint& p) {
@@ -122,7 +103,7 @@ std::uint32_t chosen(std::span<const Material> materials, std::uint32_t number,
                      const Textures& textures, const TexturePoint& p) {
   double u = -1;
   while (const auto* mix = std::get_if<MixParams>(&materials[number].params)) {
-    if (u < 0) u = number_of(p.position);
+    if (u < 0) u = hash_number({p.position.x, p.position.y, p.position.z});
     const double amount = std::clamp(textures(mix->amount, p), 0.0, 1.0);
     const bool second = u < amount;
     number = mix->materials[second];

@@ -66,17 +66,14 @@ struct Material {
   MaterialParams params{};
   /// Tangent-space normals, from a picture whose channels are (n + 1) / 2; -1: none.
   std::int32_t normal_map = -1;
-  /// Height of the surface along its normal [m]; changes only the shading normal.
-  std::optional<NumberValue> displacement{};
 
   /// The reflectance of a diffuse material without textures; null for all others.
   const Rgb<double>* plain_diffuse() const {
     const auto* diffuse = std::get_if<DiffuseParams>(&params);
-    return diffuse != nullptr && diffuse->reflectance.is_constant() && !changes_normals()
+    return diffuse != nullptr && diffuse->reflectance.is_constant() && normal_map < 0
                ? &diffuse->reflectance.constant
                : nullptr;
   }
-  bool changes_normals() const { return normal_map >= 0 || displacement.has_value(); }
 };
 
 inline Material diffuse_material(const Rgb<double>& reflectance) {

@@ -27,6 +27,8 @@ class Microfacets {
   /// The least roughness of a rough surface: along one axis it may be 0.
   static Real rough(Real alpha) { return std::fmax(alpha, Real(1e-4)); }
 
+  Vec2<Real> alpha() const { return {x_, y_}; }
+
   /// Area of microfacets with normal `m` per area of the surface [1/sr].  m.z >= 0.
   Real density(const Vec3<Real>& m) const {
     const Real x = m.x / x_, y = m.y / y_, q = x * x + y * y + m.z * m.z;

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <set>
 
+#include "lights/sampling/hash_number.h"
+
 namespace lucerna {
 namespace {
 
@@ -53,17 +55,6 @@ Rgb<double> lookup(const ImageTexture& t, const Vec2<double>& st) {
          (texel(t, i, j + 1) * (1 - u) + texel(t, i + 1, j + 1) * u) * v;
 }
 
-/// A number in [0, 1) that depends on a square of (s, t).  SplitMix64.
-double number_of(double s, double t, std::uint64_t which) {
-  const auto bits = [](double x) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::clamp(x, -1e18, 1e18)));
-  };
-  std::uint64_t z = bits(s) * 0x9e3779b97f4a7c15U + bits(t) * 0xd1b54a32d192ed03U + which;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /// Whether a sum of rounded coordinates is odd.
 bool is_odd(double sum) { return std::fmod(sum, 2) != 0; }
 
@@ -104,10 +95,10 @@ class Evaluation {
   Rgb<double> operator()(const DotsTexture& t) const {
     const Vec2<double> st = t.mapping(p_);
     const double s = std::floor(st.x + 0.5), v = std::floor(st.y + 0.5);
-    if (number_of(s, v, 0) < 0.5) return textures_(t.outside, p_);
+    if (hash_number({s, v, 0}) < 0.5) return textures_(t.outside, p_);
     constexpr double kRadius = 0.35, kMostShift = 0.5 - kRadius;
-    const double x = st.x - s - kMostShift * (2 * number_of(s, v, 1) - 1),
-                 y = st.y - v - kMostShift * (2 * number_of(s, v, 2) - 1);
+    const double x = st.x - s - kMostShift * (2 * hash_number({s, v, 1}) - 1),
+                 y = st.y - v - kMostShift * (2 * hash_number({s, v, 2}) - 1);
     return textures_(x * x + y * y < kRadius * kRadius ? t.inside : t.outside, p_);
   }
 

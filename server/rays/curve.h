@@ -45,8 +45,8 @@ struct CurvePiece {
 
   /// How far from a hit other rays may find the surface, without roundings [m].  A curve that turns
   /// with each ray is found within its radius of the axis.  So rays that leave a flat curve or a
-  /// ribbon do not hit it again.  Of the rays that leave a cylinder, a twentieth meets its other
-  /// side: its normal leans inwards.  Pictures of pbrt-v4 agree with that.
+  /// ribbon do not hit it again.  Some rays that leave a cylinder meet its other side, because its
+  /// normal leans inwards (docs/decisions/037-curves.md).
   double hit_error_m(double u) const;
 };
 

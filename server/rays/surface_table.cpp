@@ -263,10 +263,11 @@ Vec2<double> SurfaceTable::patch_uv_at(std::uint32_t patch, double s, double t) 
   return {mix(&Vec2<float>::x), mix(&Vec2<float>::y)};
 }
 
-bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, const TexturePoint& at,
+bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, TexturePoint at,
                              double u) const {
   const Surface& surface = surfaces[run(kind, primitive).surface];
   if (!surface.is_cut_out()) return false;
+  at.position += origin_m;
   const double alpha = (*textures)(surface.alpha, at);
   return !(alpha > 0) || u > alpha;
 }

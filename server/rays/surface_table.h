@@ -50,6 +50,9 @@ struct SurfaceTable {
 
   /// Where the values of alpha textures are; null if no surface is cut out.
   const Textures* textures = nullptr;
+  /// World position of the zero of the set's coordinates, for textures of cut-outs.  For objects it
+  /// is in the space of their definition, where pbrt-v4 evaluates alpha too.
+  Vec3<double> origin_m{};
 
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;
   std::size_t bytes() const;
@@ -59,7 +62,8 @@ struct SurfaceTable {
   Vec2<double> patch_uv_at(std::uint32_t patch, double s, double t) const;
   /// Whether a ray passes through the surface at a hit.  `u` in [0, 1) decides where alpha is
   /// neither 0 nor 1.
-  bool lets_pass(HitKind kind, std::uint32_t primitive, const TexturePoint& at, double u) const;
+  /// `at.position` is about `origin_m`.
+  bool lets_pass(HitKind kind, std::uint32_t primitive, TexturePoint at, double u) const;
 };
 
 struct Bounds {

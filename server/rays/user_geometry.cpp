@@ -1,11 +1,11 @@
 #include "server/rays/user_geometry.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "lights/sampling/hash_number.h"
 #include "server/rays/ray_limits.h"
 
 namespace lucerna {
@@ -34,16 +34,9 @@ std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned prim
   return found;
 }
 
-/// A number in [0, 1) that depends on the ray only, so that a ray has one answer.  SplitMix64.
+/// A number in [0, 1) that depends on the ray only, so that a ray has one answer.
 double number_of(const RTCRay& ray) {
-  std::uint64_t z = 0;
-  for (const float x : {ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z}) {
-    z = (z ^ std::bit_cast<std::uint32_t>(x)) + 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    z ^= z >> 31;
-  }
-  return static_cast<double>(z >> 11) * 0x1p-53;
+  return hash_number({ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z});
 }
 
 /// Whether the ray passes through a cut-out at this hit.

@@ -97,14 +97,18 @@ void Scene::Builder::keep_materials() {
 
 /// Textures of cut-outs are needed even if all materials are plain.
 void Scene::Builder::keep_textures(GeometrySet& set, std::vector<GeometrySet>& objects) {
-  const auto connect = [&](GeometrySet& of, SurfaceTable& table) {
+  const auto connect = [&](GeometrySet& of, SurfaceTable& table, const Vec3<double>& origin) {
     if (!table.has_cut_outs()) return;
     if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
     table.textures = &scene_->textures_;
+    table.origin_m = origin;
     of.cut_outs = &table;
   };
-  connect(set, scene_->surfaces_);
-  for (std::size_t i = 0; i < objects.size(); ++i) connect(objects[i], scene_->object_surfaces_[i]);
+  connect(set, scene_->surfaces_, scene_->origin_);
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    connect(objects[i], scene_->object_surfaces_[i],
+            i < object_origins_.size() ? object_origins_[i]
+                                       : moving_origins_[i - object_origins_.size()]);
 }
 
 void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instances) {

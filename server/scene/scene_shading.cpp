@@ -23,16 +23,13 @@ Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const
   // Where (u, v) do not span the triangle, there is no direction of u.
   const double determinant = ub * vc - uc * vb;
   const Vector dpdu = determinant != 0 ? (ab * vc - ac * vb) * (1 / determinant) : Vector{};
-  return {{uv[0].x + ub * b + uc * c, uv[0].y + vb * b + vc * c}, dpdu};
+  return {table.triangle_uv_at(hit.primitive, b, c), dpdu};
 }
 
 Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const SurfaceHit& hit) {
   const auto& uv = table.patch_uv.empty() ? kPatchUv : table.patch_uv[hit.primitive];
   const BilinearPatch<double>& p = set.patches[hit.primitive];
   const double s = hit.uv.x, t = hit.uv.y;
-  const auto mix = [&](double c00, double c10, double c01, double c11) {
-    return (c00 * (1 - s) + c10 * s) * (1 - t) + (c01 * (1 - s) + c11 * s) * t;
-  };
   const Vector dpds = (p.p10 - p.p00) * (1 - t) + (p.p11 - p.p01) * t,
                dpdt = (p.p01 - p.p00) * (1 - s) + (p.p11 - p.p10) * s;
   const auto along_s = [&](auto member) {
@@ -47,7 +44,7 @@ Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const Su
   const double us = along_s(kU), ut = along_t(kU), vs = along_s(kV), vt = along_t(kV);
   const double determinant = us * vt - ut * vs;
   const Vector dpdu = determinant != 0 ? (dpds * vt - dpdt * vs) * (1 / determinant) : Vector{};
-  return {{mix(uv[0].x, uv[1].x, uv[2].x, uv[3].x), mix(uv[0].y, uv[1].y, uv[2].y, uv[3].y)}, dpdu};
+  return {table.patch_uv_at(hit.primitive, s, t), dpdu};
 }
 
 /// `position`: in the space of the set.

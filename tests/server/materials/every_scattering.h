@@ -21,10 +21,6 @@ template <std::floating_point Real>
 CoatedConductor<Real> coated_metal(Real alpha, Real base_alpha, const Rgb<Real>& k = Rgb<Real>(2)) {
   return CoatedConductor<Real>({.boundary = {Real(1.5), alpha, alpha},
                                 .base = {Rgb<Real>(Real(0.2)), k, base_alpha, base_alpha},
-                                .alpha_x = alpha,
-                                .alpha_y = alpha,
-                                .base_alpha_x = base_alpha,
-                                .base_alpha_y = base_alpha,
                                 .thickness = Real(0.01)});
 }
 
@@ -32,10 +28,6 @@ template <std::floating_point Real>
 CoatedDiffuse<Real> coated_diffuse(Real alpha, Real reflectance, Real thickness) {
   return CoatedDiffuse<Real>({.boundary = {Real(1.5), alpha, alpha},
                               .base = Diffuse<Real>(Rgb<Real>(reflectance)),
-                              .alpha_x = alpha,
-                              .alpha_y = alpha,
-                              .base_alpha_x = 1,
-                              .base_alpha_y = 1,
                               .thickness = thickness});
 }
 

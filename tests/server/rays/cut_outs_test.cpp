@@ -60,6 +60,27 @@ TEST(CutOuts, RaysMeetTheFarSideOfASphereThroughAHole) {
   EXPECT_FALSE(scene->occluded(ray({-3, -0.5, 0}, {1, 0, 0})));
 }
 
+/// A texture that follows the world, in a scene whose coordinates begin elsewhere.
+TEST(CutOuts, TexturesOfTheWorldStayInPlaceFarFromZero) {
+  SceneDescription d = description();
+  const Vec3<double> far{1e4, -3e4, 2e4};
+  TextureMapping planar;
+  planar.kind = TextureMapping::Kind::kPlanar;
+  planar.axis_s = {2, 0, 0}, planar.axis_t = {0, 0, 0};
+  planar.shift = {-2 * far.x, 0.5};
+  const std::int32_t stripes = d.textures.add(CheckerboardTexture{
+      .mapping = planar, .parts = {ColourValue{Rgb<double>(1)}, ColourValue{Rgb<double>(0)}}});
+  d.shapes = {patch(far + Vec3<double>{0, 0, 1}, far + Vec3<double>{1, 0, 1},
+                    far + Vec3<double>{0, 1, 1}, far + Vec3<double>{1, 1, 1})};
+  d.shapes[0].alpha = {0, stripes};
+  const auto scene = build(std::move(d));
+  ASSERT_FALSE(scene->origin() == Vec3<double>{});
+  for (const double x : {0.1, 0.4, 0.6, 0.9}) {
+    const Ray ray{Vec3<float>(far + Vec3<double>{x, 0.5, 0} - scene->origin()), {0, 0, 2}, 0, 1, 0};
+    EXPECT_EQ(scene->occluded(ray), x < 0.5) << x;
+  }
+}
+
 TEST(CutOuts, PartOfTheRaysPassAThinnedSurface) {
   SceneDescription d = description();
   d.shapes = {patch({0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1})};
