@@ -6,6 +6,8 @@
 
 #include "client/cli/commands.h"
 #include "client/terminal/answer.h"
+#include "client/terminal/certainty.h"
+#include "client/terminal/method_options.h"
 #include "client/terminal/output.h"
 #include "client/terminal/point_options.h"
 #include "client/terminal/session.h"
@@ -23,6 +25,7 @@ struct LeOptions {
   std::optional<std::uint64_t> light;
   TimeOption time;
   WavelengthOption wavelengths;
+  ThinGlassOption thin_glass;
 };
 
 void le(Session& session, const LeOptions& options) {
@@ -34,6 +37,7 @@ void le(Session& session, const LeOptions& options) {
   if (options.light) request.set_light_id(*options.light);
   options.time.put(request);
   options.wavelengths.put(request);
+  options.thin_glass.put(request);
   request.set_scene_id(session.query_scene_id(options.scene));
   send_and_print(session, request, client::le_in_batches, [&](const v1::LeResponse& response) {
     std::vector<Table::Column> columns = {
@@ -57,7 +61,8 @@ void le(Session& session, const LeOptions& options) {
       row.push_back(item_status(response.status(), i));
       table.add(std::move(row));
     }
-    fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
+    fmt::print("{}{}{}\n", table.to_string(), describe(response.cost()),
+               describe_approximations(request.accuracy(), response.cost()));
   });
 }
 
@@ -266,6 +271,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
       ->check(whole64(1));
   looking->time.add(*command);
   looking->wavelengths.add(*command);
+  looking->thin_glass.add(*command);
   command->callback([looking, &session] { le(session, *looking); });
 }
 

@@ -68,6 +68,8 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
     columns.insert(columns.end(), {{options.wavelengths.header(), true}, {"unit", true}});
   }
   if (options.visibility) columns.push_back({"visible", true});
+  const bool in_part = response.transmittance_size() > 0;
+  if (in_part) columns.push_back({"passes (RGB)", true});
   columns.push_back({"", true});
   Table table(columns);
   for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
@@ -79,13 +81,9 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
       row.push_back(number(
           i < response.selection_probability_size() ? response.selection_probability(i) : 0));
     }
-    const auto three = [&](const google::protobuf::RepeatedField<float>& values) {
-      return 3 * i + 2 < values.size() ? triple(values[3 * i], values[3 * i + 1], values[3 * i + 2])
-                                       : "";
-    };
-    row.push_back(three(response.value()));
+    row.push_back(triple_of(response.value(), i));
     row.emplace_back(delta ? "lx" : "cd/m2");
-    row.push_back(three(response.wi()));
+    row.push_back(triple_of(response.wi(), i));
     const float distance = i < response.distance_m_size() ? response.distance_m(i) : 0;
     const std::string status = item_status(response.status(), i);
     row.push_back(distance == 0 && status.empty() ? "infinite" : number(distance));
@@ -95,6 +93,7 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
       row.emplace_back(delta ? "W/m2/nm" : "W/m2/sr/nm");
     }
     if (options.visibility) row.emplace_back(client::bit(response.visible(), i) ? "yes" : "no");
+    if (in_part) row.push_back(triple_of(response.transmittance(), i));
     row.push_back(status);
     table.add(std::move(row));
   }

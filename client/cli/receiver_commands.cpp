@@ -28,6 +28,7 @@ struct VisibleOptions {
   std::optional<double> length_m;
   std::optional<double> position_error_m;
   TimeOption time;
+  ThinGlassOption thin_glass;
 };
 
 void visible(Session& session, const VisibleOptions& options) {
@@ -59,25 +60,32 @@ void visible(Session& session, const VisibleOptions& options) {
     request.set_position_error_m(static_cast<float>(*options.position_error_m));
   }
   options.time.put(request);
+  options.thin_glass.put(request);
   request.set_scene_id(session.query_scene_id(options.scene));
-  send_and_print(
-      session, request, client::test_visibility_in_batches,
-      [&](const v1::TestVisibilityResponse& response) {
-        Table table({{"x [m]"},
-                     {"y [m]"},
-                     {"z [m]"},
-                     {rays ? "direction" : "to [m]", true},
-                     {"visible", true}});
-        for (std::size_t i = 0; i < response.count() && i < count; ++i) {
-          const auto& [x, y, z] = set.points[i];
-          const std::string status = item_status(response.status(), i);
-          table.add({number(x), number(y), number(z), triple(ends[i][0], ends[i][1], ends[i][2]),
-                     !status.empty()                      ? status
-                     : client::bit(response.visible(), i) ? "yes"
-                                                          : "no"});
-        }
-        fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
-      });
+  send_and_print(session, request, client::test_visibility_in_batches,
+                 [&](const v1::TestVisibilityResponse& response) {
+                   std::vector<Table::Column> columns = {{"x [m]"},
+                                                         {"y [m]"},
+                                                         {"z [m]"},
+                                                         {rays ? "direction" : "to [m]", true},
+                                                         {"visible", true}};
+                   const bool in_part = response.transmittance_size() > 0;
+                   if (in_part) columns.push_back({"passes (RGB)", true});
+                   Table table(columns);
+                   for (std::size_t i = 0; i < response.count() && i < count; ++i) {
+                     const auto& [x, y, z] = set.points[i];
+                     const std::string status = item_status(response.status(), i);
+                     std::vector<std::string> row = {number(x), number(y), number(z),
+                                                     triple(ends[i][0], ends[i][1], ends[i][2]),
+                                                     !status.empty()                      ? status
+                                                     : client::bit(response.visible(), i) ? "yes"
+                                                                                          : "no"};
+                     if (in_part) row.push_back(triple_of(response.transmittance(), i));
+                     table.add(std::move(row));
+                   }
+                   fmt::print("{}{}{}\n", table.to_string(), describe(response.cost()),
+                              describe_approximations(request.accuracy(), response.cost()));
+                 });
 }
 
 struct IrradianceOptions {
@@ -231,6 +239,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
                    "Largest error of each coordinate [m]; default: a few units in the last place")
       ->check(not_negative());
   looking->time.add(*command);
+  looking->thin_glass.add(*command);
   command->callback([looking, &session] { visible(session, *looking); });
 
   command = app.add_subcommand("irradiance", "Print the light that arrives on small surfaces");
@@ -244,7 +253,9 @@ void add_receiver_commands(CLI::App& app, Session& session) {
       "bound,\n"
       "status, both ends of the interval; with --error also samples.\n"
       "--json prints EstimateIrradianceResponse and `approximate`, whether you chose an\n"
-      "approximation (--far-light, --visibility shadow-maps); with --error also `reached`,\n"
+      "approximation (--far-light, --visibility shadow-maps, --thin-glass blocks); with --error "
+      "also\n"
+      "`reached`,\n"
       "whether each point met the target.");
   const auto meter = std::make_shared<IrradianceOptions>();
   command->add_option("SCENE", meter->scene, kSceneHelp)->required();

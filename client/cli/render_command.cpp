@@ -231,7 +231,8 @@ void add_render_command(CLI::App& app, Session& session) {
       "own shutter.  Otherwise frame 1 has the shutter of the scene file, and the shutter of each\n"
       "further frame opens 1/fps later.\n"
       "--json prints the last RenderImageResponse without its tile, one line for each frame, and\n"
-      "`approximate`, whether you chose an approximation (--far-light, --visibility shadow-maps);\n"
+      "`approximate`, whether you chose an approximation (--far-light, --visibility shadow-maps,\n"
+      "--thin-glass blocks);\n"
       "with --error also `pixelsNotReached`, the number of pixels that missed the target;\n"
       "with --error, --stderr or --interval also `pixelsWithoutLight`, the number of pixels\n"
       "whose samples found no light.");

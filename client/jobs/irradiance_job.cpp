@@ -12,6 +12,7 @@
 
 #include "client/jobs/journal.h"
 #include "client/jobs/result_file.h"
+#include "client/rpc/batch_parts.h"
 #include "proto/common/answer_size.h"
 #include "proto/common/defaults.h"
 #include "proto/common/sha256.h"
@@ -197,7 +198,7 @@ class Irradiance final : public DistributedWork {
     LUCERNA_RETURN_IF_ERROR(to_rows(response, run.end - run.first));
     LUCERNA_RETURN_IF_ERROR(results_.write(run.first, rows_));
     count_statuses();
-    add_cost(response.cost());
+    client::append_cost(response.cost(), &cost_);
     samples_ = std::max(samples_, response.samples());
     return journal_ ? journal_->add(JournalRecord{run, sum_of(rows_)}.bytes()) : absl::OkStatus();
   }
@@ -293,17 +294,6 @@ class Irradiance final : public DistributedWork {
         *row++ = response.spectral_irradiance(static_cast<int>(i * wavelengths + w));
     }
     return absl::OkStatus();
-  }
-
-  void add_cost(const v1::Cost& cost) {
-    cost_.set_indirect_rays(cost_.indirect_rays() + cost.indirect_rays());
-    cost_.set_shadow_rays(cost_.shadow_rays() + cost.shadow_rays());
-    cost_.set_shadow_map_lookups(cost_.shadow_map_lookups() + cost.shadow_map_lookups());
-    cost_.set_shadow_map_compared(cost_.shadow_map_compared() + cost.shadow_map_compared());
-    cost_.set_shadow_map_disagreed(cost_.shadow_map_disagreed() + cost.shadow_map_disagreed());
-    cost_.set_samples(cost_.samples() + cost.samples());
-    cost_.set_cpu_time_s(cost_.cpu_time_s() + cost.cpu_time_s());
-    cost_.set_queue_time_s(cost_.queue_time_s() + cost.queue_time_s());
   }
 
   const IrradianceJobOptions& options_;

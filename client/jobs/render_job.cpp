@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "client/jobs/journal.h"
+#include "client/rpc/batch_parts.h"
 #include "proto/common/sample_blocks.h"
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
@@ -107,17 +108,7 @@ class Render final : public DistributedWork {
         response.tile().first_block() != piece.first_block ||
         !has_blocks_of(response.tile(), piece))
       return absl::InternalError("a server returned another tile than requested");
-    cost_.set_camera_rays(cost_.camera_rays() + response.cost().camera_rays());
-    cost_.set_indirect_rays(cost_.indirect_rays() + response.cost().indirect_rays());
-    cost_.set_shadow_rays(cost_.shadow_rays() + response.cost().shadow_rays());
-    cost_.set_shadow_map_lookups(cost_.shadow_map_lookups() + response.cost().shadow_map_lookups());
-    cost_.set_shadow_map_compared(cost_.shadow_map_compared() +
-                                  response.cost().shadow_map_compared());
-    cost_.set_shadow_map_disagreed(cost_.shadow_map_disagreed() +
-                                   response.cost().shadow_map_disagreed());
-    cost_.set_samples(cost_.samples() + response.cost().samples());
-    cost_.set_cpu_time_s(cost_.cpu_time_s() + response.cost().cpu_time_s());
-    cost_.set_queue_time_s(cost_.queue_time_s() + response.cost().queue_time_s());
+    client::append_cost(response.cost(), &cost_);
     if (journal_) {
       LUCERNA_RETURN_IF_ERROR(journal_->add(response.tile().SerializeAsString()));
     }

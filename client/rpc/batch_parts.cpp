@@ -59,6 +59,8 @@ void append_status(const RepeatedField<int>& next, std::size_t count, std::size_
   whole->Resize(static_cast<int>(whole_count + count), v1::ITEM_STATUS_OK);
 }
 
+}  // namespace
+
 void append_cost(const v1::Cost& next, v1::Cost* whole) {
   whole->set_samples(whole->samples() + next.samples());
   whole->set_camera_rays(whole->camera_rays() + next.camera_rays());
@@ -67,12 +69,11 @@ void append_cost(const v1::Cost& next, v1::Cost* whole) {
   whole->set_shadow_map_lookups(whole->shadow_map_lookups() + next.shadow_map_lookups());
   whole->set_shadow_map_compared(whole->shadow_map_compared() + next.shadow_map_compared());
   whole->set_shadow_map_disagreed(whole->shadow_map_disagreed() + next.shadow_map_disagreed());
+  whole->set_through_thin_glass(whole->through_thin_glass() + next.through_thin_glass());
   whole->set_cpu_time_s(whole->cpu_time_s() + next.cpu_time_s());
   whole->set_wall_time_s(whole->wall_time_s() + next.wall_time_s());
   whole->set_queue_time_s(whole->queue_time_s() + next.queue_time_s());
 }
-
-}  // namespace
 
 std::size_t item_count(const v1::SampleLiRequest& request) {
   const std::size_t items = points(request.receivers());
@@ -261,6 +262,7 @@ void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole) {
   append_all(next.selection_probability(), whole->mutable_selection_probability());
   append_status(next.status(), count, before, whole->mutable_status());
   append_all(next.spectral_value(), whole->mutable_spectral_value());
+  append_all(next.transmittance(), whole->mutable_transmittance());
   if (next.has_estimates()) append_estimates(next.estimates(), whole->mutable_estimates());
   append_cost(next.cost(), whole->mutable_cost());
 }
@@ -312,6 +314,7 @@ void append(const v1::TestVisibilityResponse& next, v1::TestVisibilityResponse* 
   append_bits(next.visible(), next.count(), whole->count(), whole->mutable_visible());
   append_status(next.status(), next.count(), whole->count(), whole->mutable_status());
   whole->set_count(whole->count() + next.count());
+  append_all(next.transmittance(), whole->mutable_transmittance());
   append_cost(next.cost(), whole->mutable_cost());
 }
 

@@ -28,6 +28,9 @@ v1::TestVisibilityRequest part(const v1::TestVisibilityRequest& request, std::si
 v1::EstimateIrradianceRequest part(const v1::EstimateIrradianceRequest& request, std::size_t first,
                                    std::size_t count);
 
+/// Adds up all counts and times.
+void append_cost(const v1::Cost& next, v1::Cost* whole);
+
 /// Appends the answer for the next part to the answers for the earlier parts.
 void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole);
 void append(const v1::PdfLiResponse& next, v1::PdfLiResponse* whole);

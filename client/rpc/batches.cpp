@@ -126,7 +126,8 @@ absl::StatusOr<v1::LeResponse> le_in_batches(const Client& client, const v1::LeR
 
 absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(
     const Client& client, const v1::TestVisibilityRequest& request, const BatchOptions& options) {
-  return in_batches(client, request, 1, answer_size(request), options, &Client::test_visibility);
+  return in_batches(client, request, 1, answer_size(request, true), options,
+                    &Client::test_visibility);
 }
 
 absl::StatusOr<v1::EstimateIrradianceResponse> estimate_irradiance_in_batches(

@@ -32,7 +32,8 @@ std::string interval_text(double value, double lower, double upper, bool approxi
 }
 
 bool is_approximate(const v1::Accuracy& accuracy) {
-  return accuracy.has_far_light_radii() || accuracy.visibility() == v1::VISIBILITY_SHADOW_MAPS;
+  return accuracy.has_far_light_radii() || accuracy.visibility() == v1::VISIBILITY_SHADOW_MAPS ||
+         accuracy.thin_glass() == v1::THIN_GLASS_BLOCKS;
 }
 
 std::string describe_approximations(const v1::Accuracy& accuracy, const v1::Cost& cost) {
@@ -43,6 +44,8 @@ std::string describe_approximations(const v1::Accuracy& accuracy, const v1::Cost
   if (accuracy.visibility() == v1::VISIBILITY_SHADOW_MAPS)
     text += fmt::format("; approximated: shadow maps, {} of {} compared disagree",
                         cost.shadow_map_disagreed(), cost.shadow_map_compared());
+  if (accuracy.thin_glass() == v1::THIN_GLASS_BLOCKS)
+    text += "; approximated: thin panes block direct light";
   return text;
 }
 

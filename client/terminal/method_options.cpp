@@ -26,6 +26,7 @@ void SampleMethodOptions::add(CLI::App& command) {
   light_selection_.add(command);
   sampler_.add(command);
   visibility_.add(command);
+  thin_glass_.add(command);
 }
 
 void MethodOptions::add(CLI::App& command) {

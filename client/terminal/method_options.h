@@ -84,6 +84,13 @@ struct LightSelectionOption
                        {"bvh", v1::LIGHT_SELECTION_BVH}}) {}
 };
 
+/// --thin-glass, for commands that follow direct light.
+struct ThinGlassOption : LoneWayOption<v1::ThinGlass, &v1::Accuracy::set_thin_glass> {
+  ThinGlassOption()
+      : LoneWayOption("--thin-glass", "Whether direct light passes smooth thin panes",
+                      {{"passes", v1::THIN_GLASS_PASSES}, {"blocks", v1::THIN_GLASS_BLOCKS}}) {}
+};
+
 /// The methods of single samples of light.
 class SampleMethodOptions {
  public:
@@ -96,6 +103,7 @@ class SampleMethodOptions {
     light_selection_.put(request);
     if (const auto way = sampler_.way()) request.mutable_accuracy()->set_sampler(*way);
     if (const auto way = visibility_.way()) request.mutable_accuracy()->set_visibility(*way);
+    thin_glass_.put(request);
   }
 
  private:
@@ -109,6 +117,7 @@ class SampleMethodOptions {
       "--visibility",
       "How to test whether lights are visible",
       {{"rays", v1::VISIBILITY_RAYS}, {"shadow-maps", v1::VISIBILITY_SHADOW_MAPS}}};
+  ThinGlassOption thin_glass_;
 };
 
 /// All methods, for estimates.

@@ -56,6 +56,11 @@ std::string triple(double a, double b, double c) {
   return number(a) + " " + number(b) + " " + number(c);
 }
 
+std::string triple_of(const google::protobuf::RepeatedField<float>& values, std::size_t i) {
+  const auto at = static_cast<int>(3 * i);
+  return at + 2 < values.size() ? triple(values[at], values[at + 1], values[at + 2]) : "";
+}
+
 std::string direction(const v1::Vector3& v) {
   const double length = std::hypot(v.x(), v.y(), v.z());
   // + 0.0 turns the -0 of a small negative number into 0.
@@ -118,6 +123,7 @@ std::string describe(const v1::Cost& cost) {
   add(cost.samples(), "sample", "samples");
   add(cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays(), "ray", "rays");
   add(cost.shadow_map_lookups(), "look-up in shadow maps", "look-ups in shadow maps");
+  add(cost.through_thin_glass(), "ray through thin panes", "rays through thin panes");
   return result;
 }
 

@@ -33,6 +33,8 @@ class Table {
 std::string number(double value);
 /// Three numbers with spaces between them: "a b c".
 std::string triple(double a, double b, double c);
+/// Triple `i` of an interleaved array; "" beyond its end.
+std::string triple_of(const google::protobuf::RepeatedField<float>& values, std::size_t i);
 /// The unit vector along `v` to four decimals, which is 0.003 degrees: "0 0.7071 -0.7071".
 std::string direction(const v1::Vector3& v);
 

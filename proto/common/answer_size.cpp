@@ -30,7 +30,9 @@ std::uint64_t wavelengths(const Request& request) {
 
 AnswerSize answer_size(const v1::SampleLiRequest& request) {
   // Value, wi, distance, point, normal, density; delta and visible.
-  const std::uint64_t sample = (3 + 3 + 1 + 3 + 3 + 1) * kFloat + 2 * kBit + kStatus;
+  const std::uint64_t transmittance = request.test_visibility() ? 3 * kFloat : 0;
+  const std::uint64_t sample =
+      (3 + 3 + 1 + 3 + 3 + 1) * kFloat + 2 * kBit + transmittance + kStatus;
   std::uint64_t estimates = 0;
   if (request.accuracy().has_target_error() || request.accuracy().has_time_budget_s()) {
     // Count, illuminance, error and interval, wavelengths and their errors.
@@ -67,7 +69,9 @@ AnswerSize answer_size(const v1::EstimatePowerRequest& request) {
   return {.fixed = AnswerSize::kFixed + power, .per_item = power};
 }
 
-AnswerSize answer_size(const v1::TestVisibilityRequest&) { return {.per_item = kBit + kStatus}; }
+AnswerSize answer_size(const v1::TestVisibilityRequest&, bool is_partial) {
+  return {.per_item = kBit + kStatus + (is_partial ? 3 * kFloat : 0)};
+}
 
 AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64_t lights) {
   const std::uint64_t shares = request.per_light() ? lights : 0;

@@ -31,7 +31,8 @@ AnswerSize answer_size(const v1::PdfLeRequest& request);
 AnswerSize answer_size(const v1::LeRequest& request);
 /// An item is a light of the page.
 AnswerSize answer_size(const v1::EstimatePowerRequest& request);
-AnswerSize answer_size(const v1::TestVisibilityRequest& request);
+/// `is_partial`: whether the answer has shares of light.
+AnswerSize answer_size(const v1::TestVisibilityRequest& request, bool is_partial);
 /// `lights`: the number in the scene; used only with `per_light`.
 AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64_t lights);
 /// An item is a pixel, in tiles of either call.

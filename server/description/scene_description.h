@@ -37,6 +37,18 @@ struct Remark {
   std::string instead;  ///< "diffuse, reflectance 0.5"
 };
 
+/// A medium that absorbs light and does not scatter it.  After d metres, exp(-absorption d) of each
+/// channel is left.
+struct Medium {
+  Rgb<double> absorption_per_m;  ///< at least 0
+};
+
+/// The media on both sides of a surface: indices into SceneDescription::media, -1 for none.
+struct MediumSides {
+  std::int32_t inside = -1;   ///< where the normal points away from
+  std::int32_t outside = -1;  ///< where the normal points to
+};
+
 /// A triangle mesh in world space (object space within an ObjectDefinition).  cross(p1 - p0, p2 -
 /// p0) points to the outside.  The loader sets this winding from ReverseOrientation, mirrors and
 /// vertex normals.
@@ -83,6 +95,11 @@ struct ShapeDescription {
   bool has_uv = false;         ///< whether textures use the (u, v) of its surface
   /// The share of rays that meet the surface; the others pass it.  Not for surfaces that emit.
   NumberValue alpha{1};
+  /// Set if the media on its sides differ.
+  std::optional<MediumSides> media{};
+  /// Whether rays do not meet the surface: it only bounds media.  It does not emit, and `material`
+  /// has no effect.
+  bool is_interface = false;
   /// Set if the shape is an area light.  The level is final: `scale` and `power` are applied.
   struct Emission {
     Rgb<double> radiance_cd_m2;
@@ -171,6 +188,8 @@ struct RenderHints {
 struct SceneDescription {
   std::vector<Material> materials;
   Textures textures;
+  std::vector<Medium> media;
+  std::int32_t surrounding_medium = -1;  ///< where no surface bounds a medium; -1 for none
   std::vector<ShapeDescription> shapes;
   std::vector<ObjectDefinition> objects;
   std::vector<InstanceDescription> instances;

@@ -99,6 +99,12 @@ Bsdf<double> bsdf_of(const Material& material, const Textures& textures, const T
   return std::visit(Maker(textures, p), material.params);
 }
 
+double pane_transmittance(const NumberValue& eta, const Textures& textures, const TexturePoint& p,
+                          double cosine) {
+  return ThinDielectric<double>(std::clamp(textures(eta, p), kLeastEta, kMostEta))
+      .passed(std::fmin(cosine, 1));
+}
+
 std::uint32_t chosen(std::span<const Material> materials, std::uint32_t number,
                      const Textures& textures, const TexturePoint& p) {
   double u = -1;

@@ -84,6 +84,11 @@ inline Material diffuse_material(const Rgb<double>& reflectance) {
 /// domain.  Not for mixes; see `chosen`.
 Bsdf<double> bsdf_of(const Material& material, const Textures& textures, const TexturePoint& p);
 
+/// The share of light that passes a smooth thin pane straight on, at an angle of this cosine to its
+/// normal, at least 0.  `eta`: as in ThinDielectricParams.
+double pane_transmittance(const NumberValue& eta, const Textures& textures, const TexturePoint& p,
+                          double cosine);
+
 /// The number of the material itself, or of the part of a mix at this place.  The choice depends on
 /// the position only, as in pbrt-v4.
 std::uint32_t chosen(std::span<const Material> materials, std::uint32_t number,

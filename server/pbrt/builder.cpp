@@ -83,6 +83,7 @@ void Builder::setting(const std::string& directive, const std::string& type, Par
     settings_.camera_motion = motion("Camera", world_from_camera, place);
     coordinate_systems_["camera"] = world_from_camera;
     settings_.camera = std::move(setting);
+    context_.scene.surrounding_medium = state_.media.outside;
   } else if (directive == "Film") {
     settings_.film = std::move(setting);
   } else if (directive == "Integrator") {
@@ -137,7 +138,7 @@ void Builder::attribute(const std::string& target, const Parameters& params, con
   if (target == "light") attributes = &state_.light_attributes;
   if (target == "material") attributes = &state_.material_attributes;
   if (target == "texture") attributes = &state_.texture_attributes;
-  if (target == "medium") return;  // the media themselves get a remark
+  if (target == "medium") attributes = &state_.medium_attributes;
   if (attributes == nullptr)
     fail(place, fmt::format("unknown attribute target \"{}\", expected one of shape light material "
                             "medium texture",
@@ -166,6 +167,15 @@ void Builder::named_material(const std::string& name, const Place& place) {
   state_.material = materials_.named(name, place);
 }
 
+void Builder::make_named_medium(const std::string& name, Parameters params, const Place& place) {
+  media_.make(context_, name, ParameterSet(std::move(params), state_.medium_attributes), place);
+}
+
+void Builder::medium_interface(const std::string& inside, const std::string& outside,
+                               const Place& place) {
+  state_.media = {media_.named(context_, inside, place), media_.named(context_, outside, place)};
+}
+
 void Builder::texture(const std::string& name, const std::string& kind, const std::string& type,
                       Parameters params, const Place& place) {
   require_world("Texture", place);
@@ -192,6 +202,7 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   shape.material = state_.material;
   shape.has_uv = materials_.may_need_uv(state_.material) || !alpha.is_constant();
   shape.where = location(place);
+  if (state_.media.inside != state_.media.outside) shape.media = state_.media;
   if (state_.area_light && open_object_) {
     context_.remark(place, "an area light within an object definition", "the shape emits nothing");
   } else if (state_.area_light) {
@@ -268,14 +279,22 @@ void Builder::resolve_materials(std::vector<ShapeDescription>& shapes) {
   std::vector<ShapeDescription> kept;
   kept.reserve(shapes.size());
   for (ShapeDescription& shape : shapes) {
+    const Place place{&shape.where.file, shape.where.line, shape.where.column};
     if (const auto index = materials_.resolve(context_, shape.material)) {
       shape.material = *index;
       kept.push_back(std::move(shape));
-    } else {
-      context_.remark(Place{&shape.where.file, shape.where.line, shape.where.column},
-                      "a shape with the material \"interface\", which bounds a medium",
-                      shape.emission ? "left out, its light too, as in pbrt-v4" : "left out");
+      continue;
     }
+    if (shape.emission)
+      context_.remark(place, "a light whose shape has the material \"interface\"",
+                      "emits nothing, as in pbrt-v4");
+    shape.emission.reset();
+    shape.is_interface = true;
+    if (shape.media)
+      kept.push_back(std::move(shape));
+    else
+      context_.remark(place, "a shape with the material \"interface\" that bounds no medium",
+                      "left out");
   }
   shapes = std::move(kept);
 }
@@ -292,6 +311,7 @@ void Builder::finish(const Place& end) {
                                                 printable(instance_uses_[i].name)));
     context_.scene.instances[i].object = found->second;
   }
+  media_.finish();
   resolve_materials(context_.scene.shapes);
   for (ObjectDefinition& object : context_.scene.objects) resolve_materials(object.shapes);
 }

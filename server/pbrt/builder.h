@@ -12,6 +12,7 @@
 #include "server/pbrt/lights/area_lights.h"
 #include "server/pbrt/lights/lights.h"
 #include "server/pbrt/surfaces/materials.h"
+#include "server/pbrt/surfaces/media.h"
 #include "server/pbrt/syntax/params.h"
 
 namespace lucerna::pbrt {
@@ -30,8 +31,10 @@ struct GraphicsState {
   bool start_active = true, end_active = true;
   bool reverse_orientation = false;
   std::uint32_t material = Materials::kDefault;
+  MediumSides media;
   std::shared_ptr<const AreaLightDirective> area_light;
-  Parameters shape_attributes, light_attributes, material_attributes, texture_attributes;
+  Parameters shape_attributes, light_attributes, material_attributes, texture_attributes,
+      medium_attributes;
 };
 
 /// Receives the directives of a scene in the order of the file.
@@ -61,6 +64,8 @@ class Builder {
   void material(const std::string& type, Parameters params, const Place& place);
   void make_named_material(const std::string& name, Parameters params, const Place& place);
   void named_material(const std::string& name, const Place& place);
+  void make_named_medium(const std::string& name, Parameters params, const Place& place);
+  void medium_interface(const std::string& inside, const std::string& outside, const Place& place);
   void texture(const std::string& name, const std::string& kind, const std::string& type,
                Parameters params, const Place& place);
   void shape(const std::string& type, Parameters params, const Place& place);
@@ -110,6 +115,7 @@ class Builder {
   double start_s_ = 0, end_s_ = 1;  ///< TransformTimes
   Settings settings_;
   Materials materials_;
+  Media media_;
   std::optional<std::size_t> open_object_;
   std::map<std::string, std::uint32_t> objects_;
   std::vector<Use> instance_uses_;  ///< of `scene.instances`; finish() resolves them

@@ -153,10 +153,7 @@ bool Parser::world_directive(const Token& word) {
   } else if (name == "ObjectInstance") {
     builder_.object_instance(string(name), place);
   } else if (name == "MakeNamedMedium") {
-    const std::string medium = string(name);
-    parameters();
-    context_.remark(place, fmt::format("medium \"{}\" is not modelled", printable(medium)),
-                    "vacuum");
+    pass_on(&Builder::make_named_medium);
   } else if (name == "MediumInterface") {
     const std::string inside = string(name);
     std::string outside = inside;
@@ -165,8 +162,7 @@ bool Parser::world_directive(const Token& word) {
     } else {
       put_back(second);
     }
-    if (!inside.empty() || !outside.empty())
-      context_.remark(place, "media are not modelled", "vacuum");
+    builder_.medium_interface(inside, outside, place);
   } else {
     return false;
   }

@@ -21,10 +21,6 @@
 namespace lucerna {
 namespace {
 
-// Geometry numbers within an Embree scene: the kinds of primitives by HitKind, then these.  In the
-// top scene, instances follow.
-enum GeometryId : unsigned { kWide = kHitKinds, kMoving, kFirstInstance };
-
 std::optional<UnitRay> unit_ray(const Ray& ray, const RaySpace& space) {
   return lucerna::unit_ray(Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.t_min,
                            ray.t_max, space);
@@ -312,7 +308,7 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
   return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
 }
 
-std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
+std::optional<RawHit> Accelerator::closest_hit(const Ray& ray, Meets meets) const {
   if (state_->top == nullptr) return std::nullopt;
   const std::optional<UnitRay> start = unit_ray(ray, state_->space);
   if (!start) return std::nullopt;
@@ -320,7 +316,7 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
   query.ray = embree_ray(*start);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  QueryContext context(ray.time_s, start->t_max);
+  QueryContext context(ray.time_s, start->t_max, meets, state_->instances.data());
   rtcIntersect1(state_->top.get(), &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   RawHit hit;
@@ -334,20 +330,21 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
   return hit;
 }
 
-bool Accelerator::occluded(const Ray& ray) const {
+bool Accelerator::occluded(const Ray& ray, Meets meets) const {
   if (state_->top == nullptr) return false;
   const std::optional<UnitRay> start = unit_ray(ray, state_->space);
   if (!start) return false;
   alignas(16) RTCRay query = embree_ray(*start);
-  QueryContext context(ray.time_s, start->t_max);
+  QueryContext context(ray.time_s, start->t_max, meets, state_->instances.data());
   rtcOccluded1(state_->top.get(), &context.embree, &query);
   return query.tfar < 0;  // Embree sets it to minus infinity
 }
 
-void Accelerator::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
+void Accelerator::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits,
+                           Meets meets) const {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (i % 8 == 0) bits[i / 8] = 0;
-    if (occluded(rays[i])) set_bit(bits.data(), i);
+    if (occluded(rays[i], meets)) set_bit(bits.data(), i);
   }
 }
 

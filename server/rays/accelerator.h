@@ -42,6 +42,15 @@ inline constexpr std::size_t kHitKinds = 3 + std::tuple_size_v<Quadrics>;
 
 struct SurfaceTable;
 
+/// Which surfaces a ray meets.
+enum class Meets : std::uint8_t {
+  kSurfaces,       ///< all but interfaces, which only bound media
+  kPanesByChance,  ///< the same, but a smooth thin pane only with the probability of a reflection
+  kOpaque,         ///< the same without smooth thin panes
+  kPanes,          ///< only smooth thin panes
+  kBoundaries,     ///< only surfaces that bound media
+};
+
 /// Everything that rays can hit in one space (the scene's or an object's).  Each kind has its
 /// own numbers, in order.
 struct GeometrySet {
@@ -51,8 +60,8 @@ struct GeometrySet {
   std::vector<CurvePiece> curves{};
   Quadrics quadrics{};
   std::vector<WideTriangle> wide{};  ///< of `triangles`, in ascending order
-  /// Cut-outs of its surfaces; null if it has none.
-  const SurfaceTable* cut_outs = nullptr;
+  /// Set if rays pass some of its surfaces; null if none is sheer.
+  const SurfaceTable* sheer = nullptr;
   /// The unit of Embree's space for this set (ray_limits.h).  The Accelerator chooses it.
   double unit_m = 1;
 
@@ -153,11 +162,12 @@ class Accelerator {
 
   /// The first surface along the ray.  Nothing for rays that are not finite or have direction
   /// 0.
-  std::optional<RawHit> closest_hit(const Ray& ray) const;
+  std::optional<RawHit> closest_hit(const Ray& ray, Meets meets = Meets::kSurfaces) const;
   /// Whether anything is at t in (t_min, t_max).
-  bool occluded(const Ray& ray) const;
+  bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const;
   /// Sets bit i % 8 of bits[i / 8] if ray i is occluded; bits.size() >= (rays.size() + 7) / 8.
-  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const;
+  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits,
+                Meets meets = Meets::kSurfaces) const;
 
   const GeometrySet& scene() const;
   const GeometrySet& object(std::uint32_t i) const;

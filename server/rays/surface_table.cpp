@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lights/sampling/hash_number.h"
 #include "proto/common/status_macros.h"
 #include "server/rays/error_bounds.h"
 
@@ -244,8 +245,8 @@ const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) con
   return *(std::ranges::upper_bound(of_kind, primitive, {}, &PrimitiveRun::first) - 1);
 }
 
-bool SurfaceTable::has_cut_outs() const {
-  return std::ranges::any_of(surfaces, &Surface::is_cut_out);
+bool SurfaceTable::has_sheer() const {
+  return std::ranges::any_of(surfaces, &Surface::is_sheer);
 }
 
 Vec2<double> SurfaceTable::triangle_uv_at(std::uint32_t triangle, double b, double c) const {
@@ -263,13 +264,25 @@ Vec2<double> SurfaceTable::patch_uv_at(std::uint32_t patch, double s, double t) 
   return {mix(&Vec2<float>::x), mix(&Vec2<float>::y)};
 }
 
-bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, TexturePoint at,
-                             double u) const {
+bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
+                             const RayAtSurface& ray) const {
   const Surface& surface = surfaces[run(kind, primitive).surface];
-  if (!surface.is_cut_out()) return false;
+  // Holes of a surface do not let a medium flow out.
+  if (meets == Meets::kBoundaries) return !surface.media;
+  if (surface.is_interface || (meets == Meets::kPanes && !surface.pane_eta)) return true;
+  if (!surface.is_sheer()) return false;
+  const Vec3<double>&p = ray.at.position, &o = ray.origin, &d = ray.direction;
+  double u = hash_number({o.x, o.y, o.z, d.x, d.y, d.z, p.x, p.y, p.z, double(primitive)});
+  TexturePoint at = ray.at;
   at.position += origin_m;
-  const double alpha = (*textures)(surface.alpha, at);
-  return !(alpha > 0) || u > alpha;
+  if (surface.is_cut_out()) {
+    const double alpha = (*textures)(surface.alpha, at);
+    if (!(alpha > 0) || u > alpha) return true;
+    u /= alpha;  // again even in [0, 1)
+  }
+  if (!surface.pane_eta || meets == Meets::kSurfaces || meets == Meets::kPanes) return false;
+  if (meets == Meets::kOpaque) return true;
+  return u < pane_transmittance(*surface.pane_eta, *textures, at, ray.cosine);
 }
 
 std::size_t SurfaceTable::bytes() const {
@@ -316,7 +329,11 @@ absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& ori
                           double detail_m, std::int32_t light, GeometrySet& set,
                           SurfaceTable& table) {
   const auto surface = static_cast<std::uint32_t>(table.surfaces.size());
-  table.surfaces.push_back({shape.material, light, shape.alpha});
+  table.surfaces.push_back({.material = shape.material,
+                            .light = light,
+                            .alpha = shape.alpha,
+                            .media = shape.media,
+                            .is_interface = shape.is_interface});
   return located(
       std::visit(Appender(origin, detail_m, surface, set, shape.has_uv, table), shape.geometry),
       shape.where);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "server/description/scene_description.h"
@@ -18,8 +19,20 @@ struct Surface {
   std::uint32_t material = 0;
   std::int32_t light = -1;
   NumberValue alpha{1};
+  std::optional<NumberValue> pane_eta{};  ///< index of a smooth thin pane; else unset
+  std::optional<MediumSides> media{};     ///< as in ShapeDescription
+  bool is_interface = false;              ///< as in ShapeDescription
 
   bool is_cut_out() const { return !alpha.is_constant() || alpha.constant < 1; }
+  /// Whether some rays pass the surface.
+  bool is_sheer() const { return is_cut_out() || pane_eta || media || is_interface; }
+};
+
+/// A ray at a surface that some rays pass.
+struct RayAtSurface {
+  TexturePoint at;                 ///< in the space of the set
+  Vec3<double> origin, direction;  ///< in Embree's space
+  double cosine;                   ///< to the normal in the scene, at least 0
 };
 
 /// The default (u, v) of a triangle's and a patch's corners.
@@ -48,22 +61,21 @@ struct SurfaceTable {
   std::vector<std::array<Vec2<float>, 3>> triangle_uv;
   std::vector<std::array<Vec2<float>, 4>> patch_uv;
 
-  /// Where the values of alpha textures are; null if no surface is cut out.
+  /// Where the values of alpha textures are; null if no surface is sheer.
   const Textures* textures = nullptr;
-  /// World position of the zero of the set's coordinates, for textures of cut-outs.  For objects it
+  /// World position of the zero of the set's coordinates, for textures of sheer surfaces.  For objects it
   /// is in the space of their definition, where pbrt-v4 evaluates alpha too.
   Vec3<double> origin_m{};
 
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;
   std::size_t bytes() const;
-  bool has_cut_outs() const;
+  bool has_sheer() const;
   /// (u, v) of a triangle at these barycentric coordinates, and of a patch at its parameters.
   Vec2<double> triangle_uv_at(std::uint32_t triangle, double b, double c) const;
   Vec2<double> patch_uv_at(std::uint32_t patch, double s, double t) const;
-  /// Whether a ray passes through the surface at a hit.  `u` in [0, 1) decides where alpha is
-  /// neither 0 nor 1.
-  /// `at.position` is about `origin_m`.
-  bool lets_pass(HitKind kind, std::uint32_t primitive, TexturePoint at, double u) const;
+  /// Whether a ray that meets only `meets` passes through the surface at a hit.  Where chance
+  /// decides, the bits of the ray and of the hit choose, so that a ray has one answer.
+  bool lets_pass(HitKind kind, std::uint32_t primitive, Meets meets, const RayAtSurface& ray) const;
 };
 
 struct Bounds {

@@ -5,11 +5,13 @@
 #include <optional>
 #include <utility>
 
-#include "lights/sampling/hash_number.h"
 #include "server/rays/ray_limits.h"
 
 namespace lucerna {
 namespace {
+
+Vec3<double> origin_of(const RTCRay& ray) { return {ray.org_x, ray.org_y, ray.org_z}; }
+Vec3<double> direction_of(const RTCRay& ray) { return {ray.dir_x, ray.dir_y, ray.dir_z}; }
 
 struct AnalyticHit {
   ShapeHit<double> hit;
@@ -19,8 +21,8 @@ struct AnalyticHit {
 std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned primitive,
                                      const RTCRay& ray, double t_max) {
   const double unit_m = shapes.set->unit_m;
-  const Vec3<double> o = Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * unit_m;
-  const Vec3<double> d = Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * unit_m;
+  const Vec3<double> o = origin_of(ray) * unit_m;
+  const Vec3<double> d = direction_of(ray) * unit_m;
   AnalyticHit found;
   const auto hit = shapes.set->visit_surface(
       shapes.kind, primitive, [&](const auto& surface) -> std::optional<ShapeHit<double>> {
@@ -34,16 +36,35 @@ std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned prim
   return found;
 }
 
-/// A number in [0, 1) that depends on the ray only, so that a ray has one answer.
-double number_of(const RTCRay& ray) {
-  return hash_number({ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z});
+const QueryContext& query_of(const RTCIntersectContext* context) {
+  return *reinterpret_cast<const QueryContext*>(context);
 }
 
-/// Whether the ray passes through a cut-out at this hit.
-bool is_cut_out(const AnalyticShapes& shapes, unsigned primitive, const RTCRay& ray,
-                const AnalyticHit& found) {
-  const SurfaceTable* table = shapes.set->cut_outs;
-  if (table == nullptr) return false;
+/// Cosine of the angle between a ray and a normal of an object, in the scene; at least 0.
+double cosine_in_scene(const RTCIntersectContext* context, const Vec3<double>& normal,
+                       const Vec3<double>& direction) {
+  Vec3<double> n = normal, d = direction;
+  if (context->instID[0] != RTC_INVALID_GEOMETRY_ID) {
+    // The motion of an instance keeps angles.
+    const Transform& to_scene =
+        query_of(context).instances[context->instID[0] - kFirstInstance].scene_from_object;
+    n = to_scene.normal(n), d = to_scene.vector(d);
+  }
+  return std::fmin(std::fabs(dot(normalized(n), normalized(d))), 1);
+}
+
+/// Whether any surface of the set lets a ray of this query pass.
+bool may_pass(const GeometrySet& set, Meets meets) {
+  return set.sheer != nullptr || meets >= Meets::kPanes;
+}
+
+/// Whether the ray passes through the surface at this hit.
+bool passes(const AnalyticShapes& shapes, unsigned primitive, const RTCRay& ray,
+            const RTCIntersectContext* context, const AnalyticHit& found) {
+  const Meets meets = query_of(context).meets;
+  if (!may_pass(*shapes.set, meets)) return false;
+  const SurfaceTable* table = shapes.set->sheer;
+  if (table == nullptr) return true;
   TexturePoint at{.uv = {}, .position = found.hit.point.position, .normal = found.hit.point.normal};
   at.uv =
       shapes.set->visit_surface(shapes.kind, primitive, [&](const auto& surface) -> Vec2<double> {
@@ -52,17 +73,19 @@ bool is_cut_out(const AnalyticShapes& shapes, unsigned primitive, const RTCRay& 
         else
           return table->patch_uv_at(primitive, found.uv.x, found.uv.y);
       });
-  return table->lets_pass(shapes.kind, primitive, at, number_of(ray));
+  const Vec3<double> d = direction_of(ray);
+  return table->lets_pass(shapes.kind, primitive, meets,
+                          {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
 }
 
-/// As `intersect`, past cut-outs.
+/// As `intersect`, past hits that the ray passes.
 std::optional<AnalyticHit> first_hit(const AnalyticShapes& shapes, unsigned primitive,
-                                     const RTCRay& ray, double t_max) {
+                                     const RTCRay& ray, const RTCIntersectContext* context) {
   RTCRay rest = ray;
   // A ray meets a patch or a quadric twice at most.
   for (int i = 0; i < 3; ++i) {
-    const auto found = intersect(shapes, primitive, rest, t_max);
-    if (!found || !is_cut_out(shapes, primitive, ray, *found)) return found;
+    const auto found = intersect(shapes, primitive, rest, ray.tfar);
+    if (!found || !passes(shapes, primitive, ray, context, *found)) return found;
     rest.tnear = std::nextafter(static_cast<float>(found->hit.t), INFINITY);
   }
   return std::nullopt;
@@ -94,7 +117,7 @@ void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
   auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const auto found = first_hit(shapes, args->primID, query.ray, query.ray.tfar);
+  const auto found = first_hit(shapes, args->primID, query.ray, args->context);
   if (!found) return;
   query.ray.tfar = static_cast<float>(found->hit.t);
   query.hit.u = static_cast<float>(found->uv.x);
@@ -111,31 +134,33 @@ void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (first_hit(shapes, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
+  if (first_hit(shapes, args->primID, ray, args->context)) ray.tfar = -INFINITY;
 }
 
 /// The same for a triangle with these barycentric coordinates.
-bool is_cut_out(const GeometrySet& set, std::uint32_t triangle, const Vec2<double>& uv,
-                const RTCRay& ray) {
-  if (set.cut_outs == nullptr) return false;
+bool passes(const GeometrySet& set, std::uint32_t triangle, const Vec2<double>& uv,
+            const RTCRay& ray, const RTCIntersectContext* context) {
+  const Meets meets = query_of(context).meets;
+  if (!may_pass(set, meets)) return false;
+  if (set.sheer == nullptr) return true;
   const auto vertex = [&](std::size_t k) {
     return Vec3<double>(set.vertices[set.triangles[3 * std::size_t{triangle} + k]]) * set.unit_m;
   };
   const Vec3<double> a = vertex(0), ab = vertex(1) - a, ac = vertex(2) - a;
-  return set.cut_outs->lets_pass(HitKind::kTriangle, triangle,
-                                 {.uv = set.cut_outs->triangle_uv_at(triangle, uv.x, uv.y),
-                                  .position = a + ab * uv.x + ac * uv.y,
-                                  .normal = normalized(cross(ab, ac))},
-                                 number_of(ray));
+  const TexturePoint at{.uv = set.sheer->triangle_uv_at(triangle, uv.x, uv.y),
+                        .position = a + ab * uv.x + ac * uv.y,
+                        .normal = normalized(cross(ab, ac))};
+  const Vec3<double> d = direction_of(ray);
+  return set.sheer->lets_pass(HitKind::kTriangle, triangle, meets,
+                              {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
 }
 
-std::optional<WideHit> intersect_wide(const GeometrySet& set, unsigned primitive,
-                                      const RTCRay& ray) {
+std::optional<WideHit> intersect_wide(const GeometrySet& set, unsigned primitive, const RTCRay& ray,
+                                      const RTCIntersectContext* context) {
   const WideTriangle& triangle = set.wide[primitive];
-  const auto found =
-      intersect(triangle, Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * set.unit_m,
-                Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * set.unit_m, ray.tnear, ray.tfar);
-  if (found && is_cut_out(set, triangle.triangle, found->uv, ray)) return std::nullopt;
+  const auto found = intersect(triangle, origin_of(ray) * set.unit_m,
+                               direction_of(ray) * set.unit_m, ray.tnear, ray.tfar);
+  if (found && passes(set, triangle.triangle, found->uv, ray, context)) return std::nullopt;
   return found;
 }
 
@@ -150,7 +175,7 @@ void intersect_wide(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
   auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const auto found = intersect_wide(set, args->primID, query.ray);
+  const auto found = intersect_wide(set, args->primID, query.ray, args->context);
   if (!found) return;
   query.ray.tfar = static_cast<float>(found->t);
   query.hit.u = static_cast<float>(found->uv.x);
@@ -164,7 +189,7 @@ void occluded_wide(const RTCOccludedFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (intersect_wide(set, args->primID, ray)) ray.tfar = -INFINITY;
+  if (intersect_wide(set, args->primID, ray, args->context)) ray.tfar = -INFINITY;
 }
 
 /// For a ray along a triangle, Embree divides two numbers that are rounding errors.  It may then
@@ -176,7 +201,7 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
   // A cosine.  Above it, the error of the hit is below 2^-10 of the triangle's size.
   constexpr float kAlong = 0x1p-12F;
   const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
-  if (set.cut_outs != nullptr && is_cut_out(set, hit.primID, {hit.u, hit.v}, ray)) {
+  if (passes(set, hit.primID, {hit.u, hit.v}, ray, args->context)) [[unlikely]] {
     args->valid[0] = 0;
     return;
   }
@@ -187,9 +212,8 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
   for (std::size_t k = 0; k < 3; ++k)
     triangle.corners[k] =
         Vec3<double>(set.vertices[set.triangles[3 * std::size_t{hit.primID} + k]]);
-  const auto& context = *reinterpret_cast<const QueryContext*>(args->context);
-  if (!intersect(triangle, Vec3<double>{ray.org_x, ray.org_y, ray.org_z}, Vec3<double>(d),
-                 ray.tnear, context.t_max))
+  if (!intersect(triangle, origin_of(ray), Vec3<double>(d),
+                 ray.tnear, query_of(args->context).t_max))
     args->valid[0] = 0;
 }
 
@@ -202,10 +226,10 @@ struct ObjectRay {
 /// Nothing if the ray misses the object.
 std::optional<ObjectRay> to_object(const MovingInstance& instance,
                                    const RTCIntersectContext* context, const RTCRay& ray) {
-  const Pose pose = instance.motion->at(reinterpret_cast<const QueryContext*>(context)->time_s);
+  const Pose pose = instance.motion->at(query_of(context).time_s);
   const double unit_m = instance.scene_unit_m;
-  const Vec3<double> o = Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * unit_m;
-  const Vec3<double> d = Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * unit_m;
+  const Vec3<double> o = origin_of(ray) * unit_m;
+  const Vec3<double> d = direction_of(ray) * unit_m;
   const std::optional<UnitRay> there =
       unit_ray(instance.object_from_start.point(pose.inverse_point(o)),
                instance.object_from_start.vector(pose.inverse_vector(d)), ray.tnear, ray.tfar,
@@ -256,9 +280,11 @@ void occluded_moving(const RTCOccludedFunctionNArguments* args) {
   if (!start) return;
   alignas(16) RTCRay local = start->ray;
   auto& context = *reinterpret_cast<QueryContext*>(args->context);
+  args->context->instID[0] = instance.number;
   const float t_max = std::exchange(context.t_max, local.tfar);
   rtcOccluded1(instance.object, args->context, &local);
   context.t_max = t_max;
+  args->context->instID[0] = RTC_INVALID_GEOMETRY_ID;
   if (local.tfar < 0) ray.tfar = -INFINITY;
 }
 

@@ -13,16 +13,23 @@
 
 namespace lucerna {
 
+// Geometry numbers within an Embree scene: the kinds of primitives by HitKind, then these.  In the
+// top scene, instances follow.
+enum GeometryId : unsigned { kWide = kHitKinds, kMoving, kFirstInstance };
+
 /// Embree passes the context of a query to the callbacks.  It has the time and the end of the
-/// query, and the exact hit.
+/// query, the surfaces that it meets, and the exact hit.
 struct QueryContext {
-  QueryContext(double time_s, float t_max) : time_s(time_s), t_max(t_max) {
+  QueryContext(double time_s, float t_max, Meets meets, const GeometryInstance* instances)
+      : time_s(time_s), t_max(t_max), meets(meets), instances(instances) {
     rtcInitIntersectContext(&embree);
   }
 
   RTCIntersectContext embree;  // first, so that its address is this object's
   double time_s;
   float t_max;  ///< of the ray in the space that Embree traverses
+  Meets meets;
+  const GeometryInstance* instances;  ///< of the scene, from kFirstInstance on
   Vec3<double> position, normal;
 };
 
@@ -49,7 +56,7 @@ struct MovingInstance {
 };
 
 /// Lets the geometry of `set`'s triangles reject hits of rays along a triangle that do not meet it,
-/// and hits of cut-outs.
+/// and hits that the ray passes (Meets).
 void check_along(RTCGeometry triangles, GeometrySet* set);
 
 /// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes`, `set` and

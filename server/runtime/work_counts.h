@@ -13,6 +13,7 @@ struct WorkCounts {
   std::uint64_t map_lookups = 0;    ///< in shadow maps, instead of shadow rays
   std::uint64_t map_compared = 0;   ///< look-ups that were compared with a ray
   std::uint64_t map_disagreed = 0;  ///< compared look-ups that differed from the ray
+  std::uint64_t through_panes = 0;  ///< shadow rays that passed thin panes straight on
 
   WorkCounts& operator+=(const WorkCounts& w) {
     samples += w.samples;
@@ -22,6 +23,7 @@ struct WorkCounts {
     map_lookups += w.map_lookups;
     map_compared += w.map_compared;
     map_disagreed += w.map_disagreed;
+    through_panes += w.through_panes;
     return *this;
   }
 };

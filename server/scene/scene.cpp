@@ -26,6 +26,7 @@ std::string scene_id(const std::vector<Asset>& assets) {
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::string& isa) {
   const DenormalsAreZero denormals;
   LUCERNA_RETURN_IF_ERROR(check_references());
+  simplify_media();
   LUCERNA_RETURN_IF_ERROR(place());
   LUCERNA_RETURN_IF_ERROR(build_lights());
   LUCERNA_RETURN_IF_ERROR(build_geometry(isa));
@@ -40,7 +41,15 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
 
 absl::Status Scene::Builder::check_references() const {
   const auto check = [&](const ShapeDescription& s) -> absl::Status {
-    if (s.material < in_.materials.size()) return absl::OkStatus();
+    const auto is_medium = [&](std::int32_t medium) {
+      return medium >= -1 && medium < static_cast<std::int32_t>(in_.media.size());
+    };
+    if (s.media && !(is_medium(s.media->inside) && is_medium(s.media->outside)))
+      return located(absl::InvalidArgumentError(
+                         fmt::format("media number {} and {}, allowed: -1 for none, less than {}",
+                                     s.media->inside, s.media->outside, in_.media.size())),
+                     s.where);
+    if (s.is_interface || s.material < in_.materials.size()) return absl::OkStatus();
     return located(
         absl::InvalidArgumentError(fmt::format("material number {}, allowed: less than {}",
                                                s.material, in_.materials.size())),

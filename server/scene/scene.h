@@ -146,14 +146,33 @@ class Scene {
   std::uint64_t primitive_count() const;
   std::string isa() const;
 
-  std::optional<SurfaceHit> closest_hit(const Ray& ray) const;
+  std::optional<SurfaceHit> closest_hit(const Ray& ray, Meets meets = Meets::kSurfaces) const;
   const Accelerator& accelerator() const { return *accelerator_; }
   /// Shading data of the scene's own geometry.
   const SurfaceTable& surfaces() const { return surfaces_; }
-  bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
-  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
-    accelerator_->occluded(rays, bits);
+  bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const {
+    return accelerator_->occluded(ray, meets);
   }
+  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits,
+                Meets meets = Meets::kSurfaces) const {
+    accelerator_->occluded(rays, bits, meets);
+  }
+
+  /// Whether it has smooth thin panes, and whether it has media.
+  bool has_panes() const { return has_panes_; }
+  bool has_media() const { return !media_.empty(); }
+  /// Whether all media absorb each channel alike.
+  bool media_are_grey() const;
+  /// Whether a smooth thin pane was hit.
+  bool is_pane(const SurfaceHit& hit) const {
+    return has_panes_ && surface_of(hit).pane_eta.has_value();
+  }
+  /// The share of light that the panes along the ray pass straight on.
+  double through_panes(Ray ray) const;
+  /// The share of light that the media along the ray leave, by channel.  A surface that bounds
+  /// media tells which are on its sides.  Beyond the last one the ray is in the medium that this
+  /// surface tells; without one ahead or behind, in the surrounding medium.
+  Rgb<double> through_media(const Ray& ray) const;
 
   /// The part of type `T` that other code keeps with this scene.  Made by `T(scene)` at its
   /// first use.
@@ -165,6 +184,7 @@ class Scene {
  private:
   Scene() = default;
   class Builder;
+  const Surface& surface_of(const SurfaceHit& hit) const;
 
   std::string id_;
   Vec3<double> origin_;
@@ -180,6 +200,9 @@ class Scene {
   std::vector<bool> plain_;
   std::vector<Rgb<double>> reflectances_;
   Textures textures_;
+  std::vector<Medium> media_;
+  std::int32_t surrounding_medium_ = -1;
+  bool has_panes_ = false;
   std::unique_ptr<Accelerator> accelerator_;
   SurfaceTable surfaces_;                        // of the scene's own geometry
   std::vector<SurfaceTable> object_surfaces_;    // of each object, then of each moving shape

@@ -43,6 +43,10 @@ class Scene::Builder {
   absl::Status prepare_choice();
 
   absl::Status build_geometry(const std::string& isa);
+  /// Leaves out media that absorb nothing, and interfaces between equal media.
+  void simplify_media();
+  absl::Status append(const ShapeDescription& shape, const Vec3<double>& origin, std::int32_t light,
+                      GeometrySet& set, SurfaceTable& table);
   void keep_materials();
   void keep_textures(GeometrySet& set, std::vector<GeometrySet>& objects);
   void report_motion(const std::vector<GeometryInstance>& instances);

@@ -20,6 +20,20 @@ Transform rounded_to_float(const Transform& t) {
 
 }  // namespace
 
+absl::Status Scene::Builder::append(const ShapeDescription& shape, const Vec3<double>& origin,
+                                    std::int32_t light, GeometrySet& set, SurfaceTable& table) {
+  LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m_, light, set, table));
+  if (shape.is_interface) return absl::OkStatus();
+  // A pane that emits is met by all rays, which find its light.
+  const Material& material = in_.materials[shape.material];
+  const auto* pane = std::get_if<ThinDielectricParams>(&material.params);
+  if (pane != nullptr && material.normal_map < 0 && light < 0) {
+    table.surfaces.back().pane_eta = pane->eta;
+    scene_->has_panes_ = true;
+  }
+  return absl::OkStatus();
+}
+
 absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   Stopwatch watch;
   GeometrySet set;
@@ -33,14 +47,14 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
       LUCERNA_RETURN_IF_ERROR(
-          append_shape(s, scene_->origin_, detail_m_, emitter, set, scene_->surfaces_));
+          append(s, scene_->origin_, emitter, set, scene_->surfaces_));
       continue;
     }
     // A moving shape is an object about its own origin with one instance.
     const Vec3<double>& origin = moving_origins_[moving_shape];
     const std::size_t object = in_.objects.size() + moving_shape++;
-    LUCERNA_RETURN_IF_ERROR(append_shape(s, origin, detail_m_, emitter, objects[object],
-                                         scene_->object_surfaces_[object]));
+    LUCERNA_RETURN_IF_ERROR(append(s, origin, emitter, objects[object],
+                                   scene_->object_surfaces_[object]));
     if (!objects[object].empty())
       instances.push_back(
           {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
@@ -50,8 +64,8 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
     for (const auto& s : in_.objects[i].shapes)
-      LUCERNA_RETURN_IF_ERROR(append_shape(s, object_origins_[i], detail_m_, -1, objects[i],
-                                           scene_->object_surfaces_[i]));
+      LUCERNA_RETURN_IF_ERROR(append(s, object_origins_[i], -1, objects[i],
+                                     scene_->object_surfaces_[i]));
   }
   for (const auto& i : in_.instances) {
     if (objects[i.object].empty()) continue;
@@ -92,17 +106,17 @@ void Scene::Builder::keep_materials() {
   }
   if (std::ranges::find(scene_->plain_, false) == scene_->plain_.end()) return;
   scene_->materials_ = std::move(in_.materials);
-  scene_->textures_ = std::move(in_.textures);
+  if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
 }
 
-/// Textures of cut-outs are needed even if all materials are plain.
+/// Textures of sheer surfaces are needed even if all materials are plain.
 void Scene::Builder::keep_textures(GeometrySet& set, std::vector<GeometrySet>& objects) {
   const auto connect = [&](GeometrySet& of, SurfaceTable& table, const Vec3<double>& origin) {
-    if (!table.has_cut_outs()) return;
+    if (!table.has_sheer()) return;
     if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
     table.textures = &scene_->textures_;
     table.origin_m = origin;
-    of.cut_outs = &table;
+    of.sheer = &table;
   };
   connect(set, scene_->surfaces_, scene_->origin_);
   for (std::size_t i = 0; i < objects.size(); ++i)

@@ -168,8 +168,8 @@ void meet_plane(const Ray& ray, LocalHit& hit) {
 
 }  // namespace
 
-std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
-  const std::optional<RawHit> raw = accelerator_->closest_hit(ray);
+std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray, Meets meets) const {
+  const std::optional<RawHit> raw = accelerator_->closest_hit(ray, meets);
   if (!raw) return std::nullopt;
   const GeometryInstance* instance =
       raw->instance >= 0 ? &accelerator_->instance(raw->instance) : nullptr;

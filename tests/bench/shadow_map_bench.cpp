@@ -70,7 +70,7 @@ std::string by_itself(const Scene& scene, const std::vector<IrradiancePoint>& re
     }
   }
   if (items.empty()) return "";
-  const LightVisibility visibility(scene, VisibilityMethod::kShadowMaps);
+  const LightVisibility visibility(scene, Methods{.visibility = VisibilityMethod::kShadowMaps});
   std::vector<double> rays, maps;
   std::size_t occluded = 0, wrong = 0;
   for (int i = 0; i < runs; ++i) {

@@ -63,7 +63,7 @@ MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receive
 }
 
 DirectLight::DirectLight(const Scene& scene, const Methods& methods)
-    : scene_(scene), methods_(methods), visibility_(scene, methods.visibility) {
+    : scene_(scene), methods_(methods), visibility_(scene, methods) {
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l) deltas_ += is_delta(l) ? 1 : 0;
   switch (methods.light_selection) {
     case LightSelection::kAll:
@@ -188,8 +188,7 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
   if (value.is_black()) return {};
   if (scene_.empty()) return {value, value};  // no ray is needed, and none is counted
   const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m());
-  const bool occluded = visibility_.is_occluded(light, hit.position, hit.ng, ray, work);
-  return {occluded ? Rgb<double>{} : value, value};
+  return {value * visibility_.visible(light, hit.position, hit.ng, ray, work), value};
 }
 
 std::optional<Rgb<double>> DirectLight::from_one_direction(const SurfaceHit& hit,
@@ -217,7 +216,7 @@ bool DirectLight::uses_closed_forms(bool at_receiver) const {
 std::optional<Rgb<double>> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3<float>& wo,
                                                        std::uint32_t light) const {
   const SceneLight& of = scene_.lights()[light];
-  if (of.moving != nullptr) return std::nullopt;
+  if (of.moving != nullptr || scene_.has_media()) return std::nullopt;
   const LightAtTime l(of, hit.time_s);
   if (!l.has_irradiance() || l.hides_itself()) return std::nullopt;
   const Receiver<double> r = receiver(hit, wo);

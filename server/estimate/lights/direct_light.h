@@ -131,6 +131,8 @@ class DirectLight {
   MostIrradiance most(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
                       std::uint32_t light) const;
 
+  const Transmittance& transmittance() const { return visibility_.transmittance(); }
+
   /// Whether directions of surfaces are sampled and may find lights.
   bool finds_lights() const {
     return methods_.combination != Combination::kLights && scene_.has_visible_lights();

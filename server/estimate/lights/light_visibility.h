@@ -1,4 +1,4 @@
-// Whether a light is visible: by a ray, or by the light's shadow map if it has one.
+// How much of a light is visible: by a ray, or by the light's shadow map if it has one.
 #pragma once
 
 #include <bit>
@@ -7,6 +7,7 @@
 
 #include "lights/sampling/sobol.h"
 #include "server/estimate/lights/methods.h"
+#include "server/estimate/lights/transmittance.h"
 #include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
 #include "server/shadows/shadow_maps.h"
@@ -16,12 +17,29 @@ namespace lucerna {
 /// Immutable; may be called from any thread.
 class LightVisibility {
  public:
-  LightVisibility(const Scene& scene, VisibilityMethod method)
-      : LightVisibility(scene,
-                        method == VisibilityMethod::kShadowMaps ? &shadow_maps(scene) : nullptr) {}
-  /// `maps` belong to the lights of the scene; null: rays only.  Both must outlive this
-  /// object.
-  LightVisibility(const Scene& scene, const ShadowMaps* maps) : scene_(scene), maps_(maps) {}
+  /// `scene` must outlive this object.
+  LightVisibility(const Scene& scene, const Methods& methods)
+      : scene_(scene), transmittance_(scene, methods.thin_glass) {
+    // Maps know only whether light arrives.
+    if (methods.visibility == VisibilityMethod::kShadowMaps && !transmittance_.is_partial())
+      maps_ = &shadow_maps(scene);
+  }
+  /// `maps` belong to the lights of the scene.  Both must outlive this object.
+  LightVisibility(const Scene& scene, const ShadowMaps* maps)
+      : scene_(scene), transmittance_(scene, ThinGlass::kBlocks), maps_(maps) {}
+
+  const Transmittance& transmittance() const { return transmittance_; }
+
+  /// The share of light, by channel, that arrives at a position from the light, by map or by ray.
+  /// `ray`: from the surface to the light.
+  Rgb<double> visible(std::uint32_t light, const Vec3<double>& position, const Vec3<double>& normal,
+                      const Ray& ray, WorkCounts& work) const {
+    if (!transmittance_.is_partial()) [[likely]]
+      return Rgb<double>(is_occluded(light, position, normal, ray, work) ? 0 : 1);
+    ++work.shadow_rays;
+    if (scene_.occluded(ray, transmittance_.blocking())) return {};
+    return transmittance_.along(ray, work);
+  }
 
   /// Whether the light's map has an obstacle before a position.  Nothing if there is no map or the
   /// position is outside of it: then a ray is needed.  `normal`: of the surface, unit, or zero.
@@ -32,8 +50,8 @@ class LightVisibility {
     return map == nullptr ? std::nullopt : map->is_occluded(position, normal);
   }
 
-  /// Whether an obstacle is between a position and the light, by map or by ray.  `ray`: from the
-  /// surface to the light.
+  /// Whether an obstacle is between a position and the light.  As `visible`, where light arrives
+  /// wholly or not at all.
   bool is_occluded(std::uint32_t light, const Vec3<double>& position, const Vec3<double>& normal,
                    const Ray& ray, WorkCounts& work) const {
     const auto occluded = by_map(light, position, normal);
@@ -71,7 +89,8 @@ class LightVisibility {
 
  private:
   const Scene& scene_;
-  const ShadowMaps* maps_;
+  Transmittance transmittance_;
+  const ShadowMaps* maps_ = nullptr;  ///< null: rays only
 };
 
 }  // namespace lucerna

@@ -14,6 +14,7 @@ enum class Sampler { kSobol, kIndependent };
 enum class Combination { kPowerHeuristic, kBalanceHeuristic, kLights, kSurfaces };
 enum class ClosedForms { kAutomatic, kOff, kEmptyShafts };
 enum class VisibilityMethod { kRays, kShadowMaps };
+enum class ThinGlass { kPasses, kBlocks };
 
 struct Methods {
   AreaSampling area_sampling = AreaSampling::kAutomatic;
@@ -24,6 +25,7 @@ struct Methods {
   Combination combination = Combination::kPowerHeuristic;
   ClosedForms closed_forms = ClosedForms::kAutomatic;
   VisibilityMethod visibility = VisibilityMethod::kRays;
+  ThinGlass thin_glass = ThinGlass::kPasses;
 };
 
 }  // namespace lucerna

@@ -16,7 +16,12 @@ Frame<double> frame_along(const Vec3<double>& n, const Vec3<double>& dpdu) {
 
 }  // namespace
 
-SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit) {
+SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets) {
+  if (meets == Meets::kPanesByChance && scene.is_pane(hit)) {
+    is_mirror_ = true;
+    frame_ = Frame<double>::around(hit.ng);
+    return;
+  }
   const Scene::ShadingPoint at = scene.shading_point(hit);
   const std::uint32_t number =
       chosen(scene.materials(), hit.material, scene.textures(), at.texture);
@@ -35,7 +40,9 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit) {
 
 std::optional<ScatterSample<double>> SurfaceScattering::sample(
     const Vec3<double>& wo, const ScatterValues<double>& u) const {
-  auto s = bsdf_.sample(local(wo), u);
+  const Vec3<double> w = local(wo);
+  auto s = is_mirror_ ? ScatterSample<double>{.wi = mirrored(w), .weight = Rgb<double>(1), .delta = true}
+                      : bsdf_.sample(w, u);
   if (s) s->wi = normalized(frame_.world_from_local(s->wi));
   return s;
 }

@@ -13,9 +13,10 @@ namespace lucerna {
 class SurfaceScattering {
  public:
   /// Evaluates the textures of the material.  Sets `hit.ns` if a map changes the normal.
-  SurfaceScattering(const Scene& scene, SurfaceHit& hit);
+  /// `meets`: what the ray met.  A pane that was met by chance reflects all light.
+  SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets = Meets::kSurfaces);
 
-  bool all_delta() const { return bsdf_.all_delta(); }
+  bool all_delta() const { return is_mirror_ || bsdf_.all_delta(); }
   /// Whether light from both sides reaches the eye.
   bool transmits() const { return has(bsdf_.sides(), Side::kTransmitted); }
   /// f |cos| for unit vectors that point away from the surface.
@@ -32,6 +33,7 @@ class SurfaceScattering {
  private:
   Vec3<double> local(const Vec3<double>& w) const { return frame_.local_from_world(w); }
 
+  bool is_mirror_ = false;  ///< `bsdf_` is then not used
   Bsdf<double> bsdf_{Diffuse<double>(Rgb<double>(0))};
   Frame<double> frame_;
 };

@@ -33,6 +33,11 @@ Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float
   return Frame<float>::around(n).world_from_local({d.x, d.y, z});
 }
 
+Rgb<double> PathTracer::left_by_media(Ray ray, const std::optional<SurfaceHit>& end) const {
+  if (end) ray.t_max = end->t;
+  return scene_.through_media(ray);
+}
+
 LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& first_wo,
                                     std::uint32_t depth, const PathSample& sample,
                                     WorkCounts& work) const {
@@ -49,7 +54,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       throughput = throughput * *reflectance;
       if (throughput.is_black()) return sum;
     } else {
-      scattering.emplace(scene_, hit);
+      scattering.emplace(scene_, hit, direct_.transmittance().met());
     }
     if (depth == 0 && !scattering && direct_.uses_closed_forms(false)) {
       for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
@@ -99,7 +104,8 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     const Vec3<float>& wi = next_direction.wi;
     const Ray ray = spawn_ray(hit, wi);
     ++work.indirect_rays;
-    const std::optional<SurfaceHit> next = scene_.closest_hit(ray);
+    const std::optional<SurfaceHit> next = scene_.closest_hit(ray, direct_.transmittance().met());
+    if (scene_.has_media()) throughput = throughput * left_by_media(ray, next);
     const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
       if (settled.has(light)) return;
       const double weight =
@@ -121,12 +127,14 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
 LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample,
                                    WorkCounts& work) const {
   ++work.camera_rays;
-  const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
+  const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
   Rgb<double> seen;
   for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<double>& le) { seen += le; });
-  if (!hit) return {seen, seen};
-  const LightEstimate e = reflected(*hit, -ray.direction, 0, sample, work);
-  return {seen + e.value, seen + e.unshadowed};
+  LightEstimate sum{seen, seen};
+  if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work);
+  if (!scene_.has_media()) return sum;
+  const Rgb<double> left = left_by_media(ray, hit);
+  return {sum.value * left, sum.unshadowed * left};
 }
 
 }  // namespace lucerna

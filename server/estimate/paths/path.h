@@ -51,6 +51,9 @@ class PathTracer {
   template <typename F>
   void for_each_emitter(const Sight& sight, const std::optional<SurfaceHit>& hit, F&& f) const;
 
+  /// The share of light that media leave on the way along a ray to its end, or to infinity.
+  Rgb<double> left_by_media(Ray ray, const std::optional<SurfaceHit>& end) const;
+
   /// A direction about ns on the side of `wo`, density cos / pi.
   static Vec3<float> cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo, Vec2<float> u);
 

@@ -67,16 +67,15 @@ void DeltaIrradiance::settle(std::size_t begin, std::size_t end, WorkCounts& wor
 /// Adds light unless something is in its way.  Calls `ray()` only if a ray is needed.
 template <typename MakeRay>
 [[gnu::always_inline]] inline void DeltaIrradiance::add(std::uint32_t light, std::size_t p,
-                                                        const Rgb<double>& lx, bool needs_ray,
+                                                        Rgb<double> lx, bool needs_ray,
                                                         WorkCounts& work,
                                                         const MakeRay& ray) const {
   if (lx.is_black()) return;
   if (needs_ray) {
     const std::uint64_t rays = work.shadow_rays;
-    const bool occluded = visibility_.is_occluded(light, points_[p].position,
-                                                  Vec3<double>(points_[p].normal), ray(), work);
+    lx = lx * visibility_.visible(light, points_[p].position, Vec3<double>(points_[p].normal),
+                                  ray(), work);
     result_.costs[p].rays += work.shadow_rays - rays;
-    if (occluded) return;
   }
   result_.points[p].irradiance_lx += lx;
   if (settings_.per_light) result_.per_light[p * scene_.lights().size() + light].irradiance_lx = lx;

@@ -30,7 +30,7 @@ class DeltaIrradiance {
         points_(points),
         settings_(settings),
         stop_(stop),
-        visibility_(scene, settings.methods.visibility),
+        visibility_(scene, settings.methods),
         result_(result) {}
 
   /// Whether this class returns the whole answer: only direct light, and each light is
@@ -48,7 +48,7 @@ class DeltaIrradiance {
   void add_light(const L& light, std::uint32_t index, std::size_t begin, std::size_t end,
                  WorkCounts& work) const;
   template <typename MakeRay>
-  inline void add(std::uint32_t light, std::size_t point, const Rgb<double>& lx, bool needs_ray,
+  inline void add(std::uint32_t light, std::size_t point, Rgb<double> lx, bool needs_ray,
                   WorkCounts& work, const MakeRay& ray) const;
 
   const Scene& scene_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <vector>
 
 #include "lights/sampling/sobol.h"
@@ -141,20 +142,29 @@ class LeChunk {
     if (p.result != ItemResult::kOk) return p.result;
     Ray ray{Vec3<float>(p.position), normalized(direction), kStartWithoutNormal * p.error};
     ray.time_s = query_.time_s;
-    const auto hit = first_other_surface(scene_, ray, {{p.position, p.error}, {}});
-    ++rays_;
-    return put(i, {p.position, direction_of(direction), query_.time_s}, hit);
+    const Transmittance& transmittance = tracer_.direct().transmittance();
+    const auto hit = first_other_surface(scene_, ray, {{p.position, p.error}, {}},
+                                         transmittance.blocking());
+    ++work_.indirect_rays;
+    Rgb<double> arriving(1);
+    if (transmittance.is_partial()) {
+      if (hit) ray.t_max = hit->t;
+      arriving = transmittance.along(ray, work_);
+    }
+    return put(i, {p.position, direction_of(direction), query_.time_s}, hit, arriving);
   }
-  std::uint64_t rays() const { return rays_; }
+  const WorkCounts& work() const { return work_; }
 
  private:
-  /// Adds the radiance of all lights at the end of the ray.
-  ItemResult put(std::size_t i, const Sight& sight, const std::optional<SurfaceHit>& hit) {
+  /// Adds the radiance of all lights at the end of the ray.  `arriving`: the share of it.
+  ItemResult put(std::size_t i, const Sight& sight, const std::optional<SurfaceHit>& hit,
+                 const Rgb<double>& arriving) {
     Rgb<double> sum;
     std::uint64_t first_id = 0;
     std::ranges::fill(at_wavelengths_, 0);
-    tracer_.for_each_emitter(sight, hit, [&](std::uint32_t light, const Rgb<double>& radiance) {
+    tracer_.for_each_emitter(sight, hit, [&](std::uint32_t light, const Rgb<double>& le) {
       if (query_.light && light != *query_.light) return;
+      const Rgb<double> radiance = le * arriving;
       if (first_id == 0) first_id = scene_.lights()[light].id;
       sum += radiance;
       spectral_.add(light, radiance, at_wavelengths_);
@@ -175,24 +185,24 @@ class LeChunk {
   ToScene to_scene_;
   SpectralValues spectral_;
   std::vector<double> at_wavelengths_;
-  std::uint64_t rays_ = 0;
+  WorkCounts work_;
 };
 
 }  // namespace
 
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop) {
-  const PathTracer tracer(scene, 0, {});
-  std::atomic<std::uint64_t> rays = 0;
+  const PathTracer tracer(scene, 0, {.thin_glass = query.thin_glass});
+  std::mutex mutex;
+  WorkCounts work;
   parallel_chunks(query.points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
     LeChunk chunk(scene, tracer, query, answer);
     for (std::size_t i = begin; i < end; ++i) answer.status[i] = static_cast<int>(chunk.ray(i));
-    rays += chunk.rays();
+    const std::lock_guard lock(mutex);
+    work += chunk.work();
   });
-  WorkCounts work;
   work.samples = query.points.size();
-  work.indirect_rays = rays;
   return work;
 }
 

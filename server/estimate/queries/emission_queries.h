@@ -17,6 +17,7 @@ struct LeQuery {
   std::optional<std::uint32_t> light{};  ///< index; set: only this light counts
   double time_s = 0;
   std::span<const double> wavelengths_nm{};
+  ThinGlass thin_glass = ThinGlass::kPasses;
 };
 
 /// Arrays to fill, with one entry (or three) for each ray.  All start as zeros.

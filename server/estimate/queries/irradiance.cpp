@@ -332,7 +332,9 @@ class IrradianceEstimator {
     const double pdf = dot(n, wi) * std::numbers::inv_pi;
     const Ray ray = spawn_ray(receiver, wi);
     ++work.indirect_rays;
-    const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
+    const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
+    const Rgb<double> left =
+        scene_.has_media() ? tracer_.left_by_media(ray, hit) : Rgb<double>(1);
     const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
       return settled.lights.has(light)
                  ? 0.0
@@ -340,7 +342,7 @@ class IrradianceEstimator {
     };
     if (direct_.finds_lights()) {
       tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
-        const Rgb<double> e = le * weight(light, hit);
+        const Rgb<double> e = le * left * weight(light, hit);
         add(light, {e, e}, sum, to);
       });
       // Light behind an obstacle counts as hidden.  Light samples may choose only values above a
@@ -353,7 +355,7 @@ class IrradianceEstimator {
     }
     if (hit && gather_indirect_) {
       const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
-      sum += {e.value * kPi, e.unshadowed * kPi};
+      sum += {e.value * left * kPi, e.unshadowed * left * kPi};
     }
   }
 

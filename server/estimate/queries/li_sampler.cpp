@@ -43,6 +43,7 @@ struct LiSampler::Pending {
   std::optional<std::uint32_t> light{};  // nothing: no light can be chosen
   bool sampled = false;
   LightSample<double> sample;
+  Rgb<double> visible{1};  ///< the share of its light that arrives
 
   LooseEnd start() const { return {receiver.position, receiver.error}; }
 };
@@ -50,8 +51,7 @@ struct LiSampler::Pending {
 LiSampler::LiSampler(const Scene& scene, const SampleLiQuery& query)
     : scene_(scene),
       q_(query),
-      visibility_(scene,
-                  query.test_visibility ? query.methods.visibility : VisibilityMethod::kRays),
+      visibility_(scene, query.test_visibility ? query.methods : Methods{}),
       // Only rays use the position error.
       to_scene_(scene, query.receivers, query.test_visibility ? query.position_error_m : 0.0F),
       light_shift_m_(scene.origin() - query.receivers.origin_m) {}
@@ -91,8 +91,12 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
   if (!q_.wavelengths_nm.empty()) put_spectral(begin, chunk, answer);
   WorkCounts work;
   if (q_.test_visibility) work = test(begin, chunk, answer.visible);
-  for (std::size_t i = begin; shares != nullptr && i < end; ++i)
-    shares[i] = share(chunk[i - begin], !q_.test_visibility || bit(answer.visible, i));
+  for (std::size_t i = begin; answer.transmittance != nullptr && i < end; ++i) {
+    const Pending& p = chunk[i - begin];
+    if (p.receiver.result != ItemResult::kOk) continue;
+    store(answer.transmittance, i, Vec3<float>(Vec3<double>(p.visible.r, p.visible.g, p.visible.b)));
+  }
+  for (std::size_t i = begin; shares != nullptr && i < end; ++i) shares[i] = share(chunk[i - begin]);
   return work;
 }
 
@@ -111,8 +115,7 @@ WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> s
     if (p.receiver.result == ItemResult::kOk)
       p.receiver.result = p.sampled ? item_result(p.sample.reason) : ItemResult::kBlack;
   if (q_.test_visibility) work = test(0, chunk, visible.data());
-  for (std::size_t k = 0; k < chunk.size(); ++k)
-    shares[k] = share(chunk[k], !q_.test_visibility || bit(visible.data(), k));
+  for (std::size_t k = 0; k < chunk.size(); ++k) shares[k] = share(chunk[k]);
   return work;
 }
 
@@ -273,7 +276,7 @@ void LiSampler::fill_each(const L& light, const LiLayout& layout, std::size_t be
     }
     const LightSample<double> s = sample(light, of_light, *u);
     if (writer.put(i, s) == ItemResult::kOk && shares != nullptr)
-      shares[i] = share(at_receiver.normal, 1, s, true);
+      shares[i] = share(at_receiver.normal, 1, s, Rgb<double>(1));
   }
 }
 
@@ -300,24 +303,22 @@ void LiSampler::sample(std::vector<Pending>& chunk) const {
   }
 }
 
-LiShare LiSampler::share(const Pending& p, bool visible) const {
+LiShare LiSampler::share(const Pending& p) const {
   if (p.receiver.result != ItemResult::kOk) return {};
-  return share(p.normal, p.choice ? p.choice->probability : 1, p.sample, visible);
+  return share(p.normal, p.choice ? p.choice->probability : 1, p.sample, p.visible);
 }
 
 [[gnu::always_inline]] inline LiShare LiSampler::share(const Vec3<double>& normal,
                                                        double probability,
                                                        const LightSample<double>& s,
-                                                       bool visible) const {
+                                                       const Rgb<double>& visible) const {
   LiShare result;
   result.weight = 1 / probability;
   if (!s.delta) result.weight /= s.pdf.per_sr;
   if (!q_.normals.empty()) result.weight *= std::fmax(0, dot(normal, s.wi));
   result.lx.unshadowed = Rgb<double>(s.value) * result.weight;
-  if (visible)
-    result.lx.value = result.lx.unshadowed;
-  else
-    result.weight = 0;
+  result.lx.value = result.lx.unshadowed * visible;
+  result.weight *= visible.max_component();
   return result;
 }
 
@@ -338,7 +339,7 @@ void LiSampler::put_spectral(std::size_t begin, std::vector<Pending>& chunk,
   }
 }
 
-WorkCounts LiSampler::test(std::size_t begin, const std::vector<Pending>& chunk,
+WorkCounts LiSampler::test(std::size_t begin, std::vector<Pending>& chunk,
                            std::uint8_t* visible) const {
   WorkCounts work;
   std::vector<Ray> rays;
@@ -348,12 +349,13 @@ WorkCounts LiSampler::test(std::size_t begin, const std::vector<Pending>& chunk,
   ends.reserve(chunk.size());
   items.reserve(chunk.size());
   for (std::size_t k = 0; k < chunk.size(); ++k) {
-    const Pending& p = chunk[k];
+    Pending& p = chunk[k];
     if (p.receiver.result != ItemResult::kOk) continue;
+    p.visible = {};
     const float reach_m = p.sampled ? scene_.lights()[*p.light].reach_m() : 0;
     const Ray ray = light_ray(p.receiver, Vec3<float>(p.normal), p.sample, q_.time_s, reach_m);
     if (const std::optional<bool> occluded = by_map(p, ray, work)) {
-      if (!*occluded) set_bit(visible, begin + k);
+      if (!*occluded) set_bit(visible, begin + k), p.visible = Rgb<double>(1);
       continue;
     }
     rays.push_back(ray);
@@ -361,8 +363,12 @@ WorkCounts LiSampler::test(std::size_t begin, const std::vector<Pending>& chunk,
     if (starts_loose()) e.start = p.start();
     items.push_back(static_cast<std::uint32_t>(begin + k));
   }
-  mark_visible(scene_, rays, ends, items, visible);
+  const Transmittance& transmittance = visibility_.transmittance();
   work.shadow_rays += rays.size();
+  mark_visible(scene_, transmittance.blocking(), rays, ends, items, visible, [&](std::size_t k) {
+    chunk[items[k] - begin].visible =
+        transmittance.is_partial() ? transmittance.along(rays[k], work) : Rgb<double>(1);
+  });
   return work;
 }
 

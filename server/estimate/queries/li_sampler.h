@@ -16,8 +16,8 @@ namespace lucerna {
 
 /// The contribution of one sample to the light at its receiver.
 struct LiShare {
-  /// cosine / (pdf p), for delta lights cosine / p.  Without a normal there is no cosine.  0 if the
-  /// light is not visible.
+  /// cosine / (pdf p), for delta lights cosine / p.  Without a normal there is no cosine.  Times the
+  /// share of light that arrives, if that is the same in all channels.
   double weight = 0;
   /// Irradiance, or spherical irradiance without a normal [lx].
   LightEstimate lx{};
@@ -73,13 +73,12 @@ class LiSampler {
                  const LiAnswerWriter& writer, LiShare* shares) const;
   void prepare_all(const LiLayout& layout, std::size_t begin, std::vector<Pending>& chunk) const;
   void sample(std::vector<Pending>& chunk) const;
-  LiShare share(const Pending& sampled, bool visible) const;
+  LiShare share(const Pending& sampled) const;
   inline LiShare share(const Vec3<double>& normal, double probability, const LightSample<double>& s,
-                       bool visible) const;
+                       const Rgb<double>& visible) const;
   void put_spectral(std::size_t begin, std::vector<Pending>& chunk,
                     const SampleLiAnswer& answer) const;
-  WorkCounts test(std::size_t first_bit, const std::vector<Pending>& chunk,
-                  std::uint8_t* visible) const;
+  WorkCounts test(std::size_t first_bit, std::vector<Pending>& chunk, std::uint8_t* visible) const;
   bool starts_loose() const;
   std::optional<bool> by_map(const Pending& sampled, const Ray& ray, WorkCounts& work) const;
 

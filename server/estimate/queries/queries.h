@@ -143,6 +143,9 @@ struct SampleLiAnswer {
   double* selection_probability;    ///< if the light is chosen
   int* status;                      ///< ItemResult
   float* spectral_value = nullptr;  ///< one for each wavelength, sample by sample
+  /// The share of light that arrives, three channels for each sample.  With `test_visibility`, if
+  /// Transmittance::is_partial(); else null.
+  float* transmittance = nullptr;
 };
 
 /// If no light can be chosen, a sample is kBlack, with light 0 and selection probability 1.  This

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <vector>
 
 #include "server/rays/error_bounds.h"
@@ -132,7 +133,8 @@ bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
 
 // An apparent obstacle may be the surface that an end of the ray lies on.  That surface has the
 // rounding of its vertices, while a point near zero has almost no error.
-std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends) {
+std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends,
+                                              Meets meets) {
   // A ray through a vertex may meet all of its triangles.  Few vertices have more than this.
   constexpr int kMostSurfaces = 16;
   // The step behind a surface at t = 0, relative to the position error and to the scene.  It keeps
@@ -141,7 +143,7 @@ std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const
   constexpr float kLeastT = std::numeric_limits<float>::min();
   std::optional<SurfaceHit> hit;
   for (int i = 0; i < kMostSurfaces; ++i) {
-    hit = scene.closest_hit(ray);
+    hit = scene.closest_hit(ray, meets);
     if (!hit || (!lies_on(scene, ends.start, *hit) && !lies_on(scene, ends.end, *hit))) return hit;
     const double step_m =
         std::fmax(kStep * max_abs(hit->position_error), kLeast * largest_coordinate(scene));
@@ -209,25 +211,28 @@ Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSamp
   return ray;
 }
 
-void mark_visible(const Scene& scene, std::span<const Ray> rays, std::span<const LooseEnds> ends,
-                  std::span<const std::uint32_t> items, std::uint8_t* visible) {
+void mark_visible(const Scene& scene, Meets blocking, std::span<const Ray> rays,
+                  std::span<const LooseEnds> ends, std::span<const std::uint32_t> items,
+                  std::uint8_t* visible, absl::FunctionRef<void(std::size_t)> found) {
   std::vector<std::uint8_t> occluded((rays.size() + 7) / 8);
-  scene.occluded(rays, occluded);
+  scene.occluded(rays, occluded, blocking);
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const bool free = !bit(occluded.data(), k);
     const bool loose = ends[k].start.error >= 0 || ends[k].end.error >= 0;
-    if (free || (loose && !first_other_surface(scene, rays[k], ends[k]))) {
-      set_bit(visible, items[k]);
-    }
+    if (!free && !(loose && !first_other_surface(scene, rays[k], ends[k], blocking))) continue;
+    set_bit(visible, items[k]);
+    found(k);
   }
 }
 
-WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std::uint8_t* visible,
-                           int* status, std::stop_token stop) {
+WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
+                           const VisibilityAnswer& answer, std::stop_token stop) {
   const ToScene from(scene, query.from, query.position_error_m);
   std::optional<ToScene> to;
   if (query.to) to.emplace(scene, *query.to, query.position_error_m);
-  std::atomic<std::uint64_t> shadow_rays = 0;
+  const Transmittance transmittance(scene, query.thin_glass);
+  std::mutex mutex;
+  WorkCounts work;
   parallel_chunks(query.from.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
     std::vector<Ray> rays;
@@ -236,25 +241,34 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std
     rays.reserve(end - begin);
     ends.reserve(end - begin);
     items.reserve(end - begin);
+    const auto put = [&](std::size_t i, const Rgb<double>& share) {
+      store(answer.transmittance, i, Vec3<float>(Vec3<double>(share.r, share.g, share.b)));
+    };
     for (std::size_t i = begin; i < end; ++i) {
       ItemResult result = ItemResult::kOk;
       LooseEnds loose;
       const std::optional<Ray> ray = ray_of(scene, query, from, to, i, result, loose);
-      status[i] = static_cast<int>(result);
+      answer.status[i] = static_cast<int>(result);
       if (ray) {
         rays.push_back(*ray);
         ends.push_back(loose);
         items.push_back(static_cast<std::uint32_t>(i));
       } else if (result == ItemResult::kOk) {
-        set_bit(visible, i);
+        set_bit(answer.visible, i);
+        if (transmittance.is_partial()) put(i, Rgb<double>(1));
       }
     }
-    mark_visible(scene, rays, ends, items, visible);
-    shadow_rays += rays.size();
+    WorkCounts spent;
+    spent.shadow_rays = rays.size();
+    mark_visible(scene, transmittance.blocking(), rays, ends, items, answer.visible,
+                 [&](std::size_t k) {
+                   if (transmittance.is_partial())
+                     put(items[k], transmittance.along(rays[k], to ? 1 : rays[k].t_max, spent));
+                 });
+    const std::lock_guard lock(mutex);
+    work += spent;
   });
-  WorkCounts work;
   work.samples = query.from.size();
-  work.shadow_rays = shadow_rays;
   return work;
 }
 

@@ -1,11 +1,14 @@
 // Visibility: batches of segments and rays between points that may lie on surfaces.
 #pragma once
 
+#include <absl/functional/function_ref.h>
+
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <stop_token>
 
+#include "server/estimate/lights/transmittance.h"
 #include "server/estimate/queries/queries.h"
 
 namespace lucerna {
@@ -40,12 +43,21 @@ struct VisibilityQuery {
   std::span<const float> normals{};     ///< three for each item, or empty
   std::optional<float> position_error_m{};
   double time_s = 0;
+  ThinGlass thin_glass = ThinGlass::kPasses;
 };
 
-/// Sets bit i of `visible` (zeros before) if nothing is in the way.  `status`: one ItemResult for
-/// each item.  kInvalidInput if a length is not above 0.  A segment of length 0 is visible.
-WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std::uint8_t* visible,
-                           int* status, std::stop_token stop);
+/// Arrays to fill, with one entry for each item.  All start as zeros.
+struct VisibilityAnswer {
+  std::uint8_t* visible;  ///< bits: whether no surface blocks the way
+  /// The share of light that arrives, three channels for each item.  Null if
+  /// Transmittance::is_partial() is false.
+  float* transmittance;
+  int* status;  ///< ItemResult
+};
+
+/// kInvalidInput if a length is not above 0.  A segment of length 0 is visible.
+WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
+                           const VisibilityAnswer& answer, std::stop_token stop);
 
 /// The end of a ray at a point that may lie on a surface with an unknown normal.
 struct LooseEnd {
@@ -58,11 +70,13 @@ struct LooseEnds {
 };
 
 /// The first surface that `ray` meets, except those that its ends lie on.
-std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends);
+std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends,
+                                              Meets meets = Meets::kSurfaces);
 
 /// Sets the bits (numbered by `items`) of rays that meet only surfaces that their ends lie on.
-/// `ends`: one for each ray.
-void mark_visible(const Scene& scene, std::span<const Ray> rays, std::span<const LooseEnds> ends,
-                  std::span<const std::uint32_t> items, std::uint8_t* visible);
+/// Calls `found(i)` for ray i of these.  `ends`: one for each ray.
+void mark_visible(const Scene& scene, Meets blocking, std::span<const Ray> rays,
+                  std::span<const LooseEnds> ends, std::span<const std::uint32_t> items,
+                  std::uint8_t* visible, absl::FunctionRef<void(std::size_t)> found);
 
 }  // namespace lucerna

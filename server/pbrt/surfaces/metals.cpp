@@ -137,6 +137,10 @@ std::optional<SampledSpectrum> metal_spectrum(std::string_view name) {
   return std::nullopt;
 }
 
+Rgb<double> under_d65(const SampledSpectrum& spectrum) {
+  return under_d65([&](double nm) { return value_at(spectrum, nm); });
+}
+
 std::optional<MetalIndex> metal_index(Context& context, const Parameter* eta, const Parameter* k) {
   const auto spectrum = [&](const Parameter* p,
                             std::string_view otherwise) -> std::optional<SampledSpectrum> {

@@ -23,6 +23,9 @@ struct MetalIndex {
 /// normal incidence that the spectra have under D65.  Nothing if a parameter is no spectrum.
 std::optional<MetalIndex> metal_index(Context& context, const Parameter* eta, const Parameter* k);
 
+/// The RGB of a spectrum, as the colour of a surface under D65.
+Rgb<double> under_d65(const SampledSpectrum& spectrum);
+
 /// The index of a dielectric at 589.3 nm, from a spectrum or a glass that pbrt-v4 names.  With a
 /// remark, since dispersion is not modelled.
 double index_at_sodium(Context& context, const Parameter& parameter);

@@ -7,6 +7,7 @@
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/randomness.h"
+#include "server/rpc/messages/requested_methods.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -22,6 +23,9 @@ absl::StatusOr<LeQuery> parse(const Context& context, const Scene& scene,
   LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
   query.time_s = request.time_s();
   LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
+  LUCERNA_RETURN_IF_ERROR(check_grey_media(scene, query.wavelengths_nm));
+  LUCERNA_ASSIGN_OR_RETURN(const Methods methods, check_methods(request.accuracy()));
+  query.thin_glass = methods.thin_glass;
   LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "points", n, answer_size(request)));
   return query;
 }

@@ -71,6 +71,7 @@ absl::StatusOr<IrradianceQuery> parse(const Context& context,
   query.normals = view(request.normals());
   LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
   LUCERNA_ASSIGN_OR_RETURN(query.settings.wavelengths_nm, parse_wavelengths(request));
+  LUCERNA_RETURN_IF_ERROR(check_grey_media(*query.scene, query.settings.wavelengths_nm));
   LUCERNA_ASSIGN_OR_RETURN(
       query.position_error_m,
       check_position_error(request.has_position_error_m(), request.position_error_m()));

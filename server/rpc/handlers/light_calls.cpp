@@ -39,8 +39,11 @@ struct LiRequest {
   std::uint64_t samples() const { return std::uint64_t{query.samples} * query.receivers.size(); }
 };
 
-SampleLiAnswer sized_arrays(const SampleLiQuery& query, std::size_t n, v1::SampleLiResponse* r) {
+SampleLiAnswer sized_arrays(const Scene& scene, const SampleLiQuery& query, std::size_t n,
+                            v1::SampleLiResponse* r) {
   const bool chosen = !query.light;
+  const bool is_partial =
+      query.test_visibility && Transmittance(scene, query.methods.thin_glass).is_partial();
   return {.value = fill(r->mutable_value(), 3 * n),
           .wi = fill(r->mutable_wi(), 3 * n),
           .distance_m = fill(r->mutable_distance_m(), n),
@@ -52,7 +55,8 @@ SampleLiAnswer sized_arrays(const SampleLiQuery& query, std::size_t n, v1::Sampl
           .light_ids = chosen ? fill(r->mutable_light_ids(), n) : nullptr,
           .selection_probability = chosen ? fill(r->mutable_selection_probability(), n) : nullptr,
           .status = fill(r->mutable_status(), n),
-          .spectral_value = fill(r->mutable_spectral_value(), n * query.wavelengths_nm.size())};
+          .spectral_value = fill(r->mutable_spectral_value(), n * query.wavelengths_nm.size()),
+          .transmittance = is_partial ? fill(r->mutable_transmittance(), 3 * n) : nullptr};
 }
 
 void put_estimates(const LiLayout& layout, const LiEstimates& estimates, std::size_t wavelengths,
@@ -97,7 +101,7 @@ std::optional<v1::SampleLiResponse> estimate(const LiRequest& li, const LiSample
   const std::size_t wavelengths = query.wavelengths_nm.size();
   const LiLayout layout(samples_per_replicate, kReplicates);
   std::optional<v1::SampleLiResponse> response(std::in_place);
-  const SampleLiAnswer answer = sized_arrays(query, layout.size(), &*response);
+  const SampleLiAnswer answer = sized_arrays(*li.scene, query, layout.size(), &*response);
   std::vector<LiShare> shares(layout.size());
   work += fill_samples(sampler, layout, answer, shares, stop);
   if (stop.stop_requested()) return std::nullopt;
@@ -141,7 +145,7 @@ absl::Status answer_estimated(const LiRequest& li, const std::stop_token& stop,
 absl::Status answer_plain(const LiRequest& li, const v1::SampleLiRequest& request,
                           const std::stop_token& stop, v1::SampleLiResponse* response) {
   LUCERNA_RETURN_IF_ERROR(check_u(request.u()));
-  const SampleLiAnswer answer = sized_arrays(li.query, li.samples(), response);
+  const SampleLiAnswer answer = sized_arrays(*li.scene, li.query, li.samples(), response);
   set_counts(response->mutable_cost(), lucerna::sample_li(*li.scene, li.query, answer, stop));
   drop_if_all_ok(response->mutable_status());
   return absl::OkStatus();
@@ -213,6 +217,8 @@ absl::StatusOr<LiRequest> parse(const Context& context, const v1::SampleLiReques
     LUCERNA_RETURN_IF_ERROR(check_answer_size(context, kItems, li.samples(), answer_size(request)));
   }
   query.test_visibility = request.test_visibility();
+  if (query.test_visibility)
+    LUCERNA_RETURN_IF_ERROR(check_grey_media(*li.scene, query.wavelengths_nm));
   LUCERNA_RETURN_IF_ERROR(
       check_triples("normals", request.normals(), query.receivers.size(), "receivers", true));
   query.normals = view(request.normals());

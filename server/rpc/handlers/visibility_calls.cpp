@@ -7,6 +7,7 @@
 #include "server/rpc/handlers/lighting.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
+#include "server/rpc/messages/requested_methods.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -36,9 +37,18 @@ absl::Status parse_rays(const v1::Rays& rays, VisibilityQuery& query) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<VisibilityQuery> parse(const Context& context,
-                                      const v1::TestVisibilityRequest& request) {
+/// A query, and whether light may arrive in part.
+struct Parsed {
   VisibilityQuery query;
+  bool is_partial = false;
+};
+
+absl::StatusOr<Parsed> parse(const Context& context, const Scene& scene,
+                             const v1::TestVisibilityRequest& request) {
+  VisibilityQuery query;
+  LUCERNA_ASSIGN_OR_RETURN(const Methods methods, check_methods(request.accuracy()));
+  query.thin_glass = methods.thin_glass;
+  const bool is_partial = Transmittance(scene, query.thin_glass).is_partial();
   const bool segments = request.has_segments();
   if (!segments && !request.has_rays()) {
     return bad_field("between", "unset", "segments or rays");
@@ -48,7 +58,8 @@ absl::StatusOr<VisibilityQuery> parse(const Context& context,
                                segments ? request.segments().from() : request.rays().from()));
   const std::size_t n = query.from.size();
   LUCERNA_RETURN_IF_ERROR(
-      check_answer_size(context, segments ? "segments" : "rays", n, answer_size(request)));
+      check_answer_size(context, segments ? "segments" : "rays", n,
+                        answer_size(request, is_partial)));
   LUCERNA_RETURN_IF_ERROR(segments ? parse_segments(context, request.segments(), query)
                                    : parse_rays(request.rays(), query));
   LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
@@ -58,7 +69,7 @@ absl::StatusOr<VisibilityQuery> parse(const Context& context,
   LUCERNA_ASSIGN_OR_RETURN(
       query.position_error_m,
       check_position_error(request.has_position_error_m(), request.position_error_m()));
-  return query;
+  return Parsed{query, is_partial};
 }
 
 }  // namespace
@@ -66,16 +77,20 @@ absl::StatusOr<VisibilityQuery> parse(const Context& context,
 Prepared test_visibility(const Context& context, const v1::TestVisibilityRequest& request,
                          v1::TestVisibilityResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
-  LUCERNA_ASSIGN_OR_RETURN(const VisibilityQuery query, parse(context, request));
-  const std::size_t n = query.from.size();
+  LUCERNA_ASSIGN_OR_RETURN(const Parsed parsed, parse(context, *scene, request));
+  const std::size_t n = parsed.query.from.size();
   Task task;
   task.predicted_s = visibility_seconds(n);
   task.cost = response->mutable_cost();
-  task.run = [scene, query, n, response](const std::stop_token& stop) {
+  task.run = [scene, parsed, n, response](const std::stop_token& stop) {
     response->set_count(static_cast<std::uint32_t>(n));
+    const VisibilityAnswer answer{
+        .visible = fill_bits(response->mutable_visible(), n),
+        .transmittance =
+            parsed.is_partial ? fill(response->mutable_transmittance(), 3 * n) : nullptr,
+        .status = fill(response->mutable_status(), n)};
     set_counts(response->mutable_cost(),
-               lucerna::test_visibility(*scene, query, fill_bits(response->mutable_visible(), n),
-                                        fill(response->mutable_status(), n), stop));
+               lucerna::test_visibility(*scene, parsed.query, answer, stop));
     drop_if_all_ok(response->mutable_status());
     return absl::OkStatus();
   };

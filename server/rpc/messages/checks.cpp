@@ -94,6 +94,12 @@ absl::StatusOr<std::span<const double>> check_wavelengths(
   return nm;
 }
 
+absl::Status check_grey_media(const Scene& scene, std::span<const double> wavelengths_nm) {
+  if (wavelengths_nm.empty() || scene.media_are_grey()) return absl::OkStatus();
+  return bad_field("wavelengths_nm", fmt::format("{} numbers", wavelengths_nm.size()),
+                   "none in this scene, since its media have a colour and no spectrum");
+}
+
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback) {
   if (!accuracy.has_samples()) return fallback;
@@ -130,6 +136,7 @@ void set_counts(v1::Cost* cost, const WorkCounts& work) {
   cost->set_shadow_map_lookups(work.map_lookups);
   cost->set_shadow_map_compared(work.map_compared);
   cost->set_shadow_map_disagreed(work.map_disagreed);
+  cost->set_through_thin_glass(work.through_panes);
 }
 
 }  // namespace lucerna::rpc

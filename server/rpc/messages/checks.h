@@ -46,6 +46,8 @@ absl::StatusOr<std::optional<float>> check_position_error(bool has, float positi
 /// At most kMostWavelengths, each in [100, 1e6] nm; in any order.  A view of the request.
 absl::StatusOr<std::span<const double>> check_wavelengths(
     const google::protobuf::RepeatedField<double>& wavelengths_nm);
+/// INVALID_ARGUMENT for wavelengths in a scene whose media have a colour.
+absl::Status check_grey_media(const Scene& scene, std::span<const double> wavelengths_nm);
 /// `samples`, or `fallback` if unset.  INVALID_ARGUMENT if out of range.
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback);

@@ -52,6 +52,9 @@ constexpr std::array kVisibility = {VisibilityMethod::kRays, VisibilityMethod::k
                                     VisibilityMethod::kShadowMaps};
 static_assert(kVisibility.size() == v1::Visibility_ARRAYSIZE);
 
+constexpr std::array kThinGlass = {ThinGlass::kPasses, ThinGlass::kPasses, ThinGlass::kBlocks};
+static_assert(kThinGlass.size() == v1::ThinGlass_ARRAYSIZE);
+
 }  // namespace
 
 absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy) {
@@ -67,6 +70,8 @@ absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy) {
       take(accuracy.closed_forms(), "closed_forms", "ClosedForms", kClosedForms, m.closed_forms));
   LUCERNA_RETURN_IF_ERROR(
       take(accuracy.visibility(), "visibility", "Visibility", kVisibility, m.visibility));
+  LUCERNA_RETURN_IF_ERROR(
+      take(accuracy.thin_glass(), "thin_glass", "ThinGlass", kThinGlass, m.thin_glass));
   if (accuracy.has_samples_per_light()) {
     if (accuracy.samples_per_light() < 1 || accuracy.samples_per_light() > kMostSamplesPerLight) {
       return bad_field("accuracy.samples_per_light",

@@ -227,8 +227,8 @@ TEST(Batches, WithManyWavelengthsFitTheServersMessages) {
   request.mutable_accuracy()->set_samples(4);
   request.mutable_wavelengths_nm()->Resize(128, 555);
   ASSERT_TRUE(sample_li_in_batches(server.client(), request).ok());
-  // 4 samples of 589 bytes: 444 receivers take 1046064 of 1048576 bytes; other fields take 2 kB.
-  EXPECT_THAT(sizes, ElementsAre(444, 444, 112));
+  // 4 samples of 601 bytes: 435 receivers take 1045740 of 1048576 bytes; other fields take 2 kB.
+  EXPECT_THAT(sizes, ElementsAre(435, 435, 130));
   EXPECT_EQ(server.info_calls, 1);
 }
 

@@ -37,7 +37,7 @@ TEST(Json, HasLowerCamelCaseNamesAndAllPlainFields) {
             R"("remarks":[{"file":"","line":3,"column":0,"what":"","instead":""}],"missing":[],)"
             R"("cost":{"samples":"5","cameraRays":"0","indirectRays":"0","shadowRays":"0",)"
             R"("cpuTimeS":0,"wallTimeS":0,"queueTimeS":0,"shadowMapLookups":"0",)"
-            R"("shadowMapCompared":"0","shadowMapDisagreed":"0"},)"
+            R"("shadowMapCompared":"0","shadowMapDisagreed":"0","throughThinGlass":"0"},)"
             R"("leaseId":"","leaseS":0})"
             "\n");
 }

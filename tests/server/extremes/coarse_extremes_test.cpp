@@ -83,7 +83,7 @@ std::int64_t visible(const Scene& scene, const Ways& ways) {
       query.directions = ways.along, query.lengths_m = ways.lengths;
     std::vector<std::uint8_t> bits((n + 7) / 8);
     std::vector<int> status(n);
-    test_visibility(scene, query, bits.data(), status.data(), {});
+    test_visibility(scene, query, {bits.data(), nullptr, status.data()}, {});
     for (std::size_t i = 0; i < n; ++i) sum += bits[i / 8] >> (i % 8) & 1;
   }
   return sum;

@@ -119,7 +119,7 @@ class Queries {
         if (!segments) query.directions = towards;
         if (with_normals) query.normals = normals_;
         std::vector<std::uint8_t> free((receivers + 7) / 8);
-        test_visibility(scene_, query, free.data(), status_.data(), {});
+        test_visibility(scene_, query, {free.data(), nullptr, status_.data()}, {});
         record_bits("TestVisibility", free, receivers), record("TestVisibility", status_);
       }
   }

@@ -187,7 +187,7 @@ Count typed(const Everything& e, TypedSegments s, bool with_normals) {
       .from = {e.place().offset, s.from},
       .to = PointArray{e.place().offset, s.to},
       .normals = with_normals ? std::span<const float>(s.normals) : std::span<const float>{}};
-  test_visibility(scene, query, visible.data(), status.data(), {});
+  test_visibility(scene, query, {visible.data(), nullptr, status.data()}, {});
   const ToScene from(scene, query.from, {}), to(scene, *query.to, {});
   tbb::enumerable_thread_specific<Count> counts;
   parallel_chunks(n, 1024, {}, [&](std::size_t begin, std::size_t end) {

@@ -208,8 +208,8 @@ TEST(PbrtMaterials, InterfacesAreInvisible) {
   EXPECT_TRUE(std::holds_alternative<SphereParams>(scene->shapes[0].geometry));
   EXPECT_EQ(
       remarks_of(*scene),
-      "1:59 a shape with the material \"interface\", which bounds a medium -> left out, its light "
-      "too, as in pbrt-v4\n");
+      "1:59 a light whose shape has the material \"interface\" -> emits nothing, as in pbrt-v4\n"
+      "1:59 a shape with the material \"interface\" that bounds no medium -> left out\n");
 }
 
 TEST(PbrtMaterials, InvalidMaterialsAreErrors) {

@@ -57,7 +57,7 @@ TEST(PbrtSyntax, EveryDirectiveIsRead) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene),
             "2:5 Option \"disablepixeljitter\" is not modelled -> it changes nothing\n"
-            "16:5 medium \"fog\" is not modelled -> vacuum\n");
+            "16:5 scattering within medium \"fog\" is not modelled -> absorption only\n");
   EXPECT_EQ(scene->shapes.size(), 2U);
   EXPECT_EQ(std::get<SphereParams>(scene->shapes[0].geometry).radius_m, 2);
   EXPECT_TRUE(std::get<SphereParams>(scene->shapes[0].geometry).reverse_orientation);

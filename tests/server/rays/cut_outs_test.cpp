@@ -97,6 +97,43 @@ TEST(CutOuts, PartOfTheRaysPassAThinnedSurface) {
   EXPECT_NEAR(blocked / double(kRays), 0.3, 0.04);
 }
 
+TEST(CutOuts, SurfacesInARowLetRaysPassEachOnItsOwn) {
+  SceneDescription d = description();
+  d.shapes = {patch({0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}),
+              patch({0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}), shape(SphereParams{})};
+  d.shapes[2].geometry = SphereParams{
+      .radius_m = 1, .world_from_object = Transform::translate({0.5, 0.5, 5})};
+  for (ShapeDescription& s : d.shapes) s.alpha = {0.5};
+  const auto scene = build(std::move(d));
+  int passed = 0, near = 0;
+  constexpr int kRays = 8000;
+  for (int i = 0; i < kRays; ++i) {
+    const Vec3<double> from{(i % 80 + 0.5) / 80, (i / 80 + 0.5) / 100, 0};
+    Ray ray{Vec3<float>(from - scene->origin()), {0, 0, 9}, 0, 1, 0};
+    passed += !scene->occluded(ray);  // two sheets, and both sides of the ball
+    ray.t_max = 0.4F;
+    near += !scene->occluded(ray);  // two sheets
+  }
+  EXPECT_NEAR(near / double(kRays), 1.0 / 4, 0.02);
+  EXPECT_NEAR(passed / double(kRays), 1.0 / 16, 0.02);
+}
+
+TEST(CutOuts, MayHaveMaterialsWithTextures) {
+  SceneDescription d = description();
+  d.shapes = {patch({0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1})};
+  d.shapes[0].alpha = {0, left_half(d)};
+  d.shapes[0].has_uv = true;
+  d.materials = {{.params = DiffuseParams{{{}, left_half(d)}}}};
+  d.lights = {point_light({0.3, 0.5, 2}, 100)};
+  const auto scene = build(std::move(d));
+  EXPECT_EQ(scene->textures().size(), 2U);
+  const IrradiancePoint point{Vec3<double>{0.3, 0.5, 3} - scene->origin(), {}, {0, 0, -1}};
+  const auto lux = estimate_irradiance(
+      *scene, std::span(&point, 1), {.samples_per_block = 64, .block_count = 16, .bounces = {}},
+      {});
+  EXPECT_GT(lux.points[0].irradiance_lx.g, 101);  // more than the direct light from 1 m
+}
+
 TEST(CutOuts, LightFallsThroughHoles) {
   SceneDescription d = description();
   ShapeDescription screen = patch({0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1});

@@ -150,7 +150,7 @@ TEST(AnswerSizes, AreBoundsOfDensitiesBitsAndTiles) {
                 return service.lighting.TestVisibility(c, visibility, &bits);
               }).ok());
   // A bit counts as a byte: 9 of 16.
-  EXPECT_LE(bits.ByteSizeLong(), answer_size(visibility).fixed + 2 * kItems);
+  EXPECT_LE(bits.ByteSizeLong(), answer_size(visibility, false).fixed + 2 * kItems);
   EXPECT_GE(bits.ByteSizeLong(), 9 * kItems / 8);
 
   v1::RenderTileRequest tile;

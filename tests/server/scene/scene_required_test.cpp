@@ -48,6 +48,15 @@ void query_irradiance(const Scene& scene, VisibilityMethod visibility) {
   estimate_irradiance(scene, std::span(&point, 1), settings, {});
 }
 
+/// A box of a medium that absorbs so much.
+void add_tank(SceneDescription& d, double absorption_per_m) {
+  d.media = {{Rgb<double>(absorption_per_m)}};
+  ShapeDescription box = testing::shape(testing::room());
+  box.is_interface = true;
+  box.media = MediumSides{-1, 0};
+  d.shapes.push_back(box);
+}
+
 struct Case {
   std::string part;
   Change needs;                                 ///< what makes the scene need it
@@ -105,6 +114,8 @@ std::vector<Case> cases() {
       {"motion", [motion](SceneDescription& d) { d.lights[0].motion = motion; }},
       {"motion", [motion](SceneDescription& d) { d.shapes[0].motion = motion; }},
       {"motion", [motion](SceneDescription& d) { d.camera.motion = motion; }},
+      {"media", [](SceneDescription& d) { add_tank(d, 0.5); },
+       [](SceneDescription& d) { add_tank(d, 0); }},
       {.part = "shadow maps",
        .needs = as_spot,
        .needs_not = as_spot,

@@ -78,7 +78,7 @@ struct Agreement {
 /// Compares with the shadow of the board by hand, a square of half side `half_shadow`.  Within
 /// `band` of its edge the map may be wrong.
 Agreement agreement(const Scene& scene, double half_shadow, double band, bool has_normal = true) {
-  const LightVisibility visibility(scene, VisibilityMethod::kShadowMaps);
+  const LightVisibility visibility(scene, Methods{.visibility = VisibilityMethod::kShadowMaps});
   Agreement a;
   for_each_on_floor(600, [&](const SurfaceHit& hit) {
     if (sample_of(scene, hit).reason != NoLight::kNone) return;
@@ -135,7 +135,7 @@ TEST(ShadowMap, APlaneDoesNotShadowItselfInGrazingLight) {
   d.shapes = {testing::floor(100)};
   d.lights = {testing::point_light({0.3, 0.2, 0.05}, 1)};
   const auto scene = testing::build(std::move(d));
-  const LightVisibility visibility(*scene, VisibilityMethod::kShadowMaps);
+  const LightVisibility visibility(*scene, Methods{.visibility = VisibilityMethod::kShadowMaps});
   int shadowed = 0;
   for_each_on_floor(400, [&](SurfaceHit hit) {
     hit.position = hit.position * (99 / kHalfFloor);
@@ -157,7 +157,7 @@ TEST(ShadowMap, LooksAllAroundALight) {
               }))};
   d.lights = {testing::point_light({0.05, -0.1, 0.07}, 1)};
   const auto scene = testing::build(std::move(d));
-  const LightVisibility visibility(*scene, VisibilityMethod::kShadowMaps);
+  const LightVisibility visibility(*scene, Methods{.visibility = VisibilityMethod::kShadowMaps});
   int wrong = 0, shadowed = 0, tested = 0;
   for (int i = 0; i < 40000; ++i) {
     // Directions of a spiral about a point from which the shadows are visible.

@@ -114,7 +114,7 @@ TEST(MovingPrecision, RaysFromPointsOnThemDoNotMeetThem) {
       std::vector<int> status(kPoints);
       test_visibility(
           *scene, {.from = {{}, points}, .directions = directions, .normals = normals, .time_s = 1},
-          visible.data(), status.data(), {});
+          {visible.data(), nullptr, status.data()}, {});
       EXPECT_EQ(bits_of(visible), kPoints);
     }
   }
@@ -256,8 +256,7 @@ TEST(MovingPrecision, RaysSeeTheirOwnTime) {
   for (const double t : {0.0, 1.0, 2.0}) {
     std::uint8_t visible = 0;
     int status[2];
-    test_visibility(*scene, {.from = {{}, from}, .directions = up, .time_s = t}, &visible, status,
-                    {});
+    test_visibility(*scene, {.from = {{}, from}, .directions = up, .time_s = t}, {&visible, nullptr, status}, {});
     EXPECT_EQ(visible, t == 0 ? 2 : t == 1 ? 1 : 3) << t;
   }
 }

@@ -24,7 +24,7 @@ struct Seen {
 Seen answer_to(const Scene& scene, const VisibilityQuery& query) {
   const std::size_t n = query.from.size();
   Seen seen{std::vector<std::uint8_t>((n + 7) / 8), std::vector<int>(n)};
-  test_visibility(scene, query, seen.bits.data(), seen.status.data(), {});
+  test_visibility(scene, query, {seen.bits.data(), nullptr, seen.status.data()}, {});
   return seen;
 }
 

@@ -1,0 +1,45 @@
+// The share of direct light that panes and media let pass.
+#pragma once
+
+#include "server/estimate/lights/methods.h"
+#include "server/runtime/work_counts.h"
+#include "server/scene/scene.h"
+
+namespace lucerna {
+
+/// Immutable; may be called from any thread.
+class Transmittance {
+ public:
+  Transmittance(const Scene& scene, ThinGlass thin_glass)
+      : scene_(scene),
+        through_panes_(scene.has_panes() && thin_glass == ThinGlass::kPasses),
+        is_partial_(through_panes_ || scene.has_media()) {}
+
+  /// Whether light may arrive in part.  Otherwise it is blocked or not.
+  bool is_partial() const { return is_partial_; }
+  /// The surfaces that block direct light.
+  Meets blocking() const { return through_panes_ ? Meets::kOpaque : Meets::kSurfaces; }
+  /// The surfaces that rays meet which look for light or for the next surface.
+  Meets met() const { return through_panes_ ? Meets::kPanesByChance : Meets::kSurfaces; }
+
+  /// The share of light, by channel, that passes along a ray that no surface blocks.
+  Rgb<double> along(const Ray& ray, WorkCounts& work) const { return along(ray, ray.t_max, work); }
+  /// The same if the way ends at `t_end`, later than the ray.  Rays start and end beside the
+  /// surfaces that their ends may lie on.  Media fill the whole way.
+  Rgb<double> along(const Ray& ray, float t_end, WorkCounts& work) const {
+    Ray way = ray;
+    way.t_min = 0;
+    way.t_max = t_end;
+    const Rgb<double> share = scene_.through_media(way);
+    if (!through_panes_) return share;
+    const double of_panes = scene_.through_panes(ray);
+    if (of_panes < 1) ++work.through_panes;
+    return share * of_panes;
+  }
+
+ private:
+  const Scene& scene_;
+  bool through_panes_, is_partial_;
+};
+
+}  // namespace lucerna
