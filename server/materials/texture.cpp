@@ -137,6 +137,25 @@ Rgb<double> Textures::at(std::int32_t texture, const TexturePoint& p) const {
   return std::visit(Evaluation(*this, p), nodes_[static_cast<std::size_t>(texture)]);
 }
 
+bool Textures::needs_only_uv(std::int32_t texture) const {
+  const auto of = [this](const auto& value) {
+    return value.is_constant() || needs_only_uv(value.texture);
+  };
+  return std::visit(
+      [&](const auto& t) {
+        bool result = true;
+        if constexpr (requires { t.mapping; }) result = t.mapping.kind == TextureMapping::Kind::kUv;
+        if constexpr (requires { t.dimension; }) result = result && t.dimension == 2;
+        if constexpr (requires { t.direction; }) result = false;
+        if constexpr (requires { t.parts; }) result = result && of(t.parts[0]) && of(t.parts[1]);
+        if constexpr (requires { t.factor; }) result = result && of(t.part) && of(t.factor);
+        if constexpr (requires { t.amount; }) result = result && of(t.amount);
+        if constexpr (requires { t.inside; }) result = result && of(t.inside) && of(t.outside);
+        return result;
+      },
+      nodes_[static_cast<std::size_t>(texture)]);
+}
+
 std::size_t Textures::bytes() const {
   std::size_t sum = nodes_.capacity() * sizeof(TextureNode);
   std::set<const Image*> counted;

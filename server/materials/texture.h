@@ -113,6 +113,12 @@ class Textures {
   }
   /// Memory, with each picture once.
   std::size_t bytes() const;
+  /// The texture if it is a picture; else null.
+  const ImageTexture* picture(std::int32_t texture) const {
+    return std::get_if<ImageTexture>(&nodes_[static_cast<std::size_t>(texture)]);
+  }
+  /// Whether the texture depends on (u, v) only, and not on position or normal.
+  bool needs_only_uv(std::int32_t texture) const;
 
  private:
   Rgb<double> at(std::int32_t texture, const TexturePoint& p) const;

@@ -209,11 +209,7 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
     shape.emission = make_emission(context_, *state_.area_light, *geometry, place,
                                    state_.world_from_object.start.swaps_handedness());
   }
-  if (!shape.emission)
-    shape.alpha = alpha;
-  else if (!alpha.is_constant() || alpha.constant < 1)
-    context_.remark(set.find("alpha", {"float", "texture"})->place,
-                    "\"alpha\" of a shape that emits is not modelled", "opaque");
+  shape.alpha = alpha;
   shape.geometry = *std::move(geometry);
   auto& shapes =
       open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;

@@ -167,6 +167,11 @@ class Scene {
   bool is_pane(const SurfaceHit& hit) const {
     return has_panes_ && surface_of(hit).pane_eta.has_value();
   }
+  /// The share of rays that meet the surface at a hit of a light.  Light models have the radiance
+  /// times this share.
+  double alpha(const SurfaceHit& hit) const {
+    return has_cut_lights_ ? alpha_of(surface_of(hit), hit) : 1;
+  }
   /// The share of light that the panes along the ray pass straight on.
   double through_panes(Ray ray) const;
   /// The share of light that the media along the ray leave, by channel.  A surface that bounds
@@ -185,6 +190,7 @@ class Scene {
   Scene() = default;
   class Builder;
   const Surface& surface_of(const SurfaceHit& hit) const;
+  double alpha_of(const Surface& surface, const SurfaceHit& hit) const;
 
   std::string id_;
   Vec3<double> origin_;
@@ -203,6 +209,7 @@ class Scene {
   std::vector<Medium> media_;
   std::int32_t surrounding_medium_ = -1;
   bool has_panes_ = false;
+  bool has_cut_lights_ = false;
   std::unique_ptr<Accelerator> accelerator_;
   SurfaceTable surfaces_;                        // of the scene's own geometry
   std::vector<SurfaceTable> object_surfaces_;    // of each object, then of each moving shape

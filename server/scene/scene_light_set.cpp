@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "proto/common/status_macros.h"
+#include "server/scene/emitter_alpha.h"
 #include "server/scene/light_at_time.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
@@ -98,7 +99,12 @@ absl::Status Scene::Builder::build_lights() {
         add_light(create_light(l, origin), l.where, l.samples, std::move(moving)));
   }
   std::size_t moving_shape = 0;
-  for (const auto& s : in_.shapes) {
+  for (auto& s : in_.shapes) {
+    if (s.emission && (!s.alpha.is_constant() || s.alpha.constant < 1)) {
+      if (auto what = apply_alpha(s, in_.textures))
+        in_.remarks.push_back({s.where, *std::move(what), "opaque"});
+      scene_->has_cut_lights_ = true;
+    }
     Vec3<double> origin = scene_->origin_;
     // The same origin as that of the surface that rays hit.
     if (s.motion) origin = moving_origins_[moving_shape++];

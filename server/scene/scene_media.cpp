@@ -53,6 +53,11 @@ const Surface& Scene::surface_of(const SurfaceHit& hit) const {
   return table.surfaces[static_cast<std::uint32_t>(hit.shape)];
 }
 
+double Scene::alpha_of(const Surface& surface, const SurfaceHit& hit) const {
+  if (surface.alpha.is_constant()) return surface.alpha.constant;
+  return textures_(surface.alpha, shading_point(hit).texture);
+}
+
 double Scene::through_panes(Ray ray) const {
   double share = 1;
   for (int i = 0; i < kMostPassed && has_panes_; ++i) {

@@ -75,7 +75,8 @@ void PathTracer::for_each_emitter(const Sight& sight, const std::optional<Surfac
     const auto light = static_cast<std::uint32_t>(hit->light);
     const Rgb<double> le =
         LightAtTime(scene_.lights()[light], sight.time_s).le(hit->on_light(), -sight.direction);
-    if (!le.is_black()) f(light, le);
+    // Rays meet a thinned surface less often, and then see more of it.
+    if (!le.is_black()) f(light, le / scene_.alpha(*hit));
     return;
   }
   for (const std::uint32_t light : scene_.infinite_lights()) {

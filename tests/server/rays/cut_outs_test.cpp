@@ -1,7 +1,9 @@
 // Surfaces with holes: rays and shadow rays pass where alpha is 0.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/queries.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna::testing {
@@ -101,8 +103,8 @@ TEST(CutOuts, SurfacesInARowLetRaysPassEachOnItsOwn) {
   SceneDescription d = description();
   d.shapes = {patch({0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}),
               patch({0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}), shape(SphereParams{})};
-  d.shapes[2].geometry = SphereParams{
-      .radius_m = 1, .world_from_object = Transform::translate({0.5, 0.5, 5})};
+  d.shapes[2].geometry =
+      SphereParams{.radius_m = 1, .world_from_object = Transform::translate({0.5, 0.5, 5})};
   for (ShapeDescription& s : d.shapes) s.alpha = {0.5};
   const auto scene = build(std::move(d));
   int passed = 0, near = 0;
@@ -128,10 +130,97 @@ TEST(CutOuts, MayHaveMaterialsWithTextures) {
   const auto scene = build(std::move(d));
   EXPECT_EQ(scene->textures().size(), 2U);
   const IrradiancePoint point{Vec3<double>{0.3, 0.5, 3} - scene->origin(), {}, {0, 0, -1}};
-  const auto lux = estimate_irradiance(
-      *scene, std::span(&point, 1), {.samples_per_block = 64, .block_count = 16, .bounces = {}},
-      {});
+  const auto lux =
+      estimate_irradiance(*scene, std::span(&point, 1),
+                          {.samples_per_block = 64, .block_count = 16, .bounces = {}}, {});
   EXPECT_GT(lux.points[0].irradiance_lx.g, 101);  // more than the direct light from 1 m
+}
+
+/// The light of a lamp over (0, 0) to (1, 1) at z = 1 at a point of the ground, and its power.
+struct LampLight {
+  double by_lights, by_surfaces, error, power;
+};
+LampLight light_of(ShapeDescription lamp, SceneDescription d) {
+  d.shapes = {emissive(std::move(lamp), 10)};
+  const auto scene = build(std::move(d));
+  EXPECT_THAT(scene->remarks(), ::testing::IsEmpty());
+  const IrradiancePoint point{Vec3<double>{0.2, 0.3, 0} - scene->origin(), {}, {0, 0, 1}};
+  LampLight light{};
+  for (const Combination by : {Combination::kLights, Combination::kSurfaces}) {
+    IrradianceSettings settings{.samples_per_block = 512, .block_count = 16, .bounces = 0};
+    settings.methods.combination = by;
+    settings.methods.closed_forms = ClosedForms::kOff;
+    const auto e = estimate_irradiance(*scene, std::span(&point, 1), settings, {}).points[0];
+    (by == Combination::kLights ? light.by_lights : light.by_surfaces) = e.irradiance_lx.g;
+    light.error = std::max(light.error, e.illuminance_error_lx);
+  }
+  light.power = light_power(*scene, 0).lumens.g;
+  return light;
+}
+
+void expect_light(const LampLight& a, const LampLight& b, double share) {
+  EXPECT_NEAR(a.by_lights, b.by_lights * share, 4 * (a.error + b.error));
+  EXPECT_NEAR(a.by_surfaces, b.by_surfaces * share, 4 * (a.error + b.error));
+  EXPECT_LT(a.error, 0.05 * a.by_lights);
+  EXPECT_NEAR(a.power, b.power * share, 1e-9 * b.power);
+}
+
+TEST(CutOuts, ThinnedLampsEmitTheShareOfTheirAlpha) {
+  // Normals down.
+  const ShapeDescription flat = patch({0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1});
+  const ShapeDescription ball = shape(
+      SphereParams{.radius_m = 0.5, .world_from_object = Transform::translate({0.5, 0.5, 1})});
+  for (ShapeDescription lamp : {flat, ball}) {
+    const LampLight whole = light_of(lamp, description());
+    lamp.alpha = {0.3};
+    expect_light(light_of(lamp, description()), whole, 0.3);
+  }
+}
+
+TEST(CutOuts, LampsWithHolesEmitAsTheRestOfThemWould) {
+  // Alpha is 1 where v < 1/2, which is x < 1/2 here.
+  const auto holes = [](SceneDescription& d) {
+    return NumberValue{0,
+                       d.textures.add(CheckerboardTexture{
+                           .mapping = {.scale = {1, 2}},
+                           .parts = {ColourValue{Rgb<double>(1)}, ColourValue{Rgb<double>(0)}}})};
+  };
+  const LampLight half =
+      light_of(patch({0, 0, 1}, {0, 1, 1}, {0.5, 0, 1}, {0.5, 1, 1}), description());
+  SceneDescription d = description();
+  ShapeDescription lamp = patch({0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1});
+  lamp.alpha = holes(d);
+  const LampLight flat = light_of(lamp, d);
+  EXPECT_NEAR(flat.by_surfaces, half.by_surfaces, 4 * (flat.error + half.error));
+  EXPECT_NEAR(flat.by_lights, half.by_lights, 4 * (flat.error + half.error));
+  EXPECT_NEAR(flat.power, half.power, 1e-6 * half.power);
+
+  TriangleMeshData mesh{.positions = {{0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}},
+                        .normals = {},
+                        .indices = {0, 1, 2, 1, 3, 2}};
+  const Vec2<float> uv[] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  for (const std::uint32_t i : mesh.indices) mesh.corner_uv.push_back(uv[i]);
+  ShapeDescription triangles = shape(std::move(mesh));
+  triangles.alpha = lamp.alpha;
+  triangles.has_uv = true;
+  const LampLight two = light_of(triangles, d);
+  EXPECT_NEAR(two.by_surfaces, half.by_surfaces, 4 * (two.error + half.error));
+  EXPECT_NEAR(two.by_lights, half.by_lights, 4 * (two.error + half.error));
+  EXPECT_NEAR(two.power, half.power, 1e-6 * half.power);
+}
+
+TEST(CutOuts, LampsWhoseAlphaFollowsThePlaceAreOpaqueAndReported) {
+  SceneDescription d = description();
+  TextureMapping planar;
+  planar.kind = TextureMapping::Kind::kPlanar;
+  d.shapes = {emissive(patch({0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}), 10)};
+  d.shapes[0].alpha = {0, d.textures.add(CheckerboardTexture{.mapping = planar})};
+  const auto scene = build(std::move(d));
+  ASSERT_EQ(scene->remarks().size(), 1U);
+  EXPECT_EQ(scene->remarks()[0].what,
+            "\"alpha\" of a light that follows the place in space is not modelled");
+  EXPECT_EQ(scene->remarks()[0].instead, "opaque");
+  EXPECT_NEAR(light_power(*scene, 0).lumens.g, 10 * std::numbers::pi, 1e-9);
 }
 
 TEST(CutOuts, LightFallsThroughHoles) {
