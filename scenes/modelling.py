@@ -56,12 +56,47 @@ class Mesh:
         return header.encode() + vertices.tobytes() + rows.tobytes()
 
 
-class Model:
-    """A mesh for each diffuse surface.  The open frames of `placed` place everything that is added."""
+def coated(reflectance, roughness, eta=1.5):
+    """A diffuse surface under a clear coat."""
+    return (
+        f'"coateddiffuse" "rgb reflectance" [{numbers(reflectance)}] "float roughness" {number(roughness)} '
+        f'"float eta" {number(eta)}'
+    )
 
-    def __init__(self, reflectances):
-        self.reflectances = reflectances
-        self.meshes = {name: Mesh() for name in reflectances}
+
+def metal(reflectance, roughness):
+    """A metal that reflects this share of light that arrives along the normal."""
+    return f'"conductor" "rgb reflectance" [{numbers(reflectance)}] "float roughness" {number(roughness)}'
+
+
+def named_metal(name, roughness):
+    """A metal by its measured index: Ag, Al, Au, Cr, Cu or W."""
+    return (
+        f'"conductor" "spectrum eta" "metal-{name}-eta" "spectrum k" "metal-{name}-k" '
+        f'"float roughness" {number(roughness)}'
+    )
+
+
+def leaf(reflectance, transmittance):
+    """A thin sheet that scatters light to both sides."""
+    return (
+        f'"diffusetransmission" "rgb reflectance" [{numbers(reflectance)}] "rgb transmittance" [{numbers(transmittance)}]'
+    )
+
+
+PANE = '"thindielectric"'
+
+
+class Model:
+    """A mesh for each surface.  The open frames of `placed` place everything that is added.
+
+    A surface is a reflectance (R, G, B), or a material as after the directive Material.  `alpha` names the picture of
+    alpha of surfaces with holes.
+    """
+
+    def __init__(self, surfaces, alpha=None):
+        self.surfaces, self.alpha = surfaces, alpha or {}
+        self.meshes = {name: Mesh() for name in surfaces}
         self.turn, self.shift = np.eye(3), np.zeros(3)
 
     @contextlib.contextmanager
@@ -140,12 +175,16 @@ class Model:
         self.add(surface, np.concatenate([a + ring * radius, b + ring * end]), faces + caps)
 
     def files(self):
-        """The meshes, and surfaces.pbrt, which names them all with their reflectances."""
+        """The meshes, and surfaces.pbrt, which names them all with their materials."""
         text, files = "# Made by make.py: what a scene's light falls on.\n", {}
-        for name, reflectance in self.reflectances.items():
+        for picture in sorted(set(self.alpha.values())):
+            text += f'Texture "{picture}" "float" "imagemap" "string filename" "{picture}" "string encoding" "linear"\n'
+        for name, surface in self.surfaces.items():
             files[f"{name}.ply"] = self.meshes[name].ply()
-            text += f'Material "diffuse" "rgb reflectance" [{numbers(reflectance)}]\n'
-            text += f'Shape "plymesh" "string filename" "{name}.ply"\n'
+            material = surface if isinstance(surface, str) else f'"diffuse" "rgb reflectance" [{numbers(surface)}]'
+            holes = f' "texture alpha" "{self.alpha[name]}"' if name in self.alpha else ""
+            text += f"Material {material}\n"
+            text += f'Shape "plymesh" "string filename" "{name}.ply"{holes}\n'
         files["surfaces.pbrt"] = text.encode()
         return files
 

@@ -27,9 +27,9 @@ SUN = np.array(
 )
 TURBIDITY = 2.5
 CAMERA = (0.0, -16.0)
-REFLECTANCES = {
+SURFACES = {
     "meadow": (0.11, 0.16, 0.05),
-    "grass": (0.13, 0.21, 0.05),
+    "grass": modelling.leaf((0.13, 0.21, 0.05), (0.06, 0.1, 0.02)),
     "dry_grass": (0.3, 0.28, 0.11),
     "flower": (0.75, 0.2, 0.12),
     "daisy": (0.8, 0.8, 0.72),
@@ -38,10 +38,10 @@ REFLECTANCES = {
     "plaster": (0.72, 0.66, 0.55),
     "roof": (0.38, 0.15, 0.09),
     "timber": (0.16, 0.1, 0.06),
-    "pane": (0.05, 0.06, 0.07),
+    "pane": modelling.coated((0.05, 0.06, 0.07), 0),
     "bark": (0.16, 0.12, 0.08),
-    "leaf": (0.1, 0.19, 0.04),
-    "leaf_light": (0.19, 0.27, 0.06),
+    "leaf": modelling.leaf((0.1, 0.19, 0.04), (0.07, 0.13, 0.02)),
+    "leaf_light": modelling.leaf((0.19, 0.27, 0.06), (0.12, 0.19, 0.03)),
 }
 
 
@@ -91,7 +91,7 @@ def sky(n=256):
         gamma,
     )
     rgb = linear_rgb(x, y) * luminance[..., None]
-    ground = (SUN_LX * SUN[2] + SKY_LX) / math.pi / 1000 * np.array(REFLECTANCES["hill"])
+    ground = (SUN_LX * SUN[2] + SKY_LX) / math.pi / 1000 * np.array(SURFACES["hill"])
     return np.where(above[..., None], np.maximum(rgb, 0), ground)
 
 
@@ -235,7 +235,7 @@ def tree(model, x, y, tall, leaves, seed):
             h, a, r = 2 * rng.random() - 1, 2 * math.pi * rng.random(), radius * rng.random() ** 0.35
             s = math.sqrt(1 - h * h)
             at = np.array(centre) + r * np.array([s * math.cos(a), s * math.sin(a), 0.85 * h])
-            e, f = np.array([[rng.random() - 0.5 for _ in range(3)] for _ in range(2)]) * 0.085 * tall**0.75
+            e, f = np.array([[rng.random() - 0.5 for _ in range(3)] for _ in range(2)]) * 0.12 * tall**0.75
             triangles["leaf" if rng.random() < 0.6 else "leaf_light"] += [at, at + e, at + f]
         for surface, vertices in triangles.items():
             model.add(surface, vertices, np.arange(len(vertices)))
@@ -277,8 +277,23 @@ def grass(model):
         model.add(surface, vertices, np.arange(len(vertices)))
 
 
+def leaf_picture():
+    """White where a triangle is leaf.  The corners of the triangles have (u, v) = (0, 0), (1, 0) and (1, 1)."""
+    side, rng = 128, random.Random(2)
+    centres = (np.arange(side) + 0.5) / side
+    u, v = np.meshgrid(centres, centres[::-1])
+    white = np.zeros((side, side), bool)
+    for _ in range(22):
+        a, b = sorted((0.08 + 0.84 * rng.random(), 0.08 + 0.84 * rng.random()))
+        turn, long = 2 * math.pi * rng.random(), 0.13 + 0.05 * rng.random()
+        along = ((u - b) * math.cos(turn) + (v - a) * math.sin(turn)) / long
+        across = ((v - a) * math.cos(turn) - (u - b) * math.sin(turn)) / (0.45 * long)
+        white |= np.abs(across) < 1 - along**2
+    return modelling.png(np.where(white, 255, 0))
+
+
 def make():
-    model = modelling.Model(REFLECTANCES)
+    model = modelling.Model(SURFACES, {"leaf": "leaf.png", "leaf_light": "leaf.png"})
     terrain(model)
     stones(model)
     cottage(model, 17.5, 40, 24)
@@ -287,6 +302,7 @@ def make():
         tree(model, x, y, tall, leaves, 60 + i)
     grass(model)
     files = model.files()
+    files["leaf.png"] = leaf_picture()
     files["sky.hdr"] = modelling.hdr(sky())
     # CIE 1931 x, y of a black body of 4300 K.
     colour = linear_rgb(np.array(0.3681), np.array(0.3685))

@@ -16,25 +16,26 @@ WIDTH, DEPTH, HEIGHT = 9.0, 6.5, 3.2
 WINDOW = (2.6, 0.9), (5.8, 2.5)  # x, z in the far wall
 TABLES = (2.2, 4.5, 6.8)  # x of their middles
 TABLE_Y = 3.1
-REFLECTANCES = {
+SURFACES = {
     "wall": (0.78, 0.76, 0.72),
     "ceiling": (0.85, 0.85, 0.84),
     "feature": (0.16, 0.24, 0.27),
     "skirting": (0.7, 0.7, 0.68),
-    "board_a": (0.42, 0.28, 0.17),
-    "board_b": (0.36, 0.235, 0.14),
-    "board_c": (0.47, 0.325, 0.2),
-    "board_d": (0.31, 0.2, 0.12),
-    "oak": (0.55, 0.4, 0.25),
+    "board_a": modelling.coated((0.42, 0.28, 0.17), 0.15),
+    "board_b": modelling.coated((0.36, 0.235, 0.14), 0.15),
+    "board_c": modelling.coated((0.47, 0.325, 0.2), 0.15),
+    "board_d": modelling.coated((0.31, 0.2, 0.12), 0.15),
+    "oak": modelling.coated((0.55, 0.4, 0.25), 0.4),
     "white": (0.82, 0.82, 0.8),
     "black": (0.04, 0.04, 0.045),
-    "steel": (0.35, 0.36, 0.37),
+    "steel": modelling.named_metal("Cr", 0.15),
     "rug": (0.35, 0.12, 0.1),
     "rug_line": (0.7, 0.62, 0.5),
     "seat": (0.55, 0.2, 0.08),
-    "leaf": (0.1, 0.26, 0.07),
+    "leaf": modelling.leaf((0.1, 0.26, 0.07), (0.05, 0.13, 0.02)),
+    "glass": modelling.PANE,
     "soil": (0.1, 0.07, 0.05),
-    "pot": (0.72, 0.7, 0.66),
+    "pot": modelling.coated((0.72, 0.7, 0.66), 0.05),
     "red": (0.62, 0.1, 0.07),
     "blue": (0.08, 0.17, 0.45),
     "yellow": (0.78, 0.58, 0.1),
@@ -59,6 +60,7 @@ def building(model):
         model.box("white", (x - 0.03, DEPTH + 0.16, sill), (x + 0.03, DEPTH + 0.22, head))
     for z in (sill, sill + 1.05, head - 0.05):
         model.box("white", (left, DEPTH + 0.16, z), (right, DEPTH + 0.22, z + 0.05))
+    model.quad("glass", (left, DEPTH + 0.19, sill), (right, DEPTH + 0.19, sill), (right, DEPTH + 0.19, head), (left, DEPTH + 0.19, head))
     for low, high in (((0, DEPTH - 0.015), (WIDTH, DEPTH)), ((0, 0), (0.015, DEPTH)), ((WIDTH - 0.015, 0), (WIDTH, DEPTH))):
         model.box("skirting", (*low, 0), (*high, 0.09))
     boards(model)
@@ -235,7 +237,7 @@ def pendant(v, h):
 
 def make():
     TALL.clear()
-    model = modelling.Model(REFLECTANCES)
+    model = modelling.Model(SURFACES)
     building(model)
     furniture(model)
     lights = luminaires(model)

@@ -15,24 +15,24 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 import modelling
 
 WIDTH, DEPTH, GRID = 14.0, 9.0, 7.2  # of the stage; height of its bridges.  The curtain's line is y = 0.
-REFLECTANCES = {
-    "boards": (0.36, 0.28, 0.21),
-    "boards_dark": (0.31, 0.235, 0.175),
+SURFACES = {
+    "boards": modelling.coated((0.36, 0.28, 0.21), 0.3),
+    "boards_dark": modelling.coated((0.31, 0.235, 0.175), 0.3),
     "backdrop": (0.75, 0.75, 0.75),
     "velvet": (0.34, 0.03, 0.04),
-    "gold": (0.6, 0.42, 0.14),
+    "gold": modelling.named_metal("Au", 0.3),
     "masonry": (0.52, 0.48, 0.42),
     "masonry_dark": (0.38, 0.35, 0.31),
     "black": (0.03, 0.03, 0.03),
-    "steel": (0.2, 0.2, 0.21),
-    "wood": (0.36, 0.23, 0.13),
+    "steel": modelling.metal((0.5, 0.5, 0.52), 0.25),
+    "wood": modelling.coated((0.36, 0.23, 0.13), 0.2),  # painted
     "dress": (0.72, 0.66, 0.6),
     "sash": (0.5, 0.07, 0.09),
     "skin": (0.58, 0.42, 0.33),
     "coat": (0.14, 0.17, 0.3),
     "hair": (0.08, 0.05, 0.03),
     "leaf": (0.14, 0.27, 0.08),
-    "pot": (0.5, 0.24, 0.14),
+    "pot": modelling.coated((0.5, 0.24, 0.14), 0.1),
     "seat": (0.2, 0.03, 0.04),
     "heads": (0.06, 0.05, 0.045),
 }
@@ -317,7 +317,7 @@ def srgb(linear):
 
 
 def make():
-    model = modelling.Model(REFLECTANCES)
+    model = modelling.Model(SURFACES)
     house(model)
     arch(model, 4.6, 7.3, -14, 2.0, 3.6)
     arch(model, 1.7, 7.7, 0, 2.0, 3.6)

@@ -37,12 +37,14 @@ def window(model, lights, side, y, z, width, height, rng):
 
 
 def shop(model, lights, side, y, width, rng):
-    """A lit room of 2.2 m behind a front without glass, with spots, shelves and goods; an awning and a sign."""
+    """A lit room of 2.2 m behind a pane of glass, with spots, shelves and goods; an awning and a sign."""
     inner, back, low, high = side * FRONT, side * (FRONT + 2.2), 0.45, 2.75
     facing = lambda x0, x1: sorted((x0, x1))
     a, b = facing(inner, back)
     model.box("shop", (a, y, low - 0.05), (b, y + width, low))
     model.box("shop", (a, y, high), (b, y + width, high + 0.05))
+    x = inner - side * 0.01
+    model.quad("shop_window", (x, y, low), (x, y + width, low), (x, y + width, high), (x, y, high))
     c, d = facing(back, back + side * 0.05)
     model.box("shop", (c, y, low), (d, y + width, high))
     model.box("shop", (a, y - 0.05, low), (b, y, high))

@@ -15,11 +15,11 @@ from houses import FRONT, LENGTH, houses
 from lamps import COLD, WARM, WHITE, Lights
 
 KERB = 3.6  # half width of the road
-REFLECTANCES = {
-    "asphalt": (0.07, 0.07, 0.075),
+SURFACES = {
+    "asphalt": modelling.coated((0.05, 0.05, 0.055), 0.08, 1.33),  # wet
     "line": (0.6, 0.6, 0.58),
-    "paving": (0.2, 0.19, 0.18),
-    "paving_dark": (0.15, 0.145, 0.14),
+    "paving": modelling.coated((0.2, 0.19, 0.18), 0.35, 1.33),
+    "paving_dark": modelling.coated((0.15, 0.145, 0.14), 0.35, 1.33),
     "kerb": (0.28, 0.27, 0.26),
     "facade_a": (0.5, 0.24, 0.16),
     "facade_b": (0.58, 0.47, 0.28),
@@ -30,7 +30,8 @@ REFLECTANCES = {
     "trim": (0.62, 0.6, 0.55),
     "roof": (0.1, 0.09, 0.09),
     "frame": (0.5, 0.48, 0.44),
-    "glass": (0.03, 0.035, 0.04),
+    "glass": modelling.coated((0.03, 0.035, 0.04), 0),  # before dark rooms
+    "shop_window": modelling.PANE,
     "black": (0.03, 0.03, 0.03),
     "wood": (0.3, 0.19, 0.11),
     "shop": (0.66, 0.62, 0.56),
@@ -41,9 +42,9 @@ REFLECTANCES = {
     "goods_a": (0.6, 0.15, 0.1),
     "goods_b": (0.12, 0.3, 0.5),
     "goods_c": (0.7, 0.55, 0.15),
-    "car": (0.4, 0.05, 0.05),
-    "car_blue": (0.06, 0.12, 0.28),
-    "chrome": (0.5, 0.5, 0.5),
+    "car": modelling.coated((0.4, 0.05, 0.05), 0.02),
+    "car_blue": modelling.coated((0.06, 0.12, 0.28), 0.02),
+    "chrome": modelling.named_metal("Cr", 0.05),
     "tower": (0.12, 0.12, 0.14),
 }
 
@@ -215,7 +216,7 @@ def lantern(v, h):
 
 
 def make():
-    model, lights = modelling.Model(REFLECTANCES), Lights()
+    model, lights = modelling.Model(SURFACES), Lights()
     road(model)
     houses(model, lights)
     signs(model, lights)
