@@ -66,11 +66,14 @@ struct Material {
   MaterialParams params{};
   /// Tangent-space normals, from a picture whose channels are (n + 1) / 2; -1: none.
   std::int32_t normal_map = -1;
+  /// A height over the surface [m], which only tilts the shading normal; -1: none.  Not with a
+  /// normal map.
+  std::int32_t bumps = -1;
 
   /// The reflectance of a diffuse material without textures; null for all others.
   const Rgb<double>* plain_diffuse() const {
     const auto* diffuse = std::get_if<DiffuseParams>(&params);
-    return diffuse != nullptr && diffuse->reflectance.is_constant() && normal_map < 0
+    return diffuse != nullptr && diffuse->reflectance.is_constant() && normal_map < 0 && bumps < 0
                ? &diffuse->reflectance.constant
                : nullptr;
   }

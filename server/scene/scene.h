@@ -129,7 +129,8 @@ class Scene {
   /// Where a surface was hit, as textures need it.
   struct ShadingPoint {
     TexturePoint texture;
-    Vec3<double> dpdu;  ///< scene, of any length: the direction of growing u; 0 if there is none
+    /// Scene [m]: how the point moves as u and v grow.  0 where (u, v) do not span the surface.
+    Vec3<double> dpdu, dpdv;
   };
   ShadingPoint shading_point(const SurfaceHit& hit) const;
   const Camera& camera() const { return camera_; }

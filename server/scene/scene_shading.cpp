@@ -1,4 +1,6 @@
 // Surface coordinates at hits, for textures.
+#include <cmath>
+
 #include "server/scene/scene.h"
 
 namespace lucerna {
@@ -6,24 +8,24 @@ namespace {
 
 using Vector = Vec3<double>;
 
-/// (u, v), and the direction of growing u in the space of the GeometrySet.
+/// (u, v), and how the point moves as they grow, in the space of the GeometrySet.
 struct Coordinates {
   Vec2<double> uv;
-  Vector dpdu;
+  Vector dpdu, dpdv;
 };
 
 Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const SurfaceHit& hit) {
   const auto& uv = table.triangle_uv.empty() ? kTriangleUv : table.triangle_uv[hit.primitive];
   const std::uint32_t* v = &set.triangles[3 * std::size_t{hit.primitive}];
-  const Vector a(set.vertices[v[0]]), ab = Vector(set.vertices[v[1]]) - a,
-                                      ac = Vector(set.vertices[v[2]]) - a;
+  const auto vertex = [&](int k) { return Vector(set.vertices[v[k]]) * set.unit_m; };
+  const Vector ab = vertex(1) - vertex(0), ac = vertex(2) - vertex(0);
   const double b = hit.uv.x, c = hit.uv.y, ub = double{uv[1].x} - uv[0].x,
                uc = double{uv[2].x} - uv[0].x, vb = double{uv[1].y} - uv[0].y,
                vc = double{uv[2].y} - uv[0].y;
-  // Where (u, v) do not span the triangle, there is no direction of u.
-  const double determinant = ub * vc - uc * vb;
-  const Vector dpdu = determinant != 0 ? (ab * vc - ac * vb) * (1 / determinant) : Vector{};
-  return {table.triangle_uv_at(hit.primitive, b, c), dpdu};
+  // Where (u, v) do not span the triangle, they have no directions.
+  const double determinant = ub * vc - uc * vb, scale = determinant != 0 ? 1 / determinant : 0;
+  return {table.triangle_uv_at(hit.primitive, b, c), (ab * vc - ac * vb) * scale,
+          (ac * ub - ab * uc) * scale};
 }
 
 Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const SurfaceHit& hit) {
@@ -42,17 +44,35 @@ Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const Su
   };
   constexpr auto kU = &Vec2<float>::x, kV = &Vec2<float>::y;
   const double us = along_s(kU), ut = along_t(kU), vs = along_s(kV), vt = along_t(kV);
-  const double determinant = us * vt - ut * vs;
-  const Vector dpdu = determinant != 0 ? (dpds * vt - dpdt * vs) * (1 / determinant) : Vector{};
-  return {table.patch_uv_at(hit.primitive, s, t), dpdu};
+  const double determinant = us * vt - ut * vs, scale = determinant != 0 ? 1 / determinant : 0;
+  return {table.patch_uv_at(hit.primitive, s, t), (dpds * vt - dpdt * vs) * scale,
+          (dpdt * us - dpds * ut) * scale};
 }
 
 /// `position`: in the space of the set.
 template <typename Quadric>
-Coordinates on_quadric(const Quadric& quadric, const Vector& position) {
+Coordinates on_quadric(const Quadric& quadric, const Vector& position, const Vector& normal) {
   // u turns about the z axis of the quadric's own space.
-  const Vector q = quadric.world_from_object().inverse().point(position);
-  return {quadric.uv(position), quadric.world_from_object().vector({-q.y, q.x, 0})};
+  const Transform& to_set = quadric.world_from_object();
+  const Vector q = to_set.inverse().point(position);
+  const Vector turn = to_set.vector({-q.y, q.x, 0});
+  Coordinates c{quadric.uv(position), turn, {}};
+  // (u, v) of near points give their derivatives along the surface.
+  const Vector along = normalized(turn);
+  if (!is_finite(along)) return c;
+  const Vector across = normalized(cross(normal, along));
+  const double step = 1e-4 * length(turn);
+  const auto change = [&](const Vector& w) {
+    const Vec2<double> a = quadric.uv(position - w * step), b = quadric.uv(position + w * step);
+    const auto per_m = [&](double x) { return (x - std::round(x)) / (2 * step); };  // past the seam
+    return Vec2<double>{per_m(b.x - a.x), per_m(b.y - a.y)};
+  };
+  const Vec2<double> s = change(along), t = change(across);
+  const double determinant = s.x * t.y - t.x * s.y;
+  if (!(determinant != 0)) return c;
+  c.dpdu = (along * t.y - across * s.y) * (1 / determinant);
+  c.dpdv = (across * s.x - along * t.x) * (1 / determinant);
+  return c;
 }
 
 }  // namespace
@@ -73,24 +93,31 @@ Scene::ShadingPoint Scene::shading_point(const SurfaceHit& hit) const {
       c = on_patch(set, table, hit);
       break;
     default: {
-      Vector position = hit.position;
+      Vector position = hit.position, normal = hit.ng;
       if (instance != nullptr) {
-        if (instance->motion) position = pose().inverse_point(position);
-        position = instance->scene_from_object.inverse().point(position);
+        if (instance->motion) {
+          position = pose().inverse_point(position);
+          normal = pose().inverse_vector(normal);
+        }
+        const Transform to_object = instance->scene_from_object.inverse();
+        position = to_object.point(position);
+        normal = to_object.normal(normal);
       }
       c = set.visit_surface(hit.kind, hit.primitive, [&](const auto& surface) -> Coordinates {
         if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
-          return on_quadric(surface, position);
+          return on_quadric(surface, position, normal);
         else
           return {};
       });
     }
   }
   if (instance != nullptr) {
-    c.dpdu = instance->scene_from_object.vector(c.dpdu);
-    if (instance->motion) c.dpdu = pose().vector(c.dpdu);
+    for (Vector* const v : {&c.dpdu, &c.dpdv}) {
+      *v = instance->scene_from_object.vector(*v);
+      if (instance->motion) *v = pose().vector(*v);
+    }
   }
-  return {{c.uv, hit.position + origin_, Vector(hit.ns)}, c.dpdu};
+  return {{c.uv, hit.position + origin_, Vector(hit.ns)}, c.dpdu, c.dpdv};
 }
 
 }  // namespace lucerna

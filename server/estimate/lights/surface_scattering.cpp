@@ -14,6 +14,26 @@ Frame<double> frame_along(const Vec3<double>& n, const Vec3<double>& dpdu) {
   return {x, cross(n, x), n};
 }
 
+/// The normal of the surface with its bumps.  The height is differentiated over a small step, as in
+/// pbrt-v4.  [Pharr23, 10.5.3]
+Vec3<double> bumped_normal(const Textures& textures, std::int32_t bumps,
+                           const Scene::ShadingPoint& at) {
+  constexpr double kStep = 0.0005;  // of u and v
+  const Vec3<double>& n = at.texture.normal;
+  const auto height = [&](double du, double dv) {
+    TexturePoint p = at.texture;
+    p.uv = {p.uv.x + du, p.uv.y + dv};
+    p.position += at.dpdu * du + at.dpdv * dv;
+    return textures(NumberValue{0, bumps}, p);
+  };
+  const double here = height(0, 0);
+  const Vec3<double> dpdu = at.dpdu + n * ((height(kStep, 0) - here) / kStep),
+                     dpdv = at.dpdv + n * ((height(0, kStep) - here) / kStep);
+  const Vec3<double> bumped = normalized(cross(dpdu, dpdv));
+  // (u, v) may have either handedness.
+  return dot(bumped, n) < 0 ? -bumped : bumped;
+}
+
 }  // namespace
 
 SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets) {
@@ -28,10 +48,16 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
   const Material& material = scene.materials()[number];
   bsdf_ = bsdf_of(material, scene.textures(), at.texture);
   frame_ = frame_along(normalized(Vec3<double>(hit.ns)), at.dpdu);
-  if (material.normal_map < 0) return;
-  const Rgb<double> texel =
-      scene.textures()(ColourValue{{}, material.normal_map}, at.texture) * 2 - Rgb<double>(1);
-  const Vec3<double> n = normalized(frame_.world_from_local({texel.r, texel.g, texel.b}));
+  Vec3<double> n;
+  if (material.normal_map >= 0) {
+    const Rgb<double> texel =
+        scene.textures()(ColourValue{{}, material.normal_map}, at.texture) * 2 - Rgb<double>(1);
+    n = normalized(frame_.world_from_local({texel.r, texel.g, texel.b}));
+  } else if (material.bumps >= 0) {
+    n = bumped_normal(scene.textures(), material.bumps, at);
+  } else {
+    return;
+  }
   // A map does not turn the surface over.
   if (!(dot(n, hit.ng) > 0)) return;
   hit.ns = Vec3<float>(n);
@@ -41,8 +67,9 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
 std::optional<ScatterSample<double>> SurfaceScattering::sample(
     const Vec3<double>& wo, const ScatterValues<double>& u) const {
   const Vec3<double> w = local(wo);
-  auto s = is_mirror_ ? ScatterSample<double>{.wi = mirrored(w), .weight = Rgb<double>(1), .delta = true}
-                      : bsdf_.sample(w, u);
+  auto s = is_mirror_
+               ? ScatterSample<double>{.wi = mirrored(w), .weight = Rgb<double>(1), .delta = true}
+               : bsdf_.sample(w, u);
   if (s) s->wi = normalized(frame_.world_from_local(s->wi));
   return s;
 }

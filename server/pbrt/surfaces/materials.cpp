@@ -239,9 +239,14 @@ Material Materials::material_of(Context& context, const Entry& entry) {
   if (const Parameter* map = entry.params.find("normalmap", {"string"}))
     m.normal_map =
         context.scene.textures.add(ImageTexture{.image = read_image(context, *map, kLinear).image});
-  if (const Parameter* map = entry.params.find("displacement", {"texture", "float"}))
-    context.remark(map->place, fmt::format("\"displacement\" of {} is not modelled", owner),
-                   "the surface without it");
+  if (const Parameter* map = entry.params.find("displacement", {"texture", "float"})) {
+    const NumberValue height = textures_.number(entry.params, "displacement", 0);
+    if (m.normal_map >= 0)
+      context.remark(map->place, fmt::format("{} has a \"normalmap\" too", owner),
+                     "the \"displacement\" is not used, as in pbrt-v4");
+    else if (!height.is_constant())
+      m.bumps = height.texture;
+  }
   entry.params.ignore({"type"});
   entry.params.remark_unused(context, owner);
   return m;

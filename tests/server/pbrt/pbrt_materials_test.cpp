@@ -87,9 +87,7 @@ TEST(PbrtMaterials, OthersBecomeDiffuseWithARemark) {
        .5, "1:12 texture \"t\" (marble) is not modelled -> constant 0.5\n"},
       {"Material \"diffuse\" \"spectrum reflectance\" \"x.spd\"", .5,
        "1:31 spectrum \"reflectance\" of a surface is not modelled -> grey 0.5\n"},
-      {"Material \"diffuse\" \"float displacement\" 1", .5,
-       "1:31 \"displacement\" of material \"diffuse\" is not modelled -> the surface without "
-       "it\n"},
+      {"Material \"diffuse\" \"float displacement\" 1", .5, ""},
   };
   for (const auto& [text, expected, remark] : kCases) {
     const auto [reflectance, remarks] = surface(text);
@@ -196,6 +194,17 @@ TEST(PbrtMaterials, NamedMaterialsMayBeUsedBeforeTheirDefinition) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(scene->materials.size(), 1U);  // unused materials are not built
   EXPECT_EQ(*scene->materials[scene->shapes[1].material].plain_diffuse(), Rgb<double>(.3));
+  EXPECT_EQ(remarks_of(*scene), "");
+}
+
+TEST(PbrtMaterials, DisplacementsAreBumps) {
+  const auto scene = load_world(
+      "Texture \"h\" \"float\" \"bilerp\" Material \"diffuse\" \"texture displacement\" \"h\" "
+      "Shape \"disk\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(scene->materials[0].bumps, 0);
+  EXPECT_TRUE(scene->shapes[0].has_uv);
+  EXPECT_EQ(scene->materials[0].plain_diffuse(), nullptr);
   EXPECT_EQ(remarks_of(*scene), "");
 }
 

@@ -1,0 +1,90 @@
+// The shading normals of surfaces with bumps.
+#include "server/estimate/lights/surface_scattering.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/server/scene/scenes.h"
+
+namespace lucerna::testing {
+namespace {
+
+/// A height that grows by `rise.x` over u and by `rise.y` over v.
+std::int32_t ramp(SceneDescription& d, Vec2<double> rise) {
+  BilerpTexture t;
+  // At (u, v) = (0, 0), (0, 1), (1, 0), (1, 1).
+  t.corners = {Rgb<double>(0), Rgb<double>(rise.y), Rgb<double>(rise.x),
+               Rgb<double>(rise.x + rise.y)};
+  return d.textures.add(t);
+}
+
+/// The shading normal where a ray meets the first shape, whose material has these bumps.
+Vec3<double> normal_at(SceneDescription d, std::int32_t bumps, const Vec3<double>& from,
+                       const Vec3<double>& way) {
+  d.materials[0].bumps = bumps;
+  for (ShapeDescription& s : d.shapes) s.has_uv = true;
+  const auto scene = build(std::move(d));
+  Ray ray{Vec3<float>(from - scene->origin()), Vec3<float>(way)};
+  auto hit = scene->closest_hit(ray);
+  EXPECT_TRUE(hit.has_value());
+  const SurfaceScattering scattering(*scene, *hit);
+  return Vec3<double>(hit->ns);
+}
+
+void expect_near(const Vec3<double>& a, const Vec3<double>& b, double error) {
+  EXPECT_NEAR(a.x, b.x, error);
+  EXPECT_NEAR(a.y, b.y, error);
+  EXPECT_NEAR(a.z, b.z, error);
+}
+
+TEST(Bumps, TiltThePlaneByTheSlopeOfTheirHeight) {
+  // u along x over 4 m, v along y over 2 m.
+  SceneDescription d = description();
+  d.shapes = {patch({-2, -1, 0}, {2, -1, 0}, {-2, 1, 0}, {2, 1, 0})};
+  const std::int32_t bumps = ramp(d, {0.8, 0.5});
+  const Vec3<double> expected = normalized(Vec3<double>{-0.2, -0.25, 1});
+  expect_near(normal_at(d, bumps, {0.3, 0.2, 1}, {0, 0, -1}), expected, 1e-6);
+  // From below, the normal stays on the side of the geometric normal.
+  expect_near(normal_at(d, bumps, {0.3, 0.2, -1}, {0, 0, 1}), expected, 1e-6);
+
+  TriangleMeshData mesh{
+      .positions = {{-2, -1, 0}, {2, -1, 0}, {2, 1, 0}}, .normals = {}, .indices = {0, 1, 2}};
+  mesh.corner_uv = {{0, 0}, {1, 0}, {1, 1}};
+  d.shapes = {shape(std::move(mesh))};
+  expect_near(normal_at(d, bumps, {0.3, -0.2, 1}, {0, 0, -1}), expected, 1e-6);
+}
+
+TEST(Bumps, KeepTheirSlopeInInstancesAndOnTurnedPatches) {
+  SceneDescription d = description();
+  // u runs against x here, so (u, v) have the other handedness.
+  d.objects = {{"plane", {patch({1, -1, 0}, {-1, -1, 0}, {1, 1, 0}, {-1, 1, 0})}}};
+  d.objects[0].shapes[0].has_uv = true;
+  d.instances.push_back({0, *Transform::scale({3, 1, 1})});
+  const Vec3<double> n = normal_at(d, ramp(d, {0.6, 0}), {0.3, 0.2, 1}, {0, 0, -1});
+  // The height is that of the world: 0.6 over 6 m, downwards from z = 0.
+  expect_near(n, normalized(Vec3<double>{0.1, 0, -1}), 1e-6);
+}
+
+TEST(Bumps, FollowTheCoordinatesOfQuadrics) {
+  SceneDescription d = description();
+  d.shapes = {shape(SphereParams{.radius_m = 2})};
+  // u is the angle about z over a turn: a metre of u is 1 / (4 pi) on the equator.
+  const std::int32_t along_u = ramp(d, {1, 0}), along_v = ramp(d, {0, 1});
+  const double u_slope = 1 / (4 * std::numbers::pi), v_slope = 1 / (2 * std::numbers::pi);
+  expect_near(normal_at(d, along_u, {0, -5, 0}, {0, 1, 0}),
+              normalized(Vec3<double>{-u_slope, -1, 0}), 1e-5);
+  // v grows from -z to +z over half a turn.
+  expect_near(normal_at(d, along_v, {5, 0.001, 0}, {-1, 0, 0}),
+              normalized(Vec3<double>{1, 0.0005, -v_slope}), 1e-4);
+}
+
+TEST(Bumps, AreNothingOnAnEvenHeight) {
+  SceneDescription d = description();
+  d.shapes = {floor(1)};
+  expect_near(normal_at(d, ramp(d, {0, 0}), {0.3, 0.2, 1}, {0, 0, -1}), {0, 0, 1}, 1e-9);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
