@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks that the tests of docs/extremes.md can fail: removes one fix after another from a copy of the sources.
+"""Checks that tests can fail: removes one fix after another from a copy of the sources.
 
     tests/mutants/run.py [NAME...]       applies each patch (all, or the named ones, such as 01), builds, and expects
                                          its test to fail
@@ -12,6 +12,10 @@ A patch NN.patch (or NNx.patch) belongs to row NN and begins with
     Test: EXECUTABLE FILTER
     Fails by: crash                      (or timeout; only if it does not fail by an expectation)
     Found by the oracle.                 (only if it is)
+
+A patch mNN.patch belongs to the surfaces of scenes and begins with the same lines, but for
+
+    Surfaces: what the changed code does.
 
 A patch oNN.patch is one for the oracle (docs/oracle.md) and begins with
 
@@ -45,8 +49,9 @@ class Mutant:
         if self.name.startswith("o"):
             row = re.match(r"(Oracle): (.+)\n", text)
         else:
-            row = re.match(r"Row (\d+): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?(Found by the oracle)?", text)
-            if row and f"{int(row[1]):02}" != self.name[:2]:
+            row = re.match(r"(Row \d+|Surfaces): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?(Found by the oracle)?", text)
+            belongs_to = "Surfaces" if self.name.startswith("m") else f"Row {self.name[:2]}"
+            if row and row[1].replace("Row ", "Row 0" if len(row[1]) == 5 else "Row ") != belongs_to:
                 row = None
         if not row:
             sys.exit(f"{path.relative_to(ROOT)}: does not begin with the lines that run.py describes")

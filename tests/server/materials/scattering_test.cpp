@@ -235,38 +235,46 @@ TEST(Scattering, LightGoesStraightOnBetweenAlmostEqualIndices) {
   }
 }
 
-/// A boundary that nothing absorbs, over a base of reflectance 1, returns all light.  Over other
-/// bases: a series of reflections below the boundary, whose mean reflectance has a closed form.
+/// A boundary that nothing absorbs, over a base of reflectance 1, returns all light.  Else: a
+/// series of reflections below the boundary.  Its means over the cosine are integrals of one
+/// variable.
 TEST(Scattering, CoatedDiffuseSurfacesReflectAsTheSeriesOfReflections) {
-  // The mean over the cosine from below, by a midpoint rule.
-  double inside = 0;
-  constexpr int kSteps = 100'000;
-  for (int i = 0; i < kSteps; ++i) {
-    const double cos2 = (i + 0.5) / kSteps;
-    inside += fresnel_dielectric(-std::sqrt(cos2), 1.5) / kSteps;
-  }
-  for (const double reflectance : {1.0, 0.5})
-    for (const double alpha : {0.0, 2e-3})
-      for (const double degrees : {5.0, 45.0, 75.0}) {
-        const auto coat = coated_diffuse<double>(alpha, reflectance, 0);
-        const Direction wo = at_angle(degrees);
-        RandomU random(8);
-        constexpr int kSamples = 60'000;
-        double sum = 0, squares = 0;
-        for (int i = 0; i < kSamples; ++i) {
-          const auto sample = coat.sample(wo, random_values(random));
-          const double x = sample ? sample->weight.g : 0;
-          sum += x;
-          squares += x * x;
-        }
-        const double mean = sum / kSamples,
-                     error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
-        const double outside = fresnel_dielectric(wo.z, 1.5);
-        const double right =
-            outside + (1 - outside) * reflectance * (1 - inside) / (1 - reflectance * inside);
-        EXPECT_NEAR(mean, right, 4 * error + 2e-3)
-            << reflectance << ", " << alpha << ", " << degrees << " degrees";
+  struct Coat {
+    double reflectance, alpha, thickness;
+  };
+  for (const Coat& c : {Coat{1, 0, 0}, Coat{0.5, 0, 0}, Coat{0.5, 2e-3, 0}, Coat{0.5, 0, 0.2},
+                        Coat{0.8, 2e-3, 1}}) {
+    // Light that the base scatters: what returns to it, and what leaves the coat.
+    double back = 0, out = 0;
+    constexpr int kSteps = 100'000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double cosine = std::sqrt((i + 0.5) / kSteps), left = std::exp(-c.thickness / cosine);
+      const double fresnel = fresnel_dielectric(-cosine, 1.5);
+      back += fresnel * left * left / kSteps;
+      out += (1 - fresnel) * left / kSteps;
+    }
+    for (const double degrees : {5.0, 45.0, 75.0}) {
+      const auto coat = coated_diffuse<double>(c.alpha, c.reflectance, c.thickness);
+      const Direction wo = at_angle(degrees);
+      RandomU random(8);
+      constexpr int kSamples = 60'000;
+      double sum = 0, squares = 0;
+      for (int i = 0; i < kSamples; ++i) {
+        const auto sample = coat.sample(wo, random_values(random));
+        const double x = sample ? sample->weight.g : 0;
+        sum += x;
+        squares += x * x;
       }
+      const double mean = sum / kSamples,
+                   error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
+      const double outside = fresnel_dielectric(wo.z, 1.5);
+      const double in = std::exp(-c.thickness * 1.5 / std::sqrt(1.25 + wo.z * wo.z));
+      const double right =
+          outside + (1 - outside) * in * c.reflectance * out / (1 - c.reflectance * back);
+      EXPECT_NEAR(mean, right, 4 * error + 2e-3) << c.reflectance << ", " << c.alpha << ", "
+                                                 << c.thickness << ", " << degrees << " degrees";
+    }
+  }
 }
 
 /// Reflectances of walks that connect to the light from its end only, which need no weights: means
@@ -291,6 +299,23 @@ TEST(Scattering, RoughCoatsAgreeWithConnectionsFromOneEnd) {
                  error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
     EXPECT_NEAR(mean, c.reflected, 4 * error + 1e-4) << c.alpha << ", " << c.degrees << " degrees";
   }
+}
+
+TEST(Fresnel, RefractionFollowsSnellsLaw) {
+  for (const double eta : {1.0 / 2.4, 0.9, 1.0, 1.33, 2.4})
+    for (const double degrees : {0.0, 20.0, 60.0, 89.0, 120.0, 170.0}) {
+      const Direction w = at_angle(degrees);
+      const double relative = w.z > 0 ? eta : 1 / eta;  // beyond over this side
+      const double sine = std::hypot(w.x, w.y) / relative;
+      const auto refracted = refract(w, Direction{0, 0, 1}, eta);
+      ASSERT_EQ(refracted.has_value(), sine < 1) << eta << ", " << degrees << " degrees";
+      if (!refracted) continue;
+      const Direction& t = refracted->w;
+      EXPECT_NEAR(t.x, -w.x / relative, 1e-12) << eta << ", " << degrees << " degrees";
+      EXPECT_NEAR(t.y, -w.y / relative, 1e-12);
+      EXPECT_NEAR(t.z, (w.z > 0 ? -1 : 1) * std::sqrt(1 - sine * sine), 1e-12);
+      EXPECT_EQ(refracted->eta, relative);
+    }
 }
 
 TEST(Fresnel, MatchesKnownReflectances) {
