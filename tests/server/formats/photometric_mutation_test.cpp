@@ -12,6 +12,7 @@
 #include "server/formats/ies.h"
 #include "server/pbrt/syntax/place.h"
 #include "server/scene/scene.h"
+#include "tests/mutated.h"
 #include "tests/server/formats/photometric_texts.h"
 #include "tests/server/formats/picture_texts.h"
 
@@ -21,34 +22,13 @@ namespace {
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using testing::Ies;
+using testing::mutated;
 using testing::planes;
 using testing::SceneFiles;
 using ::testing::StartsWith;
 
-/// Changes, inserts, removes or repeats some bytes.
-std::string mutated(std::string text, std::mt19937& random) {
-  const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
-  static const char* kWords[] = {"-1", "1e308",          "999999999", "nan",
-                                 "\r", "TILT=INCLUDE\n", "0 ",        "-"};
-  for (std::size_t edits = 1 + below(3); edits > 0; --edits) {
-    const std::size_t at = below(text.size());
-    switch (below(4)) {
-      case 0:
-        text[at] = static_cast<char>(random());
-        break;
-      case 1:
-        text.insert(at, kWords[below(std::size(kWords))]);
-        break;
-      case 2:
-        text.erase(at, 1 + below(10));
-        break;
-      default:
-        text.insert(at, text.substr(below(text.size()), below(20)));
-    }
-    if (text.empty()) text.push_back(' ');
-  }
-  return text;
-}
+constexpr const char* kWords[] = {"-1", "1e308",          "999999999", "nan",
+                                  "\r", "TILT=INCLUDE\n", "0 ",        "-"};
 
 template <typename Parse>
 void check_mutations(const std::string& whole, Parse&& parse) {
@@ -81,7 +61,7 @@ void check_mutations(const std::string& whole, Parse&& parse) {
     }
   };
   for (std::size_t size = 0; size <= whole.size(); ++size) check(whole.substr(0, size));
-  for (int i = 0; i < 5000; ++i) check(mutated(whole, random));
+  for (int i = 0; i < 5000; ++i) check(mutated(whole, random, kWords));
   EXPECT_GT(errors, 500);
   EXPECT_GT(good, 500);
 }
@@ -123,7 +103,7 @@ void check_scenes(const std::string& name, const std::string& whole, const std::
   int errors = 0;
   for (int i = 0; i < times; ++i) {
     const std::string broken =
-        i % 3 == 0 ? whole.substr(0, random() % whole.size()) : mutated(whole, random);
+        i % 3 == 0 ? whole.substr(0, random() % whole.size()) : mutated(whole, random, kWords);
     files.write(name, broken);
     const auto description = files.load("scene.pbrt");
     absl::Status status = description.status();

@@ -5,6 +5,7 @@
 
 #include "gltf_fixture.h"
 #include "server/formats/printable.h"
+#include "tests/mutated.h"
 
 namespace lucerna {
 namespace {
@@ -58,31 +59,8 @@ GltfFile everything() {
   return file;
 }
 
-/// Changes, inserts, removes or moves some bytes.
-std::string mutated(std::string text, std::mt19937& random) {
-  const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
-  static const char* kWords[] = {"\"", "[",    "]",  "{",  "}",          "-",   "1e308", ",",
-                                 ":",  "null", "-1", "\\", "4294967295", "0.5", "\xff",  "true"};
-  for (std::size_t edits = 1 + below(3); edits > 0; --edits) {
-    const std::size_t at = below(text.size());
-    switch (below(4)) {
-      case 0:
-        text[at] = static_cast<char>(random());
-        break;
-      case 1:
-        text.insert(at, kWords[below(std::size(kWords))]);
-        break;
-      case 2:
-        text.erase(at, 1 + below(20));
-        break;
-      default:
-        text.insert(at, text.substr(below(text.size()), below(40)));
-        break;
-    }
-    if (text.empty()) text.push_back(' ');
-  }
-  return text;
-}
+constexpr const char* kWords[] = {"\"", "[",    "]",  "{",  "}",          "-",   "1e308", ",",
+                                  ":",  "null", "-1", "\\", "4294967295", "0.5", "\xff",  "true"};
 
 /// All values of a JSON text.
 void collect(Json& value, std::vector<Json*>& all) {
@@ -166,9 +144,9 @@ TEST(GltfMutations, OtherBytesEndWithASceneOrAnError) {
   const std::string text = everything().text("data.bin"), binary = everything().binary();
   int errors = 0;
   for (int i = 0; i < 2000; ++i) {
-    files.write("data.bin", mutated(everything().bytes(), random));
-    files.write("scene.gltf", mutated(text, random));
-    files.write("scene.glb", mutated(binary, random));
+    files.write("data.bin", mutated(everything().bytes(), random, kWords));
+    files.write("scene.gltf", mutated(text, random, kWords));
+    files.write("scene.glb", mutated(binary, random, kWords));
     errors += !load_and_check(files, "scene.gltf");
     errors += !load_and_check(files, "scene.glb");
   }

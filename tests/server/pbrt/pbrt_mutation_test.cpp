@@ -6,11 +6,13 @@
 #include "pbrt_fixture.h"
 #include "server/formats/ply.h"
 #include "server/pbrt/syntax/place.h"
+#include "tests/mutated.h"
 
 namespace lucerna {
 namespace {
 
 using testing::message;
+using testing::mutated;
 using testing::SceneFiles;
 
 std::string contents(const std::string& name) {
@@ -19,32 +21,9 @@ std::string contents(const std::string& name) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Changes, inserts, removes or moves some bytes.
-std::string mutated(std::string text, std::mt19937& random) {
-  const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
-  static const char* kWords[] = {
-      "\"", "[",           "]",          "-",   "1e308", "AttributeEnd", "ObjectBegin \"x\"",
-      "\\", "\"float x\"", "4294967295", "nan", "#",     "\xff",         "Include \"scene.pbrt\""};
-  for (std::size_t edits = 1 + below(4); edits > 0; --edits) {
-    const std::size_t at = below(text.size());
-    switch (below(4)) {
-      case 0:
-        text[at] = static_cast<char>(random());
-        break;
-      case 1:
-        text.insert(at, kWords[below(std::size(kWords))]);
-        break;
-      case 2:
-        text.erase(at, 1 + below(20));
-        break;
-      default:
-        text.insert(at, text.substr(below(text.size()), below(40)));
-        break;
-    }
-    if (text.empty()) text.push_back(' ');
-  }
-  return text;
-}
+constexpr const char* kWords[] = {
+    "\"", "[",           "]",          "-",   "1e308", "AttributeEnd", "ObjectBegin \"x\"",
+    "\\", "\"float x\"", "4294967295", "nan", "#",     "\xff",         "Include \"scene.pbrt\""};
 
 void load_and_check(const SceneFiles& files) {
   const auto scene = files.load("scene.pbrt");
@@ -71,7 +50,7 @@ TEST(PbrtMutations, BrokenScenesEndWithASceneOrAnError) {
   const std::string whole = contents("pbrt/everything.pbrt");
   int errors = 0;
   for (int i = 0; i < 400; ++i) {
-    files.write("scene.pbrt", mutated(whole, random));
+    files.write("scene.pbrt", mutated(whole, random, kWords, 4));
     load_and_check(files);
     errors += !files.load("scene.pbrt").ok();
   }
@@ -88,7 +67,7 @@ TEST(PbrtMutations, BrokenMeshesEndWithAMeshOrAnError) {
     // The header and the first vertices of the ball; truncation must be detected too.
     const std::string whole = contents(name).substr(0, 2000);
     for (int i = 0; i < 400; ++i) {
-      const auto mesh = parse_ply(mutated(whole, random));
+      const auto mesh = parse_ply(mutated(whole, random, kWords, 4));
       if (!mesh.ok()) {
         ASSERT_TRUE(pbrt::is_printable(pbrt::printable(message(mesh.status()))));
         continue;

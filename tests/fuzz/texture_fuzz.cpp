@@ -1,0 +1,60 @@
+// libFuzzer target: reads the bytes as the picture of a surface, and looks it up.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "server/pbrt/load.h"
+#include "server/scene/scene.h"
+#include "tests/temp_directory.h"
+
+namespace {
+
+/// Chooses among words by a byte.
+template <std::size_t n>
+std::string one_of(const char* const (&words)[n], std::uint8_t byte) {
+  return words[byte % n];
+}
+
+}  // namespace
+
+/// The first five bytes choose the parameters of the texture.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  constexpr std::size_t kParameters = 5;
+  if (size < kParameters) return 0;
+  static const lucerna::TempDirectory directory;
+  static const std::string root = directory.path().string();
+  const char* const wraps[] = {"repeat", "black", "clamp", "octahedralsphere"};
+  const char* const filters[] = {"point", "bilinear", "trilinear", "ewa"};
+  const char* const mappings[] = {"uv", "spherical", "cylindrical", "planar"};
+  const char* const encodings[] = {"sRGB", "linear", "gamma 2.2"};
+  std::ofstream(root + "/picture", std::ios::binary)
+      .write(reinterpret_cast<const char*>(data + kParameters),
+             static_cast<std::streamsize>(size - kParameters));
+  const std::string parameters =
+      " \"imagemap\" \"string filename\" \"picture\" \"string wrap\" \"" + one_of(wraps, data[0]) +
+      "\" \"string filter\" \"" + one_of(filters, data[1]) + "\" \"string mapping\" \"" +
+      one_of(mappings, data[2]) + "\" \"string encoding\" \"" + one_of(encodings, data[3]) +
+      "\" \"bool invert\" " + (data[4] % 2 == 0 ? "true" : "false") + " ";
+  std::ofstream(root + "/scene.pbrt")
+      << "WorldBegin AreaLightSource \"diffuse\" Texture \"c\" \"spectrum\"" << parameters
+      << "Texture \"a\" \"float\"" << parameters
+      << "Material \"diffuse\" \"texture reflectance\" \"c\" \"texture displacement\" \"a\" "
+         "Shape \"sphere\" \"texture alpha\" \"a\"";
+  auto assets = lucerna::AssetReader::open(root);
+  if (!assets.ok()) return 0;
+  auto description = lucerna::load_pbrt(*assets, "scene.pbrt");
+  if (!description.ok()) return 0;
+  const auto scene = lucerna::Scene::build(*std::move(description));
+  if (!scene.ok()) return 0;
+  const lucerna::Textures& textures = (*scene)->textures();
+  for (std::int32_t t = 0; t < static_cast<std::int32_t>(textures.size()); ++t)
+    for (const double u : {-1e300, -0.3, 0.0, 0.5, 1.0, 7.25, 1e300})
+      for (const double v : {-1e300, 0.0, 0.75, 1.0, 1e300}) {
+        const lucerna::Vec3<double> p{u, v, 0.5};
+        if (!is_finite(textures(lucerna::ColourValue{{}, t}, {{u, v}, p, {0, 0, 1}}))) std::abort();
+      }
+  return 0;
+}
