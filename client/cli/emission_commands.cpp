@@ -7,6 +7,7 @@
 #include "client/cli/commands.h"
 #include "client/terminal/answer.h"
 #include "client/terminal/certainty.h"
+#include "client/terminal/light_option.h"
 #include "client/terminal/method_options.h"
 #include "client/terminal/output.h"
 #include "client/terminal/point_options.h"
@@ -22,7 +23,7 @@ struct LeOptions {
   std::string scene;
   PointOptions points;
   TripleOption directions;
-  std::optional<std::uint64_t> light;
+  LightOption light;
   TimeOption time;
   WavelengthOption wavelengths;
   ThinGlassOption thin_glass;
@@ -34,7 +35,7 @@ void le(Session& session, const LeOptions& options) {
   v1::LeRequest request;
   *request.mutable_points() = client::make_points(set.points);
   fill(directions, request.mutable_directions());
-  if (options.light) request.set_light_id(*options.light);
+  options.light.put(request);
   options.time.put(request);
   options.wavelengths.put(request);
   options.thin_glass.put(request);
@@ -68,7 +69,7 @@ void le(Session& session, const LeOptions& options) {
 
 struct EmitOptions {
   std::string scene;
-  std::optional<std::uint64_t> light;
+  LightOption light;
   std::uint32_t count = 1;
   std::uint64_t seed = 0;
   std::vector<std::string> u;
@@ -80,10 +81,10 @@ struct EmitOptions {
 v1::SampleValues sample_values(const EmitOptions& options) {
   v1::SampleValues values;
   for (const std::string& text : options.u) {
-    const auto u = parse_sample_values(text, 4, !options.light);
+    const auto u = parse_sample_values(text, 4, !options.light.given());
     if (!u.ok()) wrong_use("--u " + std::string(u.status().message()));
     for (std::size_t i = 0; i < 4; ++i) values.add_u(static_cast<float>((*u)[i]));
-    if (!options.light) values.add_u_light((*u)[4]);
+    if (!options.light.given()) values.add_u_light((*u)[4]);
   }
   return values;
 }
@@ -104,7 +105,7 @@ std::string spectral_unit_of(bool has_normal, float pdf_position, float pdf_dire
 
 void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options) {
   std::vector<Table::Column> columns = {{"light"}};
-  if (!options.light) columns.push_back({"chosen with"});
+  if (!options.light.given()) columns.push_back({"chosen with"});
   columns.insert(columns.end(), {{"from [m]", true},
                                  {"direction", true},
                                  {"value (RGB)", true},
@@ -129,9 +130,11 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
     const float position = at(response.pdf_position_per_m2(), i);
     const float direction = at(response.pdf_direction_per_sr(), i);
     const std::string status = item_status(response.status(), i);
-    std::vector<std::string> row = {std::to_string(
-        options.light.value_or(i < response.light_ids_size() ? response.light_ids(i) : 0))};
-    if (!options.light) {
+    std::vector<std::string> row = {
+        options.light.given()
+            ? options.light.word()
+            : std::to_string(i < response.light_ids_size() ? response.light_ids(i) : 0)};
+    if (!options.light.given()) {
       row.push_back(number(
           i < response.selection_probability_size() ? response.selection_probability(i) : 0));
     }
@@ -162,7 +165,7 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
 
 void emit(Session& session, const EmitOptions& options) {
   v1::SampleLeRequest request;
-  if (options.light) request.set_light_id(*options.light);
+  options.light.put(request);
   options.time.put(request);
   request.set_count(options.count);
   if (options.u.empty()) {
@@ -182,7 +185,7 @@ struct EmitPdfOptions {
   std::string scene;
   PointOptions points;
   TripleOption directions;
-  std::uint64_t light = 0;
+  LightOption light;
   TimeOption time;
 };
 
@@ -192,7 +195,7 @@ void emit_pdf(Session& session, const EmitPdfOptions& options) {
   v1::PdfLeRequest request;
   *request.mutable_points() = client::make_points(set.points);
   fill(directions, request.mutable_directions());
-  request.set_light_id(options.light);
+  options.light.put(request);
   options.time.put(request);
   request.set_scene_id(session.query_scene_id(options.scene));
   send_and_print(
@@ -224,10 +227,8 @@ void add_emission_commands(CLI::App& app, Session& session) {
   command->footer("Example:\n  lucerna emit room.pbrt --light 1 --count 4");
   const auto emission = std::make_shared<EmitOptions>();
   command->add_option("SCENE", emission->scene, kSceneHelp)->required();
-  command
-      ->add_option("--light", emission->light,
-                   "Id of the light; default: choose one for each ray by its power")
-      ->check(whole64(1));
+  emission->light.add(*command,
+                      "Id or name of the light; default: choose one for each ray by its power");
   command->add_option("--count", emission->count, "Number of rays")
       ->check(whole(1))
       ->capture_default_str();
@@ -254,7 +255,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
   density->points.add(*command, "directions");
   density->directions.add(*command, "--direction",
                           "Direction x,y,z of the ray, away from the light");
-  command->add_option("--light", density->light, "Id of the light")->check(whole64(1))->required();
+  density->light.add(*command, "Id or name of the light")->required();
   density->time.add(*command);
   command->callback([density, &session] { emit_pdf(session, *density); });
 
@@ -267,8 +268,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
   command->add_option("SCENE", looking->scene, kSceneHelp)->required();
   looking->points.add(*command, "directions");
   looking->directions.add(*command, "--direction", "Direction x,y,z of the ray");
-  command->add_option("--light", looking->light, "Id of the light; default: all lights")
-      ->check(whole64(1));
+  looking->light.add(*command, "Id or name of the light; default: all lights");
   looking->time.add(*command);
   looking->wavelengths.add(*command);
   looking->thin_glass.add(*command);

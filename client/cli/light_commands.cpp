@@ -9,6 +9,7 @@
 #include "client/rpc/batch_parts.h"
 #include "client/terminal/answer.h"
 #include "client/terminal/certainty.h"
+#include "client/terminal/light_option.h"
 #include "client/terminal/method_options.h"
 #include "client/terminal/output.h"
 #include "client/terminal/point_options.h"
@@ -25,7 +26,7 @@ struct SampleOptions {
   std::string scene;
   PointOptions points;
   TripleOption normals;
-  std::optional<std::uint64_t> light;
+  LightOption light;
   std::uint64_t seed = 0;
   std::vector<std::string> u;
   StopOption stop;
@@ -48,11 +49,11 @@ v1::SampleValues sample_values(const SampleOptions& options, std::size_t points)
   v1::SampleValues values;
   for (std::size_t i = 0; i < points; ++i) {
     const std::string& text = options.u.size() == 1 ? options.u[0] : options.u[i];
-    const auto u = parse_sample_values(text, 2, !options.light);
+    const auto u = parse_sample_values(text, 2, !options.light.given());
     if (!u.ok()) wrong_use("--u " + std::string(u.status().message()));
     values.add_u(static_cast<float>((*u)[0]));
     values.add_u(static_cast<float>((*u)[1]));
-    if (!options.light) values.add_u_light((*u)[2]);
+    if (!options.light.given()) values.add_u_light((*u)[2]);
   }
   return values;
 }
@@ -61,7 +62,7 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
                    const v1::Accuracy& accuracy) {
   const std::uint32_t samples = options.stop.samples.value_or(1);
   std::vector<Table::Column> columns = {{"point"}, {"light"}};
-  if (!options.light) columns.push_back({"chosen with"});
+  if (!options.light.given()) columns.push_back({"chosen with"});
   columns.insert(columns.end(),
                  {{"value (RGB)"}, {"unit", true}, {"wi", true}, {"distance [m]"}, {"pdf [1/sr]"}});
   if (options.wavelengths.given()) {
@@ -75,9 +76,10 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
   for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
     const bool delta = client::bit(response.delta(), i);
     std::vector<std::string> row = {std::to_string(i / samples + 1)};
-    row.push_back(std::to_string(
-        options.light.value_or(i < response.light_ids_size() ? response.light_ids(i) : 0)));
-    if (!options.light) {
+    row.push_back(options.light.given()
+                      ? options.light.word()
+                      : std::to_string(i < response.light_ids_size() ? response.light_ids(i) : 0));
+    if (!options.light.given()) {
       row.push_back(number(
           i < response.selection_probability_size() ? response.selection_probability(i) : 0));
     }
@@ -151,7 +153,7 @@ void sample(Session& session, const SampleOptions& options) {
   const PointSet set = options.points.read();
   v1::SampleLiRequest request;
   *request.mutable_receivers() = client::make_points(set.points);
-  if (options.light) request.set_light_id(*options.light);
+  options.light.put(request);
   if (options.u.empty()) {
     request.mutable_seed()->set_seed(options.seed);
   } else {
@@ -192,7 +194,7 @@ struct PdfOptions {
   TripleOption directions, normals;
   AreaSamplingOption area_sampling;
   TimeOption time;
-  std::uint64_t light = 0;
+  LightOption light;
 };
 
 void pdf(Session& session, const PdfOptions& options) {
@@ -206,7 +208,7 @@ void pdf(Session& session, const PdfOptions& options) {
   }
   options.area_sampling.put(request);
   options.time.put(request);
-  request.set_light_id(options.light);
+  options.light.put(request);
   request.set_scene_id(session.query_scene_id(options.scene));
   send_and_print(
       session, request, client::pdf_li_in_batches, [&](const v1::PdfLiResponse& response) {
@@ -232,10 +234,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   const auto sampling = std::make_shared<SampleOptions>();
   command->add_option("SCENE", sampling->scene, kSceneHelp)->required();
   sampling->points.add(*command, "normals");
-  command
-      ->add_option("--light", sampling->light,
-                   "Id of the light; default: choose one for each sample")
-      ->check(whole64(1));
+  sampling->light.add(*command, "Id or name of the light; default: choose one for each sample");
   command->add_option("--seed", sampling->seed, "Random seed of the experiment")
       ->check(whole64())
       ->capture_default_str();
@@ -263,7 +262,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->add_option("SCENE", density->scene, kSceneHelp)->required();
   density->points.add(*command, "directions");
   density->directions.add(*command, "--direction", "Direction x,y,z from the point");
-  command->add_option("--light", density->light, "Id of the light")->check(whole64(1))->required();
+  density->light.add(*command, "Id or name of the light")->required();
   density->normals.add(*command, "--normal", "Surface normal x,y,z at the point");
   density->area_sampling.add(*command);
   density->time.add(*command);

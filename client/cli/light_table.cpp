@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -326,23 +327,30 @@ std::string flux_text(double lumens, bool from_infinity) {
 }
 
 std::string light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lights) {
-  Table table({{"id"},
-               {"type", true},
-               {"what", true},
-               {"where [m]", true},
-               {"area [m2]"},
-               {"flux [lm]"},
-               {"± [lm]"},
-               {"delta", true},
-               {"made at", true}});
+  const bool any_name = std::any_of(lights.begin(), lights.end(),
+                                    [](const v1::Light& light) { return !light.name().empty(); });
+  std::vector<Table::Column> columns = {{"id"}};
+  if (any_name) columns.push_back({"name", true});
+  columns.insert(columns.end(), {{"type", true},
+                                 {"what", true},
+                                 {"where [m]", true},
+                                 {"area [m2]"},
+                                 {"flux [lm]"},
+                                 {"± [lm]"},
+                                 {"delta", true},
+                                 {"made at", true}});
+  Table table(columns);
   bool any_from_infinity = false;
   for (const v1::Light& light : lights) {
     any_from_infinity |= is_at_infinity(light);
-    table.add({std::to_string(light.id()), type_of(light), describe_light(light), place_of(light),
-               light.has_area_m2() ? number(light.area_m2()) : "",
-               flux_text(light.power_lm(), is_at_infinity(light)),
-               light.power_error_lm() == 0 ? "exact" : number(light.power_error_lm()),
-               light.delta() ? "yes" : "no", light.source()});
+    std::vector<std::string> row = {std::to_string(light.id())};
+    if (any_name) row.push_back(light.name());
+    row.insert(row.end(), {type_of(light), describe_light(light), place_of(light),
+                           light.has_area_m2() ? number(light.area_m2()) : "",
+                           flux_text(light.power_lm(), is_at_infinity(light)),
+                           light.power_error_lm() == 0 ? "exact" : number(light.power_error_lm()),
+                           light.delta() ? "yes" : "no", light.source()});
+    table.add(std::move(row));
   }
   return table.to_string() + (any_from_infinity ? std::string(kFluxFromInfinity) + "\n" : "");
 }

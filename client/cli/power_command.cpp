@@ -9,6 +9,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/light_table.h"
 #include "client/terminal/certainty.h"
+#include "client/terminal/light_option.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 #include "client/terminal/stop_option.h"
@@ -20,7 +21,7 @@ namespace {
 
 struct PowerOptions {
   std::string scene;
-  std::vector<std::uint64_t> lights;
+  std::vector<std::string> lights;  ///< ids and names
   std::string method = "exact";
   StopOption stop;
   std::uint64_t seed = 0;
@@ -55,7 +56,13 @@ std::string flux_interval_text(const v1::LightPower& light) {
 void power(Session& session, const PowerOptions& options) {
   v1::EstimatePowerRequest request;
   request.set_scene_id(session.query_scene_id(options.scene));
-  for (const std::uint64_t id : options.lights) request.add_light_ids(id);
+  for (const std::string& word : options.lights) {
+    if (const std::uint64_t id = light_id_of(word); id != 0) {
+      request.add_light_ids(id);
+    } else {
+      request.add_light_names(word);
+    }
+  }
   if (options.method == "approximate") {
     request.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
   }
@@ -143,8 +150,10 @@ void add_power_command(CLI::App& app, Session& session) {
       "target.");
   const auto powers = std::make_shared<PowerOptions>();
   command->add_option("SCENE", powers->scene, kSceneHelp)->required();
-  command->add_option("--light", powers->lights, "Id of a light; may be repeated; default: all")
-      ->check(whole64(1))
+  command
+      ->add_option("--light", powers->lights,
+                   "Id or name of a light; may be repeated; default: all. Ids come first")
+      ->check(light_id_or_name())
       ->allow_extra_args(false);
   command
       ->add_option("--method", powers->method,

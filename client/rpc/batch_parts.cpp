@@ -139,6 +139,7 @@ Request without_items(const Request& request) {
   } else if constexpr (requires { request.light_id(); }) {
     result.set_light_id(request.light_id());
   }
+  if constexpr (requires { request.light_name(); }) result.set_light_name(request.light_name());
   if (request.has_time_s()) result.set_time_s(request.time_s());
   if constexpr (requires { request.position_error_m(); }) {
     if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());

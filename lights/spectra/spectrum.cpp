@@ -103,7 +103,11 @@ absl::Status check_samples(const SampledSpectrum& s) {
   return absl::OkStatus();
 }
 
-Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const double> values) {
+namespace {
+
+/// The integral of samples against a table at the observer's wavelengths.
+Vec3<double> integral(std::span<const Vec3<double>> observer,
+                      std::span<const double> wavelengths_nm, std::span<const double> values) {
   Vec3<double> xyz{};
   if (wavelengths_nm.empty()) return xyz;
   std::vector<double> nodes;
@@ -112,7 +116,6 @@ Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const
   for (const double nm : wavelengths_nm)
     if (nm > first && nm < last) nodes.push_back(nm);
   std::ranges::sort(nodes);
-  const std::span<const Vec3<double>> observer = cie::observer();
   for (std::size_t i = 1; i < nodes.size(); ++i) {
     const double a = std::max(nodes[i - 1], wavelengths_nm.front());
     const double b = std::min(nodes[i], wavelengths_nm.back());
@@ -125,6 +128,30 @@ Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const
            ((b - a) / 6);
   }
   return xyz;
+}
+
+}  // namespace
+
+Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const double> values) {
+  return integral(cie::observer(), wavelengths_nm, values);
+}
+
+Rgb<double> reflected_rgb(std::span<const double> wavelengths_nm, std::span<const double> values) {
+  static const std::vector<Vec3<double>> weights = [] {
+    std::vector<Vec3<double>> under_d65;
+    for (std::size_t k = 0; k < kObserverSize; ++k)
+      under_d65.push_back(cie::observer()[k] * cie::value_at(d65(), observer_nm(k)));
+    return under_d65;
+  }();
+  static const Vec3<double> white = [] {
+    constexpr double kAll[] = {0, 1e4}, kOne[] = {1, 1};
+    return integral(weights, kAll, kOne);
+  }();
+  const Vec3<double> xyz = integral(weights, wavelengths_nm, values);
+  // The white of this integral and of the table's sum differ in the seventh digit.
+  const Vec3<double> d65_white = d65_xyz() / d65_xyz().y;
+  return rgb_from_xyz({xyz.x / white.x * d65_white.x, xyz.y / white.y * d65_white.y,
+                       xyz.z / white.z * d65_white.z});
 }
 
 Rgb<double> rgb_from_xyz(const Vec3<double>& xyz) {

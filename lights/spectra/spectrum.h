@@ -92,6 +92,12 @@ Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const
 /// Z are scaled first, by less than 3e-4, and D65 is (1, 1, 1).  [BT709]
 Rgb<double> rgb_from_xyz(const Vec3<double>& xyz);
 
+/// Linear RGB of a surface under D65, from samples of its reflectance: linear between wavelengths
+/// and 0 outside; wavelengths ascend.  The product with D65 times the observer is integrated
+/// exactly, with both factors linear between entries.  A reflectance of c from 360 to 830 nm gives
+/// (c, c, c) to rounding.  Saturated colours have channels below 0 or above 1.  [CIE15]
+Rgb<double> reflected_rgb(std::span<const double> wavelengths_nm, std::span<const double> values);
+
 /// For RGB lights: the light of RGB c has at `nm` the spectral value c.r b.r + c.g b.g + c.b b.b
 /// [W/nm per lm].  The three spectra are smooth: D65 times reflectances that add up to 1.  White is
 /// D65, and the sum over the observer's table gives c to 1e-9.  [Mallett19]

@@ -18,7 +18,7 @@ constexpr std::uint64_t kLength = 5;  // a 31-bit varint
 /// If the server chooses a light for each item, the answer has its id and probability.
 template <typename Request>
 std::uint64_t choice(const Request& request) {
-  return request.has_light_id() ? 0 : kId + kDouble;
+  return names_light(request) ? 0 : kId + kDouble;
 }
 
 template <typename Request>

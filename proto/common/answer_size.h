@@ -22,6 +22,13 @@ struct AnswerSize {
   }
 };
 
+/// Whether the request names a light by id or by name.  Otherwise the server chooses one for each
+/// item.
+template <typename Request>
+bool names_light(const Request& request) {
+  return request.has_light_id() || !request.light_name().empty();
+}
+
 /// An item is a sample.  A receiver has `accuracy.samples` of them, or as many as its target error
 /// or the time budget allows.  Estimates of receivers count as fixed.
 AnswerSize answer_size(const v1::SampleLiRequest& request);

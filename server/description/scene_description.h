@@ -109,6 +109,7 @@ struct ShapeDescription {
     std::optional<Picture> picture{};            ///< multiplies `radiance_cd_m2`
     std::optional<PanelProfile> panel{};         ///< `radiance_cd_m2` multiplies its radiance
     std::uint32_t samples = 1;                   ///< the same as in SceneLight
+    std::string name{};                          ///< the same as in LightDescription
   };
   std::optional<Emission> emission{};
   SourceLocation where{};
@@ -138,6 +139,7 @@ struct LightDescription {
   /// Motion in the world; null if it does not move.  `params` are at the first key frame.
   std::shared_ptr<const Motion> motion{};
   std::uint32_t samples = 1;  ///< the same as in SceneLight
+  std::string name{};         ///< a light name (server/formats/printable.h); empty: none
 };
 
 /// How a camera maps film positions to rays.  [Pharr23, 5]

@@ -22,6 +22,20 @@ void Context::fail(const std::string& pointer, const absl::Status& status) const
       status.code(), fmt::format("{}: {}", location(pointer).file, std::string(status.message())))};
 }
 
+std::string Context::light_name(const std::string& pointer,
+                                std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) {
+    if (name.empty()) continue;
+    if (is_light_name(name)) return std::string(name);
+    remark(pointer,
+           fmt::format("the name \"{}\" of {} bytes, allowed: {} bytes without control characters",
+                       printable(name), name.size(), kMostLightNameBytes),
+           "a light without a name");
+    break;
+  }
+  return {};
+}
+
 void Context::remark(const std::string& pointer, std::string what, std::string instead) {
   constexpr std::size_t kMaxRemarks = 1000;
   if (scene.remarks.size() >= kMaxRemarks) {

@@ -5,9 +5,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <set>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "server/assets/asset_reader.h"
@@ -41,6 +43,10 @@ struct Context {
   [[noreturn]] void fail(const std::string& pointer, const std::string& what) const;
   /// Throws `status` (not OK) with the place before its message.
   [[noreturn]] void fail(const std::string& pointer, const absl::Status& status) const;
+
+  /// The first of `names` that is not empty, as the name of the light at `pointer`.  Empty, with a
+  /// remark, if no light may have that name.
+  std::string light_name(const std::string& pointer, std::initializer_list<std::string_view> names);
 
   /// Adds a remark that `what` at `pointer` is not modelled, and what happens instead.  Equal
   /// remarks are added once.  After 1000 remarks, further ones are only counted.

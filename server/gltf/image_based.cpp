@@ -153,6 +153,7 @@ void add_environment(const Document& document, const Tree& tree) {
   LightDescription result;
   result.params = std::move(params);
   result.where = document.context().location(light.pointer());
+  result.name = document.context().light_name(light.pointer(), {light.text("name", "")});
   document.context().scene.lights.push_back(std::move(result));
 }
 

@@ -53,6 +53,16 @@ SpotLightParams spot_light(const View& light, const Vec3<double>& position,
   return spot;
 }
 
+/// Sets place, motion and name.  `definition`: the light in the extension of the root.
+void set_place(const Document& document, const PlacedNode& node, const View& definition,
+               LightDescription& light) {
+  const std::string pointer = fmt::format("/nodes/{}", node.index);
+  light.where = document.context().location(pointer);
+  light.motion = node.motion;
+  light.name = document.context().light_name(
+      pointer, {document.model().nodes[node.index].name, definition.text("name", "")});
+}
+
 void add_punctual(const Document& document, const PlacedNode& node, const View& use) {
   const View light = light_of(document, "KHR_lights_punctual", use);
   const Matrix frame = without_scale(node.world_from_node);
@@ -73,8 +83,7 @@ void add_punctual(const Document& document, const PlacedNode& node, const View& 
     light.context().remark(range->pointer(),
                            fmt::format("a range of {} m is not applied", range->number()),
                            "light falls off with the square of the distance, without an end");
-  result.where = document.context().location(fmt::format("/nodes/{}", node.index));
-  result.motion = node.motion;
+  set_place(document, node, light, result);
   document.context().scene.lights.push_back(std::move(result));
 }
 
@@ -104,8 +113,7 @@ void add_photometric(const Document& document, const PlacedNode& node, const Vie
     use.fail(status);
   LightDescription result;
   result.params = std::move(light);
-  result.where = document.context().location(fmt::format("/nodes/{}", node.index));
-  result.motion = node.motion;
+  set_place(document, node, profile, result);
   document.context().scene.lights.push_back(std::move(result));
 }
 

@@ -166,6 +166,11 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
     shape.emission->picture = part.use.emission->picture;
     shape.emission->two_sided = part.use.double_sided;
     shape.emission->where = context_.location(node_pointer(place->node));
+    const tinygltf::Model& model = document_.model();
+    const tinygltf::Node& node = model.nodes[place->node];
+    shape.emission->name =
+        context_.light_name(node_pointer(place->node),
+                            {node.name, model.meshes[static_cast<std::size_t>(node.mesh)].name});
   }
   context_.scene.shapes.push_back(std::move(shape));
 }

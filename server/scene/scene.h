@@ -18,6 +18,7 @@
 #include "server/rays/ray.h"
 #include "server/rays/surface_table.h"
 #include "server/scene/camera.h"
+#include "server/scene/light_names.h"
 #include "server/scene/light_selector.h"
 #include "server/scene/scene_part.h"
 
@@ -108,6 +109,7 @@ class Scene {
   std::span<const std::shared_ptr<const Spectrum>> spectra() const { return spectra_; }
   /// The index of the light with this id.
   std::optional<std::uint32_t> find_light(std::uint64_t id) const;
+  const LightNames& light_names() const { return light_names_; }
   /// Indices of the lights that rays meet when they leave the scene.
   std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
   /// The selector of all lights.  Requires two lights or more.
@@ -202,6 +204,7 @@ class Scene {
   // Both are empty if no light has a spectrum.
   std::vector<std::shared_ptr<const Spectrum>> spectra_;
   std::vector<std::int32_t> light_spectra_;  // of each light, into spectra_; -1: RGB
+  LightNames light_names_;
   std::vector<Material> materials_;
   // By material: whether it is diffuse without textures, and then its reflectance.
   std::vector<bool> plain_;

@@ -39,6 +39,8 @@ class Scene::Builder {
   std::uint32_t file_number(const std::string& file);
   /// Stores spectra separately from the lights, so that scenes with only RGB lights store nothing.
   void keep_spectra();
+  /// Stores names separately from the lights, so that lights without a name store nothing.
+  void keep_names();
   void report_shared_by_lights(const Stopwatch& watch);
   absl::Status prepare_choice();
 

@@ -83,6 +83,25 @@ void Scene::Builder::keep_spectra() {
                    count, count == 1 ? "light" : "lights"));
 }
 
+void Scene::Builder::keep_names() {
+  const Stopwatch watch;
+  std::vector<std::pair<std::uint32_t, std::string>> named;
+  std::uint32_t light = 0;
+  const auto add = [&](const std::string& name) {
+    if (!name.empty()) named.emplace_back(light, name);
+    ++light;
+  };
+  for (const auto& l : in_.lights) add(l.name);
+  for (const auto& s : in_.shapes)
+    if (s.emission) add(s.emission->name);
+  if (named.empty()) return;
+  scene_->light_names_ = LightNames(std::move(named));
+  const LightNames& names = scene_->light_names_;
+  part("light names", names.bytes(), watch,
+       fmt::format("{} {} of {} {}", names.size(), names.size() == 1 ? "name" : "names",
+                   names.light_count(), names.light_count() == 1 ? "light" : "lights"));
+}
+
 absl::Status Scene::Builder::build_lights() {
   const Stopwatch watch;
   for (const auto& l : in_.lights) {
@@ -130,6 +149,7 @@ absl::Status Scene::Builder::build_lights() {
     part("image distributions", table_bytes, watch,
          fmt::format("to draw points and directions from the pictures of {} lights", tables));
   keep_spectra();
+  keep_names();
   report_shared_by_lights(watch);
   return absl::OkStatus();
 }

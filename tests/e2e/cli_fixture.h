@@ -43,6 +43,9 @@ class Cli : public ::testing::Test {
         << "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
            "LightSource \"distant\" \"rgb L\" [1 1 1]\nLightSource \"point\" \"rgb I\" [1 1 1]\n"
            "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0  1 -1 0  -1 1 0  1 1 0]\n";
+    std::ofstream(scenes / "named.pbrt")
+        << "WorldBegin\nLightSource \"point\" \"rgb I\" [1 1 1] \"string name\" \"desk lamp\"\n"
+           "LightSource \"point\" \"rgb I\" [2 2 2]\n";
     std::ofstream(scenes / "flat.pbrt")
         << "WorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [3 3 3]\nShape \"disk\"\n";
     auto server = testing::LocalServer::start({.scene_root = scenes.string()});

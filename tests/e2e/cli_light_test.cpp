@@ -41,6 +41,42 @@ TEST_F(Cli, LightsAreListedWithKindPlaceAndFlux) {
                             "1\\.05 -0\\.85 2\\.95 +1\\.53938 +58\\.033[0-9] +exact +no "));
 }
 
+TEST_F(Cli, NamesOfLightsAreListedIfThereAreAny) {
+  EXPECT_THAT(lucerna({"lights", "named.pbrt"}).out,
+              AllOf(ContainsRegex("id +name +type "), ContainsRegex(" 1  desk lamp +point +1 cd "),
+                    ContainsRegex(" 2 +point +2 cd ")));
+  EXPECT_THAT(lucerna({"lights", "point.pbrt"}).out, Not(HasSubstr("name")));
+}
+
+TEST_F(Cli, ALightHasANameInPlaceOfItsId) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"power", "named.pbrt"},
+      {"sample", "named.pbrt", "--point", "1,0,0"},
+      {"pdf", "named.pbrt", "--point", "1,0,0", "--direction", "-1,0,0"},
+      {"emit", "named.pbrt"},
+      {"emit-pdf", "named.pbrt", "--point", "0,0,0", "--direction", "-1,0,0"},
+      {"le", "named.pbrt", "--point", "1,0,0", "--direction", "-1,0,0"}};
+  const std::regex cost("\"cost\": *\\{[^}]*\\}");
+  for (std::vector<std::string> command : commands) {
+    SCOPED_TRACE(command[0]);
+    command.insert(command.end(), {"--json", "--light", "desk lamp"});
+    const Outcome by_name = lucerna(command);
+    EXPECT_EQ(by_name.status, 0) << by_name.err;
+    command.back() = "1";
+    EXPECT_EQ(std::regex_replace(by_name.out, cost, ""),
+              std::regex_replace(lucerna(command).out, cost, ""));
+    command.back() = "desk";
+    expect_no(lucerna(command), "which the scene does not have; similar names: ");
+    for (const char* wrong : {"0", "1.5", "-1"}) {
+      command.back() = wrong;
+      expect_wrong_use(lucerna(command), " is not a whole number from 1 to ");
+    }
+  }
+  // Tables show the light as it was named.
+  EXPECT_THAT(lucerna({"sample", "named.pbrt", "--point", "1,0,0", "--light", "desk lamp"}).out,
+              ContainsRegex(" 1 +desk lamp +1 1 1 +lx "));
+}
+
 TEST_F(Cli, PowerIsTheIntegralOfTheIntensity) {
   const Outcome outcome = lucerna({"power", "point.pbrt"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -291,6 +291,7 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
   emission.two_sided = params.boolean("twosided", false);
   emission.where = location(light.place);
   emission.samples = samples_of(params);
+  emission.name = name_of(params);
   const double area =
       std::visit([&](const auto& shape) { return area_of(shape_place, shape); }, geometry);
   if (!(area > 0)) {

@@ -1,5 +1,6 @@
 // Converts AreaLightSource directives to the emission of shapes.  Parameters that pbrt-v4 does not
 // have:
+//   "string name"    the light's name, shared by all shapes of the directive
 //   "string filter"  bilinear (pbrt-v4's) | nearest: how an emission image is read
 //   "string profile" an .ies or .ldt file: a flat shape (rectangle, patches, triangles, disk) has
 //                    this photometry as a whole.  Its normal is straight down from the luminaire

@@ -205,6 +205,7 @@ LightDescription make_light(Context& context, const std::string& type, const Par
   LightDescription light;
   light.where = location(place);
   light.samples = samples_of(params);
+  light.name = name_of(params);
   const LightType& known = light_type(type, place);
   light.params = known.make({context, params, place, world_from_light});
   if (known.has_colour_picture && params.find("filename", {"string"}) != nullptr)
@@ -221,6 +222,17 @@ std::uint32_t samples_of(const ParameterSet& params) {
     fail(params.find("samples", {"integer"})->place,
          fmt::format("\"integer samples\" = {}, allowed [1, {}]", samples, kMostSamplesPerLight));
   return static_cast<std::uint32_t>(samples);
+}
+
+std::string name_of(const ParameterSet& params) {
+  if (params.find("name", {"string"}) == nullptr) return {};
+  std::string name = params.string("name", "");
+  if (!is_light_name(name))
+    fail(params.find("name", {"string"})->place,
+         fmt::format("\"string name\" = \"{}\", {} bytes, allowed: 1 to {} bytes of UTF-8 without "
+                     "control characters",
+                     printable(name), name.size(), kMostLightNameBytes));
+  return name;
 }
 
 }  // namespace lucerna::pbrt

@@ -18,4 +18,7 @@ LightDescription make_light(Context& context, const std::string& type, const Par
 /// does not.
 std::uint32_t samples_of(const ParameterSet& params);
 
+/// "string name": the light's name; empty if it is not given.  pbrt-v4 does not have it.
+std::string name_of(const ParameterSet& params);
+
 }  // namespace lucerna::pbrt

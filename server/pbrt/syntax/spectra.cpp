@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -179,38 +178,46 @@ SampledSpectrum spectrum_samples(Context& context, const Parameter& parameter) {
   return samples(parameter.place, what, numbers);
 }
 
+namespace {
+
+/// Whether the name is a spectrum of pbrt-v4.  None of them is a reflectance.
+bool is_spectrum_name(const std::string& name) {
+  return of_no_light(name) || name.starts_with("stdillum-");
+}
+
+/// The colour of a surface under D65.
+Rgb<double> colour_of(const SampledSpectrum& reflectance) {
+  const auto& [nm, values] = reflectance;
+  const bool is_constant =
+      std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end() &&
+      nm.front() <= 360 && nm.back() >= 830;
+  // The integral would give it to rounding.
+  return is_constant ? Rgb<double>(values.front()) : reflected_rgb(nm, values);
+}
+
+}  // namespace
+
 Rgb<double> reflectance(Context& context, const Parameter& parameter) {
   Rgb<double> rgb(0.5);
   if (parameter.type == "rgb") {
     rgb = rgb_of(parameter);
   } else if (parameter.type == "float") {
     rgb = Rgb<double>(parameter.numbers.front());
-  } else if (parameter.type == "spectrum" && !parameter.numbers.empty()) {
-    const auto [wavelengths, values] =
-        samples(parameter.place, fmt::format("spectrum \"{}\"", parameter.name), parameter.numbers);
-    constexpr std::array<double, 2> kVisible{360, 830}, kOne{1, 1};
-    rgb = Rgb<double>(tristimulus(wavelengths, values).y / tristimulus(kVisible, kOne).y);
-    const bool constant =
-        std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end() &&
-        wavelengths.front() <= kVisible[0] && wavelengths.back() >= kVisible[1];
-    if (constant) {
-      rgb = Rgb<double>(values.front());
-    } else {
-      context.remark(parameter.place,
-                     fmt::format("spectrum \"{}\" of a surface is not modelled", parameter.name),
-                     fmt::format("grey {:.4g}, its luminous reflectance", rgb.r));
-    }
+  } else if (!parameter.strings.empty() && is_spectrum_name(parameter.strings.front())) {
+    context.remark(parameter.place,
+                   fmt::format("\"{}\" is not the spectrum of a reflectance",
+                               printable(parameter.strings.front())),
+                   "grey 0.5");
   } else {
-    context.remark(
-        parameter.place,
-        fmt::format("{} \"{}\" of a surface is not modelled", parameter.type, parameter.name),
-        "grey 0.5");
+    rgb = colour_of(spectrum_samples(context, parameter));
   }
   const Rgb<double> clamped{std::clamp(rgb.r, 0.0, 1.0), std::clamp(rgb.g, 0.0, 1.0),
                             std::clamp(rgb.b, 0.0, 1.0)};
+  const bool is_spectral = parameter.type == "spectrum";
   if (clamped != rgb)
     context.remark(parameter.place,
-                   fmt::format("\"{}\" = {} is not a valid reflectance", parameter.name, text(rgb)),
+                   fmt::format("{}\"{}\" = {} is not a valid reflectance",
+                               is_spectral ? "the colour of " : "", parameter.name, text(rgb)),
                    fmt::format("clamped to {}", text(clamped)));
   return clamped;
 }

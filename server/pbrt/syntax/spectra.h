@@ -32,8 +32,9 @@ Rgb<double> light_level(Context& context, const ParameterSet& params, std::strin
 /// other names.
 SampledSpectrum spectrum_samples(Context& context, const Parameter& parameter);
 
-/// The reflectance of a parameter (rgb, spectrum, float), each channel clamped to [0, 1].  The
-/// caller handles textures.
+/// The reflectance of a parameter (rgb, spectrum, float), each channel clamped to [0, 1] with a
+/// remark.  A spectrum becomes its colour under D65.  Grey, with a remark, for named spectra, none
+/// of which is a reflectance.  The caller handles textures.
 Rgb<double> reflectance(Context& context, const Parameter& parameter);
 
 /// The colour for a message.

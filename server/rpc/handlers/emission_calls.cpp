@@ -41,7 +41,7 @@ absl::StatusOr<SampleLeQuery> parse(const Context& context, const Scene& scene,
   LUCERNA_ASSIGN_OR_RETURN(const Randomness randomness,
                            check_randomness(request, {.samples = query.rays,
                                                       .per_sample = 4,
-                                                      .light_named = request.has_light_id(),
+                                                      .light_named = names_light(request),
                                                       .of = "rays"}));
   query.seed = randomness.seed;
   query.u = randomness.u;
@@ -120,8 +120,7 @@ Prepared pdf_le(const Context& context, const v1::PdfLeRequest& request,
   const std::size_t n = points.size();
   LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "points", n, answer_size(request)));
   LUCERNA_RETURN_IF_ERROR(check_triples("directions", request.directions(), n, "points", false));
-  LUCERNA_ASSIGN_OR_RETURN(const std::uint32_t light,
-                           find_required_light(*scene, request.light_id()));
+  LUCERNA_ASSIGN_OR_RETURN(const std::uint32_t light, find_required_light(*scene, request));
   LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
   Task task;
   task.predicted_s = pdf_seconds(scene->lights()[light].light, n);

@@ -188,7 +188,7 @@ absl::Status parse_sample_values(const v1::SampleLiRequest& request, LiRequest& 
   LUCERNA_ASSIGN_OR_RETURN(const Randomness randomness,
                            check_randomness(request, {.samples = li.samples(),
                                                       .per_sample = 2,
-                                                      .light_named = request.has_light_id(),
+                                                      .light_named = names_light(request),
                                                       .of = "samples"}));
   li.query.seed = randomness.seed;
   li.query.u = randomness.u;
@@ -257,7 +257,7 @@ absl::StatusOr<PdfLiQuery> parse(const Context& context, const Scene& scene,
   LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "receivers", n, answer_size(request)));
   LUCERNA_RETURN_IF_ERROR(check_triples("wi", request.wi(), n, "receivers", false));
   query.wi = view(request.wi());
-  LUCERNA_ASSIGN_OR_RETURN(query.light, find_required_light(scene, request.light_id()));
+  LUCERNA_ASSIGN_OR_RETURN(query.light, find_required_light(scene, request));
   LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
   query.time_s = request.time_s();
   LUCERNA_RETURN_IF_ERROR(check_triples("normals", request.normals(), n, "receivers", true));

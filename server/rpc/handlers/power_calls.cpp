@@ -127,9 +127,10 @@ absl::StatusOr<PowerQuery> parse(const Context& context, const v1::EstimatePower
                              check_stop_rule(context, request.accuracy(), kPowerSamples));
   }
   LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
-  const auto named = static_cast<std::uint64_t>(request.light_ids_size());
+  const auto named = static_cast<std::uint64_t>(request.light_ids_size()) +
+                     static_cast<std::uint64_t>(request.light_names_size());
   if (named > context.limits.max_batch_items)
-    return over_limit("light_ids", named, context.limits.max_batch_items);
+    return over_limit("light_ids and light_names", named, context.limits.max_batch_items);
   LUCERNA_ASSIGN_OR_RETURN(const std::size_t page_size,
                            check_page_size(request.page_size(), context.limits.max_page_size));
   query.lights = named > 0 ? named : query.scene->lights().size();
@@ -159,6 +160,12 @@ absl::StatusOr<std::vector<std::uint32_t>> requested_lights(
   for (int i = 0; i < request.light_ids_size(); ++i) {
     LUCERNA_ASSIGN_OR_RETURN(all[static_cast<std::size_t>(i)],
                              find_light(*query.scene, request.light_ids(i)));
+  }
+  const auto ids = static_cast<std::size_t>(request.light_ids_size());
+  for (int i = 0; i < request.light_names_size(); ++i) {
+    LUCERNA_ASSIGN_OR_RETURN(
+        all[ids + static_cast<std::size_t>(i)],
+        find_named_light(*query.scene, request.light_names(i), fmt::format("light_names[{}]", i)));
   }
   return all;
 }

@@ -21,8 +21,8 @@ constexpr double kAssetSeconds = 1e-6;
 // Time of listing the files under the scene root, and of freeing a large scene [s].
 constexpr double kListingSeconds = 0.1;
 constexpr double kReleaseSeconds = 1;
-// A page of lights ends when its spectra have this size.  It stays far below the default message
-// limit of clients (4 MiB).
+// A page of lights ends when its names and spectra have this size.  It stays far below the default
+// message limit of clients (4 MiB).
 constexpr std::size_t kPageBytes = std::size_t{1} << 20;
 constexpr std::size_t kMostNameBytes = 4096;
 
@@ -216,11 +216,11 @@ Prepared list_lights(const Context& context, const v1::ListLightsRequest& reques
   task.predicted_s = kLightSeconds * static_cast<double>(end - start);
   task.run = [scene, start, end, n, response](const std::stop_token&) {
     std::size_t i = start, bytes = 0;
-    // Spectra of many samples make shorter pages.
+    // Names and spectra of many samples make shorter pages.
     for (; i < end && bytes < kPageBytes; ++i) {
       v1::Light* light = response->add_lights();
       set_light(*scene, static_cast<std::uint32_t>(i), light);
-      bytes += light->spectrum().ByteSizeLong();
+      bytes += light->spectrum().ByteSizeLong() + light->name().size();
     }
     if (i < n) response->set_next_page_token(page_token("lights", i));
     return absl::OkStatus();

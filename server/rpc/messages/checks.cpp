@@ -7,6 +7,7 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
+#include "server/formats/printable.h"
 #include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
@@ -24,15 +25,53 @@ absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
   return scene;
 }
 
+namespace {
+
+/// The ids of lights with the same name, at most ten of them.
+std::string ids_of(const Scene& scene, std::span<const std::uint32_t> lights) {
+  constexpr std::size_t kMost = 10;
+  std::string text;
+  for (std::size_t i = 0; i < lights.size() && i < kMost; ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : ", ", scene.lights()[lights[i]].id);
+  return lights.size() > kMost ? text + ", ..." : text;
+}
+
+}  // namespace
+
 absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id) {
   const std::optional<std::uint32_t> light = scene.find_light(light_id);
   if (!light) return unknown_light(light_id);
   return *light;
 }
 
-absl::StatusOr<std::uint32_t> find_required_light(const Scene& scene, std::uint64_t light_id) {
-  if (light_id == 0) return bad_field("light_id", "0", "the id of a light");
-  return find_light(scene, light_id);
+absl::StatusOr<std::uint32_t> find_named_light(const Scene& scene, const std::string& name,
+                                               const std::string& field) {
+  const LightNames& names = scene.light_names();
+  const std::span<const std::uint32_t> found = names.lights(name);
+  if (found.size() == 1) return found[0];
+  if (found.size() > 1)
+    return bad_field(field, fmt::format("\"{}\"", printable(name)),
+                     fmt::format("the name of one light; {} lights have this name: use an id, {}",
+                                 found.size(), ids_of(scene, found)));
+  constexpr std::size_t kMostSimilar = 5;
+  std::string similar;
+  for (const std::string_view other : names.similar(name, kMostSimilar))
+    similar += fmt::format("{}\"{}\"", similar.empty() ? "" : ", ", printable(other));
+  return unknown_light_name(
+      field, printable(name),
+      similar.empty() ? "none of its lights has a name" : "similar names: " + similar);
+}
+
+absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::optional<std::uint64_t> light_id,
+                                         const std::string& light_name) {
+  if (light_name.empty()) {
+    if (light_id) return find_light(scene, *light_id);
+    return bad_field("light_id", "0", "the id of a light, or 0 beside a light_name");
+  }
+  if (light_id)
+    return bad_field("light_name", fmt::format("\"{}\"", printable(light_name)),
+                     fmt::format("empty beside light_id = {}", *light_id));
+  return find_named_light(scene, light_name, "light_name");
 }
 
 absl::StatusOr<PointArray> check_points(const Context& context, const std::string& field,

@@ -21,15 +21,31 @@ absl::Status check_scene_id(const std::string& scene_id);
 /// INVALID_ARGUMENT if the id is empty, NOT_FOUND if the scene is not loaded.
 absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
                                                         const std::string& scene_id);
+/// The index of the light with this id.  NOT_FOUND if the scene does not have it.
 absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id);
-/// For a request that must name a light: INVALID_ARGUMENT for 0, an unset field.
-absl::StatusOr<std::uint32_t> find_required_light(const Scene& scene, std::uint64_t light_id);
-/// For a request whose `light_id` is optional.
+/// The index of the light with this name.  NOT_FOUND if the scene does not have it, and
+/// INVALID_ARGUMENT if several lights have it.  `field`: of the request, for the error.
+absl::StatusOr<std::uint32_t> find_named_light(const Scene& scene, const std::string& name,
+                                               const std::string& field);
+/// The light of a request with the fields `light_id` and `light_name`.  INVALID_ARGUMENT unless
+/// exactly one of them is given.
+absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::optional<std::uint64_t> light_id,
+                                         const std::string& light_name);
+/// For a request that must name a light: INVALID_ARGUMENT if it does not.
+template <typename Request>
+absl::StatusOr<std::uint32_t> find_required_light(const Scene& scene, const Request& request) {
+  const auto id =
+      request.light_id() != 0 ? std::optional<std::uint64_t>(request.light_id()) : std::nullopt;
+  return find_light(scene, id, request.light_name());
+}
+/// For a request that may name a light.
 template <typename Request>
 absl::StatusOr<std::optional<std::uint32_t>> find_light_if_named(const Scene& scene,
                                                                  const Request& request) {
-  if (!request.has_light_id()) return std::optional<std::uint32_t>();
-  LUCERNA_ASSIGN_OR_RETURN(const std::uint32_t light, find_light(scene, request.light_id()));
+  if (!names_light(request)) return std::optional<std::uint32_t>();
+  const auto id =
+      request.has_light_id() ? std::optional<std::uint64_t>(request.light_id()) : std::nullopt;
+  LUCERNA_ASSIGN_OR_RETURN(const std::uint32_t light, find_light(scene, id, request.light_name()));
   return std::optional<std::uint32_t>(light);
 }
 

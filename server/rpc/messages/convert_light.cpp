@@ -270,6 +270,7 @@ void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* 
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   const SceneLight& entry = scene.lights()[light];
   out->set_id(entry.id);
+  out->set_name(std::string(scene.light_names().of(light)));
   out->set_samples_per_light(entry.samples);
   const SourceLocation where = scene.source_of(entry);
   out->set_source(where.line > 0 ? fmt::format("{}:{}:{}", where.file, where.line, where.column)

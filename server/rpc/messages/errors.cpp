@@ -98,6 +98,13 @@ absl::Status unknown_light(std::uint64_t id) {
       Reason::kNoSuchLight);
 }
 
+absl::Status unknown_light_name(const std::string& field, const std::string& name,
+                                const std::string& names) {
+  return with_reason(absl::NotFoundError(fmt::format(
+                         "{} = \"{}\", which the scene does not have; {}", field, name, names)),
+                     Reason::kNoSuchLight);
+}
+
 absl::Status unimplemented(const std::string& sentence) {
   return with_reason(absl::UnimplementedError(sentence), Reason::kNotImplemented);
 }

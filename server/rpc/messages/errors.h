@@ -56,7 +56,7 @@ inline constexpr std::array kErrorReasons{
     ErrorReason{Reason::kSceneNotLoaded, "SCENE_NOT_LOADED", "NOT_FOUND",
                 "No scene with this id is loaded. Load the scene again."},
     ErrorReason{Reason::kNoSuchLight, "NO_SUCH_LIGHT", "NOT_FOUND",
-                "The scene has no light with this id."},
+                "The scene has no light with this id or name."},
     ErrorReason{Reason::kNotFound, "NOT_FOUND", "NOT_FOUND", "A file or a lease does not exist."},
     ErrorReason{Reason::kOverLimit, "OVER_LIMIT", "RESOURCE_EXHAUSTED",
                 "The request exceeds a limit of the server. Send smaller requests; a retry does "
@@ -108,6 +108,9 @@ absl::Status bad_length(const std::string& field, std::size_t length, std::size_
 absl::Status unknown_scene(const std::string& id);
 /// NOT_FOUND.
 absl::Status unknown_light(std::uint64_t id);
+/// NOT_FOUND.  `names`: what names the scene has instead.
+absl::Status unknown_light_name(const std::string& field, const std::string& name,
+                                const std::string& names);
 /// UNIMPLEMENTED.  `sentence` states what is missing and what to do instead.
 absl::Status unimplemented(const std::string& sentence);
 /// RESOURCE_EXHAUSTED for a request over a limit of the server.  A retry does not help.

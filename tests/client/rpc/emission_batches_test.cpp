@@ -58,9 +58,11 @@ v1::SampleLeRequest own_values() {
 }
 
 TEST(Batches, SampleValuesOfSampleLeAreSplitByRays) {
-  const v1::SampleLeRequest request = own_values();
+  v1::SampleLeRequest request = own_values();
+  request.set_light_name("desk");
   ASSERT_EQ(client::item_count(request), 3U);
   const v1::SampleLeRequest part = client::part(request, 1, 2);
+  EXPECT_EQ(part.light_name(), "desk");
   EXPECT_EQ(part.scene_id(), "s");
   EXPECT_EQ(part.count(), 2U);
   EXPECT_THAT(part.u().u(), ElementsAre(4, 5, 6, 7, 8, 9, 10, 11));

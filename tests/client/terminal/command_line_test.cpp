@@ -119,8 +119,7 @@ TEST(Remarks, AreCountedByTheirReplacement) {
   add("material \"hair\" is not modelled", "diffuse, reflectance 0.5");
   add("Shape \"curve\" is not modelled", "left out");
   add("mesh \"a.ply\" is empty", "left out");
-  add("spectrum \"reflectance\" of a surface is not modelled",
-      "grey 0.25, its luminous reflectance");
+  add("\"stdillum-A\" is not the spectrum of a reflectance", "grey 0.25, its luminous reflectance");
   add("rgb \"reflectance\" of a surface is not modelled", "grey 0.5");
   EXPECT_EQ(cli::count_remarks(remarks),
             "2 surfaces left out, 1 material taken as diffuse, 2 colours taken as grey, "

@@ -9,6 +9,7 @@
 namespace lucerna {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using testing::gltf_remarks;
 using testing::GltfFile;
@@ -213,6 +214,42 @@ TEST(GltfLights, ARangeIsReportedAndNotApplied) {
       gltf_remarks(file.scene()),
       HasSubstr("scene.gltf#/extensions/KHR_lights_punctual/lights/0/range: a range of 12 m "
                 "is not applied"));
+}
+
+TEST(GltfLights, HaveTheNameOfTheirNodeOrElseTheirOwn) {
+  GltfFile file;
+  const int light = file.add_light({{"type", "point"}, {"name", "bulb"}});
+  const std::string long_name(257, 'x');
+  for (const char* name : {"", "desk", "a\nb", long_name.c_str()}) {
+    Json node = GltfFile::light_node(light);
+    if (*name != '\0') node["name"] = name;
+    file.add_node(node);
+  }
+  const SceneDescription scene = file.scene();
+  ASSERT_EQ(scene.lights.size(), 4U);
+  EXPECT_EQ(scene.lights[0].name, "bulb");
+  EXPECT_EQ(scene.lights[1].name, "desk");
+  EXPECT_EQ(scene.lights[2].name, "");
+  EXPECT_EQ(scene.lights[3].name, "");
+  EXPECT_THAT(gltf_remarks(scene),
+              AllOf(HasSubstr("#/nodes/2: the name \"a?b\" of 3 bytes, allowed: 256 bytes without "
+                              "control characters -> a light without a name"),
+                    HasSubstr("#/nodes/3: the name \"xxx")));
+}
+
+TEST(GltfLights, SurfacesThatEmitHaveTheNameOfTheirNodeOrElseOfTheirMesh) {
+  GltfFile file;
+  Json primitive = file.triangle();
+  primitive["material"] = 0;
+  file.json["materials"] = Json::array({{{"emissiveFactor", {1, 1, 1}}}});
+  const int mesh = file.add_mesh(primitive);
+  file.json["meshes"][0]["name"] = "tube";
+  file.add_node({{"mesh", mesh}});
+  file.add_node({{"mesh", mesh}, {"name", "left tube"}});
+  const SceneDescription scene = file.scene();
+  ASSERT_EQ(scene.shapes.size(), 2U);
+  EXPECT_EQ(scene.shapes[0].emission->name, "tube");
+  EXPECT_EQ(scene.shapes[1].emission->name, "left tube");
 }
 
 TEST(GltfMaterials, BaseColourIsTheReflectance) {

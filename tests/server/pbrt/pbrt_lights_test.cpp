@@ -317,6 +317,39 @@ TEST(PbrtLights, ErrorsStandAtTheParameterThatIsWrong) {
     EXPECT_THAT(world_error_of(text), StartsWith(std::string("scene.pbrt:") + expected)) << text;
 }
 
+TEST(PbrtLights, LightsAndAreaLightsHaveNames) {
+  const auto scene = load_world(
+      "LightSource \"point\" \"string name\" \"lamp \xc3\xbc\" LightSource \"point\" "
+      "Attribute \"light\" \"string name\" \"all others\" LightSource \"distant\" "
+      "AreaLightSource \"diffuse\" Shape \"disk\" "
+      "AreaLightSource \"diffuse\" \"string name\" \"panel\" Shape \"disk\" Shape \"disk\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  ASSERT_EQ(scene->lights.size(), 3U);
+  EXPECT_EQ(scene->lights[0].name, "lamp \xc3\xbc");
+  EXPECT_EQ(scene->lights[1].name, "");
+  EXPECT_EQ(scene->lights[2].name, "all others");
+  ASSERT_EQ(scene->shapes.size(), 3U);
+  EXPECT_EQ(scene->shapes[0].emission->name, "all others");
+  EXPECT_EQ(scene->shapes[1].emission->name, "panel");
+  EXPECT_EQ(scene->shapes[2].emission->name, "panel");
+  EXPECT_TRUE(scene->remarks.empty());
+}
+
+TEST(PbrtLights, NamesArePrintableAndShort) {
+  const auto named = [](const std::string& name) {
+    return world_error_of("LightSource \"point\" \"string name\" \"" + name + "\"");
+  };
+  EXPECT_EQ(named(std::string(256, 'x')), "");
+  EXPECT_THAT(named(std::string(257, 'x')),
+              AllOf(StartsWith("scene.pbrt:1:32: \"string name\" = \"xxx"),
+                    HasSubstr("257 bytes, allowed: 1 to 256 bytes of UTF-8 without control")));
+  EXPECT_THAT(named(""), StartsWith("scene.pbrt:1:32: \"string name\" = \"\", 0 bytes, allowed"));
+  EXPECT_THAT(named("a\tb"), StartsWith("scene.pbrt:1:32: \"string name\" = \"a?b\""));
+  EXPECT_THAT(named("\xff"), StartsWith("scene.pbrt:1:32: \"string name\" = \"?\""));
+  EXPECT_THAT(world_error_of("AreaLightSource \"diffuse\" \"string name\" \"\" Shape \"disk\""),
+              StartsWith("scene.pbrt:1:38: \"string name\""));
+}
+
 TEST(PbrtLights, AnEmittingSphereUnderUnequalScaleIsRefusedAtTheShape) {
   EXPECT_THAT(world_error_of("Scale 1 2 1 AreaLightSource \"diffuse\" Shape \"sphere\""),
               StartsWith("scene.pbrt:1:50: "));

@@ -9,6 +9,7 @@
 namespace lucerna {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::load_world;
 using testing::remarks_of;
@@ -74,6 +75,54 @@ TEST(PbrtMaterials, DiffuseTakesRgbFloatAndConstantSpectra) {
   }
 }
 
+// The values are sums over steps of 0.001 nm, by numpy, of the same CIE tables.
+TEST(PbrtMaterials, ASpectrumBecomesItsColourUnderD65) {
+  const std::pair<const char*, Rgb<double>> kCases[] = {
+      {"\"spectrum reflectance\" [400 .2 700 .8]", {0.68232741, 0.48638649, 0.28096239}},
+      {"\"spectrum reflectance\" [360 .1 560 .1 600 .7 830 .7]",
+       {0.80936906, 0.13444573, 0.08145703}},
+      {"\"spectrum reflectance\" [360 .2 480 .2 500 .6 550 .6 570 .2 830 .2]",
+       {0.04592897, 0.52069031, 0.19936398}},
+  };
+  for (const auto& [text, expected] : kCases) {
+    const auto [reflectance, remarks] = surface(std::string("Material \"diffuse\" ") + text);
+    constexpr double kTolerance = 1e-7;
+    EXPECT_NEAR(reflectance.r, expected.r, kTolerance) << text;
+    EXPECT_NEAR(reflectance.g, expected.g, kTolerance) << text;
+    EXPECT_NEAR(reflectance.b, expected.b, kTolerance) << text;
+    EXPECT_EQ(remarks, "") << text;
+  }
+}
+
+TEST(PbrtMaterials, ASpectrumOutsideOfTheRgbGamutIsClampedWithARemark) {
+  const auto [reflectance, remarks] =
+      surface("Material \"diffuse\" \"spectrum reflectance\" [360 0 620 0 620.0001 1 830 1]");
+  EXPECT_NEAR(reflectance.r, 0.44005822, 1e-6);
+  EXPECT_EQ(reflectance.g, 0);
+  EXPECT_EQ(reflectance.b, 0);
+  EXPECT_EQ(remarks,
+            "1:31 the colour of \"reflectance\" = [0.4401 -0.03605 -0.004415] is not a valid "
+            "reflectance -> clamped to [0.4401 0 0]\n");
+}
+
+TEST(PbrtMaterials, AReflectanceMayBeAFileOfSamples) {
+  const testing::SceneFiles files;
+  files.write("leaf.spd", "# leaf\n400 .2\n700 .8\n");
+  files.write("scene.pbrt",
+              "WorldBegin Material \"diffuse\" \"spectrum reflectance\" \"leaf.spd\" "
+              "Shape \"disk\"");
+  const auto scene = files.load("scene.pbrt");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const Rgb<double>* reflectance =
+      scene->materials.at(scene->shapes.at(0).material).plain_diffuse();
+  ASSERT_NE(reflectance, nullptr);
+  EXPECT_NEAR(reflectance->g, 0.48638649, 1e-7);
+  EXPECT_EQ(remarks_of(*scene), "");
+  EXPECT_THAT(
+      world_error_of("Material \"diffuse\" \"spectrum reflectance\" \"x.spd\" Shape \"disk\""),
+      AllOf(HasSubstr("scene.pbrt:1:31: "), HasSubstr("x.spd")));
+}
+
 TEST(PbrtMaterials, OthersBecomeDiffuseWithARemark) {
   const std::tuple<const char*, double, const char*> kCases[] = {
       {"Material \"hair\"", .5,
@@ -85,8 +134,11 @@ TEST(PbrtMaterials, OthersBecomeDiffuseWithARemark) {
       {"Texture \"t\" \"spectrum\" \"marble\" Material \"diffuse\" "
        "\"texture reflectance\" \"t\"",
        .5, "1:12 texture \"t\" (marble) is not modelled -> constant 0.5\n"},
-      {"Material \"diffuse\" \"spectrum reflectance\" \"x.spd\"", .5,
-       "1:31 spectrum \"reflectance\" of a surface is not modelled -> grey 0.5\n"},
+      {"Material \"diffuse\" \"spectrum reflectance\" \"stdillum-A\"", .5,
+       "1:31 \"stdillum-A\" is not the spectrum of a reflectance -> grey 0.5\n"},
+      {"Material \"diffuse\" \"spectrum reflectance\" [300 2 900 2]", 1,
+       "1:31 the colour of \"reflectance\" = [2 2 2] is not a valid reflectance -> clamped to [1 1 "
+       "1]\n"},
       {"Material \"diffuse\" \"float displacement\" 1", .5, ""},
   };
   for (const auto& [text, expected, remark] : kCases) {

@@ -111,6 +111,15 @@ std::vector<Case> cases() {
          d.lights[0].spectrum =
              std::make_shared<const Spectrum>(*Spectrum::create(BlackBody{3000}));
        }},
+      {"light names", [](SceneDescription& d) { d.lights[0].name = "desk"; }},
+      {"light names",
+       [](SceneDescription& d) {
+         d.shapes.push_back(testing::emissive(testing::floor(0.1, 2), 1));
+         d.shapes.back().emission->name = "panel";
+       },
+       [](SceneDescription& d) {
+         d.shapes.push_back(testing::emissive(testing::floor(0.1, 2), 1));
+       }},
       {"motion", [motion](SceneDescription& d) { d.lights[0].motion = motion; }},
       {"motion", [motion](SceneDescription& d) { d.shapes[0].motion = motion; }},
       {"motion", [motion](SceneDescription& d) { d.camera.motion = motion; }},
