@@ -9,6 +9,7 @@
 #include "server/materials/conductor.h"
 #include "server/materials/dielectric.h"
 #include "server/materials/diffuse.h"
+#include "server/materials/metallic_roughness.h"
 
 namespace lucerna {
 
@@ -24,7 +25,8 @@ class Bsdf {
  public:
   using Set = detail::ScatteringSet<Real, Diffuse<Real>, DiffuseTransmission<Real>, Conductor<Real>,
                                     Dielectric<Real>, ThinDielectric<Real>, CoatedDiffuse<Real>,
-                                    CoatedConductor<Real>>;
+                                    CoatedConductor<Real>, MetallicRoughness<Real>,
+                                    ThinMetallicRoughness<Real>>;
 
   template <typename Kind>
   requires std::is_constructible_v<Set, Kind>

@@ -18,6 +18,10 @@ std::optional<int> wrapped(int i, int n, TextureWrap wrap) {
       return std::nullopt;
     case TextureWrap::kRepeat:
       return ((i % n) + n) % n;
+    case TextureWrap::kMirror: {
+      const int j = ((i % (2 * n)) + 2 * n) % (2 * n);
+      return j < n ? j : 2 * n - 1 - j;
+    }
     default:
       return std::clamp(i, 0, n - 1);
   }
@@ -28,23 +32,25 @@ constexpr double kMostTexels = 1 << 30;
 
 double texel_coordinate(double x, int n, TextureWrap wrap) {
   if (wrap == TextureWrap::kRepeat) x -= std::floor(x);
+  if (wrap == TextureWrap::kMirror) x -= 2 * std::floor(x / 2);
   return std::clamp(x * n, -kMostTexels, kMostTexels);
 }
 
 Rgb<double> texel(const ImageTexture& t, int x, int y) {
-  if (t.wrap == TextureWrap::kOctahedral) {
+  if (t.wrap_s == TextureWrap::kOctahedral) {
     const auto [ix, iy] =
         t.image->at_border(ImageBorder::kOctahedral, std::clamp(x, -1, t.image->width()),
                            std::clamp(y, -1, t.image->height()));
     return Rgb<double>(t.image->texel(ix, iy));
   }
-  const auto i = wrapped(x, t.image->width(), t.wrap), j = wrapped(y, t.image->height(), t.wrap);
+  const auto i = wrapped(x, t.image->width(), t.wrap_s),
+             j = wrapped(y, t.image->height(), t.wrap_t);
   return i && j ? Rgb<double>(t.image->texel(*i, *j)) : Rgb<double>{};
 }
 
 Rgb<double> lookup(const ImageTexture& t, const Vec2<double>& st) {
-  const double x = texel_coordinate(st.x, t.image->width(), t.wrap),
-               y = texel_coordinate(1 - st.y, t.image->height(), t.wrap);
+  const double x = texel_coordinate(st.x, t.image->width(), t.wrap_s),
+               y = texel_coordinate(1 - st.y, t.image->height(), t.wrap_t);
   if (!std::isfinite(x) || !std::isfinite(y)) return {};
   if (t.filter == ImageFilter::kNearest)
     return texel(t, static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
@@ -79,6 +85,9 @@ class Evaluation {
   Rgb<double> operator()(const ScaleTexture& t) const {
     return textures_(t.part, p_) * textures_(t.factor, p_);
   }
+  Rgb<double> operator()(const CutOffTexture& t) const {
+    return Rgb<double>(textures_(t.part, p_).r >= t.least ? 1.0 : 0.0);
+  }
   Rgb<double> operator()(const MixTexture& t) const {
     const double amount = textures_(t.amount, p_);
     return textures_(t.parts[0], p_) * (1 - amount) + textures_(t.parts[1], p_) * amount;
@@ -111,6 +120,10 @@ class Evaluation {
 
 Vec2<double> TextureMapping::operator()(const TexturePoint& p) const {
   if (kind == Kind::kUv) return {scale.x * p.uv.x + shift.x, scale.y * p.uv.y + shift.y};
+  if (kind == Kind::kAffine) {
+    const Vec3<double> uv{p.uv.x, p.uv.y, 1};
+    return {dot(uv, axis_s), dot(uv, axis_t)};
+  }
   const Vec3<double> q = texture_from_world.point(p.position);
   constexpr double kTurn = 2 * std::numbers::pi;
   const auto around = [&] {

@@ -40,23 +40,26 @@ struct TexturePoint {
 
 /// How a texture's coordinates (s, t) follow from the place.
 struct TextureMapping {
-  enum class Kind : std::uint8_t { kUv, kSpherical, kCylindrical, kPlanar };
+  enum class Kind : std::uint8_t { kUv, kAffine, kSpherical, kCylindrical, kPlanar };
   Kind kind = Kind::kUv;
-  /// kUv: s = scale.x u + shift.x, and so for t.  kPlanar: s = position . axis_s + shift.x.
+  /// kUv: s = scale.x u + shift.x, and so for t.  kAffine: s = (u, v, 1) . axis_s, and so for t.
+  /// kPlanar: s = position . axis_s + shift.x.
   Vec2<double> scale{1, 1}, shift{};
   Vec3<double> axis_s{1, 0, 0}, axis_t{0, 1, 0};
-  Transform texture_from_world{};  ///< for all kinds but kUv
+  Transform texture_from_world{};  ///< for all kinds but kUv and kAffine
 
   Vec2<double> operator()(const TexturePoint& p) const;
 };
 
-enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kOctahedral };
+/// How a picture continues beyond its border.  kMirror: each repetition mirrors the one before.
+/// kOctahedral is for both coordinates.
+enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kMirror, kOctahedral };
 
 /// A picture.  Its upper left corner is at s = 0, t = 1.
 struct ImageTexture {
   std::shared_ptr<const Image> image;  ///< not null
   TextureMapping mapping{};
-  TextureWrap wrap = TextureWrap::kRepeat;
+  TextureWrap wrap_s = TextureWrap::kRepeat, wrap_t = TextureWrap::kRepeat;
   ImageFilter filter = ImageFilter::kBilinear;
   double scale = 1;
   bool invert = false;  ///< 1 - value, after the scale; not below 0
@@ -71,6 +74,11 @@ struct CheckerboardTexture {
 struct ScaleTexture {
   ColourValue part{};
   ColourValue factor{};
+};
+/// 1 where the red channel of `part` is at least `least`, else 0.
+struct CutOffTexture {
+  ColourValue part{};
+  double least = 0.5;
 };
 /// parts[0] (1 - amount) + parts[1] amount.
 struct MixTexture {
@@ -94,8 +102,8 @@ struct DotsTexture {
   ColourValue inside{}, outside{};
 };
 
-using TextureNode = std::variant<ImageTexture, CheckerboardTexture, ScaleTexture, MixTexture,
-                                 DirectionMixTexture, BilerpTexture, DotsTexture>;
+using TextureNode = std::variant<ImageTexture, CheckerboardTexture, ScaleTexture, CutOffTexture,
+                                 MixTexture, DirectionMixTexture, BilerpTexture, DotsTexture>;
 
 /// All textures of a scene.  Immutable once made; may be read from any thread.
 class Textures {

@@ -129,11 +129,12 @@ TextureNode TextureTable::image(Context& context, const ParameterSet& params, co
   ImageTexture t;
   t.mapping = mapping;
   t.image = read_image(context, *file, encoding_of(params)).image;
-  t.wrap = choice<TextureWrap>(params, "wrap", "repeat",
-                               {{"repeat", TextureWrap::kRepeat},
-                                {"black", TextureWrap::kBlack},
-                                {"clamp", TextureWrap::kClamp},
-                                {"octahedralsphere", TextureWrap::kOctahedral}});
+  t.wrap_s = choice<TextureWrap>(params, "wrap", "repeat",
+                                 {{"repeat", TextureWrap::kRepeat},
+                                  {"black", TextureWrap::kBlack},
+                                  {"clamp", TextureWrap::kClamp},
+                                  {"octahedralsphere", TextureWrap::kOctahedral}});
+  t.wrap_t = t.wrap_s;
   const std::string filter = params.string("filter", "bilinear");
   t.filter = choice<ImageFilter>(params, "filter", "bilinear",
                                  {{"point", ImageFilter::kNearest},

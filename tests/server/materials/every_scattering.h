@@ -52,6 +52,31 @@ std::vector<NamedScattering<Real>> every_scattering(Real x = Real(0.3), Real y =
   all.push_back({"coated conductor", coated_metal<Real>(x, y), 1, true});
   all.push_back({"smoothly coated conductor", coated_metal<Real>(0, y), 1, true});
   all.push_back({"coated mirror", coated_metal<Real>(0, 0), 1, true});
+  // glTF: a metal, a dielectric, something between below a coat, and sheets.
+  const Rgb<Real> base{Real(0.9), Real(0.6), Real(0.2)};
+  const auto gltf = [&](const std::string& name, MetallicRoughnessParams<Real> p) {
+    p.base = base;
+    all.push_back({"glTF " + name, MetallicRoughness<Real>(p)});
+  };
+  const auto sheet = [&](const std::string& name, MetallicRoughnessParams<Real> p) {
+    p.base = base;
+    all.push_back({"glTF " + name, ThinMetallicRoughness<Real>(p)});
+  };
+  gltf("metal", {.metallic = 1, .alpha = {x, y}, .turn_rad = Real(0.4)});
+  gltf("dielectric", {.alpha = {x, x}});
+  gltf("smooth dielectric", {});
+  gltf("coated",
+       {.metallic = Real(0.3), .alpha = {x, y}, .coat = Real(0.7), .coat_alpha = Real(0.1)});
+  gltf("smoothly coated", {.metallic = Real(0.3), .alpha = {x, y}, .coat = 1});
+  sheet("sheet", {.metallic = Real(0.1),
+                  .alpha = {x, y},
+                  .turn_rad = Real(-1),
+                  .f0 = {Real(0.1), Real(0.2), Real(0.05)},
+                  .f90 = Real(0.8),
+                  .transmission = Real(0.6),
+                  .coat = Real(0.5),
+                  .coat_alpha = y});
+  sheet("pane", {.transmission = 1});
   return all;
 }
 

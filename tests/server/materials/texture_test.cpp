@@ -31,16 +31,56 @@ TEST(Texture, WrapDecidesOutsideOfThePicture) {
   ImageTexture t{.image = digits(), .filter = ImageFilter::kNearest};
   EXPECT_EQ(value_at(t, {1.1, -0.1}), 1);  // repeats
   EXPECT_EQ(value_at(t, {-0.1, 0.1}), 6);
-  t.wrap = TextureWrap::kClamp;
+  t.wrap_s = t.wrap_t = TextureWrap::kClamp;
   EXPECT_EQ(value_at(t, {1.1, -0.1}), 6);
-  t.wrap = TextureWrap::kBlack;
+  t.wrap_s = t.wrap_t = TextureWrap::kBlack;
   EXPECT_EQ(value_at(t, {1.1, 0.1}), 0);
   for (const double far : {1e300, -1e300, double{INFINITY}, double{NAN}})
     for (const auto wrap : {TextureWrap::kRepeat, TextureWrap::kBlack, TextureWrap::kClamp,
-                            TextureWrap::kOctahedral}) {
-      t.wrap = wrap;
+                            TextureWrap::kMirror, TextureWrap::kOctahedral}) {
+      t.wrap_s = t.wrap_t = wrap;
       EXPECT_TRUE(std::isfinite(value_at(t, {far, far}))) << far;
     }
+}
+
+TEST(Texture, EachCoordinateHasItsWrap) {
+  const ImageTexture t{.image = digits(),
+                       .wrap_s = TextureWrap::kMirror,
+                       .wrap_t = TextureWrap::kClamp,
+                       .filter = ImageFilter::kNearest};
+  // 1 2 3 | 3 2 1 | 1 2 3, and the upper row above the picture.
+  const double row[] = {3, 2, 1, 1, 2, 3, 3, 2, 1, 1};
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(value_at(t, {(i - 3 + 0.5) / 3, 5}), row[i]) << i;
+  EXPECT_EQ(value_at(t, {1.1, -5}), 6);
+}
+
+TEST(Texture, AMirrorHasNoSeam) {
+  const ImageTexture t{
+      .image = digits(), .wrap_s = TextureWrap::kMirror, .wrap_t = TextureWrap::kMirror};
+  EXPECT_NEAR(value_at(t, {0, 0.75}), 1, 1e-12);
+  EXPECT_NEAR(value_at(t, {1, 0.25}), 6, 1e-12);
+  EXPECT_NEAR(value_at(t, {-1, 1.75}), 6, 1e-12);
+}
+
+TEST(Texture, AffineMappingsTurnAndMove) {
+  TextureMapping m;
+  m.kind = TextureMapping::Kind::kAffine;
+  m.axis_s = {0, 2, 0.5};
+  m.axis_t = {-3, 0, 0.25};
+  const Vec2<double> st = m({.uv = {10, 100}});
+  EXPECT_EQ(st.x, 200.5);
+  EXPECT_EQ(st.y, -29.75);
+}
+
+TEST(Texture, ACutOffIsAllOrNothing) {
+  Textures textures;
+  const std::int32_t ramp = textures.add(
+      BilerpTexture{.corners = {Rgb<double>(0), Rgb<double>(0), Rgb<double>(1), Rgb<double>(1)}});
+  const std::int32_t cut = textures.add(CutOffTexture{{{}, ramp}, 0.25});
+  const auto at = [&](double u) { return textures(NumberValue{0, cut}, {.uv = {u, 0}}); };
+  EXPECT_EQ(at(0.24), 0);
+  EXPECT_EQ(at(0.25), 1);
+  EXPECT_EQ(at(0.9), 1);
 }
 
 TEST(Texture, BilinearFilterIsTheMeanBetweenTexels) {

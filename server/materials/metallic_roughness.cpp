@@ -1,0 +1,219 @@
+#include "server/materials/metallic_roughness.h"
+
+#include <algorithm>
+
+#include "server/materials/diffuse.h"
+
+namespace lucerna {
+namespace {
+
+/// Of a clear coat of index 1.5.  [glTF2, KHR_materials_clearcoat]
+constexpr double kCoatF0 = 0.04;
+/// The mean of (1 - cos)^5 over directions, weighted by their cosine.
+constexpr double kMeanSchlick = 1.0 / 21;
+
+template <std::floating_point Real>
+Real schlick_weight(Real cosine) {
+  const Real x = std::clamp(1 - cosine, Real(0), Real(1));
+  return x * x * x * x * x;
+}
+
+template <std::floating_point Real>
+Real mean_of(const Rgb<Real>& c) {
+  return (c.r + c.g + c.b) / 3;
+}
+
+template <std::floating_point Real>
+Real coat_reflected(Real schlick) {
+  return Real(kCoatF0) + Real(1 - kCoatF0) * schlick;
+}
+
+template <std::floating_point Real>
+Vec3<Real> below(const Vec3<Real>& w) {
+  return {w.x, w.y, -w.z};
+}
+
+}  // namespace
+
+template <std::floating_point Real, Side kSide>
+MetallicRoughnessOn<Real, kSide>::MetallicRoughnessOn(const MetallicRoughnessParams<Real>& p)
+    : f0_(p.base * p.metallic + p.f0 * (1 - p.metallic)),
+      f90_(Rgb<Real>(p.metallic + p.f90 * (1 - p.metallic))),
+      diffuse_(p.base * (1 - p.metallic)),
+      left_f0_(p.f0.max_component()),
+      left_f90_(p.f90),
+      facets_(Microfacets<Real>::rough(p.alpha.x), Microfacets<Real>::rough(p.alpha.y)),
+      cos_turn_(p.turn_rad == 0 ? Real(1) : std::cos(p.turn_rad)),
+      sin_turn_(p.turn_rad == 0 ? Real(0) : std::sin(p.turn_rad)),
+      coat_(p.coat),
+      coat_facets_(Microfacets<Real>::rough(p.coat_alpha), Microfacets<Real>::rough(p.coat_alpha)),
+      smooth_(Microfacets<Real>::is_smooth(p.alpha.x, p.alpha.y)),
+      coat_smooth_(Microfacets<Real>::is_smooth(p.coat_alpha, p.coat_alpha)) {
+  if constexpr (kTransmits) {
+    passed_ = diffuse_ * p.transmission;
+    diffuse_ = diffuse_ * (1 - p.transmission);
+  }
+  if (diffuse_.is_black()) return;
+  // The diffuse part between two directions is the product of what facets leave on both ways,
+  // over its mean.  The mean is not below the true one, also if the axes differ in roughness.
+  const auto mean_left = [&](Real alpha) {
+    if (smooth_) return left(Real(kMeanSchlick));
+    return 1 - mean_facet_albedo(alpha).of(left_f0_, left_f90_);
+  };
+  const Vec2<Real> alpha = facets_.alpha();
+  const Real mean =
+      alpha.x == alpha.y ? mean_left(alpha.x) : std::max(mean_left(alpha.x), mean_left(alpha.y));
+  diffuse_ = mean > 0 ? diffuse_ / mean : Rgb<Real>{};
+}
+
+template <std::floating_point Real, Side kSide>
+Vec3<Real> MetallicRoughnessOn<Real, kSide>::turned(const Vec3<Real>& w) const {
+  return {w.x * cos_turn_ + w.y * sin_turn_, w.y * cos_turn_ - w.x * sin_turn_, w.z};
+}
+
+template <std::floating_point Real, Side kSide>
+Vec3<Real> MetallicRoughnessOn<Real, kSide>::turned_back(const Vec3<Real>& w) const {
+  return {w.x * cos_turn_ - w.y * sin_turn_, w.y * cos_turn_ + w.x * sin_turn_, w.z};
+}
+
+template <std::floating_point Real, Side kSide>
+Real MetallicRoughnessOn<Real, kSide>::left_in_all(const Vec3<Real>& w) const {
+  if (left_f90_ == 0) return 1;
+  if (smooth_) return left(schlick_weight(std::fabs(w.z)));
+  const Vec2<Real> a = facets_.alpha();
+  // Roughness as `w` sees it, and the mean of both axes along the normal.
+  const Real alpha = a.x == a.y ? a.x
+                                : std::sqrt(a.x * a.x * (w.x * w.x + w.z * w.z / 2) +
+                                            a.y * a.y * (w.y * w.y + w.z * w.z / 2));
+  return 1 - facet_albedo(std::fabs(w.z), alpha).of(left_f0_, left_f90_);
+}
+
+template <std::floating_point Real, Side kSide>
+Real MetallicRoughnessOn<Real, kSide>::below_coat(Real cosine) const {
+  if (coat_smooth_) return 1 - coat_ * coat_reflected(schlick_weight(cosine));
+  return 1 - coat_ * facet_albedo(cosine, coat_facets_.alpha().x).of(Real(kCoatF0), Real(1));
+}
+
+template <std::floating_point Real, Side kSide>
+auto MetallicRoughnessOn<Real, kSide>::shares(Real cosine) const -> Shares {
+  const Real schlick = schlick_weight(cosine);
+  // Facets that face away from the normal reflect more than those along it.
+  const Real of_facets = std::max(schlick, Real(kMeanSchlick));
+  Shares s{.coat = coat_ * coat_reflected(of_facets),
+           .reflected = mean_of(reflected(of_facets)),
+           .passed = mean_of(passed_) * left(schlick),
+           .diffuse = mean_of(diffuse_) * left(schlick)};
+  const Real below = 1 - s.coat, sum = s.reflected + s.passed + s.diffuse;
+  const Real all = s.coat + below * sum;
+  if (!(all > 0)) return {};
+  s.coat /= all;
+  s.reflected *= below / all;
+  s.passed *= below / all;
+  s.diffuse *= below / all;
+  return s;
+}
+
+template <std::floating_point Real, Side kSide>
+auto MetallicRoughnessOn<Real, kSide>::facets_between(const Microfacets<Real>& facets,
+                                                      const Vec3<Real>& wo, const Vec3<Real>& wi)
+    -> Facets {
+  const Vec3<Real> m = normalized(wo + wi);
+  // The reflection stretches solid angles by 4 cos, and the density of visible normals has a cos.
+  const Real pdf = facets.seen_per_cosine(wo) * facets.density(m) / 4;
+  return {pdf * facets.also_seen(wo, wi), pdf, schlick_weight(dot(wo, m))};
+}
+
+template <std::floating_point Real, Side kSide>
+auto MetallicRoughnessOn<Real, kSide>::evaluate(const Vec3<Real>& given_wo,
+                                                const Vec3<Real>& given_wi) const -> Evaluation {
+  Evaluation e;
+  if (given_wo.z * given_wi.z == 0) return e;
+  const bool reflects = same_side(given_wo, given_wi);
+  if (!reflects && !kTransmits) return e;
+  const Vec3<Real> wo = turned(given_wo.z < 0 ? -given_wo : given_wo);
+  Vec3<Real> wi = turned(given_wo.z < 0 ? -given_wi : given_wi);
+  // Light through a sheet is that of a reflection, on the other side.
+  if (!reflects) wi = below(wi);
+  const Shares share = shares(wo.z);
+  if (!smooth_ && (reflects || !passed_.is_black())) {
+    const Facets f = facets_between(facets_, wo, wi);
+    e.value = (reflects ? reflected(f.schlick) : passed_ * left(f.schlick)) * f.value;
+    e.pdf = (reflects ? share.reflected : share.passed) * f.pdf;
+  }
+  if (reflects && !diffuse_.is_black()) {
+    const Real even = wi.z * std::numbers::inv_pi_v<Real>;
+    e.value += diffuse_ * (left_in_all(wo) * left_in_all(wi) * even);
+    e.pdf += share.diffuse * even;
+  }
+  if (coat_ == 0) return e;
+  // The lesser of both ways, so that the coat and what is below it never add up to more than 1.
+  e.value = e.value * std::min(below_coat(wo.z), below_coat(wi.z));
+  if (reflects && !coat_smooth_) {
+    const Facets f = facets_between(coat_facets_, wo, wi);
+    e.value += Rgb<Real>(coat_ * coat_reflected(f.schlick) * f.value);
+    e.pdf += share.coat * f.pdf;
+  }
+  return e;
+}
+
+template <std::floating_point Real, Side kSide>
+bool MetallicRoughnessOn<Real, kSide>::is_single(Lobe lobe) const {
+  return lobe == Lobe::kCoat ? coat_smooth_ : smooth_ && lobe != Lobe::kDiffuse;
+}
+
+template <std::floating_point Real, Side kSide>
+ScatterSample<Real> MetallicRoughnessOn<Real, kSide>::single(Lobe lobe, const Vec3<Real>& wo,
+                                                             Real share) const {
+  const Real cosine = std::fabs(wo.z), schlick = schlick_weight(cosine);
+  Rgb<Real> light(coat_ * coat_reflected(schlick));
+  if (lobe != Lobe::kCoat) {
+    light = lobe == Lobe::kReflected ? reflected(schlick) : passed_ * left(schlick);
+    if (coat_ > 0) light = light * below_coat(cosine);
+  }
+  return {.wi = lobe == Lobe::kPassed ? -wo : mirrored(wo), .weight = light / share, .delta = true};
+}
+
+template <std::floating_point Real, Side kSide>
+std::optional<ScatterSample<Real>> MetallicRoughnessOn<Real, kSide>::sample(
+    const Vec3<Real>& wo, const ScatterValues<Real>& u) const {
+  if (wo.z == 0) return std::nullopt;
+  const Vec3<Real> up = turned(wo.z < 0 ? -wo : wo);
+  const Shares all = shares(up.z);
+  // Choose a lobe.  The last one takes what rounding leaves.
+  Lobe lobe = Lobe::kDiffuse;
+  Real share = all.diffuse, before = 0;
+  for (const auto& [l, s] : {std::pair(Lobe::kCoat, all.coat),
+                             {Lobe::kReflected, all.reflected},
+                             {Lobe::kPassed, all.passed}}) {
+    before += s;
+    if (u.choice >= before || !(s > 0)) continue;
+    lobe = l;
+    share = s;
+    break;
+  }
+  if (!(share > 0)) return std::nullopt;
+  if (is_single(lobe)) return single(lobe, wo, share);
+  ScatterSample<Real> s;
+  if (lobe == Lobe::kDiffuse) {
+    s.wi = sample_cosine_hemisphere(u.direction);
+  } else {
+    const Vec3<Real> m = (lobe == Lobe::kCoat ? coat_facets_ : facets_).sample(up, u.direction);
+    s.wi = m * (2 * dot(up, m)) - up;
+    if (!(s.wi.z > 0)) return std::nullopt;  // hits another facet, which is not modelled
+    if (lobe == Lobe::kPassed) s.wi = below(s.wi);
+  }
+  s.wi = turned_back(s.wi);
+  if (wo.z < 0) s.wi = -s.wi;
+  const Evaluation e = evaluate(wo, s.wi);
+  if (!(e.pdf > 0)) return std::nullopt;
+  s.weight = e.value / e.pdf;
+  s.pdf = {e.pdf};
+  return s;
+}
+
+template class MetallicRoughnessOn<float, Side::kReflected>;
+template class MetallicRoughnessOn<double, Side::kReflected>;
+template class MetallicRoughnessOn<float, Side::kBoth>;
+template class MetallicRoughnessOn<double, Side::kBoth>;
+
+}  // namespace lucerna
