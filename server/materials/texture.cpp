@@ -157,11 +157,14 @@ bool Textures::needs_only_uv(std::int32_t texture) const {
   return std::visit(
       [&](const auto& t) {
         bool result = true;
-        if constexpr (requires { t.mapping; }) result = t.mapping.kind == TextureMapping::Kind::kUv;
+        using Kind = TextureMapping::Kind;
+        if constexpr (requires { t.mapping; })
+          result = t.mapping.kind == Kind::kUv || t.mapping.kind == Kind::kAffine;
         if constexpr (requires { t.dimension; }) result = result && t.dimension == 2;
         if constexpr (requires { t.direction; }) result = false;
         if constexpr (requires { t.parts; }) result = result && of(t.parts[0]) && of(t.parts[1]);
-        if constexpr (requires { t.factor; }) result = result && of(t.part) && of(t.factor);
+        if constexpr (requires { t.part; }) result = result && of(t.part);
+        if constexpr (requires { t.factor; }) result = result && of(t.factor);
         if constexpr (requires { t.amount; }) result = result && of(t.amount);
         if constexpr (requires { t.inside; }) result = result && of(t.inside) && of(t.outside);
         return result;

@@ -14,6 +14,7 @@ using testing::GltfFile;
 using testing::GltfFiles;
 using testing::Json;
 using testing::message_of;
+using testing::mutated;
 
 /// A file with nearly everything that the loader reads.
 GltfFile everything() {
