@@ -125,6 +125,9 @@ class Arguments {
     add_size("--memory-budget", options_.scenes.memory_budget_bytes,
              "Memory of all scenes, such as 8GiB; 0: no limit.  Least recently used scenes without "
              "a lease are unloaded first");
+    add_size("--texture-memory", options_.scenes.texture_bytes,
+             "Memory of the pictures on the surfaces of a scene; 0: no limit.  Larger pictures are "
+             "halved until they fit");
     app_.add_option("--max-lease", options_.scenes.max_lease_s, "The longest lease of a scene [s]")
         ->check(CLI::Range(1.0, 1e9));
     add("--asset-dir", options_.assets.directory, "DIR",

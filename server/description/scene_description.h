@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -201,6 +203,12 @@ struct SceneDescription {
   RenderHints hints;
   std::vector<Remark> remarks;
   std::vector<Asset> assets;  ///< in the order of their first use
+};
+
+/// Limits on what a file may need.
+struct LoadLimits {
+  /// Memory of the pictures of surfaces; larger ones are halved.
+  std::size_t texture_bytes = std::numeric_limits<std::size_t>::max();
 };
 
 }  // namespace lucerna

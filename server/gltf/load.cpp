@@ -12,8 +12,9 @@
 namespace lucerna {
 
 absl::StatusOr<SceneDescription> load_gltf(AssetReader& assets, const std::string& name,
-                                           std::stop_token stop) {
+                                           std::stop_token stop, const LoadLimits& limits) {
   SceneDescription scene;
+  scene.textures = Textures(limits.texture_bytes);
   try {
     gltf::Context context(assets, scene, std::move(stop), name);
     const gltf::Document document(context);

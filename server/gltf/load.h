@@ -21,6 +21,7 @@ namespace lucerna {
 /// stop request.  If the reader's source returns FAILED_PRECONDITION for a file that is still
 /// missing, the loader opens the other files too.  So all missing files are found at once.
 absl::StatusOr<SceneDescription> load_gltf(AssetReader& assets, const std::string& name,
-                                           std::stop_token stop = {});
+                                           std::stop_token stop = {},
+                                           const LoadLimits& limits = {});
 
 }  // namespace lucerna

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include "lights/sampling/hash_number.h"
 
@@ -39,13 +38,13 @@ double texel_coordinate(double x, int n, TextureWrap wrap) {
 Rgb<double> texel(const ImageTexture& t, int x, int y) {
   if (t.wrap_s == TextureWrap::kOctahedral) {
     const auto [ix, iy] =
-        t.image->at_border(ImageBorder::kOctahedral, std::clamp(x, -1, t.image->width()),
-                           std::clamp(y, -1, t.image->height()));
-    return Rgb<double>(t.image->texel(ix, iy));
+        at_border(ImageBorder::kOctahedral, std::clamp(x, -1, t.image->width()),
+                  std::clamp(y, -1, t.image->height()), t.image->width(), t.image->height());
+    return t.image->texel(ix, iy);
   }
   const auto i = wrapped(x, t.image->width(), t.wrap_s),
              j = wrapped(y, t.image->height(), t.wrap_t);
-  return i && j ? Rgb<double>(t.image->texel(*i, *j)) : Rgb<double>{};
+  return i && j ? t.image->texel(*i, *j) : Rgb<double>{};
 }
 
 Rgb<double> lookup(const ImageTexture& t, const Vec2<double>& st) {
@@ -172,12 +171,35 @@ bool Textures::needs_only_uv(std::int32_t texture) const {
       nodes_[static_cast<std::size_t>(texture)]);
 }
 
+std::shared_ptr<const Texels> Textures::picture(const std::string& name, const Image& image) {
+  const auto texels = std::make_shared<Texels>(image);
+  pictures_.push_back({name, image.width(), image.height(), texels});
+  const auto sum = [&] {
+    std::size_t bytes = 0;
+    for (const Picture& p : pictures_) bytes += p.texels->bytes();
+    return bytes;
+  };
+  while (sum() > limit_bytes_) {
+    const auto largest =
+        std::ranges::max_element(pictures_, {}, [](const Picture& p) { return p.texels->bytes(); });
+    if (largest->texels->width() * largest->texels->height() == 1) break;
+    largest->texels->halve();
+  }
+  return texels;
+}
+
+std::vector<HalvedPicture> Textures::halved() const {
+  std::vector<HalvedPicture> all;
+  for (const Picture& p : pictures_)
+    if (p.texels->width() != p.width || p.texels->height() != p.height)
+      all.push_back({p.name, p.width, p.height, p.texels->width(), p.texels->height()});
+  return all;
+}
+
 std::size_t Textures::bytes() const {
-  std::size_t sum = nodes_.capacity() * sizeof(TextureNode);
-  std::set<const Image*> counted;
-  for (const TextureNode& node : nodes_)
-    if (const auto* t = std::get_if<ImageTexture>(&node))
-      if (counted.insert(t->image.get()).second) sum += t->image->bytes();
+  std::size_t sum =
+      nodes_.capacity() * sizeof(TextureNode) + pictures_.capacity() * sizeof(Picture);
+  for (const Picture& p : pictures_) sum += p.texels->bytes();
   return sum;
 }
 

@@ -5,9 +5,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -15,6 +18,7 @@
 #include "lights/maths/vec.h"
 #include "lights/pictures/image.h"
 #include "lights/spectra/rgb.h"
+#include "server/materials/texels.h"
 
 namespace lucerna {
 
@@ -57,7 +61,7 @@ enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kMirror, kOctah
 
 /// A picture.  Its upper left corner is at s = 0, t = 1.
 struct ImageTexture {
-  std::shared_ptr<const Image> image;  ///< not null
+  std::shared_ptr<const Texels> image;  ///< not null
   TextureMapping mapping{};
   TextureWrap wrap_s = TextureWrap::kRepeat, wrap_t = TextureWrap::kRepeat;
   ImageFilter filter = ImageFilter::kBilinear;
@@ -105,9 +109,26 @@ struct DotsTexture {
 using TextureNode = std::variant<ImageTexture, CheckerboardTexture, ScaleTexture, CutOffTexture,
                                  MixTexture, DirectionMixTexture, BilerpTexture, DotsTexture>;
 
+/// A picture that was halved, to fit the memory of textures.
+struct HalvedPicture {
+  std::string name;
+  int width, height;            ///< texels in the file
+  int kept_width, kept_height;  ///< texels in memory
+};
+
 /// All textures of a scene.  Immutable once made; may be read from any thread.
 class Textures {
  public:
+  /// `limit_bytes`: the most memory of all pictures together.
+  explicit Textures(std::size_t limit_bytes = std::numeric_limits<std::size_t>::max())
+      : limit_bytes_(limit_bytes) {}
+
+  /// The texels of a picture.  If all pictures together are over the limit, the largest ones are
+  /// halved, the first one of equals first, until they fit.
+  std::shared_ptr<const Texels> picture(const std::string& name, const Image& image);
+  std::size_t limit_bytes() const { return limit_bytes_; }
+  std::vector<HalvedPicture> halved() const;
+
   /// `node` uses only textures that were added before.  Returns its number.
   std::int32_t add(TextureNode node);
   bool empty() const { return nodes_.empty(); }
@@ -130,6 +151,13 @@ class Textures {
 
  private:
   Rgb<double> at(std::int32_t texture, const TexturePoint& p) const;
+  struct Picture {
+    std::string name;
+    int width, height;  ///< in the file
+    std::shared_ptr<Texels> texels;
+  };
+  std::size_t limit_bytes_;
+  std::vector<Picture> pictures_;
   std::vector<TextureNode> nodes_;
 };
 

@@ -10,8 +10,9 @@
 namespace lucerna {
 
 absl::StatusOr<SceneDescription> load_pbrt(AssetReader& assets, const std::string& name,
-                                           std::stop_token stop) {
+                                           std::stop_token stop, const LoadLimits& limits) {
   SceneDescription scene;
+  scene.textures = Textures(limits.texture_bytes);
   try {
     pbrt::Context context(assets, scene, std::move(stop), name);
     pbrt::Builder builder(context);

@@ -21,6 +21,7 @@ namespace lucerna {
 /// missing, the rest of the scene is read too.  So all missing files are found at once.  Other
 /// errors may then follow from the missing file.
 absl::StatusOr<SceneDescription> load_pbrt(AssetReader& assets, const std::string& name,
-                                           std::stop_token stop = {});
+                                           std::stop_token stop = {},
+                                           const LoadLimits& limits = {});
 
 }  // namespace lucerna

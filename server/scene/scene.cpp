@@ -13,30 +13,43 @@
 
 namespace lucerna {
 
-std::string scene_id(const std::vector<Asset>& assets) {
+std::string scene_id(const std::vector<Asset>& assets, const std::vector<HalvedPicture>& halved) {
   std::string text;
   for (const Asset& a : assets) {
     // Lengths come first, so that different lists of assets give different bytes.
     text += fmt::format("{}:{}{}:", a.name.size(), a.name, a.sha256.size());
     text += a.sha256;
   }
+  for (const HalvedPicture& h : halved)
+    text += fmt::format("halved:{}:{}{}x{}:", h.name.size(), h.name, h.kept_width, h.kept_height);
   return hexadecimal(sha256(text));
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::string& isa) {
   const DenormalsAreZero denormals;
   LUCERNA_RETURN_IF_ERROR(check_references());
+  report_halved_pictures();
   simplify_media();
   LUCERNA_RETURN_IF_ERROR(place());
   LUCERNA_RETURN_IF_ERROR(build_lights());
   LUCERNA_RETURN_IF_ERROR(build_geometry(isa));
   LUCERNA_RETURN_IF_ERROR(prepare_choice());
-  scene_->id_ = scene_id(in_.assets);
+  scene_->id_ = scene_id(in_.assets, halved_);
   scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
   scene_->hints_ = in_.hints;
   scene_->remarks_ = std::move(in_.remarks);
   scene_->assets_ = std::move(in_.assets);
   return scene_;
+}
+
+void Scene::Builder::report_halved_pictures() {
+  halved_ = in_.textures.halved();
+  for (const HalvedPicture& h : halved_)
+    in_.remarks.push_back(
+        {{h.name},
+         fmt::format("a picture of {} x {} texels exceeds the memory of textures", h.width,
+                     h.height),
+         fmt::format("{} x {}, each the mean of several texels", h.kept_width, h.kept_height)});
 }
 
 absl::Status Scene::Builder::check_references() const {

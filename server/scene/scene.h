@@ -230,8 +230,9 @@ class Scene {
 };
 
 /// The id of a scene from these files: SHA-256 over their names and digests, in order, as 64
-/// hexadecimal digits.
-std::string scene_id(const std::vector<Asset>& assets);
+/// hexadecimal digits.  `halved`: pictures that are not kept whole, which change answers.
+std::string scene_id(const std::vector<Asset>& assets,
+                     const std::vector<HalvedPicture>& halved = {});
 
 /// Chooses a light for a receiver (LightSelector).  The probability is not part of any density.
 /// `u` in [0, 1).  Nothing if none of the lights that remain for `u` reaches the receiver.

@@ -26,6 +26,7 @@ class Scene::Builder {
 
  private:
   absl::Status check_references() const;
+  void report_halved_pictures();
 
   /// Computes bounds, origins and the scene's sphere.  Errors: shapes without bounds, motion out of
   /// the range of rays.
@@ -74,6 +75,7 @@ class Scene::Builder {
   std::vector<Vec3<double>> object_origins_;
   double detail_m_ = Bounds::kInfinity;       // the extent of the smallest shape
   std::vector<Vec3<double>> moving_origins_;  ///< of each moving shape
+  std::vector<HalvedPicture> halved_;
   std::uint64_t read_by_embree_ = 0;  ///< bytes of geometry that Embree reads and also counts
 };
 

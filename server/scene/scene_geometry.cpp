@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "proto/common/status_macros.h"
 #include "server/scene/scene_builder.h"
@@ -46,15 +47,14 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
-      LUCERNA_RETURN_IF_ERROR(
-          append(s, scene_->origin_, emitter, set, scene_->surfaces_));
+      LUCERNA_RETURN_IF_ERROR(append(s, scene_->origin_, emitter, set, scene_->surfaces_));
       continue;
     }
     // A moving shape is an object about its own origin with one instance.
     const Vec3<double>& origin = moving_origins_[moving_shape];
     const std::size_t object = in_.objects.size() + moving_shape++;
-    LUCERNA_RETURN_IF_ERROR(append(s, origin, emitter, objects[object],
-                                   scene_->object_surfaces_[object]));
+    LUCERNA_RETURN_IF_ERROR(
+        append(s, origin, emitter, objects[object], scene_->object_surfaces_[object]));
     if (!objects[object].empty())
       instances.push_back(
           {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
@@ -64,8 +64,8 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
     for (const auto& s : in_.objects[i].shapes)
-      LUCERNA_RETURN_IF_ERROR(append(s, object_origins_[i], -1, objects[i],
-                                     scene_->object_surfaces_[i]));
+      LUCERNA_RETURN_IF_ERROR(
+          append(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]));
   }
   for (const auto& i : in_.instances) {
     if (objects[i.object].empty()) continue;
@@ -196,7 +196,11 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
              : fmt::format("{} materials", scene_->materials_.size()));
   if (!scene_->textures_.empty())
     part("textures", scene_->textures_.bytes(), watch,
-         fmt::format("{} textures of materials", scene_->textures_.size()));
+         fmt::format(
+             "{} textures of surfaces{}", scene_->textures_.size(),
+             scene_->textures_.limit_bytes() < std::numeric_limits<std::size_t>::max()
+                 ? fmt::format("; pictures at most {} bytes", scene_->textures_.limit_bytes())
+                 : ""));
 }
 
 }  // namespace lucerna

@@ -15,10 +15,10 @@ const std::vector<std::string>& scene_file_extensions() {
 }
 
 absl::StatusOr<SceneDescription> load_scene_file(AssetReader& assets, const std::string& name,
-                                                 std::stop_token stop) {
+                                                 std::stop_token stop, const LoadLimits& limits) {
   if (absl::EndsWithIgnoreCase(name, ".gltf") || absl::EndsWithIgnoreCase(name, ".glb"))
-    return load_gltf(assets, name, std::move(stop));
-  return load_pbrt(assets, name, std::move(stop));
+    return load_gltf(assets, name, std::move(stop), limits);
+  return load_pbrt(assets, name, std::move(stop), limits);
 }
 
 }  // namespace lucerna

@@ -128,6 +128,12 @@ struct SceneStore::State {
   std::uint64_t uses = 0, builds = 0;
   std::uint64_t held = 0;  // bytes of all entries, each as last measured
 
+  LoadLimits load_limits() const {
+    LoadLimits limits;
+    if (options.texture_bytes > 0) limits.texture_bytes = options.texture_bytes;
+    return limits;
+  }
+
   // Call the functions below with the lock held.
 
   /// When the last lease of the scene ends; nothing if it has none.  Removes ended leases.
@@ -292,7 +298,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
   AssetReader reader(
       std::make_unique<ManifestSource>(manifest, *state_->assets, incomplete.missing));
   absl::StatusOr<SceneDescription> description =
-      load_scene_file(reader, manifest.main, options.stop);
+      load_scene_file(reader, manifest.main, options.stop, state_->load_limits());
   if (absl::IsCancelled(description.status())) return description.status();
   if (!incomplete.missing.empty()) return incomplete;
   LUCERNA_RETURN_IF_ERROR(description.status());
@@ -323,7 +329,8 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
       if (found != state_->scenes.end()) return state_->answer(found->second, key, options, true);
     }
   }
-  absl::StatusOr<SceneDescription> description = load_scene_file(*reader, path, options.stop);
+  absl::StatusOr<SceneDescription> description =
+      load_scene_file(*reader, path, options.stop, state_->load_limits());
   // NOT_FOUND may also come from a file that the scene names.
   if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
     return load_uploaded(path, options);
@@ -347,7 +354,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
 absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
                                                    const std::string& key, const StoredScene& named,
                                                    const LoadOptions& options) {
-  const std::string id = scene_id(description.assets);
+  const std::string id = scene_id(description.assets, description.textures.halved());
   const auto turn = state_->builds_turns.take(id, options.stop);
   if (turn == nullptr) return cancelled();
   {

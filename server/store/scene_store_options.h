@@ -14,6 +14,8 @@ struct SceneStoreOptions {
   std::string isa{};       ///< Embree's kernels; empty: the best of the machine
   /// Memory of all scenes together; 0: no limit.
   std::uint64_t memory_budget_bytes = 0;
+  /// Memory of the pictures of surfaces in one scene; larger ones are halved.  0: no limit.
+  std::uint64_t texture_bytes = std::uint64_t{1} << 30;
   /// The longest lease [s].
   double max_lease_s = 86400;
   /// The clock of leases.

@@ -238,7 +238,7 @@ Material Materials::material_of(Context& context, const Entry& entry) {
   }
   if (const Parameter* map = entry.params.find("normalmap", {"string"}))
     m.normal_map =
-        context.scene.textures.add(ImageTexture{.image = read_image(context, *map, kLinear).image});
+        context.scene.textures.add(ImageTexture{.image = read_texels(context, *map, kLinear)});
   if (const Parameter* map = entry.params.find("displacement", {"texture", "float"})) {
     const NumberValue height = textures_.number(entry.params, "displacement", 0);
     if (m.normal_map >= 0)

@@ -128,7 +128,7 @@ TextureNode TextureTable::image(Context& context, const ParameterSet& params, co
   if (file == nullptr) fail(place, "Texture \"imagemap\" lacks \"string filename\"");
   ImageTexture t;
   t.mapping = mapping;
-  t.image = read_image(context, *file, encoding_of(params)).image;
+  t.image = read_texels(context, *file, encoding_of(params));
   t.wrap_s = choice<TextureWrap>(params, "wrap", "repeat",
                                  {{"repeat", TextureWrap::kRepeat},
                                   {"black", TextureWrap::kBlack},

@@ -36,6 +36,8 @@ struct Context {
   std::string scene_file;  ///< the first file of the load
   /// Pictures read so far, by file name and encoding.
   std::map<std::pair<std::string, Encoding>, std::shared_ptr<const Image>> images;
+  /// Pictures of surfaces read so far, in the same way.
+  std::map<std::pair<std::string, Encoding>, std::shared_ptr<const Texels>> texels;
   /// Spectra of lights, shared by lights with the same spectrum (spectra.cpp).
   std::map<std::string, std::shared_ptr<const Spectrum>> spectra;
   /// Luminaires read so far, by file name.

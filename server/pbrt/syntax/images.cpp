@@ -4,22 +4,43 @@
 
 namespace lucerna::pbrt {
 
-NamedImage read_image(Context& context, const Parameter& filename, Encoding encoding) {
+namespace {
+
+std::shared_ptr<const Image> decoded(Context& context, const Parameter& filename,
+                                     const AssetContent& content, Encoding encoding) {
+  context.poll();
+  auto picture = decode_image(content, kMaxImageTexels, encoding);
+  if (!picture.ok())
+    fail(filename.place, absl::Status(picture.status().code(),
+                                      fmt::format("\"string {}\": {}", filename.name,
+                                                  std::string(picture.status().message()))));
+  for (const ImageRemark& r : picture->remarks) context.remark(filename.place, r.what, r.instead);
+  return picture->image;
+}
+
+AssetContent content_of(Context& context, const Parameter& filename) {
   if (filename.strings.size() != 1)
     fail(filename.place, fmt::format("\"string {}\" takes one name", filename.name));
-  const AssetContent content = context.read(filename);
+  return context.read(filename);
+}
+
+}  // namespace
+
+NamedImage read_image(Context& context, const Parameter& filename, Encoding encoding) {
+  const AssetContent content = content_of(context, filename);
   std::shared_ptr<const Image>& image = context.images[{content.name, encoding}];
-  if (image == nullptr) {
-    context.poll();
-    auto decoded = decode_image(content, kMaxImageTexels, encoding);
-    if (!decoded.ok())
-      fail(filename.place, absl::Status(decoded.status().code(),
-                                        fmt::format("\"string {}\": {}", filename.name,
-                                                    std::string(decoded.status().message()))));
-    for (const ImageRemark& r : decoded->remarks) context.remark(filename.place, r.what, r.instead);
-    image = decoded->image;
-  }
+  if (image == nullptr) image = decoded(context, filename, content, encoding);
   return {content.name, image};
+}
+
+std::shared_ptr<const Texels> read_texels(Context& context, const Parameter& filename,
+                                          Encoding encoding) {
+  const AssetContent content = content_of(context, filename);
+  std::shared_ptr<const Texels>& texels = context.texels[{content.name, encoding}];
+  if (texels == nullptr)
+    texels = context.scene.textures.picture(content.name,
+                                            *decoded(context, filename, content, encoding));
+  return texels;
 }
 
 ImageFilter image_filter(const ParameterSet& params, const char* otherwise) {

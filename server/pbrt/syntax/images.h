@@ -20,6 +20,10 @@ struct NamedImage {
 /// Remarks and errors have the place of the parameter.
 NamedImage read_image(Context& context, const Parameter& filename, Encoding encoding = kSrgb);
 
+/// The same for the textures of the scene, whose memory has a limit.
+std::shared_ptr<const Texels> read_texels(Context& context, const Parameter& filename,
+                                          Encoding encoding);
+
 /// The "string filter" of a light, nearest or bilinear.  `otherwise` applies if it is not given.
 ImageFilter image_filter(const ParameterSet& params, const char* otherwise = "nearest");
 

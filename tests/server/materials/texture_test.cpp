@@ -9,10 +9,10 @@ namespace lucerna {
 namespace {
 
 /// Two rows of texels, from the top: 1 2 3 / 4 5 6.
-std::shared_ptr<const Image> digits() {
+std::shared_ptr<const Texels> digits() {
   std::vector<Rgb<float>> texels;
   for (int i = 1; i <= 6; ++i) texels.emplace_back(static_cast<float>(i));
-  return *Image::create(3, 2, texels);
+  return std::make_shared<const Texels>(**Image::create(3, 2, texels));
 }
 
 double value_at(const ImageTexture& texture, Vec2<double> uv) {
@@ -147,6 +147,35 @@ TEST(Texture, PatternsAreMadeOfOtherTextures) {
     for (int k = 0; k < kPoints; ++k) inside += value(dots, {0.1 * i, 0.1 * k}) > 0;
   // Half of the squares hold a disk of radius 0.35.
   EXPECT_NEAR(inside / double(kPoints * kPoints), 0.5 * 3.14159 * 0.35 * 0.35, 0.03);
+}
+
+TEST(Texture, PicturesOverTheLimitAreHalvedTheLargestFirst) {
+  const auto picture = [](int side, float step) {
+    std::vector<Rgb<float>> texels;
+    for (int i = 0; i < side * side; ++i)
+      texels.emplace_back(step * static_cast<float>(i), 1.0F, static_cast<float>(i % 7));
+    return *Image::create(side, side, std::move(texels));
+  };
+  constexpr std::size_t kLimit = 100'000;
+  Textures textures(kLimit);
+  // 32 x 32 floats take 12 kB, 256 x 256 take 786 kB.
+  const auto small = textures.picture("small", *picture(32, 0.5F));
+  EXPECT_TRUE(textures.halved().empty());
+  const auto large = textures.picture("large", *picture(256, 0.25F));
+  EXPECT_LE(textures.bytes(), kLimit + 1000);
+  EXPECT_EQ(small->width(), 32);
+  EXPECT_EQ(large->width(), 64);  // 74 kB; 128 x 128 texels of 6 bytes are 98 kB
+  ASSERT_EQ(textures.halved().size(), 1U);
+  EXPECT_EQ(textures.halved()[0].name, "large");
+  EXPECT_EQ(textures.halved()[0].width, 256);
+  EXPECT_EQ(textures.halved()[0].kept_height, 64);
+  // The mean stays.
+  double sum = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) sum += large->texel(x, y).r / (64 * 64);
+  EXPECT_NEAR(sum, 0.25 * (256 * 256 - 1) / 2, 1);
+  for (int i = 0; i < 40; ++i) textures.picture("more", *picture(64, 1));
+  EXPECT_LE(textures.bytes(), kLimit + 40 * 200);
 }
 
 }  // namespace

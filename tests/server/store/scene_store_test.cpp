@@ -51,6 +51,36 @@ TEST_F(SceneStoreTest, LoadingAgainReturnsTheLoadedScene) {
   EXPECT_EQ(store_->builds(), 1U);
 }
 
+TEST_F(SceneStoreTest, PicturesOverTheLimitAreHalvedWhichChangesTheId) {
+  std::string pfm = "PF\n64 64\n-1.0\n";
+  for (int i = 0; i < 64 * 64 * 3; ++i) {
+    const float value = 1e-5F * static_cast<float>(i);
+    pfm.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  write("tiles.pfm", pfm);
+  write("tiles.pbrt",
+        "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"tiles.pfm\" "
+        "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"disk\"");
+  const auto whole = load("tiles.pbrt").stored.scene;
+  EXPECT_TRUE(whole->remarks().empty());
+  auto small = SceneStore::open({.root = root_.string(), .texture_bytes = 10'000});
+  ASSERT_TRUE(small.ok()) << small.status();
+  const auto halved = (*small)->load("tiles.pbrt");
+  ASSERT_TRUE(halved.ok()) << halved.status();
+  const Scene& scene = *halved->stored.scene;
+  EXPECT_NE(scene.id(), whole->id());
+  ASSERT_EQ(scene.remarks().size(), 1U);
+  EXPECT_EQ(scene.remarks()[0].where.file, "tiles.pfm");
+  EXPECT_EQ(scene.remarks()[0].what, "a picture of 64 x 64 texels exceeds the memory of textures");
+  EXPECT_EQ(scene.remarks()[0].instead, "32 x 32, each the mean of several texels");
+  for (const ScenePart& part : scene.parts())
+    if (part.name == "textures") {
+      EXPECT_LE(part.bytes, 11'000U);
+      EXPECT_EQ(part.why, "1 textures of surfaces; pictures at most 10000 bytes");
+    }
+  EXPECT_TRUE((*small)->load("tiles.pbrt")->already_loaded);
+}
+
 TEST_F(SceneStoreTest, AbsolutePathsBeneathTheRootAreAcceptedAndOthersAreNot) {
   const LoadedScene first = load("a.pbrt");
   EXPECT_EQ(load((root_ / "a.pbrt").string()).stored.scene, first.stored.scene);
