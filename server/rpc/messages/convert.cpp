@@ -46,6 +46,13 @@ void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Rema
     r->set_column(static_cast<std::uint32_t>(remark.where.column));
     r->set_what(remark.what);
     r->set_instead(remark.instead);
+    r->set_count(remark.count);
+    for (const SourceLocation& place : remark.more) {
+      v1::RemarkPlace* p = r->add_more_places();
+      p->set_file(place.file);
+      p->set_line(static_cast<std::uint32_t>(place.line));
+      p->set_column(static_cast<std::uint32_t>(place.column));
+    }
   }
 }
 
