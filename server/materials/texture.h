@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -60,6 +61,7 @@ struct ImageTexture {
   ImageFilter filter = ImageFilter::kBilinear;
   double scale = 1;
   bool invert = false;  ///< 1 - value, after the scale; not below 0
+  std::string name{};   ///< as the scene file names the picture; empty if it does not
 };
 /// Squares of size 1 in (s, t), in turns; cubes in (x, y, z) with `dimension` 3.
 struct CheckerboardTexture {
@@ -104,6 +106,7 @@ class Textures {
   std::int32_t add(TextureNode node);
   bool empty() const { return nodes_.empty(); }
   std::size_t size() const { return nodes_.size(); }
+  std::span<const TextureNode> nodes() const { return nodes_; }
 
   Rgb<double> operator()(const ColourValue& value, const TexturePoint& p) const {
     return value.is_constant() ? value.constant : at(value.texture, p);

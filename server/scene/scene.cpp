@@ -26,6 +26,7 @@ std::string scene_id(const std::vector<Asset>& assets) {
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::string& isa) {
   const DenormalsAreZero denormals;
   LUCERNA_RETURN_IF_ERROR(check_references());
+  scene_->contents_ = contents_of(in_);
   LUCERNA_RETURN_IF_ERROR(place());
   LUCERNA_RETURN_IF_ERROR(build_lights());
   LUCERNA_RETURN_IF_ERROR(build_geometry(isa));

@@ -129,6 +129,7 @@ TextureNode TextureTable::image(Context& context, const ParameterSet& params, co
   ImageTexture t;
   t.mapping = mapping;
   t.image = read_image(context, *file, encoding_of(params)).image;
+  t.name = printable(file->strings.front());
   t.wrap = choice<TextureWrap>(params, "wrap", "repeat",
                                {{"repeat", TextureWrap::kRepeat},
                                 {"black", TextureWrap::kBlack},
