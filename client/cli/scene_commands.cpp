@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -151,6 +152,64 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
   print_remarks(response.remarks());
 }
 
+/// A row for each thing of a kind that a scene holds.
+void add_kinds(const char* what, const google::protobuf::RepeatedPtrField<v1::KindCount>& kinds,
+               Table& table) {
+  for (const v1::KindCount& kind : kinds)
+    table.add({what, kind.kind(), std::to_string(kind.count()),
+               kind.primitives() > 0 ? fmt::format("{} primitives", kind.primitives()) : ""});
+}
+
+std::string kilobytes(std::uint64_t bytes) {
+  return fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1000);
+}
+
+std::string contents_table(const v1::GetSceneResponse& scene,
+                           const std::map<std::string, std::size_t>& lights) {
+  const v1::SceneContents& contents = scene.contents();
+  Table table({{"what", true}, {"kind", true}, {"count"}, {"details", true}});
+  add_kinds("shape", contents.shapes(), table);
+  if (contents.objects() > 0)
+    table.add({"object", "", std::to_string(contents.objects()),
+               fmt::format("{} instances", contents.instances())});
+  add_kinds("material", contents.materials(), table);
+  add_kinds("texture", contents.textures(), table);
+  for (const v1::TexturePicture& picture : contents.pictures())
+    table.add({"picture", picture.name(), "",
+               fmt::format("{} x {} px, {} in memory", picture.width(), picture.height(),
+                           kilobytes(picture.bytes()))});
+  for (const auto& [kind, count] : lights) table.add({"light", kind, std::to_string(count), ""});
+  table.add({"camera", contents.camera(), "", describe_picture(scene.summary())});
+  for (const v1::NamedAsset& file : scene.assets())
+    table.add({"file", file.name(), "", kilobytes(file.size_bytes())});
+  for (const v1::ScenePart& part : scene.parts())
+    table.add({"memory", part.name(), "", kilobytes(part.bytes())});
+  table.add({"memory", "all", "", kilobytes(scene.summary().bytes())});
+  return table.to_string();
+}
+
+void inspect(Session& session, const LoadFlags& flags) {
+  if (!flags.asset_root.empty() && !flags.upload) wrong_use("--asset-root requires --upload");
+  session.need_one_server("each server builds its own parts of a scene");
+  const v1::LoadSceneResponse loaded =
+      flags.upload ? upload(session, flags) : load_scene(session, flags.path);
+  v1::GetSceneRequest request;
+  request.set_scene_id(loaded.scene_id());
+  const auto scene =
+      session.value_or_fail(session.client().get_scene(request, session.call_options()));
+  if (session.json()) {
+    fmt::print("{}", to_json(scene));
+    return check_strict(session, loaded);
+  }
+  std::map<std::string, std::size_t> lights;
+  const v1::ListLightsResponse listed = list_lights(session, loaded.scene_id());
+  for (const v1::Light& light : listed.lights()) ++lights[type_of(light)];
+  fmt::print("{}  {}\n{}", loaded.scene_id(), scene.summary().path(),
+             contents_table(scene, lights));
+  print_remarks(scene.remarks());
+  check_strict(session, loaded);
+}
+
 void lights(Session& session, const std::string& scene) {
   const v1::ListLightsResponse response = list_lights(session, session.query_scene_id(scene));
   if (session.json()) {
@@ -234,26 +293,38 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* what, const c
   return command;
 }
 
+/// The file and its options.
+std::shared_ptr<LoadFlags> add_file_options(CLI::App& command) {
+  const auto flags = std::make_shared<LoadFlags>();
+  command
+      .add_option("PATH", flags->path,
+                  "A path under the scene root; with --upload, a file of this machine")
+      ->required();
+  command.add_flag(
+      "--upload", flags->upload,
+      "Send the scene file and the files that it names, unless the server already has them");
+  command
+      .add_option("--asset-root", flags->asset_root,
+                  "With --upload: send only files in this directory; default: the scene file's")
+      ->type_name("DIR");
+  return flags;
+}
+
 void add_load_command(CLI::App& app, Session& session) {
   CLI::App* command =
       app.add_subcommand("load", "Load a scene file; a loaded scene is not loaded again");
   command->footer("Example:\n  lucerna load room.pbrt\n  lucerna load --upload ~/scenes/room.pbrt");
-  const auto flags = std::make_shared<LoadFlags>();
-  command
-      ->add_option("PATH", flags->path,
-                   "A path under the scene root; with --upload, a file of this machine")
-      ->required();
-  command->add_flag(
-      "--upload", flags->upload,
-      "Send the scene file and the files that it names, unless the server already has them");
-  command
-      ->add_option("--asset-root", flags->asset_root,
-                   "With --upload: send only files in this directory; default: the scene file's")
-      ->type_name("DIR");
+  const auto flags = add_file_options(*command);
   command->add_option("--lease", flags->lease_s, "Keep the scene for at least this time [s]")
       ->type_name("SECONDS")
       ->check(positive());
   command->callback([flags, &session] { load(session, *flags); });
+
+  command = app.add_subcommand(
+      "inspect", "Load a scene file and print what it holds, its memory, and what is not modelled");
+  command->footer("Example:\n  lucerna inspect room.pbrt\n  lucerna inspect --upload ~/room.pbrt");
+  const auto inspected = add_file_options(*command);
+  command->callback([inspected, &session] { inspect(session, *inspected); });
 }
 
 void add_lease_commands(CLI::App& app, Session& session) {

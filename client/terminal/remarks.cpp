@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <string_view>
 
@@ -33,11 +35,14 @@ constexpr RemarkGroup kGroups[] = {
 std::string describe(const v1::Remark& remark) {
   std::string place = remark.file();
   if (remark.line() > 0) place += fmt::format(":{}:{}", remark.line(), remark.column());
+  if (remark.count() > 1)
+    place += fmt::format(" and {} more {}", remark.count() - 1,
+                         remark.count() == 2 ? "place" : "places");
   return fmt::format("{}: {}; {}", place, remark.what(), remark.instead());
 }
 
 std::string count_remarks(const google::protobuf::RepeatedPtrField<v1::Remark>& remarks) {
-  std::size_t counts[std::size(kGroups)] = {};
+  std::uint64_t counts[std::size(kGroups)] = {};
   for (const v1::Remark& remark : remarks) {
     std::size_t group = 0;
     while (!remark.what().starts_with(kGroups[group].what) ||
@@ -46,7 +51,8 @@ std::string count_remarks(const google::protobuf::RepeatedPtrField<v1::Remark>& 
     }
     // Groups with the same words count together.
     while (group > 0 && kGroups[group].one == kGroups[group - 1].one) --group;
-    ++counts[group];
+    // Servers without groups leave the count at 0.
+    counts[group] += std::max<std::uint64_t>(1, remark.count());
   }
   std::string text;
   for (std::size_t group = 0; group < std::size(kGroups); ++group) {

@@ -32,11 +32,13 @@ struct SourceLocation {
   int column = 0;  ///< from 1
 };
 
-/// A part of a file that is not modelled, and what happens instead.
+/// Parts of files that are not modelled, and what happens instead.  Equal parts are one remark.
 struct Remark {
-  SourceLocation where;
-  std::string what;     ///< "material \"conductor\" is not modelled"
-  std::string instead;  ///< "diffuse, reflectance 0.5"
+  SourceLocation where;                ///< the first place
+  std::string what;                    ///< "material \"conductor\" is not modelled"
+  std::string instead;                 ///< "diffuse, reflectance 0.5"
+  std::uint64_t count = 1;             ///< of all its places
+  std::vector<SourceLocation> more{};  ///< the next places, a few of them
 };
 
 /// A medium that absorbs light and does not scatter it.  After d metres, exp(-absorption d) of each

@@ -37,20 +37,10 @@ std::string Context::light_name(const std::string& pointer,
 }
 
 void Context::remark(const std::string& pointer, std::string what, std::string instead) {
-  constexpr std::size_t kMaxRemarks = 1000;
-  if (scene.remarks.size() >= kMaxRemarks) {
-    ++uncounted_;
-    return;
-  }
-  if (!said_.insert(pointer + what + instead).second) return;
-  scene.remarks.push_back({location(pointer), std::move(what), std::move(instead)});
+  remarks_.add(location(pointer), std::move(what), std::move(instead));
 }
 
-void Context::finish_remarks() {
-  if (uncounted_ == 0) return;
-  scene.remarks.push_back({location(""), fmt::format("{} more things are not modelled", uncounted_),
-                           "see the remarks before this one"});
-}
+void Context::finish_remarks() { scene.remarks = remarks_.take(file); }
 
 void Context::claim(const std::string& pointer, std::uint64_t count, std::uint64_t bytes_each) {
   // Counts of accessors are below 2^32 and elements below 1 KiB, so the product cannot overflow.

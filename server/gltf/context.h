@@ -6,13 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
-#include <set>
 #include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "server/assets/asset_reader.h"
+#include "server/description/remark_groups.h"
 #include "server/description/scene_description.h"
 #include "server/formats/printable.h"
 
@@ -48,10 +48,9 @@ struct Context {
   /// remark, if no light may have that name.
   std::string light_name(const std::string& pointer, std::initializer_list<std::string_view> names);
 
-  /// Adds a remark that `what` at `pointer` is not modelled, and what happens instead.  Equal
-  /// remarks are added once.  After 1000 remarks, further ones are only counted.
+  /// Adds a remark that `what` at `pointer` is not modelled, and what happens instead.
   void remark(const std::string& pointer, std::string what, std::string instead);
-  /// Adds a remark with the number of remarks that were only counted, if any.
+  /// Moves the remarks to the scene, in groups.
   void finish_remarks();
 
   /// Counts bytes before they are allocated.  RESOURCE_EXHAUSTED above kMostUnpackedBytes.
@@ -61,8 +60,7 @@ struct Context {
   void poll() const;
 
  private:
-  std::set<std::string> said_;
-  std::size_t uncounted_ = 0;
+  RemarkGroups remarks_;
   std::uint64_t unpacked_ = 0;
 };
 

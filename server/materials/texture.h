@@ -128,11 +128,19 @@ class Textures {
   std::shared_ptr<const Texels> picture(const std::string& name, const Image& image);
   std::size_t limit_bytes() const { return limit_bytes_; }
   std::vector<HalvedPicture> halved() const;
+  /// A picture by the name of its file.
+  struct Picture {
+    std::string name;
+    int width, height;  ///< in the file
+    std::shared_ptr<Texels> texels;
+  };
+  std::span<const Picture> pictures() const { return pictures_; }
 
   /// `node` uses only textures that were added before.  Returns its number.
   std::int32_t add(TextureNode node);
   bool empty() const { return nodes_.empty(); }
   std::size_t size() const { return nodes_.size(); }
+  std::span<const TextureNode> nodes() const { return nodes_; }
 
   Rgb<double> operator()(const ColourValue& value, const TexturePoint& p) const {
     return value.is_constant() ? value.constant : at(value.texture, p);
@@ -151,11 +159,6 @@ class Textures {
 
  private:
   Rgb<double> at(std::int32_t texture, const TexturePoint& p) const;
-  struct Picture {
-    std::string name;
-    int width, height;  ///< in the file
-    std::shared_ptr<Texels> texels;
-  };
   std::size_t limit_bytes_;
   std::vector<Picture> pictures_;
   std::vector<TextureNode> nodes_;

@@ -30,6 +30,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
   LUCERNA_RETURN_IF_ERROR(check_references());
   report_halved_pictures();
   simplify_media();
+  scene_->contents_ = contents_of(in_);
   LUCERNA_RETURN_IF_ERROR(place());
   LUCERNA_RETURN_IF_ERROR(build_lights());
   LUCERNA_RETURN_IF_ERROR(build_geometry(isa));

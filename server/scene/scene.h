@@ -13,6 +13,7 @@
 
 #include "lights/models/light.h"
 #include "lights/models/posed_light.h"
+#include "server/description/scene_contents.h"
 #include "server/description/scene_description.h"
 #include "server/rays/accelerator.h"
 #include "server/rays/ray.h"
@@ -137,6 +138,7 @@ class Scene {
   ShadingPoint shading_point(const SurfaceHit& hit) const;
   const Camera& camera() const { return camera_; }
   const RenderHints& hints() const { return hints_; }
+  const SceneContents& contents() const { return contents_; }
   const std::vector<Remark>& remarks() const { return remarks_; }
   const std::vector<Asset>& assets() const { return assets_; }
   /// The parts that are built: with the scene, and later for queries.
@@ -222,6 +224,7 @@ class Scene {
   bool moves_ = false;
   Camera camera_;
   RenderHints hints_;
+  SceneContents contents_;
   std::vector<Remark> remarks_;
   std::vector<Asset> assets_;
   std::vector<ScenePart> parts_;  // built with the scene

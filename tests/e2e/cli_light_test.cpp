@@ -48,6 +48,24 @@ TEST_F(Cli, NamesOfLightsAreListedIfThereAreAny) {
   EXPECT_THAT(lucerna({"lights", "point.pbrt"}).out, Not(HasSubstr("name")));
 }
 
+TEST_F(Cli, InspectPrintsWhatAFileHolds) {
+  std::ofstream(path("many.pbrt"))
+      << "WorldBegin\nLightSource \"point\"\nMaterial \"hair\"\nShape \"sphere\"\n"
+         "Material \"hair\"\nShape \"sphere\"\n";
+  const Outcome outcome = lucerna({"inspect", "--upload", path("many.pbrt")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              AllOf(ContainsRegex("\nshape +sphere +2 +2 primitives\n"),
+                    ContainsRegex("\nmaterial +diffuse +2\n"), ContainsRegex("\nlight +point +1\n"),
+                    ContainsRegex("\ncamera +perspective +picture 1280 x 720 px"),
+                    ContainsRegex("\nfile +many.pbrt +0.1 kB\n"), ContainsRegex("\nmemory +bvh "),
+                    HasSubstr("Not modelled:\n  many.pbrt:3:1 and 1 more place: material")));
+  EXPECT_THAT(lucerna({"inspect", "point.pbrt", "--json"}).out, HasSubstr("\"contents\""));
+  expect_no(lucerna({"inspect", "none.pbrt"}), "none.pbrt");
+  expect_wrong_use(lucerna({"inspect", "point.pbrt", "--asset-root", "/"}), "requires --upload");
+  fs::remove(path("many.pbrt"));
+}
+
 TEST_F(Cli, ALightHasANameInPlaceOfItsId) {
   const std::vector<std::vector<std::string>> commands = {
       {"power", "named.pbrt"},

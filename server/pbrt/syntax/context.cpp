@@ -9,22 +9,10 @@
 namespace lucerna::pbrt {
 
 void Context::remark(const Place& place, std::string what, std::string instead) {
-  constexpr std::size_t kMaxRemarks = 1000;
-  if (scene.remarks.size() >= kMaxRemarks) {
-    ++uncounted_;
-    return;
-  }
-  if (!said_.insert(to_string(place) + what + instead).second) return;
-  scene.remarks.push_back({location(place), std::move(what), std::move(instead)});
+  remarks_.add(location(place), std::move(what), std::move(instead));
 }
 
-void Context::finish_remarks() {
-  if (uncounted_ == 0) return;
-  Remark& rest = scene.remarks.emplace_back();
-  rest.where.file = scene_file;
-  rest.what = fmt::format("{} more things are not modelled", uncounted_);
-  rest.instead = "see the remarks before this one";
-}
+void Context::finish_remarks() { scene.remarks = remarks_.take(scene_file); }
 
 absl::StatusOr<AssetContent> Context::find(const Place& place, const std::string& name) {
   if (!is_printable(name))

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <map>
 #include <memory>
-#include <set>
 #include <stop_token>
 #include <string>
 #include <tuple>
@@ -16,6 +15,7 @@
 #include "lights/pictures/intensity_map.h"
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset_reader.h"
+#include "server/description/remark_groups.h"
 #include "server/description/scene_description.h"
 #include "server/formats/image_reader.h"
 #include "server/formats/photometric_file.h"
@@ -46,11 +46,9 @@ struct Context {
   std::map<std::tuple<std::string, SphereMapping, ImageFilter>, std::shared_ptr<const IntensityMap>>
       intensity_maps;
 
-  /// Adds a remark that `what` at `place` is not modelled, and what happens instead.  Equal remarks
-  /// are added once, since each shape of an area light would repeat them.  After 1000 remarks,
-  /// further ones are only counted.
+  /// Adds a remark that `what` at `place` is not modelled, and what happens instead.
   void remark(const Place& place, std::string what, std::string instead);
-  /// Adds a remark with the number of remarks that were only counted, if any.
+  /// Moves the remarks to the scene, in groups.
   void finish_remarks();
 
   /// The unpacked content of the file `name`.  Looks in the directory of the scene file first, as
@@ -65,8 +63,7 @@ struct Context {
  private:
   absl::StatusOr<AssetContent> find(const Place& place, const std::string& name);
 
-  std::set<std::string> said_;
-  std::size_t uncounted_ = 0;
+  RemarkGroups remarks_;
 };
 
 }  // namespace lucerna::pbrt

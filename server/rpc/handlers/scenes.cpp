@@ -156,6 +156,7 @@ Prepared get_scene(const Context& context, const v1::GetSceneRequest& request,
     set_summary(stored, response->mutable_summary());
     add_remarks(*stored.scene, response->mutable_remarks());
     set_parts(*stored.scene, response);
+    set_contents(*stored.scene, response->mutable_contents());
     return absl::OkStatus();
   };
   return task;

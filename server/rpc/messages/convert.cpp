@@ -46,6 +46,38 @@ void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Rema
     r->set_column(static_cast<std::uint32_t>(remark.where.column));
     r->set_what(remark.what);
     r->set_instead(remark.instead);
+    r->set_count(remark.count);
+    for (const SourceLocation& place : remark.more) {
+      v1::RemarkPlace* p = r->add_more_places();
+      p->set_file(place.file);
+      p->set_line(static_cast<std::uint32_t>(place.line));
+      p->set_column(static_cast<std::uint32_t>(place.column));
+    }
+  }
+}
+
+void set_contents(const Scene& scene, v1::SceneContents* out) {
+  const SceneContents& contents = scene.contents();
+  const auto add = [](const std::vector<KindCount>& counts, auto* to) {
+    for (const KindCount& kind : counts) {
+      v1::KindCount* k = to->Add();
+      k->set_kind(kind.kind);
+      k->set_count(kind.count);
+      k->set_primitives(kind.primitives);
+    }
+  };
+  add(contents.shapes, out->mutable_shapes());
+  add(contents.materials, out->mutable_materials());
+  add(contents.textures, out->mutable_textures());
+  out->set_objects(contents.objects);
+  out->set_instances(contents.instances);
+  out->set_camera(contents.camera);
+  for (const TexturePicture& picture : contents.pictures) {
+    v1::TexturePicture* p = out->add_pictures();
+    p->set_name(picture.name);
+    p->set_width(static_cast<std::uint32_t>(picture.width));
+    p->set_height(static_cast<std::uint32_t>(picture.height));
+    p->set_bytes(picture.bytes);
   }
 }
 
@@ -61,6 +93,7 @@ void set_parts(const Scene& scene, v1::GetSceneResponse* out) {
     v1::NamedAsset* a = out->add_assets();
     a->set_name(asset.name);
     a->set_sha256(asset.sha256);
+    a->set_size_bytes(asset.bytes);
   }
 }
 

@@ -28,5 +28,6 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out);
 void set_summary(const StoredScene& stored, v1::SceneSummary* out);
 void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Remark>* out);
 void set_parts(const Scene& scene, v1::GetSceneResponse* out);
+void set_contents(const Scene& scene, v1::SceneContents* out);
 
 }  // namespace lucerna::rpc

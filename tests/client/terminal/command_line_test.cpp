@@ -124,6 +124,23 @@ TEST(Remarks, AreCountedByTheirReplacement) {
   EXPECT_EQ(cli::count_remarks(remarks),
             "2 surfaces left out, 1 material taken as diffuse, 2 colours taken as grey, "
             "1 other remark");
+  // A remark of several places counts at each of them.
+  remarks.Mutable(0)->set_count(1000);
+  EXPECT_THAT(cli::count_remarks(remarks), ::testing::EndsWith(", 1000 other remarks"));
+}
+
+TEST(Remarks, OfSeveralPlacesAreOneLine) {
+  v1::Remark remark;
+  remark.set_file("a.pbrt");
+  remark.set_line(3);
+  remark.set_column(5);
+  remark.set_what("hair");
+  remark.set_instead("diffuse");
+  EXPECT_EQ(cli::describe(remark), "a.pbrt:3:5: hair; diffuse");
+  remark.set_count(2);
+  EXPECT_EQ(cli::describe(remark), "a.pbrt:3:5 and 1 more place: hair; diffuse");
+  remark.set_count(1000);
+  EXPECT_EQ(cli::describe(remark), "a.pbrt:3:5 and 999 more places: hair; diffuse");
 }
 
 TEST(Error, IsOneLineOfJsonWithTheServersDetails) {

@@ -1,0 +1,92 @@
+#include "server/description/scene_contents.h"
+
+#include <array>
+#include <set>
+#include <string_view>
+
+namespace lucerna {
+namespace {
+
+// In the order of the variants.
+constexpr std::array<std::string_view, std::variant_size_v<MaterialParams>> kMaterials{
+    "diffuse",        "diffusetransmission", "conductor",       "dielectric",
+    "thindielectric", "coateddiffuse",       "coatedconductor", "mix"};
+constexpr std::array<std::string_view, std::variant_size_v<TextureNode>> kTextures{
+    "imagemap", "checkerboard", "scale", "cut off", "mix", "directionmix", "bilerp", "dots"};
+constexpr std::array<std::string_view, 4> kCameras{"perspective", "orthographic",
+                                                   "spherical, equal area", "spherical"};
+
+#define LUCERNA_NAME(Shape) , Shape<double>::kName
+constexpr std::array<std::string_view, std::variant_size_v<decltype(ShapeDescription::geometry)>>
+    kShapes{"triangle mesh", "bilinear mesh", "curve" LUCERNA_QUADRICS(LUCERNA_NAME)};
+#undef LUCERNA_NAME
+
+std::uint64_t primitives_of(const ShapeDescription& shape) {
+  if (const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry))
+    return mesh->indices.size() / 3;
+  if (const auto* mesh = std::get_if<PatchMeshData>(&shape.geometry))
+    return mesh->indices.size() / 4;
+  if (const auto* curve = std::get_if<CurveData>(&shape.geometry)) return curve->curves.size();
+  return 1;
+}
+
+/// Counts by the index of a variant.
+template <std::size_t kSize>
+class Census {
+ public:
+  void add(std::size_t kind, std::uint64_t primitives = 0) {
+    ++counts_[kind];
+    primitives_[kind] += primitives;
+  }
+  std::vector<KindCount> by(const std::array<std::string_view, kSize>& names) const {
+    std::vector<KindCount> result;
+    for (std::size_t i = 0; i < kSize; ++i)
+      if (counts_[i] > 0) result.push_back({std::string(names[i]), counts_[i], primitives_[i]});
+    return result;
+  }
+
+ private:
+  std::array<std::uint64_t, kSize> counts_{}, primitives_{};
+};
+
+}  // namespace
+
+SceneContents contents_of(const SceneDescription& scene) {
+  SceneContents contents;
+  Census<kShapes.size()> shapes;
+  std::set<std::uint32_t> used;
+  const auto add = [&](const ShapeDescription& shape) {
+    shapes.add(shape.geometry.index(), primitives_of(shape));
+    used.insert(shape.material);
+  };
+  for (const ShapeDescription& shape : scene.shapes) add(shape);
+  for (const ObjectDefinition& object : scene.objects)
+    for (const ShapeDescription& shape : object.shapes) add(shape);
+  contents.shapes = shapes.by(kShapes);
+  contents.objects = scene.objects.size();
+  contents.instances = scene.instances.size();
+
+  // Parts of a mix come before it, so one pass from the last to the first finds all.
+  Census<kMaterials.size()> materials;
+  for (std::size_t i = scene.materials.size(); i-- > 0;) {
+    if (!used.contains(static_cast<std::uint32_t>(i))) continue;
+    materials.add(scene.materials[i].params.index());
+    if (const auto* mix = std::get_if<MixParams>(&scene.materials[i].params))
+      used.insert(mix->materials.begin(), mix->materials.end());
+  }
+  contents.materials = materials.by(kMaterials);
+
+  Census<kTextures.size()> textures;
+  for (const TextureNode& node : scene.textures.nodes()) textures.add(node.index());
+  for (const Textures::Picture& p : scene.textures.pictures())
+    contents.pictures.push_back(
+        {p.name, p.texels->width(), p.texels->height(), p.texels->bytes()});
+  contents.textures = textures.by(kTextures);
+
+  const auto projection = static_cast<std::size_t>(scene.camera.projection);
+  contents.camera = kCameras[projection];
+  if (scene.camera.lens_radius > 0 && projection < 2) contents.camera += " with a lens";
+  return contents;
+}
+
+}  // namespace lucerna
