@@ -34,7 +34,8 @@ TEST(Json, HasLowerCamelCaseNamesAndAllPlainFields) {
   response.mutable_cost()->set_samples(5);
   EXPECT_EQ(cli::to_json(response),
             R"({"sceneId":"ab","alreadyLoaded":false,)"
-            R"("remarks":[{"file":"","line":3,"column":0,"what":"","instead":""}],"missing":[],)"
+            R"("remarks":[{"file":"","line":3,"column":0,"what":"","instead":"","count":"0",)"
+            R"("morePlaces":[]}],"missing":[],)"
             R"("cost":{"samples":"5","cameraRays":"0","indirectRays":"0","shadowRays":"0",)"
             R"("cpuTimeS":0,"wallTimeS":0,"queueTimeS":0,"shadowMapLookups":"0",)"
             R"("shadowMapCompared":"0","shadowMapDisagreed":"0","throughThinGlass":"0"},)"
