@@ -79,8 +79,7 @@ SceneContents contents_of(const SceneDescription& scene) {
   Census<kTextures.size()> textures;
   for (const TextureNode& node : scene.textures.nodes()) textures.add(node.index());
   for (const Textures::Picture& p : scene.textures.pictures())
-    contents.pictures.push_back(
-        {p.name, p.texels->width(), p.texels->height(), p.texels->bytes()});
+    contents.pictures.push_back({p.name, p.texels->width(), p.texels->height(), p.texels->bytes()});
   contents.textures = textures.by(kTextures);
 
   const auto projection = static_cast<std::size_t>(scene.camera.projection);
