@@ -112,6 +112,7 @@ class Textures {
   std::int32_t add(TextureNode node);
   bool empty() const { return nodes_.empty(); }
   std::size_t size() const { return nodes_.size(); }
+  std::span<const TextureNode> nodes() const { return nodes_; }
 
   Rgb<double> operator()(const ColourValue& value, const TexturePoint& p) const {
     return value.is_constant() ? value.constant : at(value.texture, p);

@@ -26,7 +26,8 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit) {
   if (material.normal_map < 0) return;
   const Rgb<double> texel =
       scene.textures()(ColourValue{{}, material.normal_map}, at.texture) * 2 - Rgb<double>(1);
-  const Vec3<double> n = normalized(frame_.world_from_local({texel.r, texel.g, texel.b}));
+  const Vec3<double> n = normalized(frame_.world_from_local(
+      {texel.r * material.normal_scale, texel.g * material.normal_scale, texel.b}));
   // A map does not turn the surface over.
   if (!(dot(n, hit.ng) > 0)) return;
   hit.ns = Vec3<float>(n);
