@@ -141,7 +141,7 @@ std::vector<ImageRemark> remarks_on(OpenImage& open, const std::string& name) {
   const OIIO::ImageSpec& spec = open.spec;
   const bool grey_alpha = spec.nchannels == 2;
   const bool alpha = grey_alpha || std::ranges::count(spec.channelnames, "A") > 0;
-  if (alpha) remarks.push_back({name + " has an alpha channel", "alpha is ignored"});
+  if (alpha) remarks.push_back({name + " has an alpha channel", "alpha is ignored", true});
   const int used = spec.nchannels <= 2 ? 1 : 3;
   if (const int rest = spec.nchannels - used - (alpha ? 1 : 0); rest > 0)
     remarks.push_back(

@@ -21,6 +21,7 @@ namespace lucerna {
 struct ImageRemark {
   std::string what;
   std::string instead;
+  bool is_alpha = false;  ///< about a channel that some formats of scenes define as not used
 };
 
 struct DecodedImage {

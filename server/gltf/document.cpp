@@ -255,21 +255,59 @@ const AssetContent* Document::read(const View& thing) const {
   return &files_.emplace(given.pointer(), std::move(content)).first->second;
 }
 
-std::shared_ptr<const Image> Document::image(std::size_t index, bool says) const {
-  std::shared_ptr<const Image>& image = images_[index];
+std::shared_ptr<const Image> Document::alpha_image(const AssetContent& content,
+                                                   const View& place) const {
+  const auto alpha = decode_alpha(content);
+  if (!alpha.ok()) place.fail(alpha.status());
+  if (alpha->empty()) return *Image::create(1, 1, {Rgb<float>(1.0F)});
+  // The colours give the size.
+  const auto decoded = decode_image(content);
+  if (!decoded.ok()) place.fail(decoded.status());
+  const Image& colours = *decoded->image;
+  std::vector<Rgb<float>> texels(
+      static_cast<std::size_t>(colours.width()) * static_cast<std::size_t>(colours.height()),
+      Rgb<float>(1.0F));
+  for (std::size_t i = 0; i < alpha->size() && i < texels.size(); ++i)
+    texels[i] = Rgb<float>((*alpha)[i]);
+  auto image = Image::create(colours.width(), colours.height(), std::move(texels));
+  if (!image.ok()) place.fail(image.status());
+  return *std::move(image);
+}
+
+std::shared_ptr<const Image> Document::image(std::size_t index, bool says, PictureKind kind) const {
+  std::shared_ptr<const Image>& image = images_[{index, kind}];
   if (image != nullptr) return image;
   const View place = root().at("images")[index];
   const AssetContent* content = read(place);
   if (content == nullptr) return nullptr;
   context_.poll();
-  auto decoded = decode_image(*content);
-  if (!decoded.ok()) place.fail(decoded.status());
-  if (says)
+  if (kind == PictureKind::kAlpha) {
+    image = alpha_image(*content, place);
+  } else {
+    auto decoded =
+        decode_image(*content, kMaxImageTexels, kind == PictureKind::kData ? kLinear : kSrgb);
+    if (!decoded.ok()) place.fail(decoded.status());
+    // glTF defines where alpha is used.
     for (const ImageRemark& r : decoded->remarks)
-      context_.remark(place.pointer(), r.what, r.instead);
-  image = decoded->image;
+      if (says && !r.is_alpha) context_.remark(place.pointer(), r.what, r.instead);
+    image = decoded->image;
+  }
   context_.claim(place.pointer(), image->bytes(), 1);
   return image;
+}
+
+std::shared_ptr<const Texels> Document::texels(std::size_t index, PictureKind kind) const {
+  std::shared_ptr<const Texels>& texels = texels_[{index, kind}];
+  if (texels != nullptr) return texels;
+  const std::shared_ptr<const Image> picture = image(index, true, kind);
+  if (picture == nullptr) return nullptr;
+  // Floats take more memory than texels, and only lights need them.
+  images_.erase({index, kind});
+  const View place = root().at("images")[index];
+  std::string name = place.text("uri", "");
+  if (name.empty() || name.starts_with("data:")) name = context_.location(place.pointer()).file;
+  texels = context_.scene.textures.picture(printable(name), *picture);
+  return texels;
 }
 
 void Document::require_all_files() const {

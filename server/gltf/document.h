@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -13,6 +14,13 @@
 #include "server/gltf/view.h"
 
 namespace lucerna::gltf {
+
+/// What is read of a picture.
+enum class PictureKind : std::uint8_t {
+  kColour,  ///< sRGB-coded colours
+  kData,    ///< linear values
+  kAlpha,   ///< alpha in all channels; 1 if the picture has none
+};
 
 class Document {
  public:
@@ -33,7 +41,10 @@ class Document {
   /// goes on without it (null) until require_all_files.
   const AssetContent* read(const View& thing) const;
   /// The picture images/`index`; null as above.  `says`: with remarks on parts that are not used.
-  std::shared_ptr<const Image> image(std::size_t index, bool says = true) const;
+  std::shared_ptr<const Image> image(std::size_t index, bool says = true,
+                                     PictureKind kind = PictureKind::kColour) const;
+  /// The same for the textures of the scene, whose memory has a limit.
+  std::shared_ptr<const Texels> texels(std::size_t index, PictureKind kind) const;
   /// Fails if a file was not uploaded yet.
   void require_all_files() const;
 
@@ -42,6 +53,7 @@ class Document {
   void parse(std::string_view text, std::size_t start);
   void read_buffers();
   const AssetContent* read_uri(const View& uri) const;
+  std::shared_ptr<const Image> alpha_image(const AssetContent& content, const View& place) const;
 
   Context& context_;
   Json json_;
@@ -51,7 +63,8 @@ class Document {
   std::vector<std::string> buffers_;
   mutable std::map<std::size_t, std::string> unpacked_;  ///< of compressed buffer views
   mutable std::map<std::string, AssetContent> files_;    ///< by JSON pointer
-  mutable std::map<std::size_t, std::shared_ptr<const Image>> images_;
+  mutable std::map<std::pair<std::size_t, PictureKind>, std::shared_ptr<const Image>> images_;
+  mutable std::map<std::pair<std::size_t, PictureKind>, std::shared_ptr<const Texels>> texels_;
   mutable absl::Status missing_;
 };
 

@@ -9,21 +9,13 @@
 namespace lucerna::gltf {
 namespace {
 
-/// Wrapping of a sampler.
-MaterialEmission::Wrap wrap_of(const View& sampler, std::string_view key) {
-  const std::uint64_t code = sampler.integer(key, 10497, 0, 1 << 16);
-  if (code == 10497) return MaterialEmission::Wrap::kRepeat;
-  if (code == 33071) return MaterialEmission::Wrap::kClamp;
-  if (code == 33648) return MaterialEmission::Wrap::kMirror;
-  sampler.at(key).fail(fmt::format("found {}, allowed: 33071, 33648, 10497", code));
-}
-
 /// Puts KHR_texture_transform before the flip of v: translation * rotation * scale.
 void apply_transform(const View& transform, MaterialEmission& emission) {
   const std::vector<double> offset = transform.numbers("offset", {0, 0});
   const std::vector<double> scale = transform.numbers("scale", {1, 1});
   const double angle = transform.number("rotation", 0);
   const double c = std::cos(angle), s = std::sin(angle);
+  emission.is_transformed = true;
   emission.uv[0][0] = c * scale[0];
   emission.uv[0][1] = s * scale[1];
   emission.uv[0][2] = offset[0];
@@ -34,28 +26,69 @@ void apply_transform(const View& transform, MaterialEmission& emission) {
       transform.integer("texCoord", static_cast<std::uint64_t>(emission.uv_set), 0, 1000));
 }
 
-/// Checks a reference to a texture.
-void check_texture(const Document& document, const View& info) {
-  info.at("index").index(document.count("textures"), "texture");
-  info.integer("texCoord", 0, 0, 1000);
-  info.number("scale", 1);
-  info.number("strength", 1, kUnit);
-  if (const auto transform = info.extension("KHR_texture_transform")) {
-    transform->numbers("offset", {0, 0});
-    transform->numbers("scale", {1, 1});
-    transform->number("rotation", 0);
-  }
+/// A texture of a material that is applied: in pbrMetallicRoughness, in the material, or in an
+/// extension.
+struct Slot {
+  std::string_view parent, key;
+};
+constexpr std::string_view kPbr = "pbrMetallicRoughness",
+                           kTransmission = "KHR_materials_transmission",
+                           kCoat = "KHR_materials_clearcoat", kSpecular = "KHR_materials_specular",
+                           kAnisotropy = "KHR_materials_anisotropy", kIor = "KHR_materials_ior",
+                           kUnlit = "KHR_materials_unlit",
+                           kStrength = "KHR_materials_emissive_strength";
+constexpr Slot kApplied[] = {{kPbr, "baseColorTexture"},     {kPbr, "metallicRoughnessTexture"},
+                             {"", "normalTexture"},          {kTransmission, "transmissionTexture"},
+                             {kCoat, "clearcoatTexture"},    {kCoat, "clearcoatRoughnessTexture"},
+                             {kSpecular, "specularTexture"}, {kSpecular, "specularColorTexture"}};
+constexpr Slot kLeftOut[] = {{"", "occlusionTexture"},
+                             {kCoat, "clearcoatNormalTexture"},
+                             {kAnisotropy, "anisotropyTexture"}};
+
+/// Reads the file of a texture, which may not be uploaded yet.
+void read_picture(const Document& document, const View& info) {
+  check_texture(document, info);
+  const View root = document.root();
+  const View texture =
+      root.at("textures")[info.at("index").index(document.count("textures"), "texture")];
+  if (const auto source = texture.index("source", document.count("images"), "image"))
+    document.read(root.at("images")[*source]);
+}
+
+std::optional<View> texture_at(const View& material, const Slot& slot) {
+  if (slot.parent.empty()) return material.find(slot.key);
+  const auto parent = slot.parent == kPbr ? material.find(kPbr) : material.extension(slot.parent);
+  return parent ? parent->require_object().find(slot.key) : std::nullopt;
+}
+
+/// Whether this is a pane of clear glass.  Then direct light passes it, and both of its sides
+/// reflect by Fresnel's equations.
+bool is_pane(const GltfSurfaceParams& s) {
+  const auto is = [](const auto& value, const auto& constant) {
+    return value.is_constant() && value.constant == constant;
+  };
+  const Rgb<double> white(1);
+  return is(s.transmission, 1.0) && is(s.base, white) && s.surface.is_constant() &&
+         s.surface.constant.g == 0 && s.surface.constant.b == 0 && is(s.specular, 1.0) &&
+         is(s.specular_colour, white) && is(s.coat, 0.0) && s.ior >= 1;
 }
 
 }  // namespace
 
 bool is_material_extension(std::string_view name) {
-  return name == "KHR_materials_emissive_strength" || name == "KHR_texture_transform";
+  for (const std::string_view known :
+       {kTransmission, kCoat, kSpecular, kAnisotropy, kIor, kUnlit, kStrength})
+    if (name == known) return true;
+  return name == "KHR_texture_transform";
 }
 
 void Materials::read_pictures() {
-  for (std::size_t i = 0; i < document_.count("materials"); ++i)
-    emission(document_.root().at("materials")[i].require_object());
+  for (std::size_t i = 0; i < document_.count("materials"); ++i) {
+    const View material = document_.root().at("materials")[i].require_object();
+    emission(material);
+    for (const Slot& slot : kApplied)
+      if (const auto info = texture_at(material, slot)) read_picture(document_, *info);
+  }
 }
 
 /// Sets the picture of `emission`; false if the picture was not uploaded yet.
@@ -66,7 +99,7 @@ bool Materials::apply_texture(const View& info, MaterialEmission& emission) {
   emission.uv_set = static_cast<int>(info.integer("texCoord", 0, 0, 1000));
   if (const auto transform = info.extension("KHR_texture_transform"))
     apply_transform(*transform, emission);
-  emission.wrap_u = emission.wrap_v = MaterialEmission::Wrap::kRepeat;
+  emission.wrap_u = emission.wrap_v = TextureWrap::kRepeat;
   Picture picture;
   if (const auto index = texture.index("sampler", document_.count("samplers"), "sampler")) {
     const View sampler = root.at("samplers")[*index];
@@ -95,7 +128,7 @@ bool Materials::apply_texture(const View& info, MaterialEmission& emission) {
 std::shared_ptr<const MaterialEmission> Materials::emission(const View& material) {
   const std::vector<double> factor = material.numbers("emissiveFactor", {0, 0, 0}, kUnit);
   double strength = 1;
-  if (const auto given = material.extension("KHR_materials_emissive_strength"))
+  if (const auto given = material.extension(kStrength))
     strength = given->number("emissiveStrength", 1, kNotNegative);
   MaterialEmission emission;
   emission.radiance_cd_m2 = Rgb<double>(factor[0], factor[1], factor[2]) * strength;
@@ -109,42 +142,110 @@ std::shared_ptr<const MaterialEmission> Materials::emission(const View& material
   return std::make_shared<const MaterialEmission>(std::move(emission));
 }
 
+/// Checks and reports what is not applied.
+void Materials::note_left_out(const View& material) {
+  for (const Slot& slot : kLeftOut)
+    if (const auto info = texture_at(material, slot)) {
+      check_texture(document_, *info);
+      material.context().remark(
+          info->pointer(), fmt::format("{} is not applied", slot.key),
+          slot.key == "occlusionTexture" ? "the light is computed" : "the surface without it");
+    }
+  if (const auto unlit = material.extension(kUnlit))
+    material.context().remark(unlit->pointer(), "a surface that is not lit",
+                              "diffuse, with its base colour");
+}
+
+NumberValue Materials::alpha(const View& material, TextureSet& textures) {
+  const std::string mode = material.text("alphaMode", "OPAQUE");
+  if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+    material.at("alphaMode")
+        .fail(fmt::format("found \"{}\", allowed: OPAQUE, MASK, BLEND", printable(mode)));
+  const double cut_off = material.number("alphaCutoff", 0.5, kNotNegative);
+  if (mode == "OPAQUE") return {1};
+  const auto pbr = material.find(kPbr);
+  const double factor = pbr ? pbr->numbers("baseColorFactor", {1, 1, 1, 1}, kUnit)[3] : 1;
+  NumberValue value = textures.number(pbr, "baseColorTexture", PictureKind::kAlpha, factor);
+  if (mode == "BLEND") return value;
+  if (value.is_constant()) return {value.constant >= cut_off ? 1.0 : 0.0};
+  return {1, material.context().scene.textures.add(CutOffTexture{{{}, value.texture}, cut_off})};
+}
+
+/// [glTF2, 3.9, appendix B]
+Material Materials::scattering(const View& material, TextureSet& textures,
+                               const Rgb<double>& base) {
+  const auto pbr = material.find(kPbr);
+  const auto coat = material.extension(kCoat), specular = material.extension(kSpecular),
+             transmission = material.extension(kTransmission);
+  GltfSurfaceParams s;
+  s.base = textures.colour(pbr, "baseColorTexture", PictureKind::kColour, base);
+  const double metallic = pbr ? pbr->number("metallicFactor", 1, kUnit) : 1;
+  const double roughness = pbr ? pbr->number("roughnessFactor", 1, kUnit) : 1;
+  Material result{.params = DiffuseParams{s.base}};
+  if (const auto normal = material.find("normalTexture")) {
+    result.normal_map =
+        textures.colour(material, "normalTexture", PictureKind::kData, Rgb<double>(1)).texture;
+    result.normal_scale = normal->number("scale", 1);
+  }
+  if (material.extension(kUnlit)) return result;
+  s.surface = textures.colour(pbr, "metallicRoughnessTexture", PictureKind::kData,
+                              Rgb<double>(1, roughness, metallic));
+  if (const auto ior = material.extension(kIor)) {
+    s.ior = ior->number("ior", 1.5, kNotNegative);
+    if (s.ior != 0 && s.ior < 1)
+      ior->at("ior").fail(fmt::format("found {}, allowed: 0, or 1 or more", s.ior));
+  }
+  if (specular) {
+    s.specular = textures.number(specular, "specularTexture", PictureKind::kAlpha,
+                                 specular->number("specularFactor", 1, kUnit));
+    const auto c = specular->numbers("specularColorFactor", {1, 1, 1}, kNotNegative);
+    s.specular_colour =
+        textures.colour(specular, "specularColorTexture", PictureKind::kColour, {c[0], c[1], c[2]});
+  }
+  if (transmission)
+    s.transmission = textures.number(transmission, "transmissionTexture", PictureKind::kData,
+                                     transmission->number("transmissionFactor", 0, kUnit));
+  if (coat) {
+    s.coat = textures.number(coat, "clearcoatTexture", PictureKind::kData,
+                             coat->number("clearcoatFactor", 0, kUnit));
+    s.coat_roughness =
+        textures.colour(coat, "clearcoatRoughnessTexture", PictureKind::kData,
+                        Rgb<double>(coat->number("clearcoatRoughnessFactor", 0, kUnit)));
+  }
+  if (const auto anisotropy = material.extension(kAnisotropy)) {
+    s.anisotropy = anisotropy->number("anisotropyStrength", 0, kUnit);
+    s.anisotropy_turn_rad = anisotropy->number("anisotropyRotation", 0);
+  }
+  const auto is_zero = [](const NumberValue& v) { return v.is_constant() && v.constant == 0; };
+  const bool is_diffuse = metallic == 0 && is_zero(s.specular) && !s.transmits() && is_zero(s.coat);
+  if (is_pane(s) && result.normal_map < 0)
+    result.params = ThinDielectricParams{{s.ior}};
+  else if (!is_diffuse)
+    result.params = std::move(s);
+  return result;
+}
+
 Materials::Use Materials::make(const View& material) {
   Use use;
-  Rgb<double> reflectance(1.0);
-  std::vector<std::string> left_out;
-  const auto note = [&](const View& parent, std::string_view key) {
-    const auto texture = parent.find(key);
-    if (!texture) return;
-    check_texture(document_, *texture);
-    left_out.emplace_back(key);
-  };
-  if (const auto pbr = material.find("pbrMetallicRoughness")) {
-    const std::vector<double> base =
-        pbr->require_object().numbers("baseColorFactor", {1, 1, 1, 1}, kUnit);
-    reflectance = {base[0], base[1], base[2]};
-    if (pbr->number("metallicFactor", 1, kUnit) > 0) left_out.emplace_back("metallicFactor");
-    pbr->number("roughnessFactor", 1, kUnit);
-    note(*pbr, "baseColorTexture");
-    note(*pbr, "metallicRoughnessTexture");
-  }
-  note(material, "normalTexture");
-  note(material, "occlusionTexture");
-  const std::string alpha = material.text("alphaMode", "OPAQUE");
-  if (alpha != "OPAQUE" && alpha != "MASK" && alpha != "BLEND")
-    material.at("alphaMode")
-        .fail(fmt::format("found \"{}\", allowed: OPAQUE, MASK, BLEND", printable(alpha)));
-  if (alpha != "OPAQUE") left_out.emplace_back("alphaMode");
-  if (!left_out.empty())
-    material.context().remark(
-        material.pointer(), fmt::format("not modelled: {}", fmt::join(left_out, ", ")),
-        fmt::format("an opaque diffuse surface, reflectance ({:.3g}, {:.3g}, {:.3g})",
-                    reflectance.r, reflectance.g, reflectance.b));
-  use.double_sided = material.boolean("doubleSided", false);
   use.emission = emission(material);
+  use.double_sided = material.boolean("doubleSided", false);
+  const auto pbr = material.find(kPbr);
+  const std::vector<double> base =
+      pbr ? pbr->require_object().numbers("baseColorFactor", {1, 1, 1, 1}, kUnit)
+          : std::vector<double>{1, 1, 1, 1};
+  const bool has_picture = use.emission && use.emission->picture;
+  std::optional<int> set;
+  if (has_picture) set = use.emission->uv_set;
+  const bool is_plain = !has_picture || (!use.emission->is_transformed &&
+                                         use.emission->wrap_u == TextureWrap::kRepeat &&
+                                         use.emission->wrap_v == TextureWrap::kRepeat);
+  TextureSet textures(document_, set, has_picture, is_plain);
   auto& all = material.context().scene.materials;
   use.material = static_cast<std::uint32_t>(all.size());
-  all.push_back(diffuse_material(reflectance));
+  all.push_back(scattering(material, textures, {base[0], base[1], base[2]}));
+  note_left_out(material);
+  use.alpha = alpha(material, textures);
+  use.uv_set = textures.uv_set();
   return use;
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/description/scene_description.h"
-#include "server/gltf/document.h"
+#include "server/gltf/textures.h"
 
 namespace lucerna::gltf {
 
@@ -24,7 +24,8 @@ struct MaterialEmission {
   /// From the (u, v) of a vertex, v downwards as in the file, to the (u, v) of the picture, v
   /// upwards.  Rows of an affine map.
   double uv[2][3] = {{1, 0, 0}, {0, -1, 1}};
-  enum class Wrap : std::uint8_t { kClamp, kRepeat, kMirror } wrap_u{}, wrap_v{};
+  TextureWrap wrap_u = TextureWrap::kClamp, wrap_v = TextureWrap::kClamp;
+  bool is_transformed = false;
 };
 
 /// Fills SceneDescription::materials.
@@ -39,6 +40,8 @@ class Materials {
     std::uint32_t material;  ///< index into SceneDescription::materials
     bool double_sided = false;
     std::shared_ptr<const MaterialEmission> emission;  ///< null: it does not emit
+    std::optional<int> uv_set{};                       ///< of its textures; nothing if it has none
+    NumberValue alpha{1};                              ///< the same as in ShapeDescription
   };
   /// The material with this index; without an index, glTF's default material.
   const Use& use(std::optional<std::size_t> index);
@@ -46,6 +49,9 @@ class Materials {
  private:
   Use make(const View& material);
   std::shared_ptr<const MaterialEmission> emission(const View& material);
+  Material scattering(const View& material, TextureSet& textures, const Rgb<double>& base);
+  NumberValue alpha(const View& material, TextureSet& textures);
+  void note_left_out(const View& material);
   bool apply_texture(const View& texture, MaterialEmission& emission);
 
   const Document& document_;

@@ -171,7 +171,6 @@ std::vector<Vec3<float>> directions(Context& context, const std::string& pointer
 std::vector<Vec2<float>> corner_uv(Context& context, const std::string& pointer,
                                    const MaterialEmission& emission, const std::vector<double>& uv,
                                    const std::vector<std::uint32_t>& indices) {
-  using Wrap = MaterialEmission::Wrap;
   std::vector<Vec2<float>> result;
   result.reserve(indices.size());
   for (std::size_t i = 0; i + 3 <= indices.size(); i += 3) {
@@ -181,14 +180,14 @@ std::vector<Vec2<float>> corner_uv(Context& context, const std::string& pointer,
         at[axis][k] = emission.uv[axis][0] * uv[2 * indices[i + k]] +
                       emission.uv[axis][1] * uv[2 * indices[i + k] + 1] + emission.uv[axis][2];
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      const Wrap wrap = axis == 0 ? emission.wrap_u : emission.wrap_v;
+      const TextureWrap wrap = axis == 0 ? emission.wrap_u : emission.wrap_v;
       double* x = at[axis];
       const double tile =
           std::floor((std::min({x[0], x[1], x[2]}) + std::max({x[0], x[1], x[2]})) / 2);
       for (std::size_t k = 0; k < 3; ++k) {
-        if (wrap == Wrap::kClamp) continue;
+        if (wrap == TextureWrap::kClamp) continue;
         x[k] -= tile;
-        if (wrap == Wrap::kMirror && std::fmod(tile, 2) != 0) x[k] = 1 - x[k];
+        if (wrap == TextureWrap::kMirror && std::fmod(tile, 2) != 0) x[k] = 1 - x[k];
         constexpr double kRounding = 1e-5;
         if (x[k] < -kRounding || x[k] > 1 + kRounding)
           context.remark(pointer,
@@ -200,6 +199,37 @@ std::vector<Vec2<float>> corner_uv(Context& context, const std::string& pointer,
       result.push_back({static_cast<float>(at[0][k]), static_cast<float>(at[1][k])});
   }
   return result;
+}
+
+/// The (u, v) of the corners for textures, v upwards.
+std::vector<Vec2<float>> texture_uv(const std::vector<double>& uv,
+                                    const std::vector<std::uint32_t>& indices) {
+  std::vector<Vec2<float>> result;
+  result.reserve(indices.size());
+  for (const std::uint32_t i : indices)
+    result.push_back({static_cast<float>(uv[2 * i]), static_cast<float>(1 - uv[2 * i + 1])});
+  return result;
+}
+
+/// Sets the (u, v) that the material of a part needs.
+void set_uv(Context& context, const Attributes& attributes, std::size_t count, Part& part) {
+  const auto* emission =
+      part.use.emission && part.use.emission->picture ? part.use.emission.get() : nullptr;
+  if (emission == nullptr && !part.use.uv_set) return;
+  const std::string set =
+      fmt::format("TEXCOORD_{}", emission != nullptr ? emission->uv_set : *part.use.uv_set);
+  // Without coordinates every point shows (0, 0).
+  std::vector<double> uv(2 * count, 0.0);
+  if (attributes.has(set))
+    uv = attributes.numbers(set, 2, count);
+  else
+    context.remark(part.pointer + "/attributes",
+                   fmt::format("{}, which a texture of the material needs, is missing", set),
+                   "every point has the (u, v) 0, 0");
+  context.claim(part.pointer, part.mesh.indices.size(), sizeof(Vec2<float>));
+  part.mesh.corner_uv = emission != nullptr
+                            ? corner_uv(context, part.pointer, *emission, uv, part.mesh.indices)
+                            : texture_uv(uv, part.mesh.indices);
 }
 
 std::optional<Part> make_part(const Document& document, Materials& materials,
@@ -276,14 +306,7 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
   if (attributes.has("COLOR_0"))
     context.remark(pointer + "/attributes/COLOR_0", "vertex colours are not modelled",
                    "the colour of the material");
-  if (part.use.emission && part.use.emission->picture) {
-    const std::string set = fmt::format("TEXCOORD_{}", part.use.emission->uv_set);
-    // Without coordinates every point shows (0, 0).
-    std::vector<double> uv(2 * count, 0.0);
-    if (attributes.has(set)) uv = attributes.numbers(set, 2, count);
-    context.claim(pointer, part.mesh.indices.size(), sizeof(Vec2<float>));
-    part.mesh.corner_uv = corner_uv(context, pointer, *part.use.emission, uv, part.mesh.indices);
-  }
+  set_uv(context, attributes, count, part);
   return part;
 }
 

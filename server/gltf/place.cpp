@@ -152,6 +152,8 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
                  sizeof(Vec3<double>) + sizeof(Vec3<float>));
   shape.material = part.use.material;
   shape.where = context_.location(part.pointer);
+  shape.has_uv = part.use.uv_set.has_value();
+  shape.alpha = part.use.alpha;
   if (place == nullptr) {
     shape.geometry = part.mesh;
     context_.scene.objects.back().shapes.push_back(std::move(shape));

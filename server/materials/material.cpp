@@ -54,10 +54,32 @@ class Maker {
                                     .base = metal(m.metal, of_coat, base_x, base_y),
                                     .thickness = thickness(m.coat)});
   }
+  Bsdf<double> operator()(const GltfSurfaceParams& m) const {
+    const auto params = surface(m);
+    if (m.transmits()) return ThinMetallicRoughness<double>(params);
+    return MetallicRoughness<double>(params);
+  }
   Bsdf<double> operator()(const MixParams&) const { return Diffuse<double>(Rgb<double>(0)); }
 
  private:
   Rgb<double> share(const ColourValue& value) const { return clamped(textures_(value, p_), 0, 1); }
+  double unit(const NumberValue& value) const { return std::clamp(textures_(value, p_), 0.0, 1.0); }
+  /// [glTF2, appendix B, KHR_materials_specular, _ior, _anisotropy, _clearcoat]
+  MetallicRoughnessParams<double> surface(const GltfSurfaceParams& m) const {
+    const Rgb<double> surface = share(m.surface);
+    const double alpha = surface.g * surface.g, root = (1 - m.ior) / (1 + m.ior);
+    const double along = alpha + (1 - alpha) * m.anisotropy * m.anisotropy;
+    const double coat_roughness = share(m.coat_roughness).g, specular = unit(m.specular);
+    return {.base = share(m.base),
+            .metallic = surface.b,
+            .alpha = {along, alpha},
+            .turn_rad = m.anisotropy_turn_rad,
+            .f0 = clamped(textures_(m.specular_colour, p_) * (root * root), 0, 1) * specular,
+            .f90 = specular,
+            .transmission = unit(m.transmission),
+            .coat = unit(m.coat),
+            .coat_alpha = coat_roughness * coat_roughness};
+  }
   double eta(const NumberValue& value) const {
     return std::clamp(textures_(value, p_), kLeastEta, kMostEta);
   }

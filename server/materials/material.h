@@ -51,6 +51,22 @@ struct CoatedMetalParams {
   MetalParams metal{};
   CoatParams coat{};
 };
+/// A surface of a glTF file.  Factors of textures are applied.
+struct GltfSurfaceParams {
+  ColourValue base{Rgb<double>(1)};
+  /// Green: roughness, the square root of alpha.  Blue: metallic.  As in glTF's pictures.
+  ColourValue surface{Rgb<double>(1)};
+  double ior = 1.5;  ///< 0, or at least 1
+  /// Factors of what a dielectric's facets reflect: at all angles, and along the normal.
+  NumberValue specular{1};
+  ColourValue specular_colour{Rgb<double>(1)};
+  NumberValue transmission{0};
+  NumberValue coat{0};
+  ColourValue coat_roughness{};  ///< green
+  double anisotropy = 0, anisotropy_turn_rad = 0;
+
+  bool transmits() const { return !transmission.is_constant() || transmission.constant > 0; }
+};
 /// Each point has one of two materials, the second with probability `amount`.  Numbers of
 /// materials that come before this one.
 struct MixParams {
@@ -58,14 +74,15 @@ struct MixParams {
   NumberValue amount{0.5};
 };
 
-using MaterialParams =
-    std::variant<DiffuseParams, DiffuseTransmissionParams, MetalParams, DielectricParams,
-                 ThinDielectricParams, CoatedDiffuseParams, CoatedMetalParams, MixParams>;
+using MaterialParams = std::variant<DiffuseParams, DiffuseTransmissionParams, MetalParams,
+                                    DielectricParams, ThinDielectricParams, CoatedDiffuseParams,
+                                    CoatedMetalParams, GltfSurfaceParams, MixParams>;
 
 struct Material {
   MaterialParams params{};
   /// Tangent-space normals, from a picture whose channels are (n + 1) / 2; -1: none.
   std::int32_t normal_map = -1;
+  double normal_scale = 1;  ///< of the x and y of these normals
   /// A height over the surface [m], which only tilts the shading normal; -1: none.  Not with a
   /// normal map.
   std::int32_t bumps = -1;

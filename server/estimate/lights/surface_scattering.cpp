@@ -52,7 +52,8 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
   if (material.normal_map >= 0) {
     const Rgb<double> texel =
         scene.textures()(ColourValue{{}, material.normal_map}, at.texture) * 2 - Rgb<double>(1);
-    n = normalized(frame_.world_from_local({texel.r, texel.g, texel.b}));
+    n = normalized(frame_.world_from_local(
+        {texel.r * material.normal_scale, texel.g * material.normal_scale, texel.b}));
   } else if (material.bumps >= 0) {
     n = bumped_normal(scene.textures(), material.bumps, at);
   } else {

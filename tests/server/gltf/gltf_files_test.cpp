@@ -1,6 +1,5 @@
 // glTF scenes with other files: pictures, luminaires, environments; scenes in the store.
 #include <gmock/gmock.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <numbers>
@@ -24,35 +23,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::Json;
 using testing::message_of;
+using testing::png;
 using ::testing::StartsWith;
 using Point = Vec3<double>;
-
-/// A PNG file of 8-bit RGBA texels, rows from the top.
-std::string png(std::uint32_t width, std::uint32_t height, const std::vector<std::uint8_t>& rgba) {
-  const auto big = [](std::uint32_t n) {
-    return std::string{static_cast<char>(n >> 24), static_cast<char>(n >> 16),
-                       static_cast<char>(n >> 8), static_cast<char>(n)};
-  };
-  const auto chunk = [&](const std::string& kind, const std::string& data) {
-    const std::string body = kind + data;
-    const auto* bytes = reinterpret_cast<const Bytef*>(body.data());
-    return big(static_cast<std::uint32_t>(data.size())) + body +
-           big(static_cast<std::uint32_t>(crc32(0, bytes, static_cast<uInt>(body.size()))));
-  };
-  std::string rows;
-  for (std::uint32_t y = 0; y < height; ++y) {
-    rows += '\0';  // no filter
-    rows.append(reinterpret_cast<const char*>(&rgba[4 * width * y]), 4 * width);
-  }
-  uLongf size = compressBound(rows.size());
-  std::string packed(size, '\0');
-  compress(reinterpret_cast<Bytef*>(packed.data()), &size,
-           reinterpret_cast<const Bytef*>(rows.data()), rows.size());
-  packed.resize(size);
-  return "\x89PNG\r\n\x1a\n" +
-         chunk("IHDR", big(width) + big(height) + std::string("\x8\x6\0\0\0", 5)) +
-         chunk("IDAT", packed) + chunk("IEND", "");
-}
 
 /// A triangle that shows a picture, with these (u, v) at its corners.
 GltfFile painted(const std::vector<float>& uv, const Json& texture_info = Json::object()) {
@@ -257,11 +230,14 @@ GltfFile room() {
                 {"indices", file.add(std::vector<std::uint16_t>{0, 1, 2, 0, 2, 3}, "SCALAR", 5123)},
                 {"material", material}};
   };
-  file.json["materials"] = Json::array(
-      {{{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}}}},
-       {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}}},
-        {"emissiveFactor", {1, 0.5, 0.25}},
-        {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 800}}}}}}});
+  const Json grey = {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}, {"metallicFactor", 0}};
+  const Json diffuse = {{"KHR_materials_specular", {{"specularFactor", 0}}}};
+  Json shining = diffuse;
+  shining["KHR_materials_emissive_strength"] = {{"emissiveStrength", 800}};
+  file.json["materials"] = Json::array({{{"pbrMetallicRoughness", grey}, {"extensions", diffuse}},
+                                        {{"pbrMetallicRoughness", grey},
+                                         {"emissiveFactor", {1, 0.5, 0.25}},
+                                         {"extensions", shining}}});
   file.add_node({{"mesh", file.add_mesh(quad({-3, 0, 3, 3, 0, 3, 3, 0, -3, -3, 0, -3}, 0))}});
   file.add_node(
       {{"mesh", file.add_mesh(quad({-0.5, 0, -0.5, 0.5, 0, -0.5, 0.5, 0, 0.5, -0.5, 0, 0.5}, 1))},

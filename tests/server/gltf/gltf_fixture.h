@@ -3,7 +3,9 @@
 
 #include <absl/strings/escaping.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -27,6 +29,34 @@ inline std::string message_of(const absl::Status& status) {
 template <typename T>
 std::string bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+/// A PNG file of 8-bit RGBA texels, rows from the top.
+inline std::string png(std::uint32_t width, std::uint32_t height,
+                       const std::vector<std::uint8_t>& rgba) {
+  const auto big = [](std::uint32_t n) {
+    return std::string{static_cast<char>(n >> 24), static_cast<char>(n >> 16),
+                       static_cast<char>(n >> 8), static_cast<char>(n)};
+  };
+  const auto chunk = [&](const std::string& kind, const std::string& data) {
+    const std::string body = kind + data;
+    const auto* bytes = reinterpret_cast<const Bytef*>(body.data());
+    return big(static_cast<std::uint32_t>(data.size())) + body +
+           big(static_cast<std::uint32_t>(crc32(0, bytes, static_cast<uInt>(body.size()))));
+  };
+  std::string rows;
+  for (std::uint32_t y = 0; y < height; ++y) {
+    rows += '\0';  // no filter
+    rows.append(reinterpret_cast<const char*>(&rgba[4 * width * y]), 4 * width);
+  }
+  uLongf size = compressBound(rows.size());
+  std::string packed(size, '\0');
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+           reinterpret_cast<const Bytef*>(rows.data()), rows.size());
+  packed.resize(size);
+  return "\x89PNG\r\n\x1a\n" +
+         chunk("IHDR", big(width) + big(height) + std::string("\x8\x6\0\0\0", 5)) +
+         chunk("IDAT", packed) + chunk("IEND", "");
 }
 
 /// A temporary directory of scene files.

@@ -252,20 +252,6 @@ TEST(GltfLights, SurfacesThatEmitHaveTheNameOfTheirNodeOrElseOfTheirMesh) {
   EXPECT_EQ(scene.shapes[1].emission->name, "left tube");
 }
 
-TEST(GltfMaterials, BaseColourIsTheReflectance) {
-  GltfFile file;
-  Json primitive = file.triangle();
-  primitive["material"] = 0;
-  file.json["materials"] =
-      Json::array({{{"pbrMetallicRoughness",
-                     {{"baseColorFactor", {0.1, 0.2, 0.3, 1}}, {"metallicFactor", 0}}}}});
-  file.add_node({{"mesh", file.add_mesh(primitive)}});
-  const SceneDescription scene = file.scene();
-  EXPECT_EQ(*scene.materials.at(scene.shapes.at(0).material).plain_diffuse(),
-            Rgb<double>(0.1, 0.2, 0.3));
-  EXPECT_FALSE(scene.shapes[0].emission);
-}
-
 /// A scene of an emissive triangle at each x.
 SceneDescription emissive(std::vector<int> places, bool double_sided) {
   GltfFile file;
