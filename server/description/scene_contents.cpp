@@ -9,9 +9,8 @@ namespace {
 
 // In the order of the variants.
 constexpr std::array<std::string_view, std::variant_size_v<MaterialParams>> kMaterials{
-    "diffuse",        "diffusetransmission", "conductor",       "dielectric",
-    "thindielectric", "coateddiffuse",       "coatedconductor", "metallic-roughness",
-    "mix"};
+    "diffuse",       "diffusetransmission", "conductor",          "dielectric", "thindielectric",
+    "coateddiffuse", "coatedconductor",     "metallic-roughness", "mix"};
 constexpr std::array<std::string_view, std::variant_size_v<TextureNode>> kTextures{
     "imagemap", "checkerboard", "scale", "cut off", "mix", "directionmix", "bilerp", "dots"};
 constexpr std::array<std::string_view, 4> kCameras{"perspective", "orthographic",

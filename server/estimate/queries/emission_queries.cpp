@@ -143,8 +143,8 @@ class LeChunk {
     Ray ray{Vec3<float>(p.position), normalized(direction), kStartWithoutNormal * p.error};
     ray.time_s = query_.time_s;
     const Transmittance& transmittance = tracer_.direct().transmittance();
-    const auto hit = first_other_surface(scene_, ray, {{p.position, p.error}, {}},
-                                         transmittance.blocking());
+    const auto hit =
+        first_other_surface(scene_, ray, {{p.position, p.error}, {}}, transmittance.blocking());
     ++work_.indirect_rays;
     Rgb<double> arriving(1);
     if (transmittance.is_partial()) {

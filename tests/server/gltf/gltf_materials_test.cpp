@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "gltf_fixture.h"
+#include "server/scene/scene.h"
 
 namespace lucerna {
 namespace {
@@ -112,6 +113,40 @@ TEST(GltfMaterials, RoughnessIsSquaredAndIorSetsTheReflectance) {
   // Strength 1 makes the roughness along u 1.
   material["extensions"]["KHR_materials_anisotropy"] = {{"anisotropyStrength", 1}};
   EXPECT_NEAR(value(material), 1 / 9.0 / (4 * std::numbers::pi * 0.25), 1e-12);
+}
+
+TEST(GltfMaterials, ClearSmoothSheetsArePanes) {
+  Json glass = {{"extensions",
+                 {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                  {"KHR_materials_ior", {{"ior", 1.45}}}}},
+                {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}}};
+  const SceneDescription scene = surfaced(glass).scene();
+  const auto* pane = std::get_if<ThinDielectricParams>(&material_of(scene).params);
+  ASSERT_NE(pane, nullptr);
+  EXPECT_EQ(pane->eta.constant, 1.45);
+  const auto built = Scene::build(scene);
+  ASSERT_TRUE(built.ok()) << built.status();
+  EXPECT_TRUE((*built)->has_panes());
+  // Tinted, rough and partly diffuse sheets are not.
+  for (const Json& change :
+       {Json{{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0.9, 1, 1}}}}},
+        Json{{"pbrMetallicRoughness", {{"roughnessFactor", 0.1}}}},
+        Json{{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 0.9}}}}}}}) {
+    Json other = glass;
+    other.merge_patch(change);
+    const SceneDescription sheet = surfaced(other).scene();
+    EXPECT_NE(std::get_if<GltfSurfaceParams>(&material_of(sheet).params), nullptr) << change;
+  }
+}
+
+TEST(GltfMaterials, LightsWithAlphaEmitInItsShare) {
+  Json material = {{"emissiveFactor", {1, 1, 1}},
+                   {"alphaMode", "BLEND"},
+                   {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.25}}}}};
+  const SceneDescription scene = surfaced(material).scene();
+  EXPECT_EQ(scene.shapes[0].alpha.constant, 0.25);
+  EXPECT_TRUE(scene.shapes[0].emission.has_value());
+  EXPECT_THAT(gltf_remarks(scene), Not(HasSubstr("alpha")));
 }
 
 TEST(GltfTextures, BaseColoursAreCodedAndHaveAFactor) {
