@@ -245,9 +245,7 @@ const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) con
   return *(std::ranges::upper_bound(of_kind, primitive, {}, &PrimitiveRun::first) - 1);
 }
 
-bool SurfaceTable::has_sheer() const {
-  return std::ranges::any_of(surfaces, &Surface::is_sheer);
-}
+bool SurfaceTable::has_sheer() const { return std::ranges::any_of(surfaces, &Surface::is_sheer); }
 
 Vec2<double> SurfaceTable::triangle_uv_at(std::uint32_t triangle, double b, double c) const {
   const auto& uv = triangle_uv.empty() ? kTriangleUv : triangle_uv[triangle];

@@ -63,8 +63,8 @@ struct SurfaceTable {
 
   /// Where the values of alpha textures are; null if no surface is sheer.
   const Textures* textures = nullptr;
-  /// World position of the zero of the set's coordinates, for textures of sheer surfaces.  For objects it
-  /// is in the space of their definition, where pbrt-v4 evaluates alpha too.
+  /// World position of the zero of the set's coordinates, for textures of sheer surfaces.  For
+  /// objects it is in the space of their definition, where pbrt-v4 evaluates alpha too.
   Vec3<double> origin_m{};
 
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;

@@ -212,8 +212,8 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
   for (std::size_t k = 0; k < 3; ++k)
     triangle.corners[k] =
         Vec3<double>(set.vertices[set.triangles[3 * std::size_t{hit.primID} + k]]);
-  if (!intersect(triangle, origin_of(ray), Vec3<double>(d),
-                 ray.tnear, query_of(args->context).t_max))
+  if (!intersect(triangle, origin_of(ray), Vec3<double>(d), ray.tnear,
+                 query_of(args->context).t_max))
     args->valid[0] = 0;
 }
 

@@ -333,8 +333,7 @@ class IrradianceEstimator {
     const Ray ray = spawn_ray(receiver, wi);
     ++work.indirect_rays;
     const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
-    const Rgb<double> left =
-        scene_.has_media() ? tracer_.left_by_media(ray, hit) : Rgb<double>(1);
+    const Rgb<double> left = scene_.has_media() ? tracer_.left_by_media(ray, hit) : Rgb<double>(1);
     const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
       return settled.lights.has(light)
                  ? 0.0

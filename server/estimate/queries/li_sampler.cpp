@@ -94,9 +94,11 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
   for (std::size_t i = begin; answer.transmittance != nullptr && i < end; ++i) {
     const Pending& p = chunk[i - begin];
     if (p.receiver.result != ItemResult::kOk) continue;
-    store(answer.transmittance, i, Vec3<float>(Vec3<double>(p.visible.r, p.visible.g, p.visible.b)));
+    store(answer.transmittance, i,
+          Vec3<float>(Vec3<double>(p.visible.r, p.visible.g, p.visible.b)));
   }
-  for (std::size_t i = begin; shares != nullptr && i < end; ++i) shares[i] = share(chunk[i - begin]);
+  for (std::size_t i = begin; shares != nullptr && i < end; ++i)
+    shares[i] = share(chunk[i - begin]);
   return work;
 }
 

@@ -16,8 +16,8 @@ namespace lucerna {
 
 /// The contribution of one sample to the light at its receiver.
 struct LiShare {
-  /// cosine / (pdf p), for delta lights cosine / p.  Without a normal there is no cosine.  Times the
-  /// share of light that arrives, if that is the same in all channels.
+  /// cosine / (pdf p), for delta lights cosine / p.  Without a normal there is no cosine.  Times
+  /// the share of light that arrives, if that is the same in all channels.
   double weight = 0;
   /// Irradiance, or spherical irradiance without a normal [lx].
   LightEstimate lx{};

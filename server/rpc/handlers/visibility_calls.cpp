@@ -57,9 +57,8 @@ absl::StatusOr<Parsed> parse(const Context& context, const Scene& scene,
       query.from, check_points(context, segments ? "segments.from" : "rays.from",
                                segments ? request.segments().from() : request.rays().from()));
   const std::size_t n = query.from.size();
-  LUCERNA_RETURN_IF_ERROR(
-      check_answer_size(context, segments ? "segments" : "rays", n,
-                        answer_size(request, is_partial)));
+  LUCERNA_RETURN_IF_ERROR(check_answer_size(context, segments ? "segments" : "rays", n,
+                                            answer_size(request, is_partial)));
   LUCERNA_RETURN_IF_ERROR(segments ? parse_segments(context, request.segments(), query)
                                    : parse_rays(request.rays(), query));
   LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));

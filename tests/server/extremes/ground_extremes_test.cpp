@@ -221,7 +221,8 @@ std::vector<bool> visible(const Scene& scene, const std::vector<Point>& from,
   const std::vector<float> a = floats(from), b = floats(to), n = floats(normals);
   std::vector<std::uint8_t> bits(from.size() / 8 + 1);
   std::vector<int> status(from.size());
-  test_visibility(scene, {.from = {{}, a}, .to = PointArray{{}, b}, .normals = n}, {bits.data(), nullptr, status.data()}, {});
+  test_visibility(scene, {.from = {{}, a}, .to = PointArray{{}, b}, .normals = n},
+                  {bits.data(), nullptr, status.data()}, {});
   std::vector<bool> seen;
   for (std::size_t i = 0; i < from.size(); ++i) seen.push_back((bits[i / 8] >> (i % 8) & 1) != 0);
   return seen;

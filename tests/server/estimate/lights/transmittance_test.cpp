@@ -124,8 +124,9 @@ TEST(Media, BoxesWithinBoxesEndWhereTheyEnd) {
 TEST(Media, OpaqueSurfacesBlockAndMayBoundMedia) {
   SceneDescription d = with_media();
   // A tank with an opaque wall at x = 3; a stone within it that bounds nothing.
-  d.shapes = {boundary(box({2, 0, 0}, {1, 1, 1}), 1),
-              shape(ball(2, [](const auto& p) { return p * 0.2 + Vec3<double>{2, 0, 0}; }))};
+  d.shapes = {boundary(box({2, 0, 0}, {1, 1, 1}), 1), shape(ball(2, [](const auto& p) {
+                return p * 0.2 + Vec3<double>{2, 0, 0};
+              }))};
   d.shapes[0].is_interface = false;
   const auto scene = build(std::move(d));
   expect_near(seen(*scene, {0, 0, 0}, {2, 0.5, 0}), Rgb<double>(0), 0, "through the wall");
@@ -301,12 +302,12 @@ TEST(ThinGlass, DirectLightEqualsThatOfPathsThroughThePane) {
 TEST(ThinGlass, RoomsWithAPaneKeepTheirLight) {
   SceneDescription d = description(0.8);
   // A lamp with a surface, because paths do not find points in mirrors.
-  d.shapes = {shape(room()),
-              emissive(shape(SphereParams{.radius_m = 0.1,
-                                          .world_from_object =
-                                              Transform::translate({0.2, 0.1, 0.5})}),
-                       2000),
-              pane(d, 0)};
+  d.shapes = {
+      shape(room()),
+      emissive(shape(SphereParams{.radius_m = 0.1,
+                                  .world_from_object = Transform::translate({0.2, 0.1, 0.5})}),
+               2000),
+      pane(d, 0)};
   const auto with = build(d);
   d.shapes.pop_back();
   const auto without = build(std::move(d));

@@ -156,7 +156,8 @@ TEST(MovingSurfaces, ShadowPointsThatTheyPass) {
     const bool hidden = std::fabs(4 * t - 4) < 0.5;
     std::uint8_t visible = 0;
     int status = 0;
-    test_visibility(*scene, {.from = {{}, from}, .to = PointArray{{}, to}, .time_s = t}, {&visible, nullptr, &status}, {});
+    test_visibility(*scene, {.from = {{}, from}, .to = PointArray{{}, to}, .time_s = t},
+                    {&visible, nullptr, &status}, {});
     EXPECT_EQ(visible, hidden ? 0 : 1) << t;
     const auto lux = estimate_irradiance(*scene, meter, {.bounces = 0, .time_s = t}, {});
     EXPECT_NEAR(lux.points[0].irradiance_lx.g, hidden ? 0 : 1, 1e-6) << t;

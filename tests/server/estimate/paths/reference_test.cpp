@@ -111,7 +111,8 @@ INSTANTIATE_TEST_SUITE_P(
                       "m_conductor", "m_conductor_rough", "m_conductor_aniso", "m_copper",
                       "m_dielectric", "m_dielectric_rough", "m_coated", "m_coated_metal",
                       "m_transmission", "m_mix", "m_texture", "m_texture_maths", "m_alpha",
-                      "m_normalmap", "m_absorption", "m_thin", "orthographic", "lens", "spherical", "gaussian", "mitchell"),
+                      "m_normalmap", "m_absorption", "m_thin", "orthographic", "lens", "spherical",
+                      "gaussian", "mitchell"),
     [](const auto& info) { return info.param; });
 
 // `colour`: two coloured lights on coloured surfaces.  pbrt-v4 makes spectra of all these RGBs and

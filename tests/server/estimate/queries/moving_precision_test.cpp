@@ -256,7 +256,8 @@ TEST(MovingPrecision, RaysSeeTheirOwnTime) {
   for (const double t : {0.0, 1.0, 2.0}) {
     std::uint8_t visible = 0;
     int status[2];
-    test_visibility(*scene, {.from = {{}, from}, .directions = up, .time_s = t}, {&visible, nullptr, status}, {});
+    test_visibility(*scene, {.from = {{}, from}, .directions = up, .time_s = t},
+                    {&visible, nullptr, status}, {});
     EXPECT_EQ(visible, t == 0 ? 2 : t == 1 ? 1 : 3) << t;
   }
 }
