@@ -99,16 +99,11 @@ bool Materials::apply_texture(const View& info, MaterialEmission& emission) {
   emission.uv_set = static_cast<int>(info.integer("texCoord", 0, 0, 1000));
   if (const auto transform = info.extension("KHR_texture_transform"))
     apply_transform(*transform, emission);
-  emission.wrap_u = emission.wrap_v = TextureWrap::kRepeat;
+  const Sampling sampling = sampling_of(document_, texture);
+  emission.wrap_u = sampling.wrap_s;
+  emission.wrap_v = sampling.wrap_t;
   Picture picture;
-  if (const auto index = texture.index("sampler", document_.count("samplers"), "sampler")) {
-    const View sampler = root.at("samplers")[*index];
-    emission.wrap_u = wrap_of(sampler, "wrapS");
-    emission.wrap_v = wrap_of(sampler, "wrapT");
-    constexpr std::uint64_t kNearest = 9728;
-    if (sampler.integer("magFilter", 9729, 9728, 9729) == kNearest)
-      picture.filter = ImageFilter::kNearest;
-  }
+  picture.filter = sampling.filter;
   const auto source = texture.index("source", document_.count("images"), "image");
   if (!source) {
     texture.context().remark(texture.pointer(), "a texture without a picture in \"source\"",

@@ -20,14 +20,27 @@ TextureMapping mapping_of(const View& transform) {
   return m;
 }
 
-}  // namespace
-
+/// Wrapping along "wrapS" or "wrapT".
 TextureWrap wrap_of(const View& sampler, std::string_view key) {
   const std::uint64_t code = sampler.integer(key, 10497, 0, 1 << 16);
   if (code == 10497) return TextureWrap::kRepeat;
   if (code == 33071) return TextureWrap::kClamp;
   if (code == 33648) return TextureWrap::kMirror;
   sampler.at(key).fail(fmt::format("found {}, allowed: 33071, 33648, 10497", code));
+}
+
+}  // namespace
+
+Sampling sampling_of(const Document& document, const View& texture) {
+  Sampling s;
+  const auto index = texture.index("sampler", document.count("samplers"), "sampler");
+  if (!index) return s;
+  const View sampler = document.root().at("samplers")[*index];
+  s.wrap_s = wrap_of(sampler, "wrapS");
+  s.wrap_t = wrap_of(sampler, "wrapT");
+  constexpr std::uint64_t kNearest = 9728;
+  if (sampler.integer("magFilter", 9729, 9728, 9729) == kNearest) s.filter = ImageFilter::kNearest;
+  return s;
 }
 
 void check_texture(const Document& document, const View& info) {
@@ -79,14 +92,10 @@ std::int32_t TextureSet::image(const View& info, PictureKind kind) {
     t.mapping = mapping_of(*transform);
     set = transform->integer("texCoord", set, 0, 1000);
   }
-  if (const auto index = texture.index("sampler", document_.count("samplers"), "sampler")) {
-    const View sampler = root.at("samplers")[*index];
-    t.wrap_s = wrap_of(sampler, "wrapS");
-    t.wrap_t = wrap_of(sampler, "wrapT");
-    constexpr std::uint64_t kNearest = 9728;
-    if (sampler.integer("magFilter", 9729, 9728, 9729) == kNearest)
-      t.filter = ImageFilter::kNearest;
-  }
+  const Sampling sampling = sampling_of(document_, texture);
+  t.wrap_s = sampling.wrap_s;
+  t.wrap_t = sampling.wrap_t;
+  t.filter = sampling.filter;
   if (!fits(info, t, static_cast<int>(set))) return -1;
   t.image = document_.texels(*source, kind);
   if (t.image == nullptr) return -1;  // not uploaded yet: the load ends after this

@@ -10,8 +10,13 @@
 
 namespace lucerna::gltf {
 
-/// Wrapping along "wrapS" or "wrapT" of a sampler.
-TextureWrap wrap_of(const View& sampler, std::string_view key);
+/// How a picture continues and is read between texels.
+struct Sampling {
+  TextureWrap wrap_s = TextureWrap::kRepeat, wrap_t = TextureWrap::kRepeat;
+  ImageFilter filter = ImageFilter::kBilinear;
+};
+/// That of the sampler of a texture.  Fails on unknown numbers.
+Sampling sampling_of(const Document& document, const View& texture);
 
 /// Checks a reference to a texture.  Fails on indices out of range and on numbers that are not
 /// finite.
