@@ -34,7 +34,9 @@ struct SurfaceHit {
   /// Geometric normal, unit, on the outside.  In double, because floats cannot resolve on which
   /// side a grazing ray leaves the surface.
   Vec3<double> ng;
-  Vec3<float> ns;                   ///< shading normal, unit, on the side of ng
+  /// Shading normal, unit, on the side of ng.  In double, because the error of a float would be
+  /// large against the cosine of grazing light.
+  Vec3<double> ns;
   std::uint32_t material{};         ///< index into Scene::materials()
   std::int32_t light = -1;          ///< index into Scene::lights() if the surface emits
   std::uint32_t light_primitive{};  ///< the primitive of that light's shape

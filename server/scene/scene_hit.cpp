@@ -200,7 +200,7 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray, Meets meets) const 
   Vector ns = local.ns;
   if (ns != Vector{}) ns = normalized(ns);
   if (ns == Vector{}) ns = local.ng;
-  hit.ns = Vec3<float>(dot(ns, local.ng) < 0 ? -ns : ns);
+  hit.ns = dot(ns, local.ng) < 0 ? -ns : ns;
   const PrimitiveRun& run = table.run(raw->kind, raw->primitive);
   const Surface& surface = table.surfaces[run.surface];
   hit.material = surface.material;

@@ -117,7 +117,7 @@ Scene::ShadingPoint Scene::shading_point(const SurfaceHit& hit) const {
       if (instance->motion) *v = pose().vector(*v);
     }
   }
-  return {{c.uv, hit.position + origin_, Vector(hit.ns)}, c.dpdu, c.dpdv};
+  return {{c.uv, hit.position + origin_, hit.ns}, c.dpdu, c.dpdv};
 }
 
 }  // namespace lucerna

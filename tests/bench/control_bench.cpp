@@ -35,7 +35,7 @@ class Pair {
  public:
   Pair(const Scene& scene, const SurfaceHit& hit, std::uint32_t light)
       : scene_(scene), hit_(hit), light_(light), receiver_(hit.position) {
-    receiver_.normal = Vec3<double>(hit.ns);
+    receiver_.normal = hit.ns;
     visit([&]<typename L>(const L& l) {
       if constexpr (HasIrradiance<L> && SeenOnSurface<L>) {
         if (!l.hides_itself())
@@ -81,14 +81,15 @@ class Pair {
   }
   /// Contribution of a cosine-distributed direction that hits the light.
   double found(const Receiver<double>& receiver, const Vec2<float>& u) const {
-    const Vec3<float> wi = PathTracer::cosine_direction(hit_.ns, hit_.ns, u);
+    const Vec3<float> wi =
+        PathTracer::cosine_direction(Vec3<float>(hit_.ns), Vec3<float>(hit_.ns), u);
     const auto hit = scene_.closest_hit(spawn_ray(hit_, wi));
     if (!hit || hit->light != static_cast<std::int32_t>(light_)) return 0;
     return visit([&]<typename L>(const L& l) {
       if constexpr (SeenOnSurface<L>) {
         const double light_pdf = l.pdf_li(receiver, hit->on_light()).per_sr;
         return std::numbers::pi * luminance(l.le(hit->on_light(), Vec3<double>(-wi))) *
-               (1 - weight(light_pdf, dot(hit_.ns, wi)));
+               (1 - weight(light_pdf, dot(hit_.ns, Vec3<double>(wi))));
       } else {
         return 0.0;
       }

@@ -59,7 +59,7 @@ std::string by_itself(const Scene& scene, const std::vector<IrradiancePoint>& re
   for (const IrradiancePoint& p : receivers) {
     SurfaceHit hit;
     hit.position = p.position, hit.position_error = p.position_error;
-    hit.ns = p.normal, hit.ng = Vec3<double>(p.normal);
+    hit.ns = p.normal, hit.ng = p.normal;
     for (std::uint32_t l = 0; l < scene.lights().size(); ++l) {
       if (shadow_maps(scene).map(l) == nullptr) continue;
       const auto sample = visit_light(scene.lights()[l], 0, [&](const auto& light) {

@@ -118,9 +118,9 @@ void measure(const std::string& name, SceneDescription description, const Vector
     if (!hit || hit->light >= 0) continue;
     SurfaceHit r = *hit;
     if (dot(r.ng, w) > 0) r.ng = -r.ng;
-    r.ns = Vec3<float>(r.ng);
+    r.ns = r.ng;
     Receiver<double> receiver(r.position);
-    receiver.normal = Vector(r.ns);
+    receiver.normal = r.ns;
     for (std::uint32_t l = 0; l < scene->lights().size(); ++l) {
       const auto timed = [&](int repeats, const auto& f) {
         const auto start = Clock::now();
@@ -137,7 +137,8 @@ void measure(const std::string& name, SceneDescription description, const Vector
       if (!(lx > 0)) continue;
       form.push_back(form_ns);
       bool is_empty = false;
-      const double ns = timed(kRepeats, [&] { is_empty = shafts.is_empty(r, r.ns, l); });
+      const double ns =
+          timed(kRepeats, [&] { is_empty = shafts.is_empty(r, Vec3<float>(r.ns), l); });
       (is_empty ? empty_ns : full_ns).push_back(ns);
       std::uint32_t lit = 0, blocked = 0;
       double sum = 0, one_ray = 0;

@@ -48,8 +48,8 @@ std::optional<LightSample<double>> far_sample(const LightAtTime& light,
 double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
                        const LightSample<double>& sample) {
   if (sample.reason != NoLight::kNone) return 0;
-  const double cos_i = dot(Vec3<double>(hit.ns), sample.wi);
-  return cos_i * dot(hit.ns, wo) > 0 ? std::fabs(cos_i) * kInvPi : 0;
+  const double cos_i = dot(hit.ns, sample.wi);
+  return cos_i * dot(hit.ns, Vec3<double>(wo)) > 0 ? std::fabs(cos_i) * kInvPi : 0;
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ Receiver<double> DirectLight::receiver(const SurfaceHit& hit, const Vec3<float>&
   Receiver<double> r(hit.position);
   // Without a normal, light arrives from both sides.
   if (scattering == nullptr || !scattering->transmits())
-    r.normal = Vec3<double>(dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns);
+    r.normal = dot(hit.ns, Vec3<double>(wo)) < 0 ? -hit.ns : hit.ns;
   r.area_sampling = methods_.area_sampling;
   // Each vertex samples lights and a direction of the surface, and weights both.
   r.incomplete = methods_.combination != Combination::kLights;

@@ -47,7 +47,7 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
       chosen(scene.materials(), hit.material, scene.textures(), at.texture);
   const Material& material = scene.materials()[number];
   bsdf_ = bsdf_of(material, scene.textures(), at.texture);
-  frame_ = frame_along(normalized(Vec3<double>(hit.ns)), at.dpdu);
+  frame_ = frame_along(hit.ns, at.dpdu);
   Vec3<double> n;
   if (material.normal_map >= 0) {
     const Rgb<double> texel =
@@ -61,7 +61,7 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
   }
   // A map does not turn the surface over.
   if (!(dot(n, hit.ng) > 0)) return;
-  hit.ns = Vec3<float>(n);
+  hit.ns = n;
   frame_ = frame_along(n, at.dpdu);
 }
 

@@ -98,8 +98,9 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     }
 
     if (!scattering) {
-      next_direction.wi = cosine_direction(hit.ns, wo, sample.at(depth, PathSample::kDirection));
-      next_direction.pdf = std::fabs(dot(hit.ns, next_direction.wi)) * kInvPi;
+      next_direction.wi =
+          cosine_direction(Vec3<float>(hit.ns), wo, sample.at(depth, PathSample::kDirection));
+      next_direction.pdf = std::fabs(dot(hit.ns, Vec3<double>(next_direction.wi))) * kInvPi;
     }
     const Vec3<float>& wi = next_direction.wi;
     const Ray ray = spawn_ray(hit, wi);

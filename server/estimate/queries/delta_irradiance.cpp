@@ -90,7 +90,7 @@ void DeltaIrradiance::add_light(const L& light, std::uint32_t index, std::size_t
     const IrradiancePoint& point = points_[p];
     if constexpr (HasPlainSamples<L>) {
       if (const auto s = light.plain_sample_li(point.position)) [[likely]] {
-        add(index, p, lux_from(s->wi, s->value, Vec3<double>(point.normal)), needs_rays, work, [&] {
+        add(index, p, lux_from(s->wi, s->value, point.normal), needs_rays, work, [&] {
           return ray_to_point(surface_at(point, settings_.time_s), s->wi,
                               Vec3<float>(light.position()));
         });
@@ -98,7 +98,7 @@ void DeltaIrradiance::add_light(const L& light, std::uint32_t index, std::size_t
       }
     }
     Receiver<double> receiver(point.position);
-    receiver.normal = Vec3<double>(point.normal);
+    receiver.normal = point.normal;
     const LightSample<double> s = light.sample_li(receiver, {});
     add(index, p, lux_from(s.wi, s.value, receiver.normal), needs_rays, work,
         [&] { return shadow_ray(surface_at(point, settings_.time_s), s, reach_m); });

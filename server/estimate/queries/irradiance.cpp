@@ -172,7 +172,7 @@ class IrradianceEstimator {
   }
   MostIrradiance most(const SurfaceHit& receiver, const Settled& settled,
                       std::uint32_t light) const {
-    return direct_.most(settled.spending, receiver, receiver.ns, light);
+    return direct_.most(settled.spending, receiver, Vec3<float>(receiver.ns), light);
   }
 
   /// Entries of point `p`, one for each wavelength.
@@ -283,7 +283,7 @@ class IrradianceEstimator {
   /// and lights in closed form.  Returns false if lights remain.
   bool settle_lights(const SurfaceHit& receiver, std::uint64_t samples, Settled& to,
                      WorkCounts& work) const {
-    const Vec3<float>& n = receiver.ns;
+    const Vec3<float> n(receiver.ns);
     const bool closed_forms = uses_closed_forms(samples);
     bool all_settled = true;
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
@@ -308,7 +308,7 @@ class IrradianceEstimator {
   void sample(const SurfaceHit& receiver, const PathSample& s, const Settled& settled, Sampled& to,
               WorkCounts& work) const {
     LightEstimate sum;
-    direct_.sample(settled.spending, receiver, receiver.ns, 0, s, settled.lights, work,
+    direct_.sample(settled.spending, receiver, Vec3<float>(receiver.ns), 0, s, settled.lights, work,
                    [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
     if (settled.gathers) gather(receiver, s, settled, sum, to, work);
     to.total.add(sum);
@@ -327,7 +327,7 @@ class IrradianceEstimator {
   /// reflect.
   void gather(const SurfaceHit& receiver, const PathSample& s, const Settled& settled,
               LightEstimate& sum, Sampled& to, WorkCounts& work) const {
-    const Vec3<float>& n = receiver.ns;
+    const Vec3<float> n(receiver.ns);
     const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
     const double pdf = dot(n, wi) * std::numbers::inv_pi;
     const Ray ray = spawn_ray(receiver, wi);

@@ -19,7 +19,7 @@ namespace lucerna {
 struct IrradiancePoint {
   Vec3<double> position;       ///< about the scene's origin [m]
   Vec3<float> position_error;  ///< [m]
-  Vec3<float> normal;          ///< unit
+  Vec3<double> normal;         ///< unit
 };
 
 /// The surface that the point represents.
@@ -28,7 +28,7 @@ inline SurfaceHit surface_at(const IrradiancePoint& point, double time_s) {
   hit.position = point.position;
   hit.position_error = point.position_error;
   hit.ns = point.normal;
-  hit.ng = Vec3<double>(hit.ns);
+  hit.ng = point.normal;
   hit.time_s = time_s;
   return hit;
 }

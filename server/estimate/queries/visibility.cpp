@@ -199,7 +199,7 @@ Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSamp
   SurfaceHit hit;
   hit.position = from.position;
   hit.position_error = {from.error, from.error, from.error};
-  hit.ng = Vec3<double>(normal), hit.ns = normal;
+  hit.ng = hit.ns = Vec3<double>(normal);
   hit.time_s = time_s;
   Ray ray = shadow_ray(hit, to, light_reach_m);
   if (!has_normal(normal)) {

@@ -121,7 +121,8 @@ std::vector<ReceiverRun> runs_of(const IrradianceQuery& query, int* status) {
     status[i] = static_cast<int>(result);
     if (result == ItemResult::kOk) {
       if (!joins) runs.push_back({i, {}});
-      runs.back().points.push_back({p.position, {p.error, p.error, p.error}, normalized(normal)});
+      runs.back().points.push_back(
+          {p.position, {p.error, p.error, p.error}, normalized(Vec3<double>(normal))});
     }
     joins = result == ItemResult::kOk;
   }

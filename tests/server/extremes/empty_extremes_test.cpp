@@ -37,7 +37,7 @@ IrradianceEstimate irradiance(const Scene& scene, const Vec3<double>& position,
                               const Vec3<float>& normal) {
   IrradiancePoint point;
   point.position = position;
-  point.normal = normal;
+  point.normal = Vec3<double>(normal);
   IrradianceSettings settings;
   settings.samples_per_block = 1024;
   settings.block_count = 16;

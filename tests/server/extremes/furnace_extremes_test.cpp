@@ -103,7 +103,7 @@ Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3<float>
     const PathSample s{sequence, i};
     WorkCounts work;
     sum.both += double(tracer.reflected(hit, wo, 0, s, work).value.g);
-    const auto n = dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns;
+    const auto n = dot(hit.ns, Vec3<double>(wo)) < 0 ? -hit.ns : hit.ns;
     visit_light(scene.lights()[0], 0, [&](const auto& light) {
       const auto u = s.at(0, PathSample::kLightPoint);
       const auto sample = light.sample_li(hit.position, {u.x, u.y});
@@ -112,7 +112,8 @@ Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3<float>
       if (scene.occluded(shadow_ray(hit, sample))) return;
       sum.by_light += double(sample.value.g) * cosine / std::numbers::pi / sample.pdf.per_sr;
     });
-    const auto wi = PathTracer::cosine_direction(hit.ns, wo, s.at(0, PathSample::kDirection));
+    const auto wi =
+        PathTracer::cosine_direction(Vec3<float>(hit.ns), wo, s.at(0, PathSample::kDirection));
     const Ray ray = spawn_ray(hit, wi);
     tracer.for_each_emitter(ray, scene.closest_hit(ray), [&](std::uint32_t, const auto& le) {
       sum.by_direction += double(le.g);

@@ -98,7 +98,7 @@ std::vector<IrradianceEstimate> direct_lx(const Scene& scene, const Plane& plane
   std::vector<IrradiancePoint> at;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const ScenePoint p = on_surface(scene, to_scene(i), normal);
-    at.push_back({p.position, {p.error, p.error, p.error}, normal});
+    at.push_back({p.position, {p.error, p.error, p.error}, plane.n});
   }
   return estimate_irradiance(scene, at, {.samples_per_block = 4, .block_count = 4, .bounces = 0},
                              {})

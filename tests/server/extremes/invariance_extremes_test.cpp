@@ -47,7 +47,7 @@ Answers answers_of(const SceneDescription& description, double s, std::uint32_t 
     point.position = decltype(point.position)(Vec3<double>(offset) + (origin - scene->origin()));
     const auto error = static_cast<float>(1e-6 * s);
     point.position_error = {error, error, error};
-    point.normal = Vec3<float>(normalized(Vec3<double>{0.3 * (i % 3), 0.2, 1}));
+    point.normal = normalized(Vec3<double>{0.3 * (i % 3), 0.2, 1});
     points.push_back(point);
   }
   for (const IrradianceEstimate& e :

@@ -274,7 +274,7 @@ TEST(Curve, BlocksShafts) {
     ASSERT_TRUE(receiver);
     // At half the height, the shaft reaches from (y - 0.2) / 2 to (y + 0.2) / 2.
     const bool blocked = (y - 0.2) / 2 < 0.31 && (y + 0.2) / 2 > 0.29;
-    EXPECT_EQ(shafts.is_empty(*receiver, receiver->ns, 0), !blocked) << y;
+    EXPECT_EQ(shafts.is_empty(*receiver, Vec3<float>(receiver->ns), 0), !blocked) << y;
   }
 }
 

@@ -112,7 +112,7 @@ TEST(Scene, InterpolatesShadingNormalsAndTurnsThemToTheGeometricSide) {
     EXPECT_NEAR(hit.ns.z, 0.9 / std::hypot(0.3, 0.9), 1e-6);
     EXPECT_EQ(hit.ng, (Vec3<double>{0, 0, 1}));
   }
-  EXPECT_EQ(hit_below(*scene, 4.5f, 0.25f, 1).ns, (Vec3<float>{0, 0, 1}));
+  EXPECT_EQ(hit_below(*scene, 4.5f, 0.25f, 1).ns, (Vec3<double>{0, 0, 1}));
 }
 
 TEST(Scene, MapsInstancedNormalsByTheInverseTransposeMirrorsIncluded) {

@@ -26,13 +26,12 @@ SurfaceHit receiver_at(const Vector& position, const Vector& normal, double erro
   hit.position = position;
   const auto e = static_cast<float>(error * std::max(1.0, max_abs(position)));
   hit.position_error = {e, e, e};
-  hit.ns = Vec3<float>(normalized(normal));
-  hit.ng = Vector(hit.ns);
+  hit.ns = hit.ng = normalized(normal);
   return hit;
 }
 
 bool is_empty(const Scene& scene, const SurfaceHit& receiver, std::uint32_t light = 0) {
-  return Shafts(scene).is_empty(receiver, receiver.ns, light);
+  return Shafts(scene).is_empty(receiver, Vec3<float>(receiver.ns), light);
 }
 
 /// Samples whose light arrives above the receiver's horizon, and the number of their rays that meet
@@ -47,7 +46,7 @@ Rays shoot(const Scene& scene, const SurfaceHit& receiver, std::uint32_t light, 
   Rays rays;
   const SceneLight& l = scene.lights()[light];
   Receiver<double> r(receiver.position);
-  r.normal = Vector(receiver.ns);
+  r.normal = receiver.ns;
   visit_light(l, 0, [&](const auto& model) {
     for (int i = 0; i < count; ++i) {
       // One of four samples is from the edges of the light.
@@ -292,13 +291,13 @@ TEST_P(ShaftProperty, NoRayMeetsAnythingWhereItIsEmpty) {
       if (!hit) continue;
       SurfaceHit receiver = *hit;
       if (dot(receiver.ng, Vector(w)) > 0) receiver.ng = -receiver.ng;
-      receiver.ns = Vec3<float>(receiver.ng);
+      receiver.ns = receiver.ng;
       if (i % 5 == 0)
-        receiver.ns = normalized(receiver.ns +
-                                 sample_uniform_sphere(Vec2<float>{u(random), u(random)}) * 0.3F);
+        receiver.ns = normalized(
+            receiver.ns + Vector(sample_uniform_sphere(Vec2<float>{u(random), u(random)}) * 0.3F));
       for (std::uint32_t l = 0; l < scene->lights().size(); ++l) {
         if (static_cast<std::int32_t>(l) == receiver.light) continue;
-        const bool empty = shafts.is_empty(receiver, receiver.ns, l);
+        const bool empty = shafts.is_empty(receiver, Vec3<float>(receiver.ns), l);
         const Rays rays = shoot(*scene, receiver, l, empty ? 1000 : 100, random);
         if (rays.lit == 0) continue;
         ++tested, reported_empty += empty, open += rays.blocked == 0;

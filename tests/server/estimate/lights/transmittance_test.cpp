@@ -324,7 +324,7 @@ TEST(ThinGlass, RoomsWithAPaneKeepTheirLight) {
           const Vec3<double> n = axis == 0   ? Vec3<double>{-side, 0, 0}
                                  : axis == 1 ? Vec3<double>{0, -side, 0}
                                              : Vec3<double>{0, 0, -side};
-          points.push_back({p, {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)});
+          points.push_back({p, {1e-6F, 1e-6F, 1e-6F}, n});
         }
     const auto lux = estimate_irradiance(
         scene, points, {.samples_per_block = 64, .block_count = 16, .bounces = {}}, {});

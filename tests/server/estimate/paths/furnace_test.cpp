@@ -236,7 +236,7 @@ TEST_P(ClosedBox, IrradianceIsPiTimesTheRadianceEverywhere) {
     const Vec3<double> n{r * std::cos(phi), r * std::sin(phi), z};
     const Vec3<double> off = Vec3<double>{n.y, n.z, n.x} * (0.2 * (i / 8));
     const Vec3<double> p = Vec3<double>{1, 2, 3} + off - room->origin();
-    points.push_back({p, {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)});
+    points.push_back({p, {1e-6F, 1e-6F, 1e-6F}, n});
   }
   const IrradianceResult result =
       estimate_irradiance(*room, points, {.seed = 6, .block_count = 1024, .bounces = kBounces}, {});

@@ -133,7 +133,7 @@ TEST(MovingSurfaces, KeepMaterialsShadingNormalsAndLightNumbers) {
   EXPECT_EQ(hit->material, 1U);
   EXPECT_EQ(hit->light, 1);
   EXPECT_EQ(hit->light_primitive, 1U);
-  EXPECT_LE(length(hit->ns - Vec3<float>{-0.6F, 0, 0.8F}), 1e-6F);
+  EXPECT_LE(length(hit->ns - Vec3<double>{-0.6, 0, 0.8}), 1e-6);
   EXPECT_EQ(scene->lights()[2].moving, nullptr);
   EXPECT_EQ(scene->shape_count(), 3U);
 }

@@ -24,7 +24,7 @@ constexpr AreaSampling kAreaSamplings[] = {
 /// errors must be below 2%.
 void expect_irradiance(const Scene& scene, const Vec3<double>& receiver, const Vec3<double>& n,
                        double expected) {
-  const IrradiancePoint point{receiver - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)};
+  const IrradiancePoint point{receiver - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, n};
   IrradianceSettings settings{
       .seed = 11, .samples_per_block = 256, .block_count = 64, .bounces = 0};
   for (const AreaSampling way : kAreaSamplings) {

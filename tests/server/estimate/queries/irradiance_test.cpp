@@ -12,7 +12,7 @@ using testing::build;
 
 constexpr float kError = 1e-6f;
 
-IrradiancePoint at(float x, float y, float z, const Vec3<float>& n = {0, 0, 1}) {
+IrradiancePoint at(float x, float y, float z, const Vec3<double>& n = {0, 0, 1}) {
   return {{x, y, z}, {kError, kError, kError}, n};
 }
 
