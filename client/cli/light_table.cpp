@@ -76,6 +76,7 @@ std::string describe_light(const v1::SpotLight& spot) {
   const double edge = spot.cone_half_angle_rad() - spot.falloff_start_rad();
   std::string text = "half angle " + degrees(spot.cone_half_angle_rad());
   text += edge > 0 ? ", edge " + degrees(edge) : ", hard edge";
+  if (edge > 0 && spot.profile() == v1::SPOT_PROFILE_QUADRATIC) text += " (quadratic)";
   if (edge > 0 && spot.profile() == v1::SPOT_PROFILE_QUARTIC) text += " (quartic)";
   return text + ", " + level(spot.intensity_cd(), "cd");
 }

@@ -19,11 +19,29 @@ double one_minus_cos(double angle_rad) {
 }
 
 double profile_at(SpotProfile profile, double x) {
-  return profile == SpotProfile::kSmoothstep ? x * x * (3 - 2 * x) : x * x * x * x;
+  switch (profile) {
+    case SpotProfile::kSmoothstep:
+      return x * x * (3 - 2 * x);
+    case SpotProfile::kQuadratic:
+      return x * x;
+    case SpotProfile::kQuartic:
+      return x * x * x * x;
+  }
+  return 0;
 }
 
 /// The mean of the profile over x in [0, 1].
-double profile_mean(SpotProfile profile) { return profile == SpotProfile::kSmoothstep ? 0.5 : 0.2; }
+double profile_mean(SpotProfile profile) {
+  switch (profile) {
+    case SpotProfile::kSmoothstep:
+      return 1.0 / 2;
+    case SpotProfile::kQuadratic:
+      return 1.0 / 3;
+    case SpotProfile::kQuartic:
+      return 1.0 / 5;
+  }
+  return 0;
+}
 
 /// The x below which the share `u` of the integral of smoothstep lies: the root of 2 x^3 - x^4 = u.
 /// Newton's method converges from any start because the function is convex.
@@ -38,7 +56,15 @@ double invert_smoothstep_integral(double u) {
 
 /// The x below which the share `u` of the profile's integral lies.
 double invert_profile_integral(SpotProfile profile, double u) {
-  return profile == SpotProfile::kSmoothstep ? invert_smoothstep_integral(u) : std::pow(u, 0.2);
+  switch (profile) {
+    case SpotProfile::kSmoothstep:
+      return invert_smoothstep_integral(u);
+    case SpotProfile::kQuadratic:
+      return std::cbrt(u);
+    case SpotProfile::kQuartic:
+      return std::pow(u, 0.2);
+  }
+  return 0;
 }
 
 /// pi - angle, with digits of pi beyond those of a double.  The double nearest to pi counts as pi.

@@ -11,6 +11,7 @@ namespace lucerna {
 
 enum class SpotProfile : std::uint8_t {
   kSmoothstep,  ///< 3 x^2 - 2 x^3, as in pbrt-v4
+  kQuadratic,   ///< x^2, as in glTF
   kQuartic,     ///< x^4, as in pbrt-v1 to pbrt-v3
 };
 
@@ -25,7 +26,7 @@ struct SpotLightParams {
 
 /// The integral over directions of a spot's intensity relative to its axis [sr]:
 /// 2 pi ((1 - cos s) + (cos s - cos c) m).  m is the mean of the profile over x: 1/2 for
-/// smoothstep, 1/5 for x^4.  Exact.
+/// smoothstep, 1/3 for x^2, 1/5 for x^4.  Exact.
 double effective_solid_angle_sr(const SpotLightParams& params);
 
 template <typename Real>
@@ -49,8 +50,8 @@ class SpotIntensity {
 
   /// I times effective_solid_angle_sr(), exact.
   Power power() const;
-  /// 2 pi I (1 - (cos s + cos c) / 2) for either profile, as in the books.  Exact for smoothstep,
-  /// too high for x^4.  [Pharr23, 12.2.1]
+  /// 2 pi I (1 - (cos s + cos c) / 2) for each profile, as in the books.  Exact for smoothstep,
+  /// too high for x^2 and x^4.  [Pharr23, 12.2.1]
   Power power_approximate() const;
   EmissionCone cone() const;
 

@@ -47,9 +47,8 @@ SpotLightParams spot_light(const View& light, const Vec3<double>& position,
     angles.at("innerConeAngle")
         .fail(fmt::format("found {} rad, allowed: 0 to {}, the outerConeAngle",
                           spot.falloff_start_rad, spot.cone_half_angle_rad));
-  light.context().remark(
-      angles.pointer(), "the falloff x^2 between the cones, which the extension suggests",
-      "3 x^2 - 2 x^3, in which x = (cos theta - cos outer) / (cos inner - cos outer)");
+  // The falloff that the extension suggests, and that renderers use.
+  spot.profile = SpotProfile::kQuadratic;
   return spot;
 }
 

@@ -61,10 +61,11 @@ LightParams point_light(const LightSource& source) {
 SpotProfile spot_profile(const ParameterSet& params) {
   const std::string profile = params.string("profile", "smoothstep");
   if (profile == "smoothstep") return SpotProfile::kSmoothstep;
+  if (profile == "quadratic") return SpotProfile::kQuadratic;
   if (profile == "quartic") return SpotProfile::kQuartic;
-  fail(
-      params.find("profile", {"string"})->place,
-      fmt::format("\"string profile\" = \"{}\", allowed: smoothstep, quartic", printable(profile)));
+  fail(params.find("profile", {"string"})->place,
+       fmt::format("\"string profile\" = \"{}\", allowed: smoothstep, quadratic, quartic",
+                   printable(profile)));
 }
 
 LightParams spot_light(const LightSource& source) {

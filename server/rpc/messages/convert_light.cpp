@@ -30,6 +30,18 @@ void set_kind(const PointLight<double>& l, v1::Light* out) {
   set(l.params().intensity_cd, out->mutable_point()->mutable_intensity_cd());
 }
 
+v1::SpotProfile to_proto(SpotProfile profile) {
+  switch (profile) {
+    case SpotProfile::kSmoothstep:
+      return v1::SPOT_PROFILE_SMOOTHSTEP;
+    case SpotProfile::kQuadratic:
+      return v1::SPOT_PROFILE_QUADRATIC;
+    case SpotProfile::kQuartic:
+      return v1::SPOT_PROFILE_QUARTIC;
+  }
+  return v1::SPOT_PROFILE_UNSPECIFIED;
+}
+
 void set_kind(const SpotLight<double>& l, v1::Light* out) {
   v1::SpotLight* spot = out->mutable_spot();
   set(l.params().position_m, spot->mutable_position_m());
@@ -37,8 +49,7 @@ void set_kind(const SpotLight<double>& l, v1::Light* out) {
   set(l.params().intensity_cd, spot->mutable_intensity_cd());
   spot->set_cone_half_angle_rad(l.params().cone_half_angle_rad);
   spot->set_falloff_start_rad(l.params().falloff_start_rad);
-  spot->set_profile(l.params().profile == SpotProfile::kQuartic ? v1::SPOT_PROFILE_QUARTIC
-                                                                : v1::SPOT_PROFILE_SMOOTHSTEP);
+  spot->set_profile(to_proto(l.params().profile));
 }
 
 void set_kind(const DistantLight<double>& l, v1::Light* out) {

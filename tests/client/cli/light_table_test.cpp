@@ -78,6 +78,8 @@ TEST(LightTable, SpotWithEdges) {
   expect(light, "spot", "half angle 30 deg, edge 5 deg, 1200 cd", "0 0 3 towards 0 0 -1");
   spot->set_profile(v1::SPOT_PROFILE_QUARTIC);
   EXPECT_EQ(describe_light(light), "half angle 30 deg, edge 5 deg (quartic), 1200 cd");
+  spot->set_profile(v1::SPOT_PROFILE_QUADRATIC);
+  EXPECT_EQ(describe_light(light), "half angle 30 deg, edge 5 deg (quadratic), 1200 cd");
   spot->set_falloff_start_rad(kPi / 6);
   EXPECT_EQ(describe_light(light), "half angle 30 deg, hard edge, 1200 cd");
 }

@@ -14,15 +14,15 @@ DEGREE = 3.141592653589793 / 180
 def spots():
     table = Table("spot_powers", """
 Spots of intensity 1, their share of it integrated over the angle numerically: smoothstep of the cosine [lm], and the
-fourth power of the same.
-""", "cone_rad start_rad smoothstep_lm quartic_lm")
+square and the fourth power of the same.
+""", "cone_rad start_rad smoothstep_lm quadratic_lm quartic_lm")
     for degrees, delta in ((30.0, 5.0), (30.0, 30.0), (1e-5, 5e-6), (1e-5, 1e-5), (0.01, 0.001), (1.0, 1.0), (60.0, 0.25),
                            (90.0, 10.0), (120.0, 20.0), (179.0, 1.0), (180.0, 0.5), (180.0, 180.0)):
         cone = degrees * DEGREE if degrees < 180 else 3.141592653589793
         start = (degrees - delta) * DEGREE if degrees < 180 else 3.141592653589793 - delta * DEGREE
         start = max(start, 0.0)
         with mp.workdps(90):
-            powers = [solid_angle(mpf(start), mpf(cone), profile) for profile in (smoothstep, lambda x: x**4)]
+            powers = [solid_angle(mpf(start), mpf(cone), profile) for profile in (smoothstep, lambda x: x**2, lambda x: x**4)]
         table.add(cone, start, *powers)
     return table
 

@@ -20,9 +20,9 @@ struct EmittingSpot : Spot {
 struct EmittingDistant : DistantCase, SceneDiskCase {};
 struct EmittingInfinite : InfiniteCase, SceneDiskCase {};
 
-using LocalCases =
-    ::testing::Types<EmittingPoint, EmittingSpot<SoftSpotCase>, EmittingSpot<HardSpotCase>,
-                     EmittingSpot<WideSpotCase>, EmittingSpot<QuarticSpotCase>>;
+using LocalCases = ::testing::Types<EmittingPoint, EmittingSpot<SoftSpotCase>,
+                                    EmittingSpot<HardSpotCase>, EmittingSpot<WideSpotCase>,
+                                    EmittingSpot<QuadraticSpotCase>, EmittingSpot<QuarticSpotCase>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, EmittingLight, LocalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, EmittingDirections, LocalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, BoundedLight, LocalCases);

@@ -5,8 +5,8 @@
 namespace lucerna::testing {
 namespace {
 
-using LocalDeltaCases =
-    ::testing::Types<PointCase, SoftSpotCase, HardSpotCase, WideSpotCase, QuarticSpotCase>;
+using LocalDeltaCases = ::testing::Types<PointCase, SoftSpotCase, HardSpotCase, WideSpotCase,
+                                         QuadraticSpotCase, QuarticSpotCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, AnyLight, LocalDeltaCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, DeltaLight, LocalDeltaCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, LocalLight, LocalDeltaCases);

@@ -93,7 +93,9 @@ struct SpotCase : LocalDeltaCase {
     if (theta <= kStart) return 1;
     if (theta >= kCone) return 0;
     const double t = (std::cos(theta) - std::cos(kCone)) / (std::cos(kStart) - std::cos(kCone));
-    return kProfile == SpotProfile::kQuartic ? std::pow(t, 4) : 3 * t * t - 2 * t * t * t;
+    return kProfile == SpotProfile::kQuartic     ? std::pow(t, 4)
+           : kProfile == SpotProfile::kQuadratic ? t * t
+                                                 : 3 * t * t - 2 * t * t * t;
   }
   static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
     const Vec3<double> d = position() - receiver;
@@ -109,6 +111,7 @@ struct SpotCase : LocalDeltaCase {
 };
 using SoftSpotCase = SpotCase<700, 300>;
 using HardSpotCase = SpotCase<600, 600>;
+using QuadraticSpotCase = SpotCase<800, 200, SpotProfile::kQuadratic>;
 using QuarticSpotCase = SpotCase<900, 400, SpotProfile::kQuartic>;
 using WideSpotCase = SpotCase<3000, 1800>;
 

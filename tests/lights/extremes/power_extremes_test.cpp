@@ -27,16 +27,18 @@ void check_power(Sweep& sweep, const L& light, double truth, const std::string& 
 
 TEST(PowerExtremes, Spots) {
   Sweep sweep(29, "spot, half-angle; also 30 degrees with an edge of 5 degrees",
-              "1e-5 ... 180 degrees, both profiles", "power");
+              "1e-5 ... 180 degrees, all profiles", "power");
   const ReferenceTable table("spot_powers");
   for (const auto& row : table.rows())
-    for (const SpotProfile profile : {SpotProfile::kSmoothstep, SpotProfile::kQuartic}) {
+    for (const SpotProfile profile :
+         {SpotProfile::kSmoothstep, SpotProfile::kQuadratic, SpotProfile::kQuartic}) {
       const auto light = *SpotLight<Served>::create({.intensity_cd = Rgb<double>(1),
                                                      .cone_half_angle_rad = row["cone_rad"],
                                                      .falloff_start_rad = row["start_rad"],
                                                      .profile = profile});
-      const double truth =
-          row[profile == SpotProfile::kSmoothstep ? "smoothstep_lm" : "quartic_lm"];
+      const double truth = row[profile == SpotProfile::kSmoothstep  ? "smoothstep_lm"
+                               : profile == SpotProfile::kQuadratic ? "quadratic_lm"
+                                                                    : "quartic_lm"];
       check_power(sweep, light, truth, row.text("cone_rad"));
       const float sum = std::cos(static_cast<float>(row["start_rad"])) +
                         std::cos(static_cast<float>(row["cone_rad"]));

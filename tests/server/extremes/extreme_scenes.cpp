@@ -205,6 +205,11 @@ const std::vector<std::pair<std::string, Make>>& makers() {
   static const std::vector<std::pair<std::string, Make>> all{
       {"point", light("point", [](Writer& w) { return w.level(); })},
       {"spot", light("spot", [](Writer& w) { return w.level() + w.to() + w.cone(); })},
+      {"quadratic spot", light("spot",
+                               [](Writer& w) {
+                                 return w.level() + w.to() + w.cone() +
+                                        R"("string profile" "quadratic")";
+                               })},
       {"quartic spot", light("spot",
                              [](Writer& w) {
                                return w.level() + w.to() + w.cone() +

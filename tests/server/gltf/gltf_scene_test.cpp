@@ -200,6 +200,7 @@ TEST(GltfLights, SpotsHaveHalfAngles) {
       {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.25}, {"outerConeAngle", 0.5}}}});
   EXPECT_EQ(light.intensity_cd, Rgb<double>(1.0));
   EXPECT_EQ(light.falloff_start_rad, 0.25);
+  EXPECT_EQ(light.profile, SpotProfile::kQuadratic);
   EXPECT_EQ(light.cone_half_angle_rad, 0.5);
   expect_near(light.axis, {0, 0, -1});
   const auto plain = light_of<SpotLightParams>({{"type", "spot"}, {"spot", Json::object()}});

@@ -73,7 +73,7 @@ TEST(PbrtLights, PowerOfASpotFollowsItsCone) {
   EXPECT_NEAR(soft.intensity_cd.r, 20 / kPi, 1e-12);
 }
 
-TEST(PbrtLights, ASpotMayHaveTheQuarticProfile) {
+TEST(PbrtLights, ASpotMayHaveOtherProfiles) {
   const std::string spot = "LightSource \"spot\" \"float coneangle\" 60 \"float conedeltaangle\" ";
   const auto quartic =
       light_of<SpotLightParams>(spot + "60 \"string profile\" \"quartic\" \"float power\" 10");
@@ -83,8 +83,10 @@ TEST(PbrtLights, ASpotMayHaveTheQuarticProfile) {
   EXPECT_EQ(light_of<SpotLightParams>(spot + "5 \"string profile\" \"smoothstep\"").profile,
             SpotProfile::kSmoothstep);
   EXPECT_EQ(light_of<SpotLightParams>(spot + "5").profile, SpotProfile::kSmoothstep);
+  EXPECT_EQ(light_of<SpotLightParams>(spot + "60 \"string profile\" \"quadratic\"").profile,
+            SpotProfile::kQuadratic);
   EXPECT_THAT(world_error_of(spot + "5 \"string profile\" \"cubic\""),
-              HasSubstr("\"string profile\" = \"cubic\", allowed: smoothstep, quartic"));
+              HasSubstr("\"string profile\" = \"cubic\", allowed: smoothstep, quadratic, quartic"));
 }
 
 TEST(PbrtLights, SpotDefaultsAndPlacement) {
