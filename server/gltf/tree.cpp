@@ -22,14 +22,14 @@ Tree::Tree(const Document& document)
     : document_(document),
       animations_(document),
       parent_(document.model().nodes.size(), -1),
-      carries_(document.model().nodes.size(), false) {
+      is_followed_(document.model().nodes.size(), false) {
   const auto& nodes = document.model().nodes;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     check_matrix(document, i);
     for (const int child : nodes[i].children)
       parent_[static_cast<std::size_t>(child)] = static_cast<std::ptrdiff_t>(i);
   }
-  find_carriers();
+  find_followed();
   // A list of open nodes instead of recursion, since trees may be deep.
   const std::vector<std::size_t> first = roots();
   std::vector<PlacedNode> open;
@@ -38,7 +38,7 @@ Tree::Tree(const Document& document)
     document.context().poll();
     PlacedNode node = std::move(open.back());
     open.pop_back();
-    if (animations_.animates(node.index) && carries_[node.index]) {
+    if (animations_.animates(node.index) && is_followed_[node.index]) {
       Moved moved = move(node.index);
       node.world_from_node = moved.world_from_node;
       node.motion = std::move(moved.motion);
@@ -53,7 +53,7 @@ Tree::Tree(const Document& document)
   }
 }
 
-void Tree::find_carriers() {
+void Tree::find_followed() {
   const auto& nodes = document_.model().nodes;
   const auto places = document_.root().find("nodes");
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -61,9 +61,13 @@ void Tree::find_carriers() {
     if (nodes[i].camera < 0 && (nodes[i].mesh < 0 || nodes[i].skin >= 0) &&
         !place.extension("KHR_lights_punctual") && !place.extension("EXT_lights_ies"))
       continue;
-    for (auto n = static_cast<std::ptrdiff_t>(i); n >= 0 && !carries_[static_cast<std::size_t>(n)];
-         n = parent_[static_cast<std::size_t>(n)])
-      carries_[static_cast<std::size_t>(n)] = true;
+    // An animated node computes its motion from all nodes above it.
+    for (auto n = static_cast<std::ptrdiff_t>(i);
+         n >= 0 && !is_followed_[static_cast<std::size_t>(n)];
+         n = parent_[static_cast<std::size_t>(n)]) {
+      is_followed_[static_cast<std::size_t>(n)] = true;
+      if (animations_.animates(static_cast<std::size_t>(n))) break;
+    }
   }
 }
 
@@ -118,8 +122,8 @@ Tree::Moved Tree::move(std::size_t node) const {
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   if (times.empty()) return {world(node, std::nullopt), nullptr};
-  // Deep trees of moving nodes would take hours.
-  constexpr std::uint64_t kMostEvaluations = 200'000'000;
+  // Deep trees of moving nodes would take hours.  This takes a few seconds.
+  constexpr std::uint64_t kMostEvaluations = 50'000'000;
   evaluations_ += times.size() * depth;
   if (evaluations_ > kMostEvaluations)
     context.fail(pointer, absl::ResourceExhaustedError(fmt::format(

@@ -36,15 +36,16 @@ class Tree {
     std::shared_ptr<const Motion> motion;
   };
   std::vector<std::size_t> roots() const;
-  void find_carriers();
+  void find_followed();
   Matrix world(std::size_t node, std::optional<double> time_s) const;
   Moved move(std::size_t node) const;
 
   const Document& document_;
   Animations animations_;
   std::vector<std::ptrdiff_t> parent_;  ///< -1: none
-  /// Whether a node, or one beneath it, has something that moves with it.  Joints have nothing.
-  std::vector<bool> carries_;
+  /// Whether something has the motion of a node: the node's own content, or that of nodes beneath
+  /// it without an animation between.  Joints have no content.
+  std::vector<bool> is_followed_;
   mutable std::uint64_t evaluations_ = 0;  ///< of transforms at times
   std::vector<PlacedNode> nodes_;
 };

@@ -147,14 +147,16 @@ TEST(GltfBadFiles, DeepTreesLoad) {
 
 TEST(GltfBadFiles, DeepTreesOfMovingNodesAreBounded) {
   GltfFile file;
-  const Json samplers = Json::array({{{"input", file.add_floats({0, 1}, "SCALAR")},
-                                      {"output", file.add_floats({0, 0, 0, 1, 0, 0}, "VEC3")}}});
-  Json channels = Json::array();
-  constexpr int kNodes = 10'000;
+  const int moved = file.add_floats({0, 0, 0, 1, 0, 0}, "VEC3");
+  Json samplers = Json::array(), channels = Json::array();
+  constexpr int kNodes = 2000;
   for (int i = 0; i < kNodes; ++i) {
     file.json["nodes"].push_back(i + 1 < kNodes ? Json{{"children", {i + 1}}}
                                                 : GltfFile::light_node(0));
-    channels.push_back({{"sampler", 0}, {"target", {{"node", i}, {"path", "translation"}}}});
+    // Each node has its own key frames.
+    samplers.push_back(
+        {{"input", file.add_floats({0, 1 + 1e-3F * float(i)}, "SCALAR")}, {"output", moved}});
+    channels.push_back({{"sampler", i}, {"target", {{"node", i}, {"path", "translation"}}}});
   }
   file.add_light({{"type", "point"}});
   file.json["scenes"] = Json::array({{{"nodes", {0}}}});
