@@ -8,7 +8,7 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <set>
+#include <map>
 #include <string>
 
 #include "server/assets/asset_reader.h"
@@ -16,6 +16,7 @@
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
 #include "tests/server/estimate/paths/compare.h"
+#include "tests/server/extremes/wire_settings.h"
 
 namespace lucerna {
 namespace {
@@ -65,20 +66,26 @@ Rendered render(const Scene& scene, std::uint32_t samples_per_block = 32) {
 
 class Reference : public ::testing::TestWithParam<std::string> {};
 
-/// Cameras and pixel filters.  Their pictures by pbrt-v4 have 2048 samples, and many edges.
-const std::set<std::string> kFilm{"orthographic", "lens", "spherical", "gaussian", "mitchell"};
+/// The factor of the sample counts: 1, or the number in the environment (`make soak`: 4).
+std::uint32_t times() {
+  const auto n = testing::whole_number_of("LUCERNA_REFERENCE_TIMES", 1, 1);
+  if (!n.ok()) throw std::runtime_error(std::string(n.status().message()));
+  return static_cast<std::uint32_t>(*n);
+}
 
 TEST_P(Reference, PictureAgreesWithPbrt4) {
   // In `portal` an eave outside hides part of the sun from the floor, and no density includes it.
   // At 256 samples pbrt-v4 does not agree with itself.  In `m_thin` the pane reflects the lamp onto
   // the floor, where paths find it by chance.
-  const std::uint32_t samples_per_block =
-      GetParam() == "portal" || GetParam() == "m_thin"             ? 128
-      : kFilm.contains(GetParam())                                 ? 64
-      : GetParam() == "textured" || GetParam() == "many_triangles" ? 32
-      : GetParam().starts_with("m_")                               ? 32
-                                                                   : 16;
-  const Rendered mine = render(*build(describe(GetParam())), samples_per_block);
+  static const std::map<std::string, std::uint32_t> kSamplesPerBlock{
+      {"portal", 128},        {"m_thin", 64},   {"spherical", 64},   {"orthographic", 32},
+      {"lens", 32},           {"gaussian", 32}, {"mitchell", 32},    {"textured", 32},
+      {"many_triangles", 32}, {"bounces", 8},   {"m_absorption", 16}};
+  const auto found = kSamplesPerBlock.find(GetParam());
+  const std::uint32_t samples_per_block = found != kSamplesPerBlock.end() ? found->second
+                                          : GetParam().starts_with("m_")  ? 32
+                                                                          : 16;
+  const Rendered mine = render(*build(describe(GetParam())), samples_per_block * times());
   const std::string stem = kReference + "pictures/" + GetParam();
   const Picture theirs = read_picture(stem + ".exr");
   const Agreement a =

@@ -34,7 +34,7 @@ TEST(IrradianceCoverage, OfSmoothLightByACount) {
 
 TEST(IrradianceCoverage, OfSmoothLightByATarget) {
   for (const Question& q : {lamp(), furnace()})
-    for (const double relative : {0.1, 0.02})
+    for (const double relative : {0.1, has_time_for_large_counts() ? 0.02 : 0.04})
       expect_covered(
           coverage_of(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
           q.name + " within " + std::to_string(relative));
@@ -42,8 +42,9 @@ TEST(IrradianceCoverage, OfSmoothLightByATarget) {
 
 std::vector<Question> at_edges() {
   std::vector<Question> result = {half_a_sky()};
-  for (const double end : {-0.45, -0.3, 0.0, 0.01, 0.06, 0.2, 0.45})
-    result.push_back(partly_hidden(end));
+  for (const double end : {-0.3, 0.01, 0.2}) result.push_back(partly_hidden(end));
+  if (has_time_for_large_counts())
+    for (const double end : {-0.45, 0.0, 0.06, 0.45}) result.push_back(partly_hidden(end));
   return result;
 }
 
@@ -97,7 +98,8 @@ TEST(IrradianceCoverage, NoticesABias) {
 TEST(IrradianceTarget, IsReached) {
   for (const Question& q : {lamp(), half_a_sky(), furnace()}) {
     const std::vector<IrradiancePoint> points(
-        kTargetQuestions, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3<double>(q.normal)});
+        target_repeats(),
+        {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3<double>(q.normal)});
     const IrradianceSettings settings{.block_count = 16,
                                       .target = TargetError{.relative = kTargetRelative},
                                       .bounces = q.bounces,
