@@ -53,6 +53,13 @@ struct MediumSides {
   std::int32_t outside = -1;  ///< where the normal points to
 };
 
+/// The direction in which u grows, unit or zero, and that of v: cross(normal, along_u) times
+/// `turn`, which is 1 or -1.
+struct VertexTangent {
+  Vec3<float> along_u;
+  float turn = 1;
+};
+
 /// A triangle mesh in world space (object space within an ObjectDefinition).  cross(p1 - p0, p2 -
 /// p0) points to the outside.  The loader sets this winding from ReverseOrientation, mirrors and
 /// vertex normals.
@@ -62,6 +69,10 @@ struct TriangleMeshData {
   std::vector<std::uint32_t> indices;  ///< three per triangle, all < positions.size()
   /// (u, v) of each triangle's corners, for an emission image or textures; empty if there is none.
   std::vector<Vec2<float>> corner_uv{};
+  /// For VertexColourTexture, one for each vertex; empty if there is none.
+  std::vector<Rgb<float>> colours{};
+  /// For materials with FrameAlong::kV, one for each vertex; empty: from (u, v).
+  std::vector<VertexTangent> tangents{};
 };
 
 /// Bilinear patches with four corners each: (0,0), (1,0), (0,1), (1,1).  cross(dp/du, dp/dv) points

@@ -167,16 +167,21 @@ NumberValue Materials::alpha(const View& material, TextureSet& textures) {
 }
 
 /// [glTF2, 3.9, appendix B]
-Material Materials::scattering(const View& material, TextureSet& textures,
-                               const Rgb<double>& base) {
+Material Materials::scattering(const View& material, TextureSet& textures, const Rgb<double>& base,
+                               bool has_colours) {
   const auto pbr = material.find(kPbr);
   const auto coat = material.extension(kCoat), specular = material.extension(kSpecular),
              transmission = material.extension(kTransmission);
   GltfSurfaceParams s;
   s.base = textures.colour(pbr, "baseColorTexture", PictureKind::kColour, base);
+  if (has_colours) {
+    Textures& all = material.context().scene.textures;
+    const std::int32_t colours = all.add(VertexColourTexture{});
+    s.base.texture = all.add(ScaleTexture{s.base, {{}, colours}});
+  }
   const double metallic = pbr ? pbr->number("metallicFactor", 1, kUnit) : 1;
   const double roughness = pbr ? pbr->number("roughnessFactor", 1, kUnit) : 1;
-  Material result{.params = DiffuseParams{s.base}};
+  Material result{.params = DiffuseParams{s.base}, .second_axis = FrameAlong::kV};
   if (const auto normal = material.find("normalTexture")) {
     result.normal_map =
         textures.colour(material, "normalTexture", PictureKind::kData, Rgb<double>(1)).texture;
@@ -220,7 +225,7 @@ Material Materials::scattering(const View& material, TextureSet& textures,
   return result;
 }
 
-Materials::Use Materials::make(const View& material) {
+Materials::Use Materials::make(const View& material, bool has_colours) {
   Use use;
   use.emission = emission(material);
   use.double_sided = material.boolean("doubleSided", false);
@@ -237,20 +242,26 @@ Materials::Use Materials::make(const View& material) {
   TextureSet textures(document_, set, has_picture, is_plain);
   auto& all = material.context().scene.materials;
   use.material = static_cast<std::uint32_t>(all.size());
-  all.push_back(scattering(material, textures, {base[0], base[1], base[2]}));
+  const Material& made =
+      all.emplace_back(scattering(material, textures, {base[0], base[1], base[2]}, has_colours));
+  const auto* surface = std::get_if<GltfSurfaceParams>(&made.params);
+  use.needs_tangents = made.normal_map >= 0 || (surface != nullptr && surface->anisotropy != 0);
   note_left_out(material);
   use.alpha = alpha(material, textures);
   use.uv_set = textures.uv_set();
   return use;
 }
 
-const Materials::Use& Materials::use(std::optional<std::size_t> index) {
-  uses_.resize(document_.count("materials"));
-  std::optional<Use>& known = index ? uses_[*index] : default_;
+const Materials::Use& Materials::use(std::optional<std::size_t> index, bool has_colours) {
+  std::vector<std::optional<Use>>& uses = uses_[has_colours ? 1 : 0];
+  const std::size_t count = document_.count("materials");
+  uses.resize(count + 1);
+  std::optional<Use>& known = uses[index.value_or(count)];
   if (!known) {
     static const Json kEmpty = Json::object();
-    known = make(index ? document_.root().at("materials")[*index]
-                       : View(document_.context(), kEmpty, ""));
+    known = make(
+        index ? document_.root().at("materials")[*index] : View(document_.context(), kEmpty, ""),
+        has_colours);
   }
   return *known;
 }

@@ -42,21 +42,24 @@ class Materials {
     std::shared_ptr<const MaterialEmission> emission;  ///< null: it does not emit
     std::optional<int> uv_set{};                       ///< of its textures; nothing if it has none
     NumberValue alpha{1};                              ///< the same as in ShapeDescription
+    bool needs_tangents = false;                       ///< whether the frame of its surface matters
   };
-  /// The material with this index; without an index, glTF's default material.
-  const Use& use(std::optional<std::size_t> index);
+  /// The material with this index; without an index, glTF's default material.  `has_colours`:
+  /// vertex colours are factors of its base colour.
+  const Use& use(std::optional<std::size_t> index, bool has_colours);
 
  private:
-  Use make(const View& material);
+  Use make(const View& material, bool has_colours);
   std::shared_ptr<const MaterialEmission> emission(const View& material);
-  Material scattering(const View& material, TextureSet& textures, const Rgb<double>& base);
+  Material scattering(const View& material, TextureSet& textures, const Rgb<double>& base,
+                      bool has_colours);
   NumberValue alpha(const View& material, TextureSet& textures);
   void note_left_out(const View& material);
   bool apply_texture(const View& texture, MaterialEmission& emission);
 
   const Document& document_;
-  std::vector<std::optional<Use>> uses_;
-  std::optional<Use> default_;
+  /// By index, the default material at the end; without and with vertex colours.
+  std::vector<std::optional<Use>> uses_[2];
 };
 
 }  // namespace lucerna::gltf

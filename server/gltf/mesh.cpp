@@ -232,6 +232,44 @@ void set_uv(Context& context, const Attributes& attributes, std::size_t count, P
                             : texture_uv(uv, part.mesh.indices);
 }
 
+/// Sets the colours of the vertices, linear as in the file.  [glTF2, 3.7.2.1]
+void set_colours(Context& context, const Attributes& attributes, std::size_t count, Part& part) {
+  const std::string at = part.pointer + "/attributes/COLOR_0";
+  const std::size_t components = attributes.components("COLOR_0");
+  if (components != 3 && components != 4)
+    context.fail(at, fmt::format("found {} components, allowed: 3 or 4", components));
+  const std::vector<double> values = attributes.numbers("COLOR_0", components, count);
+  context.claim(part.pointer, count, sizeof(Rgb<float>));
+  part.mesh.colours.reserve(count);
+  bool is_opaque = true;
+  for (std::size_t i = 0; i < values.size(); i += components) {
+    for (std::size_t k = 0; k < components; ++k)
+      if (!(values[i + k] >= 0 && values[i + k] <= 1))
+        context.fail(at, fmt::format("element {} has the value {}, allowed: 0 to 1", i / components,
+                                     values[i + k]));
+    part.mesh.colours.push_back(Rgb<float>(Rgb<double>(values[i], values[i + 1], values[i + 2])));
+    is_opaque = is_opaque && (components == 3 || values[i + 3] == 1);
+  }
+  const NumberValue& alpha = part.use.alpha;
+  if (!is_opaque && !(alpha.is_constant() && alpha.constant == 1))
+    context.remark(at, "the alpha of vertex colours is not modelled", "that of the material");
+}
+
+/// The tangents of the vertices.  Without them the frame follows (u, v).  [glTF2, 3.7.2.1]
+std::vector<VertexTangent> tangents(Context& context, const std::string& pointer,
+                                    const std::vector<Vec3<double>>& along,
+                                    const std::vector<double>& given) {
+  std::vector<VertexTangent> result;
+  context.claim(pointer, along.size(), sizeof(VertexTangent));
+  result.reserve(along.size());
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    const Vec3<double> t = normalized(along[i]);
+    result.push_back(
+        {is_finite(t) ? Vec3<float>(t) : Vec3<float>{}, given[4 * i + 3] < 0 ? -1.0F : 1.0F});
+  }
+  return result;
+}
+
 std::optional<Part> make_part(const Document& document, Materials& materials,
                               const tinygltf::Mesh& mesh, const tinygltf::Primitive& primitive,
                               const View& place, const Deformation& deformation) {
@@ -255,11 +293,21 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
   part.pointer = pointer;
   part.use = materials.use(primitive.material < 0
                                ? std::nullopt
-                               : std::optional(static_cast<std::size_t>(primitive.material)));
+                               : std::optional(static_cast<std::size_t>(primitive.material)),
+                           attributes.has("COLOR_0"));
   std::vector<Vec3<double>> positions = vectors(attributes.numbers("POSITION", 3, std::nullopt));
   std::vector<Vec3<double>> normals;
   const std::size_t count = positions.size();
   if (attributes.has("NORMAL")) normals = vectors(attributes.numbers("NORMAL", 3, count));
+  // Tangents count only with normals.  [glTF2, 3.7.2.1]
+  std::vector<double> given_tangents;
+  std::vector<Vec3<double>> along_u;
+  if (part.use.needs_tangents && attributes.has("TANGENT") && !normals.empty()) {
+    given_tangents = attributes.numbers("TANGENT", 4, count);
+    for (std::size_t i = 0; i < count; ++i)
+      along_u.emplace_back(given_tangents[4 * i], given_tangents[4 * i + 1],
+                           given_tangents[4 * i + 2]);
+  }
 
   std::vector<std::uint32_t> corners;
   if (attributes.draco()) {
@@ -289,11 +337,13 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
       deformation.weights.empty() ? mesh.weights : deformation.weights;
   morph(document, primitive, pointer, weights, "POSITION", positions);
   if (!normals.empty()) morph(document, primitive, pointer, weights, "NORMAL", normals);
+  if (!along_u.empty()) morph(document, primitive, pointer, weights, "TANGENT", along_u);
   if (!deformation.joints.empty()) {
     const std::vector<Matrix> moved =
         skinned(document, attributes, pointer, deformation.joints, count);
     for (std::size_t i = 0; i < count; ++i) {
       positions[i] = point(moved[i], positions[i]);
+      if (!along_u.empty()) along_u[i] = vector(moved[i], along_u[i]);
       if (normals.empty()) continue;
       const auto transform = Transform::from_matrix(moved[i]);
       normals[i] = transform ? transform->normal(normals[i]) : vector(moved[i], normals[i]);
@@ -303,9 +353,8 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
     if (!is_finite(positions[i])) context.fail(pointer, fmt::format("vertex {} is not finite", i));
   part.mesh.positions = std::move(positions);
   part.mesh.normals = directions(context, pointer, normals);
-  if (attributes.has("COLOR_0"))
-    context.remark(pointer + "/attributes/COLOR_0", "vertex colours are not modelled",
-                   "the colour of the material");
+  part.mesh.tangents = tangents(context, pointer, along_u, given_tangents);
+  if (attributes.has("COLOR_0")) set_colours(context, attributes, count, part);
   set_uv(context, attributes, count, part);
   return part;
 }
@@ -334,6 +383,10 @@ TriangleMeshData transformed(const Context& context, const std::string& pointer,
   }
   for (Vec3<float>& n : mesh.normals)
     n = Vec3<float>(normalized(transform.normal(Vec3<double>(n))));
+  for (VertexTangent& t : mesh.tangents) {
+    t.along_u = Vec3<float>(normalized(transform.vector(Vec3<double>(t.along_u))));
+    if (transform.swaps_handedness()) t.turn = -t.turn;
+  }
   if (transform.swaps_handedness()) {
     for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
       std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);

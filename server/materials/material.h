@@ -78,11 +78,19 @@ using MaterialParams = std::variant<DiffuseParams, DiffuseTransmissionParams, Me
                                     DielectricParams, ThinDielectricParams, CoatedDiffuseParams,
                                     CoatedMetalParams, GltfSurfaceParams, MixParams>;
 
+/// The second axis of a surface's frame, for normal maps and anisotropy.  The first is along u, the
+/// third is the shading normal.
+enum class FrameAlong : std::uint8_t {
+  kCross,  ///< cross(normal, along u), as in pbrt-v4
+  kV,      ///< the same or its opposite, on the side to which v grows, as in glTF
+};
+
 struct Material {
   MaterialParams params{};
   /// Tangent-space normals, from a picture whose channels are (n + 1) / 2; -1: none.
   std::int32_t normal_map = -1;
   double normal_scale = 1;  ///< of the x and y of these normals
+  FrameAlong second_axis = FrameAlong::kCross;
   /// A height over the surface [m], which only tilts the shading normal; -1: none.  Not with a
   /// normal map.
   std::int32_t bumps = -1;

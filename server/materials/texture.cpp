@@ -100,6 +100,7 @@ class Evaluation {
     return (t.corners[0] * (1 - st.y) + t.corners[1] * st.y) * (1 - st.x) +
            (t.corners[2] * (1 - st.y) + t.corners[3] * st.y) * st.x;
   }
+  Rgb<double> operator()(const VertexColourTexture&) const { return p_.colour; }
   Rgb<double> operator()(const DotsTexture& t) const {
     const Vec2<double> st = t.mapping(p_);
     const double s = std::floor(st.x + 0.5), v = std::floor(st.y + 0.5);
@@ -160,7 +161,10 @@ bool Textures::needs_only_uv(std::int32_t texture) const {
         if constexpr (requires { t.mapping; })
           result = t.mapping.kind == Kind::kUv || t.mapping.kind == Kind::kAffine;
         if constexpr (requires { t.dimension; }) result = result && t.dimension == 2;
-        if constexpr (requires { t.direction; }) result = false;
+        using Node = std::decay_t<decltype(t)>;
+        if constexpr (std::is_same_v<Node, VertexColourTexture> ||
+                      std::is_same_v<Node, DirectionMixTexture>)
+          result = false;
         if constexpr (requires { t.parts; }) result = result && of(t.parts[0]) && of(t.parts[1]);
         if constexpr (requires { t.part; }) result = result && of(t.part);
         if constexpr (requires { t.factor; }) result = result && of(t.factor);

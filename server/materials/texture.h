@@ -40,6 +40,7 @@ struct TexturePoint {
   Vec2<double> uv{};        ///< surface coordinates
   Vec3<double> position{};  ///< world [m]
   Vec3<double> normal{};    ///< world, unit: the shading normal
+  Rgb<double> colour{};     ///< of the vertices around it
 };
 
 /// How a texture's coordinates (s, t) follow from the place.
@@ -106,8 +107,12 @@ struct DotsTexture {
   ColourValue inside{}, outside{};
 };
 
-using TextureNode = std::variant<ImageTexture, CheckerboardTexture, ScaleTexture, CutOffTexture,
-                                 MixTexture, DirectionMixTexture, BilerpTexture, DotsTexture>;
+/// The colour of the vertices, linear between them.  Only for triangle meshes with colours.
+struct VertexColourTexture {};
+
+using TextureNode =
+    std::variant<ImageTexture, CheckerboardTexture, ScaleTexture, CutOffTexture, MixTexture,
+                 DirectionMixTexture, BilerpTexture, DotsTexture, VertexColourTexture>;
 
 /// A picture that was halved, to fit the memory of textures.
 struct HalvedPicture {

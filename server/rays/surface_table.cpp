@@ -47,6 +47,19 @@ void append_normals(const std::vector<Vec3<float>>& normals, std::size_t base, s
     out.insert(out.end(), normals.begin(), normals.end());
 }
 
+/// Values of the vertices from `base` on, if a mesh has them.
+template <typename Value>
+absl::Status append_values(const char* name, const std::vector<Value>& values, std::size_t base,
+                           std::size_t count, std::vector<Value>& out) {
+  if (values.empty()) return absl::OkStatus();
+  if (values.size() != count)
+    return absl::InvalidArgumentError(
+        fmt::format("{} {}, allowed: 0 or one for each vertex ({})", values.size(), name, count));
+  out.resize(base);
+  out.insert(out.end(), values.begin(), values.end());
+  return absl::OkStatus();
+}
+
 /// The kind of a quadric's type.
 template <typename Shape>
 constexpr HitKind kind_of = HitKind::kTriangle;
@@ -75,6 +88,10 @@ class Appender {
                       mesh.positions.size()));
     LUCERNA_RETURN_IF_ERROR(append_mesh(mesh.positions, mesh.indices, origin_, set_));
     append_normals(mesh.normals, base, mesh.positions.size(), table_.vertex_normals);
+    LUCERNA_RETURN_IF_ERROR(
+        append_values("colours", mesh.colours, base, mesh.positions.size(), table_.vertex_colours));
+    LUCERNA_RETURN_IF_ERROR(append_values("tangents", mesh.tangents, base, mesh.positions.size(),
+                                          table_.vertex_tangents));
     begin_run(HitKind::kTriangle, set_.triangles.size() / 3, 0, 1);
     for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
       append_triangle(mesh.positions, static_cast<std::uint32_t>(base),
@@ -286,6 +303,8 @@ bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
 std::size_t SurfaceTable::bytes() const {
   std::size_t sum = surfaces.capacity() * sizeof(Surface) +
                     vertex_normals.capacity() * sizeof(Vec3<float>) +
+                    vertex_colours.capacity() * sizeof(Rgb<float>) +
+                    vertex_tangents.capacity() * sizeof(VertexTangent) +
                     patch_normals.capacity() * sizeof(std::array<Vec3<float>, 4>) +
                     triangle_uv.capacity() * sizeof(std::array<Vec2<float>, 3>) +
                     patch_uv.capacity() * sizeof(std::array<Vec2<float>, 4>);

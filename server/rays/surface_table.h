@@ -57,6 +57,11 @@ struct SurfaceTable {
   /// Shading normals at the corners of each patch.  Empty if no patch has any.
   std::vector<std::array<Vec3<float>, 4>> patch_normals;
 
+  /// Colours and tangents of each vertex, up to the last mesh that has them.  Black and zero
+  /// without them.
+  std::vector<Rgb<float>> vertex_colours;
+  std::vector<VertexTangent> vertex_tangents;
+
   /// (u, v) at the corners of each triangle and of each patch.  Empty if no texture needs them.
   std::vector<std::array<Vec2<float>, 3>> triangle_uv;
   std::vector<std::array<Vec2<float>, 4>> patch_uv;

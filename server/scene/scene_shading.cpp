@@ -1,5 +1,8 @@
 // Surface coordinates at hits, for textures.
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "server/scene/scene.h"
 
@@ -12,7 +15,16 @@ using Vector = Vec3<double>;
 struct Coordinates {
   Vec2<double> uv;
   Vector dpdu, dpdv;
+  Rgb<double> colour{};
 };
+
+/// The value at barycentric coordinates (b, c); nothing if the mesh has no values.
+template <typename Value, typename Of>
+auto at_vertices(const std::vector<Value>& values, const std::uint32_t* v, double b, double c,
+                 const Of& of) -> std::optional<decltype(of(values[0]))> {
+  if (std::max({v[0], v[1], v[2]}) >= values.size()) return std::nullopt;
+  return of(values[v[0]]) * (1 - b - c) + of(values[v[1]]) * b + of(values[v[2]]) * c;
+}
 
 Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const SurfaceHit& hit) {
   const auto& uv = table.triangle_uv.empty() ? kTriangleUv : table.triangle_uv[hit.primitive];
@@ -24,8 +36,19 @@ Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const
                vc = double{uv[2].y} - uv[0].y;
   // Where (u, v) do not span the triangle, they have no directions.
   const double determinant = ub * vc - uc * vb, scale = determinant != 0 ? 1 / determinant : 0;
-  return {table.triangle_uv_at(hit.primitive, b, c), (ab * vc - ac * vb) * scale,
-          (ac * ub - ab * uc) * scale};
+  Coordinates r{table.triangle_uv_at(hit.primitive, b, c), (ab * vc - ac * vb) * scale,
+                (ac * ub - ab * uc) * scale};
+  if (const auto colour = at_vertices(table.vertex_colours, v, b, c,
+                                      [](const Rgb<float>& x) { return Rgb<double>(x); }))
+    r.colour = *colour;
+  const auto along = [](const VertexTangent& t) { return Vector(t.along_u); };
+  if (const auto u = at_vertices(table.vertex_tangents, v, b, c, along); u && *u != Vector{}) {
+    // The normal of the corners tells the outside, also where a mirror turned it.
+    const Vector outside = cross(ab, ac);
+    r.dpdu = *u;
+    r.dpdv = cross(outside, *u) * table.vertex_tangents[v[0]].turn;
+  }
+  return r;
 }
 
 Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const SurfaceHit& hit) {
@@ -117,7 +140,7 @@ Scene::ShadingPoint Scene::shading_point(const SurfaceHit& hit) const {
       if (instance->motion) *v = pose().vector(*v);
     }
   }
-  return {{c.uv, hit.position + origin_, hit.ns}, c.dpdu, c.dpdv};
+  return {{c.uv, hit.position + origin_, hit.ns, c.colour}, c.dpdu, c.dpdv};
 }
 
 }  // namespace lucerna

@@ -3,15 +3,16 @@
 namespace lucerna {
 namespace {
 
-/// A frame about the unit vector `n` whose first axis is near `dpdu`.
-Frame<double> frame_along(const Vec3<double>& n, const Vec3<double>& dpdu) {
-  const Vec3<double> along = normalized(dpdu);
+/// A frame about the unit vector `n` whose first axis is near dpdu.
+Frame<double> frame_along(const Vec3<double>& n, const Scene::ShadingPoint& at, FrameAlong second) {
+  const Vec3<double> along = normalized(at.dpdu);
   const Vec3<double> s = along - n * dot(along, n);
   // A direction along the normal tells nothing.
   constexpr double kLeast = 1e-6;
   if (!(length(s) > kLeast)) return Frame<double>::around(n);
   const Vec3<double> x = normalized(s);
-  return {x, cross(n, x), n};
+  const Vec3<double> y = cross(n, x);
+  return {x, second == FrameAlong::kV && dot(y, at.dpdv) < 0 ? -y : y, n};
 }
 
 /// The normal of the surface with its bumps.  The height is differentiated over a small step, as in
@@ -47,7 +48,7 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
       chosen(scene.materials(), hit.material, scene.textures(), at.texture);
   const Material& material = scene.materials()[number];
   bsdf_ = bsdf_of(material, scene.textures(), at.texture);
-  frame_ = frame_along(hit.ns, at.dpdu);
+  frame_ = frame_along(hit.ns, at, material.second_axis);
   Vec3<double> n;
   if (material.normal_map >= 0) {
     const Rgb<double> texel =
@@ -62,7 +63,7 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
   // A map does not turn the surface over.
   if (!(dot(n, hit.ng) > 0)) return;
   hit.ns = n;
-  frame_ = frame_along(n, at.dpdu);
+  frame_ = frame_along(n, at, material.second_axis);
 }
 
 std::optional<ScatterSample<double>> SurfaceScattering::sample(
