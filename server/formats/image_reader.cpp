@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -174,6 +175,17 @@ float decoded_texel(float coded, Encoding encoding) {
   return encoding == kLinear ? coded : static_cast<float>(std::pow(double{coded}, encoding.gamma));
 }
 
+/// The channels `low` to `high` of the picture; nothing if it cannot be read.
+template <typename Value>
+std::optional<std::vector<Value>> channels_of(OpenImage& open, int low, int high,
+                                              OIIO::TypeDesc type) {
+  std::vector<Value> values(static_cast<std::size_t>(open.spec.width) *
+                            static_cast<std::size_t>(open.spec.height) *
+                            static_cast<std::size_t>(high - low + 1));
+  if (!open.input->read_image(0, 0, low, high + 1, type, values.data())) return std::nullopt;
+  return values;
+}
+
 absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec,
                         std::uint64_t max_texels) {
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
@@ -224,30 +236,57 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
   decoded.remarks = remarks_on(open, content.name);
 
   const auto [low, high] = std::minmax({(*channels)[0], (*channels)[1], (*channels)[2]});
-  const auto read = static_cast<std::size_t>(high - low + 1);
   const std::size_t count =
       static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
-  std::vector<float> values(count * read);
-  if (!open.input->read_image(0, 0, low, high + 1, OIIO::TypeDesc::FLOAT, values.data()))
-    return unreadable(content, known_extension(content.name), open.input->geterror());
-  std::vector<Rgb<float>> texels(count);
+  std::vector<Rgb<float>> texels;
   std::size_t negative = 0;
-  const std::array coded{*is_coded(spec.channelformat((*channels)[0])),
-                         *is_coded(spec.channelformat((*channels)[1])),
-                         *is_coded(spec.channelformat((*channels)[2]))};
-  for (std::size_t i = 0; i < count; ++i) {
-    bool below = false;
-    const auto value = [&](std::size_t c) {
-      const float v = values[i * read + static_cast<std::size_t>((*channels)[c] - low)];
-      if (coded[c]) return decoded_texel(v, encoding);
-      // NaN and -infinity are kept, so that Image::create rejects them.
-      if (!(v < 0) || std::isinf(v)) return v;
-      below = true;
-      return 0.0F;
-    };
-    texels[i] = {value(0), value(1), value(2)};
-    negative += below;
-  }
+  const auto all_are = [&](OIIO::TypeDesc type) {
+    return std::ranges::all_of(*channels, [&](int c) { return spec.channelformat(c) == type; });
+  };
+  // Integers have few different values, so each is decoded once.
+  const auto read_codes = [&]<typename Code>(Code, OIIO::TypeDesc type) {
+    const auto values = channels_of<Code>(open, low, high, type);
+    if (!values) return false;
+    constexpr std::size_t kMost = std::numeric_limits<Code>::max();
+    std::vector<float> decoded(kMost + 1);
+    for (std::size_t i = 0; i <= kMost; ++i)
+      decoded[i] = decoded_texel(static_cast<float>(i) / static_cast<float>(kMost), encoding);
+    const std::size_t read = values->size() / count;
+    texels.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto value = [&](std::size_t c) {
+        return decoded[(*values)[i * read + static_cast<std::size_t>((*channels)[c] - low)]];
+      };
+      texels.push_back({value(0), value(1), value(2)});
+    }
+    return true;
+  };
+  const auto read_floats = [&] {
+    const auto values = channels_of<float>(open, low, high, OIIO::TypeDesc::FLOAT);
+    if (!values) return false;
+    const std::size_t read = values->size() / count;
+    texels.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      bool below = false;
+      const auto value = [&](std::size_t c) {
+        const int channel = (*channels)[c];
+        const float v = (*values)[i * read + static_cast<std::size_t>(channel - low)];
+        if (*is_coded(spec.channelformat(channel))) return decoded_texel(v, encoding);
+        // NaN and -infinity are kept, so that Image::create rejects them.
+        if (!(v < 0) || std::isinf(v)) return v;
+        below = true;
+        return 0.0F;
+      };
+      texels[i] = {value(0), value(1), value(2)};
+      negative += below;
+    }
+    return true;
+  };
+  const bool is_read =
+      all_are(OIIO::TypeDesc::UINT8)    ? read_codes(std::uint8_t{}, OIIO::TypeDesc::UINT8)
+      : all_are(OIIO::TypeDesc::UINT16) ? read_codes(std::uint16_t{}, OIIO::TypeDesc::UINT16)
+                                        : read_floats();
+  if (!is_read) return unreadable(content, known_extension(content.name), open.input->geterror());
   if (negative > 0)
     decoded.remarks.push_back({fmt::format("{} has {} texel{} with a value below 0", content.name,
                                            negative, negative == 1 ? "" : "s"),
