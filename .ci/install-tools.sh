@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# Installs what only .ci/run needs: clang-format, and from npm buf and the checkers of Kubernetes
-# manifests and of glTF files.
+# Installs what only .ci/run needs: clang-format, and from npm buf, the checkers of Kubernetes
+# manifests and of glTF files, and models and environments.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 deploy/install-deps.sh
 command -v clang-format >/dev/null || deploy/install-deps.sh clang-format
 command -v npm >/dev/null || deploy/install-deps.sh npm
-tools=(@bufbuild/buf@1.75.0 gltf-validator@2.0.0-dev.3.10 kubernetes-models@4.5.1 typescript@5.9.3 yaml@2.8.1)
+tools=(@bufbuild/buf@1.75.0 @pmndrs/assets@1.7.0 gltf-validator@2.0.0-dev.3.10 kubernetes-models@4.5.1
+  typescript@5.9.3 yaml@2.8.1)
 [ "$(cat build/tools/installed 2>/dev/null)" = "${tools[*]}" ] || {
   # All at once: npm removes packages that its command does not name.
   npm install --prefix build/tools --no-save --no-audit --no-fund --loglevel=error "${tools[@]}"

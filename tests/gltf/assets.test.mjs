@@ -39,7 +39,7 @@ const beforeTurning = [2, 0, 1, 5, 3, 4]; // of each normal
 const triples = (option, vectors) => vectors.map((v) => `--${option}=${v}`);
 
 // Each interval misses its value with a chance of 1e-8.  About 60 are looked at.  The server's
-// resampling of the faces changes the values by less than 2e-4.
+// resampling of the faces changes the values by about 2e-4.
 const precise = ["--confidence=99.999999%", "--error=0.5%", "--max-samples=1048576"];
 
 /** Asserts that each interval holds the expected value, and is narrow. */
@@ -126,7 +126,7 @@ test("each model has the triangles and the size that its accessors say", limit, 
     const { summary, remarks } = await server.answer("inspect", `${name}.glb`);
     assert.equal(Number(summary.primitives), json.accessors[indices].count / 3, name);
     assert.deepEqual(remarks.map(({ what }) => what), ["the scene has no camera"], name);
-    // Draco rounds positions to 1/2^11 of the size or less.
+    // Draco rounds positions, by default to 11 bits.
     const { min, max } = json.accessors[attributes.POSITION];
     const rounding = Math.max(...max.map((m, i) => m - min[i])) / 2 ** 11;
     ["x", "y", "z"].forEach((axis, i) => {
@@ -176,7 +176,8 @@ test("points that face the model get some light, but less", limit, async () => {
 test("a picture of each environment has no NaN", limit, async () => {
   for (const name of environments) {
     const file = `${server.folder}/${name}.pfm`;
-    const { status, stderr } = await server.lucerna("render", `${name}.gltf`, "-o", file, "--samples=16", "--bounces=2");
+    const options = ["--samples=16", "--bounces=2", "-o", file];
+    const { status, stderr } = await server.lucerna("render", `${name}.gltf`, ...options);
     assert.equal(status, 0, stderr);
     const bytes = readFileSync(file);
     const pixels = 3 * 72 * 720;
