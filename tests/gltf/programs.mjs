@@ -12,10 +12,10 @@ const bin = `${root}build/release/bin/`;
 /** Loads npm packages that .ci/install-tools.sh has installed. */
 export const require = createRequire(`${root}build/tools/`);
 
-/** Runs a program for at most a minute.  Never throws: `status` is null if the program was stopped. */
+/** Runs a program for at most five minutes.  Never throws: `status` is null if it was stopped. */
 export function run(program, ...given) {
   return new Promise((resolve) => {
-    const limits = { timeout: 60_000, killSignal: "SIGKILL", maxBuffer: 1 << 26 };
+    const limits = { timeout: 300_000, killSignal: "SIGKILL", maxBuffer: 1 << 26 };
     execFile(program, given, limits, (error, stdout, stderr) => {
       resolve({ status: error ? (error.code ?? null) : 0, stdout, stderr });
     });
