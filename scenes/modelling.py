@@ -196,7 +196,7 @@ def csv(receivers):
 
 
 def png(pixels):
-    """From bytes, rows by columns or by 3.  Not compressed, since versions of compressors differ."""
+    """From bytes, rows by columns, by 3 or by 4 (RGB and alpha).  Not compressed, since versions of compressors differ."""
     h, w = pixels.shape[:2]
     raw = b"".join(b"\0" + row.tobytes() for row in np.ascontiguousarray(pixels, np.uint8))
     blocks = [raw[i : i + 65535] for i in range(0, len(raw), 65535)]
@@ -208,7 +208,8 @@ def png(pixels):
     def chunk(name, data):
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
-    head = struct.pack(">IIBBBBB", w, h, 8, 2 if pixels.ndim == 3 else 0, 0, 0, 0)
+    colour_type = 0 if pixels.ndim == 2 else {3: 2, 4: 6}[pixels.shape[2]]
+    head = struct.pack(">IIBBBBB", w, h, 8, colour_type, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", stream) + chunk(b"IEND", b"")
 
 
