@@ -70,8 +70,7 @@ class Place:
 # The lights in the order of both files: name, place, and the level.
 LIGHTS = [
     ("bulb", "point", Place((3.3, 1.7, 2.4)), {"cd": 40, "colour": (1, 0.8, 0.55)}),
-    # The cones differ by less than any receiver is wide: the falloff between them belongs to the format.
-    ("spot", "spot", Place((0.6, 2.5, 2.6), -75, (1, 0.2, 0)), {"cd": 300, "colour": (1, 0.95, 0.9), "cones_deg": (24.99, 25)}),
+    ("spot", "spot", Place((0.6, 2.5, 2.6), -75, (1, 0.2, 0)), {"cd": 300, "colour": (1, 0.95, 0.9), "cones_deg": (18, 25)}),
     ("sun", "distant", Place((0, 0, 0), -140, (1, 0.15, 0)), {"lx": 900, "colour": (1, 0.97, 0.9)}),
     ("wallwasher", "ies", Place((3.4, 2.4, 1), -90, (1, 0, 0)), {"factor": 0.25, "colour": (1, 0.9, 0.75)}),
 ]
@@ -197,7 +196,7 @@ def pbrt_light(name, kind, place, level):
     }[kind]
     if kind == "spot":
         inner, outer = level["cones_deg"]
-        towards += f' "float coneangle" {outer:g} "float conedeltaangle" {outer - inner:.10g}'
+        towards += f' "float coneangle" {outer:g} "float conedeltaangle" {outer - inner:.10g} "string profile" "quadratic"'
     scale = level.get("cd") or level.get("lx") or level["factor"]
     lines = place.pbrt() + (["Rotate 180 1 0 0"] if kind == "ies" else [])
     lines += [f'LightSource "{"goniometric" if kind == "ies" else kind}" "string name" "{name}"']
