@@ -8,11 +8,14 @@ namespace lucerna {
 namespace {
 
 // In the order of the variants.
-constexpr std::array<std::string_view, std::variant_size_v<MaterialParams>> kMaterials{
-    "diffuse",       "diffusetransmission", "conductor",          "dielectric", "thindielectric",
-    "coateddiffuse", "coatedconductor",     "metallic-roughness", "mix"};
-constexpr std::array<std::string_view, std::variant_size_v<TextureNode>> kTextures{
-    "imagemap", "checkerboard", "scale", "cut off", "mix", "directionmix", "bilerp", "dots"};
+constexpr auto kMaterials = std::to_array<std::string_view>(
+    {"diffuse", "diffusetransmission", "conductor", "dielectric", "thindielectric", "coateddiffuse",
+     "coatedconductor", "metallic-roughness", "mix"});
+static_assert(kMaterials.size() == std::variant_size_v<MaterialParams>);
+constexpr auto kTextures =
+    std::to_array<std::string_view>({"imagemap", "checkerboard", "scale", "cut off", "mix",
+                                     "directionmix", "bilerp", "dots", "vertex colours"});
+static_assert(kTextures.size() == std::variant_size_v<TextureNode>);
 constexpr std::array<std::string_view, 4> kCameras{"perspective", "orthographic",
                                                    "spherical, equal area", "spherical"};
 

@@ -95,7 +95,8 @@ std::int32_t TextureSet::image(const View& info, PictureKind kind) {
   const Sampling sampling = sampling_of(document_, texture);
   t.wrap_s = sampling.wrap_s;
   t.wrap_t = sampling.wrap_t;
-  t.filter = sampling.filter;
+  t.filter =
+      sampling.filter == ImageFilter::kNearest ? TextureFilter::kNearest : TextureFilter::kBilinear;
   if (!fits(info, t, static_cast<int>(set))) return -1;
   t.image = document_.texels(*source, kind);
   if (t.image == nullptr) return -1;  // not uploaded yet: the load ends after this

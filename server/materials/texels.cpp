@@ -66,7 +66,27 @@ Texels::Texels(const Image& image) : width_(image.width()), height_(image.height
   });
 }
 
+void Texels::make_levels() {
+  if (!smaller_.empty()) return;
+  std::vector<Texels> levels;
+  for (const Texels* last = this; last->width_ > 1 || last->height_ > 1; last = &levels.back()) {
+    // The copy shares no memory with the elements that push_back may move.
+    Texels next = *last;
+    next.halve();
+    levels.push_back(std::move(next));
+  }
+  smaller_ = std::move(levels);
+}
+
 void Texels::halve() {
+  if (!smaller_.empty()) {
+    std::vector<Texels> rest = std::move(smaller_);
+    Texels first = std::move(rest.front());
+    rest.erase(rest.begin());
+    *this = std::move(first);
+    smaller_ = std::move(rest);
+    return;
+  }
   const int width = (width_ + 1) / 2, height = (height_ + 1) / 2, channels = is_grey_ ? 1 : 3;
   std::vector<float> means;
   means.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels);

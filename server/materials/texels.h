@@ -27,9 +27,19 @@ class Texels {
     return {value(3 * i), value(3 * i + 1), value(3 * i + 2)};
   }
   std::size_t bytes() const {
-    return sizeof(*this) + codes_.capacity() + wide_codes_.capacity() * sizeof wide_codes_[0] +
-           values_.capacity() * sizeof values_[0];
+    std::size_t sum = sizeof(*this) + codes_.capacity() +
+                      wide_codes_.capacity() * sizeof wide_codes_[0] +
+                      values_.capacity() * sizeof values_[0];
+    for (const Texels& t : smaller_) sum += t.bytes();
+    return sum;
   }
+
+  /// The picture, and copies of it that are each half as wide and as high as the one before, down
+  /// to one texel.
+  std::size_t levels() const { return 1 + smaller_.size(); }
+  const Texels& level(std::size_t i) const { return i == 0 ? *this : smaller_[i - 1]; }
+  /// Makes the copies, unless they are there.
+  void make_levels();
 
   /// Halves width and height; odd ones are rounded up.  Each texel becomes the mean of those that
   /// it covers.  Values are then 1/65535 of the largest one apart.  Requires more than one texel.
@@ -48,6 +58,7 @@ class Texels {
   std::vector<std::uint16_t> wide_codes_;  ///< in units of `step_`
   std::vector<float> values_;
   double step_ = 0;
+  std::vector<Texels> smaller_;
 };
 
 }  // namespace lucerna

@@ -3,61 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "lights/sampling/hash_number.h"
+#include "server/materials/image_lookup.h"
 
 namespace lucerna {
 namespace {
 
-/// 0 to n - 1 for a texel that lies outside, or nothing.
-std::optional<int> wrapped(int i, int n, TextureWrap wrap) {
-  if (i >= 0 && i < n) return i;
-  switch (wrap) {
-    case TextureWrap::kBlack:
-      return std::nullopt;
-    case TextureWrap::kRepeat:
-      return ((i % n) + n) % n;
-    case TextureWrap::kMirror: {
-      const int j = ((i % (2 * n)) + 2 * n) % (2 * n);
-      return j < n ? j : 2 * n - 1 - j;
-    }
-    default:
-      return std::clamp(i, 0, n - 1);
-  }
-}
-
-/// Texel coordinates far outside of the picture: their fraction is lost, and int cannot hold them.
-constexpr double kMostTexels = 1 << 30;
-
-double texel_coordinate(double x, int n, TextureWrap wrap) {
-  if (wrap == TextureWrap::kRepeat) x -= std::floor(x);
-  if (wrap == TextureWrap::kMirror) x -= 2 * std::floor(x / 2);
-  return std::clamp(x * n, -kMostTexels, kMostTexels);
-}
-
-Rgb<double> texel(const ImageTexture& t, int x, int y) {
-  if (t.wrap_s == TextureWrap::kOctahedral) {
-    const auto [ix, iy] =
-        at_border(ImageBorder::kOctahedral, std::clamp(x, -1, t.image->width()),
-                  std::clamp(y, -1, t.image->height()), t.image->width(), t.image->height());
-    return t.image->texel(ix, iy);
-  }
-  const auto i = wrapped(x, t.image->width(), t.wrap_s),
-             j = wrapped(y, t.image->height(), t.wrap_t);
-  return i && j ? t.image->texel(*i, *j) : Rgb<double>{};
-}
-
-Rgb<double> lookup(const ImageTexture& t, const Vec2<double>& st) {
-  const double x = texel_coordinate(st.x, t.image->width(), t.wrap_s),
-               y = texel_coordinate(1 - st.y, t.image->height(), t.wrap_t);
-  if (!std::isfinite(x) || !std::isfinite(y)) return {};
-  if (t.filter == ImageFilter::kNearest)
-    return texel(t, static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
-  const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
-  const double u = x - 0.5 - left, v = y - 0.5 - top;
-  const int i = static_cast<int>(left), j = static_cast<int>(top);
-  return (texel(t, i, j) * (1 - u) + texel(t, i + 1, j) * u) * (1 - v) +
-         (texel(t, i, j + 1) * (1 - u) + texel(t, i + 1, j + 1) * u) * v;
+/// How the coordinates of a mapping grow over the footprint of `p`.
+CoordinateSteps steps_of(const TextureMapping& mapping, const TexturePoint& p,
+                         const Vec2<double>& st) {
+  const Footprint& f = *p.footprint;
+  const auto step = [&](const Vec2<double>& uv, const Vec3<double>& position) {
+    TexturePoint next = p;
+    next.uv = {p.uv.x + uv.x, p.uv.y + uv.y};
+    next.position += position;
+    const Vec2<double> to = mapping(next);
+    Vec2<double> d{to.x - st.x, to.y - st.y};
+    // Past the seam of a turn.
+    if (mapping.kind == TextureMapping::Kind::kSpherical) d.y -= std::round(d.y);
+    if (mapping.kind == TextureMapping::Kind::kCylindrical) d.x -= std::round(d.x);
+    return d;
+  };
+  return {step(f.uv_x, f.position_x), step(f.uv_y, f.position_y)};
 }
 
 /// Whether a sum of rounded coordinates is odd.
@@ -68,7 +37,10 @@ class Evaluation {
   Evaluation(const Textures& textures, const TexturePoint& p) : textures_(textures), p_(p) {}
 
   Rgb<double> operator()(const ImageTexture& t) const {
-    const Rgb<double> value = lookup(t, t.mapping(p_)) * t.scale;
+    const Vec2<double> st = t.mapping(p_);
+    std::optional<CoordinateSteps> steps;
+    if (uses_levels(t.filter) && p_.footprint != nullptr) steps = steps_of(t.mapping, p_, st);
+    const Rgb<double> value = look_up(t, st, steps ? &*steps : nullptr) * t.scale;
     if (!t.invert) return value;
     const auto inverse = [](double x) { return std::max(0.0, 1 - x); };
     return {inverse(value.r), inverse(value.g), inverse(value.b)};
@@ -142,6 +114,14 @@ Vec2<double> TextureMapping::operator()(const TexturePoint& p) const {
 }
 
 std::int32_t Textures::add(TextureNode node) {
+  if (const auto* image = std::get_if<ImageTexture>(&node); image && uses_levels(image->filter)) {
+    uses_footprints_ = true;
+    const auto found = std::ranges::find(pictures_, image->image, &Picture::texels);
+    if (found != pictures_.end()) {
+      found->texels->make_levels();
+      fit();
+    }
+  }
   nodes_.push_back(std::move(node));
   return static_cast<std::int32_t>(nodes_.size() - 1);
 }
@@ -178,6 +158,12 @@ bool Textures::needs_only_uv(std::int32_t texture) const {
 std::shared_ptr<const Texels> Textures::picture(const std::string& name, const Image& image) {
   const auto texels = std::make_shared<Texels>(image);
   pictures_.push_back({name, image.width(), image.height(), texels});
+  fit();
+  return texels;
+}
+
+/// Halves the largest pictures until all fit.
+void Textures::fit() {
   const auto sum = [&] {
     std::size_t bytes = 0;
     for (const Picture& p : pictures_) bytes += p.texels->bytes();
@@ -189,7 +175,6 @@ std::shared_ptr<const Texels> Textures::picture(const std::string& name, const I
     if (largest->texels->width() * largest->texels->height() == 1) break;
     largest->texels->halve();
   }
-  return texels;
 }
 
 std::vector<HalvedPicture> Textures::halved() const {

@@ -35,12 +35,20 @@ struct NumberValue {
   bool is_constant() const { return texture < 0; }
 };
 
+/// How a place moves on a surface from one position of a camera's film to the next, in x and in y.
+struct Footprint {
+  Vec3<double> position_x, position_y;  ///< world [m]
+  Vec2<double> uv_x, uv_y;
+};
+
 /// A place on a surface.
 struct TexturePoint {
   Vec2<double> uv{};        ///< surface coordinates
   Vec3<double> position{};  ///< world [m]
   Vec3<double> normal{};    ///< world, unit: the shading normal
   Rgb<double> colour{};     ///< of the vertices around it
+  /// The area that textures with kTrilinear and kEwa average over; null: none.
+  const Footprint* footprint = nullptr;
 };
 
 /// How a texture's coordinates (s, t) follow from the place.
@@ -60,12 +68,18 @@ struct TextureMapping {
 /// kOctahedral is for both coordinates.
 enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kMirror, kOctahedral };
 
+/// How a texture reads its picture.  The last two use smaller copies of the picture, by the
+/// footprint of camera rays.  [Pharr23, 10.4.3 and 10.4.4]
+enum class TextureFilter : std::uint8_t { kNearest, kBilinear, kTrilinear, kEwa };
+constexpr bool uses_levels(TextureFilter filter) { return filter >= TextureFilter::kTrilinear; }
+
 /// A picture.  Its upper left corner is at s = 0, t = 1.
 struct ImageTexture {
-  std::shared_ptr<const Texels> image;  ///< not null
+  std::shared_ptr<const Texels> image;  ///< not null; with levels if the filter uses them
   TextureMapping mapping{};
   TextureWrap wrap_s = TextureWrap::kRepeat, wrap_t = TextureWrap::kRepeat;
-  ImageFilter filter = ImageFilter::kBilinear;
+  TextureFilter filter = TextureFilter::kBilinear;
+  double most_anisotropy = 8;  ///< kEwa: the longer over the shorter axis of the mean, at least 1
   double scale = 1;
   bool invert = false;  ///< 1 - value, after the scale; not below 0
 };
@@ -141,7 +155,8 @@ class Textures {
   };
   std::span<const Picture> pictures() const { return pictures_; }
 
-  /// `node` uses only textures that were added before.  Returns its number.
+  /// `node` uses only textures and pictures that were added before.  Returns its number.  Makes the
+  /// levels that its filter uses.
   std::int32_t add(TextureNode node);
   bool empty() const { return nodes_.empty(); }
   std::size_t size() const { return nodes_.size(); }
@@ -159,12 +174,16 @@ class Textures {
   const ImageTexture* picture(std::int32_t texture) const {
     return std::get_if<ImageTexture>(&nodes_[static_cast<std::size_t>(texture)]);
   }
+  /// Whether a texture uses the footprints of places.
+  bool uses_footprints() const { return uses_footprints_; }
   /// Whether the texture depends on (u, v) only, and not on position or normal.
   bool needs_only_uv(std::int32_t texture) const;
 
  private:
   Rgb<double> at(std::int32_t texture, const TexturePoint& p) const;
+  void fit();
   std::size_t limit_bytes_;
+  bool uses_footprints_ = false;
   std::vector<Picture> pictures_;
   std::vector<TextureNode> nodes_;
 };

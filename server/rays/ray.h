@@ -50,6 +50,11 @@ struct SurfaceHit {
   SurfacePoint<double> on_light() const { return {position, ng, light_primitive}; }
 };
 
+/// Rays through film positions beside that of a camera ray: one in x, one in y.
+struct NeighbourRays {
+  Ray x, y;
+};
+
 /// std::nextafter(x, INFINITY).  A call of std::nextafter takes longer than the rest of an offset.
 inline float next_up(float x) {
   if (!(x < INFINITY)) return x;

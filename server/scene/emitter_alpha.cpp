@@ -49,7 +49,9 @@ Picture times_alpha(const std::optional<Picture>& picture, const NumberValue& al
     }
   Picture result;
   result.image = *Image::create(width, height, std::move(texels));
-  result.filter = of_alpha != nullptr && !picture ? of_alpha->filter : ImageFilter::kBilinear;
+  result.filter = of_alpha != nullptr && !picture && of_alpha->filter == TextureFilter::kNearest
+                      ? ImageFilter::kNearest
+                      : ImageFilter::kBilinear;
   if (picture) result.name = picture->name;
   return result;
 }

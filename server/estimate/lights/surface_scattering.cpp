@@ -35,15 +35,39 @@ Vec3<double> bumped_normal(const Textures& textures, std::int32_t bumps,
   return dot(bumped, n) < 0 ? -bumped : bumped;
 }
 
+/// Where the neighbours meet the plane of the surface, from the hit.
+Footprint footprint_of(const NeighbourRays& rays, const SurfaceHit& hit,
+                       const Scene::ShadingPoint& at) {
+  const auto step = [&](const Ray& ray) {
+    const Vec3<double> o = Vec3<double>(ray.origin) - hit.position, d(ray.direction);
+    return o - d * (dot(hit.ng, o) / dot(hit.ng, d));
+  };
+  // The (u, v) whose derivatives come nearest to a step on the surface.
+  const double uu = dot(at.dpdu, at.dpdu), uv = dot(at.dpdu, at.dpdv), vv = dot(at.dpdv, at.dpdv);
+  const double determinant = uu * vv - uv * uv, scale = determinant > 0 ? 1 / determinant : 0;
+  const auto to_uv = [&](const Vec3<double>& p) {
+    const double u = dot(at.dpdu, p), v = dot(at.dpdv, p);
+    return Vec2<double>{(vv * u - uv * v) * scale, (uu * v - uv * u) * scale};
+  };
+  const Vec3<double> x = step(rays.x), y = step(rays.y);
+  return {x, y, to_uv(x), to_uv(y)};
+}
+
 }  // namespace
 
-SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets) {
+SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets,
+                                     const NeighbourRays* neighbours) {
   if (meets == Meets::kPanesByChance && scene.is_pane(hit)) {
     is_mirror_ = true;
     frame_ = Frame<double>::around(hit.ng);
     return;
   }
-  const Scene::ShadingPoint at = scene.shading_point(hit);
+  Scene::ShadingPoint at = scene.shading_point(hit);
+  Footprint footprint;
+  if (neighbours != nullptr) {
+    footprint = footprint_of(*neighbours, hit, at);
+    at.texture.footprint = &footprint;
+  }
   const std::uint32_t number =
       chosen(scene.materials(), hit.material, scene.textures(), at.texture);
   const Material& material = scene.materials()[number];

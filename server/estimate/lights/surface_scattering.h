@@ -14,7 +14,10 @@ class SurfaceScattering {
  public:
   /// Evaluates the textures of the material.  Sets `hit.ns` if a map changes the normal.
   /// `meets`: what the ray met.  A pane that was met by chance reflects all light.
-  SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets = Meets::kSurfaces);
+  /// `neighbours`: of the camera ray that met the surface, for scenes whose textures use
+  /// footprints; else null.
+  SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets = Meets::kSurfaces,
+                    const NeighbourRays* neighbours = nullptr);
 
   bool all_delta() const { return is_mirror_ || bsdf_.all_delta(); }
   /// Whether light from both sides reaches the eye.

@@ -39,8 +39,8 @@ Rgb<double> PathTracer::left_by_media(Ray ray, const std::optional<SurfaceHit>& 
 }
 
 LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& first_wo,
-                                    std::uint32_t depth, const PathSample& sample,
-                                    WorkCounts& work) const {
+                                    std::uint32_t depth, const PathSample& sample, WorkCounts& work,
+                                    const NeighbourRays* neighbours) const {
   LightEstimate sum;
   if (scene_.lights().empty()) return sum;
   SurfaceHit hit = first;
@@ -54,7 +54,8 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       throughput = throughput * *reflectance;
       if (throughput.is_black()) return sum;
     } else {
-      scattering.emplace(scene_, hit, direct_.transmittance().met());
+      scattering.emplace(scene_, hit, direct_.transmittance().met(), neighbours);
+      neighbours = nullptr;  // later surfaces are not met by a camera ray
     }
     if (depth == 0 && !scattering && direct_.uses_closed_forms(false)) {
       for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
@@ -125,14 +126,14 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   }
 }
 
-LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample,
-                                   WorkCounts& work) const {
+LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample, WorkCounts& work,
+                                   const NeighbourRays* neighbours) const {
   ++work.camera_rays;
   const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
   Rgb<double> seen;
   for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<double>& le) { seen += le; });
   LightEstimate sum{seen, seen};
-  if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work);
+  if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work, neighbours);
   if (!scene_.has_media()) return sum;
   const Rgb<double> left = left_by_media(ray, hit);
   return {sum.value * left, sum.unshadowed * left};

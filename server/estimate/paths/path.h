@@ -38,13 +38,15 @@ class PathTracer {
 
   const DirectLight& direct() const { return direct_; }
 
-  /// Radiance [cd/m2] along a ray from the camera.
-  LightEstimate radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const;
+  /// Radiance [cd/m2] along a ray from the camera.  `neighbours`: as in SurfaceScattering.
+  LightEstimate radiance(const Ray& ray, const PathSample& sample, WorkCounts& work,
+                         const NeighbourRays* neighbours = nullptr) const;
 
   /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`.
   /// `depth`: number of reflections between the surface and the camera.
   LightEstimate reflected(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
-                          const PathSample& sample, WorkCounts& work) const;
+                          const PathSample& sample, WorkCounts& work,
+                          const NeighbourRays* neighbours = nullptr) const;
 
   /// Calls `f(light, radiance)` for each light at the ray's end: the light at `hit` or,
   /// without a hit, the infinite lights.

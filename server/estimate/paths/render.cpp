@@ -21,6 +21,9 @@ namespace {
 
 // A path takes a few rays, so a few hundred rays lie between two polls of the stop token.
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
+/// The distance of neighbour rays [pixels]: that of pbrt-v4 for 64 samples and more.  Samples
+/// average over the rest of the pixel.
+constexpr float kFootprint = 0.125F;
 
 // Samples of one chunk of pixels: 0.1 to 10 ms.
 constexpr std::uint64_t kSamplesPerChunk = 256;
@@ -148,10 +151,16 @@ class TileEstimator {
       const PathSample sample{sequence, i};
       PixelFilter::Sample film{sample.pair(PathSample::kFilm), 1};
       if (filter != nullptr) film = filter->sample(film.position_px);
-      const Ray ray = camera.ray(
-          static_cast<float>(x) + film.position_px.x, static_cast<float>(y) + film.position_px.y,
-          time(sample), has_lens ? sample.pair(PathSample::kLens) : Vec2<float>{0.5F, 0.5F});
-      LightEstimate e = tracer_.radiance(ray, sample, work);
+      const auto ray_at = [&](float dx, float dy) {
+        return camera.ray(static_cast<float>(x) + film.position_px.x + dx,
+                          static_cast<float>(y) + film.position_px.y + dy, time(sample),
+                          has_lens ? sample.pair(PathSample::kLens) : Vec2<float>{0.5F, 0.5F});
+      };
+      std::optional<NeighbourRays> neighbours;
+      if (scene_.textures().uses_footprints())
+        neighbours = {ray_at(kFootprint, 0), ray_at(0, kFootprint)};
+      LightEstimate e =
+          tracer_.radiance(ray_at(0, 0), sample, work, neighbours ? &*neighbours : nullptr);
       if (film.weight != 1) e = {e.value * film.weight, e.unshadowed * std::fabs(film.weight)};
       sum.add(e.value);
       if (moments == nullptr) continue;

@@ -135,18 +135,16 @@ TextureNode TextureTable::image(Context& context, const ParameterSet& params, co
                                   {"clamp", TextureWrap::kClamp},
                                   {"octahedralsphere", TextureWrap::kOctahedral}});
   t.wrap_t = t.wrap_s;
-  const std::string filter = params.string("filter", "bilinear");
-  t.filter = choice<ImageFilter>(params, "filter", "bilinear",
-                                 {{"point", ImageFilter::kNearest},
-                                  {"bilinear", ImageFilter::kBilinear},
-                                  {"trilinear", ImageFilter::kBilinear},
-                                  {"EWA", ImageFilter::kBilinear},
-                                  {"ewa", ImageFilter::kBilinear}});
-  if (filter != "point" && filter != "bilinear")
-    context.remark(params.find("filter", {"string"})->place,
-                   fmt::format("filter \"{}\" is not modelled", printable(filter)),
-                   "bilinear; more samples of a pixel average more texels");
-  params.ignore({"maxanisotropy"});
+  t.filter = choice<TextureFilter>(params, "filter", "bilinear",
+                                   {{"point", TextureFilter::kNearest},
+                                    {"bilinear", TextureFilter::kBilinear},
+                                    {"trilinear", TextureFilter::kTrilinear},
+                                    {"EWA", TextureFilter::kEwa},
+                                    {"ewa", TextureFilter::kEwa}});
+  t.most_anisotropy = params.number("maxanisotropy", 8);
+  if (!(t.most_anisotropy >= 1 && t.most_anisotropy <= 1000))
+    fail(params.place_of({"maxanisotropy"}, place),
+         fmt::format("\"float maxanisotropy\" = {}, allowed: 1 to 1000", t.most_anisotropy));
   t.scale = params.number("scale", 1);
   t.invert = params.boolean("invert", false);
   return t;

@@ -208,7 +208,7 @@ TEST(GltfTextures, TransformsAndSamplers) {
       scene.textures.nodes()[static_cast<std::size_t>(surface_of(scene).base.texture)]);
   EXPECT_EQ(t.wrap_s, TextureWrap::kClamp);
   EXPECT_EQ(t.wrap_t, TextureWrap::kMirror);
-  EXPECT_EQ(t.filter, ImageFilter::kNearest);
+  EXPECT_EQ(t.filter, TextureFilter::kNearest);
   // (0.5, 0.25) of the file, whose v runs downwards.
   const Vec2<double> st = t.mapping({.uv = {0.5, 0.75}});
   EXPECT_NEAR(st.x, 0.25 + 0.5 * 0.25, 1e-12);

@@ -21,14 +21,14 @@ double value_at(const ImageTexture& texture, Vec2<double> uv) {
 }
 
 TEST(Texture, PicturesBeginAtTheUpperLeft) {
-  const ImageTexture t{.image = digits(), .filter = ImageFilter::kNearest};
+  const ImageTexture t{.image = digits(), .filter = TextureFilter::kNearest};
   EXPECT_EQ(value_at(t, {0.1, 0.9}), 1);
   EXPECT_EQ(value_at(t, {0.9, 0.9}), 3);
   EXPECT_EQ(value_at(t, {0.1, 0.1}), 4);
 }
 
 TEST(Texture, WrapDecidesOutsideOfThePicture) {
-  ImageTexture t{.image = digits(), .filter = ImageFilter::kNearest};
+  ImageTexture t{.image = digits(), .filter = TextureFilter::kNearest};
   EXPECT_EQ(value_at(t, {1.1, -0.1}), 1);  // repeats
   EXPECT_EQ(value_at(t, {-0.1, 0.1}), 6);
   t.wrap_s = t.wrap_t = TextureWrap::kClamp;
@@ -47,7 +47,7 @@ TEST(Texture, EachCoordinateHasItsWrap) {
   const ImageTexture t{.image = digits(),
                        .wrap_s = TextureWrap::kMirror,
                        .wrap_t = TextureWrap::kClamp,
-                       .filter = ImageFilter::kNearest};
+                       .filter = TextureFilter::kNearest};
   // 1 2 3 | 3 2 1 | 1 2 3, and the upper row above the picture.
   const double row[] = {3, 2, 1, 1, 2, 3, 3, 2, 1, 1};
   for (int i = 0; i < 10; ++i) EXPECT_EQ(value_at(t, {(i - 3 + 0.5) / 3, 5}), row[i]) << i;
@@ -90,7 +90,7 @@ TEST(Texture, BilinearFilterIsTheMeanBetweenTexels) {
 }
 
 TEST(Texture, ScaleAndInversion) {
-  ImageTexture t{.image = digits(), .filter = ImageFilter::kNearest, .scale = 0.1};
+  ImageTexture t{.image = digits(), .filter = TextureFilter::kNearest, .scale = 0.1};
   EXPECT_NEAR(value_at(t, {0.1, 0.9}), 0.1, 1e-12);
   t.invert = true;
   EXPECT_NEAR(value_at(t, {0.1, 0.9}), 0.9, 1e-12);

@@ -86,5 +86,45 @@ TEST(Bumps, AreNothingOnAnEvenHeight) {
   expect_near(normal_at(d, ramp(d, {0, 0}), {0.3, 0.2, 1}, {0, 0, -1}), {0, 0, 1}, 1e-9);
 }
 
+TEST(Footprints, FollowTheDistanceOfTheCameraRay) {
+  // Black and white texels of 1/64 m on a ground.
+  SceneDescription d = description();
+  std::vector<Rgb<float>> texels;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) texels.emplace_back((x + y) % 2 == 0 ? 0.0F : 1.0F);
+  const auto image = d.textures.picture("checks", **Image::create(64, 64, texels));
+  ImageTexture t{.image = image, .filter = TextureFilter::kEwa};
+  t.mapping.scale = {1000, 1000};
+  d.materials[0].params = DiffuseParams{{{}, d.textures.add(t)}};
+  d.shapes = {patch({-500, -500, 0}, {500, -500, 0}, {-500, 500, 0}, {500, 500, 0})};
+  d.shapes[0].has_uv = true;
+  const auto scene = build(std::move(d));
+  EXPECT_TRUE(scene->textures().uses_footprints());
+  const auto contrast = [&](double distance, double angle) {
+    double most = 0;
+    for (int i = 0; i < 32; ++i) {
+      const Vec3<double> target{0.3 + i / 300.0, 0.2, 0};
+      const Vec3<double> w{0, std::sin(angle), -std::cos(angle)};
+      const auto ray = [&](const Vec3<double>& beside) {
+        return Ray{Vec3<float>(target - w * distance - scene->origin()),
+                   Vec3<float>(normalized(w + beside))};
+      };
+      // Pixels of a milliradian.
+      const NeighbourRays rays{ray({1e-3, 0, 0}),
+                               ray({0, 1e-3 * std::cos(angle), 1e-3 * std::sin(angle)})};
+      auto hit = scene->closest_hit(ray({}));
+      EXPECT_TRUE(hit.has_value());
+      const Vec3<double> up{0, 0, 1};
+      const SurfaceScattering s(*scene, *hit, Meets::kSurfaces, &rays);
+      most = std::max(most, std::fabs(s.value(up, up).r * std::numbers::pi - 0.5));
+    }
+    return most;
+  };
+  EXPECT_GT(contrast(1, 0), 0.2);     // 1 mm
+  EXPECT_LT(contrast(100, 0), 0.03);  // 0.1 m, six texels
+  EXPECT_GT(contrast(3, 0), 0.2);
+  EXPECT_LT(contrast(3, 1.5), 0.1);  // 14 times as long on the ground
+}
+
 }  // namespace
 }  // namespace lucerna::testing
