@@ -311,7 +311,7 @@ std::shared_ptr<const Image> Document::alpha_image(const AssetContent& content,
   return *std::move(image);
 }
 
-std::shared_ptr<const Image> Document::image(std::size_t index, bool says, PictureKind kind) const {
+std::shared_ptr<const Image> Document::image(std::size_t index, PictureKind kind) const {
   std::shared_ptr<const Image>& image = images_[{index, kind}];
   if (image != nullptr) return image;
   const View place = root().at("images")[index];
@@ -326,7 +326,7 @@ std::shared_ptr<const Image> Document::image(std::size_t index, bool says, Pictu
     if (!decoded.ok()) place.fail(decoded.status());
     // glTF defines where alpha is used.
     for (const ImageRemark& r : decoded->remarks)
-      if (says && !r.is_alpha) context_.remark(place.pointer(), r.what, r.instead);
+      if (!r.is_alpha) context_.remark(place.pointer(), r.what, r.instead);
     image = decoded->image;
   }
   context_.claim(place.pointer(), image->bytes(), 1);
@@ -336,7 +336,7 @@ std::shared_ptr<const Image> Document::image(std::size_t index, bool says, Pictu
 std::shared_ptr<const Texels> Document::texels(std::size_t index, PictureKind kind) const {
   std::shared_ptr<const Texels>& texels = texels_[{index, kind}];
   if (texels != nullptr) return texels;
-  const std::shared_ptr<const Image> picture = image(index, true, kind);
+  const std::shared_ptr<const Image> picture = image(index, kind);
   if (picture == nullptr) return nullptr;
   // Floats take more memory than texels, and only lights need them.
   images_.erase({index, kind});

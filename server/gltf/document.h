@@ -40,8 +40,8 @@ class Document {
   /// The bytes of a thing with "uri" or "bufferView".  If the file was not uploaded yet, the load
   /// goes on without it (null) until require_all_files.
   const AssetContent* read(const View& thing) const;
-  /// The picture images/`index`; null as above.  `says`: with remarks on parts that are not used.
-  std::shared_ptr<const Image> image(std::size_t index, bool says = true,
+  /// The picture images/`index`; null as above.
+  std::shared_ptr<const Image> image(std::size_t index,
                                      PictureKind kind = PictureKind::kColour) const;
   /// The same for the textures of the scene, whose memory has a limit.
   std::shared_ptr<const Texels> texels(std::size_t index, PictureKind kind) const;

@@ -63,7 +63,7 @@ View faces_of(const View& light) {
 /// The texels of a face; empty if the file was not uploaded yet.
 std::vector<Rgb<float>> face_texels(const Document& document, const View& face, int size) {
   const std::size_t index = face.index(document.count("images"), "image");
-  const std::shared_ptr<const Image> image = document.image(index, false);
+  const std::shared_ptr<const Image> image = document.image(index);
   if (image == nullptr) return {};
   if (image->width() != size || image->height() != size)
     face.fail(
@@ -119,7 +119,7 @@ void read_environment_pictures(const Document& document) {
   for (std::size_t i = 0; i < lights.require_array().size(); ++i) {
     const View faces = faces_of(lights[i]);
     for (std::size_t f = 0; f < 6; ++f)
-      document.image(faces[f].index(document.count("images"), "image"), false);
+      document.image(faces[f].index(document.count("images"), "image"));
   }
 }
 

@@ -44,11 +44,16 @@ tinygltf::Model parse_model(const View& root) {
   if (core.contains("meshes")) {
     for (std::size_t m = 0; m < core["meshes"].size(); ++m) {
       for (std::size_t p = 0; p < core["meshes"][m]["primitives"].size(); ++p) {
-        // The indices of compressed meshes have no bytes, which tinygltf refuses.
-        const Json& given = root.json()["meshes"][m]["primitives"][p];
-        if (given.contains("extensions") &&
-            given["extensions"].contains("KHR_draco_mesh_compression"))
+        // tinygltf refuses indices without bytes.  Those of compressed meshes are not needed.
+        const View given = root.at("meshes")[m].at("primitives")[p];
+        const auto accessors = root.find("accessors");
+        const auto indices = given.index("indices", accessors ? accessors->size() : 0, "accessor");
+        if (given.extension("KHR_draco_mesh_compression"))
           core["meshes"][m]["primitives"][p].erase("indices");
+        else if (indices && !(*accessors)[*indices].find("bufferView"))
+          given.at("indices").fail(fmt::format(
+              "names accessor {}, which has no bufferView, allowed: one with a bufferView",
+              *indices));
       }
     }
   }

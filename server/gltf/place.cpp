@@ -19,6 +19,14 @@ struct MeshPlace {
   std::size_t node = 0;
 };
 
+bool has_area(const TriangleMeshData& mesh) {
+  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
+    const auto corner = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
+    if (max_abs(cross(corner(1) - corner(0), corner(2) - corner(0))) > 0) return true;
+  }
+  return false;
+}
+
 class Placer {
  public:
   Placer(const Document& document, Materials& materials, const Tree& tree)
@@ -162,7 +170,10 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
   shape.geometry =
       transformed(context_, node_pointer(place->node), part.mesh, place->world_from_mesh);
   shape.motion = place->motion;
-  if (part.use.emission) {
+  const bool emits = part.use.emission != nullptr;
+  if (emits && !has_area(std::get<TriangleMeshData>(shape.geometry))) {
+    context_.remark(part.pointer, "an emissive mesh without area", "it gives no light");
+  } else if (emits) {
     shape.emission.emplace();
     shape.emission->radiance_cd_m2 = part.use.emission->radiance_cd_m2;
     shape.emission->picture = part.use.emission->picture;

@@ -116,8 +116,11 @@ absl::Status Accelerator::State::open(const std::string& wanted) {
   config = fmt::format("max_isa={}", chosen->embree);
   device.reset(rtcNewDevice(config.c_str()));
   if (!device)
-    return absl::InternalError(fmt::format("Embree cannot open a device (error {})",
-                                           static_cast<int>(rtcGetDeviceError(nullptr))));
+    // Each device takes keys of threads, and a process has 1024 of them.
+    return absl::ResourceExhaustedError(
+        fmt::format("Embree cannot open one more device (error {}), allowed: about 1000 scenes in "
+                    "memory at once; release some",
+                    static_cast<int>(rtcGetDeviceError(nullptr))));
   // Embree may be built without the kernels of the best instruction set, so check its properties.
   const bool wide16 =
       rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;

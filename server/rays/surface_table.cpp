@@ -358,8 +358,10 @@ absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& ori
 
 absl::Status located(const absl::Status& status, const SourceLocation& where) {
   if (status.ok()) return status;
-  return {status.code(), fmt::format("{}:{}:{}: {}", where.file, where.line, where.column,
-                                     std::string(status.message()))};
+  // Files without lines have their place in the name.
+  const std::string place =
+      where.line > 0 ? fmt::format("{}:{}:{}", where.file, where.line, where.column) : where.file;
+  return {status.code(), fmt::format("{}: {}", place, std::string(status.message()))};
 }
 
 }  // namespace lucerna

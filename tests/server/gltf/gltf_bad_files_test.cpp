@@ -1,9 +1,11 @@
 // Errors of glTF files: the file, a JSON pointer, the value and what is allowed.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <limits>
 
 #include "gltf_fixture.h"
+#include "server/scene/scene.h"
 
 namespace lucerna {
 namespace {
@@ -240,6 +242,30 @@ TEST(GltfBadFiles, Containers) {
   other = whole;
   other[12] = other[13] = other[14] = '\x7f';
   EXPECT_THAT(error_of_text(other, "a.glb"), StartsWith("a.glb: the JSON chunk states"));
+}
+
+TEST(GltfBadFiles, IndicesWithoutBytes) {
+  GltfFile file = indexed();
+  const int indices = file.json["meshes"][0]["primitives"][0]["indices"];
+  file.json["accessors"][indices].erase("bufferView");
+  EXPECT_EQ(file.error(),
+            fmt::format("scene.gltf#/meshes/0/primitives/0/indices: names accessor {}, which has "
+                        "no bufferView, allowed: one with a bufferView",
+                        indices));
+}
+
+TEST(GltfBadFiles, EmissiveMeshesWithoutAreaGiveNoLight) {
+  GltfFile file;
+  Json primitive = {
+      {"attributes", {{"POSITION", file.add_floats({0, 0, 0, 1, 0, 0, 2, 0, 0}, "VEC3")}}},
+      {"material", 0}};
+  file.json["materials"] = Json::array({{{"emissiveFactor", {1, 1, 1}}}});
+  file.add_node({{"mesh", file.add_mesh(primitive)}});
+  const auto scene = file.load();
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_FALSE(scene->shapes[0].emission.has_value());
+  EXPECT_THAT(testing::gltf_remarks(*scene), HasSubstr("an emissive mesh without area"));
+  EXPECT_TRUE(Scene::build(*scene).ok());
 }
 
 }  // namespace

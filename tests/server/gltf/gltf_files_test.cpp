@@ -190,6 +190,18 @@ TEST(GltfEnvironments, AlphaDividesTheColour) {
   EXPECT_THAT(gltf_remarks(*scene), Not(HasSubstr("alpha")));
 }
 
+TEST(GltfEnvironments, NegativeTexelsAreReported) {
+  GltfFile file;
+  const GltfFiles files;
+  environment(file, files, 255);
+  file.json["images"][5]["uri"] = "face5.pfm";
+  files.write("face5.pfm", "PF\n1 1\n-1.0\n" + testing::bytes_of(std::vector<float>{1, -2, 3}));
+  files.write("scene.gltf", file.text());
+  const auto scene = files.load("scene.gltf");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_THAT(gltf_remarks(*scene), HasSubstr("1 texel with a value below 0"));
+}
+
 // A picture of two texels across: each face is upright and not mirrored from the inside.
 TEST(GltfEnvironments, FacesAreNotMirrored) {
   GltfFile file;
@@ -270,7 +282,7 @@ AttributeEnd
 LightSource "point" "rgb I" [40 20 10] "point3 from" [1 1.5 0]
 LightSource "distant" "rgb L" [300 300 300] "point3 from" [0 1 0] "point3 to" [0 0 0]
 LightSource "spot" "rgb I" [90 90 90] "point3 from" [-1 1 0] "point3 to" [-1 0 0]
-  "float coneangle" 60 "float conedeltaangle" 30
+  "float coneangle" 60 "float conedeltaangle" 30 "string profile" "quadratic"
 )";
 
 std::vector<IrradianceEstimate> lux(SceneDescription description, std::uint32_t bounces) {
