@@ -98,7 +98,7 @@ class Appender {
                       {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]});
       auto uv = kTriangleUv;
       if (!mesh.corner_uv.empty()) std::copy_n(&mesh.corner_uv[i], 3, uv.begin());
-      keep_uv(uv, set_.triangles.size() / 3, kTriangleUv, table_.triangle_uv);
+      keep_uv(uv, table_.triangle_uv);
     }
     return absl::OkStatus();
   }
@@ -127,12 +127,12 @@ class Appender {
       if (!mesh.corner_uv.empty()) std::copy_n(&mesh.corner_uv[i], 4, uv.begin());
       if (flat) {
         append_triangle(mesh.positions, base, {v[0], v[1], v[2]});
-        keep_uv({uv[0], uv[1], uv[2]}, set_.triangles.size() / 3, kTriangleUv, table_.triangle_uv);
+        keep_uv<3>({uv[0], uv[1], uv[2]}, table_.triangle_uv);
         append_triangle(mesh.positions, base, {v[1], v[3], v[2]});
-        keep_uv({uv[1], uv[3], uv[2]}, set_.triangles.size() / 3, kTriangleUv, table_.triangle_uv);
+        keep_uv<3>({uv[1], uv[3], uv[2]}, table_.triangle_uv);
       } else {
         append_patch(mesh, v, c);
-        keep_uv(uv, set_.patches.size(), kPatchUv, table_.patch_uv);
+        keep_uv(uv, table_.patch_uv);
       }
     }
     if (any_flat)
@@ -169,16 +169,17 @@ class Appender {
     table_.runs[static_cast<int>(kind)].push_back({static_cast<std::uint32_t>(first), surface_,
                                                    static_cast<std::uint32_t>(light_primitive),
                                                    per_light_primitive});
+    if (!has_uv_) return;
+    std::uint32_t& uv = table_.runs[static_cast<int>(kind)].back().first_uv;
+    if (kind == HitKind::kTriangle) uv = static_cast<std::uint32_t>(table_.triangle_uv.size());
+    if (kind == HitKind::kPatch) uv = static_cast<std::uint32_t>(table_.patch_uv.size());
   }
 
-  /// Stores the (u, v) of the last of `count` primitives, if this or an earlier shape needs them.
+  /// Stores the (u, v) of the next primitive of the run, if the shape needs them.
   template <std::size_t n>
-  void keep_uv(const std::array<Vec2<float>, n>& uv, std::size_t count,
-               const std::array<Vec2<float>, n>& otherwise,
+  void keep_uv(const std::array<Vec2<float>, n>& uv,
                std::vector<std::array<Vec2<float>, n>>& out) const {
-    if (!has_uv_ && out.empty()) return;
-    out.resize(count, otherwise);
-    if (has_uv_) out.back() = uv;
+    if (has_uv_) out.push_back(uv);
   }
 
   void append_triangle(const std::vector<Vec3<double>>& positions, std::uint32_t base,
@@ -264,14 +265,27 @@ const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) con
 
 bool SurfaceTable::has_sheer() const { return std::ranges::any_of(surfaces, &Surface::is_sheer); }
 
+const std::array<Vec2<float>, 3>& SurfaceTable::uv_of_triangle(std::uint32_t triangle) const {
+  if (triangle_uv.empty()) return kTriangleUv;
+  const PrimitiveRun& r = run(HitKind::kTriangle, triangle);
+  return r.first_uv == PrimitiveRun::kNoUv ? kTriangleUv
+                                           : triangle_uv[r.first_uv + (triangle - r.first)];
+}
+
+const std::array<Vec2<float>, 4>& SurfaceTable::uv_of_patch(std::uint32_t patch) const {
+  if (patch_uv.empty()) return kPatchUv;
+  const PrimitiveRun& r = run(HitKind::kPatch, patch);
+  return r.first_uv == PrimitiveRun::kNoUv ? kPatchUv : patch_uv[r.first_uv + (patch - r.first)];
+}
+
 Vec2<double> SurfaceTable::triangle_uv_at(std::uint32_t triangle, double b, double c) const {
-  const auto& uv = triangle_uv.empty() ? kTriangleUv : triangle_uv[triangle];
+  const auto& uv = uv_of_triangle(triangle);
   const double a = 1 - b - c;
   return {uv[0].x * a + uv[1].x * b + uv[2].x * c, uv[0].y * a + uv[1].y * b + uv[2].y * c};
 }
 
 Vec2<double> SurfaceTable::patch_uv_at(std::uint32_t patch, double s, double t) const {
-  const auto& uv = patch_uv.empty() ? kPatchUv : patch_uv[patch];
+  const auto& uv = uv_of_patch(patch);
   const auto mix = [&](auto member) {
     return (uv[0].*member * (1 - s) + uv[1].*member * s) * (1 - t) +
            (uv[2].*member * (1 - s) + uv[3].*member * s) * t;

@@ -46,6 +46,9 @@ struct PrimitiveRun {
   std::uint32_t first_light_primitive =
       0;                                  ///< number of the run's first primitive within the shape
   std::uint32_t per_light_primitive = 1;  ///< 2: a flat patch stored as two triangles
+  /// Index of the (u, v) of the first primitive; kNoUv if no texture needs those of the shape.
+  std::uint32_t first_uv = kNoUv;
+  static constexpr std::uint32_t kNoUv = ~std::uint32_t{0};
 };
 
 struct SurfaceTable {
@@ -62,7 +65,7 @@ struct SurfaceTable {
   std::vector<Rgb<float>> vertex_colours;
   std::vector<VertexTangent> vertex_tangents;
 
-  /// (u, v) at the corners of each triangle and of each patch.  Empty if no texture needs them.
+  /// (u, v) at the corners of triangles and of patches, for the runs with a `first_uv`.
   std::vector<std::array<Vec2<float>, 3>> triangle_uv;
   std::vector<std::array<Vec2<float>, 4>> patch_uv;
 
@@ -75,6 +78,9 @@ struct SurfaceTable {
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;
   std::size_t bytes() const;
   bool has_sheer() const;
+  /// (u, v) at the corners; those of kTriangleUv and kPatchUv if they are not stored.
+  const std::array<Vec2<float>, 3>& uv_of_triangle(std::uint32_t triangle) const;
+  const std::array<Vec2<float>, 4>& uv_of_patch(std::uint32_t patch) const;
   /// (u, v) of a triangle at these barycentric coordinates, and of a patch at its parameters.
   Vec2<double> triangle_uv_at(std::uint32_t triangle, double b, double c) const;
   Vec2<double> patch_uv_at(std::uint32_t patch, double s, double t) const;

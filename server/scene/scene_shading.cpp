@@ -27,7 +27,7 @@ auto at_vertices(const std::vector<Value>& values, const std::uint32_t* v, doubl
 }
 
 Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const SurfaceHit& hit) {
-  const auto& uv = table.triangle_uv.empty() ? kTriangleUv : table.triangle_uv[hit.primitive];
+  const auto& uv = table.uv_of_triangle(hit.primitive);
   const std::uint32_t* v = &set.triangles[3 * std::size_t{hit.primitive}];
   const auto vertex = [&](int k) { return Vector(set.vertices[v[k]]) * set.unit_m; };
   const Vector ab = vertex(1) - vertex(0), ac = vertex(2) - vertex(0);
@@ -52,7 +52,7 @@ Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const
 }
 
 Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const SurfaceHit& hit) {
-  const auto& uv = table.patch_uv.empty() ? kPatchUv : table.patch_uv[hit.primitive];
+  const auto& uv = table.uv_of_patch(hit.primitive);
   const BilinearPatch<double>& p = set.patches[hit.primitive];
   const double s = hit.uv.x, t = hit.uv.y;
   const Vector dpds = (p.p10 - p.p00) * (1 - t) + (p.p11 - p.p01) * t,
