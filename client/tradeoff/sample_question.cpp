@@ -120,8 +120,12 @@ class SampleQuestion : public Question {
     const client::Double3& n = unit_normals_[point];
     const double cosine = n[0] * r.wi(3 * i) + n[1] * r.wi(3 * i + 1) + n[2] * r.wi(3 * i + 2);
     const double density = client::bit(r.delta(), i) ? 1 : r.pdf_per_sr(i);
-    return cli::luminance(r.value().data() + 3 * static_cast<std::ptrdiff_t>(i)) *
-           std::max(0.0, cosine) / (density * chosen_with(r, i));
+    std::array<float, 3> arriving{};
+    for (int c = 0; c < 3; ++c) {
+      const float share = r.transmittance().empty() ? 1 : r.transmittance(3 * i + c);
+      arriving[static_cast<std::size_t>(c)] = r.value(3 * i + c) * share;
+    }
+    return cli::luminance(arriving.data()) * std::max(0.0, cosine) / (density * chosen_with(r, i));
   }
 
   absl::StatusOr<Answer> sampled(const v1::Accuracy& accuracy, std::uint64_t seed) const {
