@@ -34,6 +34,13 @@ const std::vector<Flags> kEstimates = {
     {"--samples-per-light", "4"},
     {"--far-light", "5"},
     {"--visibility", "shadow-maps"},
+    {"--thin-glass", "blocks"},
+};
+// Methods of samples of light that are neither about the choice of a light nor of a point.
+const std::vector<Flags> kOfSamples = {
+    {"--sampler", "independent"},
+    {"--visibility", "shadow-maps"},
+    {"--thin-glass", "blocks"},
 };
 // The gain of closed forms depends on whether each sample takes all lights or one light.
 const std::vector<Flags> kPairs = {
@@ -110,12 +117,12 @@ std::vector<Setting> settings(Query query, const SceneFacts& facts) {
       result.push_back(make_setting({}, true));
       add(kLightSelections);
       add(kAreaSamplings);
-      add({{"--sampler", "independent"}, {"--visibility", "shadow-maps"}});
+      add(kOfSamples);
       break;
     case Query::kVisibility:
       add(kLightSelections);
       add(kByArea);
-      add({{"--sampler", "independent"}, {"--visibility", "shadow-maps"}});
+      add(kOfSamples);
       break;
     case Query::kPower:
       break;

@@ -284,6 +284,40 @@ TEST_F(CliTradeoff, SamplesAndVisibilityConvergeToTheirReferences) {
   }
 }
 
+/// Panes that block are an approximation only in scenes with panes.
+TEST_F(CliTradeoff, PanesThatBlockAreMeasuredWherePanesAre) {
+  std::ofstream(path("scenes/lamp_over_pane.pbrt"))
+      << "WorldBegin\n"
+         "LightSource \"point\" \"rgb I\" [10 10 10] \"point3 from\" [1 0 2]\n"
+         "Shape \"bilinearmesh\" \"point3 P\" [-4 -4 0  4 -4 0  -4 4 0  4 4 0]\n"
+         "Material \"thindielectric\"\n"
+         "Shape \"bilinearmesh\" \"point3 P\" [-4 -4 1  4 -4 1  -4 4 1  4 4 1]\n";
+  const auto blocking = [](const json& all) {
+    for (const auto& setting : all["settings"])
+      if (setting["name"] == "thin-glass blocks") return setting;
+    return json();
+  };
+  for (const std::string query : {"irradiance", "sample", "visibility"}) {
+    const std::vector<std::string> asked{"--query",          query,     "--points",
+                                         path("points.csv"), "--quiet", "--bounces=0"};
+    Outcome outcome = measured(asked, 16, "lamp_over_pane.pbrt");
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json all = json::parse(text("out/tradeoff.json"));
+    const json setting = blocking(all);
+    EXPECT_EQ(setting["fate"], "swept") << query;
+    // All light passes the pane, and a sample of light counts its share.
+    const auto error = [](const json& cells) {
+      return cells[0]["relative_error"]["mean"].get<double>();
+    };
+    EXPECT_NEAR(error(setting["cells"]), 1, 1e-2) << query;
+    EXPECT_LT(error(all["settings"][0]["cells"]), 1e-5) << query;
+
+    outcome = measured(asked, 16);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(blocking(json::parse(text("out/tradeoff.json")))["fate"], "same") << query;
+  }
+}
+
 TEST_F(CliTradeoff, RefusesQueriesThatCannotBeMeasured) {
   const std::string points = path("points.csv");
   expect_wrong_use(tradeoff({"--query", "colour"}),

@@ -100,7 +100,7 @@ function showMethod() {
       (c.rounds ? `The study has ${c.rounds} rounds. ` : `After the first rounds, settings that are far behind are dropped, and the others get the rest of the time. `) +
       `Runs that only measure the cost are in tradeoff.csv as round 0 and do not count.`);
   add(element("b", "Time to an error: "), "interpolated linearly in logarithms between measurements. After the last measurement, errors of independent samples fall with the root of the time. Such times are marked as extrapolated. " +
-      "Nothing is extrapolated if the last three errors fall more slowly, or for approximations (far lights as points, shadow maps), whose errors level off. Errors below half of the reference's own error are left out.");
+      "Nothing is extrapolated if the last three errors fall more slowly, or for approximations (far lights as points, shadow maps, panes that block), whose errors level off. Errors below half of the reference's own error are left out.");
   const table = element("table");
   for (const [name, value] of [["scene", c.scene], ["scene id", c.scene_id], ["server", `lucernad ${c.server_version}, ${c.server_threads} compute threads`],
     ["client", c.client_version], ["numeric fingerprint", c.fingerprint], ["build", c.build], ["Embree", c.embree],

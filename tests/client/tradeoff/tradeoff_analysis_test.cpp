@@ -194,12 +194,13 @@ TEST(TradeoffAnalysis, ApproximationsAreNotExtrapolated) {
   SweepResult sweep;
   std::vector<Setting> settings = {make_setting({}), make_setting({"--far-light", "5"}),
                                    make_setting({"--visibility", "shadow-maps"}),
-                                   make_setting({"--visibility", "rays"})};
+                                   make_setting({"--visibility", "rays"}),
+                                   make_setting({"--thin-glass", "blocks"})};
   for (std::size_t i = 0; i < settings.size(); ++i)
     for (const double samples : {1, 4, 16})
       add_runs(sweep, i, samples, 1e-3 * samples, 0.1 / std::sqrt(samples));
   const Analysis a = analyse(settings, sweep, known());
-  for (const std::size_t i : {0, 1, 2, 3}) {
+  for (const std::size_t i : {0, 1, 2, 3, 4}) {
     EXPECT_TRUE(a.curves[i].levels[0]) << "was measured";
     EXPECT_EQ(a.curves[i].levels[1].has_value(), i == 0 || i == 3) << i;
     EXPECT_EQ(a.curves[i].latest[1].has_value(), i == 0 || i == 3) << i;

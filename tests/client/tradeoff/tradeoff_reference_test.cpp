@@ -64,6 +64,7 @@ TEST(TradeoffSettings, HaveEveryChoiceAndNoneTwice) {
     EXPECT_TRUE(names.contains("light-selection bvh"));
     EXPECT_TRUE(names.contains("sampler independent"));
     EXPECT_TRUE(names.contains("visibility shadow-maps"));
+    EXPECT_TRUE(names.contains("thin-glass blocks"));
     // With one light there is no selection.
     for (const Setting& s : settings(query, {.lights = 1}))
       EXPECT_THAT(s.name(), ::testing::Not(HasSubstr("light-selection"))) << name(query);
