@@ -123,6 +123,8 @@ class Scene {
   bool has_visible_lights() const { return has_visible_lights_; }
   /// Whether there is nothing to hit.
   bool empty() const { return accelerator_->empty(); }
+  /// Whether nothing can take light on its way: no surface and no medium.
+  bool is_clear() const { return empty() && !has_media(); }
   std::span<const Material> materials() const { return materials_; }
   const Textures& textures() const { return textures_; }
   /// The reflectance of a diffuse material without textures; null for all others.

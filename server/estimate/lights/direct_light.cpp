@@ -186,7 +186,7 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
                                     const LightSample<double>& sample, const Rgb<double>& value,
                                     WorkCounts& work) const {
   if (value.is_black()) return {};
-  if (scene_.empty()) return {value, value};  // no ray is needed, and none is counted
+  if (scene_.is_clear()) return {value, value};  // no ray is needed, and none is counted
   const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m());
   return {value * visibility_.visible(light, hit.position, hit.ng, ray, work), value};
 }

@@ -84,7 +84,7 @@ template <typename MakeRay>
 template <typename L>
 void DeltaIrradiance::add_light(const L& light, std::uint32_t index, std::size_t begin,
                                 std::size_t end, WorkCounts& work) const {
-  const bool needs_rays = !scene_.empty();
+  const bool needs_rays = !scene_.is_clear();
   const float reach_m = scene_.lights()[index].reach_m();
   for (std::size_t p = begin; p < end; ++p) {
     const IrradiancePoint& point = points_[p];

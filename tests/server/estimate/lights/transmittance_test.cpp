@@ -147,6 +147,16 @@ TEST(Media, TheSurroundingMediumIsWhereNoSurfaceBoundsOne) {
   expect_near(lux.points[0].irradiance_lx, left_of(Rgb<double>(kFog), 2) * 25.0, 1e-4);
 }
 
+TEST(Media, ASurroundingMediumTakesLightInScenesWithoutSurfaces) {
+  SceneDescription d = with_media();
+  d.surrounding_medium = 0;
+  d.lights = {point_light({0, 0, 2}, 100), {UniformInfiniteLightParams{Rgb<double>(1)}, {}}};
+  const auto scene = build(std::move(d));
+  const auto lux = light_at(*scene, {0, 0, 0}, {.block_count = 2, .bounces = 0, .per_light = true});
+  expect_near(lux.per_light[0].irradiance_lx, left_of(Rgb<double>(kFog), 2) * 25.0, 1e-4);
+  expect_near(lux.per_light[1].irradiance_lx, Rgb<double>(0), 0);
+}
+
 /// A tank that is open at the top: its water has one boundary, which is above.
 TEST(Media, ABoundaryBehindARayTellsItsMediumIfNoneIsAhead) {
   SceneDescription d = with_media();
