@@ -74,7 +74,12 @@ double Scene::through_panes(Ray ray) const {
 
 Rgb<double> Scene::through_media(const Ray& ray) const {
   if (!has_media()) return Rgb<double>(1);
-  const double metres_per_t = length(Vec3<double>(ray.direction));
+  const Vec3<double> origin(ray.origin), direction(ray.direction);
+  const double metres_per_t = length(direction);
+  // The t of a hit in double, since layers may be thinner than floats can tell along the ray.
+  const auto t_of = [&](const SurfaceHit& hit) {
+    return dot(hit.position - origin, direction) / metres_per_t / metres_per_t;
+  };
   // The medium from which a ray in this direction meets the surface, and the one beyond it.
   const auto sides = [&](const SurfaceHit& hit, const Vec3<float>& direction) {
     const MediumSides& media = *surface_of(hit).media;
@@ -100,8 +105,9 @@ Rgb<double> Scene::through_media(const Ray& ray) const {
     const auto hit = closest_hit(rest, Meets::kBoundaries);
     if (!hit) break;
     const auto [before, beyond] = sides(*hit, ray.direction);
-    add(before, from, std::fmin(hit->t, ray.t_max));
-    from = hit->t;
+    const double t = t_of(*hit);
+    add(before, from, std::fmin(t, double{ray.t_max}));
+    from = t;
     medium = beyond;
     is_known = true;
     rest.t_min = std::nextafter(hit->t, INFINITY);
