@@ -96,6 +96,47 @@ class Writer {
                        name, rgb, n_.magnitude());
   }
 
+  /// A smooth thin pane.  Indices beyond 1e-3 and 1e3 are clamped.
+  std::string pane() {
+    const double eta =
+        n_.chance(0.5) ? 1 + n_.with_sign(n_.magnitude(1e-16, 0.9)) : n_.magnitude(1e-4, 1e4);
+    return fmt::format(R"(Material "thindielectric" "float eta" [{}] )", eta);
+  }
+  /// A medium of a new name that absorbs light.  `colour`: whether its channels may differ.
+  std::string medium(const std::string& name, bool colour) {
+    const auto one = [&] { return n_.chance(0.5) ? n_.magnitude() : 1 / size(); };
+    const double grey = one();
+    const std::string rgb = colour
+                                ? fmt::format("{} {} {}", n_.chance(0.2) ? 0 : one(), grey, one())
+                                : fmt::format("{0} {0} {0}", grey);
+    return fmt::format(R"(MakeNamedMedium "{}" "string type" "homogeneous" "rgb sigma_a" [{}] )"
+                       R"("rgb sigma_s" [0 0 0] )",
+                       name, rgb);
+  }
+  /// A medium of its own on one side of a shape, which rays may pass.
+  std::string boundary() {
+    const std::string name = fmt::format("medium {:016x}", n_.seed());
+    const char* sides =
+        n_.chance(0.5) ? R"(MediumInterface "{0}" "" )" : R"(MediumInterface "" "{0}" )";
+    return medium(name, n_.chance(0.5)) + fmt::format(fmt::runtime(sides), name) +
+           (n_.chance(0.7) ? R"(Material "interface" )" : "");
+  }
+  /// Mitchell's filter and the windowed sinc have negative weights.
+  std::string pixel_filter() {
+    switch (n_.below(5)) {
+      case 0:
+        return R"(PixelFilter "mitchell")";
+      case 1:
+        return R"(PixelFilter "sinc")";
+      case 2:
+        return R"(PixelFilter "box")";
+      case 3:
+        return R"(PixelFilter "triangle")";
+      default:
+        return R"(PixelFilter "gaussian")";
+    }
+  }
+
   std::string triangle(bool uv = false) {
     return fmt::format(
         R"(Shape "trianglemesh" "point3 P" [{}  {}  {}] "integer indices" [0 1 2] {})", point(),
@@ -320,7 +361,8 @@ SceneLine light_line(const std::string& kind, const SceneScale& scale, ExtremeNu
 
 SceneLine shape_line(const SceneScale& scale, ExtremeNumbers& numbers) {
   Writer w(scale, numbers);
-  const std::string material = w.material();
+  std::string material = numbers.chance(0.2) ? w.pane() : w.material();
+  if (numbers.chance(0.15)) material += w.boundary();
   switch (numbers.below(6)) {
     case 0:
       return {"shape", w.placed(material + w.triangle())};
@@ -352,7 +394,12 @@ std::vector<std::string> head_lines(const SceneScale& scale, ExtremeNumbers& num
     sampler = fmt::format(R"(Sampler "halton" "integer pixelsamples" [{}] )"
                           R"(Integrator "volpath" "integer maxdepth" [{}])",
                           1 + numbers.below(8), numbers.below(8));
+  const std::string around = numbers.chance(0.04) ? w.medium("around", numbers.chance(0.5)) +
+                                                        R"(MediumInterface "" "around")"
+                                                  : "# a camera in the vacuum";
   return {
+      w.pixel_filter(),
+      around,
       fmt::format(
           R"(Film "rgb" "integer xresolution" [8] "integer yresolution" [8] "float iso" [{}])",
           numbers.chance(0.5) ? 100 : numbers.magnitude(1e-20, 1e20)),

@@ -81,7 +81,7 @@ void WireQueries::le(const v1::Light* light) {
   Items items = points(batch(), q.mutable_points());
   directions(q.mutable_directions(), items, &q.points());
   if (n_.chance(0.5)) q.set_time_s(n_.scalar());
-  wavelengths(q.mutable_wavelengths_nm());
+  wavelengths(q.mutable_wavelengths_nm(), true);
   v1::LeResponse r;
   const grpc::Status s = call([&](auto* c) { return service_.lighting.Le(c, q, &r); });
   if (!answered("Le", s, q, r)) return;

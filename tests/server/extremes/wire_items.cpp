@@ -106,8 +106,8 @@ void WireQueries::sample_values(v1::SampleValues* out, int each, bool named, Ite
   }
 }
 
-void WireQueries::wavelengths(google::protobuf::RepeatedField<double>* out) {
-  if (n_.chance(0.7)) return;
+void WireQueries::wavelengths(google::protobuf::RepeatedField<double>* out, bool arriving) {
+  if ((arriving && scene_.has_coloured_media) || n_.chance(0.7)) return;
   for (const double nm : {100.0, 555.0, n_.magnitude(100, 1e6)}) out->Add(nm);
 }
 
@@ -121,6 +121,7 @@ void WireQueries::methods(v1::Accuracy* out) {
   out->set_sampler(static_cast<v1::Sampler>(pick(v1::Sampler_MAX)));
   out->set_combination(static_cast<v1::Combination>(pick(v1::Combination_MAX)));
   out->set_closed_forms(static_cast<v1::ClosedForms>(pick(v1::ClosedForms_MAX)));
+  out->set_thin_glass(static_cast<v1::ThinGlass>(pick(v1::ThinGlass_MAX)));
   // No shadow maps: making them takes seconds for each scene.
   if (n_.chance(0.2)) out->set_samples_per_light(1 + static_cast<std::uint32_t>(n_.below(4)));
   if (n_.chance(0.2)) out->set_far_light_radii(n_.magnitude(1e-3, 1e3));
@@ -181,6 +182,23 @@ void WireQueries::is_probability(const std::string& name, std::size_t item, doub
 void WireQueries::is_light(const std::string& name, std::size_t item, std::uint64_t id) {
   hold(lights_.empty() ? id == 0 : ids_.contains(id), name, item,
        fmt::format("{} is not a light of the scene", id));
+}
+
+bool WireQueries::in_part(const v1::Accuracy& accuracy) const {
+  return scene_.has_media || (scene_.has_panes && accuracy.thin_glass() != v1::THIN_GLASS_BLOCKS);
+}
+
+void WireQueries::are_shares(const std::string& name, const Floats& transmittance,
+                             const std::string& visible, std::size_t items, bool in_part) {
+  expect(name, transmittance.size(), in_part ? 3 * items : 0, "transmittance");
+  for (std::size_t i = 0; in_part && i < items && failures_.empty(); ++i) {
+    if (!bit(visible, i)) is_zero(name, i, transmittance, 3);
+    for (std::size_t k = 3 * i; k < 3 * (i + 1); ++k) {
+      const float share = transmittance[static_cast<int>(k)];
+      hold(share >= 0 && share <= 1, name, i, fmt::format("transmittance {}", share));
+      if (share > 0 && share < 1) ++in_part_;
+    }
+  }
 }
 
 void WireQueries::is_unit(const std::string& name, std::size_t item, const Floats& v) {

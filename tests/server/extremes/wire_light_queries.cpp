@@ -32,7 +32,7 @@ void WireQueries::sample_li(const v1::Light* light) {
   q.set_test_visibility(n_.chance(0.4));
   if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
   methods(q.mutable_accuracy());
-  wavelengths(q.mutable_wavelengths_nm());
+  wavelengths(q.mutable_wavelengths_nm(), q.test_visibility());
 
   v1::SampleLiResponse r;
   const grpc::Status s = call([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
@@ -55,6 +55,9 @@ void WireQueries::sample_li(const v1::Light* light) {
   expect("SampleLi", r.pdf_per_sr_size(), n, "pdf_per_sr");
   expect("SampleLi", r.delta().size(), (n + 7) / 8, "delta");
   expect("SampleLi", r.visible().size(), q.test_visibility() ? (n + 7) / 8 : 0, "visible");
+  if (!failures_.empty()) return;
+  are_shares("SampleLi", r.transmittance(), r.visible(), n,
+             q.test_visibility() && in_part(q.accuracy()));
   expect("SampleLi", r.light_ids_size(), light == nullptr ? n : 0, "light_ids");
   expect("SampleLi", r.selection_probability_size(), light == nullptr ? n : 0,
          "selection_probability");

@@ -32,11 +32,17 @@ void WireQueries::visibility() {
   if (n_.chance(0.5)) q.set_time_s(n_.scalar());
   if (n_.chance(0.4)) normals(q.mutable_normals(), items);
   if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
+  if (n_.chance(0.5)) q.mutable_accuracy()->set_thin_glass(v1::THIN_GLASS_BLOCKS);
   v1::TestVisibilityResponse r;
   const grpc::Status s = call([&](auto* c) { return service_.lighting.TestVisibility(c, q, &r); });
   if (!answered("TestVisibility", s, q, r)) return;
   expect("TestVisibility", r.count(), items.size(), "count");
   expect("TestVisibility", r.visible().size(), (items.size() + 7) / 8, "visible");
+  if (!failures_.empty()) return;
+  are_shares("TestVisibility", r.transmittance(), r.visible(), items.size(), in_part(q.accuracy()));
+  const bool blocked = !scene_.has_panes || q.accuracy().thin_glass() == v1::THIN_GLASS_BLOCKS;
+  hold(!blocked || r.cost().through_thin_glass() == 0, "TestVisibility", 0,
+       "rays passed panes that block");
   const std::vector<v1::ItemStatus> status = statuses("TestVisibility", r.status(), items, false);
   for (std::size_t i = 0; i < items.size() && failures_.empty(); ++i)
     if (status[i] != v1::ITEM_STATUS_OK)
@@ -72,7 +78,7 @@ void WireQueries::irradiance() {
       points(by_default ? 1 + static_cast<int>(n_.below(3)) : batch() / 4, q.mutable_receivers());
   normals(q.mutable_normals(), items);
   bounces(&q);
-  if (q.has_bounces() && q.bounces() == 0) wavelengths(q.mutable_wavelengths_nm());
+  if (q.has_bounces() && q.bounces() == 0) wavelengths(q.mutable_wavelengths_nm(), true);
   q.set_per_light(n_.chance(0.5));
   q.mutable_seed()->set_seed(n_.seed());
   if (n_.chance(0.5)) q.mutable_seed()->set_first_item(n_.seed() >> n_.below(64));

@@ -61,7 +61,7 @@ class WireProperty : public ::testing::Test {
     ExtremeNumbers numbers(kSeed + number);
     const WireScene scene = scenes_.load(number, numbers);
     ASSERT_FALSE(HasFailure());
-    WireQueries queries(service_, numbers, scene.id, kBatch);
+    WireQueries queries(service_, numbers, scene, kBatch);
     const v1::Light* queried = nullptr;
     for (const v1::Light& light : queries.lights()) {
       queried = &light;
@@ -84,6 +84,8 @@ class WireProperty : public ::testing::Test {
     scenes_.release(scene.id);
     for (const auto& [method, n] : queries.items()) items_[method] += n;
     for (const auto& [what, n] : queries.counts()) counts_[what] += n;
+    in_part_ += queries.in_part_count();
+    negative_ += queries.negative_count();
   }
 
   /// Queries that are not about scenes are sent item by item.
@@ -120,6 +122,7 @@ class WireProperty : public ::testing::Test {
   std::map<std::string, std::uint64_t> items_;   // by method
   std::map<std::string, std::uint64_t> lights_;  // by kind
   WireQueries::Counts counts_;
+  std::uint64_t in_part_ = 0, negative_ = 0;  // as in WireQueries
 };
 
 TEST_F(WireProperty, EveryNumberIsFiniteAndNotNegative) {
@@ -142,9 +145,13 @@ TEST_F(WireProperty, EveryNumberIsFiniteAndNotNegative) {
                       [](std::uint64_t sum, const auto& kind) { return sum + kind.second; });
   std::cout << fmt::format("{} items of {} lights in {} scenes, {} lines refused, {} numbers\n",
                            items(), lights, scenes, scenes_.refused(), numbers_seen());
+  std::cout << fmt::format("{} numbers of light that arrives in part, {} channels below 0\n",
+                           in_part_, negative_);
   expect_it_serves();
   if (*wanted < kDefaultItems) return;  // too few items for everything to occur
   expect_all_methods();
+  EXPECT_GT(in_part_, 0u);
+  EXPECT_GT(negative_, 0u);
   for (const std::string& kind : light_kinds()) EXPECT_GT(lights_[kind], 0u) << kind;
   for (int s = v1::ITEM_STATUS_OK; s <= v1::ItemStatus_MAX; ++s) {
     const auto status = static_cast<v1::ItemStatus>(s);

@@ -7,8 +7,9 @@
 
 namespace lucerna::testing {
 
-WireQueries::WireQueries(Service& service, ExtremeNumbers& numbers, std::string scene_id, int batch)
-    : service_(service), n_(numbers), scene_id_(std::move(scene_id)), batch_(batch) {
+WireQueries::WireQueries(Service& service, ExtremeNumbers& numbers, const WireScene& scene,
+                         int batch)
+    : service_(service), n_(numbers), scene_(scene), scene_id_(scene.id), batch_(batch) {
   v1::ListLightsRequest list;
   list.set_scene_id(scene_id_);
   v1::ListLightsResponse lights;
@@ -20,10 +21,11 @@ WireQueries::WireQueries(Service& service, ExtremeNumbers& numbers, std::string 
 
   v1::GetSceneRequest get;
   get.set_scene_id(scene_id_);
-  v1::GetSceneResponse scene;
-  const grpc::Status got = call([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); });
-  answered("GetScene", got, get, scene);
-  summary_ = scene.summary();
+  v1::GetSceneResponse got_scene;
+  const grpc::Status got =
+      call([&](auto* c) { return service_.scenes.GetScene(c, get, &got_scene); });
+  answered("GetScene", got, get, got_scene);
+  summary_ = got_scene.summary();
   count("GetScene", 1);
 
   places_.push_back(vec(summary_.center_m()));
@@ -158,6 +160,17 @@ void WireQueries::send_invalid() {
   q.mutable_u()->set_u(1, n_.chance(0.5) ? -static_cast<float>(n_.magnitude(1e-30, 1e30))
                                          : 1 + static_cast<float>(n_.magnitude(1e-6, 1e30)));
   is_refused("u.u[1]", sample());
+  q.mutable_u()->set_u(1, 0.5F);
+  const int ways = v1::ThinGlass_MAX + 1;
+  q.mutable_accuracy()->set_thin_glass(
+      static_cast<v1::ThinGlass>(n_.chance(0.5) ? ways + static_cast<int>(n_.below(1U << 30))
+                                                : -1 - static_cast<int>(n_.below(100))));
+  is_refused("accuracy.thin_glass", sample());
+  q.clear_accuracy();
+  if (!scene_.has_coloured_media) return;
+  q.set_test_visibility(true);
+  q.add_wavelengths_nm(555);
+  is_refused("wavelengths_nm", sample());
 }
 
 }  // namespace lucerna::testing

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "tests/server/extremes/extreme_numbers.h"
+#include "tests/server/extremes/wire_scenes.h"
 #include "tests/server/rpc/service_fixture.h"
 
 namespace lucerna::testing {
@@ -36,7 +37,7 @@ class WireQueries {
   /// Requests the lights and the summary of the scene, and checks these answers too.  `batch`:
   /// items of most queries.  One query in 24 has more items than the server computes in one go
   /// (512).
-  WireQueries(Service& service, ExtremeNumbers& numbers, std::string scene_id, int batch);
+  WireQueries(Service& service, ExtremeNumbers& numbers, const WireScene& scene, int batch);
 
   const std::vector<v1::Light>& lights() const { return lights_; }
   /// SampleLi, PdfLi, SampleLe, PdfLe and Le of one light.
@@ -51,6 +52,9 @@ class WireQueries {
   /// How many items were sent to each method, by its name.
   using ItemsOf = std::map<std::string, std::uint64_t>;
   const ItemsOf& items() const { return items_; }
+  /// How many visible segments and samples arrive in part only, and how many pixels are below 0.
+  std::uint64_t in_part_count() const { return in_part_; }
+  std::uint64_t negative_count() const { return negative_; }
   /// Every condition that did not hold, as text.
   const std::vector<std::string>& failures() const { return failures_; }
   /// How often each query answered an item with each status.
@@ -82,7 +86,8 @@ class WireQueries {
   void directions(Floats* out, Items& items, const v1::Points* from = nullptr);
   void normals(Floats* out, Items& items);
   void sample_values(v1::SampleValues* out, int each, bool named, Items& items);
-  void wavelengths(google::protobuf::RepeatedField<double>* out);
+  /// `arriving`: for light that arrives, which has no spectrum in coloured media.
+  void wavelengths(google::protobuf::RepeatedField<double>* out, bool arriving = false);
   void methods(v1::Accuracy* out);
   void stop_rule(v1::Accuracy* out);
   void target_or_time(v1::Accuracy* out);
@@ -119,6 +124,10 @@ class WireQueries {
   void is_light(const std::string& name, std::size_t item, std::uint64_t id);
   void tile_holds(const std::string& name, const v1::Tile& tile, const v1::PixelRect& rect,
                   bool target, bool intervals);
+  /// Whether light may arrive in part, so that the answer has a `transmittance`.
+  bool in_part(const v1::Accuracy& accuracy) const;
+  void are_shares(const std::string& name, const Floats& transmittance, const std::string& visible,
+                  std::size_t items, bool in_part);
   void is_unit(const std::string& name, std::size_t item, const Floats& v);
   void is_zero(const std::string& name, std::size_t item, const Floats& v, std::size_t each);
   void expect(const std::string& name, std::size_t size, std::size_t expected,
@@ -126,6 +135,7 @@ class WireQueries {
 
   Service& service_;
   ExtremeNumbers& n_;
+  WireScene scene_;
   std::string scene_id_;
   int batch_;
   std::vector<v1::Light> lights_;
@@ -135,6 +145,7 @@ class WireQueries {
   ItemsOf items_;
   std::vector<std::string> failures_;
   Counts counts_;
+  std::uint64_t in_part_ = 0, negative_ = 0;
 };
 
 template <typename Request>

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "proto/common/luminance_moments.h"
 #include "tests/server/extremes/wire_queries.h"
@@ -38,6 +39,21 @@ void WireQueries::tile_holds(const std::string& name, const v1::Tile& tile,
   expect(name, tile.moments().size(), intervals && !target ? kMomentBytes * pixels : 0,
          "bytes of moments");
   hold(tile.block_count() > 0, name, 0, "no blocks");
+  if (!failures_.empty()) return;
+  const auto number = [](const std::string& plane, std::size_t i, auto value) {
+    std::memcpy(&value, plane.data() + i * sizeof value, sizeof value);
+    return value;
+  };
+  for (std::size_t i = 0; i < 3 * pixels; ++i) {
+    if (number(tile.sum(), i, 0.0) >= 0) continue;
+    hold(scene_.has_signed_filter, name, i, "a pixel below 0");
+    ++negative_;
+  }
+  for (std::size_t i = 0; i < tile.lower().size() / sizeof(float); ++i) {
+    const float lower = number(tile.lower(), i, 0.0F), upper = number(tile.upper(), i, 0.0F);
+    hold(lower <= upper && (lower >= 0 || scene_.has_signed_filter), name, i,
+         fmt::format("an interval from {} to {}", lower, upper));
+  }
   count(name, pixels);
 }
 

@@ -76,6 +76,15 @@ WireScene WireScenes::load(std::uint64_t number, ExtremeNumbers& numbers) {
   }
   for (std::size_t i = 0; i < lines.size(); ++i)
     scene.kinds[fmt::format("{}:{}", kMain, i + 1)] = lines[i].kind;
+  const auto mentions = [&](const char* words) { return text_.find(words) != std::string::npos; };
+  scene.has_panes = mentions(R"("thindielectric")");
+  scene.has_media = mentions("MediumInterface");
+  static const std::regex kGrey(R"(sigma_a" \[(\S+) \1 \1\])"), kAny(R"(sigma_a" \[)");
+  const auto count = [&](const std::regex& what) {
+    return std::distance(std::sregex_iterator(text_.begin(), text_.end(), what), {});
+  };
+  scene.has_coloured_media = count(kGrey) < count(kAny);
+  scene.has_signed_filter = mentions(R"("mitchell")") || mentions(R"("sinc")");
   return scene;
 }
 

@@ -17,6 +17,9 @@ struct WireScene {
   std::string id;
   /// The kind of each light by its place in the file: "scene.pbrt:7".
   std::map<std::string, std::string> kinds;
+  bool has_panes = false;
+  bool has_media = false, has_coloured_media = false;
+  bool has_signed_filter = false;  ///< pixels may be below 0
 };
 
 class WireScenes {
