@@ -333,6 +333,21 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray, Meets meets) cons
   return hit;
 }
 
+std::vector<RawHit> Accelerator::all_hits(const Ray& ray, Meets meets) const {
+  std::vector<RawHit> hits;
+  if (state_->top == nullptr) return hits;
+  const std::optional<UnitRay> start = unit_ray(ray, state_->space);
+  if (!start) return hits;
+  alignas(16) RTCRayHit query;
+  query.ray = embree_ray(*start);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  QueryContext context(ray.time_s, start->t_max, meets, state_->instances.data());
+  context.kept = &hits;
+  rtcIntersect1(state_->top.get(), &context.embree, &query);
+  return hits;
+}
+
 bool Accelerator::occluded(const Ray& ray, Meets meets) const {
   if (state_->top == nullptr) return false;
   const std::optional<UnitRay> start = unit_ray(ray, state_->space);

@@ -163,6 +163,9 @@ class Accelerator {
   /// The first surface along the ray.  Nothing for rays that are not finite or have direction
   /// 0.
   std::optional<RawHit> closest_hit(const Ray& ray, Meets meets = Meets::kSurfaces) const;
+  /// All surfaces along the ray, in no order.  A triangle may occur twice.  Their t is 0: floats
+  /// cannot tell the order of surfaces that are close to each other but far from the ray's origin.
+  std::vector<RawHit> all_hits(const Ray& ray, Meets meets) const;
   /// Whether anything is at t in (t_min, t_max).
   bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const;
   /// Sets bit i % 8 of bits[i / 8] if ray i is occluded; bits.size() >= (rays.size() + 7) / 8.

@@ -19,7 +19,7 @@ struct AnalyticHit {
 };
 
 std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned primitive,
-                                     const RTCRay& ray, double t_max) {
+                                     const RTCRay& ray, double t_min, double t_max) {
   const double unit_m = shapes.set->unit_m;
   const Vec3<double> o = origin_of(ray) * unit_m;
   const Vec3<double> d = direction_of(ray) * unit_m;
@@ -27,11 +27,11 @@ std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned prim
   const auto hit = shapes.set->visit_surface(
       shapes.kind, primitive, [&](const auto& surface) -> std::optional<ShapeHit<double>> {
         if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
-          return surface.intersect(o, d, ray.tnear, t_max);
+          return surface.intersect(o, d, t_min, t_max);
         else
-          return surface.intersect(o, d, ray.tnear, t_max, &found.uv);
+          return surface.intersect(o, d, t_min, t_max, &found.uv);
       });
-  if (!hit || !(hit->t > ray.tnear && hit->t < t_max)) return std::nullopt;
+  if (!hit || !(hit->t > t_min && hit->t < t_max)) return std::nullopt;
   found.hit = *hit;
   return found;
 }
@@ -78,15 +78,36 @@ bool passes(const AnalyticShapes& shapes, unsigned primitive, const RTCRay& ray,
                           {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
 }
 
-/// As `intersect`, past hits that the ray passes.
+/// Whether the query wants all hits.  Then it has taken this one, and the ray goes on.
+bool keeps(const RTCIntersectContext* context, HitKind kind, std::uint32_t primitive,
+           const Vec2<double>& uv, const SurfacePoint<double>& point = {}) {
+  std::vector<RawHit>* kept = query_of(context).kept;
+  if (kept == nullptr) return false;
+  RawHit hit{.kind = kind,
+             .primitive = primitive,
+             .uv = {static_cast<float>(uv.x), static_cast<float>(uv.y)},
+             .position = point.position,
+             .normal = point.normal};
+  if (context->instID[0] != RTC_INVALID_GEOMETRY_ID)
+    hit.instance = static_cast<std::int32_t>(context->instID[0] - kFirstInstance);
+  kept->push_back(hit);
+  return true;
+}
+
+/// As `intersect`, past hits that the ray passes or the query keeps.
 std::optional<AnalyticHit> first_hit(const AnalyticShapes& shapes, unsigned primitive,
                                      const RTCRay& ray, const RTCIntersectContext* context) {
-  RTCRay rest = ray;
+  double t_min = ray.tnear;
   // A ray meets a patch or a quadric twice at most.
   for (int i = 0; i < 3; ++i) {
-    const auto found = intersect(shapes, primitive, rest, ray.tfar);
-    if (!found || !passes(shapes, primitive, ray, context, *found)) return found;
-    rest.tnear = std::nextafter(static_cast<float>(found->hit.t), INFINITY);
+    const auto found = intersect(shapes, primitive, ray, t_min, ray.tfar);
+    if (!found) return found;
+    if (!passes(shapes, primitive, ray, context, *found) &&
+        !keeps(context, shapes.kind, primitive, found->uv, found->hit.point))
+      return found;
+    t_min = query_of(context).kept != nullptr
+                ? std::nextafter(found->hit.t, INFINITY)
+                : std::nextafter(static_cast<float>(found->hit.t), INFINITY);
   }
   return std::nullopt;
 }
@@ -160,7 +181,9 @@ std::optional<WideHit> intersect_wide(const GeometrySet& set, unsigned primitive
   const WideTriangle& triangle = set.wide[primitive];
   const auto found = intersect(triangle, origin_of(ray) * set.unit_m,
                                direction_of(ray) * set.unit_m, ray.tnear, ray.tfar);
-  if (found && passes(set, triangle.triangle, found->uv, ray, context)) return std::nullopt;
+  if (found && (passes(set, triangle.triangle, found->uv, ray, context) ||
+                keeps(context, HitKind::kTriangle, triangle.triangle, found->uv)))
+    return std::nullopt;
   return found;
 }
 
@@ -206,14 +229,18 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
     return;
   }
   const float cosine = dot(n, d);
-  if (!(cosine * cosine < kAlong * kAlong * dot(n, n) * dot(d, d))) [[likely]]
-    return;
-  WideTriangle triangle;
-  for (std::size_t k = 0; k < 3; ++k)
-    triangle.corners[k] =
-        Vec3<double>(set.vertices[set.triangles[3 * std::size_t{hit.primID} + k]]);
-  if (!intersect(triangle, origin_of(ray), Vec3<double>(d), ray.tnear,
-                 query_of(args->context).t_max))
+  if (cosine * cosine < kAlong * kAlong * dot(n, n) * dot(d, d)) [[unlikely]] {
+    WideTriangle triangle;
+    for (std::size_t k = 0; k < 3; ++k)
+      triangle.corners[k] =
+          Vec3<double>(set.vertices[set.triangles[3 * std::size_t{hit.primID} + k]]);
+    if (!intersect(triangle, origin_of(ray), Vec3<double>(d), ray.tnear,
+                   query_of(args->context).t_max)) {
+      args->valid[0] = 0;
+      return;
+    }
+  }
+  if (keeps(args->context, HitKind::kTriangle, hit.primID, {hit.u, hit.v})) [[unlikely]]
     args->valid[0] = 0;
 }
 

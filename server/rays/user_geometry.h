@@ -30,6 +30,8 @@ struct QueryContext {
   float t_max;  ///< of the ray in the space that Embree traverses
   Meets meets;
   const GeometryInstance* instances;  ///< of the scene, from kFirstInstance on
+  /// Set if the query wants all hits: it takes each of them, and the ray goes on.
+  std::vector<RawHit>* kept = nullptr;
   Vec3<double> position, normal;
 };
 

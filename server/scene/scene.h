@@ -180,7 +180,7 @@ class Scene {
     return has_cut_lights_ ? alpha_of(surface_of(hit), hit) : 1;
   }
   /// The share of light that the panes along the ray pass straight on.
-  double through_panes(Ray ray) const;
+  double through_panes(const Ray& ray) const;
   /// The share of light that the media along the ray leave, by channel.  A surface that bounds
   /// media tells which are on its sides.  Beyond the last one the ray is in the medium that this
   /// surface tells; without one ahead or behind, in the surrounding medium.
@@ -196,6 +196,15 @@ class Scene {
  private:
   Scene() = default;
   class Builder;
+  /// A surface along a ray, at `t` in double.
+  struct Crossing {
+    SurfaceHit hit;
+    double t = 0, error_t = 0;
+    bool is_front = false;  ///< whether the ray meets the side of the normal
+  };
+  /// All surfaces along the ray in their order, each once.
+  std::vector<Crossing> crossings(const Ray& ray, Meets meets) const;
+  SurfaceHit surface_hit(const RawHit& raw, const Ray& ray) const;
   const Surface& surface_of(const SurfaceHit& hit) const;
   double alpha_of(const Surface& surface, const SurfaceHit& hit) const;
 

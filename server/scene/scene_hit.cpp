@@ -171,23 +171,27 @@ void meet_plane(const Ray& ray, LocalHit& hit) {
 std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray, Meets meets) const {
   const std::optional<RawHit> raw = accelerator_->closest_hit(ray, meets);
   if (!raw) return std::nullopt;
+  return surface_hit(*raw, ray);
+}
+
+SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
   const GeometryInstance* instance =
-      raw->instance >= 0 ? &accelerator_->instance(raw->instance) : nullptr;
+      raw.instance >= 0 ? &accelerator_->instance(raw.instance) : nullptr;
   const GeometrySet& set =
       instance ? accelerator_->object(instance->object) : accelerator_->scene();
   const SurfaceTable& table = instance ? object_surfaces_[instance->object] : surfaces_;
 
-  LocalHit local = raw->kind == HitKind::kTriangle ? triangle_hit(set, table, *raw)
-                                                   : analytic_hit(set, table, *raw, ray);
+  LocalHit local = raw.kind == HitKind::kTriangle ? triangle_hit(set, table, raw)
+                                                  : analytic_hit(set, table, raw, ray);
   Vector error{local.error, local.error, local.error};
   if (instance)
     error = instance->motion ? to_scene(*instance, ray.time_s, local)
                              : to_scene(instance->scene_from_object, local);
 
-  if (raw->kind == HitKind::kTriangle) meet_plane(ray, local);
+  if (raw.kind == HitKind::kTriangle) meet_plane(ray, local);
 
   SurfaceHit hit;
-  hit.t = raw->t;
+  hit.t = raw.t;
   hit.time_s = ray.time_s;
   hit.position = local.position;
   error += absolute(local.ng) * local.normal_error;
@@ -201,17 +205,17 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray, Meets meets) const 
   if (ns != Vector{}) ns = normalized(ns);
   if (ns == Vector{}) ns = local.ng;
   hit.ns = dot(ns, local.ng) < 0 ? -ns : ns;
-  const PrimitiveRun& run = table.run(raw->kind, raw->primitive);
+  const PrimitiveRun& run = table.run(raw.kind, raw.primitive);
   const Surface& surface = table.surfaces[run.surface];
   hit.material = surface.material;
   hit.light = surface.light;
   // Instance -1 is the scene's own geometry.
-  hit.shape = (static_cast<std::uint64_t>(raw->instance + 1) << 32) | run.surface;
-  hit.kind = raw->kind;
-  hit.primitive = raw->primitive;
-  hit.uv = raw->uv;
+  hit.shape = (static_cast<std::uint64_t>(raw.instance + 1) << 32) | run.surface;
+  hit.kind = raw.kind;
+  hit.primitive = raw.primitive;
+  hit.uv = raw.uv;
   hit.light_primitive =
-      run.first_light_primitive + (raw->primitive - run.first) / run.per_light_primitive;
+      run.first_light_primitive + (raw.primitive - run.first) / run.per_light_primitive;
   return hit;
 }
 

@@ -8,12 +8,6 @@
 #include "server/scene/scene_builder.h"
 
 namespace lucerna {
-namespace {
-
-/// A ray through a pile of panes or interfaces passes at most this many.
-constexpr int kMostPassed = 1024;
-
-}  // namespace
 
 void Scene::Builder::simplify_media() {
   const auto kept = [&](std::int32_t medium) {
@@ -58,33 +52,52 @@ double Scene::alpha_of(const Surface& surface, const SurfaceHit& hit) const {
   return textures_(surface.alpha, shading_point(hit).texture);
 }
 
-double Scene::through_panes(Ray ray) const {
+std::vector<Scene::Crossing> Scene::crossings(const Ray& ray, Meets meets) const {
+  const Vec3<double> origin(ray.origin), direction(ray.direction);
+  const double metres_per_t = length(direction);
+  std::vector<Crossing> all;
+  for (const RawHit& raw : accelerator_->all_hits(ray, meets)) {
+    Crossing c{.hit = surface_hit(raw, ray)};
+    c.t = dot(c.hit.position - origin, direction) / metres_per_t / metres_per_t;
+    c.error_t = max_abs(c.hit.position_error) / metres_per_t;
+    c.is_front = dot(c.hit.ng, direction) < 0;
+    all.push_back(c);
+  }
+  std::ranges::sort(all, {}, &Crossing::t);
+  // A ray through an edge meets both triangles.
+  const auto repeats = [](const Crossing& a, const Crossing& b) {
+    return a.hit.shape == b.hit.shape && a.is_front == b.is_front && b.t - a.t <= a.error_t;
+  };
+  std::vector<Crossing> once;
+  for (const Crossing& c : all) {
+    bool is_new = true;
+    for (std::size_t k = once.size(); is_new && k > 0 && c.t - once[k - 1].t <= c.error_t; --k)
+      is_new = !repeats(once[k - 1], c);
+    if (is_new) once.push_back(c);
+  }
+  return once;
+}
+
+double Scene::through_panes(const Ray& ray) const {
   double share = 1;
-  for (int i = 0; i < kMostPassed && has_panes_; ++i) {
-    const auto hit = closest_hit(ray, Meets::kPanes);
-    if (!hit) break;
-    const double cosine = std::fabs(dot(hit->ng, normalized(Vec3<double>(ray.direction))));
-    const TexturePoint at = shading_point(*hit).texture;
-    share *= pane_transmittance(*surface_of(*hit).pane_eta, textures_, at, std::fmin(cosine, 1));
-    ray.t_min = std::nextafter(hit->t, INFINITY);
-    if (!(ray.t_min < ray.t_max)) break;
+  if (!has_panes_) return share;
+  const Vec3<double> w = normalized(Vec3<double>(ray.direction));
+  for (const auto& [hit, t, error_t, is_front] : crossings(ray, Meets::kPanes)) {
+    const double cosine = std::fabs(dot(hit.ng, w));
+    const TexturePoint at = shading_point(hit).texture;
+    share *= pane_transmittance(*surface_of(hit).pane_eta, textures_, at, std::fmin(cosine, 1));
   }
   return share;
 }
 
 Rgb<double> Scene::through_media(const Ray& ray) const {
   if (!has_media()) return Rgb<double>(1);
-  const Vec3<double> origin(ray.origin), direction(ray.direction);
-  const double metres_per_t = length(direction);
-  // The t of a hit in double, since layers may be thinner than floats can tell along the ray.
-  const auto t_of = [&](const SurfaceHit& hit) {
-    return dot(hit.position - origin, direction) / metres_per_t / metres_per_t;
-  };
-  // The medium from which a ray in this direction meets the surface, and the one beyond it.
-  const auto sides = [&](const SurfaceHit& hit, const Vec3<float>& direction) {
-    const MediumSides& media = *surface_of(hit).media;
-    return dot(hit.ng, Vec3<double>(direction)) < 0 ? std::pair{media.outside, media.inside}
-                                                    : std::pair{media.inside, media.outside};
+  const double metres_per_t = length(Vec3<double>(ray.direction));
+  // The medium from which a ray meets the surface, and the one beyond it.
+  const auto sides = [&](const Crossing& c) {
+    const MediumSides& media = *surface_of(c.hit).media;
+    return c.is_front ? std::pair{media.outside, media.inside}
+                      : std::pair{media.inside, media.outside};
   };
   Rgb<double> depth;
   const auto add = [&](std::int32_t medium, double t_from, double t_to) {
@@ -96,26 +109,37 @@ Rgb<double> Scene::through_media(const Ray& ray) const {
     };
     depth += Rgb<double>(lost(absorption.r), lost(absorption.g), lost(absorption.b));
   };
-  Ray rest = ray;
-  rest.t_max = INFINITY;  // what lies beyond the end tells the medium before it
+  Ray line = ray;
+  line.t_max = INFINITY;  // what lies beyond the end tells the medium before it
+  std::vector<Crossing> all = crossings(line, Meets::kBoundaries);
   std::int32_t medium = surrounding_medium_;
-  bool is_known = false;
-  double from = ray.t_min;
-  for (int i = 0; i < kMostPassed && from < ray.t_max; ++i) {
-    const auto hit = closest_hit(rest, Meets::kBoundaries);
-    if (!hit) break;
-    const auto [before, beyond] = sides(*hit, ray.direction);
-    const double t = t_of(*hit);
-    add(before, from, std::fmin(t, double{ray.t_max}));
-    from = t;
-    medium = beyond;
-    is_known = true;
-    rest.t_min = std::nextafter(hit->t, INFINITY);
+  if (all.empty()) {
+    const Ray back{ray.origin, -ray.direction, 0, INFINITY, ray.time_s};
+    const std::vector<Crossing> behind = crossings(back, Meets::kBoundaries);
+    if (!behind.empty()) medium = sides(behind.front()).first;
   }
-  if (!is_known) {
-    Ray back{ray.origin, -ray.direction, 0, INFINITY, ray.time_s};
-    if (const auto hit = closest_hit(back, Meets::kBoundaries))
-      medium = sides(*hit, back.direction).first;
+  double from = ray.t_min;
+  for (std::size_t i = 0; i < all.size() && from < ray.t_max; ++i) {
+    // Of surfaces in one place, the one comes first whose medium the ray is in.  At the ray's first
+    // surfaces that is the one to whose medium no other of them leads.
+    std::size_t end = i + 1;
+    while (end < all.size() && all[end].t - all[i].t <= all[i].error_t) ++end;
+    const auto comes_first = [&](std::size_t k) {
+      if (i > 0) return sides(all[k]).first == medium;
+      for (std::size_t other = i; other < end; ++other)
+        if (other != k && sides(all[other]).second == sides(all[k]).first) return false;
+      return true;
+    };
+    for (std::size_t k = i; k < end; ++k) {
+      if (!comes_first(k)) continue;
+      const auto at = [&](std::size_t n) { return all.begin() + static_cast<std::ptrdiff_t>(n); };
+      std::rotate(at(i), at(k), at(k + 1));
+      break;
+    }
+    const auto [before, beyond] = sides(all[i]);
+    add(before, from, std::fmin(all[i].t, double{ray.t_max}));
+    from = std::fmax(from, all[i].t);
+    medium = beyond;
   }
   add(medium, from, ray.t_max);
   return {std::exp(-depth.r), std::exp(-depth.g), std::exp(-depth.b)};

@@ -274,6 +274,32 @@ TEST(MediaExtremes, ThinLayers) {
   sweep.expect_within(3e-7);
 }
 
+TEST(MediaExtremes, LayersThinnerThanFloatsTell) {
+  Sweep sweep(41, "layer of ink between two circles, or a ball of ink; closed form",
+              "thickness / distance 1e-7 ... 1e-10", "transmittance at depth 1");
+  for (double thickness = 1e-7; thickness > 5e-11; thickness /= 10) {
+    SceneDescription flat = description(), round = description();
+    flat.media = round.media = {{Rgb<double>(1 / thickness)}};
+    flat.shapes = {level(0, 4, -1, 0), level(thickness, 4, 0, -1)};
+    round.shapes = {shape(SphereParams{.radius_m = thickness / 2})};
+    round.shapes[0].media = MediumSides{0, -1};
+    round.shapes[0].is_interface = true;
+    const auto layer = build(std::move(flat)), ball = build(std::move(round));
+    const std::string at = fmt::format("{:g}", thickness);
+    for (const float x : {0.0F, 0.5F, 2.0F}) {
+      const double truth =
+          static_cast<double>(std::exp(-std::hypot(1.0L, static_cast<long double>(x))));
+      sweep.compare(seen(*layer, {-x, 0.3F, -1}, {x, 0.3F, 1}), truth, "layer " + at);
+      sweep.compare(seen(*layer, {x, 0.3F, 1}, {-x, 0.3F, -1}), truth, "layer " + at);
+      sweep.compare(seen(*layer, {-x, 0.3F, -1}, {0, 0.3F, -1e-3F}), 1, "before layer " + at);
+    }
+    const double truth = std::exp(-1.0);
+    sweep.compare(seen(*ball, {0, -1, 0}, {0, 1, 0}), truth, "ball " + at);
+    sweep.compare(seen(*ball, {0, 1, 1}, {0, -1, -1}), truth, "ball " + at);
+  }
+  sweep.expect_within(1e-5);
+}
+
 TEST(MediaExtremes, ManyLayers) {
   Sweep sweep(41, "layers of two inks by turns; closed form", "1 ... 1000 boundaries",
               "logarithm of the transmittance");
@@ -381,6 +407,21 @@ TEST(MediaExtremes, PanesBeyondTheCriticalAngle) {
       sweep.compare(seen(*scene, {-1, 0, -z}, {1, 0, z}),
                     static_cast<double>(pane_share(1, z, eta)), fmt::format("{} {}", eta, z));
     }
+  }
+  sweep.expect_within(3e-7);
+}
+
+TEST(MediaExtremes, PanesThatNearlyTouch) {
+  Sweep sweep(41, "two thin panes close to each other; closed form",
+              "gap / distance 1e-1 ... 1e-14", "transmittance");
+  for (double gap = 0.1; gap > 5e-15; gap /= 10) {
+    SceneDescription d = description();
+    d.shapes = {pane(d, 0, 4, 1.5), pane(d, gap, 4, 1.7)};
+    const auto scene = build(std::move(d));
+    for (const float x : {0.0F, 0.5F, 2.0F})
+      sweep.compare(seen(*scene, {-x, 0, -1}, {x, 0, 1}),
+                    static_cast<double>(pane_share(x, 1, 1.5) * pane_share(x, 1, 1.7)),
+                    fmt::format("{:g}", gap));
   }
   sweep.expect_within(3e-7);
 }

@@ -168,6 +168,35 @@ TEST(Media, ABoundaryBehindARayTellsItsMediumIfNoneIsAhead) {
   expect_near(seen(*scene, {0, 0, 1.5}, {0, 0, 0.5}), left_of(kInk, 0.5), 1e-6);
 }
 
+TEST(Media, SurfacesInOnePlaceFollowEachOther) {
+  // 1 m of ink, over which is fog without an end.
+  for (const bool ink_first : {true, false}) {
+    SceneDescription d = with_media();
+    const auto level = [](double z, MediumSides sides) {
+      TriangleMeshData square;
+      square.positions = {{-5, -5, z}, {5, -5, z}, {5, 5, z}, {-5, 5, z}};
+      square.indices = {0, 1, 2, 0, 2, 3};
+      ShapeDescription s = shape(std::move(square));
+      s.is_interface = true;
+      s.media = sides;
+      return s;
+    };
+    // The media below and above.
+    const ShapeDescription top_of_ink = level(1, {1, -1}), bottom_of_fog = level(1, {-1, 0});
+    d.shapes = {level(0, {-1, 1}), ink_first ? top_of_ink : bottom_of_fog,
+                ink_first ? bottom_of_fog : top_of_ink};
+    const auto scene = build(std::move(d));
+    const Rgb<double> expected = left_of(kInk, 1) * left_of(Rgb<double>(kFog), 2);
+    // Also along the edge of two triangles.
+    expect_near(seen(*scene, {0.1, 0.2, -1}, {0.1, 0.2, 3}), expected, 1e-6);
+    expect_near(seen(*scene, {0.1, 0.1, -1}, {0.1, 0.1, 3}), expected, 1e-6);
+    expect_near(seen(*scene, {0.1, 0.2, 3}, {0.1, 0.2, -1}), expected, 1e-6);
+    const Rgb<double> less = left_of(kInk, 0.5) * left_of(Rgb<double>(kFog), 2);
+    expect_near(seen(*scene, {0.1, 0.2, 0.5}, {0.1, 0.2, 3}), less, 1e-6);
+    expect_near(seen(*scene, {0.1, 0.2, 3}, {0.1, 0.2, 0.5}), less, 1e-6);
+  }
+}
+
 TEST(Media, InterfacesWithoutAbsorptionLeaveNothingBehind) {
   SceneDescription d = with_media();
   d.media[1] = {};
