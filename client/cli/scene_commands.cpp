@@ -6,7 +6,9 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "client/cli/commands.h"
 #include "client/cli/light_table.h"
@@ -14,6 +16,7 @@
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
 #include "lucerna/client/upload.h"
+#include "proto/common/defaults.h"
 
 namespace lucerna::cli {
 namespace {
@@ -29,7 +32,30 @@ struct LoadFlags {
   bool upload = false;
   std::string asset_root;
   double lease_s = 0;
+  std::string blender;  ///< a name of kBlenderModes; empty: none
+  std::optional<double> lumens_per_watt;
 };
+
+constexpr std::pair<const char*, v1::BlenderLightingMode> kBlenderModes[] = {
+    {"standard", v1::BLENDER_LIGHTING_MODE_STANDARD},
+    {"unitless", v1::BLENDER_LIGHTING_MODE_UNITLESS},
+    {"raw", v1::BLENDER_LIGHTING_MODE_RAW}};
+
+std::optional<v1::BlenderLevels> blender_levels(const LoadFlags& flags) {
+  if (flags.blender.empty()) return std::nullopt;
+  v1::BlenderLevels levels;
+  for (const auto& [name, mode] : kBlenderModes)
+    if (flags.blender == name) levels.set_mode(mode);
+  if (flags.lumens_per_watt) levels.set_lumens_per_watt(*flags.lumens_per_watt);
+  return levels;
+}
+
+/// Ends the program for options that require others.
+void check(const LoadFlags& flags) {
+  if (!flags.asset_root.empty() && !flags.upload) wrong_use("--asset-root requires --upload");
+  if (flags.lumens_per_watt && flags.blender.empty())
+    wrong_use("--lumens-per-watt requires --blender");
+}
 
 /// Draws on one line of the terminal; the next text replaces it.
 void show(const client::UploadProgress& progress) {
@@ -39,7 +65,8 @@ void show(const client::UploadProgress& progress) {
 }
 
 v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
-  client::UploadOptions options{.root = flags.asset_root, .lease_s = flags.lease_s};
+  client::UploadOptions options{
+      .root = flags.asset_root, .lease_s = flags.lease_s, .blender = blender_levels(flags)};
   const bool terminal = isatty(STDERR_FILENO) != 0;
   if (terminal) options.progress = show;
   auto response =
@@ -53,6 +80,11 @@ v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
   return session.value_or_fail(std::move(response));
 }
 
+v1::LoadSceneResponse load_file(Session& session, const LoadFlags& flags) {
+  return flags.upload ? upload(session, flags)
+                      : load_scene(session, flags.path, flags.lease_s, blender_levels(flags));
+}
+
 /// Ends the program under --strict for a scene with remarks.
 void check_strict(Session& session, const v1::LoadSceneResponse& loaded) {
   const absl::Status status = session.note_remarks(loaded.scene_id(), loaded.remarks());
@@ -60,9 +92,8 @@ void check_strict(Session& session, const v1::LoadSceneResponse& loaded) {
 }
 
 void load(Session& session, const LoadFlags& flags) {
-  if (!flags.asset_root.empty() && !flags.upload) wrong_use("--asset-root requires --upload");
-  const v1::LoadSceneResponse response =
-      flags.upload ? upload(session, flags) : load_scene(session, flags.path, flags.lease_s);
+  check(flags);
+  const v1::LoadSceneResponse response = load_file(session, flags);
   if (session.json()) {
     fmt::print("{}", to_json(response));
     return check_strict(session, response);
@@ -114,6 +145,14 @@ void scenes(Session& session, bool available) {
   fmt::print("{}", table.to_string());
 }
 
+/// Empty if the levels of the scene file are unchanged.
+std::string describe_levels(const v1::SceneSummary& scene) {
+  if (!scene.has_level_factors()) return {};
+  const v1::LevelFactors& factors = scene.level_factors();
+  return fmt::format("lamps times {:.6g}, suns times {:.6g}, emission times {:.6g}",
+                     factors.lamps(), factors.suns(), factors.emission());
+}
+
 /// The size of the picture, and the unit of its values.
 std::string describe_picture(const v1::SceneSummary& scene) {
   std::string text = fmt::format("picture {} x {} px", scene.image_width(), scene.image_height());
@@ -143,6 +182,7 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
   fmt::print("{}  {}: {} lights, {} primitives, {:.0f} kB\n", summary.scene_id(), summary.path(),
              summary.lights(), summary.primitives(), static_cast<double>(summary.bytes()) / 1000);
   fmt::print("{}\n", describe_picture(summary));
+  if (summary.has_level_factors()) fmt::print("light levels: {}\n", describe_levels(summary));
   Table table({{"part", true}, {"memory [kB]"}, {"built in [ms]"}, {"why", true}});
   for (const v1::ScenePart& part : response.parts()) {
     table.add({part.name(), fmt::format("{:.1f}", static_cast<double>(part.bytes()) / 1000),
@@ -179,6 +219,8 @@ std::string contents_table(const v1::GetSceneResponse& scene,
                fmt::format("{} x {} px, {} in memory", picture.width(), picture.height(),
                            kilobytes(picture.bytes()))});
   for (const auto& [kind, count] : lights) table.add({"light", kind, std::to_string(count), ""});
+  if (scene.summary().has_level_factors())
+    table.add({"light levels", "", "", describe_levels(scene.summary())});
   table.add({"camera", contents.camera(), "", describe_picture(scene.summary())});
   for (const v1::NamedAsset& file : scene.assets())
     table.add({"file", file.name(), "", kilobytes(file.size_bytes())});
@@ -189,10 +231,9 @@ std::string contents_table(const v1::GetSceneResponse& scene,
 }
 
 void inspect(Session& session, const LoadFlags& flags) {
-  if (!flags.asset_root.empty() && !flags.upload) wrong_use("--asset-root requires --upload");
+  check(flags);
   session.need_one_server("each server builds its own parts of a scene");
-  const v1::LoadSceneResponse loaded =
-      flags.upload ? upload(session, flags) : load_scene(session, flags.path);
+  const v1::LoadSceneResponse loaded = load_file(session, flags);
   v1::GetSceneRequest request;
   request.set_scene_id(loaded.scene_id());
   const auto scene =
@@ -307,13 +348,28 @@ std::shared_ptr<LoadFlags> add_file_options(CLI::App& command) {
       .add_option("--asset-root", flags->asset_root,
                   "With --upload: send only files in this directory; default: the scene file's")
       ->type_name("DIR");
+  std::vector<std::string> modes;
+  for (const auto& [name, mode] : kBlenderModes) modes.emplace_back(name);
+  command
+      .add_option("--blender", flags->blender,
+                  "For a .gltf or .glb file from Blender: the Lighting Mode with which Blender "
+                  "exported it; turns its lights into cd, lx and cd/m2")
+      ->check(one_of(modes));
+  command
+      .add_option("--lumens-per-watt", flags->lumens_per_watt,
+                  "With --blender: the light of one of Blender's watts [lm]; default: 683")
+      ->type_name("LM")
+      ->check(checked_number("a number above 0, at most 1000000",
+                             [](double v) { return v > 0 && v <= kMostLumensPerWatt; }));
   return flags;
 }
 
 void add_load_command(CLI::App& app, Session& session) {
   CLI::App* command =
       app.add_subcommand("load", "Load a scene file; a loaded scene is not loaded again");
-  command->footer("Example:\n  lucerna load room.pbrt\n  lucerna load --upload ~/scenes/room.pbrt");
+  command->footer(
+      "Example:\n  lucerna load room.pbrt\n  lucerna load --upload ~/scenes/room.pbrt\n"
+      "  lucerna load --blender standard room.glb");
   const auto flags = add_file_options(*command);
   command->add_option("--lease", flags->lease_s, "Keep the scene for at least this time [s]")
       ->type_name("SECONDS")

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "lucerna/client/client.h"
@@ -27,6 +28,8 @@ struct UploadOptions {
   std::string root = {};
   /// The server keeps the scene for at least this time [s].  0: until it needs the memory.
   double lease_s = 0;
+  /// The same as in LoadSceneRequest.
+  std::optional<v1::BlenderLevels> blender = {};
   /// Called after each sent chunk, in the calling thread.
   std::function<void(const UploadProgress&)> progress = {};
 };

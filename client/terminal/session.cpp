@@ -278,10 +278,12 @@ void Session::print_remarks() const {
   if (!remarks_line_.empty()) fmt::print("{}\n", remarks_line_);
 }
 
-v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s) {
+v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s,
+                                 const std::optional<v1::BlenderLevels>& blender) {
   v1::LoadSceneRequest request;
   request.set_path(path);
   if (lease_s > 0) request.set_lease_s(lease_s);
+  if (blender) *request.mutable_blender() = *blender;
   auto response = session.client().load_scene(request, session.call_options());
   if (!response.ok()) session.fail(with_prefix_length(path, response.status()));
   return *std::move(response);

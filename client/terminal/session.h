@@ -105,8 +105,9 @@ class Session {
   std::string remarks_line_;  // guarded by remarks_mutex_; empty without remarks
 };
 
-/// Loads a scene file.  `lease_s`: see LoadSceneRequest.
-v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s = 0);
+/// Loads a scene file.  `lease_s` and `blender`: see LoadSceneRequest.
+v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s = 0,
+                                 const std::optional<v1::BlenderLevels>& blender = {});
 /// All loaded scenes, from all pages.
 v1::ListScenesResponse list_scenes(Session& session);
 /// All scene files that the server can load, from all pages.

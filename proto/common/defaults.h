@@ -20,5 +20,7 @@ inline constexpr std::uint32_t kLeastTargetSamples = 64;
 inline constexpr std::uint32_t kMostSamplesPerLight = 1024;
 /// The most `wavelengths_nm` of one request.
 inline constexpr std::size_t kMostWavelengths = 128;
+/// The most BlenderLevels.lumens_per_watt.
+inline constexpr double kMostLumensPerWatt = 1e6;
 
 }  // namespace lucerna

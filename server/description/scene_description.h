@@ -202,6 +202,15 @@ struct RenderHints {
   double shutter_close_s = 0;  ///< not before shutter_open_s
 };
 
+/// Factors of the light levels that a file states.
+struct LevelFactors {
+  double lamps = 1;     ///< of point lights and spots
+  double suns = 1;      ///< of distant lights
+  double emission = 1;  ///< of surfaces that emit and of pictures of the sky
+
+  bool operator==(const LevelFactors&) const = default;
+};
+
 struct SceneDescription {
   std::vector<Material> materials;
   Textures textures;
@@ -214,6 +223,7 @@ struct SceneDescription {
   CameraDescription camera;
   Film film;
   RenderHints hints;
+  LevelFactors level_factors;  ///< applied to all lights of the description
   std::vector<Remark> remarks;
   std::vector<Asset> assets;  ///< in the order of their first use
 };

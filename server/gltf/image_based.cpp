@@ -147,7 +147,8 @@ void add_environment(const Document& document, const Tree& tree) {
       from_parts({0, 0, 0}, {rotation[0], rotation[1], rotation[2], rotation[3]}, {1, 1, 1}));
   if (!turn) light.at("rotation").fail("found a quaternion of 0, allowed: a unit quaternion");
   params.world_from_map = *turn;
-  params.radiance_cd_m2 = Rgb<double>(light.number("intensity", 1, kNotNegative));
+  params.radiance_cd_m2 = Rgb<double>(light.number("intensity", 1, kNotNegative) *
+                                      document.context().scene.level_factors.emission);
   if (const auto made = ImageInfiniteLight<float>::create(params); !made.ok())
     light.fail(made.status());
   LightDescription result;

@@ -13,13 +13,19 @@ namespace {
 
 Vec3<double> column(const Matrix& m, std::size_t j) { return {m[0][j], m[1][j], m[2][j]}; }
 
-Rgb<double> level_of(const View& light, std::string_view intensity, std::string_view unit) {
+Rgb<double> level_of(const View& light, std::string_view unit, double factor) {
+  constexpr std::string_view kIntensity = "intensity";
   const std::vector<double> colour = light.numbers("color", {1, 1, 1}, kNotNegative);
-  const Rgb<double> level =
-      Rgb<double>(colour[0], colour[1], colour[2]) * light.number(intensity, 1, kNotNegative);
-  if (const auto status = check_light_value<float>(intensity, level, unit); !status.ok())
+  const Rgb<double> level = Rgb<double>(colour[0], colour[1], colour[2]) *
+                            light.number(kIntensity, 1, kNotNegative) * factor;
+  if (const auto status = check_light_value<float>(kIntensity, level, unit); !status.ok())
     light.fail(status);
   return level;
+}
+
+/// Of a point light or a spot.
+Rgb<double> intensity_cd(const View& light) {
+  return level_of(light, "cd", light.context().scene.level_factors.lamps);
 }
 
 /// The light `index` of an extension of the root.
@@ -35,7 +41,7 @@ SpotLightParams spot_light(const View& light, const Vec3<double>& position,
   SpotLightParams spot;
   spot.position_m = position;
   spot.axis = axis;
-  spot.intensity_cd = level_of(light, "intensity", "cd");
+  spot.intensity_cd = intensity_cd(light);
   // Earlier drafts of the extension allowed a spot without its angles.
   const auto given = light.find("spot");
   const View angles = given ? given->require_object() : light;
@@ -69,11 +75,12 @@ void add_punctual(const Document& document, const PlacedNode& node, const View& 
   const std::string& type = light.at("type").text();
   LightDescription result;
   if (type == "point") {
-    result.params = PointLightParams{position, level_of(light, "intensity", "cd")};
+    result.params = PointLightParams{position, intensity_cd(light)};
   } else if (type == "spot") {
     result.params = spot_light(light, position, -back);
   } else if (type == "directional") {
-    result.params = DistantLightParams{back, level_of(light, "intensity", "lx")};
+    const double factor = light.context().scene.level_factors.suns;
+    result.params = DistantLightParams{back, level_of(light, "lx", factor)};
   } else {
     light.at("type").fail(
         fmt::format("found \"{}\", allowed: point, spot, directional", printable(type)));

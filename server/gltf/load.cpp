@@ -12,9 +12,11 @@
 namespace lucerna {
 
 absl::StatusOr<SceneDescription> load_gltf(AssetReader& assets, const std::string& name,
-                                           std::stop_token stop, const LoadLimits& limits) {
+                                           std::stop_token stop, const LoadLimits& limits,
+                                           const LevelFactors& factors) {
   SceneDescription scene;
   scene.textures = Textures(limits.texture_bytes);
+  scene.level_factors = factors;
   try {
     gltf::Context context(assets, scene, std::move(stop), name);
     const gltf::Document document(context);

@@ -20,8 +20,10 @@ namespace lucerna {
 /// modelled, NOT_FOUND for a missing file, RESOURCE_EXHAUSTED above a limit, CANCELLED soon after a
 /// stop request.  If the reader's source returns FAILED_PRECONDITION for a file that is still
 /// missing, the loader opens the other files too.  So all missing files are found at once.
+///
+/// `factors` multiply the levels of all lights but luminaires, which have candela by themselves.
 absl::StatusOr<SceneDescription> load_gltf(AssetReader& assets, const std::string& name,
-                                           std::stop_token stop = {},
-                                           const LoadLimits& limits = {});
+                                           std::stop_token stop = {}, const LoadLimits& limits = {},
+                                           const LevelFactors& factors = {});
 
 }  // namespace lucerna

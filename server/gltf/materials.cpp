@@ -126,7 +126,8 @@ std::shared_ptr<const MaterialEmission> Materials::emission(const View& material
   if (const auto given = material.extension(kStrength))
     strength = given->number("emissiveStrength", 1, kNotNegative);
   MaterialEmission emission;
-  emission.radiance_cd_m2 = Rgb<double>(factor[0], factor[1], factor[2]) * strength;
+  emission.radiance_cd_m2 = Rgb<double>(factor[0], factor[1], factor[2]) * strength *
+                            material.context().scene.level_factors.emission;
   if (emission.radiance_cd_m2.is_black()) return nullptr;
   if (const auto status = check_light_value<float>("emission", emission.radiance_cd_m2, "cd/m2");
       !status.ok())

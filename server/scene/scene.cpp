@@ -13,7 +13,8 @@
 
 namespace lucerna {
 
-std::string scene_id(const std::vector<Asset>& assets, const std::vector<HalvedPicture>& halved) {
+std::string scene_id(const std::vector<Asset>& assets, const std::vector<HalvedPicture>& halved,
+                     const LevelFactors& factors) {
   std::string text;
   for (const Asset& a : assets) {
     // Lengths come first, so that different lists of assets give different bytes.
@@ -22,6 +23,9 @@ std::string scene_id(const std::vector<Asset>& assets, const std::vector<HalvedP
   }
   for (const HalvedPicture& h : halved)
     text += fmt::format("halved:{}:{}{}x{}:", h.name.size(), h.name, h.kept_width, h.kept_height);
+  // Shortest decimal numbers: different factors give different texts.
+  if (factors != LevelFactors())
+    text += fmt::format("levels:{}:{}:{}:", factors.lamps, factors.suns, factors.emission);
   return hexadecimal(sha256(text));
 }
 
@@ -35,9 +39,10 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
   LUCERNA_RETURN_IF_ERROR(build_lights());
   LUCERNA_RETURN_IF_ERROR(build_geometry(isa));
   LUCERNA_RETURN_IF_ERROR(prepare_choice());
-  scene_->id_ = scene_id(in_.assets, halved_);
+  scene_->id_ = scene_id(in_.assets, halved_, in_.level_factors);
   scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
   scene_->hints_ = in_.hints;
+  scene_->level_factors_ = in_.level_factors;
   scene_->remarks_ = std::move(in_.remarks);
   scene_->assets_ = std::move(in_.assets);
   return scene_;

@@ -81,7 +81,7 @@ class Scene {
                                                             const std::string& isa = "",
                                                             std::stop_token stop = {});
 
-  /// scene_id() of all files read.
+  /// scene_id() of all files read and of the level factors.
   const std::string& id() const { return id_; }
   /// World position of the zero of scene coordinates [m].  It is a multiple of a power of two that
   /// is at least the scene's extent.  So scenes near zero keep their coordinates unchanged.
@@ -140,6 +140,8 @@ class Scene {
   ShadingPoint shading_point(const SurfaceHit& hit) const;
   const Camera& camera() const { return camera_; }
   const RenderHints& hints() const { return hints_; }
+  /// Applied to the levels that the scene file states.
+  const LevelFactors& level_factors() const { return level_factors_; }
   const SceneContents& contents() const { return contents_; }
   const std::vector<Remark>& remarks() const { return remarks_; }
   const std::vector<Asset>& assets() const { return assets_; }
@@ -235,6 +237,7 @@ class Scene {
   bool moves_ = false;
   Camera camera_;
   RenderHints hints_;
+  LevelFactors level_factors_;
   SceneContents contents_;
   std::vector<Remark> remarks_;
   std::vector<Asset> assets_;
@@ -244,9 +247,11 @@ class Scene {
 };
 
 /// The id of a scene from these files: SHA-256 over their names and digests, in order, as 64
-/// hexadecimal digits.  `halved`: pictures that are not kept whole, which change answers.
+/// hexadecimal digits.  `halved`: pictures that are not kept whole, which change answers.  Factors
+/// of 1 do not change the id.
 std::string scene_id(const std::vector<Asset>& assets,
-                     const std::vector<HalvedPicture>& halved = {});
+                     const std::vector<HalvedPicture>& halved = {},
+                     const LevelFactors& factors = {});
 
 /// Chooses a light for a receiver (LightSelector).  The probability is not part of any density.
 /// `u` in [0, 1).  Nothing if none of the lights that remain for `u` reaches the receiver.

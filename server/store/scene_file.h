@@ -15,9 +15,13 @@ namespace lucerna {
 /// The endings of names of scene files: .pbrt, .gltf and .glb.
 const std::vector<std::string>& scene_file_extensions();
 
-/// Reads the scene file `name`.  Names that end with .gltf or .glb, in upper or lower case, are
-/// glTF; all others are .pbrt.  Errors: those of load_pbrt and load_gltf.
+/// Whether the file is glTF: its name ends with .gltf or .glb, in upper or lower case.
+bool is_gltf_name(const std::string& name);
+
+/// Reads the scene file `name`, which is glTF or else .pbrt.  `factors` have no effect on .pbrt
+/// files.  Errors: those of load_pbrt and load_gltf.
 absl::StatusOr<SceneDescription> load_scene_file(AssetReader& assets, const std::string& name,
-                                                 std::stop_token stop, const LoadLimits& limits);
+                                                 std::stop_token stop, const LoadLimits& limits,
+                                                 const LevelFactors& factors);
 
 }  // namespace lucerna

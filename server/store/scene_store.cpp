@@ -36,6 +36,13 @@ std::string key_of(const Manifest& manifest) {
   return '\0' + sha256(text);
 }
 
+/// Makes keys of one source differ for different factors.
+std::string with_factors(std::string key, const LoadOptions& options) {
+  const LevelFactors f = options.factors.value_or(LevelFactors());
+  if (f != LevelFactors()) key += fmt::format("{}{}:{}:{}", '\0', f.lamps, f.suns, f.emission);
+  return key;
+}
+
 /// Hard to guess: anyone who knows it may end the lease.
 std::string new_lease_id() {
   std::random_device random;
@@ -104,11 +111,11 @@ std::string path_under(const fs::path& root, const std::string& path) {
   return relative.string();
 }
 
-absl::Status not_found(const std::string& path, const std::string& root) {
+absl::Status not_found(const std::string& path, const std::string& root, bool has_factors) {
   return absl::NotFoundError(fmt::format(
       "file \"{}\" does not exist under the scene root \"{}\", and no uploaded scene "
-      "has this name; to use a file of another machine, upload it (lucerna load --upload FILE)",
-      path, root));
+      "has this name{}; to use a file of another machine, upload it (lucerna load --upload FILE)",
+      path, root, has_factors ? " and these light levels" : ""));
 }
 
 absl::Status not_loaded() { return absl::NotFoundError("the scene is not loaded"); }
@@ -258,11 +265,11 @@ absl::StatusOr<LoadedScene> SceneStore::load(const std::string& path, const Load
                     path, state_->root));
   }
   const std::string& name = relative.empty() ? path : relative;
-  return load_once(name, name, options);
+  return load_once(name, with_factors(name, options), options);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load(const Manifest& manifest, const LoadOptions& options) {
-  return load_once(manifest, key_of(manifest), options);
+  return load_once(manifest, with_factors(key_of(manifest), options), options);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const std::string& key,
@@ -298,7 +305,8 @@ absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
   AssetReader reader(
       std::make_unique<ManifestSource>(manifest, *state_->assets, incomplete.missing));
   absl::StatusOr<SceneDescription> description =
-      load_scene_file(reader, manifest.main, options.stop, state_->load_limits());
+      load_scene_file(reader, manifest.main, options.stop, state_->load_limits(),
+                      options.factors.value_or(LevelFactors()));
   if (absl::IsCancelled(description.status())) return description.status();
   if (!incomplete.missing.empty()) return incomplete;
   LUCERNA_RETURN_IF_ERROR(description.status());
@@ -329,8 +337,8 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
       if (found != state_->scenes.end()) return state_->answer(found->second, key, options, true);
     }
   }
-  absl::StatusOr<SceneDescription> description =
-      load_scene_file(*reader, path, options.stop, state_->load_limits());
+  absl::StatusOr<SceneDescription> description = load_scene_file(
+      *reader, path, options.stop, state_->load_limits(), options.factors.value_or(LevelFactors()));
   // NOT_FOUND may also come from a file that the scene names.
   if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
     return load_uploaded(path, options);
@@ -344,9 +352,10 @@ absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
   Entry* latest = nullptr;
   for (auto& [id, entry] : state_->scenes) {
     if (!entry.stored.uploaded || entry.stored.path != name) continue;
+    if (options.factors && *options.factors != entry.stored.scene->level_factors()) continue;
     if (latest == nullptr || entry.used > latest->used) latest = &entry;
   }
-  if (latest == nullptr) return not_found(name, state_->root);
+  if (latest == nullptr) return not_found(name, state_->root, options.factors.has_value());
   latest->used = ++state_->uses;
   return LoadedScene{latest->stored, true, state_->give_lease(*latest, "", options.lease_s), {}};
 }
@@ -354,7 +363,8 @@ absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
 absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
                                                    const std::string& key, const StoredScene& named,
                                                    const LoadOptions& options) {
-  const std::string id = scene_id(description.assets, description.textures.halved());
+  const std::string id =
+      scene_id(description.assets, description.textures.halved(), description.level_factors);
   const auto turn = state_->builds_turns.take(id, options.stop);
   if (turn == nullptr) return cancelled();
   {

@@ -50,6 +50,9 @@ struct LoadedScene {
 struct LoadOptions {
   double lease_s = 0;  ///< 0: no lease
   std::stop_token stop{};
+  /// Only for glTF files.  Each set of factors makes another scene.  Unset: factors of 1; for the
+  /// name of an uploaded scene, any factors.
+  std::optional<LevelFactors> factors{};
 };
 
 /// Thread-safe.

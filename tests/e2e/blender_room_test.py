@@ -117,6 +117,14 @@ class StoredFile(unittest.TestCase):
         level = self.script["STRIP_STRENGTH"] * luminance((1, 0.9, 0.75))
         self.assert_near(strip["powerLm"], math.pi * 1.2 * 0.3 * level)
 
+    def test_blenders_factors_fit_the_strip_to_the_lamps(self):
+        room = self.server.ask("load", "--upload", "--blender", "standard", STORED)["sceneId"]
+        self.addCleanup(self.server.ask, "release", room)
+        lights = {light["name"]: light for light in self.server.ask("lights", room)["lights"]}
+        self.assert_near(lights["Strip"]["powerLm"], LM_PER_W * self.lights["Strip"]["powerLm"])
+        for name in ("Bulb", "Spot", "Sun"):
+            self.assertEqual(lights[name]["powerLm"], self.lights[name]["powerLm"], name)
+
     def test_the_spot_has_blenders_cones(self):
         spot = self.lights["Spot"]["spot"]
         self.assert_near(spot["coneHalfAngleRad"], math.radians(30))

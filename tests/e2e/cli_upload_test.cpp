@@ -15,6 +15,7 @@ namespace lucerna {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -66,6 +67,50 @@ TEST_F(CliUpload, GltfScenesBringTheirBuffers) {
   EXPECT_EQ(broken.status, 1);
   EXPECT_THAT(broken.err, HasSubstr("broken.gltf#/asset/version: found \"1.0\""));
   EXPECT_EQ(lucerna({"lights", "room.gltf"}).status, 0);
+}
+
+TEST_F(CliUpload, BlendersLevelsBecomePhotometric) {
+  const std::string room = std::string(LUCERNA_TEST_DATA) + "/gltf/room.gltf";
+  const Outcome plain = lucerna({"load", "--upload", room});
+  ASSERT_EQ(plain.status, 0) << plain.err;
+  const Outcome standard = lucerna({"load", "--upload", "--blender", "standard", room});
+  ASSERT_EQ(standard.status, 0) << standard.err;
+  const std::string id = standard.out.substr(0, 64);
+  EXPECT_NE(plain.out.substr(0, 64), id);
+  // The panel of the file has 731.236 cd/m2; lamps stay.
+  EXPECT_THAT(lucerna({"lights", "room.gltf"}).out,
+              AllOf(HasSubstr(" 499434 cd/m2"), HasSubstr(" 300 lx"), HasSubstr(" 90 cd ")));
+  EXPECT_THAT(lucerna({"scene", id}).out,
+              HasSubstr("\nlight levels: lamps times 1, suns times 1, emission times 683\n"));
+  EXPECT_THAT(lucerna({"scene", plain.out.substr(0, 64)}).out, Not(HasSubstr("light levels")));
+  EXPECT_THAT(lucerna({"inspect", "--upload", "--blender", "standard", room}).out,
+              ContainsRegex("\nlight levels .*emission times 683"));
+
+  fs::copy(std::string(LUCERNA_TEST_DATA) + "/gltf", path("theirs"));
+  const Outcome half =
+      lucerna({"load", "--blender", "unitless", "--lumens-per-watt", "0.5", "room.gltf"});
+  ASSERT_EQ(half.status, 0) << half.err;
+  EXPECT_THAT(lucerna({"lights", half.out.substr(0, 64)}).out,
+              AllOf(HasSubstr(" 365.618 cd/m2"), HasSubstr(" 150 lx"), HasSubstr(" 45 cd ")));
+}
+
+TEST_F(CliUpload, WrongOptionsAboutBlenderAreRefused) {
+  const auto use = [&](std::vector<std::string> arguments, const std::string& what) {
+    arguments.insert(arguments.begin(), "load");
+    const Outcome outcome = lucerna(arguments);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(what));
+  };
+  use({"--blender", "spec", "room.glb"}, "spec is not one of standard, unitless, raw");
+  use({"--lumens-per-watt", "100", "room.glb"}, "--lumens-per-watt requires --blender");
+  for (const char* value : {"0", "-1", "nan", "1000001"})
+    use({"--blender", "raw", "--lumens-per-watt", value, "room.glb"},
+        std::string(value) + " is not a number above 0, at most 1000000");
+  const Outcome pbrt =
+      lucerna({"load", "--upload", "--blender", "standard", path("mine/point.pbrt")});
+  EXPECT_EQ(pbrt.status, 1);
+  EXPECT_THAT(pbrt.err, HasSubstr("blender = BLENDER_LIGHTING_MODE_STANDARD for \"point.pbrt\", "
+                                  "allowed: only for .gltf and .glb files"));
 }
 
 TEST_F(CliUpload, LoadsFilesThatTheServerDoesNotHave) {

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <set>
 
+#include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
+#include "server/gltf/blender_levels.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/paging.h"
+#include "server/store/scene_file.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -77,6 +80,40 @@ absl::StatusOr<Manifest> check_manifest(const Context& context, const v1::SceneM
   return manifest;
 }
 
+absl::StatusOr<gltf::BlenderLightingMode> check_mode(v1::BlenderLightingMode mode) {
+  switch (mode) {
+    case v1::BLENDER_LIGHTING_MODE_STANDARD:
+      return gltf::BlenderLightingMode::kStandard;
+    case v1::BLENDER_LIGHTING_MODE_UNITLESS:
+      return gltf::BlenderLightingMode::kUnitless;
+    case v1::BLENDER_LIGHTING_MODE_RAW:
+      return gltf::BlenderLightingMode::kRaw;
+    default:
+      break;
+  }
+  return bad_field("blender.mode", fmt::format("{}", static_cast<int>(mode)),
+                   fmt::format("[1, {}], the numbers of BlenderLightingMode",
+                               static_cast<int>(v1::BlenderLightingMode_MAX)));
+}
+
+/// The factors for the scene file `name`.
+absl::StatusOr<LevelFactors> check_blender(const v1::BlenderLevels& blender,
+                                           const std::string& name) {
+  LUCERNA_ASSIGN_OR_RETURN(const gltf::BlenderLightingMode mode, check_mode(blender.mode()));
+  const double lumens_per_watt =
+      blender.has_lumens_per_watt() ? blender.lumens_per_watt() : gltf::kBlenderLumensPerWatt;
+  if (!(lumens_per_watt > 0 && lumens_per_watt <= kMostLumensPerWatt)) {
+    return bad_field("blender.lumens_per_watt", fmt::format("{}", lumens_per_watt),
+                     fmt::format("(0, {}]", kMostLumensPerWatt));
+  }
+  if (!is_gltf_name(name)) {
+    return bad_field(
+        "blender", fmt::format("{} for \"{}\"", v1::BlenderLightingMode_Name(blender.mode()), name),
+        "only for .gltf and .glb files");
+  }
+  return gltf::blender_level_factors(mode, lumens_per_watt);
+}
+
 void set_loaded(const LoadedScene& loaded, v1::LoadSceneResponse* response) {
   for (const MissingAsset& asset : loaded.missing) {
     v1::NamedAsset* missing = response->add_missing();
@@ -128,12 +165,18 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
   } else if (request.path().empty()) {
     return bad_field("path", "\"\"", "the name of a scene file under the server's scene root");
   }
+  std::optional<LevelFactors> factors;
+  if (request.has_blender()) {
+    LUCERNA_ASSIGN_OR_RETURN(
+        factors,
+        check_blender(request.blender(), request.has_manifest() ? manifest.main : request.path()));
+  }
   Task task;
   task.bulk = true;
   task.cost = response->mutable_cost();
-  task.run = [&scenes = context.scenes, &request, manifest = std::move(manifest),
+  task.run = [&scenes = context.scenes, &request, manifest = std::move(manifest), factors,
               response](const std::stop_token& stop) {
-    const LoadOptions options{request.lease_s(), stop};
+    const LoadOptions options{request.lease_s(), stop, factors};
     const absl::StatusOr<LoadedScene> loaded = request.has_manifest()
                                                    ? scenes.load(manifest, options)
                                                    : scenes.load(request.path(), options);

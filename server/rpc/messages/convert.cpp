@@ -34,6 +34,12 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
     crop->set_film_width(static_cast<std::uint32_t>(camera.film_width()));
     crop->set_film_height(static_cast<std::uint32_t>(camera.film_height()));
   }
+  if (const LevelFactors& factors = scene.level_factors(); factors != LevelFactors()) {
+    v1::LevelFactors* const levels = out->mutable_level_factors();
+    levels->set_lamps(factors.lamps);
+    levels->set_suns(factors.suns);
+    levels->set_emission(factors.emission);
+  }
   out->set_bytes(scene.bytes());
   out->set_leased_s(stored.leased_s);
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 
 #include "fake_server.h"
 #include "google/rpc/error_details.pb.h"
@@ -32,6 +33,7 @@ class UploadTest : public ::testing::Test {
       std::map<std::string, std::string> named;
       for (const auto& asset : request.manifest().assets()) named[asset.name()] = asset.sha256();
       manifest_ = named;
+      blender_ = request.has_blender() ? std::optional(request.blender()) : std::nullopt;
       wants_.insert(wants_.begin(), request.manifest().main());
       for (const std::string& name : wants_) {
         const auto found = named.find(name);
@@ -97,6 +99,7 @@ class UploadTest : public ::testing::Test {
   FakeServer server_;
   std::vector<std::string> wants_;
   std::map<std::string, std::string> held_, parts_, manifest_;
+  std::optional<v1::BlenderLevels> blender_;  // of the last LoadScene
   std::vector<std::uint64_t> offsets_;
   std::vector<grpc::Status> failures_;  // errors of the next uploads, in reverse order
 };
@@ -111,6 +114,18 @@ TEST_F(UploadTest, SendsRequestedFilesOnly) {
   EXPECT_EQ(loaded->scene_id(), "id");
   EXPECT_THAT(held(), ElementsAre("mesh", "picture", "the room"));
   EXPECT_EQ(manifest_.size(), 3U);
+}
+
+TEST_F(UploadTest, SendsTheLevelsOfBlenderWithEachLoad) {
+  v1::BlenderLevels levels;
+  levels.set_mode(v1::BLENDER_LIGHTING_MODE_RAW);
+  levels.set_lumens_per_watt(100);
+  ASSERT_TRUE(upload({.blender = levels}).ok());
+  ASSERT_TRUE(blender_.has_value());
+  EXPECT_EQ(blender_->mode(), v1::BLENDER_LIGHTING_MODE_RAW);
+  EXPECT_EQ(blender_->lumens_per_watt(), 100);
+  ASSERT_TRUE(upload().ok());
+  EXPECT_FALSE(blender_.has_value());
 }
 
 TEST_F(UploadTest, SendsMissingContentOnce) {

@@ -69,10 +69,11 @@ class GltfFiles {
     std::ofstream(path() / name, std::ios::binary) << bytes;
   }
 
-  absl::StatusOr<SceneDescription> load(const std::string& name) const {
+  absl::StatusOr<SceneDescription> load(const std::string& name,
+                                        const LevelFactors& factors = {}) const {
     auto reader = AssetReader::open(path().string());
     if (!reader.ok()) return reader.status();
-    return load_gltf(*reader, name);
+    return load_gltf(*reader, name, {}, {}, factors);
   }
 
  private:

@@ -115,6 +115,43 @@ TEST_F(AssetServiceTest, AnUploadedSceneIsLoadedByItsManifest) {
   EXPECT_LE(scenes.scenes(0).leased_s(), 60);
 }
 
+TEST_F(AssetServiceTest, TheLightLevelsOfBlenderMakeAnotherScene) {
+  const std::string lamp =
+      R"({"asset": {"version": "2.0"}, "nodes": [{"extensions": {"KHR_lights_punctual": {"light": 0}}}],
+          "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}}})";
+  ASSERT_TRUE(put(lamp).ok());
+  v1::LoadSceneRequest request;
+  request.mutable_manifest()->set_main("lamp.gltf");
+  name(&request, "lamp.gltf", sha256(lamp));
+  v1::LoadSceneResponse plain, bright, again;
+  ASSERT_TRUE(load(request, &plain).ok());
+  request.mutable_blender()->set_mode(v1::BLENDER_LIGHTING_MODE_UNITLESS);
+  ASSERT_TRUE(load(request, &bright).ok());
+  EXPECT_EQ(plain.scene_id().size(), 64U);
+  EXPECT_EQ(bright.scene_id().size(), 64U);
+  EXPECT_NE(bright.scene_id(), plain.scene_id());
+  ASSERT_TRUE(load(request, &again).ok());
+  EXPECT_EQ(again.scene_id(), bright.scene_id());
+  EXPECT_TRUE(again.already_loaded());
+
+  // By name: the scene with these factors; without factors, the one used last.
+  v1::LoadSceneRequest by_name;
+  by_name.set_path("lamp.gltf");
+  ASSERT_TRUE(load(by_name, &again).ok());
+  EXPECT_EQ(again.scene_id(), bright.scene_id());
+  request.clear_blender();
+  ASSERT_TRUE(load(request, &again).ok());
+  EXPECT_EQ(again.scene_id(), plain.scene_id());
+  by_name.mutable_blender()->set_mode(v1::BLENDER_LIGHTING_MODE_UNITLESS);
+  ASSERT_TRUE(load(by_name, &again).ok());
+  EXPECT_EQ(again.scene_id(), bright.scene_id());
+  by_name.mutable_blender()->set_mode(v1::BLENDER_LIGHTING_MODE_RAW);
+  const grpc::Status none = load(by_name, &again);
+  EXPECT_EQ(none.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_THAT(none.error_message(), HasSubstr("no uploaded scene has this name and these light "
+                                              "levels"));
+}
+
 TEST_F(AssetServiceTest, ABrokenUploadContinues) {
   const std::string bytes(3 << 20, 'x');
   const std::string digest = sha256(bytes);
