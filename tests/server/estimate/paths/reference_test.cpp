@@ -77,14 +77,26 @@ TEST_P(Reference, PictureAgreesWithPbrt4) {
   // In `portal` an eave outside hides part of the sun from the floor, and no density includes it.
   // At 256 samples pbrt-v4 does not agree with itself.  In `m_thin` the pane reflects the lamp onto
   // the floor, where paths find it by chance.
-  static const std::map<std::string, std::uint32_t> kSamplesPerBlock{
-      {"portal", 128},        {"m_thin", 64},   {"spherical", 64},   {"orthographic", 32},
-      {"lens", 32},           {"gaussian", 32}, {"mitchell", 32},    {"textured", 32},
-      {"many_triangles", 32}, {"bounces", 8},   {"m_absorption", 16}};
+  static const std::map<std::string, std::uint32_t> kSamplesPerBlock{{"portal", 128},
+                                                                     {"m_thin", 64},
+                                                                     {"spherical", 64},
+                                                                     {"orthographic", 32},
+                                                                     {"lens", 32},
+                                                                     {"gaussian", 32},
+                                                                     {"mitchell", 32},
+                                                                     {"textured", 32},
+                                                                     {"many_triangles", 32},
+                                                                     {"m_conductor", 32},
+                                                                     {"m_conductor_aniso", 32},
+                                                                     {"m_conductor_rough", 32},
+                                                                     {"m_coated", 32},
+                                                                     {"m_coated_metal", 32},
+                                                                     {"m_curves", 32},
+                                                                     {"m_dielectric", 32},
+                                                                     {"m_dielectric_rough", 32},
+                                                                     {"bounces", 8}};
   const auto found = kSamplesPerBlock.find(GetParam());
-  const std::uint32_t samples_per_block = found != kSamplesPerBlock.end() ? found->second
-                                          : GetParam().starts_with("m_")  ? 32
-                                                                          : 16;
+  const std::uint32_t samples_per_block = found != kSamplesPerBlock.end() ? found->second : 16;
   const Rendered mine = render(*build(describe(GetParam())), samples_per_block * times());
   const std::string stem = kReference + "pictures/" + GetParam();
   const Picture theirs = read_picture(stem + ".exr");
