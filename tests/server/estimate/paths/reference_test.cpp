@@ -46,7 +46,7 @@ struct Rendered {
   Picture mean, standard_error;
 };
 
-Rendered render(const Scene& scene, std::uint32_t samples_per_block = 32) {
+Rendered render(const Scene& scene, std::uint32_t samples_per_block) {
   constexpr std::uint32_t kBlocks = 8;
   const Camera& camera = scene.camera();
   const TileSettings settings{
@@ -188,7 +188,7 @@ TEST(ColourReference, PictureAgreesWithPbrt4AfterCorrectionForItsSpectra) {
         break;
       }
     ASSERT_EQ(surfaces, 2);
-    const Rendered one = render(*build(std::move(d)));
+    const Rendered one = render(*build(std::move(d)), 16 * times());
     if (light == 0) {
       sum = one;
       continue;
