@@ -35,9 +35,9 @@ oracle: release
 	@LUCERNA_ORACLE_SCENES=$(SCENES) build/release/tests/oracle/oracle_test
 
 # What takes long: ten times the items, ten times the rays in the shadow tests, four times the repeats in the interval
-# tests, and all mutants.
+# tests, four times the samples of reference pictures, and all mutants.
 soak: release
-	@cmake --build --preset release --target server_extremes_test coverage_test
+	@cmake --build --preset release --target server_extremes_test coverage_test server_test
 	@ctest --preset release -C Soak -L soak
 	@$(MAKE) --no-print-directory wire ITEMS=10000000
 
