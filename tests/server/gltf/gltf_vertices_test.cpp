@@ -80,6 +80,19 @@ TEST(GltfVertexColours, BelongToTheirMeshInAScene) {
   }
 }
 
+TEST(GltfVertexColours, BelongToTheirMeshAmongOthers) {
+  GltfFile file;
+  const int colours = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  Json plain = file.triangle();
+  plain["material"] = 0;
+  file.add_node({{"mesh", file.add_mesh(plain)}});
+  file = file_of(kDiffuse, file, {{"COLOR_0", colours}}, {{"translation", {2, 0, 0}}});
+  const auto scene = built(file);
+  EXPECT_NEAR(reflectance_at(*scene, 0.25, 0.25).g, 1, 1e-6);
+  EXPECT_NEAR(reflectance_at(*scene, 2.25, 0.25).g, 0, 1e-6);
+  EXPECT_NEAR(reflectance_at(*scene, 2.25, 0.25).b, 1, 1e-6);
+}
+
 TEST(GltfVertexColours, BadOnesAreErrors) {
   const auto error = [](const std::vector<float>& values, const std::string& type) {
     GltfFile file;
