@@ -61,36 +61,26 @@ TEST(GltfVertexColours, AreLinearFactorsOfTheBaseColour) {
   }
 }
 
-TEST(GltfVertexColours, BelongToTheirMeshInAScene) {
-  GltfFile file;
-  const int colours = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
-  Json plain = file.triangle();
-  plain["material"] = 0;
-  // Instances of one mesh, and a mesh without colours before and behind.
-  file.add_node({{"mesh", file.add_mesh(plain)}});
-  file = file_of(kDiffuse, file, {{"COLOR_0", colours}}, {{"translation", {2, 0, 0}}});
-  file.add_node({{"mesh", 1}, {"translation", {4, 0, 0}}});
-  file.add_node({{"mesh", 0}, {"translation", {6, 0, 0}}});
-  const auto scene = built(file);
-  for (const double x : {0.25, 6.25}) EXPECT_NEAR(reflectance_at(*scene, x, 0.25).g, 1, 1e-6) << x;
-  for (const double x : {2.25, 4.25}) {
-    const Rgb<double> at = reflectance_at(*scene, x, 0.25);
-    EXPECT_NEAR(at.g, 0, 1e-6) << x;
-    EXPECT_NEAR(at.b, 1, 1e-6) << x;
+TEST(GltfVertexColours, BelongToTheirMesh) {
+  for (const bool is_instanced : {false, true}) {
+    GltfFile file;
+    const int colours = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+    Json plain = file.triangle();
+    plain["material"] = 0;
+    file.add_node({{"mesh", file.add_mesh(plain)}});
+    file = file_of(kDiffuse, file, {{"COLOR_0", colours}}, {{"translation", {2, 0, 0}}});
+    if (is_instanced) {
+      file.add_node({{"mesh", 1}, {"translation", {4, 0, 0}}});
+      file.add_node({{"mesh", 0}, {"translation", {6, 0, 0}}});
+    }
+    const auto scene = built(file);
+    for (double x = 0.25; x < (is_instanced ? 8 : 4); x += 2) {
+      const bool is_coloured = x > 2 && x < 6;
+      const Rgb<double> at = reflectance_at(*scene, x, 0.25);
+      EXPECT_NEAR(at.g, is_coloured ? 0 : 1, 1e-6) << x;
+      EXPECT_NEAR(at.b, 1, 1e-6) << x;
+    }
   }
-}
-
-TEST(GltfVertexColours, BelongToTheirMeshAmongOthers) {
-  GltfFile file;
-  const int colours = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
-  Json plain = file.triangle();
-  plain["material"] = 0;
-  file.add_node({{"mesh", file.add_mesh(plain)}});
-  file = file_of(kDiffuse, file, {{"COLOR_0", colours}}, {{"translation", {2, 0, 0}}});
-  const auto scene = built(file);
-  EXPECT_NEAR(reflectance_at(*scene, 0.25, 0.25).g, 1, 1e-6);
-  EXPECT_NEAR(reflectance_at(*scene, 2.25, 0.25).g, 0, 1e-6);
-  EXPECT_NEAR(reflectance_at(*scene, 2.25, 0.25).b, 1, 1e-6);
 }
 
 TEST(GltfVertexColours, BadOnesAreErrors) {
