@@ -87,8 +87,9 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
       return status.ok() ? loaded : status;
     };
     if (upload) {
-      return noted(
-          client::upload_scene(client, scene, {.root = asset_root, .lease_s = lease_s}, call));
+      return noted(client::upload_scene(
+          client, scene, {.root = asset_root, .lease_s = lease_s, .blender = session.blender()},
+          call));
     }
     if (!id.empty()) {
       v1::RenewLeaseRequest lease;
@@ -101,10 +102,7 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
       if (leased.ok()) return response;
       if (!absl::IsNotFound(leased.status())) return leased.status();
     }
-    v1::LoadSceneRequest load;
-    load.set_path(scene);
-    load.set_lease_s(lease_s);
-    return noted(client.load_scene(load, call));
+    return noted(client.load_scene(load_request(session, scene, lease_s), call));
   };
   return job;
 }

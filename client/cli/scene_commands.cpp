@@ -16,7 +16,6 @@
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
 #include "lucerna/client/upload.h"
-#include "proto/common/defaults.h"
 
 namespace lucerna::cli {
 namespace {
@@ -32,29 +31,11 @@ struct LoadFlags {
   bool upload = false;
   std::string asset_root;
   double lease_s = 0;
-  std::string blender;  ///< a name of kBlenderModes; empty: none
-  std::optional<double> lumens_per_watt;
 };
 
-constexpr std::pair<const char*, v1::BlenderLightingMode> kBlenderModes[] = {
-    {"standard", v1::BLENDER_LIGHTING_MODE_STANDARD},
-    {"unitless", v1::BLENDER_LIGHTING_MODE_UNITLESS},
-    {"raw", v1::BLENDER_LIGHTING_MODE_RAW}};
-
-std::optional<v1::BlenderLevels> blender_levels(const LoadFlags& flags) {
-  if (flags.blender.empty()) return std::nullopt;
-  v1::BlenderLevels levels;
-  for (const auto& [name, mode] : kBlenderModes)
-    if (flags.blender == name) levels.set_mode(mode);
-  if (flags.lumens_per_watt) levels.set_lumens_per_watt(*flags.lumens_per_watt);
-  return levels;
-}
-
-/// Ends the program for options that require others.
+/// Ends the program for an option that requires another.
 void check(const LoadFlags& flags) {
   if (!flags.asset_root.empty() && !flags.upload) wrong_use("--asset-root requires --upload");
-  if (flags.lumens_per_watt && flags.blender.empty())
-    wrong_use("--lumens-per-watt requires --blender");
 }
 
 /// Draws on one line of the terminal; the next text replaces it.
@@ -66,7 +47,7 @@ void show(const client::UploadProgress& progress) {
 
 v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
   client::UploadOptions options{
-      .root = flags.asset_root, .lease_s = flags.lease_s, .blender = blender_levels(flags)};
+      .root = flags.asset_root, .lease_s = flags.lease_s, .blender = session.blender()};
   const bool terminal = isatty(STDERR_FILENO) != 0;
   if (terminal) options.progress = show;
   auto response =
@@ -81,8 +62,7 @@ v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
 }
 
 v1::LoadSceneResponse load_file(Session& session, const LoadFlags& flags) {
-  return flags.upload ? upload(session, flags)
-                      : load_scene(session, flags.path, flags.lease_s, blender_levels(flags));
+  return flags.upload ? upload(session, flags) : load_scene(session, flags.path, flags.lease_s);
 }
 
 /// Ends the program under --strict for a scene with remarks.
@@ -348,19 +328,6 @@ std::shared_ptr<LoadFlags> add_file_options(CLI::App& command) {
       .add_option("--asset-root", flags->asset_root,
                   "With --upload: send only files in this directory; default: the scene file's")
       ->type_name("DIR");
-  std::vector<std::string> modes;
-  for (const auto& [name, mode] : kBlenderModes) modes.emplace_back(name);
-  command
-      .add_option("--blender", flags->blender,
-                  "For a .gltf or .glb file from Blender: the Lighting Mode with which Blender "
-                  "exported it; turns its lights into cd, lx and cd/m2")
-      ->check(one_of(modes));
-  command
-      .add_option("--lumens-per-watt", flags->lumens_per_watt,
-                  "With --blender: the light of one of Blender's watts [lm]; default: 683")
-      ->type_name("LM")
-      ->check(checked_number("a number above 0, at most 1000000",
-                             [](double v) { return v > 0 && v <= kMostLumensPerWatt; }));
   return flags;
 }
 

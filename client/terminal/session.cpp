@@ -133,6 +133,7 @@ void Session::add_options(CLI::App& app) {
       ->check(positive());
   app.add_flag("--json", json_,
                "Print the answer, or the error, as JSON of the messages in lucerna.v1");
+  blender_.add(app);
   app.add_flag("--strict", strict_, "Fail if the scene has anything that is not modelled");
 }
 
@@ -152,11 +153,10 @@ void Session::connect_to_all(const std::string& scene) {
   options.allow_mixed = allow_mixed_;
   options.call = call_options();
   options.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
-  options.load = [scene](const client::Client& client,
-                         const client::CallOptions& call) -> absl::StatusOr<v1::LoadSceneResponse> {
+  options.load = [scene, load = load_request(*this, scene, 0)](
+                     const client::Client& client,
+                     const client::CallOptions& call) -> absl::StatusOr<v1::LoadSceneResponse> {
     if (is_id(scene) || is_prefix(scene)) return find_scene(client, scene, call);
-    v1::LoadSceneRequest load;
-    load.set_path(scene);
     auto loaded = client.load_scene(load, call);
     if (!loaded.ok()) return with_prefix_length(scene, loaded.status());
     return loaded;
@@ -229,6 +229,8 @@ void Session::fail(const absl::Status& status) const {
 
 std::string Session::scene_id(const std::string& scene) {
   if (scene.empty()) wrong_use("SCENE is empty, must be an id or a path under the scene root");
+  if (blender() && (is_id(scene) || is_prefix(scene)))
+    wrong_use("--blender requires the path of a file; SCENE is the id of a loaded scene");
   if (several()) {
     connect_to_all(scene);
     print_new_remarks(servers_->loaded());
@@ -278,13 +280,17 @@ void Session::print_remarks() const {
   if (!remarks_line_.empty()) fmt::print("{}\n", remarks_line_);
 }
 
-v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s,
-                                 const std::optional<v1::BlenderLevels>& blender) {
+v1::LoadSceneRequest load_request(const Session& session, const std::string& path, double lease_s) {
   v1::LoadSceneRequest request;
   request.set_path(path);
   if (lease_s > 0) request.set_lease_s(lease_s);
-  if (blender) *request.mutable_blender() = *blender;
-  auto response = session.client().load_scene(request, session.call_options());
+  if (auto levels = session.blender()) *request.mutable_blender() = *std::move(levels);
+  return request;
+}
+
+v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s) {
+  auto response =
+      session.client().load_scene(load_request(session, path, lease_s), session.call_options());
   if (!response.ok()) session.fail(with_prefix_length(path, response.status()));
   return *std::move(response);
 }

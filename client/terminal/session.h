@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <string>
 
+#include "client/terminal/blender_option.h"
 #include "client/terminal/error.h"
 #include "client/terminal/remarks.h"
 #include "lucerna/client/client.h"
@@ -28,13 +29,15 @@ class Session {
   Session(std::stop_token stop, const std::atomic<int>& signal)
       : stop_(std::move(stop)), signal_(signal) {}
 
-  /// Adds --server, --allow-mixed, --timeout, --json and --strict.  They may come before or after
-  /// the command.
+  /// Adds --server, --allow-mixed, --timeout, --json, --strict and the options of BlenderOption.
+  /// They may come before or after the command.
   void add_options(CLI::App& app);
 
   bool json() const { return json_; }
   /// The address or the list of --server; each host has a port.
   const std::string& server() const { return server_; }
+  /// Of the scene files that this command loads.
+  std::optional<v1::BlenderLevels> blender() const { return blender_.levels(); }
   /// Whether servers of different numeric fingerprints may share work.
   bool allow_mixed() const { return allow_mixed_; }
   /// Connects at the first use.  If --server names several servers, scene_id() must be called
@@ -93,6 +96,7 @@ class Session {
   std::optional<double> timeout_s_;
   bool json_ = false;
   bool strict_ = false;
+  BlenderOption blender_;
   std::stop_token stop_;
   const std::atomic<int>& signal_;
   bool allow_mixed_ = false;
@@ -105,9 +109,10 @@ class Session {
   std::string remarks_line_;  // guarded by remarks_mutex_; empty without remarks
 };
 
-/// Loads a scene file.  `lease_s` and `blender`: see LoadSceneRequest.
-v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s = 0,
-                                 const std::optional<v1::BlenderLevels>& blender = {});
+/// Loads a scene file.  `lease_s`: see LoadSceneRequest.
+v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s = 0);
+/// The request to load the file `path`, with the session's Blender levels.
+v1::LoadSceneRequest load_request(const Session& session, const std::string& path, double lease_s);
 /// All loaded scenes, from all pages.
 v1::ListScenesResponse list_scenes(Session& session);
 /// All scene files that the server can load, from all pages.

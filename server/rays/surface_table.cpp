@@ -17,6 +17,14 @@ absl::Status not_finite(std::size_t i, const Vec3<double>& p) {
       "vertex {} at ({}, {}, {}) m, allowed: coordinates up to 1e30", i, p.x, p.y, p.z));
 }
 
+/// Makes room for `more` elements: no more than that in an empty vector.  Else the capacity at least
+/// doubles, so that many small additions take linear time.
+template <typename T>
+void make_room(std::vector<T>& values, std::size_t more) {
+  const std::size_t size = values.size() + more;
+  if (size > values.capacity()) values.reserve(std::max(size, 2 * values.capacity()));
+}
+
 absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
                          const std::vector<std::uint32_t>& indices, const Vec3<double>& origin,
                          GeometrySet& set) {
@@ -28,6 +36,7 @@ absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
     if (i >= positions.size())
       return absl::InvalidArgumentError(
           fmt::format("vertex number {}, allowed: less than {}", i, positions.size()));
+  make_room(set.vertices, positions.size() + 1);  // Embree reads beyond the last vertex
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3<float> p = about(positions[i], origin);
     if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate)
@@ -93,6 +102,8 @@ class Appender {
     LUCERNA_RETURN_IF_ERROR(append_values("tangents", mesh.tangents, base, mesh.positions.size(),
                                           table_.vertex_tangents));
     begin_run(HitKind::kTriangle, set_.triangles.size() / 3, 0, 1);
+    make_room(set_.triangles, mesh.indices.size());
+    if (has_uv_) make_room(table_.triangle_uv, mesh.indices.size() / 3);
     for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
       append_triangle(mesh.positions, static_cast<std::uint32_t>(base),
                       {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]});
@@ -324,11 +335,6 @@ std::size_t SurfaceTable::bytes() const {
                     patch_uv.capacity() * sizeof(std::array<Vec2<float>, 4>);
   for (const auto& r : runs) sum += r.capacity() * sizeof(PrimitiveRun);
   return sum;
-}
-
-void Bounds::add(const Vec3<double>& p) {
-  lower = {std::fmin(lower.x, p.x), std::fmin(lower.y, p.y), std::fmin(lower.z, p.z)};
-  upper = {std::fmax(upper.x, p.x), std::fmax(upper.y, p.y), std::fmax(upper.z, p.z)};
 }
 
 absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape) {

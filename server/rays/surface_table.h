@@ -93,7 +93,13 @@ struct Bounds {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec3<double> lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
   bool empty() const { return lower.x > upper.x; }
-  void add(const Vec3<double>& p);
+  void add(const Vec3<double>& p) {
+    // Compiles to x86's own minimum and maximum; std::fmin is a call.
+    const auto lesser = [](double a, double least) { return a < least ? a : least; };
+    const auto larger = [](double a, double most) { return a > most ? a : most; };
+    lower = {lesser(p.x, lower.x), lesser(p.y, lower.y), lesser(p.z, lower.z)};
+    upper = {larger(p.x, upper.x), larger(p.y, upper.y), larger(p.z, upper.z)};
+  }
 };
 
 /// Bounds of a shape in its own space.  Errors: values that are not finite or out of their

@@ -94,6 +94,45 @@ TEST_F(CliUpload, BlendersLevelsBecomePhotometric) {
               AllOf(HasSubstr(" 365.618 cd/m2"), HasSubstr(" 150 lx"), HasSubstr(" 45 cd ")));
 }
 
+TEST_F(CliUpload, QueriesAndJobsLoadWithBlendersLevels) {
+  const std::string room = std::string(LUCERNA_TEST_DATA) + "/gltf/room.gltf";
+  const auto id_with = [&](const std::string& mode) {
+    return lucerna({"load", "--upload", "--blender", mode, room}).out.substr(0, 64);
+  };
+  const std::string standard = id_with("standard"), raw = id_with("raw");
+  const auto lux = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "irradiance");
+    arguments.insert(arguments.end(), {"--point", "2.5,0,2.5", "--normal", "0,1,0", "--seed", "1"});
+    const Outcome outcome = lucerna(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const std::size_t row = outcome.out.find('\n') + 1;  // the lines below it have times and names
+    return outcome.out.substr(row, outcome.out.find('\n', row) - row);
+  };
+  EXPECT_NE(lux({standard}), lux({raw}));
+  EXPECT_EQ(lux({"--blender", "standard", "room.gltf"}), lux({standard}));
+  EXPECT_EQ(lux({"--blender", "raw", "room.gltf"}), lux({raw}));
+  const Outcome both =
+      lucerna({"irradiance", "--blender", "raw", raw, "--point", "0,0,0", "--normal", "0,1,0"});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_THAT(both.err, HasSubstr("--blender requires the path of a file"));
+
+  std::ofstream(directory_ / "points.csv") << "x,y,z,nx,ny,nz\n2.5,0,2.5,0,1,0\n";
+  const auto rows = [&](std::vector<std::string> arguments) {
+    fs::remove(directory_ / "lux.csv");
+    arguments.insert(arguments.begin(), "irradiance");
+    arguments.insert(arguments.end(),
+                     {"--points", path("points.csv"), "-o", path("lux.csv"), "--seed", "1"});
+    const Outcome outcome = lucerna(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    std::ifstream file(directory_ / "lux.csv");
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string of_raw = rows({raw});
+  EXPECT_NE(of_raw, rows({standard}));
+  EXPECT_EQ(of_raw, rows({"--blender", "raw", "--upload", room}));
+  EXPECT_EQ(of_raw, rows({"--blender", "raw", "--servers", server_->target(), "room.gltf"}));
+}
+
 TEST_F(CliUpload, WrongOptionsAboutBlenderAreRefused) {
   const auto use = [&](std::vector<std::string> arguments, const std::string& what) {
     arguments.insert(arguments.begin(), "load");

@@ -5,50 +5,67 @@ receiver is z^2 / 2 times the angle between the meridians.  So the irradiance is
 edge of the visible part; the horizon itself contributes nothing.  Where the zenith is visible, it is pi less that.  The
 edges are integrated numerically.  None of them passes near the zenith, where the angle changes fast.
 """
-from mpmath import acos, asin, cos, mpf, pi, quad, sin, sqrt, workdps
+from mpmath import acos, asin, cos, cos_sin, mpf, pi, quad, sin, sqrt, workdps
 
 from polygons import coordinates, cross, dot, norm, sub, unit, vec
 from table import Table
 
 
-def along(point, slope, n, ends):
-    """Integrates z^2 dphi over points of a path and their derivatives."""
+def along(path, n, ends):
+    """Integrates z^2 dphi over a path, which is a function to a point and the derivative there."""
     def integrand(t):
-        p, aside = point(t), cross(n, point(t))
-        return dot(p, n) ** 2 / dot(p, p) * dot(n, cross(p, slope(t))) / dot(aside, aside)
+        p, slope = path(t)
+        aside = cross(n, p)
+        return dot(p, n) ** 2 / dot(p, p) * dot(aside, slope) / dot(aside, aside)
     return quad(integrand, ends, method="gauss-legendre")
 
 
-def polygon(corners, receiver, normal):
-    """Irradiance of the part above the horizon, which must not contain the zenith."""
+def edge(a, b, n):
+    """The same integral along the part of a straight edge that is above the horizon; 0 if none is.
+
+    Its point is a + t e, so each product of the integrand is a polynomial of t.
+    """
+    ua, ub = dot(a, n), dot(b, n)
+    if ua <= 0 and ub <= 0:
+        return mpf(0)
+    e = sub(b, a)
+    crossing = ua / (ua - ub) if (ua < 0) != (ub < 0) else None
+    first = crossing if ua < 0 else mpf(0)
+    last = crossing if ub < 0 else mpf(1)
+    # Finer towards the nearest point of the edge, which may be very near.
+    nearest = min(max(-dot(a, e) / dot(e, e), first), last)
+    share = norm([x + nearest * y for x, y in zip(a, e)]) / norm(e)
+    ends = {first, last, nearest}
+    while share < 1:
+        ends |= {x for x in (nearest - share, nearest + share) if first < x < last}
+        share *= 4
+    aside_a, aside_e = cross(n, a), cross(n, e)
+    aa, ae, ee, ue = dot(a, a), 2 * dot(a, e), dot(e, e), dot(e, n)
+    ss, st, tt = dot(aside_a, aside_a), 2 * dot(aside_a, aside_e), dot(aside_e, aside_e)
+    def integrand(t):
+        return (ua + t * ue) ** 2 / ((aa + t * (ae + t * ee)) * (ss + t * (st + t * tt)))
+    return dot(n, cross(a, e)) * quad(integrand, sorted(ends), method="gauss-legendre")
+
+
+def polygon(corners, receiver, normal, edges):
+    """Irradiance of the part above the horizon, which must not contain the zenith.  `edges` holds known integrals."""
     n = [x / norm(vec(normal)) for x in vec(normal)]
     p = [sub(vec(c), vec(receiver)) for c in corners]
     total = mpf(0)
     for i, a in enumerate(p):
         b = p[(i + 1) % len(p)]
-        ua, ub = dot(a, n), dot(b, n)
-        if ua <= 0 and ub <= 0:
-            continue
-        e = sub(b, a)
-        crossing = ua / (ua - ub) if (ua < 0) != (ub < 0) else None
-        first = crossing if ua < 0 else mpf(0)
-        last = crossing if ub < 0 else mpf(1)
-        def point(t): return [x + t * y for x, y in zip(a, e)]
-        # Finer towards the nearest point of the edge, which may be very near.
-        nearest = min(max(-dot(a, e) / dot(e, e), first), last)
-        share = norm(point(nearest)) / norm(e)
-        ends = {first, last, nearest}
-        while share < 1:
-            ends |= {x for x in (nearest - share, nearest + share) if first < x < last}
-            share *= 4
-        total += along(point, lambda t: e, n, sorted(ends))
+        key = (*a, *b)
+        if key not in edges:
+            edges[key] = edge(a, b, n)
+        total += edges[key]
     return abs(total) / 2
 
 
 def add_polygon(table, name, size, corners, receiver, normal):
+    edges = {}
     table.add(name, size, *[float(x) for c in corners for x in c], *receiver, *normal,
-              polygon([corners[0], corners[1], corners[3], corners[2]], receiver, normal),
-              polygon(corners[:3], receiver, normal))
+              polygon([corners[0], corners[1], corners[3], corners[2]], receiver, normal, edges),
+              polygon(corners[:3], receiver, normal, edges))
 
 
 def polygons():
@@ -94,9 +111,10 @@ def round_edge(center, x, y, n, whole):
     rise, up = dot(x, n), dot(center, n)
     # The arc beyond a small part of the turn is equally small, so 1 - cos uses the half angle.
     end = pi if whole else 2 * asin(sqrt((rise + up) / (2 * rise)))
-    def point(t): return [a + b * cos(t) + c * sin(t) for a, b, c in zip(center, x, y)]
-    def slope(t): return [c * cos(t) - b * sin(t) for b, c in zip(x, y)]
-    return abs(along(point, slope, n, [-end, -end / 2, 0, end / 2, end])) / 2
+    def path(t):
+        c, s = cos_sin(t)
+        return ([p + c * a + s * b for p, a, b in zip(center, x, y)], [c * b - s * a for a, b in zip(x, y)])
+    return abs(along(path, n, [-end, -end / 2, 0, end / 2, end])) / 2
 
 
 def disk(radius, center, axis, normal):

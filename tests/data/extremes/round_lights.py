@@ -4,7 +4,7 @@ Irradiance is half the integral of n . (p x dp) / |p|^2.  The solid angle is the
 the normal of a disk through its foot, where theta and phi are the angles of the edge.  Where the integrands are periodic
 and analytic, the trapezium rule converges geometrically.  Where they are analytic between their ends, Gauss's rule does.
 """
-from mpmath import acos, cos, mpf, pi, quad, sin, sqrt, workdps
+from mpmath import acos, cos, cos_sin, mpf, pi, quad, sin, sqrt, workdps
 
 from polygons import E1, E3, arc, combine, coordinates, cross, dot, norm, sub, unit, vec
 from table import Table
@@ -51,9 +51,13 @@ def cylinder(radius, z_min, z_max, receiver_x, normal):
         tangent = acos(radius / receiver_x)
         origin = [receiver_x, mpf(0), mpf(0)]
 
-        def ring(z, t):
-            p = sub([radius * cos(t), radius * sin(t), z], origin)
-            return dot(n, cross(p, [-radius * sin(t), radius * cos(t), mpf(0)])) / dot(p, p)
+        def between_rings(t):
+            c, s = cos_sin(t)
+            slope, total = [-radius * s, radius * c, mpf(0)], mpf(0)
+            for sign, z in ((1, z_min), (-1, z_max)):
+                p = sub([radius * c, radius * s, z], origin)
+                total += sign * dot(n, cross(p, slope)) / dot(p, p)
+            return total
 
         def line(t):
             a = sub([radius * cos(t), radius * sin(t), z_min], origin)
@@ -61,7 +65,7 @@ def cylinder(radius, z_min, z_max, receiver_x, normal):
             m = cross(a, b)
             return arc(a, b) * dot(n, m) / norm(m)
 
-        total = quad(lambda t: ring(z_min, t) - ring(z_max, t), [-tangent, 0, tangent])
+        total = quad(between_rings, [-tangent, 0, tangent])
         return abs(total + line(tangent) - line(-tangent)) / 2, tangent
 
 
