@@ -82,6 +82,21 @@ class SceneStore {
   /// The same for uploaded files.  Returns the missing files if there are any.
   absl::StatusOr<LoadedScene> load(const Manifest& manifest, const LoadOptions& options = {});
 
+  /// Makes the revision of a scene, or of its revision, with these edits (all of them, not only
+  /// new ones).  Without edits it is the scene itself.  Errors: those of Scene::revise;
+  /// RESOURCE_EXHAUSTED as for load.
+  absl::StatusOr<LoadedScene> revise(const StoredScene& of, LightEdits edits,
+                                     const LoadOptions& options = {});
+
+  /// What a scene file holds, without building it.
+  struct Read {
+    std::optional<SceneDescription> description;  ///< nothing if files are missing
+    std::vector<MissingAsset> missing;
+  };
+  /// Errors: those of load_scene_file.
+  absl::StatusOr<Read> read(const std::string& path, const LoadOptions& options) const;
+  absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options) const;
+
   /// Marks the scene as used.  Null if it is not loaded.
   std::shared_ptr<const Scene> find(const std::string& id) const;
   /// Up to `count` scenes with ids after `after`, in the order of their ids.
