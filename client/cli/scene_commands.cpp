@@ -46,8 +46,10 @@ void show(const client::UploadProgress& progress) {
 }
 
 v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
-  client::UploadOptions options{
-      .root = flags.asset_root, .lease_s = flags.lease_s, .blender = session.blender()};
+  client::UploadOptions options{.root = flags.asset_root,
+                                .lease_s = flags.lease_s,
+                                .blender = session.blender(),
+                                .edits = session.edits()};
   const bool terminal = isatty(STDERR_FILENO) != 0;
   if (terminal) options.progress = show;
   auto response =
