@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "proto/common/sha256.h"
+#include "server/rays/surface_table.h"
 #include "server/scene/scene_lights.h"
 
 namespace lucerna {
@@ -33,30 +34,52 @@ class Mover {
       turn_ = Transform::rotate(change.turn_rad, change.turn_axis).value_or(Transform());
   }
 
+  void operator()(TriangleMeshData& mesh) const { vertices(mesh); }
+  void operator()(PatchMeshData& mesh) const { vertices(mesh); }
+  void operator()(CurveData&) const {}  // does not emit
+#define LUCERNA_MOVE(Shape) \
+  void operator()(Shape##Params& p) const { p.world_from_object = map() * p.world_from_object; }
+  LUCERNA_QUADRICS(LUCERNA_MOVE)
+#undef LUCERNA_MOVE
+  void direction(Vec3<double>& w) const {
+    if (turn_) w = turn_->vector(w);
+  }
+
   void operator()(PointLightParams& p) const { point(p.position_m); }
   void operator()(SpotLightParams& p) const { point(p.position_m), direction(p.axis); }
   void operator()(DistantLightParams& p) const { direction(p.to_light); }
   void operator()(SunLightParams& p) const { direction(p.to_light); }
   void operator()(UniformInfiniteLightParams&) const {}
-  void operator()(ImageInfiniteLightParams& p) const { map(p.world_from_map); }
+  void operator()(ImageInfiniteLightParams& p) const { turn_map(p.world_from_map); }
   void operator()(GoniometricLightParams& p) const { point(p.position_m), frame(p.axes); }
   void operator()(ProjectionLightParams& p) const { point(p.position_m), frame(p.axes); }
   void operator()(BeamLightParams& p) const { point(p.position_m), frame(p.axes); }
   void operator()(PortalLightParams& p) const {
     for (Vec3<double>& corner : p.corners_m) point(corner);
-    map(p.world_from_map);
+    turn_map(p.world_from_map);
   }
 
  private:
+  template <typename Mesh>
+  void vertices(Mesh& mesh) const {
+    for (Vec3<double>& p : mesh.positions) point(p);
+    if (!turn_) return;
+    const auto turn = [this](Vec3<float>& v) { v = Vec3<float>(turn_->vector(Vec3<double>(v))); };
+    for (Vec3<float>& n : mesh.normals) turn(n);
+    if constexpr (requires { mesh.tangents; })
+      for (VertexTangent& t : mesh.tangents) turn(t.along_u);
+  }
+  Transform map() const {
+    const Transform shift = Transform::translate(shift_);
+    if (!turn_) return shift;
+    return Transform::translate(anchor_ + shift_) * *turn_ * Transform::translate(-anchor_);
+  }
   void point(Vec3<double>& p) const {
     // Exact without a turn, as a file with the new position is.
     p = (turn_ ? anchor_ + turn_->vector(p - anchor_) : p) + shift_;
   }
-  void direction(Vec3<double>& w) const {
-    if (turn_) w = turn_->vector(w);
-  }
   void frame(Frame<double>& axes) const { direction(axes.s), direction(axes.t), direction(axes.n); }
-  void map(Transform& world_from_map) const {
+  void turn_map(Transform& world_from_map) const {
     if (turn_) world_from_map = *turn_ * world_from_map;
   }
 
@@ -101,6 +124,31 @@ std::uint64_t added_light_id(const std::string& content,
   // Equal lights get the next numbers.
   while (taken.contains(kFirst + number)) number = (number + 1) % kFirst;
   return kFirst + number;
+}
+
+LightChange place_only(const LightChange& change) {
+  return {.shift_m = change.shift_m, .turn_axis = change.turn_axis, .turn_rad = change.turn_rad};
+}
+
+absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene) {
+  std::uint64_t id = scene.lights.size();
+  std::size_t found = 0;
+  for (ShapeDescription& shape : scene.shapes) {
+    if (!shape.emission) continue;
+    const auto change = moved.find(++id);
+    if (change == moved.end()) continue;
+    ++found;
+    if (shape.motion)
+      return absl::InvalidArgumentError(
+          fmt::format("light {}: the light moves by itself, allowed: lights without motion", id));
+    absl::StatusOr<Bounds> bounds = shape_bounds(shape);
+    if (!bounds.ok()) return bounds.status();
+    const Mover mover(change->second, bounds->lower * 0.5 + bounds->upper * 0.5);
+    std::visit(mover, shape.geometry);
+    if (shape.emission->panel) mover.direction(shape.emission->panel->tangent);
+  }
+  if (found == moved.size()) return absl::OkStatus();
+  return absl::InternalError("a surface to move that the scene does not have");
 }
 
 std::string LightEdits::canonical() const {

@@ -35,6 +35,9 @@ struct AddedLight {
   std::string content;
 };
 
+/// Changes of place, by the id of a light with a surface.
+using MovedSurfaces = std::map<std::uint64_t, LightChange>;
+
 /// All changes of a scene's lights.  They do not tell in which order they were made.
 struct LightEdits {
   std::map<std::uint64_t, LightChange> changes;  ///< by id; none that changes nothing
@@ -49,6 +52,13 @@ struct LightEdits {
 /// Changes level and place of a light without a surface.  Errors: a light that moves, and a shift
 /// of a light at infinity.
 absl::Status apply(const LightChange& change, LightDescription& light);
+
+/// The part of a change that says where the light is.
+LightChange place_only(const LightChange& change);
+
+/// Moves the shapes of lights, and their normals.  Errors: a light without a surface, or one that
+/// moves by itself.
+absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene);
 
 /// The id of an added light with this content: in [2^32, 2^33), and none of `taken`.
 std::uint64_t added_light_id(const std::string& content,

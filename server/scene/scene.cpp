@@ -92,6 +92,16 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::build(SceneDescription descr
   return Builder(description, std::move(stop)).build(isa);
 }
 
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::build_moved(SceneDescription description,
+                                                                const MovedSurfaces& moved,
+                                                                const std::string& isa,
+                                                                std::stop_token stop) {
+  LUCERNA_RETURN_IF_ERROR(move_surfaces(moved, description));
+  Builder builder(description, std::move(stop));
+  builder.note_moved(moved);
+  return builder.build(isa);
+}
+
 std::optional<std::uint32_t> Scene::find_light(std::uint64_t id) const {
   // Ids ascend; without edits there are no gaps.
   const auto found = std::ranges::lower_bound(lights_, id, {}, &SceneLight::id);

@@ -83,10 +83,16 @@ class Scene {
   static absl::StatusOr<std::shared_ptr<const Scene>> build(SceneDescription description,
                                                             const std::string& isa = "",
                                                             std::stop_token stop = {});
+  /// The same scene with surfaces of lights elsewhere, for revisions that move them.  It has the id
+  /// of the scene without moves.
+  static absl::StatusOr<std::shared_ptr<const Scene>> build_moved(SceneDescription description,
+                                                                  const MovedSurfaces& moved,
+                                                                  const std::string& isa = "",
+                                                                  std::stop_token stop = {});
 
   /// A scene with the files of `loaded` and other lights.  It shares everything but its lights with
-  /// `loaded`, which must come from build().  All queries have the same bits as in a scene whose
-  /// files give these lights in this order.
+  /// `loaded`, which must come from build() or, for edits that move surfaces, from build_moved().
+  /// All queries have the same bits as in a scene whose files give these lights in this order.
   ///
   /// Errors: a change that its light does not allow; a level or a place out of range.
   static absl::StatusOr<std::shared_ptr<const Scene>> revise(std::shared_ptr<const Scene> loaded,
@@ -98,6 +104,10 @@ class Scene {
   const std::shared_ptr<const Scene>& loaded() const { return loaded_; }
   /// Empty for a scene without edits.
   const LightEdits& edits() const { return edits_; }
+  /// The surfaces that these edits move, for build_moved().
+  MovedSurfaces moved_by(const LightEdits& edits) const;
+  /// Those that build_moved() moved.
+  const MovedSurfaces& moved() const { return base_->moved_; }
   /// World position of the zero of scene coordinates [m].  It is a multiple of a power of two that
   /// is at least the scene's extent.  So scenes near zero keep their coordinates unchanged.
   const Vec3<double>& origin() const { return origin_; }
@@ -242,6 +252,7 @@ class Scene {
   std::string id_;
   std::shared_ptr<const Scene> loaded_;
   LightEdits edits_;
+  MovedSurfaces moved_;
   // The scene that has everything but the lights: loaded_, or this one.
   const Scene* base_ = this;
   // For each light of loaded_ its index here, -1 if it was removed.  Empty if all are the same.

@@ -24,6 +24,7 @@ class Scene::Builder {
       : in_(description), stop_(std::move(stop)), scene_(new Scene) {}
 
   absl::StatusOr<std::shared_ptr<const Scene>> build(const std::string& isa);
+  void note_moved(const MovedSurfaces& moved) { scene_->moved_ = moved; }
   /// The scene of Scene::revise.  Requires an empty description.
   absl::StatusOr<std::shared_ptr<const Scene>> revise(std::shared_ptr<const Scene> loaded,
                                                       LightEdits edits);
@@ -56,6 +57,8 @@ class Scene::Builder {
   void report_shared_by_lights(std::span<const SceneLight> lights, const Stopwatch& watch);
   /// A light of a scene without edits that has no surface, as its file gives it.
   static LightDescription describe(const Scene& loaded, std::uint32_t light);
+  /// Errors: edits that remove the light of an emissive pane.
+  static absl::Status check_panes(const Scene& loaded, const LightEdits& edits);
   /// Adds a light of `loaded` that has a surface or no change.
   absl::Status revise_light(const SceneLight& light, const LightChange& change);
   absl::Status prepare_choice();

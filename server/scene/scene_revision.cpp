@@ -81,6 +81,9 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   scene_->loaded_ = std::move(from);
   const auto count = static_cast<std::uint32_t>(loaded.lights_.size());
 
+  if (loaded.moved_ != loaded.moved_by(edits))
+    return absl::InternalError("a scene whose surfaces are elsewhere");
+  LUCERNA_RETURN_IF_ERROR(check_panes(loaded, edits));
   // Describes all lights without a surface, since they determine the scene's sphere.
   std::vector<LightChange> changes(count);
   for (const auto& [id, change] : edits.changes)
@@ -93,9 +96,6 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     if (replacement != edits.added.end()) {
       described[i] = replacement->second.light;
     } else if (has_surface(of.light)) {
-      if (changes[i].has_place())
-        return about_light(of.id, absl::InvalidArgumentError(
-                                      "a place of a light with a surface, allowed: its level"));
       continue;
     } else {
       described[i] = describe(loaded, i);
@@ -180,9 +180,42 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   return scene_;
 }
 
+MovedSurfaces Scene::moved_by(const LightEdits& edits) const {
+  MovedSurfaces moved;
+  for (const auto& [id, change] : edits.changes) {
+    if (!change.has_place() || change.is_removed || edits.added.contains(id)) continue;
+    if (id <= base_->lights_.size() && has_surface(base_->lights_[id - 1].light))
+      moved[id] = place_only(change);
+  }
+  return moved;
+}
+
+absl::Status Scene::Builder::check_panes(const Scene& loaded, const LightEdits& edits) {
+  // Light passes a pane of thin glass straight on, unless it emits.
+  const auto is_pane = [&](const Surface& surface) {
+    if (surface.is_interface || loaded.materials_.empty()) return false;
+    const Material& material = loaded.materials_[surface.material];
+    return std::holds_alternative<ThinDielectricParams>(material.params) && material.normal_map < 0;
+  };
+  const auto check = [&](const SurfaceTable& table) -> absl::Status {
+    for (const Surface& surface : table.surfaces) {
+      if (surface.light < 0 || !is_pane(surface)) continue;
+      const std::uint64_t id = loaded.lights_[static_cast<std::size_t>(surface.light)].id;
+      const auto change = edits.changes.find(id);
+      if (edits.added.contains(id) || (change != edits.changes.end() && change->second.is_removed))
+        return about_light(id, absl::InvalidArgumentError(
+                                   "removal of a pane of thin glass that emits, allowed: off"));
+    }
+    return absl::OkStatus();
+  };
+  LUCERNA_RETURN_IF_ERROR(check(loaded.surfaces_));
+  for (const SurfaceTable& table : loaded.object_surfaces_) LUCERNA_RETURN_IF_ERROR(check(table));
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(std::shared_ptr<const Scene> loaded,
                                                            LightEdits edits) {
-  if (edits.empty()) return loaded;
+  if (edits.empty() && loaded->moved().empty()) return loaded;
   SceneDescription lights;
   return Builder(lights, {}).revise(std::move(loaded), std::move(edits));
 }

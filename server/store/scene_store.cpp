@@ -364,7 +364,12 @@ absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
   LUCERNA_ASSIGN_OR_RETURN(Read found, read(manifest, options));
   if (!found.description) return LoadedScene{.missing = std::move(found.missing)};
   return build_once(*std::move(found.description), key,
-                    {.scene = nullptr, .path = manifest.main, .uploaded = true}, options);
+                    {.scene = nullptr,
+                     .path = manifest.main,
+                     .uploaded = true,
+                     .source = manifest,
+                     .factors = options.factors.value_or(LevelFactors())},
+                    options);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const std::string& key,
@@ -388,7 +393,12 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
   if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
     return load_uploaded(path, options);
   LUCERNA_RETURN_IF_ERROR(description.status());
-  return build_once(*std::move(description), key, {.scene = nullptr, .path = path}, options);
+  return build_once(*std::move(description), key,
+                    {.scene = nullptr,
+                     .path = path,
+                     .source = path,
+                     .factors = options.factors.value_or(LevelFactors())},
+                    options);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
@@ -430,12 +440,38 @@ absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
   return state_->answer(state_->insert(std::move(entry)), key, options, false);
 }
 
+absl::StatusOr<std::shared_ptr<const Scene>> SceneStore::moved(const StoredScene& of,
+                                                               const MovedSurfaces& moves,
+                                                               const std::stop_token& stop) {
+  std::shared_ptr<const Scene> loaded = of.scene->loaded() ? of.scene->loaded() : of.scene;
+  if (loaded->moved() == moves) return loaded;
+  {
+    const std::lock_guard lock(state_->mutex);
+    for (const auto& [id, entry] : state_->scenes) {
+      const std::shared_ptr<const Scene>& scene = entry.stored.scene;
+      const std::shared_ptr<const Scene>& other = scene->loaded() ? scene->loaded() : scene;
+      if (other->id() == loaded->id() && other->moved() == moves) return other;
+    }
+  }
+  const LoadOptions options{.stop = stop, .factors = of.factors};
+  LUCERNA_ASSIGN_OR_RETURN(
+      Read found, std::visit([&](const auto& source) { return read(source, options); }, of.source));
+  if (!found.description ||
+      scene_id(found.description->assets, found.description->textures.halved(),
+               found.description->level_factors) != loaded->id())
+    return absl::FailedPreconditionError(
+        fmt::format("the files of \"{}\" are not those that were loaded, and an edit that moves a "
+                    "surface reads them again; load the scene again",
+                    of.path));
+  return Scene::build_moved(*std::move(found.description), moves, state_->options.isa, stop);
+}
+
 absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits edits,
                                                const LoadOptions& options) {
-  LUCERNA_ASSIGN_OR_RETURN(
-      const std::shared_ptr<const Scene> scene,
-      Scene::revise(of.scene->loaded() != nullptr ? of.scene->loaded() : of.scene,
-                    std::move(edits)));
+  LUCERNA_ASSIGN_OR_RETURN(std::shared_ptr<const Scene> base,
+                           moved(of, of.scene->moved_by(edits), options.stop));
+  LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
+                           Scene::revise(std::move(base), std::move(edits)));
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
   const auto same = state_->scenes.find(scene->id());
@@ -443,7 +479,9 @@ absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits
   if (!is_known) {
     LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), gone));
     Entry entry;
-    entry.stored = {.scene = scene, .path = of.path, .uploaded = of.uploaded};
+    entry.stored = of;
+    entry.stored.scene = scene;
+    entry.stored.leased_s = 0;
     state_->insert(std::move(entry));
   }
   Entry& entry = state_->scenes.at(scene->id());

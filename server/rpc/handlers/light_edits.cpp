@@ -301,7 +301,9 @@ Prepared edit_lights(const Context& context, const v1::EditLightsRequest& reques
   Task task;
   task.predicted_s =
       kRevisionSeconds + kLightSeconds * static_cast<double>(stored->scene->lights().size());
-  for (const v1::LightEdit& edit : request.edits()) task.bulk |= edit.has_add();
+  // These read files, or may build the scene again.
+  for (const v1::LightEdit& edit : request.edits())
+    task.bulk |= edit.has_add() || edit.change().has_placement();
   task.cost = response->mutable_cost();
   task.run = [context, stored = *stored, &request,
               response](const std::stop_token& stop) -> absl::Status {

@@ -280,7 +280,9 @@ LightSource "projection" "string filename" "reference/slide.exr" "string project
 AttributeEnd
 LightSource "distant" "rgb L" [2 2 2] "point3 from" [1 -2 3] "point3 to" [0 0 0]
 AreaLightSource "diffuse" "rgb L" [10 10 10]
+AttributeBegin %
 Shape "trianglemesh" "point3 P" [-2 -1 3  -1 -1 3  -2 -2 3] "integer indices" [0 1 2]
+AttributeEnd
 )";
 
 std::string placed(const std::string& where) {
@@ -292,7 +294,7 @@ std::string placed(const std::string& where) {
 TEST_F(Edit, ShiftedLightsHaveTheBitsOfAFileThatShiftsThem) {
   const std::string scene = load("placed.pbrt", placed(""));
   v1::EditLightsRequest request = request_for(scene);
-  for (const std::uint64_t light : {1, 2, 3, 4, 5, 6}) {
+  for (const std::uint64_t light : {1, 2, 3, 4, 5, 6, 8}) {
     v1::Vector3* shift = change(request, light)->mutable_placement()->mutable_shift_m();
     shift->set_x(0.25), shift->set_y(0.5), shift->set_z(-0.125);
   }
@@ -315,6 +317,64 @@ TEST_F(Edit, TurnedLightsPointElsewhere) {
   const v1::Vector3& to_light = turned.lights().lights(6).distant().to_light();
   EXPECT_NEAR(to_light.x() / to_light.z(), 2.0 / 3, 1e-12);
   EXPECT_NEAR(to_light.y() / to_light.z(), 1.0 / 3, 1e-12);
+}
+
+TEST_F(Edit, ShiftedSurfacesOfEveryKindHaveTheBitsOfAFileThatShiftsThem) {
+  const auto text = [](const std::string& where) {
+    std::string all =
+        "WorldBegin\nShape \"bilinearmesh\" \"point3 P\" [-4 -4 0  4 -4 0  -4 4 0  4 4 0]\n";
+    for (const char* shape :
+         {"\"sphere\" \"float radius\" [0.25]", "\"disk\" \"float radius\" [0.5]",
+          "\"cylinder\" \"float radius\" [0.25]",
+          "\"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 1]",
+          "\"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0] \"normal N\" [0 0 1  0 0 1  0 0 1] "
+          "\"integer indices\" [0 1 2]"})
+      all += "AttributeBegin AreaLightSource \"diffuse\" \"bool twosided\" true\n" + where +
+             "Translate -1 1 2\nShape " + shape + " AttributeEnd\n";
+    return all;
+  };
+  const std::string scene = load("surfaces.pbrt", text(""));
+  v1::EditLightsRequest request = request_for(scene);
+  for (std::uint64_t light = 1; light <= 5; ++light) {
+    v1::Vector3* shift = change(request, light)->mutable_placement()->mutable_shift_m();
+    shift->set_x(0.25), shift->set_y(-0.5), shift->set_z(0.125);
+  }
+  const std::string moved = edited(request);
+  expect_same(moved, load("moved.pbrt", text("Translate 0.25 -0.5 0.125\n")));
+  // Another edit of the revision keeps the places, and shares the geometry.
+  const std::uint64_t builds = service_->server->scenes().builds();
+  request = request_for(moved);
+  change(request, 1)->set_scale(0.5);
+  EXPECT_NE(edited(request), moved);
+  EXPECT_EQ(service_->server->scenes().builds(), builds);
+  // Back at their places the surfaces are those of the file.
+  request = request_for(moved);
+  for (std::uint64_t light = 1; light <= 5; ++light) change(request, light)->mutable_placement();
+  EXPECT_EQ(edited(request), scene);
+  // A file that has changed cannot be built again.
+  write("surfaces.pbrt", text("Scale 2 2 2\n"));
+  request = request_for(scene);
+  change(request, 1)->mutable_placement()->mutable_shift_m()->set_x(3);
+  v1::EditLightsResponse response;
+  EXPECT_EQ(edit(request, &response).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+}
+
+TEST_F(Edit, TurnedSurfacesTurnAboutTheirMiddle) {
+  const std::string scene =
+      load("pane.pbrt",
+           "WorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [1 1 2  3 1 2  1 3 2  3 3 2]\n");
+  v1::EditLightsRequest request = request_for(scene);
+  v1::LightPlacement* place = change(request, 1)->mutable_placement();
+  place->mutable_turn_axis()->set_x(1);
+  place->set_turn_rad(std::numbers::pi / 2);
+  const Answers turned(*service_, edited(request));
+  const v1::Bounds& bounds = turned.lights().lights(0).bounds();
+  EXPECT_NEAR(bounds.lower_m().x(), 1, 1e-12);
+  EXPECT_NEAR(bounds.upper_m().x(), 3, 1e-12);
+  EXPECT_NEAR(bounds.lower_m().y(), 2, 1e-12);
+  EXPECT_NEAR(bounds.lower_m().z(), 1, 1e-12);
+  EXPECT_NEAR(bounds.upper_m().z(), 3, 1e-12);
 }
 
 TEST_F(Edit, TintedLightsHaveTheBitsOfAFileThatTintsThem) {
@@ -345,8 +405,8 @@ TEST_F(Edit, RemovedLightsLeaveDarkSurfacesAndKeepTheIdsOfOthers) {
   v1::EditLightsRequest request = request_for(scene);
   request.add_edits()->set_remove(8);
   std::string without = placed("");
-  without.erase(without.find("AreaLightSource"),
-                without.find("Shape \"trianglemesh") - without.find("AreaLightSource"));
+  const std::size_t begin = without.find("AreaLightSource");
+  without.erase(begin, without.find('\n', begin) - begin);
   const std::string last = edited(request);
   expect_same(last, load("without.pbrt", without));
   request = request_for(last);
