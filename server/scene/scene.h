@@ -116,7 +116,7 @@ class Scene {
 
   std::span<const SceneLight> lights() const { return lights_; }
   SourceLocation source_of(const SceneLight& light) const {
-    return {base_->files_[light.file], light.line, light.column};
+    return {files_[light.file], light.line, light.column};
   }
   /// World position of the zero of the light's coordinates.
   const Vec3<double>& origin_of(const SceneLight& light) const {
