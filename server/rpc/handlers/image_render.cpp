@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "proto/common/sample_blocks.h"
 #include "proto/common/status_macros.h"
@@ -21,8 +22,14 @@ constexpr std::uint64_t kWaitedForBlocks = 2;
 // The statistics of this many pixels take 3 GiB, and with intervals half as many take 3.5 GiB.
 // RenderTile renders larger pictures tile by tile.
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
+// A step computes for about this time, or one block of a tile.  Then other calls have a turn.
+constexpr double kStepSeconds = 0.1;
 // Each tile has its own message and header.
 constexpr std::uint64_t kMostTiles = 1 << 16;
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
 
 /// The edge of the tiles.  INVALID_ARGUMENT or RESOURCE_EXHAUSTED for a picture or tiles over a
 /// limit.
@@ -98,7 +105,11 @@ absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageRespo
     set_tile(*scene_, settings, 0, settings.block_count, result, response->mutable_tile());
   } else {
     if (!sending_) {
-      LUCERNA_RETURN_IF_ERROR(add_blocks(stop));
+      LUCERNA_ASSIGN_OR_RETURN(const bool reached, add_blocks(stop));
+      if (!reached) {
+        set_counts(response->mutable_cost(), work_);
+        return absl::OkStatus();
+      }
     }
     const BlockMerger<>& merged = merged_[tile_];
     if (sending_ || !is_timed() || !final_only_) {
@@ -120,7 +131,7 @@ absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageRespo
   return absl::OkStatus();
 }
 
-absl::Status ImageRender::add_blocks(const std::stop_token& stop) {
+absl::StatusOr<bool> ImageRender::add_blocks(const std::stop_token& stop) {
   TileSettings& settings = query_.settings;
   BlockMerger<>& merged = merged_[tile_];
   std::optional<StopAt> in_time;
@@ -128,13 +139,18 @@ absl::Status ImageRender::add_blocks(const std::stop_token& stop) {
     in_time.emplace(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                        std::chrono::duration<double>(std::max(0.0, left_s()))),
                     stop);
+  const Clock::time_point begin = Clock::now();
   while (merged.blocks() < pass_end_) {
+    if (seconds_since(begin) > kStepSeconds) return false;
     settings.first_block = merged.blocks();
-    settings.block_count = aligned_run(settings.first_block, pass_end_);
+    settings.block_count =
+        std::min(aligned_run(settings.first_block, pass_end_), blocks_of_a_step());
+    const Clock::time_point run_begin = Clock::now();
     TileResult result = lucerna::render_tile(*scene_, settings, in_time ? in_time->token() : stop);
     if (result.stopped && (!in_time || stop.stop_requested()))
       return absl::CancelledError("stopped");
     if (result.stopped) break;
+    block_s_ = seconds_since(run_begin) / static_cast<double>(settings.block_count);
     work_ += result.work;
     samples_done_ += result.work.samples;
     if (!merged.add(settings.first_block, settings.block_count, std::move(result.channels)) ||
@@ -142,7 +158,14 @@ absl::Status ImageRender::add_blocks(const std::stop_token& stop) {
                                                     std::move(result.moments))))
       return absl::InternalError("tiles do not follow each other");
   }
-  return absl::OkStatus();
+  return true;
+}
+
+std::uint64_t ImageRender::blocks_of_a_step() const {
+  if (block_s_ == 0) return 1;
+  constexpr double kMost = 1 << 30;
+  return std::bit_floor(
+      static_cast<std::uint64_t>(std::clamp(kStepSeconds / block_s_, 1.0, kMost)));
 }
 
 void ImageRender::end_pass() {

@@ -24,17 +24,20 @@ class ImageRender {
                                             const v1::RenderImageRequest& request);
 
   bool done() const { return tile_ == tiles_.size(); }
-  /// Renders the next tile.  Requires !done().  Runs in the caller's oneTBB arena.  The response's
-  /// `cost` has the counts of all tiles so far.  The response has no tile if it is too early to
-  /// send one.
+  /// Renders the next tile, or some of its samples if all would take long.  Requires !done().  Runs
+  /// in the caller's oneTBB arena.  The response's `cost` has the counts of all tiles so far.  The
+  /// response has no tile if it is too early to send one.
   absl::Status next(const std::stop_token& stop, v1::RenderImageResponse* response);
 
  private:
   using Clock = std::chrono::steady_clock;
 
   ImageRender() = default;
-  /// Renders blocks of the tile up to the end of the pass or of the time.
-  absl::Status add_blocks(const std::stop_token& stop);
+  /// Renders blocks of the tile up to the end of the pass, of the time or of the step.  False: the
+  /// next step continues with this tile.
+  absl::StatusOr<bool> add_blocks(const std::stop_token& stop);
+  /// The most blocks that one step renders at once; a power of two.
+  std::uint64_t blocks_of_a_step() const;
   void end_pass();
   void end();
   /// The number of blocks of the next pass; 0: there is none.
@@ -53,6 +56,7 @@ class ImageRender {
   std::uint64_t blocks_ = 0;  // of each pixel at the end; with a time budget, the most
   std::uint64_t pass_begin_ = 0, pass_end_ = 0;
   std::size_t tile_ = 0;  // the next one
+  double block_s_ = 0;    // wall time of a block of the last tile; 0: not known
   bool sending_ = false;  // everything is rendered, and tiles are only sent
   std::uint64_t samples_done_ = 0, samples_total_ = 0;
   WorkCounts work_;
