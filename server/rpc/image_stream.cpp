@@ -66,7 +66,8 @@ LaneJob ImageStream::next_job() {
       .run = [self = shared_from_this()](const LaneJobStart& start) { self->render_next(start); },
       .stop = stop_.get_token(),
       .deadline = observed_.deadline(),
-      .client = client_};
+      .client = client_,
+      .kind = JobKind::kStep};
 }
 
 absl::Status ImageStream::render(grpc::ByteBuffer* bytes) {

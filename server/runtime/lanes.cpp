@@ -30,7 +30,8 @@ constexpr int kJobsAtATime = 2;
 constexpr int kExtraJobs = 2;
 // Large enough that an interactive thread runs at once when it wakes.
 constexpr int kBulkNiceness = 10;
-constexpr std::size_t kKinds = 2;
+// Computations and their steps share places.
+constexpr std::size_t kPlaces = 2;
 
 std::chrono::nanoseconds from_seconds(double s) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(s));
@@ -67,7 +68,7 @@ class Queue {
  public:
   explicit Queue(const QueueOptions& options)
       : options_(options),
-        threads_count_(options.fair ? static_cast<int>(kKinds) * (kJobsAtATime + kExtraJobs)
+        threads_count_(options.fair ? static_cast<int>(kPlaces) * (kJobsAtATime + kExtraJobs)
                                     : kJobsAtATime),
         arena_(options.threads - 1 + threads_count_, static_cast<unsigned>(threads_count_),
                options.priority) {
@@ -117,7 +118,7 @@ class Queue {
         status = absl::ResourceExhaustedError(fmt::format(
             "{} requests wait in the {} lane, its limit", options_.limit, options_.name));
       } else {
-        append(std::move(job), bounded);
+        append(std::move(job));
       }
     }
     wake_.notify_one();
@@ -141,21 +142,21 @@ class Queue {
   using Line = std::deque<Waiting>;
   /// The jobs of one client.
   struct Client {
-    // Loads, then resumed and submitted computations, each first come, first served.  A client
-    // with many running pictures can still get a small tile soon, because these two take turns.
-    std::array<Line, 3> lines;
-    std::array<int, kKinds> running{};
+    std::array<Line, 3> lines;  // by JobKind, each first come, first served
+    std::array<int, kPlaces> running{};
     /// The client with the least number is next.
     std::uint64_t turn = 0;
     /// The line of computations that is next.
-    std::size_t next_line = kSubmitted;
+    std::size_t next_line = kWhole;
 
     bool waits() const {
       return std::any_of(lines.begin(), lines.end(), [](const Line& l) { return !l.empty(); });
     }
     bool runs() const { return running[0] + running[1] > 0; }
   };
-  static constexpr std::size_t kLoads = 0, kResumed = 1, kSubmitted = 2;
+  static constexpr auto kLoads = static_cast<std::size_t>(JobKind::kLoad);
+  static constexpr auto kSteps = static_cast<std::size_t>(JobKind::kStep);
+  static constexpr auto kWhole = static_cast<std::size_t>(JobKind::kComputation);
   using Clients = std::map<std::string, Client, std::less<>>;
   /// A job that may run now.
   struct Choice {
@@ -168,18 +169,13 @@ class Queue {
     w.job.run({std::move(status), std::max(0.0, waited.count())});
   }
 
-  static std::size_t kind_of(std::size_t line) {
-    return static_cast<std::size_t>(line == kLoads ? JobKind::kLoad : JobKind::kComputation);
-  }
+  static std::size_t place_of(std::size_t line) { return line == kLoads ? 0 : 1; }
 
-  void append(LaneJob job, bool submitted) {
+  void append(LaneJob job) {
     Client& client = clients_[options_.fair ? job.client : std::string()];
     // A client that was away gets no turns for that time.
     if (!client.waits()) client.turn = std::max(client.turn, turn_);
-    const std::size_t line = !options_.fair               ? kSubmitted
-                             : job.kind == JobKind::kLoad ? kLoads
-                             : submitted                  ? kSubmitted
-                                                          : kResumed;
+    const std::size_t line = options_.fair ? static_cast<std::size_t>(job.kind) : kWhole;
     client.lines[line].push_back({std::move(job), LaneJob::Clock::now()});
     ++load_.waiting;
   }
@@ -198,16 +194,16 @@ class Queue {
     }
   }
 
-  bool may_run(const Client& client, std::size_t kind) const {
-    return running_[kind] < kJobsAtATime || (options_.fair && client.running[kind] == 0 &&
-                                             running_[kind] < kJobsAtATime + kExtraJobs);
+  bool may_run(const Client& client, std::size_t place) const {
+    return running_[place] < kJobsAtATime || (options_.fair && client.running[place] == 0 &&
+                                              running_[place] < kJobsAtATime + kExtraJobs);
   }
 
   /// The line of the client whose first job may run now; nothing if there is none.
   std::optional<std::size_t> line_of(const Client& client) const {
-    const std::size_t other = client.next_line == kSubmitted ? kResumed : kSubmitted;
+    const std::size_t other = client.next_line == kWhole ? kSteps : kWhole;
     for (const std::size_t line : {kLoads, client.next_line, other}) {
-      if (!client.lines[line].empty() && may_run(client, kind_of(line))) return line;
+      if (!client.lines[line].empty() && may_run(client, place_of(line))) return line;
     }
     return std::nullopt;
   }
@@ -230,22 +226,22 @@ class Queue {
       wake_.wait(lock, [&] { return ended_ || (choice = choose()).has_value(); });
       if (ended_) return;
       Client& client = choice->client->second;
-      const std::size_t line = choice->line, kind = kind_of(line);
+      const std::size_t line = choice->line, place = place_of(line);
       Waiting next = std::move(client.lines[line].front());
       client.lines[line].pop_front();
       turn_ = client.turn++;
-      if (line != kLoads) client.next_line = line == kSubmitted ? kResumed : kSubmitted;
+      if (line != kLoads) client.next_line = line == kWhole ? kSteps : kWhole;
       --load_.waiting;
       ++load_.running;
-      ++running_[kind];
-      ++client.running[kind];
+      ++running_[place];
+      ++client.running[place];
       lock.unlock();
       answer(next, why_not_to_run(next.job));
       next = {};  // release the job's resources while it still counts as running
       lock.lock();
       --load_.running;
-      --running_[kind];
-      --client.running[kind];  // a client with running jobs is never erased
+      --running_[place];
+      --client.running[place];  // a client with running jobs is never erased
       if (is_idle(client)) clients_.erase(choice->client);
     }
   }
@@ -256,7 +252,7 @@ class Queue {
   std::condition_variable wake_;
   Clients clients_;
   std::uint64_t turn_ = 0;  // of the client that was served last
-  std::array<int, kKinds> running_{};
+  std::array<int, kPlaces> running_{};
   LaneLoad load_;
   bool ended_ = false;
   tbb::task_arena arena_;

@@ -24,8 +24,10 @@
 namespace lucerna {
 
 enum class Lane : std::uint8_t { kInteractive, kBulk };
-/// Loads do not take the places of computations, and the other way round.
-enum class JobKind : std::uint8_t { kComputation, kLoad };
+/// Loads do not take the places of computations, and the other way round.  A step is a short part
+/// of a long computation.  Steps and whole computations of one client take turns, so a client with
+/// many streams still gets a small answer soon.
+enum class JobKind : std::uint8_t { kLoad, kStep, kComputation };
 
 struct LaneOptions {
   int threads = 0;                         ///< of one loop; 0: one for each processor
@@ -71,8 +73,7 @@ class Lanes {
 
   /// RESOURCE_EXHAUSTED if the lane's queue is full; the job is then never called.
   absl::Status submit(Lane lane, LaneJob job);
-  /// Appends the next part of work that was accepted before, even if the queue is full.  Jobs of
-  /// one client that were submitted and those that were resumed take turns.
+  /// Appends the next part of work that was accepted before, even if the queue is full.
   void resume(Lane lane, LaneJob job);
 
   int threads() const;

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <bit>
 
 #include "proto/common/sample_blocks.h"
 #include "proto/common/status_macros.h"
@@ -22,14 +21,8 @@ constexpr std::uint64_t kWaitedForBlocks = 2;
 // The statistics of this many pixels take 3 GiB, and with intervals half as many take 3.5 GiB.
 // RenderTile renders larger pictures tile by tile.
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
-// A step computes for about this time, or one block of a tile.  Then other calls have a turn.
-constexpr double kStepSeconds = 0.1;
 // Each tile has its own message and header.
 constexpr std::uint64_t kMostTiles = 1 << 16;
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 /// The edge of the tiles.  INVALID_ARGUMENT or RESOURCE_EXHAUSTED for a picture or tiles over a
 /// limit.
@@ -98,8 +91,12 @@ absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageRespo
   settings.rect = tiles_[tile_];
   if (!begin_) begin_ = pass_start_ = Clock::now();
   if (settings.target) {
-    const TileResult result = lucerna::render_tile(*scene_, settings, stop);
-    if (result.stopped) return absl::CancelledError("stopped");
+    LUCERNA_ASSIGN_OR_RETURN(const bool done, rows_.step(*scene_, settings, stop));
+    if (!done) {
+      set_counts(response->mutable_cost(), work_);
+      return absl::OkStatus();
+    }
+    const TileResult result = rows_.take();
     work_ += result.work;
     for (const std::uint32_t n : result.samples) samples_done_ += n;
     set_tile(*scene_, settings, 0, settings.block_count, result, response->mutable_tile());
@@ -134,38 +131,30 @@ absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageRespo
 absl::StatusOr<bool> ImageRender::add_blocks(const std::stop_token& stop) {
   TileSettings& settings = query_.settings;
   BlockMerger<>& merged = merged_[tile_];
+  if (merged.blocks() >= pass_end_) return true;
   std::optional<StopAt> in_time;
   if (!is_waited_for())
     in_time.emplace(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                        std::chrono::duration<double>(std::max(0.0, left_s()))),
                     stop);
-  const Clock::time_point begin = Clock::now();
-  while (merged.blocks() < pass_end_) {
-    if (seconds_since(begin) > kStepSeconds) return false;
+  if (!rows_.has_begun()) {
     settings.first_block = merged.blocks();
-    settings.block_count =
-        std::min(aligned_run(settings.first_block, pass_end_), blocks_of_a_step());
-    const Clock::time_point run_begin = Clock::now();
-    TileResult result = lucerna::render_tile(*scene_, settings, in_time ? in_time->token() : stop);
-    if (result.stopped && (!in_time || stop.stop_requested()))
-      return absl::CancelledError("stopped");
-    if (result.stopped) break;
-    block_s_ = seconds_since(run_begin) / static_cast<double>(settings.block_count);
-    work_ += result.work;
-    samples_done_ += result.work.samples;
-    if (!merged.add(settings.first_block, settings.block_count, std::move(result.channels)) ||
-        (settings.intervals && !moments_[tile_].add(settings.first_block, settings.block_count,
-                                                    std::move(result.moments))))
-      return absl::InternalError("tiles do not follow each other");
+    settings.block_count = std::min(aligned_run(settings.first_block, pass_end_),
+                                    rows_.blocks_of_a_row(settings.rect.x1 - settings.rect.x0));
   }
-  return true;
-}
-
-std::uint64_t ImageRender::blocks_of_a_step() const {
-  if (block_s_ == 0) return 1;
-  constexpr double kMost = 1 << 30;
-  return std::bit_floor(
-      static_cast<std::uint64_t>(std::clamp(kStepSeconds / block_s_, 1.0, kMost)));
+  const absl::StatusOr<bool> done =
+      rows_.step(*scene_, settings, in_time ? in_time->token() : stop);
+  // When the time is over, the tile keeps its blocks.
+  if (!done.ok() && in_time && !stop.stop_requested()) return true;
+  if (!done.ok() || !*done) return done;
+  TileResult result = rows_.take();
+  work_ += result.work;
+  samples_done_ += result.work.samples;
+  if (!merged.add(settings.first_block, settings.block_count, std::move(result.channels)) ||
+      (settings.intervals &&
+       !moments_[tile_].add(settings.first_block, settings.block_count, std::move(result.moments))))
+    return absl::InternalError("tiles do not follow each other");
+  return merged.blocks() >= pass_end_;
 }
 
 void ImageRender::end_pass() {

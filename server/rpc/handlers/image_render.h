@@ -9,6 +9,7 @@
 #include "proto/common/tile_statistics.h"
 #include "server/estimate/paths/render.h"
 #include "server/rpc/handlers/render_query.h"
+#include "server/rpc/handlers/tile_rows.h"
 #include "server/rpc/messages/task.h"
 
 namespace lucerna::rpc {
@@ -33,11 +34,9 @@ class ImageRender {
   using Clock = std::chrono::steady_clock;
 
   ImageRender() = default;
-  /// Renders blocks of the tile up to the end of the pass, of the time or of the step.  False: the
-  /// next step continues with this tile.
+  /// Renders blocks of the tile for a short time.  True: the tile has reached the end of the pass,
+  /// or the time is over.  False: the next step continues with this tile.
   absl::StatusOr<bool> add_blocks(const std::stop_token& stop);
-  /// The most blocks that one step renders at once; a power of two.
-  std::uint64_t blocks_of_a_step() const;
   void end_pass();
   void end();
   /// The number of blocks of the next pass; 0: there is none.
@@ -53,10 +52,10 @@ class ImageRender {
   std::vector<PixelRect> tiles_;
   std::vector<BlockMerger<>> merged_;                   // one for each tile
   std::vector<BlockMerger<LuminanceMoments>> moments_;  // with intervals, one for each tile
+  TileRows rows_;                                       // of the tile that is rendered now
   std::uint64_t blocks_ = 0;  // of each pixel at the end; with a time budget, the most
   std::uint64_t pass_begin_ = 0, pass_end_ = 0;
   std::size_t tile_ = 0;  // the next one
-  double block_s_ = 0;    // wall time of a block of the last tile; 0: not known
   bool sending_ = false;  // everything is rendered, and tiles are only sent
   std::uint64_t samples_done_ = 0, samples_total_ = 0;
   WorkCounts work_;
