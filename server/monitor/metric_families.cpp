@@ -59,10 +59,11 @@ Labels call_label(std::size_t call) {
 void add_counts(const Figures& figures, std::vector<MetricFamily>& out) {
   {
     Family family(out, MetricType::Counter, "lucerna_calls_total", "Calls that ended, by code.");
+    constexpr std::size_t kOk = 0, kInternal = 13;
     for (std::size_t i = 0; i < kCalls; ++i) {
       for (std::size_t code = 0; code < kCodes; ++code) {
-        // A rate needs the 0 before the first call.  Codes without calls would be 16 rows each.
-        if (code != 0 && figures.calls[i].ended[code] == 0) continue;
+        // Rates and alerts need the 0 before the first call.  All codes would be 17 rows a call.
+        if (code != kOk && code != kInternal && figures.calls[i].ended[code] == 0) continue;
         Labels labels = call_label(i);
         labels.push_back({"code", code_name(static_cast<int>(code))});
         family.add(std::move(labels), figures.calls[i].ended[code]);
@@ -155,7 +156,7 @@ void add_scenes(const Figures& figures, std::vector<MetricFamily>& out) {
   add_one(out, MetricType::Counter, "lucerna_scene_builds_total", "Scenes that were built.",
           figures.scenes_built);
   add_one(out, MetricType::Counter, "lucerna_scene_hits_total",
-          "Calls of LoadScene that found the scene in memory.", figures.already_loaded);
+          "Calls of LoadScene and EditLights that found their scene in memory.", figures.already_loaded);
   add_one(out, MetricType::Gauge, "lucerna_asset_bytes", "Uploaded files on the disk, in bytes.",
           figures.asset_bytes);
   add_one(out, MetricType::Gauge, "lucerna_asset_budget_bytes",

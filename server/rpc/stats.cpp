@@ -1,8 +1,12 @@
 #include "server/rpc/stats.h"
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
+#include <map>
+#include <set>
 #include <string>
+#include <vector>
 
 namespace lucerna::rpc {
 namespace {
@@ -44,6 +48,28 @@ void set_process(const monitor::ProcessFigures& figures, v1::ProcessStats* out) 
   out->set_threads(figures.threads);
 }
 
+/// Adds the memory of all scenes, by part.  Parts that revisions share count once.
+void add_parts(const std::vector<StoredScene>& scenes,
+               std::map<std::string, std::uint64_t>& bytes) {
+  std::set<const Scene*> counted;
+  const auto add = [&](const Scene& scene, const std::vector<ScenePart>& without) {
+    if (!counted.insert(&scene).second) return;
+    for (const ScenePart& part : scene.parts()) {
+      const bool shared = std::any_of(without.begin(), without.end(), [&](const ScenePart& other) {
+        return part.name == other.name && part.bytes == other.bytes &&
+               part.build_ms == other.build_ms;  // two parts never take the same time to the bit
+      });
+      if (!shared) bytes[part.name] += part.bytes;
+    }
+  };
+  for (const StoredScene& stored : scenes) {
+    const Scene* const loaded = stored.scene->loaded().get();
+    // A revision keeps what it was made from, even if that is not in the store any more.
+    if (loaded != nullptr) add(*loaded, {});
+    add(*stored.scene, loaded == nullptr ? std::vector<ScenePart>() : loaded->parts());
+  }
+}
+
 }  // namespace
 
 monitor::Figures figures(const Runtime& runtime) {
@@ -60,10 +86,9 @@ monitor::Figures figures(const Runtime& runtime) {
     out.lanes[static_cast<std::size_t>(lane)].running = load.running;
   }
   const SceneStore& scenes = *runtime.scenes;
-  for (const StoredScene& stored : scenes.list("", std::numeric_limits<std::size_t>::max())) {
-    ++out.scenes;
-    for (const ScenePart& part : stored.scene->parts()) out.scene_bytes[part.name] += part.bytes;
-  }
+  const auto loaded = scenes.list("", std::numeric_limits<std::size_t>::max() - 1);
+  out.scenes = loaded.size();
+  add_parts(loaded, out.scene_bytes);
   out.leases = scenes.leases();
   out.scenes_built = scenes.builds();
   out.memory_budget_bytes = runtime.info.limits().memory_budget_bytes();
