@@ -11,10 +11,14 @@
 #include <cstdio>
 #include <exception>
 #include <future>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 
+#include "server/monitor/call_log.h"
+#include "server/monitor/log_format.h"
+#include "server/monitor/log_limit.h"
 #include "server/rpc/server.h"
 
 namespace {
@@ -80,6 +84,30 @@ void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::S
                            budget > 0 ? describe_bytes(budget) : "unlimited"));
 }
 
+/// How the server logs.
+struct LogOptions {
+  std::string format = "text", level = "info";
+  std::uint64_t lines_per_second = 1000;
+};
+
+/// Directs all lines to stderr in this form.  Returns the log of calls.
+std::shared_ptr<lucerna::monitor::CallLog> start_log(const LogOptions& options) {
+  using lucerna::monitor::LogFormat;
+  const LogFormat format = options.format == "json" ? LogFormat::kJson : LogFormat::kText;
+  const spdlog::level::level_enum level = spdlog::level::from_str(options.level);
+  // The lines of calls have a limit of their own, so they never displace the server's other lines.
+  const auto limit = [&] {
+    return std::make_shared<lucerna::monitor::LogLimit>(options.lines_per_second);
+  };
+  const auto out = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  out->set_formatter(lucerna::monitor::make_formatter(format));
+  const auto logger =
+      std::make_shared<spdlog::logger>("lucernad", lucerna::monitor::limited(out, limit()));
+  logger->set_level(level);
+  spdlog::set_default_logger(logger);
+  return std::make_shared<lucerna::monitor::CallLog>(out, format, level, limit());
+}
+
 int serve(const lucerna::rpc::ServerOptions& options, std::chrono::seconds drain_time) {
   Signals signals;
   const auto server = lucerna::rpc::Server::start(options, signals.stop());
@@ -90,6 +118,8 @@ int serve(const lucerna::rpc::ServerOptions& options, std::chrono::seconds drain
     return 1;
   }
   log_start(options, **server);
+  if (!(*server)->metrics_address().empty())
+    fmt::print("metrics on http://{}/metrics\n", (*server)->metrics_address());
   fmt::print("listening on {}\n", (*server)->address());
   std::fflush(stdout);
   signals.wait();
@@ -140,6 +170,17 @@ class Arguments {
         "Most queries of less than 0.1 s that may wait");
     add("--bulk-queue", bulk_queue_, 1, 1U << 20,
         "Most renders, loads and longer queries that may wait");
+    add("--metrics", options_.metrics, "HOST:PORT",
+        "Address of the metrics for Prometheus, without encryption; default: no metrics");
+    app_.add_option("--max-call-seconds", options_.max_call_s,
+                    "Longest computation of a call without a deadline [s]; 0: no limit")
+        ->check(CLI::Range(0.0, 1e9));
+    app_.add_option("--log-format", log_.format, "Form of the log: text, or json (JSON lines)")
+        ->check(CLI::IsMember({"text", "json"}));
+    app_.add_option("--log-level", log_.level, "Least level of the lines in the log")
+        ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
+    add("--log-lines", log_.lines_per_second, 0, 1U << 20,
+        "Most lines of the log in a second, of calls and of other lines each; 0: no limit");
     add("--drain-seconds", drain_seconds_, 0, 86400,
         "How long calls may continue after SIGTERM [s]");
   }
@@ -167,6 +208,7 @@ class Arguments {
     options.limits.max_samples = static_cast<std::uint32_t>(samples_);
     return options;
   }
+  const LogOptions& log() const { return log_; }
   std::chrono::seconds drain_time() const { return std::chrono::seconds(drain_seconds_); }
 
  private:
@@ -183,6 +225,7 @@ class Arguments {
 
   CLI::App app_;
   lucerna::rpc::ServerOptions options_;
+  LogOptions log_;
   std::uint64_t threads_ = 0, drain_seconds_ = 30;
   std::uint64_t batch_items_ = options_.limits.max_batch_items;
   std::uint64_t tile_pixels_ = options_.limits.max_tile_pixels;
@@ -194,10 +237,14 @@ class Arguments {
 int run(int argc, char** argv) {
   Arguments arguments;
   if (const std::optional<int> code = arguments.parse(argc, argv)) return *code;
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("lucernad"));
-  // ISO 8601 with the zone's offset, and the level.
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z [%l] %v");
-  return serve(arguments.options(), arguments.drain_time());
+  const auto calls = start_log(arguments.log());
+  lucerna::rpc::ServerOptions options = arguments.options();
+  // The level decides whether calls are logged; without them the server collects less.
+  if (spdlog::should_log(spdlog::level::info)) {
+    options.on_call = [calls](const auto& record) { calls->write(record); };
+    options.log_lines_left_out = [calls] { return calls->left_out(); };
+  }
+  return serve(options, arguments.drain_time());
 }
 
 }  // namespace

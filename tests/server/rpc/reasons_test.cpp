@@ -43,7 +43,8 @@ TEST(Reasons, OfEveryErrorAreInTheTable) {
   absl::Status leased = absl::ResourceExhaustedError("full");
   leased.SetPayload("lucerna.retry_after_ms", absl::Cord("20"));
   for (const absl::Status& status :
-       {bad_field("f", "1", "2"), bad_length("f", 1, 2, "two"), unknown_scene("x"),
+       {bad_field("f", "1", "2"), bad_length("f", 1, 2, "two"),
+        malformed_message("T", 3, ""), unknown_scene("x"),
         unknown_light(3), unknown_light_name("f", "x", "no names"), unimplemented("no"),
         over_limit("f", 2, 1), draining(), load_error(leased),
         retry_after(absl::ResourceExhaustedError("full"), Reason::kQueueFull,
