@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <utility>
 
 #include "lucerna/v1/admin.pb.h"
@@ -40,13 +41,13 @@ class CallGate {
   /// An empty pass once the gate is closed.
   Pass enter();
   void close();
-  /// False if calls still ran at `deadline`.
-  bool wait_until_empty(std::chrono::steady_clock::time_point deadline);
+  /// False if calls still ran at `deadline`, or when `hurry` was requested.
+  bool wait_until_empty(std::chrono::steady_clock::time_point deadline, std::stop_token hurry = {});
 
  private:
   void leave();
   std::mutex mutex_;
-  std::condition_variable left_;
+  std::condition_variable_any left_;
   bool closed_ = false;
   std::size_t inside_ = 0;
 };

@@ -167,10 +167,11 @@ void Server::begin_drain() {
   state_->runtime.gate.close();
 }
 
-void Server::drain(std::chrono::milliseconds patience) {
+void Server::drain(std::chrono::milliseconds patience, std::stop_token hurry) {
   begin_drain();
   // The port stays open meanwhile, so health checks and new calls are answered.
-  state_->runtime.gate.wait_until_empty(std::chrono::steady_clock::now() + patience);
+  state_->runtime.gate.wait_until_empty(std::chrono::steady_clock::now() + patience,
+                                        std::move(hurry));
   state_->end(std::chrono::system_clock::now());
 }
 

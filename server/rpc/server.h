@@ -55,8 +55,8 @@ class Server {
   ServerSummary summary() const;
 
   /// From now on, health is NOT_SERVING and new calls are UNAVAILABLE.  Running calls are cancelled
-  /// after `patience`.  Returns when all calls have ended.
-  void drain(std::chrono::milliseconds patience);
+  /// after `patience`, or when `hurry` is requested.  Returns when all calls have ended.
+  void drain(std::chrono::milliseconds patience, std::stop_token hurry = {});
   /// Only the first part of `drain`, for tests.
   void begin_drain();
 

@@ -1,0 +1,55 @@
+#include "server/config/schema.h"
+
+namespace lucerna::config {
+
+std::vector<Setting> settings(Options& options) {
+  rpc::ServerOptions& server = options.server;
+  const auto reloads = [](Setting setting) {
+    setting.reloads = true;
+    return setting;
+  };
+  return {
+      {"listen", "HOST:PORT", "Address to listen on; port 0 chooses a free port",
+       Text{&server.listen}},
+      {"scene-root", "DIR", "Directory of the scenes", Text{&server.scenes.root}},
+      {"load", "PATH", "Load this scene before serving; may be repeated", Texts{&server.load}},
+      {"threads", "N", "Compute threads; 0: one for each processor",
+       Whole{&server.lanes.threads, 0, 1024}},
+      {"isa", "NAME", "Instruction set of the kernels: sse2, sse4.2, avx, avx2 or avx512",
+       Text{&server.scenes.isa}},
+      reloads({"max-batch-items", "N", "Most items of one batch",
+               Whole{&server.limits.max_batch_items, 1024, 1U << 24}}),
+      reloads({"max-tile-pixels", "N", "Most pixels of one tile",
+               Whole{&server.limits.max_tile_pixels, 1, 1U << 26}}),
+      reloads({"max-samples", "N", "Most samples for each pixel or item of one request",
+               Whole{&server.limits.max_samples, 1, 1U << 30}}),
+      {"max-message-bytes", "BYTES", "Most bytes of one message",
+       Bytes{&server.limits.max_message_bytes, 1U << 20, 2147483647}},
+      {"memory-budget", "BYTES",
+       "Memory of all scenes, such as 8GiB; 0: no limit.  Least recently used scenes without a "
+       "lease are unloaded first",
+       Bytes{&server.scenes.memory_budget_bytes}},
+      {"texture-memory", "BYTES",
+       "Memory of the pictures on the surfaces of a scene; 0: no limit.  Larger pictures are "
+       "halved until they fit",
+       Bytes{&server.scenes.texture_bytes}},
+      {"max-lease", "SECONDS", "The longest lease of a scene [s]",
+       Real{&server.scenes.max_lease_s, 1, 1e9}},
+      {"asset-dir", "DIR",
+       "Directory of uploaded files, kept for the next start; default: a temporary directory",
+       Text{&server.assets.directory}},
+      {"asset-budget", "BYTES",
+       "Disk space of uploaded files.  Least recently used files are deleted first",
+       Bytes{&server.assets.budget_bytes}},
+      {"max-asset-bytes", "BYTES", "Largest size of one uploaded file",
+       Bytes{&server.assets.max_asset_bytes}},
+      {"interactive-queue", "N", "Most queries of less than 0.1 s that may wait",
+       Whole{&server.lanes.interactive_queue, 1, 1U << 20}},
+      {"bulk-queue", "N", "Most renders, loads and longer queries that may wait",
+       Whole{&server.lanes.bulk_queue, 1, 1U << 20}},
+      {"drain-seconds", "SECONDS", "How long calls may continue after SIGTERM [s]",
+       Whole{&options.drain_seconds, 0, 86400}},
+  };
+}
+
+}  // namespace lucerna::config
