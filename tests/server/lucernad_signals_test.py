@@ -30,13 +30,15 @@ def hold_call(channel):
         yield request
         time.sleep(WAIT_S)
 
-    call = channel.stream_unary(UPLOAD).future(requests())
-    end = time.monotonic() + WAIT_S
+    call, end = None, time.monotonic() + WAIT_S
     while time.monotonic() < end:
+        if call is None or call.done():  # the probe below may come first
+            call = channel.stream_unary(UPLOAD).future(requests())
         try:
             channel.stream_unary(UPLOAD)(iter([request]), timeout=WAIT_S)
         except grpc.RpcError as error:
-            if error.code() == grpc.StatusCode.FAILED_PRECONDITION:  # another client sends this file
+            # Another stream sends this file.
+            if error.code() == grpc.StatusCode.FAILED_PRECONDITION and not call.done():
                 return call
         time.sleep(0.01)
     sys.exit("lucernad_signals_test: the upload did not begin")
