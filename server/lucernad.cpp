@@ -3,6 +3,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
@@ -12,6 +13,8 @@
 #include <mutex>
 #include <stop_token>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/config/command_line.h"
 #include "server/config/configuration.h"
@@ -39,13 +42,28 @@ void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::S
   spdlog::info(fmt::format("scene root {}: {} scene files{}, {} scenes loaded", serves.root,
                            serves.available_scenes, serves.listing_is_incomplete ? " or more" : "",
                            serves.loaded_scenes));
+  const lucerna::rpc::DoorOptions& doors = options.doors;
+  spdlog::info(fmt::format("{}, {}", doors.tls.given() ? "TLS" : "no TLS",
+                           doors.token_file.empty() ? "no tokens: every caller may do everything"
+                                                    : "callers need a token"));
   spdlog::info(fmt::format("{} threads, memory budget {}", serves.threads,
                            budget > 0 ? describe_bytes(budget) : "unlimited"));
+}
+
+/// One line for each error of the text.
+void print_errors(const std::string& text) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    fmt::print(stderr, "lucernad: {}\n", text.substr(begin, end - begin));
+    begin = end + 1;
+  }
 }
 
 /// Ends and reloads the server as signals ask for it.
 class Control {
  public:
+  explicit Control(lucerna::config::Given given) : given_(std::move(given)) {}
+
   void on_signal(int signal) {
     switch (signal) {
       case SIGTERM:
@@ -56,11 +74,19 @@ class Control {
         break;
       case SIGHUP:
         spdlog::info("got SIGHUP");
+        reload();
         break;
       default:
         spdlog::info(
             fmt::format("got {}, which has no effect", signal == SIGUSR1 ? "SIGUSR1" : "SIGUSR2"));
     }
+  }
+
+  /// From now on SIGHUP reloads `server`, which started with `configuration`.
+  void set_server(lucerna::rpc::Server* server, const Configuration& configuration) {
+    const std::lock_guard lock(mutex_);
+    server_ = server;
+    held_ = configuration.held;
   }
 
   std::stop_token stop() const { return stop_.get_token(); }
@@ -72,29 +98,60 @@ class Control {
   }
 
  private:
+  /// Reads the configuration file again, and everything that the configuration names.
+  void reload() {
+    const std::lock_guard lock(mutex_);
+    if (server_ == nullptr) return;  // it still starts, and has read the files just now
+    const Configuration now = lucerna::config::configure(given_);
+    if (!now.errors.empty()) {
+      for (const std::string& error : now.errors) spdlog::error(error);
+      spdlog::error("not reloaded: the configuration has errors");
+      return;
+    }
+    if (const absl::Status status = server_->reload(now.options.server); !status.ok()) {
+      spdlog::error(fmt::format("not reloaded: {}", std::string(status.message())));
+      return;
+    }
+    for (std::size_t i = 0; i < now.held.size(); ++i) {
+      if (now.held[i].value == held_[i].value) continue;
+      if (now.held[i].reloads) {
+        spdlog::info(fmt::format("{} is now {}", now.held[i].name, now.held[i].value));
+        held_[i] = now.held[i];
+      } else {
+        spdlog::warn(fmt::format("{} stays {} until a restart", now.held[i].name, held_[i].value));
+      }
+    }
+    spdlog::info("reloaded certificates, tokens and limits");
+  }
+
+  lucerna::config::Given given_;
   std::stop_source stop_, hurry_;
   std::mutex mutex_;
+  lucerna::rpc::Server* server_ = nullptr;   // guarded by mutex_
+  std::vector<lucerna::config::Held> held_;  // guarded by mutex_
   std::condition_variable_any signalled_;
 };
 
-int serve(const Configuration& configuration) {
+int serve(const Configuration& configuration, const lucerna::config::Given& given) {
   const lucerna::rpc::ServerOptions& options = configuration.options.server;
-  Control control;
+  Control control(given);
   const lucerna::Signals signals([&](int signal) { control.on_signal(signal); });
   const auto server = lucerna::rpc::Server::start(options, control.stop());
   if (!server.ok()) {
     // A signal before the server is ready is not a failure.
     if (control.stop().stop_requested()) return 0;
-    fmt::print(stderr, "lucernad: {}\n", std::string(server.status().message()));
+    print_errors(std::string(server.status().message()));
     return 1;
   }
   log_start(options, **server);
+  control.set_server(server->get(), configuration);
   fmt::print("listening on {}\n", (*server)->address());
   std::fflush(stdout);
   control.wait();
   const std::chrono::seconds drain_time(configuration.options.drain_seconds);
   spdlog::info(fmt::format("draining for at most {} s", drain_time.count()));
   (*server)->drain(drain_time, control.hurry());
+  control.set_server(nullptr, configuration);
   spdlog::info("ended");
   return 0;
 }
@@ -113,13 +170,18 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "lucernad: warning: {}\n", warning);
   }
   if (line.check) {
+    const absl::Status doors = lucerna::rpc::check_doors(configuration.options.server);
+    if (!doors.ok()) {
+      print_errors(std::string(doors.message()));
+      return 2;
+    }
     fmt::print("{}", lucerna::config::describe(configuration));
     return 0;
   }
   spdlog::set_default_logger(spdlog::stderr_logger_mt("lucernad"));
   // ISO 8601 with the zone's offset, and the level.
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z [%l] %v");
-  return serve(configuration);
+  return serve(configuration, line.given);
 }
 
 }  // namespace

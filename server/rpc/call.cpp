@@ -12,6 +12,8 @@ namespace {
 constexpr double kAtOnceSeconds = 50e-6;
 // Longer tasks run in the bulk lane, so that small queries do not wait for them.
 constexpr double kBulkSeconds = 0.1;
+// A caller with too many requests in flight may try again after about one small request.
+constexpr std::chrono::milliseconds kQuotaDelay(50);
 }  // namespace
 
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context) {
@@ -29,20 +31,38 @@ LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context) {
   return context.deadline();
 }
 
-grpc::ServerUnaryReactor* UnaryCall::start(Runtime& runtime, grpc::CallbackServerContext* context,
+absl::StatusOr<access::Admission> admit(Runtime& runtime, access::Call call,
+                                        const grpc::ServerContextBase& context) {
+  const auto& metadata = context.client_metadata();
+  const auto header = metadata.find("authorization");
+  absl::StatusOr<access::Admission> admission = runtime.access.admit(
+      call, header == metadata.end()
+                ? std::string_view()
+                : std::string_view(header->second.data(), header->second.size()));
+  if (absl::IsResourceExhausted(admission.status())) {
+    return retry_after(admission.status(), Reason::kOverQuota, kQuotaDelay);
+  }
+  return admission;
+}
+
+grpc::ServerUnaryReactor* UnaryCall::start(Runtime& runtime, access::Call which,
+                                           grpc::CallbackServerContext* context,
                                            const std::function<Prepared(const Context&)>& prepare) {
   const auto call = std::make_shared<UnaryCall>(runtime, context);
   call->self_ = call;
-  call->begin(prepare);
+  call->begin(which, prepare);
   return call.get();
 }
 
-void UnaryCall::begin(const std::function<Prepared(const Context&)>& prepare) {
+void UnaryCall::begin(access::Call which, const std::function<Prepared(const Context&)>& prepare) {
   pass_ = runtime_.gate.enter();
   if (!pass_) return finish(draining());
+  absl::StatusOr<access::Admission> admission = admit(runtime_, which, *context_);
+  if (!admission.ok()) return finish(admission.status());
+  admission_ = *std::move(admission);
   Prepared task = absl::InternalError("not prepared");
   const absl::Status prepared = guarded([&] {
-    task = prepare(runtime_.context());
+    task = prepare(runtime_.context(admission_.caller));
     return task.status();
   });
   if (!prepared.ok()) return finish(prepared);

@@ -16,6 +16,10 @@ namespace lucerna::rpc {
 /// logs INTERNAL errors.
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context);
 
+/// Lets the call in, by the header "authorization".  Errors: those of access::Access::admit.
+absl::StatusOr<access::Admission> admit(Runtime& runtime, access::Call call,
+                                        const grpc::ServerContextBase& context);
+
 /// gRPC's deadline; the largest time point if there is none.
 LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
 
@@ -23,7 +27,8 @@ LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
 /// until both gRPC and the lane have released it.
 class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_from_this<UnaryCall> {
  public:
-  static grpc::ServerUnaryReactor* start(Runtime& runtime, grpc::CallbackServerContext* context,
+  static grpc::ServerUnaryReactor* start(Runtime& runtime, access::Call which,
+                                         grpc::CallbackServerContext* context,
                                          const std::function<Prepared(const Context&)>& prepare);
 
   void OnCancel() override { stop_.request_stop(); }
@@ -33,7 +38,7 @@ class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_fro
       : runtime_(runtime), context_(context), deadline_(deadline_of(*context)) {}
 
  private:
-  void begin(const std::function<Prepared(const Context&)>& prepare);
+  void begin(access::Call which, const std::function<Prepared(const Context&)>& prepare);
   void compute(const Task& task, double queue_time_s);
   void finish(const absl::Status& status);
 
@@ -42,6 +47,7 @@ class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_fro
   LaneJob::Clock::time_point deadline_;
   std::stop_source stop_;
   CallGate::Pass pass_;
+  access::Admission admission_;
   std::shared_ptr<UnaryCall> self_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "proto/common/status_macros.h"
 #include "server/rpc/call.h"
 #include "server/rpc/messages/errors.h"
 #include "server/runtime/parallel.h"
@@ -29,8 +30,10 @@ void ImageStream::begin(const v1::RenderImageRequest& request) {
   if (!pass_) {
     status = draining();
   } else {
-    status = guarded([&] {
-      absl::StatusOr<ImageRender> render = ImageRender::create(runtime_.context(), request);
+    status = guarded([&]() -> absl::Status {
+      LUCERNA_ASSIGN_OR_RETURN(admission_, admit(runtime_, access::Call::kRenderImage, *context_));
+      absl::StatusOr<ImageRender> render =
+          ImageRender::create(runtime_.context(admission_.caller), request);
       if (!render.ok()) return render.status();
       render_.emplace(*std::move(render));
       return absl::OkStatus();

@@ -4,12 +4,14 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <stop_token>
 #include <utility>
 
 #include "lucerna/v1/admin.pb.h"
+#include "server/access/access.h"
 #include "server/rpc/messages/task.h"
 #include "server/runtime/lanes.h"
 #include "server/store/scene_store.h"
@@ -52,17 +54,43 @@ class CallGate {
   std::size_t inside_ = 0;
 };
 
+/// The limits of requests, which may change while calls run.  Thread-safe.
+class CurrentLimits {
+ public:
+  CurrentLimits() { set({}); }
+  /// The reference stays valid.
+  const RequestLimits& get() const { return *now_.load(std::memory_order_acquire); }
+  void set(const RequestLimits& limits) {
+    const std::lock_guard lock(mutex_);
+    // Earlier limits stay, since running calls refer to them.
+    all_.push_back(limits);
+    now_.store(&all_.back(), std::memory_order_release);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<RequestLimits> all_;
+  std::atomic<const RequestLimits*> now_{nullptr};
+};
+
 struct Runtime {
   explicit Runtime(Lanes& l) : lanes(l) {}
 
-  RequestLimits limits;
+  CurrentLimits limits;
+  access::Access access;
   std::unique_ptr<AssetStore> assets;
   std::unique_ptr<SceneStore> scenes;
-  v1::GetServerInfoResponse info;
+  std::mutex info_mutex;
+  v1::GetServerInfoResponse info;  // guarded by info_mutex
   CallGate gate;
   Lanes& lanes;
 
-  Context context() { return {*scenes, *assets, limits}; }
+  Context context(const access::Caller& caller) {
+    return {*scenes,
+            *assets,
+            limits.get(),
+            {caller.name, caller.admin, caller.quota.leases, caller.quota.scenes}};
+  }
 };
 
 /// Adds a RetryInfo to the RESOURCE_EXHAUSTED of a full lane.

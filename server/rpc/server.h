@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/assets/asset_store_options.h"
+#include "server/rpc/doors.h"
 #include "server/rpc/messages/request_limits.h"
 #include "server/runtime/lanes.h"
 #include "server/store/scene_store_options.h"
@@ -29,7 +30,13 @@ struct ServerOptions {
   LaneOptions lanes;
   RequestLimits limits;
   std::vector<std::string> load;  ///< scenes to load before serving
+  DoorOptions doors;
 };
+
+/// Checks what `Server::start` and `Server::reload` check before they change anything: the address
+/// with its TLS, the certificates and the token file.  INVALID_ARGUMENT with all errors, one a
+/// line.
+absl::Status check_doors(const ServerOptions& options);
 
 /// What a server serves, for its log.
 struct ServerSummary {
@@ -42,7 +49,8 @@ struct ServerSummary {
 
 class Server {
  public:
-  /// The server is ready when this returns.  Errors: an address that cannot be used (UNAVAILABLE),
+  /// The server is ready when this returns.  Errors: those of check_doors; an address that cannot
+  /// be used (UNAVAILABLE), too few file descriptors (RESOURCE_EXHAUSTED),
   /// no such scene root, an unknown isa, a scene that cannot be loaded; CANCELLED by `stop`.
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options,
                                                        std::stop_token stop = {});
@@ -53,6 +61,10 @@ class Server {
   const std::string& address() const;
   /// Reads the directories of the scene root.
   ServerSummary summary() const;
+
+  /// Takes over certificates, tokens, and the limits of requests and connections.  Running calls
+  /// continue.  All other options stay.  After an error nothing has changed.
+  absl::Status reload(const ServerOptions& options);
 
   /// From now on, health is NOT_SERVING and new calls are UNAVAILABLE.  Running calls are cancelled
   /// after `patience`, or when `hurry` is requested.  Returns when all calls have ended.

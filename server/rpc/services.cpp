@@ -4,6 +4,7 @@
 #include "lucerna/v1/lighting.grpc.pb.h"
 #include "lucerna/v1/render.grpc.pb.h"
 #include "lucerna/v1/scene.grpc.pb.h"
+#include "server/access/calls.h"
 #include "server/rpc/call.h"
 #include "server/rpc/handlers/lighting.h"
 #include "server/rpc/handlers/scenes.h"
@@ -15,6 +16,7 @@
 namespace lucerna::rpc {
 namespace {
 
+using access::Call;
 using CallContext = grpc::CallbackServerContext;
 using Unary = grpc::ServerUnaryReactor;
 
@@ -24,39 +26,39 @@ class SceneServiceImpl final : public v1::SceneService::CallbackService {
 
   Unary* LoadScene(CallContext* context, const v1::LoadSceneRequest* request,
                    v1::LoadSceneResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kLoadScene, context,
                             [&](const Context& c) { return load_scene(c, *request, response); });
   }
   Unary* GetScene(CallContext* context, const v1::GetSceneRequest* request,
                   v1::GetSceneResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kGetScene, context,
                             [&](const Context& c) { return get_scene(c, *request, response); });
   }
   Unary* ListScenes(CallContext* context, const v1::ListScenesRequest* request,
                     v1::ListScenesResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kListScenes, context,
                             [&](const Context& c) { return list_scenes(c, *request, response); });
   }
   Unary* ListAvailableScenes(CallContext* context, const v1::ListAvailableScenesRequest* request,
                              v1::ListAvailableScenesResponse* response) override {
-    return UnaryCall::start(runtime_, context, [&](const Context& c) {
+    return UnaryCall::start(runtime_, Call::kListAvailableScenes, context, [&](const Context& c) {
       return list_available_scenes(c, *request, response);
     });
   }
   Unary* ListLights(CallContext* context, const v1::ListLightsRequest* request,
                     v1::ListLightsResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kListLights, context,
                             [&](const Context& c) { return list_lights(c, *request, response); });
   }
   Unary* ReleaseScene(CallContext* context, const v1::ReleaseSceneRequest* request,
                       v1::ReleaseSceneResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kReleaseScene, context,
                             [&](const Context& c) { return release_scene(c, *request, response); });
   }
 
   Unary* FindMissingAssets(CallContext* context, const v1::FindMissingAssetsRequest* request,
                            v1::FindMissingAssetsResponse* response) override {
-    return UnaryCall::start(runtime_, context, [&](const Context& c) {
+    return UnaryCall::start(runtime_, Call::kFindMissingAssets, context, [&](const Context& c) {
       return find_missing_assets(c, *request, response);
     });
   }
@@ -66,18 +68,19 @@ class SceneServiceImpl final : public v1::SceneService::CallbackService {
   }
   Unary* RenewLease(CallContext* context, const v1::RenewLeaseRequest* request,
                     v1::RenewLeaseResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kRenewLease, context,
                             [&](const Context& c) { return renew_lease(c, *request, response); });
   }
 
   Unary* EditLights(CallContext* context, const v1::EditLightsRequest*,
                     v1::EditLightsResponse*) override {
-    return refuse(context, "lights cannot be edited yet: change the scene file and load it again");
+    return refuse(Call::kEditLights, context,
+                  "lights cannot be edited yet: change the scene file and load it again");
   }
 
  private:
-  Unary* refuse(CallContext* context, const char* sentence) {
-    return UnaryCall::start(runtime_, context,
+  Unary* refuse(Call call, CallContext* context, const char* sentence) {
+    return UnaryCall::start(runtime_, call, context,
                             [&](const Context&) -> Prepared { return unimplemented(sentence); });
   }
   Runtime& runtime_;
@@ -89,44 +92,45 @@ class LightingServiceImpl final : public v1::LightingService::CallbackService {
 
   Unary* SampleLi(CallContext* context, const v1::SampleLiRequest* request,
                   v1::SampleLiResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kSampleLi, context,
                             [&](const Context& c) { return sample_li(c, *request, response); });
   }
   Unary* PdfLi(CallContext* context, const v1::PdfLiRequest* request,
                v1::PdfLiResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kPdfLi, context,
                             [&](const Context& c) { return pdf_li(c, *request, response); });
   }
   Unary* EstimatePower(CallContext* context, const v1::EstimatePowerRequest* request,
                        v1::EstimatePowerResponse* response) override {
-    return UnaryCall::start(
-        runtime_, context, [&](const Context& c) { return estimate_power(c, *request, response); });
+    return UnaryCall::start(runtime_, Call::kEstimatePower, context, [&](const Context& c) {
+      return estimate_power(c, *request, response);
+    });
   }
   Unary* TestVisibility(CallContext* context, const v1::TestVisibilityRequest* request,
                         v1::TestVisibilityResponse* response) override {
-    return UnaryCall::start(runtime_, context, [&](const Context& c) {
+    return UnaryCall::start(runtime_, Call::kTestVisibility, context, [&](const Context& c) {
       return test_visibility(c, *request, response);
     });
   }
   Unary* EstimateIrradiance(CallContext* context, const v1::EstimateIrradianceRequest* request,
                             v1::EstimateIrradianceResponse* response) override {
-    return UnaryCall::start(runtime_, context, [&](const Context& c) {
+    return UnaryCall::start(runtime_, Call::kEstimateIrradiance, context, [&](const Context& c) {
       return estimate_irradiance(c, *request, response);
     });
   }
 
   Unary* SampleLe(CallContext* context, const v1::SampleLeRequest* request,
                   v1::SampleLeResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kSampleLe, context,
                             [&](const Context& c) { return sample_le(c, *request, response); });
   }
   Unary* PdfLe(CallContext* context, const v1::PdfLeRequest* request,
                v1::PdfLeResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kPdfLe, context,
                             [&](const Context& c) { return pdf_le(c, *request, response); });
   }
   Unary* Le(CallContext* context, const v1::LeRequest* request, v1::LeResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kLe, context,
                             [&](const Context& c) { return le(c, *request, response); });
   }
 
@@ -140,7 +144,7 @@ class RenderServiceImpl final : public v1::RenderService::CallbackService {
 
   Unary* RenderTile(CallContext* context, const v1::RenderTileRequest* request,
                     v1::RenderTileResponse* response) override {
-    return UnaryCall::start(runtime_, context,
+    return UnaryCall::start(runtime_, Call::kRenderTile, context,
                             [&](const Context& c) { return render_tile(c, *request, response); });
   }
   grpc::ServerWriteReactor<v1::RenderImageResponse>* RenderImage(
@@ -158,20 +162,27 @@ class AdminServiceImpl final : public v1::AdminService::CallbackService {
 
   Unary* GetServerInfo(CallContext* context, const v1::GetServerInfoRequest*,
                        v1::GetServerInfoResponse* response) override {
-    return UnaryCall::start(runtime_, context, [&](const Context&) -> Prepared {
-      Task task;
-      task.run = [&info = runtime_.info, response](const std::stop_token&) {
-        *response = info;
-        return absl::OkStatus();
-      };
-      return task;
-    });
+    return UnaryCall::start(runtime_, Call::kGetServerInfo, context,
+                            [&](const Context&) -> Prepared {
+                              Task task;
+                              task.run = [&runtime = runtime_, response](const std::stop_token&) {
+                                const std::lock_guard lock(runtime.info_mutex);
+                                *response = runtime.info;
+                                return absl::OkStatus();
+                              };
+                              return task;
+                            });
   }
   Unary* GetStats(CallContext* context, const v1::GetStatsRequest*,
                   v1::GetStatsResponse*) override {
-    return UnaryCall::start(runtime_, context, [](const Context&) -> Prepared {
+    return UnaryCall::start(runtime_, Call::kGetStats, context, [](const Context&) -> Prepared {
       return unimplemented("the server keeps no statistics yet; each answer has a cost");
     });
+  }
+  Unary* ListLeases(CallContext* context, const v1::ListLeasesRequest* request,
+                    v1::ListLeasesResponse* response) override {
+    return UnaryCall::start(runtime_, Call::kListLeases, context,
+                            [&](const Context& c) { return list_leases(c, *request, response); });
   }
 
  private:

@@ -30,10 +30,17 @@ grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadStream::start(
   const auto stream = std::make_shared<UploadStream>(runtime, context, response);
   stream->self_ = stream;
   stream->pass_ = runtime.gate.enter();
-  if (stream->pass_) {
+  if (!stream->pass_) {
+    stream->finish(draining());
+    return stream.get();
+  }
+  absl::StatusOr<access::Admission> admission =
+      admit(runtime, access::Call::kUploadAsset, *context);
+  if (admission.ok()) {
+    stream->admission_ = *std::move(admission);
     stream->StartRead(&stream->request_);
   } else {
-    stream->finish(draining());
+    stream->finish(admission.status());
   }
   return stream.get();
 }

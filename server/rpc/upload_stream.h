@@ -43,6 +43,7 @@ class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
   v1::UploadAssetResponse* response_;
   std::stop_source stop_;
   CallGate::Pass pass_;
+  access::Admission admission_;
   std::shared_ptr<UploadStream> self_;
 
   // At any moment there is one of: a read, a lane job, the end.
