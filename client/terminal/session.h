@@ -11,6 +11,7 @@
 #include "client/terminal/blender_option.h"
 #include "client/terminal/error.h"
 #include "client/terminal/remarks.h"
+#include "client/terminal/server_address.h"
 #include "lucerna/client/client.h"
 #include "lucerna/client/query_servers.h"
 
@@ -29,7 +30,8 @@ class Session {
   Session(std::stop_token stop, const std::atomic<int>& signal)
       : stop_(std::move(stop)), signal_(signal) {}
 
-  /// Adds --server, --allow-mixed, --timeout, --json, --strict and the options of BlenderOption.
+  /// Adds --server, --allow-mixed, --timeout, --json, --strict and the options of BlenderOption and
+  /// SecurityOptions.
   /// They may come before or after the command.
   void add_options(CLI::App& app);
 
@@ -38,6 +40,8 @@ class Session {
   const std::string& server() const { return server_; }
   /// Of the scene files that this command loads.
   std::optional<v1::BlenderLevels> blender() const { return blender_.levels(); }
+  /// TLS and token of all servers.
+  client::Security security() const { return security_.security(); }
   /// Whether servers of different numeric fingerprints may share work.
   bool allow_mixed() const { return allow_mixed_; }
   /// Connects at the first use.  If --server names several servers, scene_id() must be called
@@ -97,6 +101,7 @@ class Session {
   bool json_ = false;
   bool strict_ = false;
   BlenderOption blender_;
+  SecurityOptions security_;
   std::stop_token stop_;
   const std::atomic<int>& signal_;
   bool allow_mixed_ = false;

@@ -127,18 +127,6 @@ absl::StatusOr<std::unique_ptr<Listener>> Listener::open(const std::string& addr
   }
   listener->wake_ = eventfd(0, EFD_CLOEXEC);
   listener->spare_ = eventfd(0, EFD_CLOEXEC);
-  const std::uint64_t files = raise_file_limit(), used = open_files() + kReserved;
-  if (used >= files) {
-    return absl::ResourceExhaustedError(fmt::format(
-        "the limit of open files is {} (ulimit -n), allowed: at least {}", files, used + 1));
-  }
-  listener->most_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(files - used, UINT32_MAX));
-  if (listener->most_ < limits.connections) {
-    spdlog::warn(
-        fmt::format("max-connections = {}, but the limit of open files, {}, leaves room "
-                    "for {} (ulimit -n)",
-                    limits.connections, files, listener->most_));
-  }
   return listener;
 }
 
@@ -153,9 +141,22 @@ Listener::~Listener() {
   if (spare_ >= 0) close(spare_);
 }
 
-void Listener::start(std::function<void(int, int)> take) {
+absl::Status Listener::start(std::function<void(int, int)> take) {
+  const std::uint64_t files = raise_file_limit(), used = open_files() + kReserved;
+  if (used >= files) {
+    return absl::ResourceExhaustedError(fmt::format(
+        "the limit of open files is {} (ulimit -n), allowed: at least {}", files, used + 1));
+  }
+  most_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(files - used, UINT32_MAX));
+  if (most_ < limits_.connections) {
+    spdlog::warn(
+        fmt::format("max-connections = {}, but the limit of open files, {}, leaves room "
+                    "for {} (ulimit -n)",
+                    limits_.connections, files, most_));
+  }
   take_ = std::move(take);
   thread_ = std::thread([this] { run(); });
+  return absl::OkStatus();
 }
 
 void Listener::set_limits(const ConnectionLimits& limits) {

@@ -25,8 +25,7 @@ namespace lucerna::rpc {
 class Listener {
  public:
   /// Binds and listens on all addresses of HOST:PORT; port 0 chooses a free one.  UNAVAILABLE with
-  /// the reason of the operating system.  RESOURCE_EXHAUSTED if the limit of open files
-  /// (ulimit -n) leaves no room for connections.  `limits` are lowered to what it leaves room for.
+  /// the reason of the operating system.
   static absl::StatusOr<std::unique_ptr<Listener>> open(const std::string& address,
                                                         const ConnectionLimits& limits);
   /// Stops accepting.
@@ -35,8 +34,11 @@ class Listener {
   Listener& operator=(const Listener&) = delete;
 
   int port() const { return port_; }
-  /// Calls `take` with each new connection.  `take` owns the descriptor.
-  void start(std::function<void(int listener, int connection)> take);
+  /// Calls `take` with each new connection.  `take` owns the descriptor.  Call this when the
+  /// process has opened its other files.  RESOURCE_EXHAUSTED if the limit of open files (ulimit -n)
+  /// leaves no room for connections.  A smaller room than the limit of connections lowers that
+  /// limit.
+  absl::Status start(std::function<void(int listener, int connection)> take);
   /// Existing connections stay, even if there are more than the new limits allow.
   void set_limits(const ConnectionLimits& limits);
   ConnectionLimits limits() const;

@@ -129,7 +129,6 @@ absl::Status Server::State::load(const std::string& path, const std::stop_token&
 absl::Status Server::State::listen(const ServerOptions& options) {
   set_up_grpc();
   services = make_services(runtime);
-  // Bound before gRPC starts, so that gRPC's descriptors count when room for connections is left.
   LUCERNA_ASSIGN_OR_RETURN(listener, Listener::open(options.listen, options.doors.limits));
   grpc::ServerBuilder builder;
   const DoorOptions& doors = options.doors;
@@ -161,13 +160,13 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   for (const std::string& name : service_names()) {
     server->GetHealthCheckService()->SetServingStatus(name, true);
   }
-  listener->start([this](int from, int connection) {
+  // gRPC has opened its descriptors by now, so they count.
+  return listener->start([this](int from, int connection) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
     parameters.listener_fd = from;
     parameters.fd = connection;
     acceptor->HandleNewConnection(&parameters);
   });
-  return absl::OkStatus();
 }
 
 void Server::State::end(std::chrono::system_clock::time_point deadline) {
