@@ -25,6 +25,11 @@ bool CallGate::wait_until_empty(std::chrono::steady_clock::time_point deadline,
   return left_.wait_until(lock, std::move(hurry), deadline, [this] { return inside_ == 0; });
 }
 
+void CallGate::wait_until_empty() {
+  std::unique_lock lock(mutex_);
+  left_.wait(lock, [this] { return inside_ == 0; });
+}
+
 void CallGate::leave() {
   // Notified under the lock: a waiting thread may destroy the gate as soon as it is empty.
   const std::lock_guard lock(mutex_);

@@ -45,6 +45,8 @@ class CallGate {
   void close();
   /// False if calls still ran at `deadline`, or when `hurry` was requested.
   bool wait_until_empty(std::chrono::steady_clock::time_point deadline, std::stop_token hurry = {});
+  /// Returns when no pass is left.
+  void wait_until_empty();
 
  private:
   void leave();

@@ -174,6 +174,8 @@ void Server::State::end(std::chrono::system_clock::time_point deadline) {
   listener.reset();
   server->Shutdown(deadline);
   server->Wait();
+  // A lane may still hold a call that gRPC has ended, and with it a pass of the gate.
+  runtime.gate.wait_until_empty();
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& options,
