@@ -29,6 +29,7 @@ int run_lucerna(int argc, char** argv) {
       "interrupted (128 + the signal).");
   session.add_options(app);
   add_scene_commands(app, session);
+  add_edit_command(app, session);
   add_light_commands(app, session);
   add_power_command(app, session);
   add_emission_commands(app, session);

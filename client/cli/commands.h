@@ -14,6 +14,7 @@ int run_lucerna(int argc, char** argv);
 
 // One function for each group of commands.
 void add_scene_commands(CLI::App& app, Session& session);  // load scenes scene lights ...
+void add_edit_command(CLI::App& app, Session& session);
 void add_light_commands(CLI::App& app, Session& session);  // sample pdf
 void add_power_command(CLI::App& app, Session& session);
 void add_emission_commands(CLI::App& app, Session& session);  // emit emit-pdf le

@@ -88,9 +88,12 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
       return status.ok() ? loaded : status;
     };
     if (upload) {
-      return noted(client::upload_scene(
-          client, scene, {.root = asset_root, .lease_s = lease_s, .blender = session.blender()},
-          call));
+      return noted(client::upload_scene(client, scene,
+                                        {.root = asset_root,
+                                         .lease_s = lease_s,
+                                         .blender = session.blender(),
+                                         .edits = session.edits()},
+                                        call));
     }
     if (!id.empty()) {
       v1::RenewLeaseRequest lease;

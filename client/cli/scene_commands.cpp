@@ -46,8 +46,10 @@ void show(const client::UploadProgress& progress) {
 }
 
 v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
-  client::UploadOptions options{
-      .root = flags.asset_root, .lease_s = flags.lease_s, .blender = session.blender()};
+  client::UploadOptions options{.root = flags.asset_root,
+                                .lease_s = flags.lease_s,
+                                .blender = session.blender(),
+                                .edits = session.edits()};
   const bool terminal = isatty(STDERR_FILENO) != 0;
   if (terminal) options.progress = show;
   auto response =
@@ -120,7 +122,9 @@ void scenes(Session& session, bool available) {
                fmt::format("{} x {}", scene.image_width(), scene.image_height()),
                fmt::format("{:.0f}", static_cast<double>(scene.bytes()) / 1000),
                scene.leased_s() > 0 ? fmt::format("{:.0f}", std::ceil(scene.leased_s())) : "",
-               scene.path()});
+               scene.edited_lights() > 0
+                   ? fmt::format("{}, {} lights edited", scene.path(), scene.edited_lights())
+                   : scene.path()});
   }
   fmt::print("{}", table.to_string());
 }
@@ -162,6 +166,10 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
   fmt::print("{}  {}: {} lights, {} primitives, {:.0f} kB\n", summary.scene_id(), summary.path(),
              summary.lights(), summary.primitives(), static_cast<double>(summary.bytes()) / 1000);
   fmt::print("{}\n", describe_picture(summary));
+  if (summary.edited_lights() > 0)
+    fmt::print("revision of {}: {} lights edited, {:.0f} kB of its own\n",
+               summary.loaded_scene_id(), summary.edited_lights(),
+               static_cast<double>(summary.own_bytes()) / 1000);
   if (summary.has_level_factors()) fmt::print("light levels: {}\n", describe_levels(summary));
   Table table({{"part", true}, {"memory [kB]"}, {"built in [ms]"}, {"why", true}});
   for (const v1::ScenePart& part : response.parts()) {

@@ -169,6 +169,11 @@ absl::StatusOr<v1::LoadSceneResponse> Client::load_scene(const v1::LoadSceneRequ
   return call(connection_->scene, &v1::SceneService::StubInterface::LoadScene, request, options);
 }
 
+absl::StatusOr<v1::EditLightsResponse> Client::edit_lights(const v1::EditLightsRequest& request,
+                                                           const CallOptions& options) const {
+  return call(connection_->scene, &v1::SceneService::StubInterface::EditLights, request, options);
+}
+
 absl::StatusOr<v1::GetSceneResponse> Client::get_scene(const v1::GetSceneRequest& request,
                                                        const CallOptions& options) const {
   return call(connection_->scene, &v1::SceneService::StubInterface::GetScene, request, options);

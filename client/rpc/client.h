@@ -99,6 +99,8 @@ class Client {
                                                const CallOptions& options = {}) const;
   Result<v1::LoadSceneResponse> load_scene(const v1::LoadSceneRequest& request,
                                            const CallOptions& options = {}) const;
+  Result<v1::EditLightsResponse> edit_lights(const v1::EditLightsRequest& request,
+                                             const CallOptions& options = {}) const;
   Result<v1::GetSceneResponse> get_scene(const v1::GetSceneRequest& request,
                                          const CallOptions& options = {}) const;
   void get_scene(const v1::GetSceneRequest& request, const CallOptions& options,

@@ -74,6 +74,7 @@ class Upload {
     request_.mutable_manifest()->set_main(name.generic_string());
     if (upload_.lease_s > 0) request_.set_lease_s(upload_.lease_s);
     if (upload_.blender) *request_.mutable_blender() = *upload_.blender;
+    *request_.mutable_edits() = upload_.edits;
     return add(name.generic_string());
   }
 

@@ -30,6 +30,7 @@ struct UploadOptions {
   double lease_s = 0;
   /// The same as in LoadSceneRequest.
   std::optional<v1::BlenderLevels> blender = {};
+  google::protobuf::RepeatedPtrField<v1::LightEdit> edits = {};
   /// Called after each sent chunk, in the calling thread.
   std::function<void(const UploadProgress&)> progress = {};
 };

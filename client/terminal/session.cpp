@@ -134,6 +134,7 @@ void Session::add_options(CLI::App& app) {
   app.add_flag("--json", json_,
                "Print the answer, or the error, as JSON of the messages in lucerna.v1");
   blender_.add(app);
+  edit_.add(app);
   app.add_flag("--strict", strict_, "Fail if the scene has anything that is not modelled");
 }
 
@@ -170,6 +171,13 @@ void Session::connect_to_all(const std::string& scene) {
     fmt::print(stderr, "the servers have different numeric fingerprints: {}\n",
                fmt::join(fingerprints, ", "));
   }
+}
+
+EditOption::Edits Session::edits() const {
+  if (!edits_at_load_) return {};
+  auto edits = edit_.edits();
+  if (!edits.ok()) wrong_use(std::string(edits.status().message()));
+  return *std::move(edits);
 }
 
 const client::Client& Session::client() {
@@ -239,6 +247,10 @@ std::string Session::scene_id(const std::string& scene) {
   if (scene.empty()) wrong_use("SCENE is empty, must be an id or a path under the scene root");
   if (blender() && (is_id(scene) || is_prefix(scene)))
     wrong_use("--blender requires the path of a file; SCENE is the id of a loaded scene");
+  if (edits_at_load_ && edit_.given() && (is_id(scene) || is_prefix(scene)))
+    wrong_use(
+        "--set, --remove and --add require the path of a file; SCENE is the id of a loaded "
+        "scene, which lucerna edit changes");
   if (several()) {
     connect_to_all(scene);
     print_new_remarks(servers_->loaded());
@@ -255,6 +267,11 @@ std::string Session::scene_id(const std::string& scene) {
   print_new_remarks(response);
   loaded_remarks_ = response.remarks();
   return response.scene_id();
+}
+
+std::string Session::unedited_scene_id(const std::string& scene) {
+  edits_at_load_ = false;
+  return scene_id(scene);
 }
 
 std::string Session::query_scene_id(const std::string& scene) {
@@ -293,6 +310,7 @@ v1::LoadSceneRequest load_request(const Session& session, const std::string& pat
   request.set_path(path);
   if (lease_s > 0) request.set_lease_s(lease_s);
   if (auto levels = session.blender()) *request.mutable_blender() = *std::move(levels);
+  *request.mutable_edits() = session.edits();
   return request;
 }
 

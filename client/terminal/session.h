@@ -9,6 +9,7 @@
 #include <string>
 
 #include "client/terminal/blender_option.h"
+#include "client/terminal/edit_option.h"
 #include "client/terminal/error.h"
 #include "client/terminal/remarks.h"
 #include "client/terminal/server_address.h"
@@ -30,9 +31,8 @@ class Session {
   Session(std::stop_token stop, const std::atomic<int>& signal)
       : stop_(std::move(stop)), signal_(signal) {}
 
-  /// Adds --server, --allow-mixed, --timeout, --json, --strict and the options of BlenderOption and
-  /// SecurityOptions.
-  /// They may come before or after the command.
+  /// Adds --server, --allow-mixed, --timeout, --json, --strict and the options of BlenderOption,
+  /// EditOption and SecurityOptions.  They may come before or after the command.
   void add_options(CLI::App& app);
 
   bool json() const { return json_; }
@@ -42,6 +42,9 @@ class Session {
   std::optional<v1::BlenderLevels> blender() const { return blender_.levels(); }
   /// TLS and token of all servers.
   client::Security security() const { return security_.security(); }
+  /// Of the scene files that this command loads.  Ends the program for wrong options.
+  EditOption::Edits edits() const;
+  const EditOption& edit_option() const { return edit_; }
   /// Whether servers of different numeric fingerprints may share work.
   bool allow_mixed() const { return allow_mixed_; }
   /// Connects at the first use.  If --server names several servers, scene_id() must be called
@@ -75,6 +78,8 @@ class Session {
   /// scene, or a path.  Loads a path on each server that has not loaded it, and prints the new
   /// remarks to stderr.
   std::string scene_id(const std::string& scene);
+  /// The same without the edits of the options.
+  std::string unedited_scene_id(const std::string& scene);
   /// The same for a query about light.  Also keeps the scene's remarks for print_remarks().
   std::string query_scene_id(const std::string& scene);
 
@@ -102,6 +107,8 @@ class Session {
   bool strict_ = false;
   BlenderOption blender_;
   SecurityOptions security_;
+  EditOption edit_;
+  bool edits_at_load_ = true;
   std::stop_token stop_;
   const std::atomic<int>& signal_;
   bool allow_mixed_ = false;
@@ -116,7 +123,7 @@ class Session {
 
 /// Loads a scene file.  `lease_s`: see LoadSceneRequest.
 v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s = 0);
-/// The request to load the file `path`, with the session's Blender levels.
+/// The request to load the file `path`, with the session's Blender levels and edits.
 v1::LoadSceneRequest load_request(const Session& session, const std::string& path, double lease_s);
 /// All loaded scenes, from all pages.
 v1::ListScenesResponse list_scenes(Session& session);

@@ -6,6 +6,7 @@
 #include "lucerna/v1/scene.grpc.pb.h"
 #include "server/access/calls.h"
 #include "server/rpc/call.h"
+#include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/handlers/lighting.h"
 #include "server/rpc/handlers/scenes.h"
 #include "server/rpc/handlers/tiles.h"
@@ -72,17 +73,13 @@ class SceneServiceImpl final : public v1::SceneService::CallbackService {
                             [&](const Context& c) { return renew_lease(c, *request, response); });
   }
 
-  Unary* EditLights(CallContext* context, const v1::EditLightsRequest*,
-                    v1::EditLightsResponse*) override {
-    return refuse(Call::kEditLights, context,
-                  "lights cannot be edited yet: change the scene file and load it again");
+  Unary* EditLights(CallContext* context, const v1::EditLightsRequest* request,
+                    v1::EditLightsResponse* response) override {
+    return UnaryCall::start(runtime_, Call::kEditLights, context,
+                            [&](const Context& c) { return edit_lights(c, *request, response); });
   }
 
  private:
-  Unary* refuse(Call call, CallContext* context, const char* sentence) {
-    return UnaryCall::start(runtime_, call, context,
-                            [&](const Context&) -> Prepared { return unimplemented(sentence); });
-  }
   Runtime& runtime_;
 };
 

@@ -41,6 +41,8 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
   LUCERNA_RETURN_IF_ERROR(prepare_choice());
   scene_->id_ = scene_id(in_.assets, halved_, in_.level_factors);
   scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
+  scene_->camera_description_ = in_.camera;
+  scene_->film_ = in_.film;
   scene_->hints_ = in_.hints;
   scene_->level_factors_ = in_.level_factors;
   scene_->remarks_ = std::move(in_.remarks);
@@ -90,26 +92,39 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::build(SceneDescription descr
   return Builder(description, std::move(stop)).build(isa);
 }
 
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::build_moved(SceneDescription description,
+                                                                const MovedSurfaces& moved,
+                                                                const std::string& isa,
+                                                                std::stop_token stop) {
+  LUCERNA_RETURN_IF_ERROR(move_surfaces(moved, description));
+  Builder builder(description, std::move(stop));
+  builder.note_moved(moved);
+  return builder.build(isa);
+}
+
 std::optional<std::uint32_t> Scene::find_light(std::uint64_t id) const {
-  if (id == 0 || id > lights_.size()) return std::nullopt;
-  return static_cast<std::uint32_t>(id - 1);
+  // Ids ascend; without edits there are no gaps.
+  const auto found = std::ranges::lower_bound(lights_, id, {}, &SceneLight::id);
+  if (found == lights_.end() || found->id != id) return std::nullopt;
+  return static_cast<std::uint32_t>(found - lights_.begin());
 }
 
 std::uint64_t Scene::shape_count() const {
-  std::uint64_t sum = surfaces_.surfaces.size();
-  for (const SurfaceTable& o : object_surfaces_) sum += o.surfaces.size();
+  std::uint64_t sum = base_->surfaces_.surfaces.size();
+  for (const SurfaceTable& o : base_->object_surfaces_) sum += o.surfaces.size();
   return sum;
 }
 
 std::uint64_t Scene::primitive_count() const {
-  std::uint64_t sum = accelerator_->scene().primitives();
-  for (std::uint32_t i = 0; i < object_surfaces_.size(); ++i)
-    sum += accelerator_->object(i).primitives();
+  std::uint64_t sum = base_->accelerator_->scene().primitives();
+  for (std::uint32_t i = 0; i < base_->object_surfaces_.size(); ++i)
+    sum += base_->accelerator_->object(i).primitives();
   return sum;
 }
 
 std::vector<ScenePart> Scene::parts() const {
-  std::vector<ScenePart> all = parts_;
+  std::vector<ScenePart> all = shared_parts();
+  all.insert(all.end(), parts_.begin(), parts_.end());
   if (light_selector_)
     if (auto tree = light_selector_->tree_part().report()) all.push_back(*std::move(tree));
   if (auto areas = area_selector_.report()) all.push_back(*std::move(areas));
@@ -123,7 +138,21 @@ std::vector<ScenePart> Scene::parts() const {
   return all;
 }
 
+std::vector<ScenePart> Scene::shared_parts() const {
+  std::vector<ScenePart> shared;
+  if (loaded_ == nullptr) return shared;
+  for (const ScenePart& part : loaded_->parts_)
+    if (!part.is_of_lights) shared.push_back(part);
+  return shared;
+}
+
 std::uint64_t Scene::bytes() const {
+  std::uint64_t sum = own_bytes();
+  for (const ScenePart& part : shared_parts()) sum += part.bytes;
+  return sum;
+}
+
+std::uint64_t Scene::own_bytes() const {
   std::uint64_t sum = area_selector_.bytes();
   if (light_selector_) sum += light_selector_->tree_part().bytes();
   attached_.for_each([&](const AttachedPart& attached) { sum += attached.bytes(); });
@@ -141,7 +170,7 @@ const LightSelector& Scene::area_selector() const {
       [](const LightSelector&) { return "a query sampled lights other than delta lights"; });
 }
 
-std::string Scene::isa() const { return accelerator_->isa(); }
+std::string Scene::isa() const { return base_->accelerator_->isa(); }
 
 namespace {
 

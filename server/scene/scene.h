@@ -19,6 +19,7 @@
 #include "server/rays/ray.h"
 #include "server/rays/surface_table.h"
 #include "server/scene/camera.h"
+#include "server/scene/light_edit.h"
 #include "server/scene/light_names.h"
 #include "server/scene/light_selector.h"
 #include "server/scene/scene_part.h"
@@ -32,6 +33,8 @@ struct LightMotion {
   /// Largest coordinate of the light's surface about its own zero [m].  Rays find the surface only
   /// to the rounding of floats of this size.  0 for lights without a surface.
   float reach_m = 0;
+  /// The motion in the world, as the scene file gives it.
+  std::shared_ptr<const Motion> world{};
   /// Set for lights with a direction and no place.  They use the rotations of `motion` but not the
   /// shifts, whose length depends on the distance from the centre of rotation.
   bool only_turns = false;
@@ -47,7 +50,7 @@ struct LightMotion {
 struct SceneLight {
   std::uint64_t id;     ///< stable, from 1, never reused
   Light<double> light;  ///< about the scene's origin; about its own if it moves
-  std::unique_ptr<const LightMotion> moving;  ///< null if it does not move
+  std::shared_ptr<const LightMotion> moving;  ///< null if it does not move
   std::uint32_t samples = 1;  ///< points of each sample on it; the default of queries
   // Place of the light in the scene files, as in SourceLocation; the file is an index into the
   // scene's files.
@@ -80,9 +83,31 @@ class Scene {
   static absl::StatusOr<std::shared_ptr<const Scene>> build(SceneDescription description,
                                                             const std::string& isa = "",
                                                             std::stop_token stop = {});
+  /// The same scene with surfaces of lights elsewhere, for revisions that move them.  It has the id
+  /// of the scene without moves.
+  static absl::StatusOr<std::shared_ptr<const Scene>> build_moved(SceneDescription description,
+                                                                  const MovedSurfaces& moved,
+                                                                  const std::string& isa = "",
+                                                                  std::stop_token stop = {});
 
-  /// scene_id() of all files read and of the level factors.
+  /// A scene with the files of `loaded` and other lights.  It shares everything but its lights with
+  /// `loaded`, which must come from build() or, for edits that move surfaces, from build_moved().
+  /// All queries have the same bits as in a scene whose files give these lights in this order.
+  ///
+  /// Errors: a change that its light does not allow; a level or a place out of range.
+  static absl::StatusOr<std::shared_ptr<const Scene>> revise(std::shared_ptr<const Scene> loaded,
+                                                             LightEdits edits);
+
+  /// scene_id() of all files read and of the level factors; for a revision, also of its edits.
   const std::string& id() const { return id_; }
+  /// The scene without edits; null if this is one.
+  const std::shared_ptr<const Scene>& loaded() const { return loaded_; }
+  /// Empty for a scene without edits.
+  const LightEdits& edits() const { return edits_; }
+  /// The surfaces that these edits move, for build_moved().
+  MovedSurfaces moved_by(const LightEdits& edits) const;
+  /// Those that build_moved() moved.
+  const MovedSurfaces& moved() const { return base_->moved_; }
   /// World position of the zero of scene coordinates [m].  It is a multiple of a power of two that
   /// is at least the scene's extent.  So scenes near zero keep their coordinates unchanged.
   const Vec3<double>& origin() const { return origin_; }
@@ -91,7 +116,7 @@ class Scene {
 
   std::span<const SceneLight> lights() const { return lights_; }
   SourceLocation source_of(const SceneLight& light) const {
-    return {files_[light.file], light.line, light.column};
+    return {base_->files_[light.file], light.line, light.column};
   }
   /// World position of the zero of the light's coordinates.
   const Vec3<double>& origin_of(const SceneLight& light) const {
@@ -122,14 +147,14 @@ class Scene {
   /// Whether a light is not a delta light, so that rays may find it.
   bool has_visible_lights() const { return has_visible_lights_; }
   /// Whether there is nothing to hit.
-  bool empty() const { return accelerator_->empty(); }
+  bool empty() const { return base_->accelerator_->empty(); }
   /// Whether nothing can take light on its way: no surface and no medium.
   bool is_clear() const { return empty() && !has_media(); }
-  std::span<const Material> materials() const { return materials_; }
-  const Textures& textures() const { return textures_; }
+  std::span<const Material> materials() const { return base_->materials_; }
+  const Textures& textures() const { return base_->textures_; }
   /// The reflectance of a diffuse material without textures; null for all others.
   const Rgb<double>* plain_diffuse(std::uint32_t material) const {
-    return plain_[material] ? &reflectances_[material] : nullptr;
+    return base_->plain_[material] ? &base_->reflectances_[material] : nullptr;
   }
   /// Where a surface was hit, as textures need it.
   struct ShadingPoint {
@@ -139,16 +164,18 @@ class Scene {
   };
   ShadingPoint shading_point(const SurfaceHit& hit) const;
   const Camera& camera() const { return camera_; }
-  const RenderHints& hints() const { return hints_; }
+  const RenderHints& hints() const { return base_->hints_; }
   /// Applied to the levels that the scene file states.
-  const LevelFactors& level_factors() const { return level_factors_; }
-  const SceneContents& contents() const { return contents_; }
-  const std::vector<Remark>& remarks() const { return remarks_; }
-  const std::vector<Asset>& assets() const { return assets_; }
+  const LevelFactors& level_factors() const { return base_->level_factors_; }
+  const SceneContents& contents() const { return base_->contents_; }
+  const std::vector<Remark>& remarks() const { return base_->remarks_; }
+  const std::vector<Asset>& assets() const { return base_->assets_; }
   /// The parts that are built: with the scene, and later for queries.
   std::vector<ScenePart> parts() const;
-  /// Memory of all parts.
+  /// Memory of all parts.  A revision counts the parts that it shares.
   std::uint64_t bytes() const;
+  /// Memory without the parts that a revision shares with loaded().
+  std::uint64_t own_bytes() const;
   /// Shapes in memory.  Those of an object count once, for any number of instances.
   std::uint64_t shape_count() const;
   /// Primitives in memory: triangles, patches, spheres, disks and cylinders.
@@ -156,30 +183,40 @@ class Scene {
   std::string isa() const;
 
   std::optional<SurfaceHit> closest_hit(const Ray& ray, Meets meets = Meets::kSurfaces) const;
-  const Accelerator& accelerator() const { return *accelerator_; }
+  const Accelerator& accelerator() const { return *base_->accelerator_; }
   /// Shading data of the scene's own geometry.
-  const SurfaceTable& surfaces() const { return surfaces_; }
+  const SurfaceTable& surfaces() const { return base_->surfaces_; }
+  /// Surface::light of the surfaces of a light; a number of no surface for a light without any.
+  std::int32_t surface_number(const SceneLight& light) const {
+    return static_cast<std::int32_t>(light.id - 1);
+  }
+  /// The index of the light of a surface; -1 if it does not emit.
+  std::int32_t light_of(const Surface& surface) const {
+    return light_numbers_.empty() || surface.light < 0
+               ? surface.light
+               : light_numbers_[static_cast<std::size_t>(surface.light)];
+  }
   bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const {
-    return accelerator_->occluded(ray, meets);
+    return base_->accelerator_->occluded(ray, meets);
   }
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits,
                 Meets meets = Meets::kSurfaces) const {
-    accelerator_->occluded(rays, bits, meets);
+    base_->accelerator_->occluded(rays, bits, meets);
   }
 
   /// Whether it has smooth thin panes, and whether it has media.
-  bool has_panes() const { return has_panes_; }
-  bool has_media() const { return !media_.empty(); }
+  bool has_panes() const { return base_->has_panes_; }
+  bool has_media() const { return !base_->media_.empty(); }
   /// Whether all media absorb each channel alike.
   bool media_are_grey() const;
   /// Whether a smooth thin pane was hit.
   bool is_pane(const SurfaceHit& hit) const {
-    return has_panes_ && surface_of(hit).pane_eta.has_value();
+    return base_->has_panes_ && surface_of(hit).pane_eta.has_value();
   }
   /// The share of rays that meet the surface at a hit of a light.  Light models have the radiance
   /// times this share.
   double alpha(const SurfaceHit& hit) const {
-    return has_cut_lights_ ? alpha_of(surface_of(hit), hit) : 1;
+    return base_->has_cut_lights_ ? alpha_of(surface_of(hit), hit) : 1;
   }
   /// The share of light that the panes along the ray pass straight on.
   double through_panes(const Ray& ray) const;
@@ -206,11 +243,23 @@ class Scene {
   };
   /// All surfaces along the ray in their order, each once.
   std::vector<Crossing> crossings(const Ray& ray, Meets meets) const;
+  /// The parts of a revision that it shares with loaded_, as they were built.
+  std::vector<ScenePart> shared_parts() const;
   SurfaceHit surface_hit(const RawHit& raw, const Ray& ray) const;
   const Surface& surface_of(const SurfaceHit& hit) const;
   double alpha_of(const Surface& surface, const SurfaceHit& hit) const;
 
   std::string id_;
+  std::shared_ptr<const Scene> loaded_;
+  LightEdits edits_;
+  MovedSurfaces moved_;
+  // The scene that has everything but the lights: loaded_, or this one.
+  const Scene* base_ = this;
+  // For each light of loaded_ its index here, -1 if it was removed.  Empty if all are the same.
+  std::vector<std::int32_t> light_numbers_;
+  Bounds world_;  // of all shapes over their motion, world [m]
+  CameraDescription camera_description_;
+  Film film_;
   Vec3<double> origin_;
   SceneSphere sphere_;
   std::vector<SceneLight> lights_;
@@ -235,6 +284,7 @@ class Scene {
   std::optional<LightSelector> light_selector_;  // empty with fewer than two lights
   bool has_visible_lights_ = false;
   bool moves_ = false;
+  bool others_move_ = false;  // anything but lights without a surface
   Camera camera_;
   RenderHints hints_;
   LevelFactors level_factors_;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <unordered_map>
@@ -23,6 +24,10 @@ class Scene::Builder {
       : in_(description), stop_(std::move(stop)), scene_(new Scene) {}
 
   absl::StatusOr<std::shared_ptr<const Scene>> build(const std::string& isa);
+  void note_moved(const MovedSurfaces& moved) { scene_->moved_ = moved; }
+  /// The scene of Scene::revise.  Requires an empty description.
+  absl::StatusOr<std::shared_ptr<const Scene>> revise(std::shared_ptr<const Scene> loaded,
+                                                      LightEdits edits);
 
  private:
   absl::Status check_references() const;
@@ -31,18 +36,31 @@ class Scene::Builder {
   /// Computes bounds, origins and the scene's sphere.  Errors: shapes without bounds, motion out of
   /// the range of rays.
   absl::Status place();
+  /// The part of place() that depends on lights without a surface.
+  absl::Status place_lights();
 
   absl::Status build_lights();
   /// `moving`: null if the light does not move; its reach is set from the light.
-  absl::Status add_light(absl::StatusOr<Light<double>> light, const SourceLocation& where,
-                         std::uint32_t samples, std::unique_ptr<LightMotion> moving);
+  absl::Status add_light(std::uint64_t id, absl::StatusOr<Light<double>> light,
+                         const SourceLocation& where, std::uint32_t samples,
+                         std::unique_ptr<LightMotion> moving);
+  absl::Status add_free_light(std::uint64_t id, const LightDescription& light);
+  void add_light(SceneLight light);
   /// The index of a file among the files of lights' source locations.
   std::uint32_t file_number(const std::string& file);
   /// Stores spectra separately from the lights, so that scenes with only RGB lights store nothing.
-  void keep_spectra();
+  void keep_spectra(const std::vector<std::shared_ptr<const Spectrum>>& given);
   /// Stores names separately from the lights, so that lights without a name store nothing.
-  void keep_names();
-  void report_shared_by_lights(const Stopwatch& watch);
+  void keep_names(std::vector<std::pair<std::uint32_t, std::string>> named);
+  void report_lights(const Stopwatch& watch);
+  /// Pictures, webs and maps that these lights share.
+  void report_shared_by_lights(std::span<const SceneLight> lights, const Stopwatch& watch);
+  /// A light of a scene without edits that has no surface, as its file gives it.
+  static LightDescription describe(const Scene& loaded, std::uint32_t light);
+  /// Errors: edits that remove the light of an emissive pane.
+  static absl::Status check_panes(const Scene& loaded, const LightEdits& edits);
+  /// Adds a light of `loaded` that has a surface or no change.
+  absl::Status revise_light(const SceneLight& light, const LightChange& change);
   absl::Status prepare_choice();
 
   absl::Status build_geometry(const std::string& isa);
@@ -60,12 +78,18 @@ class Scene::Builder {
     return std::make_shared<const Motion>(motion.about(from, scene_->origin_));
   }
   /// The motion of a light about `from`.
-  std::unique_ptr<LightMotion> light_motion(const Motion& motion, const Vec3<double>& from) const {
-    return std::make_unique<LightMotion>(
-        LightMotion{.motion = motion.about(from, scene_->origin_), .origin_m = from});
+  std::unique_ptr<LightMotion> light_motion(const std::shared_ptr<const Motion>& motion,
+                                            const Vec3<double>& from) const {
+    return std::make_unique<LightMotion>(LightMotion{
+        .motion = motion->about(from, scene_->origin_), .origin_m = from, .world = motion});
   }
   void part(std::string name, std::uint64_t bytes, const Stopwatch& watch, std::string why) {
     scene_->parts_.push_back({std::move(name), bytes, watch.ms(), std::move(why)});
+  }
+  /// A part that depends on lights other than their pictures and webs.
+  void light_part(std::string name, std::uint64_t bytes, const Stopwatch& watch, std::string why) {
+    part(std::move(name), bytes, watch, std::move(why));
+    scene_->parts_.back().is_of_lights = true;
   }
 
   SceneDescription& in_;

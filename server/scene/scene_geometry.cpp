@@ -140,6 +140,7 @@ void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instance
   if (in_.camera.motion) bytes += sizeof(Motion) + in_.camera.motion->bytes();
   if (lights + surfaces == 0 && !in_.camera.motion) return;
   scene_->moves_ = true;
+  scene_->others_move_ = surfaces > 0 || in_.camera.motion;
   part("motion", bytes, Stopwatch(),
        fmt::format("{} lights, {} shapes and instances{} move", lights, surfaces,
                    in_.camera.motion ? " and the camera" : ""));

@@ -169,17 +169,18 @@ void meet_plane(const Ray& ray, LocalHit& hit) {
 }  // namespace
 
 std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray, Meets meets) const {
-  const std::optional<RawHit> raw = accelerator_->closest_hit(ray, meets);
+  const std::optional<RawHit> raw = base_->accelerator_->closest_hit(ray, meets);
   if (!raw) return std::nullopt;
   return surface_hit(*raw, ray);
 }
 
 SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
   const GeometryInstance* instance =
-      raw.instance >= 0 ? &accelerator_->instance(raw.instance) : nullptr;
+      raw.instance >= 0 ? &base_->accelerator_->instance(raw.instance) : nullptr;
   const GeometrySet& set =
-      instance ? accelerator_->object(instance->object) : accelerator_->scene();
-  const SurfaceTable& table = instance ? object_surfaces_[instance->object] : surfaces_;
+      instance ? base_->accelerator_->object(instance->object) : base_->accelerator_->scene();
+  const SurfaceTable& table =
+      instance ? base_->object_surfaces_[instance->object] : base_->surfaces_;
 
   LocalHit local = raw.kind == HitKind::kTriangle ? triangle_hit(set, table, raw)
                                                   : analytic_hit(set, table, raw, ray);
@@ -208,7 +209,7 @@ SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
   const PrimitiveRun& run = table.run(raw.kind, raw.primitive);
   const Surface& surface = table.surfaces[run.surface];
   hit.material = surface.material;
-  hit.light = surface.light;
+  hit.light = light_of(surface);
   // Instance -1 is the scene's own geometry.
   hit.shape = (static_cast<std::uint64_t>(raw.instance + 1) << 32) | run.surface;
   hit.kind = raw.kind;

@@ -25,98 +25,104 @@ std::uint32_t Scene::Builder::file_number(const std::string& file) {
   return entry->second;
 }
 
-absl::Status Scene::Builder::add_light(absl::StatusOr<Light<double>> light,
+absl::Status Scene::Builder::add_light(std::uint64_t id, absl::StatusOr<Light<double>> light,
                                        const SourceLocation& where, std::uint32_t samples,
                                        std::unique_ptr<LightMotion> moving) {
   if (!light.ok()) return located(light.status(), where);
+  if (moving != nullptr)
+    visit(
+        [&]<typename L>(const L& l) {
+          if constexpr (requires { l.shape(); })
+            moving->reach_m =
+                std::fmax(max_abs(l.shape().bounds().first), max_abs(l.shape().bounds().second));
+        },
+        *light);
+  add_light({.id = id,
+             .light = *std::move(light),
+             .moving = std::move(moving),
+             .samples = samples,
+             .file = file_number(where.file),
+             .line = where.line,
+             .column = where.column});
+  return absl::OkStatus();
+}
+
+void Scene::Builder::add_light(SceneLight light) {
   const auto index = static_cast<std::uint32_t>(scene_->lights_.size());
   visit(
       [&]<typename L>(const L& l) {
         if constexpr (SeenBeyond<L>) scene_->infinite_lights_.push_back(index);
         scene_->has_visible_lights_ |= !l.kDelta;
-        if constexpr (requires { l.shape(); })
-          if (moving != nullptr)
-            moving->reach_m =
-                std::fmax(max_abs(l.shape().bounds().first), max_abs(l.shape().bounds().second));
       },
-      *light);
-  scene_->lights_.push_back({.id = index + 1u,
-                             .light = *std::move(light),
-                             .moving = std::move(moving),
-                             .samples = samples,
-                             .file = file_number(where.file),
-                             .line = where.line,
-                             .column = where.column});
-  return absl::OkStatus();
+      light.light);
+  scene_->lights_.push_back(std::move(light));
 }
 
-void Scene::Builder::keep_spectra() {
+absl::Status Scene::Builder::add_free_light(std::uint64_t id, const LightDescription& light) {
+  Vec3<double> origin = scene_->origin_;
+  std::unique_ptr<LightMotion> moving;
+  if (light.motion) {
+    const std::optional<Vec3<double>> anchor = place_of(light).anchor_m;
+    // Relative to its own anchor: its coordinates are then exact for every motion.
+    if (anchor) origin = *anchor;
+    moving = light_motion(light.motion, origin);
+    moving->only_turns = !anchor;
+  }
+  return add_light(id, create_light(light, origin), light.where, light.samples, std::move(moving));
+}
+
+/// `given`: of each light, null for RGB.
+void Scene::Builder::keep_spectra(const std::vector<std::shared_ptr<const Spectrum>>& given) {
   const Stopwatch watch;
-  std::vector<const std::shared_ptr<const Spectrum>*> given;  // in the order of the lights
-  for (const auto& l : in_.lights) given.push_back(&l.spectrum);
-  for (const auto& s : in_.shapes)
-    if (s.emission) given.push_back(&s.emission->spectrum);
   const auto count =
-      std::ranges::count_if(given, [](const auto* spectrum) { return *spectrum != nullptr; });
+      std::ranges::count_if(given, [](const auto& spectrum) { return spectrum != nullptr; });
   if (count == 0) return;
   std::map<const Spectrum*, std::int32_t> numbers;
   std::uint64_t bytes = 0;
   scene_->light_spectra_.reserve(given.size());
-  for (const auto* spectrum : given) {
-    if (*spectrum == nullptr) {
+  for (const auto& spectrum : given) {
+    if (spectrum == nullptr) {
       scene_->light_spectra_.push_back(-1);
       continue;
     }
     const auto [entry, is_new] =
-        numbers.try_emplace(spectrum->get(), static_cast<std::int32_t>(numbers.size()));
+        numbers.try_emplace(spectrum.get(), static_cast<std::int32_t>(numbers.size()));
     if (is_new) {
-      scene_->spectra_.push_back(*spectrum);
-      bytes += (*spectrum)->bytes();
+      scene_->spectra_.push_back(spectrum);
+      bytes += spectrum->bytes();
     }
     scene_->light_spectra_.push_back(entry->second);
   }
   scene_->spectra_.shrink_to_fit();
   bytes += scene_->spectra_.size() * sizeof scene_->spectra_[0] +
            scene_->light_spectra_.size() * sizeof scene_->light_spectra_[0];
-  part("spectra", bytes, watch,
-       fmt::format("{} {} of {} {}", numbers.size(), numbers.size() == 1 ? "spectrum" : "spectra",
-                   count, count == 1 ? "light" : "lights"));
+  light_part(
+      "spectra", bytes, watch,
+      fmt::format("{} {} of {} {}", numbers.size(), numbers.size() == 1 ? "spectrum" : "spectra",
+                  count, count == 1 ? "light" : "lights"));
 }
 
-void Scene::Builder::keep_names() {
+void Scene::Builder::keep_names(std::vector<std::pair<std::uint32_t, std::string>> named) {
   const Stopwatch watch;
-  std::vector<std::pair<std::uint32_t, std::string>> named;
-  std::uint32_t light = 0;
-  const auto add = [&](const std::string& name) {
-    if (!name.empty()) named.emplace_back(light, name);
-    ++light;
-  };
-  for (const auto& l : in_.lights) add(l.name);
-  for (const auto& s : in_.shapes)
-    if (s.emission) add(s.emission->name);
   if (named.empty()) return;
   scene_->light_names_ = LightNames(std::move(named));
   const LightNames& names = scene_->light_names_;
-  part("light names", names.bytes(), watch,
-       fmt::format("{} {} of {} {}", names.size(), names.size() == 1 ? "name" : "names",
-                   names.light_count(), names.light_count() == 1 ? "light" : "lights"));
+  light_part("light names", names.bytes(), watch,
+             fmt::format("{} {} of {} {}", names.size(), names.size() == 1 ? "name" : "names",
+                         names.light_count(), names.light_count() == 1 ? "light" : "lights"));
 }
 
 absl::Status Scene::Builder::build_lights() {
   const Stopwatch watch;
-  for (const auto& l : in_.lights) {
-    Vec3<double> origin = scene_->origin_;
-    std::unique_ptr<LightMotion> moving;
-    if (l.motion) {
-      const std::optional<Vec3<double>> anchor = place_of(l).anchor_m;
-      // Relative to its own anchor: its coordinates are then exact for every motion.
-      if (anchor) origin = *anchor;
-      moving = light_motion(*l.motion, origin);
-      moving->only_turns = !anchor;
-    }
-    LUCERNA_RETURN_IF_ERROR(
-        add_light(create_light(l, origin), l.where, l.samples, std::move(moving)));
-  }
+  std::vector<std::shared_ptr<const Spectrum>> spectra;
+  std::vector<std::pair<std::uint32_t, std::string>> names;
+  std::uint32_t count = 0;
+  const auto add = [&](const auto& l) {
+    spectra.push_back(l.spectrum);
+    if (!l.name.empty()) names.emplace_back(count, l.name);
+    return ++count;
+  };
+  for (const auto& l : in_.lights) LUCERNA_RETURN_IF_ERROR(add_free_light(add(l), l));
   std::size_t moving_shape = 0;
   for (auto& s : in_.shapes) {
     if (s.emission && (!s.alpha.is_constant() || s.alpha.constant < 1)) {
@@ -129,11 +135,19 @@ absl::Status Scene::Builder::build_lights() {
     if (s.motion) origin = moving_origins_[moving_shape++];
     if (!s.emission) continue;
     std::unique_ptr<LightMotion> moving;
-    if (s.motion) moving = light_motion(*s.motion, origin);
-    LUCERNA_RETURN_IF_ERROR(add_light(create_area_light(s, origin), s.emission->where,
-                                      s.emission->samples, std::move(moving)));
+    if (s.motion) moving = light_motion(s.motion, origin);
+    LUCERNA_RETURN_IF_ERROR(add_light(add(*s.emission), create_area_light(s, origin),
+                                      s.emission->where, s.emission->samples, std::move(moving)));
   }
   if (scene_->lights_.empty()) return absl::OkStatus();
+  report_lights(watch);
+  keep_spectra(spectra);
+  keep_names(std::move(names));
+  report_shared_by_lights(scene_->lights_, watch);
+  return absl::OkStatus();
+}
+
+void Scene::Builder::report_lights(const Stopwatch& watch) {
   scene_->lights_.shrink_to_fit();
   std::uint64_t bytes = scene_->lights_.size() * sizeof(SceneLight), table_bytes = 0;
   for (const std::string& file : scene_->files_) bytes += sizeof file + file.size();
@@ -144,14 +158,10 @@ absl::Status Scene::Builder::build_lights() {
     table_bytes += own.tables;
     tables += own.tables > 0;
   }
-  part("lights", bytes, watch, fmt::format("{} lights", scene_->lights_.size()));
+  light_part("lights", bytes, watch, fmt::format("{} lights", scene_->lights_.size()));
   if (tables > 0)
     part("image distributions", table_bytes, watch,
          fmt::format("to draw points and directions from the pictures of {} lights", tables));
-  keep_spectra();
-  keep_names();
-  report_shared_by_lights(watch);
-  return absl::OkStatus();
 }
 
 namespace {
@@ -170,9 +180,10 @@ struct SharedByLights {
 
 }  // namespace
 
-void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
+void Scene::Builder::report_shared_by_lights(std::span<const SceneLight> lights,
+                                             const Stopwatch& watch) {
   SharedByLights shared;
-  for (const SceneLight& l : scene_->lights_)
+  for (const SceneLight& l : lights)
     visit([&](const auto& m) { m.for_each_shared(shared); }, l.light);
   std::uint64_t image_bytes = 0, web_bytes = 0, map_bytes = 0;
   for (const Image* image : shared.images) image_bytes += image->bytes();
@@ -232,7 +243,7 @@ absl::Status Scene::Builder::prepare_choice() {
   const auto tree = selector.tree_part().report();
   const double own_ms = watch.ms() - (tree ? tree->build_ms : 0);
   scene_->parts_.push_back({"light choice", selector.bytes() - selector.tree_part().bytes(), own_ms,
-                            fmt::format("{} lights to choose from", scene_->lights_.size())});
+                            fmt::format("{} lights to choose from", scene_->lights_.size()), true});
   return absl::OkStatus();
 }
 

@@ -34,7 +34,7 @@ void Scene::Builder::simplify_media() {
 }
 
 bool Scene::media_are_grey() const {
-  return std::ranges::all_of(media_, [](const Medium& m) {
+  return std::ranges::all_of(base_->media_, [](const Medium& m) {
     const Rgb<double>& a = m.absorption_per_m;
     return a.r == a.g && a.g == a.b;
   });
@@ -43,20 +43,21 @@ bool Scene::media_are_grey() const {
 const Surface& Scene::surface_of(const SurfaceHit& hit) const {
   const auto instance = static_cast<std::int32_t>(hit.shape >> 32) - 1;
   const SurfaceTable& table =
-      instance >= 0 ? object_surfaces_[accelerator_->instance(instance).object] : surfaces_;
+      instance >= 0 ? base_->object_surfaces_[base_->accelerator_->instance(instance).object]
+                    : base_->surfaces_;
   return table.surfaces[static_cast<std::uint32_t>(hit.shape)];
 }
 
 double Scene::alpha_of(const Surface& surface, const SurfaceHit& hit) const {
   if (surface.alpha.is_constant()) return surface.alpha.constant;
-  return textures_(surface.alpha, shading_point(hit).texture);
+  return base_->textures_(surface.alpha, shading_point(hit).texture);
 }
 
 std::vector<Scene::Crossing> Scene::crossings(const Ray& ray, Meets meets) const {
   const Vec3<double> origin(ray.origin), direction(ray.direction);
   const double metres_per_t = length(direction);
   std::vector<Crossing> all;
-  for (const RawHit& raw : accelerator_->all_hits(ray, meets)) {
+  for (const RawHit& raw : base_->accelerator_->all_hits(ray, meets)) {
     Crossing c{.hit = surface_hit(raw, ray)};
     c.t = dot(c.hit.position - origin, direction) / metres_per_t / metres_per_t;
     c.error_t = max_abs(c.hit.position_error) / metres_per_t;
@@ -80,12 +81,13 @@ std::vector<Scene::Crossing> Scene::crossings(const Ray& ray, Meets meets) const
 
 double Scene::through_panes(const Ray& ray) const {
   double share = 1;
-  if (!has_panes_) return share;
+  if (!base_->has_panes_) return share;
   const Vec3<double> w = normalized(Vec3<double>(ray.direction));
   for (const auto& [hit, t, error_t, is_front] : crossings(ray, Meets::kPanes)) {
     const double cosine = std::fabs(dot(hit.ng, w));
     const TexturePoint at = shading_point(hit).texture;
-    share *= pane_transmittance(*surface_of(hit).pane_eta, textures_, at, std::fmin(cosine, 1));
+    share *=
+        pane_transmittance(*surface_of(hit).pane_eta, base_->textures_, at, std::fmin(cosine, 1));
   }
   return share;
 }
@@ -102,7 +104,8 @@ Rgb<double> Scene::through_media(const Ray& ray) const {
   Rgb<double> depth;
   const auto add = [&](std::int32_t medium, double t_from, double t_to) {
     if (medium < 0 || !(t_from < t_to)) return;
-    const Rgb<double>& absorption = media_[static_cast<std::size_t>(medium)].absorption_per_m;
+    const Rgb<double>& absorption =
+        base_->media_[static_cast<std::size_t>(medium)].absorption_per_m;
     // Without absorption, nothing is lost on an endless way either.
     const auto lost = [&](double per_m) {
       return per_m > 0 ? per_m * ((t_to - t_from) * metres_per_t) : 0;
@@ -112,7 +115,7 @@ Rgb<double> Scene::through_media(const Ray& ray) const {
   Ray line = ray;
   line.t_max = INFINITY;  // what lies beyond the end tells the medium before it
   std::vector<Crossing> all = crossings(line, Meets::kBoundaries);
-  std::int32_t medium = surrounding_medium_;
+  std::int32_t medium = base_->surrounding_medium_;
   if (all.empty()) {
     const Ray back{ray.origin, -ray.direction, 0, INFINITY, ray.time_s};
     const std::vector<Crossing> behind = crossings(back, Meets::kBoundaries);

@@ -29,7 +29,8 @@ struct ScenePart {
   std::string name;  ///< "bvh", "vertices", "lights", ...
   std::uint64_t bytes;
   double build_ms;
-  std::string why;  ///< the reason: a property of the scene, or the query that needed it
+  std::string why;            ///< the reason: a property of the scene, or the query that needed it
+  bool is_of_lights = false;  ///< revisions of a scene have another
 };
 
 /// Data that other code keeps with a scene: made at its first use, freed with the scene.

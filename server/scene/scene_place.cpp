@@ -36,6 +36,20 @@ absl::Status check_extent(const Bounds& bounds, const SourceLocation& where) {
                  where);
 }
 
+/// Adds the space that `motion` sweeps, which must be within the range of rays.
+absl::Status sweep(const Bounds& still, const Motion& motion, const SourceLocation& where,
+                   Bounds& swept) {
+  if (still.empty()) return absl::OkStatus();
+  const auto [lower, upper] = motion.bounds(still.lower, still.upper);
+  const double reach = std::fmax(max_abs(lower), max_abs(upper));
+  if (!(reach <= Accelerator::kMaxCoordinate))
+    return located(absl::InvalidArgumentError(fmt::format(
+                       "motion reaching to {} m, allowed: coordinates up to 1e30", reach)),
+                   where);
+  swept.add(lower), swept.add(upper);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Scene::Builder::place() {
@@ -46,19 +60,6 @@ absl::Status Scene::Builder::place() {
     bounds.add(b.lower), bounds.add(b.upper);
     if (const double extent = max_abs(b.upper - b.lower); extent > 0)
       detail_m_ = std::fmin(detail_m_, extent);
-    return absl::OkStatus();
-  };
-  // Adds the space that `motion` sweeps, which must be within the range of rays.
-  const auto sweep = [](const Bounds& still, const Motion& motion, const SourceLocation& where,
-                        Bounds& swept) -> absl::Status {
-    if (still.empty()) return absl::OkStatus();
-    const auto [lower, upper] = motion.bounds(still.lower, still.upper);
-    const double reach = std::fmax(max_abs(lower), max_abs(upper));
-    if (!(reach <= Accelerator::kMaxCoordinate))
-      return located(absl::InvalidArgumentError(fmt::format(
-                         "motion reaching to {} m, allowed: coordinates up to 1e30", reach)),
-                     where);
-    swept.add(lower), swept.add(upper);
     return absl::OkStatus();
   };
   Bounds world;
@@ -93,9 +94,14 @@ absl::Status Scene::Builder::place() {
         in_.shapes.empty() ? in_.instances.front().where : in_.shapes.front().where;
     LUCERNA_RETURN_IF_ERROR(check_extent(world, first));
   }
+  scene_->world_ = world;
+  return place_lights();
+}
+
+absl::Status Scene::Builder::place_lights() {
   // A distant light must not make the geometry less exact, so the origin is that of the geometry if
   // there is any.
-  Bounds with_lights = world, portals;
+  Bounds with_lights = scene_->base_->world_, portals;
   const auto hold = [&](const LightDescription& light, const std::optional<Box>& box,
                         Bounds& bounds) -> absl::Status {
     if (!box || !is_finite(box->first) || !is_finite(box->second)) return absl::OkStatus();
@@ -111,6 +117,7 @@ absl::Status Scene::Builder::place() {
     if (absl::Status s = hold(light, place.portal_m, portals); !s.ok()) return s;
   }
   const Bounds& of_lights = with_lights.empty() ? portals : with_lights;
+  const Bounds& world = scene_->base_->world_;
   scene_->origin_ = origin_for(world.empty() ? of_lights : world);
   if (!with_lights.empty()) {
     const Vec3<double> centre = with_lights.lower * 0.5 + with_lights.upper * 0.5;

@@ -102,10 +102,11 @@ Coordinates on_quadric(const Quadric& quadric, const Vector& position, const Vec
 
 Scene::ShadingPoint Scene::shading_point(const SurfaceHit& hit) const {
   const auto number = static_cast<std::int32_t>(hit.shape >> 32) - 1;
-  const GeometryInstance* instance = number >= 0 ? &accelerator_->instance(number) : nullptr;
-  const GeometrySet& set =
-      instance != nullptr ? accelerator_->object(instance->object) : accelerator_->scene();
-  const SurfaceTable& table = instance != nullptr ? object_surfaces_[instance->object] : surfaces_;
+  const GeometryInstance* instance = number >= 0 ? &base_->accelerator_->instance(number) : nullptr;
+  const GeometrySet& set = instance != nullptr ? base_->accelerator_->object(instance->object)
+                                               : base_->accelerator_->scene();
+  const SurfaceTable& table =
+      instance != nullptr ? base_->object_surfaces_[instance->object] : base_->surfaces_;
   Coordinates c;
   const auto pose = [&] { return instance->motion->at(hit.time_s); };
   switch (hit.kind) {

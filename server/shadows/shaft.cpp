@@ -203,8 +203,9 @@ FloatBox box_of(const GeometryInstance& instance, const FloatBox& object) {
 
 }  // namespace
 
-struct Shafts::State {
-  explicit State(const Scene& scene)
+/// Boxes around all surfaces.  Revisions of a scene share them.
+struct Shafts::Boxes {
+  explicit Boxes(const Scene& scene)
       : accelerator(scene.accelerator()), surfaces(scene.surfaces()) {
     for (std::uint32_t i = 0; i < accelerator.object_count(); ++i)
       objects.emplace_back(accelerator.object(i));
@@ -213,7 +214,6 @@ struct Shafts::State {
       instance_boxes.push_back(box_of(instance, objects[instance.object].tree().box()));
     }
     own.emplace(accelerator.scene(), instance_boxes);
-    for (const SceneLight& light : scene.lights()) outlines.push_back(outline_of(light));
     if (!own->tree().empty()) {
       hittable.add(Vector(own->tree().box().lower));
       hittable.add(Vector(own->tree().box().upper));
@@ -238,12 +238,13 @@ struct Shafts::State {
         });
   }
 
-  bool is_of_light(const SetBoxes::Item& item, std::uint32_t light) const {
+  /// `light`: Surface::light.
+  bool is_of_light(const SetBoxes::Item& item, std::int32_t light) const {
     const PrimitiveRun& run = surfaces.run(item.kind, item.primitive);
-    return surfaces.surfaces[run.surface].light == static_cast<std::int32_t>(light);
+    return surfaces.surfaces[run.surface].light == light;
   }
 
-  bool meets(const ShaftRegion& shaft, std::uint32_t light) const {
+  bool meets(const ShaftRegion& shaft, std::int32_t light) const {
     return own->tree().any([&](const FloatBox& box) { return may_hold(box, shaft); },
                            [&](std::uint32_t number) {
                              if (number >= own->first_other())
@@ -258,12 +259,33 @@ struct Shafts::State {
   const SurfaceTable& surfaces;
   std::vector<SetBoxes> objects;
   std::vector<FloatBox> instance_boxes;
+  std::size_t bytes() const {
+    std::size_t sum = sizeof *this + own->tree().bytes() + objects.capacity() * sizeof(SetBoxes) +
+                      instance_boxes.capacity() * sizeof(FloatBox);
+    for (const SetBoxes& o : objects) sum += o.tree().bytes();
+    return sum;
+  }
   std::optional<SetBoxes> own;  ///< and the instances
-  std::vector<LightOutline> outlines;
-  Bounds hittable;  ///< of everything that can be hit
+  Bounds hittable;              ///< of everything that can be hit
 };
 
-Shafts::Shafts(const Scene& scene) : state_(std::make_unique<State>(scene)) {}
+struct Shafts::State {
+  std::shared_ptr<const Boxes> boxes;
+  bool owns_boxes = true;
+  std::vector<LightOutline> outlines;        ///< of each light
+  std::vector<std::int32_t> light_surfaces;  ///< Surface::light of each light
+};
+
+Shafts::Shafts(const Scene& scene) : state_(std::make_unique<State>()) {
+  State& state = *state_;
+  state.owns_boxes = scene.loaded() == nullptr;
+  state.boxes = state.owns_boxes ? std::make_shared<const Boxes>(scene)
+                                 : shafts(*scene.loaded()).state_->boxes;
+  for (const SceneLight& light : scene.lights()) {
+    state.outlines.push_back(outline_of(light));
+    state.light_surfaces.push_back(scene.surface_number(light));
+  }
+}
 Shafts::~Shafts() = default;
 
 bool Shafts::has_outline(std::uint32_t light) const {
@@ -272,18 +294,17 @@ bool Shafts::has_outline(std::uint32_t light) const {
 
 bool Shafts::is_empty(const SurfaceHit& receiver, const Vec3<float>& normal,
                       std::uint32_t light) const {
-  const auto region = shaft_region(state_->outlines[light], receiver, normal, state_->hittable);
-  return region && !state_->meets(*region, light);
+  const Boxes& boxes = *state_->boxes;
+  const auto region = shaft_region(state_->outlines[light], receiver, normal, boxes.hittable);
+  return region && !boxes.meets(*region, state_->light_surfaces[light]);
 }
 
 std::size_t Shafts::bytes() const {
-  std::size_t sum = sizeof *this + sizeof(State) + state_->own->tree().bytes() +
-                    state_->objects.capacity() * sizeof(SetBoxes) +
-                    state_->instance_boxes.capacity() * sizeof(FloatBox) +
-                    state_->outlines.capacity() * sizeof(LightOutline);
-  for (const SetBoxes& o : state_->objects) sum += o.tree().bytes();
+  std::size_t sum = sizeof *this + sizeof(State) +
+                    state_->outlines.capacity() * sizeof(LightOutline) +
+                    state_->light_surfaces.capacity() * sizeof(std::int32_t);
   for (const LightOutline& o : state_->outlines) sum += o.corners.capacity() * sizeof(Vector);
-  return sum;
+  return state_->owns_boxes ? sum + state_->boxes->bytes() : sum;
 }
 
 namespace {

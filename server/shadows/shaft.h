@@ -50,6 +50,7 @@ class Shafts {
   std::size_t bytes() const;
 
  private:
+  struct Boxes;
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -93,11 +93,22 @@ struct LeaseEntry {
 
 struct Entry {
   StoredScene stored;
-  std::string owner;                         // who loaded it first
-  std::uint64_t bytes = 0;                   // when last measured; it may have grown since then
-  std::uint64_t used = 0;                    // larger: used later
+  std::string owner;        // who loaded it first
+  std::uint64_t bytes = 0;  // own, when last measured; it may have grown since then
+  std::uint64_t used = 0;   // larger: used later
   std::map<std::string, LeaseEntry> leases;  // by id
 };
+
+/// A scene without edits, which it and its revisions keep in memory.
+struct Shared {
+  std::size_t entries = 0;  // that keep it
+  std::uint64_t bytes = 0;  // when last measured
+};
+
+const Scene* shared_by(const Entry& entry) {
+  const std::shared_ptr<const Scene>& loaded = entry.stored.scene->loaded();
+  return loaded != nullptr ? loaded.get() : entry.stored.scene.get();
+}
 
 absl::Status cancelled() { return absl::CancelledError("cancelled while the scene was loading"); }
 
@@ -149,7 +160,8 @@ struct SceneStore::State {
   std::map<std::string, Entry> scenes;           // by id
   std::map<std::string, std::string> by_source;  // ids
   std::uint64_t uses = 0, builds = 0;
-  std::uint64_t held = 0;  // bytes of all entries, each as last measured
+  std::map<const Scene*, Shared> shared;
+  std::uint64_t held = 0;  // bytes of all entries and of `shared`, each as last measured
 
   LoadLimits load_limits() const {
     LoadLimits limits;
@@ -222,15 +234,30 @@ struct SceneStore::State {
               std::vector<std::shared_ptr<const Scene>>& gone) {
     std::erase_if(by_source, [&](const auto& s) { return s.second == entry->first; });
     held -= entry->second.bytes;
+    const auto of = shared.find(shared_by(entry->second));
+    if (--of->second.entries == 0) {
+      held -= of->second.bytes;
+      shared.erase(of);
+    }
     gone.push_back(std::move(entry->second.stored.scene));
     scenes.erase(entry);
   }
 
   /// Measures a scene again, since queries may have built parts in it.
   void measure(Entry& entry) {
-    const std::uint64_t now = entry.stored.scene->bytes();
-    held += now - entry.bytes;
-    entry.bytes = now;
+    const auto set = [this](std::uint64_t& bytes, std::uint64_t now) {
+      held += now - bytes;
+      bytes = now;
+    };
+    const Scene* const of = shared_by(entry);
+    set(shared[of].bytes, of->own_bytes());
+    if (of != entry.stored.scene.get()) set(entry.bytes, entry.stored.scene->own_bytes());
+  }
+  Entry& insert(Entry entry) {
+    ++shared[shared_by(entry)].entries;
+    measure(entry);
+    const std::string& id = entry.stored.scene->id();
+    return scenes.emplace(id, std::move(entry)).first->second;
   }
   void measure_all() {
     for (auto& [id, entry] : scenes) measure(entry);
@@ -261,10 +288,13 @@ struct SceneStore::State {
     measure_all();
     std::uint64_t leased = 0;
     std::optional<TimePoint> soonest;
+    std::set<const Scene*> counted;
     for (auto& [id, entry] : scenes) {
       const std::optional<TimePoint> until = leased_until(entry);
       if (!until) continue;
       leased += entry.bytes;
+      const Scene* const of = shared_by(entry);
+      if (counted.insert(of).second) leased += shared.at(of).bytes;
       soonest = std::min(soonest.value_or(*until), *until);
     }
     if (leased + more > budget) {
@@ -351,28 +381,48 @@ absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const s
   return load_path(std::get<std::string>(source), key, known, options);
 }
 
-absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
-                                                      const std::string& key,
-                                                      const LoadOptions& options) {
-  LoadedScene incomplete;
-  AssetReader reader(
-      std::make_unique<ManifestSource>(manifest, *state_->assets, incomplete.missing));
+absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
+                                                  const LoadOptions& options) const {
+  Read result;
+  AssetReader reader(std::make_unique<ManifestSource>(manifest, *state_->assets, result.missing));
   absl::StatusOr<SceneDescription> description =
       load_scene_file(reader, manifest.main, options.stop, state_->load_limits(),
                       options.factors.value_or(LevelFactors()));
   if (absl::IsCancelled(description.status())) return description.status();
-  if (!incomplete.missing.empty()) return incomplete;
+  if (!result.missing.empty()) return result;
   LUCERNA_RETURN_IF_ERROR(description.status());
   for (const Asset& asset : description->assets) {
     const std::string& digest = manifest.assets.at(asset.name);
     if (asset.sha256 == digest) continue;
     // The file on the disk was changed.
     state_->assets->drop(digest);
-    incomplete.missing.push_back({asset.name, digest});
+    result.missing.push_back({asset.name, digest});
   }
-  if (!incomplete.missing.empty()) return incomplete;
-  return build_once(*std::move(description), key,
-                    {.scene = nullptr, .path = manifest.main, .uploaded = true}, options);
+  if (result.missing.empty()) result.description = *std::move(description);
+  return result;
+}
+
+absl::StatusOr<SceneStore::Read> SceneStore::read(const std::string& path,
+                                                  const LoadOptions& options) const {
+  LUCERNA_ASSIGN_OR_RETURN(AssetReader reader, AssetReader::open(state_->options.root));
+  LUCERNA_ASSIGN_OR_RETURN(SceneDescription description,
+                           load_scene_file(reader, path, options.stop, state_->load_limits(),
+                                           options.factors.value_or(LevelFactors())));
+  return Read{std::move(description), {}};
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
+                                                      const std::string& key,
+                                                      const LoadOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(Read found, read(manifest, options));
+  if (!found.description) return LoadedScene{.missing = std::move(found.missing)};
+  return build_once(*std::move(found.description), key,
+                    {.scene = nullptr,
+                     .path = manifest.main,
+                     .uploaded = true,
+                     .source = manifest,
+                     .factors = options.factors.value_or(LevelFactors())},
+                    options);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const std::string& key,
@@ -396,7 +446,12 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
   if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
     return load_uploaded(path, options);
   LUCERNA_RETURN_IF_ERROR(description.status());
-  return build_once(*std::move(description), key, {.scene = nullptr, .path = path}, options);
+  return build_once(*std::move(description), key,
+                    {.scene = nullptr,
+                     .path = path,
+                     .source = path,
+                     .factors = options.factors.value_or(LevelFactors())},
+                    options);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
@@ -405,6 +460,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
   Entry* latest = nullptr;
   for (auto& [id, entry] : state_->scenes) {
     if (!entry.stored.uploaded || entry.stored.path != name) continue;
+    if (entry.stored.scene->loaded() != nullptr) continue;  // a revision
     if (options.factors && *options.factors != entry.stored.scene->level_factors()) continue;
     if (latest == nullptr || entry.used > latest->used) latest = &entry;
   }
@@ -433,14 +489,64 @@ absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
   entry.stored = named;
   entry.stored.scene = scene;
   entry.owner = options.owner.name;
-  entry.bytes = scene->bytes();
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
-  LUCERNA_RETURN_IF_ERROR(state_->evict_for(entry.bytes, gone));
+  LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), gone));
   ++state_->builds;
-  state_->held += entry.bytes;
-  const auto place = state_->scenes.emplace(id, std::move(entry)).first;
-  return state_->answer(place->second, key, options, false);
+  return state_->answer(state_->insert(std::move(entry)), key, options, false);
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> SceneStore::moved(const StoredScene& of,
+                                                               const MovedSurfaces& moves,
+                                                               const std::stop_token& stop) {
+  std::shared_ptr<const Scene> loaded = of.scene->loaded() ? of.scene->loaded() : of.scene;
+  if (loaded->moved() == moves) return loaded;
+  {
+    const std::lock_guard lock(state_->mutex);
+    for (const auto& [id, entry] : state_->scenes) {
+      const std::shared_ptr<const Scene>& scene = entry.stored.scene;
+      const std::shared_ptr<const Scene>& other = scene->loaded() ? scene->loaded() : scene;
+      if (other->id() == loaded->id() && other->moved() == moves) return other;
+    }
+  }
+  const LoadOptions options{.stop = stop, .factors = of.factors};
+  LUCERNA_ASSIGN_OR_RETURN(
+      Read found, std::visit([&](const auto& source) { return read(source, options); }, of.source));
+  if (!found.description ||
+      scene_id(found.description->assets, found.description->textures.halved(),
+               found.description->level_factors) != loaded->id())
+    return absl::FailedPreconditionError(
+        fmt::format("the files of \"{}\" are not those that were loaded, and an edit that moves a "
+                    "surface reads them again; load the scene again",
+                    of.path));
+  return Scene::build_moved(*std::move(found.description), moves, state_->options.isa, stop);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits edits,
+                                               const LoadOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(std::shared_ptr<const Scene> base,
+                           moved(of, of.scene->moved_by(edits), options.stop));
+  LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
+                           Scene::revise(std::move(base), std::move(edits)));
+  std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+  const std::lock_guard lock(state_->mutex);
+  const auto same = state_->scenes.find(scene->id());
+  const bool is_known = same != state_->scenes.end();
+  if (options.lease_s > 0) LUCERNA_RETURN_IF_ERROR(state_->check_leases(options.owner));
+  if (!is_known) {
+    LUCERNA_RETURN_IF_ERROR(state_->check_scenes(options.owner));
+    LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), gone));
+    Entry entry;
+    entry.stored = of;
+    entry.stored.scene = scene;
+    entry.stored.leased_s = 0;
+    entry.owner = options.owner.name;
+    state_->insert(std::move(entry));
+  }
+  Entry& entry = state_->scenes.at(scene->id());
+  entry.used = ++state_->uses;
+  return LoadedScene{
+      entry.stored, is_known, state_->give_lease(entry, "", options.lease_s, options.owner), {}};
 }
 
 std::shared_ptr<const Scene> SceneStore::find(const std::string& id) const {

@@ -34,6 +34,9 @@ struct StoredScene {
   std::string path;
   bool uploaded = false;  ///< first loaded from a manifest
   double leased_s = 0;    ///< time from now until the last lease ends
+  /// The files that the scene was first loaded from.
+  std::variant<std::string, Manifest> source{};
+  LevelFactors factors{};
 };
 
 /// The store keeps a scene until all its leases have ended or were released.
@@ -102,6 +105,23 @@ class SceneStore {
   /// The same for uploaded files.  Returns the missing files if there are any.
   absl::StatusOr<LoadedScene> load(const Manifest& manifest, const LoadOptions& options = {});
 
+  /// Makes the revision of a scene, or of its revision, with these edits (all of them, not only
+  /// new ones).  Without edits it is the scene itself.  If edits move surfaces, the scene's files
+  /// are read again and its geometry is built again, unless a revision in memory has the same
+  /// moves.  Errors: those of Scene::revise; RESOURCE_EXHAUSTED as for load; FAILED_PRECONDITION if
+  /// the files have changed.
+  absl::StatusOr<LoadedScene> revise(const StoredScene& of, LightEdits edits,
+                                     const LoadOptions& options = {});
+
+  /// What a scene file holds, without building it.
+  struct Read {
+    std::optional<SceneDescription> description;  ///< nothing if files are missing
+    std::vector<MissingAsset> missing;
+  };
+  /// Errors: those of load_scene_file.
+  absl::StatusOr<Read> read(const std::string& path, const LoadOptions& options) const;
+  absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options) const;
+
   /// Marks the scene as used.  Null if it is not loaded.
   std::shared_ptr<const Scene> find(const std::string& id) const;
   /// Up to `count` scenes with ids after `after`, in the order of their ids.
@@ -151,6 +171,10 @@ class SceneStore {
                                         const std::optional<StoredScene>& known,
                                         const LoadOptions& options);
   absl::StatusOr<LoadedScene> load_uploaded(const std::string& name, const LoadOptions& options);
+  /// The scene without other edits than these moves, from memory or built again.
+  absl::StatusOr<std::shared_ptr<const Scene>> moved(const StoredScene& of,
+                                                     const MovedSurfaces& moves,
+                                                     const std::stop_token& stop);
   absl::StatusOr<LoadedScene> build_once(SceneDescription description, const std::string& key,
                                          const StoredScene& named, const LoadOptions& options);
 

@@ -280,9 +280,9 @@ TEST_F(CliCertainty, TimesHaveUnits) {
   for (const char* time : {"0.006", "0.006s", "6ms", "0.0001m", "0h6ms"}) {
     const std::string budget = std::string("--budget=") + time;
     EXPECT_THAT(said(irradiance({budget})), HasSubstr(" samples per point; ")) << time;
-    EXPECT_EQ(lucerna({"render", "sphere.pbrt", "-o", path("a.pfm"), budget}).status, 0) << time;
-    EXPECT_EQ(lucerna({"power", "sphere.pbrt", "--method", "sampled", budget}).status, 0) << time;
   }
+  EXPECT_EQ(lucerna({"render", "sphere.pbrt", "-o", path("a.pfm"), "--budget=6ms"}).status, 0);
+  EXPECT_EQ(lucerna({"power", "sphere.pbrt", "--method", "sampled", "--budget=6ms"}).status, 0);
   // No machine answers a call in this time.
   for (const char* time : {"6e-9", "6e-9s", "6e-6ms", "1e-10m"})
     expect_wrong_use(lucerna({"tradeoff", "sphere.pbrt", "--points", path("p.csv"), "--out",

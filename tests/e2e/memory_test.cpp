@@ -83,7 +83,7 @@ TEST_F(Memory, GetSceneAgreesWithTheChangeOfResidentMemory) {
   const auto scene = server_->client().get_scene(get);
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto reported = static_cast<double>(scene->summary().bytes());
-  EXPECT_GT(reported, 500e6);
+  EXPECT_GT(reported, 400e6);
   EXPECT_NEAR(after - before, reported, 0.1 * reported);
   // Unloading the scene frees it.
   v1::ReleaseSceneRequest release;

@@ -199,7 +199,7 @@ TEST_F(RenderJob, AnInterruptedJobResumesFromItsJournal) {
 TEST_F(RenderJob, PixelsOfATargetErrorAreTheSameFromAnyServersAndTiles) {
   v1::TargetError* target = request_.mutable_accuracy()->mutable_target_error();
   target->set_relative(0.3);
-  target->set_max_samples(256);
+  target->set_max_samples(128);
   request_.set_bounces(0);
   client::PictureAssembler whole;
   ASSERT_TRUE(servers_[0]

@@ -9,6 +9,7 @@
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
 #include "server/gltf/blender_levels.h"
+#include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
@@ -29,11 +30,6 @@ constexpr double kReleaseSeconds = 1;
 constexpr std::size_t kPageBytes = std::size_t{1} << 20;
 constexpr std::size_t kMostNameBytes = 4096;
 
-absl::Status check_lease(double lease_s) {
-  if (lease_s >= 0 && std::isfinite(lease_s)) return absl::OkStatus();
-  return bad_field("lease_s", fmt::format("{}", lease_s), "[0, inf)");
-}
-
 absl::Status check_digest(const std::string& field, const std::string& digest) {
   if (digest.size() == kSha256Bytes) return absl::OkStatus();
   return bad_field(field, fmt::format("{} bytes", digest.size()), "the 32 bytes of a SHA-256");
@@ -50,34 +46,6 @@ bool is_plain(const std::string& name) {
     begin = end + 1;
   }
   return true;
-}
-
-absl::StatusOr<Manifest> check_manifest(const Context& context, const v1::SceneManifest& given) {
-  const auto n = static_cast<std::size_t>(given.assets_size());
-  if (n > context.limits.max_batch_items) {
-    return over_limit("manifest.assets", n, context.limits.max_batch_items);
-  }
-  Manifest manifest{given.main(), {}};
-  for (std::size_t i = 0; i < n; ++i) {
-    const v1::NamedAsset& asset = given.assets(static_cast<int>(i));
-    const std::string field = fmt::format("manifest.assets[{}]", i);
-    if (!is_plain(asset.name())) {
-      return bad_field(
-          field + ".name", fmt::format("\"{}\"", asset.name()),
-          fmt::format("a relative name of at most {} bytes without . and ..", kMostNameBytes));
-    }
-    if (!asset.sha256().empty()) {
-      LUCERNA_RETURN_IF_ERROR(check_digest(field + ".sha256", asset.sha256()));
-    }
-    if (!manifest.assets.emplace(asset.name(), asset.sha256()).second) {
-      return bad_field(field + ".name", fmt::format("\"{}\"", asset.name()), "each name once");
-    }
-  }
-  if (!manifest.assets.contains(manifest.main)) {
-    return bad_field("manifest.main", fmt::format("\"{}\"", manifest.main),
-                     "a name among manifest.assets");
-  }
-  return manifest;
 }
 
 absl::StatusOr<gltf::BlenderLightingMode> check_mode(v1::BlenderLightingMode mode) {
@@ -130,6 +98,40 @@ void set_loaded(const LoadedScene& loaded, v1::LoadSceneResponse* response) {
 
 }  // namespace
 
+absl::Status check_lease(double lease_s) {
+  if (lease_s >= 0 && std::isfinite(lease_s)) return absl::OkStatus();
+  return bad_field("lease_s", fmt::format("{}", lease_s), "[0, inf)");
+}
+
+absl::StatusOr<Manifest> check_manifest(const Context& context, const std::string& field,
+                                        const v1::SceneManifest& given) {
+  const auto n = static_cast<std::size_t>(given.assets_size());
+  if (n > context.limits.max_batch_items) {
+    return over_limit(field + ".assets", n, context.limits.max_batch_items);
+  }
+  Manifest manifest{given.main(), {}};
+  for (std::size_t i = 0; i < n; ++i) {
+    const v1::NamedAsset& asset = given.assets(static_cast<int>(i));
+    const std::string entry = fmt::format("{}.assets[{}]", field, i);
+    if (!is_plain(asset.name())) {
+      return bad_field(
+          entry + ".name", fmt::format("\"{}\"", asset.name()),
+          fmt::format("a relative name of at most {} bytes without . and ..", kMostNameBytes));
+    }
+    if (!asset.sha256().empty()) {
+      LUCERNA_RETURN_IF_ERROR(check_digest(entry + ".sha256", asset.sha256()));
+    }
+    if (!manifest.assets.emplace(asset.name(), asset.sha256()).second) {
+      return bad_field(entry + ".name", fmt::format("\"{}\"", asset.name()), "each name once");
+    }
+  }
+  if (!manifest.assets.contains(manifest.main)) {
+    return bad_field(field + ".main", fmt::format("\"{}\"", manifest.main),
+                     fmt::format("a name among {}.assets", field));
+  }
+  return manifest;
+}
+
 Prepared find_missing_assets(const Context& context, const v1::FindMissingAssetsRequest& request,
                              v1::FindMissingAssetsResponse* response) {
   const auto n = static_cast<std::size_t>(request.sha256_size());
@@ -161,7 +163,7 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
   if (request.has_lease_s()) LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
   Manifest manifest;
   if (request.has_manifest()) {
-    LUCERNA_ASSIGN_OR_RETURN(manifest, check_manifest(context, request.manifest()));
+    LUCERNA_ASSIGN_OR_RETURN(manifest, check_manifest(context, "manifest", request.manifest()));
   } else if (request.path().empty()) {
     return bad_field("path", "\"\"", "the name of a scene file under the server's scene root");
   }
@@ -171,16 +173,31 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
         factors,
         check_blender(request.blender(), request.has_manifest() ? manifest.main : request.path()));
   }
+  LUCERNA_RETURN_IF_ERROR(check_edits(context, request.edits()));
   Task task;
   task.bulk = true;
   task.cost = response->mutable_cost();
-  task.run = [&scenes = context.scenes, &request, manifest = std::move(manifest), factors,
-              caller = context.caller, response](const std::stop_token& stop) {
-    const LoadOptions options{request.lease_s(), stop, factors, caller};
-    const absl::StatusOr<LoadedScene> loaded = request.has_manifest()
-                                                   ? scenes.load(manifest, options)
-                                                   : scenes.load(request.path(), options);
+  task.run = [context, &request, manifest = std::move(manifest), factors,
+              response](const std::stop_token& stop) -> absl::Status {
+    // The lease is that of the revision, if there are edits.
+    const double lease_s = request.lease_s();
+    const LoadOptions options{request.edits().empty() ? lease_s : 0, stop, factors, context.caller};
+    absl::StatusOr<LoadedScene> loaded = request.has_manifest()
+                                             ? context.scenes.load(manifest, options)
+                                             : context.scenes.load(request.path(), options);
     if (!loaded.ok()) return load_error(loaded.status());
+    if (!request.edits().empty() && loaded->stored.scene != nullptr) {
+      LUCERNA_ASSIGN_OR_RETURN(EditedLights edited, edited_lights(context, *loaded->stored.scene,
+                                                                  request.edits(), stop));
+      if (!edited.missing.empty()) {
+        loaded->stored.scene = nullptr;
+        loaded->missing = std::move(edited.missing);
+      } else {
+        loaded = context.scenes.revise(loaded->stored, std::move(edited.edits),
+                                       {lease_s, stop, {}, context.caller});
+        if (!loaded.ok()) return load_error(loaded.status());
+      }
+    }
     set_loaded(*loaded, response);
     return absl::OkStatus();
   };

@@ -41,6 +41,14 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
     levels->set_emission(factors.emission);
   }
   out->set_bytes(scene.bytes());
+  if (scene.loaded() != nullptr) {
+    out->set_loaded_scene_id(scene.loaded()->id());
+    std::uint64_t edited = scene.edits().added.size();
+    for (const auto& [id, change] : scene.edits().changes)
+      edited += scene.edits().added.contains(id) ? 0 : 1;
+    out->set_edited_lights(edited);
+    out->set_own_bytes(scene.own_bytes());
+  }
   out->set_leased_s(stored.leased_s);
 }
 

@@ -121,6 +121,8 @@ TEST_F(RenderAccuracyTest, ImagesWithATargetErrorHaveTheBitsOfTiles) {
     for (const std::uint32_t n : plane<std::uint32_t>(r.tile().samples())) done += n;
     EXPECT_EQ(r.samples_done(), done);
     EXPECT_EQ(r.samples_total(), 0U);
+    // A third of the tiles is rendered again.
+    if ((&r - sent.data()) % 3 != 0) continue;
     v1::RenderTileRequest one;
     one.set_scene_id(scene_);
     one.set_seed(5);

@@ -1,0 +1,34 @@
+// The options --set, --remove and --add: edits of a scene's lights.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lucerna/v1/scene.pb.h"
+
+namespace CLI {
+class App;
+}
+
+namespace lucerna::cli {
+
+class EditOption {
+ public:
+  using Edits = google::protobuf::RepeatedPtrField<v1::LightEdit>;
+  /// The ids of the lights of a name; an error if there are none.
+  using Named = std::function<absl::StatusOr<std::vector<std::uint64_t>>(const std::string& name)>;
+
+  void add(CLI::App& app);
+  bool given() const { return !sets_.empty() || !removed_.empty() || !added_.empty(); }
+  /// The edits in the order set, remove, add.  `named`: null if only ids are allowed.  Errors:
+  /// INVALID_ARGUMENT with the option and what is allowed; those of `named`.
+  absl::StatusOr<Edits> edits(const Named& named = nullptr) const;
+
+ private:
+  std::vector<std::string> sets_, removed_, added_;
+};
+
+}  // namespace lucerna::cli

@@ -1,0 +1,331 @@
+#include "server/rpc/handlers/light_edits.h"
+
+#include <fmt/core.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
+#include <cmath>
+#include <utility>
+
+#include "proto/common/status_macros.h"
+#include "server/formats/printable.h"
+#include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/convert.h"
+#include "server/rpc/messages/errors.h"
+#include "server/scene/scene_lights.h"
+
+namespace lucerna::rpc {
+namespace {
+
+constexpr double kMostFactor = 1e9;
+// Lights that requests add have no place in a file.
+constexpr const char* kAddedSource = "(added)";
+// Time to make a revision: for each light of the scene, and for all of them [s].
+constexpr double kLightSeconds = 1e-6, kRevisionSeconds = 1e-3;
+
+absl::Status check_factor(const std::string& field, double value) {
+  if (value >= 0 && value <= kMostFactor) return absl::OkStatus();
+  return bad_field(field, fmt::format("{}", value), fmt::format("[0, {}]", kMostFactor));
+}
+
+absl::Status check_finite(const std::string& field, double value) {
+  if (std::isfinite(value)) return absl::OkStatus();
+  return bad_field(field, fmt::format("{}", value), "a finite number");
+}
+
+absl::Status check_finite(const std::string& field, const v1::Vector3& v) {
+  LUCERNA_RETURN_IF_ERROR(check_finite(field + ".x", v.x()));
+  LUCERNA_RETURN_IF_ERROR(check_finite(field + ".y", v.y()));
+  return check_finite(field + ".z", v.z());
+}
+
+absl::Status check_change(const std::string& field, const v1::LightChange& change) {
+  if (change.has_scale()) LUCERNA_RETURN_IF_ERROR(check_factor(field + ".scale", change.scale()));
+  if (change.has_tint()) {
+    LUCERNA_RETURN_IF_ERROR(check_factor(field + ".tint.r", change.tint().r()));
+    LUCERNA_RETURN_IF_ERROR(check_factor(field + ".tint.g", change.tint().g()));
+    LUCERNA_RETURN_IF_ERROR(check_factor(field + ".tint.b", change.tint().b()));
+  }
+  if (!change.has_placement()) return absl::OkStatus();
+  const v1::LightPlacement& place = change.placement();
+  LUCERNA_RETURN_IF_ERROR(check_finite(field + ".placement.shift_m", place.shift_m()));
+  LUCERNA_RETURN_IF_ERROR(check_finite(field + ".placement.turn_axis", place.turn_axis()));
+  LUCERNA_RETURN_IF_ERROR(check_finite(field + ".placement.turn_rad", place.turn_rad()));
+  const v1::Vector3& axis = place.turn_axis();
+  if (place.turn_rad() != 0 && axis.x() == 0 && axis.y() == 0 && axis.z() == 0)
+    return bad_field(field + ".placement.turn_axis", "(0, 0, 0)", "an axis for the turn");
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SpotProfile> spot_profile(const std::string& field, v1::SpotProfile profile) {
+  switch (profile) {
+    case v1::SPOT_PROFILE_UNSPECIFIED:
+    case v1::SPOT_PROFILE_SMOOTHSTEP:
+      return SpotProfile::kSmoothstep;
+    case v1::SPOT_PROFILE_QUARTIC:
+      return SpotProfile::kQuartic;
+    case v1::SPOT_PROFILE_QUADRATIC:
+      return SpotProfile::kQuadratic;
+    default:
+      return bad_field(field, fmt::format("{}", static_cast<int>(profile)),
+                       fmt::format("[0, {}], the numbers of SpotProfile",
+                                   static_cast<int>(v1::SpotProfile_MAX)));
+  }
+}
+
+Vec3<double> vector(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+Rgb<double> colour(const v1::Rgb& c) { return {c.r(), c.g(), c.b()}; }
+
+/// The parameters of a light; its model checks their values.
+absl::StatusOr<LightParams> params_of(const std::string& field, const v1::Light& light) {
+  switch (light.kind_case()) {
+    case v1::Light::kPoint:
+      return PointLightParams{vector(light.point().position_m()),
+                              colour(light.point().intensity_cd())};
+    case v1::Light::kSpot: {
+      LUCERNA_ASSIGN_OR_RETURN(const SpotProfile profile,
+                               spot_profile(field + ".spot.profile", light.spot().profile()));
+      return SpotLightParams{.position_m = vector(light.spot().position_m()),
+                             .axis = vector(light.spot().axis()),
+                             .intensity_cd = colour(light.spot().intensity_cd()),
+                             .cone_half_angle_rad = light.spot().cone_half_angle_rad(),
+                             .falloff_start_rad = light.spot().falloff_start_rad(),
+                             .profile = profile};
+    }
+    case v1::Light::kDistant:
+      return DistantLightParams{vector(light.distant().to_light()),
+                                colour(light.distant().illuminance_lx())};
+    case v1::Light::kSun:
+      return SunLightParams{vector(light.sun().to_light()), light.sun().angular_diameter_rad(),
+                            colour(light.sun().illuminance_lx())};
+    case v1::Light::kUniformInfinite:
+      return UniformInfiniteLightParams{colour(light.uniform_infinite().radiance_cd_m2())};
+    default:
+      return bad_field(field + ".kind",
+                       light.kind_case() == v1::Light::KIND_NOT_SET ? "none" : "another",
+                       "point, spot, distant, sun, uniform_infinite");
+  }
+}
+
+absl::StatusOr<LightDescription> put_light(const std::string& field, const v1::Light& light) {
+  if (!light.name().empty() && !is_light_name(light.name()))
+    return bad_field(field + ".name", fmt::format("\"{}\"", printable(light.name())),
+                     "at most 256 bytes of UTF-8 without control characters");
+  if (light.has_spectrum())
+    return bad_field(field + ".spectrum", "set", "unset; the kind has the RGB values");
+  if (light.has_motion()) return bad_field(field + ".motion", "set", "unset");
+  LUCERNA_ASSIGN_OR_RETURN(LightParams params, params_of(field, light));
+  LightDescription described{.params = std::move(params), .where = {.file = kAddedSource}};
+  described.samples = std::max(light.samples_per_light(), 1U);
+  described.name = light.name();
+  // Reports bad values with the field of the request.
+  if (absl::Status s = create_light(described, {}).status(); !s.ok())
+    return absl::InvalidArgumentError(fmt::format("{}: {}", field, std::string(s.message())));
+  return described;
+}
+
+/// The bytes of a light that determine its answers.
+std::string content_of(const v1::Light& light) {
+  v1::Light kept = light;
+  kept.clear_id();
+  kept.clear_source();
+  kept.clear_bounds();
+  kept.clear_power_lm();
+  kept.clear_power_error_lm();
+  kept.clear_directions();
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream out(&stream);
+    out.SetSerializationDeterministic(true);
+    kept.SerializeToCodedStream(&out);
+  }
+  return "put:" + bytes;
+}
+
+/// Applies edits one after another.
+class Editor {
+ public:
+  Editor(const Context& context, const Scene& scene, const std::stop_token& stop)
+      : context_(context), stop_(stop) {
+    result_.edits = scene.edits();
+    const Scene& loaded = scene.loaded() != nullptr ? *scene.loaded() : scene;
+    loaded_ids_ = loaded.lights().size();
+  }
+
+  absl::Status apply(const std::string& field, const v1::LightEdit& edit) {
+    switch (edit.edit_case()) {
+      case v1::LightEdit::kPut:
+        return put(field + ".put", edit.put());
+      case v1::LightEdit::kRemove:
+        return remove(edit.remove());
+      case v1::LightEdit::kChange:
+        return change(edit.change());
+      case v1::LightEdit::kAdd:
+        return add(field + ".add", edit.add());
+      default:
+        return absl::InternalError("an edit without a kind");
+    }
+  }
+  EditedLights take() && { return std::move(result_); }
+
+ private:
+  bool exists(std::uint64_t id) const {
+    const LightEdits& edits = result_.edits;
+    if (edits.added.contains(id)) return true;
+    if (id < 1 || id > loaded_ids_) return false;
+    const auto change = edits.changes.find(id);
+    return change == edits.changes.end() || !change->second.is_removed;
+  }
+
+  absl::Status remove(std::uint64_t id) {
+    if (!exists(id)) return unknown_light(id);
+    result_.edits.added.erase(id);
+    result_.edits.changes.erase(id);
+    if (id <= loaded_ids_) result_.edits.changes[id].is_removed = true;
+    return absl::OkStatus();
+  }
+
+  absl::Status change(const v1::LightChange& given) {
+    const std::uint64_t id = given.light_id();
+    if (!exists(id)) return unknown_light(id);
+    LightChange& c = result_.edits.changes[id];
+    if (given.has_scale()) c.scale = given.scale();
+    if (given.has_tint()) c.tint = colour(given.tint());
+    if (given.has_on()) c.is_off = !given.on();
+    if (given.has_placement()) {
+      const v1::LightPlacement& place = given.placement();
+      c.shift_m = vector(place.shift_m());
+      c.turn_rad = place.turn_rad();
+      c.turn_axis = c.turn_rad != 0 ? normalized(vector(place.turn_axis())) : Vec3<double>();
+    }
+    if (c == LightChange()) result_.edits.changes.erase(id);
+    return absl::OkStatus();
+  }
+
+  absl::Status put(const std::string& field, const v1::Light& light) {
+    if (light.id() != 0 && !exists(light.id())) return unknown_light(light.id());
+    LUCERNA_ASSIGN_OR_RETURN(LightDescription described, put_light(field, light));
+    insert(light.id(), {std::move(described), content_of(light)});
+    return absl::OkStatus();
+  }
+
+  absl::Status add(const std::string& field, const v1::LightFile& file) {
+    absl::StatusOr<SceneStore::Read> read = absl::InternalError("");
+    if (file.has_manifest()) {
+      LUCERNA_ASSIGN_OR_RETURN(const Manifest manifest,
+                               check_manifest(context_, field + ".manifest", file.manifest()));
+      read = context_.scenes.read(manifest, {.stop = stop_});
+    } else {
+      read = context_.scenes.read(file.path(), {.stop = stop_});
+    }
+    LUCERNA_RETURN_IF_ERROR(read.status());
+    for (MissingAsset& asset : read->missing) result_.missing.push_back(std::move(asset));
+    if (!read->description) return absl::OkStatus();
+    SceneDescription& scene = *read->description;
+    if (!scene.shapes.empty() || !scene.instances.empty())
+      return located(
+          absl::InvalidArgumentError(
+              "a shape in a file whose lights are added, allowed: lights without a surface"),
+          scene.shapes.empty() ? scene.instances.front().where : scene.shapes.front().where);
+    const std::string files = scene_id(scene.assets);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+      insert(0, {std::move(scene.lights[i]), fmt::format("file:{}:{}", files, i)});
+    return absl::OkStatus();
+  }
+
+  void insert(std::uint64_t id, AddedLight light) {
+    LightEdits& edits = result_.edits;
+    if (id == 0) id = added_light_id(light.content, edits.added);
+    edits.changes.erase(id);
+    edits.added[id] = std::move(light);
+    result_.new_ids.push_back(id);
+  }
+
+  const Context& context_;
+  const std::stop_token& stop_;
+  std::uint64_t loaded_ids_;
+  EditedLights result_;
+};
+
+}  // namespace
+
+absl::Status check_edits(const Context& context, const LightEditList& edits) {
+  const auto n = static_cast<std::size_t>(edits.size());
+  if (n > context.limits.max_batch_items)
+    return over_limit("edits", n, context.limits.max_batch_items);
+  for (std::size_t i = 0; i < n; ++i) {
+    const v1::LightEdit& edit = edits.Get(static_cast<int>(i));
+    const std::string field = fmt::format("edits[{}]", i);
+    switch (edit.edit_case()) {
+      case v1::LightEdit::kPut:
+        LUCERNA_RETURN_IF_ERROR(put_light(field + ".put", edit.put()).status());
+        break;
+      case v1::LightEdit::kRemove:
+        break;
+      case v1::LightEdit::kChange:
+        LUCERNA_RETURN_IF_ERROR(check_change(field + ".change", edit.change()));
+        break;
+      case v1::LightEdit::kAdd:
+        if (edit.add().has_manifest()) {
+          LUCERNA_RETURN_IF_ERROR(
+              check_manifest(context, field + ".add.manifest", edit.add().manifest()).status());
+        } else if (edit.add().path().empty()) {
+          return bad_field(field + ".add.path", "\"\"",
+                           "the name of a scene file under the server's scene root");
+        }
+        break;
+      default:
+        return bad_field(field + ".edit", "none", "put, remove, change, add");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<EditedLights> edited_lights(const Context& context, const Scene& scene,
+                                           const LightEditList& edits,
+                                           const std::stop_token& stop) {
+  Editor editor(context, scene, stop);
+  for (int i = 0; i < edits.size(); ++i)
+    LUCERNA_RETURN_IF_ERROR(editor.apply(fmt::format("edits[{}]", i), edits.Get(i)));
+  return std::move(editor).take();
+}
+
+Prepared edit_lights(const Context& context, const v1::EditLightsRequest& request,
+                     v1::EditLightsResponse* response) {
+  if (request.has_lease_s()) LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
+  LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
+  const std::optional<StoredScene> stored = context.scenes.stored(request.scene_id());
+  if (!stored) return unknown_scene(request.scene_id());
+  LUCERNA_RETURN_IF_ERROR(check_edits(context, request.edits()));
+  Task task;
+  task.predicted_s =
+      kRevisionSeconds + kLightSeconds * static_cast<double>(stored->scene->lights().size());
+  // These read files, or may build the scene again.
+  for (const v1::LightEdit& edit : request.edits())
+    task.bulk |= edit.has_add() || edit.change().has_placement();
+  task.cost = response->mutable_cost();
+  task.run = [context, stored = *stored, &request,
+              response](const std::stop_token& stop) -> absl::Status {
+    LUCERNA_ASSIGN_OR_RETURN(EditedLights edited,
+                             edited_lights(context, *stored.scene, request.edits(), stop));
+    for (const MissingAsset& asset : edited.missing) {
+      v1::NamedAsset* missing = response->add_missing();
+      missing->set_name(asset.name);
+      missing->set_sha256(asset.digest);
+    }
+    if (!edited.missing.empty()) return absl::OkStatus();
+    const absl::StatusOr<LoadedScene> revision = context.scenes.revise(
+        stored, std::move(edited.edits), {request.lease_s(), stop, {}, context.caller});
+    if (!revision.ok()) return load_error(revision.status());
+    response->set_scene_id(revision->stored.scene->id());
+    response->set_already_loaded(revision->already_loaded);
+    response->set_lease_id(revision->lease.id);
+    response->set_lease_s(revision->lease.seconds);
+    for (const std::uint64_t id : edited.new_ids) response->add_light_ids(id);
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,37 @@
+// EditLights, and the edits of LoadScene.
+#pragma once
+
+#include <stop_token>
+#include <vector>
+
+#include "lucerna/v1/scene.pb.h"
+#include "server/rpc/messages/task.h"
+
+namespace lucerna::rpc {
+
+using LightEditList = google::protobuf::RepeatedPtrField<v1::LightEdit>;
+
+/// The result of edits.
+struct EditedLights {
+  LightEdits edits;                    ///< all of the scene's, not only the new ones
+  std::vector<std::uint64_t> new_ids;  ///< of added and replaced lights
+  std::vector<MissingAsset> missing;   ///< of added files; if any, `edits` is incomplete
+};
+
+/// Checks what can be checked without the scene, so that bad requests cost nothing.
+absl::Status check_edits(const Context& context, const LightEditList& edits);
+
+/// Applies edits to those that `scene` has.  Reads the files of lights that they add.  Requires
+/// check_edits().  Errors: a light that the scene does not have; those of reading a file.
+absl::StatusOr<EditedLights> edited_lights(const Context& context, const Scene& scene,
+                                           const LightEditList& edits, const std::stop_token& stop);
+
+Prepared edit_lights(const Context& context, const v1::EditLightsRequest& request,
+                     v1::EditLightsResponse* response);
+
+/// A manifest of a request.  `field`: its name, for errors.
+absl::StatusOr<Manifest> check_manifest(const Context& context, const std::string& field,
+                                        const v1::SceneManifest& given);
+absl::Status check_lease(double lease_s);
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,172 @@
+#include "server/scene/light_edit.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <variant>
+
+#include "proto/common/sha256.h"
+#include "server/rays/surface_table.h"
+#include "server/scene/scene_lights.h"
+
+namespace lucerna {
+namespace {
+
+/// The level of a light.  There is one overload for each kind, so a new kind does not compile until
+/// it can be dimmed.
+Rgb<double>& level_of(PointLightParams& p) { return p.intensity_cd; }
+Rgb<double>& level_of(SpotLightParams& p) { return p.intensity_cd; }
+Rgb<double>& level_of(DistantLightParams& p) { return p.illuminance_lx; }
+Rgb<double>& level_of(SunLightParams& p) { return p.illuminance_lx; }
+Rgb<double>& level_of(UniformInfiniteLightParams& p) { return p.radiance_cd_m2; }
+Rgb<double>& level_of(ImageInfiniteLightParams& p) { return p.radiance_cd_m2; }
+Rgb<double>& level_of(GoniometricLightParams& p) { return p.intensity; }
+Rgb<double>& level_of(ProjectionLightParams& p) { return p.intensity_cd; }
+Rgb<double>& level_of(BeamLightParams& p) { return p.illuminance_lx; }
+Rgb<double>& level_of(PortalLightParams& p) { return p.radiance_cd_m2; }
+
+/// Turns directions of a light, and moves points about the one that does not turn.
+class Mover {
+ public:
+  Mover(const LightChange& change, const Vec3<double>& anchor)
+      : anchor_(anchor), shift_(change.shift_m) {
+    if (change.turn_rad != 0)
+      turn_ = Transform::rotate(change.turn_rad, change.turn_axis).value_or(Transform());
+  }
+
+  void operator()(TriangleMeshData& mesh) const { vertices(mesh); }
+  void operator()(PatchMeshData& mesh) const { vertices(mesh); }
+  void operator()(CurveData&) const {}  // does not emit
+#define LUCERNA_MOVE(Shape) \
+  void operator()(Shape##Params& p) const { p.world_from_object = map() * p.world_from_object; }
+  LUCERNA_QUADRICS(LUCERNA_MOVE)
+#undef LUCERNA_MOVE
+  void direction(Vec3<double>& w) const {
+    if (turn_) w = turn_->vector(w);
+  }
+
+  void operator()(PointLightParams& p) const { point(p.position_m); }
+  void operator()(SpotLightParams& p) const { point(p.position_m), direction(p.axis); }
+  void operator()(DistantLightParams& p) const { direction(p.to_light); }
+  void operator()(SunLightParams& p) const { direction(p.to_light); }
+  void operator()(UniformInfiniteLightParams&) const {}
+  void operator()(ImageInfiniteLightParams& p) const { turn_map(p.world_from_map); }
+  void operator()(GoniometricLightParams& p) const { point(p.position_m), frame(p.axes); }
+  void operator()(ProjectionLightParams& p) const { point(p.position_m), frame(p.axes); }
+  void operator()(BeamLightParams& p) const { point(p.position_m), frame(p.axes); }
+  void operator()(PortalLightParams& p) const {
+    for (Vec3<double>& corner : p.corners_m) point(corner);
+    turn_map(p.world_from_map);
+  }
+
+ private:
+  template <typename Mesh>
+  void vertices(Mesh& mesh) const {
+    for (Vec3<double>& p : mesh.positions) point(p);
+    if (!turn_) return;
+    const auto turn = [this](Vec3<float>& v) { v = Vec3<float>(turn_->vector(Vec3<double>(v))); };
+    for (Vec3<float>& n : mesh.normals) turn(n);
+    if constexpr (requires { mesh.tangents; })
+      for (VertexTangent& t : mesh.tangents) turn(t.along_u);
+  }
+  Transform map() const {
+    const Transform shift = Transform::translate(shift_);
+    if (!turn_) return shift;
+    return Transform::translate(anchor_ + shift_) * *turn_ * Transform::translate(-anchor_);
+  }
+  void point(Vec3<double>& p) const {
+    // Exact without a turn, as a file with the new position is.
+    p = (turn_ ? anchor_ + turn_->vector(p - anchor_) : p) + shift_;
+  }
+  void frame(Frame<double>& axes) const { direction(axes.s), direction(axes.t), direction(axes.n); }
+  void turn_map(Transform& world_from_map) const {
+    if (turn_) world_from_map = *turn_ * world_from_map;
+  }
+
+  Vec3<double> anchor_, shift_;
+  std::optional<Transform> turn_;
+};
+
+void append(std::string& out, double value) { out += fmt::format("{}:", value); }
+void append(std::string& out, const Vec3<double>& v) {
+  append(out, v.x), append(out, v.y), append(out, v.z);
+}
+
+}  // namespace
+
+Rgb<double> changed_level(const LightChange& change, const Rgb<double>& level) {
+  return change.is_off ? Rgb<double>() : level * change.scale * change.tint;
+}
+
+absl::Status apply(const LightChange& change, LightDescription& light) {
+  if (change.has_level()) {
+    Rgb<double>& level =
+        std::visit([](auto& p) -> Rgb<double>& { return level_of(p); }, light.params);
+    level = changed_level(change, level);
+    if (!change.keeps_spectrum()) light.spectrum = nullptr;
+  }
+  if (!change.has_place()) return absl::OkStatus();
+  if (light.motion)
+    return absl::InvalidArgumentError("the light moves by itself, allowed: lights without motion");
+  const LightPlace place = place_of(light);
+  if (!place.anchor_m && !(change.shift_m == Vec3<double>()))
+    return absl::InvalidArgumentError("the light is at infinity, allowed: turns");
+  std::visit(Mover(change, place.anchor_m.value_or(Vec3<double>())), light.params);
+  return absl::OkStatus();
+}
+
+std::uint64_t added_light_id(const std::string& content,
+                             const std::map<std::uint64_t, AddedLight>& taken) {
+  const std::string digest = sha256(content);
+  std::uint64_t number = 0;
+  for (int i = 0; i < 4; ++i) number = number << 8U | static_cast<unsigned char>(digest[i]);
+  constexpr std::uint64_t kFirst = std::uint64_t{1} << 32U;
+  // Equal lights get the next numbers.
+  while (taken.contains(kFirst + number)) number = (number + 1) % kFirst;
+  return kFirst + number;
+}
+
+LightChange place_only(const LightChange& change) {
+  return {.shift_m = change.shift_m, .turn_axis = change.turn_axis, .turn_rad = change.turn_rad};
+}
+
+absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene) {
+  std::uint64_t id = scene.lights.size();
+  std::size_t found = 0;
+  for (ShapeDescription& shape : scene.shapes) {
+    if (!shape.emission) continue;
+    const auto change = moved.find(++id);
+    if (change == moved.end()) continue;
+    ++found;
+    if (shape.motion)
+      return absl::InvalidArgumentError(
+          fmt::format("light {}: the light moves by itself, allowed: lights without motion", id));
+    absl::StatusOr<Bounds> bounds = shape_bounds(shape);
+    if (!bounds.ok()) return bounds.status();
+    const Mover mover(change->second, bounds->lower * 0.5 + bounds->upper * 0.5);
+    std::visit(mover, shape.geometry);
+    if (shape.emission->panel) mover.direction(shape.emission->panel->tangent);
+  }
+  if (found == moved.size()) return absl::OkStatus();
+  return absl::InternalError("a surface to move that the scene does not have");
+}
+
+std::string LightEdits::canonical() const {
+  std::string text;
+  for (const auto& [id, c] : changes) {
+    text += fmt::format("light {}:", id);
+    if (c.is_removed) {
+      text += "removed:";
+      continue;
+    }
+    const Rgb<double> level = changed_level(c, Rgb<double>(1));
+    append(text, Vec3<double>(level.r, level.g, level.b));
+    append(text, c.shift_m);
+    append(text, c.turn_axis * c.turn_rad);
+  }
+  for (const auto& [id, a] : added)
+    text += fmt::format("added {}:{}:{}", id, a.content.size(), a.content);
+  return text;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,70 @@
+// Changes of lights after their scene was loaded.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "server/description/scene_description.h"
+
+namespace lucerna {
+
+/// How a light differs from the light as its file gives it.
+struct LightChange {
+  bool is_removed = false;
+  bool is_off = false;
+  double scale = 1;          ///< factor of the level: finite, at least 0
+  Rgb<double> tint{1};       ///< factors of its channels: finite, at least 0
+  Vec3<double> shift_m{};    ///< world
+  Vec3<double> turn_axis{};  ///< world, unit; zero without a turn
+  double turn_rad = 0;       ///< about its own position, counter-clockwise seen against the axis
+
+  bool has_level() const { return is_off || scale != 1 || !(tint == Rgb<double>(1)); }
+  bool has_place() const { return turn_rad != 0 || !(shift_m == Vec3<double>()); }
+  /// A tint removes the spectrum, since RGB does not determine one.
+  bool keeps_spectrum() const { return tint.r == tint.g && tint.g == tint.b; }
+  bool operator==(const LightChange&) const = default;
+};
+
+/// A light that the scene's file does not have.
+struct AddedLight {
+  LightDescription light;
+  /// What makes the light different from others, for the scene's id.
+  std::string content;
+};
+
+/// Changes of place, by the id of a light with a surface.
+using MovedSurfaces = std::map<std::uint64_t, LightChange>;
+
+/// All changes of a scene's lights.  They do not tell in which order they were made.
+struct LightEdits {
+  std::map<std::uint64_t, LightChange> changes;  ///< by id; none that changes nothing
+  /// By id.  The id of a light of the file: replaces it.
+  std::map<std::uint64_t, AddedLight> added;
+
+  bool empty() const { return changes.empty() && added.empty(); }
+  /// The same for edits with the same result.
+  std::string canonical() const;
+};
+
+/// Changes level and place of a light without a surface.  Errors: a light that moves, and a shift
+/// of a light at infinity.
+absl::Status apply(const LightChange& change, LightDescription& light);
+
+/// The part of a change that says where the light is.
+LightChange place_only(const LightChange& change);
+
+/// Moves the shapes of lights, and their normals.  Errors: a light without a surface, or one that
+/// moves by itself.
+absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene);
+
+/// The id of an added light with this content: in [2^32, 2^33), and none of `taken`.
+std::uint64_t added_light_id(const std::string& content,
+                             const std::map<std::uint64_t, AddedLight>& taken);
+
+/// `level` with the change.
+Rgb<double> changed_level(const LightChange& change, const Rgb<double>& level);
+
+}  // namespace lucerna

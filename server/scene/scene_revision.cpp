@@ -1,0 +1,223 @@
+// A loaded scene with other lights.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
+#include "server/runtime/denormals.h"
+#include "server/scene/scene_builder.h"
+#include "server/scene/scene_lights.h"
+
+namespace lucerna {
+namespace {
+
+absl::Status about_light(std::uint64_t id, const absl::Status& status) {
+  return {status.code(), fmt::format("light {}: {}", id, std::string(status.message()))};
+}
+
+bool has_surface(const Light<double>& light) {
+  return visit(
+      [](const auto& l) {
+        return requires { l.shape(); };
+      },
+      light);
+}
+
+/// The light with another level.
+template <typename Model>
+absl::StatusOr<Light<double>> with_level(const Model& light, const LightChange& change) {
+  DiffuseEmission emission = light.emission();
+  emission.radiance_cd_m2 = changed_level(change, emission.radiance_cd_m2);
+  LUCERNA_ASSIGN_OR_RETURN(auto changed, Model::create(emission, light.shape()));
+  return Light<double>(std::move(changed));
+}
+
+}  // namespace
+
+LightDescription Scene::Builder::describe(const Scene& loaded, std::uint32_t light) {
+  const SceneLight& of = loaded.lights_[light];
+  LightDescription d{.params = visit(
+                         []<typename Model>(const Model& model) -> LightParams {
+                           if constexpr (requires { model.params(); })
+                             return model.params();
+                           else
+                             return {};
+                         },
+                         of.light),
+                     .where = loaded.source_of(of),
+                     .samples = of.samples,
+                     .name = std::string(loaded.light_names_.of(light))};
+  if (const auto number = loaded.spectrum_number(light)) d.spectrum = loaded.spectra_[*number];
+  if (of.moving != nullptr) d.motion = of.moving->world;
+  return d;
+}
+
+absl::Status Scene::Builder::revise_light(const SceneLight& light, const LightChange& change) {
+  SceneLight next(light);
+  if (change.has_level()) {
+    absl::StatusOr<Light<double>> changed = visit(
+        [&]<typename Model>(const Model& model) -> absl::StatusOr<Light<double>> {
+          if constexpr (requires { model.shape(); })
+            return with_level(model, change);
+          else
+            return absl::InternalError("a light without a surface");
+        },
+        light.light);
+    if (!changed.ok()) return changed.status();
+    next.light = *std::move(changed);
+  }
+  add_light(std::move(next));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
+    std::shared_ptr<const Scene> from, LightEdits edits) {
+  const DenormalsAreZero denormals;
+  const Stopwatch watch;
+  const Scene& loaded = *from;
+  scene_->base_ = from.get();
+  scene_->loaded_ = std::move(from);
+  const auto count = static_cast<std::uint32_t>(loaded.lights_.size());
+
+  if (loaded.moved_ != loaded.moved_by(edits))
+    return absl::InternalError("a scene whose surfaces are elsewhere");
+  LUCERNA_RETURN_IF_ERROR(check_panes(loaded, edits));
+  // Describes all lights without a surface, since they determine the scene's sphere.
+  std::vector<LightChange> changes(count);
+  for (const auto& [id, change] : edits.changes)
+    if (id >= 1 && id <= count) changes[id - 1] = change;
+  std::vector<LightDescription> described(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const SceneLight& of = loaded.lights_[i];
+    const auto replacement = edits.added.find(of.id);
+    if (changes[i].is_removed) continue;
+    if (replacement != edits.added.end()) {
+      described[i] = replacement->second.light;
+    } else if (has_surface(of.light)) {
+      continue;
+    } else {
+      described[i] = describe(loaded, i);
+    }
+    if (absl::Status s = apply(changes[i], described[i]); !s.ok()) return about_light(of.id, s);
+    in_.lights.push_back(described[i]);
+  }
+  std::vector<std::pair<std::uint64_t, LightDescription>> added;
+  for (const auto& [id, a] : edits.added) {
+    if (id <= count) continue;
+    added.emplace_back(id, a.light);
+    if (const auto change = edits.changes.find(id); change != edits.changes.end())
+      if (absl::Status s = apply(change->second, added.back().second); !s.ok())
+        return about_light(id, s);
+    in_.lights.push_back(added.back().second);
+  }
+  LUCERNA_RETURN_IF_ERROR(place_lights());
+
+  scene_->files_ = loaded.files_;
+  for (std::uint32_t i = 0; i < scene_->files_.size(); ++i)
+    file_numbers_.emplace(scene_->files_[i], i);
+  const bool is_elsewhere = !(scene_->origin_ == loaded.origin_);
+  std::vector<std::shared_ptr<const Spectrum>> spectra;
+  std::vector<std::pair<std::uint32_t, std::string>> names;
+  const auto note = [&](const std::shared_ptr<const Spectrum>& spectrum, std::string_view name) {
+    if (!name.empty()) names.emplace_back(static_cast<std::uint32_t>(spectra.size()), name);
+    spectra.push_back(spectrum);
+  };
+  bool any_dark = false;
+  std::uint64_t bytes = 0;
+  scene_->lights_.reserve(count + added.size());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const SceneLight& of = loaded.lights_[i];
+    const bool is_replaced = edits.added.contains(of.id);
+    // The surface of a light that is gone stays and is dark.
+    const bool is_dark = changes[i].is_removed || is_replaced;
+    any_dark |= is_dark;
+    scene_->light_numbers_.push_back(is_dark ? -1
+                                             : static_cast<std::int32_t>(scene_->lights_.size()));
+    if (changes[i].is_removed) continue;
+    absl::Status made;
+    if (is_replaced || (!has_surface(of.light) && (is_elsewhere || changes[i] != LightChange()))) {
+      note(described[i].spectrum, described[i].name);
+      made = add_free_light(of.id, described[i]);
+    } else {
+      const auto number = loaded.spectrum_number(i);
+      note(number && changes[i].keeps_spectrum() ? loaded.spectra_[*number] : nullptr,
+           loaded.light_names_.of(i));
+      made = revise_light(of, changes[i]);
+    }
+    if (!made.ok()) return about_light(of.id, made);
+    if (is_dark || changes[i] != LightChange())
+      bytes += scene_->lights_.back().light.bytes_beside();
+  }
+  if (!any_dark) scene_->light_numbers_ = {};
+  for (const auto& [id, light] : added) {
+    note(light.spectrum, light.name);
+    if (absl::Status s = add_free_light(id, light); !s.ok()) return about_light(id, s);
+  }
+  for (const SceneLight& l : scene_->lights_) scene_->moves_ |= l.moving != nullptr;
+  scene_->others_move_ = loaded.others_move_;
+  scene_->moves_ |= scene_->others_move_;
+
+  const std::size_t added_from = scene_->lights_.size() - added.size();
+  for (std::size_t i = added_from; i < scene_->lights_.size(); ++i) {
+    const Light<double>& light = scene_->lights_[i].light;
+    bytes += light.bytes_beside() + visit([](const auto& m) { return m.own_bytes().all; }, light);
+  }
+  light_part("lights",
+             bytes + scene_->lights_.capacity() * sizeof(SceneLight) +
+                 scene_->light_numbers_.capacity() * sizeof(std::int32_t),
+             watch,
+             fmt::format("{} lights, {} of them edited", scene_->lights_.size(),
+                         edits.changes.size() + edits.added.size()));
+  keep_spectra(spectra);
+  keep_names(std::move(names));
+  report_shared_by_lights(std::span(scene_->lights_).subspan(added_from), watch);
+  LUCERNA_RETURN_IF_ERROR(prepare_choice());
+  scene_->camera_ = Camera(loaded.camera_description_, loaded.film_, scene_->origin_);
+  scene_->id_ = hexadecimal(sha256("edited:" + loaded.id_ + ":" + edits.canonical()));
+  scene_->edits_ = std::move(edits);
+  return scene_;
+}
+
+MovedSurfaces Scene::moved_by(const LightEdits& edits) const {
+  MovedSurfaces moved;
+  for (const auto& [id, change] : edits.changes) {
+    if (!change.has_place() || change.is_removed || edits.added.contains(id)) continue;
+    if (id <= base_->lights_.size() && has_surface(base_->lights_[id - 1].light))
+      moved[id] = place_only(change);
+  }
+  return moved;
+}
+
+absl::Status Scene::Builder::check_panes(const Scene& loaded, const LightEdits& edits) {
+  // Light passes a pane of thin glass straight on, unless it emits.
+  const auto is_pane = [&](const Surface& surface) {
+    if (surface.is_interface || loaded.materials_.empty()) return false;
+    const Material& material = loaded.materials_[surface.material];
+    return std::holds_alternative<ThinDielectricParams>(material.params) && material.normal_map < 0;
+  };
+  const auto check = [&](const SurfaceTable& table) -> absl::Status {
+    for (const Surface& surface : table.surfaces) {
+      if (surface.light < 0 || !is_pane(surface)) continue;
+      const std::uint64_t id = loaded.lights_[static_cast<std::size_t>(surface.light)].id;
+      const auto change = edits.changes.find(id);
+      if (edits.added.contains(id) || (change != edits.changes.end() && change->second.is_removed))
+        return about_light(id, absl::InvalidArgumentError(
+                                   "removal of a pane of thin glass that emits, allowed: off"));
+    }
+    return absl::OkStatus();
+  };
+  LUCERNA_RETURN_IF_ERROR(check(loaded.surfaces_));
+  for (const SurfaceTable& table : loaded.object_surfaces_) LUCERNA_RETURN_IF_ERROR(check(table));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(std::shared_ptr<const Scene> loaded,
+                                                           LightEdits edits) {
+  if (edits.empty() && loaded->moved().empty()) return loaded;
+  SceneDescription lights;
+  return Builder(lights, {}).revise(std::move(loaded), std::move(edits));
+}
+
+}  // namespace lucerna
