@@ -74,6 +74,7 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
     job.servers = *std::move(list);
   }
   job.allow_mixed = session.allow_mixed();
+  job.security = session.security();
   job.call = session.call_options();
   job.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
   job.on_progress = [&bar](const client::JobProgress& p) { bar.update(p.done, p.pieces); };

@@ -1,4 +1,4 @@
-// The commands load, scenes, scene, lights, lease, release and info.
+// The commands load, scenes, scene, lights, lease, leases, release and info.
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -264,11 +264,36 @@ void lease(Session& session, const std::string& scene, double seconds, const std
   }
 }
 
-void release(Session& session, const std::string& scene, const std::string& lease) {
+void leases(Session& session) {
+  session.need_one_server("each server has its own leases");
+  v1::ListLeasesResponse all;
+  v1::ListLeasesRequest request;
+  do {
+    const auto page =
+        session.value_or_fail(session.client().list_leases(request, session.call_options()));
+    request.set_page_token(page.next_page_token());
+    all.MergeFrom(page);
+  } while (!request.page_token().empty());
+  all.clear_next_page_token();
+  if (session.json()) {
+    fmt::print("{}", to_json(all));
+    return;
+  }
+  Table table({{"lease", true}, {"ends in [s]"}, {"owner", true}, {"scene", true}, {"path", true}});
+  for (const v1::SceneLease& lease : all.leases()) {
+    table.add({lease.lease_id(), fmt::format("{:.0f}", lease.left_s()), lease.owner(),
+               lease.scene_id().substr(0, 12), lease.path()});
+  }
+  fmt::print("{}", table.to_string());
+}
+
+void release(Session& session, const std::string& scene, const std::string& lease,
+             bool break_leases) {
   session.need_one_server("each server has its own leases");
   v1::ReleaseSceneRequest request;
   request.set_scene_id(session.scene_id(scene));
   request.set_lease_id(lease);
+  request.set_break_leases(break_leases);
   const auto response =
       session.value_or_fail(session.client().release_scene(request, session.call_options()));
   if (session.json()) {
@@ -360,6 +385,7 @@ void add_load_command(CLI::App& app, Session& session) {
 
 void add_lease_commands(CLI::App& app, Session& session) {
   const auto seconds = std::make_shared<double>(0);
+  const auto all = std::make_shared<bool>(false);
   const auto renewed = std::make_shared<std::string>(), ended = std::make_shared<std::string>();
   CLI::App* renew = add_command(app, "lease", "Keep a scene loaded when the server needs memory",
                                 "SCENE", kSceneHelp, "lucerna lease 3f1c --for 3600",
@@ -372,13 +398,18 @@ void add_lease_commands(CLI::App& app, Session& session) {
       ->check(positive());
   renew->add_option("--id", *renewed, "Id of the lease to renew; default: a new lease");
 
-  CLI::App* unload =
-      add_command(app, "release", "Unload a scene", "SCENE", kSceneHelp, "lucerna release 3f1c",
-                  [&session, ended](const std::string& scene) { release(session, scene, *ended); });
+  CLI::App* unload = add_command(
+      app, "release", "Unload a scene", "SCENE", kSceneHelp, "lucerna release 3f1c",
+      [&session, ended, all](const std::string& scene) { release(session, scene, *ended, *all); });
   unload
       ->add_option("--lease", *ended,
                    "End this lease; the scene is unloaded if it has no other lease")
       ->type_name("ID");
+  unload->add_flag("--break-leases", *all,
+                   "End all leases of the scene, those of others too; needs the role admin");
+
+  add_command(app, "leases", "List your leases; with the role admin those of all callers", nullptr,
+              "", "lucerna leases", [&session](const std::string&) { leases(session); });
 }
 
 }  // namespace

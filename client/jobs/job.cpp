@@ -171,7 +171,9 @@ class JobRunner final : JobSchedule::Channel {
   }
 
   absl::StatusOr<Ready> make_ready(const std::string& target, const CallOptions& call) const {
-    LUCERNA_ASSIGN_OR_RETURN(auto client, Client::connect({.target = target, .retry = false}));
+    LUCERNA_ASSIGN_OR_RETURN(
+        auto client,
+        Client::connect({.target = target, .retry = false, .security = options_.security}));
     LUCERNA_ASSIGN_OR_RETURN(auto info, client.get_server_info({}, call.at_most(kShortCallTime)));
     LUCERNA_ASSIGN_OR_RETURN(const auto loaded, options_.load(client, call));
     v1::GetSceneRequest request;

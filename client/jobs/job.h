@@ -92,6 +92,8 @@ struct JobOptions {
   bool allow_mixed = false;
   /// Deadline and stop of the whole job.
   CallOptions call = {};
+  /// TLS and token for all servers.
+  Security security = {};
   std::function<void(const JobProgress&)> on_progress = {};
   /// Receives messages for people about servers that join, leave and fail.
   std::function<void(const std::string&)> on_event = {};

@@ -1,8 +1,20 @@
 #include "client/rpc/channel.h"
 
 #include <grpcpp/grpcpp.h>
+#include <grpcpp/support/client_interceptor.h>
 
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
@@ -52,9 +64,82 @@ bool is_loopback(const std::string& target) {
   return false;
 }
 
+/// Whether all servers of the target are on this machine.
+bool all_loopback(std::string target) {
+  if (target.starts_with("unix:")) return true;
+  for (const char* prefix : {"dns:///", "ipv4:", "ipv6:"}) {
+    if (target.starts_with(prefix)) target.erase(0, std::string_view(prefix).size());
+  }
+  for (const absl::string_view server : absl::StrSplit(target, ',')) {
+    if (!is_loopback(std::string(server))) return false;
+  }
+  return true;
+}
+
+/// Adds the token to each call.  Credentials of gRPC's calls need TLS, also on loopback.
+class TokenInterceptor final : public grpc::experimental::Interceptor {
+ public:
+  explicit TokenInterceptor(const std::string& header) : header_(header) {}
+  void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
+    if (methods->QueryInterceptionHookPoint(
+            grpc::experimental::InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
+      methods->GetSendInitialMetadata()->emplace("authorization", header_);
+    }
+    methods->Proceed();
+  }
+
+ private:
+  const std::string& header_;
+};
+
+class TokenInterceptors final : public grpc::experimental::ClientInterceptorFactoryInterface {
+ public:
+  explicit TokenInterceptors(const std::string& token) : header_("Bearer " + token) {}
+  grpc::experimental::Interceptor* CreateClientInterceptor(
+      grpc::experimental::ClientRpcInfo*) override {
+    return new TokenInterceptor(header_);  // gRPC deletes it
+  }
+
+ private:
+  const std::string header_;
+};
+
+absl::Status read_file(const char* field, const std::string& path, std::string& text) {
+  if (path.empty()) return absl::OkStatus();
+  std::ifstream stream(path, std::ios::binary);
+  std::stringstream content;
+  if (stream) content << stream.rdbuf();
+  if (!stream || content.bad()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(field, ": ", path, " cannot be read: ", std::strerror(errno)));
+  }
+  text = content.str();
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> make_credentials(
+    const Security& security) {
+  if (!security.tls) return grpc::InsecureChannelCredentials();
+  if (security.certificate_file.empty() != security.key_file.empty()) {
+    return absl::InvalidArgumentError("certificate_file and key_file, allowed: both or neither");
+  }
+  grpc::SslCredentialsOptions options;
+  LUCERNA_RETURN_IF_ERROR(read_file("ca_file", security.ca_file, options.pem_root_certs));
+  LUCERNA_RETURN_IF_ERROR(
+      read_file("certificate_file", security.certificate_file, options.pem_cert_chain));
+  LUCERNA_RETURN_IF_ERROR(read_file("key_file", security.key_file, options.pem_private_key));
+  return grpc::SslCredentials(options);
+}
+
 }  // namespace
 
-std::shared_ptr<grpc::Channel> make_channel(const ConnectOptions& options) {
+absl::StatusOr<std::shared_ptr<grpc::Channel>> make_channel(const ConnectOptions& options) {
+  const Security& security = options.security;
+  if (!security.token.empty() && !security.tls && !all_loopback(options.target)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "the token would leave this machine without encryption; use TLS for ", options.target));
+  }
+  LUCERNA_ASSIGN_OR_RETURN(const auto credentials, make_credentials(security));
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
@@ -81,7 +166,16 @@ std::shared_ptr<grpc::Channel> make_channel(const ConnectOptions& options) {
   // gRPC would use a proxy from the environment even for this machine, or for a whole list at once.
   if (is_loopback(options.target) || is_list(options.target))
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  return grpc::CreateCustomChannel(options.target, grpc::InsecureChannelCredentials(), arguments);
+  if (security.tls && !security.name.empty()) {
+    arguments.SetSslTargetNameOverride(security.name);
+  }
+  if (security.token.empty()) {
+    return grpc::CreateCustomChannel(options.target, credentials, arguments);
+  }
+  std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> factories;
+  factories.push_back(std::make_unique<TokenInterceptors>(security.token));
+  return grpc::experimental::CreateCustomChannelWithInterceptors(options.target, credentials,
+                                                                 arguments, std::move(factories));
 }
 
 }  // namespace lucerna::client

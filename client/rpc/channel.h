@@ -12,7 +12,7 @@ class Channel;
 
 namespace lucerna::client {
 
-/// Creates a channel; nothing is sent yet.
-std::shared_ptr<grpc::Channel> make_channel(const ConnectOptions& options);
+/// Creates a channel; nothing is sent yet.  INVALID_ARGUMENT as for Client::connect.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> make_channel(const ConnectOptions& options);
 
 }  // namespace lucerna::client

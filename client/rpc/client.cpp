@@ -118,7 +118,9 @@ absl::StatusOr<Client> Client::connect(const ConnectOptions& options) {
   if (options.target.empty()) {
     return absl::InvalidArgumentError("target is empty, must be HOST:PORT");
   }
-  return Client(std::make_shared<Connection>(options.target, make_channel(options)));
+  auto channel = make_channel(options);
+  if (!channel.ok()) return channel.status();
+  return Client(std::make_shared<Connection>(options.target, *std::move(channel)));
 }
 
 const std::string& Client::target() const { return connection_->target; }
@@ -311,6 +313,11 @@ absl::Status Client::render_image(
     return absl::CancelledError("the caller stopped the picture");
   }
   return to_absl_status(reader.finish());
+}
+
+absl::StatusOr<v1::ListLeasesResponse> Client::list_leases(const v1::ListLeasesRequest& request,
+                                                           const CallOptions& options) const {
+  return call(connection_->admin, &v1::AdminService::StubInterface::ListLeases, request, options);
 }
 
 absl::StatusOr<v1::GetServerInfoResponse> Client::get_server_info(

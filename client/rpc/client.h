@@ -24,6 +24,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "lucerna/client/security.h"
 #include "lucerna/v1/admin.pb.h"
 #include "lucerna/v1/lighting.pb.h"
 #include "lucerna/v1/render.pb.h"
@@ -45,6 +46,8 @@ struct ConnectOptions {
   std::string target = "127.0.0.1:50051";
   /// Whether a call is retried after UNAVAILABLE.
   bool retry = true;
+  /// TLS and the token of the caller.
+  Security security = {};
 };
 
 /// Time limit and stop of a call.
@@ -72,7 +75,9 @@ struct CallOptions {
 class Client {
  public:
   /// Creates a client; nothing is sent yet.  If the server cannot be reached, the first call
-  /// returns UNAVAILABLE.  INVALID_ARGUMENT for an empty target.
+  /// returns UNAVAILABLE; why_unreachable() has the reason.  INVALID_ARGUMENT for an empty target,
+  /// for files of TLS that cannot be read, and for a token that would leave this machine without
+  /// TLS.
   static absl::StatusOr<Client> connect(const ConnectOptions& options);
   /// The target of ConnectOptions.
   const std::string& target() const;
@@ -144,6 +149,8 @@ class Client {
                             const CallOptions& options = {}) const;
 
   // AdminService
+  Result<v1::ListLeasesResponse> list_leases(const v1::ListLeasesRequest& request,
+                                             const CallOptions& options = {}) const;
   Result<v1::GetServerInfoResponse> get_server_info(const v1::GetServerInfoRequest& request = {},
                                                     const CallOptions& options = {}) const;
   Result<v1::GetStatsResponse> get_stats(const v1::GetStatsRequest& request = {},

@@ -38,7 +38,7 @@ void make_ready(const QueryServersOptions& options, Answer* answer) {
     addresses = *std::move(found);
   }
   for (const std::string& address : addresses) {
-    const auto client = Client::connect({.target = address});
+    const auto client = Client::connect({.target = address, .security = options.security});
     if (!client.ok()) {
       answer->status = client.status();
       continue;
@@ -190,7 +190,8 @@ absl::Status QueryServers::load_everywhere() {
     const bool is_path = std::any_of(addresses.begin(), addresses.end(),
                                      [](const std::string& a) { return a.starts_with("unix:"); });
     if (is_path) return absl::InvalidArgumentError("unix: names one server, not one of several");
-    LUCERNA_ASSIGN_OR_RETURN(auto client, Client::connect({.target = target_of(addresses)}));
+    LUCERNA_ASSIGN_OR_RETURN(auto client, Client::connect({.target = target_of(addresses),
+                                                           .security = state.options.security}));
     state.client = std::move(client);
   }
   state.loaded = *std::move(loaded);

@@ -28,6 +28,8 @@ struct QueryServersOptions {
   std::function<absl::StatusOr<v1::LoadSceneResponse>(const Client&, const CallOptions&)> load;
   /// Accepts servers of any numeric fingerprint.
   bool allow_mixed = false;
+  /// TLS and token for all servers.
+  Security security = {};
   /// Options of the calls that load the scene.
   CallOptions call = {};
   /// Called once for each server that is excluded, with the reason.

@@ -1,11 +1,14 @@
-// Addresses of servers as people type them.
+// Addresses of servers as people type them, and the options of TLS and tokens.
 #pragma once
 
 #include <string>
 
+#include "lucerna/client/security.h"
+
 namespace CLI {
+class App;
 class Validator;
-}
+}  // namespace CLI
 
 namespace lucerna::cli {
 
@@ -17,5 +20,18 @@ std::string with_default_port(const std::string& servers);
 /// Adds default ports to the text.  The message names a server without a host, or with a port
 /// outside of 1 to 65535.
 CLI::Validator server_addresses();
+
+/// --tls, --tls-ca, --tls-cert, --tls-key, --tls-name and --token-file, with their environment
+/// variables.
+class SecurityOptions {
+ public:
+  void add(CLI::App& app);
+  /// Reads the token.  Ends the program if its file cannot be read.
+  client::Security security() const;
+
+ private:
+  client::Security security_;
+  std::string token_file_;
+};
 
 }  // namespace lucerna::cli

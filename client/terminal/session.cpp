@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "client/terminal/server_address.h"
 #include "client/terminal/validators.h"
 #include "proto/common/status_macros.h"
 
@@ -127,6 +126,7 @@ void Session::add_options(CLI::App& app) {
       ->transform(server_addresses())
       ->envname("LUCERNA_SERVER")
       ->capture_default_str();
+  security_.add(app);
   app.add_flag("--allow-mixed", allow_mixed_,
                "With several servers: accept servers of different numeric fingerprints");
   app.add_option("--timeout", timeout_s_, "Give up after this time [s]; default: never")
@@ -152,6 +152,7 @@ void Session::connect_to_all(const std::string& scene) {
   if (!list.ok()) wrong_use("--server: " + std::string(list.status().message()));
   client::QueryServersOptions options{.servers = *std::move(list), .load = {}};
   options.allow_mixed = allow_mixed_;
+  options.security = security();
   options.call = call_options();
   options.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
   options.load = [scene, load = load_request(*this, scene, 0)](
@@ -183,7 +184,7 @@ const client::Client& Session::client() {
   if (servers_) return servers_->client();
   need_one_server("this command is for one server");
   if (!client_) {
-    auto client = client::Client::connect({.target = server_});
+    auto client = client::Client::connect({.target = server_, .security = security()});
     if (!client.ok()) wrong_use("--server: " + std::string(client.status().message()));
     client_.emplace(*std::move(client));
   }
@@ -224,11 +225,18 @@ void Session::fail(const absl::Status& status) const {
                        fmt::format("cannot reach any server of {}: {}", server_, message));
   }
   if (absl::IsUnavailable(status)) {
-    throw CommandError(
-        kServerRefused, status,
-        fmt::format("cannot reach a server at {}: {}\nstart one with: lucernad --listen {} "
-                    "--scene-root DIR, or name another with --server or LUCERNA_SERVER",
-                    server_, message, server_));
+    // The server itself adds details to its errors.
+    const bool from_server = status.GetPayload(client::kStatusPayloadUrl).has_value();
+    const std::string why = from_server ? "" : client::why_unreachable(server_, security());
+    std::string text =
+        fmt::format("cannot reach a server at {}: {}", server_, why.empty() ? message : why);
+    if (why.empty() || why == client::kNoServer) {
+      text += fmt::format(
+          "\nstart one with: lucernad --listen {} --scene-root DIR, or name another with --server "
+          "or LUCERNA_SERVER",
+          server_);
+    }
+    throw CommandError(kServerRefused, status, text);
   }
   const std::string code = lower(absl::StatusCodeToString(status.code()));
   throw CommandError(kServerRefused, status,

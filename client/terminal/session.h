@@ -12,6 +12,7 @@
 #include "client/terminal/edit_option.h"
 #include "client/terminal/error.h"
 #include "client/terminal/remarks.h"
+#include "client/terminal/server_address.h"
 #include "lucerna/client/client.h"
 #include "lucerna/client/query_servers.h"
 
@@ -30,8 +31,8 @@ class Session {
   Session(std::stop_token stop, const std::atomic<int>& signal)
       : stop_(std::move(stop)), signal_(signal) {}
 
-  /// Adds --server, --allow-mixed, --timeout, --json, --strict and the options of BlenderOption
-  /// and EditOption.  They may come before or after the command.
+  /// Adds --server, --allow-mixed, --timeout, --json, --strict and the options of BlenderOption,
+  /// EditOption and SecurityOptions.  They may come before or after the command.
   void add_options(CLI::App& app);
 
   bool json() const { return json_; }
@@ -39,6 +40,8 @@ class Session {
   const std::string& server() const { return server_; }
   /// Of the scene files that this command loads.
   std::optional<v1::BlenderLevels> blender() const { return blender_.levels(); }
+  /// TLS and token of all servers.
+  client::Security security() const { return security_.security(); }
   /// Of the scene files that this command loads.  Ends the program for wrong options.
   EditOption::Edits edits() const;
   const EditOption& edit_option() const { return edit_; }
@@ -103,6 +106,7 @@ class Session {
   bool json_ = false;
   bool strict_ = false;
   BlenderOption blender_;
+  SecurityOptions security_;
   EditOption edit_;
   bool edits_at_load_ = true;
   std::stop_token stop_;

@@ -26,6 +26,7 @@ constexpr std::array<const char*, kCalls> kNames{
     "lucerna.v1.RenderService/RenderImage",
     "lucerna.v1.AdminService/GetServerInfo",
     "lucerna.v1.AdminService/GetStats",
+    "lucerna.v1.AdminService/ListLeases",
 };
 
 // In the order of their numbers.

@@ -30,8 +30,9 @@ enum class Call : std::uint8_t {
   kRenderImage,
   kGetServerInfo,
   kGetStats,
+  kListLeases,
 };
-inline constexpr std::size_t kCalls = static_cast<std::size_t>(Call::kGetStats) + 1;
+inline constexpr std::size_t kCalls = static_cast<std::size_t>(Call::kListLeases) + 1;
 
 /// Full name, e.g. "lucerna.v1.LightingService/SampleLi".
 const char* name_of(Call call);

@@ -1,15 +1,15 @@
 #include "server/rpc/address.h"
 
 #include <fmt/core.h>
-#include <netdb.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <system_error>
+
+#include "proto/common/status_macros.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -48,28 +48,39 @@ std::string with_port(const std::string& address, int port) {
   return fmt::format("{}:{}", address.substr(0, port_colon(address)), port);
 }
 
-std::string why_not_to_listen(const std::string& address) {
+absl::StatusOr<AddressList> resolve(const std::string& address) {
   const std::string port = address.substr(port_colon(address) + 1);
   addrinfo hints{};
   hints.ai_flags = AI_PASSIVE;
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  if (const int e = getaddrinfo(host_of(address).c_str(), port.c_str(), &hints, &found); e != 0) {
-    return gai_strerror(e);
+  const std::string host = host_of(address);
+  if (const int e = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); e != 0) {
+    return absl::UnavailableError(fmt::format("cannot listen on {}: {}", address, gai_strerror(e)));
   }
-  std::string why = "gRPC refused it";
-  for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
-    const int fd = socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
-    const int yes = 1;  // as in gRPC
-    if (fd >= 0) setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    if (fd < 0 || bind(fd, a->ai_addr, a->ai_addrlen) != 0 || listen(fd, 1) != 0) {
-      why = std::generic_category().message(errno);
-      why[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(why[0])));
-      if (errno == EADDRINUSE) why = "address in use";
+  return AddressList(found);
+}
+
+absl::StatusOr<bool> is_loopback(const std::string& address) {
+  LUCERNA_ASSIGN_OR_RETURN(const AddressList found, resolve(address));
+  for (const addrinfo* a = found.get(); a != nullptr; a = a->ai_next) {
+    if (a->ai_family == AF_INET) {
+      const auto& v4 = *reinterpret_cast<const sockaddr_in*>(a->ai_addr);
+      if ((ntohl(v4.sin_addr.s_addr) >> 24) != 127) return false;
+    } else if (a->ai_family == AF_INET6) {
+      const auto& v6 = *reinterpret_cast<const sockaddr_in6*>(a->ai_addr);
+      if (!IN6_IS_ADDR_LOOPBACK(&v6.sin6_addr)) return false;
+    } else {
+      return false;
     }
-    if (fd >= 0) close(fd);
   }
-  freeaddrinfo(found);
+  return true;
+}
+
+std::string why_not(int error) {
+  if (error == EADDRINUSE) return "address in use";
+  std::string why = std::generic_category().message(error);
+  why[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(why[0])));
   return why;
 }
 

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <netdb.h>
 
+#include <memory>
 #include <string>
 
 namespace lucerna::rpc {
@@ -11,7 +14,17 @@ namespace lucerna::rpc {
 absl::Status check_address(const std::string& address);
 /// The address with another port.
 std::string with_port(const std::string& address, int port);
-/// The reason why the operating system refuses to listen on this address, e.g. "address in use".
-std::string why_not_to_listen(const std::string& address);
+
+struct FreeAddresses {
+  void operator()(addrinfo* list) const { freeaddrinfo(list); }
+};
+using AddressList = std::unique_ptr<addrinfo, FreeAddresses>;
+/// All addresses of the host, to listen on.  UNAVAILABLE if the host has none.
+absl::StatusOr<AddressList> resolve(const std::string& address);
+/// Whether only this machine can reach the address: all addresses of the host are loopback.
+absl::StatusOr<bool> is_loopback(const std::string& address);
+
+/// The text of an error of the operating system, e.g. "address in use".
+std::string why_not(int error);
 
 }  // namespace lucerna::rpc

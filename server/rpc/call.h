@@ -20,6 +20,10 @@ namespace lucerna::rpc {
 /// logs INTERNAL errors.
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context);
 
+/// Lets the call in, by the header "authorization".  Errors: those of access::Access::admit.
+absl::StatusOr<access::Admission> admit(Runtime& runtime, access::Call call,
+                                        const grpc::ServerContextBase& context);
+
 /// gRPC's deadline; the largest time point if there is none.
 LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
 
@@ -53,6 +57,7 @@ class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_fro
   grpc::ByteBuffer* response_;
   std::stop_source stop_;
   CallGate::Pass pass_;
+  access::Admission admission_;
   std::shared_ptr<UnaryCall> self_;
 };
 

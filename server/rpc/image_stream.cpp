@@ -6,6 +6,7 @@
 #include "lucerna/v1/render.pb.h"
 #include "proto/common/status_macros.h"
 #include "server/rpc/answer_record.h"
+#include "server/rpc/call.h"
 #include "server/rpc/messages/errors.h"
 #include "server/runtime/parallel.h"
 
@@ -37,10 +38,13 @@ void ImageStream::begin(const grpc::ByteBuffer& request) {
     status = draining();
   } else {
     status = guarded([&]() -> absl::Status {
+      monitor::CallRecord& record = observed_.record();
+      LUCERNA_ASSIGN_OR_RETURN(admission_, admit(runtime_, record.call, observed_.context()));
       v1::RenderImageRequest parsed;
       LUCERNA_RETURN_IF_ERROR(parse_message(request, parsed));
-      record_request(parsed, observed_.record());
-      LUCERNA_ASSIGN_OR_RETURN(ImageRender render, ImageRender::create(runtime_.context(), parsed));
+      record_request(parsed, record);
+      LUCERNA_ASSIGN_OR_RETURN(ImageRender render,
+                               ImageRender::create(runtime_.context(admission_.caller), parsed));
       render_.emplace(std::move(render));
       return absl::OkStatus();
     });

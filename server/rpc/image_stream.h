@@ -48,6 +48,7 @@ class ImageStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   const std::string client_;
   std::stop_source stop_;
   CallGate::Pass pass_;
+  access::Admission admission_;
   std::shared_ptr<ImageStream> self_;
 
   std::optional<ImageRender> render_;  // while a lane job runs, only the job uses it

@@ -24,6 +24,7 @@ class ObservedCall {
   ObservedCall(Runtime& runtime, grpc::CallbackServerContext& context, monitor::Call call);
 
   monitor::CallRecord& record() { return record_; }
+  const grpc::ServerContextBase& context() const { return context_; }
   /// The job's time in the queue of `lane`.
   void add_queue_time(Lane lane, double seconds);
   /// Who sends the call, for the turns of clients in a lane: the address without its port.

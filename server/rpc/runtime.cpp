@@ -19,9 +19,15 @@ void CallGate::close() {
   closed_ = true;
 }
 
-bool CallGate::wait_until_empty(std::chrono::steady_clock::time_point deadline) {
+bool CallGate::wait_until_empty(std::chrono::steady_clock::time_point deadline,
+                                std::stop_token hurry) {
   std::unique_lock lock(mutex_);
-  return left_.wait_until(lock, deadline, [this] { return inside_ == 0; });
+  return left_.wait_until(lock, std::move(hurry), deadline, [this] { return inside_ == 0; });
+}
+
+void CallGate::wait_until_empty() {
+  std::unique_lock lock(mutex_);
+  left_.wait(lock, [this] { return inside_ == 0; });
 }
 
 void CallGate::leave() {

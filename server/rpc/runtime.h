@@ -5,12 +5,15 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <utility>
 
 #include "lucerna/v1/admin.pb.h"
+#include "server/access/access.h"
 #include "server/monitor/call_statistics.h"
 #include "server/rpc/messages/task.h"
 #include "server/rpc/time_model.h"
@@ -44,24 +47,47 @@ class CallGate {
   /// An empty pass once the gate is closed.
   Pass enter();
   void close();
-  /// False if calls still ran at `deadline`.
-  bool wait_until_empty(std::chrono::steady_clock::time_point deadline);
+  /// False if calls still ran at `deadline`, or when `hurry` was requested.
+  bool wait_until_empty(std::chrono::steady_clock::time_point deadline, std::stop_token hurry = {});
+  /// Returns when no pass is left.
+  void wait_until_empty();
 
  private:
   void leave();
   std::mutex mutex_;
-  std::condition_variable left_;
+  std::condition_variable_any left_;
   bool closed_ = false;
   std::size_t inside_ = 0;
+};
+
+/// The limits of requests, which may change while calls run.  Thread-safe.
+class CurrentLimits {
+ public:
+  CurrentLimits() { set({}); }
+  /// The reference stays valid.
+  const RequestLimits& get() const { return *now_.load(std::memory_order_acquire); }
+  void set(const RequestLimits& limits) {
+    const std::lock_guard lock(mutex_);
+    // Earlier limits stay, since running calls refer to them.
+    all_.push_back(limits);
+    now_.store(&all_.back(), std::memory_order_release);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<RequestLimits> all_;
+  std::atomic<const RequestLimits*> now_{nullptr};
 };
 
 struct Runtime {
   explicit Runtime(Lanes& l) : lanes(l) {}
 
-  RequestLimits limits;
+  CurrentLimits limits;
+  access::Access access;
   std::unique_ptr<AssetStore> assets;
   std::unique_ptr<SceneStore> scenes;
-  v1::GetServerInfoResponse info;
+  std::mutex info_mutex;
+  v1::GetServerInfoResponse info;  // guarded by info_mutex
   CallGate gate;
   Lanes& lanes;
   monitor::CallStatistics statistics;
@@ -74,7 +100,12 @@ struct Runtime {
   double max_call_s = 0;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 
-  Context context() { return {*scenes, *assets, limits}; }
+  Context context(const access::Caller& caller) {
+    return {*scenes,
+            *assets,
+            limits.get(),
+            {caller.name, caller.admin, caller.quota.leases, caller.quota.scenes}};
+  }
 };
 
 /// Adds a RetryInfo to the RESOURCE_EXHAUSTED of a full lane.

@@ -1,14 +1,17 @@
 #include "server/rpc/server.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <grpc/health/v1/health.pb.h>
 #include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <future>
 #include <limits>
 #include <utility>
@@ -17,9 +20,11 @@
 #include "server/monitor/metrics_server.h"
 #include "server/rays/accelerator.h"
 #include "server/rpc/address.h"
+#include "server/rpc/listener.h"
 #include "server/rpc/observed_call.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stats.h"
+#include "server/rpc/tls.h"
 #include "server/runtime/fingerprint.h"
 
 namespace lucerna::rpc {
@@ -32,9 +37,12 @@ struct Server::State {
   Lanes lanes;
   Runtime runtime;
   std::vector<std::unique_ptr<grpc::Service>> services;
+  std::shared_ptr<Tls> tls;  // null: none
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<monitor::MetricsServer> metrics;
   std::string metrics_address;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
+  std::unique_ptr<Listener> listener;
   bool ended = false;
 
   absl::Status load(const std::string& path, const std::stop_token& stop);
@@ -45,14 +53,22 @@ struct Server::State {
 
 namespace {
 
+// How long a client has to answer a ping.
+constexpr std::uint64_t kPingAnswerSeconds = 20;
+
+/// The limits that `Server::reload` may change.
+void set_request_limits(const RequestLimits& from, v1::Limits& limits) {
+  limits.set_max_batch_items(from.max_batch_items);
+  limits.set_max_tile_pixels(from.max_tile_pixels);
+  limits.set_max_samples(from.max_samples);
+}
+
 void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int threads,
               v1::GetServerInfoResponse& info) {
   info.set_version(options.version);
   info.set_threads(static_cast<std::uint32_t>(threads));
   v1::Limits& limits = *info.mutable_limits();
-  limits.set_max_batch_items(options.limits.max_batch_items);
-  limits.set_max_tile_pixels(options.limits.max_tile_pixels);
-  limits.set_max_samples(options.limits.max_samples);
+  set_request_limits(options.limits, limits);
   limits.set_max_page_size(options.limits.max_page_size);
   limits.set_max_message_bytes(options.limits.max_message_bytes);
   limits.set_interactive_queue(options.lanes.interactive_queue);
@@ -84,7 +100,40 @@ void set_up_grpc() {
   (void)done;
 }
 
+/// Why no socket can have this address.
+std::string why_not_to_bind(const std::string& address) {
+  const absl::StatusOr<AddressList> found = resolve(address);
+  if (!found.ok()) return std::string(found.status().message());
+  std::string why = "the HTTP library refused it";
+  for (const addrinfo* a = found->get(); a != nullptr; a = a->ai_next) {
+    const int fd = socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
+    if (fd < 0 || bind(fd, a->ai_addr, a->ai_addrlen) != 0) why = why_not(errno);
+    if (fd >= 0) close(fd);
+  }
+  return why;
+}
+
 }  // namespace
+
+absl::Status check_doors(const ServerOptions& options) {
+  const DoorOptions& doors = options.doors;
+  std::vector<std::string> errors;
+  const auto add = [&](const absl::Status& status) {
+    if (!status.ok()) errors.emplace_back(status.message());
+  };
+  const absl::StatusOr<bool> loopback = is_loopback(options.listen);
+  if (!loopback.ok()) return loopback.status();
+  if (!*loopback && !doors.tls.given() && !doors.insecure) {
+    errors.push_back(
+        fmt::format("listen = {}, which other machines can reach; allowed: a loopback address, "
+                    "or tls-cert and tls-key, or insecure in so many words",
+                    options.listen));
+  }
+  if (doors.tls.given()) add(Tls::open(doors.tls).status());
+  if (!doors.token_file.empty()) add(access::read_token_file(doors.token_file).status());
+  if (errors.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format("{}", fmt::join(errors, "\n")));
+}
 
 absl::Status Server::State::load(const std::string& path, const std::stop_token& stop) {
   std::promise<absl::Status> result;
@@ -104,29 +153,44 @@ absl::Status Server::State::load(const std::string& path, const std::stop_token&
 absl::Status Server::State::listen(const ServerOptions& options) {
   set_up_grpc();
   services = make_services(runtime);
+  LUCERNA_ASSIGN_OR_RETURN(listener, Listener::open(options.listen, options.doors.limits));
   grpc::ServerBuilder builder;
-  // Two servers on one port would answer in turn, each with its own scenes.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  const DoorOptions& doors = options.doors;
+  const auto set = [&](const char* argument, std::uint64_t value) {
+    builder.AddChannelArgument(argument, static_cast<int>(std::min<std::uint64_t>(
+                                             value, std::numeric_limits<int>::max())));
+  };
   // Clients send keepalive pings while a long call runs.
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  set(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 1000ULL * doors.least_ping_gap_s);
+  set(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  // A client that is gone without a word answers no ping, and its connection is closed.
+  set(GRPC_ARG_KEEPALIVE_TIME_MS, 1000ULL * doors.ping_s);
+  set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 1000ULL * kPingAnswerSeconds);
+  set(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  set(GRPC_ARG_MAX_CONCURRENT_STREAMS, doors.streams);
+  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 1000ULL * doors.handshake_s);
+  if (doors.idle_s > 0) set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 1000ULL * doors.idle_s);
   const int bytes = static_cast<int>(
       std::min<std::uint64_t>(options.limits.max_message_bytes, std::numeric_limits<int>::max()));
   builder.SetMaxReceiveMessageSize(bytes);
   builder.SetMaxSendMessageSize(bytes);
-  int port = 0;
-  builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &port);
+  acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+      tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials());
   for (const auto& service : services) builder.RegisterService(service.get());
   server = builder.BuildAndStart();
-  if (server == nullptr || port == 0) {
-    return absl::UnavailableError(
-        fmt::format("cannot listen on {}: {}", options.listen, why_not_to_listen(options.listen)));
-  }
-  address = with_port(options.listen, port);
+  if (server == nullptr) return absl::UnavailableError("gRPC does not start");
+  address = with_port(options.listen, listener->port());
   for (const std::string& name : service_names()) {
     server->GetHealthCheckService()->SetServingStatus(name, true);
   }
-  return absl::OkStatus();
+  // gRPC has opened its descriptors by now, so they count.
+  return listener->start([this](int from, int connection) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+    parameters.listener_fd = from;
+    parameters.fd = connection;
+    acceptor->HandleNewConnection(&parameters);
+  });
 }
 
 absl::Status Server::State::serve_metrics(const std::string& address) {
@@ -134,7 +198,7 @@ absl::Status Server::State::serve_metrics(const std::string& address) {
   // The library's message does not say why.
   const auto failed = [&] {
     return absl::UnavailableError(
-        fmt::format("cannot serve metrics on {}: {}", address, why_not_to_listen(address)));
+        fmt::format("cannot serve metrics on {}: {}", address, why_not_to_bind(address)));
   };
   auto started = monitor::MetricsServer::start(address, [this] { return figures(runtime); });
   if (!started.ok()) return failed();
@@ -145,18 +209,29 @@ absl::Status Server::State::serve_metrics(const std::string& address) {
 
 void Server::State::end(std::chrono::system_clock::time_point deadline) {
   if (std::exchange(ended, true) || server == nullptr) return;
+  listener.reset();
   server->Shutdown(deadline);
   server->Wait();
+  // A lane may still hold a call that gRPC has ended, and with it a pass of the gate.
+  runtime.gate.wait_until_empty();
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& options,
                                                       std::stop_token stop) {
   LUCERNA_RETURN_IF_ERROR(check_address(options.listen));
+  LUCERNA_RETURN_IF_ERROR(check_doors(options));
   LUCERNA_ASSIGN_OR_RETURN(auto assets, AssetStore::open(options.assets));
   LUCERNA_ASSIGN_OR_RETURN(auto scenes, SceneStore::open(options.scenes, assets.get()));
   LUCERNA_ASSIGN_OR_RETURN(const std::string embree, embree_kernels(options.scenes.isa));
   auto state = std::make_unique<State>(options.lanes);
-  state->runtime.limits = options.limits;
+  state->runtime.limits.set(options.limits);
+  if (options.doors.tls.given()) {
+    LUCERNA_ASSIGN_OR_RETURN(state->tls, Tls::open(options.doors.tls));
+  }
+  if (!options.doors.token_file.empty()) {
+    LUCERNA_ASSIGN_OR_RETURN(auto tokens, access::read_token_file(options.doors.token_file));
+    state->runtime.access.set_tokens(std::move(tokens));
+  }
   state->runtime.assets = std::move(assets);
   state->runtime.scenes = std::move(scenes);
   state->runtime.on_call = options.on_call;
@@ -190,15 +265,42 @@ ServerSummary Server::summary() const {
           .threads = state_->lanes.threads()};
 }
 
+absl::Status Server::reload(const ServerOptions& options) {
+  if (options.doors.token_file.empty() != state_->runtime.access.open()) {
+    return absl::InvalidArgumentError(
+        "token-file: whether callers need a token changes only at a restart");
+  }
+  if (options.doors.tls.given() != (state_->tls != nullptr)) {
+    return absl::InvalidArgumentError("tls-cert: TLS is switched on and off only at a restart");
+  }
+  std::vector<access::Token> tokens;
+  if (!options.doors.token_file.empty()) {
+    LUCERNA_ASSIGN_OR_RETURN(tokens, access::read_token_file(options.doors.token_file));
+  }
+  if (state_->tls != nullptr) LUCERNA_RETURN_IF_ERROR(state_->tls->reload(options.doors.tls));
+  // No step below fails.
+  if (!tokens.empty()) state_->runtime.access.set_tokens(std::move(tokens));
+  state_->listener->set_limits(options.doors.limits);
+  RequestLimits limits = state_->runtime.limits.get();
+  limits.max_batch_items = options.limits.max_batch_items;
+  limits.max_tile_pixels = options.limits.max_tile_pixels;
+  limits.max_samples = options.limits.max_samples;
+  state_->runtime.limits.set(limits);
+  const std::lock_guard lock(state_->runtime.info_mutex);
+  set_request_limits(limits, *state_->runtime.info.mutable_limits());
+  return absl::OkStatus();
+}
+
 void Server::begin_drain() {
   state_->server->GetHealthCheckService()->Shutdown();
   state_->runtime.gate.close();
 }
 
-void Server::drain(std::chrono::milliseconds patience) {
+void Server::drain(std::chrono::milliseconds patience, std::stop_token hurry) {
   begin_drain();
   // The port stays open meanwhile, so health checks and new calls are answered.
-  state_->runtime.gate.wait_until_empty(std::chrono::steady_clock::now() + patience);
+  state_->runtime.gate.wait_until_empty(std::chrono::steady_clock::now() + patience,
+                                        std::move(hurry));
   state_->end(std::chrono::system_clock::now());
 }
 

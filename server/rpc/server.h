@@ -14,6 +14,7 @@
 
 #include "server/assets/asset_store_options.h"
 #include "server/monitor/call_record.h"
+#include "server/rpc/doors.h"
 #include "server/rpc/messages/request_limits.h"
 #include "server/runtime/lanes.h"
 #include "server/store/scene_store_options.h"
@@ -41,7 +42,13 @@ struct ServerOptions {
   std::function<std::uint64_t()> log_lines_left_out;
   /// The longest that a call without a deadline may compute [s]; 0: no limit.
   double max_call_s = 0;
+  DoorOptions doors;
 };
+
+/// Checks what `Server::start` and `Server::reload` check before they change anything: the address
+/// with its TLS, the certificates and the token file.  INVALID_ARGUMENT with all errors, one a
+/// line.
+absl::Status check_doors(const ServerOptions& options);
 
 /// What a server serves, for its log.
 struct ServerSummary {
@@ -54,7 +61,8 @@ struct ServerSummary {
 
 class Server {
  public:
-  /// The server is ready when this returns.  Errors: an address that cannot be used (UNAVAILABLE),
+  /// The server is ready when this returns.  Errors: those of check_doors; an address that cannot
+  /// be used (UNAVAILABLE), too few file descriptors (RESOURCE_EXHAUSTED),
   /// no such scene root, an unknown isa, a scene that cannot be loaded; CANCELLED by `stop`.
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options,
                                                        std::stop_token stop = {});
@@ -68,9 +76,13 @@ class Server {
   /// Reads the directories of the scene root.
   ServerSummary summary() const;
 
+  /// Takes over certificates, tokens, and the limits of requests and connections.  Running calls
+  /// continue.  All other options stay.  After an error nothing has changed.
+  absl::Status reload(const ServerOptions& options);
+
   /// From now on, health is NOT_SERVING and new calls are UNAVAILABLE.  Running calls are cancelled
-  /// after `patience`.  Returns when all calls have ended.
-  void drain(std::chrono::milliseconds patience);
+  /// after `patience`, or when `hurry` is requested.  Returns when all calls have ended.
+  void drain(std::chrono::milliseconds patience, std::stop_token hurry = {});
   /// Only the first part of `drain`, for tests.
   void begin_drain();
 

@@ -4,6 +4,7 @@
 #include "lucerna/v1/lighting.grpc.pb.h"
 #include "lucerna/v1/render.grpc.pb.h"
 #include "lucerna/v1/scene.grpc.pb.h"
+#include "server/access/calls.h"
 #include "server/rpc/call.h"
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/handlers/lighting.h"
@@ -54,7 +55,8 @@ using LightingBase = v1::LightingService::WithRawCallbackMethod_SampleLi<
 using RenderBase = v1::RenderService::WithRawCallbackMethod_RenderTile<
     v1::RenderService::WithRawCallbackMethod_RenderImage<v1::RenderService::Service>>;
 using AdminBase = v1::AdminService::WithRawCallbackMethod_GetServerInfo<
-    v1::AdminService::WithRawCallbackMethod_GetStats<v1::AdminService::Service>>;
+    v1::AdminService::WithRawCallbackMethod_GetStats<
+        v1::AdminService::WithRawCallbackMethod_ListLeases<v1::AdminService::Service>>>;
 
 class SceneServiceImpl final : public SceneBase {
  public:
@@ -157,8 +159,9 @@ class AdminServiceImpl final : public AdminBase {
         [&runtime = runtime_](const Context&, const v1::GetServerInfoRequest&,
                               v1::GetServerInfoResponse* answer) -> Prepared {
           Task task;
-          task.run = [&info = runtime.info, answer](const std::stop_token&) {
-            *answer = info;
+          task.run = [&runtime, answer](const std::stop_token&) {
+            const std::lock_guard lock(runtime.info_mutex);
+            *answer = runtime.info;
             return absl::OkStatus();
           };
           return task;
@@ -176,6 +179,9 @@ class AdminServiceImpl final : public AdminBase {
           };
           return task;
         });
+  }
+  Unary* ListLeases(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kListLeases, request, response, &list_leases);
   }
 
  private:

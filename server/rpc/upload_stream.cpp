@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "proto/common/status_macros.h"
+#include "server/rpc/call.h"
 #include "server/rpc/messages/errors.h"
 #include "server/runtime/parallel.h"
 
@@ -35,10 +36,17 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(Runtime& runtime,
   const auto stream = std::make_shared<UploadStream>(runtime, context, response);
   stream->self_ = stream;
   stream->pass_ = runtime.gate.enter();
-  if (stream->pass_) {
+  if (!stream->pass_) {
+    stream->finish(draining());
+    return stream.get();
+  }
+  absl::StatusOr<access::Admission> admission =
+      admit(runtime, monitor::Call::kUploadAsset, *context);
+  if (admission.ok()) {
+    stream->admission_ = *std::move(admission);
     stream->StartRead(&stream->bytes_);
   } else {
-    stream->finish(draining());
+    stream->finish(admission.status());
   }
   return stream.get();
 }

@@ -46,6 +46,7 @@ class UploadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   v1::UploadAssetResponse response_;
   std::stop_source stop_;
   CallGate::Pass pass_;
+  access::Admission admission_;
   std::shared_ptr<UploadStream> self_;
 
   // At any moment there is one of: a read, a lane job, the end.

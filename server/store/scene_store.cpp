@@ -86,11 +86,17 @@ class Turns {
   std::set<std::string> taken_;
 };
 
+struct LeaseEntry {
+  TimePoint until;
+  std::string owner;
+};
+
 struct Entry {
   StoredScene stored;
-  std::uint64_t bytes = 0;                  // own, when last measured; it may have grown since then
-  std::uint64_t used = 0;                   // larger: used later
-  std::map<std::string, TimePoint> leases;  // end of each lease, by id
+  std::string owner;        // who loaded it first
+  std::uint64_t bytes = 0;  // own, when last measured; it may have grown since then
+  std::uint64_t used = 0;   // larger: used later
+  std::map<std::string, LeaseEntry> leases;  // by id
 };
 
 /// A scene without edits, which it and its revisions keep in memory.
@@ -131,6 +137,16 @@ absl::Status not_found(const std::string& path, const std::string& root, bool ha
 
 absl::Status not_loaded() { return absl::NotFoundError("the scene is not loaded"); }
 
+absl::Status over_quota(const std::string& what) {
+  absl::Status status = absl::ResourceExhaustedError(what);
+  status.SetPayload(kOverQuotaPayload, absl::Cord());
+  return status;
+}
+
+absl::Status no_such_lease() {
+  return absl::NotFoundError("the scene has no such lease, or the lease has ended");
+}
+
 }  // namespace
 
 struct SceneStore::State {
@@ -158,9 +174,11 @@ struct SceneStore::State {
   /// When the last lease of the scene ends; nothing if it has none.  Removes ended leases.
   std::optional<TimePoint> leased_until(Entry& entry) const {
     const TimePoint now = options.now();
-    std::erase_if(entry.leases, [&](const auto& lease) { return lease.second <= now; });
+    std::erase_if(entry.leases, [&](const auto& lease) { return lease.second.until <= now; });
     std::optional<TimePoint> last;
-    for (const auto& [id, until] : entry.leases) last = std::max(last.value_or(until), until);
+    for (const auto& [id, lease] : entry.leases) {
+      last = std::max(last.value_or(lease.until), lease.until);
+    }
     return last;
   }
 
@@ -172,13 +190,44 @@ struct SceneStore::State {
     return stored;
   }
 
-  Lease give_lease(Entry& entry, const std::string& id, double seconds) const {
+  Lease give_lease(Entry& entry, const std::string& id, double seconds, const Owner& owner) const {
     if (!(seconds > 0)) return {};
     const double granted = std::min(seconds, options.max_lease_s);
     const std::string name = id.empty() ? new_lease_id() : id;
-    entry.leases[name] = options.now() + std::chrono::duration_cast<std::chrono::nanoseconds>(
-                                             std::chrono::duration<double>(granted));
+    LeaseEntry& lease = entry.leases[name];
+    lease.until = options.now() + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                      std::chrono::duration<double>(granted));
+    if (id.empty()) lease.owner = owner.name;  // an admin who renews a lease does not take it
     return {name, granted};
+  }
+
+  /// RESOURCE_EXHAUSTED if the owner has no lease left.
+  absl::Status check_leases(const Owner& owner) {
+    if (owner.most_leases == 0) return absl::OkStatus();
+    std::uint64_t held_leases = 0;
+    for (auto& [id, entry] : scenes) {
+      leased_until(entry);  // removes ended leases
+      for (const auto& [name, lease] : entry.leases) held_leases += lease.owner == owner.name;
+    }
+    if (held_leases < owner.most_leases) return absl::OkStatus();
+    return over_quota(fmt::format("\"{}\" has {} leases, allowed: {}; release one", owner.name,
+                                  held_leases, owner.most_leases));
+  }
+
+  /// RESOURCE_EXHAUSTED if the owner may load no further scene.
+  absl::Status check_scenes(const Owner& owner) const {
+    if (owner.most_scenes == 0) return absl::OkStatus();
+    std::uint64_t held_scenes = 0;
+    for (const auto& [id, entry] : scenes) held_scenes += entry.owner == owner.name;
+    if (held_scenes < owner.most_scenes) return absl::OkStatus();
+    return over_quota(fmt::format("\"{}\" has loaded {} scenes, allowed: {}; release one",
+                                  owner.name, held_scenes, owner.most_scenes));
+  }
+
+  /// Whether the scene has this lease for the owner.  Call leased_until() before.
+  static bool has_lease(const Entry& entry, const std::string& lease, const Owner& owner) {
+    const auto found = entry.leases.find(lease);
+    return found != entry.leases.end() && (owner.admin || found->second.owner == owner.name);
   }
 
   void remove(std::map<std::string, Entry>::iterator entry,
@@ -266,7 +315,7 @@ struct SceneStore::State {
                      bool already_loaded) {
     by_source[key] = entry.stored.scene->id();
     entry.used = ++uses;
-    return {entry.stored, already_loaded, give_lease(entry, "", load.lease_s), {}};
+    return {entry.stored, already_loaded, give_lease(entry, "", load.lease_s, load.owner), {}};
   }
 };
 
@@ -304,6 +353,10 @@ absl::StatusOr<LoadedScene> SceneStore::load(const Manifest& manifest, const Loa
 
 absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const std::string& key,
                                                   const LoadOptions& options) {
+  if (options.lease_s > 0) {
+    const std::lock_guard lock(state_->mutex);
+    LUCERNA_RETURN_IF_ERROR(state_->check_leases(options.owner));
+  }
   // A caller that waited looks again, because the other load may have failed or been cancelled.
   const auto turn = state_->sources.take(key, options.stop);
   if (turn == nullptr) return cancelled();
@@ -413,7 +466,8 @@ absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
   }
   if (latest == nullptr) return not_found(name, state_->root, options.factors.has_value());
   latest->used = ++state_->uses;
-  return LoadedScene{latest->stored, true, state_->give_lease(*latest, "", options.lease_s), {}};
+  return LoadedScene{
+      latest->stored, true, state_->give_lease(*latest, "", options.lease_s, options.owner), {}};
 }
 
 absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
@@ -427,12 +481,14 @@ absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
     const std::lock_guard lock(state_->mutex);
     const auto same = state_->scenes.find(id);
     if (same != state_->scenes.end()) return state_->answer(same->second, key, options, true);
+    LUCERNA_RETURN_IF_ERROR(state_->check_scenes(options.owner));
   }
   LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
                            Scene::build(std::move(description), state_->options.isa, options.stop));
   Entry entry;
   entry.stored = named;
   entry.stored.scene = scene;
+  entry.owner = options.owner.name;
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
   LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), gone));
@@ -476,17 +532,21 @@ absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits
   const std::lock_guard lock(state_->mutex);
   const auto same = state_->scenes.find(scene->id());
   const bool is_known = same != state_->scenes.end();
+  if (options.lease_s > 0) LUCERNA_RETURN_IF_ERROR(state_->check_leases(options.owner));
   if (!is_known) {
+    LUCERNA_RETURN_IF_ERROR(state_->check_scenes(options.owner));
     LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), gone));
     Entry entry;
     entry.stored = of;
     entry.stored.scene = scene;
     entry.stored.leased_s = 0;
+    entry.owner = options.owner.name;
     state_->insert(std::move(entry));
   }
   Entry& entry = state_->scenes.at(scene->id());
   entry.used = ++state_->uses;
-  return LoadedScene{entry.stored, is_known, state_->give_lease(entry, "", options.lease_s), {}};
+  return LoadedScene{
+      entry.stored, is_known, state_->give_lease(entry, "", options.lease_s, options.owner), {}};
 }
 
 std::shared_ptr<const Scene> SceneStore::find(const std::string& id) const {
@@ -521,25 +581,31 @@ std::optional<StoredScene> SceneStore::stored(const std::string& id) const {
 }
 
 absl::StatusOr<Lease> SceneStore::lease(const std::string& id, const std::string& lease,
-                                        double seconds) {
+                                        double seconds, const Owner& owner) {
   const std::lock_guard lock(state_->mutex);
   const auto found = state_->scenes.find(id);
   if (found == state_->scenes.end()) return not_loaded();
   state_->leased_until(found->second);  // removes ended leases
-  if (!lease.empty() && !found->second.leases.contains(lease))
-    return absl::NotFoundError("the scene has no such lease, or the lease has ended");
-  return state_->give_lease(found->second, lease, seconds);
+  if (lease.empty()) {
+    LUCERNA_RETURN_IF_ERROR(state_->check_leases(owner));
+  } else if (!State::has_lease(found->second, lease, owner)) {
+    return no_such_lease();
+  }
+  return state_->give_lease(found->second, lease, seconds, owner);
 }
 
-absl::StatusOr<bool> SceneStore::release(const std::string& id, const std::string& lease) {
+absl::StatusOr<bool> SceneStore::release(const std::string& id, const std::string& lease,
+                                         const Owner& owner) {
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
   const auto found = state_->scenes.find(id);
   if (found == state_->scenes.end()) return not_loaded();
   Entry& entry = found->second;
   state_->leased_until(entry);
-  if (!lease.empty() && entry.leases.erase(lease) == 0)
-    return absl::NotFoundError("the scene has no such lease, or the lease has ended");
+  if (!lease.empty()) {
+    if (!State::has_lease(entry, lease, owner)) return no_such_lease();
+    entry.leases.erase(lease);
+  }
   if (const auto until = state_->leased_until(entry)) {
     if (!lease.empty()) return false;
     const std::chrono::duration<double> left = *until - state_->options.now();
@@ -549,6 +615,33 @@ absl::StatusOr<bool> SceneStore::release(const std::string& id, const std::strin
   }
   state_->remove(found, gone);
   return true;
+}
+
+absl::Status SceneStore::break_leases(const std::string& id) {
+  std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->scenes.find(id);
+  if (found == state_->scenes.end()) return not_loaded();
+  state_->remove(found, gone);
+  return absl::OkStatus();
+}
+
+std::vector<ListedLease> SceneStore::leases(const Owner& owner, const std::string& after,
+                                            std::size_t count) const {
+  const std::lock_guard lock(state_->mutex);
+  std::vector<ListedLease> out;
+  const TimePoint now = state_->options.now();
+  for (auto& [scene, entry] : state_->scenes) {
+    state_->leased_until(entry);  // removes ended leases
+    for (const auto& [id, lease] : entry.leases) {
+      if (id <= after || !State::has_lease(entry, id, owner)) continue;
+      out.push_back({id, scene, entry.stored.path, lease.owner,
+                     std::chrono::duration<double>(lease.until - now).count()});
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  if (out.size() > count) out.resize(count);
+  return out;
 }
 
 const std::string& SceneStore::root() const { return state_->root; }

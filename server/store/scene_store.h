@@ -24,6 +24,9 @@ namespace lucerna {
 /// decimal.
 inline constexpr char kRetryAfterPayload[] = "lucerna.retry_after_ms";
 
+/// Payload of a RESOURCE_EXHAUSTED because the owner has too many scenes or leases.
+inline constexpr char kOverQuotaPayload[] = "lucerna.over_quota";
+
 struct StoredScene {
   std::shared_ptr<const Scene> scene;
   /// Its name: the path that it was first loaded from, relative to the root, or the main file of
@@ -42,6 +45,21 @@ struct Lease {
   double seconds = 0;  ///< its duration
 };
 
+/// On whose behalf a scene is loaded or leased.
+struct Owner {
+  std::string name{};
+  /// May renew and end the leases of others.
+  bool admin = true;
+  /// The most leases, and loaded scenes, of this owner at once; 0: no limit.
+  std::uint64_t most_leases = 0, most_scenes = 0;
+};
+
+/// A lease, for a list.
+struct ListedLease {
+  std::string id, scene_id, path, owner;
+  double left_s = 0;
+};
+
 struct LoadedScene {
   StoredScene stored;  ///< its scene is null if files are missing
   bool already_loaded = false;
@@ -56,6 +74,7 @@ struct LoadOptions {
   /// Only for glTF files.  Each set of factors makes another scene.  Unset: factors of 1; for the
   /// name of an uploaded scene, any factors.
   std::optional<LevelFactors> factors{};
+  Owner owner{};  ///< of the lease and of the scene
 };
 
 /// Thread-safe.
@@ -80,7 +99,8 @@ class SceneStore {
   /// recently used uploaded scene of this name is loaded.
   ///
   /// Errors: those of load_scene_file and Scene::build; CANCELLED; RESOURCE_EXHAUSTED if leases
-  /// leave no room (with kRetryAfterPayload), or if the scene by itself exceeds the budget.
+  /// leave no room (with kRetryAfterPayload), if the scene by itself exceeds the budget, or if the
+  /// owner has too many leases or scenes.
   absl::StatusOr<LoadedScene> load(const std::string& path, const LoadOptions& options = {});
   /// The same for uploaded files.  Returns the missing files if there are any.
   absl::StatusOr<LoadedScene> load(const Manifest& manifest, const LoadOptions& options = {});
@@ -110,12 +130,21 @@ class SceneStore {
   std::optional<StoredScene> stored(const std::string& id) const;
 
   /// Makes a lease, or extends the lease `lease`, from now on.  It lasts at most max_lease_s.
-  /// NOT_FOUND if the scene is not loaded or does not have this lease (any more).
-  absl::StatusOr<Lease> lease(const std::string& id, const std::string& lease, double seconds);
+  /// NOT_FOUND if the scene is not loaded or does not have this lease (any more), or if another
+  /// owner made it and `owner` is no admin.  RESOURCE_EXHAUSTED if the owner has too many.
+  absl::StatusOr<Lease> lease(const std::string& id, const std::string& lease, double seconds,
+                              const Owner& owner = {});
   /// Ends `lease` (empty: none), and unloads the scene unless another lease keeps it.  True if it
   /// was unloaded.  The scene lives on while anyone has its shared pointer.  NOT_FOUND as above;
   /// FAILED_PRECONDITION if `lease` is empty and the scene has leases.
-  absl::StatusOr<bool> release(const std::string& id, const std::string& lease = "");
+  absl::StatusOr<bool> release(const std::string& id, const std::string& lease = "",
+                               const Owner& owner = {});
+  /// Ends all leases of the scene, and unloads it.  NOT_FOUND if it is not loaded.
+  absl::Status break_leases(const std::string& id);
+  /// Up to `count` leases with ids after `after`, in the order of their ids: those of `owner`, or
+  /// all of them if it is an admin.
+  std::vector<ListedLease> leases(const Owner& owner, const std::string& after,
+                                  std::size_t count) const;
 
   /// The root as an absolute path.
   const std::string& root() const;

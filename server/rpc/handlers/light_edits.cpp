@@ -316,8 +316,8 @@ Prepared edit_lights(const Context& context, const v1::EditLightsRequest& reques
       missing->set_sha256(asset.digest);
     }
     if (!edited.missing.empty()) return absl::OkStatus();
-    const absl::StatusOr<LoadedScene> revision =
-        context.scenes.revise(stored, std::move(edited.edits), {request.lease_s(), stop, {}});
+    const absl::StatusOr<LoadedScene> revision = context.scenes.revise(
+        stored, std::move(edited.edits), {request.lease_s(), stop, {}, context.caller});
     if (!revision.ok()) return load_error(revision.status());
     response->set_scene_id(revision->stored.scene->id());
     response->set_already_loaded(revision->already_loaded);

@@ -182,7 +182,7 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
               response](const std::stop_token& stop) -> absl::Status {
     // The lease is that of the revision, if there are edits.
     const double lease_s = request.lease_s();
-    const LoadOptions options{request.edits().empty() ? lease_s : 0, stop, factors};
+    const LoadOptions options{request.edits().empty() ? lease_s : 0, stop, factors, context.caller};
     absl::StatusOr<LoadedScene> loaded = request.has_manifest()
                                              ? context.scenes.load(manifest, options)
                                              : context.scenes.load(request.path(), options);
@@ -194,8 +194,8 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
         loaded->stored.scene = nullptr;
         loaded->missing = std::move(edited.missing);
       } else {
-        loaded =
-            context.scenes.revise(loaded->stored, std::move(edited.edits), {lease_s, stop, {}});
+        loaded = context.scenes.revise(loaded->stored, std::move(edited.edits),
+                                       {lease_s, stop, {}, context.caller});
         if (!loaded.ok()) return load_error(loaded.status());
       }
     }
@@ -299,12 +299,13 @@ Prepared renew_lease(const Context& context, const v1::RenewLeaseRequest& reques
   LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
   Task task;
   task.predicted_s = kSceneSeconds;
-  task.run = [&scenes = context.scenes, &request,
+  task.run = [&scenes = context.scenes, &request, caller = context.caller,
               response](const std::stop_token&) -> absl::Status {
-    LUCERNA_ASSIGN_OR_RETURN(
-        const Lease lease, scenes.lease(request.scene_id(), request.lease_id(), request.lease_s()));
-    response->set_lease_id(lease.id);
-    response->set_lease_s(lease.seconds);
+    const absl::StatusOr<Lease> lease =
+        scenes.lease(request.scene_id(), request.lease_id(), request.lease_s(), caller);
+    if (!lease.ok()) return load_error(lease.status());
+    response->set_lease_id(lease->id);
+    response->set_lease_s(lease->seconds);
     return absl::OkStatus();
   };
   return task;
@@ -314,12 +315,42 @@ Prepared release_scene(const Context& context, const v1::ReleaseSceneRequest& re
                        v1::ReleaseSceneResponse* response) {
   LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
   Task task;
+  if (request.break_leases() && !context.caller.admin) {
+    return absl::PermissionDeniedError("break_leases needs the role admin");
+  }
   task.predicted_s = kReleaseSeconds;
-  task.run = [&scenes = context.scenes, &request,
+  task.run = [&scenes = context.scenes, &request, caller = context.caller,
               response](const std::stop_token&) -> absl::Status {
+    if (request.break_leases()) return scenes.break_leases(request.scene_id());
     LUCERNA_ASSIGN_OR_RETURN(const bool gone,
-                             scenes.release(request.scene_id(), request.lease_id()));
+                             scenes.release(request.scene_id(), request.lease_id(), caller));
     response->set_still_loaded(!gone);
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+Prepared list_leases(const Context& context, const v1::ListLeasesRequest& request,
+                     v1::ListLeasesResponse* response) {
+  LUCERNA_ASSIGN_OR_RETURN(const std::size_t size,
+                           check_page_size(request.page_size(), context.limits.max_page_size));
+  LUCERNA_ASSIGN_OR_RETURN(const std::string after, page_position("leases", request.page_token()));
+  Task task;
+  task.predicted_s = kSceneSeconds * static_cast<double>(1 + context.scenes.size());
+  task.run = [&scenes = context.scenes, caller = context.caller, after, size,
+              response](const std::stop_token&) {
+    const std::vector<ListedLease> found = scenes.leases(caller, after, size + 1);
+    for (std::size_t i = 0; i < found.size() && i < size; ++i) {
+      v1::SceneLease* lease = response->add_leases();
+      lease->set_lease_id(found[i].id);
+      lease->set_scene_id(found[i].scene_id);
+      lease->set_path(found[i].path);
+      lease->set_owner(found[i].owner);
+      lease->set_left_s(found[i].left_s);
+    }
+    if (found.size() > size) {
+      response->set_next_page_token(page_token("leases", found[size - 1].id));
+    }
     return absl::OkStatus();
   };
   return task;

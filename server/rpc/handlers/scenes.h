@@ -23,5 +23,7 @@ Prepared renew_lease(const Context& context, const v1::RenewLeaseRequest& reques
                      v1::RenewLeaseResponse* response);
 Prepared release_scene(const Context& context, const v1::ReleaseSceneRequest& request,
                        v1::ReleaseSceneResponse* response);
+Prepared list_leases(const Context& context, const v1::ListLeasesRequest& request,
+                     v1::ListLeasesResponse* response);
 
 }  // namespace lucerna::rpc

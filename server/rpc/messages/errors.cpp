@@ -131,6 +131,10 @@ absl::Status retry_after(absl::Status status, Reason reason, std::chrono::millis
 }
 
 absl::Status load_error(absl::Status status) {
+  if (status.GetPayload(kOverQuotaPayload)) {
+    status.ErasePayload(kOverQuotaPayload);
+    return with_reason(std::move(status), Reason::kOverQuota);
+  }
   const absl::optional<absl::Cord> delay = status.GetPayload(kRetryAfterPayload);
   if (!delay) return status;
   const std::chrono::milliseconds wait(std::stoll(std::string(*delay)));

@@ -27,6 +27,7 @@ enum class Reason : std::uint8_t {
   kOverLimit,
   kQueueFull,
   kMemoryLeased,
+  kOverQuota,
   kResourceExhausted,
   kAssetBeingUploaded,
   kWrongState,
@@ -68,6 +69,8 @@ inline constexpr std::array kErrorReasons{
                 "Too many requests wait. RetryInfo says when to retry."},
     ErrorReason{Reason::kMemoryLeased, "MEMORY_LEASED", "RESOURCE_EXHAUSTED",
                 "Leased scenes fill the memory. RetryInfo says when the first lease ends."},
+    ErrorReason{Reason::kOverQuota, "OVER_QUOTA", "RESOURCE_EXHAUSTED",
+                "The caller has used up its quota. RetryInfo says when to retry, if time helps."},
     ErrorReason{Reason::kResourceExhausted, "RESOURCE_EXHAUSTED", "RESOURCE_EXHAUSTED",
                 "The request needs more memory or disk space than the server has."},
     ErrorReason{Reason::kAssetBeingUploaded, "ASSET_BEING_UPLOADED", "FAILED_PRECONDITION",
@@ -84,9 +87,9 @@ inline constexpr std::array kErrorReasons{
     ErrorReason{Reason::kUnavailable, "UNAVAILABLE", "UNAVAILABLE",
                 "The server cannot answer now. Retry."},
     ErrorReason{Reason::kNotAllowed, "NOT_ALLOWED", "PERMISSION_DENIED",
-                "The client may not make this call."},
+                "The token lacks a role, which the message names."},
     ErrorReason{Reason::kUnauthenticated, "UNAUTHENTICATED", "UNAUTHENTICATED",
-                "The client is not known to the server."},
+                "The call has no token, or the server does not know it."},
     ErrorReason{Reason::kInternal, "INTERNAL", "INTERNAL",
                 "A fault of the server. The server's log has the details."},
 };
@@ -123,7 +126,8 @@ absl::Status unimplemented(const std::string& sentence);
 absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit);
 /// The same error with a RetryInfo: a retry after `delay` may succeed.
 absl::Status retry_after(absl::Status status, Reason reason, std::chrono::milliseconds delay);
-/// The error of a load.  Gets a RetryInfo if it has kRetryAfterPayload, else stays unchanged.
+/// The error of a load or a lease.  Gets a RetryInfo if it has kRetryAfterPayload, and the reason
+/// OVER_QUOTA if it has kOverQuotaPayload.  Else it stays unchanged.
 absl::Status load_error(absl::Status status);
 /// UNAVAILABLE: the server shuts down.
 absl::Status draining();

@@ -21,6 +21,7 @@ struct Context {
   SceneStore& scenes;
   AssetStore& assets;
   const RequestLimits& limits;
+  Owner caller{};  ///< whose leases and scenes the request makes
 };
 
 /// Its request and response must live until `run` has returned.

@@ -1,0 +1,181 @@
+#include "server/rpc/tls.h"
+
+#include <fmt/core.h>
+#include <grpc/grpc.h>
+#include <grpc/grpc_security.h>
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+
+#include <atomic>
+#include <cerrno>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include "proto/common/status_macros.h"
+
+namespace lucerna::rpc {
+namespace {
+
+template <class T, void (*free)(T*)>
+struct Free {
+  void operator()(T* object) const { free(object); }
+};
+using Certificate = std::unique_ptr<X509, Free<X509, X509_free>>;
+using PrivateKey = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY, EVP_PKEY_free>>;
+struct FreeBio {
+  void operator()(BIO* bio) const { BIO_free(bio); }
+};
+using Bio = std::unique_ptr<BIO, FreeBio>;
+
+/// The texts of the files.
+struct Material {
+  std::string certificate, key, client_ca;
+};
+
+absl::StatusOr<std::string> read(const char* setting, const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::stringstream text;
+  if (stream) text << stream.rdbuf();
+  if (stream && !text.bad()) return text.str();
+  return absl::InvalidArgumentError(fmt::format("{}: {} cannot be read: {}", setting, path,
+                                                std::generic_category().message(errno)));
+}
+
+/// The number of certificates in the text.  The first is stored in `first`.
+int certificates(const std::string& text, Certificate* first) {
+  const Bio bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+  int count = 0;
+  for (;; ++count) {
+    Certificate next(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
+    if (next == nullptr) break;
+    if (count == 0 && first != nullptr) *first = std::move(next);
+  }
+  ERR_clear_error();
+  return count;
+}
+
+/// A key with a password would otherwise ask for it on the terminal.
+int no_password(char*, int, int, void*) { return -1; }
+
+absl::StatusOr<Material> read_material(const TlsFiles& files) {
+  if (files.certificate.empty() || files.key.empty()) {
+    return absl::InvalidArgumentError("tls-cert and tls-key, allowed: both or neither");
+  }
+  Material material;
+  LUCERNA_ASSIGN_OR_RETURN(material.certificate, read("tls-cert", files.certificate));
+  LUCERNA_ASSIGN_OR_RETURN(material.key, read("tls-key", files.key));
+  Certificate own;
+  if (certificates(material.certificate, &own) == 0) {
+    return absl::InvalidArgumentError(
+        fmt::format("tls-cert: {} has no certificate in PEM", files.certificate));
+  }
+  const Bio bio(BIO_new_mem_buf(material.key.data(), static_cast<int>(material.key.size())));
+  const PrivateKey key(PEM_read_bio_PrivateKey(bio.get(), nullptr, no_password, nullptr));
+  ERR_clear_error();
+  if (key == nullptr) {
+    return absl::InvalidArgumentError(
+        fmt::format("tls-key: {} has no private key in PEM without a password", files.key));
+  }
+  if (X509_check_private_key(own.get(), key.get()) != 1) {
+    ERR_clear_error();
+    return absl::InvalidArgumentError(fmt::format(
+        "tls-key: {} is not the key of the certificate {}", files.key, files.certificate));
+  }
+  if (!files.client_ca.empty()) {
+    LUCERNA_ASSIGN_OR_RETURN(material.client_ca, read("tls-client-ca", files.client_ca));
+    if (certificates(material.client_ca, nullptr) == 0) {
+      return absl::InvalidArgumentError(
+          fmt::format("tls-client-ca: {} has no certificate in PEM", files.client_ca));
+    }
+  }
+  return material;
+}
+
+class ReloadingTls final : public Tls, public std::enable_shared_from_this<ReloadingTls> {
+ public:
+  ReloadingTls(const TlsFiles& files, Material material)
+      : material_(std::move(material)), needs_clients_(!files.client_ca.empty()) {}
+
+  absl::Status reload(const TlsFiles& files) override {
+    if (needs_clients_ == files.client_ca.empty()) {
+      return absl::InvalidArgumentError(
+          "tls-client-ca: whether clients need a certificate changes only at a restart");
+    }
+    LUCERNA_ASSIGN_OR_RETURN(Material material, read_material(files));
+    const std::lock_guard lock(mutex_);
+    material_ = std::move(material);
+    changed_ = true;
+    return absl::OkStatus();
+  }
+
+  std::shared_ptr<grpc::ServerCredentials> credentials() override;
+
+  bool needs_clients() const { return needs_clients_; }
+
+  /// gRPC calls this before each handshake.
+  static grpc_ssl_certificate_config_reload_status fetch(
+      void* self, grpc_ssl_server_certificate_config** config) {
+    auto& tls = *static_cast<ReloadingTls*>(self);
+    const std::lock_guard lock(tls.mutex_);
+    if (!std::exchange(tls.changed_, false)) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
+    const grpc_ssl_pem_key_cert_pair pair{tls.material_.key.c_str(),
+                                          tls.material_.certificate.c_str()};
+    // gRPC wants roots even if it asks clients for no certificate.  Then it does not use them.
+    const std::string& roots =
+        tls.needs_clients_ ? tls.material_.client_ca : tls.material_.certificate;
+    *config = grpc_ssl_server_certificate_config_create(roots.c_str(), &pair, 1);
+    return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
+  }
+
+ private:
+  std::mutex mutex_;
+  Material material_;    // guarded by mutex_
+  bool changed_ = true;  // guarded by mutex_; gRPC has not fetched material_ yet
+  const bool needs_clients_;
+};
+
+/// gRPC's C++ interface has no credentials that reload and keep the certificates of before if the
+/// new ones are wrong.  Its C interface has.
+class Credentials final : public grpc::ServerCredentials {
+ public:
+  explicit Credentials(std::shared_ptr<ReloadingTls> tls) : tls_(std::move(tls)) {
+    const auto request = tls_->needs_clients()
+                             ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
+                             : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE;
+    credentials_ = grpc_ssl_server_credentials_create_with_options(
+        grpc_ssl_server_credentials_create_options_using_config_fetcher(
+            request, &ReloadingTls::fetch, tls_.get()));
+  }
+  ~Credentials() override { grpc_server_credentials_release(credentials_); }
+  Credentials(const Credentials&) = delete;
+  Credentials& operator=(const Credentials&) = delete;
+
+  // Tokens are checked by Access, which works without TLS too.
+  void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
+
+ private:
+  int AddPortToServer(const std::string& address, grpc_server* server) override {
+    return grpc_server_add_http2_port(server, address.c_str(), credentials_);
+  }
+
+  std::shared_ptr<ReloadingTls> tls_;
+  grpc_server_credentials* credentials_;
+};
+
+std::shared_ptr<grpc::ServerCredentials> ReloadingTls::credentials() {
+  return std::make_shared<Credentials>(shared_from_this());
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<Tls>> Tls::open(const TlsFiles& files) {
+  LUCERNA_ASSIGN_OR_RETURN(Material material, read_material(files));
+  return std::make_shared<ReloadingTls>(files, std::move(material));
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,29 @@
+// TLS for the server, with certificates that can be replaced while it runs.
+#pragma once
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <grpcpp/security/server_credentials.h>
+
+#include <memory>
+
+#include "server/rpc/doors.h"
+
+namespace lucerna::rpc {
+
+/// Credentials of the server.  Thread-safe.
+class Tls {
+ public:
+  /// Reads and checks the files.  INVALID_ARGUMENT if a file cannot be read or parsed, if the key
+  /// does not belong to the certificate, or if only one of certificate and key is given.
+  static absl::StatusOr<std::shared_ptr<Tls>> open(const TlsFiles& files);
+  virtual ~Tls() = default;
+
+  /// New connections use these files; connections that exist continue.  After an error, the files
+  /// of before stay in use.
+  virtual absl::Status reload(const TlsFiles& files) = 0;
+  /// Credentials that keep this object alive.
+  virtual std::shared_ptr<grpc::ServerCredentials> credentials() = 0;
+};
+
+}  // namespace lucerna::rpc

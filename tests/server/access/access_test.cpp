@@ -1,0 +1,79 @@
+#include "server/access/access.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "proto/common/sha256.h"
+
+namespace lucerna::access {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<Token> tokens() {
+  return {{.name = "viewer", .sha256 = sha256("look"), .roles = {Role::kQuery}, .quota = {}},
+          {.name = "farm",
+           .sha256 = sha256("farm"),
+           .roles = {Role::kQuery, Role::kAdmin},
+           .quota = {.requests = 2}}};
+}
+
+TEST(Access, LetsEveryoneInWithoutTokens) {
+  Access access;
+  EXPECT_TRUE(access.open());
+  const auto admission = access.admit(Call::kGetStats, "");
+  ASSERT_TRUE(admission.ok());
+  EXPECT_EQ(admission->caller.name, "");
+  EXPECT_TRUE(admission->caller.admin);
+}
+
+TEST(Access, NeedsAKnownToken) {
+  Access access;
+  access.set_tokens(tokens());
+  EXPECT_FALSE(access.open());
+  EXPECT_TRUE(access.admit(Call::kLe, "Bearer look").ok());
+  for (const char* header : {"", "look", "Bearer", "Bearer ", "Bearer loo", "Bearer look ",
+                             "bearer look", "Basic look"}) {
+    EXPECT_TRUE(absl::IsUnauthenticated(access.admit(Call::kLe, header).status())) << header;
+  }
+}
+
+TEST(Access, NamesTheRoleThatIsMissing) {
+  Access access;
+  access.set_tokens(tokens());
+  const absl::Status status = access.admit(Call::kLoadScene, "Bearer look").status();
+  EXPECT_TRUE(absl::IsPermissionDenied(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("LoadScene needs the role load"));
+  // No role includes another.
+  EXPECT_TRUE(absl::IsPermissionDenied(access.admit(Call::kLoadScene, "Bearer farm").status()));
+  EXPECT_FALSE(access.admit(Call::kLe, "Bearer look")->caller.admin);
+  EXPECT_TRUE(access.admit(Call::kLe, "Bearer farm")->caller.admin);
+}
+
+TEST(Access, ForgetsTokensThatAreRevoked) {
+  Access access;
+  access.set_tokens(tokens());
+  ASSERT_TRUE(access.admit(Call::kLe, "Bearer look").ok());
+  access.set_tokens({tokens().back()});
+  EXPECT_TRUE(absl::IsUnauthenticated(access.admit(Call::kLe, "Bearer look").status()));
+}
+
+TEST(Access, CountsRequestsInFlight) {
+  Access access;
+  access.set_tokens(tokens());
+  auto first = access.admit(Call::kLe, "Bearer farm");
+  auto second = access.admit(Call::kLe, "Bearer farm");
+  ASSERT_TRUE(first.ok() && second.ok());
+  const absl::Status third = access.admit(Call::kLe, "Bearer farm").status();
+  EXPECT_TRUE(absl::IsResourceExhausted(third));
+  EXPECT_THAT(std::string(third.message()), HasSubstr("2 requests of \"farm\" are in flight"));
+  EXPECT_TRUE(access.admit(Call::kLe, "Bearer look").ok());
+  // New tokens do not change the count.
+  access.set_tokens(tokens());
+  EXPECT_FALSE(access.admit(Call::kLe, "Bearer farm").ok());
+  second = absl::CancelledError("");
+  EXPECT_TRUE(access.admit(Call::kLe, "Bearer farm").ok());
+}
+
+}  // namespace
+}  // namespace lucerna::access
