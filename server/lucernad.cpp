@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "server/config/command_line.h"
 #include "server/config/configuration.h"
 #include "server/rpc/server.h"
+#include "server/runtime/service_manager.h"
 #include "server/runtime/signals.h"
 
 namespace {
@@ -102,6 +104,12 @@ class Control {
   void reload() {
     const std::lock_guard lock(mutex_);
     if (server_ == nullptr) return;  // it still starts, and has read the files just now
+    lucerna::notify_service_manager("RELOADING=1");
+    reload_server();
+    lucerna::notify_service_manager("READY=1");
+  }
+
+  void reload_server() {
     const Configuration now = lucerna::config::configure(given_);
     if (!now.errors.empty()) {
       for (const std::string& error : now.errors) spdlog::error(error);
@@ -145,12 +153,17 @@ int serve(const Configuration& configuration, const lucerna::config::Given& give
   }
   log_start(options, **server);
   control.set_server(server->get(), configuration);
+  lucerna::notify_service_manager("READY=1");
+  std::optional<lucerna::Watchdog> watchdog(std::in_place,
+                                            [&] { return (*server)->accepts_connections(); });
   fmt::print("listening on {}\n", (*server)->address());
   std::fflush(stdout);
   control.wait();
+  lucerna::notify_service_manager("STOPPING=1");
   const std::chrono::seconds drain_time(configuration.options.drain_seconds);
   spdlog::info(fmt::format("draining for at most {} s", drain_time.count()));
   (*server)->drain(drain_time, control.hurry());
+  watchdog.reset();
   control.set_server(nullptr, configuration);
   spdlog::info("ended");
   return 0;

@@ -59,6 +59,8 @@ class Server {
 
   /// HOST:PORT with the port in use.
   const std::string& address() const;
+  /// Connects to the server's own port, and returns whether it accepts that within some seconds.
+  bool accepts_connections() const;
   /// Reads the directories of the scene root.
   ServerSummary summary() const;
 
