@@ -9,7 +9,7 @@ packages=(
   libgrpc++-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler libabsl-dev libssl-dev zlib1g-dev
   libembree-dev libtbb-dev libopenimageio-dev openimageio-tools libopenexr-dev libpng-dev
   colord-data
-  libcli11-dev libspdlog-dev libfmt-dev libtomlplusplus-dev libboost-dev nlohmann-json3-dev libjs-chart.js
+  libcli11-dev libspdlog-dev libfmt-dev libtomlplusplus-dev libsystemd-dev libboost-dev nlohmann-json3-dev libjs-chart.js
   libtinygltf-dev libdraco-dev libmeshoptimizer-dev
   prometheus-cpp-dev
   libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels

@@ -12,6 +12,7 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -23,6 +24,7 @@
 #include "server/monitor/log_format.h"
 #include "server/monitor/log_limit.h"
 #include "server/rpc/server.h"
+#include "server/runtime/service_manager.h"
 #include "server/runtime/signals.h"
 
 namespace {
@@ -124,6 +126,12 @@ class Control {
   void reload() {
     const std::lock_guard lock(mutex_);
     if (server_ == nullptr) return;  // it still starts, and has read the files just now
+    lucerna::notify_service_manager("RELOADING=1");
+    reload_server();
+    lucerna::notify_service_manager("READY=1");
+  }
+
+  void reload_server() {
     const Configuration now = lucerna::config::configure(given_);
     if (!now.errors.empty()) {
       for (const std::string& error : now.errors) spdlog::error(error);
@@ -169,12 +177,17 @@ int serve(const Configuration& configuration, const lucerna::config::Given& give
   if (!(*server)->metrics_address().empty())
     fmt::print("metrics on http://{}/metrics\n", (*server)->metrics_address());
   control.set_server(server->get(), configuration);
+  lucerna::notify_service_manager("READY=1");
+  std::optional<lucerna::Watchdog> watchdog(std::in_place,
+                                            [&] { return (*server)->accepts_connections(); });
   fmt::print("listening on {}\n", (*server)->address());
   std::fflush(stdout);
   control.wait();
+  lucerna::notify_service_manager("STOPPING=1");
   const std::chrono::seconds drain_time(configuration.options.drain_seconds);
   spdlog::info(fmt::format("draining for at most {} s", drain_time.count()));
   (*server)->drain(drain_time, control.hurry());
+  watchdog.reset();
   control.set_server(nullptr, configuration);
   spdlog::info("ended");
   return 0;

@@ -48,10 +48,10 @@ class Reader {
       if (name == "name") {
         read_name(key, node, token);
       } else if (name == "sha256" || name == "token") {
-        if (token.sha256.empty()) {
-          read_secret(key, node, token);
-        } else {
+        if (name == "token" && table.contains("sha256")) {
           error(key.source(), "token and sha256, allowed: one of them");
+        } else {
+          read_secret(key, node, token);
         }
       } else if (name == "roles") {
         has_roles = true;

@@ -31,6 +31,8 @@ constexpr std::uint64_t kReserved = 24;
 constexpr int kBacklog = 1024;
 // Pause after an error of accept, such as no memory.
 constexpr int kPauseMs = 50;
+// How long a connection to the own port may wait until it is accepted.
+constexpr auto kOwnPatience = std::chrono::seconds(5);
 constexpr auto kLogInterval = std::chrono::seconds(10);
 
 /// Raises the limit of open files as far as it goes.  Returns the limit.
@@ -177,6 +179,25 @@ std::size_t Listener::connections() const {
   return open_.size();
 }
 
+bool Listener::accepts() const {
+  sockaddr_storage own{};
+  socklen_t size = sizeof own;
+  if (getsockname(listeners_.front(), reinterpret_cast<sockaddr*>(&own), &size) != 0) return false;
+  const int fd = socket(own.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (fd < 0) return true;  // no descriptor is left, which ends by itself
+  const std::uint64_t before = accepted_;
+  // A wildcard address connects to this machine.
+  (void)connect(fd, reinterpret_cast<const sockaddr*>(&own), size);
+  const auto end = std::chrono::steady_clock::now() + kOwnPatience;
+  bool accepted = false;
+  while (!accepted && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    accepted = accepted_ != before;
+  }
+  close(fd);
+  return accepted;
+}
+
 void Listener::sweep() const {
   // gRPC does not report closed connections.  A descriptor that is closed, or used again, has
   // another inode.
@@ -220,6 +241,7 @@ void Listener::accept_one(int listener) {
   socklen_t size = sizeof peer;
   const int fd =
       accept4(listener, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  ++accepted_;
   if (fd < 0) {
     const int error = errno;
     if ((error == EMFILE || error == ENFILE) && spare_ >= 0) {

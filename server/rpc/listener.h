@@ -6,6 +6,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -42,6 +43,8 @@ class Listener {
   /// Existing connections stay, even if there are more than the new limits allow.
   void set_limits(const ConnectionLimits& limits);
   ConnectionLimits limits() const;
+  /// Connects to its own port, and returns whether it accepts that within some seconds.
+  bool accepts() const;
   /// Connections that are open now.
   std::size_t connections() const;
 
@@ -66,6 +69,7 @@ class Listener {
   std::uint32_t most_ = 0;  // connections that the limit of open files leaves room for
   std::function<void(int, int)> take_;
   std::thread thread_;
+  std::atomic<std::uint64_t> accepted_{0};  // connections so far, and refused ones
   // Of the thread: connections refused since the last line of the log, and when the next may come.
   std::uint64_t refused_ = 0;
   std::chrono::steady_clock::time_point next_line_;

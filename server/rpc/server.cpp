@@ -255,6 +255,8 @@ Server::~Server() {
 const std::string& Server::address() const { return state_->address; }
 const std::string& Server::metrics_address() const { return state_->metrics_address; }
 
+bool Server::accepts_connections() const { return state_->listener->accepts(); }
+
 ServerSummary Server::summary() const {
   const SceneStore& scenes = *state_->runtime.scenes;
   const FileListing files = scenes.available();

@@ -73,6 +73,8 @@ class Server {
   const std::string& address() const;
   /// HOST:PORT of the metrics; empty: there are none.
   const std::string& metrics_address() const;
+  /// Connects to the server's own port, and returns whether it accepts that within some seconds.
+  bool accepts_connections() const;
   /// Reads the directories of the scene root.
   ServerSummary summary() const;
 

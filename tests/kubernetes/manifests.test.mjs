@@ -15,7 +15,7 @@ const pod = (document) => document.spec.template.spec;
 
 test("Kubernetes accepts every manifest", () => {
   assert.deepEqual(manifests, ["render.yaml", "servers.yaml"]);
-  assert.deepEqual(documents.map((d) => d.kind).sort(), ["Deployment", "Job", "NetworkPolicy", "Service"]);
+  assert.deepEqual(documents.map((d) => d.kind).sort(), ["Deployment", "Job", "NetworkPolicy", "PodDisruptionBudget", "Service"]);
   assert.deepEqual(check(documents), documents.map(() => []));
 });
 
@@ -35,6 +35,7 @@ test("broken manifests are refused", () => {
     ["Job", (d) => (pod(d).restartPolicy = "Sometimes"), /restartPolicy must be equal to one of/],
     ["Job", (d) => (d.spec.podFailurePolicy.rules[0].action = "Forget"), /action must be equal to one of/],
     ["Job", (d) => (pod(d).containers[0].volumeMounts[0].mountpath = "/"), /mountpath.* does not exist/],
+    ["PodDisruptionBudget", (d) => (d.spec.minAvailabel = 1), /minAvailabel.* does not exist/],
     ["NetworkPolicy", (d) => (d.spec.ingress[0].form = []), /form.* does not exist/],
   ];
   const errors = check(
@@ -61,6 +62,9 @@ test("selectors match, and the job uses the name and the port of the service", (
   const labels = find("Deployment").spec.template.metadata.labels;
   assert.deepEqual(find("Deployment").spec.selector.matchLabels, labels);
   assert.deepEqual(find("Service").spec.selector, labels);
+  const budget = find("PodDisruptionBudget").spec;
+  assert.deepEqual(budget.selector.matchLabels, labels);
+  assert.ok(budget.minAvailable < find("Deployment").spec.replicas);
   const policy = find("NetworkPolicy").spec;
   assert.deepEqual(policy.podSelector.matchLabels, labels);
   const from = policy.ingress[0].from[0].podSelector.matchLabels;

@@ -182,7 +182,7 @@ PATH=${PATH#*:} exec lucernad "$@"
         self.assertIn("no server on n1: it has ended", self.log(job))
         self.assertIn("no server on n2: it does not answer within 3 s", self.log(job))
         self.assertIn("1 of 3 servers", self.log(job))
-        self.assertRegex(self.log(job), r"n3: given --listen 127\.0\.0\.1:0 --threads 2 --scene-root \S+ "
+        self.assertRegex(self.log(job), r"n3: given --listen 127\.0\.0\.1:0 --insecure --threads 2 --scene-root \S+ "
                          rf"--asset-dir {self.directory}/assets --memory-budget 1GiB\n")
         self.assertTrue(any((self.directory / "assets").iterdir()), "uploaded files that stay")
         self.assert_same_bits("two servers missing", job, 1)
