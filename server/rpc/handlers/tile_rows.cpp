@@ -34,27 +34,34 @@ absl::StatusOr<bool> TileRows::step(const Scene& scene, const TileSettings& sett
                                     const std::stop_token& stop) {
   if (!std::exchange(has_begun_, true)) {
     tile_ = {};
+    x_ = settings.rect.x0;
     y_ = settings.rect.y0;
   }
-  TileSettings rows = settings;
-  const double row_units =
-      static_cast<double>(rows.rect.x1 - rows.rect.x0) * static_cast<double>(settings.block_count);
+  const PixelRect& tile = settings.rect;
+  const int width = tile.x1 - tile.x0;
+  const auto blocks = static_cast<double>(settings.block_count);
   const Clock::time_point begin = Clock::now();
-  for (double used_s = 0; y_ < settings.rect.y1 && used_s < kStepSeconds;) {
-    rows.rect.y0 = y_;
-    rows.rect.y1 =
-        y_ + static_cast<int>(fitting(kStepSeconds - used_s, row_units * unit_s_,
-                                      static_cast<std::uint64_t>(settings.rect.y1 - y_)));
-    TileResult result = lucerna::render_tile(scene, rows, stop);
+  for (double used_s = 0; y_ < tile.y1 && used_s < kStepSeconds;) {
+    const auto left = static_cast<std::uint64_t>(tile.y1 - y_) * static_cast<std::uint64_t>(width);
+    const auto pixels = static_cast<int>(fitting(kStepSeconds - used_s, blocks * unit_s_, left));
+    // Whole rows, or a part of one.
+    TileSettings part = settings;
+    part.rect = x_ == tile.x0 && pixels >= width
+                    ? PixelRect{tile.x0, y_, tile.x1, y_ + pixels / width}
+                    : PixelRect{x_, y_, std::min(x_ + pixels, tile.x1), y_ + 1};
+    TileResult result = lucerna::render_tile(scene, part, stop);
     if (result.stopped) {
       discard();
       return absl::CancelledError("stopped");
     }
     const double now_s = seconds_since(begin);
-    unit_s_ = (now_s - used_s) / (row_units * (rows.rect.y1 - rows.rect.y0));
+    unit_s_ =
+        (now_s - used_s) / (blocks * (part.rect.x1 - part.rect.x0) * (part.rect.y1 - part.rect.y0));
     used_s = now_s;
     append(std::move(result));
-    y_ = rows.rect.y1;
+    const bool end_of_row = part.rect.x1 == tile.x1;
+    x_ = end_of_row ? tile.x0 : part.rect.x1;
+    y_ = end_of_row ? part.rect.y1 : y_;
   }
   if (y_ < settings.rect.y1) return false;
   has_begun_ = false;
@@ -65,12 +72,12 @@ std::uint64_t TileRows::blocks_of_a_row(int width) const {
   return std::bit_floor(fitting(kStepSeconds, unit_s_ * width, std::uint64_t{1} << 30));
 }
 
-void TileRows::append(TileResult&& rows) {
-  append_to(tile_.channels, std::move(rows.channels));
-  append_to(tile_.samples, std::move(rows.samples));
-  append_to(tile_.intervals, std::move(rows.intervals));
-  append_to(tile_.moments, std::move(rows.moments));
-  tile_.work += rows.work;
+void TileRows::append(TileResult&& pixels) {
+  append_to(tile_.channels, std::move(pixels.channels));
+  append_to(tile_.samples, std::move(pixels.samples));
+  append_to(tile_.intervals, std::move(pixels.intervals));
+  append_to(tile_.moments, std::move(pixels.moments));
+  tile_.work += pixels.work;
 }
 
 }  // namespace lucerna::rpc
