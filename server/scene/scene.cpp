@@ -36,6 +36,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
   simplify_media();
   scene_->contents_ = contents_of(in_);
   LUCERNA_RETURN_IF_ERROR(place());
+  LUCERNA_RETURN_IF_ERROR(count_lights());
   LUCERNA_RETURN_IF_ERROR(build_lights());
   LUCERNA_RETURN_IF_ERROR(build_geometry(isa));
   LUCERNA_RETURN_IF_ERROR(prepare_choice());
@@ -88,8 +89,9 @@ absl::Status Scene::Builder::check_references() const {
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::build(SceneDescription description,
                                                           const std::string& isa,
-                                                          std::stop_token stop) {
-  return Builder(description, std::move(stop)).build(isa);
+                                                          std::stop_token stop,
+                                                          LoadBudget* budget) {
+  return Builder(description, std::move(stop), budget).build(isa);
 }
 
 std::optional<std::uint32_t> Scene::find_light(std::uint64_t id) const {

@@ -104,6 +104,14 @@ const Scene* shared_by(const Entry& entry) {
   return loaded != nullptr ? loaded.get() : entry.stored.scene.get();
 }
 
+AssetReaderOptions reader_options(const LoadLimits& limits, const std::stop_token& stop) {
+  AssetReaderOptions options;
+  options.max_total_bytes = limits.max_scene_bytes;
+  options.stop = stop;
+  options.budget = limits.budget;
+  return options;
+}
+
 absl::Status cancelled() { return absl::CancelledError("cancelled while the scene was loading"); }
 
 namespace fs = std::filesystem;
@@ -147,9 +155,17 @@ struct SceneStore::State {
   std::map<const Scene*, Shared> shared;
   std::uint64_t held = 0;  // bytes of all entries and of `shared`, each as last measured
 
-  LoadLimits load_limits() const {
+  std::uint64_t loading = 0;  // bytes of running loads
+
+  LoadLimits load_limits(LoadBudget& budget) const {
     LoadLimits limits;
     if (options.texture_bytes > 0) limits.texture_bytes = options.texture_bytes;
+    limits.max_texels = options.max_texels;
+    limits.max_primitives = options.max_primitives;
+    limits.max_scene_bytes = options.max_scene_bytes;
+    limits.max_include_depth = options.max_include_depth;
+    limits.max_tokens = options.max_tokens;
+    limits.budget = &budget;
     return limits;
   }
 
@@ -229,13 +245,18 @@ struct SceneStore::State {
     }
   }
 
-  /// Unloads scenes until there is room for `more` bytes.  Unloads none if leases leave too little.
-  absl::Status evict_for(std::uint64_t more, std::vector<std::shared_ptr<const Scene>>& gone) {
+  /// Unloads scenes until there is room for `more` bytes of a scene that has `own` bytes already.
+  /// Unloads none if leases and other loads leave too little.
+  absl::Status evict_for(std::uint64_t more, std::uint64_t own,
+                         std::vector<std::shared_ptr<const Scene>>& gone) {
     const std::uint64_t budget = options.memory_budget_bytes;
     if (budget == 0) return absl::OkStatus();
-    if (more > budget)
+    const std::uint64_t needed = own + more;
+    if (needed > budget)
       return absl::ResourceExhaustedError(
-          fmt::format("the scene needs {} bytes, allowed: at most {}", more, budget));
+          fmt::format("the scene needs {}{} bytes, allowed: at most {}", own > 0 ? "at least " : "",
+                      needed, budget));
+    if (own > 0 && held + loading + more <= budget) return absl::OkStatus();
     measure_all();
     std::uint64_t leased = 0;
     std::optional<TimePoint> soonest;
@@ -248,16 +269,21 @@ struct SceneStore::State {
       if (counted.insert(of).second) leased += shared.at(of).bytes;
       soonest = std::min(soonest.value_or(*until), *until);
     }
-    if (leased + more > budget) {
+    if (leased + loading + more > budget) {
+      const std::uint64_t others = loading - own;
       absl::Status full = absl::ResourceExhaustedError(
-          fmt::format("the scene needs {} bytes, but leased scenes use {} of the server's {}", more,
-                      leased, budget));
-      const auto wait = std::chrono::ceil<std::chrono::milliseconds>(*soonest - options.now());
+          fmt::format("the scene needs {}{} bytes, but leased scenes use {}{} of the server's {}",
+                      own > 0 ? "at least " : "", needed, leased,
+                      others > 0 ? fmt::format(" and other loads {}", others) : "", budget));
+      // A load may end at any time.
+      auto wait = std::chrono::milliseconds(1000);
+      if (others == 0)
+        wait = std::chrono::ceil<std::chrono::milliseconds>(*soonest - options.now());
       full.SetPayload(kRetryAfterPayload,
                       absl::Cord(std::to_string(std::max<std::int64_t>(wait.count(), 1))));
       return full;
     }
-    shrink(budget - more, "", gone);
+    shrink(budget - loading - more, "", gone);
     return absl::OkStatus();
   }
 
@@ -268,6 +294,46 @@ struct SceneStore::State {
     entry.used = ++uses;
     return {entry.stored, already_loaded, give_lease(entry, "", load.lease_s), {}};
   }
+};
+
+/// The memory of one load, as a part of the store's budget.
+class SceneStore::LoadMemory final : public MemoryPool {
+ public:
+  explicit LoadMemory(State& state) : state_(state) {}
+
+  LoadBudget& budget() { return budget_; }
+  /// An error of the load, which may be retried if the budget is to blame.
+  absl::Status explained(absl::Status status) const {
+    if (const auto retry = budget_.refusal().GetPayload(kRetryAfterPayload);
+        absl::IsResourceExhausted(status) && retry)
+      status.SetPayload(kRetryAfterPayload, *retry);
+    return status;
+  }
+  /// Ends the counting: the scene is stored, or dropped.  Call it with the lock held.
+  void end() {
+    state_.loading -= own_;
+    own_ = 0;
+  }
+
+  absl::Status take(std::uint64_t bytes) override {
+    std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+    const std::lock_guard lock(state_.mutex);
+    LUCERNA_RETURN_IF_ERROR(state_.evict_for(bytes, own_, gone));
+    own_ += bytes;
+    state_.loading += bytes;
+    return absl::OkStatus();
+  }
+  void give_back(std::uint64_t bytes) override {
+    const std::lock_guard lock(state_.mutex);
+    const std::uint64_t rest = std::min(bytes, own_);
+    own_ -= rest;
+    state_.loading -= rest;
+  }
+
+ private:
+  State& state_;
+  std::uint64_t own_ = 0;
+  LoadBudget budget_{this};  // last member: gives its bytes back first
 };
 
 absl::StatusOr<std::unique_ptr<SceneStore>> SceneStore::open(SceneStoreOptions options,
@@ -330,14 +396,22 @@ absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const s
 
 absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
                                                   const LoadOptions& options) const {
+  LoadMemory memory(*state_);
+  return read(manifest, options, memory);
+}
+
+absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
+                                                  const LoadOptions& options,
+                                                  LoadMemory& memory) const {
   Read result;
-  AssetReader reader(std::make_unique<ManifestSource>(manifest, *state_->assets, result.missing));
-  absl::StatusOr<SceneDescription> description =
-      load_scene_file(reader, manifest.main, options.stop, state_->load_limits(),
-                      options.factors.value_or(LevelFactors()));
+  const LoadLimits limits = state_->load_limits(memory.budget());
+  AssetReader reader(std::make_unique<ManifestSource>(manifest, *state_->assets, result.missing),
+                     reader_options(limits, options.stop));
+  absl::StatusOr<SceneDescription> description = load_scene_file(
+      reader, manifest.main, options.stop, limits, options.factors.value_or(LevelFactors()));
   if (absl::IsCancelled(description.status())) return description.status();
   if (!result.missing.empty()) return result;
-  LUCERNA_RETURN_IF_ERROR(description.status());
+  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
   for (const Asset& asset : description->assets) {
     const std::string& digest = manifest.assets.at(asset.name);
     if (asset.sha256 == digest) continue;
@@ -351,26 +425,34 @@ absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
 
 absl::StatusOr<SceneStore::Read> SceneStore::read(const std::string& path,
                                                   const LoadOptions& options) const {
-  LUCERNA_ASSIGN_OR_RETURN(AssetReader reader, AssetReader::open(state_->options.root));
-  LUCERNA_ASSIGN_OR_RETURN(SceneDescription description,
-                           load_scene_file(reader, path, options.stop, state_->load_limits(),
-                                           options.factors.value_or(LevelFactors())));
-  return Read{std::move(description), {}};
+  LoadMemory memory(*state_);
+  const LoadLimits limits = state_->load_limits(memory.budget());
+  LUCERNA_ASSIGN_OR_RETURN(
+      AssetReader reader,
+      AssetReader::open(state_->options.root, reader_options(limits, options.stop)));
+  absl::StatusOr<SceneDescription> description = load_scene_file(
+      reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
+  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
+  return Read{*std::move(description), {}};
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
                                                       const std::string& key,
                                                       const LoadOptions& options) {
-  LUCERNA_ASSIGN_OR_RETURN(Read found, read(manifest, options));
+  LoadMemory memory(*state_);
+  LUCERNA_ASSIGN_OR_RETURN(Read found, read(manifest, options, memory));
   if (!found.description) return LoadedScene{.missing = std::move(found.missing)};
   return build_once(*std::move(found.description), key,
-                    {.scene = nullptr, .path = manifest.main, .uploaded = true}, options);
+                    {.scene = nullptr, .path = manifest.main, .uploaded = true}, options, memory);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const std::string& key,
                                                   const std::optional<StoredScene>& known,
                                                   const LoadOptions& options) {
-  absl::StatusOr<AssetReader> reader = AssetReader::open(state_->options.root);
+  LoadMemory memory(*state_);
+  const LoadLimits limits = state_->load_limits(memory.budget());
+  absl::StatusOr<AssetReader> reader =
+      AssetReader::open(state_->options.root, reader_options(limits, options.stop));
   if (!reader.ok()) return absl::InternalError(reader.status().ToString());
   if (known) {
     const absl::StatusOr<std::vector<Asset>> now = reader->rehash(known->scene->assets());
@@ -383,12 +465,13 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
     }
   }
   absl::StatusOr<SceneDescription> description = load_scene_file(
-      *reader, path, options.stop, state_->load_limits(), options.factors.value_or(LevelFactors()));
+      *reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
   // NOT_FOUND may also come from a file that the scene names.
   if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
     return load_uploaded(path, options);
-  LUCERNA_RETURN_IF_ERROR(description.status());
-  return build_once(*std::move(description), key, {.scene = nullptr, .path = path}, options);
+  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
+  return build_once(*std::move(description), key, {.scene = nullptr, .path = path}, options,
+                    memory);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
@@ -408,7 +491,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
 
 absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
                                                    const std::string& key, const StoredScene& named,
-                                                   const LoadOptions& options) {
+                                                   const LoadOptions& options, LoadMemory& memory) {
   const std::string id =
       scene_id(description.assets, description.textures.halved(), description.level_factors);
   const auto turn = state_->builds_turns.take(id, options.stop);
@@ -418,14 +501,17 @@ absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
     const auto same = state_->scenes.find(id);
     if (same != state_->scenes.end()) return state_->answer(same->second, key, options, true);
   }
-  LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
-                           Scene::build(std::move(description), state_->options.isa, options.stop));
+  absl::StatusOr<std::shared_ptr<const Scene>> built =
+      Scene::build(std::move(description), state_->options.isa, options.stop, &memory.budget());
+  LUCERNA_RETURN_IF_ERROR(memory.explained(built.status()));
+  const std::shared_ptr<const Scene> scene = *std::move(built);
   Entry entry;
   entry.stored = named;
   entry.stored.scene = scene;
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
-  LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), gone));
+  memory.end();
+  LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), 0, gone));
   ++state_->builds;
   return state_->answer(state_->insert(std::move(entry)), key, options, false);
 }
@@ -441,7 +527,7 @@ absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits
   const auto same = state_->scenes.find(scene->id());
   const bool is_known = same != state_->scenes.end();
   if (!is_known) {
-    LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), gone));
+    LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), 0, gone));
     Entry entry;
     entry.stored = {.scene = scene, .path = of.path, .uploaded = of.uploaded};
     state_->insert(std::move(entry));

@@ -71,7 +71,8 @@ class SceneStore {
   /// behind.
   ///
   /// If scenes exceed the budget, the least recently used scenes without a lease are unloaded.  The
-  /// size of a scene includes parts that queries built in it later; `find` checks the budget.
+  /// size of a scene includes parts that queries built in it later; `find` checks the budget.  The
+  /// memory of running loads counts too, so a load that does not fit ends before it needs more.
   ///
   /// An absolute path is accepted if it is under the root.  If no file has this name, the most
   /// recently used uploaded scene of this name is loaded.
@@ -137,8 +138,12 @@ class SceneStore {
                                         const std::optional<StoredScene>& known,
                                         const LoadOptions& options);
   absl::StatusOr<LoadedScene> load_uploaded(const std::string& name, const LoadOptions& options);
+  class LoadMemory;
+  absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options,
+                            LoadMemory& memory) const;
   absl::StatusOr<LoadedScene> build_once(SceneDescription description, const std::string& key,
-                                         const StoredScene& named, const LoadOptions& options);
+                                         const StoredScene& named, const LoadOptions& options,
+                                         LoadMemory& memory);
 
   std::unique_ptr<State> state_;
 };
