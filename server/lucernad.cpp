@@ -15,6 +15,7 @@
 #include <string>
 #include <thread>
 
+#include "server/option_values.h"
 #include "server/rpc/server.h"
 
 namespace {
@@ -122,20 +123,38 @@ class Arguments {
         "Most samples for each pixel or item of one request");
     add("--max-message-bytes", options_.limits.max_message_bytes, 1U << 20, 2147483647,
         "Most bytes of one message");
-    add_size("--memory-budget", options_.scenes.memory_budget_bytes,
-             "Memory of all scenes, such as 8GiB; 0: no limit.  Least recently used scenes without "
+    add_size("--memory-budget", options_.scenes.memory_budget_bytes, 0,
+             "Memory of all scenes and loads, such as 8GiB; 0: no limit.  Least recently used "
+             "scenes without "
              "a lease are unloaded first");
-    add_size("--texture-memory", options_.scenes.texture_bytes,
+    add_size("--texture-memory", options_.scenes.texture_bytes, 0,
              "Memory of the pictures on the surfaces of a scene; 0: no limit.  Larger pictures are "
              "halved until they fit");
     app_.add_option("--max-lease", options_.scenes.max_lease_s, "The longest lease of a scene [s]")
-        ->check(CLI::Range(1.0, 1e9));
+        ->type_name("SECONDS")
+        ->check([](const std::string& text) {
+          return lucerna::check_real(text, {1, 1e9});
+        });
+    add("--max-scene-primitives", options_.scenes.max_primitives, 1, 1ULL << 32,
+        "Most triangles, patches, curves and other shapes of a scene");
+    add_size("--max-scene-bytes", options_.scenes.max_scene_bytes, 1,
+             "Most bytes of the files of a scene.  Compressed files also count unpacked");
+    add("--max-picture-texels", options_.scenes.max_texels, 1, 1ULL << 30,
+        "Most texels of one picture");
+    add("--max-include-depth", options_.scenes.max_include_depth, 1, 1000,
+        "How deep .pbrt files may include each other");
+    add("--max-tokens", options_.scenes.max_tokens, 1, 1ULL << 40,
+        "Most words, strings and brackets of the .pbrt files of a scene");
     add("--asset-dir", options_.assets.directory, "DIR",
         "Directory of uploaded files, kept for the next start; default: a temporary directory");
-    add_size("--asset-budget", options_.assets.budget_bytes,
+    add_size("--asset-budget", options_.assets.budget_bytes, 1,
              "Disk space of uploaded files.  Least recently used files are deleted first");
-    add_size("--max-asset-bytes", options_.assets.max_asset_bytes,
+    add_size("--max-asset-bytes", options_.assets.max_asset_bytes, 1,
              "Largest size of one uploaded file");
+    add("--upload-timeout", upload_timeout_, 1, 86400,
+        "How long an upload may send nothing before it is ended [s]");
+    add("--keep-partial-uploads", keep_parts_, 0, 1'000'000'000,
+        "How long the part of an interrupted upload is kept [s]");
     add("--interactive-queue", interactive_queue_, 1, 1U << 20,
         "Most queries of less than 0.1 s that may wait");
     add("--bulk-queue", bulk_queue_, 1, 1U << 20,
@@ -165,6 +184,8 @@ class Arguments {
     options.limits.max_batch_items = static_cast<std::uint32_t>(batch_items_);
     options.limits.max_tile_pixels = static_cast<std::uint32_t>(tile_pixels_);
     options.limits.max_samples = static_cast<std::uint32_t>(samples_);
+    options.assets.stall_time = std::chrono::seconds(upload_timeout_);
+    options.assets.keep_parts = std::chrono::seconds(keep_parts_);
     return options;
   }
   std::chrono::seconds drain_time() const { return std::chrono::seconds(drain_seconds_); }
@@ -175,15 +196,29 @@ class Arguments {
   }
   void add(const char* name, std::uint64_t& value, std::uint64_t least, std::uint64_t most,
            const char* help) {
-    app_.add_option(name, value, help)->check(CLI::Range(least, most));
+    app_.add_option(name, value, help)
+        ->type_name(fmt::format("{}..{}", least, most))
+        ->check([=](const std::string& text) {
+          return lucerna::check_whole(text, {least, most});
+        });
   }
-  void add_size(const char* name, std::uint64_t& value, const char* help) {
-    app_.add_option(name, value, help)->transform(CLI::AsSizeValue(false))->type_name("BYTES");
+  void add_size(const char* name, std::uint64_t& value, std::uint64_t least, const char* help) {
+    // Sums of a few sizes then fit 64 bits.
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
+    app_.add_option(name, value, help)
+        ->type_name("BYTES")
+        ->transform(CLI::Validator(
+            [=](std::string& text) {
+              return lucerna::to_bytes(text, {least, kMost});
+            },
+            ""));
   }
 
   CLI::App app_;
   lucerna::rpc::ServerOptions options_;
   std::uint64_t threads_ = 0, drain_seconds_ = 30;
+  std::uint64_t upload_timeout_ = static_cast<std::uint64_t>(options_.assets.stall_time.count());
+  std::uint64_t keep_parts_ = static_cast<std::uint64_t>(options_.assets.keep_parts.count());
   std::uint64_t batch_items_ = options_.limits.max_batch_items;
   std::uint64_t tile_pixels_ = options_.limits.max_tile_pixels;
   std::uint64_t samples_ = options_.limits.max_samples;

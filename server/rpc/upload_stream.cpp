@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
+#include <memory>
 #include <utility>
 
 #include "server/rpc/call.h"
@@ -31,14 +33,32 @@ grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadStream::start(
   stream->self_ = stream;
   stream->pass_ = runtime.gate.enter();
   if (stream->pass_) {
-    stream->StartRead(&stream->request_);
+    stream->read_next();
   } else {
     stream->finish(draining());
   }
   return stream.get();
 }
 
+void UploadStream::read_next() {
+  reading_ = true;
+  stall_ = std::make_unique<grpc::Alarm>();
+  stall_->Set(std::chrono::system_clock::now() + runtime_.assets->stall_time(),
+              [self = shared_from_this()](bool is_over) {
+                if (is_over) self->end_stalled();
+              });
+  StartRead(&request_);
+}
+
+void UploadStream::end_stalled() {
+  if (!reading_.exchange(false)) return;
+  finish(absl::DeadlineExceededError(fmt::format("the upload sent nothing for {} s, the limit",
+                                                 runtime_.assets->stall_time().count())));
+}
+
 void UploadStream::OnReadDone(bool ok) {
+  if (!reading_.exchange(false)) return;
+  stall_->Cancel();
   if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cancelled"));
   if (!ok) return finish(guarded([&] { return end(); }));
   // A full lane refuses only new uploads.
@@ -60,7 +80,7 @@ void UploadStream::take(const LaneJobStart& start) {
   });
   begun_ = true;
   if (!status.ok() || held_) return finish(status);
-  StartRead(&request_);
+  read_next();
 }
 
 absl::Status UploadStream::take_header(const v1::AssetHeader& header) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <absl/status/status.h>
+#include <grpcpp/alarm.h>
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -37,6 +39,9 @@ class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
   /// Handles the end of the client's messages.
   absl::Status end();
   void finish(const absl::Status& status);
+  /// Reads the next message, and ends the call if it does not arrive in time.
+  void read_next();
+  void end_stalled();
 
   Runtime& runtime_;
   grpc::CallbackServerContext* context_;
@@ -44,6 +49,10 @@ class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
   std::stop_source stop_;
   CallGate::Pass pass_;
   std::shared_ptr<UploadStream> self_;
+
+  std::unique_ptr<grpc::Alarm> stall_;
+  // Either the message or the alarm sets it to false and goes on.
+  std::atomic<bool> reading_ = false;
 
   // At any moment there is one of: a read, a lane job, the end.
   v1::UploadAssetRequest request_;

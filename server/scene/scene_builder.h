@@ -21,7 +21,7 @@ namespace lucerna {
 class Scene::Builder {
  public:
   /// Moves data out of `description` step by step.  `description` must outlive the builder.
-  Builder(SceneDescription& description, std::stop_token stop, LoadBudget* budget)
+  Builder(SceneDescription& description, std::stop_token stop, LoadBudget* budget = nullptr)
       : in_(description), stop_(std::move(stop)), budget_(budget), scene_(new Scene) {}
 
   absl::StatusOr<std::shared_ptr<const Scene>> build(const std::string& isa);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -91,6 +92,7 @@ struct Entry {
   std::uint64_t bytes = 0;                  // own, when last measured; it may have grown since then
   std::uint64_t used = 0;                   // larger: used later
   std::map<std::string, TimePoint> leases;  // end of each lease, by id
+  std::deque<std::string> sources;          // its keys in `by_source`, the oldest first
 };
 
 /// A scene without edits, which it and its revisions keep in memory.
@@ -128,6 +130,15 @@ std::string path_under(const fs::path& root, const std::string& path) {
   const fs::path relative = fs::path(path).lexically_normal().lexically_relative(root);
   if (relative.empty() || relative == "." || *relative.begin() == "..") return {};
   return relative.string();
+}
+
+/// The name without `.`, `..` and empty parts, so that a file has one name.  Names that lead out of
+/// the root stay as they are: they are refused where they are opened.
+std::string normal_name(const std::string& name) {
+  std::string normal = fs::path(name).lexically_normal().string();
+  while (normal.ends_with('/')) normal.pop_back();
+  if (normal.empty() || normal == "." || normal == ".." || normal.starts_with("../")) return name;
+  return normal;
 }
 
 absl::Status not_found(const std::string& path, const std::string& root, bool has_factors) {
@@ -287,10 +298,26 @@ struct SceneStore::State {
     return absl::OkStatus();
   }
 
+  /// Remembers that `key` gave the scene.  A scene has few sources: an old one is forgotten, and
+  /// then read again when it is loaded.
+  void remember(Entry& entry, const std::string& key) {
+    constexpr std::size_t kMostSources = 64;
+    const std::string id = entry.stored.scene->id();
+    const auto [place, is_new] = by_source.try_emplace(key, id);
+    if (!is_new && place->second == id) return;
+    place->second = id;
+    entry.sources.push_back(key);
+    if (entry.sources.size() <= kMostSources) return;
+    // It may give another scene by now.
+    const auto oldest = by_source.find(entry.sources.front());
+    if (oldest != by_source.end() && oldest->second == id) by_source.erase(oldest);
+    entry.sources.pop_front();
+  }
+
   /// The answer to a load from `key` of a scene that is in the store.
   LoadedScene answer(Entry& entry, const std::string& key, const LoadOptions& load,
                      bool already_loaded) {
-    by_source[key] = entry.stored.scene->id();
+    remember(entry, key);
     entry.used = ++uses;
     return {entry.stored, already_loaded, give_lease(entry, "", load.lease_s), {}};
   }
@@ -360,7 +387,7 @@ absl::StatusOr<LoadedScene> SceneStore::load(const std::string& path, const Load
                     "use another file, upload it (lucerna load --upload FILE)",
                     path, state_->root));
   }
-  const std::string& name = relative.empty() ? path : relative;
+  const std::string name = relative.empty() ? normal_name(path) : relative;
   return load_once(name, with_factors(name, options), options);
 }
 
@@ -430,8 +457,8 @@ absl::StatusOr<SceneStore::Read> SceneStore::read(const std::string& path,
   LUCERNA_ASSIGN_OR_RETURN(
       AssetReader reader,
       AssetReader::open(state_->options.root, reader_options(limits, options.stop)));
-  absl::StatusOr<SceneDescription> description = load_scene_file(
-      reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
+  absl::StatusOr<SceneDescription> description =
+      load_scene_file(reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
   LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
   return Read{*std::move(description), {}};
 }
