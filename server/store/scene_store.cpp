@@ -632,6 +632,11 @@ FileListing SceneStore::available() const {
   return list_files(state_->options.root, scene_file_extensions());
 }
 
+std::size_t SceneStore::sources() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->by_source.size();
+}
+
 std::size_t SceneStore::size() const {
   const std::lock_guard lock(state_->mutex);
   return state_->scenes.size();

@@ -120,6 +120,8 @@ class SceneStore {
   FileListing available() const;
 
   std::size_t size() const;
+  /// The number of paths and manifests that are known to give a loaded scene.
+  std::size_t sources() const;
   std::uint64_t bytes() const;
   /// The number of scenes built so far.
   std::uint64_t builds() const;
