@@ -141,7 +141,8 @@ absl::Status write_irradiance(const IrradianceOutput& options, client::ReceiverS
                               const client::MapWindow* window) {
   std::string complete = options.results;
   if (options.format != client::VectorFormat::kNpy) {
-    complete = options.results + "." + std::to_string(::getpid());
+    // The next run overwrites what a killed one leaves.  ResultFile admits one process at a time.
+    complete = options.results + ".complete";
     const auto results = client::ResultFile::open(options.results, {}, receivers.size(),
                                                   client::irradiance_columns(options.request));
     absl::Status status = results.status();

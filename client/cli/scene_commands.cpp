@@ -328,6 +328,16 @@ void info(Session& session) {
                                     ? std::string("no limit")
                                     : fmt::format("{} bytes", limits.memory_budget_bytes())});
   table.add({"lease, at most", fmt::format("{:g} s", limits.max_lease_s())});
+  // Older servers do not state these.
+  if (limits.max_scene_primitives() > 0) {
+    table.add({"scene, at most", fmt::format("{} primitives", limits.max_scene_primitives())});
+    table.add({"files of a scene, at most", fmt::format("{} bytes", limits.max_scene_bytes())});
+    table.add({".pbrt files, at most",
+               fmt::format("{} tokens, {} deep", limits.max_tokens(), limits.max_include_depth())});
+    table.add({"picture, at most", fmt::format("{} texels", limits.max_picture_texels())});
+    table.add({"name, at most", fmt::format("{} bytes", limits.max_name_bytes())});
+    table.add({"upload may pause", fmt::format("{:g} s", limits.upload_timeout_s())});
+  }
   table.add({"fingerprint", fingerprint.digest()});
   table.add({"  build", fingerprint.build()});
   table.add({"  Embree", fingerprint.embree()});

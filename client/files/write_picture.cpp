@@ -147,6 +147,7 @@ PictureFile::PictureFile(PictureFile&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_(std::exchange(other.temporary_, {})),
       format_(other.format_),
+      unnamed_(std::exchange(other.unnamed_, -1)),
       keeps_preview_(other.keeps_preview_),
       has_preview_(other.has_preview_) {}
 
@@ -154,12 +155,14 @@ PictureFile& PictureFile::operator=(PictureFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(temporary_, other.temporary_);
   std::swap(format_, other.format_);
+  std::swap(unnamed_, other.unnamed_);
   std::swap(keeps_preview_, other.keeps_preview_);
   std::swap(has_preview_, other.has_preview_);
   return *this;
 }
 
 PictureFile::~PictureFile() {
+  close();
   if (temporary_.empty()) return;
   ::unlink(temporary_.c_str());
   if (has_preview_ && !keeps_preview_) ::unlink(path_.c_str());
@@ -174,10 +177,27 @@ absl::StatusOr<PictureFile> PictureFile::create(const std::string& path) {
   std::string temporary = (target.parent_path() / ("." + target.stem().string() + "." +
                                                    std::to_string(::getpid()) + extension(path)))
                               .string();
-  const int file = ::open(temporary.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-  if (file < 0) return cannot_write(path, std::strerror(errno));
+  PictureFile file(path, std::move(temporary), format);
+  if (const int failed = file.make(); failed != 0) {
+    file.temporary_.clear();  // another process may have made it
+    return cannot_write(path, std::strerror(failed));
+  }
+  return file;
+}
+
+int PictureFile::make() {
+  std::filesystem::path folder = std::filesystem::path(path_).parent_path();
+  if (folder.empty()) folder = ".";
+  unnamed_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  if (unnamed_ >= 0) return 0;
+  const int file = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+  if (file < 0) return errno;
   ::close(file);
-  return PictureFile(path, std::move(temporary), format);
+  return 0;
+}
+
+void PictureFile::close() {
+  if (unnamed_ >= 0) ::close(std::exchange(unnamed_, -1));
 }
 
 absl::Status PictureFile::write(const PictureView& picture, double exposure_ev) {
@@ -187,11 +207,19 @@ absl::Status PictureFile::write(const PictureView& picture, double exposure_ev) 
 }
 
 absl::Status PictureFile::write_preview(const PictureView& picture, double exposure_ev) {
-  const absl::Status written = write_as(format_, temporary_, picture, exposure_ev);
+  // A preview before this one took the file.
+  if (unnamed_ < 0 && has_preview_) make();
+  const std::string unnamed = "/proc/self/fd/" + std::to_string(unnamed_);
+  const std::string& written_to = unnamed_ < 0 ? temporary_ : unnamed;
+  const absl::Status written = write_as(format_, written_to, picture, exposure_ev);
   if (!written.ok()) return cannot_write(path_, std::string(written.message()));
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
+  // A link cannot replace a file, so the name is temporary for a moment.
+  if (unnamed_ >= 0 &&
+      ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0)
     return cannot_write(path_, std::strerror(errno));
-  }
+  close();
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0)
+    return cannot_write(path_, std::strerror(errno));
   has_preview_ = true;
   return absl::OkStatus();
 }

@@ -43,8 +43,10 @@ std::uint8_t srgb8(float linear);
 /// A picture file that is being written.
 class PictureFile {
  public:
-  /// Checks that the path can be written, by creating a hidden file beside it.  INVALID_ARGUMENT
-  /// for an unknown extension, a directory, or a place that cannot be written.
+  /// Checks that the path can be written, by creating a file beside it.  The file has no name until
+  /// it is written, so a killed process leaves nothing.  If the file system has no such files, it
+  /// has a hidden name.  INVALID_ARGUMENT for an unknown extension, a directory, or a place that
+  /// cannot be written.
   static absl::StatusOr<PictureFile> create(const std::string& path);
   PictureFile(PictureFile&& other) noexcept;
   PictureFile& operator=(PictureFile&& other) noexcept;
@@ -64,10 +66,14 @@ class PictureFile {
 
  private:
   PictureFile(std::string path, std::string temporary, PictureFormat format);
+  /// Makes the file beside the path; an error number, or 0.
+  int make();
+  void close();
 
   std::string path_;
   std::string temporary_;  ///< empty when it is no longer needed
   PictureFormat format_;
+  int unnamed_ = -1;  ///< the file without a name; -1: it has the name `temporary_`
   bool keeps_preview_ = true;
   bool has_preview_ = false;  ///< a preview has the final name
 };

@@ -3,6 +3,7 @@
 #include <google/protobuf/message.h>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <map>
 #include <mutex>
@@ -102,13 +103,18 @@ class JobRunner final : JobSchedule::Channel {
     const std::jthread lister([this](const std::stop_token& stop) { list_servers(stop); });
     while (!schedule_.over() && work_status_.ok()) {
       const Clock::time_point due = schedule_.advance(Clock::now());
-      for (Event& event : events_.wait(std::min(due, deadline())))
+      for (Event& event : events_.wait(std::min({due, deadline(), end_of_patience()})))
         std::visit([this](auto& e) { take(e); }, event);
       if (options_.call.stop.stop_requested())
         schedule_.end(absl::CancelledError("the job was stopped"));
       if (CallOptions::Clock::now() >= options_.call.deadline)
         schedule_.end(
             absl::DeadlineExceededError("the deadline passed before all pieces were done"));
+      if (schedule_.answering() > 0 || loading_ > 0) answered_ = Clock::now();
+      if (Clock::now() >= end_of_patience())
+        schedule_.end(absl::UnavailableError(
+            "no server answered for " + std::to_string(options_.patience.count()) + " s" +
+            (last_failure_.empty() ? ": the list of servers is empty" : "; " + last_failure_)));
     }
     if (!work_status_.ok()) return work_status_;
     if (!schedule_.status().ok()) return schedule_.status();
@@ -127,6 +133,7 @@ class JobRunner final : JobSchedule::Channel {
 
  private:
   struct Server {
+    std::string target;
     std::optional<Ready> ready;
     std::jthread preparing;
   };
@@ -143,6 +150,11 @@ class JobRunner final : JobSchedule::Channel {
       return Clock::time_point::max();
     return Clock::now() + std::chrono::duration_cast<Clock::duration>(options_.call.deadline -
                                                                       CallOptions::Clock::now());
+  }
+  /// When the job ends because no server answers.
+  Clock::time_point end_of_patience() const {
+    return deadline() == Clock::time_point::max() ? answered_ + options_.patience
+                                                  : Clock::time_point::max();
   }
   CallOptions call(const std::stop_source& stop) const {
     return {.deadline = options_.call.deadline, .stop = stop.get_token()};
@@ -163,6 +175,7 @@ class JobRunner final : JobSchedule::Channel {
   void prepare(ServerId id, const std::string& target) override {
     ++under_way_;
     Server& server = servers_[id];
+    server.target = target;
     server.ready.reset();
     // Uploading a scene may take long, so each server has its own thread for it.
     server.preparing = std::jthread([this, id, target] {
@@ -175,12 +188,15 @@ class JobRunner final : JobSchedule::Channel {
         auto client,
         Client::connect({.target = target, .retry = false, .security = options_.security}));
     LUCERNA_ASSIGN_OR_RETURN(auto info, client.get_server_info({}, call.at_most(kShortCallTime)));
-    LUCERNA_ASSIGN_OR_RETURN(const auto loaded, options_.load(client, call));
+    ++loading_;
+    const auto loaded = options_.load(client, call);
+    --loading_;
+    LUCERNA_RETURN_IF_ERROR(loaded.status());
     v1::GetSceneRequest request;
-    request.set_scene_id(loaded.scene_id());
+    request.set_scene_id(loaded->scene_id());
     LUCERNA_ASSIGN_OR_RETURN(auto scene, client.get_scene(request, call.at_most(kShortCallTime)));
     return Ready{std::move(client), std::move(info), std::move(*scene.mutable_summary()),
-                 loaded.lease_id()};
+                 loaded->lease_id()};
   }
 
   void renew(ServerId id) override {
@@ -227,6 +243,8 @@ class JobRunner final : JobSchedule::Channel {
       servers_[event.server].ready.emplace(*std::move(event.answer));
     } else {
       answer = event.answer.status();
+      last_failure_ =
+          servers_[event.server].target + ": " + std::string(event.answer.status().message());
     }
     schedule_.prepared(event.server, answer, Clock::now());
     progress();
@@ -264,6 +282,9 @@ class JobRunner final : JobSchedule::Channel {
   DistributedWork& work_;
   const JobOptions& options_;
   const Clock::time_point begun_ = Clock::now();
+  Clock::time_point answered_ = begun_;   // when a server last answered
+  mutable std::atomic<int> loading_ = 0;  // servers that answered and load the scene
+  std::string last_failure_;              // of a server that cannot begin, with its name
   Events events_;
   std::stop_source preparing_;
   std::unordered_map<AttemptId, Attempt> attempts_;

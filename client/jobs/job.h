@@ -94,6 +94,8 @@ struct JobOptions {
   CallOptions call = {};
   /// TLS and token for all servers.
   Security security = {};
+  /// Without a deadline, the job ends if no server answers for this time.
+  std::chrono::seconds patience{300};
   std::function<void(const JobProgress&)> on_progress = {};
   /// Receives messages for people about servers that join, leave and fail.
   std::function<void(const std::string&)> on_event = {};
@@ -106,7 +108,7 @@ struct JobReport {
 };
 
 /// Runs until every piece is accepted.  While no server answers, it waits and reports that as an
-/// event.
+/// event, for at most `patience`.
 ///
 /// Errors:
 /// - the error of `servers`, if it never succeeded
@@ -114,6 +116,7 @@ struct JobReport {
 /// - errors of a server about the request or the scene (INVALID_ARGUMENT, NOT_FOUND, ...)
 /// - INTERNAL after a piece failed with it three times
 /// - CANCELLED and DEADLINE_EXCEEDED from `call`
+/// - UNAVAILABLE if no server answered for `patience`
 /// - errors of DistributedWork::begin and accept
 absl::StatusOr<JobReport> run_job(DistributedWork& work, const JobOptions& options);
 

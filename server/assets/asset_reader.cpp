@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
 #include "server/assets/directory_source.h"
 
 namespace lucerna {
@@ -31,6 +32,16 @@ std::uint64_t saturated(std::uint64_t a, std::uint64_t b) {
   return __builtin_mul_overflow(a, b, &product) ? std::numeric_limits<std::uint64_t>::max()
                                                 : product;
 }
+
+/// The last four bytes as a number, the lowest byte first.
+std::uint64_t last_number(std::string_view bytes) {
+  std::uint64_t number = 0;
+  for (std::size_t i = 0; i < 4 && i < bytes.size(); ++i)
+    number = number << 8U | static_cast<unsigned char>(bytes[bytes.size() - 1 - i]);
+  return number;
+}
+
+absl::Status cancelled() { return absl::CancelledError("loading was cancelled"); }
 
 absl::Status unpacks_too_far(const std::string& name, std::size_t packed,
                              const AssetReaderOptions& options) {
@@ -83,15 +94,25 @@ absl::StatusOr<AssetContent> AssetReader::read(const std::string& name,
   if (!file.ok()) return file.status();
   if (file->size > remaining_bytes_) return too_much(name, options_.max_total_bytes);
 
-  AssetContent content{*path, std::string(file->size, '\0')};
-  const std::int64_t n = read_fully(file->fd.get(), content.bytes.data(), content.bytes.size());
-  if (n < 0) return unreadable(name);
-  content.bytes.resize(static_cast<std::size_t>(n));
-  remaining_bytes_ -= content.bytes.size();
-
-  if (seen_.insert(content.name).second) {
-    assets_.push_back({content.name, sha256(content.bytes), content.bytes.size()});
+  AssetContent content{*path, {}, LoadBudget::Share(options_.budget)};
+  LUCERNA_RETURN_IF_ERROR(content.share.resize(file->size));
+  content.bytes.resize(file->size);
+  const bool is_new = seen_.insert(content.name).second;
+  Sha256 sha;
+  std::size_t done = 0;
+  while (done < content.bytes.size()) {
+    if (options_.stop.stop_requested()) return cancelled();
+    const std::int64_t n = read_fully(file->fd.get(), content.bytes.data() + done,
+                                      std::min(kChunkBytes, content.bytes.size() - done));
+    if (n < 0) return unreadable(name);
+    if (n == 0) break;  // the file became shorter
+    const auto read = static_cast<std::size_t>(n);
+    if (is_new) sha.add(std::string_view(content.bytes).substr(done, read));
+    done += read;
   }
+  content.bytes.resize(done);
+  remaining_bytes_ -= done;
+  if (is_new) assets_.push_back({content.name, sha.finish(), done});
   return content;
 }
 
@@ -107,11 +128,18 @@ absl::StatusOr<AssetContent> AssetReader::read_unpacked(const std::string& name,
   std::string& in = packed->bytes;
   const std::uint64_t limit =
       std::max(options_.max_unpacked_bytes, saturated(in.size(), options_.max_unpacked_ratio));
+  LoadBudget::Share share(options_.budget);
   std::string out;
+  // A file of one member below 4 GiB ends with its unpacked size.  [RFC1952, 2.3.1]
+  if (const std::uint64_t stated = last_number(in); stated <= limit) {
+    LUCERNA_RETURN_IF_ERROR(share.resize(stated));
+    out.reserve(stated);
+  }
   std::string chunk(kChunkBytes, '\0');
   std::size_t consumed = 0;
   int result = Z_OK;
   while (result == Z_OK) {
+    if (options_.stop.stop_requested()) return cancelled();
     // zlib counts in 32 bits, so it reads one part at a time.
     const std::size_t part = std::min<std::size_t>(in.size() - consumed, std::size_t{1} << 30);
     stream.next_in = reinterpret_cast<Bytef*>(in.data() + consumed);
@@ -124,6 +152,13 @@ absl::StatusOr<AssetContent> AssetReader::read_unpacked(const std::string& name,
     if (produced > remaining_bytes_) return too_much(name, options_.max_total_bytes);
     if (out.size() + produced > limit) return unpacks_too_far(name, in.size(), options_);
     remaining_bytes_ -= produced;
+    if (out.size() + produced > out.capacity()) {
+      // The copy to more room needs both.
+      const std::size_t more = std::min<std::uint64_t>(limit, 2 * (out.size() + produced));
+      LUCERNA_RETURN_IF_ERROR(share.resize(out.size() + more));
+      out.reserve(more);
+      LUCERNA_RETURN_IF_ERROR(share.resize(out.capacity()));
+    }
     out.append(chunk, 0, produced);
     if (result == Z_STREAM_END && consumed < in.size()) result = inflateReset(&stream);
   }
@@ -131,6 +166,7 @@ absl::StatusOr<AssetContent> AssetReader::read_unpacked(const std::string& name,
     return absl::InvalidArgumentError(
         fmt::format("file \"{}\": its gzip data are broken or incomplete", name));
   packed->bytes = std::move(out);
+  packed->share = std::move(share);
   return packed;
 }
 

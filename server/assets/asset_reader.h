@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <memory>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "server/assets/asset.h"
 #include "server/assets/file_source.h"
+#include "server/assets/load_budget.h"
 
 namespace lucerna {
 
@@ -23,12 +25,15 @@ struct AssetReaderOptions {
   /// is more.  So a small file cannot become gigabytes.
   std::uint64_t max_unpacked_bytes = std::uint64_t{256} << 20;
   std::uint64_t max_unpacked_ratio = 64;
-  bool use_openat2 = true;  ///< as in DirectorySourceOptions
+  std::stop_token stop{};        ///< ends reading and unpacking with CANCELLED
+  bool use_openat2 = true;       ///< as in DirectorySourceOptions
+  LoadBudget* budget = nullptr;  ///< counts the bytes of contents; null: no limit
 };
 
 struct AssetContent {
   std::string name;  ///< relative to the root, without `.` and `..`
   std::string bytes;
+  LoadBudget::Share share{};  ///< of `bytes`
 };
 
 /// Reads files of one source and keeps the digest of each.  Not thread-safe: use one reader for
@@ -46,7 +51,8 @@ class AssetReader {
   /// Reads `name`, relative to the directory of the file `relative_to`.  `relative_to` is relative
   /// to the root; empty: the root itself.  `..` is resolved on the names, before any link is
   /// followed.
-  /// More errors: not a regular file (INVALID_ARGUMENT), over max_total_bytes (RESOURCE_EXHAUSTED).
+  /// More errors: not a regular file (INVALID_ARGUMENT), over max_total_bytes or the budget
+  /// (RESOURCE_EXHAUSTED), CANCELLED.
   absl::StatusOr<AssetContent> read(const std::string& name, const std::string& relative_to = "");
 
   /// As `read`, but unpacks a file that begins with the two bytes of gzip.  It may have several

@@ -34,21 +34,13 @@ std::string bytes_of(const std::string& hexadecimal) {
   return bytes;
 }
 
+bool is_full(int error) { return error == ENOSPC || error == EDQUOT; }
+
 absl::Status disk_error(int error) {
   const std::string why = std::generic_category().message(error);
-  if (error == ENOSPC || error == EDQUOT)
+  if (is_full(error))
     return absl::ResourceExhaustedError("no space on the disk that keeps uploaded assets");
   return absl::InternalError("cannot write an uploaded asset: " + why);
-}
-
-int write_fully(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return errno;
-    bytes.remove_prefix(static_cast<std::size_t>(n));
-  }
-  return 0;
 }
 
 struct Entry {
@@ -90,8 +82,34 @@ struct AssetStore::State {
     entries.erase(entry);
   }
 
+  static bool in_use(const Entry& e) { return e.pins > 0 || e.writer != 0; }
+
+  /// Deletes the least recently used file that is not in use; parts come first, since no scene can
+  /// use them.  Returns false if there is none.
+  bool remove_one() {
+    auto oldest = entries.end();
+    const auto later = [](const Entry& e) { return std::pair(e.whole, e.used); };
+    for (auto e = entries.begin(); e != entries.end(); ++e) {
+      if (in_use(e->second)) continue;
+      if (oldest == entries.end() || later(e->second) < later(oldest->second)) oldest = e;
+    }
+    if (oldest == entries.end()) return false;
+    remove(oldest);
+    return true;
+  }
+
+  /// Deletes the parts of uploads that nobody continued.
+  void remove_old_parts() {
+    const Clock::time_point now = Clock::now();
+    for (auto e = entries.begin(); e != entries.end();) {
+      const auto entry = e++;
+      if (!entry->second.whole && !in_use(entry->second) &&
+          now - entry->second.written > options.keep_parts)
+        remove(entry);
+    }
+  }
+
   bool free_space(std::uint64_t size) {
-    const auto in_use = [](const Entry& e) { return e.pins > 0 || e.writer != 0; };
     std::uint64_t sum = reserved(), needed = size;
     for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
     if (needed > options.budget_bytes)
@@ -143,10 +161,16 @@ absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOpt
     Entry entry;
     entry.whole = extension.empty();
     entry.bytes = entry.reserved = file.file_size(error);
+    const auto age = fs::file_time_type::clock::now() - file.last_write_time(error);
+    if (!entry.whole)
+      entry.written = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
     // If both exist, the server ended between finish and removal.  The whole file is valid.
     const auto [place, is_new] = state->entries.try_emplace(bytes_of(name), entry);
-    if (!is_new && entry.whole) place->second = entry;
+    if (is_new) continue;
+    if (entry.whole) place->second = entry;
+    fs::remove(state->part(place->first), error);
   }
+  state->remove_old_parts();
   if (!state->free_space(0))
     return absl::InternalError("deleting unused assets does not make enough room");
   return std::unique_ptr<AssetStore>(new AssetStore(std::move(state)));
@@ -176,6 +200,7 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
   std::uint64_t writer = 0;
   {
     const std::lock_guard lock(state_->mutex);
+    state_->remove_old_parts();
     Entry& entry = state_->entries[digest];
     if (entry.whole) return absl::FailedPreconditionError("the server already has the asset");
     if (entry.writer != 0 && Clock::now() - entry.written < state_->options.patience)
@@ -230,16 +255,38 @@ absl::Status AssetUpload::append(std::string_view chunk) {
     if (state.entry_of(digest_, writer_) == nullptr) return taken_over();
   }
   // Written without the lock.  If another writer takes over meanwhile, the digest will not match.
-  const int error = write_fully(file_.get(), chunk);
-  const std::lock_guard lock(state.mutex);
+  const int error = write(chunk);
+  std::unique_lock lock(state.mutex);
   Entry* entry = state.entry_of(digest_, writer_);
   if (entry == nullptr) return taken_over();
-  if (error != 0) return disk_error(error);
+  if (error != 0) {
+    // What arrived would keep smaller files from the disk.
+    if (is_full(error)) state.remove(state.entries.find(digest_));
+    if (is_full(error)) store_ = nullptr;
+    return disk_error(error);
+  }
   sha_.add(chunk);
   bytes_ += chunk.size();
   entry->bytes = bytes_;
   entry->written = Clock::now();
   return absl::OkStatus();
+}
+
+int AssetUpload::write(std::string_view chunk) {
+  AssetStore::State& state = *store_->state_;
+  while (!chunk.empty()) {
+    const ssize_t n = state.options.write(file_.get(), chunk.data(), chunk.size());
+    if (n >= 0) {
+      chunk.remove_prefix(static_cast<std::size_t>(n));
+      continue;
+    }
+    const int error = errno;
+    if (error == EINTR) continue;
+    if (!is_full(error)) return error;
+    const std::lock_guard lock(state.mutex);
+    if (!state.remove_one()) return error;
+  }
+  return 0;
 }
 
 absl::Status AssetUpload::finish() {
@@ -315,6 +362,8 @@ AssetStore::Pins::~Pins() {
 }
 
 std::uint64_t AssetStore::max_asset_bytes() const { return state_->options.max_asset_bytes; }
+
+std::chrono::seconds AssetStore::stall_time() const { return state_->options.stall_time; }
 
 std::uint64_t AssetStore::bytes() const {
   const std::lock_guard lock(state_->mutex);

@@ -5,6 +5,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -40,8 +41,10 @@ class AssetUpload {
   std::uint64_t size() const { return size_; }
   bool complete() const { return bytes_ == size_; }
 
-  /// Requires that bytes() stays at most size().  Errors: no space on the disk
-  /// (RESOURCE_EXHAUSTED), another writer took over (FAILED_PRECONDITION).
+  /// Requires that bytes() stays at most size().  If the disk is full, the store deletes files that
+  /// are not in use, the least recently used first, and tries again.  Errors: no space on the disk
+  /// even then (RESOURCE_EXHAUSTED; the store deletes what arrived), another writer took over
+  /// (FAILED_PRECONDITION).
   absl::Status append(std::string_view chunk);
   /// Requires `complete()`.  INVALID_ARGUMENT if the bytes have another digest: the store deletes
   /// them.  The message is the digest of the bytes, hexadecimal.
@@ -56,6 +59,9 @@ class AssetUpload {
         size_(size),
         writer_(writer),
         file_(std::move(file)) {}
+
+  /// Writes all of the chunk; an error number, or 0.
+  int write(std::string_view chunk);
 
   AssetStore* store_;  // null once moved from or ended
   std::string digest_;
@@ -106,6 +112,7 @@ class AssetStore {
   };
 
   std::uint64_t max_asset_bytes() const;
+  std::chrono::seconds stall_time() const;
   std::uint64_t bytes() const;  ///< of all files, including those reserved by running uploads
 
  private:

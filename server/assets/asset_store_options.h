@@ -2,8 +2,12 @@
 // header.
 #pragma once
 
+#include <unistd.h>
+
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace lucerna {
@@ -17,6 +21,12 @@ struct AssetStoreOptions {
   std::uint64_t budget_bytes = std::uint64_t{16} << 30;
   /// If a writer sends nothing for this time, another writer may take over its file.
   std::chrono::milliseconds patience{10'000};
+  /// The parts of an upload that nobody continued for this time are deleted.
+  std::chrono::seconds keep_parts{86400};
+  /// An upload that sends nothing for this time is ended.
+  std::chrono::seconds stall_time{60};
+  /// Writes to a file, as write(2) does.  Tests have disks that are full.
+  std::function<ssize_t(int, const void*, std::size_t)> write = &::write;
 };
 
 }  // namespace lucerna

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <set>
 #include <string_view>
 
@@ -79,6 +80,9 @@ Configuration configure(const Given& given) {
     result.held.push_back({setting.name, text_of(setting),
                            source == sources.end() ? "default" : source->second, setting.reloads});
   }
+  AssetStoreOptions& assets = result.options.server.assets;
+  assets.stall_time = std::chrono::seconds(result.options.upload_timeout_s);
+  assets.keep_parts = std::chrono::seconds(result.options.keep_partial_uploads_s);
   return result;
 }
 

@@ -19,7 +19,9 @@ struct LogOptions {
 struct Options {
   rpc::ServerOptions server;
   LogOptions log;
-  std::uint64_t drain_seconds = 30;  ///< how long calls may continue after SIGTERM [s]
+  std::uint64_t upload_timeout_s = 60;           ///< AssetStoreOptions::stall_time
+  std::uint64_t keep_partial_uploads_s = 86400;  ///< AssetStoreOptions::keep_parts
+  std::uint64_t drain_seconds = 30;              ///< how long calls may continue after SIGTERM [s]
 };
 
 /// The settings, bound to `options`, in the order of the help.  `options` must outlive them.

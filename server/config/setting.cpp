@@ -131,7 +131,7 @@ std::string allowed(const Setting& setting) {
                  [](const Switch&) { return std::string("true or false"); },
                  [](const Whole& v) { return fmt::format("{} to {}", v.least, v.most); },
                  [](const Bytes& v) {
-                   if (v.most == UINT64_MAX) {
+                   if (v.most == Bytes::kMost) {
                      return fmt::format("at least {} bytes, such as 8GiB", describe_bytes(v.least));
                    }
                    return fmt::format("{} to {} bytes, such as 64MiB", describe_bytes(v.least),

@@ -36,7 +36,9 @@ struct Whole {
 /// A number of bytes in [least, most], such as 8GiB.  Units are powers of 1024.
 struct Bytes {
   std::uint64_t* to;
-  std::uint64_t least = 0, most = UINT64_MAX;
+  // Sums of a few sizes then fit 64 bits.
+  static constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
+  std::uint64_t least = 0, most = kMost;
 };
 /// A finite number in [least, most].
 struct Real {

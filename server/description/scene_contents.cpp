@@ -24,15 +24,6 @@ constexpr std::array<std::string_view, std::variant_size_v<decltype(ShapeDescrip
     kShapes{"triangle mesh", "bilinear mesh", "curve" LUCERNA_QUADRICS(LUCERNA_NAME)};
 #undef LUCERNA_NAME
 
-std::uint64_t primitives_of(const ShapeDescription& shape) {
-  if (const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry))
-    return mesh->indices.size() / 3;
-  if (const auto* mesh = std::get_if<PatchMeshData>(&shape.geometry))
-    return mesh->indices.size() / 4;
-  if (const auto* curve = std::get_if<CurveData>(&shape.geometry)) return curve->curves.size();
-  return 1;
-}
-
 /// Counts by the index of a variant.
 template <std::size_t kSize>
 class Census {
@@ -53,6 +44,15 @@ class Census {
 };
 
 }  // namespace
+
+std::uint64_t primitives_of(const ShapeDescription& shape) {
+  if (const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry))
+    return mesh->indices.size() / 3;
+  if (const auto* mesh = std::get_if<PatchMeshData>(&shape.geometry))
+    return mesh->indices.size() / 4;
+  if (const auto* curve = std::get_if<CurveData>(&shape.geometry)) return curve->curves.size();
+  return 1;
+}
 
 SceneContents contents_of(const SceneDescription& scene) {
   SceneContents contents;

@@ -33,6 +33,9 @@ struct SceneContents {
   std::string camera;                    ///< "perspective", "orthographic with a lens"
 };
 
+/// The triangles, patches, curves or other primitives of a shape.
+std::uint64_t primitives_of(const ShapeDescription& shape);
+
 /// Requires indices in range.
 SceneContents contents_of(const SceneDescription& scene);
 

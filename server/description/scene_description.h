@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +18,7 @@
 #include "lights/shapes/picture.h"
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset.h"
+#include "server/assets/load_limits.h"
 #include "server/description/pixel_filter.h"
 #include "server/materials/material.h"
 
@@ -226,12 +226,8 @@ struct SceneDescription {
   LevelFactors level_factors;  ///< applied to all lights of the description
   std::vector<Remark> remarks;
   std::vector<Asset> assets;  ///< in the order of their first use
-};
-
-/// Limits on what a file may need.
-struct LoadLimits {
-  /// Memory of the pictures of surfaces; larger ones are halved.
-  std::size_t texture_bytes = std::numeric_limits<std::size_t>::max();
+  /// What the budget of the load counts for the arrays above, until the scene is built from them.
+  std::uint64_t held_bytes = 0;
 };
 
 }  // namespace lucerna

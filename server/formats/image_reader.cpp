@@ -1,167 +1,23 @@
 #include "server/formats/image_reader.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 #include <limits>
-#include <optional>
-#include <string_view>
 #include <utility>
 
 #include "proto/common/status_macros.h"
+#include "server/formats/image_file.h"
 
 namespace lucerna {
 namespace {
 
-constexpr int kMaxChannels = 64;
+using Channels = std::array<int, 3>;
 
-absl::Status bad(const AssetContent& content, const std::string& what) {
+absl::Status invalid(const AssetContent& content, const std::string& what) {
   return absl::InvalidArgumentError(content.name + ": " + what);
-}
-
-/// The extension in lower case with its dot; empty for unknown formats.  OpenImageIO reads more
-/// formats, such as films and archives, but a server should open only the formats that it needs.
-std::string known_extension(const std::string& name) {
-  std::string extension = std::filesystem::path(name).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) {
-    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  });
-  constexpr std::array<std::string_view, 8> kKnown{".exr", ".hdr",  ".pfm", ".png",
-                                                   ".tif", ".tiff", ".jpg", ".jpeg"};
-  return std::ranges::find(kKnown, extension) != kKnown.end() ? extension : "";
-}
-
-/// Text from a file, made printable for messages.
-std::string shown(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text.substr(0, 200);
-}
-
-/// The first line of a message of OpenImageIO.  Its messages name temporary files, quote their
-/// content, and may be long.
-std::string first_line(const std::string& text) { return shown(text.substr(0, text.find('\n'))); }
-
-/// The error for an unreadable file, with OpenImageIO's message, which may be empty.
-absl::Status unreadable(const AssetContent& content, const std::string& extension,
-                        const std::string& why) {
-  return bad(content, fmt::format("cannot be read as an image{}{}, allowed: a complete {} file",
-                                  why.empty() ? "" : ": ", first_line(why), extension));
-}
-
-/// An unnamed file that holds `bytes`, for formats that OpenImageIO reads only by name.
-class MemoryFile {
- public:
-  explicit MemoryFile(const std::string& bytes) : fd_(::memfd_create("image", MFD_CLOEXEC)) {
-    std::size_t done = 0;
-    while (fd_ >= 0 && done < bytes.size()) {
-      const ssize_t n = ::write(fd_, bytes.data() + done, bytes.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) break;
-      done += static_cast<std::size_t>(n);
-    }
-    ok_ = fd_ >= 0 && done == bytes.size();
-  }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  ~MemoryFile() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  bool ok() const { return ok_; }
-  std::string path() const { return fmt::format("/proc/self/fd/{}", fd_); }
-
- private:
-  int fd_;
-  bool ok_;
-};
-
-/// An open image and the objects that it needs.
-struct OpenImage {
-  std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
-  std::unique_ptr<MemoryFile> file;
-  std::unique_ptr<OIIO::ImageInput> input;  // last member: closed first
-  OIIO::ImageSpec spec;
-};
-
-absl::StatusOr<OpenImage> open_image(const AssetContent& content) {
-  const std::string extension = known_extension(content.name);
-  if (extension.empty())
-    return bad(content,
-               "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
-  OpenImage open;
-  const std::string name = "image" + extension;
-  // Chosen only by the format: with a file name, OpenImageIO would look for that file.
-  open.input = OIIO::ImageInput::create(extension.substr(1));
-  if (!open.input) return absl::InternalError(content.name + ": " + first_line(OIIO::geterror()));
-  OIIO::ImageSpec config;
-  // Use the stored colours, not multiplied by alpha.
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  bool ok;
-  if (open.input->supports("ioproxy")) {
-    // OpenImageIO 2.4 requires a pointer to non-const bytes, which it only reads.
-    open.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(
-        const_cast<char*>(content.bytes.data()),  // NOLINT(cppcoreguidelines-pro-type-const-cast)
-        content.bytes.size());
-    OIIO::Filesystem::IOProxy* proxy = open.memory.get();
-    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, static_cast<void*>(&proxy));
-    ok = open.input->open(name, open.spec, config);
-  } else {
-    open.file = std::make_unique<MemoryFile>(content.bytes);
-    if (!open.file->ok())
-      return absl::ResourceExhaustedError(content.name + ": " + std::strerror(errno));
-    ok = open.input->open(open.file->path(), open.spec, config);
-  }
-  if (!ok) return unreadable(content, extension, open.input->geterror());
-  return open;
-}
-
-/// The channels of red, green and blue.
-std::optional<std::array<int, 3>> colour_channels(const OIIO::ImageSpec& spec) {
-  if (spec.nchannels <= 2) return std::array{0, 0, 0};
-  std::array<int, 3> channels{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto& names = spec.channelnames;
-    const auto found = std::ranges::find(names, std::string(1, "RGB"[c]));
-    if (found == names.end()) return std::nullopt;
-    channels[c] = static_cast<int>(found - names.begin());
-  }
-  return channels;
-}
-
-std::vector<ImageRemark> remarks_on(OpenImage& open, const std::string& name) {
-  std::vector<ImageRemark> remarks;
-  const OIIO::ImageSpec& spec = open.spec;
-  const bool grey_alpha = spec.nchannels == 2;
-  const bool alpha = grey_alpha || std::ranges::count(spec.channelnames, "A") > 0;
-  if (alpha) remarks.push_back({name + " has an alpha channel", "alpha is ignored", true});
-  const int used = spec.nchannels <= 2 ? 1 : 3;
-  if (const int rest = spec.nchannels - used - (alpha ? 1 : 0); rest > 0)
-    remarks.push_back(
-        {fmt::format("{} has {} channels besides R, G, B and A", name, rest), "they are ignored"});
-  if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
-      spec.height != spec.full_height)
-    remarks.push_back({name + " has a data window that differs from its display window",
-                       "the data window is used as the picture"});
-  if (spec.get_int_attribute("Orientation", 1) != 1)
-    remarks.push_back({name + " has an orientation flag", "the picture is used as stored"});
-  std::array<float, 8> c{};
-  constexpr std::array kRec709{0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
-  if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), c.data()) &&
-      !std::ranges::equal(c, kRec709, [](float a, float b) { return std::fabs(a - b) <= 2e-3F; }))
-    remarks.push_back({name + " has primaries other than Rec. 709", "treated as Rec. 709"});
-  if (open.input->seek_subimage(1, 0))
-    remarks.push_back({name + " has several pictures", "the first one is used"});
-  open.input->seek_subimage(0, 0);
-  return remarks;
 }
 
 /// [IEC61966]
@@ -175,32 +31,14 @@ float decoded_texel(float coded, Encoding encoding) {
   return encoding == kLinear ? coded : static_cast<float>(std::pow(double{coded}, encoding.gamma));
 }
 
-/// The channels `low` to `high` of the picture; nothing if it cannot be read.
-template <typename Value>
-std::optional<std::vector<Value>> channels_of(OpenImage& open, int low, int high,
-                                              OIIO::TypeDesc type) {
-  std::vector<Value> values(static_cast<std::size_t>(open.spec.width) *
-                            static_cast<std::size_t>(open.spec.height) *
-                            static_cast<std::size_t>(high - low + 1));
-  if (!open.input->read_image(0, 0, low, high + 1, type, values.data())) return std::nullopt;
-  return values;
-}
-
-absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec,
-                        std::uint64_t max_texels) {
-  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
-    return bad(content, fmt::format("{} x {} texels of {} channels, allowed: at least 1 x 1 of 1, "
-                                    "in one plane",
-                                    spec.width, spec.height, spec.nchannels));
-  const auto texels =
-      static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
-  if (texels > max_texels)
-    return absl::ResourceExhaustedError(fmt::format("{}: {} x {} texels, allowed: {} in all",
-                                                    content.name, spec.width, spec.height,
-                                                    max_texels));
-  if (spec.nchannels > kMaxChannels)
-    return bad(content, fmt::format("{} channels, allowed: 1 to {}", spec.nchannels, kMaxChannels));
-  return absl::OkStatus();
+/// The value of each code.  Integers have few different values, so each is decoded once.
+template <typename Code>
+std::vector<float> decoded_codes(Encoding encoding) {
+  constexpr std::size_t kMost = std::numeric_limits<Code>::max();
+  std::vector<float> decoded(kMost + 1);
+  for (std::size_t i = 0; i <= kMost; ++i)
+    decoded[i] = decoded_texel(static_cast<float>(i) / static_cast<float>(kMost), encoding);
+  return decoded;
 }
 
 /// Whether a channel holds sRGB codes; nothing for unsupported types.
@@ -212,104 +50,234 @@ std::optional<bool> is_coded(const OIIO::TypeDesc& type) {
   return std::nullopt;
 }
 
-}  // namespace
-
-absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint64_t max_texels,
-                                          Encoding encoding) {
-  LUCERNA_ASSIGN_OR_RETURN(auto open, open_image(content));
-  const OIIO::ImageSpec spec = open.spec;
-  LUCERNA_RETURN_IF_ERROR(check_spec(content, spec, max_texels));
-  const auto channels = colour_channels(spec);
+/// The channels of the colours.  Fails if they are missing or of an unsupported type.
+absl::StatusOr<Channels> channels_of(const AssetContent& content, const ImageFile& file) {
+  const std::optional<Channels> channels = file.colour_channels();
   if (!channels) {
     std::string names;
-    for (const std::string& n : spec.channelnames) names += " " + n;
-    return bad(content, "channels" + shown(names) + ", allowed: one or two, or R, G and B");
+    for (const std::string& n : file.spec().channelnames) names += " " + n;
+    std::ranges::replace_if(
+        names, [](char c) { return c < ' ' || c > '~'; }, '?');
+    return invalid(content,
+                   "channels" + names.substr(0, 200) + ", allowed: one or two, or R, G and B");
   }
   for (const int c : *channels)
-    if (!is_coded(spec.channelformat(c)))
-      return bad(
+    if (!is_coded(file.spec().channelformat(c)))
+      return invalid(
           content,
           fmt::format(
               "texels of type {}, allowed: unsigned 8- and 16-bit integers, half, float, double",
-              spec.channelformat(c).c_str()));
-  DecodedImage decoded;
-  decoded.remarks = remarks_on(open, content.name);
+              file.spec().channelformat(c).c_str()));
+  return *channels;
+}
 
-  const auto [low, high] = std::minmax({(*channels)[0], (*channels)[1], (*channels)[2]});
-  const std::size_t count =
-      static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
-  std::vector<Rgb<float>> texels;
-  std::size_t negative = 0;
-  const auto all_are = [&](OIIO::TypeDesc type) {
-    return std::ranges::all_of(*channels, [&](int c) { return spec.channelformat(c) == type; });
-  };
-  // Integers have few different values, so each is decoded once.
-  const auto read_codes = [&]<typename Code>(Code, OIIO::TypeDesc type) {
-    const auto values = channels_of<Code>(open, low, high, type);
-    if (!values) return false;
-    constexpr std::size_t kMost = std::numeric_limits<Code>::max();
-    std::vector<float> decoded(kMost + 1);
-    for (std::size_t i = 0; i <= kMost; ++i)
-      decoded[i] = decoded_texel(static_cast<float>(i) / static_cast<float>(kMost), encoding);
-    const std::size_t read = values->size() / count;
-    texels.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto value = [&](std::size_t c) {
-        return decoded[(*values)[i * read + static_cast<std::size_t>((*channels)[c] - low)]];
-      };
-      texels.push_back({value(0), value(1), value(2)});
+bool all_are(const ImageFile& file, const Channels& channels, OIIO::TypeDesc type) {
+  return std::ranges::all_of(channels, [&](int c) { return file.spec().channelformat(c) == type; });
+}
+
+/// Reads the texels of a picture as floats.
+class FloatReader {
+ public:
+  FloatReader(ImageFile& file, const Channels& channels, Encoding encoding)
+      : file_(file),
+        encoding_(encoding),
+        low_(std::ranges::min(channels)),
+        high_(std::ranges::max(channels)) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      offset_[c] = static_cast<std::size_t>(channels[c] - low_);
+      coded_[c] = *is_coded(file.spec().channelformat(channels[c]));
     }
-    return true;
-  };
-  const auto read_floats = [&] {
-    const auto values = channels_of<float>(open, low, high, OIIO::TypeDesc::FLOAT);
-    if (!values) return false;
-    const std::size_t read = values->size() / count;
-    texels.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
+    texels_.reserve(file.texels());
+  }
+
+  template <typename Code>
+  absl::Status read_codes(OIIO::TypeDesc type) {
+    const std::vector<float> decoded = decoded_codes<Code>(encoding_);
+    return for_each_texel<Code>(type, [&](const Code* texel) {
+      const auto value = [&](std::size_t c) { return decoded[texel[offset_[c]]]; };
+      texels_.push_back({value(0), value(1), value(2)});
+    });
+  }
+
+  absl::Status read_floats() {
+    return for_each_texel<float>(OIIO::TypeDesc::FLOAT, [&](const float* texel) {
       bool below = false;
       const auto value = [&](std::size_t c) {
-        const int channel = (*channels)[c];
-        const float v = (*values)[i * read + static_cast<std::size_t>(channel - low)];
-        if (*is_coded(spec.channelformat(channel))) return decoded_texel(v, encoding);
+        const float v = texel[offset_[c]];
+        if (coded_[c]) return decoded_texel(v, encoding_);
         // NaN and -infinity are kept, so that Image::create rejects them.
         if (!(v < 0) || std::isinf(v)) return v;
         below = true;
         return 0.0F;
       };
-      texels[i] = {value(0), value(1), value(2)};
-      negative += below;
-    }
-    return true;
-  };
-  const bool is_read =
-      all_are(OIIO::TypeDesc::UINT8)    ? read_codes(std::uint8_t{}, OIIO::TypeDesc::UINT8)
-      : all_are(OIIO::TypeDesc::UINT16) ? read_codes(std::uint16_t{}, OIIO::TypeDesc::UINT16)
-                                        : read_floats();
-  if (!is_read) return unreadable(content, known_extension(content.name), open.input->geterror());
-  if (negative > 0)
+      texels_.push_back({value(0), value(1), value(2)});
+      negative_ += below;
+    });
+  }
+
+  std::vector<Rgb<float>>& texels() { return texels_; }
+  std::size_t negative() const { return negative_; }
+
+ private:
+  template <typename Value, typename Use>
+  absl::Status for_each_texel(OIIO::TypeDesc type, Use&& use) {
+    const auto read = static_cast<std::size_t>(high_ - low_ + 1);
+    return file_.for_each_band<Value>(low_, high_, type,
+                                      [&](const Value* values, std::size_t count) {
+                                        for (std::size_t i = 0; i < count; ++i)
+                                          use(values + i * read);
+                                        return absl::OkStatus();
+                                      });
+  }
+
+  ImageFile& file_;
+  Encoding encoding_;
+  int low_, high_;
+  std::array<std::size_t, 3> offset_{};
+  std::array<bool, 3> coded_{};
+  std::vector<Rgb<float>> texels_;
+  std::size_t negative_ = 0;
+};
+
+absl::StatusOr<DecodedImage> read_image(const AssetContent& content, ImageFile& file,
+                                        const Channels& channels, const ImageOptions& options) {
+  DecodedImage decoded{nullptr, file.remarks(), LoadBudget::Share(options.budget)};
+  LUCERNA_RETURN_IF_ERROR(decoded.share.resize(file.texels() * sizeof(Rgb<float>)));
+  FloatReader reader(file, channels, options.encoding);
+  const absl::Status read = all_are(file, channels, OIIO::TypeDesc::UINT8)
+                                ? reader.read_codes<std::uint8_t>(OIIO::TypeDesc::UINT8)
+                            : all_are(file, channels, OIIO::TypeDesc::UINT16)
+                                ? reader.read_codes<std::uint16_t>(OIIO::TypeDesc::UINT16)
+                                : reader.read_floats();
+  LUCERNA_RETURN_IF_ERROR(read);
+  if (const std::size_t negative = reader.negative(); negative > 0)
     decoded.remarks.push_back({fmt::format("{} has {} texel{} with a value below 0", content.name,
                                            negative, negative == 1 ? "" : "s"),
                                "counted as 0"});
-  auto image = Image::create(spec.width, spec.height, std::move(texels));
-  if (!image.ok()) return bad(content, std::string(image.status().message()));
+  auto image = Image::create(file.spec().width, file.spec().height, std::move(reader.texels()));
+  if (!image.ok()) return invalid(content, std::string(image.status().message()));
   decoded.image = *std::move(image);
   return decoded;
 }
 
-absl::StatusOr<std::vector<float>> decode_alpha(const AssetContent& content,
-                                                std::uint64_t max_texels) {
-  LUCERNA_ASSIGN_OR_RETURN(auto open, open_image(content));
-  const OIIO::ImageSpec& spec = open.spec;
-  LUCERNA_RETURN_IF_ERROR(check_spec(content, spec, max_texels));
-  const auto found = std::ranges::find(spec.channelnames, "A");
-  if (found == spec.channelnames.end()) return std::vector<float>{};
-  const int alpha = static_cast<int>(found - spec.channelnames.begin());
-  std::vector<float> values(static_cast<std::size_t>(spec.width) *
-                            static_cast<std::size_t>(spec.height));
-  if (!open.input->read_image(0, 0, alpha, alpha + 1, OIIO::TypeDesc::FLOAT, values.data()))
-    return unreadable(content, known_extension(content.name), open.input->geterror());
-  return values;
+/// Reads the codes of a picture of 8 bits.  They are grey until a texel is not.
+class CodeReader {
+ public:
+  CodeReader(ImageFile& file, const Channels& channels, CodedImage& to, LoadBudget::Share& share)
+      : file_(file),
+        low_(std::ranges::min(channels)),
+        high_(std::ranges::max(channels)),
+        to_(to),
+        share_(share) {
+    for (std::size_t c = 0; c < 3; ++c) offset_[c] = static_cast<std::size_t>(channels[c] - low_);
+    to_.is_grey = true;
+  }
+
+  absl::Status read() {
+    LUCERNA_RETURN_IF_ERROR(share_.resize(file_.texels()));
+    to_.codes.reserve(file_.texels());
+    return file_.for_each_band<std::uint8_t>(
+        low_, high_, OIIO::TypeDesc::UINT8, [this](const std::uint8_t* band, std::size_t count) {
+          const std::size_t grey = to_.is_grey ? append_grey(band, count) : 0;
+          if (grey == count) return absl::OkStatus();
+          if (to_.is_grey) LUCERNA_RETURN_IF_ERROR(to_colours());
+          append_colours(band + grey * read_, count - grey);
+          return absl::OkStatus();
+        });
+  }
+
+ private:
+  bool is_grey(const std::uint8_t* texel) const {
+    const std::uint8_t r = texel[offset_[0]], g = texel[offset_[1]], b = texel[offset_[2]];
+    // A high gamma gives several codes the same value.
+    const std::vector<float>& values = to_.values;
+    return (r == g && g == b) || (values[r] == values[g] && values[g] == values[b]);
+  }
+
+  /// Adds the texels before the first colour, and returns their number.
+  std::size_t append_grey(const std::uint8_t* band, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint8_t* texel = band + i * read_;
+      if (!is_grey(texel)) return i;
+      to_.codes.push_back(texel[offset_[0]]);
+    }
+    return count;
+  }
+
+  void append_colours(const std::uint8_t* band, std::size_t count) {
+    if (read_ == 3 && offset_ == std::array<std::size_t, 3>{0, 1, 2}) {
+      to_.codes.insert(to_.codes.end(), band, band + 3 * count);
+      return;
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      for (const std::size_t c : offset_) to_.codes.push_back(band[i * read_ + c]);
+  }
+
+  /// Three codes for each texel from now on.
+  absl::Status to_colours() {
+    LUCERNA_RETURN_IF_ERROR(share_.resize(3 * file_.texels() + to_.codes.size()));
+    std::vector<std::uint8_t> codes;
+    codes.reserve(3 * file_.texels());
+    for (const std::uint8_t code : to_.codes) codes.insert(codes.end(), 3, code);
+    to_.codes = std::move(codes);
+    to_.is_grey = false;
+    return share_.resize(3 * file_.texels());
+  }
+
+  ImageFile& file_;
+  int low_, high_;
+  std::size_t read_ = static_cast<std::size_t>(high_ - low_ + 1);
+  std::array<std::size_t, 3> offset_{};
+  CodedImage& to_;
+  LoadBudget::Share& share_;
+};
+
+}  // namespace
+
+absl::StatusOr<DecodedImage> decode_image(const AssetContent& content,
+                                          const ImageOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(ImageFile file, ImageFile::open(content, options));
+  LUCERNA_ASSIGN_OR_RETURN(const Channels channels, channels_of(content, file));
+  return read_image(content, file, channels, options);
+}
+
+absl::StatusOr<DecodedSurface> decode_surface(const AssetContent& content,
+                                              const ImageOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(ImageFile file, ImageFile::open(content, options));
+  LUCERNA_ASSIGN_OR_RETURN(const Channels channels, channels_of(content, file));
+  DecodedSurface decoded{{}, nullptr, {}, LoadBudget::Share(options.budget)};
+  if (!all_are(file, channels, OIIO::TypeDesc::UINT8)) {
+    LUCERNA_ASSIGN_OR_RETURN(DecodedImage image, read_image(content, file, channels, options));
+    decoded.image = std::move(image.image);
+    decoded.remarks = std::move(image.remarks);
+    decoded.share = std::move(image.share);
+    return decoded;
+  }
+  decoded.remarks = file.remarks();
+  CodedImage& codes = decoded.codes.emplace();
+  codes.width = file.spec().width;
+  codes.height = file.spec().height;
+  codes.values = decoded_codes<std::uint8_t>(options.encoding);
+  LUCERNA_RETURN_IF_ERROR(CodeReader(file, channels, codes, decoded.share).read());
+  return decoded;
+}
+
+absl::StatusOr<DecodedAlpha> decode_alpha(const AssetContent& content,
+                                          const ImageOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(ImageFile file, ImageFile::open(content, options));
+  DecodedAlpha alpha{file.spec().width, file.spec().height, {}, LoadBudget::Share(options.budget)};
+  const auto& names = file.spec().channelnames;
+  const auto found = std::ranges::find(names, "A");
+  if (found == names.end()) return alpha;
+  const int channel = static_cast<int>(found - names.begin());
+  LUCERNA_RETURN_IF_ERROR(alpha.share.resize(file.texels() * sizeof(float)));
+  alpha.values.reserve(file.texels());
+  LUCERNA_RETURN_IF_ERROR(file.for_each_band<float>(
+      channel, channel, OIIO::TypeDesc::FLOAT, [&](const float* band, std::size_t count) {
+        alpha.values.insert(alpha.values.end(), band, band + count);
+        return absl::OkStatus();
+      }));
+  return alpha;
 }
 
 }  // namespace lucerna

@@ -110,8 +110,10 @@ enum Role : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kCorners, kSkip };
 
 class Reader {
  public:
-  Reader(const Header& header, std::stop_token stop)
-      : header_(header), numbers_(header.data, header.encoding), stop_(std::move(stop)) {}
+  Reader(const Header& header, std::stop_token stop, LoadBudget* budget)
+      : header_(header), numbers_(header.data, header.encoding), stop_(std::move(stop)) {
+    mesh_.share = LoadBudget::Share(budget);
+  }
 
   absl::StatusOr<PlyMesh> read() {
     bool has_vertices = false;
@@ -182,10 +184,14 @@ class Reader {
       return error(fmt::format("{} elements \"{}\" announced, but the data are too short",
                                element.count, element.name));
     if (element.name == "vertex") {
+      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(
+          element.count * (sizeof(Vec3<double>) + (has_normals_ ? sizeof(Vec3<float>) : 0) +
+                           (has_uv_ ? sizeof(Vec2<float>) : 0))));
       mesh_.positions.reserve(element.count);
       if (has_normals_) mesh_.normals.reserve(element.count);
       if (has_uv_) mesh_.uv.reserve(element.count);
     } else if (element.name == "face") {
+      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(3 * element.count * sizeof(std::uint32_t)));
       mesh_.indices.reserve(3 * element.count);
     }
     if (numbers_.encoding() != Encoding::kAscii) {
@@ -350,8 +356,24 @@ class Reader {
     }
     mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[1], corner[2]});
     if (count == 4) {
+      LUCERNA_RETURN_IF_ERROR(make_room_for_quad());
       mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[2], corner[3]});
       mesh_.quads.push_back(static_cast<std::uint32_t>(mesh_.indices.size() / 3 - 2));
+    }
+    return absl::OkStatus();
+  }
+
+  /// Quadrilaterals need more room than read_element() made.
+  absl::Status make_room_for_quad() {
+    if (mesh_.quads.size() == mesh_.quads.capacity()) {
+      const std::size_t more = std::max<std::size_t>(mesh_.quads.capacity(), 1024);
+      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(more * sizeof(std::uint32_t)));
+      mesh_.quads.reserve(mesh_.quads.capacity() + more);
+    }
+    if (mesh_.indices.size() + 3 > mesh_.indices.capacity()) {
+      const std::size_t more = std::max<std::size_t>(mesh_.indices.capacity(), 1024);
+      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(more * sizeof(std::uint32_t)));
+      mesh_.indices.reserve(mesh_.indices.capacity() + more);
     }
     return absl::OkStatus();
   }
@@ -384,9 +406,10 @@ class Reader {
 
 namespace lucerna {
 
-absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop) {
+absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop,
+                                  LoadBudget* budget) {
   LUCERNA_ASSIGN_OR_RETURN(const auto header, ply::parse_header(bytes));
-  return ply::Reader(header, std::move(stop)).read();
+  return ply::Reader(header, std::move(stop), budget).read();
 }
 
 }  // namespace lucerna

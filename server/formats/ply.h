@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lights/maths/vec.h"
+#include "server/assets/load_budget.h"
 
 namespace lucerna {
 
@@ -20,6 +21,7 @@ struct PlyMesh {
   std::vector<std::uint32_t> indices;   ///< three per triangle, all < positions.size()
   /// Quadrilaterals are split along their first diagonal: the first triangle of each.
   std::vector<std::uint32_t> quads;
+  LoadBudget::Share share{};  ///< of all arrays
 };
 
 /// The mesh in the bytes of a PLY file.  Element `vertex` has x y z and optionally nx ny nz and u v
@@ -29,7 +31,8 @@ struct PlyMesh {
 /// Sizes in the header are checked against the length of the data before anything is allocated.
 /// Errors (INVALID_ARGUMENT) name the header line or the element.  They are: invalid header,
 /// truncated data, index out of range, vertex not finite, face without three or four corners.
-/// CANCELLED on `stop`.
-absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop = {});
+/// CANCELLED on `stop`.  Refusals of `budget` (null: no limit).
+absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop = {},
+                                  LoadBudget* budget = nullptr);
 
 }  // namespace lucerna

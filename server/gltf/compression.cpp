@@ -38,7 +38,7 @@ std::string unpack_meshopt(const View& packed, std::string_view bytes) {
   const std::string& mode = packed.at("mode").text();
   const std::string filter = packed.text("filter", "NONE");
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  packed.context().claim(packed.pointer(), count, stride);
+  packed.context().claim_for_good(packed.pointer(), count, stride);
   std::string result;
   int error = 0;
   if (mode == "ATTRIBUTES") {

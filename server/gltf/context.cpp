@@ -42,7 +42,8 @@ void Context::remark(const std::string& pointer, std::string what, std::string i
 
 void Context::finish_remarks() { scene.remarks = remarks_.take(file); }
 
-void Context::claim(const std::string& pointer, std::uint64_t count, std::uint64_t bytes_each) {
+void Context::count_unpacked(const std::string& pointer, std::uint64_t count,
+                             std::uint64_t bytes_each) {
   // Counts of accessors are below 2^32 and elements below 1 KiB, so the product cannot overflow.
   unpacked_ += count * bytes_each;
   if (unpacked_ > kMostUnpackedBytes)
@@ -52,8 +53,20 @@ void Context::claim(const std::string& pointer, std::uint64_t count, std::uint64
                                   count, bytes_each, unpacked_, kMostUnpackedBytes)));
 }
 
-void Context::poll() const {
+void Context::claim(const std::string& pointer, std::uint64_t count, std::uint64_t bytes_each) {
+  count_unpacked(pointer, count, bytes_each);
+  require(scratch_.grow(count * bytes_each));
+}
+
+void Context::claim_for_good(const std::string& pointer, std::uint64_t count,
+                             std::uint64_t bytes_each) {
+  count_unpacked(pointer, count, bytes_each);
+  require(meter.keep(count * bytes_each));
+}
+
+void Context::poll() {
   if (stop.stop_requested()) throw Failure{absl::CancelledError("loading was cancelled")};
+  require(meter.count_lists());
 }
 
 }  // namespace lucerna::gltf

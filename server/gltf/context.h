@@ -12,8 +12,10 @@
 #include <utility>
 
 #include "server/assets/asset_reader.h"
+#include "server/description/load_meter.h"
 #include "server/description/remark_groups.h"
 #include "server/description/scene_description.h"
+#include "server/formats/image_reader.h"
 #include "server/formats/printable.h"
 
 namespace lucerna::gltf {
@@ -28,13 +30,20 @@ struct Failure {
 inline constexpr std::uint64_t kMostUnpackedBytes = std::uint64_t{8} << 30;
 
 struct Context {
-  Context(AssetReader& assets, SceneDescription& scene, std::stop_token stop, std::string file)
-      : assets(assets), scene(scene), stop(std::move(stop)), file(std::move(file)) {}
+  Context(AssetReader& assets, SceneDescription& scene, std::stop_token stop, std::string file,
+          const LoadLimits& limits)
+      : assets(assets),
+        scene(scene),
+        stop(std::move(stop)),
+        file(std::move(file)),
+        meter(scene, limits),
+        scratch_(limits.budget) {}
 
   AssetReader& assets;
   SceneDescription& scene;
   std::stop_token stop;
   std::string file;  ///< the scene file, relative to the scene root
+  LoadMeter meter;
 
   /// "room.gltf#/nodes/3": the file and a JSON pointer [RFC6901], as the location of a thing.
   SourceLocation location(const std::string& pointer) const;
@@ -53,15 +62,32 @@ struct Context {
   /// Moves the remarks to the scene, in groups.
   void finish_remarks();
 
-  /// Counts bytes before they are allocated.  RESOURCE_EXHAUSTED above kMostUnpackedBytes.
+  /// Counts bytes before they are allocated.  RESOURCE_EXHAUSTED above kMostUnpackedBytes, and if
+  /// the budget refuses them.  They are counted until `end_scratch`.
   void claim(const std::string& pointer, std::uint64_t count, std::uint64_t bytes_each);
+  /// The same for bytes that stay until the end of the load.
+  void claim_for_good(const std::string& pointer, std::uint64_t count, std::uint64_t bytes_each);
+  /// What `claim` counted is free again.
+  void end_scratch() { scratch_.reset(); }
 
-  /// Fails with CANCELLED if the caller has stopped the load.
-  void poll() const;
+  ImageOptions image_options(Encoding encoding) const {
+    return {meter.limits().max_texels, encoding, stop, meter.budget()};
+  }
+
+  /// Fails with CANCELLED if the caller has stopped the load, and with RESOURCE_EXHAUSTED if the
+  /// lists of the scene exceed the budget.
+  void poll();
+  /// Fails if `status` is an error.
+  static void require(const absl::Status& status) {
+    if (!status.ok()) throw Failure{status};
+  }
 
  private:
+  void count_unpacked(const std::string& pointer, std::uint64_t count, std::uint64_t bytes_each);
+
   RemarkGroups remarks_;
   std::uint64_t unpacked_ = 0;
+  LoadBudget::Share scratch_;
 };
 
 }  // namespace lucerna::gltf

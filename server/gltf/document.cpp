@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstring>
 
 #include "server/formats/image_reader.h"
@@ -116,6 +117,12 @@ bool has_scheme(std::string_view uri) {
   });
 }
 
+/// Cancelled loads have no place.
+[[noreturn]] void fail_picture(const View& place, const absl::Status& status) {
+  if (absl::IsCancelled(status)) throw Failure{status};
+  place.fail(status);
+}
+
 /// The ending of the name of an embedded picture, from which readers learn its format.
 std::string ending_of(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG")) return ".png";
@@ -130,7 +137,8 @@ Document::Document(Context& context) : context_(context) {
   if (!content.ok()) throw Failure{content.status()};
   const std::string_view text = split_container(content->bytes);
   parse(text, static_cast<std::size_t>(text.data() - content->bytes.data()));
-  content->bytes = {};
+  content->bytes = std::string();
+  content->share.reset();
   root().require_object();
   check_extensions(root());
   check_structure(root());
@@ -166,6 +174,7 @@ std::string_view Document::split_container(std::string_view bytes) {
       context_.fail("", fmt::format("the chunk at byte {} states {} bytes, but {} are left", at,
                                     chunk, length - at - 8));
     if (number_at(bytes, at + 4) == kBinary) {
+      context_.claim_for_good("", chunk, 1);
       embedded_ = bytes.substr(at + 8, chunk);
       has_embedded_ = true;
       break;
@@ -204,15 +213,16 @@ void Document::read_buffers() {
     const std::uint64_t needed = buffer.at("byteLength").integer(1, std::uint64_t{1} << 40);
     if (uri) {
       if (read_uri(*uri) == nullptr) continue;
-      buffers_[i] = std::move(files_.extract(uri->pointer()).mapped().bytes);
+      buffers_[i] = std::move(files_.extract(uri->pointer()).mapped());
     } else if (i == 0 && has_embedded_) {
-      buffers_[i] = std::move(embedded_);
+      buffers_[i].bytes = std::move(embedded_);
     } else {
       continue;  // compressed views have their own buffer; others fail where they are used
     }
-    if (buffers_[i].size() < needed)
+    if (buffers_[i].bytes.size() < needed)
       buffer.at("byteLength")
-          .fail(fmt::format("found {}, but the buffer has {} bytes", needed, buffers_[i].size()));
+          .fail(fmt::format("found {}, but the buffer has {} bytes", needed,
+                            buffers_[i].bytes.size()));
   }
 }
 
@@ -228,7 +238,7 @@ const AssetContent* Document::read_uri(const View& uri) const {
         text.compare(comma + 1 - kCoding.size(), kCoding.size(), kCoding) != 0)
       uri.fail("a data URI of another coding, allowed: data:TYPE;base64,DATA");
     content.name = context_.location(uri.pointer()).file;
-    context_.claim(uri.pointer(), text.size(), 1);
+    context_.claim_for_good(uri.pointer(), text.size(), 1);
     if (!absl::Base64Unescape(text.substr(comma + 1), &content.bytes))
       uri.fail("a data URI with invalid base64");
     content.name += ending_of(content.bytes);
@@ -260,15 +270,14 @@ std::string_view Document::view_bytes(std::size_t view, const std::string& point
     const std::size_t buffer = packed->at("buffer").index(buffers_.size(), "buffer");
     const std::size_t offset = packed->integer("byteOffset", 0, 0, std::uint64_t{1} << 40);
     const std::size_t length = packed->at("byteLength").integer(1, std::uint64_t{1} << 40);
-    if (offset > buffers_[buffer].size() || length > buffers_[buffer].size() - offset)
+    const std::string_view all = buffers_[buffer].bytes;
+    if (offset > all.size() || length > all.size() - offset)
       packed->fail(fmt::format("bytes {} to {} of buffer {}, which has {} bytes", offset,
-                               offset + length, buffer, buffers_[buffer].size()));
-    return unpacked_
-        .emplace(view,
-                 unpack_meshopt(*packed, std::string_view(buffers_[buffer]).substr(offset, length)))
+                               offset + length, buffer, all.size()));
+    return unpacked_.emplace(view, unpack_meshopt(*packed, all.substr(offset, length)))
         .first->second;
   }
-  const std::string& buffer = buffers_[static_cast<std::size_t>(v.buffer)];
+  const std::string& buffer = buffers_[static_cast<std::size_t>(v.buffer)].bytes;
   if (v.byteOffset > buffer.size() || v.byteLength > buffer.size() - v.byteOffset)
     place.fail(fmt::format("bytes {} to {} of buffer {}, which has {} bytes (named by {})",
                            v.byteOffset, v.byteOffset + v.byteLength, v.buffer, buffer.size(),
@@ -288,62 +297,75 @@ const AssetContent* Document::read(const View& thing) const {
   AssetContent content;
   content.bytes = view_bytes(view, given.pointer());
   content.name = context_.location(thing.pointer()).file + ending_of(content.bytes);
-  context_.claim(given.pointer(), content.bytes.size(), 1);
+  context_.claim_for_good(given.pointer(), content.bytes.size(), 1);
   return &files_.emplace(given.pointer(), std::move(content)).first->second;
 }
 
-std::shared_ptr<const Image> Document::alpha_image(const AssetContent& content,
-                                                   const View& place) const {
-  const auto alpha = decode_alpha(content);
-  if (!alpha.ok()) place.fail(alpha.status());
-  if (alpha->empty()) return *Image::create(1, 1, {Rgb<float>(1.0F)});
-  // The colours give the size.
-  const auto decoded = decode_image(content);
-  if (!decoded.ok()) place.fail(decoded.status());
-  const Image& colours = *decoded->image;
-  std::vector<Rgb<float>> texels(
-      static_cast<std::size_t>(colours.width()) * static_cast<std::size_t>(colours.height()),
-      Rgb<float>(1.0F));
-  for (std::size_t i = 0; i < alpha->size() && i < texels.size(); ++i)
-    texels[i] = Rgb<float>((*alpha)[i]);
-  auto image = Image::create(colours.width(), colours.height(), std::move(texels));
-  if (!image.ok()) place.fail(image.status());
-  return *std::move(image);
+void Document::remark_on(const View& place, const std::vector<ImageRemark>& remarks) const {
+  // glTF defines where alpha is used.
+  for (const ImageRemark& r : remarks)
+    if (!r.is_alpha) context_.remark(place.pointer(), r.what, r.instead);
 }
 
-std::shared_ptr<const Image> Document::image(std::size_t index, PictureKind kind) const {
-  std::shared_ptr<const Image>& image = images_[{index, kind}];
+std::shared_ptr<const Image> Document::image(std::size_t index) const {
+  std::shared_ptr<const Image>& image = images_[index];
   if (image != nullptr) return image;
   const View place = root().at("images")[index];
   const AssetContent* content = read(place);
   if (content == nullptr) return nullptr;
   context_.poll();
-  if (kind == PictureKind::kAlpha) {
-    image = alpha_image(*content, place);
-  } else {
-    auto decoded =
-        decode_image(*content, kMaxImageTexels, kind == PictureKind::kData ? kLinear : kSrgb);
-    if (!decoded.ok()) place.fail(decoded.status());
-    // glTF defines where alpha is used.
-    for (const ImageRemark& r : decoded->remarks)
-      if (!r.is_alpha) context_.remark(place.pointer(), r.what, r.instead);
-    image = decoded->image;
-  }
-  context_.claim(place.pointer(), image->bytes(), 1);
+  auto decoded = decode_image(*content, context_.image_options(kSrgb));
+  if (!decoded.ok()) fail_picture(place, decoded.status());
+  remark_on(place, decoded->remarks);
+  image = decoded->image;
+  decoded->share.reset();
+  // The tables from which lights draw points take up to as much as the picture.
+  context_.claim_for_good(place.pointer(), image->bytes(), 2);
   return image;
+}
+
+/// The texels and the memory that they take until they are textures of the scene.
+Texels Document::read_texels(const AssetContent& content, const View& place, PictureKind kind,
+                             LoadBudget::Share& share) const {
+  if (kind == PictureKind::kAlpha) {
+    auto alpha = decode_alpha(content, context_.image_options(kLinear));
+    if (!alpha.ok()) fail_picture(place, alpha.status());
+    share = std::move(alpha->share);
+    if (alpha->values.empty()) return Texels(1, 1, true, {}, {1.0F});
+    const auto wrong =
+        std::ranges::find_if(alpha->values, [](float a) { return !(a >= 0 && std::isfinite(a)); });
+    if (wrong != alpha->values.end())
+      place.fail(fmt::format("texel {} has an alpha of {}, allowed: finite and at least 0",
+                             wrong - alpha->values.begin(), *wrong));
+    return Texels::grey(alpha->width, alpha->height, std::move(alpha->values));
+  }
+  auto picture =
+      decode_surface(content, context_.image_options(kind == PictureKind::kData ? kLinear : kSrgb));
+  if (!picture.ok()) fail_picture(place, picture.status());
+  remark_on(place, picture->remarks);
+  share = std::move(picture->share);
+  if (picture->codes)
+    return Texels(picture->codes->width, picture->codes->height, picture->codes->is_grey,
+                  std::move(picture->codes->codes), std::move(picture->codes->values));
+  // Texels have at most the bytes of the picture.
+  Context::require(share.grow(picture->image->bytes()));
+  return Texels(*picture->image);
 }
 
 std::shared_ptr<const Texels> Document::texels(std::size_t index, PictureKind kind) const {
   std::shared_ptr<const Texels>& texels = texels_[{index, kind}];
   if (texels != nullptr) return texels;
-  const std::shared_ptr<const Image> picture = image(index, kind);
-  if (picture == nullptr) return nullptr;
-  // Floats take more memory than texels, and only lights need them.
-  images_.erase({index, kind});
   const View place = root().at("images")[index];
+  const AssetContent* content = read(place);
+  if (content == nullptr) return nullptr;
+  context_.poll();
+  LoadBudget::Share share;
+  Texels read = read_texels(*content, place, kind, share);
   std::string name = place.text("uri", "");
   if (name.empty() || name.starts_with("data:")) name = context_.location(place.pointer()).file;
-  texels = context_.scene.textures.picture(printable(name), *picture);
+  texels = context_.scene.textures.picture(printable(name), std::move(read), context_.stop);
+  share.reset();
+  context_.poll();
   return texels;
 }
 

@@ -40,10 +40,9 @@ class Document {
   /// The bytes of a thing with "uri" or "bufferView".  If the file was not uploaded yet, the load
   /// goes on without it (null) until require_all_files.
   const AssetContent* read(const View& thing) const;
-  /// The picture images/`index`; null as above.
-  std::shared_ptr<const Image> image(std::size_t index,
-                                     PictureKind kind = PictureKind::kColour) const;
-  /// The same for the textures of the scene, whose memory has a limit.
+  /// The colours of the picture images/`index`; null as above.
+  std::shared_ptr<const Image> image(std::size_t index) const;
+  /// The picture for the textures of the scene, whose memory has a limit; null as above.
   std::shared_ptr<const Texels> texels(std::size_t index, PictureKind kind) const;
   /// Fails if a file was not uploaded yet.
   void require_all_files() const;
@@ -53,17 +52,19 @@ class Document {
   void parse(std::string_view text, std::size_t start);
   void read_buffers();
   const AssetContent* read_uri(const View& uri) const;
-  std::shared_ptr<const Image> alpha_image(const AssetContent& content, const View& place) const;
+  void remark_on(const View& place, const std::vector<ImageRemark>& remarks) const;
+  Texels read_texels(const AssetContent& content, const View& place, PictureKind kind,
+                     LoadBudget::Share& share) const;
 
   Context& context_;
   Json json_;
   tinygltf::Model model_;
   std::string embedded_;  ///< the binary chunk of a .glb file
   bool has_embedded_ = false;
-  std::vector<std::string> buffers_;
+  std::vector<AssetContent> buffers_;
   mutable std::map<std::size_t, std::string> unpacked_;  ///< of compressed buffer views
   mutable std::map<std::string, AssetContent> files_;    ///< by JSON pointer
-  mutable std::map<std::pair<std::size_t, PictureKind>, std::shared_ptr<const Image>> images_;
+  mutable std::map<std::size_t, std::shared_ptr<const Image>> images_;
   mutable std::map<std::pair<std::size_t, PictureKind>, std::shared_ptr<const Texels>> texels_;
   mutable absl::Status missing_;
 };

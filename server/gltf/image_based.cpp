@@ -70,14 +70,15 @@ std::vector<Rgb<float>> face_texels(const Document& document, const View& face, 
         fmt::format("a picture of {} x {} texels, allowed: {} x {}, as specularImageSize says",
                     image->width(), image->height(), size, size));
   document.context().claim(face.pointer(), image->bytes(), 1);
-  const auto alpha = decode_alpha(*document.read(document.root().at("images")[index]));
+  const auto alpha = decode_alpha(*document.read(document.root().at("images")[index]),
+                                  document.context().image_options(kLinear));
   if (!alpha.ok()) face.fail(alpha.status());
   std::vector<Rgb<float>> texels;
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x) texels.push_back(image->texel(x, y));
-  for (std::size_t i = 0; i < alpha->size() && i < texels.size(); ++i) {
+  for (std::size_t i = 0; i < alpha->values.size() && i < texels.size(); ++i) {
     // A divisor of 0 has no meaning.  Encoders write it only for black.
-    if ((*alpha)[i] > 0) texels[i] = texels[i] / (*alpha)[i];
+    if (alpha->values[i] > 0) texels[i] = texels[i] / alpha->values[i];
   }
   return texels;
 }

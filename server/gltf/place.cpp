@@ -46,7 +46,10 @@ class Placer {
   void add_place(const PlacedNode& node, const Matrix& world_from_mesh, std::size_t mesh);
   void add_deformed(const PlacedNode& node, std::size_t mesh);
   void add(std::size_t mesh, const std::vector<Part>& parts, const std::vector<MeshPlace>& places);
+  void add_parts(std::size_t mesh, const std::vector<Part>& parts,
+                 const std::vector<MeshPlace>& places);
   void add_shape(const Part& part, const MeshPlace* place);
+  void count(const ShapeDescription& shape, const Part& part);
 
   const Document& document_;
   Context& context_;
@@ -79,7 +82,8 @@ void Placer::add_place(const PlacedNode& node, const Matrix& world_from_mesh, st
                     "a transform without an inverse, such as a scale of 0", "its mesh is left out");
     return;
   }
-  context_.claim(node_pointer(node.index), 1, sizeof(MeshPlace) + sizeof(InstanceDescription));
+  context_.claim_for_good(node_pointer(node.index), 1,
+                          sizeof(MeshPlace) + sizeof(InstanceDescription));
   places_[mesh].push_back({*transform, node.motion, node.index});
 }
 
@@ -164,6 +168,7 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
   shape.alpha = part.use.alpha;
   if (place == nullptr) {
     shape.geometry = part.mesh;
+    count(shape, part);
     context_.scene.objects.back().shapes.push_back(std::move(shape));
     return;
   }
@@ -185,11 +190,23 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
         context_.light_name(node_pointer(place->node),
                             {node.name, model.meshes[static_cast<std::size_t>(node.mesh)].name});
   }
+  count(shape, part);
   context_.scene.shapes.push_back(std::move(shape));
+}
+
+void Placer::count(const ShapeDescription& shape, const Part& part) {
+  if (absl::Status status = context_.meter.add(shape); !status.ok())
+    context_.fail(part.pointer, status);
 }
 
 void Placer::add(std::size_t mesh, const std::vector<Part>& parts,
                  const std::vector<MeshPlace>& places) {
+  add_parts(mesh, parts, places);
+  context_.end_scratch();  // the caller drops the parts
+}
+
+void Placer::add_parts(std::size_t mesh, const std::vector<Part>& parts,
+                       const std::vector<MeshPlace>& places) {
   // Objects cannot emit.
   bool has_object = false;
   for (const Part& part : parts) {

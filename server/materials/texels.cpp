@@ -66,19 +66,50 @@ Texels::Texels(const Image& image) : width_(image.width()), height_(image.height
   });
 }
 
-void Texels::make_levels() {
+Texels::Texels(int width, int height, bool is_grey, std::vector<std::uint8_t> codes,
+               std::vector<float> values)
+    : width_(width),
+      height_(height),
+      is_grey_(is_grey),
+      codes_(std::move(codes)),
+      values_(std::move(values)) {}
+
+Texels Texels::grey(int width, int height, std::vector<float> values) {
+  Palette palette;
+  std::vector<std::uint8_t> codes;
+  codes.reserve(values.size());
+  for (const float value : values) {
+    const auto code = palette.code(value);
+    if (!code) return Texels(width, height, true, {}, std::move(values));
+    codes.push_back(*code);
+  }
+  return Texels(width, height, true, std::move(codes), std::move(palette.values()));
+}
+
+void Texels::make_levels(const std::stop_token& stop) {
   if (!smaller_.empty()) return;
   std::vector<Texels> levels;
   for (const Texels* last = this; last->width_ > 1 || last->height_ > 1; last = &levels.back()) {
-    // The copy shares no memory with the elements that push_back may move.
-    Texels next = *last;
-    next.halve();
+    Texels next = last->halved(stop);
+    if (stop.stop_requested()) return;
     levels.push_back(std::move(next));
   }
   smaller_ = std::move(levels);
 }
 
-void Texels::halve() {
+template <typename F>
+void Texels::for_each_mean(const std::stop_token& stop, F&& f) const {
+  for (int y = 0; y < height_ && !stop.stop_requested(); y += 2)
+    for (int x = 0; x < width_; x += 2) {
+      Rgb<double> sum;
+      int count = 0;
+      for (int j = y; j < std::min(y + 2, height_); ++j)
+        for (int i = x; i < std::min(x + 2, width_); ++i) sum += texel(i, j), ++count;
+      f(sum / count);
+    }
+}
+
+void Texels::halve(const std::stop_token& stop) {
   if (!smaller_.empty()) {
     std::vector<Texels> rest = std::move(smaller_);
     Texels first = std::move(rest.front());
@@ -87,33 +118,32 @@ void Texels::halve() {
     smaller_ = std::move(rest);
     return;
   }
-  const int width = (width_ + 1) / 2, height = (height_ + 1) / 2, channels = is_grey_ ? 1 : 3;
-  std::vector<float> means;
-  means.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      Rgb<double> sum;
-      int count = 0;
-      for (int j = 2 * y; j < std::min(2 * y + 2, height_); ++j)
-        for (int i = 2 * x; i < std::min(2 * x + 2, width_); ++i) sum += texel(i, j), ++count;
-      const Rgb<double> mean = sum / count;
-      means.push_back(static_cast<float>(mean.r));
-      if (!is_grey_) {
-        means.push_back(static_cast<float>(mean.g));
-        means.push_back(static_cast<float>(mean.b));
-      }
-    }
+  Texels next = halved(stop);
+  if (!stop.stop_requested()) *this = std::move(next);
+}
+
+Texels Texels::halved(const std::stop_token& stop) const {
+  Texels half((width_ + 1) / 2, (height_ + 1) / 2, is_grey_, {}, {});
+  // The means are computed twice, since those of a large picture as floats are as large as its
+  // codes.
+  float largest = 0;
+  for_each_mean(stop, [&](const Rgb<double>& mean) {
+    largest = std::max(largest, static_cast<float>(mean.max_component()));
+  });
   constexpr double kMostSteps = 65535;
-  step_ = double{*std::ranges::max_element(means)} / kMostSteps;
-  const double per_step = step_ > 0 ? 1 / step_ : 0;
-  std::vector<std::uint16_t> codes;
-  codes.reserve(means.size());
-  for (const float mean : means)
-    codes.push_back(static_cast<std::uint16_t>(std::min(mean * per_step + 0.5, kMostSteps)));
-  width_ = width, height_ = height;
-  wide_codes_ = std::move(codes);
-  codes_ = std::vector<std::uint8_t>();
-  values_ = std::vector<float>();
+  half.step_ = double{largest} / kMostSteps;
+  const double per_step = half.step_ > 0 ? 1 / half.step_ : 0;
+  half.wide_codes_.reserve(static_cast<std::size_t>(half.width_) *
+                           static_cast<std::size_t>(half.height_) * (is_grey_ ? 1 : 3));
+  const auto add = [&](double value) {
+    half.wide_codes_.push_back(static_cast<std::uint16_t>(
+        std::min(static_cast<float>(value) * per_step + 0.5, kMostSteps)));
+  };
+  for_each_mean(stop, [&](const Rgb<double>& mean) {
+    add(mean.r);
+    if (!is_grey_) add(mean.g), add(mean.b);
+  });
+  return half;
 }
 
 }  // namespace lucerna

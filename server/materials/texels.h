@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "lights/pictures/image.h"
@@ -16,6 +17,12 @@ class Texels {
  public:
   /// Keeps each value exactly.
   explicit Texels(const Image& image);
+  /// A grey picture of these values.  Keeps each value exactly.
+  static Texels grey(int width, int height, std::vector<float> values);
+  /// A picture of codes, one for each texel if it is grey, else three.  A code is an index into
+  /// `values`.
+  Texels(int width, int height, bool is_grey, std::vector<std::uint8_t> codes,
+         std::vector<float> values);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -38,12 +45,13 @@ class Texels {
   /// to one texel.
   std::size_t levels() const { return 1 + smaller_.size(); }
   const Texels& level(std::size_t i) const { return i == 0 ? *this : smaller_[i - 1]; }
-  /// Makes the copies, unless they are there.
-  void make_levels();
+  /// Makes the copies, unless they are there.  Makes none if `stop` is requested meanwhile.
+  void make_levels(const std::stop_token& stop = {});
 
   /// Halves width and height; odd ones are rounded up.  Each texel becomes the mean of those that
   /// it covers.  Values are then 1/65535 of the largest one apart.  Requires more than one texel.
-  void halve();
+  /// Changes nothing if `stop` is requested meanwhile.
+  void halve(const std::stop_token& stop = {});
 
  private:
   double value(std::size_t i) const {
@@ -51,6 +59,12 @@ class Texels {
     if (!wide_codes_.empty()) return wide_codes_[i] * step_;
     return values_[i];
   }
+  /// Calls `f(mean)` for each texel of the halved picture, rows from the top.  Ends early if `stop`
+  /// is requested.
+  template <typename F>
+  void for_each_mean(const std::stop_token& stop, F&& f) const;
+  /// The halved picture; incomplete if `stop` is requested.  Requires that there are no levels.
+  Texels halved(const std::stop_token& stop) const;
 
   int width_, height_;
   bool is_grey_;

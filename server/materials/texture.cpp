@@ -113,13 +113,13 @@ Vec2<double> TextureMapping::operator()(const TexturePoint& p) const {
   }
 }
 
-std::int32_t Textures::add(TextureNode node) {
+std::int32_t Textures::add(TextureNode node, const std::stop_token& stop) {
   if (const auto* image = std::get_if<ImageTexture>(&node); image && uses_levels(image->filter)) {
     uses_footprints_ = true;
     const auto found = std::ranges::find(pictures_, image->image, &Picture::texels);
     if (found != pictures_.end()) {
-      found->texels->make_levels();
-      fit();
+      found->texels->make_levels(stop);
+      fit(stop);
     }
   }
   nodes_.push_back(std::move(node));
@@ -155,25 +155,26 @@ bool Textures::needs_only_uv(std::int32_t texture) const {
       nodes_[static_cast<std::size_t>(texture)]);
 }
 
-std::shared_ptr<const Texels> Textures::picture(const std::string& name, const Image& image) {
-  const auto texels = std::make_shared<Texels>(image);
-  pictures_.push_back({name, image.width(), image.height(), texels});
-  fit();
-  return texels;
+std::shared_ptr<const Texels> Textures::picture(const std::string& name, Texels texels,
+                                                const std::stop_token& stop) {
+  const auto kept = std::make_shared<Texels>(std::move(texels));
+  pictures_.push_back({name, kept->width(), kept->height(), kept});
+  fit(stop);
+  return kept;
 }
 
 /// Halves the largest pictures until all fit.
-void Textures::fit() {
+void Textures::fit(const std::stop_token& stop) {
   const auto sum = [&] {
     std::size_t bytes = 0;
     for (const Picture& p : pictures_) bytes += p.texels->bytes();
     return bytes;
   };
-  while (sum() > limit_bytes_) {
+  while (sum() > limit_bytes_ && !stop.stop_requested()) {
     const auto largest =
         std::ranges::max_element(pictures_, {}, [](const Picture& p) { return p.texels->bytes(); });
     if (largest->texels->width() * largest->texels->height() == 1) break;
-    largest->texels->halve();
+    largest->texels->halve(stop);
   }
 }
 

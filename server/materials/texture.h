@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <variant>
 #include <vector>
@@ -144,7 +145,12 @@ class Textures {
 
   /// The texels of a picture.  If all pictures together are over the limit, the largest ones are
   /// halved, the first one of equals first, until they fit.
-  std::shared_ptr<const Texels> picture(const std::string& name, const Image& image);
+  /// Halving ends early if `stop` is requested: the pictures then exceed the limit.
+  std::shared_ptr<const Texels> picture(const std::string& name, Texels texels,
+                                        const std::stop_token& stop = {});
+  std::shared_ptr<const Texels> picture(const std::string& name, const Image& image) {
+    return picture(name, Texels(image));
+  }
   std::size_t limit_bytes() const { return limit_bytes_; }
   std::vector<HalvedPicture> halved() const;
   /// A picture by the name of its file.
@@ -156,8 +162,8 @@ class Textures {
   std::span<const Picture> pictures() const { return pictures_; }
 
   /// `node` uses only textures and pictures that were added before.  Returns its number.  Makes the
-  /// levels that its filter uses.
-  std::int32_t add(TextureNode node);
+  /// levels that its filter uses, unless `stop` is requested meanwhile.
+  std::int32_t add(TextureNode node, const std::stop_token& stop = {});
   bool empty() const { return nodes_.empty(); }
   std::size_t size() const { return nodes_.size(); }
   std::span<const TextureNode> nodes() const { return nodes_; }
@@ -181,7 +187,7 @@ class Textures {
 
  private:
   Rgb<double> at(std::int32_t texture, const TexturePoint& p) const;
-  void fit();
+  void fit(const std::stop_token& stop);
   std::size_t limit_bytes_;
   bool uses_footprints_ = false;
   std::vector<Picture> pictures_;

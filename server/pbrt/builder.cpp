@@ -211,6 +211,7 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   }
   shape.alpha = alpha;
   shape.geometry = *std::move(geometry);
+  if (absl::Status status = context_.meter.add(shape); !status.ok()) fail(place, status);
   auto& shapes =
       open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;
   shapes.push_back(std::move(shape));

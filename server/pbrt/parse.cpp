@@ -14,7 +14,6 @@
 namespace lucerna::pbrt {
 namespace {
 
-constexpr std::size_t kMaxNesting = 64;
 constexpr std::uint64_t kTokensPerPoll = 4096;
 
 }  // namespace
@@ -44,8 +43,11 @@ void Parser::parse() {
 }
 
 void Parser::open(const Place& place, const std::string& name, bool imported) {
-  if (files_.size() == kMaxNesting)
-    fail(place, fmt::format("files include each other more than {} deep", kMaxNesting));
+  if (const std::uint64_t most = context_.meter.limits().max_include_depth; files_.size() >= most)
+    fail(place, absl::ResourceExhaustedError(
+                    fmt::format("files include each other more than {} deep, the limit of the "
+                                "server",
+                                most)));
   AssetContent content;
   if (files_.empty()) {
     auto read = context_.assets.read_unpacked(name);
@@ -59,7 +61,8 @@ void Parser::open(const Place& place, const std::string& name, bool imported) {
   const std::string* file = &names_.back();
   for (const OpenFile& open : files_)
     if (*open.name == *file) fail(place, fmt::format("file \"{}\" includes itself", *file));
-  files_.push_back({file, std::move(content.bytes), Tokenizer(file, {}), imported});
+  files_.push_back(
+      {file, std::move(content.bytes), Tokenizer(file, {}), imported, std::move(content.share)});
   // Columns are counted without the mark, as in editors.
   const std::string_view contents = without_byte_order_mark(files_.back().contents);
   files_.back().tokens = Tokenizer(file, contents);
@@ -74,6 +77,11 @@ Token Parser::next() {
   if (++token_count_ % kTokensPerPoll == 0) context_.poll();
   for (;;) {
     const Token token = files_.back().tokens.next();
+    if (token_count_ > context_.meter.limits().max_tokens)
+      fail(token.place, absl::ResourceExhaustedError(
+                            fmt::format("more than {} words, strings and brackets in the scene's "
+                                        "files, the limit of the server",
+                                        context_.meter.limits().max_tokens)));
     if (token.kind != Token::Kind::kEnd || files_.back().imported) return token;
     files_.pop_back();
   }
@@ -157,7 +165,10 @@ std::shared_ptr<const Parameter> Parser::parameter(const Token& declaration) {
 
   Token token = next();
   if (token.kind == Token::Kind::kOpen) {
-    for (token = next(); token.kind != Token::Kind::kClose; token = next()) value(token, *result);
+    for (token = next(); token.kind != Token::Kind::kClose; token = next()) {
+      value(token, *result);
+      count(*result);
+    }
   } else {
     value(token, *result);
   }
@@ -168,6 +179,16 @@ std::shared_ptr<const Parameter> Parser::parameter(const Token& declaration) {
                      printable(result->name), count, *per_item > 1 ? "a multiple of " : "at least ",
                      *per_item > 1 ? *per_item : 1));
   return result;
+}
+
+void Parser::count(Parameter& parameter) const {
+  constexpr std::size_t kLong = 4096;
+  const std::size_t numbers = parameter.numbers.capacity(), strings = parameter.strings.capacity();
+  if (numbers < kLong && strings < kLong) return;
+  const std::uint64_t bytes = numbers * sizeof(double) + strings * sizeof(std::string);
+  if (parameter.share.bytes() == bytes) return;
+  if (parameter.share.bytes() == 0) parameter.share = LoadBudget::Share(context_.meter.budget());
+  Context::require(parameter.share.resize(bytes));
 }
 
 void Parser::value(const Token& token, Parameter& parameter) {

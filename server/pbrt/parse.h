@@ -22,7 +22,8 @@ class Parser {
     const std::string* name;
     std::string contents;
     Tokenizer tokens;
-    bool imported;  ///< by Import: parameters end at its end
+    bool imported;            ///< by Import: parameters end at its end
+    LoadBudget::Share share;  ///< of the contents
   };
 
   void open(const Place& place, const std::string& name, bool imported);
@@ -44,6 +45,8 @@ class Parser {
   Parameters parameters();
   std::shared_ptr<const Parameter> parameter(const Token& declaration);
   void value(const Token& token, Parameter& parameter);
+  /// Counts the memory of a long list of values.
+  void count(Parameter& parameter) const;
 
   Context& context_;
   Builder& builder_;

@@ -75,6 +75,7 @@ struct Accelerator::State {
   std::vector<GeometryInstance> instances;
   std::string isa;
   std::stop_token stop;
+  LoadBudget* budget = nullptr;  // only while it is built
 
   std::atomic<std::ptrdiff_t> embree_bytes = 0;
   std::mutex mutex;
@@ -92,6 +93,7 @@ struct Accelerator::State {
   std::vector<Bounds> object_boxes;  // [m]
 
   absl::Status open(const std::string& wanted_isa);
+  bool count(ssize_t bytes);
   absl::Status measure();
   SceneHandle commit(GeometrySet& set, std::array<AnalyticShapes, kHitKinds>& analytic,
                      bool with_instances);
@@ -144,12 +146,19 @@ absl::Status Accelerator::State::open(const std::string& wanted) {
       this);
   rtcSetDeviceMemoryMonitorFunction(
       device.get(),
-      [](void* self, ssize_t bytes, bool) {
-        static_cast<State*>(self)->embree_bytes += bytes;
-        return true;
-      },
+      [](void* self, ssize_t bytes, bool) { return static_cast<State*>(self)->count(bytes); },
       this);
   return absl::OkStatus();
+}
+
+/// Counts memory that Embree is about to allocate, or has freed.  Returns false if the budget does
+/// not have it: then Embree ends the build.
+bool Accelerator::State::count(ssize_t bytes) {
+  if (budget != nullptr && bytes > 0 && !budget->claim(static_cast<std::uint64_t>(bytes)).ok())
+    return false;
+  if (budget != nullptr && bytes < 0) budget->release(static_cast<std::uint64_t>(-bytes));
+  embree_bytes += bytes;
+  return true;
 }
 
 /// Computes the spaces of scene and objects, and scales vertices to their units.
@@ -273,6 +282,8 @@ SceneHandle Accelerator::State::commit(GeometrySet& set,
 absl::Status Accelerator::State::status() const {
   if (stop.stop_requested() || error == RTC_ERROR_CANCELLED)
     return absl::CancelledError("the build of the scene was cancelled");
+  if (error == RTC_ERROR_OUT_OF_MEMORY && budget != nullptr && !budget->refusal().ok())
+    return budget->refusal();
   if (error == RTC_ERROR_OUT_OF_MEMORY)
     return absl::ResourceExhaustedError("no memory for the bounding volume hierarchy");
   if (error != RTC_ERROR_NONE) return absl::InternalError(fmt::format("Embree: {}", message));
@@ -284,19 +295,21 @@ Accelerator::~Accelerator() = default;
 
 absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
     GeometrySet scene, std::vector<GeometrySet> objects, std::vector<GeometryInstance> instances,
-    const std::string& isa, std::stop_token stop) {
+    const std::string& isa, std::stop_token stop, LoadBudget* budget) {
   const DenormalsAreZero denormals;
   auto state = std::make_unique<State>();
   state->scene = std::move(scene);
   state->objects = std::move(objects);
   state->instances = std::move(instances);
   state->stop = std::move(stop);
+  state->budget = budget;
   LUCERNA_RETURN_IF_ERROR(state->measure());
   LUCERNA_RETURN_IF_ERROR(state->open(isa));
   if (state->scene.empty() && state->instances.empty()) {
     // Without geometry, only the name of the kernels is needed.
     state->device.reset();
     LUCERNA_RETURN_IF_ERROR(state->status());
+    state->budget = nullptr;
     return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
   }
   state->analytic.resize(1 + state->objects.size());
@@ -308,6 +321,7 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
   }
   state->top = state->commit(state->scene, state->analytic[0], true);
   LUCERNA_RETURN_IF_ERROR(state->status());
+  state->budget = nullptr;
   return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
 }
 

@@ -21,6 +21,7 @@
 #include "lights/maths/transform.h"
 #include "lights/shapes/area_shape.h"
 #include "lights/shapes/bilinear_patch.h"
+#include "server/assets/load_budget.h"
 #include "server/rays/curve.h"
 #include "server/rays/ray.h"
 #include "server/rays/wide_triangle.h"
@@ -147,14 +148,13 @@ class Accelerator {
  public:
   /// Takes ownership of `scene` and `objects`.  `isa`: the instruction set of the kernels (""
   /// : the best one of the machine; "sse2", "sse4.2", "avx", "avx2", "avx512").  Errors:
-  /// CANCELLED after a request of `stop`; RESOURCE_EXHAUSTED if Embree has no memory;
+  /// CANCELLED after a request of `stop`; RESOURCE_EXHAUSTED if Embree has no memory, or if
+  /// `budget` (null: no limit) refuses it;
   /// INVALID_ARGUMENT for an instruction set that the machine lacks, and for instances that are
   /// 2^40 times smaller than the scene.
-  static absl::StatusOr<std::unique_ptr<Accelerator>> build(GeometrySet scene,
-                                                            std::vector<GeometrySet> objects,
-                                                            std::vector<GeometryInstance> instances,
-                                                            const std::string& isa,
-                                                            std::stop_token stop);
+  static absl::StatusOr<std::unique_ptr<Accelerator>> build(
+      GeometrySet scene, std::vector<GeometrySet> objects, std::vector<GeometryInstance> instances,
+      const std::string& isa, std::stop_token stop, LoadBudget* budget = nullptr);
   ~Accelerator();
 
   /// Largest coordinate of geometry [m].

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <utility>
 
 #include "proto/common/status_macros.h"
@@ -44,14 +45,32 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(Runtime& runtime,
       admit(runtime, monitor::Call::kUploadAsset, *context);
   if (admission.ok()) {
     stream->admission_ = *std::move(admission);
-    stream->StartRead(&stream->bytes_);
+    stream->read_next();
   } else {
     stream->finish(admission.status());
   }
   return stream.get();
 }
 
+void UploadStream::read_next() {
+  reading_ = true;
+  stall_ = std::make_unique<grpc::Alarm>();
+  stall_->Set(std::chrono::system_clock::now() + runtime_.assets->stall_time(),
+              [self = shared_from_this()](bool is_over) {
+                if (is_over) self->end_stalled();
+              });
+  StartRead(&bytes_);
+}
+
+void UploadStream::end_stalled() {
+  if (!reading_.exchange(false)) return;
+  finish(absl::DeadlineExceededError(fmt::format("the upload sent nothing for {} s, the limit",
+                                                 runtime_.assets->stall_time().count())));
+}
+
 void UploadStream::OnReadDone(bool ok) {
+  if (!reading_.exchange(false)) return;
+  stall_->Cancel();
   if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cancelled"));
   if (!ok) return finish(guarded([&] { return end(); }));
   // A full lane refuses only new uploads.
@@ -82,7 +101,7 @@ void UploadStream::take(const LaneJobStart& start) {
   record.compute_s +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!status.ok() || held_) return finish(status);
-  StartRead(&bytes_);
+  read_next();
 }
 
 absl::Status UploadStream::take_header(const v1::AssetHeader& header) {

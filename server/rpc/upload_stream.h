@@ -2,10 +2,12 @@
 #pragma once
 
 #include <absl/status/status.h>
+#include <grpcpp/alarm.h>
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -39,6 +41,9 @@ class UploadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   /// Handles the end of the client's messages.
   absl::Status end();
   void finish(absl::Status status);
+  /// Reads the next message, and ends the call if it does not arrive in time.
+  void read_next();
+  void end_stalled();
 
   Runtime& runtime_;
   ObservedCall observed_;
@@ -48,6 +53,10 @@ class UploadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   CallGate::Pass pass_;
   access::Admission admission_;
   std::shared_ptr<UploadStream> self_;
+
+  std::unique_ptr<grpc::Alarm> stall_;
+  // Either the message or the alarm sets it to false and goes on.
+  std::atomic<bool> reading_ = false;
 
   // At any moment there is one of: a read, a lane job, the end.
   grpc::ByteBuffer bytes_;

@@ -36,6 +36,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
   simplify_media();
   scene_->contents_ = contents_of(in_);
   LUCERNA_RETURN_IF_ERROR(place());
+  LUCERNA_RETURN_IF_ERROR(count_lights());
   LUCERNA_RETURN_IF_ERROR(build_lights());
   LUCERNA_RETURN_IF_ERROR(build_geometry(isa));
   LUCERNA_RETURN_IF_ERROR(prepare_choice());
@@ -88,16 +89,18 @@ absl::Status Scene::Builder::check_references() const {
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::build(SceneDescription description,
                                                           const std::string& isa,
-                                                          std::stop_token stop) {
-  return Builder(description, std::move(stop)).build(isa);
+                                                          std::stop_token stop,
+                                                          LoadBudget* budget) {
+  return Builder(description, std::move(stop), budget).build(isa);
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::build_moved(SceneDescription description,
                                                                 const MovedSurfaces& moved,
                                                                 const std::string& isa,
-                                                                std::stop_token stop) {
+                                                                std::stop_token stop,
+                                                                LoadBudget* budget) {
   LUCERNA_RETURN_IF_ERROR(move_surfaces(moved, description));
-  Builder builder(description, std::move(stop));
+  Builder builder(description, std::move(stop), budget);
   builder.note_moved(moved);
   return builder.build(isa);
 }

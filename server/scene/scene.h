@@ -79,16 +79,19 @@ auto visit_light(const SceneLight& light, double time_s, F&& f) {
 /// All const members may be called from any thread.
 class Scene {
  public:
-  /// Errors: parts of the description that cannot be built, with file:line:column; CANCELLED.
+  /// Errors: parts of the description that cannot be built, with file:line:column; CANCELLED;
+  /// refusals of `budget` (null: no limit).
   static absl::StatusOr<std::shared_ptr<const Scene>> build(SceneDescription description,
                                                             const std::string& isa = "",
-                                                            std::stop_token stop = {});
+                                                            std::stop_token stop = {},
+                                                            LoadBudget* budget = nullptr);
   /// The same scene with surfaces of lights elsewhere, for revisions that move them.  It has the id
   /// of the scene without moves.
   static absl::StatusOr<std::shared_ptr<const Scene>> build_moved(SceneDescription description,
                                                                   const MovedSurfaces& moved,
                                                                   const std::string& isa = "",
-                                                                  std::stop_token stop = {});
+                                                                  std::stop_token stop = {},
+                                                                  LoadBudget* budget = nullptr);
 
   /// A scene with the files of `loaded` and other lights.  It shares everything but its lights with
   /// `loaded`, which must come from build() or, for edits that move surfaces, from build_moved().

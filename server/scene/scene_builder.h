@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/assets/load_budget.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {
@@ -20,8 +21,8 @@ namespace lucerna {
 class Scene::Builder {
  public:
   /// Moves data out of `description` step by step.  `description` must outlive the builder.
-  Builder(SceneDescription& description, std::stop_token stop)
-      : in_(description), stop_(std::move(stop)), scene_(new Scene) {}
+  Builder(SceneDescription& description, std::stop_token stop, LoadBudget* budget = nullptr)
+      : in_(description), stop_(std::move(stop)), budget_(budget), scene_(new Scene) {}
 
   absl::StatusOr<std::shared_ptr<const Scene>> build(const std::string& isa);
   void note_moved(const MovedSurfaces& moved) { scene_->moved_ = moved; }
@@ -39,6 +40,8 @@ class Scene::Builder {
   /// The part of place() that depends on lights without a surface.
   absl::Status place_lights();
 
+  /// Counts the memory of the lights, without their pictures, before they are built.
+  absl::Status count_lights() const;
   absl::Status build_lights();
   /// `moving`: null if the light does not move; its reach is set from the light.
   absl::Status add_light(std::uint64_t id, absl::StatusOr<Light<double>> light,
@@ -66,8 +69,10 @@ class Scene::Builder {
   absl::Status build_geometry(const std::string& isa);
   /// Leaves out media that absorb nothing, and interfaces between equal media.
   void simplify_media();
-  absl::Status append(const ShapeDescription& shape, const Vec3<double>& origin, std::int32_t light,
+  absl::Status append(ShapeDescription& shape, const Vec3<double>& origin, std::int32_t light,
                       GeometrySet& set, SurfaceTable& table);
+  /// Frees the arrays of a shape that was appended.
+  void drop(ShapeDescription& shape);
   void keep_materials();
   void keep_textures(GeometrySet& set, std::vector<GeometrySet>& objects);
   void report_motion(const std::vector<GeometryInstance>& instances);
@@ -94,6 +99,7 @@ class Scene::Builder {
 
   SceneDescription& in_;
   std::stop_token stop_;
+  LoadBudget* budget_;  ///< null: no limit
   std::shared_ptr<Scene> scene_;
   std::unordered_map<std::string, std::uint32_t> file_numbers_;
   std::vector<Vec3<double>> object_origins_;

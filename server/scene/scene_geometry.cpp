@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "proto/common/status_macros.h"
+#include "server/description/load_meter.h"
 #include "server/scene/scene_builder.h"
 
 namespace lucerna {
@@ -21,9 +23,20 @@ Transform rounded_to_float(const Transform& t) {
 
 }  // namespace
 
-absl::Status Scene::Builder::append(const ShapeDescription& shape, const Vec3<double>& origin,
+/// Appends the shape and frees its arrays.
+absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>& origin,
                                     std::int32_t light, GeometrySet& set, SurfaceTable& table) {
-  LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m_, light, set, table));
+  const auto bytes = [&] { return set.bytes() + table.bytes(); };
+  const std::uint64_t before = bytes();
+  {
+    // The arrays for rays take less than those of the description.
+    LoadBudget::Share work(budget_);
+    LUCERNA_RETURN_IF_ERROR(work.resize(array_bytes(shape)));
+    LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m_, light, set, table));
+  }
+  // The budget counts the arrays for rays until the end of the load.
+  if (budget_ != nullptr) LUCERNA_RETURN_IF_ERROR(budget_->claim(bytes() - before));
+  drop(shape);
   if (shape.is_interface) return absl::OkStatus();
   // A pane that emits is met by all rays, which find its light.
   const Material& material = in_.materials[shape.material];
@@ -35,6 +48,15 @@ absl::Status Scene::Builder::append(const ShapeDescription& shape, const Vec3<do
   return absl::OkStatus();
 }
 
+void Scene::Builder::drop(ShapeDescription& shape) {
+  const std::uint64_t held = std::min(array_bytes(shape), in_.held_bytes);
+  if (auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry)) *mesh = {};
+  if (auto* mesh = std::get_if<PatchMeshData>(&shape.geometry)) *mesh = {};
+  if (auto* curves = std::get_if<CurveData>(&shape.geometry)) *curves = {};
+  in_.held_bytes -= held;
+  if (budget_ != nullptr) budget_->release(held);
+}
+
 absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   Stopwatch watch;
   GeometrySet set;
@@ -43,7 +65,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   scene_->object_surfaces_.resize(objects.size());
   auto light = static_cast<std::int32_t>(in_.lights.size());
   std::size_t moving_shape = 0;
-  for (const auto& s : in_.shapes) {
+  for (auto& s : in_.shapes) {
     if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
@@ -63,7 +85,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   for (const auto& i : in_.instances) is_placed[i.object] = true;
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
-    for (const auto& s : in_.objects[i].shapes)
+    for (auto& s : in_.objects[i].shapes)
       LUCERNA_RETURN_IF_ERROR(
           append(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]));
   }
@@ -81,14 +103,15 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   report_motion(instances);
   if (!set.empty() || !instances.empty()) keep_materials();
   report_geometry(set, objects, watch);
-  in_.shapes.clear();
-  in_.objects.clear();
+  in_.shapes = {};
+  in_.objects = {};
+  if (budget_ != nullptr) budget_->release(std::exchange(in_.held_bytes, 0));
 
   watch = Stopwatch();
   const std::size_t instance_count = instances.size();
-  LUCERNA_ASSIGN_OR_RETURN(
-      scene_->accelerator_,
-      Accelerator::build(std::move(set), std::move(objects), std::move(instances), isa, stop_));
+  LUCERNA_ASSIGN_OR_RETURN(scene_->accelerator_,
+                           Accelerator::build(std::move(set), std::move(objects),
+                                              std::move(instances), isa, stop_, budget_));
   if (scene_->accelerator_->empty()) return absl::OkStatus();
   const std::uint64_t all = scene_->accelerator_->bytes();
   part("bvh", all > read_by_embree_ ? all - read_by_embree_ : 0, watch,

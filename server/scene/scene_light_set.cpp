@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "proto/common/status_macros.h"
+#include "server/description/load_meter.h"
 #include "server/scene/emitter_alpha.h"
 #include "server/scene/light_at_time.h"
 #include "server/scene/scene_builder.h"
@@ -110,6 +111,20 @@ void Scene::Builder::keep_names(std::vector<std::pair<std::uint32_t, std::string
   light_part("light names", names.bytes(), watch,
              fmt::format("{} {} of {} {}", names.size(), names.size() == 1 ? "name" : "names",
                          names.light_count(), names.light_count() == 1 ? "light" : "lights"));
+}
+
+absl::Status Scene::Builder::count_lights() const {
+  if (budget_ == nullptr) return absl::OkStatus();
+  const auto emits = [](const ShapeDescription& s) { return s.emission.has_value(); };
+  const std::uint64_t count =
+      in_.lights.size() + static_cast<std::uint64_t>(std::ranges::count_if(in_.shapes, emits));
+  // For the choice of a light: an item and two nodes of the tree.
+  constexpr std::uint64_t kChoiceBytes = 256;
+  std::uint64_t bytes = count * (sizeof(SceneLight) + (count > 1 ? kChoiceBytes : 0));
+  // The triangles of an emitter, and a table to draw from them.
+  for (const ShapeDescription& s : in_.shapes)
+    if (s.emission) bytes += array_bytes(s);
+  return budget_->claim(bytes);
 }
 
 absl::Status Scene::Builder::build_lights() {

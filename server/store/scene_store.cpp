@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -97,6 +98,7 @@ struct Entry {
   std::uint64_t bytes = 0;  // own, when last measured; it may have grown since then
   std::uint64_t used = 0;   // larger: used later
   std::map<std::string, LeaseEntry> leases;  // by id
+  std::deque<std::string> sources;           // its keys in `by_source`, the oldest first
 };
 
 /// A scene without edits, which it and its revisions keep in memory.
@@ -108,6 +110,14 @@ struct Shared {
 const Scene* shared_by(const Entry& entry) {
   const std::shared_ptr<const Scene>& loaded = entry.stored.scene->loaded();
   return loaded != nullptr ? loaded.get() : entry.stored.scene.get();
+}
+
+AssetReaderOptions reader_options(const LoadLimits& limits, const std::stop_token& stop) {
+  AssetReaderOptions options;
+  options.max_total_bytes = limits.max_scene_bytes;
+  options.stop = stop;
+  options.budget = limits.budget;
+  return options;
 }
 
 absl::Status cancelled() { return absl::CancelledError("cancelled while the scene was loading"); }
@@ -126,6 +136,15 @@ std::string path_under(const fs::path& root, const std::string& path) {
   const fs::path relative = fs::path(path).lexically_normal().lexically_relative(root);
   if (relative.empty() || relative == "." || *relative.begin() == "..") return {};
   return relative.string();
+}
+
+/// The name without `.`, `..` and empty parts, so that a file has one name.  Names that lead out of
+/// the root stay as they are: they are refused where they are opened.
+std::string normal_name(const std::string& name) {
+  std::string normal = fs::path(name).lexically_normal().string();
+  while (normal.ends_with('/')) normal.pop_back();
+  if (normal.empty() || normal == "." || normal == ".." || normal.starts_with("../")) return name;
+  return normal;
 }
 
 absl::Status not_found(const std::string& path, const std::string& root, bool has_factors) {
@@ -163,9 +182,17 @@ struct SceneStore::State {
   std::map<const Scene*, Shared> shared;
   std::uint64_t held = 0;  // bytes of all entries and of `shared`, each as last measured
 
-  LoadLimits load_limits() const {
+  std::uint64_t loading = 0;  // bytes of running loads
+
+  LoadLimits load_limits(LoadBudget& budget) const {
     LoadLimits limits;
     if (options.texture_bytes > 0) limits.texture_bytes = options.texture_bytes;
+    limits.max_texels = options.max_texels;
+    limits.max_primitives = options.max_primitives;
+    limits.max_scene_bytes = options.max_scene_bytes;
+    limits.max_include_depth = options.max_include_depth;
+    limits.max_tokens = options.max_tokens;
+    limits.budget = &budget;
     return limits;
   }
 
@@ -278,13 +305,18 @@ struct SceneStore::State {
     }
   }
 
-  /// Unloads scenes until there is room for `more` bytes.  Unloads none if leases leave too little.
-  absl::Status evict_for(std::uint64_t more, std::vector<std::shared_ptr<const Scene>>& gone) {
+  /// Unloads scenes until there is room for `more` bytes of a scene that has `own` bytes already.
+  /// Unloads none if leases and other loads leave too little.
+  absl::Status evict_for(std::uint64_t more, std::uint64_t own,
+                         std::vector<std::shared_ptr<const Scene>>& gone) {
     const std::uint64_t budget = options.memory_budget_bytes;
     if (budget == 0) return absl::OkStatus();
-    if (more > budget)
+    const std::uint64_t needed = own + more;
+    if (needed > budget)
       return absl::ResourceExhaustedError(
-          fmt::format("the scene needs {} bytes, allowed: at most {}", more, budget));
+          fmt::format("the scene needs {}{} bytes, allowed: at most {}", own > 0 ? "at least " : "",
+                      needed, budget));
+    if (own > 0 && held + loading + more <= budget) return absl::OkStatus();
     measure_all();
     std::uint64_t leased = 0;
     std::optional<TimePoint> soonest;
@@ -297,26 +329,87 @@ struct SceneStore::State {
       if (counted.insert(of).second) leased += shared.at(of).bytes;
       soonest = std::min(soonest.value_or(*until), *until);
     }
-    if (leased + more > budget) {
+    if (leased + loading + more > budget) {
+      const std::uint64_t others = loading - own;
       absl::Status full = absl::ResourceExhaustedError(
-          fmt::format("the scene needs {} bytes, but leased scenes use {} of the server's {}", more,
-                      leased, budget));
-      const auto wait = std::chrono::ceil<std::chrono::milliseconds>(*soonest - options.now());
+          fmt::format("the scene needs {}{} bytes, but leased scenes use {}{} of the server's {}",
+                      own > 0 ? "at least " : "", needed, leased,
+                      others > 0 ? fmt::format(" and other loads {}", others) : "", budget));
+      // A load may end at any time.
+      auto wait = std::chrono::milliseconds(1000);
+      if (others == 0)
+        wait = std::chrono::ceil<std::chrono::milliseconds>(*soonest - options.now());
       full.SetPayload(kRetryAfterPayload,
                       absl::Cord(std::to_string(std::max<std::int64_t>(wait.count(), 1))));
       return full;
     }
-    shrink(budget - more, "", gone);
+    shrink(budget - loading - more, "", gone);
     return absl::OkStatus();
+  }
+
+  /// Remembers that `key` gave the scene.  A scene has few sources: an old one is forgotten, and
+  /// then read again when it is loaded.
+  void remember(Entry& entry, const std::string& key) {
+    constexpr std::size_t kMostSources = 64;
+    const std::string id = entry.stored.scene->id();
+    const auto [place, is_new] = by_source.try_emplace(key, id);
+    if (!is_new && place->second == id) return;
+    place->second = id;
+    entry.sources.push_back(key);
+    if (entry.sources.size() <= kMostSources) return;
+    // It may give another scene by now.
+    const auto oldest = by_source.find(entry.sources.front());
+    if (oldest != by_source.end() && oldest->second == id) by_source.erase(oldest);
+    entry.sources.pop_front();
   }
 
   /// The answer to a load from `key` of a scene that is in the store.
   LoadedScene answer(Entry& entry, const std::string& key, const LoadOptions& load,
                      bool already_loaded) {
-    by_source[key] = entry.stored.scene->id();
+    remember(entry, key);
     entry.used = ++uses;
     return {entry.stored, already_loaded, give_lease(entry, "", load.lease_s, load.owner), {}};
   }
+};
+
+/// The memory of one load, as a part of the store's budget.
+class SceneStore::LoadMemory final : public MemoryPool {
+ public:
+  explicit LoadMemory(State& state) : state_(state) {}
+
+  LoadBudget& budget() { return budget_; }
+  /// An error of the load, which may be retried if the budget is to blame.
+  absl::Status explained(absl::Status status) const {
+    if (const auto retry = budget_.refusal().GetPayload(kRetryAfterPayload);
+        absl::IsResourceExhausted(status) && retry)
+      status.SetPayload(kRetryAfterPayload, *retry);
+    return status;
+  }
+  /// Ends the counting: the scene is stored, or dropped.  Call it with the lock held.
+  void end() {
+    state_.loading -= own_;
+    own_ = 0;
+  }
+
+  absl::Status take(std::uint64_t bytes) override {
+    std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+    const std::lock_guard lock(state_.mutex);
+    LUCERNA_RETURN_IF_ERROR(state_.evict_for(bytes, own_, gone));
+    own_ += bytes;
+    state_.loading += bytes;
+    return absl::OkStatus();
+  }
+  void give_back(std::uint64_t bytes) override {
+    const std::lock_guard lock(state_.mutex);
+    const std::uint64_t rest = std::min(bytes, own_);
+    own_ -= rest;
+    state_.loading -= rest;
+  }
+
+ private:
+  State& state_;
+  std::uint64_t own_ = 0;
+  LoadBudget budget_{this};  // last member: gives its bytes back first
 };
 
 absl::StatusOr<std::unique_ptr<SceneStore>> SceneStore::open(SceneStoreOptions options,
@@ -343,7 +436,7 @@ absl::StatusOr<LoadedScene> SceneStore::load(const std::string& path, const Load
                     "use another file, upload it (lucerna load --upload FILE)",
                     path, state_->root));
   }
-  const std::string& name = relative.empty() ? path : relative;
+  const std::string name = relative.empty() ? normal_name(path) : relative;
   return load_once(name, with_factors(name, options), options);
 }
 
@@ -383,14 +476,22 @@ absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const s
 
 absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
                                                   const LoadOptions& options) const {
+  LoadMemory memory(*state_);
+  return read(manifest, options, memory);
+}
+
+absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
+                                                  const LoadOptions& options,
+                                                  LoadMemory& memory) const {
   Read result;
-  AssetReader reader(std::make_unique<ManifestSource>(manifest, *state_->assets, result.missing));
-  absl::StatusOr<SceneDescription> description =
-      load_scene_file(reader, manifest.main, options.stop, state_->load_limits(),
-                      options.factors.value_or(LevelFactors()));
+  const LoadLimits limits = state_->load_limits(memory.budget());
+  AssetReader reader(std::make_unique<ManifestSource>(manifest, *state_->assets, result.missing),
+                     reader_options(limits, options.stop));
+  absl::StatusOr<SceneDescription> description = load_scene_file(
+      reader, manifest.main, options.stop, limits, options.factors.value_or(LevelFactors()));
   if (absl::IsCancelled(description.status())) return description.status();
   if (!result.missing.empty()) return result;
-  LUCERNA_RETURN_IF_ERROR(description.status());
+  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
   for (const Asset& asset : description->assets) {
     const std::string& digest = manifest.assets.at(asset.name);
     if (asset.sha256 == digest) continue;
@@ -404,17 +505,22 @@ absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
 
 absl::StatusOr<SceneStore::Read> SceneStore::read(const std::string& path,
                                                   const LoadOptions& options) const {
-  LUCERNA_ASSIGN_OR_RETURN(AssetReader reader, AssetReader::open(state_->options.root));
-  LUCERNA_ASSIGN_OR_RETURN(SceneDescription description,
-                           load_scene_file(reader, path, options.stop, state_->load_limits(),
-                                           options.factors.value_or(LevelFactors())));
-  return Read{std::move(description), {}};
+  LoadMemory memory(*state_);
+  const LoadLimits limits = state_->load_limits(memory.budget());
+  LUCERNA_ASSIGN_OR_RETURN(
+      AssetReader reader,
+      AssetReader::open(state_->options.root, reader_options(limits, options.stop)));
+  absl::StatusOr<SceneDescription> description =
+      load_scene_file(reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
+  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
+  return Read{*std::move(description), {}};
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
                                                       const std::string& key,
                                                       const LoadOptions& options) {
-  LUCERNA_ASSIGN_OR_RETURN(Read found, read(manifest, options));
+  LoadMemory memory(*state_);
+  LUCERNA_ASSIGN_OR_RETURN(Read found, read(manifest, options, memory));
   if (!found.description) return LoadedScene{.missing = std::move(found.missing)};
   return build_once(*std::move(found.description), key,
                     {.scene = nullptr,
@@ -422,13 +528,16 @@ absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
                      .uploaded = true,
                      .source = manifest,
                      .factors = options.factors.value_or(LevelFactors())},
-                    options);
+                    options, memory);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const std::string& key,
                                                   const std::optional<StoredScene>& known,
                                                   const LoadOptions& options) {
-  absl::StatusOr<AssetReader> reader = AssetReader::open(state_->options.root);
+  LoadMemory memory(*state_);
+  const LoadLimits limits = state_->load_limits(memory.budget());
+  absl::StatusOr<AssetReader> reader =
+      AssetReader::open(state_->options.root, reader_options(limits, options.stop));
   if (!reader.ok()) return absl::InternalError(reader.status().ToString());
   if (known) {
     const absl::StatusOr<std::vector<Asset>> now = reader->rehash(known->scene->assets());
@@ -441,17 +550,17 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
     }
   }
   absl::StatusOr<SceneDescription> description = load_scene_file(
-      *reader, path, options.stop, state_->load_limits(), options.factors.value_or(LevelFactors()));
+      *reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
   // NOT_FOUND may also come from a file that the scene names.
   if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
     return load_uploaded(path, options);
-  LUCERNA_RETURN_IF_ERROR(description.status());
+  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
   return build_once(*std::move(description), key,
                     {.scene = nullptr,
                      .path = path,
                      .source = path,
                      .factors = options.factors.value_or(LevelFactors())},
-                    options);
+                    options, memory);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
@@ -472,7 +581,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
 
 absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
                                                    const std::string& key, const StoredScene& named,
-                                                   const LoadOptions& options) {
+                                                   const LoadOptions& options, LoadMemory& memory) {
   const std::string id =
       scene_id(description.assets, description.textures.halved(), description.level_factors);
   const auto turn = state_->builds_turns.take(id, options.stop);
@@ -483,15 +592,18 @@ absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
     if (same != state_->scenes.end()) return state_->answer(same->second, key, options, true);
     LUCERNA_RETURN_IF_ERROR(state_->check_scenes(options.owner));
   }
-  LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
-                           Scene::build(std::move(description), state_->options.isa, options.stop));
+  absl::StatusOr<std::shared_ptr<const Scene>> built =
+      Scene::build(std::move(description), state_->options.isa, options.stop, &memory.budget());
+  LUCERNA_RETURN_IF_ERROR(memory.explained(built.status()));
+  const std::shared_ptr<const Scene> scene = *std::move(built);
   Entry entry;
   entry.stored = named;
   entry.stored.scene = scene;
   entry.owner = options.owner.name;
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
-  LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), gone));
+  memory.end();
+  LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), 0, gone));
   ++state_->builds;
   return state_->answer(state_->insert(std::move(entry)), key, options, false);
 }
@@ -519,7 +631,11 @@ absl::StatusOr<std::shared_ptr<const Scene>> SceneStore::moved(const StoredScene
         fmt::format("the files of \"{}\" are not those that were loaded, and an edit that moves a "
                     "surface reads them again; load the scene again",
                     of.path));
-  return Scene::build_moved(*std::move(found.description), moves, state_->options.isa, stop);
+  LoadMemory memory(*state_);
+  absl::StatusOr<std::shared_ptr<const Scene>> built = Scene::build_moved(
+      *std::move(found.description), moves, state_->options.isa, stop, &memory.budget());
+  if (!built.ok()) return memory.explained(built.status());
+  return built;
 }
 
 absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits edits,
@@ -535,7 +651,7 @@ absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits
   if (options.lease_s > 0) LUCERNA_RETURN_IF_ERROR(state_->check_leases(options.owner));
   if (!is_known) {
     LUCERNA_RETURN_IF_ERROR(state_->check_scenes(options.owner));
-    LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), gone));
+    LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), 0, gone));
     Entry entry;
     entry.stored = of;
     entry.stored.scene = scene;
@@ -648,6 +764,11 @@ const std::string& SceneStore::root() const { return state_->root; }
 
 FileListing SceneStore::available() const {
   return list_files(state_->options.root, scene_file_extensions());
+}
+
+std::size_t SceneStore::sources() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->by_source.size();
 }
 
 std::size_t SceneStore::size() const {

@@ -93,7 +93,8 @@ class SceneStore {
   /// behind.
   ///
   /// If scenes exceed the budget, the least recently used scenes without a lease are unloaded.  The
-  /// size of a scene includes parts that queries built in it later; `find` checks the budget.
+  /// size of a scene includes parts that queries built in it later; `find` checks the budget.  The
+  /// memory of running loads counts too, so a load that does not fit ends before it needs more.
   ///
   /// An absolute path is accepted if it is under the root.  If no file has this name, the most
   /// recently used uploaded scene of this name is loaded.
@@ -153,6 +154,8 @@ class SceneStore {
   FileListing available() const;
 
   std::size_t size() const;
+  /// The number of paths and manifests that are known to give a loaded scene.
+  std::size_t sources() const;
   std::uint64_t bytes() const;
   /// The number of leases of all scenes.
   std::size_t leases() const;
@@ -177,8 +180,12 @@ class SceneStore {
   absl::StatusOr<std::shared_ptr<const Scene>> moved(const StoredScene& of,
                                                      const MovedSurfaces& moves,
                                                      const std::stop_token& stop);
+  class LoadMemory;
+  absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options,
+                            LoadMemory& memory) const;
   absl::StatusOr<LoadedScene> build_once(SceneDescription description, const std::string& key,
-                                         const StoredScene& named, const LoadOptions& options);
+                                         const StoredScene& named, const LoadOptions& options,
+                                         LoadMemory& memory);
 
   std::unique_ptr<State> state_;
 };

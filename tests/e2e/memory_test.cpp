@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string>
+#include <thread>
 
 #include "lucerna/client/testing/local_server.h"
 #include "tests/temp_directory.h"
@@ -65,6 +67,24 @@ class Memory : public ::testing::Test {
     return request;
   }
 
+  /// The most memory that the server had so far.
+  double peak_bytes() const { return status_bytes("VmHWM:"); }
+  double status_bytes(const std::string& field) const {
+    std::ifstream in("/proc/" + std::to_string(server_->process_id()) + "/status");
+    std::string word;
+    double kilobytes = 0;
+    while (in >> word)
+      if (word == field) in >> kilobytes;
+    return kilobytes * 1024;
+  }
+  void restart(const std::string& budget) {
+    server_.reset();
+    auto server = testing::LocalServer::start(
+        {.scene_root = directory_.string(), .arguments = {"--memory-budget", budget}});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = std::make_unique<testing::LocalServer>(*std::move(server));
+  }
+
   const TempDirectory temporary_;  // outlives the servers
   const fs::path directory_ = temporary_.path();
   std::unique_ptr<testing::LocalServer> server_;
@@ -100,6 +120,59 @@ TEST_F(Memory, ACancelledLoadStopsAndLeavesNothing) {
   const auto scenes = server_->client().list_scenes({});
   ASSERT_TRUE(scenes.ok());
   EXPECT_EQ(scenes->scenes_size(), 0);
+}
+
+constexpr double kMiB = 1 << 20;
+
+TEST_F(Memory, ALoadOverTheBudgetEndsBeforeItNeedsMore) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers use additional memory";
+#endif
+  // The scene needs more than 500 MB, its file alone 117 MB.
+  for (const double budget_mib : {60.0, 150.0, 400.0}) {
+    restart(std::to_string(static_cast<int>(budget_mib)) + "MiB");
+    const double idle = resident_bytes(server_->process_id());
+    const auto refused = server_->client().load_scene(sheet());
+    EXPECT_EQ(refused.status().code(), absl::StatusCode::kResourceExhausted) << refused.status();
+    EXPECT_LT(peak_bytes() - idle, 1.1 * budget_mib * kMiB);
+    // Nothing stays.
+    EXPECT_LT(resident_bytes(server_->process_id()) - idle, 0.1 * budget_mib * kMiB + 8 * kMiB);
+  }
+}
+
+TEST_F(Memory, TwoLoadsShareTheBudget) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers use additional memory";
+#endif
+  constexpr double kBudgetMib = 400;
+  restart("400MiB");
+  const double idle = resident_bytes(server_->process_id());
+  std::ofstream(directory_ / "other.pbrt")
+      << "WorldBegin\nShape \"plymesh\" \"string filename\" \"sheet.ply\"\nShape \"sphere\"\n";
+  std::thread first([&] { (void)server_->client().load_scene(sheet()); });
+  v1::LoadSceneRequest other;
+  other.set_path("other.pbrt");
+  (void)server_->client().load_scene(other);
+  first.join();
+  EXPECT_LT(peak_bytes() - idle, 1.1 * kBudgetMib * kMiB);
+}
+
+TEST_F(Memory, ALargePictureOfASmallFileIsRefusedByItsHeader) {
+  // 11000 x 11000 texels are announced; the file holds none of them.
+  constexpr char kHeader[] =
+      "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x2a\xf8\0\0\x2a\xf8\x08\2\0\0\0\x41\x4d\x0d\xdd";
+  std::ofstream(directory_ / "large.png", std::ios::binary)
+      << std::string(kHeader, sizeof kHeader - 1)
+      << std::string("\0\0\0\0IDAT\x35\xaf\x06\x1e", 12);
+  std::ofstream(directory_ / "large.pbrt")
+      << "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"large.png\"";
+  restart("100MiB");
+  const double idle = resident_bytes(server_->process_id());
+  v1::LoadSceneRequest request;
+  request.set_path("large.pbrt");
+  const auto refused = server_->client().load_scene(request);
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kResourceExhausted) << refused.status();
+  EXPECT_LT(peak_bytes() - idle, 20 * kMiB);
 }
 
 }  // namespace

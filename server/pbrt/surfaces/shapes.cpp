@@ -140,13 +140,20 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   if (const Parameter* map = shape.params.find("displacement", {"texture", "float"}))
     context.remark(map->place, "\"displacement\" is not modelled", "the mesh without it");
   shape.params.ignore({"displacement.edgelength", "edgelength", "displacement.uvscale"});
-  const AssetContent content = context.read(*file);
-  auto ply = parse_ply(content.bytes, context.stop);
-  if (absl::IsCancelled(ply.status())) throw Failure{ply.status()};
+  AssetContent content = context.read(*file);
+  auto ply = parse_ply(content.bytes, context.stop, context.meter.budget());
+  if (absl::IsCancelled(ply.status()) || absl::IsResourceExhausted(ply.status()))
+    throw Failure{ply.status()};
   if (!ply.ok()) {
     const std::string message(ply.status().message().data(), ply.status().message().size());
     fail(file->place, fmt::format("file \"{}\": {}", content.name, message));
   }
+  content.bytes = std::string();
+  content.share.reset();
+  // Normals in double and in float, and the (u, v) of each corner.
+  LoadBudget::Share work(context.meter.budget());
+  Context::require(work.resize(ply->normals.size() * (sizeof(Vec3<double>) + sizeof(Vec3<float>)) +
+                               (shape.needs_uv ? ply->indices.size() * sizeof(Vec2<float>) : 0)));
   RawMesh raw;
   if (const std::size_t bent = bent_quads(*ply); bent > 0)
     context.remark(file->place,
@@ -174,6 +181,12 @@ TriangleMeshData loop_surface(Context& context, const ShapeDirective& shape) {
   if (levels < 0) fail(at, fmt::format("\"integer levels\" = {}, allowed: 0 and more", levels));
   RawMesh raw = raw_mesh(shape);
   check_raw(shape, raw, 3);
+  // Measured: the last step takes about 100 bytes for each triangle.
+  constexpr std::uint64_t kTriangleBytes = 100;
+  LoadBudget::Share work(context.meter.budget());
+  Context::require(work.resize(
+      std::min(kMostLimitTriangles, (raw.indices.size() / 3) << (2 * std::min(levels, 12))) *
+      kTriangleBytes));
   auto limit =
       loop_subdivide({std::move(raw.positions), std::move(raw.indices)}, levels, context.stop);
   if (!limit.ok())
@@ -362,6 +375,9 @@ std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shap
 }  // namespace
 
 std::optional<Geometry> make_geometry(Context& context, const ShapeDirective& shape) {
+  // The arrays of a mesh have at most twice the bytes of its numbers in the file.
+  LoadBudget::Share work(context.meter.budget());
+  Context::require(work.resize(2 * shape.params.long_bytes()));
   auto geometry = geometry_of(context, shape);
   if (!geometry) return geometry;
   shape.params.ignore({"alpha"});  // the caller reads it

@@ -122,8 +122,8 @@ ColourValue TextureTable::colour(Context& context, const ParameterSet& params,
   return {Rgb<double>(value.constant), value.texture};
 }
 
-TextureNode TextureTable::image(Context& context, const ParameterSet& params, const Place& place,
-                                const TextureMapping& mapping) const {
+ImageTexture TextureTable::image(Context& context, const ParameterSet& params, const Place& place,
+                                 const TextureMapping& mapping) const {
   const Parameter* file = params.find("filename", {"string"});
   if (file == nullptr) fail(place, "Texture \"imagemap\" lacks \"string filename\"");
   ImageTexture t;
@@ -193,7 +193,12 @@ void TextureTable::make(Context& context, const std::string& name, const std::st
       fail(place, "\"vector3 dir\" has no direction");
     value = node(DirectionMixTexture{{part("tex1", 0), part("tex2", 1)}, direction});
   } else if (type == "imagemap") {
-    value = node(image(context, params, place, mapping()));
+    ImageTexture made = image(context, params, place, mapping());
+    LoadBudget::Share levels(context.meter.budget());
+    if (uses_levels(made.filter)) Context::require(levels.resize(made.image->bytes()));
+    value = {{}, context.scene.textures.add(std::move(made), context.stop)};
+    levels.reset();
+    context.poll();
   } else if (type == "checkerboard") {
     const int dimension = params.integer("dimension", 2);
     if (dimension != 2 && dimension != 3)

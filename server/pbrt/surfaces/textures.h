@@ -33,8 +33,8 @@ class TextureTable {
  private:
   ColourValue colour(Context& context, const ParameterSet& params, const std::string& name,
                      bool is_float, double otherwise) const;
-  TextureNode image(Context& context, const ParameterSet& params, const Place& place,
-                    const TextureMapping& mapping) const;
+  ImageTexture image(Context& context, const ParameterSet& params, const Place& place,
+                     const TextureMapping& mapping) const;
 
   std::map<std::string, ColourValue> values_;  ///< by "kind name"
 };

@@ -48,8 +48,9 @@ AssetContent Context::read(const Parameter& parameter) {
                        missing ? ", allowed: a file inside the scene root" : "")));
 }
 
-void Context::poll() const {
+void Context::poll() {
   if (stop.stop_requested()) throw Failure{absl::CancelledError("loading was cancelled")};
+  require(meter.count_lists());
 }
 
 }  // namespace lucerna::pbrt

@@ -15,6 +15,7 @@
 #include "lights/pictures/intensity_map.h"
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset_reader.h"
+#include "server/description/load_meter.h"
 #include "server/description/remark_groups.h"
 #include "server/description/scene_description.h"
 #include "server/formats/image_reader.h"
@@ -27,13 +28,18 @@ struct Parameter;
 
 struct Context {
   Context(AssetReader& assets, SceneDescription& scene, std::stop_token stop,
-          std::string scene_file)
-      : assets(assets), scene(scene), stop(std::move(stop)), scene_file(std::move(scene_file)) {}
+          std::string scene_file, const LoadLimits& limits)
+      : assets(assets),
+        scene(scene),
+        stop(std::move(stop)),
+        scene_file(std::move(scene_file)),
+        meter(scene, limits) {}
 
   AssetReader& assets;
   SceneDescription& scene;
   std::stop_token stop;
   std::string scene_file;  ///< the first file of the load
+  LoadMeter meter;
   /// Pictures read so far, by file name and encoding.
   std::map<std::pair<std::string, Encoding>, std::shared_ptr<const Image>> images;
   /// Pictures of surfaces read so far, in the same way.
@@ -57,8 +63,17 @@ struct Context {
   /// The file that the first string of `parameter` names.  Errors name the parameter too.
   AssetContent read(const Parameter& parameter);
 
-  /// Fails with CANCELLED if the caller has stopped the load.
-  void poll() const;
+  ImageOptions image_options(Encoding encoding) const {
+    return {meter.limits().max_texels, encoding, stop, meter.budget()};
+  }
+
+  /// Fails with CANCELLED if the caller has stopped the load, and with RESOURCE_EXHAUSTED if the
+  /// lists of the scene exceed the budget.
+  void poll();
+  /// Fails if `status` is an error.
+  static void require(const absl::Status& status) {
+    if (!status.ok()) throw Failure{status};
+  }
 
  private:
   absl::StatusOr<AssetContent> find(const Place& place, const std::string& name);

@@ -2,20 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace lucerna::pbrt {
 
 namespace {
 
-std::shared_ptr<const Image> decoded(Context& context, const Parameter& filename,
-                                     const AssetContent& content, Encoding encoding) {
-  context.poll();
-  auto picture = decode_image(content, kMaxImageTexels, encoding);
-  if (!picture.ok())
-    fail(filename.place, absl::Status(picture.status().code(),
-                                      fmt::format("\"string {}\": {}", filename.name,
-                                                  std::string(picture.status().message()))));
+/// The picture that `decode` made, with its remarks.
+template <typename Picture>
+Picture checked(Context& context, const Parameter& filename, absl::StatusOr<Picture> picture) {
+  const absl::Status& status = picture.status();
+  if (absl::IsCancelled(status)) throw Failure{status};
+  if (!status.ok())
+    fail(filename.place, absl::Status(status.code(), fmt::format("\"string {}\": {}", filename.name,
+                                                                 std::string(status.message()))));
   for (const ImageRemark& r : picture->remarks) context.remark(filename.place, r.what, r.instead);
-  return picture->image;
+  return *std::move(picture);
 }
 
 AssetContent content_of(Context& context, const Parameter& filename) {
@@ -24,12 +26,23 @@ AssetContent content_of(Context& context, const Parameter& filename) {
   return context.read(filename);
 }
 
+Texels texels_of(CodedImage codes) {
+  return Texels(codes.width, codes.height, codes.is_grey, std::move(codes.codes),
+                std::move(codes.values));
+}
+
 }  // namespace
 
 NamedImage read_image(Context& context, const Parameter& filename, Encoding encoding) {
   const AssetContent content = content_of(context, filename);
   std::shared_ptr<const Image>& image = context.images[{content.name, encoding}];
-  if (image == nullptr) image = decoded(context, filename, content, encoding);
+  if (image == nullptr) {
+    context.poll();
+    image =
+        checked(context, filename, decode_image(content, context.image_options(encoding))).image;
+    // The tables from which lights draw points take up to as much as the picture.
+    Context::require(context.meter.keep(2 * image->bytes()));
+  }
   return {content.name, image};
 }
 
@@ -37,9 +50,20 @@ std::shared_ptr<const Texels> read_texels(Context& context, const Parameter& fil
                                           Encoding encoding) {
   const AssetContent content = content_of(context, filename);
   std::shared_ptr<const Texels>& texels = context.texels[{content.name, encoding}];
-  if (texels == nullptr)
-    texels = context.scene.textures.picture(content.name,
-                                            *decoded(context, filename, content, encoding));
+  if (texels != nullptr) return texels;
+  context.poll();
+  DecodedSurface picture =
+      checked(context, filename, decode_surface(content, context.image_options(encoding)));
+  Textures& textures = context.scene.textures;
+  if (picture.codes) {
+    texels = textures.picture(content.name, texels_of(*std::move(picture.codes)), context.stop);
+  } else {
+    // Texels have at most the bytes of the picture.
+    Context::require(picture.share.grow(picture.image->bytes()));
+    texels = textures.picture(content.name, Texels(*picture.image), context.stop);
+  }
+  picture.share.reset();
+  context.poll();
   return texels;
 }
 

@@ -132,6 +132,12 @@ bool ParameterSet::has_textures() const {
                              [](const Entry& entry) { return entry.parameter->type == "texture"; });
 }
 
+std::uint64_t ParameterSet::long_bytes() const {
+  std::uint64_t sum = 0;
+  for (const Entry& entry : entries_) sum += entry.parameter->share.bytes();
+  return sum;
+}
+
 void ParameterSet::ignore(std::initializer_list<std::string_view> names) const {
   for (const Entry& entry : entries_)
     if (std::find(names.begin(), names.end(), entry.parameter->name) != names.end())

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <initializer_list>
 #include <memory>
 #include <optional>
@@ -25,6 +26,7 @@ struct Parameter {
   Place place;
   std::vector<double> numbers;  ///< finite; whole for integer, 0 or 1 for bool
   std::vector<std::string> strings;
+  LoadBudget::Share share{};  ///< of long lists of values
 };
 
 /// Number of values of one item of a type; 0: any number (spectrum).  Nothing for unknown types.
@@ -70,6 +72,9 @@ class ParameterSet {
 
   /// Whether a parameter names a texture.
   bool has_textures() const;
+
+  /// Memory of the numbers of long parameters.
+  std::uint64_t long_bytes() const;
 
   /// Marks parameters as used that have no effect here.
   void ignore(std::initializer_list<std::string_view> names) const;

@@ -28,7 +28,6 @@ constexpr double kReleaseSeconds = 1;
 // A page of lights ends when its names and spectra have this size.  It stays far below the default
 // message limit of clients (4 MiB).
 constexpr std::size_t kPageBytes = std::size_t{1} << 20;
-constexpr std::size_t kMostNameBytes = 4096;
 
 absl::Status check_digest(const std::string& field, const std::string& digest) {
   if (digest.size() == kSha256Bytes) return absl::OkStatus();
@@ -36,8 +35,8 @@ absl::Status check_digest(const std::string& field, const std::string& digest) {
 }
 
 /// Whether scene files may use this name for a file: relative, without `.` and `..`.
-bool is_plain(const std::string& name) {
-  if (name.empty() || name.size() > kMostNameBytes || name.find('\0') != std::string::npos)
+bool is_plain(const std::string& name, std::size_t most_bytes) {
+  if (name.empty() || name.size() > most_bytes || name.find('\0') != std::string::npos)
     return false;
   for (std::size_t begin = 0; begin <= name.size();) {
     const std::size_t end = std::min(name.find('/', begin), name.size());
@@ -113,10 +112,10 @@ absl::StatusOr<Manifest> check_manifest(const Context& context, const std::strin
   for (std::size_t i = 0; i < n; ++i) {
     const v1::NamedAsset& asset = given.assets(static_cast<int>(i));
     const std::string entry = fmt::format("{}.assets[{}]", field, i);
-    if (!is_plain(asset.name())) {
-      return bad_field(
-          entry + ".name", fmt::format("\"{}\"", asset.name()),
-          fmt::format("a relative name of at most {} bytes without . and ..", kMostNameBytes));
+    if (!is_plain(asset.name(), context.limits.max_name_bytes)) {
+      return bad_field(entry + ".name", fmt::format("\"{}\"", asset.name()),
+                       fmt::format("a relative name of at most {} bytes without . and ..",
+                                   context.limits.max_name_bytes));
     }
     if (!asset.sha256().empty()) {
       LUCERNA_RETURN_IF_ERROR(check_digest(entry + ".sha256", asset.sha256()));
@@ -166,6 +165,9 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
     LUCERNA_ASSIGN_OR_RETURN(manifest, check_manifest(context, "manifest", request.manifest()));
   } else if (request.path().empty()) {
     return bad_field("path", "\"\"", "the name of a scene file under the server's scene root");
+  } else if (request.path().size() > context.limits.max_name_bytes) {
+    return bad_field("path", fmt::format("{} bytes", request.path().size()),
+                     fmt::format("at most {} bytes", context.limits.max_name_bytes));
   }
   std::optional<LevelFactors> factors;
   if (request.has_blender()) {

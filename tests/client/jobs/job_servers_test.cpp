@@ -131,5 +131,36 @@ TEST_F(JobTest, WaitsWhileNoServerAnswersAndReportsIt) {
   EXPECT_THAT(events_, Contains("no server answers: waiting"));
 }
 
+TEST_F(JobTest, EndsIfNoServerAnswersForItsPatience) {
+  listed_ = {"127.0.0.1:1"};
+  options_.patience = std::chrono::seconds(1);
+  Tiles work(3);
+  const auto never = run_job(work, options_);
+  EXPECT_TRUE(absl::IsUnavailable(never.status())) << never.status();
+  EXPECT_THAT(std::string(never.status().message()),
+              HasSubstr("no server answered for 1 s; 127.0.0.1:1: "));
+  listed_ = {};
+  EXPECT_THAT(std::string(run_job(work, options_).status().message()),
+              HasSubstr("the list of servers is empty"));
+}
+
+TEST_F(JobTest, ADeadlineReplacesThePatience) {
+  listed_ = {"127.0.0.1:1"};
+  options_.patience = std::chrono::seconds(0);
+  options_.call = CallOptions::within(std::chrono::seconds(1));
+  Tiles work(3);
+  EXPECT_TRUE(absl::IsDeadlineExceeded(run_job(work, options_).status()));
+}
+
+TEST_F(JobTest, AServerThatLoadsTheSceneAnswers) {
+  options_.patience = std::chrono::seconds(1);
+  options_.load = [load = options_.load](const Client& client, const CallOptions& call) {
+    std::this_thread::sleep_for(std::chrono::seconds(3));
+    return load(client, call);
+  };
+  Tiles work(3);
+  EXPECT_TRUE(run_job(work, options_).ok());
+}
+
 }  // namespace
 }  // namespace lucerna::client

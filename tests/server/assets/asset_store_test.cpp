@@ -2,8 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <filesystem>
+#include <fstream>
+#include <utility>
 
 #include "tests/server/pbrt/pbrt_fixture.h"
 
@@ -233,6 +238,83 @@ TEST(AssetStore, ATemporaryDirectoryIsDeletedWithTheStore) {
   EXPECT_FALSE(std::filesystem::is_empty(files.path()));
   store->reset();
   EXPECT_TRUE(std::filesystem::is_empty(files.path()));
+}
+
+/// A disk that holds `room` bytes beside the files of the store, which it counts.
+class FullDisk {
+ public:
+  FullDisk(std::filesystem::path directory, std::uint64_t room)
+      : directory_(std::move(directory)), room_(room) {}
+
+  ssize_t operator()(int fd, const void* bytes, std::size_t size) const {
+    std::uint64_t used = 0;
+    for (const auto& file : std::filesystem::directory_iterator(directory_))
+      used += file.file_size();
+    if (used >= room_) {
+      errno = ENOSPC;
+      return -1;
+    }
+    // As write(2) does, it writes what fits.
+    return ::write(fd, bytes, std::min<std::size_t>(size, room_ - used));
+  }
+
+ private:
+  std::filesystem::path directory_;
+  std::uint64_t room_;
+};
+
+TEST_F(AssetStoreTest, AFullDiskDeletesUnusedFilesAndTriesAgain) {
+  open({.write = FullDisk(files_.path() / "assets", 10)});
+  ASSERT_TRUE(put("aaaa").ok());
+  ASSERT_TRUE(put("bbbb").ok());
+  // A broken upload goes first.
+  (void)store_->upload(sha256("dd"), 2, 0)->append("d");
+  ASSERT_TRUE(put("ccc").ok());
+  EXPECT_EQ(get("ccc"), "ccc");
+  EXPECT_EQ(store_->held(sha256("dd")).bytes, 0U);
+  EXPECT_NE(get("aaaa"), "aaaa");
+  EXPECT_EQ(get("bbbb"), "bbbb");
+}
+
+TEST_F(AssetStoreTest, AnUploadThatNeverFitsLeavesRoomForOthers) {
+  open({.write = FullDisk(files_.path() / "assets", 10)});
+  ASSERT_TRUE(put("aaaa").ok());
+  {
+    const AssetStore::Pins pins(*store_, {sha256("aaaa")});
+    EXPECT_EQ(put("0123456789").code(), absl::StatusCode::kResourceExhausted);
+    EXPECT_EQ(names().size(), 1U);
+    EXPECT_TRUE(put("bbbb").ok());
+    EXPECT_EQ(get("aaaa"), "aaaa");
+  }
+  EXPECT_EQ(get("bbbb"), "bbbb");
+}
+
+TEST_F(AssetStoreTest, OldPartsOfUploadsAreDeleted) {
+  (void)store_->upload(sha256("abc"), 3, 0)->append("a");
+  ASSERT_TRUE(put("whole").ok());
+  open({.keep_parts = std::chrono::hours(1)});
+  EXPECT_EQ(store_->held(sha256("abc")).bytes, 1U);
+  // At the start, by the time of the file.
+  for (const auto& file : std::filesystem::directory_iterator(files_.path() / "assets"))
+    last_write_time(file.path(),
+                    std::filesystem::file_time_type::clock::now() - std::chrono::hours(2));
+  open({.keep_parts = std::chrono::hours(1)});
+  EXPECT_EQ(store_->held(sha256("abc")).bytes, 0U);
+  EXPECT_EQ(get("whole"), "whole");
+  // And while the server runs.
+  open({.keep_parts = std::chrono::seconds(0)});
+  (void)store_->upload(sha256("abc"), 3, 0)->append("a");
+  ASSERT_TRUE(put("other").ok());
+  EXPECT_EQ(store_->held(sha256("abc")).bytes, 0U);
+}
+
+TEST_F(AssetStoreTest, APartBesideItsWholeFileIsDeleted) {
+  ASSERT_TRUE(put("whole").ok());
+  const auto whole = files_.path() / "assets" / hexadecimal(sha256("whole"));
+  std::ofstream(whole.string() + ".part") << "who";
+  open({});
+  EXPECT_EQ(names().size(), 1U);
+  EXPECT_EQ(get("whole"), "whole");
 }
 
 }  // namespace

@@ -136,7 +136,8 @@ TEST(ImageReader, NegativeTexelsCountAsZeroAndAreCounted) {
 
 TEST(ImageReader, NoTexelsTooManyTexelsOrAnotherFormatAreErrors) {
   EXPECT_FALSE(decode_image({"a.pfm", pfm(0, 0, {})}).ok());
-  const auto many = decode_image({"a.pfm", pfm(3, 2, std::vector<float>(18))}, 5).status();
+  const auto many =
+      decode_image({"a.pfm", pfm(3, 2, std::vector<float>(18))}, {.max_texels = 5}).status();
   EXPECT_EQ(many.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(message(many), HasSubstr("a.pfm: 3 x 2 texels, allowed: 5"));
   // The header announces 4e9 texels: an error before any allocation.

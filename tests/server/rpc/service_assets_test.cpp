@@ -18,10 +18,12 @@ constexpr char kScene[] = "WorldBegin\nShape \"sphere\"\nLightSource \"point\"\n
 
 class AssetServiceTest : public ::testing::Test {
  protected:
-  AssetServiceTest() : service_(options()) {}
+  explicit AssetServiceTest(std::chrono::seconds stall_time = std::chrono::hours(1))
+      : service_(options(stall_time)) {}
 
-  rpc::ServerOptions options() {
+  rpc::ServerOptions options(std::chrono::seconds stall_time) {
     rpc::ServerOptions o = service_options();
+    o.assets.stall_time = stall_time;
     o.assets.directory = (files_.path() / "assets").string();
     o.assets.max_asset_bytes = 8 << 20;
     return o;
@@ -318,6 +320,40 @@ TEST(MemoryBudget, LeasesThatLeaveNoRoomAreReportedWithARetryDelay) {
   const auto retry = detail<google::rpc::RetryInfo>(status);
   EXPECT_GT(retry.retry_delay().seconds(), 3600);
   EXPECT_LE(retry.retry_delay().seconds(), 7200);
+}
+
+class StalledUploadTest : public AssetServiceTest {
+ protected:
+  StalledUploadTest() : AssetServiceTest(std::chrono::seconds(1)) {}
+};
+
+TEST_F(StalledUploadTest, TheServerEndsItAndKeepsWhatArrived) {
+  const std::string bytes = "abcdef";
+  for (const bool has_begun : {false, true}) {
+    grpc::ClientContext context;
+    // The message below tells the server's end from this one.
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(2));
+    v1::UploadAssetResponse response;
+    const auto stream = service_.scenes.UploadAsset(&context, &response);
+    if (has_begun) {
+      ASSERT_TRUE(stream->Write(header(sha256(bytes), bytes.size())));
+      ASSERT_TRUE(stream->Write(chunk("abc")));
+    }
+    const grpc::Status status = stream->Finish();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+    EXPECT_THAT(status.error_message(), HasSubstr("the upload sent nothing for 1 s"));
+  }
+  EXPECT_TRUE(send({header(sha256(bytes), bytes.size(), 3), chunk("def")}).ok());
+  EXPECT_EQ(received_, bytes.size());
+}
+
+TEST_F(AssetServiceTest, NamesOfScenesAreBounded) {
+  v1::LoadSceneRequest request;
+  v1::LoadSceneResponse response;
+  request.set_path(std::string(5000, 'a'));
+  const grpc::Status status = load(request, &response);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("path = 5000 bytes, allowed: at most 4096 bytes"));
 }
 
 }  // namespace

@@ -221,5 +221,21 @@ TEST_F(ManifestTest, AReleasedSceneCanBeLoadedAgain) {
   EXPECT_EQ(store_->builds(), 2U);
 }
 
+TEST_F(ManifestTest, AScenesManifestsAreForgottenBeyondALimit) {
+  put("room.pbrt", "WorldBegin LightSource \"point\"");
+  std::string id;
+  for (int i = 0; i < 200; ++i) {
+    // A file that the scene does not use makes another manifest of the same scene.
+    manifest_.assets["unused" + std::to_string(i)] = "";
+    const auto loaded = load();
+    ASSERT_TRUE(loaded.ok()) << loaded.status();
+    if (i > 0) EXPECT_EQ(loaded->stored.scene->id(), id);
+    id = loaded->stored.scene->id();
+  }
+  EXPECT_EQ(store_->builds(), 1U);
+  EXPECT_EQ(store_->sources(), 64U);
+  EXPECT_TRUE(load()->already_loaded);
+}
+
 }  // namespace
 }  // namespace lucerna

@@ -191,5 +191,32 @@ TEST(SceneStore, NeedsADirectory) {
   EXPECT_FALSE(SceneStore::open({.root = "/no/such/directory"}).ok());
 }
 
+TEST_F(SceneStoreTest, NamesOfOneFileAreOneName) {
+  std::filesystem::create_directories(root_ / "sub");
+  std::string longer;
+  for (int i = 0; i < 1000; ++i) longer += "./";
+  for (const std::string& name :
+       {longer + "a.pbrt", std::string("sub/../a.pbrt"), std::string(".//a.pbrt")})
+    EXPECT_EQ(load(name).stored.path, "a.pbrt") << name;
+  EXPECT_EQ(store_->builds(), 1U);
+  // These are refused as before.
+  EXPECT_FALSE(store_->load("../a.pbrt").ok());
+  EXPECT_FALSE(store_->load(".").ok());
+}
+
+TEST_F(SceneStoreTest, LoadsCountAgainstTheBudgetBeforeTheyAreBuilt) {
+  // 300 kB of text need as many bytes, and their numbers more.
+  std::string text = "WorldBegin Shape \"trianglemesh\" \"point3 P\" [";
+  for (int i = 0; i < 150'000; ++i) text += "1 ";
+  write("big.pbrt", text + "]");
+  auto small = SceneStore::open({.root = root_.string(), .memory_budget_bytes = 200'000});
+  ASSERT_TRUE(small.ok()) << small.status();
+  const auto refused = (*small)->load("big.pbrt");
+  EXPECT_TRUE(absl::IsResourceExhausted(refused.status())) << refused.status();
+  EXPECT_EQ((*small)->builds(), 0U);
+  // Nothing stays counted.
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE((*small)->load("a.pbrt").ok());
+}
+
 }  // namespace
 }  // namespace lucerna

@@ -1,0 +1,235 @@
+#include "server/formats/image_file.h"
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+namespace lucerna {
+namespace {
+
+constexpr int kMaxChannels = 64;
+
+absl::Status bad(const AssetContent& content, const std::string& what) {
+  return absl::InvalidArgumentError(content.name + ": " + what);
+}
+
+/// The extension in lower case with its dot; empty for unknown formats.  OpenImageIO reads more
+/// formats, such as films and archives, but a server should open only the formats that it needs.
+std::string known_extension(const std::string& name) {
+  std::string extension = std::filesystem::path(name).extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) {
+    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  });
+  constexpr std::array<std::string_view, 8> kKnown{".exr", ".hdr",  ".pfm", ".png",
+                                                   ".tif", ".tiff", ".jpg", ".jpeg"};
+  return std::ranges::find(kKnown, extension) != kKnown.end() ? extension : "";
+}
+
+/// Text from a file, made printable for messages.
+std::string shown(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text.substr(0, 200);
+}
+
+/// The first line of a message of OpenImageIO.  Its messages name temporary files, quote their
+/// content, and may be long.
+std::string first_line(const std::string& text) { return shown(text.substr(0, text.find('\n'))); }
+
+absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec,
+                        std::uint64_t max_texels) {
+  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
+    return bad(content, fmt::format("{} x {} texels of {} channels, allowed: at least 1 x 1 of 1, "
+                                    "in one plane",
+                                    spec.width, spec.height, spec.nchannels));
+  const auto texels =
+      static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
+  if (texels > max_texels)
+    return absl::ResourceExhaustedError(fmt::format("{}: {} x {} texels, allowed: {} in all",
+                                                    content.name, spec.width, spec.height,
+                                                    max_texels));
+  if (spec.nchannels > kMaxChannels)
+    return bad(content, fmt::format("{} channels, allowed: 1 to {}", spec.nchannels, kMaxChannels));
+  return absl::OkStatus();
+}
+
+/// Whether the rows of a PNG file are stored in several passes.
+bool is_interlaced_png(std::string_view bytes) {
+  constexpr std::size_t kInterlace = 28;
+  return bytes.size() > kInterlace && bytes[kInterlace] != 0;
+}
+
+/// Whether the coefficients of a JPEG file are stored in several passes.
+bool is_progressive_jpeg(std::string_view bytes) {
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+  // Segments follow the first marker, up to the first frame header.  [JPEG, B.1.1]
+  for (std::size_t i = 2; i + 4 <= bytes.size() && at(i) == 0xff;
+       i += 2 + (std::size_t{at(i + 2)} << 8U) + at(i + 3)) {
+    const unsigned char marker = at(i + 1);
+    const bool is_frame =
+        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    if (is_frame) return (marker & 3U) == 2;
+  }
+  return false;
+}
+
+}  // namespace
+
+/// An unnamed file that holds `bytes`, for formats that OpenImageIO reads only by name.
+class ImageFile::MemoryFile {
+ public:
+  explicit MemoryFile(const std::string& bytes) : fd_(::memfd_create("image", MFD_CLOEXEC)) {
+    std::size_t done = 0;
+    while (fd_ >= 0 && done < bytes.size()) {
+      const ssize_t n = ::write(fd_, bytes.data() + done, bytes.size() - done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) break;
+      done += static_cast<std::size_t>(n);
+    }
+    ok_ = fd_ >= 0 && done == bytes.size();
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  bool ok() const { return ok_; }
+  std::string path() const { return fmt::format("/proc/self/fd/{}", fd_); }
+
+ private:
+  int fd_;
+  bool ok_;
+};
+
+ImageFile::StoppableReader::StoppableReader(const std::string& bytes, std::stop_token stop)
+    // OpenImageIO 2.4 requires a pointer to non-const bytes, which it only reads.
+    : IOMemReader(const_cast<char*>(bytes.data()),  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+                  bytes.size()),
+      stop_(std::move(stop)) {}
+
+std::size_t ImageFile::StoppableReader::read(void* to, std::size_t size) {
+  return stop_.stop_requested() ? 0 : IOMemReader::read(to, size);
+}
+
+ImageFile::ImageFile(const AssetContent& content, const ImageOptions& options)
+    : content_(&content), options_(options) {}
+
+absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
+                                          const ImageOptions& options) {
+  const std::string extension = known_extension(content.name);
+  if (extension.empty())
+    return bad(content,
+               "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
+  if (options.stop.stop_requested()) return absl::CancelledError("loading was cancelled");
+  ImageFile file(content, options);
+  // Chosen only by the format: with a file name, OpenImageIO would look for that file.
+  file.input_ = OIIO::ImageInput::create(extension.substr(1));
+  if (!file.input_) return absl::InternalError(content.name + ": " + first_line(OIIO::geterror()));
+  OIIO::ImageSpec config;
+  // Use the stored colours, not multiplied by alpha.
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  bool ok;
+  if (file.input_->supports("ioproxy")) {
+    file.memory_ = std::make_unique<StoppableReader>(content.bytes, options.stop);
+    OIIO::Filesystem::IOProxy* proxy = file.memory_.get();
+    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, static_cast<void*>(&proxy));
+    ok = file.input_->open("image" + extension, file.spec_, config);
+  } else {
+    file.file_ = std::make_shared<MemoryFile>(content.bytes);
+    if (!file.file_->ok())
+      return absl::ResourceExhaustedError(content.name + ": " + std::strerror(errno));
+    ok = file.input_->open(file.file_->path(), file.spec_, config);
+  }
+  if (!ok) return file.unreadable();
+  LUCERNA_RETURN_IF_ERROR(check_spec(content, file.spec_, options.max_texels));
+  return file;
+}
+
+absl::Status ImageFile::unreadable() const {
+  const std::string why = input_->geterror();
+  return bad(*content_, fmt::format("cannot be read as an image{}{}, allowed: a complete {} file",
+                                    why.empty() ? "" : ": ", first_line(why),
+                                    known_extension(content_->name)));
+}
+
+std::optional<std::array<int, 3>> ImageFile::colour_channels() const {
+  if (spec_.nchannels <= 2) return std::array{0, 0, 0};
+  std::array<int, 3> channels{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto& names = spec_.channelnames;
+    const auto found = std::ranges::find(names, std::string(1, "RGB"[c]));
+    if (found == names.end()) return std::nullopt;
+    channels[c] = static_cast<int>(found - names.begin());
+  }
+  return channels;
+}
+
+std::uint64_t ImageFile::decoder_bytes() const {
+  const std::string extension = known_extension(content_->name);
+  const std::uint64_t row = spec_.scanline_bytes(true);
+  const auto rows = [&](int count) {
+    return row * static_cast<std::uint64_t>(std::clamp(count, 1, spec_.height));
+  };
+  if (spec_.tile_height > 0) return rows(spec_.tile_height);
+  if (extension == ".png" && is_interlaced_png(content_->bytes)) return rows(spec_.height);
+  // 16-bit coefficients of 8-bit codes.
+  if (extension.starts_with(".jp") && is_progressive_jpeg(content_->bytes))
+    return 2 * rows(spec_.height);
+  return rows(spec_.get_int_attribute("tiff:RowsPerStrip", 1));
+}
+
+std::size_t ImageFile::rows_at_once() const {
+  // About 5 ms of decoding.  Formats that compress several rows together keep them between bands.
+  constexpr std::size_t kTexels = std::size_t{1} << 18;
+  constexpr std::size_t kLeastRows = 16;
+  const std::size_t rows = std::max(kTexels / width(), kLeastRows);
+  const auto tile = static_cast<std::size_t>(std::max(spec_.tile_height, 1));
+  return (rows + tile - 1) / tile * tile;
+}
+
+bool ImageFile::read_rows(std::size_t first, std::size_t rows, int low, int high,
+                          OIIO::TypeDesc type, void* to) {
+  const int begin = spec_.y + static_cast<int>(first);
+  const int end = begin + static_cast<int>(rows);
+  if (spec_.tile_width > 0)
+    return input_->read_tiles(0, 0, spec_.x, spec_.x + spec_.width, begin, end, spec_.z,
+                              spec_.z + 1, low, high + 1, type, to);
+  return input_->read_scanlines(0, 0, begin, end, spec_.z, low, high + 1, type, to);
+}
+
+std::vector<ImageRemark> ImageFile::remarks() {
+  const std::string& name = content_->name;
+  std::vector<ImageRemark> remarks;
+  const OIIO::ImageSpec& spec = spec_;
+  const bool grey_alpha = spec.nchannels == 2;
+  const bool alpha = grey_alpha || std::ranges::count(spec.channelnames, "A") > 0;
+  if (alpha) remarks.push_back({name + " has an alpha channel", "alpha is ignored", true});
+  const int used = spec.nchannels <= 2 ? 1 : 3;
+  if (const int rest = spec.nchannels - used - (alpha ? 1 : 0); rest > 0)
+    remarks.push_back(
+        {fmt::format("{} has {} channels besides R, G, B and A", name, rest), "they are ignored"});
+  if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
+      spec.height != spec.full_height)
+    remarks.push_back({name + " has a data window that differs from its display window",
+                       "the data window is used as the picture"});
+  if (spec.get_int_attribute("Orientation", 1) != 1)
+    remarks.push_back({name + " has an orientation flag", "the picture is used as stored"});
+  std::array<float, 8> c{};
+  constexpr std::array kRec709{0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
+  if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), c.data()) &&
+      !std::ranges::equal(c, kRec709, [](float a, float b) { return std::fabs(a - b) <= 2e-3F; }))
+    remarks.push_back({name + " has primaries other than Rec. 709", "treated as Rec. 709"});
+  if (input_->seek_subimage(1, 0))
+    remarks.push_back({name + " has several pictures", "the first one is used"});
+  input_->seek_subimage(0, 0);
+  return remarks;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,57 @@
+// Numbers on lucernad's command line.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lucerna/client/testing/local_server.h"
+#include "tests/e2e/run_program.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// The numeric options in the help: those whose value is N..M, BYTES or SECONDS.
+std::set<std::string> numeric_options() {
+  const Outcome help = run_program({LUCERNA_LUCERNAD, "--help"});
+  const std::regex option("(--[a-z-]+) ([0-9]+\\.\\.[0-9]+|BYTES|SECONDS)");
+  std::set<std::string> names;
+  for (std::sregex_iterator i(help.out.begin(), help.out.end(), option), end; i != end; ++i)
+    names.insert((*i)[1]);
+  return names;
+}
+
+TEST(ServerOptions, NumbersOutOfRangeAreRefusedWithTheRange) {
+  const std::set<std::string> names = numeric_options();
+  ASSERT_GE(names.size(), 19U);
+  for (const std::string& name : names)
+    for (const std::string value : {"-1", "nan", "1e30", "", "1x", "99999999999999999999"}) {
+      SCOPED_TRACE(name + " '" + value + "'");
+      // Without the check it would serve, and this test would wait for it.
+      const Outcome outcome = run_program({"/usr/bin/timeout", "20", LUCERNA_LUCERNAD, "--listen",
+                                           "127.0.0.1:0", name + "=" + value});
+      EXPECT_EQ(outcome.status, 2);
+      EXPECT_THAT(outcome.err, HasSubstr(name));
+      if (!value.empty()) EXPECT_THAT(outcome.err, HasSubstr("allowed: "));
+    }
+}
+
+TEST(ServerOptions, SizesHaveUnits) {
+  for (const std::string value : {"1MiB", "1mb", "1 M", "1048576", "1048576b"}) {
+    SCOPED_TRACE(value);
+    const Outcome outcome = run_program({"/usr/bin/timeout", "-s", "TERM", "5", LUCERNA_LUCERNAD,
+                                         "--listen", "127.0.0.1:0", "--memory-budget=" + value});
+    EXPECT_THAT(outcome.err, HasSubstr("memory budget 1.0 MiB"));
+  }
+  const Outcome unit = run_program({LUCERNA_LUCERNAD, "--memory-budget=1 parsec"});
+  EXPECT_EQ(unit.status, 2);
+  EXPECT_THAT(unit.err, HasSubstr("found 1 parsec, allowed: 0 to 1152921504606846976 bytes, such "
+                                  "as 512MiB or 8GiB"));
+}
+
+}  // namespace
+}  // namespace lucerna
