@@ -8,9 +8,8 @@
 #include <stop_token>
 #include <string>
 
-#include "client/terminal/blender_option.h"
-#include "client/terminal/edit_option.h"
 #include "client/terminal/error.h"
+#include "client/terminal/load_options.h"
 #include "client/terminal/remarks.h"
 #include "client/terminal/server_address.h"
 #include "lucerna/client/client.h"

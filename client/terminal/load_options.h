@@ -1,9 +1,12 @@
-// The options --set, --remove and --add: edits of a scene's lights.
+// Options of the scene files that a command loads: edits of lights (--set, --remove, --add), and
+// the light levels of glTF files from Blender (--blender, --lumens-per-watt).
 #pragma once
 
 #include <absl/status/statusor.h>
 
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +17,17 @@ class App;
 }
 
 namespace lucerna::cli {
+
+class BlenderOption {
+ public:
+  void add(CLI::App& app);
+  /// LoadSceneRequest.blender; nothing without --blender.
+  std::optional<v1::BlenderLevels> levels() const;
+
+ private:
+  std::string mode_;
+  std::optional<double> lumens_per_watt_;
+};
 
 class EditOption {
  public:
