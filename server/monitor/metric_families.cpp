@@ -156,7 +156,8 @@ void add_scenes(const Figures& figures, std::vector<MetricFamily>& out) {
   add_one(out, MetricType::Counter, "lucerna_scene_builds_total", "Scenes that were built.",
           figures.scenes_built);
   add_one(out, MetricType::Counter, "lucerna_scene_hits_total",
-          "Calls of LoadScene and EditLights that found their scene in memory.", figures.already_loaded);
+          "Calls of LoadScene and EditLights that found their scene in memory.",
+          figures.already_loaded);
   add_one(out, MetricType::Gauge, "lucerna_asset_bytes", "Uploaded files on the disk, in bytes.",
           figures.asset_bytes);
   add_one(out, MetricType::Gauge, "lucerna_asset_budget_bytes",

@@ -17,8 +17,8 @@ absl::Status not_finite(std::size_t i, const Vec3<double>& p) {
       "vertex {} at ({}, {}, {}) m, allowed: coordinates up to 1e30", i, p.x, p.y, p.z));
 }
 
-/// Makes room for `more` elements: no more than that in an empty vector.  Else the capacity at least
-/// doubles, so that many small additions take linear time.
+/// Makes room for `more` elements: no more than that in an empty vector.  Else the capacity at
+/// least doubles, so that many small additions take linear time.
 template <typename T>
 void make_room(std::vector<T>& values, std::size_t more) {
   const std::size_t size = values.size() + more;
