@@ -1,0 +1,314 @@
+// Loads of scenes, and revisions.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
+#include "server/assets/asset_reader.h"
+#include "server/store/scene_file.h"
+#include "server/store/store_state.h"
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool same_files(const std::vector<Asset>& a, const std::vector<Asset>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Asset& x, const Asset& y) {
+    return x.name == y.name && x.sha256 == y.sha256;
+  });
+}
+
+/// Differs from every path, since paths do not contain a zero byte.
+std::string key_of(const Manifest& manifest) {
+  std::string text = manifest.main + '\0';
+  for (const auto& [name, digest] : manifest.assets) text += name + '\0' + digest + '\0';
+  return '\0' + sha256(text);
+}
+
+/// Makes keys of one source differ for different factors.
+std::string with_factors(std::string key, const LoadOptions& options) {
+  const LevelFactors f = options.factors.value_or(LevelFactors());
+  if (f != LevelFactors()) key += fmt::format("{}{}:{}:{}", '\0', f.lamps, f.suns, f.emission);
+  return key;
+}
+
+AssetReaderOptions reader_options(const LoadLimits& limits, const std::stop_token& stop) {
+  AssetReaderOptions options;
+  options.max_total_bytes = limits.max_scene_bytes;
+  options.stop = stop;
+  options.budget = limits.budget;
+  return options;
+}
+
+absl::Status cancelled() { return absl::CancelledError("cancelled while the scene was loading"); }
+
+/// `path` relative to `root` if it is an absolute path under `root`; else empty.
+std::string path_under(const fs::path& root, const std::string& path) {
+  if (!path.starts_with('/')) return {};
+  const fs::path relative = fs::path(path).lexically_normal().lexically_relative(root);
+  if (relative.empty() || relative == "." || *relative.begin() == "..") return {};
+  return relative.string();
+}
+
+/// The name without `.`, `..` and empty parts, so that a file has one name.  Names that lead out of
+/// the root stay as they are: they are refused where they are opened.
+std::string normal_name(const std::string& name) {
+  std::string normal = fs::path(name).lexically_normal().string();
+  while (normal.ends_with('/')) normal.pop_back();
+  if (normal.empty() || normal == "." || normal == ".." || normal.starts_with("../")) return name;
+  return normal;
+}
+
+absl::Status not_found(const std::string& path, const std::string& root, bool has_factors) {
+  return absl::NotFoundError(fmt::format(
+      "file \"{}\" does not exist under the scene root \"{}\", and no uploaded scene "
+      "has this name{}; to use a file of another machine, upload it (lucerna load --upload FILE)",
+      path, root, has_factors ? " and these light levels" : ""));
+}
+
+}  // namespace
+
+absl::StatusOr<LoadedScene> SceneStore::load(const std::string& path, const LoadOptions& options) {
+  std::string relative = path_under(state_->root, path);
+  if (relative.empty()) relative = path_under(state_->canonical_root, path);
+  if (relative.empty() && path.starts_with('/')) {
+    return absl::InvalidArgumentError(
+        fmt::format("file name \"{}\" leaves the scene root \"{}\", allowed: paths inside it; to "
+                    "use another file, upload it (lucerna load --upload FILE)",
+                    path, state_->root));
+  }
+  const std::string name = relative.empty() ? normal_name(path) : relative;
+  return load_once(name, with_factors(name, options), options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load(const Manifest& manifest, const LoadOptions& options) {
+  return load_once(manifest, with_factors(key_of(manifest), options), options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const std::string& key,
+                                                  const LoadOptions& options) {
+  if (options.lease_s > 0) {
+    const std::lock_guard lock(state_->mutex);
+    LUCERNA_RETURN_IF_ERROR(state_->check_leases(options.owner));
+  }
+  // A caller that waited looks again, because the other load may have failed or been cancelled.
+  const auto turn = state_->sources.take(key, options.stop);
+  if (turn == nullptr) return cancelled();
+  return load_alone(source, key, options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const std::string& key,
+                                                   const LoadOptions& options) {
+  std::optional<StoredScene> known;
+  {
+    const std::lock_guard lock(state_->mutex);
+    if (const auto id = state_->by_source.find(key); id != state_->by_source.end()) {
+      Entry& entry = state_->scenes.at(id->second);
+      // Files of a manifest cannot have changed, since it names them by digest.
+      if (std::holds_alternative<Manifest>(source))
+        return state_->answer(entry, key, options, true);
+      known = entry.stored;
+    }
+  }
+  if (const auto* manifest = std::get_if<Manifest>(&source))
+    return load_manifest(*manifest, key, options);
+  return load_path(std::get<std::string>(source), key, known, options);
+}
+
+absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
+                                                  const LoadOptions& options) const {
+  LoadMemory memory(*state_);
+  return read(manifest, options, memory);
+}
+
+absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
+                                                  const LoadOptions& options,
+                                                  LoadMemory& memory) const {
+  Read result;
+  const LoadLimits limits = state_->load_limits(memory.budget());
+  AssetReader reader(std::make_unique<ManifestSource>(manifest, *state_->assets, result.missing),
+                     reader_options(limits, options.stop));
+  absl::StatusOr<SceneDescription> description = load_scene_file(
+      reader, manifest.main, options.stop, limits, options.factors.value_or(LevelFactors()));
+  if (absl::IsCancelled(description.status())) return description.status();
+  if (!result.missing.empty()) return result;
+  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
+  for (const Asset& asset : description->assets) {
+    const std::string& digest = manifest.assets.at(asset.name);
+    if (asset.sha256 == digest) continue;
+    // The file on the disk was changed.
+    state_->assets->drop(digest);
+    result.missing.push_back({asset.name, digest});
+  }
+  if (result.missing.empty()) result.description = *std::move(description);
+  return result;
+}
+
+absl::StatusOr<SceneStore::Read> SceneStore::read(const std::string& path,
+                                                  const LoadOptions& options) const {
+  LoadMemory memory(*state_);
+  const LoadLimits limits = state_->load_limits(memory.budget());
+  LUCERNA_ASSIGN_OR_RETURN(
+      AssetReader reader,
+      AssetReader::open(state_->options.root, reader_options(limits, options.stop)));
+  absl::StatusOr<SceneDescription> description =
+      load_scene_file(reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
+  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
+  return Read{*std::move(description), {}};
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
+                                                      const std::string& key,
+                                                      const LoadOptions& options) {
+  LoadMemory memory(*state_);
+  LUCERNA_ASSIGN_OR_RETURN(Read found, read(manifest, options, memory));
+  if (!found.description) return LoadedScene{.missing = std::move(found.missing)};
+  return build_once(*std::move(found.description), key,
+                    {.scene = nullptr,
+                     .path = manifest.main,
+                     .uploaded = true,
+                     .source = manifest,
+                     .factors = options.factors.value_or(LevelFactors())},
+                    options, memory);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const std::string& key,
+                                                  const std::optional<StoredScene>& known,
+                                                  const LoadOptions& options) {
+  LoadMemory memory(*state_);
+  const LoadLimits limits = state_->load_limits(memory.budget());
+  absl::StatusOr<AssetReader> reader =
+      AssetReader::open(state_->options.root, reader_options(limits, options.stop));
+  if (!reader.ok()) return absl::InternalError(reader.status().ToString());
+  if (known) {
+    const absl::StatusOr<std::vector<Asset>> now = reader->rehash(known->scene->assets());
+    // If a file is gone, the load below fails with its name and place.
+    if (now.ok() && same_files(*now, known->scene->assets())) {
+      // If it is not found, another thread unloaded the scene while its files were read.
+      const std::lock_guard lock(state_->mutex);
+      const auto found = state_->scenes.find(known->scene->id());
+      if (found != state_->scenes.end()) return state_->answer(found->second, key, options, true);
+    }
+  }
+  absl::StatusOr<SceneDescription> description = load_scene_file(
+      *reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
+  // NOT_FOUND may also come from a file that the scene names.
+  if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
+    return load_uploaded(path, options);
+  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
+  return build_once(*std::move(description), key,
+                    {.scene = nullptr,
+                     .path = path,
+                     .source = path,
+                     .factors = options.factors.value_or(LevelFactors())},
+                    options, memory);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
+                                                      const LoadOptions& options) {
+  const std::lock_guard lock(state_->mutex);
+  Entry* latest = nullptr;
+  for (auto& [id, entry] : state_->scenes) {
+    if (!entry.stored.uploaded || entry.stored.path != name) continue;
+    if (entry.stored.scene->loaded() != nullptr) continue;  // a revision
+    if (options.factors && *options.factors != entry.stored.scene->level_factors()) continue;
+    if (latest == nullptr || entry.used > latest->used) latest = &entry;
+  }
+  if (latest == nullptr) return not_found(name, state_->root, options.factors.has_value());
+  latest->used = ++state_->uses;
+  return LoadedScene{
+      latest->stored, true, state_->give_lease(*latest, "", options.lease_s, options.owner), {}};
+}
+
+absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
+                                                   const std::string& key, const StoredScene& named,
+                                                   const LoadOptions& options, LoadMemory& memory) {
+  const std::string id =
+      scene_id(description.assets, description.textures.halved(), description.level_factors);
+  const auto turn = state_->builds_turns.take(id, options.stop);
+  if (turn == nullptr) return cancelled();
+  {
+    const std::lock_guard lock(state_->mutex);
+    const auto same = state_->scenes.find(id);
+    if (same != state_->scenes.end()) return state_->answer(same->second, key, options, true);
+    LUCERNA_RETURN_IF_ERROR(state_->check_scenes(options.owner));
+  }
+  absl::StatusOr<std::shared_ptr<const Scene>> built =
+      Scene::build(std::move(description), state_->options.isa, options.stop, &memory.budget());
+  LUCERNA_RETURN_IF_ERROR(memory.explained(built.status()));
+  const std::shared_ptr<const Scene> scene = *std::move(built);
+  Entry entry;
+  entry.stored = named;
+  entry.stored.scene = scene;
+  entry.owner = options.owner.name;
+  std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+  const std::lock_guard lock(state_->mutex);
+  memory.end();
+  LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), 0, gone));
+  ++state_->builds;
+  return state_->answer(state_->insert(std::move(entry)), key, options, false);
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> SceneStore::moved(const StoredScene& of,
+                                                               const MovedSurfaces& moves,
+                                                               const std::stop_token& stop) {
+  std::shared_ptr<const Scene> loaded = of.scene->loaded() ? of.scene->loaded() : of.scene;
+  if (loaded->moved() == moves) return loaded;
+  {
+    const std::lock_guard lock(state_->mutex);
+    for (const auto& [id, entry] : state_->scenes) {
+      const std::shared_ptr<const Scene>& scene = entry.stored.scene;
+      const std::shared_ptr<const Scene>& other = scene->loaded() ? scene->loaded() : scene;
+      if (other->id() == loaded->id() && other->moved() == moves) return other;
+    }
+  }
+  const LoadOptions options{.stop = stop, .factors = of.factors};
+  LUCERNA_ASSIGN_OR_RETURN(
+      Read found, std::visit([&](const auto& source) { return read(source, options); }, of.source));
+  if (!found.description ||
+      scene_id(found.description->assets, found.description->textures.halved(),
+               found.description->level_factors) != loaded->id())
+    return absl::FailedPreconditionError(
+        fmt::format("the files of \"{}\" are not those that were loaded, and an edit that moves a "
+                    "surface reads them again; load the scene again",
+                    of.path));
+  LoadMemory memory(*state_);
+  absl::StatusOr<std::shared_ptr<const Scene>> built = Scene::build_moved(
+      *std::move(found.description), moves, state_->options.isa, stop, &memory.budget());
+  if (!built.ok()) return memory.explained(built.status());
+  return built;
+}
+
+absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits edits,
+                                               const LoadOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(std::shared_ptr<const Scene> base,
+                           moved(of, of.scene->moved_by(edits), options.stop));
+  LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
+                           Scene::revise(std::move(base), std::move(edits)));
+  std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+  const std::lock_guard lock(state_->mutex);
+  const auto same = state_->scenes.find(scene->id());
+  const bool is_known = same != state_->scenes.end();
+  if (options.lease_s > 0) LUCERNA_RETURN_IF_ERROR(state_->check_leases(options.owner));
+  if (!is_known) {
+    LUCERNA_RETURN_IF_ERROR(state_->check_scenes(options.owner));
+    LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), 0, gone));
+    Entry entry;
+    entry.stored = of;
+    entry.stored.scene = scene;
+    entry.stored.leased_s = 0;
+    entry.owner = options.owner.name;
+    state_->insert(std::move(entry));
+  }
+  Entry& entry = state_->scenes.at(scene->id());
+  entry.used = ++state_->uses;
+  return LoadedScene{
+      entry.stored, is_known, state_->give_lease(entry, "", options.lease_s, options.owner), {}};
+}
+
+}  // namespace lucerna

@@ -1,0 +1,346 @@
+// The state of a SceneStore: entries, leases, eviction, and the memory of loads.  Used by the files
+// of the store.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "proto/common/status_macros.h"
+#include "server/store/scene_store.h"
+
+namespace lucerna {
+
+using TimePoint = std::chrono::steady_clock::time_point;
+
+/// Hard to guess: anyone who knows it may end the lease.
+inline std::string new_lease_id() {
+  std::random_device random;
+  std::string id;
+  for (int i = 0; i < 4; ++i) id += fmt::format("{:08x}", random());
+  return id;
+}
+
+/// Admits one caller at a time for each key.
+class Turns {
+ public:
+  class Turn {
+   public:
+    Turn(Turns& turns, std::string key) : turns_(turns), key_(std::move(key)) {}
+    ~Turn() {
+      {
+        const std::lock_guard lock(turns_.mutex_);
+        turns_.taken_.erase(key_);
+      }
+      turns_.over_.notify_all();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    Turns& turns_;
+    std::string key_;
+  };
+
+  /// Null if `stop` is requested first.
+  std::unique_ptr<Turn> take(const std::string& key, const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    if (!over_.wait(lock, stop, [&] { return !taken_.contains(key); })) return nullptr;
+    taken_.insert(key);
+    return std::make_unique<Turn>(*this, key);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any over_;
+  std::set<std::string> taken_;
+};
+
+struct LeaseEntry {
+  TimePoint until;
+  std::string owner;
+};
+
+struct Entry {
+  StoredScene stored;
+  std::string owner;        // who loaded it first
+  std::uint64_t bytes = 0;  // own, when last measured; it may have grown since then
+  std::uint64_t used = 0;   // larger: used later
+  std::map<std::string, LeaseEntry> leases;  // by id
+  std::deque<std::string> sources;           // its keys in `by_source`, the oldest first
+};
+
+/// A scene without edits, which it and its revisions keep in memory.
+struct Shared {
+  std::size_t entries = 0;  // that keep it
+  std::uint64_t bytes = 0;  // when last measured
+};
+
+inline const Scene* shared_by(const Entry& entry) {
+  const std::shared_ptr<const Scene>& loaded = entry.stored.scene->loaded();
+  return loaded != nullptr ? loaded.get() : entry.stored.scene.get();
+}
+
+inline absl::Status over_quota(const std::string& what) {
+  absl::Status status = absl::ResourceExhaustedError(what);
+  status.SetPayload(kOverQuotaPayload, absl::Cord());
+  return status;
+}
+
+struct SceneStore::State {
+  SceneStoreOptions options;
+  std::string root;            // absolute
+  std::string canonical_root;  // absolute, links resolved
+  AssetStore* assets;
+  Turns sources, builds_turns;  // by key of source; by id of scene
+
+  mutable std::mutex mutex;
+  std::map<std::string, Entry> scenes;           // by id
+  std::map<std::string, std::string> by_source;  // ids
+  std::uint64_t uses = 0, builds = 0;
+  std::map<const Scene*, Shared> shared;
+  std::uint64_t held = 0;  // bytes of all entries and of `shared`, each as last measured
+
+  std::uint64_t loading = 0;  // bytes of running loads
+
+  LoadLimits load_limits(LoadBudget& budget) const {
+    LoadLimits limits;
+    if (options.texture_bytes > 0) limits.texture_bytes = options.texture_bytes;
+    limits.max_texels = options.max_texels;
+    limits.max_primitives = options.max_primitives;
+    limits.max_scene_bytes = options.max_scene_bytes;
+    limits.max_include_depth = options.max_include_depth;
+    limits.max_tokens = options.max_tokens;
+    limits.budget = &budget;
+    return limits;
+  }
+
+  // Call the functions below with the lock held.
+
+  /// When the last lease of the scene ends; nothing if it has none.  Removes ended leases.
+  std::optional<TimePoint> leased_until(Entry& entry) const {
+    const TimePoint now = options.now();
+    std::erase_if(entry.leases, [&](const auto& lease) { return lease.second.until <= now; });
+    std::optional<TimePoint> last;
+    for (const auto& [id, lease] : entry.leases) {
+      last = std::max(last.value_or(lease.until), lease.until);
+    }
+    return last;
+  }
+
+  StoredScene snapshot(Entry& entry) const {
+    StoredScene stored = entry.stored;
+    if (const auto until = leased_until(entry)) {
+      stored.leased_s = std::chrono::duration<double>(*until - options.now()).count();
+    }
+    return stored;
+  }
+
+  Lease give_lease(Entry& entry, const std::string& id, double seconds, const Owner& owner) const {
+    if (!(seconds > 0)) return {};
+    const double granted = std::min(seconds, options.max_lease_s);
+    const std::string name = id.empty() ? new_lease_id() : id;
+    LeaseEntry& lease = entry.leases[name];
+    lease.until = options.now() + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                      std::chrono::duration<double>(granted));
+    if (id.empty()) lease.owner = owner.name;  // an admin who renews a lease does not take it
+    return {name, granted};
+  }
+
+  /// RESOURCE_EXHAUSTED if the owner has no lease left.
+  absl::Status check_leases(const Owner& owner) {
+    if (owner.most_leases == 0) return absl::OkStatus();
+    std::uint64_t held_leases = 0;
+    for (auto& [id, entry] : scenes) {
+      leased_until(entry);  // removes ended leases
+      for (const auto& [name, lease] : entry.leases) held_leases += lease.owner == owner.name;
+    }
+    if (held_leases < owner.most_leases) return absl::OkStatus();
+    return over_quota(fmt::format("\"{}\" has {} leases, allowed: {}; release one", owner.name,
+                                  held_leases, owner.most_leases));
+  }
+
+  /// RESOURCE_EXHAUSTED if the owner may load no further scene.
+  absl::Status check_scenes(const Owner& owner) const {
+    if (owner.most_scenes == 0) return absl::OkStatus();
+    std::uint64_t held_scenes = 0;
+    for (const auto& [id, entry] : scenes) held_scenes += entry.owner == owner.name;
+    if (held_scenes < owner.most_scenes) return absl::OkStatus();
+    return over_quota(fmt::format("\"{}\" has loaded {} scenes, allowed: {}; release one",
+                                  owner.name, held_scenes, owner.most_scenes));
+  }
+
+  /// Whether the scene has this lease for the owner.  Call leased_until() before.
+  static bool has_lease(const Entry& entry, const std::string& lease, const Owner& owner) {
+    const auto found = entry.leases.find(lease);
+    return found != entry.leases.end() && (owner.admin || found->second.owner == owner.name);
+  }
+
+  void remove(std::map<std::string, Entry>::iterator entry,
+              std::vector<std::shared_ptr<const Scene>>& gone) {
+    std::erase_if(by_source, [&](const auto& s) { return s.second == entry->first; });
+    held -= entry->second.bytes;
+    const auto of = shared.find(shared_by(entry->second));
+    if (--of->second.entries == 0) {
+      held -= of->second.bytes;
+      shared.erase(of);
+    }
+    gone.push_back(std::move(entry->second.stored.scene));
+    scenes.erase(entry);
+  }
+
+  /// Measures a scene again, since queries may have built parts in it.
+  void measure(Entry& entry) {
+    const auto set = [this](std::uint64_t& bytes, std::uint64_t now) {
+      held += now - bytes;
+      bytes = now;
+    };
+    const Scene* const of = shared_by(entry);
+    set(shared[of].bytes, of->own_bytes());
+    if (of != entry.stored.scene.get()) set(entry.bytes, entry.stored.scene->own_bytes());
+  }
+  Entry& insert(Entry entry) {
+    ++shared[shared_by(entry)].entries;
+    measure(entry);
+    const std::string& id = entry.stored.scene->id();
+    return scenes.emplace(id, std::move(entry)).first->second;
+  }
+  void measure_all() {
+    for (auto& [id, entry] : scenes) measure(entry);
+  }
+
+  /// Unloads the least recently used scenes without a lease until all have at most `most` bytes.
+  /// Never unloads `keep`.
+  void shrink(std::uint64_t most, const std::string& keep,
+              std::vector<std::shared_ptr<const Scene>>& gone) {
+    while (held > most) {
+      auto oldest = scenes.end();
+      for (auto s = scenes.begin(); s != scenes.end(); ++s) {
+        if (s->first == keep || leased_until(s->second)) continue;
+        if (oldest == scenes.end() || s->second.used < oldest->second.used) oldest = s;
+      }
+      if (oldest == scenes.end()) return;
+      remove(oldest, gone);
+    }
+  }
+
+  /// Unloads scenes until there is room for `more` bytes of a scene that has `own` bytes already.
+  /// Unloads none if leases and other loads leave too little.
+  absl::Status evict_for(std::uint64_t more, std::uint64_t own,
+                         std::vector<std::shared_ptr<const Scene>>& gone) {
+    const std::uint64_t budget = options.memory_budget_bytes;
+    if (budget == 0) return absl::OkStatus();
+    const std::uint64_t needed = own + more;
+    if (needed > budget)
+      return absl::ResourceExhaustedError(
+          fmt::format("the scene needs {}{} bytes, allowed: at most {}", own > 0 ? "at least " : "",
+                      needed, budget));
+    if (own > 0 && held + loading + more <= budget) return absl::OkStatus();
+    measure_all();
+    std::uint64_t leased = 0;
+    std::optional<TimePoint> soonest;
+    std::set<const Scene*> counted;
+    for (auto& [id, entry] : scenes) {
+      const std::optional<TimePoint> until = leased_until(entry);
+      if (!until) continue;
+      leased += entry.bytes;
+      const Scene* const of = shared_by(entry);
+      if (counted.insert(of).second) leased += shared.at(of).bytes;
+      soonest = std::min(soonest.value_or(*until), *until);
+    }
+    if (leased + loading + more > budget) {
+      const std::uint64_t others = loading - own;
+      absl::Status full = absl::ResourceExhaustedError(
+          fmt::format("the scene needs {}{} bytes, but leased scenes use {}{} of the server's {}",
+                      own > 0 ? "at least " : "", needed, leased,
+                      others > 0 ? fmt::format(" and other loads {}", others) : "", budget));
+      // A load may end at any time.
+      auto wait = std::chrono::milliseconds(1000);
+      if (others == 0)
+        wait = std::chrono::ceil<std::chrono::milliseconds>(*soonest - options.now());
+      full.SetPayload(kRetryAfterPayload,
+                      absl::Cord(std::to_string(std::max<std::int64_t>(wait.count(), 1))));
+      return full;
+    }
+    shrink(budget - loading - more, "", gone);
+    return absl::OkStatus();
+  }
+
+  /// Remembers that `key` gave the scene.  A scene has few sources: an old one is forgotten, and
+  /// then read again when it is loaded.
+  void remember(Entry& entry, const std::string& key) {
+    constexpr std::size_t kMostSources = 64;
+    const std::string id = entry.stored.scene->id();
+    const auto [place, is_new] = by_source.try_emplace(key, id);
+    if (!is_new && place->second == id) return;
+    place->second = id;
+    entry.sources.push_back(key);
+    if (entry.sources.size() <= kMostSources) return;
+    // It may give another scene by now.
+    const auto oldest = by_source.find(entry.sources.front());
+    if (oldest != by_source.end() && oldest->second == id) by_source.erase(oldest);
+    entry.sources.pop_front();
+  }
+
+  /// The answer to a load from `key` of a scene that is in the store.
+  LoadedScene answer(Entry& entry, const std::string& key, const LoadOptions& load,
+                     bool already_loaded) {
+    remember(entry, key);
+    entry.used = ++uses;
+    return {entry.stored, already_loaded, give_lease(entry, "", load.lease_s, load.owner), {}};
+  }
+};
+
+/// The memory of one load, as a part of the store's budget.
+class SceneStore::LoadMemory final : public MemoryPool {
+ public:
+  explicit LoadMemory(State& state) : state_(state) {}
+
+  LoadBudget& budget() { return budget_; }
+  /// An error of the load, which may be retried if the budget is to blame.
+  absl::Status explained(absl::Status status) const {
+    if (const auto retry = budget_.refusal().GetPayload(kRetryAfterPayload);
+        absl::IsResourceExhausted(status) && retry)
+      status.SetPayload(kRetryAfterPayload, *retry);
+    return status;
+  }
+  /// Ends the counting: the scene is stored, or dropped.  Call it with the lock held.
+  void end() {
+    state_.loading -= own_;
+    own_ = 0;
+  }
+
+  absl::Status take(std::uint64_t bytes) override {
+    std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+    const std::lock_guard lock(state_.mutex);
+    LUCERNA_RETURN_IF_ERROR(state_.evict_for(bytes, own_, gone));
+    own_ += bytes;
+    state_.loading += bytes;
+    return absl::OkStatus();
+  }
+  void give_back(std::uint64_t bytes) override {
+    const std::lock_guard lock(state_.mutex);
+    const std::uint64_t rest = std::min(bytes, own_);
+    own_ -= rest;
+    state_.loading -= rest;
+  }
+
+ private:
+  State& state_;
+  std::uint64_t own_ = 0;
+  LoadBudget budget_{this};  // last member: gives its bytes back first
+};
+
+}  // namespace lucerna
