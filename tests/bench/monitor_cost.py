@@ -23,7 +23,7 @@ STUBS = BUILD / "tests/e2e/stubs"
 sys.path[:0] = [str(STUBS), str(ROOT / "tests/e2e")]
 from lucerna.v1 import accuracy_pb2, lighting_pb2, scene_pb2, scene_pb2_grpc  # noqa: E402
 
-ROUNDS, CALLS, THREADS = 16, 6000, 2
+ROUNDS, CALLS, THREADS = 120, 600, 2
 
 
 class Server:

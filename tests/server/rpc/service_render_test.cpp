@@ -208,7 +208,9 @@ TEST_F(RenderServiceTest, AFullQueueRefusesRequests) {
   service.load("rectangle.pbrt");
   const BusyLane busy(*service.server, Lane::kBulk);
   ASSERT_TRUE(
-      service.server->lanes().submit(Lane::kBulk, {.run = [](const LaneJobStart&) {}}).ok());
+      service.server->lanes()
+          .submit(Lane::kBulk, {.run = [](const LaneJobStart&) {}, .client = "ipv4:127.0.0.1"})
+          .ok());
   grpc::ClientContext context;
   v1::RenderTileResponse r;
   const grpc::Status s = service.render.RenderTile(&context, tile_request(1), &r);

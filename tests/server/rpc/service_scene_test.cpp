@@ -196,14 +196,6 @@ TEST_F(SceneServiceTest, PathsOutOfTheRootAllHaveTheSameError) {
   EXPECT_TRUE(load("point.pbrt", &response).ok());  // and the server still works
 }
 
-TEST_F(SceneServiceTest, FutureCallsAreUnimplementedWithAMessage) {
-  v1::GetStatsResponse stats;
-  const grpc::Status s = status_of([&](auto* c) { return service_.admin.GetStats(c, {}, &stats); });
-  EXPECT_EQ(s.error_code(), grpc::StatusCode::UNIMPLEMENTED);
-  EXPECT_GT(s.error_message().size(), 20U);
-  EXPECT_EQ(detail<google::rpc::ErrorInfo>(s).reason(), "NOT_IMPLEMENTED");
-}
-
 TEST_F(SceneServiceTest, GetServerInfoDescribesTheServer) {
   v1::GetServerInfoResponse info;
   ASSERT_TRUE(status_of([&](auto* c) { return service_.admin.GetServerInfo(c, {}, &info); }).ok());
