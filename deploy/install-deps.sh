@@ -11,6 +11,7 @@ packages=(
   colord-data
   libcli11-dev libspdlog-dev libfmt-dev libtomlplusplus-dev libsystemd-dev libboost-dev nlohmann-json3-dev libjs-chart.js
   libtinygltf-dev libdraco-dev libmeshoptimizer-dev
+  prometheus-cpp-dev
   libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels
   python3 python3-grpcio python3-protobuf python3-gmpy2 python3-mpmath python3-numpy
 )

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -19,6 +20,9 @@
 
 #include "server/config/command_line.h"
 #include "server/config/configuration.h"
+#include "server/monitor/call_log.h"
+#include "server/monitor/log_format.h"
+#include "server/monitor/log_limit.h"
 #include "server/rpc/server.h"
 #include "server/runtime/service_manager.h"
 #include "server/runtime/signals.h"
@@ -50,6 +54,24 @@ void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::S
                                                     : "callers need a token"));
   spdlog::info(fmt::format("{} threads, memory budget {}", serves.threads,
                            budget > 0 ? describe_bytes(budget) : "unlimited"));
+}
+
+/// Directs all lines to stderr in this form.  Returns the log of calls.
+std::shared_ptr<lucerna::monitor::CallLog> start_log(const lucerna::config::LogOptions& options) {
+  using lucerna::monitor::LogFormat;
+  const LogFormat format = options.format == "json" ? LogFormat::kJson : LogFormat::kText;
+  const spdlog::level::level_enum level = spdlog::level::from_str(options.level);
+  // The lines of calls have a limit of their own, so they never displace the server's other lines.
+  const auto limit = [&] {
+    return std::make_shared<lucerna::monitor::LogLimit>(options.lines_per_second);
+  };
+  const auto out = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  out->set_formatter(lucerna::monitor::make_formatter(format));
+  const auto logger =
+      std::make_shared<spdlog::logger>("lucernad", lucerna::monitor::limited(out, limit()));
+  logger->set_level(level);
+  spdlog::set_default_logger(logger);
+  return std::make_shared<lucerna::monitor::CallLog>(out, format, level, limit());
 }
 
 /// One line for each error of the text.
@@ -156,6 +178,8 @@ int serve(const Configuration& configuration, const lucerna::config::Given& give
   lucerna::notify_service_manager("READY=1");
   std::optional<lucerna::Watchdog> watchdog(std::in_place,
                                             [&] { return (*server)->accepts_connections(); });
+  if (!(*server)->metrics_address().empty())
+    fmt::print("metrics on http://{}/metrics\n", (*server)->metrics_address());
   fmt::print("listening on {}\n", (*server)->address());
   std::fflush(stdout);
   control.wait();
@@ -191,9 +215,12 @@ int run(int argc, char** argv) {
     fmt::print("{}", lucerna::config::describe(configuration));
     return 0;
   }
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("lucernad"));
-  // ISO 8601 with the zone's offset, and the level.
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z [%l] %v");
+  const auto calls = start_log(configuration.options.log);
+  // The level decides whether calls are logged; without them the server collects less.
+  if (spdlog::should_log(spdlog::level::info)) {
+    configuration.options.server.on_call = [calls](const auto& record) { calls->write(record); };
+    configuration.options.server.log_lines_left_out = [calls] { return calls->left_out(); };
+  }
   return serve(configuration, line.given);
 }
 

@@ -19,8 +19,8 @@ ROOMS = [
     "server/runtime", "server/assets", "server/formats", "server/materials", "server/description", "server/meshes",
     "server/pbrt/syntax", "server/pbrt/surfaces", "server/pbrt/lights", "server/pbrt", "server/gltf", "server/rays",
     "server/scene", "server/store", "server/shadows", "server/estimate/statistics", "server/estimate/lights",
-    "server/estimate/paths", "server/estimate/queries", "server/access", "server/rpc/messages", "server/rpc/handlers", "server/rpc",
-    "server/config", "server",
+    "server/estimate/paths", "server/estimate/queries", "server/monitor", "server/access",
+    "server/rpc/messages", "server/rpc/handlers", "server/rpc", "server/config", "server",
     "client/rpc", "client/jobs", "client/view", "client/files", "client/testing", "client/terminal",
     "client/tradeoff", "client/cli",
 ]

@@ -35,6 +35,8 @@ int run_lucerna(int argc, char** argv) {
   add_emission_commands(app, session);
   add_receiver_commands(app, session);
   add_render_command(app, session);
+  add_top_command(app, session);
+  add_doctor_command(app, session);
   add_tradeoff_command(app);
   try {
     start_tradeoff(app, argc, argv);

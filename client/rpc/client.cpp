@@ -326,6 +326,11 @@ absl::StatusOr<v1::GetServerInfoResponse> Client::get_server_info(
               options);
 }
 
+absl::StatusOr<v1::GetStatsResponse> Client::get_stats(const v1::GetStatsRequest& request,
+                                                       const CallOptions& options) const {
+  return call(connection_->admin, &v1::AdminService::StubInterface::GetStats, request, options);
+}
+
 absl::Status Client::check_health(const CallOptions& options) const {
   using grpc::health::v1::HealthCheckRequest;
   using grpc::health::v1::HealthCheckResponse;

@@ -153,6 +153,8 @@ class Client {
                                              const CallOptions& options = {}) const;
   Result<v1::GetServerInfoResponse> get_server_info(const v1::GetServerInfoRequest& request = {},
                                                     const CallOptions& options = {}) const;
+  Result<v1::GetStatsResponse> get_stats(const v1::GetStatsRequest& request = {},
+                                         const CallOptions& options = {}) const;
 
   /// Calls grpc.health.v1.  OK if the server is serving, UNAVAILABLE if it is not.
   absl::Status check_health(const CallOptions& options = {}) const;

@@ -10,8 +10,15 @@
 
 namespace lucerna::config {
 
+/// How the server logs.
+struct LogOptions {
+  std::string format = "text", level = "info";
+  std::uint64_t lines_per_second = 1000;  ///< of calls, and of other lines; 0: no limit
+};
+
 struct Options {
   rpc::ServerOptions server;
+  LogOptions log;
   std::uint64_t drain_seconds = 30;  ///< how long calls may continue after SIGTERM [s]
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -99,6 +100,12 @@ bool assign(const Switch& value, const std::string& text) {
   return true;
 }
 
+bool assign(const Choice& value, const std::string& text) {
+  if (std::find(value.of.begin(), value.of.end(), text) == value.of.end()) return false;
+  *value.to = text;
+  return true;
+}
+
 bool assign(const Text& value, const std::string& text) {
   *value.to = text;
   return true;
@@ -119,6 +126,7 @@ std::string environment_name(const Setting& setting) {
 std::string allowed(const Setting& setting) {
   return std::visit(
       Overloaded{[](const Text&) { return std::string("a text"); },
+                 [](const Choice& v) { return fmt::format("{}", fmt::join(v.of, ", ")); },
                  [](const Texts&) { return std::string("a list of texts"); },
                  [](const Switch&) { return std::string("true or false"); },
                  [](const Whole& v) { return fmt::format("{} to {}", v.least, v.most); },
@@ -150,7 +158,7 @@ absl::Status set(const Setting& setting, const std::vector<std::string>& texts) 
 
 std::string text_of(const Setting& setting) {
   return std::visit(
-      Overloaded{[](const Text& v) { return *v.to; },
+      Overloaded{[](const Text& v) { return *v.to; }, [](const Choice& v) { return *v.to; },
                  [](const Texts& v) { return fmt::format("{}", fmt::join(*v.to, ",")); },
                  [](const Switch& v) { return std::string(*v.to ? "true" : "false"); },
                  [](const Whole& v) { return fmt::format("{}", present(v)); },

@@ -15,6 +15,11 @@ namespace lucerna::config {
 struct Text {
   std::string* to;
 };
+/// One of these words.
+struct Choice {
+  std::string* to;
+  std::vector<std::string> of;
+};
 /// A list of texts.  The flag may be repeated.
 struct Texts {
   std::vector<std::string>* to;
@@ -43,7 +48,7 @@ struct Setting {
   std::string name;  ///< such as "memory-budget"
   std::string type;  ///< of its value, for the help
   std::string help;
-  std::variant<Text, Texts, Switch, Whole, Bytes, Real> value;
+  std::variant<Text, Choice, Texts, Switch, Whole, Bytes, Real> value;
   /// Whether SIGHUP changes it while the server runs.
   bool reloads = false;
 };

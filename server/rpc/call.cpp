@@ -3,6 +3,11 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "proto/common/status_macros.h"
 #include "server/rpc/messages/errors.h"
 #include "server/runtime/parallel.h"
 
@@ -12,8 +17,6 @@ namespace {
 constexpr double kAtOnceSeconds = 50e-6;
 // Longer tasks run in the bulk lane, so that small queries do not wait for them.
 constexpr double kBulkSeconds = 0.1;
-// A caller with too many requests in flight may try again after about one small request.
-constexpr std::chrono::milliseconds kQuotaDelay(50);
 }  // namespace
 
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context) {
@@ -31,76 +34,71 @@ LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context) {
   return context.deadline();
 }
 
-absl::StatusOr<access::Admission> admit(Runtime& runtime, access::Call call,
-                                        const grpc::ServerContextBase& context) {
-  const auto& metadata = context.client_metadata();
-  const auto header = metadata.find("authorization");
-  absl::StatusOr<access::Admission> admission = runtime.access.admit(
-      call, header == metadata.end()
-                ? std::string_view()
-                : std::string_view(header->second.data(), header->second.size()));
-  if (absl::IsResourceExhausted(admission.status())) {
-    return retry_after(admission.status(), Reason::kOverQuota, kQuotaDelay);
-  }
-  return admission;
-}
-
-grpc::ServerUnaryReactor* UnaryCall::start(Runtime& runtime, access::Call which,
-                                           grpc::CallbackServerContext* context,
-                                           const std::function<Prepared(const Context&)>& prepare) {
-  const auto call = std::make_shared<UnaryCall>(runtime, context);
-  call->self_ = call;
-  call->begin(which, prepare);
-  return call.get();
-}
-
-void UnaryCall::begin(access::Call which, const std::function<Prepared(const Context&)>& prepare) {
+void UnaryCall::begin(const grpc::ByteBuffer& request) {
+  self_ = shared_from_this();
+  monitor::CallRecord& record = observed_.record();
+  record.request_bytes = request.Length();
   pass_ = runtime_.gate.enter();
   if (!pass_) return finish(draining());
-  absl::StatusOr<access::Admission> admission = admit(runtime_, which, *context_);
-  if (!admission.ok()) return finish(admission.status());
-  admission_ = *std::move(admission);
   Prepared task = absl::InternalError("not prepared");
-  const absl::Status prepared = guarded([&] {
+  const absl::Status prepared = guarded([&]() -> absl::Status {
+    LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
+    LUCERNA_RETURN_IF_ERROR(parse(request, record));
     task = prepare(runtime_.context(admission_.caller));
     return task.status();
   });
   if (!prepared.ok()) return finish(prepared);
-  if (!task->bulk && task->predicted_s < kAtOnceSeconds) return compute(*task, 0);
+  if (!task->bulk && task->predicted_s < kAtOnceSeconds) return compute(*task);
   const Lane lane =
       task->bulk || task->predicted_s > kBulkSeconds ? Lane::kBulk : Lane::kInteractive;
-  const absl::Status queued = runtime_.lanes.submit(
-      lane, {.run =
-                 [self = shared_from_this(), task = *std::move(task)](const LaneJobStart& start) {
-                   if (start.status.ok()) {
-                     self->compute(task, start.queue_time_s);
-                   } else {
-                     self->finish(start.status);
-                   }
-                 },
-             .stop = stop_.get_token(),
-             .deadline = deadline_});
+  LaneJob job{.stop = stop_.get_token(),
+              .deadline = observed_.deadline(),
+              .client = lane == Lane::kBulk ? observed_.client() : std::string(),
+              .kind = task->kind,
+              .least_s = runtime_.times.least_seconds(record.call, task->predicted_s)};
+  job.run = [self = shared_from_this(), lane, task = *std::move(task)](const LaneJobStart& start) {
+    self->observed_.add_queue_time(lane, start.queue_time_s);
+    if (start.status.ok()) {
+      self->compute(task);
+    } else {
+      self->finish(start.status);
+    }
+  };
+  const absl::Status queued = runtime_.lanes.submit(lane, std::move(job));
   if (!queued.ok()) finish(lane_error(queued, lane));
 }
 
-void UnaryCall::compute(const Task& task, double queue_time_s) {
-  if (deadline_ <= LaneJob::Clock::now()) {
+void UnaryCall::compute(const Task& task) {
+  if (observed_.deadline() <= LaneJob::Clock::now()) {
     return finish(absl::DeadlineExceededError("the deadline passed before the work started"));
   }
+  monitor::CallRecord& record = observed_.record();
+  std::optional<ComputeLimit> limit;
+  if (record.queued) limit.emplace(runtime_, observed_.deadline(), stop_);
   const auto begin = std::chrono::steady_clock::now();
   const CpuMeter meter;
   absl::Status status = guarded([&] { return task.run(stop_.get_token()); });
   // A stopped task may have left its answer incomplete.
-  if (stop_.stop_requested()) status = stopped_status(deadline_);
+  const bool stopped = stop_.stop_requested();
+  if (stopped) status = limit ? limit->stopped_status() : stopped_status(observed_.deadline());
+  record.compute_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  record.cpu_s = meter.seconds();
+  if (status.ok()) runtime_.times.learn(record.call, task.predicted_s, record.compute_s);
   if (task.cost != nullptr && status.ok()) {
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-    task.cost->set_cpu_time_s(meter.seconds());
-    task.cost->set_wall_time_s(wall.count());
-    task.cost->set_queue_time_s(queue_time_s);
+    task.cost->set_cpu_time_s(record.cpu_s);
+    task.cost->set_wall_time_s(record.compute_s);
+    task.cost->set_queue_time_s(record.queue_s);
   }
   finish(status);
 }
 
-void UnaryCall::finish(const absl::Status& status) { Finish(to_grpc(status, *context_)); }
+void UnaryCall::finish(absl::Status status) {
+  if (status.ok()) {
+    status = guarded([&] { return encode(*response_, observed_.record()); });
+    if (status.ok()) observed_.record().response_bytes = response_->Length();
+  }
+  Finish(observed_.end(status));
+}
 
 }  // namespace lucerna::rpc

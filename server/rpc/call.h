@@ -3,11 +3,15 @@
 
 #include <absl/status/status.h>
 #include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include <functional>
 #include <memory>
+#include <utility>
 
+#include "server/rpc/answer_record.h"
+#include "server/rpc/observed_call.h"
 #include "server/rpc/runtime.h"
 
 namespace lucerna::rpc {
@@ -16,39 +20,78 @@ namespace lucerna::rpc {
 /// logs INTERNAL errors.
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context);
 
-/// Lets the call in, by the header "authorization".  Errors: those of access::Access::admit.
-absl::StatusOr<access::Admission> admit(Runtime& runtime, access::Call call,
-                                        const grpc::ServerContextBase& context);
-
 /// gRPC's deadline; the largest time point if there is none.
 LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
 
 /// One unary call.  Small tasks run at once on gRPC's thread, others in a lane.  The call lives
 /// until both gRPC and the lane have released it.
+///
+/// The call gets the bytes of its request, because gRPC answers bytes that it cannot parse with
+/// UNIMPLEMENTED and no reason.
 class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_from_this<UnaryCall> {
  public:
-  static grpc::ServerUnaryReactor* start(Runtime& runtime, access::Call which,
-                                         grpc::CallbackServerContext* context,
-                                         const std::function<Prepared(const Context&)>& prepare);
-
   void OnCancel() override { stop_.request_stop(); }
   void OnDone() override { const auto last = std::move(self_); }
 
-  UnaryCall(Runtime& runtime, grpc::CallbackServerContext* context)
-      : runtime_(runtime), context_(context), deadline_(deadline_of(*context)) {}
+ protected:
+  UnaryCall(Runtime& runtime, grpc::CallbackServerContext* context, monitor::Call call,
+            grpc::ByteBuffer* response)
+      : runtime_(runtime), observed_(runtime, *context, call), response_(response) {}
+  /// Requires that a shared pointer owns the call.
+  void begin(const grpc::ByteBuffer& request);
 
  private:
-  void begin(access::Call which, const std::function<Prepared(const Context&)>& prepare);
-  void compute(const Task& task, double queue_time_s);
-  void finish(const absl::Status& status);
+  virtual absl::Status parse(const grpc::ByteBuffer& request, monitor::CallRecord& record) = 0;
+  virtual Prepared prepare(const Context& context) = 0;
+  virtual absl::Status encode(grpc::ByteBuffer& response, monitor::CallRecord& record) = 0;
+
+  void compute(const Task& task);
+  void finish(absl::Status status);
 
   Runtime& runtime_;
-  grpc::CallbackServerContext* context_;
-  LaneJob::Clock::time_point deadline_;
+  ObservedCall observed_;
+  grpc::ByteBuffer* response_;
   std::stop_source stop_;
   CallGate::Pass pass_;
   access::Admission admission_;
   std::shared_ptr<UnaryCall> self_;
+};
+
+template <typename Request, typename Response>
+class TypedCall final : public UnaryCall {
+ public:
+  using Handler = std::function<Prepared(const Context&, const Request&, Response*)>;
+
+  static grpc::ServerUnaryReactor* start(Runtime& runtime, grpc::CallbackServerContext* context,
+                                         monitor::Call call, const grpc::ByteBuffer* request,
+                                         grpc::ByteBuffer* response, Handler handler) {
+    const auto made =
+        std::make_shared<TypedCall>(runtime, context, call, response, std::move(handler));
+    made->begin(*request);
+    return made.get();
+  }
+
+  TypedCall(Runtime& runtime, grpc::CallbackServerContext* context, monitor::Call call,
+            grpc::ByteBuffer* response, Handler handler)
+      : UnaryCall(runtime, context, call, response), handler_(std::move(handler)) {}
+
+ private:
+  absl::Status parse(const grpc::ByteBuffer& bytes, monitor::CallRecord& record) override {
+    const absl::Status status = parse_message(bytes, request_);
+    if (status.ok()) record_request(request_, record);
+    return status;
+  }
+  Prepared prepare(const Context& context) override {
+    return handler_(context, request_, &response_);
+  }
+  absl::Status encode(grpc::ByteBuffer& bytes, monitor::CallRecord& record) override {
+    record_answer(request_, response_, record);
+    return encode_message(response_, bytes);
+  }
+
+  Handler handler_;
+  Request request_;
+  Response response_;
 };
 
 }  // namespace lucerna::rpc

@@ -1,9 +1,11 @@
 #include "server/rpc/image_stream.h"
 
+#include <chrono>
 #include <utility>
 
+#include "lucerna/v1/render.pb.h"
 #include "proto/common/status_macros.h"
-#include "server/rpc/call.h"
+#include "server/rpc/answer_record.h"
 #include "server/rpc/messages/errors.h"
 #include "server/runtime/parallel.h"
 
@@ -14,28 +16,34 @@ constexpr std::size_t kTilesAhead = 3;
 }  // namespace
 
 ImageStream::ImageStream(Runtime& runtime, grpc::CallbackServerContext* context)
-    : runtime_(runtime), context_(context), deadline_(deadline_of(*context)) {}
+    : runtime_(runtime),
+      observed_(runtime, *context, monitor::Call::kRenderImage),
+      client_(observed_.client()) {}
 
-grpc::ServerWriteReactor<v1::RenderImageResponse>* ImageStream::start(
-    Runtime& runtime, grpc::CallbackServerContext* context, const v1::RenderImageRequest& request) {
+grpc::ServerWriteReactor<grpc::ByteBuffer>* ImageStream::start(Runtime& runtime,
+                                                               grpc::CallbackServerContext* context,
+                                                               const grpc::ByteBuffer* request) {
   const auto stream = std::make_shared<ImageStream>(runtime, context);
   stream->self_ = stream;
-  stream->begin(request);
+  stream->begin(*request);
   return stream.get();
 }
 
-void ImageStream::begin(const v1::RenderImageRequest& request) {
+void ImageStream::begin(const grpc::ByteBuffer& request) {
   absl::Status status;
+  observed_.record().request_bytes = request.Length();
   pass_ = runtime_.gate.enter();
   if (!pass_) {
     status = draining();
   } else {
     status = guarded([&]() -> absl::Status {
-      LUCERNA_ASSIGN_OR_RETURN(admission_, admit(runtime_, access::Call::kRenderImage, *context_));
-      absl::StatusOr<ImageRender> render =
-          ImageRender::create(runtime_.context(admission_.caller), request);
-      if (!render.ok()) return render.status();
-      render_.emplace(*std::move(render));
+      LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
+      v1::RenderImageRequest parsed;
+      LUCERNA_RETURN_IF_ERROR(parse_message(request, parsed));
+      record_request(parsed, observed_.record());
+      LUCERNA_ASSIGN_OR_RETURN(ImageRender render,
+                               ImageRender::create(runtime_.context(admission_.caller), parsed));
+      render_.emplace(std::move(render));
       return absl::OkStatus();
     });
   }
@@ -59,30 +67,44 @@ LaneJob ImageStream::next_job() {
   return {
       .run = [self = shared_from_this()](const LaneJobStart& start) { self->render_next(start); },
       .stop = stop_.get_token(),
-      .deadline = deadline_};
+      .deadline = observed_.deadline(),
+      .client = client_,
+      .kind = JobKind::kStep};
+}
+
+absl::Status ImageStream::render(grpc::ByteBuffer* bytes) {
+  monitor::CallRecord& record = observed_.record();
+  const ComputeLimit limit(runtime_, observed_.deadline(), stop_, record.compute_s);
+  const auto begin = std::chrono::steady_clock::now();
+  const CpuMeter meter;
+  v1::RenderImageResponse response;
+  const absl::Status status = render_->next(stop_.get_token(), &response);
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  record.cpu_s += meter.seconds();
+  record.compute_s += wall.count();
+  if (stop_.stop_requested()) return limit.stopped_status();
+  if (!status.ok()) return status;
+  record.items += area(response.tile().rect());
+  add_counts(response.cost(), record);  // the response counts the work of all tiles so far
+  if (!response.has_tile()) return absl::OkStatus();
+  response.mutable_cost()->set_cpu_time_s(record.cpu_s);
+  response.mutable_cost()->set_wall_time_s(record.compute_s);
+  response.mutable_cost()->set_queue_time_s(record.queue_s);
+  LUCERNA_RETURN_IF_ERROR(encode_message(response, *bytes));
+  record.response_bytes += bytes->Length();
+  return absl::OkStatus();
 }
 
 void ImageStream::render_next(const LaneJobStart& start) {
+  observed_.add_queue_time(Lane::kBulk, start.queue_time_s);
   absl::Status status = start.status;
-  v1::RenderImageResponse response;
-  if (status.ok()) {
-    const auto begin = std::chrono::steady_clock::now();
-    const CpuMeter meter;
-    status = guarded([&] { return render_->next(stop_.get_token(), &response); });
-    if (stop_.stop_requested()) status = stopped_status(deadline_);
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-    cpu_s_ += meter.seconds();
-    wall_s_ += wall.count();
-    queue_s_ += start.queue_time_s;
-    response.mutable_cost()->set_cpu_time_s(cpu_s_);
-    response.mutable_cost()->set_wall_time_s(wall_s_);
-    response.mutable_cost()->set_queue_time_s(queue_s_);
-  }
+  grpc::ByteBuffer bytes;
+  if (status.ok()) status = guarded([&] { return render(&bytes); });
   {
     const std::lock_guard lock(mutex_);
     job_ = false;
     if (status.ok()) {
-      if (response.has_tile()) ready_.push_back(std::move(response));
+      if (bytes.Length() > 0) ready_.push_back(std::move(bytes));
       complete_ = render_->done();
     } else {
       error_ = status;
@@ -104,7 +126,7 @@ void ImageStream::OnWriteDone(bool ok) {
 }
 
 void ImageStream::advance() {
-  const v1::RenderImageResponse* write = nullptr;
+  const grpc::ByteBuffer* write = nullptr;
   bool render = false;
   std::optional<absl::Status> end;
   {
@@ -125,7 +147,7 @@ void ImageStream::advance() {
   // Without the lock: each of these may call advance() on another thread.
   if (write != nullptr) StartWrite(write);
   if (render) runtime_.lanes.resume(Lane::kBulk, next_job());
-  if (end) Finish(to_grpc(*end, *context_));
+  if (end) Finish(observed_.end(*end));
 }
 
 }  // namespace lucerna::rpc

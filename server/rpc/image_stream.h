@@ -3,27 +3,30 @@
 
 #include <absl/status/status.h>
 #include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 
-#include "lucerna/v1/render.pb.h"
 #include "server/rpc/handlers/image_render.h"
+#include "server/rpc/observed_call.h"
 #include "server/rpc/runtime.h"
 
 namespace lucerna::rpc {
 
-/// Renders one tile in each lane job, so that other renders can run between two tiles.  Stays at
-/// most a few tiles ahead of the client.
-class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
+/// Renders at most one tile in each lane job, so that other renders can run between two tiles.
+/// Stays at most a few tiles ahead of what gRPC has taken over.  gRPC buffers more for a client
+/// that does not read, so such streams compute for a while; other calls take turns with them.
+class ImageStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
                     public std::enable_shared_from_this<ImageStream> {
  public:
-  static grpc::ServerWriteReactor<v1::RenderImageResponse>* start(
-      Runtime& runtime, grpc::CallbackServerContext* context,
-      const v1::RenderImageRequest& request);
+  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(Runtime& runtime,
+                                                           grpc::CallbackServerContext* context,
+                                                           const grpc::ByteBuffer* request);
 
   void OnCancel() override { stop_.request_stop(); }
   void OnDone() override { const auto last = std::move(self_); }
@@ -32,25 +35,26 @@ class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
   ImageStream(Runtime& runtime, grpc::CallbackServerContext* context);
 
  private:
-  void begin(const v1::RenderImageRequest& request);
+  void begin(const grpc::ByteBuffer& request);
   LaneJob next_job();
   void render_next(const LaneJobStart& start);
+  /// Renders a tile, or a part of its samples.  `bytes` stays empty if no tile is ready to be sent.
+  absl::Status render(grpc::ByteBuffer* bytes);
   /// Starts the next step: a write, a lane job, or the end.
   void advance();
 
   Runtime& runtime_;
-  grpc::CallbackServerContext* context_;
-  LaneJob::Clock::time_point deadline_;
+  ObservedCall observed_;
+  const std::string client_;
   std::stop_source stop_;
   CallGate::Pass pass_;
   access::Admission admission_;
   std::shared_ptr<ImageStream> self_;
 
   std::optional<ImageRender> render_;  // while a lane job runs, only the job uses it
-  double queue_s_ = 0, wall_s_ = 0, cpu_s_ = 0;
 
   std::mutex mutex_;
-  std::deque<v1::RenderImageResponse> ready_;  // if writing_, the first is being written
+  std::deque<grpc::ByteBuffer> ready_;  // if writing_, the first is being written
   bool job_ = false, writing_ = false, complete_ = false, finished_ = false;
   absl::Status error_;
 };

@@ -4,7 +4,9 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <stop_token>
@@ -12,7 +14,9 @@
 
 #include "lucerna/v1/admin.pb.h"
 #include "server/access/access.h"
+#include "server/monitor/call_statistics.h"
 #include "server/rpc/messages/task.h"
+#include "server/rpc/time_model.h"
 #include "server/runtime/lanes.h"
 #include "server/store/scene_store.h"
 
@@ -86,6 +90,15 @@ struct Runtime {
   v1::GetServerInfoResponse info;  // guarded by info_mutex
   CallGate gate;
   Lanes& lanes;
+  monitor::CallStatistics statistics;
+  TimeModel times;
+  /// Gets the record of each call that has ended; may be empty.
+  std::function<void(const monitor::CallRecord&)> on_call;
+  /// The lines that the log left out; may be empty.
+  std::function<std::uint64_t()> log_lines_left_out;
+  /// The longest that a call without a deadline may compute [s]; 0: no limit.
+  double max_call_s = 0;
+  std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 
   Context context(const access::Caller& caller) {
     return {*scenes,

@@ -14,10 +14,13 @@
 #include <utility>
 
 #include "proto/common/status_macros.h"
+#include "server/monitor/metrics_server.h"
 #include "server/rays/accelerator.h"
 #include "server/rpc/address.h"
 #include "server/rpc/listener.h"
+#include "server/rpc/observed_call.h"
 #include "server/rpc/services.h"
+#include "server/rpc/stats.h"
 #include "server/rpc/tls.h"
 #include "server/runtime/fingerprint.h"
 
@@ -35,10 +38,13 @@ struct Server::State {
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<Listener> listener;
+  std::unique_ptr<monitor::MetricsServer> metrics;
+  std::string metrics_address;
   bool ended = false;
 
   absl::Status load(const std::string& path, const std::stop_token& stop);
   absl::Status listen(const ServerOptions& options);
+  absl::Status serve_metrics(const std::string& address);
   void end(std::chrono::system_clock::time_point deadline);
 };
 
@@ -78,6 +84,7 @@ void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int 
 /// Once for the process.
 void set_up_grpc() {
   static const bool done = [] {
+    set_up_protobuf_log();
     // gRPC's messages repeat our errors and report each client that connects or disconnects.
     gpr_set_log_function(
         [](gpr_log_func_args* args) { spdlog::debug(fmt::format("grpc: {}", args->message)); });
@@ -106,6 +113,16 @@ absl::Status check_doors(const ServerOptions& options) {
                     "or tls-cert and tls-key, or insecure in so many words",
                     options.listen));
   }
+  if (!options.metrics.empty() && !doors.insecure) {
+    const absl::StatusOr<bool> metrics_loopback = is_loopback(options.metrics);
+    add(metrics_loopback.status());
+    if (metrics_loopback.ok() && !*metrics_loopback) {
+      errors.push_back(fmt::format(
+          "metrics = {}, which other machines can reach; allowed: a loopback address, or "
+          "insecure in so many words",
+          options.metrics));
+    }
+  }
   if (doors.tls.given()) add(Tls::open(doors.tls).status());
   if (!doors.token_file.empty()) add(access::read_token_file(doors.token_file).status());
   if (errors.empty()) return absl::OkStatus();
@@ -122,7 +139,8 @@ absl::Status Server::State::load(const std::string& path, const std::stop_token&
                                        })
                                                                           : start.status);
                                      },
-                                 .stop = stop});
+                                 .stop = stop,
+                                 .kind = JobKind::kLoad});
   return queued.ok() ? result.get_future().get() : queued;
 }
 
@@ -169,6 +187,20 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   });
 }
 
+absl::Status Server::State::serve_metrics(const std::string& address) {
+  LUCERNA_RETURN_IF_ERROR(check_address(address));
+  auto started = monitor::MetricsServer::start(address, [this] { return figures(runtime); });
+  if (!started.ok()) {
+    // The library's message does not say why.
+    const std::string why(Listener::open(address, {}).status().message());
+    return absl::UnavailableError(
+        fmt::format("cannot serve metrics on {}: {}", address, why.substr(why.rfind(": ") + 2)));
+  }
+  metrics = *std::move(started);
+  metrics_address = with_port(address, metrics->port());
+  return absl::OkStatus();
+}
+
 void Server::State::end(std::chrono::system_clock::time_point deadline) {
   if (std::exchange(ended, true) || server == nullptr) return;
   listener.reset();
@@ -196,9 +228,14 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
   }
   state->runtime.assets = std::move(assets);
   state->runtime.scenes = std::move(scenes);
+  state->runtime.on_call = options.on_call;
+  state->runtime.log_lines_left_out = options.log_lines_left_out;
+  state->runtime.max_call_s = options.max_call_s;
   set_info(options, numeric_fingerprint(embree), state->lanes.threads(), state->runtime.info);
   for (const std::string& path : options.load) LUCERNA_RETURN_IF_ERROR(state->load(path, stop));
   if (stop.stop_requested()) return absl::CancelledError("stopped before serving");
+  // Metrics must be ready when the server is.
+  if (!options.metrics.empty()) LUCERNA_RETURN_IF_ERROR(state->serve_metrics(options.metrics));
   LUCERNA_RETURN_IF_ERROR(state->listen(options));
   return std::unique_ptr<Server>(new Server(std::move(state)));
 }
@@ -210,6 +247,7 @@ Server::~Server() {
 }
 
 const std::string& Server::address() const { return state_->address; }
+const std::string& Server::metrics_address() const { return state_->metrics_address; }
 
 bool Server::accepts_connections() const { return state_->listener->accepts(); }
 

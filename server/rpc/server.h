@@ -5,12 +5,15 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "server/assets/asset_store_options.h"
+#include "server/monitor/call_record.h"
 #include "server/rpc/doors.h"
 #include "server/rpc/messages/request_limits.h"
 #include "server/runtime/lanes.h"
@@ -31,6 +34,15 @@ struct ServerOptions {
   RequestLimits limits;
   std::vector<std::string> load;  ///< scenes to load before serving
   DoorOptions doors;
+
+  /// HOST:PORT of the metrics over HTTP; port 0: a free port.  Empty: no metrics.
+  std::string metrics;
+  /// Gets the record of each call that has ended, on the thread of the call.  May be empty.
+  std::function<void(const monitor::CallRecord&)> on_call;
+  /// The lines that the log left out, for the statistics.  May be empty.
+  std::function<std::uint64_t()> log_lines_left_out;
+  /// The longest that a call without a deadline may compute [s]; 0: no limit.
+  double max_call_s = 0;
 };
 
 /// Checks what `Server::start` and `Server::reload` check before they change anything: the address
@@ -61,6 +73,8 @@ class Server {
   const std::string& address() const;
   /// Connects to the server's own port, and returns whether it accepts that within some seconds.
   bool accepts_connections() const;
+  /// HOST:PORT of the metrics; empty: there are none.
+  const std::string& metrics_address() const;
   /// Reads the directories of the scene root.
   ServerSummary summary() const;
 

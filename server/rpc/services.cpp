@@ -4,7 +4,6 @@
 #include "lucerna/v1/lighting.grpc.pb.h"
 #include "lucerna/v1/render.grpc.pb.h"
 #include "lucerna/v1/scene.grpc.pb.h"
-#include "server/access/calls.h"
 #include "server/rpc/call.h"
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/handlers/lighting.h"
@@ -12,174 +11,176 @@
 #include "server/rpc/handlers/tiles.h"
 #include "server/rpc/image_stream.h"
 #include "server/rpc/messages/errors.h"
+#include "server/rpc/stats.h"
 #include "server/rpc/upload_stream.h"
 
 namespace lucerna::rpc {
 namespace {
 
-using access::Call;
 using CallContext = grpc::CallbackServerContext;
 using Unary = grpc::ServerUnaryReactor;
+using Bytes = grpc::ByteBuffer;
+using monitor::Call;
 
-class SceneServiceImpl final : public v1::SceneService::CallbackService {
+/// Starts a call whose handler needs nothing but the context.
+template <typename Request, typename Response>
+Unary* unary(Runtime& runtime, CallContext* context, Call call, const Bytes* request,
+             Bytes* response, Prepared (*handler)(const Context&, const Request&, Response*)) {
+  return TypedCall<Request, Response>::start(runtime, context, call, request, response, handler);
+}
+
+// gRPC's generated classes give a service the bytes of its calls.  One class for each call.
+
+using SceneBase = v1::SceneService::WithRawCallbackMethod_FindMissingAssets<
+    v1::SceneService::WithRawCallbackMethod_UploadAsset<
+        v1::SceneService::WithRawCallbackMethod_LoadScene<
+            v1::SceneService::WithRawCallbackMethod_GetScene<
+                v1::SceneService::WithRawCallbackMethod_ListScenes<
+                    v1::SceneService::WithRawCallbackMethod_ListAvailableScenes<
+                        v1::SceneService::WithRawCallbackMethod_ListLights<
+                            v1::SceneService::WithRawCallbackMethod_EditLights<
+                                v1::SceneService::WithRawCallbackMethod_RenewLease<
+                                    v1::SceneService::WithRawCallbackMethod_ReleaseScene<
+                                        v1::SceneService::Service>>>>>>>>>>;
+using LightingBase = v1::LightingService::WithRawCallbackMethod_SampleLi<
+    v1::LightingService::WithRawCallbackMethod_PdfLi<
+        v1::LightingService::WithRawCallbackMethod_SampleLe<
+            v1::LightingService::WithRawCallbackMethod_PdfLe<
+                v1::LightingService::WithRawCallbackMethod_Le<
+                    v1::LightingService::WithRawCallbackMethod_EstimatePower<
+                        v1::LightingService::WithRawCallbackMethod_TestVisibility<
+                            v1::LightingService::WithRawCallbackMethod_EstimateIrradiance<
+                                v1::LightingService::Service>>>>>>>>;
+using RenderBase = v1::RenderService::WithRawCallbackMethod_RenderTile<
+    v1::RenderService::WithRawCallbackMethod_RenderImage<v1::RenderService::Service>>;
+using AdminBase = v1::AdminService::WithRawCallbackMethod_GetServerInfo<
+    v1::AdminService::WithRawCallbackMethod_GetStats<
+        v1::AdminService::WithRawCallbackMethod_ListLeases<v1::AdminService::Service>>>;
+
+class SceneServiceImpl final : public SceneBase {
  public:
   explicit SceneServiceImpl(Runtime& runtime) : runtime_(runtime) {}
 
-  Unary* LoadScene(CallContext* context, const v1::LoadSceneRequest* request,
-                   v1::LoadSceneResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kLoadScene, context,
-                            [&](const Context& c) { return load_scene(c, *request, response); });
+  Unary* FindMissingAssets(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kFindMissingAssets, request, response,
+                 &find_missing_assets);
   }
-  Unary* GetScene(CallContext* context, const v1::GetSceneRequest* request,
-                  v1::GetSceneResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kGetScene, context,
-                            [&](const Context& c) { return get_scene(c, *request, response); });
-  }
-  Unary* ListScenes(CallContext* context, const v1::ListScenesRequest* request,
-                    v1::ListScenesResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kListScenes, context,
-                            [&](const Context& c) { return list_scenes(c, *request, response); });
-  }
-  Unary* ListAvailableScenes(CallContext* context, const v1::ListAvailableScenesRequest* request,
-                             v1::ListAvailableScenesResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kListAvailableScenes, context, [&](const Context& c) {
-      return list_available_scenes(c, *request, response);
-    });
-  }
-  Unary* ListLights(CallContext* context, const v1::ListLightsRequest* request,
-                    v1::ListLightsResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kListLights, context,
-                            [&](const Context& c) { return list_lights(c, *request, response); });
-  }
-  Unary* ReleaseScene(CallContext* context, const v1::ReleaseSceneRequest* request,
-                      v1::ReleaseSceneResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kReleaseScene, context,
-                            [&](const Context& c) { return release_scene(c, *request, response); });
-  }
-
-  Unary* FindMissingAssets(CallContext* context, const v1::FindMissingAssetsRequest* request,
-                           v1::FindMissingAssetsResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kFindMissingAssets, context, [&](const Context& c) {
-      return find_missing_assets(c, *request, response);
-    });
-  }
-  grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadAsset(
-      CallContext* context, v1::UploadAssetResponse* response) override {
+  grpc::ServerReadReactor<Bytes>* UploadAsset(CallContext* context, Bytes* response) override {
     return UploadStream::start(runtime_, context, response);
   }
-  Unary* RenewLease(CallContext* context, const v1::RenewLeaseRequest* request,
-                    v1::RenewLeaseResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kRenewLease, context,
-                            [&](const Context& c) { return renew_lease(c, *request, response); });
+  Unary* LoadScene(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kLoadScene, request, response, &load_scene);
   }
-
-  Unary* EditLights(CallContext* context, const v1::EditLightsRequest* request,
-                    v1::EditLightsResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kEditLights, context,
-                            [&](const Context& c) { return edit_lights(c, *request, response); });
+  Unary* GetScene(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kGetScene, request, response, &get_scene);
+  }
+  Unary* ListScenes(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kListScenes, request, response, &list_scenes);
+  }
+  Unary* ListAvailableScenes(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kListAvailableScenes, request, response,
+                 &list_available_scenes);
+  }
+  Unary* ListLights(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kListLights, request, response, &list_lights);
+  }
+  Unary* EditLights(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kEditLights, request, response, &edit_lights);
+  }
+  Unary* RenewLease(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kRenewLease, request, response, &renew_lease);
+  }
+  Unary* ReleaseScene(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kReleaseScene, request, response, &release_scene);
   }
 
  private:
   Runtime& runtime_;
 };
 
-class LightingServiceImpl final : public v1::LightingService::CallbackService {
+class LightingServiceImpl final : public LightingBase {
  public:
   explicit LightingServiceImpl(Runtime& runtime) : runtime_(runtime) {}
 
-  Unary* SampleLi(CallContext* context, const v1::SampleLiRequest* request,
-                  v1::SampleLiResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kSampleLi, context,
-                            [&](const Context& c) { return sample_li(c, *request, response); });
+  Unary* SampleLi(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kSampleLi, request, response, &sample_li);
   }
-  Unary* PdfLi(CallContext* context, const v1::PdfLiRequest* request,
-               v1::PdfLiResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kPdfLi, context,
-                            [&](const Context& c) { return pdf_li(c, *request, response); });
+  Unary* PdfLi(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kPdfLi, request, response, &pdf_li);
   }
-  Unary* EstimatePower(CallContext* context, const v1::EstimatePowerRequest* request,
-                       v1::EstimatePowerResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kEstimatePower, context, [&](const Context& c) {
-      return estimate_power(c, *request, response);
-    });
+  Unary* SampleLe(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kSampleLe, request, response, &sample_le);
   }
-  Unary* TestVisibility(CallContext* context, const v1::TestVisibilityRequest* request,
-                        v1::TestVisibilityResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kTestVisibility, context, [&](const Context& c) {
-      return test_visibility(c, *request, response);
-    });
+  Unary* PdfLe(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kPdfLe, request, response, &pdf_le);
   }
-  Unary* EstimateIrradiance(CallContext* context, const v1::EstimateIrradianceRequest* request,
-                            v1::EstimateIrradianceResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kEstimateIrradiance, context, [&](const Context& c) {
-      return estimate_irradiance(c, *request, response);
-    });
+  Unary* Le(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kLe, request, response, &le);
   }
-
-  Unary* SampleLe(CallContext* context, const v1::SampleLeRequest* request,
-                  v1::SampleLeResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kSampleLe, context,
-                            [&](const Context& c) { return sample_le(c, *request, response); });
+  Unary* EstimatePower(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kEstimatePower, request, response, &estimate_power);
   }
-  Unary* PdfLe(CallContext* context, const v1::PdfLeRequest* request,
-               v1::PdfLeResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kPdfLe, context,
-                            [&](const Context& c) { return pdf_le(c, *request, response); });
+  Unary* TestVisibility(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kTestVisibility, request, response, &test_visibility);
   }
-  Unary* Le(CallContext* context, const v1::LeRequest* request, v1::LeResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kLe, context,
-                            [&](const Context& c) { return le(c, *request, response); });
+  Unary* EstimateIrradiance(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kEstimateIrradiance, request, response,
+                 &estimate_irradiance);
   }
 
  private:
   Runtime& runtime_;
 };
 
-class RenderServiceImpl final : public v1::RenderService::CallbackService {
+class RenderServiceImpl final : public RenderBase {
  public:
   explicit RenderServiceImpl(Runtime& runtime) : runtime_(runtime) {}
 
-  Unary* RenderTile(CallContext* context, const v1::RenderTileRequest* request,
-                    v1::RenderTileResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kRenderTile, context,
-                            [&](const Context& c) { return render_tile(c, *request, response); });
+  Unary* RenderTile(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kRenderTile, request, response, &render_tile);
   }
-  grpc::ServerWriteReactor<v1::RenderImageResponse>* RenderImage(
-      CallContext* context, const v1::RenderImageRequest* request) override {
-    return ImageStream::start(runtime_, context, *request);
+  grpc::ServerWriteReactor<Bytes>* RenderImage(CallContext* context,
+                                               const Bytes* request) override {
+    return ImageStream::start(runtime_, context, request);
   }
 
  private:
   Runtime& runtime_;
 };
 
-class AdminServiceImpl final : public v1::AdminService::CallbackService {
+class AdminServiceImpl final : public AdminBase {
  public:
   explicit AdminServiceImpl(Runtime& runtime) : runtime_(runtime) {}
 
-  Unary* GetServerInfo(CallContext* context, const v1::GetServerInfoRequest*,
-                       v1::GetServerInfoResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kGetServerInfo, context,
-                            [&](const Context&) -> Prepared {
-                              Task task;
-                              task.run = [&runtime = runtime_, response](const std::stop_token&) {
-                                const std::lock_guard lock(runtime.info_mutex);
-                                *response = runtime.info;
-                                return absl::OkStatus();
-                              };
-                              return task;
-                            });
+  Unary* GetServerInfo(CallContext* context, const Bytes* request, Bytes* response) override {
+    return TypedCall<v1::GetServerInfoRequest, v1::GetServerInfoResponse>::start(
+        runtime_, context, Call::kGetServerInfo, request, response,
+        [&runtime = runtime_](const Context&, const v1::GetServerInfoRequest&,
+                              v1::GetServerInfoResponse* answer) -> Prepared {
+          Task task;
+          task.run = [&runtime, answer](const std::stop_token&) {
+            const std::lock_guard lock(runtime.info_mutex);
+            *answer = runtime.info;
+            return absl::OkStatus();
+          };
+          return task;
+        });
   }
-  Unary* GetStats(CallContext* context, const v1::GetStatsRequest*,
-                  v1::GetStatsResponse*) override {
-    return UnaryCall::start(runtime_, Call::kGetStats, context, [](const Context&) -> Prepared {
-      return unimplemented("the server keeps no statistics yet; each answer has a cost");
-    });
+  Unary* GetStats(CallContext* context, const Bytes* request, Bytes* response) override {
+    return TypedCall<v1::GetStatsRequest, v1::GetStatsResponse>::start(
+        runtime_, context, Call::kGetStats, request, response,
+        [&runtime = runtime_](const Context&, const v1::GetStatsRequest&,
+                              v1::GetStatsResponse* answer) -> Prepared {
+          Task task;
+          task.run = [&runtime, answer](const std::stop_token&) {
+            set_stats(figures(runtime), answer);
+            return absl::OkStatus();
+          };
+          return task;
+        });
   }
-  Unary* ListLeases(CallContext* context, const v1::ListLeasesRequest* request,
-                    v1::ListLeasesResponse* response) override {
-    return UnaryCall::start(runtime_, Call::kListLeases, context,
-                            [&](const Context& c) { return list_leases(c, *request, response); });
+  Unary* ListLeases(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kListLeases, request, response, &list_leases);
   }
 
  private:

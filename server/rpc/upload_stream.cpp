@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
-#include "server/rpc/call.h"
+#include "proto/common/status_macros.h"
 #include "server/rpc/messages/errors.h"
+#include "server/runtime/parallel.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -22,11 +24,14 @@ absl::Status being_uploaded(absl::Status status) {
 }  // namespace
 
 UploadStream::UploadStream(Runtime& runtime, grpc::CallbackServerContext* context,
-                           v1::UploadAssetResponse* response)
-    : runtime_(runtime), context_(context), response_(response) {}
+                           grpc::ByteBuffer* response)
+    : runtime_(runtime),
+      observed_(runtime, *context, monitor::Call::kUploadAsset),
+      bytes_out_(response) {}
 
-grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadStream::start(
-    Runtime& runtime, grpc::CallbackServerContext* context, v1::UploadAssetResponse* response) {
+grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(Runtime& runtime,
+                                                               grpc::CallbackServerContext* context,
+                                                               grpc::ByteBuffer* response) {
   const auto stream = std::make_shared<UploadStream>(runtime, context, response);
   stream->self_ = stream;
   stream->pass_ = runtime.gate.enter();
@@ -34,11 +39,10 @@ grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadStream::start(
     stream->finish(draining());
     return stream.get();
   }
-  absl::StatusOr<access::Admission> admission =
-      admit(runtime, access::Call::kUploadAsset, *context);
+  absl::StatusOr<access::Admission> admission = stream->observed_.admit();
   if (admission.ok()) {
     stream->admission_ = *std::move(admission);
-    stream->StartRead(&stream->request_);
+    stream->StartRead(&stream->bytes_);
   } else {
     stream->finish(admission.status());
   }
@@ -57,8 +61,14 @@ void UploadStream::OnReadDone(bool ok) {
 }
 
 void UploadStream::take(const LaneJobStart& start) {
+  monitor::CallRecord& record = observed_.record();
+  observed_.add_queue_time(Lane::kInteractive, start.queue_time_s);
   if (!start.status.ok()) return finish(start.status);
+  const auto begin = std::chrono::steady_clock::now();
+  const CpuMeter meter;
+  record.request_bytes += bytes_.Length();
   const absl::Status status = guarded([&]() -> absl::Status {
+    LUCERNA_RETURN_IF_ERROR(parse_message(bytes_, request_));
     if (request_.has_header() != !begun_) {
       return bad_field("part", begun_ ? "header" : "chunk",
                        begun_ ? "chunk, after the header" : "header, before all chunks");
@@ -66,8 +76,11 @@ void UploadStream::take(const LaneJobStart& start) {
     return begun_ ? take_chunk(request_.chunk()) : take_header(request_.header());
   });
   begun_ = true;
+  record.cpu_s += meter.seconds();
+  record.compute_s +=
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!status.ok() || held_) return finish(status);
-  StartRead(&request_);
+  StartRead(&bytes_);
 }
 
 absl::Status UploadStream::take_header(const v1::AssetHeader& header) {
@@ -80,7 +93,7 @@ absl::Status UploadStream::take_header(const v1::AssetHeader& header) {
   const AssetStore::Held held = assets.held(header.sha256());
   if (held.whole) {
     held_ = true;
-    response_->set_received_bytes(held.bytes);
+    response_.set_received_bytes(held.bytes);
     return absl::OkStatus();
   }
   if (header.size_bytes() > assets.max_asset_bytes()) {
@@ -115,7 +128,7 @@ absl::Status UploadStream::take_chunk(const std::string& chunk) {
 
 absl::Status UploadStream::end() {
   if (!upload_) return bad_field("part", "none", "header, before all chunks");
-  response_->set_received_bytes(upload_->bytes());
+  response_.set_received_bytes(upload_->bytes());
   if (!upload_->complete()) return absl::OkStatus();
   absl::Status status = upload_->finish();
   if (absl::IsInvalidArgument(status)) {
@@ -126,9 +139,13 @@ absl::Status UploadStream::end() {
   return absl::IsFailedPrecondition(status) ? being_uploaded(std::move(status)) : status;
 }
 
-void UploadStream::finish(const absl::Status& status) {
+void UploadStream::finish(absl::Status status) {
   upload_.reset();  // stores the received part before the client learns that the call has ended
-  Finish(to_grpc(status, *context_));
+  if (status.ok()) {
+    status = guarded([&] { return encode_message(response_, *bytes_out_); });
+    if (status.ok()) observed_.record().response_bytes = bytes_out_->Length();
+  }
+  Finish(observed_.end(status));
 }
 
 }  // namespace lucerna::rpc

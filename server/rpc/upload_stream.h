@@ -3,6 +3,7 @@
 
 #include <absl/status/status.h>
 #include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include <memory>
@@ -10,24 +11,25 @@
 
 #include "lucerna/v1/scene.pb.h"
 #include "server/assets/asset_store.h"
+#include "server/rpc/observed_call.h"
 #include "server/rpc/runtime.h"
 
 namespace lucerna::rpc {
 
 /// Hashes and writes one message in each lane job, and then reads the next.  If a client sends
 /// faster than the disk writes, gRPC's flow control slows it down.
-class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
+class UploadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
                      public std::enable_shared_from_this<UploadStream> {
  public:
-  static grpc::ServerReadReactor<v1::UploadAssetRequest>* start(
-      Runtime& runtime, grpc::CallbackServerContext* context, v1::UploadAssetResponse* response);
+  static grpc::ServerReadReactor<grpc::ByteBuffer>* start(Runtime& runtime,
+                                                          grpc::CallbackServerContext* context,
+                                                          grpc::ByteBuffer* response);
 
   void OnCancel() override { stop_.request_stop(); }
   void OnDone() override { const auto last = std::move(self_); }
   void OnReadDone(bool ok) override;
 
-  UploadStream(Runtime& runtime, grpc::CallbackServerContext* context,
-               v1::UploadAssetResponse* response);
+  UploadStream(Runtime& runtime, grpc::CallbackServerContext* context, grpc::ByteBuffer* response);
 
  private:
   /// Handles the message that was read, on a thread of the lane.
@@ -36,17 +38,19 @@ class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
   absl::Status take_chunk(const std::string& chunk);
   /// Handles the end of the client's messages.
   absl::Status end();
-  void finish(const absl::Status& status);
+  void finish(absl::Status status);
 
   Runtime& runtime_;
-  grpc::CallbackServerContext* context_;
-  v1::UploadAssetResponse* response_;
+  ObservedCall observed_;
+  grpc::ByteBuffer* bytes_out_;
+  v1::UploadAssetResponse response_;
   std::stop_source stop_;
   CallGate::Pass pass_;
   access::Admission admission_;
   std::shared_ptr<UploadStream> self_;
 
   // At any moment there is one of: a read, a lane job, the end.
+  grpc::ByteBuffer bytes_;
   v1::UploadAssetRequest request_;
   v1::AssetHeader header_;
   bool begun_ = false;

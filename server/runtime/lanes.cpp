@@ -7,9 +7,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <condition_variable>
 #include <deque>
+#include <functional>
+#include <iterator>
+#include <map>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -17,41 +23,78 @@
 namespace lucerna {
 namespace {
 
-// Two jobs of a lane run at a time.  So a short job can overtake a long one, and a job that cannot
+// Two jobs of a kind run at a time.  So a short job can overtake a long one, and a job that cannot
 // use all threads leaves some for the other.
 constexpr int kJobsAtATime = 2;
+// Further jobs of clients that have none running.
+constexpr int kExtraJobs = 2;
 // Large enough that an interactive thread runs at once when it wakes.
 constexpr int kBulkNiceness = 10;
+// Computations and their steps share places.
+constexpr std::size_t kPlaces = 2;
+
+std::chrono::nanoseconds from_seconds(double s) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(s));
+}
 
 absl::Status why_not_to_run(const LaneJob& job) {
   if (job.stop.stop_requested()) return absl::CancelledError("cancelled before the work started");
-  if (job.deadline <= LaneJob::Clock::now()) {
+  if (job.deadline == LaneJob::Clock::time_point::max()) return absl::OkStatus();
+  const auto now = LaneJob::Clock::now();
+  if (job.deadline <= now) {
     return absl::DeadlineExceededError("the deadline passed before the work started");
+  }
+  // A larger number would overflow the clock.
+  constexpr double kMostSeconds = 1e9;
+  if (job.least_s > 0 && job.deadline - now < from_seconds(std::min(job.least_s, kMostSeconds))) {
+    return absl::DeadlineExceededError(
+        fmt::format("the work was not started: it takes about {:.3g} s, and the deadline is {:.3g} "
+                    "s away",
+                    job.least_s, std::chrono::duration<double>(job.deadline - now).count()));
   }
   return absl::OkStatus();
 }
 
+struct QueueOptions {
+  const char* name;
+  std::uint32_t limit;
+  int threads;  ///< of one loop
+  tbb::task_arena::priority priority;
+  int niceness;
+  bool fair;  ///< clients take turns, and each kind of job has its own places
+};
+
 class Queue {
  public:
-  Queue(const char* name, std::uint32_t limit, int threads, tbb::task_arena::priority priority,
-        int niceness)
-      : name_(name), limit_(limit), arena_(threads - 1 + kJobsAtATime, kJobsAtATime, priority) {
-    for (int i = 0; i < kJobsAtATime; ++i) {
-      threads_.emplace_back([this, niceness] {
+  explicit Queue(const QueueOptions& options)
+      : options_(options),
+        threads_count_(options.fair ? static_cast<int>(kPlaces) * (kJobsAtATime + kExtraJobs)
+                                    : kJobsAtATime),
+        arena_(options.threads - 1 + threads_count_, static_cast<unsigned>(threads_count_),
+               options.priority) {
+    for (int i = 0; i < threads_count_; ++i) {
+      threads_.emplace_back([this] {
         // On Linux, niceness is a property of the thread.  If this fails, both lanes have the same
         // priority.
-        if (niceness > 0) (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness);
+        if (options_.niceness > 0)
+          (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), options_.niceness);
         arena_.execute([this] { work(); });
       });
     }
   }
 
   ~Queue() {
-    std::deque<Waiting> left;
+    std::vector<Waiting> left;
     {
       const std::lock_guard lock(mutex_);
       ended_ = true;
-      left.swap(waiting_);
+      for (auto& [name, client] : clients_) {
+        for (Line& line : client.lines) {
+          std::move(line.begin(), line.end(), std::back_inserter(left));
+          line.clear();
+        }
+      }
+      load_.waiting = 0;
     }
     wake_.notify_all();
     for (Waiting& w : left) {
@@ -67,15 +110,15 @@ class Queue {
     absl::Status status;
     {
       const std::lock_guard lock(mutex_);
-      if (bounded && waiting_.size() >= limit_) sweep(swept);
+      if (bounded && load_.waiting >= options_.limit) sweep(swept);
       if (ended_) {
         status = absl::UnavailableError("the server is shutting down");
         if (!bounded) swept.push_back({std::move(job), LaneJob::Clock::now()});
-      } else if (bounded && waiting_.size() >= limit_) {
-        status = absl::ResourceExhaustedError(
-            fmt::format("{} requests wait in the {} lane, its limit", limit_, name_));
+      } else if (bounded && load_.waiting >= options_.limit) {
+        status = absl::ResourceExhaustedError(fmt::format(
+            "{} requests wait in the {} lane, its limit", options_.limit, options_.name));
       } else {
-        waiting_.push_back({std::move(job), LaneJob::Clock::now()});
+        append(std::move(job));
       }
     }
     wake_.notify_one();
@@ -86,9 +129,9 @@ class Queue {
     return status;
   }
 
-  std::size_t pending() const {
+  LaneLoad load() const {
     const std::lock_guard lock(mutex_);
-    return waiting_.size() + running_;
+    return load_;
   }
 
  private:
@@ -96,43 +139,121 @@ class Queue {
     LaneJob job;
     LaneJob::Clock::time_point since;
   };
+  using Line = std::deque<Waiting>;
+  /// The jobs of one client.
+  struct Client {
+    std::array<Line, 3> lines;  // by JobKind, each first come, first served
+    std::array<int, kPlaces> running{};
+    /// The client with the least number is next.
+    std::uint64_t turn = 0;
+    /// The line of computations that is next.
+    std::size_t next_line = kWhole;
+
+    bool waits() const {
+      return std::any_of(lines.begin(), lines.end(), [](const Line& l) { return !l.empty(); });
+    }
+    bool runs() const { return running[0] + running[1] > 0; }
+  };
+  static constexpr auto kLoads = static_cast<std::size_t>(JobKind::kLoad);
+  static constexpr auto kSteps = static_cast<std::size_t>(JobKind::kStep);
+  static constexpr auto kWhole = static_cast<std::size_t>(JobKind::kComputation);
+  using Clients = std::map<std::string, Client, std::less<>>;
+  /// A job that may run now.
+  struct Choice {
+    Clients::iterator client;
+    std::size_t line;
+  };
 
   static void answer(Waiting& w, absl::Status status) {
     const std::chrono::duration<double> waited = LaneJob::Clock::now() - w.since;
     w.job.run({std::move(status), std::max(0.0, waited.count())});
   }
 
-  /// Removes jobs that were cancelled or whose deadline has passed.
-  void sweep(std::vector<Waiting>& out) {
-    const auto dead = std::stable_partition(waiting_.begin(), waiting_.end(), [](const Waiting& w) {
-      return why_not_to_run(w.job).ok();
-    });
-    std::move(dead, waiting_.end(), std::back_inserter(out));
-    waiting_.erase(dead, waiting_.end());
+  static std::size_t place_of(std::size_t line) { return line == kLoads ? 0 : 1; }
+
+  void append(LaneJob job) {
+    Client& client = clients_[options_.fair ? job.client : std::string()];
+    // A client that was away gets no turns for that time.
+    if (!client.waits()) client.turn = std::max(client.turn, turn_);
+    const std::size_t line = options_.fair ? static_cast<std::size_t>(job.kind) : kWhole;
+    client.lines[line].push_back({std::move(job), LaneJob::Clock::now()});
+    ++load_.waiting;
   }
+
+  /// Removes jobs that were cancelled or that cannot meet their deadline.
+  void sweep(std::vector<Waiting>& out) {
+    for (auto client = clients_.begin(); client != clients_.end();) {
+      for (Line& line : client->second.lines) {
+        const auto dead = std::stable_partition(
+            line.begin(), line.end(), [](const Waiting& w) { return why_not_to_run(w.job).ok(); });
+        load_.waiting -= static_cast<std::size_t>(line.end() - dead);
+        std::move(dead, line.end(), std::back_inserter(out));
+        line.erase(dead, line.end());
+      }
+      client = is_idle(client->second) ? clients_.erase(client) : std::next(client);
+    }
+  }
+
+  bool may_run(const Client& client, std::size_t place) const {
+    return running_[place] < kJobsAtATime || (options_.fair && client.running[place] == 0 &&
+                                              running_[place] < kJobsAtATime + kExtraJobs);
+  }
+
+  /// The line of the client whose first job may run now; nothing if there is none.
+  std::optional<std::size_t> line_of(const Client& client) const {
+    const std::size_t other = client.next_line == kWhole ? kSteps : kWhole;
+    for (const std::size_t line : {kLoads, client.next_line, other}) {
+      if (!client.lines[line].empty() && may_run(client, place_of(line))) return line;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Choice> choose() {
+    std::optional<Choice> best;
+    for (auto client = clients_.begin(); client != clients_.end(); ++client) {
+      if (best && best->client->second.turn <= client->second.turn) continue;
+      if (const auto line = line_of(client->second)) best = {client, *line};
+    }
+    return best;
+  }
+
+  static bool is_idle(const Client& client) { return !client.waits() && !client.runs(); }
 
   void work() {
     std::unique_lock lock(mutex_);
     while (true) {
-      wake_.wait(lock, [this] { return ended_ || !waiting_.empty(); });
+      std::optional<Choice> choice;
+      wake_.wait(lock, [&] { return ended_ || (choice = choose()).has_value(); });
       if (ended_) return;
-      Waiting next = std::move(waiting_.front());
-      waiting_.pop_front();
-      ++running_;
+      Client& client = choice->client->second;
+      const std::size_t line = choice->line, place = place_of(line);
+      Waiting next = std::move(client.lines[line].front());
+      client.lines[line].pop_front();
+      turn_ = client.turn++;
+      if (line != kLoads) client.next_line = line == kWhole ? kSteps : kWhole;
+      --load_.waiting;
+      ++load_.running;
+      ++running_[place];
+      ++client.running[place];
       lock.unlock();
       answer(next, why_not_to_run(next.job));
       next = {};  // release the job's resources while it still counts as running
       lock.lock();
-      --running_;
+      --load_.running;
+      --running_[place];
+      --client.running[place];  // a client with running jobs is never erased
+      if (is_idle(client)) clients_.erase(choice->client);
     }
   }
 
-  const char* name_;
-  std::size_t limit_;
+  QueueOptions options_;
+  int threads_count_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Waiting> waiting_;
-  std::size_t running_ = 0;
+  Clients clients_;
+  std::uint64_t turn_ = 0;  // of the client that was served last
+  std::array<int, kPlaces> running_{};
+  LaneLoad load_;
   bool ended_ = false;
   tbb::task_arena arena_;
   std::vector<std::jthread> threads_;
@@ -149,9 +270,18 @@ struct Lanes::State {
       : threads(thread_count(o.threads)),
         // oneTBB counts the calling thread, so there are `threads` - 1 workers.
         control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
-        interactive("interactive", o.interactive_queue, threads, tbb::task_arena::priority::high,
-                    0),
-        bulk("bulk", o.bulk_queue, threads, tbb::task_arena::priority::low, kBulkNiceness) {}
+        interactive({.name = "interactive",
+                     .limit = o.interactive_queue,
+                     .threads = threads,
+                     .priority = tbb::task_arena::priority::high,
+                     .niceness = 0,
+                     .fair = false}),
+        bulk({.name = "bulk",
+              .limit = o.bulk_queue,
+              .threads = threads,
+              .priority = tbb::task_arena::priority::low,
+              .niceness = kBulkNiceness,
+              .fair = true}) {}
   Queue& queue(Lane lane) { return lane == Lane::kInteractive ? interactive : bulk; }
 
   int threads;
@@ -172,6 +302,10 @@ void Lanes::resume(Lane lane, LaneJob job) {
 }
 
 int Lanes::threads() const { return state_->threads; }
-std::size_t Lanes::pending(Lane lane) const { return state_->queue(lane).pending(); }
+LaneLoad Lanes::load(Lane lane) const { return state_->queue(lane).load(); }
+std::size_t Lanes::pending(Lane lane) const {
+  const LaneLoad load = this->load(lane);
+  return load.waiting + load.running;
+}
 
 }  // namespace lucerna

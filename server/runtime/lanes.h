@@ -1,11 +1,15 @@
 // Two lanes with bounded queues compute requests.  So a query of a millisecond does not wait for a
 // render of an hour.
 //
-// Each lane has its own threads, which take jobs first come, first served.  Each lane has an oneTBB
-// arena, in which oneTBB's workers help with the loops of these threads.  Workers prefer the
-// interactive arena and move to it between two chunks.  The operating system schedules the lanes'
-// own threads, and those of the bulk lane have a lower priority.  So even a job of one long chunk
-// does not delay the other lane.
+// Each lane has its own threads.  The jobs of one client run first come, first served; clients take
+// turns.  Each lane has an oneTBB arena, in which oneTBB's workers help with the loops of these
+// threads.  Workers prefer the interactive arena and move to it between two chunks.  The operating
+// system schedules the lanes' own threads, and those of the bulk lane have a lower priority.  So
+// even a job of one long chunk does not delay the other lane.
+//
+// The bulk lane runs two jobs of each kind at a time.  A client without a running job of this kind
+// may start one of up to two more.  So neither two endless loads nor two endless renders of one
+// client keep another client waiting.
 #pragma once
 
 #include <absl/status/status.h>
@@ -15,10 +19,15 @@
 #include <functional>
 #include <memory>
 #include <stop_token>
+#include <string>
 
 namespace lucerna {
 
 enum class Lane : std::uint8_t { kInteractive, kBulk };
+/// Loads do not take the places of computations, and the other way round.  A step is a short part
+/// of a long computation.  Steps and whole computations of one client take turns, so a client with
+/// many streams still gets a small answer soon.
+enum class JobKind : std::uint8_t { kLoad, kStep, kComputation };
 
 struct LaneOptions {
   int threads = 0;                         ///< of one loop; 0: one for each processor
@@ -42,6 +51,17 @@ struct LaneJob {
   std::function<void(const LaneJobStart&)> run{};
   std::stop_token stop{};
   Clock::time_point deadline = Clock::time_point::max();
+  /// Who sent the request, for the turns of clients in the bulk lane.
+  std::string client{};
+  JobKind kind = JobKind::kComputation;
+  /// The least time that the job takes [s].  A job that cannot end before its deadline does not
+  /// run: DEADLINE_EXCEEDED.
+  double least_s = 0;
+};
+
+/// The jobs of a lane now.
+struct LaneLoad {
+  std::size_t waiting = 0, running = 0;
 };
 
 /// Thread-safe.
@@ -59,6 +79,7 @@ class Lanes {
   int threads() const;
   /// Jobs that wait or run.
   std::size_t pending(Lane lane) const;
+  LaneLoad load(Lane lane) const;
 
  private:
   struct State;

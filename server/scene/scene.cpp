@@ -127,6 +127,7 @@ std::vector<ScenePart> Scene::parts() const {
   all.insert(all.end(), parts_.begin(), parts_.end());
   if (light_selector_)
     if (auto tree = light_selector_->tree_part().report()) all.push_back(*std::move(tree));
+  if (auto choice = revised_selector_.report()) all.push_back(*std::move(choice));
   if (auto areas = area_selector_.report()) all.push_back(*std::move(areas));
   const auto attached_from = static_cast<std::ptrdiff_t>(all.size());
   attached_.for_each([&](const AttachedPart& attached) {
@@ -153,11 +154,23 @@ std::uint64_t Scene::bytes() const {
 }
 
 std::uint64_t Scene::own_bytes() const {
-  std::uint64_t sum = area_selector_.bytes();
+  std::uint64_t sum = area_selector_.bytes() + revised_selector_.bytes();
   if (light_selector_) sum += light_selector_->tree_part().bytes();
   attached_.for_each([&](const AttachedPart& attached) { sum += attached.bytes(); });
   for (const ScenePart& part : parts_) sum += part.bytes;
   return sum;
+}
+
+const LightSelector& Scene::revised_selector() const {
+  return revised_selector_.get(
+      [this] {
+        auto made = std::make_unique<LightSelector>(selector_items(*this, false));
+        made->build_tree_if_used();
+        return std::unique_ptr<const LightSelector>(std::move(made));
+      },
+      [this](const LightSelector&) {
+        return fmt::format("{} lights to choose from", lights_.size());
+      });
 }
 
 const LightSelector& Scene::area_selector() const {

@@ -116,7 +116,7 @@ class Scene {
 
   std::span<const SceneLight> lights() const { return lights_; }
   SourceLocation source_of(const SceneLight& light) const {
-    return {base_->files_[light.file], light.line, light.column};
+    return {files_[light.file], light.line, light.column};
   }
   /// World position of the zero of the light's coordinates.
   const Vec3<double>& origin_of(const SceneLight& light) const {
@@ -138,8 +138,13 @@ class Scene {
   const LightNames& light_names() const { return light_names_; }
   /// Indices of the lights that rays meet when they leave the scene.
   std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
-  /// The selector of all lights.  Requires two lights or more.
-  const LightSelector& light_selector() const { return *light_selector_; }
+  /// The selector of all lights.  Requires two lights or more.  That of a revision is made at its
+  /// first use.
+  const LightSelector& light_selector() const {
+    if (light_selector_) [[likely]]
+      return *light_selector_;
+    return revised_selector();
+  }
   /// The selector of all lights except delta lights.  Made at its first use.
   const LightSelector& area_selector() const;
   /// Whether a light, a shape, an instance or the camera moves: pictures then depend on time.
@@ -243,6 +248,7 @@ class Scene {
   };
   /// All surfaces along the ray in their order, each once.
   std::vector<Crossing> crossings(const Ray& ray, Meets meets) const;
+  const LightSelector& revised_selector() const;
   /// The parts of a revision that it shares with loaded_, as they were built.
   std::vector<ScenePart> shared_parts() const;
   SurfaceHit surface_hit(const RawHit& raw, const Ray& ray) const;
@@ -279,9 +285,11 @@ class Scene {
   bool has_panes_ = false;
   bool has_cut_lights_ = false;
   std::unique_ptr<Accelerator> accelerator_;
-  SurfaceTable surfaces_;                        // of the scene's own geometry
-  std::vector<SurfaceTable> object_surfaces_;    // of each object, then of each moving shape
-  std::optional<LightSelector> light_selector_;  // empty with fewer than two lights
+  SurfaceTable surfaces_;                      // of the scene's own geometry
+  std::vector<SurfaceTable> object_surfaces_;  // of each object, then of each moving shape
+  std::optional<LightSelector>
+      light_selector_;  // empty with fewer than two lights, and in revisions
+  LazyPart<LightSelector> revised_selector_{"light choice"};
   bool has_visible_lights_ = false;
   bool moves_ = false;
   bool others_move_ = false;  // anything but lights without a surface

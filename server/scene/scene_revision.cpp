@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "proto/common/sha256.h"
@@ -84,24 +85,27 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   if (loaded.moved_ != loaded.moved_by(edits))
     return absl::InternalError("a scene whose surfaces are elsewhere");
   LUCERNA_RETURN_IF_ERROR(check_panes(loaded, edits));
-  // Describes all lights without a surface, since they determine the scene's sphere.
   std::vector<LightChange> changes(count);
   for (const auto& [id, change] : edits.changes)
     if (id >= 1 && id <= count) changes[id - 1] = change;
-  std::vector<LightDescription> described(count);
+  // Levels do not change where the scene is.  Otherwise all lights without a surface determine it.
+  const bool only_levels =
+      edits.added.empty() && std::ranges::none_of(changes, [](const LightChange& c) {
+        return c.is_removed || c.has_place();
+      });
+  std::vector<std::optional<LightDescription>> described(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const SceneLight& of = loaded.lights_[i];
+    if (changes[i].is_removed || (only_levels && changes[i] == LightChange())) continue;
     const auto replacement = edits.added.find(of.id);
-    if (changes[i].is_removed) continue;
-    if (replacement != edits.added.end()) {
+    if (replacement != edits.added.end())
       described[i] = replacement->second.light;
-    } else if (has_surface(of.light)) {
+    else if (has_surface(of.light))
       continue;
-    } else {
+    else
       described[i] = describe(loaded, i);
-    }
-    if (absl::Status s = apply(changes[i], described[i]); !s.ok()) return about_light(of.id, s);
-    in_.lights.push_back(described[i]);
+    if (absl::Status s = apply(changes[i], *described[i]); !s.ok()) return about_light(of.id, s);
+    if (!only_levels) in_.lights.push_back(*described[i]);
   }
   std::vector<std::pair<std::uint64_t, LightDescription>> added;
   for (const auto& [id, a] : edits.added) {
@@ -112,7 +116,12 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
         return about_light(id, s);
     in_.lights.push_back(added.back().second);
   }
-  LUCERNA_RETURN_IF_ERROR(place_lights());
+  if (only_levels) {
+    scene_->origin_ = loaded.origin_;
+    scene_->sphere_ = loaded.sphere_;
+  } else {
+    LUCERNA_RETURN_IF_ERROR(place_lights());
+  }
 
   scene_->files_ = loaded.files_;
   for (std::uint32_t i = 0; i < scene_->files_.size(); ++i)
@@ -138,8 +147,8 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     if (changes[i].is_removed) continue;
     absl::Status made;
     if (is_replaced || (!has_surface(of.light) && (is_elsewhere || changes[i] != LightChange()))) {
-      note(described[i].spectrum, described[i].name);
-      made = add_free_light(of.id, described[i]);
+      note(described[i]->spectrum, described[i]->name);
+      made = add_free_light(of.id, *described[i]);
     } else {
       const auto number = loaded.spectrum_number(i);
       note(number && changes[i].keeps_spectrum() ? loaded.spectra_[*number] : nullptr,
@@ -173,7 +182,6 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   keep_spectra(spectra);
   keep_names(std::move(names));
   report_shared_by_lights(std::span(scene_->lights_).subspan(added_from), watch);
-  LUCERNA_RETURN_IF_ERROR(prepare_choice());
   scene_->camera_ = Camera(loaded.camera_description_, loaded.film_, scene_->origin_);
   scene_->id_ = hexadecimal(sha256("edited:" + loaded.id_ + ":" + edits.canonical()));
   scene_->edits_ = std::move(edits);

@@ -661,6 +661,16 @@ std::uint64_t SceneStore::bytes() const {
   return state_->held;
 }
 
+std::size_t SceneStore::leases() const {
+  const std::lock_guard lock(state_->mutex);
+  std::size_t n = 0;
+  for (auto& [id, entry] : state_->scenes) {
+    state_->leased_until(entry);  // removes ended leases
+    n += entry.leases.size();
+  }
+  return n;
+}
+
 std::uint64_t SceneStore::builds() const {
   const std::lock_guard lock(state_->mutex);
   return state_->builds;

@@ -154,6 +154,8 @@ class SceneStore {
 
   std::size_t size() const;
   std::uint64_t bytes() const;
+  /// The number of leases of all scenes.
+  std::size_t leases() const;
   /// The number of scenes built so far.
   std::uint64_t builds() const;
 

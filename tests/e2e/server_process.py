@@ -13,16 +13,18 @@ COMMAND_S = 900
 class ServerProcess:
     """Runs `lucernad` on a free port of the loopback interface.  Leaving the `with` block stops it."""
 
-    def __init__(self, build, scene_root):
+    def __init__(self, build, scene_root, *arguments, log=subprocess.DEVNULL):
         self.build = build
         environment = {k: v for k, v in os.environ.items() if not k.startswith("LUCERNA")}
         self.process = subprocess.Popen(
-            [build / "bin/lucernad", "--listen", "127.0.0.1:0", "--scene-root", scene_root, "--threads", "2"],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL, env=environment,
+            [build / "bin/lucernad", "--listen", "127.0.0.1:0", "--scene-root", scene_root, "--threads", "2",
+             *arguments],
+            stdout=subprocess.PIPE, stderr=log, stdin=subprocess.DEVNULL, env=environment,
         )
         self.environment = environment
 
     def __enter__(self):
+        self.metrics = None
         self.target, text, end = None, b"", time.monotonic() + START_S
         while self.target is None:
             ready, _, _ = select.select([self.process.stdout], [], [], max(0, end - time.monotonic()))
@@ -32,6 +34,8 @@ class ServerProcess:
                 raise RuntimeError(f"lucernad does not start: {text.decode()}")
             text += more
             for line in text.decode().split("\n")[:-1]:
+                if line.startswith("metrics on "):
+                    self.metrics = line.removeprefix("metrics on ").strip()
                 if line.startswith("listening on "):
                     self.target = line.removeprefix("listening on ").strip()
         return self

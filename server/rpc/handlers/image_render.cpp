@@ -91,14 +91,22 @@ absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageRespo
   settings.rect = tiles_[tile_];
   if (!begin_) begin_ = pass_start_ = Clock::now();
   if (settings.target) {
-    const TileResult result = lucerna::render_tile(*scene_, settings, stop);
-    if (result.stopped) return absl::CancelledError("stopped");
+    LUCERNA_ASSIGN_OR_RETURN(const bool done, rows_.step(*scene_, settings, stop));
+    if (!done) {
+      set_counts(response->mutable_cost(), work_);
+      return absl::OkStatus();
+    }
+    const TileResult result = rows_.take();
     work_ += result.work;
     for (const std::uint32_t n : result.samples) samples_done_ += n;
     set_tile(*scene_, settings, 0, settings.block_count, result, response->mutable_tile());
   } else {
     if (!sending_) {
-      LUCERNA_RETURN_IF_ERROR(add_blocks(stop));
+      LUCERNA_ASSIGN_OR_RETURN(const bool reached, add_blocks(stop));
+      if (!reached) {
+        set_counts(response->mutable_cost(), work_);
+        return absl::OkStatus();
+      }
     }
     const BlockMerger<>& merged = merged_[tile_];
     if (sending_ || !is_timed() || !final_only_) {
@@ -120,29 +128,33 @@ absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageRespo
   return absl::OkStatus();
 }
 
-absl::Status ImageRender::add_blocks(const std::stop_token& stop) {
+absl::StatusOr<bool> ImageRender::add_blocks(const std::stop_token& stop) {
   TileSettings& settings = query_.settings;
   BlockMerger<>& merged = merged_[tile_];
+  if (merged.blocks() >= pass_end_) return true;
   std::optional<StopAt> in_time;
   if (!is_waited_for())
     in_time.emplace(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                        std::chrono::duration<double>(std::max(0.0, left_s()))),
                     stop);
-  while (merged.blocks() < pass_end_) {
+  if (!rows_.has_begun()) {
     settings.first_block = merged.blocks();
-    settings.block_count = aligned_run(settings.first_block, pass_end_);
-    TileResult result = lucerna::render_tile(*scene_, settings, in_time ? in_time->token() : stop);
-    if (result.stopped && (!in_time || stop.stop_requested()))
-      return absl::CancelledError("stopped");
-    if (result.stopped) break;
-    work_ += result.work;
-    samples_done_ += result.work.samples;
-    if (!merged.add(settings.first_block, settings.block_count, std::move(result.channels)) ||
-        (settings.intervals && !moments_[tile_].add(settings.first_block, settings.block_count,
-                                                    std::move(result.moments))))
-      return absl::InternalError("tiles do not follow each other");
+    settings.block_count = std::min(aligned_run(settings.first_block, pass_end_),
+                                    rows_.blocks_of_a_row(settings.rect.x1 - settings.rect.x0));
   }
-  return absl::OkStatus();
+  const absl::StatusOr<bool> done =
+      rows_.step(*scene_, settings, in_time ? in_time->token() : stop);
+  // When the time is over, the tile keeps its blocks.
+  if (!done.ok() && in_time && !stop.stop_requested()) return true;
+  if (!done.ok() || !*done) return done;
+  TileResult result = rows_.take();
+  work_ += result.work;
+  samples_done_ += result.work.samples;
+  if (!merged.add(settings.first_block, settings.block_count, std::move(result.channels)) ||
+      (settings.intervals &&
+       !moments_[tile_].add(settings.first_block, settings.block_count, std::move(result.moments))))
+    return absl::InternalError("tiles do not follow each other");
+  return merged.blocks() >= pass_end_;
 }
 
 void ImageRender::end_pass() {

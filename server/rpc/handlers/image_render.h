@@ -9,6 +9,7 @@
 #include "proto/common/tile_statistics.h"
 #include "server/estimate/paths/render.h"
 #include "server/rpc/handlers/render_query.h"
+#include "server/rpc/handlers/tile_rows.h"
 #include "server/rpc/messages/task.h"
 
 namespace lucerna::rpc {
@@ -24,17 +25,18 @@ class ImageRender {
                                             const v1::RenderImageRequest& request);
 
   bool done() const { return tile_ == tiles_.size(); }
-  /// Renders the next tile.  Requires !done().  Runs in the caller's oneTBB arena.  The response's
-  /// `cost` has the counts of all tiles so far.  The response has no tile if it is too early to
-  /// send one.
+  /// Renders the next tile, or some of its samples if all would take long.  Requires !done().  Runs
+  /// in the caller's oneTBB arena.  The response's `cost` has the counts of all tiles so far.  The
+  /// response has no tile if it is too early to send one.
   absl::Status next(const std::stop_token& stop, v1::RenderImageResponse* response);
 
  private:
   using Clock = std::chrono::steady_clock;
 
   ImageRender() = default;
-  /// Renders blocks of the tile up to the end of the pass or of the time.
-  absl::Status add_blocks(const std::stop_token& stop);
+  /// Renders blocks of the tile for a short time.  True: the tile has reached the end of the pass,
+  /// or the time is over.  False: the next step continues with this tile.
+  absl::StatusOr<bool> add_blocks(const std::stop_token& stop);
   void end_pass();
   void end();
   /// The number of blocks of the next pass; 0: there is none.
@@ -50,6 +52,7 @@ class ImageRender {
   std::vector<PixelRect> tiles_;
   std::vector<BlockMerger<>> merged_;                   // one for each tile
   std::vector<BlockMerger<LuminanceMoments>> moments_;  // with intervals, one for each tile
+  TileRows rows_;                                       // of the tile that is rendered now
   std::uint64_t blocks_ = 0;  // of each pixel at the end; with a time budget, the most
   std::uint64_t pass_begin_ = 0, pass_end_ = 0;
   std::size_t tile_ = 0;  // the next one

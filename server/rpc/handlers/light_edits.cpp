@@ -304,6 +304,7 @@ Prepared edit_lights(const Context& context, const v1::EditLightsRequest& reques
   // These read files, or may build the scene again.
   for (const v1::LightEdit& edit : request.edits())
     task.bulk |= edit.has_add() || edit.change().has_placement();
+  if (task.bulk) task.kind = JobKind::kLoad;
   task.cost = response->mutable_cost();
   task.run = [context, stored = *stored, &request,
               response](const std::stop_token& stop) -> absl::Status {

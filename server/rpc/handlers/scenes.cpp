@@ -176,6 +176,7 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
   LUCERNA_RETURN_IF_ERROR(check_edits(context, request.edits()));
   Task task;
   task.bulk = true;
+  task.kind = JobKind::kLoad;
   task.cost = response->mutable_cost();
   task.run = [context, &request, manifest = std::move(manifest), factors,
               response](const std::stop_token& stop) -> absl::Status {

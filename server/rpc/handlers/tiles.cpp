@@ -16,6 +16,9 @@
 namespace lucerna::rpc {
 namespace {
 
+// Predicted processor time of one sample of a pixel [s]: a path with a few rays.
+constexpr double kSampleSeconds = 1e-5;
+
 std::string text(const v1::PixelRect& r) {
   return fmt::format("[{}, {}) x [{}, {})", r.x0(), r.x1(), r.y0(), r.y1());
 }
@@ -122,6 +125,14 @@ std::optional<TileResult> render_in_time(const TileQuery& query, const std::stop
   return std::move(result);
 }
 
+/// For a number of samples; else 0, because the number is not known before.
+double predicted_seconds(const RenderQuery& query) {
+  if (query.rule.target || query.rule.time_budget_s) return 0;
+  const TileSettings& s = query.settings;
+  return kSampleSeconds * static_cast<double>(area(s.rect)) * static_cast<double>(s.block_count) *
+         static_cast<double>(s.samples_per_block);
+}
+
 absl::Status answer(const TileQuery& query, const std::stop_token& stop,
                     v1::RenderTileResponse* response) {
   TileSettings settings = query.render.settings;
@@ -142,6 +153,7 @@ Prepared render_tile(const Context& context, const v1::RenderTileRequest& reques
   LUCERNA_ASSIGN_OR_RETURN(const TileQuery query, parse(context, request));
   Task task;
   task.bulk = true;
+  task.predicted_s = predicted_seconds(query.render);
   task.cost = response->mutable_cost();
   task.run = [query, response](const std::stop_token& stop) {
     return answer(query, stop, response);

@@ -86,6 +86,13 @@ absl::Status bad_length(const std::string& field, std::size_t length, std::size_
                    fmt::format("{} numbers, {}", expected_length, expected));
 }
 
+absl::Status malformed_message(const std::string& type, std::size_t bytes, const std::string& why) {
+  return with_reason(absl::InvalidArgumentError(
+                         fmt::format("{} bytes that are not a message of the type {}{}{}", bytes,
+                                     type, why.empty() ? "" : ": ", shortened(why, kMostValue))),
+                     Reason::kMalformedMessage);
+}
+
 absl::Status unknown_scene(const std::string& id) {
   return with_reason(absl::NotFoundError(fmt::format("scene_id = \"{}\", which is not loaded",
                                                      shortened(id, kMostValue))),

@@ -19,6 +19,7 @@ namespace lucerna::rpc {
 /// Why a request failed; see kErrorReasons.
 enum class Reason : std::uint8_t {
   kBadField,
+  kMalformedMessage,
   kInvalidInput,
   kSceneNotLoaded,
   kNoSuchLight,
@@ -52,6 +53,8 @@ inline constexpr std::array kErrorReasons{
     ErrorReason{Reason::kBadField, "BAD_FIELD", "INVALID_ARGUMENT",
                 "A field of the request has a value that is not allowed. BadRequest names the "
                 "field."},
+    ErrorReason{Reason::kMalformedMessage, "MALFORMED_MESSAGE", "INVALID_ARGUMENT",
+                "The bytes are not a message of the expected type."},
     ErrorReason{Reason::kInvalidInput, "INVALID_INPUT", "INVALID_ARGUMENT",
                 "A scene file cannot be read or built. The message names file, line and column."},
     ErrorReason{Reason::kSceneNotLoaded, "SCENE_NOT_LOADED", "NOT_FOUND",
@@ -107,6 +110,9 @@ absl::Status bad_field(const std::string& field, const std::string& value,
 /// INVALID_ARGUMENT for an array of the wrong length.  `expected` explains the right length.
 absl::Status bad_length(const std::string& field, std::size_t length, std::size_t expected_length,
                         const std::string& expected);
+/// INVALID_ARGUMENT for bytes that are not a message of this type.  `why`: the parser's words, or
+/// empty.
+absl::Status malformed_message(const std::string& type, std::size_t bytes, const std::string& why);
 /// NOT_FOUND.
 absl::Status unknown_scene(const std::string& id);
 /// NOT_FOUND.

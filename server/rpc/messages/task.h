@@ -11,6 +11,7 @@
 #include "lucerna/v1/accuracy.pb.h"
 #include "server/assets/asset_store.h"
 #include "server/rpc/messages/request_limits.h"
+#include "server/runtime/lanes.h"
 #include "server/store/scene_store.h"
 
 namespace lucerna::rpc {
@@ -29,6 +30,8 @@ struct Task {
   double predicted_s = 0;
   /// True: runs in the bulk lane for any predicted time.
   bool bulk = false;
+  /// The kind of its job in the bulk lane.
+  JobKind kind = JobKind::kComputation;
   /// Fills the response.  Stops soon after the token requests it; the response is then incomplete.
   std::function<absl::Status(const std::stop_token&)> run;
   /// Gets the times of the work; null if the response has no such field.

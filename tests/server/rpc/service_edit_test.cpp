@@ -203,6 +203,15 @@ class Edit : public ::testing::Test {
     new_ids_.assign(response.light_ids().begin(), response.light_ids().end());
     return response.scene_id();
   }
+  v1::ListLightsResponse list(const std::string& scene) {
+    v1::ListLightsRequest request;
+    request.set_scene_id(scene);
+    v1::ListLightsResponse response;
+    const grpc::Status s =
+        status_of([&](auto* c) { return service_->scenes.ListLights(c, request, &response); });
+    EXPECT_TRUE(s.ok()) << s.error_message();
+    return response;
+  }
   static v1::LightChange* change(v1::EditLightsRequest& request, std::uint64_t light) {
     v1::LightChange* const change = request.add_edits()->mutable_change();
     change->set_light_id(light);
@@ -451,7 +460,10 @@ TEST_F(Edit, NewLightsShineAsThoseOfAFile) {
   EXPECT_EQ(lux(edited(by_message)), lux(fresh));
   ASSERT_EQ(new_ids_.size(), 1U);
   EXPECT_GE(new_ids_[0], std::uint64_t{1} << 32);
-  EXPECT_EQ(lux(edited(by_file)), lux(fresh));
+  const std::string from_file = edited(by_file);
+  EXPECT_EQ(lux(from_file), lux(fresh));
+  EXPECT_EQ(list(from_file).lights(1).source(), "lamp.pbrt:2:1");
+  EXPECT_EQ(list(edited(by_message)).lights(1).source(), "(added)");
   EXPECT_NE(lux(scene), lux(fresh));
 }
 

@@ -118,7 +118,8 @@ class BusyLane {
                                          [&begun, opened](const LaneJobStart&) {
                                            begun.set_value();
                                            opened.wait();
-                                         }})
+                                         },
+                                     .client = "ipv4:127.0.0.1"})  // as the calls of these tests
                       .ok());
       begun.get_future().wait();
     }

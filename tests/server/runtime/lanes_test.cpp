@@ -5,6 +5,8 @@
 #include <atomic>
 #include <future>
 #include <memory>
+#include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -98,6 +100,137 @@ TEST(Lanes, DoNotRunCancelledOrLateJobs) {
   EXPECT_EQ(start_of(lanes, Lane::kInteractive,
                      {.deadline = LaneJob::Clock::now() - std::chrono::seconds(1)}),
             absl::StatusCode::kDeadlineExceeded);
+}
+
+TEST(Lanes, DoNotRunJobsThatCannotMeetTheirDeadline) {
+  Lanes lanes({.threads = 1});
+  const auto soon = LaneJob::Clock::now() + std::chrono::hours(1);
+  EXPECT_EQ(start_of(lanes, Lane::kBulk, {.deadline = soon, .least_s = 7200}),
+            absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(start_of(lanes, Lane::kBulk, {.deadline = soon, .least_s = 1e300}),
+            absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(start_of(lanes, Lane::kBulk, {.deadline = soon, .least_s = 60}), absl::StatusCode::kOk);
+  EXPECT_EQ(start_of(lanes, Lane::kBulk, {.least_s = 1e300}), absl::StatusCode::kOk);
+}
+
+/// Records the order in which jobs start.
+class Order {
+ public:
+  /// A job that stays in the lane for an instant.
+  LaneJob job(const std::string& name, const std::string& client,
+              JobKind kind = JobKind::kComputation) {
+    return {.run =
+                [this, name](const LaneJobStart&) {
+                  const std::lock_guard lock(mutex_);
+                  names_.push_back(name);
+                },
+            .client = client,
+            .kind = kind};
+  }
+  std::vector<std::string> names() {
+    const std::lock_guard lock(mutex_);
+    return names_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> names_;
+};
+
+/// Keeps all places of a kind busy but one.
+struct OnePlace {
+  OnePlace(Lanes& lanes, JobKind kind) {
+    for (const char* client : {"x", "y", "z"}) {
+      std::promise<void> begun;
+      EXPECT_TRUE(lanes
+                      .submit(Lane::kBulk, {.run =
+                                                [&begun, opened = opened](const LaneJobStart&) {
+                                                  begun.set_value();
+                                                  opened.wait();
+                                                },
+                                            .client = client,
+                                            .kind = kind})
+                      .ok());
+      begun.get_future().wait();
+    }
+  }
+  ~OnePlace() { open.set_value(); }
+  std::promise<void> open;
+  std::shared_future<void> opened = open.get_future().share();
+};
+
+TEST(Lanes, ClientsTakeTurns) {
+  Lanes lanes({.threads = 1});
+  Order order;
+  std::promise<void> open;
+  const std::shared_future<void> opened = open.get_future().share();
+  {
+    const OnePlace one(lanes, JobKind::kComputation);
+    std::promise<void> begun;
+    // The last place.
+    ASSERT_TRUE(lanes
+                    .submit(Lane::kBulk, {.run =
+                                              [&begun, opened](const LaneJobStart&) {
+                                                begun.set_value();
+                                                opened.wait();
+                                              },
+                                          .client = "w"})
+                    .ok());
+    begun.get_future().wait();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("a", "A")).ok());
+    ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("b", "B")).ok());
+    ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("c", "C")).ok());
+    open.set_value();
+    while (order.names().size() < 5) std::this_thread::yield();
+  }
+  EXPECT_EQ(order.names(), (std::vector<std::string>{"a", "b", "c", "a", "a"}));
+}
+
+TEST(Lanes, StepsAndWholeComputationsOfAClientTakeTurns) {
+  Lanes lanes({.threads = 1});
+  Order order;
+  std::promise<void> open;
+  const std::shared_future<void> opened = open.get_future().share();
+  {
+    const OnePlace one(lanes, JobKind::kComputation);
+    std::promise<void> begun;
+    ASSERT_TRUE(lanes
+                    .submit(Lane::kBulk, {.run =
+                                              [&begun, opened](const LaneJobStart&) {
+                                                begun.set_value();
+                                                opened.wait();
+                                              },
+                                          .client = "w"})
+                    .ok());
+    begun.get_future().wait();
+    for (int i = 0; i < 4; ++i)
+      ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("step", "A", JobKind::kStep)).ok());
+    ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("tile", "A")).ok());
+    open.set_value();
+    while (order.names().size() < 5) std::this_thread::yield();
+  }
+  EXPECT_EQ(order.names()[0], "tile");
+}
+
+// Both loads of one client are endless: scenes that include themselves exponentially.
+TEST(Lanes, EndlessLoadsOfAClientDelayNeitherComputationsNorLoadsOfOthers) {
+  Lanes lanes({.threads = 1});
+  std::promise<void> open;
+  const std::shared_future<void> opened = open.get_future().share();
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(lanes
+                    .submit(Lane::kBulk, {.run = [opened](const LaneJobStart&) { opened.wait(); },
+                                          .client = "attacker",
+                                          .kind = JobKind::kLoad})
+                    .ok());
+  }
+  while (lanes.load(Lane::kBulk).running < 2) std::this_thread::yield();
+  EXPECT_EQ(start_of(lanes, Lane::kBulk, {.client = "attacker"}), absl::StatusCode::kOk);
+  EXPECT_EQ(start_of(lanes, Lane::kBulk, {.client = "other"}), absl::StatusCode::kOk);
+  EXPECT_EQ(start_of(lanes, Lane::kBulk, {.client = "other", .kind = JobKind::kLoad}),
+            absl::StatusCode::kOk);
+  EXPECT_EQ(lanes.load(Lane::kBulk).waiting, 1U);  // the attacker's third
+  open.set_value();
 }
 
 TEST(Lanes, AFullQueueDropsJobsThatNobodyWaitsFor) {

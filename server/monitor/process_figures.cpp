@@ -1,0 +1,55 @@
+#include "server/monitor/process_figures.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
+
+namespace lucerna::monitor {
+namespace {
+
+double seconds(const timeval& t) {
+  return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+}
+
+std::uint64_t entries(const char* directory) {
+  std::error_code error;
+  const std::filesystem::directory_iterator begin(directory, error);
+  if (error) return 0;
+  std::uint64_t n = 0;
+  for (auto i = begin; i != std::filesystem::directory_iterator(); i.increment(error)) {
+    if (error) break;
+    ++n;
+  }
+  return n;
+}
+
+}  // namespace
+
+ProcessFigures process_figures() {
+  ProcessFigures figures;
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) == 0) {
+    figures.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  }
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) == 0) figures.most_descriptors = limit.rlim_cur;
+  std::ifstream statm("/proc/self/statm");
+  std::uint64_t size_pages = 0, resident_pages = 0;
+  if (statm >> size_pages >> resident_pages) {
+    figures.resident_bytes = resident_pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  }
+  statm.close();
+  // The listing itself opens one descriptor.
+  const std::uint64_t open = entries("/proc/self/fd");
+  figures.open_descriptors = open - std::min<std::uint64_t>(open, 1);
+  figures.threads = entries("/proc/self/task");
+  return figures;
+}
+
+}  // namespace lucerna::monitor

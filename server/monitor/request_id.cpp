@@ -1,0 +1,57 @@
+#include "server/monitor/request_id.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <random>
+
+namespace lucerna::monitor {
+namespace {
+
+constexpr std::size_t kMostIdBytes = 128;
+constexpr std::size_t kSceneIdDigits = 64;
+
+bool is_hexadecimal(std::string_view text) {
+  return std::all_of(text.begin(), text.end(),
+                     [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+}
+
+bool is_zero(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c == '0'; });
+}
+
+}  // namespace
+
+bool is_request_id(std::string_view text) {
+  constexpr std::string_view kOthers = "-_.:+/=@";
+  return !text.empty() && text.size() <= kMostIdBytes &&
+         std::all_of(text.begin(), text.end(), [&](char c) {
+           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                  kOthers.find(c) != std::string_view::npos;
+         });
+}
+
+std::string make_request_id() {
+  // Ids only tell requests apart, so they need no cryptographic generator.
+  thread_local std::mt19937_64 random = [] {
+    std::random_device device;
+    std::seed_seq seed{device(), device(), device(), device()};
+    return std::mt19937_64(seed);
+  }();
+  return fmt::format("{:016x}", static_cast<std::uint64_t>(random()));
+}
+
+bool is_traceparent(std::string_view text) {
+  // 00-<32 digits>-<16 digits>-<2 digits>
+  return text.size() == 55 && text.substr(0, 3) == "00-" && text[35] == '-' && text[52] == '-' &&
+         is_hexadecimal(text.substr(3, 32)) && !is_zero(text.substr(3, 32)) &&
+         is_hexadecimal(text.substr(36, 16)) && !is_zero(text.substr(36, 16)) &&
+         is_hexadecimal(text.substr(53, 2));
+}
+
+bool is_scene_id(std::string_view text) {
+  return text.size() == kSceneIdDigits && is_hexadecimal(text);
+}
+
+}  // namespace lucerna::monitor

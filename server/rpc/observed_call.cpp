@@ -1,0 +1,159 @@
+#include "server/rpc/observed_call.h"
+
+#include <fmt/core.h>
+#include <google/protobuf/stubs/logging.h>
+#include <grpcpp/alarm.h>
+#include <grpcpp/impl/codegen/proto_utils.h>
+#include <grpcpp/support/proto_buffer_reader.h>
+#include <grpcpp/support/proto_buffer_writer.h>
+#include <spdlog/spdlog.h>
+
+#include <string_view>
+#include <utility>
+
+#include "server/monitor/request_id.h"
+#include "server/rpc/call.h"
+#include "server/rpc/messages/errors.h"
+
+namespace lucerna::rpc {
+namespace {
+
+/// The value of a client's header; empty if there is none.
+std::string_view header(const grpc::ServerContextBase& context, const char* name) {
+  const auto& headers = context.client_metadata();
+  const auto found = headers.find(name);
+  if (found == headers.end()) return {};
+  return {found->second.data(), found->second.size()};
+}
+
+// A caller with too many requests in flight may try again after about one small request.
+constexpr std::chrono::milliseconds kQuotaDelay(50);
+
+// What the parser reported on this thread; null while no message is parsed.
+thread_local std::string* parser_reason = nullptr;
+
+}  // namespace
+
+ObservedCall::ObservedCall(Runtime& runtime, grpc::CallbackServerContext& context,
+                           monitor::Call call)
+    : runtime_(runtime), context_(context), deadline_(deadline_of(context)) {
+  record_.call = call;
+  const std::string_view id = header(context, "x-request-id");
+  record_.request_id = monitor::is_request_id(id) ? std::string(id) : monitor::make_request_id();
+  if (runtime_.on_call) {
+    const std::string_view trace = header(context, "traceparent");
+    if (monitor::is_traceparent(trace)) record_.traceparent = std::string(trace);
+    record_.peer = context.peer();
+  }
+  runtime_.statistics.begin(call);
+}
+
+absl::StatusOr<access::Admission> ObservedCall::admit() {
+  absl::StatusOr<access::Admission> admission =
+      runtime_.access.admit(record_.call, header(context_, "authorization"));
+  if (absl::IsResourceExhausted(admission.status())) {
+    return retry_after(admission.status(), Reason::kOverQuota, kQuotaDelay);
+  }
+  if (admission.ok()) caller_ = admission->caller.name;
+  return admission;
+}
+
+void ObservedCall::add_queue_time(Lane lane, double seconds) {
+  record_.queued = true;
+  record_.lane = lane;
+  record_.queue_s += seconds;
+}
+
+std::string ObservedCall::client() const {
+  // A caller has one turn, from however many addresses it calls.
+  if (!caller_.empty()) return "token:" + caller_;
+  std::string peer = context_.peer();
+  // "ipv4:127.0.0.1:40000", "ipv6:%5B::1%5D:40000", but "unix:/path" and "unix:".
+  if (peer.starts_with("ipv4:") || peer.starts_with("ipv6:")) peer.resize(peer.rfind(':'));
+  return peer;
+}
+
+grpc::Status ObservedCall::end(const absl::Status& status) {
+  grpc::Status wire = to_grpc(status, context_);
+  record_.code = wire.error_code();
+  record_.total_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - arrived_).count();
+  context_.AddTrailingMetadata("x-request-id", record_.request_id);
+  runtime_.statistics.end(record_);
+  if (runtime_.on_call) runtime_.on_call(record_);
+  return wire;
+}
+
+struct ComputeLimit::Timer {
+  grpc::Alarm alarm;
+};
+
+ComputeLimit::ComputeLimit(const Runtime& runtime, LaneJob::Clock::time_point deadline,
+                           std::stop_source stop, double used_s)
+    : limit_s_(runtime.max_call_s), deadline_(deadline) {
+  if (limit_s_ == 0 || deadline != LaneJob::Clock::time_point::max()) return;
+  passed_ = std::make_shared<std::atomic<bool>>(false);
+  timer_ = std::make_unique<Timer>();
+  const auto left = std::chrono::duration<double>(std::max(0.0, limit_s_ - used_s));
+  timer_->alarm.Set(
+      LaneJob::Clock::now() + std::chrono::duration_cast<LaneJob::Clock::duration>(left),
+      [passed = passed_, stop = std::move(stop)](bool rang) mutable {
+        if (!rang) return;  // the work ended before
+        *passed = true;
+        stop.request_stop();
+      });
+}
+
+ComputeLimit::~ComputeLimit() = default;
+
+absl::Status ComputeLimit::stopped_status() const {
+  if (passed_ == nullptr || !*passed_) return rpc::stopped_status(deadline_);
+  return absl::DeadlineExceededError(
+      fmt::format("the call computed for {:g} s, the most that this server allows without a "
+                  "deadline; set a deadline, or send smaller requests",
+                  limit_s_));
+}
+
+absl::Status parse_message(const grpc::ByteBuffer& bytes, google::protobuf::Message& message) {
+  // gRPC keeps the bytes until the call ends.  The parsed message replaces them.
+  auto& buffer = const_cast<grpc::ByteBuffer&>(bytes);
+  const std::size_t size = buffer.Length();
+  std::string why;
+  parser_reason = &why;
+  bool parsed = false;
+  {
+    grpc::ProtoBufferReader reader(&buffer);
+    parsed = reader.status().ok() && message.ParseFromZeroCopyStream(&reader);
+  }
+  parser_reason = nullptr;
+  buffer.Clear();
+  if (parsed) return absl::OkStatus();
+  return malformed_message(message.GetTypeName(), size, why);
+}
+
+absl::Status encode_message(const google::protobuf::Message& message, grpc::ByteBuffer& bytes) {
+  bool own_buffer = false;
+  const grpc::Status status =
+      grpc::GenericSerialize<grpc::ProtoBufferWriter, google::protobuf::MessageLite>(
+          message, &bytes, &own_buffer);
+  if (status.ok()) return absl::OkStatus();
+  return absl::InternalError(status.error_message());
+}
+
+void set_up_protobuf_log() {
+  google::protobuf::SetLogHandler(
+      [](google::protobuf::LogLevel, const char*, int, const std::string& text) {
+        if (parser_reason != nullptr) {
+          *parser_reason = text;
+        } else {
+          spdlog::warn("protobuf: " + text);
+        }
+      });
+}
+
+void add_counts(const v1::Cost& cost, monitor::CallRecord& record) {
+  record.samples = cost.samples();
+  record.rays = cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays();
+}
+
+}  // namespace lucerna::rpc

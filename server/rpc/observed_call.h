@@ -1,0 +1,84 @@
+// What unary calls and streams have in common: the record, the statistics and the log of a call.
+#pragma once
+
+#include <absl/status/status.h>
+#include <google/protobuf/message.h>
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <stop_token>
+#include <string>
+
+#include "lucerna/v1/accuracy.pb.h"
+#include "server/monitor/call_record.h"
+#include "server/rpc/runtime.h"
+
+namespace lucerna::rpc {
+
+/// One call from its arrival to its end.  Not thread-safe, like the steps of a call.
+class ObservedCall {
+ public:
+  ObservedCall(Runtime& runtime, grpc::CallbackServerContext& context, monitor::Call call);
+
+  /// Lets the call in, by the header "authorization".  Errors: those of access::Access::admit.
+  absl::StatusOr<access::Admission> admit();
+
+  monitor::CallRecord& record() { return record_; }
+  /// The job's time in the queue of `lane`.
+  void add_queue_time(Lane lane, double seconds);
+  /// Who sends the call, for the turns of clients in a lane: the name of its token, or the address
+  /// without its port.
+  std::string client() const;
+  LaneJob::Clock::time_point deadline() const { return deadline_; }
+
+  /// Counts and logs the call, and sends its id as trailing metadata.  Returns the status for
+  /// gRPC.  Call it once, just before the call's Finish().
+  grpc::Status end(const absl::Status& status);
+
+ private:
+  Runtime& runtime_;
+  grpc::CallbackServerContext& context_;
+  LaneJob::Clock::time_point deadline_;
+  std::chrono::steady_clock::time_point arrived_ = std::chrono::steady_clock::now();
+  monitor::CallRecord record_;
+  std::string caller_;  // name of the token, or empty
+};
+
+/// Stops work that takes longer than a call without a deadline may.  Does nothing for a call with a
+/// deadline.
+class ComputeLimit {
+ public:
+  /// `used_s`: time that the call has computed before.
+  ComputeLimit(const Runtime& runtime, LaneJob::Clock::time_point deadline, std::stop_source stop,
+               double used_s = 0);
+  ~ComputeLimit();
+  ComputeLimit(const ComputeLimit&) = delete;
+  ComputeLimit& operator=(const ComputeLimit&) = delete;
+
+  /// The status of work that was stopped: by this limit, by the deadline, or by the client.
+  absl::Status stopped_status() const;
+
+ private:
+  struct Timer;
+  double limit_s_;
+  LaneJob::Clock::time_point deadline_;
+  std::shared_ptr<std::atomic<bool>> passed_;
+  std::unique_ptr<Timer> timer_;
+};
+
+/// Parses the bytes, and frees them.  MALFORMED_MESSAGE with the parser's reason if they are not a
+/// message of this type.
+absl::Status parse_message(const grpc::ByteBuffer& bytes, google::protobuf::Message& message);
+/// INTERNAL if the message is too large for Protobuf.
+absl::Status encode_message(const google::protobuf::Message& message, grpc::ByteBuffer& bytes);
+
+/// Directs Protobuf's messages to the log, and the parser's reasons to parse_message().  For the
+/// whole process.
+void set_up_protobuf_log();
+
+void add_counts(const v1::Cost& cost, monitor::CallRecord& record);
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,44 @@
+// Learns how long predicted work really takes, so that work which cannot meet its deadline is not
+// started.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+
+#include "server/monitor/call_names.h"
+
+namespace lucerna::rpc {
+
+/// Predictions are upper estimates.  The model keeps, for each kind of call, the least ratio of the
+/// wall time to the prediction.  The ratio of an easy scene holds for a while.  So the model
+/// refuses only work that would be late even in the easiest case.  Thread-safe.
+class TimeModel {
+ public:
+  /// The work of a call has ended.  Short work says little about long work.
+  void learn(monitor::Call call, double predicted_s, double wall_s) {
+    if (predicted_s <= 0 || wall_s < kLeastSeconds) return;
+    const double ratio = wall_s / predicted_s;
+    std::atomic<double>& least = ratios_[static_cast<std::size_t>(call)];
+    const double old = least.load(std::memory_order_relaxed);
+    // Two threads may overwrite each other.  Then the model learns from one of them only.
+    least.store(old == 0 ? ratio : std::min(ratio, kForget * old), std::memory_order_relaxed);
+  }
+
+  /// The least time that the work takes [s]; 0 if nothing is known.
+  double least_seconds(monitor::Call call, double predicted_s) const {
+    return kCaution * predicted_s *
+           ratios_[static_cast<std::size_t>(call)].load(std::memory_order_relaxed);
+  }
+
+ private:
+  static constexpr double kLeastSeconds = 1e-3;
+  // After 70 calls the ratio of a scene that nobody uses any more counts half.
+  static constexpr double kForget = 1.01;
+  // The machine may be less busy than it was in all earlier calls.
+  static constexpr double kCaution = 0.5;
+
+  std::array<std::atomic<double>, monitor::kCalls> ratios_{};
+};
+
+}  // namespace lucerna::rpc
