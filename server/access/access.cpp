@@ -51,14 +51,14 @@ absl::StatusOr<Admission> Access::admit(Call call, std::string_view authorizatio
     return absl::UnauthenticatedError(
         "the server does not know this token; it is wrong or was revoked");
   }
-  const CallEntry& entry = entry_of(call);
-  if (!token->roles.contains(entry.role)) {
+  const Role needed = role_of(call);
+  if (!token->roles.contains(needed)) {
+    const std::string_view name = monitor::name_of(call);
     std::vector<std::string_view> roles;
     for (const Role role : token->roles) roles.emplace_back(name_of(role));
-    return absl::PermissionDeniedError(
-        fmt::format("{} needs the role {}, and the token of \"{}\" has only: {}",
-                    entry.name.substr(entry.name.find('/') + 1), name_of(entry.role), token->name,
-                    fmt::join(roles, ", ")));
+    return absl::PermissionDeniedError(fmt::format(
+        "{} needs the role {}, and the token of \"{}\" has only: {}",
+        name.substr(name.find('/') + 1), name_of(needed), token->name, fmt::join(roles, ", ")));
   }
   Admission admission{{token->name, token->roles.contains(Role::kAdmin), token->quota}, {}};
   std::shared_ptr<std::atomic<std::uint64_t>> count;

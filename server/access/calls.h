@@ -1,10 +1,11 @@
-// Every call of the services, and the role that it needs.
+// The role that each call needs.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
+
+#include "server/monitor/call_names.h"
 
 #include "server/monitor/call_names.h"
 
@@ -19,7 +20,6 @@ using monitor::Call;
 
 struct CallEntry {
   Call call;
-  std::string_view name;  ///< of the contract, without "lucerna.v1."
   Role role;
 };
 
@@ -49,13 +49,13 @@ inline constexpr std::array kCalls{
     CallEntry{Call::kGetStats, "AdminService/GetStats", Role::kAdmin},
     CallEntry{Call::kListLeases, "AdminService/ListLeases", Role::kLoad},
 };
-constexpr const CallEntry& entry_of(Call call) { return kCalls[static_cast<std::size_t>(call)]; }
+constexpr Role role_of(Call call) { return kCallRoles[static_cast<std::size_t>(call)].role; }
 static_assert(
     [] {
       for (std::size_t i = 0; i < kCalls.size(); ++i)
         if (kCalls[i].call != static_cast<Call>(i)) return false;
       return kCalls.size() == monitor::kCalls;
     }(),
-    "kCalls has each call once, in the order of Call");
+    "kCallRoles has each call once, in the order of Call");
 
 }  // namespace lucerna::access

@@ -39,7 +39,8 @@ std::optional<std::vector<std::string>> texts_of(const Setting& setting, const t
     if (!node.is_boolean()) return std::nullopt;
     return {{node.as_boolean()->get() ? "true" : "false"}};
   }
-  const bool text = std::holds_alternative<Text>(setting.value);
+  const bool text =
+      std::holds_alternative<Text>(setting.value) || std::holds_alternative<Choice>(setting.value);
   const bool size = std::holds_alternative<Bytes>(setting.value);
   if (node.is_string()) {
     if (!text && !size) return std::nullopt;

@@ -17,8 +17,6 @@ namespace {
 constexpr double kAtOnceSeconds = 50e-6;
 // Longer tasks run in the bulk lane, so that small queries do not wait for them.
 constexpr double kBulkSeconds = 0.1;
-// A caller with too many requests in flight may try again after about one small request.
-constexpr std::chrono::milliseconds kQuotaDelay(50);
 }  // namespace
 
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context) {

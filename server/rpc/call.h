@@ -20,10 +20,6 @@ namespace lucerna::rpc {
 /// logs INTERNAL errors.
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context);
 
-/// Lets the call in, by the header "authorization".  Errors: those of access::Access::admit.
-absl::StatusOr<access::Admission> admit(Runtime& runtime, access::Call call,
-                                        const grpc::ServerContextBase& context);
-
 /// gRPC's deadline; the largest time point if there is none.
 LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
 

@@ -26,6 +26,9 @@ std::string_view header(const grpc::ServerContextBase& context, const char* name
   return {found->second.data(), found->second.size()};
 }
 
+// A caller with too many requests in flight may try again after about one small request.
+constexpr std::chrono::milliseconds kQuotaDelay(50);
+
 // What the parser reported on this thread; null while no message is parsed.
 thread_local std::string* parser_reason = nullptr;
 
@@ -45,6 +48,16 @@ ObservedCall::ObservedCall(Runtime& runtime, grpc::CallbackServerContext& contex
   runtime_.statistics.begin(call);
 }
 
+absl::StatusOr<access::Admission> ObservedCall::admit() {
+  absl::StatusOr<access::Admission> admission =
+      runtime_.access.admit(record_.call, header(context_, "authorization"));
+  if (absl::IsResourceExhausted(admission.status())) {
+    return retry_after(admission.status(), Reason::kOverQuota, kQuotaDelay);
+  }
+  if (admission.ok()) caller_ = admission->caller.name;
+  return admission;
+}
+
 void ObservedCall::add_queue_time(Lane lane, double seconds) {
   record_.queued = true;
   record_.lane = lane;
@@ -52,6 +65,8 @@ void ObservedCall::add_queue_time(Lane lane, double seconds) {
 }
 
 std::string ObservedCall::client() const {
+  // A caller has one turn, from however many addresses it calls.
+  if (!caller_.empty()) return "token:" + caller_;
   std::string peer = context_.peer();
   // "ipv4:127.0.0.1:40000", "ipv6:%5B::1%5D:40000", but "unix:/path" and "unix:".
   if (peer.starts_with("ipv4:") || peer.starts_with("ipv6:")) peer.resize(peer.rfind(':'));

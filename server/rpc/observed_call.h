@@ -23,11 +23,15 @@ class ObservedCall {
  public:
   ObservedCall(Runtime& runtime, grpc::CallbackServerContext& context, monitor::Call call);
 
+  /// Lets the call in, by the header "authorization".  Errors: those of access::Access::admit.
+  absl::StatusOr<access::Admission> admit();
+
   monitor::CallRecord& record() { return record_; }
   const grpc::ServerContextBase& context() const { return context_; }
   /// The job's time in the queue of `lane`.
   void add_queue_time(Lane lane, double seconds);
-  /// Who sends the call, for the turns of clients in a lane: the address without its port.
+  /// Who sends the call, for the turns of clients in a lane: the name of its token, or the address
+  /// without its port.
   std::string client() const;
   LaneJob::Clock::time_point deadline() const { return deadline_; }
 
@@ -41,6 +45,7 @@ class ObservedCall {
   LaneJob::Clock::time_point deadline_;
   std::chrono::steady_clock::time_point arrived_ = std::chrono::steady_clock::now();
   monitor::CallRecord record_;
+  std::string caller_;  // name of the token, or empty
 };
 
 /// Stops work that takes longer than a call without a deadline may.  Does nothing for a call with a

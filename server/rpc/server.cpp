@@ -136,6 +136,16 @@ absl::Status check_doors(const ServerOptions& options) {
                     "or tls-cert and tls-key, or insecure in so many words",
                     options.listen));
   }
+  if (!options.metrics.empty() && !doors.insecure) {
+    const absl::StatusOr<bool> metrics_loopback = is_loopback(options.metrics);
+    add(metrics_loopback.status());
+    if (metrics_loopback.ok() && !*metrics_loopback) {
+      errors.push_back(fmt::format(
+          "metrics = {}, which other machines can reach; allowed: a loopback address, or "
+          "insecure in so many words",
+          options.metrics));
+    }
+  }
   if (doors.tls.given()) add(Tls::open(doors.tls).status());
   if (!doors.token_file.empty()) add(access::read_token_file(doors.token_file).status());
   if (errors.empty()) return absl::OkStatus();
@@ -208,7 +218,12 @@ absl::Status Server::State::serve_metrics(const std::string& address) {
         fmt::format("cannot serve metrics on {}: {}", address, why_not_to_bind(address)));
   };
   auto started = monitor::MetricsServer::start(address, [this] { return figures(runtime); });
-  if (!started.ok()) return failed();
+  if (!started.ok()) {
+    // The library's message does not say why.
+    const std::string why(Listener::open(address, {}).status().message());
+    return absl::UnavailableError(
+        fmt::format("cannot serve metrics on {}: {}", address, why.substr(why.rfind(": ") + 2)));
+  }
   metrics = *std::move(started);
   metrics_address = with_port(address, metrics->port());
   return absl::OkStatus();

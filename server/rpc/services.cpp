@@ -4,7 +4,6 @@
 #include "lucerna/v1/lighting.grpc.pb.h"
 #include "lucerna/v1/render.grpc.pb.h"
 #include "lucerna/v1/scene.grpc.pb.h"
-#include "server/access/calls.h"
 #include "server/rpc/call.h"
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/handlers/lighting.h"

@@ -124,6 +124,7 @@ TEST(Configuration, RefusesNumbersOutOfRange) {
         std::holds_alternative<Texts>(setting.value)) {
       continue;
     }
+    // Words and switches refuse them too.
     ++numbers;
     for (const char* text : {"-1", "nan", "inf", "1e30", "", "1x", "18446744073709551616"}) {
       const std::string before = text_of(setting);

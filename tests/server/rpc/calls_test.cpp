@@ -22,12 +22,13 @@ TEST(Calls, AreThoseOfTheContract) {
     for (int s = 0; s < file->service_count(); ++s) {
       const auto* service = file->service(s);
       for (int m = 0; m < service->method_count(); ++m) {
-        contract.insert(service->name() + "/" + service->method(m)->name());
+        contract.insert(service->full_name() + "/" + service->method(m)->name());
       }
     }
   }
-  for (const CallEntry& entry : kCalls) {
-    EXPECT_TRUE(table.insert(std::string(entry.name)).second) << entry.name << " twice";
+  for (const CallEntry& entry : kCallRoles) {
+    const std::string name = monitor::name_of(entry.call);
+    EXPECT_TRUE(table.insert(name).second) << name << " twice";
   }
   EXPECT_EQ(table, contract);
 }
