@@ -219,8 +219,8 @@ int run(int argc, char** argv) {
   lucerna::rpc::ServerOptions& options = configuration.options.server;
   // The level decides whether calls are logged; without them the server collects less.
   if (spdlog::should_log(spdlog::level::info)) {
-    configuration.options.server.on_call = [calls](const auto& record) { calls->write(record); };
-    configuration.options.server.log_lines_left_out = [calls] { return calls->left_out(); };
+    options.on_call = [calls](const auto& record) { calls->write(record); };
+    options.log_lines_left_out = [calls] { return calls->left_out(); };
   }
   return serve(configuration, line.given);
 }

@@ -7,8 +7,6 @@
 
 #include "server/monitor/call_names.h"
 
-#include "server/monitor/call_names.h"
-
 namespace lucerna::access {
 
 /// What a caller may do.  No role includes another.
@@ -24,37 +22,37 @@ struct CallEntry {
 };
 
 /// Every call, in the order of Call.
-inline constexpr std::array kCalls{
-    CallEntry{Call::kFindMissingAssets, "SceneService/FindMissingAssets", Role::kLoad},
-    CallEntry{Call::kUploadAsset, "SceneService/UploadAsset", Role::kLoad},
-    CallEntry{Call::kLoadScene, "SceneService/LoadScene", Role::kLoad},
-    CallEntry{Call::kGetScene, "SceneService/GetScene", Role::kQuery},
-    CallEntry{Call::kListScenes, "SceneService/ListScenes", Role::kQuery},
-    CallEntry{Call::kListAvailableScenes, "SceneService/ListAvailableScenes", Role::kLoad},
-    CallEntry{Call::kListLights, "SceneService/ListLights", Role::kQuery},
-    CallEntry{Call::kEditLights, "SceneService/EditLights", Role::kLoad},
-    CallEntry{Call::kRenewLease, "SceneService/RenewLease", Role::kLoad},
-    CallEntry{Call::kReleaseScene, "SceneService/ReleaseScene", Role::kLoad},
-    CallEntry{Call::kSampleLi, "LightingService/SampleLi", Role::kQuery},
-    CallEntry{Call::kPdfLi, "LightingService/PdfLi", Role::kQuery},
-    CallEntry{Call::kSampleLe, "LightingService/SampleLe", Role::kQuery},
-    CallEntry{Call::kPdfLe, "LightingService/PdfLe", Role::kQuery},
-    CallEntry{Call::kLe, "LightingService/Le", Role::kQuery},
-    CallEntry{Call::kEstimatePower, "LightingService/EstimatePower", Role::kQuery},
-    CallEntry{Call::kTestVisibility, "LightingService/TestVisibility", Role::kQuery},
-    CallEntry{Call::kEstimateIrradiance, "LightingService/EstimateIrradiance", Role::kQuery},
-    CallEntry{Call::kRenderTile, "RenderService/RenderTile", Role::kQuery},
-    CallEntry{Call::kRenderImage, "RenderService/RenderImage", Role::kQuery},
-    CallEntry{Call::kGetServerInfo, "AdminService/GetServerInfo", Role::kQuery},
-    CallEntry{Call::kGetStats, "AdminService/GetStats", Role::kAdmin},
-    CallEntry{Call::kListLeases, "AdminService/ListLeases", Role::kLoad},
+inline constexpr std::array kCallRoles{
+    CallEntry{Call::kFindMissingAssets, Role::kLoad},
+    CallEntry{Call::kUploadAsset, Role::kLoad},
+    CallEntry{Call::kLoadScene, Role::kLoad},
+    CallEntry{Call::kGetScene, Role::kQuery},
+    CallEntry{Call::kListScenes, Role::kQuery},
+    CallEntry{Call::kListAvailableScenes, Role::kLoad},
+    CallEntry{Call::kListLights, Role::kQuery},
+    CallEntry{Call::kEditLights, Role::kLoad},
+    CallEntry{Call::kRenewLease, Role::kLoad},
+    CallEntry{Call::kReleaseScene, Role::kLoad},
+    CallEntry{Call::kSampleLi, Role::kQuery},
+    CallEntry{Call::kPdfLi, Role::kQuery},
+    CallEntry{Call::kSampleLe, Role::kQuery},
+    CallEntry{Call::kPdfLe, Role::kQuery},
+    CallEntry{Call::kLe, Role::kQuery},
+    CallEntry{Call::kEstimatePower, Role::kQuery},
+    CallEntry{Call::kTestVisibility, Role::kQuery},
+    CallEntry{Call::kEstimateIrradiance, Role::kQuery},
+    CallEntry{Call::kRenderTile, Role::kQuery},
+    CallEntry{Call::kRenderImage, Role::kQuery},
+    CallEntry{Call::kGetServerInfo, Role::kQuery},
+    CallEntry{Call::kGetStats, Role::kAdmin},
+    CallEntry{Call::kListLeases, Role::kLoad},
 };
 constexpr Role role_of(Call call) { return kCallRoles[static_cast<std::size_t>(call)].role; }
 static_assert(
     [] {
-      for (std::size_t i = 0; i < kCalls.size(); ++i)
-        if (kCalls[i].call != static_cast<Call>(i)) return false;
-      return kCalls.size() == monitor::kCalls;
+      for (std::size_t i = 0; i < kCallRoles.size(); ++i)
+        if (kCallRoles[i].call != static_cast<Call>(i)) return false;
+      return kCallRoles.size() == monitor::kCalls;
     }(),
     "kCallRoles has each call once, in the order of Call");
 

@@ -100,12 +100,6 @@ bool assign(const Switch& value, const std::string& text) {
   return true;
 }
 
-bool assign(const Choice& value, const std::string& text) {
-  if (std::find(value.of.begin(), value.of.end(), text) == value.of.end()) return false;
-  *value.to = text;
-  return true;
-}
-
 bool assign(const Text& value, const std::string& text) {
   *value.to = text;
   return true;

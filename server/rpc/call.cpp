@@ -34,31 +34,15 @@ LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context) {
   return context.deadline();
 }
 
-absl::StatusOr<access::Admission> admit(Runtime& runtime, access::Call call,
-                                        const grpc::ServerContextBase& context) {
-  const auto& metadata = context.client_metadata();
-  const auto header = metadata.find("authorization");
-  absl::StatusOr<access::Admission> admission = runtime.access.admit(
-      call, header == metadata.end()
-                ? std::string_view()
-                : std::string_view(header->second.data(), header->second.size()));
-  if (absl::IsResourceExhausted(admission.status())) {
-    return retry_after(admission.status(), Reason::kOverQuota, kQuotaDelay);
-  }
-  return admission;
-}
-
 void UnaryCall::begin(const grpc::ByteBuffer& request) {
   self_ = shared_from_this();
   monitor::CallRecord& record = observed_.record();
   record.request_bytes = request.Length();
   pass_ = runtime_.gate.enter();
   if (!pass_) return finish(draining());
-  absl::StatusOr<access::Admission> admission = admit(runtime_, record.call, observed_.context());
-  if (!admission.ok()) return finish(admission.status());
-  admission_ = *std::move(admission);
   Prepared task = absl::InternalError("not prepared");
-  const absl::Status prepared = guarded([&] {
+  const absl::Status prepared = guarded([&]() -> absl::Status {
+    LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
     LUCERNA_RETURN_IF_ERROR(parse(request, record));
     task = prepare(runtime_.context(admission_.caller));
     return task.status();

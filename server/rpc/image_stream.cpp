@@ -6,7 +6,6 @@
 #include "lucerna/v1/render.pb.h"
 #include "proto/common/status_macros.h"
 #include "server/rpc/answer_record.h"
-#include "server/rpc/call.h"
 #include "server/rpc/messages/errors.h"
 #include "server/runtime/parallel.h"
 
@@ -38,11 +37,10 @@ void ImageStream::begin(const grpc::ByteBuffer& request) {
     status = draining();
   } else {
     status = guarded([&]() -> absl::Status {
-      monitor::CallRecord& record = observed_.record();
-      LUCERNA_ASSIGN_OR_RETURN(admission_, admit(runtime_, record.call, observed_.context()));
+      LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
       v1::RenderImageRequest parsed;
       LUCERNA_RETURN_IF_ERROR(parse_message(request, parsed));
-      record_request(parsed, record);
+      record_request(parsed, observed_.record());
       LUCERNA_ASSIGN_OR_RETURN(ImageRender render,
                                ImageRender::create(runtime_.context(admission_.caller), parsed));
       render_.emplace(std::move(render));

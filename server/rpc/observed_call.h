@@ -27,7 +27,6 @@ class ObservedCall {
   absl::StatusOr<access::Admission> admit();
 
   monitor::CallRecord& record() { return record_; }
-  const grpc::ServerContextBase& context() const { return context_; }
   /// The job's time in the queue of `lane`.
   void add_queue_time(Lane lane, double seconds);
   /// Who sends the call, for the turns of clients in a lane: the name of its token, or the address

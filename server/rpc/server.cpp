@@ -7,11 +7,8 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <future>
 #include <limits>
 #include <utility>
@@ -212,11 +209,6 @@ absl::Status Server::State::listen(const ServerOptions& options) {
 
 absl::Status Server::State::serve_metrics(const std::string& address) {
   LUCERNA_RETURN_IF_ERROR(check_address(address));
-  // The library's message does not say why.
-  const auto failed = [&] {
-    return absl::UnavailableError(
-        fmt::format("cannot serve metrics on {}: {}", address, why_not_to_bind(address)));
-  };
   auto started = monitor::MetricsServer::start(address, [this] { return figures(runtime); });
   if (!started.ok()) {
     // The library's message does not say why.

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "proto/common/status_macros.h"
-#include "server/rpc/call.h"
 #include "server/rpc/messages/errors.h"
 #include "server/runtime/parallel.h"
 
@@ -41,8 +40,7 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(Runtime& runtime,
     stream->finish(draining());
     return stream.get();
   }
-  absl::StatusOr<access::Admission> admission =
-      admit(runtime, monitor::Call::kUploadAsset, *context);
+  absl::StatusOr<access::Admission> admission = stream->observed_.admit();
   if (admission.ok()) {
     stream->admission_ = *std::move(admission);
     stream->read_next();
