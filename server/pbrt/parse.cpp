@@ -77,12 +77,14 @@ Token Parser::next() {
   if (++token_count_ % kTokensPerPoll == 0) context_.poll();
   for (;;) {
     const Token token = files_.back().tokens.next();
-    if (token_count_ > context_.meter.limits().max_tokens)
-      fail(token.place, absl::ResourceExhaustedError(
-                            fmt::format("more than {} words, strings and brackets in the scene's "
-                                        "files, the limit of the server",
-                                        context_.meter.limits().max_tokens)));
-    if (token.kind != Token::Kind::kEnd || files_.back().imported) return token;
+    if (token.kind != Token::Kind::kEnd || files_.back().imported) {
+      if (const std::uint64_t most = context_.meter.limits().max_tokens; token_count_ > most)
+        fail(token.place, absl::ResourceExhaustedError(
+                              fmt::format("more than {} words, strings and brackets in the scene's "
+                                          "files, the limit of the server",
+                                          most)));
+      return token;
+    }
     files_.pop_back();
   }
 }

@@ -41,7 +41,7 @@ TEST(ServerOptions, NumbersOutOfRangeAreRefusedWithTheRange) {
 }
 
 TEST(ServerOptions, SizesHaveUnits) {
-  for (const std::string value : {"1MiB", "1mb", "1 M", "1048576", "1048576b"}) {
+  for (const std::string value : {"1MiB", "1 m", "1048576b"}) {
     SCOPED_TRACE(value);
     const Outcome outcome = run_program({"/usr/bin/timeout", "-s", "TERM", "5", LUCERNA_LUCERNAD,
                                          "--listen", "127.0.0.1:0", "--memory-budget=" + value});

@@ -1,11 +1,15 @@
 #include "client/files/write_picture.h"
 
 #include <OpenImageIO/imageio.h>
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -109,14 +113,34 @@ TEST_F(WritePicture, FilesStoreTheDescription) {
   }
 }
 
+/// While it exists, files of this process hold at most 10 bytes.
+class SmallFiles {
+ public:
+  SmallFiles() : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{10, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+  }
+  ~SmallFiles() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  SmallFiles(const SmallFiles&) = delete;
+  SmallFiles& operator=(const SmallFiles&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
 TEST_F(WritePicture, AFullDiskIsAnError) {
   for (const char* name : {"a.exr", "a.png", "a.pfm"}) {
     auto file = *PictureFile::create(path(name));
-    for (const auto& entry : fs::directory_iterator(directory_)) {
-      fs::remove(entry.path());
-      fs::create_symlink("/dev/full", entry.path());
+    absl::Status status;
+    {
+      const SmallFiles limit;
+      status = file.write({.width = 3, .height = 2, .rgb = kPixels}, 0);
     }
-    const absl::Status status = file.write({.width = 3, .height = 2, .rgb = kPixels}, 0);
     EXPECT_THAT(std::string(status.message()), HasSubstr("cannot write " + path(name))) << name;
   }
 }
@@ -126,9 +150,23 @@ TEST_F(WritePicture, AnUnwrittenPictureLeavesNoFile) {
     const auto file = PictureFile::create(path("a.exr"));
     ASSERT_TRUE(file.ok());
     EXPECT_FALSE(fs::exists(path("a.exr")));
-    EXPECT_EQ(files(), 1U);
+    // A killed process leaves what the folder has now.
+    const int unnamed = ::open(directory_.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    EXPECT_EQ(files(), unnamed >= 0 ? 0U : 1U);
+    if (unnamed >= 0) ::close(unnamed);
   }
   EXPECT_EQ(files(), 0U);
+}
+
+TEST_F(WritePicture, PreviewsAreReplacedOneByOne) {
+  auto file = *PictureFile::create(path("a.pfm"));
+  for (const double ev : {0.0, 1.0, 2.0}) {
+    ASSERT_TRUE(file.write_preview({.width = 3, .height = 2, .rgb = kPixels}, ev).ok());
+    EXPECT_EQ(files(), 1U);
+    EXPECT_THAT(read(path("a.pfm")), ElementsAreArray(kPixels));
+  }
+  ASSERT_TRUE(file.write({.width = 3, .height = 2, .rgb = kPixels}, 0).ok());
+  EXPECT_EQ(files(), 1U);
 }
 
 TEST_F(WritePicture, TheOldFileStaysUntilTheNewOneIsComplete) {

@@ -134,6 +134,7 @@ TEST_F(JobTest, WaitsWhileNoServerAnswersAndReportsIt) {
 TEST_F(JobTest, EndsIfNoServerAnswersForItsPatience) {
   listed_ = {"127.0.0.1:1"};
   options_.patience = std::chrono::seconds(1);
+  options_.call = {};
   Tiles work(3);
   const auto never = run_job(work, options_);
   EXPECT_TRUE(absl::IsUnavailable(never.status())) << never.status();
@@ -154,6 +155,7 @@ TEST_F(JobTest, ADeadlineReplacesThePatience) {
 
 TEST_F(JobTest, AServerThatLoadsTheSceneAnswers) {
   options_.patience = std::chrono::seconds(1);
+  options_.call = {};
   options_.load = [load = options_.load](const Client& client, const CallOptions& call) {
     std::this_thread::sleep_for(std::chrono::seconds(3));
     return load(client, call);

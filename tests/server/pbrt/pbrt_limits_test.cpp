@@ -38,7 +38,7 @@ TEST(PbrtLimits, TokensOfAllFilesTogether) {
   // Two words, a string and its three; then one more.
   EXPECT_TRUE(load(files, {.max_tokens = 8}).ok());
   expect_refused(load(files, {.max_tokens = 5}),
-                 "more.pbrt:1:19: more than 5 words, strings and "
+                 "scene.pbrt:1:21: more than 5 words, strings and "
                  "brackets");
 }
 
@@ -49,7 +49,7 @@ TEST(PbrtLimits, DepthOfIncludes) {
   files.write("b.pbrt", "");
   EXPECT_TRUE(load(files, {.max_include_depth = 3}).ok());
   expect_refused(load(files, {.max_include_depth = 2}),
-                 "a.pbrt:1:1: files include each other more than 2 deep");
+                 "a.pbrt:1:9: files include each other more than 2 deep");
 }
 
 TEST(PbrtLimits, PrimitivesOfAllShapesTogether) {
