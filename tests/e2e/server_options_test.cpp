@@ -15,10 +15,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// The numeric options in the help: those whose value is N..M, BYTES or SECONDS.
+/// The numeric options in the help: those whose value is N, BYTES or SECONDS.
 std::set<std::string> numeric_options() {
   const Outcome help = run_program({LUCERNA_LUCERNAD, "--help"});
-  const std::regex option("(--[a-z-]+) ([0-9]+\\.\\.[0-9]+|BYTES|SECONDS)");
+  const std::regex option("(--[a-z-]+) (N|BYTES|SECONDS)");
   std::set<std::string> names;
   for (std::sregex_iterator i(help.out.begin(), help.out.end(), option), end; i != end; ++i)
     names.insert((*i)[1]);
@@ -27,7 +27,7 @@ std::set<std::string> numeric_options() {
 
 TEST(ServerOptions, NumbersOutOfRangeAreRefusedWithTheRange) {
   const std::set<std::string> names = numeric_options();
-  ASSERT_GE(names.size(), 19U);
+  ASSERT_GE(names.size(), 30U);
   for (const std::string& name : names)
     for (const std::string value : {"-1", "nan", "1e30", "", "1x", "99999999999999999999"}) {
       SCOPED_TRACE(name + " '" + value + "'");
@@ -49,8 +49,7 @@ TEST(ServerOptions, SizesHaveUnits) {
   }
   const Outcome unit = run_program({LUCERNA_LUCERNAD, "--memory-budget=1 parsec"});
   EXPECT_EQ(unit.status, 2);
-  EXPECT_THAT(unit.err, HasSubstr("found 1 parsec, allowed: 0 to 1152921504606846976 bytes, such "
-                                  "as 512MiB or 8GiB"));
+  EXPECT_THAT(unit.err, HasSubstr("1 parsec, allowed: at least 0 bytes, such as 8GiB"));
 }
 
 }  // namespace
