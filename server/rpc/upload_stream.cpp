@@ -54,8 +54,10 @@ void UploadStream::read_next() {
   reading_ = true;
   stall_ = std::make_unique<grpc::Alarm>();
   stall_->Set(std::chrono::system_clock::now() + runtime_.assets->stall_time(),
-              [self = shared_from_this()](bool is_over) {
-                if (is_over) self->end_stalled();
+              // The alarm keeps this function, and the stream keeps the alarm.
+              [weak = weak_from_this()](bool is_over) {
+                const auto self = weak.lock();
+                if (is_over && self != nullptr) self->end_stalled();
               });
   StartRead(&bytes_);
 }
