@@ -97,6 +97,43 @@ void WireQueries::power(bool all) {
   count("EstimatePower", listed);
 }
 
+void WireQueries::query_edit() {
+  if (lights_.empty()) return;
+  v1::EditLightsRequest q;
+  q.set_scene_id(scene_id_);
+  v1::LightChange& change = *q.add_edits()->mutable_change();
+  change.set_light_id(lights_[n_.below(lights_.size())].id());
+  if (n_.chance(0.5)) change.set_scale(double{n_.component()});
+  if (n_.chance(0.5)) change.set_scale(n_.magnitude(1e-300, 1e9));
+  if (n_.chance(0.3)) change.mutable_tint()->set_g(n_.magnitude(1e-300, 1e9));
+  if (n_.chance(0.5)) {
+    change.mutable_placement()->mutable_shift_m()->set_x(double{n_.component()});
+    change.mutable_placement()->mutable_turn_axis()->set_y(double{n_.component()});
+    change.mutable_placement()->set_turn_rad(double{n_.component()});
+  }
+  v1::EditLightsResponse r;
+  const grpc::Status s = call([&](auto* c) { return service_.scenes.EditLights(c, q, &r); });
+  count("EditLights", 1);
+  if (!s.ok()) {
+    hold(s.error_code() == grpc::StatusCode::INVALID_ARGUMENT, "EditLights", 0,
+         fmt::format("{} {}", int(s.error_code()), s.error_message()));
+    return;
+  }
+  if (!answered("EditLights", s, q, r) || r.scene_id() == scene_id_) return;
+  v1::ListLightsRequest list;
+  list.set_scene_id(r.scene_id());
+  v1::ListLightsResponse lights;
+  const grpc::Status listed =
+      call([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); });
+  answered("ListLights", listed, list, lights);
+  v1::ReleaseSceneRequest end;
+  end.set_scene_id(r.scene_id());
+  v1::ReleaseSceneResponse ended;
+  const grpc::Status e =
+      call([&](auto* c) { return service_.scenes.ReleaseScene(c, end, &ended); });
+  hold(e.ok(), "ReleaseScene", 0, e.error_message());
+}
+
 void WireQueries::query_lease() {
   v1::RenewLeaseRequest q;
   q.set_scene_id(scene_id_);

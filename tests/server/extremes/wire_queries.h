@@ -48,6 +48,8 @@ class WireQueries {
   void send_invalid();
   /// Starts a lease of a random length, lists it, and ends it.  The scene may be gone afterwards.
   void query_lease();
+  /// Changes a light by any numbers, and ends the revision.
+  void query_edit();
 
   /// How many items were sent to each method, by its name.
   using ItemsOf = std::map<std::string, std::uint64_t>;

@@ -72,7 +72,8 @@ TEST(ServerTest, RunningCallsEndWhileDraining) {
   std::thread drain([&] { service.server->drain(std::chrono::hours(1)); });
   while (health(service, "") == HealthResponse::SERVING) std::this_thread::yield();
   busy.reset();
-  EXPECT_TRUE(answer.get_future().get().ok());
+  const grpc::Status status = answer.get_future().get();
+  EXPECT_TRUE(status.ok()) << status.error_code() << ": " << status.error_message();
   caller.join();
   drain.join();
 }
@@ -179,7 +180,7 @@ TEST(Errors, LongNamesReachTheCaller) {
   v1::LoadSceneResponse loaded;
   const grpc::Status leaves = service.scenes.LoadScene(&load_context, load, &loaded);
   EXPECT_EQ(leaves.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << leaves.error_message();
-  EXPECT_NE(leaves.error_message().find("leaves the scene root"), std::string::npos);
+  EXPECT_NE(leaves.error_message().find("4096"), std::string::npos) << leaves.error_message();
   v1::GetSceneRequest get;
   for (int i = 0; i < 10000; ++i) *get.mutable_scene_id() += "é";
   v1::GetSceneResponse got;
