@@ -78,7 +78,10 @@ absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& opt
   const client::CallOptions call = question.call();
   const auto too_short = [&](const absl::Status& status) -> absl::Status {
     if (!absl::IsDeadlineExceeded(status)) return status;
-    if (client::CallOptions::Clock::now() >= call.deadline) return status;  // the caller's deadline
+    // The caller's deadline.  A server also refuses work that cannot be done before it.
+    if (client::CallOptions::Clock::now() >= call.deadline ||
+        status.GetPayload(client::kStatusPayloadUrl))
+      return status;
     return absl::DeadlineExceededError(fmt::format(
         "--budget {:g}s is too short: {}", options.budget_s, std::string(status.message())));
   };

@@ -1,5 +1,6 @@
 // Loads of scenes, and revisions.
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -99,7 +100,10 @@ absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const st
   // A caller that waited looks again, because the other load may have failed or been cancelled.
   const auto turn = state_->sources.take(key, options.stop);
   if (turn == nullptr) return cancelled();
-  return load_alone(source, key, options);
+  absl::StatusOr<LoadedScene> loaded = load_alone(source, key, options);
+  // The allocator would keep what a failed load has freed, beside the budget.
+  if (!loaded.ok()) malloc_trim(0);
+  return loaded;
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const std::string& key,
