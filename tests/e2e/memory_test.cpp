@@ -154,7 +154,8 @@ TEST_F(Memory, TwoLoadsShareTheBudget) {
   other.set_path("other.pbrt");
   (void)server_->client().load_scene(other);
   first.join();
-  EXPECT_LT(peak_bytes() - idle, 1.1 * kBudgetMib * kMiB);
+  // Each load may have a tenth of the budget beside it: what the allocator keeps for its thread.
+  EXPECT_LT(peak_bytes() - idle, 1.2 * kBudgetMib * kMiB);
 }
 
 TEST_F(Memory, ALargePictureOfASmallFileIsRefusedByItsHeader) {
