@@ -200,6 +200,8 @@ class Prometheus(unittest.TestCase):
         try:
             answer = json.loads(get(api + "query?" + urllib.parse.urlencode({"query": query})))
         except urllib.error.HTTPError as error:
+            if error.code == 503:
+                raise  # prometheus is starting
             self.fail(f"{query}: {error.read().decode()}")
         return answer["data"]["result"]
 
