@@ -12,7 +12,7 @@ packages=(
   libcli11-dev libspdlog-dev libfmt-dev libtomlplusplus-dev libsystemd-dev libboost-dev nlohmann-json3-dev libjs-chart.js
   libtinygltf-dev libdraco-dev libmeshoptimizer-dev
   prometheus-cpp-dev
-  libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels
+  libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels openssl
   python3 python3-grpcio python3-protobuf python3-gmpy2 python3-mpmath python3-numpy
 )
 [ $# -eq 0 ] || packages=("$@")
