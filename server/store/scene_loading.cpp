@@ -171,7 +171,11 @@ absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
                                                       const LoadOptions& options) {
   LoadMemory memory(*state_);
   LUCERNA_ASSIGN_OR_RETURN(Read found, read(manifest, options, memory));
-  if (!found.description) return LoadedScene{.missing = std::move(found.missing)};
+  if (!found.description) {
+    LoadedScene incomplete;
+    incomplete.missing = std::move(found.missing);
+    return incomplete;
+  }
   return build_once(*std::move(found.description), key,
                     {.scene = nullptr,
                      .path = manifest.main,
