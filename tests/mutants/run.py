@@ -49,7 +49,7 @@ class Mutant:
         if self.name.startswith("o"):
             row = re.match(r"(Oracle): (.+)\n", text)
         else:
-            row = re.match(r"(Row \d+|Surfaces): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?(Found by the oracle)?", text)
+            row = re.match(r"(Row \d+|Surfaces|Edits): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?(Found by the oracle)?", text)
             belongs_to = "Surfaces" if self.name.startswith("m") else f"Row {self.name[:2]}"
             if row and row[1].replace("Row ", "Row 0" if len(row[1]) == 5 else "Row ") != belongs_to:
                 row = None
