@@ -13,9 +13,11 @@ A patch NN.patch (or NNx.patch) belongs to row NN and begins with
     Fails by: crash                      (or timeout; only if it does not fail by an expectation)
     Found by the oracle.                 (only if it is)
 
-A patch mNN.patch belongs to the surfaces of scenes and begins with the same lines, but for
+A patch mNN.patch belongs to the surfaces of scenes, and eNN.patch to edits of lights.  They begin with the same lines,
+but for
 
     Surfaces: what the changed code does.
+    Edits: what the changed code does.
 
 A patch oNN.patch is one for the oracle (docs/oracle.md) and begins with
 
@@ -50,7 +52,7 @@ class Mutant:
             row = re.match(r"(Oracle): (.+)\n", text)
         else:
             row = re.match(r"(Row \d+|Surfaces|Edits): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?(Found by the oracle)?", text)
-            belongs_to = "Surfaces" if self.name.startswith("m") else f"Row {self.name[:2]}"
+            belongs_to = {"m": "Surfaces", "e": "Edits"}.get(self.name[0]) or f"Row {self.name[:2]}"
             if row and row[1].replace("Row ", "Row 0" if len(row[1]) == 5 else "Row ") != belongs_to:
                 row = None
         if not row:
