@@ -61,6 +61,7 @@ struct GeometrySet {
   std::vector<CurvePiece> curves{};
   Quadrics quadrics{};
   std::vector<WideTriangle> wide{};  ///< of `triangles`, in ascending order
+  double narrow_error_m = 0;         ///< the largest ray_error_of() of any other triangle
   /// Set if rays pass some of its surfaces; null if none is sheer.
   const SurfaceTable* sheer = nullptr;
   /// The unit of Embree's space for this set (ray_limits.h).  The Accelerator chooses it.
@@ -143,6 +144,17 @@ struct RawHit {
   Vec3<double> position, normal;
 };
 
+/// Primitives with consecutive numbers.
+struct PrimitiveRange {
+  HitKind kind;
+  std::uint32_t first, count;
+};
+
+/// The order of ranges that share no primitive.
+inline bool is_before(const PrimitiveRange& a, const PrimitiveRange& b) {
+  return std::pair(a.kind, a.first) < std::pair(b.kind, b.first);
+}
+
 /// Immutable once built; all const members may be called from any thread.
 class Accelerator {
  public:
@@ -155,6 +167,13 @@ class Accelerator {
   static absl::StatusOr<std::unique_ptr<Accelerator>> build(
       GeometrySet scene, std::vector<GeometrySet> objects, std::vector<GeometryInstance> instances,
       const std::string& isa, std::stop_token stop, LoadBudget* budget = nullptr);
+  /// As `still`, with the scene's own primitives in `moved` elsewhere: as `scene` has them.  It has
+  /// the unit, the numbers and all other primitives of still->scene(), and shares the BVH.  `still`
+  /// comes from build().  Null if a new BVH would have another unit.
+  /// Errors: RESOURCE_EXHAUSTED if Embree has no memory.
+  static absl::StatusOr<std::shared_ptr<const Accelerator>> with_moved(
+      std::shared_ptr<const Accelerator> still, GeometrySet scene,
+      std::vector<PrimitiveRange> moved);
   ~Accelerator();
 
   /// Largest coordinate of geometry [m].
@@ -178,7 +197,8 @@ class Accelerator {
   std::uint32_t object_count() const;
   std::uint32_t instance_count() const;
   bool empty() const;
-  std::size_t bytes() const;  ///< Embree's own memory and the geometry that it reads
+  /// Embree's own memory and the geometry that it reads, without what it shares.
+  std::size_t bytes() const;
   /// The instruction set of the kernels in use, e.g. "avx2".
   std::string isa() const;
 

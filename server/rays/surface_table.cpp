@@ -195,12 +195,13 @@ class Appender {
 
   void append_triangle(const std::vector<Vec3<double>>& positions, std::uint32_t base,
                        const std::array<std::uint32_t, 3>& v) {
-    constexpr double kShare = 1e-3;
-    constexpr std::size_t kMostWide = 4096;
     const std::array corners{positions[v[0]] - origin_, positions[v[1]] - origin_,
                              positions[v[2]] - origin_};
-    if (ray_error_of(corners) > kShare * detail_m_ && set_.wide.size() < kMostWide)
+    const double error_m = ray_error_of(corners);
+    if (error_m > kWideShare * detail_m_ && set_.wide.size() < kMostWideTriangles)
       set_.wide.push_back({static_cast<std::uint32_t>(set_.triangles.size() / 3), corners});
+    else
+      set_.narrow_error_m = std::fmax(set_.narrow_error_m, error_m);
     for (const std::uint32_t i : v) set_.triangles.push_back(base + i);
   }
 

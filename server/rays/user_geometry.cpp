@@ -18,7 +18,7 @@ struct AnalyticHit {
   Vec2<double> uv;
 };
 
-std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned primitive,
+std::optional<AnalyticHit> intersect(const PrimitivesOfSet& shapes, unsigned primitive,
                                      const RTCRay& ray, double t_min, double t_max) {
   const double unit_m = shapes.set->unit_m;
   const Vec3<double> o = origin_of(ray) * unit_m;
@@ -53,13 +53,25 @@ double cosine_in_scene(const RTCIntersectContext* context, const Vec3<double>& n
   return std::fmin(std::fabs(dot(normalized(n), normalized(d))), 1);
 }
 
+/// Whether the query looks for this primitive elsewhere.
+bool is_hidden(const RTCIntersectContext* context, HitKind kind, std::uint32_t primitive) {
+  const std::vector<PrimitiveRange>* hidden = query_of(context).hidden;
+  if (hidden == nullptr || context->instID[0] != RTC_INVALID_GEOMETRY_ID) [[likely]]
+    return false;
+  const PrimitiveRange one{kind, primitive, 1};
+  const auto after = std::ranges::upper_bound(*hidden, one, is_before);
+  if (after == hidden->begin()) return false;
+  const PrimitiveRange& range = *(after - 1);
+  return range.kind == kind && primitive - range.first < range.count;
+}
+
 /// Whether any surface of the set lets a ray of this query pass.
 bool may_pass(const GeometrySet& set, Meets meets) {
   return set.sheer != nullptr || meets >= Meets::kPanes;
 }
 
 /// Whether the ray passes through the surface at this hit.
-bool passes(const AnalyticShapes& shapes, unsigned primitive, const RTCRay& ray,
+bool passes(const PrimitivesOfSet& shapes, unsigned primitive, const RTCRay& ray,
             const RTCIntersectContext* context, const AnalyticHit& found) {
   const Meets meets = query_of(context).meets;
   if (!may_pass(*shapes.set, meets)) return false;
@@ -95,8 +107,9 @@ bool keeps(const RTCIntersectContext* context, HitKind kind, std::uint32_t primi
 }
 
 /// As `intersect`, past hits that the ray passes or the query keeps.
-std::optional<AnalyticHit> first_hit(const AnalyticShapes& shapes, unsigned primitive,
+std::optional<AnalyticHit> first_hit(const PrimitivesOfSet& shapes, unsigned primitive,
                                      const RTCRay& ray, const RTCIntersectContext* context) {
+  if (is_hidden(context, shapes.kind, primitive)) return std::nullopt;
   double t_min = ray.tnear;
   // A ray meets a patch or a quadric twice at most.
   for (int i = 0; i < 3; ++i) {
@@ -127,18 +140,19 @@ RTCBounds rounded(const std::pair<Vec3<double>, Vec3<double>>& box, double unit_
 }
 
 void analytic_bounds(const RTCBoundsFunctionArguments* args) {
-  const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
-  const std::pair<Vec3<double>, Vec3<double>> box = shapes.set->visit_surface(
-      shapes.kind, args->primID, [](const auto& surface) { return surface.bounds(); });
+  const auto& shapes = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
+  const std::pair<Vec3<double>, Vec3<double>> box =
+      shapes.set->visit_surface(shapes.kind, shapes.first + args->primID,
+                                [](const auto& surface) { return surface.bounds(); });
   *args->bounds_o = rounded(box, shapes.set->unit_m);
 }
 
 // Queries are single rays, so N is 1.
 void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
-  const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
+  const auto& shapes = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
   auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const auto found = first_hit(shapes, args->primID, query.ray, args->context);
+  const auto found = first_hit(shapes, shapes.first + args->primID, query.ray, args->context);
   if (!found) return;
   query.ray.tfar = static_cast<float>(found->hit.t);
   query.hit.u = static_cast<float>(found->uv.x);
@@ -153,9 +167,9 @@ void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
 
 void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
-  const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
+  const auto& shapes = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (first_hit(shapes, args->primID, ray, args->context)) ray.tfar = -INFINITY;
+  if (first_hit(shapes, shapes.first + args->primID, ray, args->context)) ray.tfar = -INFINITY;
 }
 
 /// The same for a triangle with these barycentric coordinates.
@@ -176,9 +190,9 @@ bool passes(const GeometrySet& set, std::uint32_t triangle, const Vec2<double>& 
                               {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
 }
 
-std::optional<WideHit> intersect_wide(const GeometrySet& set, unsigned primitive, const RTCRay& ray,
-                                      const RTCIntersectContext* context) {
-  const WideTriangle& triangle = set.wide[primitive];
+std::optional<WideHit> intersect_wide(const GeometrySet& set, const WideTriangle& triangle,
+                                      const RTCRay& ray, const RTCIntersectContext* context) {
+  if (is_hidden(context, HitKind::kTriangle, triangle.triangle)) return std::nullopt;
   const auto found = intersect(triangle, origin_of(ray) * set.unit_m,
                                direction_of(ray) * set.unit_m, ray.tnear, ray.tfar);
   if (found && (passes(set, triangle.triangle, found->uv, ray, context) ||
@@ -188,31 +202,33 @@ std::optional<WideHit> intersect_wide(const GeometrySet& set, unsigned primitive
 }
 
 void wide_bounds(const RTCBoundsFunctionArguments* args) {
-  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
+  const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
   Bounds box;
-  for (const Vec3<double>& corner : set.wide[args->primID].corners) box.add(corner);
-  *args->bounds_o = rounded({box.lower, box.upper}, set.unit_m);
+  for (const Vec3<double>& corner : of.set->wide[of.first + args->primID].corners) box.add(corner);
+  *args->bounds_o = rounded({box.lower, box.upper}, of.set->unit_m);
 }
 
 void intersect_wide(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
-  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
+  const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
+  const WideTriangle& triangle = of.set->wide[of.first + args->primID];
   auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const auto found = intersect_wide(set, args->primID, query.ray, args->context);
+  const auto found = intersect_wide(*of.set, triangle, query.ray, args->context);
   if (!found) return;
   query.ray.tfar = static_cast<float>(found->t);
   query.hit.u = static_cast<float>(found->uv.x);
   query.hit.v = static_cast<float>(found->uv.y);
   query.hit.geomID = static_cast<unsigned>(HitKind::kTriangle);
-  query.hit.primID = set.wide[args->primID].triangle;
+  query.hit.primID = triangle.triangle;
   query.hit.instID[0] = args->context->instID[0];
 }
 
 void occluded_wide(const RTCOccludedFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
-  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
+  const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
+  const WideTriangle& triangle = of.set->wide[of.first + args->primID];
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (intersect_wide(set, args->primID, ray, args->context)) ray.tfar = -INFINITY;
+  if (intersect_wide(*of.set, triangle, ray, args->context)) ray.tfar = -INFINITY;
 }
 
 /// For a ray along a triangle, Embree divides two numbers that are rounding errors.  It may then
@@ -223,8 +239,11 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
   const Vec3<float> n{hit.Ng_x, hit.Ng_y, hit.Ng_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
   // A cosine.  Above it, the error of the hit is below 2^-10 of the triangle's size.
   constexpr float kAlong = 0x1p-12F;
-  const auto& set = *static_cast<const GeometrySet*>(args->geometryUserPtr);
-  if (passes(set, hit.primID, {hit.u, hit.v}, ray, args->context)) [[unlikely]] {
+  const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
+  const GeometrySet& set = *of.set;
+  const std::uint32_t number = of.first + hit.primID;
+  if (is_hidden(args->context, HitKind::kTriangle, number) ||
+      passes(set, number, {hit.u, hit.v}, ray, args->context)) [[unlikely]] {
     args->valid[0] = 0;
     return;
   }
@@ -232,15 +251,14 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
   if (cosine * cosine < kAlong * kAlong * dot(n, n) * dot(d, d)) [[unlikely]] {
     WideTriangle triangle;
     for (std::size_t k = 0; k < 3; ++k)
-      triangle.corners[k] =
-          Vec3<double>(set.vertices[set.triangles[3 * std::size_t{hit.primID} + k]]);
+      triangle.corners[k] = Vec3<double>(set.vertices[set.triangles[3 * std::size_t{number} + k]]);
     if (!intersect(triangle, origin_of(ray), Vec3<double>(d), ray.tnear,
                    query_of(args->context).t_max)) {
       args->valid[0] = 0;
       return;
     }
   }
-  if (keeps(args->context, HitKind::kTriangle, hit.primID, {hit.u, hit.v})) [[unlikely]]
+  if (keeps(args->context, HitKind::kTriangle, number, {hit.u, hit.v})) [[unlikely]]
     args->valid[0] = 0;
 }
 
@@ -345,19 +363,19 @@ MovingInstance::MovingInstance(const GeometryInstance& instance, RTCScene object
   swept = rounded(motion->bounds(placed.lower, placed.upper), scene_unit_m);
 }
 
-void check_along(RTCGeometry triangles, GeometrySet* set) {
-  rtcSetGeometryUserData(triangles, set);
-  rtcSetGeometryIntersectFilterFunction(triangles, check_hit);
-  rtcSetGeometryOccludedFilterFunction(triangles, check_hit);
+void check_along(RTCGeometry geometry, PrimitivesOfSet* triangles) {
+  rtcSetGeometryUserData(geometry, triangles);
+  rtcSetGeometryIntersectFilterFunction(geometry, check_hit);
+  rtcSetGeometryOccludedFilterFunction(geometry, check_hit);
 }
 
-RTCGeometry analytic_geometry(RTCDevice device, AnalyticShapes* shapes, std::size_t count) {
+RTCGeometry analytic_geometry(RTCDevice device, PrimitivesOfSet* shapes, std::size_t count) {
   return user_geometry(device, count, shapes, analytic_bounds, intersect_analytic,
                        occluded_analytic);
 }
 
-RTCGeometry wide_geometry(RTCDevice device, GeometrySet* set) {
-  return user_geometry(device, set->wide.size(), set, wide_bounds, intersect_wide, occluded_wide);
+RTCGeometry wide_geometry(RTCDevice device, PrimitivesOfSet* wide, std::size_t count) {
+  return user_geometry(device, count, wide, wide_bounds, intersect_wide, occluded_wide);
 }
 
 RTCGeometry moving_geometry(RTCDevice device, std::vector<MovingInstance>* instances) {

@@ -20,6 +20,7 @@ enum GeometryId : unsigned { kWide = kHitKinds, kMoving, kFirstInstance };
 /// Embree passes the context of a query to the callbacks.  It has the time and the end of the
 /// query, the surfaces that it meets, and the exact hit.
 struct QueryContext {
+  /// `instances`: of the scene, from kFirstInstance on.
   QueryContext(double time_s, float t_max, Meets meets, const GeometryInstance* instances)
       : time_s(time_s), t_max(t_max), meets(meets), instances(instances) {
     rtcInitIntersectContext(&embree);
@@ -29,16 +30,19 @@ struct QueryContext {
   double time_s;
   float t_max;  ///< of the ray in the space that Embree traverses
   Meets meets;
-  const GeometryInstance* instances;  ///< of the scene, from kFirstInstance on
+  const GeometryInstance* instances;
+  /// The scene's own primitives that rays pass, because they are elsewhere; null if there are none.
+  const std::vector<PrimitiveRange>* hidden = nullptr;
   /// Set if the query wants all hits: it takes each of them, and the ray goes on.
   std::vector<RawHit>* kept = nullptr;
   Vec3<double> position, normal;
 };
 
-/// The shapes of one kind within a set.
-struct AnalyticShapes {
-  const GeometrySet* set;
-  HitKind kind;
+/// The primitives of one kind within a set, from `first` on.
+struct PrimitivesOfSet {
+  const GeometrySet* set = nullptr;
+  HitKind kind{};
+  std::uint32_t first = 0;  ///< the number in the set of Embree's primitive 0
 };
 
 /// A moving instance.  Rays are converted to the object's space in double, rounded to floats
@@ -57,14 +61,15 @@ struct MovingInstance {
   RTCBounds swept;  ///< in the scene's units, over all time
 };
 
-/// Lets the geometry of `set`'s triangles reject hits of rays along a triangle that do not meet it,
-/// and hits that the ray passes (Meets).
-void check_along(RTCGeometry triangles, GeometrySet* set);
+/// Lets the geometry of triangles reject hits of rays along a triangle that do not meet it, and
+/// hits that the ray passes (Meets).
+void check_along(RTCGeometry geometry, PrimitivesOfSet* triangles);
 
-/// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes`, `set` and
-/// `instances`.  A hit on a wide triangle is one of the geometry kTriangle.
-RTCGeometry analytic_geometry(RTCDevice device, AnalyticShapes* shapes, std::size_t count);
-RTCGeometry wide_geometry(RTCDevice device, GeometrySet* set);
+/// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes`, `wide` and
+/// `instances`.  `wide->first` is an index of GeometrySet::wide.  A hit on a wide triangle is one
+/// of the geometry kTriangle, with the number of the triangle in the set.
+RTCGeometry analytic_geometry(RTCDevice device, PrimitivesOfSet* shapes, std::size_t count);
+RTCGeometry wide_geometry(RTCDevice device, PrimitivesOfSet* wide, std::size_t count);
 RTCGeometry moving_geometry(RTCDevice device, std::vector<MovingInstance>* instances);
 
 }  // namespace lucerna

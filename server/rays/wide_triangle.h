@@ -16,6 +16,11 @@ struct WideTriangle {
   std::array<Vec3<double>, 3> corners{};  ///< [m]
 };
 
+/// A triangle is wide if rays would find its plane with an error above this share of the smallest
+/// shape's extent, and less than this number of triangles of its set are wide already.
+inline constexpr double kWideShare = 1e-3;
+inline constexpr std::size_t kMostWideTriangles = 4096;
+
 /// The largest error with which Embree finds the triangle's plane, along its normal [m].  0 in a
 /// plane of the axes (error_bounds.h).
 double ray_error_of(const std::array<Vec3<double>, 3>& corners);

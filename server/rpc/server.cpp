@@ -104,19 +104,6 @@ void set_up_grpc() {
   (void)done;
 }
 
-/// Why no socket can have this address.
-std::string why_not_to_bind(const std::string& address) {
-  const absl::StatusOr<AddressList> found = resolve(address);
-  if (!found.ok()) return std::string(found.status().message());
-  std::string why = "the HTTP library refused it";
-  for (const addrinfo* a = found->get(); a != nullptr; a = a->ai_next) {
-    const int fd = socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
-    if (fd < 0 || bind(fd, a->ai_addr, a->ai_addrlen) != 0) why = why_not(errno);
-    if (fd >= 0) close(fd);
-  }
-  return why;
-}
-
 }  // namespace
 
 absl::Status check_doors(const ServerOptions& options) {

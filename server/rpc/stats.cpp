@@ -51,7 +51,7 @@ void set_process(const monitor::ProcessFigures& figures, v1::ProcessStats* out) 
 /// Adds the memory of all scenes, by part.  Parts that revisions share count once.
 void add_parts(const std::vector<StoredScene>& scenes,
                std::map<std::string, std::uint64_t>& bytes) {
-  std::set<const Scene*> counted;
+  std::set<const void*> counted;
   const auto add = [&](const Scene& scene, const std::vector<ScenePart>& without) {
     if (!counted.insert(&scene).second) return;
     for (const ScenePart& part : scene.parts()) {
@@ -66,7 +66,12 @@ void add_parts(const std::vector<StoredScene>& scenes,
     const Scene* const loaded = stored.scene->loaded().get();
     // A revision keeps what it was made from, even if that is not in the store any more.
     if (loaded != nullptr) add(*loaded, {});
-    add(*stored.scene, loaded == nullptr ? std::vector<ScenePart>() : loaded->parts());
+    std::vector<ScenePart> without;
+    if (loaded != nullptr) without = loaded->parts();
+    // Several revisions may have the same moved surfaces.
+    if (stored.scene->has_own_surfaces() && !counted.insert(stored.scene->placed().get()).second)
+      for (ScenePart& part : stored.scene->placed()->reports()) without.push_back(std::move(part));
+    add(*stored.scene, without);
   }
 }
 

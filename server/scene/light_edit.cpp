@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
 #include "server/rays/surface_table.h"
 #include "server/scene/scene_lights.h"
 
@@ -130,6 +131,17 @@ LightChange place_only(const LightChange& change) {
   return {.shift_m = change.shift_m, .turn_axis = change.turn_axis, .turn_rad = change.turn_rad};
 }
 
+absl::Status move_surface(std::uint64_t id, const LightChange& change, ShapeDescription& shape) {
+  if (shape.motion)
+    return absl::InvalidArgumentError(
+        fmt::format("light {}: the light moves by itself, allowed: lights without motion", id));
+  LUCERNA_ASSIGN_OR_RETURN(const Bounds bounds, shape_bounds(shape));
+  const Mover mover(change, bounds.lower * 0.5 + bounds.upper * 0.5);
+  std::visit(mover, shape.geometry);
+  if (shape.emission->panel) mover.direction(shape.emission->panel->tangent);
+  return absl::OkStatus();
+}
+
 absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene) {
   std::uint64_t id = scene.lights.size();
   std::size_t found = 0;
@@ -138,14 +150,7 @@ absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene) 
     const auto change = moved.find(++id);
     if (change == moved.end()) continue;
     ++found;
-    if (shape.motion)
-      return absl::InvalidArgumentError(
-          fmt::format("light {}: the light moves by itself, allowed: lights without motion", id));
-    absl::StatusOr<Bounds> bounds = shape_bounds(shape);
-    if (!bounds.ok()) return bounds.status();
-    const Mover mover(change->second, bounds->lower * 0.5 + bounds->upper * 0.5);
-    std::visit(mover, shape.geometry);
-    if (shape.emission->panel) mover.direction(shape.emission->panel->tangent);
+    LUCERNA_RETURN_IF_ERROR(move_surface(id, change->second, shape));
   }
   if (found == moved.size()) return absl::OkStatus();
   return absl::InternalError("a surface to move that the scene does not have");

@@ -56,8 +56,11 @@ absl::Status apply(const LightChange& change, LightDescription& light);
 /// The part of a change that says where the light is.
 LightChange place_only(const LightChange& change);
 
-/// Moves the shapes of lights, and their normals.  Errors: a light without a surface, or one that
-/// moves by itself.
+/// Moves the shape of the light with this id, and its normals.  Errors: a light that moves by
+/// itself.
+absl::Status move_surface(std::uint64_t id, const LightChange& change, ShapeDescription& shape);
+
+/// The same for lights of a scene.  Errors: also a light without a surface.
 absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene);
 
 /// The id of an added light with this content: in [2^32, 2^33), and none of `taken`.

@@ -7,6 +7,7 @@
 
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
+#include "server/description/load_meter.h"
 #include "server/runtime/denormals.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
@@ -53,12 +54,14 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
 
 void Scene::Builder::report_halved_pictures() {
   halved_ = in_.textures.halved();
-  for (const HalvedPicture& h : halved_)
-    in_.remarks.push_back(
-        {{h.name},
-         fmt::format("a picture of {} x {} texels exceeds the memory of textures", h.width,
-                     h.height),
-         fmt::format("{} x {}, each the mean of several texels", h.kept_width, h.kept_height)});
+  for (const HalvedPicture& h : halved_) {
+    Remark& remark = in_.remarks.emplace_back();
+    remark.where.file = h.name;
+    remark.what = fmt::format("a picture of {} x {} texels exceeds the memory of textures",
+                              h.width, h.height);
+    remark.instead =
+        fmt::format("{} x {}, each the mean of several texels", h.kept_width, h.kept_height);
+  }
 }
 
 absl::Status Scene::Builder::check_references() const {
@@ -113,15 +116,36 @@ std::optional<std::uint32_t> Scene::find_light(std::uint64_t id) const {
 }
 
 std::uint64_t Scene::shape_count() const {
-  std::uint64_t sum = base_->surfaces_.surfaces.size();
+  std::uint64_t sum = placed_->surfaces.surfaces.size();
   for (const SurfaceTable& o : base_->object_surfaces_) sum += o.surfaces.size();
   return sum;
 }
 
 std::uint64_t Scene::primitive_count() const {
-  std::uint64_t sum = base_->accelerator_->scene().primitives();
+  std::uint64_t sum = placed_->accelerator->scene().primitives();
   for (std::uint32_t i = 0; i < base_->object_surfaces_.size(); ++i)
-    sum += base_->accelerator_->object(i).primitives();
+    sum += placed_->accelerator->object(i).primitives();
+  return sum;
+}
+
+std::vector<ScenePart> PlacedSurfaces::reports() const {
+  std::vector<ScenePart> all = parts;
+  attached_parts.for_each([&](const AttachedPart& attached) {
+    if (auto part = attached.report()) all.push_back(*std::move(part));
+  });
+  return all;
+}
+
+std::uint64_t PlacedSurfaces::bytes() const {
+  std::uint64_t sum = 0;
+  for (const ScenePart& part : parts) sum += part.bytes;
+  attached_parts.for_each([&](const AttachedPart& attached) { sum += attached.bytes(); });
+  return sum;
+}
+
+std::uint64_t MovableSurfaces::bytes() const {
+  std::uint64_t sum = shapes.capacity() * sizeof(ShapeDescription);
+  for (const ShapeDescription& shape : shapes) sum += array_bytes(shape);
   return sum;
 }
 
@@ -136,6 +160,8 @@ std::vector<ScenePart> Scene::parts() const {
   attached_.for_each([&](const AttachedPart& attached) {
     if (auto part = attached.report()) all.push_back(*std::move(part));
   });
+  if (has_own_surfaces())
+    for (ScenePart& part : placed_->reports()) all.push_back(std::move(part));
   // Sorted by name, so that the order does not depend on the order of first uses.
   std::sort(all.begin() + attached_from, all.end(),
             [](const ScenePart& a, const ScenePart& b) { return a.name > b.name; });
@@ -161,7 +187,7 @@ std::uint64_t Scene::own_bytes() const {
   if (light_selector_) sum += light_selector_->tree_part().bytes();
   attached_.for_each([&](const AttachedPart& attached) { sum += attached.bytes(); });
   for (const ScenePart& part : parts_) sum += part.bytes;
-  return sum;
+  return has_own_surfaces() ? sum + placed_->bytes() : sum;
 }
 
 const LightSelector& Scene::revised_selector() const {
@@ -186,7 +212,7 @@ const LightSelector& Scene::area_selector() const {
       [](const LightSelector&) { return "a query sampled lights other than delta lights"; });
 }
 
-std::string Scene::isa() const { return base_->accelerator_->isa(); }
+std::string Scene::isa() const { return placed_->accelerator->isa(); }
 
 namespace {
 

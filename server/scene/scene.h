@@ -15,14 +15,13 @@
 #include "lights/models/posed_light.h"
 #include "server/description/scene_contents.h"
 #include "server/description/scene_description.h"
-#include "server/rays/accelerator.h"
 #include "server/rays/ray.h"
-#include "server/rays/surface_table.h"
 #include "server/scene/camera.h"
-#include "server/scene/light_edit.h"
 #include "server/scene/light_names.h"
 #include "server/scene/light_selector.h"
+#include "server/scene/placed_surfaces.h"
 #include "server/scene/scene_part.h"
+#include "server/scene/shared_blocks.h"
 
 namespace lucerna {
 
@@ -93,11 +92,24 @@ class Scene {
                                                                   std::stop_token stop = {},
                                                                   LoadBudget* budget = nullptr);
 
+  /// The surfaces of `loaded` with those of these lights elsewhere.  They share the BVH of all
+  /// others.  Null if build_moved() is needed: if the moves change the origin, the unit of rays or
+  /// the number of triangles, or `loaded` has moved surfaces itself.  Errors: moves that their
+  /// light does not allow.
+  static absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> place(const Scene& loaded,
+                                                                     const MovedSurfaces& moved);
+
   /// A scene with the files of `loaded` and other lights.  It shares everything but its lights with
-  /// `loaded`, which must come from build() or, for edits that move surfaces, from build_moved().
+  /// `loaded`, which must come from build() or build_moved().  `placed`: those of `loaded`, or, for
+  /// edits that move other surfaces, those of place().
   /// All queries have the same bits as in a scene whose files give these lights in this order.
   ///
   /// Errors: a change that its light does not allow; a level or a place out of range.
+  static absl::StatusOr<std::shared_ptr<const Scene>> revise(
+      std::shared_ptr<const Scene> loaded, std::shared_ptr<const PlacedSurfaces> placed,
+      LightEdits edits);
+  /// With all surfaces at the places of `loaded`, or at those of place().  FAILED_PRECONDITION if
+  /// that needs build_moved().
   static absl::StatusOr<std::shared_ptr<const Scene>> revise(std::shared_ptr<const Scene> loaded,
                                                              LightEdits edits);
 
@@ -107,17 +119,19 @@ class Scene {
   const std::shared_ptr<const Scene>& loaded() const { return loaded_; }
   /// Empty for a scene without edits.
   const LightEdits& edits() const { return edits_; }
-  /// The surfaces that these edits move, for build_moved().
+  /// The surfaces that these edits move, for place() and build_moved().
   MovedSurfaces moved_by(const LightEdits& edits) const;
-  /// Those that build_moved() moved.
-  const MovedSurfaces& moved() const { return base_->moved_; }
+  /// Its surfaces, which revisions may share.
+  const std::shared_ptr<const PlacedSurfaces>& placed() const { return placed_; }
+  /// Whether it has surfaces that loaded() does not have.
+  bool has_own_surfaces() const { return loaded_ == nullptr || placed_ != loaded_->placed_; }
   /// World position of the zero of scene coordinates [m].  It is a multiple of a power of two that
   /// is at least the scene's extent.  So scenes near zero keep their coordinates unchanged.
   const Vec3<double>& origin() const { return origin_; }
   /// Contains geometry and local lights; radius 0 if there are none.
   const SceneSphere& sphere() const { return sphere_; }
 
-  std::span<const SceneLight> lights() const { return lights_; }
+  const SharedBlocks<SceneLight>& lights() const { return lights_; }
   SourceLocation source_of(const SceneLight& light) const {
     return {files_[light.file], light.line, light.column};
   }
@@ -155,7 +169,7 @@ class Scene {
   /// Whether a light is not a delta light, so that rays may find it.
   bool has_visible_lights() const { return has_visible_lights_; }
   /// Whether there is nothing to hit.
-  bool empty() const { return base_->accelerator_->empty(); }
+  bool empty() const { return placed_->accelerator->empty(); }
   /// Whether nothing can take light on its way: no surface and no medium.
   bool is_clear() const { return empty() && !has_media(); }
   std::span<const Material> materials() const { return base_->materials_; }
@@ -191,9 +205,9 @@ class Scene {
   std::string isa() const;
 
   std::optional<SurfaceHit> closest_hit(const Ray& ray, Meets meets = Meets::kSurfaces) const;
-  const Accelerator& accelerator() const { return *base_->accelerator_; }
+  const Accelerator& accelerator() const { return *placed_->accelerator; }
   /// Shading data of the scene's own geometry.
-  const SurfaceTable& surfaces() const { return base_->surfaces_; }
+  const SurfaceTable& surfaces() const { return placed_->surfaces; }
   /// Surface::light of the surfaces of a light; a number of no surface for a light without any.
   std::int32_t surface_number(const SceneLight& light) const {
     return static_cast<std::int32_t>(light.id - 1);
@@ -205,11 +219,11 @@ class Scene {
                : light_numbers_[static_cast<std::size_t>(surface.light)];
   }
   bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const {
-    return base_->accelerator_->occluded(ray, meets);
+    return placed_->accelerator->occluded(ray, meets);
   }
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits,
                 Meets meets = Meets::kSurfaces) const {
-    base_->accelerator_->occluded(rays, bits, meets);
+    placed_->accelerator->occluded(rays, bits, meets);
   }
 
   /// Whether it has smooth thin panes, and whether it has media.
@@ -261,17 +275,17 @@ class Scene {
   std::string id_;
   std::shared_ptr<const Scene> loaded_;
   LightEdits edits_;
-  MovedSurfaces moved_;
-  // The scene that has everything but the lights: loaded_, or this one.
+  // The scene that has everything but the lights and the surfaces: loaded_, or this one.
   const Scene* base_ = this;
+  std::shared_ptr<const PlacedSurfaces> placed_;
+  MovableSurfaces movable_;  // empty in revisions
   // For each light of loaded_ its index here, -1 if it was removed.  Empty if all are the same.
   std::vector<std::int32_t> light_numbers_;
-  Bounds world_;  // of all shapes over their motion, world [m]
   CameraDescription camera_description_;
   Film film_;
   Vec3<double> origin_;
   SceneSphere sphere_;
-  std::vector<SceneLight> lights_;
+  SharedBlocks<SceneLight> lights_;
   std::vector<std::string> files_;  // the files of the lights' source locations
   std::vector<std::uint32_t> infinite_lights_;
   // Both are empty if no light has a spectrum.
@@ -287,8 +301,6 @@ class Scene {
   std::int32_t surrounding_medium_ = -1;
   bool has_panes_ = false;
   bool has_cut_lights_ = false;
-  std::unique_ptr<Accelerator> accelerator_;
-  SurfaceTable surfaces_;                      // of the scene's own geometry
   std::vector<SurfaceTable> object_surfaces_;  // of each object, then of each moving shape
   std::optional<LightSelector>
       light_selector_;  // empty with fewer than two lights, and in revisions

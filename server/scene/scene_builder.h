@@ -18,16 +18,26 @@
 
 namespace lucerna {
 
+/// The origin of a scene or an object with these bounds: the centre rounded to a multiple of the
+/// smallest power of two that is not below the extent.
+Vec3<double> origin_for(const Bounds& bounds);
+
+/// Adds the bounds of a shape to those of all, and to the extent of the smallest shape.
+void add_shape(const Bounds& shape, Bounds& all, double& detail_m);
+
 class Scene::Builder {
  public:
   /// Moves data out of `description` step by step.  `description` must outlive the builder.
   Builder(SceneDescription& description, std::stop_token stop, LoadBudget* budget = nullptr)
-      : in_(description), stop_(std::move(stop)), budget_(budget), scene_(new Scene) {}
+      : in_(description), stop_(std::move(stop)), budget_(budget), scene_(new Scene) {
+    scene_->placed_ = placed_;
+  }
 
   absl::StatusOr<std::shared_ptr<const Scene>> build(const std::string& isa);
-  void note_moved(const MovedSurfaces& moved) { scene_->moved_ = moved; }
+  void note_moved(const MovedSurfaces& moved) { placed_->moved = moved; }
   /// The scene of Scene::revise.  Requires an empty description.
   absl::StatusOr<std::shared_ptr<const Scene>> revise(std::shared_ptr<const Scene> loaded,
+                                                      std::shared_ptr<const PlacedSurfaces> placed,
                                                       LightEdits edits);
 
  private:
@@ -44,11 +54,12 @@ class Scene::Builder {
   absl::Status count_lights() const;
   absl::Status build_lights();
   /// `moving`: null if the light does not move; its reach is set from the light.
-  absl::Status add_light(std::uint64_t id, absl::StatusOr<Light<double>> light,
-                         const SourceLocation& where, std::uint32_t samples,
-                         std::unique_ptr<LightMotion> moving);
-  absl::Status add_free_light(std::uint64_t id, const LightDescription& light);
-  void add_light(SceneLight light);
+  absl::StatusOr<SceneLight> scene_light(std::uint64_t id, absl::StatusOr<Light<double>> light,
+                                         const SourceLocation& where, std::uint32_t samples,
+                                         std::unique_ptr<LightMotion> moving);
+  absl::StatusOr<SceneLight> free_light(std::uint64_t id, const LightDescription& light);
+  /// Notes which lights rays meet.
+  void note_visible_lights();
   /// The index of a file among the files of lights' source locations.
   std::uint32_t file_number(const std::string& file);
   /// Stores spectra separately from the lights, so that scenes with only RGB lights store nothing.
@@ -56,14 +67,14 @@ class Scene::Builder {
   /// Stores names separately from the lights, so that lights without a name store nothing.
   void keep_names(std::vector<std::pair<std::uint32_t, std::string>> named);
   void report_lights(const Stopwatch& watch);
-  /// Pictures, webs and maps that these lights share.
-  void report_shared_by_lights(std::span<const SceneLight> lights, const Stopwatch& watch);
+  /// Pictures, webs and maps that the lights from this index on share.
+  void report_shared_by_lights(std::size_t from, const Stopwatch& watch);
   /// A light of a scene without edits that has no surface, as its file gives it.
   static LightDescription describe(const Scene& loaded, std::uint32_t light);
   /// Errors: edits that remove the light of an emissive pane.
   static absl::Status check_panes(const Scene& loaded, const LightEdits& edits);
-  /// Adds a light of `loaded` that has a surface or no change.
-  absl::Status revise_light(const SceneLight& light, const LightChange& change);
+  /// A light that has a surface, with another level.
+  static absl::StatusOr<SceneLight> revised_light(SceneLight light, const LightChange& change);
   absl::Status prepare_choice();
 
   absl::Status build_geometry(const std::string& isa);
@@ -101,9 +112,10 @@ class Scene::Builder {
   std::stop_token stop_;
   LoadBudget* budget_;  ///< null: no limit
   std::shared_ptr<Scene> scene_;
+  std::shared_ptr<PlacedSurfaces> placed_ = std::make_shared<PlacedSurfaces>();
   std::unordered_map<std::string, std::uint32_t> file_numbers_;
   std::vector<Vec3<double>> object_origins_;
-  double detail_m_ = Bounds::kInfinity;       // the extent of the smallest shape
+  double detail_m_ = Bounds::kInfinity;       ///< the extent of the smallest shape
   std::vector<Vec3<double>> moving_origins_;  ///< of each moving shape
   std::vector<HalvedPicture> halved_;
   std::uint64_t read_by_embree_ = 0;  ///< bytes of geometry that Embree reads and also counts

@@ -36,7 +36,8 @@ absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>&
   }
   // The budget counts the arrays for rays until the end of the load.
   if (budget_ != nullptr) LUCERNA_RETURN_IF_ERROR(budget_->claim(bytes() - before));
-  drop(shape);
+  // Edits can move a light that does not move by itself.
+  if (!shape.emission || shape.motion) drop(shape);
   if (shape.is_interface) return absl::OkStatus();
   // A pane that emits is met by all rays, which find its light.
   const Material& material = in_.materials[shape.material];
@@ -69,7 +70,8 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
-      LUCERNA_RETURN_IF_ERROR(append(s, scene_->origin_, emitter, set, scene_->surfaces_));
+      LUCERNA_RETURN_IF_ERROR(append(s, scene_->origin_, emitter, set, placed_->surfaces));
+      if (s.emission) scene_->movable_.shapes.push_back(std::move(s));
       continue;
     }
     // A moving shape is an object about its own origin with one instance.
@@ -80,6 +82,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     if (!objects[object].empty())
       instances.push_back(
           {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
+    if (s.emission) scene_->movable_.shapes.push_back(std::move(s));
   }
   std::vector<bool> is_placed(in_.objects.size());
   for (const auto& i : in_.instances) is_placed[i.object] = true;
@@ -103,17 +106,20 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   report_motion(instances);
   if (!set.empty() || !instances.empty()) keep_materials();
   report_geometry(set, objects, watch);
+  scene_->movable_.shapes.shrink_to_fit();
+  if (const std::uint64_t kept = scene_->movable_.bytes(); kept > 0)
+    part("movable surfaces", kept, Stopwatch(), "shapes of lights, which edits can move");
   in_.shapes = {};
   in_.objects = {};
   if (budget_ != nullptr) budget_->release(std::exchange(in_.held_bytes, 0));
 
   watch = Stopwatch();
   const std::size_t instance_count = instances.size();
-  LUCERNA_ASSIGN_OR_RETURN(scene_->accelerator_,
+  LUCERNA_ASSIGN_OR_RETURN(placed_->accelerator,
                            Accelerator::build(std::move(set), std::move(objects),
                                               std::move(instances), isa, stop_, budget_));
-  if (scene_->accelerator_->empty()) return absl::OkStatus();
-  const std::uint64_t all = scene_->accelerator_->bytes();
+  if (placed_->accelerator->empty()) return absl::OkStatus();
+  const std::uint64_t all = placed_->accelerator->bytes();
   part("bvh", all > read_by_embree_ ? all - read_by_embree_ : 0, watch,
        fmt::format("rays against {} primitives{}", scene_->primitive_count(),
                    instance_count > 0 ? fmt::format(", {} instances", instance_count) : ""));
@@ -141,7 +147,7 @@ void Scene::Builder::keep_textures(GeometrySet& set, std::vector<GeometrySet>& o
     table.origin_m = origin;
     of.sheer = &table;
   };
-  connect(set, scene_->surfaces_, scene_->origin_);
+  connect(set, placed_->surfaces, scene_->origin_);
   for (std::size_t i = 0; i < objects.size(); ++i)
     connect(objects[i], scene_->object_surfaces_[i],
             i < object_origins_.size() ? object_origins_[i]
@@ -174,7 +180,7 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
                                      const Stopwatch& watch) {
   // Vertices, then primitives by HitKind.
   std::array<std::uint64_t, 1 + kHitKinds> counts{}, bytes{};
-  std::uint64_t surface_bytes = scene_->surfaces_.bytes(), wide = 0, wide_bytes = 0;
+  std::uint64_t surface_bytes = placed_->surfaces.bytes(), wide = 0, wide_bytes = 0;
   const auto count = [&](const GeometrySet& s) {
     std::size_t next = 0;
     const auto add = [&](const auto& v, std::size_t per = 1) {

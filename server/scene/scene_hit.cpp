@@ -169,18 +169,18 @@ void meet_plane(const Ray& ray, LocalHit& hit) {
 }  // namespace
 
 std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray, Meets meets) const {
-  const std::optional<RawHit> raw = base_->accelerator_->closest_hit(ray, meets);
+  const std::optional<RawHit> raw = placed_->accelerator->closest_hit(ray, meets);
   if (!raw) return std::nullopt;
   return surface_hit(*raw, ray);
 }
 
 SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
   const GeometryInstance* instance =
-      raw.instance >= 0 ? &base_->accelerator_->instance(raw.instance) : nullptr;
+      raw.instance >= 0 ? &placed_->accelerator->instance(raw.instance) : nullptr;
   const GeometrySet& set =
-      instance ? base_->accelerator_->object(instance->object) : base_->accelerator_->scene();
+      instance ? placed_->accelerator->object(instance->object) : placed_->accelerator->scene();
   const SurfaceTable& table =
-      instance ? base_->object_surfaces_[instance->object] : base_->surfaces_;
+      instance ? base_->object_surfaces_[instance->object] : placed_->surfaces;
 
   LocalHit local = raw.kind == HitKind::kTriangle ? triangle_hit(set, table, raw)
                                                   : analytic_hit(set, table, raw, ray);

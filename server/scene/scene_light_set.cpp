@@ -26,9 +26,11 @@ std::uint32_t Scene::Builder::file_number(const std::string& file) {
   return entry->second;
 }
 
-absl::Status Scene::Builder::add_light(std::uint64_t id, absl::StatusOr<Light<double>> light,
-                                       const SourceLocation& where, std::uint32_t samples,
-                                       std::unique_ptr<LightMotion> moving) {
+absl::StatusOr<SceneLight> Scene::Builder::scene_light(std::uint64_t id,
+                                                       absl::StatusOr<Light<double>> light,
+                                                       const SourceLocation& where,
+                                                       std::uint32_t samples,
+                                                       std::unique_ptr<LightMotion> moving) {
   if (!light.ok()) return located(light.status(), where);
   if (moving != nullptr)
     visit(
@@ -38,28 +40,27 @@ absl::Status Scene::Builder::add_light(std::uint64_t id, absl::StatusOr<Light<do
                 std::fmax(max_abs(l.shape().bounds().first), max_abs(l.shape().bounds().second));
         },
         *light);
-  add_light({.id = id,
-             .light = *std::move(light),
-             .moving = std::move(moving),
-             .samples = samples,
-             .file = file_number(where.file),
-             .line = where.line,
-             .column = where.column});
-  return absl::OkStatus();
+  return SceneLight{.id = id,
+                    .light = *std::move(light),
+                    .moving = std::move(moving),
+                    .samples = samples,
+                    .file = file_number(where.file),
+                    .line = where.line,
+                    .column = where.column};
 }
 
-void Scene::Builder::add_light(SceneLight light) {
-  const auto index = static_cast<std::uint32_t>(scene_->lights_.size());
-  visit(
-      [&]<typename L>(const L& l) {
-        if constexpr (SeenBeyond<L>) scene_->infinite_lights_.push_back(index);
-        scene_->has_visible_lights_ |= !l.kDelta;
-      },
-      light.light);
-  scene_->lights_.push_back(std::move(light));
+void Scene::Builder::note_visible_lights() {
+  for (std::uint32_t i = 0; i < scene_->lights_.size(); ++i)
+    visit(
+        [&]<typename L>(const L& l) {
+          if constexpr (SeenBeyond<L>) scene_->infinite_lights_.push_back(i);
+          scene_->has_visible_lights_ |= !l.kDelta;
+        },
+        scene_->lights_[i].light);
 }
 
-absl::Status Scene::Builder::add_free_light(std::uint64_t id, const LightDescription& light) {
+absl::StatusOr<SceneLight> Scene::Builder::free_light(std::uint64_t id,
+                                                      const LightDescription& light) {
   Vec3<double> origin = scene_->origin_;
   std::unique_ptr<LightMotion> moving;
   if (light.motion) {
@@ -69,7 +70,8 @@ absl::Status Scene::Builder::add_free_light(std::uint64_t id, const LightDescrip
     moving = light_motion(light.motion, origin);
     moving->only_turns = !anchor;
   }
-  return add_light(id, create_light(light, origin), light.where, light.samples, std::move(moving));
+  return scene_light(id, create_light(light, origin), light.where, light.samples,
+                     std::move(moving));
 }
 
 /// `given`: of each light, null for RGB.
@@ -137,7 +139,10 @@ absl::Status Scene::Builder::build_lights() {
     if (!l.name.empty()) names.emplace_back(count, l.name);
     return ++count;
   };
-  for (const auto& l : in_.lights) LUCERNA_RETURN_IF_ERROR(add_free_light(add(l), l));
+  for (const auto& l : in_.lights) {
+    LUCERNA_ASSIGN_OR_RETURN(SceneLight light, free_light(add(l), l));
+    scene_->lights_.push_back(std::move(light));
+  }
   std::size_t moving_shape = 0;
   for (auto& s : in_.shapes) {
     if (s.emission && (!s.alpha.is_constant() || s.alpha.constant < 1)) {
@@ -151,20 +156,23 @@ absl::Status Scene::Builder::build_lights() {
     if (!s.emission) continue;
     std::unique_ptr<LightMotion> moving;
     if (s.motion) moving = light_motion(s.motion, origin);
-    LUCERNA_RETURN_IF_ERROR(add_light(add(*s.emission), create_area_light(s, origin),
+    LUCERNA_ASSIGN_OR_RETURN(
+        SceneLight light, scene_light(add(*s.emission), create_area_light(s, origin),
                                       s.emission->where, s.emission->samples, std::move(moving)));
+    scene_->lights_.push_back(std::move(light));
   }
   if (scene_->lights_.empty()) return absl::OkStatus();
+  note_visible_lights();
   report_lights(watch);
   keep_spectra(spectra);
   keep_names(std::move(names));
-  report_shared_by_lights(scene_->lights_, watch);
+  report_shared_by_lights(0, watch);
   return absl::OkStatus();
 }
 
 void Scene::Builder::report_lights(const Stopwatch& watch) {
   scene_->lights_.shrink_to_fit();
-  std::uint64_t bytes = scene_->lights_.size() * sizeof(SceneLight), table_bytes = 0;
+  std::uint64_t bytes = scene_->lights_.bytes_beside({}), table_bytes = 0;
   for (const std::string& file : scene_->files_) bytes += sizeof file + file.size();
   std::size_t tables = 0;
   for (const SceneLight& l : scene_->lights_) {
@@ -195,11 +203,10 @@ struct SharedByLights {
 
 }  // namespace
 
-void Scene::Builder::report_shared_by_lights(std::span<const SceneLight> lights,
-                                             const Stopwatch& watch) {
+void Scene::Builder::report_shared_by_lights(std::size_t from, const Stopwatch& watch) {
   SharedByLights shared;
-  for (const SceneLight& l : lights)
-    visit([&](const auto& m) { m.for_each_shared(shared); }, l.light);
+  for (std::size_t i = from; i < scene_->lights_.size(); ++i)
+    visit([&](const auto& m) { m.for_each_shared(shared); }, scene_->lights_[i].light);
   std::uint64_t image_bytes = 0, web_bytes = 0, map_bytes = 0;
   for (const Image* image : shared.images) image_bytes += image->bytes();
   for (const PhotometricWeb* web : shared.webs) web_bytes += web->bytes();

@@ -43,8 +43,8 @@ bool Scene::media_are_grey() const {
 const Surface& Scene::surface_of(const SurfaceHit& hit) const {
   const auto instance = static_cast<std::int32_t>(hit.shape >> 32) - 1;
   const SurfaceTable& table =
-      instance >= 0 ? base_->object_surfaces_[base_->accelerator_->instance(instance).object]
-                    : base_->surfaces_;
+      instance >= 0 ? base_->object_surfaces_[placed_->accelerator->instance(instance).object]
+                    : placed_->surfaces;
   return table.surfaces[static_cast<std::uint32_t>(hit.shape)];
 }
 
@@ -57,7 +57,7 @@ std::vector<Scene::Crossing> Scene::crossings(const Ray& ray, Meets meets) const
   const Vec3<double> origin(ray.origin), direction(ray.direction);
   const double metres_per_t = length(direction);
   std::vector<Crossing> all;
-  for (const RawHit& raw : base_->accelerator_->all_hits(ray, meets)) {
+  for (const RawHit& raw : placed_->accelerator->all_hits(ray, meets)) {
     Crossing c{.hit = surface_hit(raw, ray)};
     c.t = dot(c.hit.position - origin, direction) / metres_per_t / metres_per_t;
     c.error_t = max_abs(c.hit.position_error) / metres_per_t;

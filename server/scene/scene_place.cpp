@@ -10,19 +10,6 @@
 namespace lucerna {
 namespace {
 
-// The origin: the centre rounded to a multiple of the smallest power of two that is not below the
-// extent.
-Vec3<double> origin_for(const Bounds& bounds) {
-  if (bounds.empty()) return {};
-  const double extent = max_abs(bounds.upper - bounds.lower);
-  if (!std::isfinite(extent)) return {};
-  const Vec3<double> centre = bounds.lower * 0.5 + bounds.upper * 0.5;
-  // A single point has no extent; its coordinate is rounded to a metre.
-  const double step = extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
-  const auto snap = [&](double c) { return std::nearbyint(c / step) * step + 0.0; };
-  return {snap(centre.x), snap(centre.y), snap(centre.z)};
-}
-
 // Floats near a place differ by at least 1.2e-38 m (kLeastError).  Answers about smaller shapes
 // would be wrong by more than a millionth.
 absl::Status check_extent(const Bounds& bounds, const SourceLocation& where) {
@@ -52,26 +39,50 @@ absl::Status sweep(const Bounds& still, const Motion& motion, const SourceLocati
 
 }  // namespace
 
+Vec3<double> origin_for(const Bounds& bounds) {
+  if (bounds.empty()) return {};
+  const double extent = max_abs(bounds.upper - bounds.lower);
+  if (!std::isfinite(extent)) return {};
+  const Vec3<double> centre = bounds.lower * 0.5 + bounds.upper * 0.5;
+  // A single point has no extent; its coordinate is rounded to a metre.
+  const double step = extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
+  const auto snap = [&](double c) { return std::nearbyint(c / step) * step + 0.0; };
+  return {snap(centre.x), snap(centre.y), snap(centre.z)};
+}
+
+void add_shape(const Bounds& shape, Bounds& all, double& detail_m) {
+  if (shape.empty()) return;
+  all.add(shape.lower), all.add(shape.upper);
+  if (const double extent = max_abs(shape.upper - shape.lower); extent > 0)
+    detail_m = std::fmin(detail_m, extent);
+}
+
 absl::Status Scene::Builder::place() {
   std::vector<Bounds> object_bounds(in_.objects.size());
-  const auto grow = [this](Bounds& bounds, const ShapeDescription& shape) -> absl::Status {
+  // Of all shapes but those of lights, and of those of lights.
+  Bounds others, of_lights;
+  double others_detail_m = Bounds::kInfinity, lights_detail_m = Bounds::kInfinity;
+  const auto grow = [](Bounds& bounds, const ShapeDescription& shape,
+                       double& detail_m) -> absl::Status {
     LUCERNA_ASSIGN_OR_RETURN(const Bounds b, shape_bounds(shape));
-    if (b.empty()) return absl::OkStatus();
-    bounds.add(b.lower), bounds.add(b.upper);
-    if (const double extent = max_abs(b.upper - b.lower); extent > 0)
-      detail_m_ = std::fmin(detail_m_, extent);
+    add_shape(b, bounds, detail_m);
     return absl::OkStatus();
   };
-  Bounds world;
   for (const auto& s : in_.shapes) {
     Bounds still;
-    LUCERNA_RETURN_IF_ERROR(grow(s.motion ? still : world, s));
+    const bool can_be_moved = s.emission && !s.motion;
+    LUCERNA_RETURN_IF_ERROR(grow(s.motion       ? still
+                                 : can_be_moved ? of_lights
+                                                : others,
+                                 s, can_be_moved ? lights_detail_m : others_detail_m));
     if (!s.motion) continue;
-    LUCERNA_RETURN_IF_ERROR(sweep(still, *s.motion, s.where, world));
+    LUCERNA_RETURN_IF_ERROR(sweep(still, *s.motion, s.where, others));
     moving_origins_.push_back(origin_for(still));
   }
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
-    for (const auto& s : in_.objects[i].shapes) LUCERNA_RETURN_IF_ERROR(grow(object_bounds[i], s));
+    for (const auto& s : in_.objects[i].shapes) {
+      LUCERNA_RETURN_IF_ERROR(grow(object_bounds[i], s, others_detail_m));
+    }
     object_origins_.push_back(origin_for(object_bounds[i]));
     if (in_.objects[i].shapes.empty()) continue;
     LUCERNA_RETURN_IF_ERROR(check_extent(object_bounds[i], in_.objects[i].shapes.front().where));
@@ -84,24 +95,29 @@ absl::Status Scene::Builder::place() {
                                                    corner & 2 ? b.upper.y : b.lower.y,
                                                    corner & 4 ? b.upper.z : b.lower.z}));
     if (instance.motion) {
-      LUCERNA_RETURN_IF_ERROR(sweep(placed, *instance.motion, instance.where, world));
+      LUCERNA_RETURN_IF_ERROR(sweep(placed, *instance.motion, instance.where, others));
     } else if (!placed.empty()) {
-      world.add(placed.lower), world.add(placed.upper);
+      others.add(placed.lower), others.add(placed.upper);
     }
   }
+  Bounds world = others;
+  if (!of_lights.empty()) world.add(of_lights.lower), world.add(of_lights.upper);
+  detail_m_ = std::fmin(others_detail_m, lights_detail_m);
+  scene_->movable_.others_m = others;
+  scene_->movable_.others_detail_m = others_detail_m;
   if (!in_.shapes.empty() || !in_.instances.empty()) {
     const SourceLocation& first =
         in_.shapes.empty() ? in_.instances.front().where : in_.shapes.front().where;
     LUCERNA_RETURN_IF_ERROR(check_extent(world, first));
   }
-  scene_->world_ = world;
+  placed_->world_m = world;
   return place_lights();
 }
 
 absl::Status Scene::Builder::place_lights() {
   // A distant light must not make the geometry less exact, so the origin is that of the geometry if
   // there is any.
-  Bounds with_lights = scene_->base_->world_, portals;
+  Bounds with_lights = scene_->placed_->world_m, portals;
   const auto hold = [&](const LightDescription& light, const std::optional<Box>& box,
                         Bounds& bounds) -> absl::Status {
     if (!box || !is_finite(box->first) || !is_finite(box->second)) return absl::OkStatus();
@@ -117,7 +133,7 @@ absl::Status Scene::Builder::place_lights() {
     if (absl::Status s = hold(light, place.portal_m, portals); !s.ok()) return s;
   }
   const Bounds& of_lights = with_lights.empty() ? portals : with_lights;
-  const Bounds& world = scene_->base_->world_;
+  const Bounds& world = scene_->placed_->world_m;
   scene_->origin_ = origin_for(world.empty() ? of_lights : world);
   if (!with_lights.empty()) {
     const Vec3<double> centre = with_lights.lower * 0.5 + with_lights.upper * 0.5;

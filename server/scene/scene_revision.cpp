@@ -55,8 +55,8 @@ LightDescription Scene::Builder::describe(const Scene& loaded, std::uint32_t lig
   return d;
 }
 
-absl::Status Scene::Builder::revise_light(const SceneLight& light, const LightChange& change) {
-  SceneLight next(light);
+absl::StatusOr<SceneLight> Scene::Builder::revised_light(SceneLight next,
+                                                         const LightChange& change) {
   if (change.has_level()) {
     absl::StatusOr<Light<double>> changed = visit(
         [&]<typename Model>(const Model& model) -> absl::StatusOr<Light<double>> {
@@ -65,25 +65,26 @@ absl::Status Scene::Builder::revise_light(const SceneLight& light, const LightCh
           else
             return absl::InternalError("a light without a surface");
         },
-        light.light);
+        next.light);
     if (!changed.ok()) return changed.status();
     next.light = *std::move(changed);
   }
-  add_light(std::move(next));
-  return absl::OkStatus();
+  return next;
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
-    std::shared_ptr<const Scene> from, LightEdits edits) {
+    std::shared_ptr<const Scene> from, std::shared_ptr<const PlacedSurfaces> placed,
+    LightEdits edits) {
   const DenormalsAreZero denormals;
   const Stopwatch watch;
   const Scene& loaded = *from;
   scene_->base_ = from.get();
   scene_->loaded_ = std::move(from);
+  scene_->placed_ = std::move(placed);
   const auto count = static_cast<std::uint32_t>(loaded.lights_.size());
 
-  if (loaded.moved_ != loaded.moved_by(edits))
-    return absl::InternalError("a scene whose surfaces are elsewhere");
+  if (scene_->placed_->moved != loaded.moved_by(edits))
+    return absl::InternalError("surfaces that are elsewhere");
   LUCERNA_RETURN_IF_ERROR(check_panes(loaded, edits));
   std::vector<LightChange> changes(count);
   for (const auto& [id, change] : edits.changes)
@@ -135,35 +136,49 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   };
   bool any_dark = false;
   std::uint64_t bytes = 0;
-  scene_->lights_.reserve(count + added.size());
+  // Without gaps, all lights keep their places, and blocks without edits stay shared.
+  const bool has_gaps =
+      std::ranges::any_of(changes, [](const LightChange& c) { return c.is_removed; });
+  if (!has_gaps) scene_->lights_ = loaded.lights_;
+  std::uint32_t at = 0;  // of the next light
   for (std::uint32_t i = 0; i < count; ++i) {
     const SceneLight& of = loaded.lights_[i];
     const bool is_replaced = edits.added.contains(of.id);
     // The surface of a light that is gone stays and is dark.
     const bool is_dark = changes[i].is_removed || is_replaced;
     any_dark |= is_dark;
-    scene_->light_numbers_.push_back(is_dark ? -1
-                                             : static_cast<std::int32_t>(scene_->lights_.size()));
+    scene_->light_numbers_.push_back(is_dark ? -1 : static_cast<std::int32_t>(at));
     if (changes[i].is_removed) continue;
-    absl::Status made;
+    const std::uint32_t number_here = at++;
+    absl::StatusOr<SceneLight> made = absl::InternalError("no light");
     if (is_replaced || (!has_surface(of.light) && (is_elsewhere || changes[i] != LightChange()))) {
       note(described[i]->spectrum, described[i]->name);
-      made = add_free_light(of.id, *described[i]);
+      made = free_light(of.id, *described[i]);
     } else {
       const auto number = loaded.spectrum_number(i);
       note(number && changes[i].keeps_spectrum() ? loaded.spectra_[*number] : nullptr,
            loaded.light_names_.of(i));
-      made = revise_light(of, changes[i]);
+      if (!has_gaps && changes[i] == LightChange()) continue;
+      SceneLight revised(of);
+      const auto moved = scene_->placed_->lights.find(of.id);
+      if (moved != scene_->placed_->lights.end()) revised.light = moved->second;
+      made = revised_light(std::move(revised), changes[i]);
     }
-    if (!made.ok()) return about_light(of.id, made);
-    if (is_dark || changes[i] != LightChange())
-      bytes += scene_->lights_.back().light.bytes_beside();
+    if (!made.ok()) return about_light(of.id, made.status());
+    if (is_dark || changes[i] != LightChange()) bytes += made->light.bytes_beside();
+    if (has_gaps)
+      scene_->lights_.push_back(*std::move(made));
+    else
+      scene_->lights_.replace(number_here, *std::move(made));
   }
   if (!any_dark) scene_->light_numbers_ = {};
   for (const auto& [id, light] : added) {
     note(light.spectrum, light.name);
-    if (absl::Status s = add_free_light(id, light); !s.ok()) return about_light(id, s);
+    absl::StatusOr<SceneLight> made = free_light(id, light);
+    if (!made.ok()) return about_light(id, made.status());
+    scene_->lights_.push_back(*std::move(made));
   }
+  note_visible_lights();
   for (const SceneLight& l : scene_->lights_) scene_->moves_ |= l.moving != nullptr;
   scene_->others_move_ = loaded.others_move_;
   scene_->moves_ |= scene_->others_move_;
@@ -174,14 +189,14 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     bytes += light.bytes_beside() + visit([](const auto& m) { return m.own_bytes().all; }, light);
   }
   light_part("lights",
-             bytes + scene_->lights_.capacity() * sizeof(SceneLight) +
+             bytes + scene_->lights_.bytes_beside(loaded.lights_) +
                  scene_->light_numbers_.capacity() * sizeof(std::int32_t),
              watch,
              fmt::format("{} lights, {} of them edited", scene_->lights_.size(),
                          edits.changes.size() + edits.added.size()));
   keep_spectra(spectra);
   keep_names(std::move(names));
-  report_shared_by_lights(std::span(scene_->lights_).subspan(added_from), watch);
+  report_shared_by_lights(added_from, watch);
   scene_->camera_ = Camera(loaded.camera_description_, loaded.film_, scene_->origin_);
   scene_->id_ = hexadecimal(sha256("edited:" + loaded.id_ + ":" + edits.canonical()));
   scene_->edits_ = std::move(edits);
@@ -216,16 +231,29 @@ absl::Status Scene::Builder::check_panes(const Scene& loaded, const LightEdits& 
     }
     return absl::OkStatus();
   };
-  LUCERNA_RETURN_IF_ERROR(check(loaded.surfaces_));
+  LUCERNA_RETURN_IF_ERROR(check(loaded.surfaces()));
   for (const SurfaceTable& table : loaded.object_surfaces_) LUCERNA_RETURN_IF_ERROR(check(table));
   return absl::OkStatus();
 }
 
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(
+    std::shared_ptr<const Scene> loaded, std::shared_ptr<const PlacedSurfaces> placed,
+    LightEdits edits) {
+  if (edits.empty() && loaded->placed_->moved.empty()) return loaded;
+  SceneDescription lights;
+  return Builder(lights, {}).revise(std::move(loaded), std::move(placed), std::move(edits));
+}
+
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(std::shared_ptr<const Scene> loaded,
                                                            LightEdits edits) {
-  if (edits.empty() && loaded->moved().empty()) return loaded;
-  SceneDescription lights;
-  return Builder(lights, {}).revise(std::move(loaded), std::move(edits));
+  const MovedSurfaces moved = loaded->moved_by(edits);
+  std::shared_ptr<const PlacedSurfaces> placed = loaded->placed_;
+  if (placed->moved != moved) {
+    LUCERNA_ASSIGN_OR_RETURN(placed, place(*loaded, moved));
+    if (placed == nullptr)
+      return absl::FailedPreconditionError("moves that need the scene's files again");
+  }
+  return revise(std::move(loaded), std::move(placed), std::move(edits));
 }
 
 }  // namespace lucerna

@@ -102,11 +102,12 @@ Coordinates on_quadric(const Quadric& quadric, const Vector& position, const Vec
 
 Scene::ShadingPoint Scene::shading_point(const SurfaceHit& hit) const {
   const auto number = static_cast<std::int32_t>(hit.shape >> 32) - 1;
-  const GeometryInstance* instance = number >= 0 ? &base_->accelerator_->instance(number) : nullptr;
-  const GeometrySet& set = instance != nullptr ? base_->accelerator_->object(instance->object)
-                                               : base_->accelerator_->scene();
+  const GeometryInstance* instance =
+      number >= 0 ? &placed_->accelerator->instance(number) : nullptr;
+  const GeometrySet& set = instance != nullptr ? placed_->accelerator->object(instance->object)
+                                               : placed_->accelerator->scene();
   const SurfaceTable& table =
-      instance != nullptr ? base_->object_surfaces_[instance->object] : base_->surfaces_;
+      instance != nullptr ? base_->object_surfaces_[instance->object] : placed_->surfaces;
   Coordinates c;
   const auto pose = [&] { return instance->motion->at(hit.time_s); };
   switch (hit.kind) {

@@ -205,8 +205,8 @@ FloatBox box_of(const GeometryInstance& instance, const FloatBox& object) {
 
 /// Boxes around all surfaces.  Revisions of a scene share them.
 struct Shafts::Boxes {
-  explicit Boxes(const Scene& scene)
-      : accelerator(scene.accelerator()), surfaces(scene.surfaces()) {
+  explicit Boxes(const PlacedSurfaces& placed)
+      : accelerator(*placed.accelerator), surfaces(placed.surfaces) {
     for (std::uint32_t i = 0; i < accelerator.object_count(); ++i)
       objects.emplace_back(accelerator.object(i));
     for (std::uint32_t i = 0; i < accelerator.instance_count(); ++i) {
@@ -269,18 +269,32 @@ struct Shafts::Boxes {
   Bounds hittable;              ///< of everything that can be hit
 };
 
+/// The boxes, made at their first use.
+class Shafts::AttachedBoxes : public AttachedPart {
+ public:
+  explicit AttachedBoxes(const PlacedSurfaces& placed) : placed_(placed) {}
+
+  const Boxes& get() const {
+    return boxes_.get([this] { return std::make_unique<const Boxes>(placed_); },
+                      [](const Boxes&) { return "shafts test what is in them"; });
+  }
+  std::optional<ScenePart> report() const override { return boxes_.report(); }
+  std::uint64_t bytes() const override { return boxes_.bytes(); }
+
+ private:
+  const PlacedSurfaces& placed_;
+  LazyPart<Boxes> boxes_{"boxes of surfaces"};
+};
+
 struct Shafts::State {
-  std::shared_ptr<const Boxes> boxes;
-  bool owns_boxes = true;
+  const Boxes* boxes = nullptr;
   std::vector<LightOutline> outlines;        ///< of each light
   std::vector<std::int32_t> light_surfaces;  ///< Surface::light of each light
 };
 
 Shafts::Shafts(const Scene& scene) : state_(std::make_unique<State>()) {
   State& state = *state_;
-  state.owns_boxes = scene.loaded() == nullptr;
-  state.boxes = state.owns_boxes ? std::make_shared<const Boxes>(scene)
-                                 : shafts(*scene.loaded()).state_->boxes;
+  state.boxes = &scene.placed()->attached<AttachedBoxes>().get();
   for (const SceneLight& light : scene.lights()) {
     state.outlines.push_back(outline_of(light));
     state.light_surfaces.push_back(scene.surface_number(light));
@@ -304,7 +318,7 @@ std::size_t Shafts::bytes() const {
                     state_->outlines.capacity() * sizeof(LightOutline) +
                     state_->light_surfaces.capacity() * sizeof(std::int32_t);
   for (const LightOutline& o : state_->outlines) sum += o.corners.capacity() * sizeof(Vector);
-  return state_->owns_boxes ? sum + state_->boxes->bytes() : sum;
+  return sum;
 }
 
 namespace {

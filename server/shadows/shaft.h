@@ -22,8 +22,8 @@ class Scene;
 struct SceneLight;
 struct SurfaceTable;
 
-/// Boxes around all surfaces of a scene, and the outlines of its lights.  Refers to the scene's
-/// geometry.  Immutable once built; all const members may be called from any thread.
+/// The outlines of a scene's lights.  Refers to boxes around its surfaces and to their geometry.
+/// Immutable once built; all const members may be called from any thread.
 class Shafts {
  public:
   explicit Shafts(const Scene& scene);
@@ -51,6 +51,7 @@ class Shafts {
 
  private:
   struct Boxes;
+  class AttachedBoxes;
   struct State;
   std::unique_ptr<State> state_;
 };

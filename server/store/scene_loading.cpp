@@ -262,19 +262,25 @@ absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
   return state_->answer(state_->insert(std::move(entry)), key, options, false);
 }
 
-absl::StatusOr<std::shared_ptr<const Scene>> SceneStore::moved(const StoredScene& of,
-                                                               const MovedSurfaces& moves,
-                                                               const std::stop_token& stop) {
+absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
+                                                    const MovedSurfaces& moves,
+                                                    const std::stop_token& stop) {
   std::shared_ptr<const Scene> loaded = of.scene->loaded() ? of.scene->loaded() : of.scene;
-  if (loaded->moved() == moves) return loaded;
+  if (loaded->placed()->moved == moves) return Moved{loaded, loaded->placed()};
   {
     const std::lock_guard lock(state_->mutex);
-    for (const auto& [id, entry] : state_->scenes) {
+    const std::string id = loaded->id();
+    for (const auto& [key, entry] : state_->scenes) {
       const std::shared_ptr<const Scene>& scene = entry.stored.scene;
       const std::shared_ptr<const Scene>& other = scene->loaded() ? scene->loaded() : scene;
-      if (other->id() == loaded->id() && other->moved() == moves) return other;
+      if (other->id() != id) continue;
+      if (scene->placed()->moved == moves) return Moved{other, scene->placed()};
+      if (other->placed()->moved.empty()) loaded = other;
     }
   }
+  LUCERNA_ASSIGN_OR_RETURN(std::shared_ptr<const PlacedSurfaces> placed,
+                           Scene::place(*loaded, moves));
+  if (placed != nullptr) return Moved{std::move(loaded), std::move(placed)};
   const LoadOptions options{.stop = stop, .factors = of.factors};
   LUCERNA_ASSIGN_OR_RETURN(
       Read found, std::visit([&](const auto& source) { return read(source, options); }, of.source));
@@ -289,15 +295,15 @@ absl::StatusOr<std::shared_ptr<const Scene>> SceneStore::moved(const StoredScene
   absl::StatusOr<std::shared_ptr<const Scene>> built = Scene::build_moved(
       *std::move(found.description), moves, state_->options.isa, stop, &memory.budget());
   if (!built.ok()) return memory.explained(built.status());
-  return built;
+  return Moved{*built, (*built)->placed()};
 }
 
 absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits edits,
                                                const LoadOptions& options) {
-  LUCERNA_ASSIGN_OR_RETURN(std::shared_ptr<const Scene> base,
-                           moved(of, of.scene->moved_by(edits), options.stop));
-  LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
-                           Scene::revise(std::move(base), std::move(edits)));
+  LUCERNA_ASSIGN_OR_RETURN(Moved from, moved(of, of.scene->moved_by(edits), options.stop));
+  LUCERNA_ASSIGN_OR_RETURN(
+      const std::shared_ptr<const Scene> scene,
+      Scene::revise(std::move(from.loaded), std::move(from.placed), std::move(edits)));
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
   const auto same = state_->scenes.find(scene->id());

@@ -176,10 +176,14 @@ class SceneStore {
                                         const std::optional<StoredScene>& known,
                                         const LoadOptions& options);
   absl::StatusOr<LoadedScene> load_uploaded(const std::string& name, const LoadOptions& options);
-  /// The scene without other edits than these moves, from memory or built again.
-  absl::StatusOr<std::shared_ptr<const Scene>> moved(const StoredScene& of,
-                                                     const MovedSurfaces& moves,
-                                                     const std::stop_token& stop);
+  struct Moved {
+    std::shared_ptr<const Scene> loaded;
+    std::shared_ptr<const PlacedSurfaces> placed;
+  };
+  /// The scene without edits, and its surfaces with these moves: from memory, from moving them, or
+  /// from building the scene again.
+  absl::StatusOr<Moved> moved(const StoredScene& of, const MovedSurfaces& moves,
+                              const std::stop_token& stop);
   class LoadMemory;
   absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options,
                             LoadMemory& memory) const;

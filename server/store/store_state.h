@@ -82,15 +82,24 @@ struct Entry {
   std::deque<std::string> sources;           // its keys in `by_source`, the oldest first
 };
 
-/// A scene without edits, which it and its revisions keep in memory.
+/// What several scenes keep in memory: a scene without edits, or surfaces that edits moved.
 struct Shared {
   std::size_t entries = 0;  // that keep it
   std::uint64_t bytes = 0;  // when last measured
 };
 
-inline const Scene* shared_by(const Entry& entry) {
-  const std::shared_ptr<const Scene>& loaded = entry.stored.scene->loaded();
-  return loaded != nullptr ? loaded.get() : entry.stored.scene.get();
+/// Calls `f` with the address and the memory of all that the scene may share with others.
+template <typename F>
+void for_each_shared(const Scene& scene, const F& f) {
+  const Scene& loaded = scene.loaded() != nullptr ? *scene.loaded() : scene;
+  f(&loaded, loaded.own_bytes());
+  if (scene.placed() != loaded.placed()) f(scene.placed().get(), scene.placed()->bytes());
+}
+
+/// The memory of a scene without all that for_each_shared() counts.
+inline std::uint64_t unshared_bytes(const Scene& scene) {
+  if (scene.loaded() == nullptr) return 0;
+  return scene.own_bytes() - (scene.has_own_surfaces() ? scene.placed()->bytes() : 0);
 }
 
 inline absl::Status over_quota(const std::string& what) {
@@ -110,7 +119,7 @@ struct SceneStore::State {
   std::map<std::string, Entry> scenes;           // by id
   std::map<std::string, std::string> by_source;  // ids
   std::uint64_t uses = 0, builds = 0;
-  std::map<const Scene*, Shared> shared;
+  std::map<const void*, Shared> shared;
   std::uint64_t held = 0;  // bytes of all entries and of `shared`, each as last measured
 
   std::uint64_t loading = 0;  // bytes of running loads
@@ -192,11 +201,12 @@ struct SceneStore::State {
               std::vector<std::shared_ptr<const Scene>>& gone) {
     std::erase_if(by_source, [&](const auto& s) { return s.second == entry->first; });
     held -= entry->second.bytes;
-    const auto of = shared.find(shared_by(entry->second));
-    if (--of->second.entries == 0) {
+    for_each_shared(*entry->second.stored.scene, [&](const void* what, std::uint64_t) {
+      const auto of = shared.find(what);
+      if (--of->second.entries > 0) return;
       held -= of->second.bytes;
       shared.erase(of);
-    }
+    });
     gone.push_back(std::move(entry->second.stored.scene));
     scenes.erase(entry);
   }
@@ -207,12 +217,13 @@ struct SceneStore::State {
       held += now - bytes;
       bytes = now;
     };
-    const Scene* const of = shared_by(entry);
-    set(shared[of].bytes, of->own_bytes());
-    if (of != entry.stored.scene.get()) set(entry.bytes, entry.stored.scene->own_bytes());
+    for_each_shared(*entry.stored.scene,
+                    [&](const void* what, std::uint64_t bytes) { set(shared[what].bytes, bytes); });
+    set(entry.bytes, unshared_bytes(*entry.stored.scene));
   }
   Entry& insert(Entry entry) {
-    ++shared[shared_by(entry)].entries;
+    for_each_shared(*entry.stored.scene,
+                    [&](const void* what, std::uint64_t) { ++shared[what].entries; });
     measure(entry);
     const std::string& id = entry.stored.scene->id();
     return scenes.emplace(id, std::move(entry)).first->second;
@@ -251,13 +262,14 @@ struct SceneStore::State {
     measure_all();
     std::uint64_t leased = 0;
     std::optional<TimePoint> soonest;
-    std::set<const Scene*> counted;
+    std::set<const void*> counted;
     for (auto& [id, entry] : scenes) {
       const std::optional<TimePoint> until = leased_until(entry);
       if (!until) continue;
       leased += entry.bytes;
-      const Scene* const of = shared_by(entry);
-      if (counted.insert(of).second) leased += shared.at(of).bytes;
+      for_each_shared(*entry.stored.scene, [&](const void* what, std::uint64_t) {
+        if (counted.insert(what).second) leased += shared.at(what).bytes;
+      });
       soonest = std::min(soonest.value_or(*until), *until);
     }
     if (leased + loading + more > budget) {

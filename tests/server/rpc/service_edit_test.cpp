@@ -360,10 +360,14 @@ TEST_F(Edit, ShiftedSurfacesOfEveryKindHaveTheBitsOfAFileThatShiftsThem) {
   request = request_for(moved);
   for (std::uint64_t light = 1; light <= 5; ++light) change(request, light)->mutable_placement();
   EXPECT_EQ(edited(request), scene);
-  // A file that has changed cannot be built again.
+  // A surface moves without the file.  If the scene gets another origin, all of it is built again,
+  // which needs the file.
   write("surfaces.pbrt", text("Scale 2 2 2\n"));
   request = request_for(scene);
   change(request, 1)->mutable_placement()->mutable_shift_m()->set_x(3);
+  EXPECT_NE(edited(request), scene);
+  request = request_for(scene);
+  change(request, 1)->mutable_placement()->mutable_shift_m()->set_x(1e6);
   v1::EditLightsResponse response;
   EXPECT_EQ(edit(request, &response).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
 }

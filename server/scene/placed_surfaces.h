@@ -1,0 +1,55 @@
+// The surfaces of a scene at their places.  Edits can move those of lights.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "lights/models/light.h"
+#include "server/rays/accelerator.h"
+#include "server/rays/surface_table.h"
+#include "server/scene/light_edit.h"
+#include "server/scene/scene_part.h"
+
+namespace lucerna {
+
+/// The surfaces of a scene, for rays.  Immutable once built.  It refers to the textures of the
+/// scene from whose files it was made.
+struct PlacedSurfaces {
+  MovedSurfaces moved;  ///< those that are not where the file has them
+  Bounds world_m;       ///< of all shapes over their motion, world [m]
+  std::shared_ptr<const Accelerator> accelerator;
+  SurfaceTable surfaces;  ///< of the scene's own geometry
+  /// The lights of moved surfaces with the levels of the file, by id.  Empty if the whole scene was
+  /// built with them at their places.
+  std::map<std::uint64_t, Light<double>> lights;
+  std::vector<ScenePart> parts;  ///< what it does not share; empty if a scene has it as its own
+
+  /// The part of type `T` that other code keeps with these surfaces.  Made by `T(*this)` at its
+  /// first use.
+  template <std::derived_from<AttachedPart> T>
+  const T& attached() const {
+    return attached_parts.get<T>(*this);
+  }
+  /// `parts`, then what is attached and built.
+  std::vector<ScenePart> reports() const;
+  /// Memory of these.
+  std::uint64_t bytes() const;
+
+  AttachedParts attached_parts;  ///< last: they refer to the other members
+};
+
+/// What a scene keeps so that edits can move surfaces of its lights.
+struct MovableSurfaces {
+  /// The shapes that emit, in the order of their lights.  Those that move by themselves have no
+  /// geometry here.
+  std::vector<ShapeDescription> shapes;
+  Bounds others_m;             ///< of all other shapes, over their motion, world [m]
+  double others_detail_m = 0;  ///< the extent of the smallest other shape
+
+  std::uint64_t bytes() const;
+};
+
+}  // namespace lucerna

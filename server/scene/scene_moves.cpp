@@ -1,0 +1,229 @@
+// Moves surfaces of lights, without building everything else again.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "proto/common/status_macros.h"
+#include "server/runtime/denormals.h"
+#include "server/scene/scene_builder.h"
+#include "server/scene/scene_lights.h"
+
+namespace lucerna {
+namespace {
+
+/// Where the primitives of a shape begin in each kind, and how many there are.
+struct Extent {
+  std::array<std::uint32_t, kHitKinds> first{}, count{};
+};
+
+/// The primitives of a surface.
+Extent extent_of(const SurfaceTable& table, const GeometrySet& set, std::uint32_t surface) {
+  const auto all = set.counts();
+  Extent extent;
+  for (std::size_t kind = 0; kind < kHitKinds; ++kind) {
+    const auto& runs = table.runs[kind];
+    const auto from = std::ranges::find(runs, surface, &PrimitiveRun::surface);
+    if (from == runs.end()) continue;
+    const auto to =
+        std::find_if(from, runs.end(), [&](const PrimitiveRun& r) { return r.surface != surface; });
+    extent.first[kind] = from->first;
+    extent.count[kind] =
+        (to == runs.end() ? static_cast<std::uint32_t>(all[kind]) : to->first) - from->first;
+  }
+  return extent;
+}
+
+/// Whether the runs of a surface are those of a table with this surface alone.
+bool has_same_runs(const SurfaceTable& table, std::uint32_t surface, const Extent& at,
+                   const SurfaceTable& alone) {
+  for (std::size_t kind = 0; kind < kHitKinds; ++kind) {
+    auto run = std::ranges::find(table.runs[kind], surface, &PrimitiveRun::surface);
+    for (const PrimitiveRun& other : alone.runs[kind]) {
+      if (run == table.runs[kind].end() || run->surface != surface ||
+          run->first - at.first[kind] != other.first ||
+          run->first_light_primitive != other.first_light_primitive ||
+          run->per_light_primitive != other.per_light_primitive)
+        return false;
+      ++run;
+    }
+    if (run != table.runs[kind].end() && run->surface == surface) return false;
+  }
+  return true;
+}
+
+/// Replaces values from `first` on.
+template <typename T>
+void replace(std::vector<T>& values, std::size_t first, const std::vector<T>& by) {
+  std::ranges::copy(by, values.begin() + static_cast<std::ptrdiff_t>(first));
+}
+
+/// Copies of the arrays that moves change.
+GeometrySet copy_of(const GeometrySet& set) {
+  GeometrySet copy;
+  copy.vertices.reserve(set.vertices.size() + 1);  // Embree reads beyond the last vertex
+  copy.vertices = set.vertices;
+  copy.triangles = set.triangles;
+  copy.patches = set.patches;
+  copy.curves = set.curves;
+  copy.quadrics = set.quadrics;
+  copy.wide = set.wide;
+  copy.unit_m = set.unit_m;
+  copy.narrow_error_m = set.narrow_error_m;
+  return copy;
+}
+
+/// Puts the moved shapes where the scene has the same shapes.
+class MovedSet {
+ public:
+  MovedSet(const PlacedSurfaces& from, PlacedSurfaces& to)
+      : from_set_(from.accelerator->scene()), to_(to), set_(copy_of(from_set_)) {
+    to_.surfaces = from.surfaces;
+  }
+
+  /// False if the shape has other primitives at its new place.
+  absl::StatusOr<bool> put(const ShapeDescription& shape, const Vec3<double>& origin,
+                           double detail_m, std::int32_t light) {
+    GeometrySet piece;
+    SurfaceTable alone;
+    LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m, light, piece, alone));
+    SurfaceTable& table = to_.surfaces;
+    const auto found = std::ranges::find(table.surfaces, light, &Surface::light);
+    if (found == table.surfaces.end()) return absl::InternalError("a light without a surface");
+    const auto surface = static_cast<std::uint32_t>(found - table.surfaces.begin());
+    const Extent at = extent_of(table, from_set_, surface);
+    const auto counts = piece.counts();
+    if (!std::ranges::equal(at.count, counts) || !has_same_runs(table, surface, at, alone))
+      return false;
+    for (std::size_t kind = 0; kind < kHitKinds; ++kind)
+      if (counts[kind] > 0)
+        moved_.push_back({static_cast<HitKind>(kind), at.first[kind], at.count[kind]});
+    if (!piece.triangles.empty()) put_triangles(piece, alone, at.first[0]);
+    put_surfaces(piece, alone, at);
+    return true;
+  }
+
+  const GeometrySet& set() const { return set_; }
+  GeometrySet take_set() { return std::move(set_); }
+  std::vector<PrimitiveRange> take_moved() { return std::move(moved_); }
+
+ private:
+  void put_triangles(const GeometrySet& piece, const SurfaceTable& alone, std::uint32_t first) {
+    // The vertices of a shape follow each other.
+    const std::size_t vertex = set_.triangles[3 * std::size_t{first}] - piece.triangles[0];
+    for (std::size_t i = 0; i < piece.vertices.size(); ++i)
+      set_.vertices[vertex + i] = set_.unit_m == 1
+                                      ? piece.vertices[i]
+                                      : Vec3<float>(Vec3<double>(piece.vertices[i]) / set_.unit_m);
+    replace(to_.surfaces.vertex_normals, vertex, alone.vertex_normals);
+    replace(to_.surfaces.vertex_tangents, vertex, alone.vertex_tangents);
+    const auto count = static_cast<std::uint32_t>(piece.triangles.size() / 3);
+    std::erase_if(set_.wide, [&](const WideTriangle& w) { return w.triangle - first < count; });
+    const auto after = std::ranges::lower_bound(set_.wide, first, {}, &WideTriangle::triangle);
+    const auto put = set_.wide.insert(after, piece.wide.begin(), piece.wide.end());
+    for (std::size_t i = 0; i < piece.wide.size(); ++i) put[i].triangle += first;
+    set_.narrow_error_m = std::fmax(set_.narrow_error_m, piece.narrow_error_m);
+  }
+
+  void put_surfaces(const GeometrySet& piece, const SurfaceTable& alone, const Extent& at) {
+    constexpr auto kPatches = static_cast<std::size_t>(HitKind::kPatch);
+    replace(set_.patches, at.first[kPatches], piece.patches);
+    replace(to_.surfaces.patch_normals, at.first[kPatches], alone.patch_normals);
+    std::size_t kind = static_cast<std::size_t>(HitKind::kCurve) + 1;
+    const auto put = [&](auto& into, const auto& by) { replace(into, at.first[kind++], by); };
+    std::apply(
+        [&](auto&... into) {
+          std::apply([&](const auto&... by) { (put(into, by), ...); }, piece.quadrics);
+        },
+        set_.quadrics);
+  }
+
+  const GeometrySet& from_set_;
+  PlacedSurfaces& to_;
+  GeometrySet set_;
+  std::vector<PrimitiveRange> moved_;
+};
+
+/// Whether other triangles than the set's wide ones would be wide.
+bool changes_wide(const GeometrySet& set, double detail_m, double new_detail_m) {
+  if (set.wide.size() >= kMostWideTriangles) return true;
+  if (new_detail_m < detail_m) return set.narrow_error_m > kWideShare * new_detail_m;
+  return new_detail_m > detail_m && std::ranges::any_of(set.wide, [&](const WideTriangle& w) {
+           return ray_error_of(w.corners) <= kWideShare * new_detail_m;
+         });
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& loaded,
+                                                                   const MovedSurfaces& moved) {
+  const DenormalsAreZero denormals;
+  const Stopwatch watch;
+  const MovableSurfaces& movable = loaded.movable_;
+  const PlacedSurfaces& from = *loaded.placed_;
+  if (!from.moved.empty()) return std::shared_ptr<const PlacedSurfaces>();
+  const std::uint64_t first_id = loaded.lights_.size() - movable.shapes.size() + 1;
+  auto to = std::make_shared<PlacedSurfaces>();
+  to->moved = moved;
+  to->world_m = movable.others_m;
+  double detail_m = movable.others_detail_m, old_detail_m = movable.others_detail_m;
+  std::vector<std::pair<std::uint64_t, ShapeDescription>> shapes;
+  for (std::size_t i = 0; i < movable.shapes.size(); ++i) {
+    const ShapeDescription& shape = movable.shapes[i];
+    const auto change = moved.find(first_id + i);
+    const bool is_moved = change != moved.end();
+    if (shape.motion && !is_moved) continue;
+    if (is_moved) {
+      shapes.emplace_back(first_id + i, shape);
+      LUCERNA_RETURN_IF_ERROR(move_surface(first_id + i, change->second, shapes.back().second));
+    }
+    LUCERNA_ASSIGN_OR_RETURN(const Bounds before, shape_bounds(shape));
+    Bounds unused;
+    add_shape(before, unused, old_detail_m);
+    if (!is_moved) {
+      add_shape(before, to->world_m, detail_m);
+      continue;
+    }
+    LUCERNA_ASSIGN_OR_RETURN(const Bounds after, shape_bounds(shapes.back().second));
+    add_shape(after, to->world_m, detail_m);
+  }
+  if (shapes.size() != moved.size())
+    return absl::InternalError("a surface to move that the scene does not have");
+  const auto changes = [&](const GeometrySet& set) {
+    return changes_wide(set, old_detail_m, detail_m);
+  };
+  bool fits = origin_for(to->world_m) == loaded.origin_ && !changes(from.accelerator->scene());
+  for (std::uint32_t i = 0; fits && i < from.accelerator->object_count(); ++i)
+    fits = !changes(from.accelerator->object(i));
+  if (!fits) return std::shared_ptr<const PlacedSurfaces>();
+
+  MovedSet moved_set(from, *to);
+  for (const auto& [id, shape] : shapes) {
+    LUCERNA_ASSIGN_OR_RETURN(const bool is_same, moved_set.put(shape, loaded.origin_, detail_m,
+                                                               static_cast<std::int32_t>(id - 1)));
+    if (!is_same) return std::shared_ptr<const PlacedSurfaces>();
+    absl::StatusOr<Light<double>> light = create_area_light(shape, loaded.origin_);
+    if (!light.ok()) return located(light.status(), shape.emission->where);
+    to->lights.emplace(id, *std::move(light));
+  }
+  if (moved_set.set().wide.size() > kMostWideTriangles)
+    return std::shared_ptr<const PlacedSurfaces>();
+  GeometrySet set = moved_set.take_set();
+  if (from.accelerator->scene().sheer != nullptr) set.sheer = &to->surfaces;
+  LUCERNA_ASSIGN_OR_RETURN(
+      to->accelerator,
+      Accelerator::with_moved(from.accelerator, std::move(set), moved_set.take_moved()));
+  if (to->accelerator == nullptr) return std::shared_ptr<const PlacedSurfaces>();
+  std::uint64_t bytes = to->accelerator->bytes() + to->surfaces.bytes();
+  for (const auto& [id, light] : to->lights)
+    bytes += light.bytes_beside() + visit([](const auto& m) { return m.own_bytes().all; }, light);
+  to->parts.push_back({"moved surfaces", bytes, watch.ms(),
+                       fmt::format("{} {} of lights that edits moved", moved.size(),
+                                   moved.size() == 1 ? "surface" : "surfaces")});
+  return to;
+}
+
+}  // namespace lucerna
