@@ -73,7 +73,7 @@ void add_edit_command(CLI::App& app, Session& session) {
       "  --set LIGHT.FIELD=VALUE  Change a light: scale, tint=R,G,B, on=true|false, shift=X,Y,Z, "
       "turn=X,Y,Z,DEGREES\n"
       "  --remove LIGHT           Remove a light\n"
-      "  --add PATH               Add the lights of another scene file\n"
+      "  --add PATH               Add lights and emissive shapes of another file\n"
       "LIGHT is an id or a name.  Each may be repeated.\n"
       "Example:\n  lucerna edit room.pbrt --set 3.scale=0.5 --set \"Desk lamp.on=false\" --remove "
       "7");

@@ -168,7 +168,8 @@ class Accelerator {
       GeometrySet scene, std::vector<GeometrySet> objects, std::vector<GeometryInstance> instances,
       const std::string& isa, std::stop_token stop, LoadBudget* budget = nullptr);
   /// As `still`, with the scene's own primitives in `moved` elsewhere: as `scene` has them.  It has
-  /// the unit, the numbers and all other primitives of still->scene(), and shares the BVH.  `still`
+  /// the unit, the numbers and all other primitives of still->scene(), and shares the BVH.  New
+  /// primitives follow those of still->scene(), and are in `moved` too.  `still`
   /// comes from build().  Null if a new BVH would have another unit.
   /// Errors: RESOURCE_EXHAUSTED if Embree has no memory.
   static absl::StatusOr<std::shared_ptr<const Accelerator>> with_moved(

@@ -39,11 +39,15 @@ Bounds box_of(const GeometrySet& set) {
   return box;
 }
 
+/// The box of those primitives of the set that are in the ranges [m].
 Bounds box_of(const GeometrySet& set, const std::vector<PrimitiveRange>& ranges) {
   Bounds box;
-  for (const PrimitiveRange& range : ranges)
-    for (std::uint32_t i = 0; i < range.count; ++i)
-      add_primitive(set, range.kind, range.first + i, box);
+  const auto counts = set.counts();
+  for (const PrimitiveRange& range : ranges) {
+    const auto end = static_cast<std::uint32_t>(std::min<std::size_t>(
+        counts[static_cast<std::size_t>(range.kind)], std::size_t{range.first} + range.count));
+    for (std::uint32_t i = range.first; i < end; ++i) add_primitive(set, range.kind, i, box);
+  }
   return box;
 }
 
@@ -361,6 +365,7 @@ absl::StatusOr<std::shared_ptr<const Accelerator>> Accelerator::with_moved(
   auto state = std::make_unique<State>();
   state->isa = shared.isa;
   state->scene = std::move(scene);
+  state->scene.vertices.reserve(state->scene.vertices.size() + 1);  // Embree reads beyond the last
   state->moved = std::move(moved);
   std::ranges::sort(state->moved, is_before);
   // Others reach as far as before, unless it was these that reached farthest.

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 
 #include "server/description/scene_description.h"
@@ -28,15 +29,33 @@ struct LightChange {
   bool operator==(const LightChange&) const = default;
 };
 
+/// A shape that emits and does not move by itself.  Its material is diffuse, without textures.
+struct AddedSurface {
+  ShapeDescription shape;
+  Rgb<double> reflectance;
+};
+
 /// A light that the scene's file does not have.
 struct AddedLight {
-  LightDescription light;
+  LightDescription light;  ///< not used for a surface
   /// What makes the light different from others, for the scene's id.
   std::string content;
+  std::shared_ptr<const AddedSurface> surface{};  ///< null for a light without one
+
+  bool operator==(const AddedLight& other) const { return content == other.content; }
 };
 
 /// Changes of place, by the id of a light with a surface.
 using MovedSurfaces = std::map<std::uint64_t, LightChange>;
+
+/// All that edits change of a scene's surfaces.
+struct SurfaceEdits {
+  MovedSurfaces moved;
+  std::map<std::uint64_t, AddedLight> added;  ///< lights with a surface, by id
+
+  bool empty() const { return moved.empty() && added.empty(); }
+  bool operator==(const SurfaceEdits&) const = default;
+};
 
 /// All changes of a scene's lights.  They do not tell in which order they were made.
 struct LightEdits {

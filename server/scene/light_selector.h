@@ -9,10 +9,13 @@
 
 #include "lights/choice/light_tree.h"
 #include "server/scene/light_choice.h"
-#include "server/scene/light_selection.h"
 #include "server/scene/scene_part.h"
 
 namespace lucerna {
+
+/// Methods that choose a light for a sample.  The enum of the same name in
+/// lucerna/v1/accuracy.proto explains the values.
+enum class LightSelection { kAutomatic, kAll, kUniform, kPower, kBvh };
 
 /// Local lights are chosen by flux or by the light tree; the query chooses which.
 ///

@@ -1,4 +1,4 @@
-// The surfaces of a scene at their places.  Edits can move those of lights.
+// The surfaces of a scene at their places.  Edits can move and add those of lights.
 #pragma once
 
 #include <concepts>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lights/models/light.h"
+#include "server/materials/material.h"
 #include "server/rays/accelerator.h"
 #include "server/rays/surface_table.h"
 #include "server/scene/light_edit.h"
@@ -15,16 +16,29 @@
 
 namespace lucerna {
 
+/// The materials of surfaces.
+struct SurfaceMaterials {
+  std::vector<Material> all;  ///< empty if all are plain
+  // By material: whether it is diffuse without textures, and then its reflectance.
+  std::vector<bool> plain;
+  std::vector<Rgb<double>> reflectances;
+};
+
 /// The surfaces of a scene, for rays.  Immutable once built.  It refers to the textures of the
 /// scene from whose files it was made.
 struct PlacedSurfaces {
-  MovedSurfaces moved;  ///< those that are not where the file has them
-  Bounds world_m;       ///< of all shapes over their motion, world [m]
+  SurfaceEdits edits;  ///< how they differ from those of the file
+  Bounds world_m;      ///< of all shapes over their motion, world [m]
   std::shared_ptr<const Accelerator> accelerator;
   SurfaceTable surfaces;  ///< of the scene's own geometry
-  /// The lights of moved surfaces with the levels of the file, by id.  Empty if the whole scene was
-  /// built with them at their places.
-  std::map<std::uint64_t, Light<double>> lights;
+  std::shared_ptr<const SurfaceMaterials> materials;
+  /// A light whose surface was moved or added.
+  struct EditedLight {
+    Light<double> light;  ///< with the level of the file
+    std::int32_t number;  ///< Surface::light
+  };
+  /// By id.  Empty if the whole scene was built with them at their places.
+  std::map<std::uint64_t, EditedLight> lights;
   std::vector<ScenePart> parts;  ///< what it does not share; empty if a scene has it as its own
 
   /// The part of type `T` that other code keeps with these surfaces.  Made by `T(*this)` at its

@@ -57,8 +57,8 @@ void Scene::Builder::report_halved_pictures() {
   for (const HalvedPicture& h : halved_) {
     Remark& remark = in_.remarks.emplace_back();
     remark.where.file = h.name;
-    remark.what = fmt::format("a picture of {} x {} texels exceeds the memory of textures",
-                              h.width, h.height);
+    remark.what = fmt::format("a picture of {} x {} texels exceeds the memory of textures", h.width,
+                              h.height);
     remark.instead =
         fmt::format("{} x {}, each the mean of several texels", h.kept_width, h.kept_height);
   }
@@ -113,6 +113,12 @@ std::optional<std::uint32_t> Scene::find_light(std::uint64_t id) const {
   const auto found = std::ranges::lower_bound(lights_, id, {}, &SceneLight::id);
   if (found == lights_.end() || found->id != id) return std::nullopt;
   return static_cast<std::uint32_t>(found - lights_.begin());
+}
+
+std::int32_t Scene::surface_number(const SceneLight& light) const {
+  if (light.id <= base_->lights_.size()) return static_cast<std::int32_t>(light.id - 1);
+  const auto added = placed_->lights.find(light.id);
+  return added != placed_->lights.end() ? added->second.number : kNoSurface;
 }
 
 std::uint64_t Scene::shape_count() const {

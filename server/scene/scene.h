@@ -16,12 +16,12 @@
 #include "server/description/scene_contents.h"
 #include "server/description/scene_description.h"
 #include "server/rays/ray.h"
+#include "server/runtime/shared_blocks.h"
 #include "server/scene/camera.h"
 #include "server/scene/light_names.h"
 #include "server/scene/light_selector.h"
 #include "server/scene/placed_surfaces.h"
 #include "server/scene/scene_part.h"
-#include "server/scene/shared_blocks.h"
 
 namespace lucerna {
 
@@ -92,12 +92,12 @@ class Scene {
                                                                   std::stop_token stop = {},
                                                                   LoadBudget* budget = nullptr);
 
-  /// The surfaces of `loaded` with those of these lights elsewhere.  They share the BVH of all
-  /// others.  Null if build_moved() is needed: if the moves change the origin, the unit of rays or
-  /// the number of triangles, or `loaded` has moved surfaces itself.  Errors: moves that their
-  /// light does not allow.
+  /// The surfaces of `loaded` with these edits.  They share the BVH of all others.  Null if the
+  /// scene must be built with them: if they change the origin, the unit of rays or the number of
+  /// triangles of a surface.  Also null if `loaded` was built with other moves.  Errors: edits that
+  /// their light does not allow.
   static absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> place(const Scene& loaded,
-                                                                     const MovedSurfaces& moved);
+                                                                     const SurfaceEdits& edits);
 
   /// A scene with the files of `loaded` and other lights.  It shares everything but its lights with
   /// `loaded`, which must come from build() or build_moved().  `placed`: those of `loaded`, or, for
@@ -119,8 +119,8 @@ class Scene {
   const std::shared_ptr<const Scene>& loaded() const { return loaded_; }
   /// Empty for a scene without edits.
   const LightEdits& edits() const { return edits_; }
-  /// The surfaces that these edits move, for place() and build_moved().
-  MovedSurfaces moved_by(const LightEdits& edits) const;
+  /// What these edits change of the surfaces.
+  SurfaceEdits surface_edits(const LightEdits& edits) const;
   /// Its surfaces, which revisions may share.
   const std::shared_ptr<const PlacedSurfaces>& placed() const { return placed_; }
   /// Whether it has surfaces that loaded() does not have.
@@ -172,11 +172,12 @@ class Scene {
   bool empty() const { return placed_->accelerator->empty(); }
   /// Whether nothing can take light on its way: no surface and no medium.
   bool is_clear() const { return empty() && !has_media(); }
-  std::span<const Material> materials() const { return base_->materials_; }
+  std::span<const Material> materials() const { return placed_->materials->all; }
   const Textures& textures() const { return base_->textures_; }
   /// The reflectance of a diffuse material without textures; null for all others.
   const Rgb<double>* plain_diffuse(std::uint32_t material) const {
-    return base_->plain_[material] ? &base_->reflectances_[material] : nullptr;
+    const SurfaceMaterials& materials = *placed_->materials;
+    return materials.plain[material] ? &materials.reflectances[material] : nullptr;
   }
   /// Where a surface was hit, as textures need it.
   struct ShadingPoint {
@@ -208,10 +209,10 @@ class Scene {
   const Accelerator& accelerator() const { return *placed_->accelerator; }
   /// Shading data of the scene's own geometry.
   const SurfaceTable& surfaces() const { return placed_->surfaces; }
+  /// Surface::light of a light without a surface.
+  static constexpr std::int32_t kNoSurface = -2;
   /// Surface::light of the surfaces of a light; a number of no surface for a light without any.
-  std::int32_t surface_number(const SceneLight& light) const {
-    return static_cast<std::int32_t>(light.id - 1);
-  }
+  std::int32_t surface_number(const SceneLight& light) const;
   /// The index of the light of a surface; -1 if it does not emit.
   std::int32_t light_of(const Surface& surface) const {
     return light_numbers_.empty() || surface.light < 0
@@ -279,7 +280,7 @@ class Scene {
   const Scene* base_ = this;
   std::shared_ptr<const PlacedSurfaces> placed_;
   MovableSurfaces movable_;  // empty in revisions
-  // For each light of loaded_ its index here, -1 if it was removed.  Empty if all are the same.
+  // For each Surface::light its index here, -1 if it was removed.  Empty if all are the same.
   std::vector<std::int32_t> light_numbers_;
   CameraDescription camera_description_;
   Film film_;
@@ -292,10 +293,6 @@ class Scene {
   std::vector<std::shared_ptr<const Spectrum>> spectra_;
   std::vector<std::int32_t> light_spectra_;  // of each light, into spectra_; -1: RGB
   LightNames light_names_;
-  std::vector<Material> materials_;
-  // By material: whether it is diffuse without textures, and then its reflectance.
-  std::vector<bool> plain_;
-  std::vector<Rgb<double>> reflectances_;
   Textures textures_;
   std::vector<Medium> media_;
   std::int32_t surrounding_medium_ = -1;

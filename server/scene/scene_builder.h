@@ -30,11 +30,12 @@ class Scene::Builder {
   /// Moves data out of `description` step by step.  `description` must outlive the builder.
   Builder(SceneDescription& description, std::stop_token stop, LoadBudget* budget = nullptr)
       : in_(description), stop_(std::move(stop)), budget_(budget), scene_(new Scene) {
+    placed_->materials = std::make_shared<const SurfaceMaterials>();
     scene_->placed_ = placed_;
   }
 
   absl::StatusOr<std::shared_ptr<const Scene>> build(const std::string& isa);
-  void note_moved(const MovedSurfaces& moved) { placed_->moved = moved; }
+  void note_moved(const MovedSurfaces& moved) { placed_->edits.moved = moved; }
   /// The scene of Scene::revise.  Requires an empty description.
   absl::StatusOr<std::shared_ptr<const Scene>> revise(std::shared_ptr<const Scene> loaded,
                                                       std::shared_ptr<const PlacedSurfaces> placed,

@@ -128,14 +128,17 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
 
 /// Diffuse materials without textures keep only their reflectance, unless the scene has others.
 void Scene::Builder::keep_materials() {
+  auto materials = std::make_shared<SurfaceMaterials>();
   for (const Material& m : in_.materials) {
     const Rgb<double>* reflectance = m.plain_diffuse();
-    scene_->plain_.push_back(reflectance != nullptr);
-    scene_->reflectances_.push_back(reflectance != nullptr ? *reflectance : Rgb<double>());
+    materials->plain.push_back(reflectance != nullptr);
+    materials->reflectances.push_back(reflectance != nullptr ? *reflectance : Rgb<double>());
   }
-  if (std::ranges::find(scene_->plain_, false) == scene_->plain_.end()) return;
-  scene_->materials_ = std::move(in_.materials);
-  if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
+  if (std::ranges::find(materials->plain, false) != materials->plain.end()) {
+    materials->all = std::move(in_.materials);
+    if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
+  }
+  placed_->materials = std::move(materials);
 }
 
 /// Textures of sheer surfaces are needed even if all materials are plain.
@@ -216,14 +219,14 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
   }
   if (surface_bytes > 0)
     part("surfaces", surface_bytes, watch, "materials, shading normals and lights of surfaces");
-  if (!scene_->reflectances_.empty())
+  if (const SurfaceMaterials& materials = *placed_->materials; !materials.reflectances.empty())
     part("materials",
-         scene_->reflectances_.capacity() * sizeof(Rgb<double>) + scene_->plain_.capacity() / 8 +
-             scene_->materials_.capacity() * sizeof(Material),
+         materials.reflectances.capacity() * sizeof(Rgb<double>) + materials.plain.capacity() / 8 +
+             materials.all.capacity() * sizeof(Material),
          watch,
-         scene_->materials_.empty()
-             ? fmt::format("{} diffuse reflectances", scene_->reflectances_.size())
-             : fmt::format("{} materials", scene_->materials_.size()));
+         materials.all.empty()
+             ? fmt::format("{} diffuse reflectances", materials.reflectances.size())
+             : fmt::format("{} materials", materials.all.size()));
   if (!scene_->textures_.empty())
     part("textures", scene_->textures_.bytes(), watch,
          fmt::format(

@@ -1,4 +1,4 @@
-// Moves surfaces of lights, without building everything else again.
+// Moves and adds surfaces of lights, without building everything else again.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -76,15 +76,15 @@ GeometrySet copy_of(const GeometrySet& set) {
   return copy;
 }
 
-/// Puts the moved shapes where the scene has the same shapes.
-class MovedSet {
+/// A copy of the scene's own geometry with other shapes of lights.
+class EditedSet {
  public:
-  MovedSet(const PlacedSurfaces& from, PlacedSurfaces& to)
+  EditedSet(const PlacedSurfaces& from, PlacedSurfaces& to)
       : from_set_(from.accelerator->scene()), to_(to), set_(copy_of(from_set_)) {
     to_.surfaces = from.surfaces;
   }
 
-  /// False if the shape has other primitives at its new place.
+  /// Puts a moved shape in its own place.  False if it has other primitives now.
   absl::StatusOr<bool> put(const ShapeDescription& shape, const Vec3<double>& origin,
                            double detail_m, std::int32_t light) {
     GeometrySet piece;
@@ -104,6 +104,23 @@ class MovedSet {
     if (!piece.triangles.empty()) put_triangles(piece, alone, at.first[0]);
     put_surfaces(piece, alone, at);
     return true;
+  }
+
+  /// Adds a shape after all others.
+  absl::Status add(const ShapeDescription& shape, const Vec3<double>& origin, double detail_m,
+                   std::int32_t light) {
+    const auto before = set_.counts();
+    const std::size_t vertices = set_.vertices.size();
+    LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m, light, set_, to_.surfaces));
+    if (set_.unit_m != 1)
+      for (std::size_t i = vertices; i < set_.vertices.size(); ++i)
+        set_.vertices[i] = Vec3<float>(Vec3<double>(set_.vertices[i]) / set_.unit_m);
+    const auto after = set_.counts();
+    for (std::size_t kind = 0; kind < kHitKinds; ++kind)
+      if (after[kind] > before[kind])
+        moved_.push_back({static_cast<HitKind>(kind), static_cast<std::uint32_t>(before[kind]),
+                          static_cast<std::uint32_t>(after[kind] - before[kind])});
+    return absl::OkStatus();
   }
 
   const GeometrySet& set() const { return set_; }
@@ -156,73 +173,120 @@ bool changes_wide(const GeometrySet& set, double detail_m, double new_detail_m) 
          });
 }
 
+/// A shape of a light at its new place.
+struct EditedShape {
+  std::uint64_t id;
+  ShapeDescription shape;
+  std::int32_t number;  ///< Surface::light
+  bool is_new;
+};
+
+/// The materials of a scene, and those of new surfaces.  Sets the number of each new one's.
+std::shared_ptr<const SurfaceMaterials> with_materials(
+    const std::shared_ptr<const SurfaceMaterials>& from, const SurfaceEdits& edits,
+    std::vector<EditedShape>& shapes) {
+  if (edits.added.empty()) return from;
+  auto materials = std::make_shared<SurfaceMaterials>(*from);
+  for (EditedShape& edited : shapes) {
+    if (!edited.is_new) continue;
+    const Rgb<double>& reflectance = edits.added.at(edited.id).surface->reflectance;
+    edited.shape.material = static_cast<std::uint32_t>(materials->plain.size());
+    if (!materials->all.empty()) materials->all.push_back(diffuse_material(reflectance));
+    materials->plain.push_back(true);
+    materials->reflectances.push_back(reflectance);
+  }
+  return materials;
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& loaded,
-                                                                   const MovedSurfaces& moved) {
+                                                                   const SurfaceEdits& edits) {
   const DenormalsAreZero denormals;
   const Stopwatch watch;
   const MovableSurfaces& movable = loaded.movable_;
   const PlacedSurfaces& from = *loaded.placed_;
-  if (!from.moved.empty()) return std::shared_ptr<const PlacedSurfaces>();
+  const auto count = static_cast<std::int32_t>(loaded.lights_.size());
   const std::uint64_t first_id = loaded.lights_.size() - movable.shapes.size() + 1;
+  // Those that `loaded` was built with are where they should be.
+  MovedSurfaces moved = edits.moved;
+  if (!from.edits.moved.empty()) {
+    std::erase_if(moved, [&](const auto& m) { return edits.added.contains(m.first); });
+    if (moved != from.edits.moved) return std::shared_ptr<const PlacedSurfaces>();
+    moved.clear();
+  }
   auto to = std::make_shared<PlacedSurfaces>();
-  to->moved = moved;
+  to->edits = edits;
   to->world_m = movable.others_m;
   double detail_m = movable.others_detail_m, old_detail_m = movable.others_detail_m;
-  std::vector<std::pair<std::uint64_t, ShapeDescription>> shapes;
+  std::vector<EditedShape> shapes;
   for (std::size_t i = 0; i < movable.shapes.size(); ++i) {
     const ShapeDescription& shape = movable.shapes[i];
-    const auto change = moved.find(first_id + i);
+    const std::uint64_t id = first_id + i;
+    const auto change = moved.find(id);
     const bool is_moved = change != moved.end();
     if (shape.motion && !is_moved) continue;
     if (is_moved) {
-      shapes.emplace_back(first_id + i, shape);
-      LUCERNA_RETURN_IF_ERROR(move_surface(first_id + i, change->second, shapes.back().second));
+      shapes.push_back({id, shape, static_cast<std::int32_t>(id - 1), false});
+      LUCERNA_RETURN_IF_ERROR(move_surface(id, change->second, shapes.back().shape));
     }
     LUCERNA_ASSIGN_OR_RETURN(const Bounds before, shape_bounds(shape));
     Bounds unused;
     add_shape(before, unused, old_detail_m);
-    if (!is_moved) {
-      add_shape(before, to->world_m, detail_m);
-      continue;
-    }
-    LUCERNA_ASSIGN_OR_RETURN(const Bounds after, shape_bounds(shapes.back().second));
+    if (!is_moved) add_shape(before, to->world_m, detail_m);
+  }
+  if (shapes.size() != static_cast<std::size_t>(std::ranges::count_if(
+                           moved, [&](const auto& m) { return !edits.added.contains(m.first); })))
+    return absl::InternalError("a surface to move that the scene does not have");
+  std::int32_t number = count;
+  for (const auto& [id, added] : edits.added) {
+    shapes.push_back({id, added.surface->shape, number++, true});
+    if (const auto change = edits.moved.find(id); change != edits.moved.end())
+      LUCERNA_RETURN_IF_ERROR(move_surface(id, change->second, shapes.back().shape));
+  }
+  for (const EditedShape& edited : shapes) {
+    LUCERNA_ASSIGN_OR_RETURN(const Bounds after, shape_bounds(edited.shape));
     add_shape(after, to->world_m, detail_m);
   }
-  if (shapes.size() != moved.size())
-    return absl::InternalError("a surface to move that the scene does not have");
   const auto changes = [&](const GeometrySet& set) {
     return changes_wide(set, old_detail_m, detail_m);
   };
-  bool fits = origin_for(to->world_m) == loaded.origin_ && !changes(from.accelerator->scene());
+  bool fits = !from.accelerator->empty() && origin_for(to->world_m) == loaded.origin_ &&
+              !changes(from.accelerator->scene());
   for (std::uint32_t i = 0; fits && i < from.accelerator->object_count(); ++i)
     fits = !changes(from.accelerator->object(i));
   if (!fits) return std::shared_ptr<const PlacedSurfaces>();
 
-  MovedSet moved_set(from, *to);
-  for (const auto& [id, shape] : shapes) {
-    LUCERNA_ASSIGN_OR_RETURN(const bool is_same, moved_set.put(shape, loaded.origin_, detail_m,
-                                                               static_cast<std::int32_t>(id - 1)));
-    if (!is_same) return std::shared_ptr<const PlacedSurfaces>();
-    absl::StatusOr<Light<double>> light = create_area_light(shape, loaded.origin_);
-    if (!light.ok()) return located(light.status(), shape.emission->where);
-    to->lights.emplace(id, *std::move(light));
+  to->materials = with_materials(from.materials, edits, shapes);
+  EditedSet edited_set(from, *to);
+  for (const EditedShape& edited : shapes) {
+    if (edited.is_new) {
+      LUCERNA_RETURN_IF_ERROR(
+          edited_set.add(edited.shape, loaded.origin_, detail_m, edited.number));
+    } else {
+      LUCERNA_ASSIGN_OR_RETURN(const bool is_same, edited_set.put(edited.shape, loaded.origin_,
+                                                                  detail_m, edited.number));
+      if (!is_same) return std::shared_ptr<const PlacedSurfaces>();
+    }
+    absl::StatusOr<Light<double>> light = create_area_light(edited.shape, loaded.origin_);
+    if (!light.ok()) return located(light.status(), edited.shape.emission->where);
+    to->lights.emplace(edited.id, PlacedSurfaces::EditedLight{*std::move(light), edited.number});
   }
-  if (moved_set.set().wide.size() > kMostWideTriangles)
+  if (edited_set.set().wide.size() > kMostWideTriangles)
     return std::shared_ptr<const PlacedSurfaces>();
-  GeometrySet set = moved_set.take_set();
+  GeometrySet set = edited_set.take_set();
   if (from.accelerator->scene().sheer != nullptr) set.sheer = &to->surfaces;
   LUCERNA_ASSIGN_OR_RETURN(
       to->accelerator,
-      Accelerator::with_moved(from.accelerator, std::move(set), moved_set.take_moved()));
+      Accelerator::with_moved(from.accelerator, std::move(set), edited_set.take_moved()));
   if (to->accelerator == nullptr) return std::shared_ptr<const PlacedSurfaces>();
   std::uint64_t bytes = to->accelerator->bytes() + to->surfaces.bytes();
-  for (const auto& [id, light] : to->lights)
-    bytes += light.bytes_beside() + visit([](const auto& m) { return m.own_bytes().all; }, light);
-  to->parts.push_back({"moved surfaces", bytes, watch.ms(),
-                       fmt::format("{} {} of lights that edits moved", moved.size(),
-                                   moved.size() == 1 ? "surface" : "surfaces")});
+  for (const auto& [id, edited] : to->lights)
+    bytes += edited.light.bytes_beside() +
+             visit([](const auto& m) { return m.own_bytes().all; }, edited.light);
+  to->parts.push_back({"edited surfaces", bytes, watch.ms(),
+                       fmt::format("{} {} of lights that edits moved or added", shapes.size(),
+                                   shapes.size() == 1 ? "surface" : "surfaces")});
   return to;
 }
 

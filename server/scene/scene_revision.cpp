@@ -83,7 +83,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   scene_->placed_ = std::move(placed);
   const auto count = static_cast<std::uint32_t>(loaded.lights_.size());
 
-  if (scene_->placed_->moved != loaded.moved_by(edits))
+  if (scene_->placed_->edits != loaded.surface_edits(edits))
     return absl::InternalError("surfaces that are elsewhere");
   LUCERNA_RETURN_IF_ERROR(check_panes(loaded, edits));
   std::vector<LightChange> changes(count);
@@ -112,6 +112,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   for (const auto& [id, a] : edits.added) {
     if (id <= count) continue;
     added.emplace_back(id, a.light);
+    if (a.surface != nullptr) continue;
     if (const auto change = edits.changes.find(id); change != edits.changes.end())
       if (absl::Status s = apply(change->second, added.back().second); !s.ok())
         return about_light(id, s);
@@ -134,7 +135,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     if (!name.empty()) names.emplace_back(static_cast<std::uint32_t>(spectra.size()), name);
     spectra.push_back(spectrum);
   };
-  bool any_dark = false;
+  bool has_other_numbers = !scene_->placed_->edits.added.empty();
   std::uint64_t bytes = 0;
   // Without gaps, all lights keep their places, and blocks without edits stay shared.
   const bool has_gaps =
@@ -146,7 +147,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     const bool is_replaced = edits.added.contains(of.id);
     // The surface of a light that is gone stays and is dark.
     const bool is_dark = changes[i].is_removed || is_replaced;
-    any_dark |= is_dark;
+    has_other_numbers |= is_dark;
     scene_->light_numbers_.push_back(is_dark ? -1 : static_cast<std::int32_t>(at));
     if (changes[i].is_removed) continue;
     const std::uint32_t number_here = at++;
@@ -161,7 +162,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
       if (!has_gaps && changes[i] == LightChange()) continue;
       SceneLight revised(of);
       const auto moved = scene_->placed_->lights.find(of.id);
-      if (moved != scene_->placed_->lights.end()) revised.light = moved->second;
+      if (moved != scene_->placed_->lights.end()) revised.light = moved->second.light;
       made = revised_light(std::move(revised), changes[i]);
     }
     if (!made.ok()) return about_light(of.id, made.status());
@@ -171,10 +172,23 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     else
       scene_->lights_.replace(number_here, *std::move(made));
   }
-  if (!any_dark) scene_->light_numbers_ = {};
+  if (!has_other_numbers) scene_->light_numbers_ = {};
   for (const auto& [id, light] : added) {
-    note(light.spectrum, light.name);
-    absl::StatusOr<SceneLight> made = free_light(id, light);
+    const AddedSurface* const surface = edits.added.at(id).surface.get();
+    absl::StatusOr<SceneLight> made = absl::InternalError("no light");
+    if (surface == nullptr) {
+      note(light.spectrum, light.name);
+      made = free_light(id, light);
+    } else {
+      const ShapeDescription::Emission& emission = *surface->shape.emission;
+      const auto found = edits.changes.find(id);
+      const LightChange change = found != edits.changes.end() ? found->second : LightChange();
+      note(change.keeps_spectrum() ? emission.spectrum : nullptr, emission.name);
+      made = scene_light(id, scene_->placed_->lights.at(id).light, emission.where, emission.samples,
+                         nullptr);
+      if (made.ok()) made = revised_light(*std::move(made), change);
+      scene_->light_numbers_.push_back(static_cast<std::int32_t>(scene_->lights_.size()));
+    }
     if (!made.ok()) return about_light(id, made.status());
     scene_->lights_.push_back(*std::move(made));
   }
@@ -203,21 +217,24 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   return scene_;
 }
 
-MovedSurfaces Scene::moved_by(const LightEdits& edits) const {
-  MovedSurfaces moved;
+SurfaceEdits Scene::surface_edits(const LightEdits& edits) const {
+  SurfaceEdits of;
+  for (const auto& [id, light] : edits.added)
+    if (light.surface != nullptr) of.added.emplace(id, light);
   for (const auto& [id, change] : edits.changes) {
-    if (!change.has_place() || change.is_removed || edits.added.contains(id)) continue;
-    if (id <= base_->lights_.size() && has_surface(base_->lights_[id - 1].light))
-      moved[id] = place_only(change);
+    if (!change.has_place() || change.is_removed) continue;
+    const bool is_of_file = id <= base_->lights_.size() && !edits.added.contains(id) &&
+                            has_surface(base_->lights_[id - 1].light);
+    if (is_of_file || of.added.contains(id)) of.moved[id] = place_only(change);
   }
-  return moved;
+  return of;
 }
 
 absl::Status Scene::Builder::check_panes(const Scene& loaded, const LightEdits& edits) {
   // Light passes a pane of thin glass straight on, unless it emits.
   const auto is_pane = [&](const Surface& surface) {
-    if (surface.is_interface || loaded.materials_.empty()) return false;
-    const Material& material = loaded.materials_[surface.material];
+    if (surface.is_interface || loaded.materials().empty()) return false;
+    const Material& material = loaded.materials()[surface.material];
     return std::holds_alternative<ThinDielectricParams>(material.params) && material.normal_map < 0;
   };
   const auto check = [&](const SurfaceTable& table) -> absl::Status {
@@ -239,19 +256,19 @@ absl::Status Scene::Builder::check_panes(const Scene& loaded, const LightEdits& 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(
     std::shared_ptr<const Scene> loaded, std::shared_ptr<const PlacedSurfaces> placed,
     LightEdits edits) {
-  if (edits.empty() && loaded->placed_->moved.empty()) return loaded;
+  if (edits.empty() && loaded->placed_->edits.empty()) return loaded;
   SceneDescription lights;
   return Builder(lights, {}).revise(std::move(loaded), std::move(placed), std::move(edits));
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(std::shared_ptr<const Scene> loaded,
                                                            LightEdits edits) {
-  const MovedSurfaces moved = loaded->moved_by(edits);
+  const SurfaceEdits surfaces = loaded->surface_edits(edits);
   std::shared_ptr<const PlacedSurfaces> placed = loaded->placed_;
-  if (placed->moved != moved) {
-    LUCERNA_ASSIGN_OR_RETURN(placed, place(*loaded, moved));
+  if (placed->edits != surfaces) {
+    LUCERNA_ASSIGN_OR_RETURN(placed, place(*loaded, surfaces));
     if (placed == nullptr)
-      return absl::FailedPreconditionError("moves that need the scene's files again");
+      return absl::FailedPreconditionError("edits of surfaces that need the scene's files again");
   }
   return revise(std::move(loaded), std::move(placed), std::move(edits));
 }

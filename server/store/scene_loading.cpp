@@ -263,10 +263,10 @@ absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
 }
 
 absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
-                                                    const MovedSurfaces& moves,
+                                                    const SurfaceEdits& edits,
                                                     const std::stop_token& stop) {
   std::shared_ptr<const Scene> loaded = of.scene->loaded() ? of.scene->loaded() : of.scene;
-  if (loaded->placed()->moved == moves) return Moved{loaded, loaded->placed()};
+  if (loaded->placed()->edits == edits) return Moved{loaded, loaded->placed()};
   {
     const std::lock_guard lock(state_->mutex);
     const std::string id = loaded->id();
@@ -274,12 +274,12 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
       const std::shared_ptr<const Scene>& scene = entry.stored.scene;
       const std::shared_ptr<const Scene>& other = scene->loaded() ? scene->loaded() : scene;
       if (other->id() != id) continue;
-      if (scene->placed()->moved == moves) return Moved{other, scene->placed()};
-      if (other->placed()->moved.empty()) loaded = other;
+      if (scene->placed()->edits == edits) return Moved{other, scene->placed()};
+      if (other->placed()->edits.empty()) loaded = other;
     }
   }
   LUCERNA_ASSIGN_OR_RETURN(std::shared_ptr<const PlacedSurfaces> placed,
-                           Scene::place(*loaded, moves));
+                           Scene::place(*loaded, edits));
   if (placed != nullptr) return Moved{std::move(loaded), std::move(placed)};
   const LoadOptions options{.stop = stop, .factors = of.factors};
   LUCERNA_ASSIGN_OR_RETURN(
@@ -292,15 +292,22 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
                     "surface reads them again; load the scene again",
                     of.path));
   LoadMemory memory(*state_);
+  MovedSurfaces moves = edits.moved;
+  std::erase_if(moves, [&](const auto& m) { return edits.added.contains(m.first); });
   absl::StatusOr<std::shared_ptr<const Scene>> built = Scene::build_moved(
       *std::move(found.description), moves, state_->options.isa, stop, &memory.budget());
   if (!built.ok()) return memory.explained(built.status());
-  return Moved{*built, (*built)->placed()};
+  if (edits.added.empty()) return Moved{*built, (*built)->placed()};
+  LUCERNA_ASSIGN_OR_RETURN(placed, Scene::place(**built, edits));
+  if (placed != nullptr) return Moved{*built, std::move(placed)};
+  return absl::InvalidArgumentError(
+      "an added surface that changes where coordinates of the scene begin or the unit of its rays, "
+      "allowed: surfaces within the scene; load the scene with the surface in its file");
 }
 
 absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits edits,
                                                const LoadOptions& options) {
-  LUCERNA_ASSIGN_OR_RETURN(Moved from, moved(of, of.scene->moved_by(edits), options.stop));
+  LUCERNA_ASSIGN_OR_RETURN(Moved from, moved(of, of.scene->surface_edits(edits), options.stop));
   LUCERNA_ASSIGN_OR_RETURN(
       const std::shared_ptr<const Scene> scene,
       Scene::revise(std::move(from.loaded), std::move(from.placed), std::move(edits)));

@@ -180,9 +180,9 @@ class SceneStore {
     std::shared_ptr<const Scene> loaded;
     std::shared_ptr<const PlacedSurfaces> placed;
   };
-  /// The scene without edits, and its surfaces with these moves: from memory, from moving them, or
+  /// The scene without edits, and its surfaces with these edits: from memory, from editing them, or
   /// from building the scene again.
-  absl::StatusOr<Moved> moved(const StoredScene& of, const MovedSurfaces& moves,
+  absl::StatusOr<Moved> moved(const StoredScene& of, const SurfaceEdits& edits,
                               const std::stop_token& stop);
   class LoadMemory;
   absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options,

@@ -42,7 +42,8 @@ SceneDescription describe() {
   SceneDescription scene;
   scene.materials.push_back({});
   scene.shapes.push_back({.geometry = sheet(708, 10, {0, 0, 0})});
-  scene.shapes.push_back({.geometry = sheet(71, 1, {4, 4, 2}), .emission = {{{10, 10, 10}}}});
+  scene.shapes.push_back({.geometry = sheet(71, 1, {4, 4, 2}),
+                          .emission = {{.radiance_cd_m2 = {10, 10, 10}, .where = {}}}});
   for (int i = 0; i < 10'000; ++i)
     scene.lights.push_back(
         {PointLightParams{{0.1 * (i % 100), 0.1 * (i / 100), 2.5}, {1, 1, 1}}, {}});

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "lights/sampling/area_sampling.h"
-#include "server/scene/light_selection.h"
+#include "server/scene/light_selector.h"
 
 namespace lucerna {
 

@@ -143,6 +143,23 @@ std::string content_of(const v1::Light& light) {
   return "put:" + bytes;
 }
 
+/// Errors: a surface that cannot be added.
+absl::Status check_surface(const ShapeDescription& shape, const std::vector<Material>& materials) {
+  const auto refused = [&](const char* what, const char* allowed) {
+    return located(absl::InvalidArgumentError(fmt::format(
+                       "{} in a file whose lights are added, allowed: {}", what, allowed)),
+                   shape.where);
+  };
+  if (!shape.emission) return refused("a shape that does not emit", "shapes that emit");
+  if (shape.motion) return refused("a shape that moves", "shapes that do not move");
+  if (!shape.alpha.is_constant() || shape.alpha.constant < 1)
+    return refused("a cut-out shape", "an \"alpha\" of 1");
+  if (shape.media) return refused("a shape between media", "shapes without media");
+  if (materials[shape.material].plain_diffuse() == nullptr)
+    return refused("a shape of another material", "diffuse without textures");
+  return absl::OkStatus();
+}
+
 /// Applies edits one after another.
 class Editor {
  public:
@@ -223,14 +240,23 @@ class Editor {
     for (MissingAsset& asset : read->missing) result_.missing.push_back(std::move(asset));
     if (!read->description) return absl::OkStatus();
     SceneDescription& scene = *read->description;
-    if (!scene.shapes.empty() || !scene.instances.empty())
+    if (!scene.instances.empty())
       return located(
           absl::InvalidArgumentError(
-              "a shape in a file whose lights are added, allowed: lights without a surface"),
-          scene.shapes.empty() ? scene.instances.front().where : scene.shapes.front().where);
+              "an instance in a file whose lights are added, allowed: lights and shapes that emit"),
+          scene.instances.front().where);
+    for (const ShapeDescription& shape : scene.shapes)
+      LUCERNA_RETURN_IF_ERROR(check_surface(shape, scene.materials));
     const std::string files = scene_id(scene.assets);
-    for (std::size_t i = 0; i < scene.lights.size(); ++i)
-      insert(0, {std::move(scene.lights[i]), fmt::format("file:{}:{}", files, i)});
+    std::size_t number = 0;
+    const auto content = [&] { return fmt::format("file:{}:{}", files, number++); };
+    for (LightDescription& light : scene.lights) insert(0, {std::move(light), content()});
+    for (ShapeDescription& shape : scene.shapes) {
+      const Rgb<double> reflectance = *scene.materials[shape.material].plain_diffuse();
+      shape.has_uv = false;  // only textures of materials use them
+      insert(0,
+             {{}, content(), std::make_shared<const AddedSurface>(std::move(shape), reflectance)});
+    }
     return absl::OkStatus();
   }
 

@@ -121,7 +121,7 @@ TEST_P(Moved, SurfacesHaveTheBitsOfASceneBuiltThere) {
   const auto [size, ground] = GetParam();
   const MovedSurfaces moves = moves_of(size);
   const auto loaded = build(every_shape(size, ground));
-  const auto placed = value(Scene::place(*loaded, moves));
+  const auto placed = value(Scene::place(*loaded, {moves, {}}));
   ASSERT_NE(placed, nullptr);
   const auto moved = value(Scene::revise(loaded, placed, edits_of(moves)));
   const auto built = value(Scene::build_moved(every_shape(size, ground), moves));
@@ -201,7 +201,7 @@ TEST(MovedSurfaces, NeedABuildIfTheSceneChangesItsOrigin) {
   const auto loaded = build(every_shape(1, 4));
   MovedSurfaces far;
   far[4] = {.shift_m = {1e6, 0, 0}};
-  EXPECT_EQ(value(Scene::place(*loaded, far)), nullptr);
+  EXPECT_EQ(value(Scene::place(*loaded, {far, {}})), nullptr);
   EXPECT_EQ(Scene::revise(loaded, edits_of(far)).status().code(),
             absl::StatusCode::kFailedPrecondition);
 }
@@ -217,9 +217,9 @@ TEST(MovedSurfaces, NeedABuildIfAFlatPatchIsNotFlatAnyMore) {
   const auto loaded = build(std::move(d));
   MovedSurfaces moves;
   moves[1] = {.shift_m = {0, 0, 1}};
-  EXPECT_NE(value(Scene::place(*loaded, moves)), nullptr);
+  EXPECT_NE(value(Scene::place(*loaded, {moves, {}})), nullptr);
   moves[1] = {.shift_m = c * -1.0};
-  EXPECT_EQ(value(Scene::place(*loaded, moves)), nullptr);
+  EXPECT_EQ(value(Scene::place(*loaded, {moves, {}})), nullptr);
 }
 
 TEST(MovedSurfaces, NeedABuildIfOtherTrianglesAreNotWideAnyMore) {
@@ -237,9 +237,9 @@ TEST(MovedSurfaces, NeedABuildIfOtherTrianglesAreNotWideAnyMore) {
   ASSERT_EQ(loaded->accelerator().scene().wide.size(), 1U);
   MovedSurfaces moves;
   moves[1] = {.shift_m = {1, 0, 0}};
-  EXPECT_NE(value(Scene::place(*loaded, moves)), nullptr);
+  EXPECT_NE(value(Scene::place(*loaded, {moves, {}})), nullptr);
   moves[1] = {.turn_axis = {0, 0, 1}, .turn_rad = std::numbers::pi / 4};
-  EXPECT_EQ(value(Scene::place(*loaded, moves)), nullptr);
+  EXPECT_EQ(value(Scene::place(*loaded, {moves, {}})), nullptr);
 }
 
 TEST(MovedSurfaces, RefuseALightThatMovesByItself) {
@@ -251,7 +251,7 @@ TEST(MovedSurfaces, RefuseALightThatMovesByItself) {
   const auto loaded = build(std::move(d));
   MovedSurfaces moves;
   moves[1] = {.shift_m = {1, 0, 0}};
-  EXPECT_EQ(Scene::place(*loaded, moves).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(Scene::place(*loaded, {moves, {}}).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -1,0 +1,306 @@
+// What tests of edits share.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "proto/common/sha256.h"
+#include "service_fixture.h"
+#include "tests/temp_directory.h"
+
+namespace lucerna::testing {
+
+/// All answers about a scene, with what does not depend on the scene's content removed.
+class Answers {
+ public:
+  Answers(Service& service, const std::string& scene) : service_(service), scene_(scene) {
+    v1::ListLightsRequest list;
+    list.set_scene_id(scene);
+    const grpc::Status listed =
+        status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights_); });
+    EXPECT_TRUE(listed.ok()) << listed.error_message();
+    for (v1::Light& light : *lights_.mutable_lights()) light.clear_source();
+    add("lights", lights_);
+    arriving();
+    leaving();
+    pictures();
+  }
+
+  const v1::ListLightsResponse& lights() const { return lights_; }
+  bool operator==(const Answers& other) const { return bytes_ == other.bytes_; }
+  /// The calls whose answers differ.
+  std::string differences(const Answers& other) const {
+    std::string names;
+    for (const auto& [name, bytes] : bytes_)
+      if (other.bytes_.at(name) != bytes) names += name + " ";
+    return names;
+  }
+
+ private:
+  static constexpr int kPoints = 40;
+
+  template <typename Request>
+  Request request() const {
+    Request q;
+    q.set_scene_id(scene_);
+    return q;
+  }
+  template <typename Response>
+  void add(const std::string& name, Response response) {
+    if constexpr (requires { response.clear_cost(); }) response.clear_cost();
+    if constexpr (requires { response.clear_item_costs(); }) response.clear_item_costs();
+    bytes_[name] = response.SerializeAsString();
+  }
+  template <typename Response, typename Call>
+  Response call(const std::string& name, const Call& ask) {
+    Response response;
+    const grpc::Status s = status_of([&](auto* c) { return ask(c, &response); });
+    EXPECT_TRUE(s.ok()) << name << ": " << s.error_message();
+    add(name, response);
+    return response;
+  }
+
+  void arriving() {
+    auto li = request<v1::SampleLiRequest>();
+    for (int i = 0; i < kPoints; ++i) {
+      const float x = 0.37F * static_cast<float>(i % 7) - 1;
+      const float y = 0.41F * static_cast<float>(i % 5) - 1;
+      for (const float v : {x, y, 0.01F}) li.mutable_receivers()->add_offsets_m(v);
+      for (const float v : {0.F, 0.F, 1.F}) li.add_normals(v);
+    }
+    li.set_test_visibility(true);
+    auto lux = request<v1::EstimateIrradianceRequest>();
+    auto pdf = request<v1::PdfLiRequest>();
+    *lux.mutable_receivers() = *pdf.mutable_receivers() = li.receivers();
+    *lux.mutable_normals() = *pdf.mutable_normals() = li.normals();
+    call<v1::SampleLiResponse>(
+        "SampleLi", [&](auto* c, auto* r) { return service_.lighting.SampleLi(c, li, r); });
+    for (const v1::Light& light : lights_.lights()) {
+      const std::string of = " of light " + std::to_string(light.id());
+      li.set_light_id(light.id());
+      pdf.set_light_id(light.id());
+      const auto samples = call<v1::SampleLiResponse>(
+          "SampleLi" + of, [&](auto* c, auto* r) { return service_.lighting.SampleLi(c, li, r); });
+      *pdf.mutable_wi() = samples.wi();
+      call<v1::PdfLiResponse>("PdfLi" + of,
+                              [&](auto* c, auto* r) { return service_.lighting.PdfLi(c, pdf, r); });
+    }
+    lux.mutable_accuracy()->set_samples(64);
+    std::vector<v1::Visibility> methods{v1::VISIBILITY_RAYS};
+    // Maps of many lights take seconds to make.
+    if (lights_.lights_size() < 10) methods.push_back(v1::VISIBILITY_SHADOW_MAPS);
+    for (const auto visibility : methods)
+      for (const std::uint32_t bounces : {0U, 2U}) {
+        lux.set_bounces(bounces);
+        lux.mutable_accuracy()->set_visibility(visibility);
+        call<v1::EstimateIrradianceResponse>(
+            "EstimateIrradiance " + std::to_string(visibility) + " " + std::to_string(bounces),
+            [&](auto* c, auto* r) { return service_.lighting.EstimateIrradiance(c, lux, r); });
+      }
+    lux.mutable_accuracy()->clear_samples();
+    lux.mutable_accuracy()->mutable_target_error()->set_relative(0.05);
+    lux.set_per_light(true);
+    lux.set_bounces(0);
+    call<v1::EstimateIrradianceResponse>("EstimateIrradiance by a target", [&](auto* c, auto* r) {
+      return service_.lighting.EstimateIrradiance(c, lux, r);
+    });
+    auto seen = request<v1::TestVisibilityRequest>();
+    *seen.mutable_segments()->mutable_from() = li.receivers();
+    for (int i = 0; i < kPoints; ++i)
+      for (const float v : {0.1F * static_cast<float>(i), 1.F, 2.5F})
+        seen.mutable_segments()->mutable_to()->add_offsets_m(v);
+    call<v1::TestVisibilityResponse>("TestVisibility", [&](auto* c, auto* r) {
+      return service_.lighting.TestVisibility(c, seen, r);
+    });
+  }
+
+  void leaving() {
+    auto rays = request<v1::SampleLeRequest>();
+    auto pdf = request<v1::PdfLeRequest>();
+    auto value = request<v1::LeRequest>();
+    rays.set_count(64);
+    call<v1::SampleLeResponse>(
+        "SampleLe", [&](auto* c, auto* r) { return service_.lighting.SampleLe(c, rays, r); });
+    for (const v1::Light& light : lights_.lights()) {
+      const std::string of = " of light " + std::to_string(light.id());
+      rays.set_light_id(light.id());
+      pdf.set_light_id(light.id());
+      value.set_light_id(light.id());
+      const auto leaving = call<v1::SampleLeResponse>("SampleLe" + of, [&](auto* c, auto* r) {
+        return service_.lighting.SampleLe(c, rays, r);
+      });
+      *pdf.mutable_points() = *value.mutable_points() = leaving.points();
+      *pdf.mutable_directions() = *value.mutable_directions() = leaving.directions();
+      call<v1::PdfLeResponse>("PdfLe" + of,
+                              [&](auto* c, auto* r) { return service_.lighting.PdfLe(c, pdf, r); });
+      call<v1::LeResponse>("Le" + of,
+                           [&](auto* c, auto* r) { return service_.lighting.Le(c, value, r); });
+    }
+    call<v1::EstimatePowerResponse>("EstimatePower", [&](auto* c, auto* r) {
+      return service_.lighting.EstimatePower(c, request<v1::EstimatePowerRequest>(), r);
+    });
+  }
+
+  void pictures() {
+    auto tile = request<v1::RenderTileRequest>();
+    tile.mutable_rect()->set_x1(16);
+    tile.mutable_rect()->set_y1(12);
+    tile.mutable_accuracy()->set_samples(8);
+    tile.set_bounces(2);
+    call<v1::RenderTileResponse>(
+        "RenderTile", [&](auto* c, auto* r) { return service_.render.RenderTile(c, tile, r); });
+  }
+
+  Service& service_;
+  std::string scene_;
+  v1::ListLightsResponse lights_;
+  std::map<std::string, std::string> bytes_;
+};
+
+class Edit : public ::testing::Test {
+ protected:
+  Edit() {
+    const std::filesystem::path data = LUCERNA_TEST_DATA;
+    std::filesystem::copy(data / "lights", root_.path() / "lights");
+    std::filesystem::create_directory(root_.path() / "reference");
+    for (const char* file : {"sky.exr", "slide.exr", "screen.exr"})
+      std::filesystem::copy_file(data / "reference" / file, root_.path() / "reference" / file);
+    rpc::ServerOptions options = service_options();
+    options.scenes.root = root_.path().string();
+    service_ = std::make_unique<Service>(options);
+  }
+
+  std::string write(const std::string& name, const std::string& text) {
+    std::ofstream(root_.path() / name) << text;
+    return name;
+  }
+  std::string load(const std::string& name, const std::string& text) {
+    return service_->load(write(name, text));
+  }
+  std::string every_light() const {
+    std::ifstream file(root_.path() / "lights/every_light.pbrt");
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  grpc::Status edit(const v1::EditLightsRequest& request, v1::EditLightsResponse* response) {
+    return status_of([&](auto* c) { return service_->scenes.EditLights(c, request, response); });
+  }
+  /// The id of the revision.
+  std::string edited(const v1::EditLightsRequest& request) {
+    v1::EditLightsResponse response;
+    const grpc::Status s = edit(request, &response);
+    EXPECT_TRUE(s.ok()) << s.error_message();
+    new_ids_.assign(response.light_ids().begin(), response.light_ids().end());
+    return response.scene_id();
+  }
+  v1::ListLightsResponse list(const std::string& scene) {
+    v1::ListLightsRequest request;
+    request.set_scene_id(scene);
+    v1::ListLightsResponse response;
+    const grpc::Status s =
+        status_of([&](auto* c) { return service_->scenes.ListLights(c, request, &response); });
+    EXPECT_TRUE(s.ok()) << s.error_message();
+    return response;
+  }
+  static v1::LightChange* change(v1::EditLightsRequest& request, std::uint64_t light) {
+    v1::LightChange* const change = request.add_edits()->mutable_change();
+    change->set_light_id(light);
+    return change;
+  }
+  static v1::EditLightsRequest request_for(const std::string& scene) {
+    v1::EditLightsRequest request;
+    request.set_scene_id(scene);
+    return request;
+  }
+  /// A digest of the bits of a whole picture.
+  std::string picture(const std::string& scene) {
+    v1::RenderTileRequest q;
+    q.set_scene_id(scene);
+    q.mutable_rect()->set_x1(16);
+    q.mutable_rect()->set_y1(12);
+    q.mutable_accuracy()->set_samples(16);
+    q.set_bounces(3);
+    v1::RenderTileResponse r;
+    const grpc::Status s =
+        status_of([&](auto* c) { return service_->render.RenderTile(c, q, &r); });
+    EXPECT_TRUE(s.ok()) << s.error_message();
+    r.clear_cost();
+    return hexadecimal(sha256(r.SerializeAsString()));
+  }
+  /// The illuminance of a few points, exact to the bit.
+  std::vector<double> total_lux(const std::string& scene) {
+    v1::EstimateIrradianceRequest q;
+    q.set_scene_id(scene);
+    for (float x = -3; x <= 3; ++x) {
+      for (const float v : {x, 0.25F, 0.F}) q.mutable_receivers()->add_offsets_m(v);
+      for (const float v : {0.F, 0.F, 1.F}) q.add_normals(v);
+    }
+    v1::EstimateIrradianceResponse r;
+    const grpc::Status s =
+        status_of([&](auto* c) { return service_->lighting.EstimateIrradiance(c, q, &r); });
+    EXPECT_TRUE(s.ok()) << s.error_message();
+    return {r.irradiance_lx().begin(), r.irradiance_lx().end()};
+  }
+  void expect_same(const std::string& revision, const std::string& fresh) {
+    ASSERT_NE(revision, "");
+    ASSERT_NE(fresh, "");
+    const Answers a(*service_, revision), b(*service_, fresh);
+    EXPECT_TRUE(a == b) << a.differences(b);
+  }
+
+  TempDirectory root_;
+  std::unique_ptr<Service> service_;
+  std::vector<std::uint64_t> new_ids_;
+};
+
+/// A scene near zero, whose coordinates are sums of few powers of two.  `%` stands before each
+/// light that has a place.
+inline constexpr char kPlaced[] =
+    R"(Film "rgb" "integer xresolution" [16] "integer yresolution" [12]
+LookAt 0 -6 2.5   0 0 1   0 0 1
+Camera "perspective" "float fov" [40]
+WorldBegin
+Shape "bilinearmesh" "point3 P" [-4 -4 0  4 -4 0  -4 4 0  4 4 0]
+AttributeBegin % LightSource "point" "rgb I" [12 6 3] "point3 from" [1.25 -1.5 3.25]
+AttributeEnd
+AttributeBegin %
+LightSource "spot" "rgb I" [40 40 40] "point3 from" [2 -2.5 3.5] "point3 to" [0 0 0]
+AttributeEnd
+AttributeBegin % Rotate 180 1 0 0
+LightSource "goniometric" "string filename" "lights/downlight.ies" AttributeEnd
+AttributeBegin % LightSource "goniometric" "string filename" "reference/sky.exr"
+AttributeEnd
+AttributeBegin % Translate -1 1 3 Rotate 180 1 0 0
+LightSource "projection" "string filename" "reference/slide.exr" "float fov" [30] "float scale" [50]
+LightSource "projection" "string filename" "reference/slide.exr" "string projection" "orthographic"
+AttributeEnd
+LightSource "distant" "rgb L" [2 2 2] "point3 from" [1 -2 3] "point3 to" [0 0 0]
+AreaLightSource "diffuse" "rgb L" [10 10 10]
+AttributeBegin %
+Shape "trianglemesh" "point3 P" [-2 -1 3  -1 -1 3  -2 -2 3] "integer indices" [0 1 2]
+AttributeEnd
+)";
+
+inline std::string placed(const std::string& where) {
+  std::string text = kPlaced;
+  for (std::size_t at; (at = text.find('%')) != std::string::npos;) text.replace(at, 1, where);
+  return text;
+}
+
+inline v1::Light point_light(double z) {
+  v1::Light light;
+  light.mutable_point()->mutable_position_m()->set_z(z);
+  for (auto set : {&v1::Rgb::set_r, &v1::Rgb::set_g, &v1::Rgb::set_b})
+    (light.mutable_point()->mutable_intensity_cd()->*set)(100);
+  return light;
+}
+
+}  // namespace lucerna::testing
