@@ -1,20 +1,19 @@
-// libFuzzer target: reads the bytes as a scene file, which may include itself, and as a mesh.
-#include <cstddef>
-#include <cstdint>
-#include <fstream>
-#include <string>
-
-#include "server/formats/ply.h"
+// Reads the input as a scene file, and the further files that it names.
 #include "server/pbrt/load.h"
-#include "tests/temp_directory.h"
+#include "tests/fuzz/allocations.h"
+#include "tests/fuzz/input_files.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const lucerna::TempDirectory directory;
-  static const std::string root = directory.path().string();
-  const std::string bytes(reinterpret_cast<const char*>(data), size);
-  std::ofstream(root + "/scene.pbrt", std::ios::binary) << bytes;
-  auto assets = lucerna::AssetReader::open(root);
-  if (assets.ok()) static_cast<void>(lucerna::load_pbrt(*assets, "scene.pbrt"));
-  static_cast<void>(lucerna::parse_ply(bytes));
+  using namespace lucerna;
+  // A few bytes can ask for any number of primitives or texels, so limits bound each run.
+  constexpr std::uint64_t kMostPrimitives = 20000, kMostTexels = 1 << 16;
+  constexpr std::uint64_t kMostTokens = 1 << 18, kMostFileBytes = 1 << 24;
+  AssetReader assets(std::make_unique<fuzz::InputFiles>(fuzz::text_of(data, size), "scene.pbrt"),
+                     {.max_total_bytes = kMostFileBytes, .max_unpacked_bytes = kMostFileBytes});
+  const fuzz::AllocationBound bound(".pbrt", size);
+  const auto scene = load_pbrt(
+      assets, "scene.pbrt", {},
+      {.max_texels = kMostTexels, .max_primitives = kMostPrimitives, .max_tokens = kMostTokens});
+  bound.require(bound.peak_beyond_result_bytes());
   return 0;
 }
