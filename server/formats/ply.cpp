@@ -191,8 +191,10 @@ class Reader {
       if (has_normals_) mesh_.normals.reserve(element.count);
       if (has_uv_) mesh_.uv.reserve(element.count);
     } else if (element.name == "face") {
-      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(3 * element.count * sizeof(std::uint32_t)));
-      mesh_.indices.reserve(3 * element.count);
+      LUCERNA_RETURN_IF_ERROR(make_room_for_quads(element, role));
+      const std::uint64_t triangles = element.count + mesh_.quads.capacity();
+      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(3 * triangles * sizeof(std::uint32_t)));
+      mesh_.indices.reserve(3 * triangles);
     }
     if (numbers_.encoding() != Encoding::kAscii) {
       if (element.name == "vertex" && has_no_list(element)) return read_vertices(element, role);
@@ -360,6 +362,33 @@ class Reader {
       mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[2], corner[3]});
       mesh_.quads.push_back(static_cast<std::uint32_t>(mesh_.indices.size() / 3 - 2));
     }
+    return absl::OkStatus();
+  }
+
+  /// Counts the quadrilaterals of binary faces with indices of one byte, so that lists get their
+  /// size at once.  Such faces are short, and lists that grow would need too much memory for them.
+  absl::Status make_room_for_quads(const Element& element, const std::vector<Role>& role) {
+    const auto corners = static_cast<std::size_t>(std::ranges::find(role, kCorners) - role.begin());
+    if (numbers_.encoding() == Encoding::kAscii || size_of(element.properties[corners].type) > 1)
+      return absl::OkStatus();
+    const Numbers begin = numbers_;
+    std::uint64_t quads = 0;
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      if ((i & 0xffff) == 0 && stop_.stop_requested())
+        return absl::CancelledError("loading was cancelled");
+      for (std::size_t p = 0; p < role.size(); ++p) {
+        const Property& property = element.properties[p];
+        double n = 0;
+        const bool ok = property.count_type
+                            ? numbers_.next(*property.count_type, n) && skip(property.type, n)
+                            : numbers_.next(property.type, n);
+        if (!ok) return cut_off(element.name, i);
+        if (p == corners && n == 4) ++quads;
+      }
+    }
+    numbers_ = begin;
+    LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(quads * sizeof(std::uint32_t)));
+    mesh_.quads.reserve(quads);
     return absl::OkStatus();
   }
 

@@ -1,5 +1,6 @@
 // Every input of the corpora runs through its fuzz target, without libFuzzer.  A target ends the
 // program if it finds something wrong.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +12,11 @@
 #include <vector>
 
 #include "tests/fuzz/allocations.h"
+
+// All targets.  A folder of the corpora that is not in this list fails a test.
+#define LUCERNA_FUZZ_TARGETS(f)                                                              \
+  f(config_fuzz) f(eulumdat_fuzz) f(gltf_fuzz) f(ies_fuzz) f(pbrt_fuzz) f(picture_fuzz)      \
+      f(ply_fuzz) f(request_fuzz) f(texture_fuzz) f(token_file_fuzz)
 
 #define LUCERNA_DECLARE(target) \
   extern "C" int target(const std::uint8_t* data, std::size_t size);
@@ -56,6 +62,13 @@ std::vector<std::string> names() {
   std::vector<std::string> names;
   for (const auto& [name, target] : targets()) names.push_back(name);
   return names;
+}
+
+TEST(Corpora, HaveOneFolderForEachTarget) {
+  std::vector<std::string> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(LUCERNA_CORPUS))
+    folders.push_back(entry.path().filename());
+  EXPECT_THAT(folders, ::testing::UnorderedElementsAreArray(names()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus, ::testing::ValuesIn(names()),

@@ -1,0 +1,156 @@
+// What parsers allocate, for files of a megabyte that need the most memory for their size.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/formats/eulumdat.h"
+#include "server/formats/ies.h"
+#include "server/formats/ply.h"
+#include "server/pbrt/load.h"
+#include "tests/fuzz/allocations.h"
+#include "tests/fuzz/input_files.h"
+
+namespace lucerna::fuzz {
+namespace {
+
+constexpr std::size_t kBytes = std::size_t{1} << 20;
+
+std::string repeated(std::string_view unit, std::size_t times) {
+  std::string text;
+  text.reserve(unit.size() * times);
+  for (std::size_t i = 0; i < times; ++i) text += unit;
+  return text;
+}
+/// As many units as fit in kBytes.
+std::string repeated(std::string_view unit) { return repeated(unit, kBytes / unit.size()); }
+
+/// The same with %, which becomes another number each time.
+std::string numbered(std::string_view unit) {
+  std::string text;
+  for (std::size_t i = 0; text.size() < kBytes; ++i)
+    for (const char c : unit) text += c == '%' ? std::to_string(i) : std::string(1, c);
+  return text;
+}
+
+std::string ply(std::string_view form, std::string_view elements, std::string_view body) {
+  return fmt::format("ply\nformat {} 1.0\n{}end_header\n{}", form, elements, body);
+}
+
+TEST(Allocations, PlyHoldsAtMostEightTimesItsSize) {
+  constexpr std::size_t kFaces = 200000;
+  const std::string little = "binary_little_endian";
+  const std::string vertices =
+      "element vertex 4\nproperty char x\nproperty char y\nproperty char z\n";
+  const std::string corners(12, '\0');
+  const auto faces = [&](std::size_t count, const char* type) {
+    return fmt::format("{}element face {}\nproperty list uchar {} vertex_indices\n", vertices,
+                       count, type);
+  };
+  const std::string triangle{3, 0, 1, 2}, quad{4, 0, 1, 2, 3};
+  const std::string wide_quad{4, 0, 0, 1, 0, 2, 0, 3, 0};
+  const std::string wide_triangle{3, 0, 0, 1, 0, 2, 0};
+  for (const std::string& bytes : {
+           ply(little, fmt::format("element vertex {}\nproperty char x\nproperty char y\n"
+                                   "property char z\nelement face 0\n"
+                                   "property list uchar int vertex_indices\n",
+                                   kFaces),
+               std::string(3 * kFaces, '\0')),
+           ply(little, faces(kFaces, "uchar"), corners + repeated(quad, kFaces)),
+           ply(little, faces(kFaces, "uchar"), corners + repeated(triangle, kFaces - 1) + quad),
+           ply(little, faces(2 * kFaces, "uchar"), corners + repeated(quad + triangle, kFaces)),
+           ply(little, faces(kFaces, "ushort"), corners + repeated(wide_quad, kFaces)),
+           ply(little, faces(kFaces, "ushort"),
+               corners + repeated(wide_triangle, kFaces / 2) + repeated(wide_quad, kFaces / 2)),
+           ply("ascii", faces(kFaces, "uchar"),
+               repeated("0 0 0\n", 4) + repeated("4 0 1 2 3\n", kFaces)),
+           ply("ascii", "comment " + repeated("a ") + "\n", ""),
+           ply("ascii", repeated("element a 0\n"), ""),
+           ply("ascii", "element a 1\n" + repeated("property char a\n"), ""),
+           std::string("ply\nformat ") + repeated("x") + " 1.0\n",
+       }) {
+    const AllocationBound bound("PLY", bytes.size());
+    const auto mesh = parse_ply(bytes);
+    EXPECT_LE(bound.peak_bytes(),
+              AllocationBound::kFactor * bytes.size() + AllocationBound::kFixedBytes)
+        << bytes.substr(0, 200) << " " << mesh.status();
+  }
+}
+
+TEST(Allocations, PhotometricParsersHoldAtMostEightTimesTheSizeBeyondTheWeb) {
+  const std::string ies = "IESNA:LM-63-2002\nTILT=NONE\n1 1 1 {} 1 2 0 0 0\n1 1 1\n";
+  const auto grid = [](int count, double most) {
+    std::string text;
+    for (int i = 0; i <= count; ++i) text += fmt::format("{:g} ", most * i / count);
+    return text + "\n";
+  };
+  const std::string lines = repeated("\n");
+  std::string ldt = "\n\n4\n400\n\n1001\n";
+  ldt += repeated("\n", 17) + "1\n\n1\n1\n\n1\n\n\n\n" + repeated("\n", 10);
+  for (int i = 0; i < 400; ++i) ldt += fmt::format("{:g}\n", 0.9 * i);
+  for (int i = 0; i < 1001; ++i) ldt += fmt::format("{:g}\n", 0.09 * i);
+  ldt += repeated("1\n", 101 * 1001);
+  for (const std::string& text :
+       {fmt::format(fmt::runtime(ies), "1001 401") + grid(1000, 90) + grid(400, 90) +
+            repeated("1 ", 1001 * 401),
+        ies + lines, "IESNA:LM-63-2002\n" + lines, lines, ldt}) {
+    for (const auto& parse : {&parse_ies, &parse_eulumdat}) {
+      const AllocationBound bound("web", text.size());
+      const auto file = parse(text, "file");
+      EXPECT_LE(bound.peak_beyond_result_bytes(),
+                AllocationBound::kFactor * text.size() + AllocationBound::kFixedBytes)
+          << text.substr(0, 200) << " " << file.status();
+    }
+  }
+  EXPECT_TRUE(parse_eulumdat(ldt, "file").ok()) << parse_eulumdat(ldt, "file").status();
+}
+
+TEST(Allocations, ExplorePbrt) {
+  for (const std::string& text : {
+           repeated("WorldBegin AttributeBegin ", 1) + repeated("AttributeBegin "),
+           "WorldBegin " + repeated("Shape \"sphere\" "),
+           "WorldBegin " + repeated("Shape\"disk\""),
+           "WorldBegin " + repeated("LightSource \"point\" "),
+           "WorldBegin " + numbered("CoordinateSystem\"%\""),
+           "WorldBegin " + numbered("MakeNamedMaterial\"%\"\"string type\"\"diffuse\""),
+           "WorldBegin " + repeated("Material\"diffuse\""),
+           "WorldBegin " + repeated("NamedMaterial\"a\""),
+           "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"diffuse\" " + repeated("NamedMaterial\"a\""),
+           "WorldBegin " + numbered("NamedMaterial\"%\""),
+           "WorldBegin " + numbered("Texture\"%\"\"float\"\"constant\""),
+           numbered("MakeNamedMedium\"%\"\"string type\"\"homogeneous\""),
+           numbered("MediumInterface\"%\""),
+           numbered("Option\"%\"1"),
+           repeated("Option\"a\"1"),
+           "WorldBegin " + numbered("ObjectBegin\"%\"ObjectEnd "),
+           "WorldBegin ObjectBegin\"a\"ObjectEnd " + repeated("ObjectInstance\"a\""),
+           "WorldBegin " + repeated("Attribute\"shape\"\"float a\"1"),
+           "WorldBegin Shape \"sphere\" " + numbered("\"float %\"1"),
+           "WorldBegin Shape \"sphere\" \"float a\" [" + repeated("1 ") + "]",
+           "WorldBegin Shape \"sphere\" \"float a\" [" + repeated("1 ", 600000) + "]",
+           "WorldBegin Shape \"sphere\" \"string a\" [" + repeated("\"\"") + "]",
+           "WorldBegin Shape \"trianglemesh\" \"integer indices\" [" + repeated("0 1 2 ") + "] \"point3 P\" [0 0 0 1 0 0 1 1 0]",
+           "WorldBegin Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 1 1 0 " + repeated("0 0 0 ") + "]",
+           "WorldBegin Shape \"bilinearmesh\" \"integer indices\" [" + repeated("0 1 2 3 ") + "] \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0]",
+           "WorldBegin Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 1 1 0 " + repeated("0 0 0 ",80000) + "] \"normal N\" [0 0 1 0 0 1 0 0 1 " + repeated("0 0 1 ",80000) +"] \"point2 uv\" [0 0 1 0 1 1 " + repeated("0 0 ",80000) + "]",
+           "WorldBegin Shape \"curve\" \"integer degree\" 2 \"string basis\" \"bspline\" \"point3 P\" [" + repeated("0 0 0 1 0 0 ") + "]",
+           "WorldBegin LightSource \"point\" \"spectrum I\" [" + numbered("% 1 ") + "]",
+           "WorldBegin " + repeated("AreaLightSource\"diffuse\""),
+           "WorldBegin " + repeated("Scale 1 1 1 "),
+           "WorldBegin " + repeated("a"),
+           "WorldBegin \"" + repeated("a") + "\"",
+           "WorldBegin Shape \"" + repeated("\\n") + "\"",
+           "#" + repeated("a"),
+       }) {
+    AssetReader assets(std::make_unique<InputFiles>(text, "scene.pbrt"));
+    const AllocationBound bound(".pbrt", text.size());
+    const auto scene = load_pbrt(assets, "scene.pbrt");
+    fmt::print("{:7.2f} {:7.2f} {:60} {}\n", double(bound.peak_beyond_result_bytes()) / text.size(),
+               double(bound.peak_bytes()) / text.size(), text.substr(0, 60), scene.status().ToString().substr(0, 80));
+  }
+}
+
+}  // namespace
+}  // namespace lucerna::fuzz
