@@ -223,9 +223,9 @@ absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, const Sizes&
   PhotometricWebParams web;
   web.vertical_deg =
       lines.list(angles_line + angles, gammas, "a gamma-angle", 0, 180, "from 0 to 180 degrees");
-  web.intensity_cd = lines.list(angles_line + angles + gammas, planes.count * gammas,
-                                "an intensity per 1000 lm", 0, kAny, "finite, not negative",
-                                symmetry == 0 ? gammas : 0);
+  web.intensity_cd =
+      lines.list(angles_line + angles + gammas, planes.count * gammas, "an intensity per 1000 lm",
+                 0, kAny, "finite, not negative", symmetry == 0 ? gammas : 0);
   if (auto s = check_vertical_angles(web.type, web.vertical_deg); lines.status.ok() && !s.ok())
     lines.fail(angles_line + angles, std::string(s.message()));
   LUCERNA_RETURN_IF_ERROR(lines.status);

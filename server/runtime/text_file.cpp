@@ -17,7 +17,7 @@ absl::StatusOr<std::string> read_text_file(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"),
                                                              &std::fclose);
   if (file == nullptr) return unreadable(std::generic_category().message(errno));
-  constexpr std::size_t kChunk = std::size_t{1} << 16;
+  constexpr std::size_t kChunk = std::size_t{1} << 12;
   std::string text;
   for (;;) {
     const std::size_t begin = text.size();

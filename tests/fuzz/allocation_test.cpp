@@ -1,4 +1,4 @@
-// What parsers allocate, for files of a megabyte that need the most memory for their size.
+// What parsers allocate, for files of a quarter megabyte that need the most memory for their size.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,11 +12,12 @@
 #include "server/pbrt/load.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/input_files.h"
+#include "tests/server/assets/limited_pool.h"
 
 namespace lucerna::fuzz {
 namespace {
 
-constexpr std::size_t kBytes = std::size_t{1} << 20;
+constexpr std::size_t kBytes = std::size_t{1} << 18;
 
 std::string repeated(std::string_view unit, std::size_t times) {
   std::string text;
@@ -40,7 +41,7 @@ std::string ply(std::string_view form, std::string_view elements, std::string_vi
 }
 
 TEST(Allocations, PlyHoldsAtMostEightTimesItsSize) {
-  constexpr std::size_t kFaces = 200000;
+  constexpr std::size_t kFaces = 50000;
   const std::string little = "binary_little_endian";
   const std::string vertices =
       "element vertex 4\nproperty char x\nproperty char y\nproperty char z\n";
@@ -53,10 +54,11 @@ TEST(Allocations, PlyHoldsAtMostEightTimesItsSize) {
   const std::string wide_quad{4, 0, 0, 1, 0, 2, 0, 3, 0};
   const std::string wide_triangle{3, 0, 0, 1, 0, 2, 0};
   for (const std::string& bytes : {
-           ply(little, fmt::format("element vertex {}\nproperty char x\nproperty char y\n"
-                                   "property char z\nelement face 0\n"
-                                   "property list uchar int vertex_indices\n",
-                                   kFaces),
+           ply(little,
+               fmt::format("element vertex {}\nproperty char x\nproperty char y\n"
+                           "property char z\nelement face 0\n"
+                           "property list uchar int vertex_indices\n",
+                           kFaces),
                std::string(3 * kFaces, '\0')),
            ply(little, faces(kFaces, "uchar"), corners + repeated(quad, kFaces)),
            ply(little, faces(kFaces, "uchar"), corners + repeated(triangle, kFaces - 1) + quad),
@@ -92,10 +94,9 @@ TEST(Allocations, PhotometricParsersHoldAtMostEightTimesTheSizeBeyondTheWeb) {
   for (int i = 0; i < 400; ++i) ldt += fmt::format("{:g}\n", 0.9 * i);
   for (int i = 0; i < 1001; ++i) ldt += fmt::format("{:g}\n", 0.09 * i);
   ldt += repeated("1\n", 101 * 1001);
-  for (const std::string& text :
-       {fmt::format(fmt::runtime(ies), "1001 401") + grid(1000, 90) + grid(400, 90) +
-            repeated("1 ", 1001 * 401),
-        ies + lines, "IESNA:LM-63-2002\n" + lines, lines, ldt}) {
+  for (const std::string& text : {fmt::format(fmt::runtime(ies), "1001 401") + grid(1000, 90) +
+                                      grid(400, 90) + repeated("1 ", 1001 * 401),
+                                  ies + lines, "IESNA:LM-63-2002\n" + lines, lines, ldt}) {
     for (const auto& parse : {&parse_ies, &parse_eulumdat}) {
       const AllocationBound bound("web", text.size());
       const auto file = parse(text, "file");
@@ -107,48 +108,68 @@ TEST(Allocations, PhotometricParsersHoldAtMostEightTimesTheSizeBeyondTheWeb) {
   EXPECT_TRUE(parse_eulumdat(ldt, "file").ok()) << parse_eulumdat(ldt, "file").status();
 }
 
-TEST(Allocations, ExplorePbrt) {
+TEST(Allocations, PbrtHoldsAtMostEightTimesItsSizeBeyondWhatTheBudgetCounts) {
+  const std::string world = "WorldBegin ";
+  const std::string triangle = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 ";
+  const std::string corners = "] \"point3 P\" [0 0 0 1 0 0 1 1 0 ";
+  const std::string blocks = repeated("AttributeBegin ", 255);
+  std::string attributes;
+  for (const char* target : {"shape", "light", "material", "texture", "medium"})
+    for (int i = 0; i < 64; ++i)
+      attributes += fmt::format("Attribute\"{}\"\"float a{}\"1 ", target, i);
   for (const std::string& text : {
-           repeated("WorldBegin AttributeBegin ", 1) + repeated("AttributeBegin "),
-           "WorldBegin " + repeated("Shape \"sphere\" "),
-           "WorldBegin " + repeated("Shape\"disk\""),
-           "WorldBegin " + repeated("LightSource \"point\" "),
-           "WorldBegin " + numbered("CoordinateSystem\"%\""),
-           "WorldBegin " + numbered("MakeNamedMaterial\"%\"\"string type\"\"diffuse\""),
-           "WorldBegin " + repeated("Material\"diffuse\""),
-           "WorldBegin " + repeated("NamedMaterial\"a\""),
-           "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"diffuse\" " + repeated("NamedMaterial\"a\""),
-           "WorldBegin " + numbered("NamedMaterial\"%\""),
-           "WorldBegin " + numbered("Texture\"%\"\"float\"\"constant\""),
+           world + blocks + repeated("AttributeEnd ", 255),
+           world + repeated("AttributeBegin "),
+           world + attributes + blocks,
+           world + repeated("Attribute\"shape\"\"float a\"1 "),
+           world + numbered("Attribute\"shape\"\"float a%\"1 "),
+           world + repeated("Shape \"sphere\" "),
+           world + repeated("Shape\"disk\""),
+           world + repeated("LightSource \"point\" "),
+           world + repeated("AreaLightSource\"diffuse\""),
+           world + numbered("CoordinateSystem\"%\""),
+           world + numbered("CoordSysTransform\"%\""),
+           world + numbered("MakeNamedMaterial\"%\"\"string type\"\"diffuse\""),
+           world +
+               numbered("MakeNamedMaterial\"%\"\"string type\"\"mix\"\"float a\"1\"float b\"1 "),
+           world + repeated("Material\"diffuse\""),
+           world + repeated("Material\"diffuse\"\"float a\"1"),
+           world + repeated("NamedMaterial\"a\""),
+           world + numbered("NamedMaterial\"%\""),
+           world + numbered("Texture\"%\"\"float\"\"constant\""),
+           world + numbered("Texture\"%\"\"float\"\"wrinkled\""),
            numbered("MakeNamedMedium\"%\"\"string type\"\"homogeneous\""),
            numbered("MediumInterface\"%\""),
-           numbered("Option\"%\"1"),
-           repeated("Option\"a\"1"),
-           "WorldBegin " + numbered("ObjectBegin\"%\"ObjectEnd "),
-           "WorldBegin ObjectBegin\"a\"ObjectEnd " + repeated("ObjectInstance\"a\""),
-           "WorldBegin " + repeated("Attribute\"shape\"\"float a\"1"),
-           "WorldBegin Shape \"sphere\" " + numbered("\"float %\"1"),
-           "WorldBegin Shape \"sphere\" \"float a\" [" + repeated("1 ") + "]",
-           "WorldBegin Shape \"sphere\" \"float a\" [" + repeated("1 ", 600000) + "]",
-           "WorldBegin Shape \"sphere\" \"string a\" [" + repeated("\"\"") + "]",
-           "WorldBegin Shape \"trianglemesh\" \"integer indices\" [" + repeated("0 1 2 ") + "] \"point3 P\" [0 0 0 1 0 0 1 1 0]",
-           "WorldBegin Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 1 1 0 " + repeated("0 0 0 ") + "]",
-           "WorldBegin Shape \"bilinearmesh\" \"integer indices\" [" + repeated("0 1 2 3 ") + "] \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0]",
-           "WorldBegin Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 1 1 0 " + repeated("0 0 0 ",80000) + "] \"normal N\" [0 0 1 0 0 1 0 0 1 " + repeated("0 0 1 ",80000) +"] \"point2 uv\" [0 0 1 0 1 1 " + repeated("0 0 ",80000) + "]",
-           "WorldBegin Shape \"curve\" \"integer degree\" 2 \"string basis\" \"bspline\" \"point3 P\" [" + repeated("0 0 0 1 0 0 ") + "]",
-           "WorldBegin LightSource \"point\" \"spectrum I\" [" + numbered("% 1 ") + "]",
-           "WorldBegin " + repeated("AreaLightSource\"diffuse\""),
-           "WorldBegin " + repeated("Scale 1 1 1 "),
-           "WorldBegin " + repeated("a"),
-           "WorldBegin \"" + repeated("a") + "\"",
-           "WorldBegin Shape \"" + repeated("\\n") + "\"",
+           numbered("Option\"%\" 1 "),
+           repeated("Option\"\" 1 "),
+           world + numbered("ObjectBegin\"%\"ObjectEnd "),
+           world + "ObjectBegin\"a\"ObjectEnd " + repeated("ObjectInstance\"a\""),
+           world + "Shape \"sphere\" " + numbered("\"float %\"1"),
+           world + "Shape \"sphere\" \"float a\" [" + repeated("1 ") + "]",
+           world + "Shape \"sphere\" \"float a\" [" + repeated("1 ", 150000) + "]",
+           world + "Shape \"sphere\" \"string a\" [" + repeated("\"\"") + "]",
+           world + triangle + repeated("0 1 2 ") + corners + "]",
+           world + triangle + corners + repeated("0 0 0 ") + "]",
+           world + triangle + corners + repeated("0 0 0 ", 20000) +
+               "] \"normal N\" [0 0 1 0 0 1 0 0 1 " + repeated("0 0 1 ", 20000) +
+               "] \"point2 uv\" [0 0 1 0 1 1 " + repeated("0 0 ", 20000) + "]",
+           world +
+               "Shape \"curve\" \"integer degree\" 2 \"string basis\" \"bspline\" \"point3 P\" [" +
+               repeated("0 0 0 1 0 0 ") + "]",
+           world + "LightSource \"point\" \"spectrum I\" [" + numbered("% 1 ") + "]",
+           world + repeated("Scale 1 1 1 "),
+           world + repeated("a"),
+           world + "Shape \"" + repeated("\\n") + "\"",
            "#" + repeated("a"),
        }) {
-    AssetReader assets(std::make_unique<InputFiles>(text, "scene.pbrt"));
+    testing::LimitedPool pool;
+    LoadBudget budget(&pool);
+    AssetReader assets(std::make_unique<InputFiles>(text, "scene.pbrt"), {.budget = &budget});
     const AllocationBound bound(".pbrt", text.size());
-    const auto scene = load_pbrt(assets, "scene.pbrt");
-    fmt::print("{:7.2f} {:7.2f} {:60} {}\n", double(bound.peak_beyond_result_bytes()) / text.size(),
-               double(bound.peak_bytes()) / text.size(), text.substr(0, 60), scene.status().ToString().substr(0, 80));
+    const auto scene = load_pbrt(assets, "scene.pbrt", {}, {.budget = &budget});
+    EXPECT_LE(bound.peak_bytes(),
+              AllocationBound::kFactor * text.size() + kPbrtFixedBytes + kListGrowth * pool.most())
+        << text.substr(0, 200) << " " << scene.status() << " counted " << pool.most();
   }
 }
 

@@ -60,9 +60,13 @@ std::size_t AllocationBound::peak_beyond_result_bytes() const {
 }
 
 void AllocationBound::require(std::size_t bytes, std::size_t factor) const {
-  if (bytes <= factor * input_bytes_ + kFixedBytes) return;
-  std::fprintf(stderr, "%s: %zu bytes of memory for %zu bytes of input, allowed: %zu x + %zu\n",
-               parser_, bytes, input_bytes_, factor, kFixedBytes);
+  require_at_most(bytes, factor * input_bytes_ + kFixedBytes);
+}
+
+void AllocationBound::require_at_most(std::size_t bytes, std::size_t allowed) const {
+  if (bytes <= allowed) return;
+  std::fprintf(stderr, "%s: %zu bytes of memory for %zu bytes of input, allowed: %zu\n", parser_,
+               bytes, input_bytes_, allowed);
   std::abort();
 }
 

@@ -25,10 +25,19 @@ class AllocationBound {
 
   /// Ends the program if `bytes` exceed `factor` times the input and kFixedBytes.
   void require(std::size_t bytes, std::size_t factor = kFactor) const;
+  /// The same for any number of `allowed` bytes.
+  void require_at_most(std::size_t bytes, std::size_t allowed) const;
 
  private:
   const char* parser_;
   std::size_t input_bytes_;
 };
+
+/// The same for .pbrt files: also 256 open blocks with their attributes, and the parameters of a
+/// directive.
+inline constexpr std::size_t kPbrtFixedBytes = std::size_t{2} << 20;
+/// The memory budget counts lists after they have grown.  While a list grows, its old half exists
+/// too.
+inline constexpr std::size_t kListGrowth = 2;
 
 }  // namespace lucerna::fuzz

@@ -14,12 +14,11 @@
 #include "tests/fuzz/allocations.h"
 
 // All targets.  A folder of the corpora that is not in this list fails a test.
-#define LUCERNA_FUZZ_TARGETS(f)                                                              \
-  f(config_fuzz) f(eulumdat_fuzz) f(gltf_fuzz) f(ies_fuzz) f(pbrt_fuzz) f(picture_fuzz)      \
+#define LUCERNA_FUZZ_TARGETS(f)                                                         \
+  f(config_fuzz) f(eulumdat_fuzz) f(gltf_fuzz) f(ies_fuzz) f(pbrt_fuzz) f(picture_fuzz) \
       f(ply_fuzz) f(request_fuzz) f(texture_fuzz) f(token_file_fuzz)
 
-#define LUCERNA_DECLARE(target) \
-  extern "C" int target(const std::uint8_t* data, std::size_t size);
+#define LUCERNA_DECLARE(target) extern "C" int target(const std::uint8_t* data, std::size_t size);
 LUCERNA_FUZZ_TARGETS(LUCERNA_DECLARE)
 #undef LUCERNA_DECLARE
 
@@ -52,9 +51,9 @@ TEST_P(Corpus, RunsThroughItsTarget) {
     SCOPED_TRACE(path.string());
     // A target that ends the program does not name the input.
     std::fprintf(stderr, "%s\n", path.c_str());
-    EXPECT_EQ(targets().at(GetParam())(reinterpret_cast<const std::uint8_t*>(bytes.data()),
-                                       bytes.size()),
-              0);
+    EXPECT_EQ(
+        targets().at(GetParam())(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()),
+        0);
   }
 }
 

@@ -8,7 +8,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view input = fuzz::text_of(data, size);
   const std::string name = input.starts_with("glTF") ? "scene.glb" : "scene.gltf";
   AssetReader assets(std::make_unique<fuzz::InputFiles>(input, name));
-  static_cast<void>(load_gltf(
-      assets, name, {}, {.max_texels = kMostTexels, .max_primitives = kMostPrimitives}));
+  static_cast<void>(
+      load_gltf(assets, name, {}, {.max_texels = kMostTexels, .max_primitives = kMostPrimitives}));
   return 0;
 }

@@ -94,8 +94,7 @@ class World {
  private:
   void load() {
     arena_.execute([&] {
-      const LoadedScene loaded =
-          checked(runtime_.scenes->load(kScene, {.lease_s = kLeaseSeconds}));
+      const LoadedScene loaded = checked(runtime_.scenes->load(kScene, {.lease_s = kLeaseSeconds}));
       scene_ = loaded.stored.scene->id();
       lease_ = loaded.lease.id;
     });

@@ -30,17 +30,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const char* const pictures[] = {"picture.png", "picture.exr", "picture.pfm"};
   const std::string picture = one_of(pictures, data[4] / 2);
   const std::string parameters =
-      " \"imagemap\" \"string filename\" \"" + picture + "\" \"string wrap\" \"" + one_of(wraps, data[0]) +
-      "\" \"string filter\" \"" + one_of(filters, data[1]) + "\" \"string mapping\" \"" +
-      one_of(mappings, data[2]) + "\" \"string encoding\" \"" + one_of(encodings, data[3]) +
-      "\" \"bool invert\" " + (data[4] % 2 == 0 ? "true" : "false") + " ";
+      " \"imagemap\" \"string filename\" \"" + picture + "\" \"string wrap\" \"" +
+      one_of(wraps, data[0]) + "\" \"string filter\" \"" + one_of(filters, data[1]) +
+      "\" \"string mapping\" \"" + one_of(mappings, data[2]) + "\" \"string encoding\" \"" +
+      one_of(encodings, data[3]) + "\" \"bool invert\" " + (data[4] % 2 == 0 ? "true" : "false") +
+      " ";
   const std::string input =
       "WorldBegin AreaLightSource \"diffuse\" Texture \"c\" \"spectrum\"" + parameters +
       "Texture \"a\" \"float\"" + parameters +
       "Material \"diffuse\" \"texture reflectance\" \"c\" \"texture displacement\" \"a\" "
       "Shape \"sphere\" \"texture alpha\" \"a\"\n#FILE " +
-      picture + "\n" +
-      std::string(lucerna::fuzz::text_of(data + kParameters, size - kParameters));
+      picture + "\n" + std::string(lucerna::fuzz::text_of(data + kParameters, size - kParameters));
   constexpr std::uint64_t kMostTexels = 1 << 16;
   lucerna::AssetReader assets(std::make_unique<lucerna::fuzz::InputFiles>(input, "scene.pbrt"));
   auto description = lucerna::load_pbrt(assets, "scene.pbrt", {}, {.max_texels = kMostTexels});
