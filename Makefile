@@ -22,7 +22,7 @@ test: release
 
 # Fuzzes every reader of input with libFuzzer and sanitizers: 60 s each, or RUNS runs each.
 fuzz: deps
-	@deploy/install-deps.sh clang
+	@deploy/install-deps.sh clang-16 llvm-16 libclang-rt-16-dev
 	@test -f build/fuzz/build.ninja || cmake --preset fuzz
 	@cmake --build --preset fuzz --target fuzz_targets
 	@tests/fuzz/run.py $(if $(RUNS),RUNS=$(RUNS),SHORT)

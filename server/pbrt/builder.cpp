@@ -16,6 +16,14 @@ constexpr std::size_t kMostAttributes = 64;  // of one target
 constexpr std::size_t kNodeBytes = 96;
 constexpr std::size_t kParameterBytes = sizeof(Parameter) + 128;
 
+/// Appends to a list of the scene, and counts its memory if it has grown.
+template <typename T>
+void append(Context& context, std::vector<T>& list, T item) {
+  const std::size_t before = list.capacity();
+  list.push_back(std::move(item));
+  if (list.capacity() > before) context.poll();
+}
+
 const char* name_of_opener(int kind) {
   static constexpr const char* kNames[] = {"AttributeBegin", "ObjectBegin", "Import"};
   return kNames[kind];
@@ -249,9 +257,12 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   shape.alpha = alpha;
   shape.geometry = *std::move(geometry);
   if (absl::Status status = context_.meter.add(shape); !status.ok()) fail(place, status);
-  auto& shapes =
-      open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;
+  if (!open_object_) return append(context_, context_.scene.shapes, std::move(shape));
+  auto& shapes = context_.scene.objects[*open_object_].shapes;
+  const std::size_t before = shapes.capacity();
   shapes.push_back(std::move(shape));
+  // The meter counts the lists of the scene, but not those within an object.
+  Context::require(context_.meter.hold((shapes.capacity() - before) * sizeof(ShapeDescription)));
 }
 
 void Builder::light_source(const std::string& type, Parameters params, const Place& place) {
@@ -262,7 +273,7 @@ void Builder::light_source(const std::string& type, Parameters params, const Pla
   if (light.motion && std::holds_alternative<PortalLightParams>(light.params))
     context_.remark(place, "a moving light with a portal, which pbrt-v4 keeps in place",
                     "the portal moves with the light");
-  context_.scene.lights.push_back(std::move(light));
+  append(context_, context_.scene.lights, std::move(light));
 }
 
 void Builder::area_light_source(const std::string& type, Parameters params, const Place& place) {
@@ -291,8 +302,8 @@ void Builder::object_end(const Place& place) {
 void Builder::object_instance(const std::string& name, const Place& place) {
   require_world("ObjectInstance", place);
   if (open_object_) fail(place, "ObjectInstance within an object definition");
-  context_.scene.instances.push_back(
-      {0, state_.world_from_object.start, motion("ObjectInstance", place), location(place)});
+  append(context_, context_.scene.instances,
+         {0, state_.world_from_object.start, motion("ObjectInstance", place), location(place)});
   instance_uses_.push_back({name, place});
   context_.count(2 * sizeof(Use));
 }

@@ -19,14 +19,8 @@ namespace {
 
 constexpr std::size_t kBytes = std::size_t{1} << 18;
 
-std::string repeated(std::string_view unit, std::size_t times) {
-  std::string text;
-  text.reserve(unit.size() * times);
-  for (std::size_t i = 0; i < times; ++i) text += unit;
-  return text;
-}
 /// As many units as fit in kBytes.
-std::string repeated(std::string_view unit) { return repeated(unit, kBytes / unit.size()); }
+std::string filled(std::string_view unit) { return repeated(unit, kBytes / unit.size()); }
 
 /// The same with %, which becomes another number each time.
 std::string numbered(std::string_view unit) {
@@ -68,10 +62,10 @@ TEST(Allocations, PlyHoldsAtMostEightTimesItsSize) {
                corners + repeated(wide_triangle, kFaces / 2) + repeated(wide_quad, kFaces / 2)),
            ply("ascii", faces(kFaces, "uchar"),
                repeated("0 0 0\n", 4) + repeated("4 0 1 2 3\n", kFaces)),
-           ply("ascii", "comment " + repeated("a ") + "\n", ""),
-           ply("ascii", repeated("element a 0\n"), ""),
-           ply("ascii", "element a 1\n" + repeated("property char a\n"), ""),
-           std::string("ply\nformat ") + repeated("x") + " 1.0\n",
+           ply("ascii", "comment " + filled("a ") + "\n", ""),
+           ply("ascii", filled("element a 0\n"), ""),
+           ply("ascii", "element a 1\n" + filled("property char a\n"), ""),
+           std::string("ply\nformat ") + filled("x") + " 1.0\n",
        }) {
     const AllocationBound bound("PLY", bytes.size());
     const auto mesh = parse_ply(bytes);
@@ -88,7 +82,7 @@ TEST(Allocations, PhotometricParsersHoldAtMostEightTimesTheSizeBeyondTheWeb) {
     for (int i = 0; i <= count; ++i) text += fmt::format("{:g} ", most * i / count);
     return text + "\n";
   };
-  const std::string lines = repeated("\n");
+  const std::string lines = filled("\n");
   std::string ldt = "\n\n4\n400\n\n1001\n";
   ldt += repeated("\n", 17) + "1\n\n1\n1\n\n1\n\n\n\n" + repeated("\n", 10);
   for (int i = 0; i < 400; ++i) ldt += fmt::format("{:g}\n", 0.9 * i);
@@ -119,48 +113,49 @@ TEST(Allocations, PbrtHoldsAtMostEightTimesItsSizeBeyondWhatTheBudgetCounts) {
       attributes += fmt::format("Attribute\"{}\"\"float a{}\"1 ", target, i);
   for (const std::string& text : {
            world + blocks + repeated("AttributeEnd ", 255),
-           world + repeated("AttributeBegin "),
+           world + filled("AttributeBegin "),
            world + attributes + blocks,
-           world + repeated("Attribute\"shape\"\"float a\"1 "),
+           world + filled("Attribute\"shape\"\"float a\"1 "),
            world + numbered("Attribute\"shape\"\"float a%\"1 "),
-           world + repeated("Shape \"sphere\" "),
-           world + repeated("Shape\"disk\""),
-           world + repeated("LightSource \"point\" "),
-           world + repeated("AreaLightSource\"diffuse\""),
+           world + filled("Shape \"sphere\" "),
+           world + filled("Shape\"disk\""),
+           world + "ObjectBegin \"a\" " + filled("Shape\"disk\"") + "ObjectEnd",
+           world + filled("LightSource \"point\" "),
+           world + filled("AreaLightSource\"diffuse\""),
            world + numbered("CoordinateSystem\"%\""),
            world + numbered("CoordSysTransform\"%\""),
            world + numbered("MakeNamedMaterial\"%\"\"string type\"\"diffuse\""),
            world +
                numbered("MakeNamedMaterial\"%\"\"string type\"\"mix\"\"float a\"1\"float b\"1 "),
-           world + repeated("Material\"diffuse\""),
-           world + repeated("Material\"diffuse\"\"float a\"1"),
-           world + repeated("NamedMaterial\"a\""),
+           world + filled("Material\"diffuse\""),
+           world + filled("Material\"diffuse\"\"float a\"1"),
+           world + filled("NamedMaterial\"a\""),
            world + numbered("NamedMaterial\"%\""),
            world + numbered("Texture\"%\"\"float\"\"constant\""),
            world + numbered("Texture\"%\"\"float\"\"wrinkled\""),
            numbered("MakeNamedMedium\"%\"\"string type\"\"homogeneous\""),
            numbered("MediumInterface\"%\""),
            numbered("Option\"%\" 1 "),
-           repeated("Option\"\" 1 "),
+           filled("Option\"\" 1 "),
            world + numbered("ObjectBegin\"%\"ObjectEnd "),
-           world + "ObjectBegin\"a\"ObjectEnd " + repeated("ObjectInstance\"a\""),
+           world + "ObjectBegin\"a\"ObjectEnd " + filled("ObjectInstance\"a\""),
            world + "Shape \"sphere\" " + numbered("\"float %\"1"),
-           world + "Shape \"sphere\" \"float a\" [" + repeated("1 ") + "]",
+           world + "Shape \"sphere\" \"float a\" [" + filled("1 ") + "]",
            world + "Shape \"sphere\" \"float a\" [" + repeated("1 ", 150000) + "]",
-           world + "Shape \"sphere\" \"string a\" [" + repeated("\"\"") + "]",
-           world + triangle + repeated("0 1 2 ") + corners + "]",
-           world + triangle + corners + repeated("0 0 0 ") + "]",
+           world + "Shape \"sphere\" \"string a\" [" + filled("\"\"") + "]",
+           world + triangle + filled("0 1 2 ") + corners + "]",
+           world + triangle + corners + filled("0 0 0 ") + "]",
            world + triangle + corners + repeated("0 0 0 ", 20000) +
                "] \"normal N\" [0 0 1 0 0 1 0 0 1 " + repeated("0 0 1 ", 20000) +
                "] \"point2 uv\" [0 0 1 0 1 1 " + repeated("0 0 ", 20000) + "]",
            world +
                "Shape \"curve\" \"integer degree\" 2 \"string basis\" \"bspline\" \"point3 P\" [" +
-               repeated("0 0 0 1 0 0 ") + "]",
+               filled("0 0 0 1 0 0 ") + "]",
            world + "LightSource \"point\" \"spectrum I\" [" + numbered("% 1 ") + "]",
-           world + repeated("Scale 1 1 1 "),
-           world + repeated("a"),
-           world + "Shape \"" + repeated("\\n") + "\"",
-           "#" + repeated("a"),
+           world + filled("Scale 1 1 1 "),
+           world + filled("a"),
+           world + "Shape \"" + filled("\\n") + "\"",
+           "#" + filled("a"),
        }) {
     testing::LimitedPool pool;
     LoadBudget budget(&pool);

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """Prints how many lines of each reader its corpus runs through, as a table in Markdown.
 
-Builds the program of the corpora with clang's source-based coverage in build/coverage.  Ends with
+    coverage.py [--lines] [TARGET...]
+
+Uses the programs of build/fuzz.  --lines names the lines that a corpus does not reach.  Ends with
 status 1 if a corpus reaches fewer lines than it must.
 """
 import json
@@ -11,9 +13,9 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-BUILD = ROOT / "build/coverage"
-PROGRAM = BUILD / "tests/fuzz/corpus_test"
+BUILD = ROOT / "build/fuzz/tests/fuzz"
 LEAST_PERCENT = 80
+SANITIZERS = {"ASAN_OPTIONS": "allocator_may_return_null=1:detect_leaks=0"}
 
 # What each target reads, and the files that do it.
 READERS = {
@@ -40,13 +42,14 @@ def run(*command, **options):
 
 def lines(target, patterns):
     """(lines, lines reached) of the files."""
+    program = BUILD / target
     raw, merged = BUILD / f"{target}.profraw", BUILD / f"{target}.profdata"
-    run(PROGRAM, f"--gtest_filter=Fuzz/*/{target}", "--gtest_brief=1",
-        env={**os.environ, "LLVM_PROFILE_FILE": str(raw)},
+    run(program, "-runs=0", ROOT / "tests/fuzz/corpus" / target,
+        env={**os.environ, "LLVM_PROFILE_FILE": str(raw), **SANITIZERS},
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    run("llvm-profdata-14", "merge", raw, "-o", merged)
+    run("llvm-profdata-16", "merge", raw, "-o", merged)
     files = sorted({path for pattern in patterns for path in ROOT.glob(pattern)})
-    out = run("llvm-cov-14", "export", PROGRAM, f"-instr-profile={merged}", *files,
+    out = run("llvm-cov-16", "export", program, f"-instr-profile={merged}", *files,
               *(["-summary-only"] if "--lines" not in sys.argv else []),
               stdout=subprocess.PIPE).stdout
     data = json.loads(out)["data"][0]
@@ -66,9 +69,6 @@ def print_unreached(data):
 
 
 def main():
-    if not (BUILD / "build.ninja").exists():
-        run("cmake", "--preset", "coverage", stdout=subprocess.DEVNULL)
-    run("cmake", "--build", BUILD, "--target", "corpus_test", stdout=sys.stderr)
     chosen = [arg for arg in sys.argv[1:] if not arg.startswith("-")] or list(READERS)
     print("| reader | target | lines | reached |\n|---|---|---|---|")
     too_few = []

@@ -21,6 +21,14 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
+/// The unit this many times.
+inline std::string repeated(std::string_view unit, std::size_t times) {
+  std::string text;
+  text.reserve(unit.size() * times);
+  for (std::size_t i = 0; i < times; ++i) text += unit;
+  return text;
+}
+
 /// A file that has no name on any disk.  It can be opened by its path while the object exists.
 class UnnamedFile {
  public:

@@ -49,7 +49,8 @@ def fuzz(target, limit):
     if dictionary.exists():
         command.insert(1, f"-dict={dictionary}")
     # OpenImageIO and Embree check what they allocate.
-    environment = {**os.environ, "ASAN_OPTIONS": "allocator_may_return_null=1:detect_leaks=1"}
+    environment = {**os.environ, "ASAN_OPTIONS": "allocator_may_return_null=1:detect_leaks=1",
+                   "LLVM_PROFILE_FILE": "/dev/null"}
     begin = time.monotonic()
     log = findings / f"{target}.log"
     with log.open("wb") as out:
