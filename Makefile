@@ -1,7 +1,7 @@
-# make demo | test | soak | extremes | mutants | test-slurm | bench | tradeoff | automatic | fit | distributed | precision | format
+# make demo | test | fuzz | soak | extremes | mutants | test-slurm | bench | tradeoff | automatic | fit | distributed | precision | format
 # Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test wire oracle soak extremes mutants test-slurm bench tradeoff automatic fit distributed precision format
+.PHONY: deps release programs demo test fuzz wire oracle soak extremes mutants test-slurm bench tradeoff automatic fit distributed precision format
 
 deps:
 	@deploy/install-deps.sh
@@ -19,6 +19,13 @@ test: release
 	@cmake --build --preset release
 	@ctest --preset release
 	@$(MAKE) --no-print-directory wire
+
+# Fuzzes every reader of input with libFuzzer and sanitizers: 60 s each, or RUNS runs each.
+fuzz: deps
+	@deploy/install-deps.sh clang-16 llvm-16 libclang-rt-16-dev
+	@test -f build/fuzz/build.ninja || cmake --preset fuzz
+	@cmake --build --preset fuzz --target fuzz_targets
+	@tests/fuzz/run.py $(if $(RUNS),RUNS=$(RUNS),SHORT)
 
 # Sends random extreme items to every light and every query of a server with AddressSanitizer and
 # UndefinedBehaviorSanitizer.

@@ -4,12 +4,9 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <fstream>
-#include <sstream>
-#include <system_error>
 
 #include "proto/common/sha256.h"
+#include "server/runtime/text_file.h"
 
 namespace lucerna::access {
 namespace {
@@ -150,16 +147,14 @@ class Reader {
 }  // namespace
 
 absl::StatusOr<std::vector<Token>> read_token_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::stringstream text;
-  if (stream) text << stream.rdbuf();
-  if (!stream || text.bad()) {
+  const absl::StatusOr<std::string> text = read_text_file(path);
+  if (!text.ok()) {
     return absl::InvalidArgumentError(
-        fmt::format("{}: cannot be read: {}", path, std::generic_category().message(errno)));
+        fmt::format("{}: {}", path, std::string(text.status().message())));
   }
   Reader reader(path);
   try {
-    reader.read(toml::parse(text.str(), path));
+    reader.read(toml::parse(*text, path));
   } catch (const toml::parse_error& error) {
     reader.error(error.source(), std::string(error.description()));
   }

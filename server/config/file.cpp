@@ -4,11 +4,10 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <fstream>
 #include <optional>
 #include <sstream>
-#include <system_error>
+
+#include "server/runtime/text_file.h"
 
 namespace lucerna::config {
 namespace {
@@ -64,17 +63,14 @@ std::string type_of(const Setting& setting) {
 
 FileContent read_file(const std::string& path, const std::vector<Setting>& settings) {
   FileContent content;
-  std::ifstream stream(path, std::ios::binary);
-  std::stringstream text;
-  if (stream) text << stream.rdbuf();
-  if (!stream || text.bad()) {
-    content.errors.push_back(
-        fmt::format("{}: cannot be read: {}", path, std::generic_category().message(errno)));
+  const absl::StatusOr<std::string> text = read_text_file(path);
+  if (!text.ok()) {
+    content.errors.push_back(fmt::format("{}: {}", path, std::string(text.status().message())));
     return content;
   }
   toml::table table;
   try {
-    table = toml::parse(text.str(), path);
+    table = toml::parse(*text, path);
   } catch (const toml::parse_error& error) {
     content.errors.push_back(
         fmt::format("{}: {}", place_of(path, error.source()), std::string(error.description())));

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "proto/common/status_macros.h"
@@ -16,20 +18,28 @@ namespace {
 /// error, calls do nothing, so that callers can check `status` once for several values.
 class Lines {
  public:
-  Lines(std::string_view file, std::string_view text) : file_(file), lines_(split_lines(text)) {}
+  /// Requires a text below 4 GiB, so that places in it take four bytes.
+  Lines(std::string_view file, std::string_view text) : file_(file), text_(text) {
+    // The size of the list is known before it is made: it can be longer than the text.
+    std::size_t count = 0;
+    for (std::string_view rest = text; !rest.empty(); ++count) take_line(rest);
+    starts_.reserve(count);
+    for (std::string_view rest = text; !rest.empty(); take_line(rest))
+      starts_.push_back(static_cast<std::uint32_t>(text.size() - rest.size()));
+  }
 
   /// The number on a line, in [least, most].
   double number(std::size_t line, std::string_view what, double least, double most,
                 std::string_view allowed) {
     if (!status.ok()) return 0;
-    if (line > lines_.size()) {
-      fail(lines_.size(), fmt::format("the file ends before {} (line {})", what, line));
+    if (line > size()) {
+      fail(size(), fmt::format("the file ends before {} (line {})", what, line));
       return 0;
     }
     const auto n = parse(line);
     if (!n)
       fail(line, fmt::format("{} is \"{}\", allowed: a finite number", what,
-                             excerpt(trimmed(lines_[line - 1]))));
+                             excerpt(trimmed(text_of(line)))));
     else if (!(*n >= least && *n <= most))
       fail(line, fmt::format("{} = {}, allowed: {}", what, *n, allowed));
     return status.ok() ? *n : 0;
@@ -44,24 +54,21 @@ class Lines {
     return status.ok() ? static_cast<std::size_t>(n) : 0;
   }
 
-  /// One number from each of `count` lines.  The caller has checked that the lines exist.
+  /// One number from each of `count` lines.  The caller has checked that the lines exist.  The list
+  /// has room for `more` numbers.
   std::vector<double> list(std::size_t line, std::size_t count, std::string_view what, double least,
-                           double most, std::string_view allowed) {
+                           double most, std::string_view allowed, std::size_t more = 0) {
     std::vector<double> result;
     if (!status.ok()) return result;
-    result.reserve(count);
+    result.reserve(count + more);
     for (std::size_t i = 0; i < count && status.ok(); ++i)
       result.push_back(number(line + i, what, least, most, allowed));
     return result;
   }
 
-  std::size_t size() const { return lines_.size(); }
-  bool is_number(std::size_t line) const {
-    return line <= lines_.size() && parse(line).has_value();
-  }
-  bool blank(std::size_t line) const {
-    return line > lines_.size() || trimmed(lines_[line - 1]).empty();
-  }
+  std::size_t size() const { return starts_.size(); }
+  bool is_number(std::size_t line) const { return line <= size() && parse(line).has_value(); }
+  bool blank(std::size_t line) const { return line > size() || trimmed(text_of(line)).empty(); }
   void fail(std::size_t line, std::string_view what) {
     if (status.ok()) status = photometric_error(file_, static_cast<int>(line), what);
   }
@@ -70,13 +77,18 @@ class Lines {
 
  private:
   std::optional<double> parse(std::size_t line) const {
-    std::string word(trimmed(lines_[line - 1]));
+    std::string word(trimmed(text_of(line)));
     std::replace(word.begin(), word.end(), ',', '.');
     return parse_number(word);
   }
 
-  std::string_view file_;
-  std::vector<std::string_view> lines_;
+  std::string_view text_of(std::size_t line) const {
+    std::string_view rest = text_.substr(starts_[line - 1]);
+    return take_line(rest);
+  }
+
+  std::string_view file_, text_;
+  std::vector<std::uint32_t> starts_;  // of the lines
 };
 
 /// The planes whose intensities the file has: the index of the first C-angle, and their number.
@@ -185,6 +197,7 @@ std::vector<double> plane_angles(const Sizes& sizes, const std::vector<double>& 
   if (sizes.symmetry == 1) return {0};
   const Planes planes = planes_of(sizes.symmetry, sizes.angles);
   std::vector<double> angles;
+  angles.reserve(planes.count + 1);
   for (std::size_t i = 0; i < planes.count; ++i) {
     const double angle = c[(planes.first + i) % sizes.angles];
     angles.push_back(sizes.symmetry == 3 && angle >= 270 ? angle - 360 : angle);
@@ -210,8 +223,9 @@ absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, const Sizes&
   PhotometricWebParams web;
   web.vertical_deg =
       lines.list(angles_line + angles, gammas, "a gamma-angle", 0, 180, "from 0 to 180 degrees");
-  web.intensity_cd = lines.list(angles_line + angles + gammas, planes.count * gammas,
-                                "an intensity per 1000 lm", 0, kAny, "finite, not negative");
+  web.intensity_cd =
+      lines.list(angles_line + angles + gammas, planes.count * gammas, "an intensity per 1000 lm",
+                 0, kAny, "finite, not negative", symmetry == 0 ? gammas : 0);
   if (auto s = check_vertical_angles(web.type, web.vertical_deg); lines.status.ok() && !s.ok())
     lines.fail(angles_line + angles, std::string(s.message()));
   LUCERNA_RETURN_IF_ERROR(lines.status);
@@ -246,6 +260,8 @@ void check_ratios(Lines& lines, double lamps_lm, double conversion, PhotometricF
 }  // namespace
 
 absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::string_view name) {
+  if (text.size() > std::numeric_limits<std::uint32_t>::max())
+    return photometric_error(name, 1, "a file of 4 GiB or more, allowed: less");
   Lines lines(name, without_byte_order_mark(text));
   PhotometricFile file;
   file.format = "EULUMDAT";

@@ -29,10 +29,9 @@ constexpr Edition kEditions[] = {
 /// first error, calls do nothing, so that callers can check `status` once for several numbers.
 class Numbers {
  public:
-  Numbers(std::string_view file, const std::vector<std::string_view>& lines, std::size_t line)
-      : file_(file), lines_(lines), line_(line) {
-    for (std::size_t i = line; i < lines.size(); ++i) left_ += lines[i].size() + 1;
-  }
+  /// `rest`: what follows the line `line`.
+  Numbers(std::string_view file, std::string_view rest, int line)
+      : file_(file), rest_(rest), line_(line) {}
 
   /// The next number; nothing after an error, which is in `status`.
   std::optional<double> next(std::string_view what) {
@@ -41,10 +40,8 @@ class Numbers {
       fail(fmt::format("the file ends before {}", what));
       return std::nullopt;
     }
-    const std::string_view rest = lines_[line_].substr(at_);
-    const std::string_view word = rest.substr(0, rest.find_first_of(kBlanks));
-    at_ += word.size();
-    left_ -= word.size();
+    const std::string_view word = words_.substr(0, words_.find_first_of(kBlanks));
+    words_.remove_prefix(word.size());
     const auto number = parse_number(word);
     if (!number) fail(fmt::format("{} is \"{}\", allowed: a finite number", what, excerpt(word)));
     return number;
@@ -109,30 +106,26 @@ class Numbers {
   /// Fails if the rest is too short for `count` numbers: each takes a digit, and a blank before the
   /// next one.
   bool room_for(std::uint64_t count) {
-    if (status.ok() && count > (left_ + 1) / 2)
+    const std::size_t left = words_.size() + 1 + rest_.size();
+    if (status.ok() && count > (left + 1) / 2)
       fail(fmt::format("{} numbers announced, allowed: as many as fit in the remaining {} bytes",
-                       count, left_));
+                       count, left));
     return status.ok();
   }
 
   /// Skips to the next number; false if there is none.
   bool skip() {
-    while (line_ < lines_.size()) {
-      const std::size_t found = lines_[line_].find_first_not_of(kBlanks, at_);
-      const std::size_t end = std::min(found, lines_[line_].size());
-      left_ -= end - at_;
-      at_ = end;
-      if (found != std::string_view::npos) return true;
-      if (line_ + 1 == lines_.size()) return false;
+    for (;;) {
+      words_.remove_prefix(std::min(words_.find_first_not_of(kBlanks), words_.size()));
+      if (!words_.empty()) return true;
+      if (rest_.empty()) return false;
+      words_ = take_line(rest_);
       ++line_;
-      at_ = 0;
-      --left_;
     }
-    return false;
   }
 
   /// Number of the current line, from 1; the last line at the end of the file.
-  int line() const { return static_cast<int>(std::min(line_ + 1, lines_.size())); }
+  int line() const { return line_; }
   void fail(std::string_view what) {
     if (status.ok()) status = photometric_error(file_, line(), what);
   }
@@ -142,9 +135,9 @@ class Numbers {
  private:
   static constexpr std::string_view kBlanks = " \t,\f\v";
   std::string_view file_;
-  const std::vector<std::string_view>& lines_;
-  std::size_t line_, at_ = 0;
-  std::uint64_t left_ = 0;
+  std::string_view words_;  // the rest of the current line
+  std::string_view rest_;   // the lines after it
+  int line_;
 };
 
 bool equals_ignoring_case(std::string_view a, std::string_view b) {
@@ -155,25 +148,39 @@ bool equals_ignoring_case(std::string_view a, std::string_view b) {
 }
 
 /// The edition that the first line names.
-Edition edition_of(const std::vector<std::string_view>& lines, PhotometricFile& file) {
-  if (lines.empty() || !trimmed(lines[0]).starts_with("IES")) return k1986;
+Edition edition_of(std::string_view text, PhotometricFile& file) {
+  if (text.empty()) return k1986;
+  const std::string_view first = trimmed(take_line(text));
+  if (!first.starts_with("IES")) return k1986;
   for (const Edition& edition : kEditions)
-    if (trimmed(lines[0]) == edition.line) return edition;
+    if (first == edition.line) return edition;
   // A later edition or an unknown label.  The format has not changed since 1995.
   file.notes.push_back(
       {1,
        fmt::format("unknown edition \"{}\", known: LM-63-1986, 1991, 1995, 2002, 2019",
-                   excerpt(trimmed(lines[0]))),
+                   excerpt(first)),
        "read as that of 2002"});
   return k2002;
 }
 
-/// The index of the line "TILT=".  Keywords precede it; in the edition of 1986, free text.
-absl::StatusOr<std::size_t> find_tilt(const std::vector<std::string_view>& lines,
-                                      std::string_view name) {
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    if (equals_ignoring_case(trimmed(lines[i]).substr(0, 5), "TILT=")) return i;
-  return photometric_error(name, static_cast<int>(lines.size()),
+/// The line "TILT=".
+struct TiltLine {
+  std::string_view value;  ///< after the equals sign
+  std::string_view rest;   ///< the lines after it
+  int line;
+};
+
+/// Keywords precede the line; in the edition of 1986, free text.
+absl::StatusOr<TiltLine> find_tilt(std::string_view text, std::string_view name) {
+  int line = 0;
+  while (!text.empty()) {
+    const std::string_view found = trimmed(take_line(text));
+    ++line;
+    constexpr std::string_view kKeyword = "TILT=";
+    if (equals_ignoring_case(found.substr(0, kKeyword.size()), kKeyword))
+      return TiltLine{trimmed(found.substr(kKeyword.size())), text, line};
+  }
+  return photometric_error(name, line,
                            "no line \"TILT=\", allowed: TILT=NONE, TILT=INCLUDE, TILT=<file>");
 }
 
@@ -201,11 +208,10 @@ double read_tilt_table(Numbers& numbers, PhotometricFile& file) {
   return factors[0];
 }
 
-/// The factor that "TILT=" specifies; `tilt` is the index of that line.
-absl::StatusOr<double> read_tilt(std::size_t tilt, const std::vector<std::string_view>& lines,
-                                 std::string_view name, Numbers& numbers, PhotometricFile& file) {
-  const std::string_view value = trimmed(trimmed(lines[tilt]).substr(5));
-  const int line = static_cast<int>(tilt) + 1;
+/// The factor that "TILT=" specifies.
+absl::StatusOr<double> read_tilt(const TiltLine& tilt, std::string_view name, Numbers& numbers,
+                                 PhotometricFile& file) {
+  const auto& [value, rest, line] = tilt;
   if (equals_ignoring_case(value, "NONE")) return 1;
   if (equals_ignoring_case(value, "INCLUDE")) {
     numbers.skip();
@@ -314,12 +320,12 @@ char letter(PhotometricType type) {
 }  // namespace
 
 absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_view name) {
-  const std::vector<std::string_view> lines = split_lines(without_byte_order_mark(text));
+  text = without_byte_order_mark(text);
   PhotometricFile file;
-  const Edition edition = edition_of(lines, file);
-  LUCERNA_ASSIGN_OR_RETURN(const std::size_t tilt, find_tilt(lines, name));
-  Numbers numbers(name, lines, tilt + 1);
-  LUCERNA_ASSIGN_OR_RETURN(const double tilt_factor, read_tilt(tilt, lines, name, numbers, file));
+  const Edition edition = edition_of(text, file);
+  LUCERNA_ASSIGN_OR_RETURN(const TiltLine tilt, find_tilt(text, name));
+  Numbers numbers(name, tilt.rest, tilt.line);
+  LUCERNA_ASSIGN_OR_RETURN(const double tilt_factor, read_tilt(tilt, name, numbers, file));
   const IesHeader header = read_header(numbers, edition, tilt_factor);
   const std::uint64_t vertical = header.vertical, horizontal = header.horizontal;
   if (!numbers.room_for(vertical + horizontal + vertical * horizontal)) return numbers.status;

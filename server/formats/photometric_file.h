@@ -30,8 +30,9 @@ struct PhotometricFile {
   std::vector<Note> notes;
 };
 
-/// The lines of a text, ended by CR LF, LF or CR; the last line may have no end.
-std::vector<std::string_view> split_lines(std::string_view text);
+/// Takes the first line off `text`, without its end: CR LF, LF or CR.  The last line may have no
+/// end.  Requires a text that is not empty.
+std::string_view take_line(std::string_view& text);
 
 /// `text` without spaces and tabs at its ends.
 std::string_view trimmed(std::string_view text);

@@ -5,105 +5,16 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 
 #include "proto/common/status_macros.h"
 #include "server/formats/ply_header.h"
+#include "server/formats/ply_numbers.h"
 
 namespace lucerna::ply {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "copies little-endian data");
-
-/// The number at `at`.  `swapped`: its first byte is the most significant one.
-template <typename T>
-T load(const char* at, bool swapped) {
-  std::array<char, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), at, sizeof(T));
-  if (swapped) std::ranges::reverse(bytes);
-  return std::bit_cast<T>(bytes);
-}
-
-/// Calls `f` with the C++ type.
-template <typename F>
-void with_type(Type type, F&& f) {
-  switch (type) {
-    case Type::kInt8:
-      return f.template operator()<std::int8_t>();
-    case Type::kUint8:
-      return f.template operator()<std::uint8_t>();
-    case Type::kInt16:
-      return f.template operator()<std::int16_t>();
-    case Type::kUint16:
-      return f.template operator()<std::uint16_t>();
-    case Type::kInt32:
-      return f.template operator()<std::int32_t>();
-    case Type::kUint32:
-      return f.template operator()<std::uint32_t>();
-    case Type::kFloat:
-      return f.template operator()<float>();
-    case Type::kDouble:
-      return f.template operator()<double>();
-  }
-}
-
-/// Reads one number after the other from the data.
-class Numbers {
- public:
-  Numbers(std::string_view data, Encoding encoding) : data_(data), encoding_(encoding) {}
-
-  std::size_t bytes_left() const { return data_.size(); }
-  Encoding encoding() const { return encoding_; }
-  /// The next bytes, which the caller reads itself.  Requires that many left.
-  const char* take(std::size_t bytes) {
-    const char* at = data_.data();
-    data_.remove_prefix(bytes);
-    return at;
-  }
-  std::string_view rest() const { return data_; }
-
-  /// Minimum size in bytes of a number of `type`.
-  std::uint64_t least_bytes(Type type) const {
-    return encoding_ == Encoding::kAscii ? 1 : size_of(type);
-  }
-
-  /// Returns false if the data end or do not contain a number.
-  bool next(Type type, double& value) {
-    return encoding_ == Encoding::kAscii ? next_ascii(value) : next_binary(type, value);
-  }
-
- private:
-  bool next_ascii(double& value) {
-    while (!data_.empty() && is_space(data_.front())) data_.remove_prefix(1);
-    if (!data_.empty() && data_.front() == '+') data_.remove_prefix(1);
-    const char* end = data_.data() + data_.size();
-    const auto [rest, code] = std::from_chars(data_.data(), end, value);
-    if (code == std::errc::result_out_of_range) {
-      value = std::strtod(std::string(data_.data(), rest).c_str(), nullptr);  // 0 or infinity
-    } else if (code != std::errc{}) {
-      return false;
-    }
-    data_.remove_prefix(static_cast<std::size_t>(rest - data_.data()));
-    return data_.empty() || is_space(data_.front());
-  }
-
-  bool next_binary(Type type, double& value) {
-    if (data_.size() < size_of(type)) return false;
-    const char* at = take(size_of(type));
-    with_type(type, [&]<typename T>() {
-      value = static_cast<double>(load<T>(at, encoding_ == Encoding::kBigEndian));
-    });
-    return true;
-  }
-
-  std::string_view data_;
-  Encoding encoding_;
-};
 
 /// The use of a property's numbers.
 enum Role : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kCorners, kSkip };
@@ -160,8 +71,8 @@ class Reader {
       if (element.name == "vertex" && uv_names != kUvNames.end() && !property.count_type)
         for (std::size_t k = 0; k < 2; ++k)
           if (property.name == (*uv_names)[k]) result[i] = k == 0 ? kU : kV;
-      if (result[i] != kSkip && found[result[i]])
-        return error(fmt::format("property \"{}\" twice", property.name));
+      if (result[i] == kSkip) continue;
+      if (found[result[i]]) return error(fmt::format("property \"{}\" twice", property.name));
       found[result[i]] = true;
     }
     if (element.name == "vertex" && !(found[kX] && found[kY] && found[kZ]))
@@ -191,8 +102,10 @@ class Reader {
       if (has_normals_) mesh_.normals.reserve(element.count);
       if (has_uv_) mesh_.uv.reserve(element.count);
     } else if (element.name == "face") {
-      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(3 * element.count * sizeof(std::uint32_t)));
-      mesh_.indices.reserve(3 * element.count);
+      LUCERNA_RETURN_IF_ERROR(make_room_for_quads(element, role));
+      const std::uint64_t triangles = element.count + mesh_.quads.capacity();
+      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(3 * triangles * sizeof(std::uint32_t)));
+      mesh_.indices.reserve(3 * triangles);
     }
     if (numbers_.encoding() != Encoding::kAscii) {
       if (element.name == "vertex" && has_no_list(element)) return read_vertices(element, role);
@@ -360,6 +273,33 @@ class Reader {
       mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[2], corner[3]});
       mesh_.quads.push_back(static_cast<std::uint32_t>(mesh_.indices.size() / 3 - 2));
     }
+    return absl::OkStatus();
+  }
+
+  /// Counts the quadrilaterals of binary faces with indices of one byte, so that lists get their
+  /// size at once.  Such faces are short, and lists that grow would need too much memory for them.
+  absl::Status make_room_for_quads(const Element& element, const std::vector<Role>& role) {
+    const auto corners = static_cast<std::size_t>(std::ranges::find(role, kCorners) - role.begin());
+    if (numbers_.encoding() == Encoding::kAscii || size_of(element.properties[corners].type) > 1)
+      return absl::OkStatus();
+    const Numbers begin = numbers_;
+    std::uint64_t quads = 0;
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      if ((i & 0xffff) == 0 && stop_.stop_requested())
+        return absl::CancelledError("loading was cancelled");
+      for (std::size_t p = 0; p < role.size(); ++p) {
+        const Property& property = element.properties[p];
+        double n = 0;
+        const bool ok = property.count_type
+                            ? numbers_.next(*property.count_type, n) && skip(property.type, n)
+                            : numbers_.next(property.type, n);
+        if (!ok) return cut_off(element.name, i);
+        if (p == corners && n == 4) ++quads;
+      }
+    }
+    numbers_ = begin;
+    LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(quads * sizeof(std::uint32_t)));
+    mesh_.quads.reserve(quads);
     return absl::OkStatus();
   }
 

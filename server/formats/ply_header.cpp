@@ -12,6 +12,10 @@
 namespace lucerna::ply {
 namespace {
 
+// A scanner's or a modeller's file has a few.  They take more memory than their text.
+constexpr std::size_t kMostElements = 256;
+constexpr std::size_t kMostProperties = 256;  // of all elements
+
 absl::Status header_error(int line, const std::string& what) {
   return error(fmt::format("header line {}: {}", line, what));
 }
@@ -28,10 +32,12 @@ std::optional<Type> type_named(std::string_view name) {
   return std::nullopt;
 }
 
+/// The words of a line; of a longer line, one more than any line of a header needs.
 std::vector<std::string_view> words(std::string_view line) {
+  constexpr std::size_t kMostWords = 6;
   std::vector<std::string_view> result;
   std::size_t at = 0;
-  while (at < line.size()) {
+  while (at < line.size() && result.size() < kMostWords) {
     while (at < line.size() && is_space(line[at])) ++at;
     const std::size_t begin = at;
     while (at < line.size() && !is_space(line[at])) ++at;
@@ -56,6 +62,10 @@ absl::Status add_property(const std::vector<std::string_view>& line, int number,
   if (!type) return header_error(number, fmt::format("type \"{}\" is unknown", line[list ? 3 : 1]));
   property.type = *type;
   property.name = std::string(line.back());
+  std::size_t properties = 0;
+  for (const Element& element : header.elements) properties += element.properties.size();
+  if (properties == kMostProperties)
+    return header_error(number, fmt::format("more than {} properties", kMostProperties));
   header.elements.back().properties.push_back(std::move(property));
   return absl::OkStatus();
 }
@@ -104,6 +114,8 @@ absl::StatusOr<Header> parse_header(std::string_view bytes) {
       }
       has_format = true;
     } else if (line[0] == "element") {
+      if (header.elements.size() == kMostElements)
+        return header_error(number, fmt::format("more than {} elements", kMostElements));
       Element element;
       if (line.size() != 3) return header_error(number, "expected \"element NAME COUNT\"");
       element.name = std::string(line[1]);

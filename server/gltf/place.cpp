@@ -179,16 +179,17 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
   if (emits && !has_area(std::get<TriangleMeshData>(shape.geometry))) {
     context_.remark(part.pointer, "an emissive mesh without area", "it gives no light");
   } else if (emits) {
-    shape.emission.emplace();
-    shape.emission->radiance_cd_m2 = part.use.emission->radiance_cd_m2;
-    shape.emission->picture = part.use.emission->picture;
-    shape.emission->two_sided = part.use.double_sided;
-    shape.emission->where = context_.location(node_pointer(place->node));
+    ShapeDescription::Emission emission;
+    emission.radiance_cd_m2 = part.use.emission->radiance_cd_m2;
+    emission.picture = part.use.emission->picture;
+    emission.two_sided = part.use.double_sided;
+    emission.where = context_.location(node_pointer(place->node));
     const tinygltf::Model& model = document_.model();
     const tinygltf::Node& node = model.nodes[place->node];
-    shape.emission->name =
+    emission.name =
         context_.light_name(node_pointer(place->node),
                             {node.name, model.meshes[static_cast<std::size_t>(node.mesh)].name});
+    shape.emission = std::move(emission);
   }
   count(shape, part);
   context_.scene.shapes.push_back(std::move(shape));

@@ -8,6 +8,22 @@
 namespace lucerna::pbrt {
 namespace {
 
+// Each open block takes half a kilobyte, and a copy of the lists of attributes.
+constexpr std::size_t kMostOpenBlocks = 256;
+constexpr std::size_t kMostAttributes = 64;  // of one target
+
+// About the memory of a node in a map, and of a parameter with one short value.
+constexpr std::size_t kNodeBytes = 96;
+constexpr std::size_t kParameterBytes = sizeof(Parameter) + 128;
+
+/// Appends to a list of the scene, and counts its memory if it has grown.
+template <typename T>
+void append(Context& context, std::vector<T>& list, T item) {
+  const std::size_t before = list.capacity();
+  list.push_back(std::move(item));
+  if (list.capacity() > before) context.poll();
+}
+
 const char* name_of_opener(int kind) {
   static constexpr const char* kNames[] = {"AttributeBegin", "ObjectBegin", "Import"};
   return kNames[kind];
@@ -35,7 +51,8 @@ void Builder::concatenate(const Transform& transform) {
 }
 
 void Builder::coordinate_system(const std::string& name) {
-  coordinate_systems_[name] = state_.world_from_object;
+  const bool is_new = coordinate_systems_.insert_or_assign(name, state_.world_from_object).second;
+  if (is_new) context_.count(sizeof(MovingTransform) + kNodeBytes + name.size());
 }
 
 void Builder::coord_sys_transform(const std::string& name, const Place& place) {
@@ -112,7 +129,20 @@ void Builder::transform_times(double start_s, double end_s, const Place& place) 
 
 void Builder::attribute_begin(const Place& place) {
   require_world("AttributeBegin", place);
-  opened_.push_back({Opened::Kind::kAttribute, place, state_});
+  open(Opened::Kind::kAttribute, place);
+}
+
+void Builder::open(Opened::Kind kind, const Place& place) {
+  if (opened_.size() == kMostOpenBlocks)
+    fail(place, fmt::format("blocks are open {} deep, allowed: at most {}", opened_.size() + 1,
+                            kMostOpenBlocks));
+  opened_.push_back({kind, place, state_});
+}
+
+void Builder::count_materials(std::size_t before, std::size_t parameters) {
+  const std::size_t added = materials_.size() - before;
+  context_.count(added * (2 * Materials::bytes_of_one() + kNodeBytes) +
+                 parameters * kParameterBytes);
 }
 
 void Builder::close(Opened::Kind kind, const char* directive, const Place& place) {
@@ -143,7 +173,16 @@ void Builder::attribute(const std::string& target, const Parameters& params, con
     fail(place, fmt::format("unknown attribute target \"{}\", expected one of shape light material "
                             "medium texture",
                             printable(target)));
-  attributes->insert(attributes->end(), params.begin(), params.end());
+  for (const auto& parameter : params) {
+    // A later parameter overrides an earlier one of the same name and type.
+    std::erase_if(*attributes, [&](const auto& earlier) {
+      return earlier->name == parameter->name && earlier->type == parameter->type;
+    });
+    if (attributes->size() == kMostAttributes)
+      fail(parameter->place, fmt::format("more than {} attributes of \"{}\", allowed: at most {}",
+                                         kMostAttributes, target, kMostAttributes));
+    attributes->push_back(parameter);
+  }
 }
 
 void Builder::reverse_orientation(const Place& place) {
@@ -153,18 +192,24 @@ void Builder::reverse_orientation(const Place& place) {
 
 void Builder::material(const std::string& type, Parameters params, const Place& place) {
   require_world("Material", place);
+  const std::size_t before = materials_.size(), parameters = params.size();
   state_.material =
       materials_.add(type, ParameterSet(std::move(params), state_.material_attributes), place);
+  count_materials(before, parameters);
 }
 
 void Builder::make_named_material(const std::string& name, Parameters params, const Place& place) {
   require_world("MakeNamedMaterial", place);
+  const std::size_t before = materials_.size(), parameters = params.size();
   materials_.make_named(name, ParameterSet(std::move(params), state_.material_attributes), place);
+  count_materials(before, parameters);
 }
 
 void Builder::named_material(const std::string& name, const Place& place) {
   require_world("NamedMaterial", place);
+  const std::size_t before = materials_.size();
   state_.material = materials_.named(name, place);
+  count_materials(before, 0);
 }
 
 void Builder::make_named_medium(const std::string& name, Parameters params, const Place& place) {
@@ -212,9 +257,12 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   shape.alpha = alpha;
   shape.geometry = *std::move(geometry);
   if (absl::Status status = context_.meter.add(shape); !status.ok()) fail(place, status);
-  auto& shapes =
-      open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;
+  if (!open_object_) return append(context_, context_.scene.shapes, std::move(shape));
+  auto& shapes = context_.scene.objects[*open_object_].shapes;
+  const std::size_t before = shapes.capacity();
   shapes.push_back(std::move(shape));
+  // The meter counts the lists of the scene, but not those within an object.
+  Context::require(context_.meter.hold((shapes.capacity() - before) * sizeof(ShapeDescription)));
 }
 
 void Builder::light_source(const std::string& type, Parameters params, const Place& place) {
@@ -225,7 +273,7 @@ void Builder::light_source(const std::string& type, Parameters params, const Pla
   if (light.motion && std::holds_alternative<PortalLightParams>(light.params))
     context_.remark(place, "a moving light with a portal, which pbrt-v4 keeps in place",
                     "the portal moves with the light");
-  context_.scene.lights.push_back(std::move(light));
+  append(context_, context_.scene.lights, std::move(light));
 }
 
 void Builder::area_light_source(const std::string& type, Parameters params, const Place& place) {
@@ -240,7 +288,7 @@ void Builder::object_begin(const std::string& name, const Place& place) {
   auto& objects = context_.scene.objects;
   if (!objects_.try_emplace(name, static_cast<std::uint32_t>(objects.size())).second)
     fail(place, fmt::format("object \"{}\" was defined before", printable(name)));
-  opened_.push_back({Opened::Kind::kObject, place, state_});
+  open(Opened::Kind::kObject, place);
   open_object_ = objects.size();
   objects.push_back({printable(name), {}});
 }
@@ -254,14 +302,15 @@ void Builder::object_end(const Place& place) {
 void Builder::object_instance(const std::string& name, const Place& place) {
   require_world("ObjectInstance", place);
   if (open_object_) fail(place, "ObjectInstance within an object definition");
-  context_.scene.instances.push_back(
-      {0, state_.world_from_object.start, motion("ObjectInstance", place), location(place)});
+  append(context_, context_.scene.instances,
+         {0, state_.world_from_object.start, motion("ObjectInstance", place), location(place)});
   instance_uses_.push_back({name, place});
+  context_.count(2 * sizeof(Use));
 }
 
 void Builder::import_begin(const Place& place) {
   require_world("Import", place);
-  opened_.push_back({Opened::Kind::kImport, place, state_});
+  open(Opened::Kind::kImport, place);
 }
 
 void Builder::import_end() {
@@ -273,13 +322,17 @@ void Builder::import_end() {
 }
 
 void Builder::resolve_materials(std::vector<ShapeDescription>& shapes) {
-  std::vector<ShapeDescription> kept;
-  kept.reserve(shapes.size());
+  // Within the list, since a second list would double its memory.
+  auto end = shapes.begin();
+  const auto keep = [&](ShapeDescription& shape) {
+    if (&shape != &*end) *end = std::move(shape);
+    ++end;
+  };
   for (ShapeDescription& shape : shapes) {
     const Place place{&shape.where.file, shape.where.line, shape.where.column};
     if (const auto index = materials_.resolve(context_, shape.material)) {
       shape.material = *index;
-      kept.push_back(std::move(shape));
+      keep(shape);
       continue;
     }
     if (shape.emission)
@@ -288,12 +341,12 @@ void Builder::resolve_materials(std::vector<ShapeDescription>& shapes) {
     shape.emission.reset();
     shape.is_interface = true;
     if (shape.media)
-      kept.push_back(std::move(shape));
+      keep(shape);
     else
       context_.remark(place, "a shape with the material \"interface\" that bounds no medium",
                       "left out");
   }
-  shapes = std::move(kept);
+  shapes.erase(end, shapes.end());
 }
 
 void Builder::finish(const Place& end) {

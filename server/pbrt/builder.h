@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -94,6 +95,10 @@ class Builder {
     std::string name;
     Place place;
   };
+  /// Saves the state.  Fails if too many blocks are open.
+  void open(Opened::Kind kind, const Place& place);
+  /// Counts the memory of materials that were added since `before`.
+  void count_materials(std::size_t before, std::size_t parameters);
   void require_world(const char* directive, const Place& place) const;
   void require_before_world(const std::string& directive, const Place& place) const;
   void close(Opened::Kind kind, const char* directive, const Place& place);
@@ -110,7 +115,7 @@ class Builder {
 
   Context& context_;
   GraphicsState state_;
-  std::vector<Opened> opened_;
+  std::deque<Opened> opened_;
   std::map<std::string, MovingTransform> coordinate_systems_;
   double start_s_ = 0, end_s_ = 1;  ///< TransformTimes
   Settings settings_;

@@ -15,6 +15,8 @@ namespace lucerna::pbrt {
 namespace {
 
 constexpr std::uint64_t kTokensPerPoll = 4096;
+// A parameter takes 20 times the memory of its shortest text.
+constexpr std::size_t kMostParameters = 256;  // of one directive
 
 }  // namespace
 
@@ -134,6 +136,9 @@ Parameters Parser::parameters() {
       put_back(token);
       return result;
     }
+    if (result.size() == kMostParameters)
+      fail(token.place, fmt::format("a directive with more than {} parameters, allowed: at most {}",
+                                    kMostParameters, kMostParameters));
     auto read = parameter(token);
     if (!names.insert(read->name).second)
       fail(token.place, fmt::format("parameter \"{}\" is given twice", printable(read->name)));

@@ -9,14 +9,11 @@
 #include <openssl/x509.h>
 
 #include <atomic>
-#include <cerrno>
-#include <fstream>
 #include <mutex>
-#include <sstream>
-#include <system_error>
 #include <utility>
 
 #include "proto/common/status_macros.h"
+#include "server/runtime/text_file.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -38,12 +35,10 @@ struct Material {
 };
 
 absl::StatusOr<std::string> read(const char* setting, const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::stringstream text;
-  if (stream) text << stream.rdbuf();
-  if (stream && !text.bad()) return text.str();
-  return absl::InvalidArgumentError(fmt::format("{}: {} cannot be read: {}", setting, path,
-                                                std::generic_category().message(errno)));
+  absl::StatusOr<std::string> text = read_text_file(path);
+  if (text.ok()) return text;
+  return absl::InvalidArgumentError(
+      fmt::format("{}: {} {}", setting, path, std::string(text.status().message())));
 }
 
 /// The number of certificates in the text.  The first is stored in `first`.

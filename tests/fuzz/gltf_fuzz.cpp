@@ -1,18 +1,14 @@
-// libFuzzer target: reads the bytes as a glTF file, whose buffer may be the file itself.
-#include <cstddef>
-#include <cstdint>
-#include <fstream>
-#include <string>
-
+// Reads the input as a glTF file.  Its buffer may be a further file, or the file itself.
 #include "server/gltf/load.h"
-#include "tests/temp_directory.h"
+#include "tests/fuzz/input_files.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const lucerna::TempDirectory directory;
-  static const std::string root = directory.path().string();
-  const std::string bytes(reinterpret_cast<const char*>(data), size);
-  std::ofstream(root + "/scene.gltf", std::ios::binary) << bytes;
-  auto assets = lucerna::AssetReader::open(root);
-  if (assets.ok()) static_cast<void>(lucerna::load_gltf(*assets, "scene.gltf"));
+  using namespace lucerna;
+  constexpr std::uint64_t kMostPrimitives = 20000, kMostTexels = 1 << 16;
+  const std::string_view input = fuzz::text_of(data, size);
+  const std::string name = input.starts_with("glTF") ? "scene.glb" : "scene.gltf";
+  AssetReader assets(std::make_unique<fuzz::InputFiles>(input, name));
+  static_cast<void>(
+      load_gltf(assets, name, {}, {.max_texels = kMostTexels, .max_primitives = kMostPrimitives}));
   return 0;
 }

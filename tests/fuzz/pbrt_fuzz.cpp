@@ -1,20 +1,43 @@
-// libFuzzer target: reads the bytes as a scene file, which may include itself, and as a mesh.
-#include <cstddef>
-#include <cstdint>
-#include <fstream>
-#include <string>
+// Reads the input as a scene file, and the further files that it names.
+#include <algorithm>
+#include <string_view>
 
-#include "server/formats/ply.h"
 #include "server/pbrt/load.h"
-#include "tests/temp_directory.h"
+#include "tests/fuzz/allocations.h"
+#include "tests/fuzz/input_files.h"
+#include "tests/server/assets/limited_pool.h"
+
+namespace {
+
+bool is_picture(std::string_view name) {
+  return !name.ends_with(".pbrt") && !name.ends_with(".ply") && !name.ends_with(".ies") &&
+         !name.ends_with(".ldt") && !name.ends_with(".spd");
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const lucerna::TempDirectory directory;
-  static const std::string root = directory.path().string();
-  const std::string bytes(reinterpret_cast<const char*>(data), size);
-  std::ofstream(root + "/scene.pbrt", std::ios::binary) << bytes;
-  auto assets = lucerna::AssetReader::open(root);
-  if (assets.ok()) static_cast<void>(lucerna::load_pbrt(*assets, "scene.pbrt"));
-  static_cast<void>(lucerna::parse_ply(bytes));
+  using namespace lucerna;
+  // A few bytes can ask for any number of primitives or texels, so limits bound each run.
+  constexpr std::uint64_t kMostPrimitives = 20000, kMostTexels = 1 << 16;
+  constexpr std::uint64_t kMostTokens = 1 << 18, kMostFileBytes = 1 << 24;
+  testing::LimitedPool pool;
+  LoadBudget budget(&pool);
+  AssetReader assets(
+      std::make_unique<fuzz::InputFiles>(fuzz::text_of(data, size), "scene.pbrt"),
+      {.max_total_bytes = kMostFileBytes, .max_unpacked_bytes = kMostFileBytes, .budget = &budget});
+  const fuzz::AllocationBound bound(".pbrt", size);
+  const auto scene = load_pbrt(assets, "scene.pbrt", {},
+                               {.max_texels = kMostTexels,
+                                .max_primitives = kMostPrimitives,
+                                .max_tokens = kMostTokens,
+                                .budget = &budget});
+  // OpenImageIO asks for 64 MiB at once, of which it uses what it needs.
+  if (std::ranges::any_of(assets.assets(), [](const Asset& a) { return is_picture(a.name); }))
+    return 0;
+  // Lists may take any memory that the memory budget allows.
+  bound.require_at_most(bound.peak_bytes(), fuzz::AllocationBound::kFactor * size +
+                                                fuzz::kPbrtFixedBytes +
+                                                fuzz::kListGrowth * pool.most());
   return 0;
 }

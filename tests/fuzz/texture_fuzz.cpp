@@ -1,14 +1,13 @@
-// libFuzzer target: reads the bytes as the picture of a surface, and looks it up.
+// Reads the input as the picture of a surface, and looks it up.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
-#include "tests/temp_directory.h"
+#include "tests/fuzz/input_files.h"
 
 namespace {
 
@@ -24,28 +23,27 @@ std::string one_of(const char* const (&words)[n], std::uint8_t byte) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kParameters = 5;
   if (size < kParameters) return 0;
-  static const lucerna::TempDirectory directory;
-  static const std::string root = directory.path().string();
   const char* const wraps[] = {"repeat", "black", "clamp", "octahedralsphere"};
   const char* const filters[] = {"point", "bilinear", "trilinear", "ewa"};
   const char* const mappings[] = {"uv", "spherical", "cylindrical", "planar"};
   const char* const encodings[] = {"sRGB", "linear", "gamma 2.2"};
-  std::ofstream(root + "/picture", std::ios::binary)
-      .write(reinterpret_cast<const char*>(data + kParameters),
-             static_cast<std::streamsize>(size - kParameters));
+  const char* const pictures[] = {"picture.png", "picture.exr", "picture.pfm"};
+  const std::string picture = one_of(pictures, data[4] / 2);
   const std::string parameters =
-      " \"imagemap\" \"string filename\" \"picture\" \"string wrap\" \"" + one_of(wraps, data[0]) +
-      "\" \"string filter\" \"" + one_of(filters, data[1]) + "\" \"string mapping\" \"" +
-      one_of(mappings, data[2]) + "\" \"string encoding\" \"" + one_of(encodings, data[3]) +
-      "\" \"bool invert\" " + (data[4] % 2 == 0 ? "true" : "false") + " ";
-  std::ofstream(root + "/scene.pbrt")
-      << "WorldBegin AreaLightSource \"diffuse\" Texture \"c\" \"spectrum\"" << parameters
-      << "Texture \"a\" \"float\"" << parameters
-      << "Material \"diffuse\" \"texture reflectance\" \"c\" \"texture displacement\" \"a\" "
-         "Shape \"sphere\" \"texture alpha\" \"a\"";
-  auto assets = lucerna::AssetReader::open(root);
-  if (!assets.ok()) return 0;
-  auto description = lucerna::load_pbrt(*assets, "scene.pbrt");
+      " \"imagemap\" \"string filename\" \"" + picture + "\" \"string wrap\" \"" +
+      one_of(wraps, data[0]) + "\" \"string filter\" \"" + one_of(filters, data[1]) +
+      "\" \"string mapping\" \"" + one_of(mappings, data[2]) + "\" \"string encoding\" \"" +
+      one_of(encodings, data[3]) + "\" \"bool invert\" " + (data[4] % 2 == 0 ? "true" : "false") +
+      " ";
+  const std::string input =
+      "WorldBegin AreaLightSource \"diffuse\" Texture \"c\" \"spectrum\"" + parameters +
+      "Texture \"a\" \"float\"" + parameters +
+      "Material \"diffuse\" \"texture reflectance\" \"c\" \"texture displacement\" \"a\" "
+      "Shape \"sphere\" \"texture alpha\" \"a\"\n#FILE " +
+      picture + "\n" + std::string(lucerna::fuzz::text_of(data + kParameters, size - kParameters));
+  constexpr std::uint64_t kMostTexels = 1 << 16;
+  lucerna::AssetReader assets(std::make_unique<lucerna::fuzz::InputFiles>(input, "scene.pbrt"));
+  auto description = lucerna::load_pbrt(assets, "scene.pbrt", {}, {.max_texels = kMostTexels});
   if (!description.ok()) return 0;
   const auto scene = lucerna::Scene::build(*std::move(description));
   if (!scene.ok()) return 0;

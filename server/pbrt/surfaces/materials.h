@@ -29,6 +29,11 @@ class Materials {
   /// Fails if the name is defined twice, or the parameter "type" is missing.
   void make_named(const std::string& name, ParameterSet params, const Place& place);
 
+  /// The number of references.
+  std::size_t size() const { return materials_.size(); }
+  /// Memory of one of them, without its parameters.
+  static constexpr std::size_t bytes_of_one() { return sizeof(Entry); }
+
   TextureTable& textures() { return textures_; }
   const TextureTable& textures() const { return textures_; }
 

@@ -33,7 +33,8 @@ struct Context {
         scene(scene),
         stop(std::move(stop)),
         scene_file(std::move(scene_file)),
-        meter(scene, limits) {}
+        meter(scene, limits),
+        tables_(limits.budget) {}
 
   AssetReader& assets;
   SceneDescription& scene;
@@ -70,6 +71,9 @@ struct Context {
   /// Fails with CANCELLED if the caller has stopped the load, and with RESOURCE_EXHAUSTED if the
   /// lists of the scene exceed the budget.
   void poll();
+  /// Counts bytes that the loader needs until the load ends, for what grows with the number of
+  /// directives.  A short directive can need far more memory than its text.
+  void count(std::uint64_t bytes) { require(tables_.grow(bytes)); }
   /// Fails if `status` is an error.
   static void require(const absl::Status& status) {
     if (!status.ok()) throw Failure{status};
@@ -79,6 +83,7 @@ struct Context {
   absl::StatusOr<AssetContent> find(const Place& place, const std::string& name);
 
   RemarkGroups remarks_;
+  LoadBudget::Share tables_;
 };
 
 }  // namespace lucerna::pbrt

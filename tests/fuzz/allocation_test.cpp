@@ -1,0 +1,172 @@
+// What parsers allocate, for files of a quarter megabyte that need the most memory for their size.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/formats/eulumdat.h"
+#include "server/formats/ies.h"
+#include "server/formats/ply.h"
+#include "server/pbrt/load.h"
+#include "tests/fuzz/allocations.h"
+#include "tests/fuzz/input_files.h"
+#include "tests/server/assets/limited_pool.h"
+
+namespace lucerna::fuzz {
+namespace {
+
+constexpr std::size_t kBytes = std::size_t{1} << 18;
+
+/// As many units as fit in kBytes.
+std::string filled(std::string_view unit) { return repeated(unit, kBytes / unit.size()); }
+
+/// The same with %, which becomes another number each time.
+std::string numbered(std::string_view unit) {
+  std::string text;
+  for (std::size_t i = 0; text.size() < kBytes; ++i)
+    for (const char c : unit) text += c == '%' ? std::to_string(i) : std::string(1, c);
+  return text;
+}
+
+std::string ply(std::string_view form, std::string_view elements, std::string_view body) {
+  return fmt::format("ply\nformat {} 1.0\n{}end_header\n{}", form, elements, body);
+}
+
+TEST(Allocations, PlyHoldsAtMostEightTimesItsSize) {
+  constexpr std::size_t kFaces = 50000;
+  const std::string little = "binary_little_endian";
+  const std::string vertices =
+      "element vertex 4\nproperty char x\nproperty char y\nproperty char z\n";
+  const std::string corners(12, '\0');
+  const auto faces = [&](std::size_t count, const char* type) {
+    return fmt::format("{}element face {}\nproperty list uchar {} vertex_indices\n", vertices,
+                       count, type);
+  };
+  const std::string triangle{3, 0, 1, 2}, quad{4, 0, 1, 2, 3};
+  const std::string wide_quad{4, 0, 0, 1, 0, 2, 0, 3, 0};
+  const std::string wide_triangle{3, 0, 0, 1, 0, 2, 0};
+  for (const std::string& bytes : {
+           ply(little,
+               fmt::format("element vertex {}\nproperty char x\nproperty char y\n"
+                           "property char z\nelement face 0\n"
+                           "property list uchar int vertex_indices\n",
+                           kFaces),
+               std::string(3 * kFaces, '\0')),
+           ply(little, faces(kFaces, "uchar"), corners + repeated(quad, kFaces)),
+           ply(little, faces(kFaces, "uchar"), corners + repeated(triangle, kFaces - 1) + quad),
+           ply(little, faces(2 * kFaces, "uchar"), corners + repeated(quad + triangle, kFaces)),
+           ply(little, faces(kFaces, "ushort"), corners + repeated(wide_quad, kFaces)),
+           ply(little, faces(kFaces, "ushort"),
+               corners + repeated(wide_triangle, kFaces / 2) + repeated(wide_quad, kFaces / 2)),
+           ply("ascii", faces(kFaces, "uchar"),
+               repeated("0 0 0\n", 4) + repeated("4 0 1 2 3\n", kFaces)),
+           ply("ascii", "comment " + filled("a ") + "\n", ""),
+           ply("ascii", filled("element a 0\n"), ""),
+           ply("ascii", "element a 1\n" + filled("property char a\n"), ""),
+           std::string("ply\nformat ") + filled("x") + " 1.0\n",
+       }) {
+    const AllocationBound bound("PLY", bytes.size());
+    const auto mesh = parse_ply(bytes);
+    EXPECT_LE(bound.peak_bytes(),
+              AllocationBound::kFactor * bytes.size() + AllocationBound::kFixedBytes)
+        << bytes.substr(0, 200) << " " << mesh.status();
+  }
+}
+
+TEST(Allocations, PhotometricParsersHoldAtMostEightTimesTheSizeBeyondTheWeb) {
+  const std::string ies = "IESNA:LM-63-2002\nTILT=NONE\n1 1 1 {} 1 2 0 0 0\n1 1 1\n";
+  const auto grid = [](int count, double most) {
+    std::string text;
+    for (int i = 0; i <= count; ++i) text += fmt::format("{:g} ", most * i / count);
+    return text + "\n";
+  };
+  const std::string lines = filled("\n");
+  std::string ldt = "\n\n4\n400\n\n1001\n";
+  ldt += repeated("\n", 17) + "1\n\n1\n1\n\n1\n\n\n\n" + repeated("\n", 10);
+  for (int i = 0; i < 400; ++i) ldt += fmt::format("{:g}\n", 0.9 * i);
+  for (int i = 0; i < 1001; ++i) ldt += fmt::format("{:g}\n", 0.09 * i);
+  ldt += repeated("1\n", 101 * 1001);
+  for (const std::string& text : {fmt::format(fmt::runtime(ies), "1001 401") + grid(1000, 90) +
+                                      grid(400, 90) + repeated("1 ", 1001 * 401),
+                                  ies + lines, "IESNA:LM-63-2002\n" + lines, lines, ldt}) {
+    for (const auto& parse : {&parse_ies, &parse_eulumdat}) {
+      const AllocationBound bound("web", text.size());
+      const auto file = parse(text, "file");
+      EXPECT_LE(bound.peak_beyond_result_bytes(),
+                AllocationBound::kFactor * text.size() + AllocationBound::kFixedBytes)
+          << text.substr(0, 200) << " " << file.status();
+    }
+  }
+  EXPECT_TRUE(parse_eulumdat(ldt, "file").ok()) << parse_eulumdat(ldt, "file").status();
+}
+
+TEST(Allocations, PbrtHoldsAtMostEightTimesItsSizeBeyondWhatTheBudgetCounts) {
+  const std::string world = "WorldBegin ";
+  const std::string triangle = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 ";
+  const std::string corners = "] \"point3 P\" [0 0 0 1 0 0 1 1 0 ";
+  const std::string blocks = repeated("AttributeBegin ", 255);
+  std::string attributes;
+  for (const char* target : {"shape", "light", "material", "texture", "medium"})
+    for (int i = 0; i < 64; ++i)
+      attributes += fmt::format("Attribute\"{}\"\"float a{}\"1 ", target, i);
+  for (const std::string& text : {
+           world + blocks + repeated("AttributeEnd ", 255),
+           world + filled("AttributeBegin "),
+           world + attributes + blocks,
+           world + filled("Attribute\"shape\"\"float a\"1 "),
+           world + numbered("Attribute\"shape\"\"float a%\"1 "),
+           world + filled("Shape \"sphere\" "),
+           world + filled("Shape\"disk\""),
+           world + "ObjectBegin \"a\" " + filled("Shape\"disk\"") + "ObjectEnd",
+           world + filled("LightSource \"point\" "),
+           world + filled("AreaLightSource\"diffuse\""),
+           world + numbered("CoordinateSystem\"%\""),
+           world + numbered("CoordSysTransform\"%\""),
+           world + numbered("MakeNamedMaterial\"%\"\"string type\"\"diffuse\""),
+           world +
+               numbered("MakeNamedMaterial\"%\"\"string type\"\"mix\"\"float a\"1\"float b\"1 "),
+           world + filled("Material\"diffuse\""),
+           world + filled("Material\"diffuse\"\"float a\"1"),
+           world + filled("NamedMaterial\"a\""),
+           world + numbered("NamedMaterial\"%\""),
+           world + numbered("Texture\"%\"\"float\"\"constant\""),
+           world + numbered("Texture\"%\"\"float\"\"wrinkled\""),
+           numbered("MakeNamedMedium\"%\"\"string type\"\"homogeneous\""),
+           numbered("MediumInterface\"%\""),
+           numbered("Option\"%\" 1 "),
+           filled("Option\"\" 1 "),
+           world + numbered("ObjectBegin\"%\"ObjectEnd "),
+           world + "ObjectBegin\"a\"ObjectEnd " + filled("ObjectInstance\"a\""),
+           world + "Shape \"sphere\" " + numbered("\"float %\"1"),
+           world + "Shape \"sphere\" \"float a\" [" + filled("1 ") + "]",
+           world + "Shape \"sphere\" \"float a\" [" + repeated("1 ", 150000) + "]",
+           world + "Shape \"sphere\" \"string a\" [" + filled("\"\"") + "]",
+           world + triangle + filled("0 1 2 ") + corners + "]",
+           world + triangle + corners + filled("0 0 0 ") + "]",
+           world + triangle + corners + repeated("0 0 0 ", 20000) +
+               "] \"normal N\" [0 0 1 0 0 1 0 0 1 " + repeated("0 0 1 ", 20000) +
+               "] \"point2 uv\" [0 0 1 0 1 1 " + repeated("0 0 ", 20000) + "]",
+           world +
+               "Shape \"curve\" \"integer degree\" 2 \"string basis\" \"bspline\" \"point3 P\" [" +
+               filled("0 0 0 1 0 0 ") + "]",
+           world + "LightSource \"point\" \"spectrum I\" [" + numbered("% 1 ") + "]",
+           world + filled("Scale 1 1 1 "),
+           world + filled("a"),
+           world + "Shape \"" + filled("\\n") + "\"",
+           "#" + filled("a"),
+       }) {
+    testing::LimitedPool pool;
+    LoadBudget budget(&pool);
+    AssetReader assets(std::make_unique<InputFiles>(text, "scene.pbrt"), {.budget = &budget});
+    const AllocationBound bound(".pbrt", text.size());
+    const auto scene = load_pbrt(assets, "scene.pbrt", {}, {.budget = &budget});
+    EXPECT_LE(bound.peak_bytes(),
+              AllocationBound::kFactor * text.size() + kPbrtFixedBytes + kListGrowth * pool.most())
+        << text.substr(0, 200) << " " << scene.status() << " counted " << pool.most();
+  }
+}
+
+}  // namespace
+}  // namespace lucerna::fuzz

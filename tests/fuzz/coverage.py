@@ -1,0 +1,88 @@
+#!/usr/bin/python3
+"""Prints how many lines of each reader its corpus runs through, as a table in Markdown.
+
+    coverage.py [--lines] [TARGET...]
+
+Uses the programs of build/fuzz.  --lines names the lines that a corpus does not reach.  Ends with
+status 1 if a corpus reaches fewer lines than it must.
+"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BUILD = ROOT / "build/fuzz/tests/fuzz"
+LEAST_PERCENT = 80
+SANITIZERS = {"ASAN_OPTIONS": "allocator_may_return_null=1:detect_leaks=0"}
+
+# What each target reads, and the files that do it.
+READERS = {
+    "request_fuzz": ("requests", ["server/rpc/messages/*.cpp", "server/rpc/handlers/*.cpp"]),
+    "pbrt_fuzz": (".pbrt", ["server/pbrt/*.cpp", "server/pbrt/*/*.cpp"]),
+    "ply_fuzz": ("PLY", ["server/formats/ply*.cpp"]),
+    "ies_fuzz": ("IES", ["server/formats/ies.cpp", "server/formats/photometric_file.cpp"]),
+    "eulumdat_fuzz": ("EULUMDAT",
+                      ["server/formats/eulumdat.cpp", "server/formats/photometric_file.cpp"]),
+    "picture_fuzz": ("pictures", ["server/formats/image_*.cpp"]),
+    "texture_fuzz": ("textures of `.pbrt`",
+                     ["server/pbrt/surfaces/textures.cpp", "server/pbrt/syntax/images.cpp"]),
+    "gltf_fuzz": ("glTF", ["server/gltf/*.cpp"]),
+    "config_fuzz": ("configuration file",
+                    ["server/config/" + name for name in
+                     ("configuration.cpp", "file.cpp", "schema.cpp", "setting.cpp")]),
+    "token_file_fuzz": ("token file", ["server/access/token_file.cpp"]),
+}
+
+
+def run(*command, **options):
+    return subprocess.run([str(part) for part in command], check=True, cwd=ROOT, **options)
+
+
+def lines(target, patterns):
+    """(lines, lines reached) of the files."""
+    program = BUILD / target
+    raw, merged = BUILD / f"{target}.profraw", BUILD / f"{target}.profdata"
+    run(program, "-runs=0", ROOT / "tests/fuzz/corpus" / target,
+        env={**os.environ, "LLVM_PROFILE_FILE": str(raw), **SANITIZERS},
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    run("llvm-profdata-16", "merge", raw, "-o", merged)
+    files = sorted({path for pattern in patterns for path in ROOT.glob(pattern)})
+    out = run("llvm-cov-16", "export", program, f"-instr-profile={merged}", *files,
+              *(["-summary-only"] if "--lines" not in sys.argv else []),
+              stdout=subprocess.PIPE).stdout
+    data = json.loads(out)["data"][0]
+    if "--lines" in sys.argv:
+        print_unreached(data)
+    total = data["totals"]["lines"]
+    return total["count"], total["covered"]
+
+
+def print_unreached(data):
+    """The beginnings of regions that no input reaches, for whoever extends a corpus."""
+    for file in data["files"]:
+        unreached = sorted({segment[0] for segment in file["segments"]
+                            if segment[3] and segment[4] and segment[2] == 0})
+        name = pathlib.Path(file["filename"]).relative_to(ROOT)
+        print(f"{file['summary']['lines']['percent']:5.1f}% {name}: {unreached}", file=sys.stderr)
+
+
+def main():
+    chosen = [arg for arg in sys.argv[1:] if not arg.startswith("-")] or list(READERS)
+    print("| reader | target | lines | reached |\n|---|---|---|---|")
+    too_few = []
+    for target in chosen:
+        name, patterns = READERS[target]
+        count, reached = lines(target, patterns)
+        percent = 100 * reached / count
+        print(f"| {name} | `{target}` | {count} | {percent:.1f}% |", flush=True)
+        if percent < LEAST_PERCENT:
+            too_few.append(target)
+    for target in too_few:
+        print(f"the corpus of {target} must reach {LEAST_PERCENT}% of the lines", file=sys.stderr)
+    return 1 if too_few else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,46 @@
+#!/usr/bin/python3
+"""Writes the seeds of the fuzz targets into tests/fuzz/corpus.
+
+Seeds are valid inputs, and inputs with one error.  Further inputs in these folders begin with
+"found_" or "grown_"; this script leaves them alone.  --check only compares.
+
+An input of several files joins them by lines "#FILE name" (input_files.h).
+"""
+import pathlib
+import sys
+
+import seeds_formats
+import seeds_requests
+import seeds_texts
+
+CORPUS = pathlib.Path(__file__).resolve().parent / "corpus"
+
+SEEDS = {"pbrt_fuzz": seeds_texts.pbrt, "ply_fuzz": seeds_formats.ply, "ies_fuzz": seeds_formats.ies, "eulumdat_fuzz": seeds_formats.eulumdat,
+         "picture_fuzz": seeds_formats.picture, "texture_fuzz": seeds_formats.texture, "gltf_fuzz": seeds_texts.gltf,
+         "config_fuzz": seeds_texts.config, "token_file_fuzz": seeds_texts.token_file, "request_fuzz": seeds_requests.request}
+
+
+def main():
+    check = "--check" in sys.argv[1:]
+    wrong = []
+    for target, seeds in SEEDS.items():
+        folder = CORPUS / target
+        folder.mkdir(parents=True, exist_ok=True)
+        made = dict(seeds())
+        for path in folder.iterdir():
+            if not path.name.startswith(("found_", "grown_")) and path.name not in made:
+                wrong.append(f"{path}: no seed of this name")
+        for name, content in made.items():
+            path = folder / name
+            if check:
+                if not path.exists() or path.read_bytes() != content:
+                    wrong.append(f"{path}: differs from the seed")
+            else:
+                path.write_bytes(content)
+    for line in wrong:
+        print(line)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

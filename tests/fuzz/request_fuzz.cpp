@@ -1,0 +1,265 @@
+// Reads the input as a request.  Its first byte chooses the call by its number (monitor::Call), and
+// the others are the bytes of the message.  The handler of the call then answers it.  For
+// UploadAsset, the bytes are messages, each after its length in one byte.
+//
+// In a message, the scene "S" stands for the id of a loaded scene, and the lease "L" for its lease.
+#include <grpcpp/grpcpp.h>
+#include <tbb/task_arena.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <limits>
+
+#include "lucerna/v1/admin.pb.h"
+#include "lucerna/v1/lighting.pb.h"
+#include "lucerna/v1/render.pb.h"
+#include "lucerna/v1/scene.grpc.pb.h"
+#include "server/rpc/handlers/image_render.h"
+#include "server/rpc/handlers/light_edits.h"
+#include "server/rpc/handlers/lighting.h"
+#include "server/rpc/handlers/scenes.h"
+#include "server/rpc/handlers/tiles.h"
+#include "server/rpc/observed_call.h"
+#include "server/rpc/services.h"
+#include "tests/fuzz/input_files.h"
+
+namespace lucerna::fuzz {
+namespace {
+
+using monitor::Call;
+using rpc::Context;
+using rpc::Prepared;
+
+constexpr char kScene[] = "lights/every_light.pbrt";
+// Manifests of inputs name this file by its digest.
+constexpr std::string_view kAsset = "WorldBegin LightSource \"point\"\n";
+// A few bytes can ask for any number of samples.  A longer answer is not computed.
+constexpr double kMostSeconds = 0.01;
+constexpr double kLeaseSeconds = 1e6;
+
+template <typename T>
+T checked(absl::StatusOr<T> value) {
+  if (value.ok()) return *std::move(value);
+  std::cerr << value.status() << "\n";
+  std::abort();
+}
+
+void check(const absl::Status& status) {
+  // The request cannot be the reason of an internal error.
+  if (!absl::IsInternal(status) && !absl::IsUnknown(status)) return;
+  std::cerr << status << "\n";
+  std::abort();
+}
+
+SceneStoreOptions store_options() {
+  constexpr std::uint64_t kMemoryBytes = std::uint64_t{64} << 20;
+  SceneStoreOptions options;
+  options.root = LUCERNA_TEST_DATA;
+  options.memory_budget_bytes = kMemoryBytes;
+  options.max_texels = 1 << 16;
+  options.max_primitives = 20000;
+  options.max_scene_bytes = 1 << 22;
+  options.max_tokens = 1 << 16;
+  return options;
+}
+
+rpc::RequestLimits request_limits() {
+  return {.max_batch_items = 64,
+          .max_tile_pixels = 64,
+          .max_samples = 16,
+          .max_page_size = 8,
+          .max_name_bytes = 256,
+          .max_message_bytes = 1 << 20};
+}
+
+/// A server without connections.
+class World {
+ public:
+  World() : lanes_({.threads = 1}), runtime_(lanes_) {
+    rpc::set_up_protobuf_log();
+    runtime_.limits.set(request_limits());
+    runtime_.assets = checked(AssetStore::open({.max_asset_bytes = 256, .budget_bytes = 4096}));
+    AssetUpload upload = checked(runtime_.assets->upload(sha256(kAsset), kAsset.size(), 0));
+    if (!upload.append(kAsset).ok() || !upload.finish().ok()) std::abort();
+    runtime_.scenes = checked(SceneStore::open(store_options(), runtime_.assets.get()));
+    load();
+  }
+
+  void answer(Call call, std::string_view bytes) {
+    if (call == Call::kUploadAsset) return upload(bytes);
+    arena_.execute([&] { answer_here(call, bytes); });
+    tidy();
+  }
+
+ private:
+  void load() {
+    arena_.execute([&] {
+      const LoadedScene loaded = checked(runtime_.scenes->load(kScene, {.lease_s = kLeaseSeconds}));
+      scene_ = loaded.stored.scene->id();
+      lease_ = loaded.lease.id;
+    });
+  }
+
+  /// Leaves one scene with one lease, so that no input depends on those before it.
+  void tidy() {
+    constexpr std::size_t kAll = 1000;
+    SceneStore& scenes = *runtime_.scenes;
+    bool kept = false;
+    for (const ListedLease& lease : scenes.leases({}, "", kAll)) {
+      kept |= lease.id == lease_;
+      if (lease.id != lease_) static_cast<void>(scenes.release(lease.scene_id, lease.id));
+    }
+    for (const StoredScene& stored : scenes.list("", kAll))
+      if (stored.scene->id() != scene_) static_cast<void>(scenes.release(stored.scene->id()));
+    if (!kept || scenes.find(scene_) == nullptr) load();
+  }
+
+  /// Replaces "S" and "L".
+  template <typename Request>
+  void complete(Request& request) const {
+    if constexpr (requires { request.set_scene_id(""); })
+      if (request.scene_id() == "S") request.set_scene_id(scene_);
+    if constexpr (requires { request.set_lease_id(""); })
+      if (request.lease_id() == "L") request.set_lease_id(lease_);
+  }
+
+  template <typename Request>
+  bool parse(std::string_view bytes, Request& request) const {
+    const grpc::Slice slice(bytes.data(), bytes.size());
+    const absl::Status status = rpc::parse_message(grpc::ByteBuffer(&slice, 1), request);
+    check(status);
+    complete(request);
+    return status.ok();
+  }
+
+  template <typename Request, typename Response>
+  void run(std::string_view bytes, Prepared (*handler)(const Context&, const Request&, Response*),
+           double most_s = kMostSeconds) {
+    Request request;
+    Response response;
+    if (!parse(bytes, request)) return;
+    const Prepared task = handler(runtime_.context({}), request, &response);
+    check(task.status());
+    if (!task.ok() || task->predicted_s > most_s) return;
+    const absl::Status status = task->run({});
+    check(status);
+    grpc::ByteBuffer answer;
+    if (status.ok()) check(rpc::encode_message(response, answer));
+  }
+
+  void render_image(std::string_view bytes) {
+    constexpr int kSteps = 4;
+    v1::RenderImageRequest request;
+    if (!parse(bytes, request)) return;
+    auto render = rpc::ImageRender::create(runtime_.context({}), request);
+    check(render.status());
+    for (int step = 0; render.ok() && step < kSteps && !render->done(); ++step) {
+      v1::RenderImageResponse response;
+      const absl::Status status = render->next({}, &response);
+      check(status);
+      if (!status.ok()) return;
+    }
+  }
+
+  void answer_here(Call call, std::string_view bytes) {
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    switch (call) {
+      case Call::kFindMissingAssets:
+        return run(bytes, &rpc::find_missing_assets);
+      case Call::kLoadScene:
+        return run(bytes, &rpc::load_scene, kAny);
+      case Call::kGetScene:
+        return run(bytes, &rpc::get_scene);
+      case Call::kListScenes:
+        return run(bytes, &rpc::list_scenes);
+      case Call::kListAvailableScenes:
+        return run(bytes, &rpc::list_available_scenes, kAny);
+      case Call::kListLights:
+        return run(bytes, &rpc::list_lights);
+      case Call::kEditLights:
+        return run(bytes, &rpc::edit_lights, kAny);
+      case Call::kRenewLease:
+        return run(bytes, &rpc::renew_lease);
+      case Call::kReleaseScene:
+        return run(bytes, &rpc::release_scene, kAny);
+      case Call::kSampleLi:
+        return run(bytes, &rpc::sample_li);
+      case Call::kPdfLi:
+        return run(bytes, &rpc::pdf_li);
+      case Call::kSampleLe:
+        return run(bytes, &rpc::sample_le);
+      case Call::kPdfLe:
+        return run(bytes, &rpc::pdf_le);
+      case Call::kLe:
+        return run(bytes, &rpc::le);
+      case Call::kEstimatePower:
+        return run(bytes, &rpc::estimate_power);
+      case Call::kTestVisibility:
+        return run(bytes, &rpc::test_visibility);
+      case Call::kEstimateIrradiance:
+        return run(bytes, &rpc::estimate_irradiance);
+      case Call::kRenderTile:
+        return run(bytes, &rpc::render_tile);
+      case Call::kRenderImage:
+        return render_image(bytes);
+      case Call::kListLeases:
+        return run(bytes, &rpc::list_leases);
+      // Their requests have no fields.
+      case Call::kGetServerInfo: {
+        v1::GetServerInfoRequest request;
+        parse(bytes, request);
+        return;
+      }
+      case Call::kGetStats: {
+        v1::GetStatsRequest request;
+        parse(bytes, request);
+        return;
+      }
+      case Call::kUploadAsset:
+        return;  // see upload()
+    }
+  }
+
+  /// Sends the messages to a server in this process.  Only the stream of gRPC answers them.
+  void upload(std::string_view bytes) {
+    if (server_ == nullptr) {
+      services_ = rpc::make_services(runtime_);
+      grpc::ServerBuilder builder;
+      for (const auto& service : services_) builder.RegisterService(service.get());
+      server_ = builder.BuildAndStart();
+      stub_ = v1::SceneService::NewStub(server_->InProcessChannel({}));
+    }
+    grpc::ClientContext context;
+    v1::UploadAssetResponse response;
+    const auto stream = stub_->UploadAsset(&context, &response);
+    while (!bytes.empty()) {
+      const std::size_t length = static_cast<unsigned char>(bytes[0]);
+      v1::UploadAssetRequest request;
+      if (!request.ParseFromString(std::string(bytes.substr(1, length)))) break;
+      if (!stream->Write(request)) break;
+      bytes.remove_prefix(std::min(length + 1, bytes.size()));
+    }
+    stream->WritesDone();
+    if (stream->Finish().error_code() == grpc::StatusCode::INTERNAL) std::abort();
+  }
+
+  tbb::task_arena arena_{1};
+  Lanes lanes_;
+  rpc::Runtime runtime_;
+  std::string scene_, lease_;
+  std::vector<std::unique_ptr<grpc::Service>> services_;
+  std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<v1::SceneService::Stub> stub_;
+};
+
+}  // namespace
+}  // namespace lucerna::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace lucerna;
+  if (size == 0) return 0;
+  static fuzz::World world;
+  world.answer(static_cast<monitor::Call>(data[0] % monitor::kCalls),
+               fuzz::text_of(data + 1, size - 1));
+  return 0;
+}
