@@ -124,7 +124,8 @@ class Worker {
   int cancel() {
     v1::RenderImageRequest request;
     request.set_scene_id(subject_.scene());
-    request.mutable_accuracy()->set_samples(1 << 20);
+    request.mutable_accuracy()->set_samples(1 << 16);
+    request.set_samples_per_block(1);  // so that the first message is soon ready
     const absl::Status status =
         client_.render_image(request, [](const v1::RenderImageResponse&) { return false; });
     if (!absl::IsCancelled(status)) errors_.push_back("cancelled: " + status.ToString());
