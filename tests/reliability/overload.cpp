@@ -34,7 +34,7 @@ void overload(const Settings& settings, Report& report) {
   const double own =
       settings.brief ? subject.resident_bytes() - static_cast<double>(stats.scene_bytes()) : 0;
   // Fills the memory budget.  Scene 0 stays, since it is used after each load.
-  for (std::uint64_t number = 1; number < (settings.brief ? 20U : 40U); ++number) {
+  for (std::uint64_t number = 1; number < (settings.brief ? 20U : 26U); ++number) {
     subject.load(files.write(number));
     subject.load("scene0.pbrt");
   }
