@@ -1,7 +1,8 @@
-# make demo | test | fuzz | soak | extremes | mutants | test-slurm | bench | tradeoff | automatic | fit | distributed | precision | format
+# make demo | test | fuzz | soak | reliability | extremes | mutants | test-slurm | bench | tradeoff | automatic | fit
+#    | distributed | precision | format
 # Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test fuzz wire oracle soak extremes mutants test-slurm bench tradeoff automatic fit distributed precision format
+.PHONY: deps release programs demo test fuzz wire oracle soak reliability extremes mutants test-slurm bench tradeoff automatic fit distributed precision format
 
 deps:
 	@deploy/install-deps.sh
@@ -42,11 +43,18 @@ oracle: release
 	@LUCERNA_ORACLE_SCENES=$(SCENES) build/release/tests/oracle/oracle_test
 
 # What takes long: ten times the items, ten times the rays in the shadow tests, four times the repeats in the interval
-# tests, four times the samples of reference pictures, and all mutants.
+# tests, four times the samples of reference pictures, all mutants, and the figures of docs/reliability.md.
 soak: release
-	@cmake --build --preset release --target server_extremes_test coverage_test server_test
+	@cmake --build --preset release --target server_extremes_test coverage_test server_test reliability
 	@ctest --preset release -C Soak -L soak
+	@$(MAKE) --no-print-directory reliability
 	@$(MAKE) --no-print-directory wire ITEMS=10000000
+
+# Prints the figures of docs/reliability.md.  Requires an idle machine.  ROWS: some of them, such as "priority drain".
+ROWS ?=
+reliability: release
+	@cmake --build --preset release --target reliability
+	@build/release/tests/reliability/reliability $(ROWS)
 
 extremes: release
 	@cmake --build --preset release --target lights_extremes_test server_extremes_test

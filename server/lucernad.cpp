@@ -1,5 +1,6 @@
 // lucernad: the server program.
 #include <fmt/core.h>
+#include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -225,9 +226,18 @@ int run(int argc, char** argv) {
   return serve(configuration, line.given);
 }
 
+/// Makes free() return large blocks to the operating system.  By default glibc raises the limit of
+/// large blocks up to 32 MiB, so loads leave holes of many megabytes that the memory budget does
+/// not know.
+void return_freed_memory() {
+  mallopt(M_MMAP_THRESHOLD, 512 << 10);
+  mallopt(M_TRIM_THRESHOLD, 2 << 20);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  return_freed_memory();
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

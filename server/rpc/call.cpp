@@ -55,7 +55,8 @@ void UnaryCall::begin(const grpc::ByteBuffer& request) {
               .deadline = observed_.deadline(),
               .client = lane == Lane::kBulk ? observed_.client() : std::string(),
               .kind = task->kind,
-              .least_s = runtime_.times.least_seconds(record.call, task->predicted_s)};
+              .least_s = runtime_.times.least_seconds(record.call, task->predicted_s),
+              .expected_s = runtime_.times.expected_seconds(record.call, task->predicted_s)};
   job.run = [self = shared_from_this(), lane, task = *std::move(task)](const LaneJobStart& start) {
     self->observed_.add_queue_time(lane, start.queue_time_s);
     if (start.status.ok()) {

@@ -12,7 +12,8 @@ namespace lucerna::rpc {
 
 /// Predictions are upper estimates.  The model keeps, for each kind of call, the least ratio of the
 /// wall time to the prediction.  The ratio of an easy scene holds for a while.  So the model
-/// refuses only work that would be late even in the easiest case.  Thread-safe.
+/// refuses only work that would be late even in the easiest case.  It also keeps the mean of the
+/// last ratios, by which lanes choose among the calls that wait.  Thread-safe.
 class TimeModel {
  public:
   /// The work of a call has ended.  Short work says little about long work.
@@ -23,6 +24,15 @@ class TimeModel {
     const double old = least.load(std::memory_order_relaxed);
     // Two threads may overwrite each other.  Then the model learns from one of them only.
     least.store(old == 0 ? ratio : std::min(ratio, kForget * old), std::memory_order_relaxed);
+    std::atomic<double>& mean = means_[static_cast<std::size_t>(call)];
+    const double before = mean.load(std::memory_order_relaxed);
+    mean.store(before == 0 ? ratio : before + kWeight * (ratio - before),
+               std::memory_order_relaxed);
+  }
+
+  /// About how long the work takes [s]; 0 if nothing is known.
+  double expected_seconds(monitor::Call call, double predicted_s) const {
+    return predicted_s * means_[static_cast<std::size_t>(call)].load(std::memory_order_relaxed);
   }
 
   /// The least time that the work takes [s]; 0 if nothing is known.
@@ -38,7 +48,10 @@ class TimeModel {
   // The machine may be less busy than it was in all earlier calls.
   static constexpr double kCaution = 0.5;
 
-  std::array<std::atomic<double>, monitor::kCalls> ratios_{};
+  // Of the last call in the mean.
+  static constexpr double kWeight = 0.1;
+
+  std::array<std::atomic<double>, monitor::kCalls> ratios_{}, means_{};
 };
 
 }  // namespace lucerna::rpc

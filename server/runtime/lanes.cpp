@@ -55,6 +55,13 @@ absl::Status why_not_to_run(const LaneJob& job) {
   return absl::OkStatus();
 }
 
+/// Whether the job will end before its deadline, if it takes `caution` times what is expected.
+bool in_time(const LaneJob& job, double caution) {
+  if (job.deadline == LaneJob::Clock::time_point::max() || job.expected_s <= 0) return true;
+  const std::chrono::duration<double> left = job.deadline - LaneJob::Clock::now();
+  return left.count() >= caution * job.expected_s;
+}
+
 struct QueueOptions {
   const char* name;
   std::uint32_t limit;
@@ -76,8 +83,11 @@ class Queue {
       threads_.emplace_back([this] {
         // On Linux, niceness is a property of the thread.  If this fails, both lanes have the same
         // priority.
+        const auto self = static_cast<id_t>(gettid());
+        // In addition to the niceness that the server was started with.
         if (options_.niceness > 0)
-          (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), options_.niceness);
+          (void)setpriority(PRIO_PROCESS, self,
+                            getpriority(PRIO_PROCESS, self) + options_.niceness);
         arena_.execute([this] { work(); });
       });
     }
@@ -208,6 +218,17 @@ class Queue {
     return std::nullopt;
   }
 
+  /// The job of the line that runs next.
+  static Line::iterator next_of(Line& line) {
+    for (const double caution : {2.0, 1.0}) {
+      const auto next = std::find_if(line.begin(), line.end(), [&](const Waiting& w) {
+        return in_time(w.job, caution) || !why_not_to_run(w.job).ok();
+      });
+      if (next != line.end()) return next;
+    }
+    return line.begin();
+  }
+
   std::optional<Choice> choose() {
     std::optional<Choice> best;
     for (auto client = clients_.begin(); client != clients_.end(); ++client) {
@@ -227,8 +248,9 @@ class Queue {
       if (ended_) return;
       Client& client = choice->client->second;
       const std::size_t line = choice->line, place = place_of(line);
-      Waiting next = std::move(client.lines[line].front());
-      client.lines[line].pop_front();
+      const auto chosen = next_of(client.lines[line]);
+      Waiting next = std::move(*chosen);
+      client.lines[line].erase(chosen);
       turn_ = client.turn++;
       if (line != kLoads) client.next_line = line == kWhole ? kSteps : kWhole;
       --load_.waiting;

@@ -1,11 +1,11 @@
 // Two lanes with bounded queues compute requests.  So a query of a millisecond does not wait for a
 // render of an hour.
 //
-// Each lane has its own threads.  The jobs of one client run first come, first served; clients take
-// turns.  Each lane has an oneTBB arena, in which oneTBB's workers help with the loops of these
-// threads.  Workers prefer the interactive arena and move to it between two chunks.  The operating
-// system schedules the lanes' own threads, and those of the bulk lane have a lower priority.  So
-// even a job of one long chunk does not delay the other lane.
+// Each lane has its own threads.  The jobs of one client run first come, first served, except late
+// ones; clients take turns.  Each lane has an oneTBB arena, in which oneTBB's workers help with the
+// loops of these threads.  Workers prefer the interactive arena and move to it between two chunks.
+// The operating system schedules the lanes' own threads, and those of the bulk lane have a lower
+// priority.  So even a job of one long chunk does not delay the other lane.
 //
 // The bulk lane runs two jobs of each kind at a time.  A client without a running job of this kind
 // may start one of up to two more.  So neither two endless loads nor two endless renders of one
@@ -57,6 +57,8 @@ struct LaneJob {
   /// The least time that the job takes [s].  A job that cannot end before its deadline does not
   /// run: DEADLINE_EXCEEDED.
   double least_s = 0;
+  /// About how long the job takes [s]; 0: unknown.  See Lanes.
+  double expected_s = 0;
 };
 
 /// The jobs of a lane now.
@@ -65,6 +67,10 @@ struct LaneLoad {
 };
 
 /// Thread-safe.
+///
+/// The jobs of a client run first come, first served, except those that will probably miss their
+/// deadline: later jobs that can still meet theirs run before them.  Otherwise an overloaded lane
+/// would only compute answers that come too late.
 class Lanes {
  public:
   explicit Lanes(const LaneOptions& options);

@@ -239,6 +239,18 @@ TEST(TimeModel, RefusesOnlyWhatEvenTheEasiestSceneCannotDo) {
   EXPECT_DOUBLE_EQ(model.least_seconds(kCall, 100), 0.5 * 100 * 0.8);
 }
 
+TEST(TimeModel, ExpectsTheMeanOfTheLastCalls) {
+  rpc::TimeModel model;
+  constexpr auto kCall = monitor::Call::kRenderTile;
+  EXPECT_EQ(model.expected_seconds(kCall, 100), 0);  // nothing is known
+  model.learn(kCall, 10, 4);
+  EXPECT_DOUBLE_EQ(model.expected_seconds(kCall, 100), 40);
+  model.learn(kCall, 10, 5);
+  EXPECT_DOUBLE_EQ(model.expected_seconds(kCall, 100), 41);
+  for (int i = 0; i < 1000; ++i) model.learn(kCall, 10, 8);
+  EXPECT_NEAR(model.expected_seconds(kCall, 100), 80, 1e-9);
+}
+
 TEST_F(Monitored, WorkThatCannotMeetItsDeadlineIsNotStarted) {
   Service service(options());
   v1::RenderTileRequest tile;

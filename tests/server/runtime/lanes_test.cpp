@@ -186,6 +186,40 @@ TEST(Lanes, ClientsTakeTurns) {
   EXPECT_EQ(order.names(), (std::vector<std::string>{"a", "b", "c", "a", "a"}));
 }
 
+TEST(Lanes, JobsThatWillProbablyBeLateRunAfterTheOthers) {
+  Lanes lanes({.threads = 1});
+  Order order;
+  std::promise<void> open;
+  const std::shared_future<void> opened = open.get_future().share();
+  {
+    const OnePlace one(lanes, JobKind::kComputation);
+    std::promise<void> begun;
+    // The last place.
+    ASSERT_TRUE(lanes
+                    .submit(Lane::kBulk, {.run =
+                                              [&begun, opened](const LaneJobStart&) {
+                                                begun.set_value();
+                                                opened.wait();
+                                              },
+                                          .client = "w"})
+                    .ok());
+    begun.get_future().wait();
+    const auto submit = [&](const char* name, double expected_s) {
+      LaneJob job = order.job(name, "A");
+      job.deadline = LaneJob::Clock::now() + std::chrono::hours(1);
+      job.expected_s = expected_s;
+      ASSERT_TRUE(lanes.submit(Lane::kBulk, std::move(job)).ok());
+    };
+    submit("late", 7200);
+    submit("close", 2500);
+    submit("easy", 60);
+    ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("patient", "A")).ok());
+    open.set_value();
+    while (order.names().size() < 4) std::this_thread::yield();
+  }
+  EXPECT_EQ(order.names(), (std::vector<std::string>{"easy", "patient", "close", "late"}));
+}
+
 TEST(Lanes, StepsAndWholeComputationsOfAClientTakeTurns) {
   Lanes lanes({.threads = 1});
   Order order;

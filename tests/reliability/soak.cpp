@@ -1,0 +1,195 @@
+// Mixed calls, edits, loads and releases for a long time.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "tests/reliability/report.h"
+#include "tests/reliability/subject.h"
+
+namespace lucerna::reliability {
+namespace {
+
+/// Least squares: the change of y with x.
+double slope(const std::vector<std::pair<double, double>>& points) {
+  double mean_x = 0, mean_y = 0, xy = 0, xx = 0;
+  for (const auto& [x, y] : points) {
+    mean_x += x / static_cast<double>(points.size());
+    mean_y += y / static_cast<double>(points.size());
+  }
+  for (const auto& [x, y] : points) {
+    xy += (x - mean_x) * (y - mean_y);
+    xx += (x - mean_x) * (x - mean_x);
+  }
+  return xx > 0 ? xy / xx : 0;
+}
+
+/// One client that makes calls in a random order.
+class Worker {
+ public:
+  Worker(const Subject& subject, const SceneFiles& files, unsigned number)
+      : subject_(subject),
+        files_(files),
+        client_(value_of(client::Client::connect({.target = subject.target()}), "connect")),
+        random_(number),
+        next_scene_(1'000'000 * (number + 1)) {}
+
+  /// Makes one call, or a load with what belongs to it.  Returns how many calls.
+  int step() {
+    switch (std::uniform_int_distribution(0, 9)(random_)) {
+      case 0:
+        return load();
+      case 1:
+        return edit();
+      case 2:
+        return render();
+      case 3:
+        return cancel();
+      case 4:
+        return lists();
+      default:
+        return query(subject_.scene());
+    }
+  }
+  const std::vector<std::string>& errors() const { return errors_; }
+
+ private:
+  template <typename T>
+  bool good(const absl::StatusOr<T>& answer, const char* what) {
+    if (!answer.ok()) errors_.push_back(fmt::format("{}: {}", what, answer.status().ToString()));
+    return answer.ok();
+  }
+
+  int query(const std::string& scene) {
+    v1::EstimateIrradianceRequest request;
+    request.set_scene_id(scene);
+    const int count = std::uniform_int_distribution(1, 300)(random_);
+    *request.mutable_receivers() = points_above(count);
+    for (int i = 0; i < count; ++i)
+      for (const float n : {0.0F, 0.0F, 1.0F}) request.add_normals(n);
+    good(client_.estimate_irradiance(request), "EstimateIrradiance");
+    v1::SampleLiRequest sample;
+    sample.set_scene_id(scene);
+    *sample.mutable_receivers() = request.receivers();
+    sample.set_test_visibility(true);
+    good(client_.sample_li(sample), "SampleLi");
+    return 2;
+  }
+
+  int load() {
+    const std::string name = files_.write(++next_scene_);
+    v1::LoadSceneRequest request;
+    request.set_path(name);
+    const auto loaded = client_.load_scene(request);
+    std::filesystem::remove(std::filesystem::path(files_.folder()) / name);
+    if (!good(loaded, "LoadScene")) return 1;
+    const int calls = query(loaded->scene_id());
+    return calls + 1 + release(loaded->scene_id());
+  }
+
+  int release(const std::string& scene) {
+    v1::ReleaseSceneRequest request;
+    request.set_scene_id(scene);
+    good(client_.release_scene(request), "ReleaseScene");
+    return 1;
+  }
+
+  int edit() {
+    v1::EditLightsRequest request;
+    request.set_scene_id(subject_.scene());
+    v1::LightChange& change = *request.add_edits()->mutable_change();
+    change.set_light_id(std::uniform_int_distribution<std::uint64_t>(1, 20)(random_));
+    // Two workers never make the same revision, since one would release it under the other.
+    change.set_scale(1e-6 * static_cast<double>(++next_scene_));
+    const auto edited = client_.edit_lights(request);
+    if (!good(edited, "EditLights")) return 1;
+    const int calls = query(edited->scene_id());
+    return calls + 1 + release(edited->scene_id());
+  }
+
+  int render() {
+    v1::RenderImageRequest request;
+    request.set_scene_id(subject_.scene());
+    request.mutable_accuracy()->set_samples(4);
+    const absl::Status status =
+        client_.render_image(request, [](const v1::RenderImageResponse&) { return true; });
+    if (!status.ok()) errors_.push_back("RenderImage: " + status.ToString());
+    return 1;
+  }
+
+  /// A picture that is cancelled after its first message.
+  int cancel() {
+    v1::RenderImageRequest request;
+    request.set_scene_id(subject_.scene());
+    request.mutable_accuracy()->set_samples(1 << 16);
+    request.set_samples_per_block(1);  // so that the first message is soon ready
+    const absl::Status status =
+        client_.render_image(request, [](const v1::RenderImageResponse&) { return false; });
+    if (!absl::IsCancelled(status)) errors_.push_back("cancelled: " + status.ToString());
+    return 1;
+  }
+
+  int lists() {
+    good(client_.get_stats(), "GetStats");
+    good(client_.list_scenes({}), "ListScenes");
+    v1::EstimatePowerRequest power;
+    power.set_scene_id(subject_.scene());
+    good(client_.estimate_power(power), "EstimatePower");
+    return 3;
+  }
+
+  const Subject& subject_;
+  const SceneFiles& files_;
+  client::Client client_;
+  std::mt19937 random_;
+  std::uint64_t next_scene_;
+  std::vector<std::string> errors_;
+};
+
+}  // namespace
+
+void soak(const Settings& settings, Report& report) {
+  const SceneFiles files;
+  Subject subject(files, {"--metrics", "127.0.0.1:0", "--log-level", "warning"});
+  const Seconds whole(settings.brief ? 5 : 60 * settings.soak_minutes);
+  const Seconds warm_up = whole / 4;
+  std::atomic<std::int64_t> calls{0};
+  std::vector<std::unique_ptr<Worker>> workers;
+  for (unsigned i = 0; i < 4; ++i) workers.push_back(std::make_unique<Worker>(subject, files, i));
+  std::vector<std::jthread> threads;
+  const auto begin = Clock::now();
+  for (const auto& worker : workers)
+    threads.emplace_back([&calls, &worker](const std::stop_token& stop) {
+      while (!stop.stop_requested()) calls += worker->step();
+    });
+  // Time [h] and memory [MB].
+  std::vector<std::pair<double, double>> memory;
+  double most = 0;
+  while (Clock::now() < after(begin, whole)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(250));
+    const Seconds time = Clock::now() - begin;
+    if (time < warm_up) continue;
+    memory.emplace_back(time.count() / 3600, 1e-6 * subject.resident_bytes());
+    most = std::max(most, memory.back().second);
+  }
+  threads.clear();  // stops and joins
+  std::size_t errors = 0;
+  for (const auto& worker : workers) {
+    errors += worker->errors().size();
+    for (const std::string& error : worker->errors()) fmt::print("    {}\n", error);
+  }
+  report.note("time", whole.count() / 60, "min");
+  report.note("calls", static_cast<double>(calls), "calls");
+  report.at_most("calls that failed", static_cast<double>(errors), 0, "calls");
+  report.at_least("calls in the short form", static_cast<double>(calls), 20, "calls");
+  report.note("resident memory, most", most, "MB");
+  // A few minutes say nothing about hours.
+  if (!settings.brief && settings.soak_minutes >= 10)
+    report.at_most("slope of the resident memory after the warm-up", slope(memory), 1, "MB/h");
+  report.at_most("exit status of the server", subject.server().stop(), 0, "");
+}
+
+}  // namespace lucerna::reliability
