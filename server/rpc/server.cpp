@@ -241,6 +241,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
   state->runtime.limits.set(options.limits);
   if (options.doors.tls.given()) {
     LUCERNA_ASSIGN_OR_RETURN(state->tls, Tls::open(options.doors.tls));
+    state->runtime.client_certificates = !options.doors.tls.client_ca.empty();
   }
   if (!options.doors.token_file.empty()) {
     LUCERNA_ASSIGN_OR_RETURN(auto tokens, access::read_token_file(options.doors.token_file));
