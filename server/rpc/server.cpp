@@ -19,6 +19,7 @@
 #include "server/rpc/address.h"
 #include "server/rpc/listener.h"
 #include "server/rpc/observed_call.h"
+#include "server/rpc/other_calls.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stats.h"
 #include "server/rpc/tls.h"
@@ -192,6 +193,9 @@ absl::Status Server::State::listen(const ServerOptions& options) {
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
       tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials());
   for (const auto& service : services) builder.RegisterService(service.get());
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(std::make_unique<OtherCalls>(runtime));
+  builder.experimental().SetInterceptorCreators(std::move(interceptors));
   server = builder.BuildAndStart();
   if (server == nullptr) return absl::UnavailableError("gRPC does not start");
   address = with_port(options.listen, listener->port());

@@ -137,6 +137,9 @@ def client_reports_why_mutual_tls_fails(files, strangers):
         refuses("TLS", "the server needs a client certificate", server, *ca)
         refuses("TLS", "the server does not accept the client certificate", server, *of(strangers.issue("stranger")))
         refuses("TLS", "the client certificate has expired", server, *of(files.issue("expired-client", days=-1)))
+        # The log has the name of the certificate.
+        succeeds(lucerna(server, "info", *of(files.issue("named", alternatives="DNS:*.desk.example"))))
+        server.wait_for_log(" caller=*.desk.example ")
 
 
 def certificates_are_reloaded(files, strangers, directory):
@@ -195,6 +198,9 @@ def tokens_have_roles(directory):
         server.process.send_signal(signal.SIGHUP)
         server.wait_for_log(f"{tokens}:3:1: roles, allowed: a list of query, load, admin")
         succeeds(lucerna(server, *power, token=TOKENS["other"]))
+        # The log has the names of callers, also of calls that were refused, and no token.
+        for line in ("call EstimatePower code=OK id=", "call LoadScene code=PERMISSION_DENIED id="):
+            expect(any(line in one and " caller=viewer " in one for one in server.log().splitlines()), server.log())
         for token in TOKENS.values():
             expect(token not in server.log(), f"a token is in the log:\n{server.log()}")
 
