@@ -169,7 +169,7 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
   if (place == nullptr) {
     shape.geometry = part.mesh;
     count(shape, part);
-    context_.scene.objects.back().shapes.push_back(std::move(shape));
+    push_back(std::move(shape), context_.scene.objects.back().shapes);
     return;
   }
   shape.geometry =
@@ -191,7 +191,7 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
                             {node.name, model.meshes[static_cast<std::size_t>(node.mesh)].name});
   }
   count(shape, part);
-  context_.scene.shapes.push_back(std::move(shape));
+  push_back(std::move(shape), context_.scene.shapes);
 }
 
 void Placer::count(const ShapeDescription& shape, const Part& part) {

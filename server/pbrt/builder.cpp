@@ -214,7 +214,7 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   if (absl::Status status = context_.meter.add(shape); !status.ok()) fail(place, status);
   auto& shapes =
       open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;
-  shapes.push_back(std::move(shape));
+  push_back(std::move(shape), shapes);
 }
 
 void Builder::light_source(const std::string& type, Parameters params, const Place& place) {

@@ -38,6 +38,17 @@ TEST(Access, NeedsAKnownToken) {
   }
 }
 
+// A comparison of a part of the digest would let this token in.
+TEST(Access, ComparesEveryByteOfTheDigest) {
+  for (std::size_t i = 0; i < kSha256Bytes; ++i) {
+    std::string almost = sha256("look");
+    almost[i] = static_cast<char>(almost[i] ^ 1);
+    Access access;
+    access.set_tokens({{.name = "viewer", .sha256 = almost, .roles = {Role::kQuery}, .quota = {}}});
+    EXPECT_FALSE(access.admit(Call::kLe, "Bearer look").ok()) << i;
+  }
+}
+
 TEST(Access, NamesTheRoleThatIsMissing) {
   Access access;
   access.set_tokens(tokens());

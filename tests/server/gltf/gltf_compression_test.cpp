@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "gltf_fixture.h"
+#include "server/gltf/draco_mesh.h"
 #include "tests/server/assets/limited_pool.h"
 
 namespace lucerna {
@@ -251,22 +252,32 @@ TEST(GltfDraco, AttributesOverTheBudgetAreRefusedBeforeTheyAreDecoded) {
     encoder.SetEncodingMethod(method);
     draco::EncoderBuffer buffer;
     ASSERT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
-    GltfFile file = draco_file();
-    const std::string bytes(buffer.data(), buffer.size());
-    Json& primitive = file.json["meshes"][0]["primitives"][0];
-    primitive["attributes"] = {{"POSITION", 0}};
-    Json& packed = primitive["extensions"]["KHR_draco_mesh_compression"];
-    packed["bufferView"] = file.add_view(bytes);
-    packed["attributes"] = {{"POSITION", 0}};
-    testing::LimitedPool all;
-    EXPECT_EQ(load_within(file, all), absl::OkStatus());
-    // What the file and the triangles take, and 2 of at least 3.3 MB for the values.
+    const auto decode = [&](MemoryPool& pool) {
+      const testing::GltfFiles files;
+      auto reader = AssetReader::open(files.path().string());
+      SceneDescription scene;
+      LoadBudget budget(&pool);
+      gltf::Context context(*reader, scene, {}, "scene.gltf", {.budget = &budget});
+      const Json json = Json::object();
+      try {
+        (void)gltf::decode_draco(gltf::View(context, json, "/here"),
+                                 {buffer.data(), buffer.size()});
+      } catch (const gltf::Failure& failure) {
+        return failure.status;
+      }
+      return absl::OkStatus();
+    };
     const std::uint64_t triangles = method == draco::MESH_SEQUENTIAL_ENCODING
                                         ? std::uint64_t{24} * kFaces
                                         : std::uint64_t{64 + 3 * 32} * kFaces;
-    testing::LimitedPool pool(2 * bytes.size() + triangles + 2'000'000);
-    EXPECT_EQ(testing::message_of(load_within(file, pool)),
-              std::string(kDracoPlace) + ": the pool is empty");
+    // Three floats, three whole numbers and an index for each point.
+    const std::uint64_t points = std::uint64_t{12 + 12 + 4} * 3 * kFaces;
+    testing::LimitedPool all;
+    EXPECT_EQ(decode(all), absl::OkStatus());
+    EXPECT_GE(all.most(), triangles + points);
+    EXPECT_EQ(all.taken(), 0U);
+    testing::LimitedPool pool(triangles + points / 2);
+    EXPECT_EQ(testing::message_of(decode(pool)), "scene.gltf#/here: the pool is empty");
   }
 }
 
