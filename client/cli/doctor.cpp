@@ -1,21 +1,16 @@
 // The command doctor: whether this machine can use the server, and why not.
 #include <fmt/core.h>
-#include <netdb.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "client/cli/commands.h"
+#include "client/rpc/security.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 
@@ -59,48 +54,19 @@ class Report {
   std::vector<Check> checks_;
 };
 
-/// Whether a TCP connection to HOST:PORT succeeds; the reason if not.  Nothing for other forms of
-/// addresses.
-std::optional<std::string> why_no_connection(const std::string& target) {
-  const std::size_t colon = target.rfind(':');
-  if (colon == std::string::npos || target.find('/') != std::string::npos) return std::nullopt;
-  std::string host = target.substr(0, colon);
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int error = getaddrinfo(host.c_str(), target.substr(colon + 1).c_str(), &hints, &found);
-  if (error != 0) return fmt::format("the name {} has no address: {}", host, gai_strerror(error));
-  std::string why;
-  for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
-    const int fd = socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
-    const timeval patience{static_cast<time_t>(kPatienceS), 0};
-    if (fd >= 0) setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-    const bool connected = fd >= 0 && connect(fd, a->ai_addr, a->ai_addrlen) == 0;
-    if (!connected) {
-      why = errno == EINPROGRESS ? fmt::format("no answer within {:g} s", kPatienceS)
-                                 : std::generic_category().message(errno);
-    }
-    if (fd >= 0) close(fd);
-    if (connected) {
-      why.clear();
-      break;
-    }
+/// Reports the step of the connection that fails, after a first call without an answer.
+void explain(const Session& session, const absl::Status& status, Report& report) {
+  const client::Security security = session.security();
+  const client::Obstacle obstacle = client::find_obstacle(session.server(), security);
+  if (obstacle.step == client::ConnectStep::kAddress) {
+    return report.add("connection", false, obstacle.why);
   }
-  freeaddrinfo(found);
-  return why;
-}
-
-/// Explains why the first call failed.
-std::string why_unreachable(const std::string& target, const absl::Status& status) {
-  const std::string message(status.message());
-  const std::optional<std::string> tcp = why_no_connection(target);
-  if (!tcp) return message;
-  if (!tcp->empty()) return *tcp;
-  return fmt::format(
-      "{} accepts connections, but gRPC gets no answer: it may expect TLS, or be another program "
-      "({})",
-      target, message);
+  report.add("connection", true, fmt::format("{} accepts connections", session.server()));
+  if (obstacle.step == client::ConnectStep::kTls) return report.add("TLS", false, obstacle.why);
+  if (security.tls) report.add("TLS", true, "the certificates are good");
+  report.add("gRPC", false,
+             fmt::format("no answer, so another program may listen there: {}",
+                         std::string(status.message())));
 }
 
 void check_clock(double sent_s, double received_s, double server_s, Report& report) {
@@ -144,17 +110,19 @@ void examine(Session& session, Report& report) {
     return session.call_options().at_most(std::chrono::duration<double>(kPatienceS));
   };
   const auto info = session.client().get_server_info({}, options());
-  if (!info.ok()) {
-    const bool reached =
-        !absl::IsUnavailable(info.status()) && !absl::IsDeadlineExceeded(info.status());
-    report.add("connection", false,
-               reached ? std::string(info.status().message())
-                       : why_unreachable(session.server(), info.status()));
-    return;
+  if (absl::IsUnavailable(info.status()) || absl::IsDeadlineExceeded(info.status())) {
+    return explain(session, info.status(), report);
   }
+  const client::Security security = session.security();
   report.add("connection", true, session.server());
+  report.add("TLS", true, security.tls ? "the certificates are good" : "not used");
+  report.add("token", info.ok(),
+             !info.ok()               ? std::string(info.status().message())
+             : security.token.empty() ? "none is needed"
+                                      : "accepted");
   const absl::Status health = session.client().check_health(options());
   report.add("health", health.ok(), health.ok() ? "serving" : std::string(health.message()));
+  if (!info.ok()) return;
   // Other versions work as long as both have the calls that a command needs.
   report.add("version", true,
              fmt::format("lucernad {}, lucerna {}{}", info->version(), LUCERNA_VERSION,
@@ -168,7 +136,9 @@ void examine(Session& session, Report& report) {
   const double sent_s = now_s();
   const auto stats = session.client().get_stats({}, options());
   if (!stats.ok()) {
-    report.add("statistics", false, std::string(stats.status().message()));
+    // Most callers need no statistics, so a token without that role is no fault.
+    report.add("statistics", absl::IsPermissionDenied(stats.status()),
+               std::string(stats.status().message()));
   } else {
     check_clock(sent_s, now_s(), stats->time_s(), report);
     check_stats(*stats, limits, report);

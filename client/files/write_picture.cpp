@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <png.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -147,7 +149,9 @@ PictureFile::PictureFile(PictureFile&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_(std::exchange(other.temporary_, {})),
       format_(other.format_),
-      unnamed_(std::exchange(other.unnamed_, -1)),
+      may_be_unnamed_(other.may_be_unnamed_),
+      file_(std::exchange(other.file_, -1)),
+      unnamed_(other.unnamed_),
       keeps_preview_(other.keeps_preview_),
       has_preview_(other.has_preview_) {}
 
@@ -155,6 +159,8 @@ PictureFile& PictureFile::operator=(PictureFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(temporary_, other.temporary_);
   std::swap(format_, other.format_);
+  std::swap(may_be_unnamed_, other.may_be_unnamed_);
+  std::swap(file_, other.file_);
   std::swap(unnamed_, other.unnamed_);
   std::swap(keeps_preview_, other.keeps_preview_);
   std::swap(has_preview_, other.has_preview_);
@@ -168,7 +174,7 @@ PictureFile::~PictureFile() {
   if (has_preview_ && !keeps_preview_) ::unlink(path_.c_str());
 }
 
-absl::StatusOr<PictureFile> PictureFile::create(const std::string& path) {
+absl::StatusOr<PictureFile> PictureFile::create(const std::string& path, bool may_be_unnamed) {
   LUCERNA_ASSIGN_OR_RETURN(const auto format, picture_format(path));
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return cannot_write(path, "it is a directory");
@@ -178,6 +184,8 @@ absl::StatusOr<PictureFile> PictureFile::create(const std::string& path) {
                                                    std::to_string(::getpid()) + extension(path)))
                               .string();
   PictureFile file(path, std::move(temporary), format);
+  file.may_be_unnamed_ = may_be_unnamed;
+  file.remove_leftovers();
   if (const int failed = file.make(); failed != 0) {
     file.temporary_.clear();  // another process may have made it
     return cannot_write(path, std::strerror(failed));
@@ -188,16 +196,50 @@ absl::StatusOr<PictureFile> PictureFile::create(const std::string& path) {
 int PictureFile::make() {
   std::filesystem::path folder = std::filesystem::path(path_).parent_path();
   if (folder.empty()) folder = ".";
-  unnamed_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
-  if (unnamed_ >= 0) return 0;
-  const int file = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-  if (file < 0) return errno;
-  ::close(file);
+  if (may_be_unnamed_) file_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  unnamed_ = file_ >= 0;
+  if (!unnamed_) return make_hidden();
+  // It gets its hidden name for a moment, too.
+  ::flock(file_, LOCK_EX | LOCK_NB);
   return 0;
 }
 
+int PictureFile::make_hidden() {
+  for (;;) {
+    file_ = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    if (file_ < 0) return errno;
+    ::flock(file_, LOCK_EX | LOCK_NB);
+    // Another process may have locked it first, and removed it.
+    struct stat found {};
+    if (::fstat(file_, &found) != 0 || found.st_nlink > 0) return 0;
+    close();
+  }
+}
+
+void PictureFile::remove_leftovers() const {
+  const std::filesystem::path target(path_);
+  std::filesystem::path folder = target.parent_path();
+  if (folder.empty()) folder = ".";
+  const std::string begin = "." + target.stem().string() + ".", end = extension(path_);
+  std::error_code ignored;
+  for (std::filesystem::directory_iterator at(folder, ignored), last; !ignored && at != last;
+       at.increment(ignored)) {
+    const std::string name = at->path().filename().string();
+    if (name.size() <= begin.size() + end.size() || !name.starts_with(begin) ||
+        !name.ends_with(end)) {
+      continue;
+    }
+    const std::string process = name.substr(begin.size(), name.size() - begin.size() - end.size());
+    if (process.find_first_not_of("0123456789") != std::string::npos) continue;
+    const int file = ::open(at->path().c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (file < 0) continue;
+    if (::flock(file, LOCK_EX | LOCK_NB) == 0) ::unlink(at->path().c_str());
+    ::close(file);
+  }
+}
+
 void PictureFile::close() {
-  if (unnamed_ >= 0) ::close(std::exchange(unnamed_, -1));
+  if (file_ >= 0) ::close(std::exchange(file_, -1));
 }
 
 absl::Status PictureFile::write(const PictureView& picture, double exposure_ev) {
@@ -208,18 +250,21 @@ absl::Status PictureFile::write(const PictureView& picture, double exposure_ev) 
 
 absl::Status PictureFile::write_preview(const PictureView& picture, double exposure_ev) {
   // A preview before this one took the file.
-  if (unnamed_ < 0 && has_preview_) make();
-  const std::string unnamed = "/proc/self/fd/" + std::to_string(unnamed_);
-  const std::string& written_to = unnamed_ < 0 ? temporary_ : unnamed;
+  if (file_ < 0) {
+    if (const int failed = make(); failed != 0) return cannot_write(path_, std::strerror(failed));
+  }
+  const std::string unnamed = "/proc/self/fd/" + std::to_string(file_);
+  const std::string& written_to = unnamed_ ? unnamed : temporary_;
   const absl::Status written = write_as(format_, written_to, picture, exposure_ev);
   if (!written.ok()) return cannot_write(path_, std::string(written.message()));
   // A link cannot replace a file, so the name is temporary for a moment.
-  if (unnamed_ >= 0 &&
+  if (unnamed_ &&
       ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0)
     return cannot_write(path_, std::strerror(errno));
-  close();
+  unnamed_ = false;
   if (::rename(temporary_.c_str(), path_.c_str()) != 0)
     return cannot_write(path_, std::strerror(errno));
+  close();
   has_preview_ = true;
   return absl::OkStatus();
 }

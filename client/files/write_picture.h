@@ -44,10 +44,11 @@ std::uint8_t srgb8(float linear);
 class PictureFile {
  public:
   /// Checks that the path can be written, by creating a file beside it.  The file has no name until
-  /// it is written, so a killed process leaves nothing.  If the file system has no such files, it
-  /// has a hidden name.  INVALID_ARGUMENT for an unknown extension, a directory, or a place that
-  /// cannot be written.
-  static absl::StatusOr<PictureFile> create(const std::string& path);
+  /// it is written, so a killed process leaves nothing.  If the file system has no such files, or
+  /// `may_be_unnamed` is false, it has a hidden name and a lock.  The next PictureFile of the same
+  /// path removes hidden files without a lock, which killed processes left.  INVALID_ARGUMENT for
+  /// an unknown extension, a directory, or a place that cannot be written.
+  static absl::StatusOr<PictureFile> create(const std::string& path, bool may_be_unnamed = true);
   PictureFile(PictureFile&& other) noexcept;
   PictureFile& operator=(PictureFile&& other) noexcept;
   /// Removes a file that was not finished, except its last preview.
@@ -68,12 +69,16 @@ class PictureFile {
   PictureFile(std::string path, std::string temporary, PictureFormat format);
   /// Makes the file beside the path; an error number, or 0.
   int make();
+  int make_hidden();
+  void remove_leftovers() const;
   void close();
 
   std::string path_;
   std::string temporary_;  ///< empty when it is no longer needed
   PictureFormat format_;
-  int unnamed_ = -1;  ///< the file without a name; -1: it has the name `temporary_`
+  bool may_be_unnamed_ = true;
+  int file_ = -1;         ///< open and locked, so that nobody else removes it
+  bool unnamed_ = false;  ///< `file_` has no name; else it has the name `temporary_`
   bool keeps_preview_ = true;
   bool has_preview_ = false;  ///< a preview has the final name
 };

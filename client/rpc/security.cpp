@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -206,15 +207,22 @@ Probe probe_tls(int fd, const std::string& host, const Security& security) {
 
 }  // namespace
 
-std::string why_unreachable(const std::string& target, const Security& security) {
+Obstacle find_obstacle(const std::string& target, const Security& security) {
   const HostPort to = host_port(target);
   if (to.host.empty()) return {};
   std::string why;
   const Close socket{connect_to(to, why)};
-  if (socket.fd < 0) return why;
-  const Probe probe = probe_tls(socket.fd, to.host, security);
-  if (security.tls) return probe.why;
-  return probe.speaks_tls ? "the server uses TLS, and the client does not" : "";
+  if (socket.fd < 0) return {ConnectStep::kAddress, why};
+  Probe probe = probe_tls(socket.fd, to.host, security);
+  if (!security.tls) {
+    probe.why = probe.speaks_tls ? "the server uses TLS, and the client does not" : "";
+  }
+  if (probe.why.empty()) return {};
+  return {ConnectStep::kTls, std::move(probe.why)};
+}
+
+std::string why_unreachable(const std::string& target, const Security& security) {
+  return find_obstacle(target, security).why;
 }
 
 }  // namespace lucerna::client

@@ -34,7 +34,8 @@ bool Access::open() {
   return known_ == nullptr;
 }
 
-absl::StatusOr<Admission> Access::admit(Call call, std::string_view authorization) {
+absl::StatusOr<Admission> Access::admit(Call call, std::string_view authorization,
+                                        std::string* name_of_token) {
   std::shared_ptr<const Known> known;
   {
     const std::lock_guard lock(mutex_);
@@ -51,6 +52,7 @@ absl::StatusOr<Admission> Access::admit(Call call, std::string_view authorizatio
     return absl::UnauthenticatedError(
         "the server does not know this token; it is wrong or was revoked");
   }
+  if (name_of_token != nullptr) *name_of_token = token->name;
   const Role needed = role_of(call);
   if (!token->roles.contains(needed)) {
     const std::string_view name = monitor::name_of(call);
@@ -61,15 +63,15 @@ absl::StatusOr<Admission> Access::admit(Call call, std::string_view authorizatio
         name.substr(name.find('/') + 1), name_of(needed), token->name, fmt::join(roles, ", ")));
   }
   Admission admission{{token->name, token->roles.contains(Role::kAdmin), token->quota}, {}};
-  std::shared_ptr<std::atomic<std::uint64_t>> count;
+  std::shared_ptr<Usage> usage;
   {
     const std::lock_guard lock(mutex_);
-    auto& slot = in_flight_[token->name];
-    if (slot == nullptr) slot = std::make_shared<std::atomic<std::uint64_t>>(0);
-    count = slot;
+    auto& slot = usages_[token->name];
+    if (slot == nullptr) slot = std::make_shared<Usage>();
+    usage = slot;
   }
-  const std::uint64_t before = count->fetch_add(1);
-  admission.in_flight = InFlight(count);
+  const std::uint64_t before = usage->in_flight.fetch_add(1);
+  admission.in_flight = InFlight(std::move(usage));
   if (token->quota.requests > 0 && before >= token->quota.requests) {
     return absl::ResourceExhaustedError(
         fmt::format("{} requests of \"{}\" are in flight, allowed: {}", before, token->name,

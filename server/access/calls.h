@@ -21,7 +21,7 @@ struct CallEntry {
   Role role;
 };
 
-/// Every call, in the order of Call.
+/// Every call of the contract, in the order of Call.
 inline constexpr std::array kCallRoles{
     CallEntry{Call::kFindMissingAssets, Role::kLoad},
     CallEntry{Call::kUploadAsset, Role::kLoad},
@@ -52,7 +52,7 @@ static_assert(
     [] {
       for (std::size_t i = 0; i < kCallRoles.size(); ++i)
         if (kCallRoles[i].call != static_cast<Call>(i)) return false;
-      return kCallRoles.size() == monitor::kCalls;
+      return kCallRoles.size() == monitor::kContractCalls;
     }(),
     "kCallRoles has each call once, in the order of Call");
 

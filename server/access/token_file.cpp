@@ -59,9 +59,14 @@ class Reader {
         read_number(key, node, token.quota.leases);
       } else if (name == "max-scenes") {
         read_number(key, node, token.quota.scenes);
+      } else if (name == "max-items-per-second") {
+        read_number(key, node, token.quota.items_per_second);
+      } else if (name == "max-asset-bytes") {
+        read_number(key, node, token.quota.asset_bytes);
       } else {
         error(key.source(), fmt::format("{}, allowed: name, sha256, token, roles, max-requests, "
-                                        "max-leases, max-scenes",
+                                        "max-leases, max-scenes, max-items-per-second, "
+                                        "max-asset-bytes",
                                         name));
       }
     }

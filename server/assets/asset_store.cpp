@@ -13,26 +13,14 @@
 #include <system_error>
 #include <utility>
 
+#include "server/assets/asset_store_state.h"
+
 namespace lucerna {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
-constexpr char kPart[] = ".part";
-
-bool is_digest(const std::string& name) {
-  return name.size() == 2 * kSha256Bytes &&
-         name.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
-
-std::string bytes_of(const std::string& hexadecimal) {
-  std::string bytes;
-  for (std::size_t i = 0; i < hexadecimal.size(); i += 2)
-    bytes += static_cast<char>(std::stoi(hexadecimal.substr(i, 2), nullptr, 16));
-  return bytes;
-}
 
 bool is_full(int error) { return error == ENOSPC || error == EDQUOT; }
 
@@ -43,95 +31,7 @@ absl::Status disk_error(int error) {
   return absl::InternalError("cannot write an uploaded asset: " + why);
 }
 
-struct Entry {
-  std::uint64_t bytes = 0;     // on disk
-  std::uint64_t reserved = 0;  // the size that a writer announced, else `bytes`
-  bool whole = false;
-  std::size_t pins = 0;
-  std::uint64_t writer = 0;  // 0: no writer
-  Clock::time_point written{};
-  std::uint64_t used = 0;  // larger: used later
-};
-
 }  // namespace
-
-struct AssetStore::State {
-  AssetStoreOptions options;
-  fs::path directory;
-  bool temporary = false;
-  Descriptor lock{-1};
-
-  mutable std::mutex mutex;
-  std::map<std::string, Entry> entries;
-  std::uint64_t uses = 0, writers = 0;
-
-  fs::path whole(const std::string& digest) const { return directory / hexadecimal(digest); }
-  fs::path part(const std::string& digest) const { return whole(digest) += kPart; }
-
-  // Call the functions below with the lock held.
-
-  std::uint64_t reserved() const {
-    std::uint64_t sum = 0;
-    for (const auto& [digest, e] : entries) sum += e.reserved;
-    return sum;
-  }
-
-  void remove(std::map<std::string, Entry>::iterator entry) {
-    std::error_code ignored;
-    fs::remove(entry->second.whole ? whole(entry->first) : part(entry->first), ignored);
-    entries.erase(entry);
-  }
-
-  static bool in_use(const Entry& e) { return e.pins > 0 || e.writer != 0; }
-
-  /// Deletes the least recently used file that is not in use; parts come first, since no scene can
-  /// use them.  Returns false if there is none.
-  bool remove_one() {
-    auto oldest = entries.end();
-    const auto later = [](const Entry& e) { return std::pair(e.whole, e.used); };
-    for (auto e = entries.begin(); e != entries.end(); ++e) {
-      if (in_use(e->second)) continue;
-      if (oldest == entries.end() || later(e->second) < later(oldest->second)) oldest = e;
-    }
-    if (oldest == entries.end()) return false;
-    remove(oldest);
-    return true;
-  }
-
-  /// Deletes the parts of uploads that nobody continued.
-  void remove_old_parts() {
-    const Clock::time_point now = Clock::now();
-    for (auto e = entries.begin(); e != entries.end();) {
-      const auto entry = e++;
-      if (!entry->second.whole && !in_use(entry->second) &&
-          now - entry->second.written > options.keep_parts)
-        remove(entry);
-    }
-  }
-
-  bool free_space(std::uint64_t size) {
-    std::uint64_t sum = reserved(), needed = size;
-    for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
-    if (needed > options.budget_bytes)
-      return false;  // do not delete files if this cannot make enough room
-    while (sum + size > options.budget_bytes) {
-      auto oldest = entries.end();
-      for (auto e = entries.begin(); e != entries.end(); ++e) {
-        if (!in_use(e->second) && (oldest == entries.end() || e->second.used < oldest->second.used))
-          oldest = e;
-      }
-      sum -= oldest->second.reserved;
-      remove(oldest);
-    }
-    return true;
-  }
-
-  /// The entry that `writer` writes; null if another writer took over or the entry was dropped.
-  Entry* entry_of(const std::string& digest, std::uint64_t writer) {
-    const auto found = entries.find(digest);
-    return found == entries.end() || found->second.writer != writer ? nullptr : &found->second;
-  }
-};
 
 absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOptions& options) {
   auto state = std::make_unique<State>();
@@ -155,21 +55,7 @@ absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOpt
   if (flock(state->lock.get(), LOCK_EX | LOCK_NB) != 0)
     return absl::FailedPreconditionError(
         fmt::format("asset directory \"{}\" is in use by another server", options.directory));
-  for (const fs::directory_entry& file : fs::directory_iterator(state->directory, error)) {
-    const std::string name = file.path().stem().string(), extension = file.path().extension();
-    if (!is_digest(name) || !(extension.empty() || extension == kPart)) continue;
-    Entry entry;
-    entry.whole = extension.empty();
-    entry.bytes = entry.reserved = file.file_size(error);
-    const auto age = fs::file_time_type::clock::now() - file.last_write_time(error);
-    if (!entry.whole)
-      entry.written = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
-    // If both exist, the server ended between finish and removal.  The whole file is valid.
-    const auto [place, is_new] = state->entries.try_emplace(bytes_of(name), entry);
-    if (is_new) continue;
-    if (entry.whole) place->second = entry;
-    fs::remove(state->part(place->first), error);
-  }
+  state->find_files();
   state->remove_old_parts();
   if (!state->free_space(0))
     return absl::InternalError("deleting unused assets does not make enough room");
@@ -188,12 +74,12 @@ AssetStore::Held AssetStore::held(const std::string& digest) const {
   const auto found = state_->entries.find(digest);
   if (found == state_->entries.end()) return {};
   // A client that checks for an asset is about to use it.
-  found->second.used = ++state_->uses;
+  state_->touch(found->second);
   return {found->second.whole, found->second.bytes};
 }
 
 absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::uint64_t size,
-                                               std::uint64_t offset) {
+                                               std::uint64_t offset, const AssetOwner& sender) {
   if (size > state_->options.max_asset_bytes)
     return absl::ResourceExhaustedError(fmt::format("an asset of {} bytes, allowed: at most {}",
                                                     size, state_->options.max_asset_bytes));
@@ -201,9 +87,9 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
   {
     const std::lock_guard lock(state_->mutex);
     state_->remove_old_parts();
-    Entry& entry = state_->entries[digest];
+    State::Entry& entry = state_->entries[digest];
     if (entry.whole) return absl::FailedPreconditionError("the server already has the asset");
-    if (entry.writer != 0 && Clock::now() - entry.written < state_->options.patience)
+    if (entry.writer != 0 && State::Clock::now() - entry.written < state_->options.patience)
       return absl::FailedPreconditionError("the asset is being uploaded by another client");
     if (offset > entry.bytes || offset > size) {
       const std::uint64_t held = std::min(entry.bytes, size);
@@ -215,16 +101,21 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
     entry.writer = writer = ++state_->writers;  // free_space() does not delete it
     entry.reserved = entry.bytes;
     const std::uint64_t more = size > entry.bytes ? size - entry.bytes : 0;
-    if (!state_->free_space(more)) {
-      entry.writer = 0;
-      if (entry.bytes == 0) state_->entries.erase(digest);
-      return absl::ResourceExhaustedError(
+    absl::Status room = state_->free_quota(digest, entry.bytes + more, sender);
+    if (room.ok() && !state_->free_space(more)) {
+      room = absl::ResourceExhaustedError(
           fmt::format("no room for an asset of {} bytes: assets in use fill this server's {}", size,
                       state_->options.budget_bytes));
     }
+    if (!room.ok()) {
+      entry.writer = 0;
+      if (entry.bytes == 0) state_->entries.erase(digest);
+      return room;
+    }
     entry.reserved = entry.bytes + more;
-    entry.written = Clock::now();
-    entry.used = ++state_->uses;
+    entry.written = State::Clock::now();
+    state_->touch(entry);
+    state_->set_owner(digest, entry, sender.name);
   }
   AssetUpload upload(*this, digest, size, writer,
                      Descriptor(::open(state_->part(digest).c_str(),
@@ -241,7 +132,7 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
   }
   if (ftruncate(upload.file_.get(), static_cast<off_t>(offset)) != 0) return disk_error(errno);
   const std::lock_guard lock(state_->mutex);
-  if (Entry* entry = state_->entry_of(digest, writer)) entry->bytes = offset;
+  if (State::Entry* entry = state_->entry_of(digest, writer)) entry->bytes = offset;
   return upload;
 }
 
@@ -257,7 +148,7 @@ absl::Status AssetUpload::append(std::string_view chunk) {
   // Written without the lock.  If another writer takes over meanwhile, the digest will not match.
   const int error = write(chunk);
   std::unique_lock lock(state.mutex);
-  Entry* entry = state.entry_of(digest_, writer_);
+  AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
   if (entry == nullptr) return taken_over();
   if (error != 0) {
     // What arrived would keep smaller files from the disk.
@@ -268,7 +159,7 @@ absl::Status AssetUpload::append(std::string_view chunk) {
   sha_.add(chunk);
   bytes_ += chunk.size();
   entry->bytes = bytes_;
-  entry->written = Clock::now();
+  entry->written = AssetStore::State::Clock::now();
   return absl::OkStatus();
 }
 
@@ -297,7 +188,7 @@ absl::Status AssetUpload::finish() {
     return absl::InvalidArgumentError(hexadecimal(found));
   }
   const std::lock_guard lock(state.mutex);
-  Entry* entry = state.entry_of(digest_, writer_);
+  AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
   if (entry == nullptr)
     return absl::FailedPreconditionError("another client took over the upload of this asset");
   std::error_code error;
@@ -314,7 +205,7 @@ AssetUpload::~AssetUpload() {
   if (store_ == nullptr) return;
   AssetStore::State& state = *store_->state_;
   const std::lock_guard lock(state.mutex);
-  Entry* entry = state.entry_of(digest_, writer_);
+  AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
   if (entry == nullptr) return;
   entry->writer = 0;
   entry->reserved = entry->bytes;
@@ -329,10 +220,10 @@ absl::StatusOr<OpenFile> AssetStore::read(const std::string& digest) {
   Descriptor file(::open(state_->whole(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (file.get() < 0) {
     // Another program deleted the file.
-    state_->entries.erase(found);
+    state_->remove(found);
     return absl::NotFoundError("the server does not have the asset");
   }
-  found->second.used = ++state_->uses;
+  state_->touch(found->second);
   return OpenFile{std::move(file), found->second.bytes};
 }
 

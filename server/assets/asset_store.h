@@ -21,6 +21,16 @@ namespace lucerna {
 
 class AssetStore;
 
+/// Payload of a RESOURCE_EXHAUSTED because of a quota of the caller.
+inline constexpr char kOverQuotaPayload[] = "lucerna.over_quota";
+
+/// Who sends a file.
+struct AssetOwner {
+  std::string name{};
+  /// The most bytes of all files that the owner sent; 0: no limit.
+  std::uint64_t most_bytes = 0;
+};
+
 /// One running upload.  If it is destroyed before its end, the store keeps what arrived, and a
 /// later upload may continue there.
 class AssetUpload {
@@ -87,10 +97,13 @@ class AssetStore {
   /// Starts an upload at `offset`, which is at most the number of bytes in the store.  Deletes the
   /// bytes after `offset`, and reads those before it to hash them.
   ///
+  /// The file counts as the sender's, as long as the store has it.
+  ///
   /// Errors: INVALID_ARGUMENT (offset), RESOURCE_EXHAUSTED (over the limit for one file; files in
-  /// use leave no room), FAILED_PRECONDITION (another client uploads it; the store already has it).
+  /// use leave no room; with kOverQuotaPayload, the sender's files leave no room in its quota),
+  /// FAILED_PRECONDITION (another client uploads it; the store already has it).
   absl::StatusOr<AssetUpload> upload(const std::string& digest, std::uint64_t size,
-                                     std::uint64_t offset);
+                                     std::uint64_t offset, const AssetOwner& sender = {});
 
   /// The file.  It stays readable even if the store deletes it meanwhile.  NOT_FOUND if it is not
   /// complete.

@@ -23,6 +23,9 @@ struct AssetStoreOptions {
   std::chrono::milliseconds patience{10'000};
   /// The parts of an upload that nobody continued for this time are deleted.
   std::chrono::seconds keep_parts{86400};
+  /// Files that were used within this time are not deleted to make room in the quota of their
+  /// owner. So the files of one scene do not replace each other.
+  std::chrono::seconds keep_owned{600};
   /// An upload that sends nothing for this time is ended.
   std::chrono::seconds stall_time{60};
   /// Writes to a file, as write(2) does.  Tests have disks that are full.

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 #include "proto/common/status_macros.h"
 #include "server/description/scene_contents.h"
 
@@ -14,6 +18,16 @@ std::uint64_t bytes_of(const std::vector<T>& values) {
 }
 
 }  // namespace
+
+void push_back(ShapeDescription shape, std::vector<ShapeDescription>& shapes) {
+  if (shapes.size() == shapes.capacity()) {
+    std::vector<ShapeDescription> larger;
+    larger.reserve(std::max<std::size_t>(8, 2 * shapes.size()));
+    std::move(shapes.begin(), shapes.end(), std::back_inserter(larger));
+    shapes = std::move(larger);
+  }
+  shapes.push_back(std::move(shape));
+}
 
 std::uint64_t array_bytes(const ShapeDescription& shape) {
   return std::visit(

@@ -4,6 +4,7 @@
 #include <absl/status/status.h>
 
 #include <cstdint>
+#include <vector>
 
 #include "server/assets/load_budget.h"
 #include "server/assets/load_limits.h"
@@ -35,6 +36,10 @@ class LoadMeter {
   std::uint64_t primitives_ = 0;
   std::uint64_t lists_ = 0, textures_ = 0;  ///< as last counted
 };
+
+/// Adds the shape at the end.  A vector that grows by itself copies the arrays of all its shapes,
+/// because their moves are not noexcept.  Then a scene of many meshes exists twice.
+void push_back(ShapeDescription shape, std::vector<ShapeDescription>& shapes);
 
 /// Memory of the arrays of a shape.
 std::uint64_t array_bytes(const ShapeDescription& shape);

@@ -1,12 +1,12 @@
 #include "server/gltf/compression.h"
 
-#include <draco/compression/decode.h>
-#include <draco/core/decoder_buffer.h>
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
 #include <array>
 #include <cmath>
+
+#include "server/gltf/draco_mesh.h"
 
 namespace lucerna::gltf {
 namespace {
@@ -67,14 +67,7 @@ std::string unpack_meshopt(const View& packed, std::string_view bytes) {
 }
 
 DracoMesh unpack_draco(const View& packed, std::string_view bytes) {
-  draco::DecoderBuffer buffer;
-  buffer.Init(bytes.data(), bytes.size());
-  draco::Decoder decoder;
-  auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok())
-    packed.fail(fmt::format("Draco: {}", printable(decoded.status().error_msg_string())));
-  const std::unique_ptr<draco::Mesh> mesh = std::move(decoded).value();
-
+  const std::unique_ptr<draco::Mesh> mesh = decode_draco(packed, bytes);
   DracoMesh result;
   result.points = mesh->num_points();
   const std::size_t faces = mesh->num_faces();

@@ -169,7 +169,7 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
   if (place == nullptr) {
     shape.geometry = part.mesh;
     count(shape, part);
-    context_.scene.objects.back().shapes.push_back(std::move(shape));
+    push_back(std::move(shape), context_.scene.objects.back().shapes);
     return;
   }
   shape.geometry =
@@ -192,7 +192,7 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
     shape.emission = std::move(emission);
   }
   count(shape, part);
-  context_.scene.shapes.push_back(std::move(shape));
+  push_back(std::move(shape), context_.scene.shapes);
 }
 
 void Placer::count(const ShapeDescription& shape, const Part& part) {

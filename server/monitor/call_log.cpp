@@ -49,6 +49,7 @@ std::string describe(const CallRecord& record, LogFormat format) {
   text("code", code_name(record.code));
   text("id", record.request_id);
   text("peer", record.peer);
+  text("caller", record.caller);
   text("scene", record.scene_id);
   count("items", record.items);
   count("samples", record.samples);

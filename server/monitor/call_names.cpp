@@ -27,6 +27,10 @@ constexpr std::array<const char*, kCalls> kNames{
     "lucerna.v1.AdminService/GetServerInfo",
     "lucerna.v1.AdminService/GetStats",
     "lucerna.v1.AdminService/ListLeases",
+    "grpc.health.v1.Health/Check",
+    "grpc.health.v1.Health/Watch",
+    "grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+    "grpc/unknown",
 };
 
 // In the order of their numbers.

@@ -1,4 +1,4 @@
-// The calls of the contract, by number and by name.
+// The calls, by number and by name.
 #pragma once
 
 #include <array>
@@ -31,8 +31,15 @@ enum class Call : std::uint8_t {
   kGetServerInfo,
   kGetStats,
   kListLeases,
+  // Calls that gRPC answers.
+  kHealthCheck,
+  kHealthWatch,
+  kReflection,
+  kUnknown,  ///< every call that does not exist
 };
-inline constexpr std::size_t kCalls = static_cast<std::size_t>(Call::kListLeases) + 1;
+inline constexpr std::size_t kCalls = static_cast<std::size_t>(Call::kUnknown) + 1;
+/// Those of the contract, which are the first.
+inline constexpr std::size_t kContractCalls = static_cast<std::size_t>(Call::kListLeases) + 1;
 
 /// Full name, e.g. "lucerna.v1.LightingService/SampleLi".
 const char* name_of(Call call);

@@ -15,6 +15,8 @@ struct CallRecord {
   std::string request_id{};   ///< see request_id.h
   std::string traceparent{};  ///< of the client, well-formed; else empty
   std::string peer{};         ///< address of the client, as gRPC writes it
+  /// Name of the client's token, or of its certificate; else empty.
+  std::string caller{};
   std::string scene_id{};     ///< 64 hexadecimal digits, or empty
   int code = 0;               ///< of gRPC
 

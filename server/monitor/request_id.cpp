@@ -17,6 +17,12 @@ bool is_hexadecimal(std::string_view text) {
                      [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
+bool is_harmless(char c) {
+  constexpr std::string_view kOthers = "-_.:+/=@";
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+         kOthers.find(c) != std::string_view::npos;
+}
+
 bool is_zero(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c == '0'; });
 }
@@ -24,12 +30,15 @@ bool is_zero(std::string_view text) {
 }  // namespace
 
 bool is_request_id(std::string_view text) {
-  constexpr std::string_view kOthers = "-_.:+/=@";
   return !text.empty() && text.size() <= kMostIdBytes &&
-         std::all_of(text.begin(), text.end(), [&](char c) {
-           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                  kOthers.find(c) != std::string_view::npos;
-         });
+         std::all_of(text.begin(), text.end(), is_harmless);
+}
+
+std::string printable_name(std::string_view text) {
+  std::string name(text.substr(0, kMostIdBytes));
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !is_harmless(c) && c != '*'; }, '?');
+  return name;
 }
 
 std::string make_request_id() {

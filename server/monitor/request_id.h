@@ -16,6 +16,10 @@ std::string make_request_id();
 /// hexadecimal digits, with trace and span not zero.  https://www.w3.org/TR/trace-context
 bool is_traceparent(std::string_view text);
 
+/// The text with "?" for each character that is no letter, digit or `-_.:+/=@*`, and at most 128 of
+/// them.  For names that others chose, such as those of certificates.
+std::string printable_name(std::string_view text);
+
 /// Whether the text is the id of a scene: 64 lower-case hexadecimal digits.
 bool is_scene_id(std::string_view text);
 

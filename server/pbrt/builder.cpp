@@ -257,12 +257,16 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   shape.alpha = alpha;
   shape.geometry = *std::move(geometry);
   if (absl::Status status = context_.meter.add(shape); !status.ok()) fail(place, status);
-  if (!open_object_) return append(context_, context_.scene.shapes, std::move(shape));
-  auto& shapes = context_.scene.objects[*open_object_].shapes;
+  auto& shapes =
+      open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;
   const std::size_t before = shapes.capacity();
-  shapes.push_back(std::move(shape));
+  push_back(std::move(shape), shapes);
+  if (shapes.capacity() == before) return;
   // The meter counts the lists of the scene, but not those within an object.
-  Context::require(context_.meter.hold((shapes.capacity() - before) * sizeof(ShapeDescription)));
+  if (open_object_)
+    Context::require(context_.meter.hold((shapes.capacity() - before) * sizeof(ShapeDescription)));
+  else
+    context_.poll();
 }
 
 void Builder::light_source(const std::string& type, Parameters params, const Place& place) {

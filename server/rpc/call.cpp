@@ -45,7 +45,8 @@ void UnaryCall::begin(const grpc::ByteBuffer& request) {
     LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
     LUCERNA_RETURN_IF_ERROR(parse(request, record));
     task = prepare(runtime_.context(admission_.caller));
-    return task.status();
+    LUCERNA_RETURN_IF_ERROR(task.status());
+    return ObservedCall::take_items(admission_, task->items);
   });
   if (!prepared.ok()) return finish(prepared);
   if (!task->bulk && task->predicted_s < kAtOnceSeconds) return compute(*task);

@@ -43,6 +43,7 @@ void ImageStream::begin(const grpc::ByteBuffer& request) {
       record_request(parsed, observed_.record());
       LUCERNA_ASSIGN_OR_RETURN(ImageRender render,
                                ImageRender::create(runtime_.context(admission_.caller), parsed));
+      LUCERNA_RETURN_IF_ERROR(ObservedCall::take_items(admission_, render.pixels()));
       render_.emplace(std::move(render));
       return absl::OkStatus();
     });

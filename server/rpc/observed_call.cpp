@@ -26,6 +26,16 @@ std::string_view header(const grpc::ServerContextBase& context, const char* name
   return {found->second.data(), found->second.size()};
 }
 
+/// The first name of the client's certificate; empty without one.  Its characters cannot break a
+/// line of the log.
+std::string certificate_name(const grpc::ServerContextBase& context) {
+  const std::shared_ptr<const grpc::AuthContext> who = context.auth_context();
+  if (who == nullptr || !who->IsPeerAuthenticated()) return {};
+  const std::vector<grpc::string_ref> names = who->GetPeerIdentity();
+  if (names.empty()) return {};
+  return monitor::printable_name({names.front().data(), names.front().size()});
+}
+
 // A caller with too many requests in flight may try again after about one small request.
 constexpr std::chrono::milliseconds kQuotaDelay(50);
 
@@ -44,18 +54,31 @@ ObservedCall::ObservedCall(Runtime& runtime, grpc::CallbackServerContext& contex
     const std::string_view trace = header(context, "traceparent");
     if (monitor::is_traceparent(trace)) record_.traceparent = std::string(trace);
     record_.peer = context.peer();
+    if (runtime.client_certificates) record_.caller = certificate_name(context);
   }
   runtime_.statistics.begin(call);
 }
 
 absl::StatusOr<access::Admission> ObservedCall::admit() {
   absl::StatusOr<access::Admission> admission =
-      runtime_.access.admit(record_.call, header(context_, "authorization"));
+      runtime_.access.admit(record_.call, header(context_, "authorization"), &token_);
+  if (!token_.empty()) record_.caller = token_;
   if (absl::IsResourceExhausted(admission.status())) {
     return retry_after(admission.status(), Reason::kOverQuota, kQuotaDelay);
   }
-  if (admission.ok()) caller_ = admission->caller.name;
   return admission;
+}
+
+absl::Status ObservedCall::take_items(const access::Admission& admission, std::uint64_t items) {
+  const std::chrono::milliseconds wait = admission.take_items(items);
+  if (wait.count() == 0) return absl::OkStatus();
+  const access::Caller& caller = admission.caller;
+  return retry_after(
+      absl::ResourceExhaustedError(fmt::format(
+          "\"{}\" asks for {} items, and may compute {} in a second; enough are there in {:.3f} s",
+          caller.name, items, caller.quota.items_per_second,
+          1e-3 * static_cast<double>(wait.count()))),
+      Reason::kOverQuota, wait);
 }
 
 void ObservedCall::add_queue_time(Lane lane, double seconds) {
@@ -66,7 +89,7 @@ void ObservedCall::add_queue_time(Lane lane, double seconds) {
 
 std::string ObservedCall::client() const {
   // A caller has one turn, from however many addresses it calls.
-  if (!caller_.empty()) return "token:" + caller_;
+  if (!token_.empty()) return "token:" + token_;
   std::string peer = context_.peer();
   // "ipv4:127.0.0.1:40000", "ipv6:%5B::1%5D:40000", but "unix:/path" and "unix:".
   if (peer.starts_with("ipv4:") || peer.starts_with("ipv6:")) peer.resize(peer.rfind(':'));

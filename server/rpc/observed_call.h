@@ -26,6 +26,10 @@ class ObservedCall {
   /// Lets the call in, by the header "authorization".  Errors: those of access::Access::admit.
   absl::StatusOr<access::Admission> admit();
 
+  /// Counts the items of the call against the caller's quota.  RESOURCE_EXHAUSTED with a RetryInfo
+  /// if the caller has computed too many in the last time.
+  static absl::Status take_items(const access::Admission& admission, std::uint64_t items);
+
   monitor::CallRecord& record() { return record_; }
   /// The job's time in the queue of `lane`.
   void add_queue_time(Lane lane, double seconds);
@@ -44,7 +48,7 @@ class ObservedCall {
   LaneJob::Clock::time_point deadline_;
   std::chrono::steady_clock::time_point arrived_ = std::chrono::steady_clock::now();
   monitor::CallRecord record_;
-  std::string caller_;  // name of the token, or empty
+  std::string token_;  // its name, or empty
 };
 
 /// Stops work that takes longer than a call without a deadline may.  Does nothing for a call with a

@@ -94,6 +94,8 @@ struct Runtime {
   TimeModel times;
   /// Gets the record of each call that has ended; may be empty.
   std::function<void(const monitor::CallRecord&)> on_call;
+  /// Whether clients have certificates that were checked.
+  bool client_certificates = false;
   /// The lines that the log left out; may be empty.
   std::function<std::uint64_t()> log_lines_left_out;
   /// The longest that a call without a deadline may compute [s]; 0: no limit.

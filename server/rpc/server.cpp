@@ -19,6 +19,7 @@
 #include "server/rpc/address.h"
 #include "server/rpc/listener.h"
 #include "server/rpc/observed_call.h"
+#include "server/rpc/other_calls.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stats.h"
 #include "server/rpc/tls.h"
@@ -179,6 +180,9 @@ absl::Status Server::State::listen(const ServerOptions& options) {
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
       tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials());
   for (const auto& service : services) builder.RegisterService(service.get());
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(std::make_unique<OtherCalls>(runtime));
+  builder.experimental().SetInterceptorCreators(std::move(interceptors));
   server = builder.BuildAndStart();
   if (server == nullptr) return absl::UnavailableError("gRPC does not start");
   address = with_port(options.listen, listener->port());
@@ -228,6 +232,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
   state->runtime.limits.set(options.limits);
   if (options.doors.tls.given()) {
     LUCERNA_ASSIGN_OR_RETURN(state->tls, Tls::open(options.doors.tls));
+    state->runtime.client_certificates = !options.doors.tls.client_ca.empty();
   }
   if (!options.doors.token_file.empty()) {
     LUCERNA_ASSIGN_OR_RETURN(auto tokens, access::read_token_file(options.doors.token_file));

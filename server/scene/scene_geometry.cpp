@@ -21,12 +21,33 @@ Transform rounded_to_float(const Transform& t) {
   return Transform::from_matrix(m).value_or(t);
 }
 
+/// Reserves the vertices and triangles of all meshes among `shapes`.  Vectors that grow would hold
+/// them twice meanwhile, and keep unused room.
+void reserve(const std::vector<ShapeDescription>& shapes, bool with_moving, GeometrySet& set) {
+  std::size_t vertices = 0, numbers = 0;
+  for (const ShapeDescription& shape : shapes) {
+    const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry);
+    if (mesh == nullptr || (shape.motion && !with_moving)) continue;
+    vertices += mesh->positions.size();
+    numbers += mesh->indices.size();
+  }
+  set.vertices.reserve(vertices);
+  set.triangles.reserve(numbers);
+}
+
+/// Reserved and not filled yet.
+std::uint64_t unused_bytes(const GeometrySet& set) {
+  return (set.vertices.capacity() - set.vertices.size()) * sizeof set.vertices[0] +
+         (set.triangles.capacity() - set.triangles.size()) * sizeof set.triangles[0];
+}
+
 }  // namespace
 
 /// Appends the shape and frees its arrays.
 absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>& origin,
                                     std::int32_t light, GeometrySet& set, SurfaceTable& table) {
-  const auto bytes = [&] { return set.bytes() + table.bytes(); };
+  // What is reserved takes no memory before it is filled, and meshes are freed meanwhile.
+  const auto bytes = [&] { return set.bytes() - unused_bytes(set) + table.bytes(); };
   const std::uint64_t before = bytes();
   {
     // The arrays for rays take less than those of the description.
@@ -66,6 +87,10 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   scene_->object_surfaces_.resize(objects.size());
   auto light = static_cast<std::int32_t>(in_.lights.size());
   std::size_t moving_shape = 0;
+  reserve(in_.shapes, false, set);
+  // A list that grows would copy the arrays of its shapes.
+  scene_->movable_.shapes.reserve(static_cast<std::size_t>(std::ranges::count_if(
+      in_.shapes, [](const ShapeDescription& s) { return s.emission.has_value(); })));
   for (auto& s : in_.shapes) {
     if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
     const std::int32_t emitter = s.emission ? light++ : -1;
@@ -88,6 +113,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   for (const auto& i : in_.instances) is_placed[i.object] = true;
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
+    reserve(in_.objects[i].shapes, true, objects[i]);
     for (auto& s : in_.objects[i].shapes)
       LUCERNA_RETURN_IF_ERROR(
           append(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]));
@@ -106,7 +132,6 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   report_motion(instances);
   if (!set.empty() || !instances.empty()) keep_materials();
   report_geometry(set, objects, watch);
-  scene_->movable_.shapes.shrink_to_fit();
   if (const std::uint64_t kept = scene_->movable_.bytes(); kept > 0)
     part("movable surfaces", kept, Stopwatch(), "shapes of lights, which edits can move");
   in_.shapes = {};

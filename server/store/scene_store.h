@@ -24,9 +24,6 @@ namespace lucerna {
 /// decimal.
 inline constexpr char kRetryAfterPayload[] = "lucerna.retry_after_ms";
 
-/// Payload of a RESOURCE_EXHAUSTED because the owner has too many scenes or leases.
-inline constexpr char kOverQuotaPayload[] = "lucerna.over_quota";
-
 struct StoredScene {
   std::shared_ptr<const Scene> scene;
   /// Its name: the path that it was first loaded from, relative to the root, or the main file of

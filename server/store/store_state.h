@@ -3,8 +3,10 @@
 #pragma once
 
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -335,6 +337,7 @@ class SceneStore::LoadMemory final : public MemoryPool {
   }
 
   absl::Status take(std::uint64_t bytes) override {
+    trim_if_much_was_freed();
     std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
     const std::lock_guard lock(state_.mutex);
     LUCERNA_RETURN_IF_ERROR(state_.evict_for(bytes, own_, gone));
@@ -347,10 +350,23 @@ class SceneStore::LoadMemory final : public MemoryPool {
     const std::uint64_t rest = std::min(bytes, own_);
     own_ -= rest;
     state_.loading -= rest;
+    freed_ += rest;
   }
 
  private:
+  /// The allocator keeps much of what is freed, in pieces between arrays that stay.  It must go
+  /// back to the system before others count on it.
+  void trim_if_much_was_freed() {
+    const std::uint64_t budget = state_.options.memory_budget_bytes;
+    if (budget == 0 || freed_.load() < std::max(kLeastTrim, budget / kTrimShare)) return;
+    freed_ = 0;
+    malloc_trim(0);
+  }
+  // A trim takes some milliseconds.
+  static constexpr std::uint64_t kLeastTrim = std::uint64_t{8} << 20, kTrimShare = 32;
+
   State& state_;
+  std::atomic<std::uint64_t> freed_ = 0;  // since the last trim
   std::uint64_t own_ = 0;
   LoadBudget budget_{this};  // last member: gives its bytes back first
 };

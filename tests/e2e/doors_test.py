@@ -21,7 +21,7 @@ COMMAND_S = 300  # ends tests that hang
 SCENES = pathlib.Path(__file__).resolve().parents[1] / "data/reference"
 BUILD = pathlib.Path(sys.argv[1])
 LUCERNAD = BUILD / "bin/lucernad"
-TOKENS = {name: f"a long secret of {name}".replace(" ", "-") for name in ("viewer", "loader", "other", "root")}
+TOKENS = {name: f"a long secret of {name}".replace(" ", "-") for name in ("viewer", "loader", "other", "porter", "root")}
 
 
 def lucerna(server, *arguments, token=None, **environment):
@@ -51,7 +51,7 @@ def refuses_to_start(text, *options):
 
 def write_tokens(path, names, quotas=""):
     roles = {"viewer": '["query"]', "loader": '["query", "load"]', "other": '["query", "load"]',
-             "root": '["admin", "load", "query"]'}
+             "porter": '["load"]', "root": '["admin", "load", "query"]'}
     path.write_text("".join(
         f'[[token]]\nname = "{n}"\nsha256 = "{hashlib.sha256(TOKENS[n].encode()).hexdigest()}"\nroles = {roles[n]}\n'
         f"{quotas}\n" for n in names))
@@ -82,31 +82,47 @@ def wrong_files_are_refused(files, directory):
         refuses_to_start(text, "--listen", "127.0.0.1:0", *options)
 
 
+def doctor_finds(check, text, server, *arguments, token=None):
+    """The doctor names the check that failed, and its reason.  Else all is well."""
+    outcome = lucerna(server, "doctor", "--json", *arguments, token=token)
+    failed = {c["name"]: c["text"] for c in json.loads(outcome.stdout)["checks"] if not c["ok"]}
+    if check is None:
+        expect(outcome.returncode == 0 and failed == {}, f"{outcome.args}: {outcome.returncode}, {failed}")
+    else:
+        expect(outcome.returncode == 1 and list(failed) == [check] and text in failed[check],
+               f"{outcome.args}: {outcome.returncode}, {failed}, expected {check}: {text}")
+
+
+def refuses(check, text, server, *arguments, token=None):
+    """Both a command and the doctor state why."""
+    fails(lucerna(server, "info", *arguments, token=token), text)
+    doctor_finds(check, text, server, *arguments, token=token)
+
+
 def client_reports_why_tls_fails(files, strangers):
     certificate, key = files.issue("server")
     ca = ("--tls-ca", files.certificate)
     with Lucernad(LUCERNAD, "--tls-cert", certificate, "--tls-key", key) as server:
         succeeds(lucerna(server, "info", *ca))
+        doctor_finds(None, "", server, *ca)
         # The names of the certificate, and one that it does not have.
         succeeds(lucerna(f"localhost:{server.port}", "info", *ca))
         succeeds(lucerna(server, "info", *ca, "--tls-name", "localhost"))
-        fails(lucerna(server, "info", *ca, "--tls-name", "lamps.example"),
-              "the server's certificate is not for the name lamps.example")
-        fails(lucerna(server, "info", "--tls-ca", strangers.certificate),
-              "the server's certificate is not signed by an authority of ")
-        fails(lucerna(server, "info", "--tls"), "the server's certificate is not signed by an authority of ")
-        fails(lucerna(server, "info"), "the server uses TLS, and the client does not")
+        refuses("TLS", "the server's certificate is not for the name lamps.example", server, *ca, "--tls-name", "lamps.example")
+        refuses("TLS", "the server's certificate is not signed by an authority of ", server, "--tls-ca", strangers.certificate)
+        refuses("TLS", "the server's certificate is not signed by an authority of ", server, "--tls")
+        refuses("TLS", "the server uses TLS, and the client does not", server)
     with Lucernad(LUCERNAD) as server:
-        fails(lucerna(server, "info", *ca), "the server does not use TLS on this port")
+        refuses("TLS", "the server does not use TLS on this port", server, *ca)
     certificate, key = files.issue("expired-server", days=-1)
     with Lucernad(LUCERNAD, "--tls-cert", certificate, "--tls-key", key) as server:
-        fails(lucerna(server, "info", *ca), "the server's certificate has expired")
+        refuses("TLS", "the server's certificate has expired", server, *ca)
     certificate, key = files.issue("other-name", alternatives="DNS:lamps.example")
     with Lucernad(LUCERNAD, "--tls-cert", certificate, "--tls-key", key) as server:
-        fails(lucerna(server, "info", *ca), "the server's certificate is not for the name 127.0.0.1")
+        refuses("TLS", "the server's certificate is not for the name 127.0.0.1", server, *ca)
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
-        fails(lucerna(f"127.0.0.1:{unused.getsockname()[1]}", "info", *ca), "no server listens there")
+        refuses("connection", "no server listens there", f"127.0.0.1:{unused.getsockname()[1]}", *ca)
 
 
 def client_reports_why_mutual_tls_fails(files, strangers):
@@ -114,13 +130,16 @@ def client_reports_why_mutual_tls_fails(files, strangers):
     ca = ("--tls-ca", files.certificate)
     with Lucernad(LUCERNAD, "--tls-cert", certificate, "--tls-key", key, "--tls-client-ca",
                   files.certificate) as server:
-        def ask(own):
-            return lucerna(server, "info", *ca, "--tls-cert", own[0], "--tls-key", own[1])
+        def of(own):
+            return (*ca, "--tls-cert", own[0], "--tls-key", own[1])
 
-        succeeds(ask(files.issue("client")))
-        fails(lucerna(server, "info", *ca), "the server needs a client certificate")
-        fails(ask(strangers.issue("stranger")), "the server does not accept the client certificate")
-        fails(ask(files.issue("expired-client", days=-1)), "the client certificate has expired")
+        doctor_finds(None, "", server, *of(files.issue("client")))
+        refuses("TLS", "the server needs a client certificate", server, *ca)
+        refuses("TLS", "the server does not accept the client certificate", server, *of(strangers.issue("stranger")))
+        refuses("TLS", "the client certificate has expired", server, *of(files.issue("expired-client", days=-1)))
+        # The log has the name of the certificate.
+        succeeds(lucerna(server, "info", *of(files.issue("named", alternatives="DNS:*.desk.example"))))
+        server.wait_for_log(" caller=*.desk.example ")
 
 
 def certificates_are_reloaded(files, strangers, directory):
@@ -147,13 +166,17 @@ def certificates_are_reloaded(files, strangers, directory):
 
 def tokens_have_roles(directory):
     tokens = directory / "tokens.toml"
-    write_tokens(tokens, ("viewer", "loader"))
+    write_tokens(tokens, ("viewer", "loader", "porter"))
     with Lucernad(LUCERNAD, "--token-file", tokens, "--scene-root", SCENES, "--load", "point.pbrt") as server:
         scene = json.loads(succeeds(lucerna(server, "scenes", "--json", token=TOKENS["viewer"])))["scenes"][0]["sceneId"]
         power = ("power", scene)
         succeeds(lucerna(server, *power, token=TOKENS["viewer"]))
+        doctor_finds(None, "", server, token=TOKENS["viewer"])
         fails(lucerna(server, *power), "the call has no token")
-        fails(lucerna(server, *power, token="a wrong token".replace(" ", "-")), "the server does not know this token")
+        refuses("token", "the call has no token", server)
+        refuses("token", "the server does not know this token", server, token="a-wrong-token-of-nobody")
+        refuses("token", 'GetServerInfo needs the role query, and the token of "porter" has only: load', server,
+                token=TOKENS["porter"])
         fails(lucerna(server, "load", "point.pbrt", token=TOKENS["viewer"]),
               'permission_denied: LoadScene needs the role load, and the token of "viewer" has only: query')
         succeeds(lucerna(server, "load", "point.pbrt", token=TOKENS["loader"]))
@@ -168,12 +191,16 @@ def tokens_have_roles(directory):
         server.process.send_signal(signal.SIGHUP)
         server.wait_for_log("reloaded certificates, tokens and limits")
         fails(lucerna(server, *power, token=TOKENS["viewer"]), "it is wrong or was revoked")
+        doctor_finds("token", "it is wrong or was revoked", server, token=TOKENS["viewer"])
         succeeds(lucerna(server, *power, token=TOKENS["other"]))
         # A wrong file changes nothing.
         tokens.write_text('[[token]]\nname = "other"\nroles = ["queries"]\n')
         server.process.send_signal(signal.SIGHUP)
         server.wait_for_log(f"{tokens}:3:1: roles, allowed: a list of query, load, admin")
         succeeds(lucerna(server, *power, token=TOKENS["other"]))
+        # The log has the names of callers, also of calls that were refused, and no token.
+        for line in ("call EstimatePower code=OK id=", "call LoadScene code=PERMISSION_DENIED id="):
+            expect(any(line in one and " caller=viewer " in one for one in server.log().splitlines()), server.log())
         for token in TOKENS.values():
             expect(token not in server.log(), f"a token is in the log:\n{server.log()}")
 

@@ -19,6 +19,12 @@ but for
     Surfaces: what the changed code does.
     Edits: what the changed code does.
 
+A patch dNN.patch belongs to the doors, limits, lanes and statistics of the server, and begins with
+
+    Doors: what the changed code does.
+
+Its test may be a script: "Test: tests/e2e/doors_test.py lucernad,lucerna" names the script and the programs to build.
+
 A patch oNN.patch is one for the oracle (docs/oracle.md) and begins with
 
     Oracle: what the changed code does.
@@ -51,8 +57,8 @@ class Mutant:
         if self.name.startswith("o"):
             row = re.match(r"(Oracle): (.+)\n", text)
         else:
-            row = re.match(r"(Row \d+|Surfaces|Edits): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?(Found by the oracle)?", text)
-            belongs_to = {"m": "Surfaces", "e": "Edits"}.get(self.name[0]) or f"Row {self.name[:2]}"
+            row = re.match(r"(Row \d+|Surfaces|Edits|Doors): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?(Found by the oracle)?", text)
+            belongs_to = {"m": "Surfaces", "e": "Edits", "d": "Doors"}.get(self.name[0]) or f"Row {self.name[:2]}"
             if row and row[1].replace("Row ", "Row 0" if len(row[1]) == 5 else "Row ") != belongs_to:
                 row = None
         if not row:
@@ -65,8 +71,16 @@ class Mutant:
             self.executable, self.filter, self.fails_by = row[3], row[4], row[5] or self.fails_by
             self.is_for_oracle = row[6] is not None
         self.files = re.findall(r"^\+\+\+ b/(.+)$", text, re.M)
-        if not self.files or any(not f.startswith(("lights/", "server/", "proto/")) for f in self.files):
-            sys.exit(f"{path.relative_to(ROOT)}: changes {self.files}, not only lights, server and proto")
+        if not self.files or any(not f.startswith(("client/", "lights/", "server/", "proto/")) for f in self.files):
+            sys.exit(f"{path.relative_to(ROOT)}: changes {self.files}, not only client, lights, server and proto")
+
+    @property
+    def is_script(self):
+        return self.executable.endswith(".py")
+
+    @property
+    def targets(self):
+        return self.filter.split(",") if self.is_script else [self.executable]
 
     def use_oracle(self):
         self.executable, self.filter, self.fails_by = "oracle_test", "Oracle.AgreesWithTheServer", "expectation"
@@ -94,13 +108,25 @@ def refresh_copy():
             path.unlink()
 
 
-def build(target):
-    made = run("cmake", "--build", "--preset", PRESET, "--target", target, cwd=COPY)
+def build(targets):
+    made = run("cmake", "--build", "--preset", PRESET, "--target", *targets, cwd=COPY)
     return "" if made.returncode == 0 else made.stdout[-3000:]
+
+
+def outcome_of_script(mutant):
+    # Scripts that test one program get its path, the others the folder of the build.
+    last = BUILD / "bin" / mutant.targets[0] if len(mutant.targets) == 1 else BUILD
+    try:
+        done = run("/usr/bin/python3", COPY / mutant.executable, last, timeout=TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        return "timeout"
+    return "passes" if done.returncode == 0 else "expectation"
 
 
 def outcome(mutant):
     """The result of the mutant's test in the current copy: passes, the kind of failure, or an error."""
+    if mutant.is_script:
+        return outcome_of_script(mutant)
     found = [p for p in BUILD.glob(f"tests/**/{mutant.executable}") if p.is_file()]
     report = BUILD / "mutant.json"
     report.unlink(missing_ok=True)
@@ -121,7 +147,7 @@ def judge(mutant):
     if applied.returncode != 0:
         return "does not apply: " + applied.stdout
     try:
-        error = build(mutant.executable)
+        error = build(mutant.targets)
         if error:
             return "does not build: " + error
         now = outcome(mutant)
@@ -136,15 +162,17 @@ def run_mutants(mutants):
     refresh_copy()
     if not (BUILD / "build.ninja").exists():
         run("cmake", "--preset", PRESET, cwd=COPY, check=True)
-    for executable in sorted({m.executable for m in mutants}):
-        if error := build(executable):
-            sys.exit(f"{executable} does not build: {error}")
+    for targets in sorted({tuple(m.targets) for m in mutants}):
+        if error := build(targets):
+            sys.exit(f"{', '.join(targets)}: {error}")
     # Run all tests first, because later the executables are those of the previous mutant.
-    before = {m.filter: outcome(m) for m in {m.filter: m for m in mutants}.values()}
+    before = {(m.executable, m.filter): outcome(m)
+              for m in {(m.executable, m.filter): m for m in mutants}.values()}
     good = True
     for m in mutants:
         start = time.monotonic()
-        verdict = judge(m) if before[m.filter] == "passes" else f"without the mutant: {before[m.filter]}"
+        was = before[m.executable, m.filter]
+        verdict = judge(m) if was == "passes" else f"without the mutant: {was}"
         good &= verdict == "killed"
         print(f"{m.name:4} {time.monotonic() - start:5.0f} s  {verdict:8}  {m.filter}: {m.about}", flush=True)
     print(f"{len(mutants)} mutants" + (", all killed" if good else ""))

@@ -84,6 +84,7 @@ Prepared le(const Context& context, const v1::LeRequest& request, v1::LeResponse
   LUCERNA_ASSIGN_OR_RETURN(const LeQuery query, parse(context, *scene, request));
   Task task;
   task.predicted_s = le_seconds(query.points.size(), query.wavelengths_nm.size());
+  task.items = query.points.size();
   task.cost = response->mutable_cost();
   task.run = [scene, query, response](const std::stop_token& stop) {
     const LeAnswer answer = sized_arrays(query, response);
@@ -100,6 +101,7 @@ Prepared sample_le(const Context& context, const v1::SampleLeRequest& request,
   LUCERNA_ASSIGN_OR_RETURN(const SampleLeQuery query, parse(context, *scene, request));
   Task task;
   task.predicted_s = sample_le_seconds(query.rays, query.wavelengths_nm.size());
+  task.items = query.rays;
   task.cost = response->mutable_cost();
   task.run = [scene, query, &request, response](const std::stop_token& stop) -> absl::Status {
     LUCERNA_RETURN_IF_ERROR(check_u(request.u()));
@@ -124,6 +126,7 @@ Prepared pdf_le(const Context& context, const v1::PdfLeRequest& request,
   LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
   Task task;
   task.predicted_s = pdf_seconds(scene->lights()[light].light, n);
+  task.items = n;
   task.cost = response->mutable_cost();
   task.run = [scene, light, points, n, &request, response](const std::stop_token& stop) {
     lucerna::pdf_le(*scene, light, points, view(request.directions()), request.time_s(),

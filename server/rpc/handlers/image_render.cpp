@@ -86,6 +86,10 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
   return render;
 }
 
+std::uint64_t ImageRender::pixels() const {
+  return area({0, 0, scene_->camera().width(), scene_->camera().height()});
+}
+
 absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageResponse* response) {
   TileSettings& settings = query_.settings;
   settings.rect = tiles_[tile_];

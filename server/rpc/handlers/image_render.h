@@ -25,6 +25,8 @@ class ImageRender {
                                             const v1::RenderImageRequest& request);
 
   bool done() const { return tile_ == tiles_.size(); }
+  /// Of the picture.
+  std::uint64_t pixels() const;
   /// Renders the next tile, or some of its samples if all would take long.  Requires !done().  Runs
   /// in the caller's oneTBB arena.  The response's `cost` has the counts of all tiles so far.  The
   /// response has no tile if it is too early to send one.

@@ -325,6 +325,7 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   LUCERNA_ASSIGN_OR_RETURN(const IrradianceQuery query, parse(context, request));
   Task task;
   task.predicted_s = predicted_seconds(query);
+  task.items = query.receivers.size();
   task.cost = response->mutable_cost();
   task.run = [query, response](const std::stop_token& stop) {
     return answer(query, stop, response);

@@ -274,6 +274,7 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
   LUCERNA_ASSIGN_OR_RETURN(const LiRequest li, parse(context, request));
   Task task;
   task.predicted_s = predicted_seconds(li);
+  task.items = li.query.receivers.size();
   task.cost = response->mutable_cost();
   task.run = [li, &request, response](const std::stop_token& stop) {
     return li.is_estimated() ? answer_estimated(li, stop, response)
@@ -289,6 +290,7 @@ Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
   const std::size_t n = query.receivers.size();
   Task task;
   task.predicted_s = pdf_seconds(scene->lights()[query.light].light, n);
+  task.items = n;
   task.cost = response->mutable_cost();
   task.run = [scene, query, n, response](const std::stop_token& stop) {
     lucerna::pdf_li(*scene, query, fill(response->mutable_pdf_per_sr(), n),

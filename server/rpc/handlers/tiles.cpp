@@ -154,6 +154,7 @@ Prepared render_tile(const Context& context, const v1::RenderTileRequest& reques
   Task task;
   task.bulk = true;
   task.predicted_s = predicted_seconds(query.render);
+  task.items = area(query.render.settings.rect);
   task.cost = response->mutable_cost();
   task.run = [query, response](const std::stop_token& stop) {
     return answer(query, stop, response);

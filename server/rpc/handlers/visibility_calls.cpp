@@ -80,6 +80,7 @@ Prepared test_visibility(const Context& context, const v1::TestVisibilityRequest
   const std::size_t n = parsed.query.from.size();
   Task task;
   task.predicted_s = visibility_seconds(n);
+  task.items = n;
   task.cost = response->mutable_cost();
   task.run = [scene, parsed, n, response](const std::stop_token& stop) {
     response->set_count(static_cast<std::uint32_t>(n));

@@ -32,6 +32,9 @@ struct Task {
   bool bulk = false;
   /// The kind of its job in the bulk lane.
   JobKind kind = JobKind::kComputation;
+  /// Receivers, points, rays, segments, lights or pixels of the answer.  They count against the
+  /// caller's quota.
+  std::uint64_t items = 0;
   /// Fills the response.  Stops soon after the token requests it; the response is then incomplete.
   std::function<absl::Status(const std::stop_token&)> run;
   /// Gets the times of the work; null if the response has no such field.

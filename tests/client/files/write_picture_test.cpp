@@ -6,13 +6,16 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
+#include <optional>
 
 #include "tests/temp_directory.h"
 
@@ -156,6 +159,57 @@ TEST_F(WritePicture, AnUnwrittenPictureLeavesNoFile) {
     if (unnamed >= 0) ::close(unnamed);
   }
   EXPECT_EQ(files(), 0U);
+}
+
+/// Runs `f` in a process of its own, which then ends by `signal`, or with f's value.
+int in_process(const std::function<int()>& f, int signal = 0) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int value = f();
+    if (signal != 0) std::raise(signal);
+    ::_exit(value);
+  }
+  int status = 0;
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
+  return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+// As on a file system without unnamed files.
+TEST_F(WritePicture, HiddenFilesOfKilledProcessesAreRemovedByTheNext) {
+  for (const char* other : {".a.x.exr", ".a.1.png", ".b.1.exr", ".a..exr", "a.1.exr"})
+    std::ofstream(path(other)) << "of another";
+  std::optional<absl::StatusOr<PictureFile>> file;
+  for (int i = 0; i < 2; ++i) {
+    const int killed = in_process(
+        [&] {
+          file = PictureFile::create(path("a.exr"), false);
+          return 0;
+        },
+        SIGKILL);
+    EXPECT_EQ(killed, -SIGKILL);
+    EXPECT_EQ(files(), 6U);  // the second process has removed the file of the first
+  }
+  // A file system with unnamed files may have them from before.
+  file = PictureFile::create(path("a.exr"));
+  ASSERT_TRUE(file->ok());
+  ASSERT_TRUE((*file)->write({.width = 3, .height = 2, .rgb = kPixels}, 0).ok());
+  EXPECT_EQ(files(), 6U);
+  EXPECT_THAT(read(path("a.exr")), ElementsAreArray(kPixels));
+}
+
+TEST_F(WritePicture, HiddenFilesInUseStay) {
+  auto file = *PictureFile::create(path("a.exr"), false);
+  EXPECT_EQ(files(), 1U);
+  const auto others = [&] {
+    const auto other = PictureFile::create(path("a.exr"), false);
+    return other.ok() ? static_cast<int>(files()) : 100;
+  };
+  EXPECT_EQ(in_process(others), 2);
+  EXPECT_EQ(files(), 1U);
+  ASSERT_TRUE(file.write_preview({.width = 3, .height = 2, .rgb = kPixels}, 0).ok());
+  EXPECT_EQ(in_process(others), 2);
+  ASSERT_TRUE(file.write({.width = 3, .height = 2, .rgb = kPixels}, 0).ok());
+  EXPECT_THAT(read(path("a.exr")), ElementsAreArray(kPixels));
 }
 
 TEST_F(WritePicture, PreviewsAreReplacedOneByOne) {

@@ -38,6 +38,17 @@ TEST(Access, NeedsAKnownToken) {
   }
 }
 
+// A comparison of a part of the digest would let this token in.
+TEST(Access, ComparesEveryByteOfTheDigest) {
+  for (std::size_t i = 0; i < kSha256Bytes; ++i) {
+    std::string almost = sha256("look");
+    almost[i] = static_cast<char>(almost[i] ^ 1);
+    Access access;
+    access.set_tokens({{.name = "viewer", .sha256 = almost, .roles = {Role::kQuery}, .quota = {}}});
+    EXPECT_FALSE(access.admit(Call::kLe, "Bearer look").ok()) << i;
+  }
+}
+
 TEST(Access, NamesTheRoleThatIsMissing) {
   Access access;
   access.set_tokens(tokens());
@@ -56,6 +67,40 @@ TEST(Access, ForgetsTokensThatAreRevoked) {
   ASSERT_TRUE(access.admit(Call::kLe, "Bearer look").ok());
   access.set_tokens({tokens().back()});
   EXPECT_TRUE(absl::IsUnauthenticated(access.admit(Call::kLe, "Bearer look").status()));
+}
+
+TEST(Access, NamesTheTokenOfARefusedCall) {
+  Access access;
+  access.set_tokens(tokens());
+  std::string name;
+  EXPECT_FALSE(access.admit(Call::kLe, "Bearer wrong", &name).ok());
+  EXPECT_EQ(name, "");
+  EXPECT_FALSE(access.admit(Call::kLoadScene, "Bearer look", &name).ok());
+  EXPECT_EQ(name, "viewer");
+}
+
+// The quota of items belongs to the name, over all calls and tokens.
+TEST(Access, CountsItemsOfAllCallsOfAName) {
+  Access access;
+  std::vector<Token> all = tokens();
+  // One item in 10^6 s: nothing comes back while the test runs.
+  all[0].quota.items_per_second = 1;
+  all.push_back({.name = "viewer",
+                 .sha256 = sha256("see"),
+                 .roles = {Role::kQuery},
+                 .quota = {.items_per_second = 1}});
+  access.set_tokens(all);
+  EXPECT_EQ(access.admit(Call::kLe, "Bearer look")->take_items(1'000'000).count(), 0);
+  for (const char* header : {"Bearer look", "Bearer see"}) {
+    const auto wait = access.admit(Call::kLe, header)->take_items(1);
+    EXPECT_GT(wait, std::chrono::seconds(900'000)) << header;
+    EXPECT_LE(wait, std::chrono::seconds(1'000'000)) << header;
+  }
+  EXPECT_EQ(access.admit(Call::kLe, "Bearer farm")->take_items(1'000'000).count(), 0);
+  // A new file raises the limit at once.
+  all[0].quota.items_per_second = 2'000'000;
+  access.set_tokens(all);
+  EXPECT_EQ(access.admit(Call::kLe, "Bearer look")->take_items(1).count(), 0);
 }
 
 TEST(Access, CountsRequestsInFlight) {

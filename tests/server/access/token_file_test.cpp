@@ -32,6 +32,8 @@ roles = ["query", "load"]
 max-requests = 3
 max-leases = 4
 max-scenes = 5
+max-items-per-second = 6
+max-asset-bytes = 7_000_000_000
 [[token]]
 name = "me"
 token = "a secret of 22 letters"
@@ -49,8 +51,12 @@ TEST(TokenFile, HasNamesDigestsRolesAndQuotas) {
   EXPECT_EQ(farm.quota.requests, 3U);
   EXPECT_EQ(farm.quota.leases, 4U);
   EXPECT_EQ(farm.quota.scenes, 5U);
+  EXPECT_EQ(farm.quota.items_per_second, 6U);
+  EXPECT_EQ(farm.quota.asset_bytes, 7'000'000'000U);
   EXPECT_EQ(tokens->back().sha256, sha256("a secret of 22 letters"));
   EXPECT_EQ(tokens->back().quota.requests, 0U);
+  EXPECT_EQ(tokens->back().quota.items_per_second, 0U);
+  EXPECT_EQ(tokens->back().quota.asset_bytes, 0U);
 }
 
 TEST(TokenFile, ReportsEveryErrorWithItsPlaceAndNoSecret) {

@@ -36,8 +36,8 @@ class AssetStoreTest : public ::testing::Test {
   }
 
   /// Sends all of `bytes`.
-  absl::Status put(const std::string& bytes) const {
-    auto upload = store_->upload(sha256(bytes), bytes.size(), 0);
+  absl::Status put(const std::string& bytes, const AssetOwner& sender = {}) const {
+    auto upload = store_->upload(sha256(bytes), bytes.size(), 0, sender);
     if (!upload.ok()) return upload.status();
     if (absl::Status s = upload->append(bytes); !s.ok()) return s;
     return upload->finish();
@@ -306,6 +306,64 @@ TEST_F(AssetStoreTest, OldPartsOfUploadsAreDeleted) {
   (void)store_->upload(sha256("abc"), 3, 0)->append("a");
   ASSERT_TRUE(put("other").ok());
   EXPECT_EQ(store_->held(sha256("abc")).bytes, 0U);
+}
+
+constexpr AssetStoreOptions kKeepNothing{.keep_owned = std::chrono::seconds(0)};
+
+// The first file is refused by one byte, then fits exactly.
+TEST_F(AssetStoreTest, TheFilesOfASenderHaveAQuota) {
+  ASSERT_TRUE(put(std::string(60, 'a'), {"farm", 100}).ok());
+  const absl::Status over = store_->upload(sha256("b"), 41, 0, {"farm", 100}).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(over)) << over;
+  EXPECT_TRUE(over.GetPayload(kOverQuotaPayload).has_value());
+  EXPECT_EQ(message(over),
+            "a file of 41 bytes: files of \"farm\" take 60 bytes, 60 of them lately used, allowed: "
+            "100");
+  EXPECT_EQ(store_->bytes(), 60U);
+  EXPECT_TRUE(put(std::string(40, 'b'), {"farm", 100}).ok());
+  // Others have quotas of their own, or none.
+  EXPECT_TRUE(put(std::string(41, 'c'), {"other", 100}).ok());
+  EXPECT_TRUE(put(std::string(1000, 'd')).ok());
+}
+
+// Two uploads at once count in full from their beginning.
+TEST_F(AssetStoreTest, RunningUploadsCountAgainstTheQuota) {
+  const auto first = store_->upload(sha256("a"), 60, 0, {"farm", 100});
+  ASSERT_TRUE(first.ok());
+  EXPECT_TRUE(
+      absl::IsResourceExhausted(store_->upload(sha256("b"), 41, 0, {"farm", 100}).status()));
+  EXPECT_TRUE(store_->upload(sha256("b"), 40, 0, {"farm", 100}).ok());
+}
+
+TEST_F(AssetStoreTest, OldFilesOfTheSenderMakeRoomInItsQuota) {
+  open(kKeepNothing);
+  ASSERT_TRUE(put(std::string(40, 'a'), {"farm", 100}).ok());
+  ASSERT_TRUE(put(std::string(40, 'b'), {"farm", 100}).ok());
+  ASSERT_TRUE(put(std::string(40, 'o'), {"other", 100}).ok());
+  EXPECT_EQ(get(std::string(40, 'a')), std::string(40, 'a'));  // used later than b
+  ASSERT_TRUE(put(std::string(40, 'c'), {"farm", 100}).ok());
+  EXPECT_EQ(get(std::string(40, 'a')), std::string(40, 'a'));
+  EXPECT_NE(get(std::string(40, 'b')), std::string(40, 'b'));
+  EXPECT_EQ(get(std::string(40, 'o')), std::string(40, 'o'));
+  // A file that never fits deletes nothing.
+  EXPECT_FALSE(put(std::string(101, 'd'), {"farm", 100}).ok());
+  EXPECT_EQ(get(std::string(40, 'a')), std::string(40, 'a'));
+  // Files in use stay.
+  const AssetStore::Pins pins(*store_, {sha256(std::string(40, 'a'))});
+  EXPECT_FALSE(put(std::string(61, 'e'), {"farm", 100}).ok());
+  EXPECT_TRUE(put(std::string(60, 'e'), {"farm", 100}).ok());
+  EXPECT_EQ(get(std::string(40, 'a')), std::string(40, 'a'));
+}
+
+TEST_F(AssetStoreTest, TheNextServerKnowsTheOwners) {
+  ASSERT_TRUE(put(std::string(60, 'a'), {"farm", 100}).ok());
+  open({});
+  EXPECT_FALSE(put(std::string(41, 'b'), {"farm", 100}).ok());
+  EXPECT_TRUE(put(std::string(41, 'b'), {"other", 100}).ok());
+  // No name of an owner stays without its file.
+  store_->drop(sha256(std::string(60, 'a')));
+  store_->drop(sha256(std::string(41, 'b')));
+  EXPECT_THAT(names(), IsEmpty());
 }
 
 TEST_F(AssetStoreTest, APartBesideItsWholeFileIsDeleted) {

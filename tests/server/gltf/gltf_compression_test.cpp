@@ -5,9 +5,12 @@
 #include <meshoptimizer.h>
 
 #include <random>
+#include <tuple>
 #include <utility>
 
 #include "gltf_fixture.h"
+#include "server/gltf/draco_mesh.h"
+#include "tests/server/assets/limited_pool.h"
 
 namespace lucerna {
 namespace {
@@ -168,6 +171,114 @@ TEST(GltfDraco, Errors) {
   packed["attributes"]["POSITION"] = 0;
   file.json["bufferViews"][0]["byteLength"] = 20;
   EXPECT_THAT(file.error(), StartsWith(at + ": Draco: "));
+}
+
+/// A mesh of one triangle whose header announces other counts.  `method`: 0 sequential, 1
+/// edgebreaker.
+GltfFile draco_bomb(int method, std::uint32_t faces, std::uint32_t points) {
+  std::string bytes("DRACO\2\2\1", 8);
+  bytes += static_cast<char>(method);
+  bytes += std::string(2, '\0');                // flags
+  if (method == 1) bytes += std::string(1, 0);  // the standard traversal
+  const auto add = [&](std::uint32_t number) {  // as a varint
+    for (; number >= 128; number >>= 7) bytes += static_cast<char>(number | 128);
+    bytes += static_cast<char>(number);
+  };
+  add(method == 0 ? faces : points);
+  add(method == 0 ? points : faces);
+  bytes += std::string(64, '\0');
+  GltfFile file = draco_file();
+  const int view = file.add_view(bytes);
+  file.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]
+           ["bufferView"] = view;
+  return file;
+}
+
+constexpr char kDracoPlace[] =
+    "scene.gltf#/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression";
+
+absl::Status load_within(const GltfFile& file, MemoryPool& pool) {
+  const testing::GltfFiles files;
+  files.write("scene.gltf", file.text("scene.bin"));
+  files.write("scene.bin", file.bytes());
+  auto reader = AssetReader::open(files.path().string());
+  LoadBudget budget(&pool);
+  return load_gltf(*reader, "scene.gltf", {}, {.budget = &budget}).status();
+}
+
+// A hundred bytes announce 1.4 10^9 triangles.
+TEST(GltfDraco, AMeshOverTheLimitsIsRefusedByItsHeader) {
+  for (const int method : {0, 1}) {
+    const absl::Status many = draco_bomb(method, 0x55555555, 1000).load().status();
+    EXPECT_EQ(many.code(), absl::StatusCode::kResourceExhausted) << many;
+    EXPECT_EQ(testing::message_of(many),
+              std::string(kDracoPlace) +
+                  ": a compressed mesh of 1431655765 triangles, allowed: 268435456");
+  }
+  // Below the limit of triangles, over that of bytes: 64 bytes of each triangle.
+  const absl::Status large = draco_bomb(1, 200'000'000, 1000).load().status();
+  EXPECT_EQ(large.code(), absl::StatusCode::kResourceExhausted) << large;
+  EXPECT_EQ(testing::message_of(large),
+            std::string(kDracoPlace) +
+                ": a compressed mesh needs 12800000000 bytes to unpack, allowed: 8589934592");
+}
+
+// The decoder would take 240 MB or more for the triangles, or for the vertices.
+TEST(GltfDraco, AMeshOverTheBudgetIsRefusedByItsHeader) {
+  for (const auto& [method, faces, points] :
+       {std::tuple{0, 10'000'000U, 1000U}, {1, 10'000'000U, 1000U}, {1, 1000U, 10'000'000U}}) {
+    testing::LimitedPool pool(50'000'000);
+    const absl::Status status = load_within(draco_bomb(method, faces, points), pool);
+    EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+    EXPECT_EQ(testing::message_of(status), std::string(kDracoPlace) + ": the pool is empty");
+  }
+}
+
+// The values of points take more than the triangles.  The decoder does not begin to decode them.
+TEST(GltfDraco, AttributesOverTheBudgetAreRefusedBeforeTheyAreDecoded) {
+  constexpr int kFaces = 40'000;
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(kFaces);
+  const int position =
+      builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  for (int f = 0; f < kFaces; ++f) {
+    const auto x = static_cast<float>(f);
+    const float a[3] = {x, 0, 0}, b[3] = {x, 1, 0}, c[3] = {x, 0, 1};
+    builder.SetAttributeValuesForFace(position, draco::FaceIndex(f), a, b, c);
+  }
+  const auto mesh = builder.Finalize();
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    draco::Encoder encoder;
+    encoder.SetEncodingMethod(method);
+    draco::EncoderBuffer buffer;
+    ASSERT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
+    const auto decode = [&](MemoryPool& pool) {
+      const testing::GltfFiles files;
+      auto reader = AssetReader::open(files.path().string());
+      SceneDescription scene;
+      LoadBudget budget(&pool);
+      gltf::Context context(*reader, scene, {}, "scene.gltf", {.budget = &budget});
+      const Json json = Json::object();
+      try {
+        (void)gltf::decode_draco(gltf::View(context, json, "/here"),
+                                 {buffer.data(), buffer.size()});
+      } catch (const gltf::Failure& failure) {
+        return failure.status;
+      }
+      return absl::OkStatus();
+    };
+    const std::uint64_t triangles = method == draco::MESH_SEQUENTIAL_ENCODING
+                                        ? std::uint64_t{24} * kFaces
+                                        : std::uint64_t{64 + 3 * 32} * kFaces;
+    // Three floats, three whole numbers and an index for each point.
+    const std::uint64_t points = std::uint64_t{12 + 12 + 4} * 3 * kFaces;
+    testing::LimitedPool all;
+    EXPECT_EQ(decode(all), absl::OkStatus());
+    EXPECT_GE(all.most(), triangles + points);
+    EXPECT_EQ(all.taken(), 0U);
+    testing::LimitedPool pool(triangles + points / 2);
+    EXPECT_EQ(testing::message_of(decode(pool)), "scene.gltf#/here: the pool is empty");
+  }
 }
 
 // Broken bytes end with a scene or with an error.

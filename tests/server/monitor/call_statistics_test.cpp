@@ -29,7 +29,7 @@ CallFigures figures_of(const CallStatistics& statistics, Call call) {
 // A call that the list lacks would have no statistics.
 TEST(Calls, AreThoseOfTheContract) {
   std::set<std::string> known, contract;
-  for (std::size_t i = 0; i < kCalls; ++i) known.insert(name_of(static_cast<Call>(i)));
+  for (std::size_t i = 0; i < kContractCalls; ++i) known.insert(name_of(static_cast<Call>(i)));
   for (const google::protobuf::FileDescriptor* file :
        {v1::GetStatsRequest::descriptor()->file(), v1::SampleLiRequest::descriptor()->file(),
         v1::RenderTileRequest::descriptor()->file(), v1::LoadSceneRequest::descriptor()->file()}) {

@@ -41,6 +41,7 @@ CallRecord record() {
           .request_id = "my-id",
           .traceparent = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01",
           .peer = "ipv4:127.0.0.1:40000",
+          .caller = "farm",
           .scene_id = std::string(64, 'a'),
           .code = 3,
           .items = 12,
@@ -57,7 +58,8 @@ TEST(CallLog, WritesOneLineOfTextForEachCall) {
   EXPECT_THAT(
       log.text.str(),
       MatchesRegex("[0-9-]+T[0-9:.]+[+-][0-9:]+ \\[info\\] call SampleLi code=INVALID_ARGUMENT "
-                   "id=my-id peer=ipv4:127.0.0.1:40000 scene=a+ items=12 lane=bulk queue_ms=1.500 "
+                   "id=my-id peer=ipv4:127.0.0.1:40000 caller=farm scene=a+ items=12 lane=bulk "
+                   "queue_ms=1.500 "
                    "compute_ms=2000.000 total_ms=2250.000 traceparent=00-[0-9a-f-]+\n"));
 }
 
@@ -70,6 +72,7 @@ TEST(CallLog, WritesOneJsonObjectForEachCall) {
   EXPECT_EQ(line["call"], "SampleLi");
   EXPECT_EQ(line["code"], "INVALID_ARGUMENT");
   EXPECT_EQ(line["id"], "my-id");
+  EXPECT_EQ(line["caller"], "farm");
   EXPECT_EQ(line["scene"], std::string(64, 'a'));
   EXPECT_EQ(line["items"], 12);
   EXPECT_EQ(line["compute_ms"], 2000);

@@ -45,6 +45,12 @@ TEST(Traceparent, FollowsTheStandard) {
       is_traceparent("00-0af7651916cd43dd8448eb211c80319c-" + std::string(16, '0') + "-01"));
 }
 
+TEST(PrintableName, ReplacesWhatCouldBreakALineOfTheLog) {
+  EXPECT_EQ(printable_name("*.lamps.example"), "*.lamps.example");
+  EXPECT_EQ(printable_name("a b\n\"c\"=\x80"), "a?b??c?=?");
+  EXPECT_EQ(printable_name(std::string(1000, 'a')).size(), 128U);
+}
+
 TEST(SceneId, IsADigest) {
   EXPECT_TRUE(is_scene_id(std::string(64, 'a')));
   EXPECT_FALSE(is_scene_id(std::string(63, 'a')));

@@ -31,6 +31,10 @@ class Monitored : public ::testing::Test {
     EXPECT_FALSE(records_.empty());
     return records_.empty() ? monitor::CallRecord() : records_.back();
   }
+  std::vector<monitor::CallRecord> records() {
+    const std::lock_guard lock(mutex_);
+    return records_;
+  }
 
  private:
   std::mutex mutex_;
@@ -183,6 +187,35 @@ TEST_F(Monitored, MalformedMessagesAreInvalidAndHaveAReason) {
       send_bytes(service, text_context, "/lucerna.v1.SceneService/GetScene", "\x0a\x02\xff\xfe");
   EXPECT_EQ(text.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(text.error_message(), HasSubstr("lucerna.v1.GetSceneRequest.scene_id"));
+}
+
+// Health, reflection and unknown calls have no handler of ours, but records.
+TEST_F(Monitored, CallsThatGrpcAnswersAreRecorded) {
+  auto service = std::make_unique<Service>(options());
+  const auto code = [&](const std::string& method) {
+    grpc::ClientContext context;
+    return send_bytes(*service, context, method, "").error_code();
+  };
+  EXPECT_EQ(code("/grpc.health.v1.Health/Check"), grpc::StatusCode::OK);
+  EXPECT_EQ(code("/lucerna.v1.SceneService/NoSuchCall"), grpc::StatusCode::UNIMPLEMENTED);
+  EXPECT_EQ(code("/of.Others/Call"), grpc::StatusCode::UNIMPLEMENTED);
+  EXPECT_EQ(code("/lucerna.v1.SceneService/GetScene"), grpc::StatusCode::INVALID_ARGUMENT);
+  service.reset();  // gRPC destroys the calls shortly after their answers
+  struct Seen {
+    monitor::Call call;
+    int code;
+    bool operator==(const Seen&) const = default;
+  };
+  std::vector<Seen> seen;
+  for (const monitor::CallRecord& record : records()) {
+    seen.push_back({record.call, record.code});
+    EXPECT_THAT(record.peer, HasSubstr("127.0.0.1"));
+    EXPECT_EQ(record.request_id.size(), 16U);
+    EXPECT_GE(record.total_s, 0);
+  }
+  EXPECT_THAT(seen, ::testing::UnorderedElementsAre(
+                        Seen{monitor::Call::kHealthCheck, 0}, Seen{monitor::Call::kUnknown, 12},
+                        Seen{monitor::Call::kUnknown, 12}, Seen{monitor::Call::kGetScene, 3}));
 }
 
 // gRPC's own parser would end the stream as if it were complete.

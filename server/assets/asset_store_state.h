@@ -1,0 +1,75 @@
+// The state of an AssetStore: its entries, the room on the disk, and quotas of owners.  Used by the
+// files of the store.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "server/assets/asset_store.h"
+
+namespace lucerna {
+
+struct AssetStore::State {
+  using Clock = std::chrono::steady_clock;
+
+  struct Entry {
+    std::uint64_t bytes = 0;     // on disk
+    std::uint64_t reserved = 0;  // the size that a writer announced, else `bytes`
+    bool whole = false;
+    std::size_t pins = 0;
+    std::uint64_t writer = 0;  // 0: no writer
+    Clock::time_point written{};
+    std::uint64_t used = 0;       // larger: used later
+    Clock::time_point touched{};  // when it was used
+    std::string owner{};          // who sent it; empty: nobody in particular
+  };
+
+  AssetStoreOptions options;
+  std::filesystem::path directory;
+  bool temporary = false;
+  Descriptor lock{-1};
+
+  mutable std::mutex mutex;
+  std::map<std::string, Entry> entries;
+  std::uint64_t uses = 0, writers = 0;
+
+  std::filesystem::path whole(const std::string& digest) const;
+  std::filesystem::path part(const std::string& digest) const;
+  /// Holds the name of the owner, so that the next server knows it.
+  std::filesystem::path owner(const std::string& digest) const;
+
+  /// Fills `entries` from the directory.  Before other threads use the state.
+  void find_files();
+
+  // Call the functions below with the lock held.
+
+  std::uint64_t reserved() const;
+  void touch(Entry& entry);
+  void remove(std::map<std::string, Entry>::iterator entry);
+  static bool in_use(const Entry& e) { return e.pins > 0 || e.writer != 0; }
+
+  /// Deletes the least recently used file that is not in use; parts come first, since no scene can
+  /// use them.  Returns false if there is none.
+  bool remove_one();
+  /// Deletes the parts of uploads that nobody continued.
+  void remove_old_parts();
+  /// Makes room for `size` bytes within the budget.  If that is impossible, deletes nothing and
+  /// returns false.
+  bool free_space(std::uint64_t size);
+  /// Makes room for `digest`, with `size` bytes, within the quota of its sender: the sender's files
+  /// are deleted that nobody used for some time, the least recently used first.  If that is not
+  /// enough, deletes nothing and returns RESOURCE_EXHAUSTED with kOverQuotaPayload.
+  absl::Status free_quota(const std::string& digest, std::uint64_t size, const AssetOwner& sender);
+  /// From now on the file counts as `name`'s.
+  void set_owner(const std::string& digest, Entry& entry, const std::string& name);
+
+  /// The entry that `writer` writes; null if another writer took over or the entry was dropped.
+  Entry* entry_of(const std::string& digest, std::uint64_t writer);
+};
+
+}  // namespace lucerna
