@@ -57,9 +57,13 @@ struct PlacedSurfaces {
 
 /// What a scene keeps so that edits can move surfaces of its lights.
 struct MovableSurfaces {
+  /// Memory that a scene may take for this: a hundredth of its geometry, and at least this.
+  static constexpr std::uint64_t kLeastBytes = 1 << 20;
+
   /// The shapes that emit, in the order of their lights.  Those that move by themselves have no
   /// geometry here.
   std::vector<ShapeDescription> shapes;
+  bool is_complete = true;     ///< false if the shapes took too much memory; then there are none
   Bounds others_m;             ///< of all other shapes, over their motion, world [m]
   double others_detail_m = 0;  ///< the extent of the smallest other shape
 

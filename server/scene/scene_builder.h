@@ -85,6 +85,7 @@ class Scene::Builder {
                       GeometrySet& set, SurfaceTable& table);
   /// Frees the arrays of a shape that was appended.
   void drop(ShapeDescription& shape);
+  void keep_movable(std::uint64_t geometry_bytes);
   void keep_materials();
   void keep_textures(GeometrySet& set, std::vector<GeometrySet>& objects);
   void report_motion(const std::vector<GeometryInstance>& instances);

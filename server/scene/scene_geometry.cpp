@@ -132,8 +132,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   report_motion(instances);
   if (!set.empty() || !instances.empty()) keep_materials();
   report_geometry(set, objects, watch);
-  if (const std::uint64_t kept = scene_->movable_.bytes(); kept > 0)
-    part("movable surfaces", kept, Stopwatch(), "shapes of lights, which edits can move");
+  keep_movable(set.bytes());
   in_.shapes = {};
   in_.objects = {};
   if (budget_ != nullptr) budget_->release(std::exchange(in_.held_bytes, 0));
@@ -149,6 +148,16 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
        fmt::format("rays against {} primitives{}", scene_->primitive_count(),
                    instance_count > 0 ? fmt::format(", {} instances", instance_count) : ""));
   return absl::OkStatus();
+}
+
+/// Keeps the shapes of lights, so that edits can move them, unless they take much of the memory.
+void Scene::Builder::keep_movable(std::uint64_t geometry_bytes) {
+  MovableSurfaces& movable = scene_->movable_;
+  const std::uint64_t bytes = movable.bytes();
+  movable.is_complete = bytes <= std::max(MovableSurfaces::kLeastBytes, geometry_bytes / 100);
+  if (!movable.is_complete) movable.shapes = {};
+  if (!movable.shapes.empty())
+    part("movable surfaces", bytes, Stopwatch(), "shapes of lights, which edits can move");
 }
 
 /// Diffuse materials without textures keep only their reflectance, unless the scene has others.

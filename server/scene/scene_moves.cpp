@@ -208,6 +208,7 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
   const PlacedSurfaces& from = *loaded.placed_;
   const auto count = static_cast<std::int32_t>(loaded.lights_.size());
   const std::uint64_t first_id = loaded.lights_.size() - movable.shapes.size() + 1;
+  if (!movable.is_complete) return std::shared_ptr<const PlacedSurfaces>();
   // Those that `loaded` was built with are where they should be.
   MovedSurfaces moved = edits.moved;
   if (!from.edits.moved.empty()) {

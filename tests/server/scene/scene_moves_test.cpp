@@ -206,6 +206,20 @@ TEST(MovedSurfaces, NeedABuildIfTheSceneChangesItsOrigin) {
             absl::StatusCode::kFailedPrecondition);
 }
 
+TEST(MovedSurfaces, NeedABuildIfTheShapesOfLightsTakeTooMuchMemory) {
+  SceneDescription d = every_shape(1, 4);
+  MovedSurfaces moves;
+  moves[4] = {.shift_m = {0.1, 0, 0}};
+  EXPECT_NE(value(Scene::place(*build(d), {moves, {}})), nullptr);
+  // 2 MB of vertices in a lamp.
+  d.shapes.push_back(testing::emissive(
+      testing::shape(testing::ball(6, [](const Vector& p) { return p * 0.5; })), 1));
+  const auto loaded = build(std::move(d));
+  const auto names = testing::part_names(*loaded);
+  EXPECT_EQ(std::ranges::count(names, "movable surfaces"), 0);
+  EXPECT_EQ(value(Scene::place(*loaded, {moves, {}})), nullptr);
+}
+
 TEST(MovedSurfaces, NeedABuildIfAFlatPatchIsNotFlatAnyMore) {
   // The rounding of floats hides the twist far from zero, and shows it near zero.
   SceneDescription d = testing::description();
