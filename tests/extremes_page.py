@@ -30,38 +30,70 @@ MEASURED_COLUMNS = (5, 7)  # Lucerna's and the textbook's; the empty cell before
 HEAD = """\
 # Right at the extremes
 
-This page lists inputs that are known to break renderers, and the accuracy of Lucerna's answers to them.
+This page lists inputs that are known to break renderers, and the accuracy of Lucerna's answers to them.  This command
+runs the tests and writes the page:
 
     make extremes
 
-This command runs the tests and writes this page.  `.ci/run` fails if the page is not current.
+`.ci/run` fails if the page is not current.
 
-Each line is a test that sweeps over a range of magnitudes.  These are the columns:
+## The problems
+
+Each problem has a number.  It is the first column of the table of tests.
+
+| row | problem |
+|---|---|
+| 1, 2 | spheres that are far away; receivers just outside or inside of spheres |
+| 3 to 6 | lights that fill the hemisphere, and lights of tiny solid angles |
+| 7, 8 | receivers on a light, in its plane, or with a horizon that cuts it |
+| 9 | scenes of any size and in any unit |
+| 10 to 12 | spots and suns of any angle |
+| 13 to 17, 19 | the choice among many lights |
+| 18 | power or illuminance that a scene file requests |
+| 20, 21 | directions at the seams, poles and texel edges of pictures; pictures with one bright texel |
+| 22, 23 | rays that leak through surfaces or hit their own surface |
+| 24 | sums of many samples |
+| 25 to 27 | almost equal directions, tilted shading normals, mirrors |
+| 28, 29 | scaled lights; power |
+| 30 | closed boxes of lights |
+| 31, 32 | luminaire files and pictures with extreme or invalid values |
+| 33 | sample values at the ends of their range; densities of reported samples |
+| 34, 35 | degenerate triangles, empty scenes |
+| 36 | grounds that are much larger than the scene |
+| 37, 38 | intervals when few samples find the light |
+| 39, 40 | segments in the plane of a surface; light that grazes the receiver |
+| 41 | media and thin panes |
+
+## The columns
+
+Each line of the table of tests is a test that sweeps over a range of magnitudes:
 
 | column | content |
 |---|---|
-| row | the number of a problem; rows 13 to 17 and 19 are about choosing among many lights |
+| row | the number of the problem |
 | input | the kind of input |
 | swept | the magnitudes that the test sweeps over |
-| figure | what the test compares with a reference |
-| Lucerna | the worst relative error that occurred, or the answer in words |
+| figure | the quantity that the test compares with a reference |
+| Lucerna | the largest relative error that occurred, or the answer in words |
 | allowed | the largest relative error that the test accepts |
-| textbook, in float | the worst error, or the answers, of the usual formula in floats, for the same inputs |
+| textbook, in float | the largest error, or the answers, of the usual formula in floats for the same inputs |
 | test | the test, and the [mutants](../tests/mutants) of the row |
 
-- Answers in capitals are [item statuses](api.md#item-statuses).  Other words describe what happened.
-- "None of 4e+06, 1e+05 left out": none of 4e+06 cases is wrong.  1e+05 cases are left out, because floats have no right
-  answer there.
-- A mutant removes the fix behind a row.  `make mutants` checks that the test of the row then fails.
-- References have 30 digits.  mpmath computes the tables in [tests/data/extremes](../tests/data/extremes) with 60
-  digits, by other formulas than the code's.  The scripts in that folder generate the tables.  If a test says so, the
-  reference is a closed form.
-- Some tests compare the code with itself.  They compare densities of samples with the answers of PdfLi and PdfLe, or a
-  scene with the same scene in other units.
-- Figures of `tests/lights` are those of lights in double, as the server computes them.  Answers are floats.  Their
-  rounding adds up to 6e-8.
 - Errors are rounded up to one digit.  "Exact" means that all bits equal those of the reference.  An infinite error is
   an infinite answer, or a nonzero answer where 0 is right.
+- Answers in capitals are [item statuses](api.md#item-statuses).  Other words describe what happened.
+- Some tests count wrong answers.  "None of 4e+06, 1e+05 left out" means that none of 4e+06 cases is wrong.  Another
+  1e+05 cases are left out, because floats have no right answer there.  In the column of the textbook, the number of
+  wrong cases stands alone.
+- A mutant removes the fix behind a row.  `make mutants` checks that the test of the row then fails.
+- References have 30 digits.  mpmath computes them with 60 digits, by other formulas than the code's.
+  [tests/data/extremes](../tests/data/extremes) has the tables and the scripts that generate them.
+- An input that ends with ", closed form" has an answer that Lucerna computes without samples.  "; closed form" means
+  that the reference is a formula in the test instead of a table.
+- Some tests compare the code with itself.  They compare densities of samples with the answers of PdfLi and PdfLe, or a
+  scene with the same scene in other units.
+- Tests in `tests/lights` measure lights in double precision, as the server computes them.  The server's answers are
+  floats.  Their rounding adds up to 6e-8.
 
 ## The tests
 
