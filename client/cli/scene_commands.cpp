@@ -103,6 +103,11 @@ void available_scenes(Session& session) {
              response.incomplete() ? "; the list is incomplete" : "");
 }
 
+std::string counted_lights(const v1::SceneSummary& scene) {
+  return fmt::format("{} {}", scene.edited_lights(),
+                     scene.edited_lights() == 1 ? "light" : "lights");
+}
+
 void scenes(Session& session, bool available) {
   if (available) return available_scenes(session);
   const v1::ListScenesResponse response = list_scenes(session);
@@ -123,7 +128,7 @@ void scenes(Session& session, bool available) {
                fmt::format("{:.0f}", static_cast<double>(scene.bytes()) / 1000),
                scene.leased_s() > 0 ? fmt::format("{:.0f}", std::ceil(scene.leased_s())) : "",
                scene.edited_lights() > 0
-                   ? fmt::format("{}, {} lights edited", scene.path(), scene.edited_lights())
+                   ? fmt::format("{}, {} edited", scene.path(), counted_lights(scene))
                    : scene.path()});
   }
   fmt::print("{}", table.to_string());
@@ -167,9 +172,8 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
              summary.lights(), summary.primitives(), static_cast<double>(summary.bytes()) / 1000);
   fmt::print("{}\n", describe_picture(summary));
   if (summary.edited_lights() > 0)
-    fmt::print("revision of {}: {} lights edited, {:.0f} kB of its own\n",
-               summary.loaded_scene_id(), summary.edited_lights(),
-               static_cast<double>(summary.own_bytes()) / 1000);
+    fmt::print("revision of {}: {} edited, {:.0f} kB of its own\n", summary.loaded_scene_id(),
+               counted_lights(summary), static_cast<double>(summary.own_bytes()) / 1000);
   if (summary.has_level_factors()) fmt::print("light levels: {}\n", describe_levels(summary));
   Table table({{"part", true}, {"memory [kB]"}, {"built in [ms]"}, {"why", true}});
   for (const v1::ScenePart& part : response.parts()) {

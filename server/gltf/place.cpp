@@ -148,6 +148,11 @@ void Placer::add_deformed(const PlacedNode& node, std::size_t mesh) {
       context_.fail(fmt::format("/skins/{}/inverseBindMatrices", n.skin),
                     fmt::format("found {} matrices, but there are {} joints", inverses.size() / 16,
                                 skin.joints.size()));
+    if (std::ranges::any_of(skin.joints, [this](int joint) {
+          return tree_.is_animated(static_cast<std::size_t>(joint));
+        }))
+      context_.remark(fmt::format("/skins/{}", n.skin), "an animation of joints",
+                      "the mesh at rest");
     for (std::size_t i = 0; i < skin.joints.size(); ++i) {
       const Matrix joint = tree_.at_rest(static_cast<std::size_t>(skin.joints[i]));
       deformation.joints.push_back(

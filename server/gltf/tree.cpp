@@ -18,6 +18,12 @@ void check_matrix(const Document& document, std::size_t node) {
 
 }  // namespace
 
+bool Tree::is_animated(std::size_t node) const {
+  for (auto n = static_cast<std::ptrdiff_t>(node); n >= 0; n = parent_[static_cast<std::size_t>(n)])
+    if (animations_.animates(static_cast<std::size_t>(n))) return true;
+  return false;
+}
+
 Tree::Tree(const Document& document)
     : document_(document),
       animations_(document),

@@ -29,6 +29,8 @@ class Tree {
   std::optional<View> scene() const;
   /// World from node, without animation.
   Matrix at_rest(std::size_t node) const { return world(node, std::nullopt); }
+  /// Whether an animation moves the node or one above it.
+  bool is_animated(std::size_t node) const;
 
  private:
   struct Moved {

@@ -212,9 +212,13 @@ class Editor {
     if (given.has_on()) c.is_off = !given.on();
     if (given.has_placement()) {
       const v1::LightPlacement& place = given.placement();
-      c.shift_m = vector(place.shift_m());
-      c.turn_rad = place.turn_rad();
-      c.turn_axis = c.turn_rad != 0 ? normalized(vector(place.turn_axis())) : Vec3<double>();
+      const bool has_turn = place.has_turn_axis() || place.turn_rad() != 0;
+      const bool is_back = !place.has_shift_m() && !has_turn;
+      if (place.has_shift_m() || is_back) c.shift_m = vector(place.shift_m());
+      if (has_turn || is_back) {
+        c.turn_rad = place.turn_rad();
+        c.turn_axis = c.turn_rad != 0 ? normalized(vector(place.turn_axis())) : Vec3<double>();
+      }
     }
     if (c == LightChange()) result_.edits.changes.erase(id);
     return absl::OkStatus();

@@ -196,6 +196,16 @@ TEST(GltfMeshes, SkinsAtRestFollowTheirJoints) {
   ASSERT_EQ(scene.shapes.size(), 1U);
   EXPECT_THAT(mesh_of(scene.shapes[0]).positions,
               ElementsAre(Point(10, 0, 0), Point(1, 15, 0), Point(5, 8.5, 0)));
+  EXPECT_TRUE(scene.remarks.empty());
+  // The pose of a joint that an animation moves stays, which the scene reports.
+  file.json["animations"] = Json::array(
+      {{{"samplers", Json::array({{{"input", file.add_floats({0, 1}, "SCALAR")},
+                                   {"output", file.add_floats({0, 0, 0, 1, 0, 0}, "VEC3")}}})},
+        {"channels", Json::array({{{"sampler", 0},
+                                   {"target", {{"node", second}, {"path", "translation"}}}}})}}});
+  const SceneDescription animated = file.scene();
+  ASSERT_EQ(animated.remarks.size(), 1U);
+  EXPECT_EQ(animated.remarks[0].what, "an animation of joints");
 }
 
 }  // namespace

@@ -35,6 +35,30 @@ TEST_F(Edit, TurnedLightsPointElsewhere) {
   EXPECT_NEAR(to_light.y() / to_light.z(), 1.0 / 3, 1e-12);
 }
 
+TEST_F(Edit, AShiftAndATurnKeepEachOther) {
+  const std::string scene = load("placed.pbrt", placed(""));
+  v1::EditLightsRequest both = request_for(scene), shift = both;
+  const auto turn = [this](v1::EditLightsRequest& r) {
+    v1::LightPlacement* place = change(r, 2)->mutable_placement();
+    place->mutable_turn_axis()->set_z(1);
+    place->set_turn_rad(0.5);
+    return place;
+  };
+  turn(both)->mutable_shift_m()->set_x(0.25);
+  const std::string at_once = edited(both);
+  change(shift, 2)->mutable_placement()->mutable_shift_m()->set_x(0.25);
+  v1::EditLightsRequest after = request_for(edited(shift));
+  turn(after);
+  EXPECT_EQ(edited(after), at_once);
+  after = request_for(at_once);
+  change(after, 2)->mutable_placement()->mutable_shift_m();  // a shift by 0
+  v1::EditLightsRequest turned = request_for(scene);
+  turn(turned);
+  EXPECT_EQ(edited(after), edited(turned));
+  change(after, 2)->mutable_placement();
+  EXPECT_EQ(edited(after), scene);
+}
+
 TEST_F(Edit, ShiftedSurfacesOfEveryKindHaveTheBitsOfAFileThatShiftsThem) {
   const auto text = [](const std::string& where) {
     std::string all =
