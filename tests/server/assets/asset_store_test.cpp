@@ -308,8 +308,6 @@ TEST_F(AssetStoreTest, OldPartsOfUploadsAreDeleted) {
   EXPECT_EQ(store_->held(sha256("abc")).bytes, 0U);
 }
 
-constexpr AssetStoreOptions kKeepNothing{.keep_owned = std::chrono::seconds(0)};
-
 // The first file is refused by one byte, then fits exactly.
 TEST_F(AssetStoreTest, TheFilesOfASenderHaveAQuota) {
   ASSERT_TRUE(put(std::string(60, 'a'), {"farm", 100}).ok());
@@ -336,7 +334,7 @@ TEST_F(AssetStoreTest, RunningUploadsCountAgainstTheQuota) {
 }
 
 TEST_F(AssetStoreTest, OldFilesOfTheSenderMakeRoomInItsQuota) {
-  open(kKeepNothing);
+  open({.keep_owned = std::chrono::seconds(0)});
   ASSERT_TRUE(put(std::string(40, 'a'), {"farm", 100}).ok());
   ASSERT_TRUE(put(std::string(40, 'b'), {"farm", 100}).ok());
   ASSERT_TRUE(put(std::string(40, 'o'), {"other", 100}).ok());
