@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that are needed to build, test and run Lucerna, and nothing else.
-# With names as arguments it installs just those packages.  Run it as root or with sudo.  It may be
-# run twice: installed packages are skipped.
+# With names as arguments it installs just those packages, and with --runtime just the libraries
+# that lucernad and lucerna load.  Run it as root or with sudo.  It may be run twice: installed
+# packages are skipped.
 set -euo pipefail
 
 packages=(
@@ -15,7 +16,18 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels openssl
   python3 python3-grpcio python3-protobuf python3-gmpy2 python3-mpmath python3-numpy
 )
-[ $# -eq 0 ] || packages=("$@")
+# tests/container_test.py compares them with the programs.
+runtime=(
+  libgrpc++1.51 libprotobuf32 libabsl20220623 libssl3 zlib1g
+  libembree3-3 libtbb12 libopenimageio2.4 libopenexr-3-1-30 libpng16-16
+  libspdlog1.10 libfmt9 libtomlplusplus3 libsystemd0
+  libdraco7 libmeshoptimizer2d libprometheus-cpp-pull1.0
+)
+if [ "${1:-}" = --runtime ]; then
+  packages=("${runtime[@]}")
+elif [ $# -gt 0 ]; then
+  packages=("$@")
+fi
 
 missing=()
 for package in "${packages[@]}"; do
