@@ -16,7 +16,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels openssl
   python3 python3-grpcio python3-protobuf python3-gmpy2 python3-mpmath python3-numpy
 )
-# tests/container_test.py compares them with the programs.
+# tests/runtime_packages_test.py compares them with the programs.
 runtime=(
   libgrpc++1.51 libprotobuf32 libabsl20220623 libssl3 zlib1g
   libembree3-3 libtbb12 libopenimageio2.4 libopenexr-3-1-30 libpng16-16
