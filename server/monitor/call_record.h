@@ -17,8 +17,8 @@ struct CallRecord {
   std::string peer{};         ///< address of the client, as gRPC writes it
   /// Name of the client's token, or of its certificate; else empty.
   std::string caller{};
-  std::string scene_id{};     ///< 64 hexadecimal digits, or empty
-  int code = 0;               ///< of gRPC
+  std::string scene_id{};  ///< 64 hexadecimal digits, or empty
+  int code = 0;            ///< of gRPC
 
   // Of a successful call.
   std::uint64_t items = 0;  ///< receivers, rays, points, lights or pixels of the answer
