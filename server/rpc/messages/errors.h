@@ -126,8 +126,8 @@ absl::Status unimplemented(const std::string& sentence);
 absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit);
 /// The same error with a RetryInfo: a retry after `delay` may succeed.
 absl::Status retry_after(absl::Status status, Reason reason, std::chrono::milliseconds delay);
-/// The error of a load, a lease or an upload.  Gets a RetryInfo if it has kRetryAfterPayload, and the reason
-/// OVER_QUOTA if it has kOverQuotaPayload.  Else it stays unchanged.
+/// The error of a load, a lease or an upload.  Gets a RetryInfo if it has kRetryAfterPayload, and
+/// the reason OVER_QUOTA if it has kOverQuotaPayload.  Else it stays unchanged.
 absl::Status load_error(absl::Status status);
 /// UNAVAILABLE: the server shuts down.
 absl::Status draining();
