@@ -59,8 +59,8 @@ std::size_t AllocationBound::peak_beyond_result_bytes() const {
   return static_cast<std::size_t>(most_held - std::max<std::int64_t>(held, 0));
 }
 
-void AllocationBound::require(std::size_t bytes, std::size_t factor) const {
-  require_at_most(bytes, factor * input_bytes_ + kFixedBytes);
+void AllocationBound::require(std::size_t bytes) const {
+  require_at_most(bytes, kFactor * input_bytes_ + kFixedBytes);
 }
 
 void AllocationBound::require_at_most(std::size_t bytes, std::size_t allowed) const {

@@ -23,8 +23,8 @@ class AllocationBound {
   /// The same without the bytes that are held now.  Call it while the result of the parse exists.
   std::size_t peak_beyond_result_bytes() const;
 
-  /// Ends the program if `bytes` exceed `factor` times the input and kFixedBytes.
-  void require(std::size_t bytes, std::size_t factor = kFactor) const;
+  /// Ends the program if `bytes` exceed kFactor times the input and kFixedBytes.
+  void require(std::size_t bytes) const;
   /// The same for any number of `allowed` bytes.
   void require_at_most(std::size_t bytes, std::size_t allowed) const;
 
@@ -36,6 +36,9 @@ class AllocationBound {
 /// The same for .pbrt files: also 256 open blocks with their attributes, and the parameters of a
 /// directive.
 inline constexpr std::size_t kPbrtFixedBytes = std::size_t{2} << 20;
+/// The same for toml++, which holds each key and value with its place: far more than its text.
+inline constexpr std::size_t kTomlFactor = 128;
+inline constexpr std::size_t kTomlFixedBytes = std::size_t{256} << 10;
 /// The memory budget counts lists after they have grown.  While a list grows, its old half exists
 /// too.
 inline constexpr std::size_t kListGrowth = 2;

@@ -10,13 +10,14 @@ import pathlib
 import sys
 
 import seeds_formats
+import seeds_gltf
 import seeds_requests
 import seeds_texts
 
 CORPUS = pathlib.Path(__file__).resolve().parent / "corpus"
 
 SEEDS = {"pbrt_fuzz": seeds_texts.pbrt, "ply_fuzz": seeds_formats.ply, "ies_fuzz": seeds_formats.ies, "eulumdat_fuzz": seeds_formats.eulumdat,
-         "picture_fuzz": seeds_formats.picture, "texture_fuzz": seeds_formats.texture, "gltf_fuzz": seeds_texts.gltf,
+         "picture_fuzz": seeds_formats.picture, "texture_fuzz": seeds_formats.texture, "gltf_fuzz": seeds_gltf.gltf,
          "config_fuzz": seeds_texts.config, "token_file_fuzz": seeds_texts.token_file, "request_fuzz": seeds_requests.request}
 
 

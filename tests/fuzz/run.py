@@ -50,6 +50,7 @@ def fuzz(target, limit):
         command.insert(1, f"-dict={dictionary}")
     # OpenImageIO and Embree check what they allocate.
     environment = {**os.environ, "ASAN_OPTIONS": "allocator_may_return_null=1:detect_leaks=1",
+                   "LSAN_OPTIONS": f"suppressions={FUZZ / 'lsan.supp'}:print_suppressions=0",
                    "LLVM_PROFILE_FILE": "/dev/null"}
     begin = time.monotonic()
     log = findings / f"{target}.log"

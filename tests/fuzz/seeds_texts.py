@@ -21,7 +21,8 @@ def pbrt():
                  "twelve_samples"):
         yield name, joined(f"pbrt/{name}.pbrt")
     text = (DATA / "lights/every_light.pbrt").read_bytes().replace(b"../reference/", b"")
-    for name in ("lights/downlight.ies", "lights/sconce.ldt", ref + "slide.exr", ref + "screen.exr"):
+    for name in ("lights/downlight.ies", "lights/sconce.ldt", ref + "slide.exr", ref + "screen.exr",
+                 ref + "sky.exr"):
         path = DATA / name
         text += b"\n#FILE " + path.name.encode() + b"\n" + path.read_bytes()
     yield "every_light", text
@@ -40,14 +41,6 @@ def pbrt():
     yield "includes_itself", b'WorldBegin Include "scene.pbrt"'
     yield "leaves_the_root", b'WorldBegin Include "../scene.pbrt"'
     yield "unclosed", b'WorldBegin AttributeBegin ObjectBegin "a" Shape "sphere"'
-
-
-def gltf():
-    yield "room", joined("gltf/room.gltf", "room.bin")
-    yield "blender_room", (DATA / "gltf/blender_room.glb").read_bytes()
-    yield "empty", b'{"asset":{"version":"2.0"}}'
-    yield "no_json", b"{"
-    yield "glb_cut_off", b"glTF\2\0\0\0"
 
 
 def config():

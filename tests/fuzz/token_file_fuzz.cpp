@@ -5,15 +5,12 @@
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/input_files.h"
 
-// toml++ holds each key and value with its place: far more than its text.
-constexpr std::size_t kTomlFactor = 128;
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lucerna;
   const fuzz::UnnamedFile file(fuzz::text_of(data, size));
   const fuzz::AllocationBound bound("token file", size);
   const auto tokens = access::read_token_file(file.path());
-  bound.require(bound.peak_bytes(), kTomlFactor);
+  bound.require_at_most(bound.peak_bytes(), fuzz::kTomlFactor * size + fuzz::kTomlFixedBytes);
   if (!tokens.ok()) return 0;
   for (const access::Token& token : *tokens)
     if (token.name.empty() || token.sha256.size() != 32 || token.roles.empty()) std::abort();
