@@ -97,8 +97,10 @@ void one_server(const SceneFiles& files, std::vector<double>& not_serving_ms,
   const auto stop = after(Clock::now(), Seconds(0.5));
   const auto on_end = [&](const Ended& call) {
     const std::string& text = call.status.error_message();
-    // Only a server that did not accept the call gives this reason.
-    const bool draining = call.status.error_details().find("DRAINING") != std::string::npos;
+    // Only a server that did not accept the call gives this reason.  One that has ended takes no
+    // connection.
+    const bool draining = call.status.error_details().find("DRAINING") != std::string::npos ||
+                          text.find("failed to connect") != std::string::npos;
     if (call.status.ok()) {
       ++ends["ok"];
     } else if (told && draining) {

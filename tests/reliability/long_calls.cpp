@@ -48,7 +48,7 @@ std::vector<LongCall> long_calls(const Subject& subject, const SceneFiles& files
                    [message = subject.irradiance(60'000, 4096)] { return message; }});
   {
     auto request = about<v1::SampleLiRequest>(subject);
-    *request.mutable_receivers() = points_above(15);
+    *request.mutable_receivers() = points_above(4);
     request.set_test_visibility(true);
     request.mutable_seed()->set_seed(1);
     request.mutable_accuracy()->mutable_target_error()->set_relative(1e-9);

@@ -184,7 +184,8 @@ void soak(const Settings& settings, Report& report) {
   report.note("time", whole.count() / 60, "min");
   report.note("calls", static_cast<double>(calls), "calls");
   report.at_most("calls that failed", static_cast<double>(errors), 0, "calls");
-  report.at_least("calls in the short form", static_cast<double>(calls), 20, "calls");
+  report.at_least("calls, at least those of the short form", static_cast<double>(calls), 20,
+                  "calls");
   report.note("resident memory, most", most, "MB");
   // A few minutes say nothing about hours.
   if (!settings.brief && settings.soak_minutes >= 10)

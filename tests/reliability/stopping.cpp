@@ -105,11 +105,14 @@ double stop_once(const Subject& subject, const SceneFiles& files, const LongCall
     client.kill();
     return seconds_until_idle(subject, Clock::now());
   }
-  const auto stop = after(Clock::now(), time);
+  auto stop = after(Clock::now(), time);
   StreamCall running(make_channel(subject.target()), message,
                      way == Way::kDeadline ? std::optional(stop) : std::nullopt, call.repeated);
   running.work(stop);
-  running.cancel();
+  if (way == Way::kCancel) {
+    running.cancel();
+    stop = Clock::now();
+  }
   return seconds_until_idle(subject, stop);
 }
 
