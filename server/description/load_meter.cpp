@@ -22,7 +22,7 @@ std::uint64_t bytes_of(const std::vector<T>& values) {
 void push_back(ShapeDescription shape, std::vector<ShapeDescription>& shapes) {
   if (shapes.size() == shapes.capacity()) {
     std::vector<ShapeDescription> larger;
-    larger.reserve(std::max<std::size_t>(8, 2 * shapes.size()));
+    larger.reserve(std::max<std::size_t>(1, 2 * shapes.size()));
     std::move(shapes.begin(), shapes.end(), std::back_inserter(larger));
     shapes = std::move(larger);
   }
