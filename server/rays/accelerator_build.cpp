@@ -379,6 +379,8 @@ absl::StatusOr<std::shared_ptr<const Accelerator>> Accelerator::with_moved(
   state->rays = shared.rays;
   state->placed = shared.placed;
   state->still = std::move(still);
+  // One at a time, so that the error and the memory are those of this build.
+  const std::lock_guard one(shared.edits);
   {
     const std::lock_guard lock(shared.mutex);
     shared.error = RTC_ERROR_NONE;
@@ -386,7 +388,7 @@ absl::StatusOr<std::shared_ptr<const Accelerator>> Accelerator::with_moved(
   const std::ptrdiff_t before = shared.embree_bytes;
   state->moved_scene = state->commit_moved();
   LUCERNA_RETURN_IF_ERROR(shared.status());
-  // Another build for the same device at the same time may make this a little wrong.
+  // Too little if another thread frees edited surfaces meanwhile.
   state->embree_bytes = std::max<std::ptrdiff_t>(shared.embree_bytes - before, 0);
   return std::shared_ptr<const Accelerator>(new Accelerator(std::move(state)));
 }

@@ -37,6 +37,7 @@ struct Accelerator::State {
   std::mutex mutex;
   RTCError error = RTC_ERROR_NONE;  // the first error of Embree
   std::string message;
+  std::mutex edits;  // held while with_moved() builds for this device
 
   // The data that callbacks point to: of the scene, then of each object.  Wide triangles are last.
   using Primitives = std::array<PrimitivesOfSet, kHitKinds + 1>;

@@ -318,7 +318,12 @@ absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits
   if (options.lease_s > 0) LUCERNA_RETURN_IF_ERROR(state_->check_leases(options.owner));
   if (!is_known) {
     LUCERNA_RETURN_IF_ERROR(state_->check_scenes(options.owner));
-    LUCERNA_RETURN_IF_ERROR(state_->evict_for(scene->own_bytes(), 0, gone));
+    // What other scenes in memory have already needs no room.
+    std::uint64_t needed = unshared_bytes(*scene);
+    for_each_shared(*scene, [&](const void* what, std::uint64_t bytes) {
+      if (!state_->shared.contains(what)) needed += bytes;
+    });
+    LUCERNA_RETURN_IF_ERROR(state_->evict_for(needed, 0, gone));
     Entry entry;
     entry.stored = of;
     entry.stored.scene = scene;

@@ -50,7 +50,6 @@ constexpr std::array kTable{
     Row{absl::StatusCode::kPermissionDenied, 7, Reason::kNotAllowed},
     Row{absl::StatusCode::kResourceExhausted, 8, Reason::kResourceExhausted},
     Row{absl::StatusCode::kFailedPrecondition, 9, Reason::kWrongState},
-    Row{absl::StatusCode::kUnimplemented, 12, Reason::kNotImplemented},
     Row{absl::StatusCode::kInternal, 13, Reason::kInternal},
     Row{absl::StatusCode::kUnavailable, 14, Reason::kUnavailable},
     Row{absl::StatusCode::kUnauthenticated, 16, Reason::kUnauthenticated},
@@ -110,10 +109,6 @@ absl::Status unknown_light_name(const std::string& field, const std::string& nam
   return with_reason(absl::NotFoundError(fmt::format(
                          "{} = \"{}\", which the scene does not have; {}", field, name, names)),
                      Reason::kNoSuchLight);
-}
-
-absl::Status unimplemented(const std::string& sentence) {
-  return with_reason(absl::UnimplementedError(sentence), Reason::kNotImplemented);
 }
 
 absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit) {

@@ -31,7 +31,6 @@ enum class Reason : std::uint8_t {
   kResourceExhausted,
   kAssetBeingUploaded,
   kWrongState,
-  kNotImplemented,
   kCancelled,
   kDeadlinePassed,
   kDraining,
@@ -77,8 +76,6 @@ inline constexpr std::array kErrorReasons{
                 "Another client uploads the same asset. RetryInfo says when to look again."},
     ErrorReason{Reason::kWrongState, "WRONG_STATE", "FAILED_PRECONDITION",
                 "The server's state does not allow this, for example because a scene is leased."},
-    ErrorReason{Reason::kNotImplemented, "NOT_IMPLEMENTED", "UNIMPLEMENTED",
-                "This server does not implement the call."},
     ErrorReason{Reason::kCancelled, "CANCELLED", "CANCELLED", "The client cancelled the call."},
     ErrorReason{Reason::kDeadlinePassed, "DEADLINE_PASSED", "DEADLINE_EXCEEDED",
                 "The deadline of the call passed before the answer was complete."},
@@ -120,8 +117,6 @@ absl::Status unknown_light(std::uint64_t id);
 /// NOT_FOUND.  `names`: what names the scene has instead.
 absl::Status unknown_light_name(const std::string& field, const std::string& name,
                                 const std::string& names);
-/// UNIMPLEMENTED.  `sentence` states what is missing and what to do instead.
-absl::Status unimplemented(const std::string& sentence);
 /// RESOURCE_EXHAUSTED for a request over a limit of the server.  A retry does not help.
 absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit);
 /// The same error with a RetryInfo: a retry after `delay` may succeed.

@@ -47,8 +47,7 @@ TEST(Reasons, OfEveryErrorAreInTheTable) {
   for (const absl::Status& status :
        {bad_field("f", "1", "2"), bad_length("f", 1, 2, "two"), malformed_message("T", 3, ""),
         unknown_scene("x"), unknown_light(3), unknown_light_name("f", "x", "no names"),
-        unimplemented("no"), over_limit("f", 2, 1), draining(), load_error(leased),
-        load_error(quota),
+        over_limit("f", 2, 1), draining(), load_error(leased), load_error(quota),
         retry_after(absl::ResourceExhaustedError("full"), Reason::kQueueFull,
                     std::chrono::milliseconds(1)),
         retry_after(absl::FailedPreconditionError("busy"), Reason::kAssetBeingUploaded,

@@ -7,6 +7,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
+/// A shape of every kind that emits.
+constexpr const char* kLampShapes[] = {
+    "\"sphere\" \"float radius\" [0.25]", "\"disk\" \"float radius\" [0.5]",
+    "\"cylinder\" \"float radius\" [0.25]",
+    "\"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 1]",
+    "\"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0] \"normal N\" [0 0 1  0 0 1  0 0 1] "
+    "\"integer indices\" [0 1 2]"};
+
 TEST_F(Edit, ShiftedLightsHaveTheBitsOfAFileThatShiftsThem) {
   const std::string scene = load("placed.pbrt", placed(""));
   v1::EditLightsRequest request = request_for(scene);
@@ -63,12 +71,7 @@ TEST_F(Edit, ShiftedSurfacesOfEveryKindHaveTheBitsOfAFileThatShiftsThem) {
   const auto text = [](const std::string& where) {
     std::string all =
         "WorldBegin\nShape \"bilinearmesh\" \"point3 P\" [-4 -4 0  4 -4 0  -4 4 0  4 4 0]\n";
-    for (const char* shape :
-         {"\"sphere\" \"float radius\" [0.25]", "\"disk\" \"float radius\" [0.5]",
-          "\"cylinder\" \"float radius\" [0.25]",
-          "\"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 1]",
-          "\"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0] \"normal N\" [0 0 1  0 0 1  0 0 1] "
-          "\"integer indices\" [0 1 2]"})
+    for (const char* shape : kLampShapes)
       all += "AttributeBegin AreaLightSource \"diffuse\" \"bool twosided\" true\n" + where +
              "Translate -1 1 2\nShape " + shape + " AttributeEnd\n";
     return all;
@@ -157,12 +160,7 @@ TEST_F(Edit, NewLightsShineAsThoseOfAFile) {
 /// One lamp of every shape, after these directives.
 std::vector<std::string> lamps(const std::string& where, const std::string& level) {
   std::vector<std::string> all;
-  for (const char* shape :
-       {"\"sphere\" \"float radius\" [0.25]", "\"disk\" \"float radius\" [0.5]",
-        "\"cylinder\" \"float radius\" [0.25]",
-        "\"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 1]",
-        "\"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0] \"normal N\" [0 0 1  0 0 1  0 0 1] "
-        "\"integer indices\" [0 1 2]"})
+  for (const char* shape : kLampShapes)
     all.push_back(
         "AttributeBegin Material \"diffuse\" \"rgb reflectance\" [0.25 0.75 0.5]\n"
         "AreaLightSource \"diffuse\" \"rgb L\" " +

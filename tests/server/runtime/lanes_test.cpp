@@ -137,22 +137,26 @@ class Order {
   std::vector<std::string> names_;
 };
 
+/// Runs a job of the client until `opened`.
+void keep_busy(Lanes& lanes, const char* client, JobKind kind,
+               const std::shared_future<void>& opened) {
+  std::promise<void> begun;
+  EXPECT_TRUE(lanes
+                  .submit(Lane::kBulk, {.run =
+                                            [&begun, opened](const LaneJobStart&) {
+                                              begun.set_value();
+                                              opened.wait();
+                                            },
+                                        .client = client,
+                                        .kind = kind})
+                  .ok());
+  begun.get_future().wait();
+}
+
 /// Keeps all places of a kind busy but one.
 struct OnePlace {
   OnePlace(Lanes& lanes, JobKind kind) {
-    for (const char* client : {"x", "y", "z"}) {
-      std::promise<void> begun;
-      EXPECT_TRUE(lanes
-                      .submit(Lane::kBulk, {.run =
-                                                [&begun, opened = opened](const LaneJobStart&) {
-                                                  begun.set_value();
-                                                  opened.wait();
-                                                },
-                                            .client = client,
-                                            .kind = kind})
-                      .ok());
-      begun.get_future().wait();
-    }
+    for (const char* client : {"x", "y", "z"}) keep_busy(lanes, client, kind, opened);
   }
   ~OnePlace() { open.set_value(); }
   std::promise<void> open;
@@ -166,17 +170,7 @@ TEST(Lanes, ClientsTakeTurns) {
   const std::shared_future<void> opened = open.get_future().share();
   {
     const OnePlace one(lanes, JobKind::kComputation);
-    std::promise<void> begun;
-    // The last place.
-    ASSERT_TRUE(lanes
-                    .submit(Lane::kBulk, {.run =
-                                              [&begun, opened](const LaneJobStart&) {
-                                                begun.set_value();
-                                                opened.wait();
-                                              },
-                                          .client = "w"})
-                    .ok());
-    begun.get_future().wait();
+    keep_busy(lanes, "w", JobKind::kComputation, opened);  // the last place
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("a", "A")).ok());
     ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("b", "B")).ok());
     ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("c", "C")).ok());
@@ -193,17 +187,7 @@ TEST(Lanes, JobsThatWillProbablyBeLateRunAfterTheOthers) {
   const std::shared_future<void> opened = open.get_future().share();
   {
     const OnePlace one(lanes, JobKind::kComputation);
-    std::promise<void> begun;
-    // The last place.
-    ASSERT_TRUE(lanes
-                    .submit(Lane::kBulk, {.run =
-                                              [&begun, opened](const LaneJobStart&) {
-                                                begun.set_value();
-                                                opened.wait();
-                                              },
-                                          .client = "w"})
-                    .ok());
-    begun.get_future().wait();
+    keep_busy(lanes, "w", JobKind::kComputation, opened);  // the last place
     const auto submit = [&](const char* name, double expected_s) {
       LaneJob job = order.job(name, "A");
       job.deadline = LaneJob::Clock::now() + std::chrono::hours(1);
@@ -227,16 +211,7 @@ TEST(Lanes, StepsAndWholeComputationsOfAClientTakeTurns) {
   const std::shared_future<void> opened = open.get_future().share();
   {
     const OnePlace one(lanes, JobKind::kComputation);
-    std::promise<void> begun;
-    ASSERT_TRUE(lanes
-                    .submit(Lane::kBulk, {.run =
-                                              [&begun, opened](const LaneJobStart&) {
-                                                begun.set_value();
-                                                opened.wait();
-                                              },
-                                          .client = "w"})
-                    .ok());
-    begun.get_future().wait();
+    keep_busy(lanes, "w", JobKind::kComputation, opened);  // the last place
     for (int i = 0; i < 4; ++i)
       ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("step", "A", JobKind::kStep)).ok());
     ASSERT_TRUE(lanes.submit(Lane::kBulk, order.job("tile", "A")).ok());

@@ -218,5 +218,28 @@ TEST_F(SceneStoreTest, LoadsCountAgainstTheBudgetBeforeTheyAreBuilt) {
   for (int i = 0; i < 3; ++i) EXPECT_TRUE((*small)->load("a.pbrt").ok());
 }
 
+TEST_F(SceneStoreTest, RevisionsNeedRoomOnlyForWhatNoOtherHas) {
+  write("lamp.pbrt",
+        "WorldBegin Shape \"sphere\" AreaLightSource \"diffuse\" Translate 0 0 3 Shape \"disk\"");
+  LightEdits moved, dimmed;
+  moved.changes[1] = {.shift_m = {0.5, 0, 0}};
+  dimmed.changes[1] = {.scale = 0.5, .shift_m = {0.5, 0, 0}};
+  // Loads the scene, moves its light, and dims it too.  All three are leased.
+  const auto edit_all = [&](SceneStore& store) {
+    const LoadOptions leased{.lease_s = 60};
+    const auto scene = store.load("lamp.pbrt", leased);
+    EXPECT_TRUE(scene.ok()) << scene.status();
+    for (const LightEdits& edits : {moved, dimmed}) {
+      const auto revision = store.revise(scene->stored, edits, leased);
+      EXPECT_TRUE(revision.ok()) << revision.status();
+      EXPECT_TRUE(!revision.ok() || revision->stored.scene->has_own_surfaces());
+    }
+    return store.bytes();
+  };
+  const std::uint64_t all = edit_all(*SceneStore::open({.root = root_.string()}).value());
+  const auto tight = SceneStore::open({.root = root_.string(), .memory_budget_bytes = all}).value();
+  EXPECT_EQ(edit_all(*tight), all);
+}
+
 }  // namespace
 }  // namespace lucerna
