@@ -71,7 +71,13 @@ def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
     limit = bound(sys.argv[1])
-    targets = sys.argv[2:] or sorted(path.name for path in (FUZZ / "corpus").iterdir())
+    known = sorted(path.name for path in (FUZZ / "corpus").iterdir())
+    targets = sys.argv[2:] or known
+    for target in targets:
+        if target not in known:
+            sys.exit(f"run.py: {target}, allowed: {', '.join(known)}")
+        if not (BUILD / "tests/fuzz" / target).exists():
+            sys.exit(f"run.py: {target} is not built; make fuzz builds it")
     ended_well = [fuzz(target, limit) for target in targets]
     return 0 if all(ended_well) else 1
 
