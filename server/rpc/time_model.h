@@ -19,6 +19,7 @@ class TimeModel {
   /// The work of a call has ended.  Short work says little about long work.
   void learn(monitor::Call call, double predicted_s, double wall_s) {
     if (predicted_s <= 0 || wall_s < kLeastSeconds) return;
+    calls_[static_cast<std::size_t>(call)].fetch_add(1, std::memory_order_relaxed);
     const double ratio = wall_s / predicted_s;
     std::atomic<double>& least = ratios_[static_cast<std::size_t>(call)];
     const double old = least.load(std::memory_order_relaxed);
@@ -35,14 +36,19 @@ class TimeModel {
     return predicted_s * means_[static_cast<std::size_t>(call)].load(std::memory_order_relaxed);
   }
 
-  /// The least time that the work takes [s]; 0 if nothing is known.
+  /// The least time that the work takes [s]; 0 if too little is known.
   double least_seconds(monitor::Call call, double predicted_s) const {
+    if (calls_[static_cast<std::size_t>(call)].load(std::memory_order_relaxed) < kLeastCalls)
+      return 0;
     return kCaution * predicted_s *
            ratios_[static_cast<std::size_t>(call)].load(std::memory_order_relaxed);
   }
 
  private:
   static constexpr double kLeastSeconds = 1e-3;
+  // The first calls of a server build parts of scenes.  They take longer than later ones, and a
+  // prediction from one of them refused work that had enough time.
+  static constexpr unsigned kLeastCalls = 8;
   // After 70 calls the ratio of a scene that nobody uses any more counts half.
   static constexpr double kForget = 1.01;
   // The machine may be less busy than it was in all earlier calls.
@@ -52,6 +58,7 @@ class TimeModel {
   static constexpr double kWeight = 0.1;
 
   std::array<std::atomic<double>, monitor::kCalls> ratios_{}, means_{};
+  std::array<std::atomic<unsigned>, monitor::kCalls> calls_{};
 };
 
 }  // namespace lucerna::rpc
