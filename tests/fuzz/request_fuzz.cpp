@@ -217,6 +217,10 @@ class World {
       }
       case Call::kUploadAsset:
         return;  // see upload()
+      // No message reaches them.
+      case Call::kReflection:
+      case Call::kUnknown:
+        return;
     }
   }
 

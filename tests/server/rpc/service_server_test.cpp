@@ -161,7 +161,6 @@ TEST(Errors, CodesAreThoseOfGrpc) {
             grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(rpc::to_wire(absl::FailedPreconditionError("")).code,
             grpc::StatusCode::FAILED_PRECONDITION);
-  EXPECT_EQ(rpc::to_wire(absl::UnimplementedError("")).code, grpc::StatusCode::UNIMPLEMENTED);
   EXPECT_EQ(rpc::to_wire(absl::UnavailableError("")).code, grpc::StatusCode::UNAVAILABLE);
 }
 
