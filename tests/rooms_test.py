@@ -16,7 +16,7 @@ ROOMS = [
     "proto", "proto/common",
     "lights/maths", "lights/spectra", "lights/sampling", "lights/pictures", "lights/shapes", "lights/models",
     "lights/choice",
-    "server/runtime", "server/assets", "server/formats", "server/materials", "server/description", "server/meshes",
+    "server/runtime", "server/assets", "server/formats", "server/pictures", "server/materials", "server/description", "server/meshes",
     "server/pbrt/syntax", "server/pbrt/surfaces", "server/pbrt/lights", "server/pbrt", "server/gltf", "server/rays",
     "server/scene", "server/store", "server/shadows", "server/estimate/statistics", "server/estimate/lights",
     "server/estimate/paths", "server/estimate/queries", "server/monitor", "server/access", "server/rpc/messages",

@@ -38,7 +38,8 @@ def main():
     build = pathlib.Path(sys.argv[1])
     text = re.search(r"^runtime=\((.*?)^\)", (ROOT / "deploy/install-deps.sh").read_text(), re.M | re.S)[1]
     listed = set(text.split())
-    needed = packages_of(build / "bin/lucernad") | packages_of(build / "bin/lucerna")
+    pictures, = (build / "bin").glob("lucerna-pictures-*.so")
+    needed = packages_of(build / "bin/lucernad") | packages_of(build / "bin/lucerna") | packages_of(pictures)
     if missing := needed - listed - COMMON:
         sys.exit(f"deploy/install-deps.sh --runtime lacks {sorted(missing)}")
     if unused := listed - needed:

@@ -190,9 +190,15 @@ TEST_F(Memory, ALargePictureOfASmallFileIsRefusedByItsHeader) {
       << std::string("\0\0\0\0IDAT\x35\xaf\x06\x1e", 12);
   std::ofstream(directory_ / "large.pbrt")
       << "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"large.png\"";
+  std::ofstream(directory_ / "broken.png", std::ios::binary) << kHeader;
+  std::ofstream(directory_ / "broken.pbrt")
+      << "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"broken.png\"";
   restart("100MiB");
-  const double idle = resident_bytes(server_->process_id());
+  // The first picture loads the library that decodes pictures, which has 100 MB of code and data.
   v1::LoadSceneRequest request;
+  request.set_path("broken.pbrt");
+  EXPECT_FALSE(server_->client().load_scene(request).ok());
+  const double idle = resident_bytes(server_->process_id());
   request.set_path("large.pbrt");
   const auto refused = server_->client().load_scene(request);
   EXPECT_EQ(refused.status().code(), absl::StatusCode::kResourceExhausted) << refused.status();

@@ -25,7 +25,7 @@ READERS = {
     "ies_fuzz": ("IES", ["server/formats/ies.cpp", "server/formats/photometric_file.cpp"]),
     "eulumdat_fuzz": ("EULUMDAT",
                       ["server/formats/eulumdat.cpp", "server/formats/photometric_file.cpp"]),
-    "picture_fuzz": ("pictures", ["server/formats/image_*.cpp"]),
+    "picture_fuzz": ("pictures", ["server/pictures/*.cpp"]),
     "texture_fuzz": ("textures of `.pbrt`",
                      ["server/pbrt/surfaces/textures.cpp", "server/pbrt/syntax/images.cpp"]),
     "gltf_fuzz": ("glTF", ["server/gltf/*.cpp"]),

@@ -53,6 +53,14 @@ TEST_F(Lux, PictureIsPutTogether) {
   EXPECT_EQ(picture->standard_error.size(), picture->pixels.size());
 }
 
+// The server decodes it with a library of its own, which it must find from where it is installed.
+TEST_F(Lux, ASceneMayHaveAPicture) {
+  v1::LoadSceneRequest load;
+  load.set_path("environment.pbrt");
+  const auto loaded = client().load_scene(load);
+  EXPECT_TRUE(loaded.ok()) << loaded.status();
+}
+
 TEST_F(Lux, EachTestHasAServerOfItsOwn) {
   const auto scenes = client().list_scenes({});
   ASSERT_TRUE(scenes.ok()) << scenes.status();

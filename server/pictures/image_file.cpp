@@ -1,4 +1,4 @@
-#include "server/formats/image_file.h"
+#include "server/pictures/image_file.h"
 
 #include <fmt/format.h>
 #include <sys/mman.h>

@@ -1,0 +1,285 @@
+#include "server/formats/picture_decoder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "proto/common/status_macros.h"
+#include "server/pictures/image_file.h"
+
+namespace lucerna {
+namespace {
+
+using Channels = std::array<int, 3>;
+
+absl::Status invalid(const AssetContent& content, const std::string& what) {
+  return absl::InvalidArgumentError(content.name + ": " + what);
+}
+
+/// [IEC61966]
+float linear_from_srgb(float coded) {
+  const double c = coded;
+  return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+}
+
+float decoded_texel(float coded, Encoding encoding) {
+  if (encoding == kSrgb) return linear_from_srgb(coded);
+  return encoding == kLinear ? coded : static_cast<float>(std::pow(double{coded}, encoding.gamma));
+}
+
+/// The value of each code.  Integers have few different values, so each is decoded once.
+template <typename Code>
+std::vector<float> decoded_codes(Encoding encoding) {
+  constexpr std::size_t kMost = std::numeric_limits<Code>::max();
+  std::vector<float> decoded(kMost + 1);
+  for (std::size_t i = 0; i <= kMost; ++i)
+    decoded[i] = decoded_texel(static_cast<float>(i) / static_cast<float>(kMost), encoding);
+  return decoded;
+}
+
+/// Whether a channel holds sRGB codes; nothing for unsupported types.
+std::optional<bool> is_coded(const OIIO::TypeDesc& type) {
+  if (type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16) return true;
+  if (type == OIIO::TypeDesc::HALF || type == OIIO::TypeDesc::FLOAT ||
+      type == OIIO::TypeDesc::DOUBLE)
+    return false;
+  return std::nullopt;
+}
+
+/// The channels of the colours.  Fails if they are missing or of an unsupported type.
+absl::StatusOr<Channels> channels_of(const AssetContent& content, const ImageFile& file) {
+  const std::optional<Channels> channels = file.colour_channels();
+  if (!channels) {
+    std::string names;
+    for (const std::string& n : file.spec().channelnames) names += " " + n;
+    std::ranges::replace_if(
+        names, [](char c) { return c < ' ' || c > '~'; }, '?');
+    return invalid(content,
+                   "channels" + names.substr(0, 200) + ", allowed: one or two, or R, G and B");
+  }
+  for (const int c : *channels)
+    if (!is_coded(file.spec().channelformat(c)))
+      return invalid(
+          content,
+          fmt::format(
+              "texels of type {}, allowed: unsigned 8- and 16-bit integers, half, float, double",
+              file.spec().channelformat(c).c_str()));
+  return *channels;
+}
+
+bool all_are(const ImageFile& file, const Channels& channels, OIIO::TypeDesc type) {
+  return std::ranges::all_of(channels, [&](int c) { return file.spec().channelformat(c) == type; });
+}
+
+/// Reads the texels of a picture as floats.
+class FloatReader {
+ public:
+  FloatReader(ImageFile& file, const Channels& channels, Encoding encoding)
+      : file_(file),
+        encoding_(encoding),
+        low_(std::ranges::min(channels)),
+        high_(std::ranges::max(channels)) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      offset_[c] = static_cast<std::size_t>(channels[c] - low_);
+      coded_[c] = *is_coded(file.spec().channelformat(channels[c]));
+    }
+    texels_.reserve(file.texels());
+  }
+
+  template <typename Code>
+  absl::Status read_codes(OIIO::TypeDesc type) {
+    const std::vector<float> decoded = decoded_codes<Code>(encoding_);
+    return for_each_texel<Code>(type, [&](const Code* texel) {
+      const auto value = [&](std::size_t c) { return decoded[texel[offset_[c]]]; };
+      texels_.push_back({value(0), value(1), value(2)});
+    });
+  }
+
+  absl::Status read_floats() {
+    return for_each_texel<float>(OIIO::TypeDesc::FLOAT, [&](const float* texel) {
+      bool below = false;
+      const auto value = [&](std::size_t c) {
+        const float v = texel[offset_[c]];
+        if (coded_[c]) return decoded_texel(v, encoding_);
+        // NaN and -infinity are kept, so that Image::create rejects them.
+        if (!(v < 0) || std::isinf(v)) return v;
+        below = true;
+        return 0.0F;
+      };
+      texels_.push_back({value(0), value(1), value(2)});
+      negative_ += below;
+    });
+  }
+
+  std::vector<Rgb<float>>& texels() { return texels_; }
+  std::size_t negative() const { return negative_; }
+
+ private:
+  template <typename Value, typename Use>
+  absl::Status for_each_texel(OIIO::TypeDesc type, Use&& use) {
+    const auto read = static_cast<std::size_t>(high_ - low_ + 1);
+    return file_.for_each_band<Value>(low_, high_, type,
+                                      [&](const Value* values, std::size_t count) {
+                                        for (std::size_t i = 0; i < count; ++i)
+                                          use(values + i * read);
+                                        return absl::OkStatus();
+                                      });
+  }
+
+  ImageFile& file_;
+  Encoding encoding_;
+  int low_, high_;
+  std::array<std::size_t, 3> offset_{};
+  std::array<bool, 3> coded_{};
+  std::vector<Rgb<float>> texels_;
+  std::size_t negative_ = 0;
+};
+
+absl::StatusOr<DecodedImage> read_image(const AssetContent& content, ImageFile& file,
+                                        const Channels& channels, const ImageOptions& options) {
+  DecodedImage decoded{nullptr, file.remarks(), LoadBudget::Share(options.budget)};
+  LUCERNA_RETURN_IF_ERROR(decoded.share.resize(file.texels() * sizeof(Rgb<float>)));
+  FloatReader reader(file, channels, options.encoding);
+  const absl::Status read = all_are(file, channels, OIIO::TypeDesc::UINT8)
+                                ? reader.read_codes<std::uint8_t>(OIIO::TypeDesc::UINT8)
+                            : all_are(file, channels, OIIO::TypeDesc::UINT16)
+                                ? reader.read_codes<std::uint16_t>(OIIO::TypeDesc::UINT16)
+                                : reader.read_floats();
+  LUCERNA_RETURN_IF_ERROR(read);
+  if (const std::size_t negative = reader.negative(); negative > 0)
+    decoded.remarks.push_back({fmt::format("{} has {} texel{} with a value below 0", content.name,
+                                           negative, negative == 1 ? "" : "s"),
+                               "counted as 0"});
+  auto image = Image::create(file.spec().width, file.spec().height, std::move(reader.texels()));
+  if (!image.ok()) return invalid(content, std::string(image.status().message()));
+  decoded.image = *std::move(image);
+  return decoded;
+}
+
+/// Reads the codes of a picture of 8 bits.  They are grey until a texel is not.
+class CodeReader {
+ public:
+  CodeReader(ImageFile& file, const Channels& channels, CodedImage& to, LoadBudget::Share& share)
+      : file_(file),
+        low_(std::ranges::min(channels)),
+        high_(std::ranges::max(channels)),
+        to_(to),
+        share_(share) {
+    for (std::size_t c = 0; c < 3; ++c) offset_[c] = static_cast<std::size_t>(channels[c] - low_);
+    to_.is_grey = true;
+  }
+
+  absl::Status read() {
+    LUCERNA_RETURN_IF_ERROR(share_.resize(file_.texels()));
+    to_.codes.reserve(file_.texels());
+    return file_.for_each_band<std::uint8_t>(
+        low_, high_, OIIO::TypeDesc::UINT8, [this](const std::uint8_t* band, std::size_t count) {
+          const std::size_t grey = to_.is_grey ? append_grey(band, count) : 0;
+          if (grey == count) return absl::OkStatus();
+          if (to_.is_grey) LUCERNA_RETURN_IF_ERROR(to_colours());
+          append_colours(band + grey * read_, count - grey);
+          return absl::OkStatus();
+        });
+  }
+
+ private:
+  bool is_grey(const std::uint8_t* texel) const {
+    const std::uint8_t r = texel[offset_[0]], g = texel[offset_[1]], b = texel[offset_[2]];
+    // A high gamma gives several codes the same value.
+    const std::vector<float>& values = to_.values;
+    return (r == g && g == b) || (values[r] == values[g] && values[g] == values[b]);
+  }
+
+  /// Adds the texels before the first colour, and returns their number.
+  std::size_t append_grey(const std::uint8_t* band, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint8_t* texel = band + i * read_;
+      if (!is_grey(texel)) return i;
+      to_.codes.push_back(texel[offset_[0]]);
+    }
+    return count;
+  }
+
+  void append_colours(const std::uint8_t* band, std::size_t count) {
+    if (read_ == 3 && offset_ == std::array<std::size_t, 3>{0, 1, 2}) {
+      to_.codes.insert(to_.codes.end(), band, band + 3 * count);
+      return;
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      for (const std::size_t c : offset_) to_.codes.push_back(band[i * read_ + c]);
+  }
+
+  /// Three codes for each texel from now on.
+  absl::Status to_colours() {
+    LUCERNA_RETURN_IF_ERROR(share_.resize(3 * file_.texels() + to_.codes.size()));
+    std::vector<std::uint8_t> codes;
+    codes.reserve(3 * file_.texels());
+    for (const std::uint8_t code : to_.codes) codes.insert(codes.end(), 3, code);
+    to_.codes = std::move(codes);
+    to_.is_grey = false;
+    return share_.resize(3 * file_.texels());
+  }
+
+  ImageFile& file_;
+  int low_, high_;
+  std::size_t read_ = static_cast<std::size_t>(high_ - low_ + 1);
+  std::array<std::size_t, 3> offset_{};
+  CodedImage& to_;
+  LoadBudget::Share& share_;
+};
+
+absl::StatusOr<DecodedImage> image_of(const AssetContent& content, const ImageOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(ImageFile file, ImageFile::open(content, options));
+  LUCERNA_ASSIGN_OR_RETURN(const Channels channels, channels_of(content, file));
+  return read_image(content, file, channels, options);
+}
+
+absl::StatusOr<DecodedSurface> surface_of(const AssetContent& content,
+                                          const ImageOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(ImageFile file, ImageFile::open(content, options));
+  LUCERNA_ASSIGN_OR_RETURN(const Channels channels, channels_of(content, file));
+  DecodedSurface decoded{{}, nullptr, {}, LoadBudget::Share(options.budget)};
+  if (!all_are(file, channels, OIIO::TypeDesc::UINT8)) {
+    LUCERNA_ASSIGN_OR_RETURN(DecodedImage image, read_image(content, file, channels, options));
+    decoded.image = std::move(image.image);
+    decoded.remarks = std::move(image.remarks);
+    decoded.share = std::move(image.share);
+    return decoded;
+  }
+  decoded.remarks = file.remarks();
+  CodedImage& codes = decoded.codes.emplace();
+  codes.width = file.spec().width;
+  codes.height = file.spec().height;
+  codes.values = decoded_codes<std::uint8_t>(options.encoding);
+  LUCERNA_RETURN_IF_ERROR(CodeReader(file, channels, codes, decoded.share).read());
+  return decoded;
+}
+
+absl::StatusOr<DecodedAlpha> alpha_of(const AssetContent& content, const ImageOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(ImageFile file, ImageFile::open(content, options));
+  DecodedAlpha alpha{file.spec().width, file.spec().height, {}, LoadBudget::Share(options.budget)};
+  const auto& names = file.spec().channelnames;
+  const auto found = std::ranges::find(names, "A");
+  if (found == names.end()) return alpha;
+  const int channel = static_cast<int>(found - names.begin());
+  LUCERNA_RETURN_IF_ERROR(alpha.share.resize(file.texels() * sizeof(float)));
+  alpha.values.reserve(file.texels());
+  LUCERNA_RETURN_IF_ERROR(file.for_each_band<float>(
+      channel, channel, OIIO::TypeDesc::FLOAT, [&](const float* band, std::size_t count) {
+        alpha.values.insert(alpha.values.end(), band, band + count);
+        return absl::OkStatus();
+      }));
+  return alpha;
+}
+
+}  // namespace
+
+/// The library hides all its other names.
+extern "C" [[gnu::visibility("default")]] const PictureDecoder lucerna_picture_decoder;
+const PictureDecoder lucerna_picture_decoder{&image_of, &surface_of, &alpha_of};
+
+}  // namespace lucerna
