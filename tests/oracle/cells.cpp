@@ -1,5 +1,7 @@
 #include "tests/oracle/cells.h"
 
+#include <algorithm>
+
 #include "tests/oracle/lights.h"
 #include "tests/oracle/shapes.h"
 
@@ -26,7 +28,7 @@ Vec around(const Emitter& e, Real angle) {
 
 /// A direction from the centre of a sphere.
 Vec on_sphere(const Emitter& e, Real s, Real t) {
-  const Real sine = std::sqrt(std::fmax(0, s * (2 - s)));
+  const Real sine = std::sqrt(std::max<Real>(0, s * (2 - s)));
   return e.w * (1 - s) + around(e, t) * sine;
 }
 
@@ -38,10 +40,10 @@ Cell::Hull cap_hull(const Cell& c) {
   for (const Real s : {c.s0, c.s1}) {
     for (const Real t : {c.t0, c.t1}) {
       const Vec w = on_sphere(e, s, t);
-      angle = std::fmax(angle, std::atan2(length(cross(w, m)), dot(w, m)));
+      angle = std::max<Real>(angle, std::atan2(length(cross(w, m)), dot(w, m)));
     }
   }
-  angle = std::fmin(1.02L * angle, 1.5L);
+  angle = std::min<Real>(1.02L * angle, 1.5L);
   const Real r = e.surface->radius;
   const Vec x = across(m), y = cross(m, x);
   Cell::Hull h{{}, 8};
@@ -64,7 +66,7 @@ Cell::Hull cone_hull(const Cell& c) {
   for (const Real s : {c.s0, sm, c.s1}) {
     for (const Real t : {c.t0, tm, c.t1}) {
       const Vec w = direction(s, t);
-      angle = std::fmax(angle, std::atan2(length(cross(w, m)), dot(w, m)));
+      angle = std::max<Real>(angle, std::atan2(length(cross(w, m)), dot(w, m)));
     }
   }
   const Vec x = across(m) * (e.reach * std::tan(1.05L * angle)), y = cross(m, x);
@@ -90,7 +92,7 @@ Vec Cell::point(Real s, Real t) const {
     case Kind::kCylinder:
       return e.corner + around(e, s) + e.w * t;
     case Kind::kSky:
-      return e.eye + (around(e, t) * s + e.w * std::sqrt(std::fmax(0, 1 - s * s))) * e.reach;
+      return e.eye + (around(e, t) * s + e.w * std::sqrt(std::max<Real>(0, 1 - s * s))) * e.reach;
     case Kind::kMap: {
       const Vec d = direction_of(s, t);
       return e.eye + (e.u * d.x + e.v * d.y + e.w * d.z) * e.reach;
@@ -119,40 +121,43 @@ Cell::Hull Cell::hull() const {
   return h;
 }
 
-Real Cell::solid_angle(Real s, Real t, const Vec& d) const {
+Cell::Element Cell::element(Real s, Real t) const {
   const Emitter& e = *emitter;
-  Vec area;
   switch (e.kind) {
     case Kind::kSky:
-      return 2 * kPi * s / std::sqrt(1 - s * s);
+      return {point(s, t), {}, 2 * kPi * s / std::sqrt(1 - s * s)};
     case Kind::kMap:
-      return 4 * kPi;
+      return {point(s, t), {}, 4 * kPi};
     case Kind::kFlat:
-      area = cross(e.u, e.v);
-      break;
+      return {point(s, t), cross(e.u, e.v)};
     case Kind::kTriangle:
-      area = cross(e.u, e.v) * (1 - s);
-      break;
+      return {point(s, t), cross(e.u, e.v) * (1 - s)};
     case Kind::kDisk:
-      area = cross(e.u, e.v) * (2 * kPi * s);
-      break;
+      return {point(s, t), cross(e.u, e.v) * (2 * kPi * s)};
     case Kind::kPatch: {
       const auto& [a, b, c, d] = e.surface->at;
-      area = cross((b - a) * (1 - t) + (d - c) * t, (c - a) * (1 - s) + (d - b) * s);
-      break;
+      return {point(s, t), cross((b - a) * (1 - t) + (d - c) * t, (c - a) * (1 - s) + (d - b) * s)};
     }
-    case Kind::kSphere:
-      area = on_sphere(e, s, t) * (2 * kPi * e.surface->radius * e.surface->radius);
-      break;
-    case Kind::kCylinder:
-      area = around(e, s) * (2 * kPi * length(e.w));
-      break;
+    case Kind::kSphere: {
+      const Real radius = e.surface->radius;
+      const Vec out = on_sphere(e, s, t);
+      return {e.corner + out * radius, out * (2 * kPi * radius * radius)};
+    }
+    case Kind::kCylinder: {
+      const Vec out = around(e, s);
+      return {e.corner + out + e.w * t, out * (2 * kPi * length(e.w))};
+    }
   }
+  return {};
+}
+
+Real Cell::solid_angle(const Element& element, const Vec& d) const {
+  if (element.angle > 0) return element.angle;
   const Real squared = dot(d, d);
   if (!(squared > 0)) return 0;
-  Real leaving = -dot(d, area);
-  if (e.two_sided) leaving = std::fabs(leaving);
-  return std::fmax(0, leaving) / (squared * std::sqrt(squared));
+  Real leaving = -dot(d, element.area);
+  if (emitter->two_sided) leaving = std::fabs(leaving);
+  return std::max(Real{0}, leaving) / (squared * std::sqrt(squared));
 }
 
 bool Cell::faces_away() const {
@@ -163,7 +168,8 @@ bool Cell::faces_away() const {
   // The triple product that decides is linear in s and in t.
   const Real sm = kind == Kind::kPatch ? s1 : (s0 + s1) / 2;
   const auto dark = [&](Real s, Real t) {
-    return !(solid_angle(s, t, point(s, t) - emitter->eye) > 0);
+    const Element e = element(s, t);
+    return !(solid_angle(e, e.at - emitter->eye) > 0);
   };
   return dark(sm, t0) && dark(sm, t1) && (kind != Kind::kPatch || (dark(s0, t0) && dark(s0, t1)));
 }

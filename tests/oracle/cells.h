@@ -43,9 +43,16 @@ struct Cell {
     int count;
   };
   Hull hull() const;
+  /// What the emitter has at a point, per s and t.
+  struct Element {
+    Vec at{};
+    Vec area{};      ///< towards the side that emits, unless it is at infinity
+    Real angle = 0;  ///< solid angle of an emitter at infinity
+  };
+  Element element(Real s, Real t) const;
   /// Per s and t: the solid angle at the eye, of the side that emits, or zero.  `d`: from the eye
   /// to the point.
-  Real solid_angle(Real s, Real t, const Vec& d) const;
+  Real solid_angle(const Element& element, const Vec& d) const;
   /// Whether the eye sees only the side that does not emit.
   bool faces_away() const;
 };

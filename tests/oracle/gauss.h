@@ -26,17 +26,33 @@ inline constexpr Rule kFour{4,
                             {0.173927422568726928686531974611L, 0.326072577431273071313468025389L,
                              0.326072577431273071313468025389L, 0.173927422568726928686531974611L}};
 
-/// The integral over the cell's parameters by Gauss's rule in each direction.
-template <typename F>
-Real integral_over(const Cell& c, const Rule& rule, const F& f) {
-  Real total = 0;
+/// The elements of a cell at the points of Gauss's rule in each direction, with their weights.  One
+/// evaluation of the emitter serves several eyes.
+struct Nodes {
+  std::size_t count = 0;
+  std::array<Cell::Element, 16> elements{};
+  std::array<Real, 16> weights{};
+};
+
+inline Nodes nodes_of(const Cell& c, const Rule& rule) {
+  Nodes nodes;
+  const Real area = (c.s1 - c.s0) * (c.t1 - c.t0);
   for (std::size_t i = 0; i < static_cast<std::size_t>(rule.points); ++i) {
     for (std::size_t j = 0; j < static_cast<std::size_t>(rule.points); ++j) {
-      total += rule.weight[i] * rule.weight[j] *
-               f(c.s0 + (c.s1 - c.s0) * rule.at[i], c.t0 + (c.t1 - c.t0) * rule.at[j]);
+      nodes.elements[nodes.count] =
+          c.element(c.s0 + (c.s1 - c.s0) * rule.at[i], c.t0 + (c.t1 - c.t0) * rule.at[j]);
+      nodes.weights[nodes.count++] = rule.weight[i] * rule.weight[j] * area;
     }
   }
-  return total * (c.s1 - c.s0) * (c.t1 - c.t0);
+  return nodes;
+}
+
+/// The integral over the cell's parameters.
+template <typename F>
+Real integral_over(const Nodes& nodes, const F& f) {
+  Real total = 0;
+  for (std::size_t i = 0; i < nodes.count; ++i) total += nodes.weights[i] * f(nodes.elements[i]);
+  return total;
 }
 
 }  // namespace lucerna::oracle

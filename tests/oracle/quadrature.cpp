@@ -89,7 +89,7 @@ bool Quadrature::surely_apart(const Occluder& o, const Cell::Hull& hull) const {
     Vec middle{};
     for (const Vec& p : points) middle = middle + p * (1 / static_cast<Real>(points.size()));
     Real radius = 0;
-    for (const Vec& p : points) radius = std::fmax(radius, length(p - middle));
+    for (const Vec& p : points) radius = std::max<Real>(radius, length(p - middle));
     const Vec along = middle - eye;
     const Real distance = length(along);
     const Real t =
@@ -126,8 +126,10 @@ Way Quadrature::past_curved_shape(const Shape& shape, const Cell& c, const Cell:
   const bool far = emitter_.far || emitter_.shape < 0;
   Vec lower = hull.points[0], upper = lower;
   for (const Vec& p : points_of(hull)) {
-    lower = {std::fmin(lower.x, p.x), std::fmin(lower.y, p.y), std::fmin(lower.z, p.z)};
-    upper = {std::fmax(upper.x, p.x), std::fmax(upper.y, p.y), std::fmax(upper.z, p.z)};
+    lower = {std::min<Real>(lower.x, p.x), std::min<Real>(lower.y, p.y),
+             std::min<Real>(lower.z, p.z)};
+    upper = {std::max<Real>(upper.x, p.x), std::max<Real>(upper.y, p.y),
+             std::max<Real>(upper.z, p.z)};
   }
   const Vec middle = (lower + upper) * 0.5L;
   const Real angular = emitter_.reach * 0x1p-22L;
@@ -142,8 +144,8 @@ Way Quadrature::way_to(const Cell& cell, const Cell::Hull& hull) const {
   Real lowest = std::numeric_limits<Real>::infinity(), highest = -lowest;
   for (const Vec& p : points_of(hull)) {
     const Real height = dot(p - integral_.at.at, integral_.normal);
-    lowest = std::fmin(lowest, height);
-    highest = std::fmax(highest, height);
+    lowest = std::min<Real>(lowest, height);
+    highest = std::max<Real>(highest, height);
   }
   if (highest <= 0) return Way::kBlocked;  // below the horizon
   Way way = lowest >= 0 || emitter_.kind == Emitter::Kind::kSky ? Way::kFree : Way::kUnsure;
@@ -158,11 +160,11 @@ Way Quadrature::way_to(const Cell& cell, const Cell::Hull& hull) const {
   return way;
 }
 
-Real Quadrature::integrand(const Cell& cell, Real s, Real t, const Vec& off) const {
-  const Vec d = cell.point(s, t) - integral_.at.at - off;
-  const Real omega = cell.solid_angle(s, t, d);
+Real Quadrature::integrand(const Cell& cell, const Cell::Element& element, const Vec& off) const {
+  const Vec d = element.at - integral_.at.at - off;
+  const Real omega = cell.solid_angle(element, d);
   if (integral_.is_solid_angle()) return omega;
-  return std::fmax(0, dot(d, integral_.normal)) / length(d) * omega;
+  return std::max(Real{0}, dot(d, integral_.normal)) / length(d) * omega;
 }
 
 std::optional<Quadrature::Part> Quadrature::part(const Cell& c) const {
@@ -174,14 +176,15 @@ std::optional<Quadrature::Part> Quadrature::part(const Cell& c) const {
   Real radius = 0;
   if (emitter_.kind == Emitter::Kind::kFlat) {
     for (const Real s : {c.s0, c.s1})
-      for (const Real t : {c.t0, c.t1}) radius = std::fmax(radius, length(c.point(s, t) - middle));
+      for (const Real t : {c.t0, c.t1})
+        radius = std::max<Real>(radius, length(c.point(s, t) - middle));
   } else {
-    for (const Vec& p : points_of(hull)) radius = std::fmax(radius, length(p - middle));
+    for (const Vec& p : points_of(hull)) radius = std::max<Real>(radius, length(p - middle));
   }
   const Real distance = length(middle - integral_.at.at);
-  const auto by = [&](const Rule& rule, const Vec& off) {
+  const auto by = [&](const Nodes& nodes, const Vec& off) {
     return c.radiance *
-           integral_over(c, rule, [&](Real s, Real t) { return integrand(c, s, t, off); });
+           integral_over(nodes, [&](const auto& element) { return integrand(c, element, off); });
   };
   if (!(distance > kFarther * radius)) {
     const Real half = c.radiance * (integral_.is_solid_angle() ? 2 : 1) * kPi / 2;
@@ -192,23 +195,25 @@ std::optional<Quadrature::Part> Quadrature::part(const Cell& c) const {
     // do not see.
     Real highest = 0;
     for (const Vec& p : points_of(hull))
-      highest = std::fmax(highest, dot(p - integral_.at.at, integral_.normal));
+      highest = std::max<Real>(highest, dot(p - integral_.at.at, integral_.normal));
     const bool far = emitter_.kind == Emitter::Kind::kFlat && emitter_.far;
-    const Real cosine = std::fmin(
+    const Real cosine = std::min<Real>(
         1, far ? highest / emitter_.reach + radius / distance : highest / (distance - radius));
-    const Real omega = integral_over(c, kTwo, [&](Real s, Real t) {
-      return c.solid_angle(s, t, c.point(s, t) - integral_.at.at);
+    const Real omega = integral_over(nodes_of(c, kTwo), [&](const auto& element) {
+      return c.solid_angle(element, element.at - integral_.at.at);
     });
     // At most that of the sphere around the cell.
     const Real share = radius / distance;
     const Real sphere = 2 * kPi * (1 - std::sqrt((1 - share) * (1 + share)));
-    const Real half = c.radiance * cosine * std::fmin(omega * (1 + 4 * share), sphere) / 2;
+    const Real half = c.radiance * cosine * std::min<Real>(omega * (1 + 4 * share), sphere) / 2;
     return Part{c, half, half};
   }
   // The second term is the bound if the first one is small by chance.
-  const Real value = by(kFour, {}), coarse = by(kThree, {}), coarsest = by(kTwo, {});
+  const Nodes three = nodes_of(c, kThree);
+  const Real value = by(nodes_of(c, kFour), {}), coarse = by(three, {});
+  const Real coarsest = by(nodes_of(c, kTwo), {});
   Real bound = 2 * std::fabs(value - coarse) + std::fabs(coarse - coarsest) / 64;
-  for (const Vec& move : moves_) bound += 2 * std::fabs(by(kThree, move) - coarse);
+  for (const Vec& move : moves_) bound += 2 * std::fabs(by(three, move) - coarse);
   return Part{c, value, bound};
 }
 

@@ -46,7 +46,7 @@ class Quadrature {
   Way past(const Occluder& occluder, const Cell::Hull& hull) const;
   bool surely_apart(const Occluder& occluder, const Cell::Hull& hull) const;
   /// Per s and t, from an eye that may be a little off.
-  Real integrand(const Cell& cell, Real s, Real t, const Vec& off) const;
+  Real integrand(const Cell& cell, const Cell::Element& element, const Vec& off) const;
 
   const Truth& truth_;
   const Integral& integral_;
