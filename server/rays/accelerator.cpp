@@ -6,7 +6,6 @@
 
 #include "proto/common/status_macros.h"
 #include "server/rays/accelerator_state.h"
-#include "server/runtime/bits.h"
 
 namespace lucerna {
 namespace {
@@ -96,27 +95,25 @@ std::vector<RawHit> Accelerator::all_hits(const Ray& ray, Meets meets) const {
 }
 
 bool Accelerator::occluded(const Ray& ray, Meets meets) const {
+  return obstacle(ray, {}, meets) != Obstacle::kNone;
+}
+
+Obstacle Accelerator::obstacle(const Ray& ray, const LooseEnds& ends, Meets meets) const {
   const State& state = *state_;
-  if (state.rays == nullptr) return false;
+  if (state.rays == nullptr) return Obstacle::kNone;
   const std::optional<UnitRay> start = unit_ray(ray, state.space);
-  if (!start) return false;
+  if (!start) return Obstacle::kNone;
   alignas(16) RTCRay query = embree_ray(*start);
   QueryContext context(ray.time_s, start->t_max, meets, state.placed);
+  if (ends.any()) context.ends = &ends;
   if (state.moved_scene != nullptr) [[unlikely]] {
     rtcOccluded1(state.moved_scene.get(), &context.embree, &query);
-    if (query.tfar < 0) return true;
+    if (query.tfar < 0) return Obstacle::kOther;
     context.hidden = &state.moved;
   }
   rtcOccluded1(state.rays, &context.embree, &query);
-  return query.tfar < 0;  // Embree sets it to minus infinity
-}
-
-void Accelerator::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits,
-                           Meets meets) const {
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (i % 8 == 0) bits[i / 8] = 0;
-    if (occluded(rays[i], meets)) set_bit(bits.data(), i);
-  }
+  if (query.tfar < 0) return Obstacle::kOther;  // Embree sets it to minus infinity
+  return context.may_be_own ? Obstacle::kPerhapsOwn : Obstacle::kNone;
 }
 
 const GeometrySet& Accelerator::scene() const { return state_->scene; }

@@ -10,7 +10,6 @@
 #include <memory>
 #include <numeric>
 #include <optional>
-#include <span>
 #include <stop_token>
 #include <string>
 #include <tuple>
@@ -144,6 +143,13 @@ struct RawHit {
   Vec3<double> position, normal;
 };
 
+/// What a ray meets whose ends may lie on surfaces.
+enum class Obstacle : std::uint8_t {
+  kNone,
+  kOther,       ///< a surface that neither end lies on
+  kPerhapsOwn,  ///< only surfaces that the ends may lie on: closest_hit() must decide
+};
+
 /// Primitives with consecutive numbers.
 struct PrimitiveRange {
   HitKind kind;
@@ -188,9 +194,9 @@ class Accelerator {
   std::vector<RawHit> all_hits(const Ray& ray, Meets meets) const;
   /// Whether anything is at t in (t_min, t_max).
   bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const;
-  /// Sets bit i % 8 of bits[i / 8] if ray i is occluded; bits.size() >= (rays.size() + 7) / 8.
-  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits,
-                Meets meets = Meets::kSurfaces) const;
+  /// What is at t in (t_min, t_max).  A surface may be that of an end if its plane passes near the
+  /// end, however far from it the ray meets the surface.
+  Obstacle obstacle(const Ray& ray, const LooseEnds& ends, Meets meets) const;
 
   const GeometrySet& scene() const;
   const GeometrySet& object(std::uint32_t i) const;

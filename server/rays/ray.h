@@ -23,6 +23,17 @@ struct Ray {
   double time_s = 0;  ///< has no effect if nothing moves
 };
 
+/// The end of a ray at a point that may lie on a surface with an unknown normal.
+struct LooseEnd {
+  Vec3<double> position;
+  float error = -1;  ///< below 0: not such an end
+};
+
+struct LooseEnds {
+  LooseEnd start, end;
+  bool any() const { return start.error >= 0 || end.error >= 0; }
+};
+
 /// A point on a surface with all data for shading.
 struct SurfaceHit {
   float t{};

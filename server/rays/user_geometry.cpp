@@ -1,6 +1,7 @@
 #include "server/rays/user_geometry.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -106,6 +107,27 @@ bool keeps(const RTCIntersectContext* context, HitKind kind, std::uint32_t primi
   return true;
 }
 
+/// Whether an end of the ray may lie on the surface with this plane [m], which then does not stop
+/// the ray.  `size`: bounds its coordinates, its extent and those of the ray [m].
+bool may_be_own(RTCIntersectContext* context, const Vec3<double>& normal,
+                const Vec3<double>& position, double size) {
+  auto& query = *reinterpret_cast<QueryContext*>(context);
+  if (query.ends == nullptr) [[likely]]
+    return false;
+  // Far more than the rounding of a hit, so that no surface of an end stops a ray here.
+  constexpr double kRounding = 0x1p-14;
+  const auto is_near = [&](const LooseEnd& end) {
+    const double away = dot(normal, end.position - position);
+    const double most = 4 * (double{end.error} + kRounding * size + kLeastError);
+    return end.error >= 0 && !(away * away > most * most * dot(normal, normal));
+  };
+  // The planes of instances are in another space.
+  const bool own = context->instID[0] != RTC_INVALID_GEOMETRY_ID || is_near(query.ends->start) ||
+                   is_near(query.ends->end);
+  query.may_be_own |= own;
+  return own;
+}
+
 /// As `intersect`, past hits that the ray passes or the query keeps.
 std::optional<AnalyticHit> first_hit(const PrimitivesOfSet& shapes, unsigned primitive,
                                      const RTCRay& ray, const RTCIntersectContext* context) {
@@ -169,7 +191,16 @@ void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& shapes = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (first_hit(shapes, shapes.first + args->primID, ray, args->context)) ray.tfar = -INFINITY;
+  const auto found = first_hit(shapes, shapes.first + args->primID, ray, args->context);
+  if (!found) return;
+  const auto& [position, normal, primitive] = found->hit.point;
+  // A curve is found with an error of its own.
+  const double size =
+      shapes.kind == HitKind::kCurve
+          ? INFINITY
+          : max_abs(position) + 0x1p-20 * max_abs(origin_of(ray)) * shapes.set->unit_m;
+  if (may_be_own(args->context, normal, position, size)) return;
+  ray.tfar = -INFINITY;
 }
 
 /// The same for a triangle with these barycentric coordinates.
@@ -188,6 +219,13 @@ bool passes(const GeometrySet& set, std::uint32_t triangle, const Vec2<double>& 
   const Vec3<double> d = direction_of(ray);
   return set.sheer->lets_pass(HitKind::kTriangle, triangle, meets,
                               {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
+}
+
+/// The same for a triangle [m].
+bool plane_may_be_own(RTCIntersectContext* context, const std::array<Vec3<double>, 3>& corners) {
+  const Vec3<double> ab = corners[1] - corners[0], ac = corners[2] - corners[0];
+  return may_be_own(context, cross(ab, ac), corners[0],
+                    max_abs(corners[0]) + max_abs(ab) + max_abs(ac));
 }
 
 std::optional<WideHit> intersect_wide(const GeometrySet& set, const WideTriangle& triangle,
@@ -228,7 +266,9 @@ void occluded_wide(const RTCOccludedFunctionNArguments* args) {
   const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
   const WideTriangle& triangle = of.set->wide[of.first + args->primID];
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (intersect_wide(*of.set, triangle, ray, args->context)) ray.tfar = -INFINITY;
+  if (!intersect_wide(*of.set, triangle, ray, args->context)) return;
+  if (plane_may_be_own(args->context, triangle.corners)) return;
+  ray.tfar = -INFINITY;
 }
 
 /// For a ray along a triangle, Embree divides two numbers that are rounding errors.  It may then
@@ -260,6 +300,13 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
   }
   if (keeps(args->context, HitKind::kTriangle, number, {hit.u, hit.v})) [[unlikely]]
     args->valid[0] = 0;
+  if (query_of(args->context).ends != nullptr) {
+    std::array<Vec3<double>, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+      corners.at(k) =
+          Vec3<double>(set.vertices[set.triangles[3 * std::size_t{number} + k]]) * set.unit_m;
+    if (plane_may_be_own(args->context, corners)) args->valid[0] = 0;
+  }
 }
 
 /// A ray of the scene in the object's space, in Embree's form.

@@ -35,6 +35,10 @@ struct QueryContext {
   const std::vector<PrimitiveRange>* hidden = nullptr;
   /// Set if the query wants all hits: it takes each of them, and the ray goes on.
   std::vector<RawHit>* kept = nullptr;
+  /// Set if the ends of the ray may lie on surfaces: it then passes those that these may be, and
+  /// sets `may_be_own`.
+  const LooseEnds* ends = nullptr;
+  bool may_be_own = false;
   Vec3<double> position, normal;
 };
 

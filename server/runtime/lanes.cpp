@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -19,6 +20,8 @@
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "server/runtime/parallel.h"
 
 namespace lucerna {
 namespace {
@@ -88,6 +91,7 @@ class Queue {
         if (options_.niceness > 0)
           (void)setpriority(PRIO_PROCESS, self,
                             getpriority(PRIO_PROCESS, self) + options_.niceness);
+        const SharedProcessors shared(busy_, options_.threads);
         arena_.execute([this] { work(); });
       });
     }
@@ -255,6 +259,7 @@ class Queue {
       if (line != kLoads) client.next_line = line == kWhole ? kSteps : kWhole;
       --load_.waiting;
       ++load_.running;
+      ++busy_;
       ++running_[place];
       ++client.running[place];
       lock.unlock();
@@ -262,6 +267,7 @@ class Queue {
       next = {};  // release the job's resources while it still counts as running
       lock.lock();
       --load_.running;
+      --busy_;
       --running_[place];
       --client.running[place];  // a client with running jobs is never erased
       if (is_idle(client)) clients_.erase(choice->client);
@@ -276,6 +282,7 @@ class Queue {
   std::uint64_t turn_ = 0;  // of the client that was served last
   std::array<int, kPlaces> running_{};
   LaneLoad load_;
+  std::atomic<int> busy_ = 0;  // load_.running, for loops
   bool ended_ = false;
   tbb::task_arena arena_;
   std::vector<std::jthread> threads_;

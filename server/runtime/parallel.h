@@ -51,7 +51,25 @@ class CpuMeter {
   std::atomic<std::int64_t> helpers_ns_{0};
 };
 
+/// While it lives, the loops of this thread share processors with the jobs that `running` counts.
+class SharedProcessors {
+ public:
+  SharedProcessors(const std::atomic<int>& running, int processors);
+  ~SharedProcessors();
+  SharedProcessors(const SharedProcessors&) = delete;
+  SharedProcessors& operator=(const SharedProcessors&) = delete;
+
+  /// Whether other jobs keep all processors busy.  Help would then only cost switches of threads.
+  static bool are_busy();
+
+ private:
+  const std::atomic<int>& running_;
+  int processors_;
+  const SharedProcessors* previous_;
+};
+
 /// Calls `f(begin, end)` on chunks of [0, n), in any order and on any thread of the caller's arena.
+/// Uses only the caller's thread while SharedProcessors are busy.
 /// Chunks are at most `grain` long and start at multiples of `grain`.  Skips chunks that have not
 /// started when `stop` is requested.  A chunk should take 0.1 to 5 ms, so that threads can move to
 /// more urgent work between chunks.  Waiting threads do not run other tasks.
@@ -63,15 +81,19 @@ void parallel_chunks(std::size_t n, std::size_t grain, const std::stop_token& st
   }
   CpuMeter* const meter = CpuMeter::current();
   const std::size_t chunks = (n + grain - 1) / grain;
+  const auto run = [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c != last && !stop.stop_requested(); ++c)
+      f(c * grain, c + 1 == chunks ? n : (c + 1) * grain);
+  };
+  std::size_t done = 0;
+  for (; done < chunks && SharedProcessors::are_busy(); ++done) run(done, done + 1);
+  if (done == chunks) return;
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, chunks, 1),
+        tbb::blocked_range<std::size_t>(done, chunks, 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
           const CpuMeter::Helping helping(meter);
-          for (std::size_t c = range.begin(); c != range.end(); ++c) {
-            if (stop.stop_requested()) return;
-            f(c * grain, c + 1 == chunks ? n : (c + 1) * grain);
-          }
+          run(range.begin(), range.end());
         },
         tbb::simple_partitioner());
   });

@@ -222,9 +222,8 @@ class Scene {
   bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const {
     return placed_->accelerator->occluded(ray, meets);
   }
-  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits,
-                Meets meets = Meets::kSurfaces) const {
-    placed_->accelerator->occluded(rays, bits, meets);
+  Obstacle obstacle(const Ray& ray, const LooseEnds& ends, Meets meets) const {
+    return placed_->accelerator->obstacle(ray, ends, meets);
   }
 
   /// Whether it has smooth thin panes, and whether it has media.

@@ -344,12 +344,7 @@ void LiSampler::put_spectral(std::size_t begin, std::vector<Pending>& chunk,
 WorkCounts LiSampler::test(std::size_t begin, std::vector<Pending>& chunk,
                            std::uint8_t* visible) const {
   WorkCounts work;
-  std::vector<Ray> rays;
-  std::vector<LooseEnds> ends;
-  std::vector<std::uint32_t> items;
-  rays.reserve(chunk.size());
-  ends.reserve(chunk.size());
-  items.reserve(chunk.size());
+  const Transmittance& transmittance = visibility_.transmittance();
   for (std::size_t k = 0; k < chunk.size(); ++k) {
     Pending& p = chunk[k];
     if (p.receiver.result != ItemResult::kOk) continue;
@@ -360,17 +355,13 @@ WorkCounts LiSampler::test(std::size_t begin, std::vector<Pending>& chunk,
       if (!*occluded) set_bit(visible, begin + k), p.visible = Rgb<double>(1);
       continue;
     }
-    rays.push_back(ray);
-    LooseEnds& e = ends.emplace_back();
-    if (starts_loose()) e.start = p.start();
-    items.push_back(static_cast<std::uint32_t>(begin + k));
+    ++work.shadow_rays;
+    LooseEnds ends;
+    if (starts_loose()) ends.start = p.start();
+    if (is_blocked(scene_, ray, ends, transmittance.blocking())) continue;
+    set_bit(visible, begin + k);
+    p.visible = transmittance.is_partial() ? transmittance.along(ray, work) : Rgb<double>(1);
   }
-  const Transmittance& transmittance = visibility_.transmittance();
-  work.shadow_rays += rays.size();
-  mark_visible(scene_, transmittance.blocking(), rays, ends, items, visible, [&](std::size_t k) {
-    chunk[items[k] - begin].visible =
-        transmittance.is_partial() ? transmittance.along(rays[k], work) : Rgb<double>(1);
-  });
   return work;
 }
 

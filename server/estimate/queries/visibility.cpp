@@ -5,6 +5,7 @@
 #include <mutex>
 #include <vector>
 
+#include "server/estimate/queries/coherent_order.h"
 #include "server/rays/error_bounds.h"
 #include "server/runtime/bits.h"
 #include "server/runtime/denormals.h"
@@ -13,7 +14,7 @@
 namespace lucerna {
 namespace {
 
-constexpr std::size_t kGrain = 1024;  // a multiple of 8, because chunks write bits
+constexpr std::size_t kGrain = 1024;
 
 /// The start of a ray: off the surface along `normal`, or at the point, with a later t_min.
 Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
@@ -63,6 +64,24 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
   if (!has_normal(normal)) ray.t_min = kStartWithoutNormal * from.error;
   if (!(ray.t_min < ray.t_max)) return std::nullopt;
   return ray;
+}
+
+/// The middles of the rays, about the origin of their starts.  Rays count up to the scene's radius.
+/// Only the order of rays depends on them.
+std::vector<Vec3<float>> middles_of(const Scene& scene, const VisibilityQuery& q) {
+  const auto reach = static_cast<float>(scene.sphere().radius_m);
+  const Vec3<float> shift = q.to ? Vec3<float>(q.to->origin_m - q.from.origin_m) : Vec3<float>{};
+  std::vector<Vec3<float>> middles(q.from.size());
+  for (std::size_t i = 0; i < middles.size(); ++i) {
+    const Vec3<float> from = triple(q.from.offsets_m, i);
+    if (q.to) {
+      middles[i] = (from + (triple(q.to->offsets_m, i) + shift)) * 0.5F;
+    } else {
+      const float length = q.lengths_m.empty() ? reach : std::min(q.lengths_m[i], reach);
+      middles[i] = from + normalized(triple(q.directions, i)) * (0.5F * length);
+    }
+  }
+  return middles;
 }
 
 /// A bound on the coordinates of all surfaces, which bounds their rounding.
@@ -211,18 +230,10 @@ Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSamp
   return ray;
 }
 
-void mark_visible(const Scene& scene, Meets blocking, std::span<const Ray> rays,
-                  std::span<const LooseEnds> ends, std::span<const std::uint32_t> items,
-                  std::uint8_t* visible, absl::FunctionRef<void(std::size_t)> found) {
-  std::vector<std::uint8_t> occluded((rays.size() + 7) / 8);
-  scene.occluded(rays, occluded, blocking);
-  for (std::size_t k = 0; k < rays.size(); ++k) {
-    const bool free = !bit(occluded.data(), k);
-    const bool loose = ends[k].start.error >= 0 || ends[k].end.error >= 0;
-    if (!free && !(loose && !first_other_surface(scene, rays[k], ends[k], blocking))) continue;
-    set_bit(visible, items[k]);
-    found(k);
-  }
+bool is_blocked(const Scene& scene, const Ray& ray, const LooseEnds& ends, Meets blocking) {
+  const Obstacle obstacle = scene.obstacle(ray, ends, blocking);
+  return obstacle == Obstacle::kOther ||
+         (obstacle == Obstacle::kPerhapsOwn && first_other_surface(scene, ray, ends, blocking));
 }
 
 WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
@@ -231,44 +242,39 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
   std::optional<ToScene> to;
   if (query.to) to.emplace(scene, *query.to, query.position_error_m);
   const Transmittance transmittance(scene, query.thin_glass);
+  const std::size_t n = query.from.size();
+  const std::vector<std::uint32_t> order = coherent_order(middles_of(scene, query));
+  // Bytes, because threads write them in any order.
+  std::vector<std::uint8_t> visible(n);
   std::mutex mutex;
   WorkCounts work;
-  parallel_chunks(query.from.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+  parallel_chunks(n, kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
-    std::vector<Ray> rays;
-    std::vector<LooseEnds> ends;
-    std::vector<std::uint32_t> items;
-    rays.reserve(end - begin);
-    ends.reserve(end - begin);
-    items.reserve(end - begin);
+    WorkCounts spent;
     const auto put = [&](std::size_t i, const Rgb<double>& share) {
       store(answer.transmittance, i, Vec3<float>(Vec3<double>(share.r, share.g, share.b)));
     };
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t i = order.empty() ? k : order[k];
       ItemResult result = ItemResult::kOk;
-      LooseEnds loose;
-      const std::optional<Ray> ray = ray_of(scene, query, from, to, i, result, loose);
+      LooseEnds ends;
+      const std::optional<Ray> ray = ray_of(scene, query, from, to, i, result, ends);
       answer.status[i] = static_cast<int>(result);
+      if (result != ItemResult::kOk) continue;
       if (ray) {
-        rays.push_back(*ray);
-        ends.push_back(loose);
-        items.push_back(static_cast<std::uint32_t>(i));
-      } else if (result == ItemResult::kOk) {
-        set_bit(answer.visible, i);
-        if (transmittance.is_partial()) put(i, Rgb<double>(1));
+        ++spent.shadow_rays;
+        if (is_blocked(scene, *ray, ends, transmittance.blocking())) continue;
       }
+      visible[i] = 1;
+      if (transmittance.is_partial())
+        put(i, ray ? transmittance.along(*ray, to ? 1 : ray->t_max, spent) : Rgb<double>(1));
     }
-    WorkCounts spent;
-    spent.shadow_rays = rays.size();
-    mark_visible(scene, transmittance.blocking(), rays, ends, items, answer.visible,
-                 [&](std::size_t k) {
-                   if (transmittance.is_partial())
-                     put(items[k], transmittance.along(rays[k], to ? 1 : rays[k].t_max, spent));
-                 });
     const std::lock_guard lock(mutex);
     work += spent;
   });
-  work.samples = query.from.size();
+  for (std::size_t i = 0; i < n; ++i)
+    if (visible[i] != 0) set_bit(answer.visible, i);
+  work.samples = n;
   return work;
 }
 

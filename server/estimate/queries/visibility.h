@@ -1,8 +1,6 @@
 // Visibility: batches of segments and rays between points that may lie on surfaces.
 #pragma once
 
-#include <absl/functional/function_ref.h>
-
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -59,24 +57,11 @@ struct VisibilityAnswer {
 WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
                            const VisibilityAnswer& answer, std::stop_token stop);
 
-/// The end of a ray at a point that may lie on a surface with an unknown normal.
-struct LooseEnd {
-  Vec3<double> position;
-  float error = -1;  ///< below 0: not such an end
-};
-
-struct LooseEnds {
-  LooseEnd start, end;
-};
-
 /// The first surface that `ray` meets, except those that its ends lie on.
 std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends,
                                               Meets meets = Meets::kSurfaces);
 
-/// Sets the bits (numbered by `items`) of rays that meet only surfaces that their ends lie on.
-/// Calls `found(i)` for ray i of these.  `ends`: one for each ray.
-void mark_visible(const Scene& scene, Meets blocking, std::span<const Ray> rays,
-                  std::span<const LooseEnds> ends, std::span<const std::uint32_t> items,
-                  std::uint8_t* visible, absl::FunctionRef<void(std::size_t)> found);
+/// Whether `ray` meets a surface that its ends do not lie on.  In most cases one traversal decides.
+bool is_blocked(const Scene& scene, const Ray& ray, const LooseEnds& ends, Meets blocking);
 
 }  // namespace lucerna

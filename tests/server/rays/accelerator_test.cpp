@@ -94,13 +94,42 @@ TEST(Accelerator, TakesRaysOfAnyLengthInTheirOwnUnits) {
   EXPECT_NEAR(hit->normal.z, -1, 1e-15);
 }
 
-TEST(Accelerator, PutsOcclusionOfRayIIntoBitI) {
+LooseEnds ends_at(const LooseEnd& end) { return {.start = {}, .end = end}; }
+
+TEST(Accelerator, TellsOtherObstaclesFromThoseThatAnEndMayLieOn) {
   const auto a = build_accelerator(triangle(1));
-  std::vector<Ray> rays;
-  for (int i = 0; i < 19; ++i) rays.push_back({{i % 3 == 0 ? 0.2f : 2.0f, 0.2f, 0}, {0, 0, 1}});
-  std::vector<std::uint8_t> bits(3, 0xff);
-  a->occluded(rays, bits);
-  for (int i = 0; i < 19; ++i) EXPECT_EQ(bits[i / 8] >> (i % 8) & 1, i % 3 == 0 ? 1 : 0) << i;
+  const auto met = [&](const LooseEnds& ends) {
+    return a->obstacle({{0.2F, 0.2F, 0}, {0, 0, 1}}, ends, Meets::kSurfaces);
+  };
+  EXPECT_EQ(met({}), Obstacle::kOther);
+  EXPECT_EQ(met(ends_at({{0.2, 0.2, 0}, 1e-6F})), Obstacle::kOther);
+  EXPECT_EQ(met(ends_at({{0.2, 0.2, 1}, 0})), Obstacle::kPerhapsOwn);
+  EXPECT_EQ(met(ends_at({{0.2, 0.2, 1.5}, 1})), Obstacle::kPerhapsOwn);
+  // Elsewhere in the plane too.
+  EXPECT_EQ(met(ends_at({{90, 80, 1}, 1e-6F})), Obstacle::kPerhapsOwn);
+  EXPECT_EQ(met({.start = {{0.2, 0.2, 1}, 1e-6F}, .end = {}}), Obstacle::kPerhapsOwn);
+  EXPECT_EQ(a->obstacle({{2, 2, 0}, {0, 0, 1}}, ends_at({{2, 2, 1}, 1}), Meets::kSurfaces),
+            Obstacle::kNone);
+}
+
+TEST(Accelerator, ASurfaceBehindThatOfTheStartIsAnotherObstacle) {
+  GeometrySet set = triangle(1);
+  set.of<Sphere<double>>() = {sphere(1, {0.2, 0.2, 5})};
+  const auto a = build_accelerator(std::move(set));
+  const auto met = [&](const LooseEnds& ends, float t_max) {
+    return a->obstacle({{0.2F, 0.2F, 0}, {0, 0, 1}, 0, t_max}, ends, Meets::kSurfaces);
+  };
+  const LooseEnd on_triangle{{0.2, 0.2, 1}, 1e-6F}, on_sphere{{0.2, 0.2, 4}, 1e-6F};
+  EXPECT_EQ(met({.start = on_triangle, .end = {}}, 9), Obstacle::kOther);
+  EXPECT_EQ(met({.start = on_triangle, .end = on_sphere}, 4.5F), Obstacle::kPerhapsOwn);
+  EXPECT_EQ(met({.start = {}, .end = on_sphere}, 4.5F), Obstacle::kOther);
+}
+
+TEST(Accelerator, TheSurfaceOfAnInstanceMayAlwaysBeThatOfAnEnd) {
+  const auto a = build_accelerator({}, {triangle(0)}, {{0, Transform::translate({0, 0, 1})}});
+  const Ray ray{{0.2F, 0.2F, 0}, {0, 0, 1}};
+  EXPECT_EQ(a->obstacle(ray, ends_at({{0.2, 0.2, 3}, 0}), Meets::kSurfaces), Obstacle::kPerhapsOwn);
+  EXPECT_EQ(a->obstacle(ray, {}, Meets::kSurfaces), Obstacle::kOther);
 }
 
 TEST(Accelerator, ReportsTheInstanceThatWasHit) {

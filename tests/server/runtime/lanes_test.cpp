@@ -305,6 +305,28 @@ TEST(ParallelChunks, LeaveOutChunksAfterAStop) {
   EXPECT_LT(chunks, 1000);  // at most one per thread
 }
 
+TEST(ParallelChunks, StayOnOneThreadWhileOtherJobsKeepTheProcessorsBusy) {
+  std::atomic<int> running = 2;
+  const SharedProcessors shared(running, 2);
+  EXPECT_TRUE(SharedProcessors::are_busy());
+  const auto self = std::this_thread::get_id();
+  std::size_t visited = 0;
+  parallel_chunks(64, 1, {}, [&](std::size_t begin, std::size_t end) {
+    EXPECT_EQ(std::this_thread::get_id(), self);
+    visited += end - begin;
+  });
+  EXPECT_EQ(visited, 64U);
+  // The other job ends within the loop, and the rest of the chunks may have help.
+  std::atomic<std::size_t> all = 0;
+  parallel_chunks(64, 1, {}, [&](std::size_t begin, std::size_t) {
+    if (begin < 8) EXPECT_EQ(std::this_thread::get_id(), self);
+    if (begin == 7) running = 1;
+    ++all;
+  });
+  EXPECT_EQ(all, 64U);
+  EXPECT_FALSE(SharedProcessors::are_busy());
+}
+
 TEST(CpuMeter, CountsTheTimeOfAllThreadsThatHelp) {
   Lanes lanes({.threads = 2});
   std::promise<double> seconds;

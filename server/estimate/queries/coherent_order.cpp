@@ -1,0 +1,91 @@
+#include "server/estimate/queries/coherent_order.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/sort/spreadsort/integer_sort.hpp>
+#include <cmath>
+#include <cstddef>
+
+namespace lucerna {
+namespace {
+
+/// Fewer rays are not worth sorting.
+constexpr std::size_t kLeastRays = 512;
+/// Random points are a third of the box apart along each axis.  Rays whose neighbours are nearer
+/// than this sum are in order.
+constexpr double kNear = 0.25;
+constexpr std::uint32_t kBits = 8;  ///< of each coordinate in a key
+constexpr float kCells = 1U << kBits;
+
+/// Bit b of a cell's number goes to bit 3 b.
+constexpr std::array<std::uint32_t, 1U << kBits> kSpread = [] {
+  std::array<std::uint32_t, 1U << kBits> spread{};
+  for (std::uint32_t cell = 0; cell < spread.size(); ++cell)
+    for (std::uint32_t b = 0; b < kBits; ++b) spread[cell] |= (cell >> b & 1U) << (3 * b);
+  return spread;
+}();
+
+/// The points' box, divided into cells.
+class Cells {
+ public:
+  explicit Cells(std::span<const Vec3<float>> points) {
+    Vec3<float> upper = lower_ * -1.0F;
+    for (const Vec3<float>& p : points) {
+      if (!is_finite(p)) continue;
+      lower_ = {std::min(lower_.x, p.x), std::min(lower_.y, p.y), std::min(lower_.z, p.z)};
+      upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+    }
+    const auto scale = [](float extent) {
+      const float per_m = kCells / extent;
+      return extent > 0 && std::isfinite(per_m) ? per_m : 0;
+    };
+    per_m_ = {scale(upper.x - lower_.x), scale(upper.y - lower_.y), scale(upper.z - lower_.z)};
+  }
+
+  /// In [0, kCells] along each axis; any number for points that are not finite.
+  Vec3<float> place(const Vec3<float>& p) const {
+    const Vec3<float> d = p - lower_;
+    return {d.x * per_m_.x, d.y * per_m_.y, d.z * per_m_.z};
+  }
+  std::uint32_t key(const Vec3<float>& p) const {
+    const Vec3<float> at = place(p);
+    return spread(at.x) | spread(at.y) << 1U | spread(at.z) << 2U;
+  }
+
+ private:
+  static std::uint32_t spread(float at) {
+    return at >= 0 ? kSpread[static_cast<std::size_t>(std::min(at, kCells - 1))] : 0;  // 0 for NaN
+  }
+
+  Vec3<float> lower_{INFINITY, INFINITY, INFINITY}, per_m_;
+};
+
+/// The mean distance of neighbours: the sum over the axes, in units of the box.
+double mean_step(std::span<const Vec3<float>> points, const Cells& cells) {
+  constexpr std::size_t kStride = 16;
+  double sum = 0, pairs = 0;
+  for (std::size_t i = 1; i < points.size(); i += kStride, ++pairs) {
+    const Vec3<float> d = cells.place(points[i]) - cells.place(points[i - 1]);
+    const float step = (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / kCells;
+    sum += std::isfinite(step) ? step : 0;
+  }
+  return sum / pairs;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> coherent_order(std::span<const Vec3<float>> middles) {
+  const std::size_t n = middles.size();
+  if (n < kLeastRays) return {};
+  const Cells cells(middles);
+  if (mean_step(middles, cells) < kNear) return {};
+  std::vector<std::uint64_t> keys(n);
+  for (std::size_t i = 0; i < n; ++i) keys[i] = std::uint64_t{cells.key(middles[i])} << 32U | i;
+  boost::sort::spreadsort::integer_sort(keys.begin(), keys.end());
+  std::vector<std::uint32_t> order(n);
+  std::ranges::transform(keys, order.begin(),
+                         [](std::uint64_t k) { return static_cast<std::uint32_t>(k); });
+  return order;
+}
+
+}  // namespace lucerna
