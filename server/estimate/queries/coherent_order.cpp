@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/sort/spreadsort/integer_sort.hpp>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 
@@ -14,49 +14,58 @@ constexpr std::size_t kLeastRays = 512;
 /// Random points are a third of the box apart along each axis.  Rays whose neighbours are nearer
 /// than this sum are in order.
 constexpr double kNear = 0.25;
-constexpr std::uint32_t kBits = 8;  ///< of each coordinate in a key
-constexpr float kCells = 1U << kBits;
+constexpr int kMostBits = 6;  ///< of each coordinate in a key
+constexpr std::size_t kRaysPerCell = 4;
 
 /// Bit b of a cell's number goes to bit 3 b.
-constexpr std::array<std::uint32_t, 1U << kBits> kSpread = [] {
-  std::array<std::uint32_t, 1U << kBits> spread{};
+constexpr std::array<std::uint32_t, 1U << kMostBits> kSpread = [] {
+  std::array<std::uint32_t, 1U << kMostBits> spread{};
   for (std::uint32_t cell = 0; cell < spread.size(); ++cell)
-    for (std::uint32_t b = 0; b < kBits; ++b) spread[cell] |= (cell >> b & 1U) << (3 * b);
+    for (int b = 0; b < kMostBits; ++b) spread[cell] |= (cell >> b & 1U) << (3 * b);
   return spread;
 }();
 
 /// The points' box, divided into cells.
 class Cells {
  public:
-  explicit Cells(std::span<const Vec3<float>> points) {
+  /// About one cell for kRaysPerCell points.
+  explicit Cells(std::span<const Vec3<float>> points)
+      : bits_(std::clamp(static_cast<int>(std::bit_width(points.size() / kRaysPerCell)) / 3, 1,
+                         kMostBits)),
+        across_(static_cast<float>(1U << bits_)) {
     Vec3<float> upper = lower_ * -1.0F;
     for (const Vec3<float>& p : points) {
       if (!is_finite(p)) continue;
       lower_ = {std::min(lower_.x, p.x), std::min(lower_.y, p.y), std::min(lower_.z, p.z)};
       upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
     }
-    const auto scale = [](float extent) {
-      const float per_m = kCells / extent;
+    const auto scale = [this](float extent) {
+      const float per_m = across_ / extent;
       return extent > 0 && std::isfinite(per_m) ? per_m : 0;
     };
     per_m_ = {scale(upper.x - lower_.x), scale(upper.y - lower_.y), scale(upper.z - lower_.z)};
   }
 
-  /// In [0, kCells] along each axis; any number for points that are not finite.
+  float across() const { return across_; }
+  std::size_t count() const { return std::size_t{1} << (3 * bits_); }
+  /// In [0, across()] along each axis; any number for points that are not finite.
   Vec3<float> place(const Vec3<float>& p) const {
     const Vec3<float> d = p - lower_;
     return {d.x * per_m_.x, d.y * per_m_.y, d.z * per_m_.z};
   }
-  std::uint32_t key(const Vec3<float>& p) const {
+  /// The number of the point's cell: interleaved bits of its coordinates.
+  std::uint32_t cell(const Vec3<float>& p) const {
     const Vec3<float> at = place(p);
     return spread(at.x) | spread(at.y) << 1U | spread(at.z) << 2U;
   }
 
  private:
-  static std::uint32_t spread(float at) {
-    return at >= 0 ? kSpread[static_cast<std::size_t>(std::min(at, kCells - 1))] : 0;  // 0 for NaN
+  std::uint32_t spread(float at) const {
+    return at >= 0 ? kSpread[static_cast<std::size_t>(std::min(at, across_ - 1))] : 0;  // 0 for NaN
   }
 
+  int bits_;
+  float across_;
   Vec3<float> lower_{INFINITY, INFINITY, INFINITY}, per_m_;
 };
 
@@ -66,7 +75,7 @@ double mean_step(std::span<const Vec3<float>> points, const Cells& cells) {
   double sum = 0, pairs = 0;
   for (std::size_t i = 1; i < points.size(); i += kStride, ++pairs) {
     const Vec3<float> d = cells.place(points[i]) - cells.place(points[i - 1]);
-    const float step = (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / kCells;
+    const float step = (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / cells.across();
     sum += std::isfinite(step) ? step : 0;
   }
   return sum / pairs;
@@ -79,12 +88,11 @@ std::vector<std::uint32_t> coherent_order(std::span<const Vec3<float>> middles) 
   if (n < kLeastRays) return {};
   const Cells cells(middles);
   if (mean_step(middles, cells) < kNear) return {};
-  std::vector<std::uint64_t> keys(n);
-  for (std::size_t i = 0; i < n; ++i) keys[i] = std::uint64_t{cells.key(middles[i])} << 32U | i;
-  boost::sort::spreadsort::integer_sort(keys.begin(), keys.end());
-  std::vector<std::uint32_t> order(n);
-  std::ranges::transform(keys, order.begin(),
-                         [](std::uint64_t k) { return static_cast<std::uint32_t>(k); });
+  // Counts the rays of each cell, and then puts each where those of earlier cells end.
+  std::vector<std::uint32_t> cell_of(n), next(cells.count() + 1), order(n);
+  for (std::size_t i = 0; i < n; ++i) ++next[1 + (cell_of[i] = cells.cell(middles[i]))];
+  for (std::size_t c = 1; c < next.size(); ++c) next[c] += next[c - 1];
+  for (std::size_t i = 0; i < n; ++i) order[next[cell_of[i]]++] = static_cast<std::uint32_t>(i);
   return order;
 }
 
