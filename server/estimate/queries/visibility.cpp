@@ -16,14 +16,15 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
+bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
+
 /// The start of a ray: off the surface along `normal`, or at the point, with a later t_min.
 Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
                      const Vec3<float>& direction) {
+  if (!has_normal(normal)) return Vec3<float>(from.position);
   return offset_origin(Vec3<float>(from.position), {from.error, from.error, from.error},
                        Vec3<double>(normal), Vec3<double>(direction));
 }
-
-bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
 
 /// The ray of item `i`.  Nothing if the item is visible without a ray, or if it has no ray; then
 /// `result` has the reason.
