@@ -31,7 +31,7 @@ void reserve(const std::vector<ShapeDescription>& shapes, bool with_moving, Geom
     vertices += mesh->positions.size();
     numbers += mesh->indices.size();
   }
-  set.vertices.reserve(vertices);
+  set.vertices.reserve(vertices + 1);  // append_shape() leaves room for one more
   set.triangles.reserve(numbers);
 }
 

@@ -48,6 +48,22 @@ TEST(LazyPart, IsReportedOnceItIsMade) {
   EXPECT_EQ(report.why, "a table of 24");
 }
 
+TEST(ScenePart, MeshesHaveOneVertexOfUnusedRoom) {
+  TriangleMeshData mesh;
+  for (std::uint32_t i = 0; i < 900; ++i) {
+    mesh.positions.push_back({double(i % 30), double(i / 30), double(i % 7)});
+    mesh.indices.push_back(i);
+  }
+  SceneDescription d = testing::description();
+  d.shapes = {{.geometry = mesh}, {.geometry = mesh}};
+  const std::vector<ScenePart> parts = build(d)->parts();
+  const auto bytes = [&](const char* name) {
+    return std::ranges::find(parts, name, &ScenePart::name)->bytes;
+  };
+  EXPECT_EQ(bytes("vertices"), (2 * 900 + 1) * sizeof(Vec3<float>));
+  EXPECT_EQ(bytes("triangles"), 2 * 900 * sizeof(std::uint32_t));
+}
+
 TEST(LazyPart, IsMadeAgainAfterAFailure) {
   const LazyPart<Table> part("table");
   const auto fail = []() -> std::unique_ptr<const Table> { throw std::bad_alloc(); };
