@@ -58,7 +58,7 @@ const LightTree& LightSelector::tree() const {
 void LightSelector::build_tree_if_used() {
   if (automatic() != LightSelection::kBvh) return;
   tree();
-  items_ = {};
+  items_ = std::vector<LightTree::Item>();  // {} would keep its room
 }
 
 LightSelection LightSelector::automatic() const {

@@ -133,8 +133,8 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   if (!set.empty() || !instances.empty()) keep_materials();
   report_geometry(set, objects, watch);
   keep_movable(set.bytes());
-  in_.shapes = {};
-  in_.objects = {};
+  in_.shapes = std::vector<ShapeDescription>();  // {} would keep its room
+  in_.objects = std::vector<ObjectDefinition>();
   if (budget_ != nullptr) budget_->release(std::exchange(in_.held_bytes, 0));
 
   watch = Stopwatch();

@@ -120,6 +120,15 @@ TEST(LightSelector, BuildsNoTreeWithoutUse) {
   EXPECT_GT(few.tree_part().bytes(), 0u);
 }
 
+TEST(LightSelector, DropsTheBoundsOnceTheTreeHasThem) {
+  constexpr std::size_t kLights = 1 << 10;
+  LightSelector selector = row_of_lamps(kLights);
+  EXPECT_GE(selector.bytes(), kLights * sizeof(LightTree::Item));
+  selector.build_tree_if_used();
+  // A number and two cumulative powers for each light, and room for twice as many numbers.
+  EXPECT_LE(selector.bytes() - selector.tree_part().bytes(), (kLights + 2) * (2 * 4 + 2 * 8));
+}
+
 TEST(LightSelector, ReturnsIndicesOfTheScene) {
   std::vector<LightSelector::Item> items = {lamp(0, 1), sky(1, 1), lamp(1, 3)};
   items[0].light = 4, items[1].light = 7, items[2].light = 9;
