@@ -25,6 +25,7 @@
 #include "server/monitor/log_format.h"
 #include "server/monitor/log_limit.h"
 #include "server/rpc/server.h"
+#include "server/runtime/scheduling.h"
 #include "server/runtime/service_manager.h"
 #include "server/runtime/signals.h"
 
@@ -240,6 +241,9 @@ void return_freed_memory() {
 
 int main(int argc, char** argv) {
   return_freed_memory();
+  // All threads inherit this, those of gRPC too.  The bulk lane's threads return to the default, so
+  // that a small query does not wait for them.
+  lucerna::set_time_slice(lucerna::TimeSlice::kShort);
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

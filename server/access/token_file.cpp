@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "proto/common/sha256.h"
 #include "server/runtime/text_file.h"
@@ -14,6 +15,18 @@ namespace {
 // A shorter token can be guessed.
 constexpr std::size_t kShortestToken = 16;
 constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kLongestShown = 80;
+
+/// The value as an error shows it.  A text may be a secret in the wrong line, so it is not shown.
+std::string shown(const toml::node& node) {
+  if (node.is_string()) return "a text";
+  std::ostringstream out;
+  node.visit([&](const auto& value) { out << value; });
+  std::string text = out.str();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  if (text.size() > kLongestShown) text = text.substr(0, kLongestShown) + "...";
+  return text;
+}
 
 class Reader {
  public:
@@ -129,7 +142,8 @@ class Reader {
     const auto* number = node.as_integer();
     if (number == nullptr || number->get() < 0) {
       return error(key.source(),
-                   fmt::format("{}, allowed: a whole number; 0: no limit", key.str()));
+                   fmt::format("{} = {}, allowed: a whole number, at least 0; 0: no limit",
+                               key.str(), shown(node)));
     }
     value = static_cast<std::uint64_t>(number->get());
   }

@@ -1,10 +1,9 @@
 #include "server/runtime/lanes.h"
 
 #include <fmt/core.h>
-#include <sys/resource.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
+#include <tbb/task_scheduler_observer.h>
 
 #include <algorithm>
 #include <array>
@@ -22,6 +21,7 @@
 #include <vector>
 
 #include "server/runtime/parallel.h"
+#include "server/runtime/scheduling.h"
 
 namespace lucerna {
 namespace {
@@ -65,12 +65,35 @@ bool in_time(const LaneJob& job, double caution) {
   return left.count() >= caution * job.expected_s;
 }
 
+/// Sets how the operating system schedules each thread that enters an arena.  oneTBB's workers move
+/// between the arenas.  If the process may not lower a niceness, they keep the larger one.
+class ArenaScheduling : public tbb::task_scheduler_observer {
+ public:
+  ArenaScheduling(tbb::task_arena& arena, int niceness, TimeSlice slice)
+      : tbb::task_scheduler_observer(arena), niceness_(niceness), slice_(slice) {
+    observe(true);
+  }
+  ~ArenaScheduling() override { observe(false); }
+  ArenaScheduling(const ArenaScheduling&) = delete;
+  ArenaScheduling& operator=(const ArenaScheduling&) = delete;
+
+  void on_scheduler_entry(bool) override {
+    set_thread_niceness(niceness_);
+    set_time_slice(slice_);
+  }
+
+ private:
+  int niceness_;
+  TimeSlice slice_;
+};
+
 struct QueueOptions {
   const char* name;
   std::uint32_t limit;
   int threads;  ///< of one loop
   tbb::task_arena::priority priority;
-  int niceness;
+  int niceness;  ///< in addition to that of the thread that makes the lanes
+  TimeSlice slice;
   bool fair;  ///< clients take turns, and each kind of job has its own places
 };
 
@@ -81,16 +104,10 @@ class Queue {
         threads_count_(options.fair ? static_cast<int>(kPlaces) * (kJobsAtATime + kExtraJobs)
                                     : kJobsAtATime),
         arena_(options.threads - 1 + threads_count_, static_cast<unsigned>(threads_count_),
-               options.priority) {
+               options.priority),
+        scheduling_(arena_, thread_niceness() + options.niceness, options.slice) {
     for (int i = 0; i < threads_count_; ++i) {
       threads_.emplace_back([this] {
-        // On Linux, niceness is a property of the thread.  If this fails, both lanes have the same
-        // priority.
-        const auto self = static_cast<id_t>(gettid());
-        // In addition to the niceness that the server was started with.
-        if (options_.niceness > 0)
-          (void)setpriority(PRIO_PROCESS, self,
-                            getpriority(PRIO_PROCESS, self) + options_.niceness);
         const SharedProcessors shared(busy_, options_.threads);
         arena_.execute([this] { work(); });
       });
@@ -285,6 +302,7 @@ class Queue {
   std::atomic<int> busy_ = 0;  // load_.running, for loops
   bool ended_ = false;
   tbb::task_arena arena_;
+  ArenaScheduling scheduling_;
   std::vector<std::jthread> threads_;
 };
 
@@ -304,12 +322,14 @@ struct Lanes::State {
                      .threads = threads,
                      .priority = tbb::task_arena::priority::high,
                      .niceness = 0,
+                     .slice = TimeSlice::kShort,
                      .fair = false}),
         bulk({.name = "bulk",
               .limit = o.bulk_queue,
               .threads = threads,
               .priority = tbb::task_arena::priority::low,
               .niceness = kBulkNiceness,
+              .slice = TimeSlice::kDefault,
               .fair = true}) {}
   Queue& queue(Lane lane) { return lane == Lane::kInteractive ? interactive : bulk; }
 

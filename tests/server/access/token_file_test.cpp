@@ -74,11 +74,32 @@ max-requests = -1
        {":2:1: name, allowed: 1 to 64 letters", ":3:1: token, allowed: at least 16 characters",
         ":4:1: roles, allowed: a list of query, load, admin", ":5:1: the token has no name",
         ":5:1: the token has no roles", ":6:1: colour, allowed: name, sha256",
-        ":7:1: sha256, allowed: the 64 hexadecimal digits", ":8:1: max-requests, allowed: a whole",
+        ":7:1: sha256, allowed: the 64 hexadecimal digits",
+        ":8:1: max-requests = -1, allowed: a whole number, at least 0; 0: no limit",
         ":9:2: other, allowed: tables [[token]]"}) {
     EXPECT_THAT(error, HasSubstr(part));
   }
   EXPECT_THAT(error, ::testing::Not(HasSubstr("short-secret")));
+}
+
+TEST(TokenFile, ShowsTheValueOfAWrongQuotaUnlessItIsAText) {
+  const std::string error = error_of(R"([[token]]
+name = "farm"
+token = "a secret of 22 letters"
+roles = ["query"]
+max-requests = 1.5
+max-leases = true
+max-scenes = "swapped-secret"
+max-items-per-second = -7
+max-asset-bytes = [1, 2]
+)");
+  for (const char* part : {":5:1: max-requests = 1.5, allowed", ":6:1: max-leases = true, allowed",
+                           ":7:1: max-scenes = a text, allowed",
+                           ":8:1: max-items-per-second = -7, allowed: a whole number, at least 0",
+                           ":9:1: max-asset-bytes = [ 1, 2 ], allowed"}) {
+    EXPECT_THAT(error, HasSubstr(part));
+  }
+  EXPECT_THAT(error, ::testing::Not(HasSubstr("secret")));
 }
 
 TEST(TokenFile, RefusesATokenTwice) {
