@@ -1,8 +1,8 @@
-# make demo | test | fuzz | soak | reliability | extremes | mutants | test-slurm | bench | tradeoff | automatic | fit
-#    | distributed | precision | format
+# make demo | test | fuzz | soak | reliability | extremes | mutants | test-slurm | bench | parts | tradeoff | automatic
+#    | fit | distributed | precision | format
 # Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test fuzz wire oracle soak reliability extremes mutants test-slurm bench tradeoff automatic fit distributed precision format
+.PHONY: deps release programs demo test fuzz wire oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed precision format
 
 deps:
 	@deploy/install-deps.sh
@@ -69,7 +69,13 @@ test-slurm: programs
 	@deploy/install-deps.sh slurm-wlm munge
 	@/usr/bin/python3 tests/slurm/slurm_test.py build/release
 
+# Prints the table of docs/performance.md.  Requires an idle machine.  ROWS: some of them, such as "load version".
 bench: release
+	@cmake --build --preset release --target lucernad lucerna wire_bench textured_load_bench many_lights_bench
+	@tests/bench/performance.py build/release $(ROWS)
+
+# Prints the time of the parts: rays, tiles, lights, one light.
+parts: release
 	@cmake --build --preset release --target bench one_light_bench
 	@build/release/tests/bench/bench
 	@build/release/tests/bench/one_light_bench

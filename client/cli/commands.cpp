@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "client/bench/command.h"
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
 #include "client/terminal/signals.h"
@@ -37,6 +38,7 @@ int run_lucerna(int argc, char** argv) {
   add_render_command(app, session);
   add_top_command(app, session);
   add_doctor_command(app, session);
+  add_bench_command(app, session);
   add_tradeoff_command(app);
   try {
     start_tradeoff(app, argc, argv);

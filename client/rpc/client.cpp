@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "client/rpc/call_context.h"
 #include "client/rpc/channel.h"
 #include "client/rpc/status.h"
 #include "grpc/health/v1/health.pb.h"
@@ -18,28 +19,6 @@
 
 namespace lucerna::client {
 namespace {
-
-/// A gRPC context that applies the options during its lifetime.
-class CallContext {
- public:
-  explicit CallContext(const CallOptions& options) : cancel_(options.stop, Cancel{&context_}) {
-    if (options.deadline != CallOptions::Clock::time_point::max()) {
-      context_.set_deadline(options.deadline);
-    }
-  }
-
-  grpc::ClientContext* get() { return &context_; }
-  void cancel() { context_.TryCancel(); }
-
- private:
-  struct Cancel {
-    grpc::ClientContext* context;
-    void operator()() const { context->TryCancel(); }
-  };
-
-  grpc::ClientContext context_;
-  std::stop_callback<Cancel> cancel_;
-};
 
 /// Makes one blocking call of a generated stub.
 template <class Service, class Request, class Response>

@@ -1,8 +1,9 @@
 // Loads a textured mesh of a million triangles, and does by hand what any loader has to do: read
 // the bytes, decode the picture, let Embree build.
 //
-//     textured_load_bench [PAIRS]
+//     textured_load_bench [PAIRS] [plain]
 //
+// A plain mesh has no picture and no u, v.
 // The two run in turns.  The last line has the median of the ratios of the pairs.
 #include <OpenImageIO/imageio.h>
 #include <embree3/rtcore.h>
@@ -21,6 +22,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/assets/asset_reader.h"
@@ -30,9 +32,8 @@
 namespace lucerna {
 namespace {
 
-constexpr std::uint32_t kSide = 708;      // quads along a side: 1 002 528 triangles
-constexpr int kPicture = 2048;            // texels along a side
-constexpr std::size_t kVertexFloats = 5;  // x, y, z, u, v
+constexpr std::uint32_t kSide = 708;  // quads along a side: 1 002 528 triangles
+constexpr int kPicture = 2048;        // texels along a side
 constexpr std::size_t kFaceBytes = 1 + 3 * sizeof(std::int32_t);
 constexpr const char* kEnd = "end_header\n";
 
@@ -48,20 +49,23 @@ struct Folder {
   std::filesystem::path path;
 };
 
-void write_mesh(const std::filesystem::path& path) {
+/// x, y, z, and u, v of a textured mesh.
+std::size_t vertex_floats(bool plain) { return plain ? 3 : 5; }
+
+void write_mesh(const std::filesystem::path& path, bool plain) {
   static_assert(std::endian::native == std::endian::little);
   std::ofstream file(path, std::ios::binary);
   file << "ply\nformat binary_little_endian 1.0\nelement vertex " << (kSide + 1) * (kSide + 1)
-       << "\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n"
-          "property float v\nelement face "
+       << "\nproperty float x\nproperty float y\nproperty float z\n"
+       << (plain ? "" : "property float u\nproperty float v\n") << "element face "
        << 2 * kSide * kSide << "\nproperty list uchar int vertex_indices\n"
        << kEnd;
   for (std::uint32_t i = 0; i <= kSide; ++i)
     for (std::uint32_t j = 0; j <= kSide; ++j) {
       const float u = static_cast<float>(i) / kSide, v = static_cast<float>(j) / kSide;
-      const float vertex[kVertexFloats] = {10 * u, 10 * v,
-                                           0.3F * std::sin(40 * u) * std::cos(37 * v), u, v};
-      file.write(reinterpret_cast<const char*>(vertex), sizeof vertex);
+      const float vertex[] = {10 * u, 10 * v, 0.3F * std::sin(40 * u) * std::cos(37 * v), u, v};
+      file.write(reinterpret_cast<const char*>(vertex),
+                 static_cast<std::streamsize>(vertex_floats(plain) * sizeof(float)));
     }
   const auto face = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     file.put(3);
@@ -89,16 +93,16 @@ void write_picture(const std::filesystem::path& path) {
     throw std::runtime_error("cannot write the picture");
 }
 
-void write_scene(const std::filesystem::path& folder) {
-  write_mesh(folder / "sheet.ply");
-  write_picture(folder / "floor.png");
+void write_scene(const std::filesystem::path& folder, bool plain) {
+  write_mesh(folder / "sheet.ply", plain);
+  if (!plain) write_picture(folder / "floor.png");
   std::ofstream(folder / "scene.pbrt") << R"(LookAt 5 5 20  5 5 0  0 1 0
 Camera "perspective"
 WorldBegin
 LightSource "point" "point3 from" [5 5 10]
-Texture "floor" "spectrum" "imagemap" "string filename" "floor.png"
+)" << (plain ? "" : R"(Texture "floor" "spectrum" "imagemap" "string filename" "floor.png"
 Material "diffuse" "texture reflectance" "floor"
-Shape "plymesh" "string filename" "sheet.ply"
+)") << R"(Shape "plymesh" "string filename" "sheet.ply"
 )";
 }
 
@@ -111,11 +115,14 @@ std::vector<char> bytes_of(const std::filesystem::path& path) {
 }
 
 /// Knows the layout of the file, so it only copies.
-void by_hand(const std::filesystem::path& folder) {
-  const auto picture = OIIO::ImageInput::open((folder / "floor.png").string());
-  std::vector<std::uint8_t> texels(std::size_t{3} * kPicture * kPicture);
-  if (!picture || !picture->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, texels.data()))
-    throw std::runtime_error("cannot read the picture");
+void by_hand(const std::filesystem::path& folder, bool plain) {
+  std::vector<std::uint8_t> texels;
+  if (!plain) {
+    const auto picture = OIIO::ImageInput::open((folder / "floor.png").string());
+    texels.resize(std::size_t{3} * kPicture * kPicture);
+    if (!picture || !picture->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, texels.data()))
+      throw std::runtime_error("cannot read the picture");
+  }
   const std::vector<char> ply = bytes_of(folder / "sheet.ply");
   const char* at = std::search(ply.data(), ply.data() + ply.size(), kEnd, kEnd + std::strlen(kEnd));
   at += std::strlen(kEnd);
@@ -127,7 +134,7 @@ void by_hand(const std::filesystem::path& folder) {
       mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), kVertices));
   auto* t = static_cast<char*>(rtcSetNewGeometryBuffer(
       mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), kFaces));
-  for (std::size_t i = 0; i < kVertices; ++i, at += kVertexFloats * sizeof(float), v += 12)
+  for (std::size_t i = 0; i < kVertices; ++i, at += vertex_floats(plain) * sizeof(float), v += 12)
     std::memcpy(v, at, 12);
   for (std::size_t i = 0; i < kFaces; ++i, at += kFaceBytes, t += 12) std::memcpy(t, at + 1, 12);
   rtcCommitGeometry(mesh);
@@ -157,18 +164,18 @@ double seconds_of(const F& f) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-int run(int pairs) {
+int run(int pairs, bool plain) {
   const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
   const Folder folder;
-  write_scene(folder.path);
+  write_scene(folder.path, plain);
   by_server(folder.path);  // both then find the files in the page cache
   std::vector<double> ratios;
   fmt::print("{:>12} {:>12} {:>8}\n", "server [s]", "by hand [s]", "ratio");
   for (int i = 0; i < pairs; ++i) {
     double server = 0, hand = 0;
-    if (i % 2 == 0) hand = seconds_of([&] { by_hand(folder.path); });
+    if (i % 2 == 0) hand = seconds_of([&] { by_hand(folder.path, plain); });
     server = seconds_of([&] { by_server(folder.path); });
-    if (i % 2 == 1) hand = seconds_of([&] { by_hand(folder.path); });
+    if (i % 2 == 1) hand = seconds_of([&] { by_hand(folder.path, plain); });
     ratios.push_back(server / hand);
     fmt::print("{:12.3f} {:12.3f} {:8.2f}\n", server, hand, ratios.back());
   }
@@ -182,7 +189,8 @@ int run(int pairs) {
 
 int main(int argc, char** argv) {
   try {
-    return lucerna::run(argc > 1 ? std::stoi(argv[1]) : 9);
+    return lucerna::run(argc > 1 ? std::stoi(argv[1]) : 9,
+                        argc > 2 && std::string_view(argv[2]) == "plain");
   } catch (const std::exception& e) {
     fmt::print(stderr, "textured_load_bench: {}\n", e.what());
     return 1;

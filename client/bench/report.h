@@ -1,0 +1,47 @@
+// The figures of a bench as a table and as JSON.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/bench/figures.h"
+#include "client/bench/rate_search.h"
+
+namespace lucerna::bench {
+
+/// One load.
+struct Row {
+  std::uint64_t batch = 0;
+  /// Closed loop: the calls in flight.
+  std::optional<std::uint32_t> in_flight;
+  /// Open loop: the rate of arrivals [1/s].
+  std::optional<double> rate;
+  Figures figures;
+  /// Whether the load holds the latency limit, if there is one.
+  std::optional<bool> holds;
+};
+
+/// The result of a search for the highest rate.
+struct Found {
+  std::uint64_t batch = 0;
+  /// Nothing if no rate holds the limit [1/s].
+  std::optional<double> rate;
+};
+
+struct Report {
+  std::string server, question, scene_id;
+  std::vector<Row> rows;
+  std::optional<LatencyLimit> limit;
+  std::vector<Found> found;
+};
+
+/// Whether the load had answers only, kept up with its rate, and holds the limit.
+bool holds(const Figures& figures, const LatencyLimit& limit);
+
+std::string table_of(const Report& report);
+/// One line.
+std::string json_of(const Report& report);
+
+}  // namespace lucerna::bench
