@@ -1,0 +1,82 @@
+// Rays a second of paths, and where the rays go.
+//
+//     path_bench SCENE.pbrt [SAMPLES [REPEATS]]
+//
+// Renders the picture by one thread and prints millions of rays for each second of the processor,
+// and the rays of a sample.  Seconds of the processor do not count other programs.
+// tests/bench/embree_cornell.py makes the scene that Embree's `pathtracer --benchmark` renders.
+#include <fmt/core.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <exception>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "server/assets/asset_reader.h"
+#include "server/estimate/paths/render.h"
+#include "server/pbrt/load.h"
+#include "server/scene/scene.h"
+
+namespace lucerna {
+namespace {
+
+double processor_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+template <typename T>
+T value_or_throw(absl::StatusOr<T> result) {
+  if (!result.ok()) throw std::runtime_error(result.status().ToString());
+  return *std::move(result);
+}
+
+int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
+  auto assets = value_or_throw(AssetReader::open(std::filesystem::absolute(file).parent_path()));
+  const auto scene = value_or_throw(
+      Scene::build(value_or_throw(load_pbrt(assets, file.filename().string(), {}))));
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const TileSettings settings{
+      .rect = {0, 0, scene->camera().width(), scene->camera().height()},
+      .samples_per_block = samples,
+      .bounces = static_cast<std::uint32_t>(scene->hints().max_depth.value_or(1) - 1)};
+  std::vector<double> rates;
+  WorkCounts work;
+  for (int i = 0; i < repeats; ++i) {
+    const double begin = processor_s();
+    work = render_tile(*scene, settings, {}).work;
+    const auto rays =
+        static_cast<double>(work.camera_rays + work.indirect_rays + work.shadow_rays);
+    rates.push_back(rays / (processor_s() - begin) / 1e6);
+  }
+  std::ranges::sort(rates);
+  const auto per_sample = [&](std::uint64_t n) {
+    return static_cast<double>(n) / static_cast<double>(work.samples);
+  };
+  fmt::print("{:.3f} Mray/s (least {:.3f}, most {:.3f})\n", rates[rates.size() / 2], rates.front(),
+             rates.back());
+  fmt::print("rays of a sample: {:.3f} = 1 camera + {:.3f} indirect + {:.3f} shadow\n",
+             per_sample(work.camera_rays + work.indirect_rays + work.shadow_rays),
+             per_sample(work.indirect_rays), per_sample(work.shadow_rays));
+  return 0;
+}
+
+}  // namespace
+}  // namespace lucerna
+
+int main(int argc, char** argv) {
+  try {
+    if (argc < 2) throw std::runtime_error("SCENE.pbrt [SAMPLES [REPEATS]]");
+    return lucerna::run(argv[1], argc > 2 ? static_cast<std::uint32_t>(std::atoi(argv[2])) : 16,
+                        argc > 3 ? std::atoi(argv[3]) : 3);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "path_bench: {}\n", e.what());
+    return 1;
+  }
+}
