@@ -56,7 +56,7 @@ TEST(ScenePart, MeshesHaveOneVertexOfUnusedRoom) {
   }
   SceneDescription d = testing::description();
   d.shapes = {{.geometry = mesh}, {.geometry = mesh}};
-  const std::vector<ScenePart> parts = build(d)->parts();
+  const std::vector<ScenePart> parts = testing::build(d)->parts();
   const auto bytes = [&](const char* name) {
     return std::ranges::find(parts, name, &ScenePart::name)->bytes;
   };
