@@ -38,17 +38,26 @@ struct Reading {
   double cpu_s;
 };
 
-/// The time from `stop` until the server computes nothing more; kGiveUp if it does not stop.
-double seconds_until_idle(const Subject& subject, Clock::time_point stop) {
+/// From a stop until the server computes nothing more.
+struct UntilIdle {
+  double time_s;  ///< kGiveUp if it does not stop
+  double cpu_s;   ///< processor time of the server meanwhile
+};
+
+/// Works for `call` meanwhile, as a client does: otherwise gRPC may send the end of the call late.
+UntilIdle until_idle(const Subject& subject, Clock::time_point stop, StreamCall* call = nullptr) {
   std::vector<Reading> readings;
   const auto last = after(stop, kGiveUp);
   for (;;) {
     readings.push_back({Clock::now(), subject.cpu_s()});
     const Reading& now = readings.back();
-    if (now.at > last) return kGiveUp.count();
+    const double first_cpu_s = readings.front().cpu_s;
+    if (now.at > last) return {kGiveUp.count(), now.cpu_s - first_cpu_s};
     const auto quiet = std::find_if(readings.begin(), readings.end(),
                                     [&](const Reading& r) { return now.cpu_s - r.cpu_s < kNoise; });
-    if (now.at - quiet->at >= kQuiet) return std::max(0.0, Seconds(quiet->at - stop).count());
+    if (now.at - quiet->at >= kQuiet)
+      return {std::max(0.0, Seconds(quiet->at - stop).count()), quiet->cpu_s - first_cpu_s};
+    if (call != nullptr) call->work(Clock::now());
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
@@ -94,16 +103,16 @@ void wait_for_work(const Subject& subject, double from_cpu_s, Seconds time) {
 enum class Way { kCancel, kDeadline, kKill };
 constexpr std::array kWays = {Way::kCancel, Way::kDeadline, Way::kKill};
 
-/// Stops the call after `time`.  Returns how long the server still computes [s].
-double stop_once(const Subject& subject, const SceneFiles& files, const LongCall& call, Way way,
-                 Seconds time) {
+/// Stops the call after `time`.  Returns how long the server still computes.
+UntilIdle stop_once(const Subject& subject, const SceneFiles& files, const LongCall& call, Way way,
+                    Seconds time) {
   const Message message = call.message();
   if (way == Way::kKill) {
     const double before = subject.cpu_s();
     Client client(subject, message, files.folder() + "/request");
     wait_for_work(subject, before, time);
     client.kill();
-    return seconds_until_idle(subject, Clock::now());
+    return until_idle(subject, Clock::now());
   }
   auto stop = after(Clock::now(), time);
   StreamCall running(make_channel(subject.target()), message,
@@ -113,7 +122,7 @@ double stop_once(const Subject& subject, const SceneFiles& files, const LongCall
     running.cancel();
     stop = Clock::now();
   }
-  return seconds_until_idle(subject, stop);
+  return until_idle(subject, stop, &running);
 }
 
 }  // namespace
@@ -145,18 +154,21 @@ void stopping(const Settings& settings, Report& report) {
                              call.repeated);
       if (undisturbed.work(after(start, kLatest))) whole = Clock::now() - start;
     }
-    (void)seconds_until_idle(subject, Clock::now());
-    std::vector<double> times;
+    (void)until_idle(subject, Clock::now());
+    std::vector<double> times, cpu_times;
     for (int i = 0; i < (settings.brief ? 1 : 15); ++i) {
       // Clients that are killed send one message only.
       Way next = kWays[static_cast<std::size_t>(way++) % kWays.size()];
       if (next == Way::kKill && call.repeated) next = Way::kCancel;
       const Seconds time = whole * std::uniform_real_distribution(0.05, 0.95)(random);
-      times.push_back(stop_once(subject, files, call, next, time));
+      const UntilIdle idle = stop_once(subject, files, call, next, time);
+      times.push_back(idle.time_s);
+      cpu_times.push_back(idle.cpu_s);
     }
     all.insert(all.end(), times.begin(), times.end());
     report.note(call.name + ": whole call, at most 1 s", 1e3 * whole.count(), "ms");
     report.time(call.name + ": most until idle", 1e3 * quantile(times, 1), 50, "ms");
+    report.note(call.name + ": most processor time until idle", 1e3 * quantile(cpu_times, 1), "ms");
   }
   report.time("all calls: until idle, p99", 1e3 * quantile(all, 0.99), 50, "ms");
   report.at_most("calls that computed for another 10 s",
