@@ -26,8 +26,9 @@ READERS = {
     "eulumdat_fuzz": ("EULUMDAT",
                       ["server/formats/eulumdat.cpp", "server/formats/photometric_file.cpp"]),
     "picture_fuzz": ("pictures", ["server/pictures/*.cpp"]),
-    "texture_fuzz": ("textures of `.pbrt`",
-                     ["server/pbrt/surfaces/textures.cpp", "server/pbrt/syntax/images.cpp"]),
+    # pbrt_fuzz reads the words of textures; texture_fuzz writes them itself.
+    "texture_fuzz": ("pictures of surfaces",
+                     ["server/materials/texels.cpp", "server/materials/image_lookup.cpp"]),
     "gltf_fuzz": ("glTF", ["server/gltf/*.cpp"]),
     "config_fuzz": ("configuration file",
                     ["server/config/" + name for name in

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <initializer_list>
 #include <string>
 
 #include "server/pbrt/load.h"
@@ -48,11 +49,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto scene = lucerna::Scene::build(*std::move(description));
   if (!scene.ok()) return 0;
   const lucerna::Textures& textures = (*scene)->textures();
+  // No area, a round one, a long one, and one that covers the picture many times.
+  const lucerna::Footprint round{{0.1, 0, 0}, {0, 0.1, 0}, {0.1, 0}, {0, 0.1}},
+      slim{{0.3, 0.2, 0}, {0, 1e-3, 0}, {0.3, 0.2}, {0, 1e-3}},
+      endless{{1e300, 0, 0}, {0, 1e300, 0}, {1e300, 0}, {0, 1e300}};
   for (std::int32_t t = 0; t < static_cast<std::int32_t>(textures.size()); ++t)
     for (const double u : {-1e300, -0.3, 0.0, 0.5, 1.0, 7.25, 1e300})
       for (const double v : {-1e300, 0.0, 0.75, 1.0, 1e300}) {
         const lucerna::Vec3<double> p{u, v, 0.5};
-        if (!is_finite(textures(lucerna::ColourValue{{}, t}, {{u, v}, p, {0, 0, 1}}))) std::abort();
+        for (const lucerna::Footprint* f :
+             std::initializer_list<const lucerna::Footprint*>{nullptr, &round, &slim, &endless}) {
+          const lucerna::TexturePoint at{
+              .uv = {u, v}, .position = p, .normal = {0, 0, 1}, .footprint = f};
+          if (!is_finite(textures(lucerna::ColourValue{{}, t}, at))) std::abort();
+        }
       }
   return 0;
 }
