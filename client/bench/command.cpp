@@ -25,6 +25,7 @@ using bench::Question;
 
 // The searched rate is known this precisely.
 constexpr double kRatePrecision = 0.05;
+constexpr double kFewestCalls = 10;
 // Calls in flight for the throughput from which a search starts.
 constexpr std::uint32_t kSearchInFlight = 4;
 
@@ -143,7 +144,7 @@ class Bench {
 
  private:
   const bench::Row& add(bench::Row row) {
-    check_answers(row.figures);
+    check_answers(row.figures, row.rate.has_value() && report_.limit);
     if (report_.limit && row.rate) row.holds = bench::holds(row.figures, *report_.limit);
     report_.rows.push_back(std::move(row));
     return report_.rows.back();
@@ -162,12 +163,18 @@ class Bench {
     check_answers(most);
     const double capacity = static_cast<double>(most.calls()) / most.seconds;
     const std::optional<double> rate = bench::highest_rate(
-        [&](double r) { return *add_open(target, items, r).holds; }, capacity / 2, kRatePrecision);
+        [&](double r) {
+          // So few calls say nothing of a quantile, and even lower rates say less.
+          if (r * options_.plan.time_s < kFewestCalls) return false;
+          return *add_open(target, items, r).holds;
+        },
+        capacity / 2, kRatePrecision);
     report_.found.push_back({.batch = items, .rate = rate});
   }
 
-  /// Ends the program after an interruption, and if no call had an answer.
-  void check_answers(const bench::Figures& figures) {
+  /// Ends the program after an interruption, and if no call had an answer.  `may_be_empty`: not if
+  /// there was no call at all.
+  void check_answers(const bench::Figures& figures, bool may_be_empty = false) {
     if (session_.call_options().stop.stop_requested())
       session_.fail(absl::CancelledError("interrupted"));
     if (std::chrono::system_clock::now() >= session_.call_options().deadline)
@@ -175,6 +182,8 @@ class Bench {
     // An overload during the warm-up leaves no figures, and is an answer.
     if (figures.calls() > 0 || figures.overloaded) return;
     if (!figures.error.ok()) session_.fail(figures.error);
+    // By chance no call may be due.
+    if (may_be_empty) return;
     session_.fail(absl::DeadlineExceededError(
         fmt::format("no call ended within --time, {:g} s", options_.plan.time_s)));
   }

@@ -77,7 +77,8 @@ Figures open_loop(Target& target, double rate, std::uint64_t seed, const Plan& p
 
   const auto take = [&](const CallEnd& end) {
     --in_flight;
-    if (end.due_s < start_s) return;
+    // Calls of the warm-up were due at the latest when it ended.
+    if (end.due_s <= start_s) return;
     --measured_in_flight;
     figures.add(end);
     last_end_s = std::max(last_end_s, end.end_s);
@@ -94,7 +95,7 @@ Figures open_loop(Target& target, double rate, std::uint64_t seed, const Plan& p
     while (due_s <= target.now_s() && due_s < (cpu ? last_due_s : warm_s)) {
       target.send(due_s);
       ++in_flight;
-      if (due_s >= start_s) ++measured_in_flight;
+      if (due_s > start_s) ++measured_in_flight;
       due_s += arrivals.next_s();
       if (in_flight > kMostInFlight) {
         figures.overloaded = true;

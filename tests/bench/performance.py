@@ -61,7 +61,7 @@ class Bench:
 
 def wire(name, target):
     def measure(bench):
-        ours, least, ratio = bench.ratio("wire_bench", rf"{name}[^\n]*?\s([\d.e+]+)\s+([\d.e+]+)\s+([\d.]+)\n")
+        ours, least, ratio = bench.ratio(f"wire_bench 5 {name}", rf"{name}[^\n]*?\s([\d.e+]+)\s+([\d.e+]+)\s+([\d.]+)\n")
         return f"{float(ours):.3g} of {float(least):.3g} /s", float(ratio), float(ratio) >= target
     return measure
 
@@ -103,12 +103,14 @@ def lights_error(bench):
 
 
 ROWS = {
-    "samples_delta": ("SampleLi over loopback, a delta light", "an echo of the same bytes: at least 0.8 times",
-                      "wire_bench", wire("SampleLi, delta", 0.8)),
-    "samples_area": ("SampleLi over loopback, an area light", "an echo of the same bytes: at least 0.5 times",
-                     "wire_bench", wire("SampleLi, area", 0.5)),
+    "point": ("SampleLi over loopback, a point light", "an echo of the same bytes: at least 0.8 times",
+              "wire_bench 5 point", wire("point", 0.8)),
+    "sphere": ("SampleLi over loopback, a spherical light", "an echo of the same bytes: at least 0.5 times",
+               "wire_bench 5 sphere", wire("sphere", 0.5)),
+    "rectangle": ("SampleLi over loopback, a rectangular light", "an echo of the same bytes: at least 0.5 times",
+                  "wire_bench 5 rectangle", wire("rectangle", 0.5)),
     "tile": ("RenderTile, a picture in tiles over loopback", "the same render in process: at least 0.97 times",
-             "wire_bench", wire("RenderTile", 0.97)),
+             "wire_bench 5 tile", wire("tile", 0.97)),
     "load": ("loading a PLY of a million triangles", "its bytes and Embree's build: at most 1.5 times",
              "textured_load_bench 9 plain", load),
     "version": ("`lucerna --version`, processor time", "at most 20 ms", "lucerna --version", version),

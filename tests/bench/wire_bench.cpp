@@ -1,7 +1,7 @@
 // What the wire costs: SampleLi compared with an echo of the same bytes, and RenderTile with the
 // same render in process.  Servers are programs of their own, on the loopback interface.
 //
-//     wire_bench [PAIRS]
+//     wire_bench [PAIRS] [point|sphere|rectangle|tile]
 //
 // Both sides of a row run in turns.  The table has the medians over the pairs, and the median of
 // the ratios.
@@ -41,7 +41,7 @@ constexpr std::uint32_t kInFlight = 8;
 constexpr int kThreads = 2;
 constexpr int kTile = 64;
 constexpr int kTilesInFlight = 4;
-constexpr std::uint32_t kSamples = 16;
+constexpr std::uint32_t kSamples = 4;
 constexpr std::uint32_t kBlock = 2;
 constexpr std::uint32_t kBounces = 4;
 
@@ -66,7 +66,7 @@ void compare(const std::string& name, int pairs, const std::function<double()>& 
     if (i % 2 == 1) b.push_back(least());
     ratios.push_back(a.back() / b.back());
   }
-  fmt::print("{:<28} {:>12.4g} {:>12.4g} {:>8.3f}\n", name, median(a), median(b), median(ratios));
+  fmt::print("{:<38} {:>12.4g} {:>12.4g} {:>8.3f}\n", name, median(a), median(b), median(ratios));
   std::fflush(stdout);
 }
 
@@ -185,14 +185,18 @@ class Picture {
   int width_ = 0, height_ = 0;
 };
 
-int run(int pairs) {
-  fmt::print("{:<28} {:>12} {:>12} {:>8}\n", "", "per second", "at most", "ratio");
-  compare_samples("SampleLi, delta", "point.pbrt", pairs);
-  compare_samples("SampleLi, area", "rectangle_near.pbrt", pairs);
-  const Picture picture;
-  compare(
-      "RenderTile, picture", pairs, [&] { return picture.over_the_wire(); },
-      [&] { return picture.in_process(); });
+int run(int pairs, const std::string& row) {
+  fmt::print("{:<38} {:>12} {:>12} {:>8}\n", "", "per second", "at most", "ratio");
+  for (const auto& [name, scene] : {std::pair("point", "point.pbrt"),
+                                    {"sphere", "sphere.pbrt"},
+                                    {"rectangle", "rectangle_near.pbrt"}})
+    if (row.empty() || row == name) compare_samples(name, scene, pairs);
+  if (row.empty() || row == "tile") {
+    const Picture picture;
+    compare(
+        "tile", pairs, [&] { return picture.over_the_wire(); },
+        [&] { return picture.in_process(); });
+  }
   return 0;
 }
 
@@ -201,7 +205,7 @@ int run(int pairs) {
 
 int main(int argc, char** argv) {
   try {
-    return lucerna::run(argc > 1 ? std::stoi(argv[1]) : 5);
+    return lucerna::run(argc > 1 ? std::stoi(argv[1]) : 5, argc > 2 ? argv[2] : "");
   } catch (const std::exception& e) {
     fmt::print(stderr, "wire_bench: {}\n", e.what());
     return 1;

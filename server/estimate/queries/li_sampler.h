@@ -52,8 +52,11 @@ class LiSampler {
   };
   struct Pending;
 
-  /// Whether the query names one light and needs no visibility and no spectra.
-  bool names_one_light() const;
+  /// The light of all samples, if no random number chooses it and the query needs no visibility and
+  /// no spectra.
+  std::optional<std::uint32_t> plain_light() const;
+  void put_only_choice(const LiLayout& layout, std::size_t begin, std::size_t end,
+                       const SampleLiAnswer& answer) const;
   inline At at(std::size_t receiver) const;
   Receiver<double> receiver_of(const ScenePoint& point, const Vec3<double>& normal) const;
   SampleSequence sequence_of(const LiPlace& place) const;

@@ -178,7 +178,7 @@ TEST(OpenLoop, QueuesAsTheoryOfPoissonArrivalsSays) {
   EXPECT_FLOAT_EQ(figures.latency_s(0.45), 1);
   EXPECT_GT(figures.latency_s(0.55), 1.0001);
   double sum_s = 0;
-  constexpr int kSteps = 1000;
+  constexpr int kSteps = 200;
   for (int i = 0; i < kSteps; ++i) sum_s += figures.latency_s((i + 0.5) / kSteps);
   // The standard error of the mean is about 0.02, because waits are correlated.
   EXPECT_NEAR(sum_s / kSteps, 1.5, 0.1);
@@ -213,7 +213,9 @@ TEST(OpenLoop, CallsWithoutAnAnswerFail) {
   EXPECT_FALSE(figures.overloaded);
   EXPECT_GT(figures.failures.at("DEADLINE_EXCEEDED"), 20U);
   EXPECT_GT(figures.calls(), 20U);
-  EXPECT_DOUBLE_EQ(figures.seconds, 20);
+  // The arrivals of 10 s, and as long for the answers.
+  EXPECT_GT(figures.seconds, 19);
+  EXPECT_LE(figures.seconds, 20);
 }
 
 TEST(OpenLoop, AServerThatDoesNotTellItsTimeIsUnknown) {

@@ -221,6 +221,30 @@ TEST(SampleLi, OfAPointLightIsTheSameByEveryPathOfTheCode) {
   }
 }
 
+TEST(SampleLi, TheOnlyLightIsChosenAsByAnyPathOfTheCode) {
+  SceneDescription lamp = description(), panel = description();
+  lamp.lights = {testing::point_light({1, -2, 0.5}, 18)};
+  panel.shapes = {testing::emissive(testing::floor(1), 5)};
+  for (const SceneDescription& d : {lamp, panel}) {
+    const auto scene = build(d);
+    ASSERT_EQ(scene->lights().size(), 1U);
+    const Receivers r({1, -2, 0.5F});
+    for (const std::uint32_t samples : {1U, 3U}) {
+      SampleLiQuery query{
+          .receivers = {{}, r.offsets}, .samples = samples, .seed = SeedRange{.seed = 4}};
+      const Arrays plain = answer_to(*scene, query);
+      query.test_visibility = true;  // which chooses a light for each sample
+      Arrays chosen = answer_to(*scene, query);
+      chosen.visible = plain.visible;
+      EXPECT_EQ(plain, chosen) << samples;
+      // Receivers without a place choose no light.
+      EXPECT_EQ(plain.ids.front(), scene->lights()[0].id);
+      EXPECT_GT(std::ranges::count(plain.ids, 0U), 0);
+      EXPECT_EQ(std::ranges::count(plain.probability, 1.0), std::ssize(plain.ids));
+    }
+  }
+}
+
 TEST(SampleLi, ASceneWithoutLightsIsBlack) {
   SceneDescription d = description();
   d.shapes.push_back(testing::floor(1));
