@@ -15,6 +15,8 @@
 namespace lucerna::testing {
 namespace {
 
+using ::testing::HasSubstr;
+
 template <typename Number>
 std::vector<Number> plane(const std::string& bytes) {
   std::vector<Number> numbers(bytes.size() / sizeof(Number));

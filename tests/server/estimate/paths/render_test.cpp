@@ -68,7 +68,7 @@ TEST(RenderTile, OneSequenceGivesTheSameBitsForAnySplitOfSamples) {
 }
 
 // A smooth integrand: Owen scrambling makes the variance of 64 samples of one sequence far smaller
-// than that of eight independent blocks.  [Owen97]
+// than that of eight independent blocks.  [LEcuyer23]
 TEST(RenderTile, OneSequenceHasLessNoiseThanIndependentBlocks) {
   SceneDescription d = testing::ball_under_a_lamp(4);
   d.camera.world_from_camera = *Transform::look_at({0, -6, 3}, {0, 0, 0.5}, {0, 0, 1});
