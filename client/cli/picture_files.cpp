@@ -64,7 +64,8 @@ void PictureNames::add(CLI::App& command) {
       ->required();
   command.add_option("--stderr", errors,
                      "Also write a picture of the standard error of each pixel; a pixel whose "
-                     "samples found no light has its upper bound");
+                     "samples found no light has its upper bound.  With this file or --interval, "
+                     "samples come in independent blocks, which have more noise");
   command.add_option("--interval", intervals,
                      "Also write the confidence interval of the luminance of each pixel: .exr "
                      "with the channels Y, lower.Y and upper.Y");

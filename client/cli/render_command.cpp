@@ -155,6 +155,9 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
   if (options.frame != nullptr) options.frame->put(request);
   request.set_final_only(!preview);
   request.set_intervals(options.files.want_intervals());
+  // Independent blocks have more noise.  Only files of errors and intervals need them.
+  request.set_one_sequence(!options.files.want_intervals() && !options.stop.error &&
+                           !options.stop.budget_s);
   client::Picture picture;
   v1::RenderImageResponse last;
   std::string description;

@@ -89,6 +89,7 @@ class Render final : public DistributedWork {
     if (options_.request.has_shutter()) *request.mutable_shutter() = options_.request.shutter();
     *request.mutable_accuracy() = options_.request.accuracy();
     request.set_intervals(options_.request.intervals());
+    request.set_one_sequence(options_.request.one_sequence());
     if (by_area_) {
       if (options_.request.has_samples_per_block())
         request.set_samples_per_block(options_.request.samples_per_block());

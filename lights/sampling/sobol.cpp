@@ -10,6 +10,18 @@ std::uint32_t reverse_bits(std::uint32_t v) {
   return (v & 0x55555555U) << 1 | (v >> 1 & 0x55555555U);
 }
 
+/// Reverses the bits of both numbers at once.
+struct Reversed {
+  std::uint32_t x, y;
+};
+Reversed reverse_bits(std::uint32_t x, std::uint32_t y) {
+  std::uint64_t v = __builtin_bswap64(x | std::uint64_t{y} << 32);  // y is now the lower half
+  v = (v & 0x0F0F0F0F0F0F0F0FU) << 4 | (v >> 4 & 0x0F0F0F0F0F0F0F0FU);
+  v = (v & 0x3333333333333333U) << 2 | (v >> 2 & 0x3333333333333333U);
+  v = (v & 0x5555555555555555U) << 1 | (v >> 1 & 0x5555555555555555U);
+  return {static_cast<std::uint32_t>(v >> 32), static_cast<std::uint32_t>(v)};
+}
+
 /// Nested uniform scrambling of a number whose digits run from the lowest bit upwards.  A hash of
 /// `seed` and the bits below decides whether a bit is flipped.  The idea is [Laine11]'s, the
 /// constants are [Vegdahl21]'s.
@@ -57,8 +69,9 @@ Vec2<float> SobolSequence::pair(std::uint32_t index, std::uint32_t pair) const {
       reverse_bits(scramble_upwards(reverse_bits(index), static_cast<std::uint32_t>(order >> 32)));
   const auto x_seed = static_cast<std::uint32_t>(digits);
   const auto y_seed = static_cast<std::uint32_t>(digits >> 32);
-  return {to_unit(reverse_bits(scramble_upwards(shuffled, x_seed))),
-          to_unit(reverse_bits(scramble_upwards(pascal(shuffled), y_seed)))};
+  const Reversed bits =
+      reverse_bits(scramble_upwards(shuffled, x_seed), scramble_upwards(pascal(shuffled), y_seed));
+  return {to_unit(bits.x), to_unit(bits.y)};
 }
 
 }  // namespace lucerna

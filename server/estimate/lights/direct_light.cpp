@@ -102,7 +102,8 @@ bool DirectLight::is_delta(std::uint32_t light) const {
 }
 
 std::uint32_t DirectLight::points_on(std::uint32_t light) const {
-  return is_delta(light) ? 1 : methods_.samples_per_light.value_or(scene_.lights()[light].samples);
+  const std::uint32_t points = methods_.samples_per_light.value_or(scene_.lights()[light].samples);
+  return points == 1 || is_delta(light) ? 1 : points;
 }
 
 const LightSelector& DirectLight::selector(Spending spending) const {
@@ -121,17 +122,20 @@ Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
 }
 
 LightSample<double> DirectLight::light_sample(const Vertex& v, std::uint32_t light,
-                                              Vec2<float> u) const {
+                                              const PathSample& at, std::uint32_t dimension) const {
   const LightAtTime l(scene_.lights()[light], v.hit.time_s);
   const Receiver<double> r = receiver(v.hit, v.wo, v.scattering);
   if (methods_.far_light_radii)
     if (const auto s = far_sample(l, r, *methods_.far_light_radii)) return *s;
+  if (l.is_delta()) return l.sample_li(r, {});  // has one sample, so it needs no random numbers
+  const Vec2<float> u = at.pair(dimension);
   return l.sample_li(r, {u.x, u.y});
 }
 
 DirectLight::Candidate DirectLight::candidate(const Vertex& v, const LightChoice& choice,
-                                              std::uint32_t points, Vec2<float> u) const {
-  Candidate c{light_sample(v, choice.light, u), {}, {}};
+                                              std::uint32_t points, const PathSample& at,
+                                              std::uint32_t dimension) const {
+  Candidate c{light_sample(v, choice.light, at, dimension), {}, {}};
   const LightSample<double>& s = c.sample;
   if (v.scattering != nullptr) {
     scatter(v, choice, points, c);
@@ -242,7 +246,7 @@ void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<fl
     const auto choice =
         selector(spending).choose(methods_.light_selection, receiver(hit, wo, scattering), u);
     if (choice && !settled.has(choice->light))
-      sample_points(v, *choice, s, 1 + 4 * depth + PathSample::kLightPoint);
+      sample_points(v, *choice, s, PathSample::dimension(depth, PathSample::kLightPoint));
     return;
   }
   const std::uint32_t times = methods_.samples_per_light.value_or(1);
@@ -255,7 +259,7 @@ void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, cons
   const std::uint32_t points = points_on(choice.light);
   LightEstimate sum;
   for (std::uint32_t j = 0; j < points; ++j) {
-    const Candidate c = candidate(v, choice, points, s.part(j, points).pair(dimension));
+    const Candidate c = candidate(v, choice, points, s.part(j, points), dimension);
     sum += shadowed(v.hit, choice.light, c.sample, c.value, v.work);
     sum.unshadowed += c.found;
   }
@@ -292,7 +296,8 @@ void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSa
     const auto choice = lights.choose(methods_.light_selection, from,
                                       choosing_value(part.at(v.depth, PathSample::kLight)));
     if (!choice || v.settled.has(choice->light)) continue;
-    weigh(choice->light, candidate(v, *choice, 1, part.at(v.depth, PathSample::kLightPoint)));
+    weigh(choice->light,
+          candidate(v, *choice, 1, part, PathSample::dimension(v.depth, PathSample::kLightPoint)));
   }
   share /= candidates_;
   if (!(sum > 0 && std::isfinite(sum))) return;

@@ -166,9 +166,11 @@ class DirectLight {
                      std::uint32_t dimension) const;
   void sample_one_of(const Vertex& v, Spending spending, const PathSample& s, double share) const;
 
-  LightSample<double> light_sample(const Vertex& v, std::uint32_t light, Vec2<float> u) const;
+  /// `at`, `dimension`: the random numbers of the light's point.
+  LightSample<double> light_sample(const Vertex& v, std::uint32_t light, const PathSample& at,
+                                   std::uint32_t dimension) const;
   Candidate candidate(const Vertex& v, const LightChoice& choice, std::uint32_t points,
-                      Vec2<float> u) const;
+                      const PathSample& at, std::uint32_t dimension) const;
   /// Sets the values of a candidate at a vertex with a SurfaceScattering.
   void scatter(const Vertex& v, const LightChoice& choice, std::uint32_t points,
                Candidate& c) const;

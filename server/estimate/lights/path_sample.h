@@ -54,8 +54,11 @@ struct PathSample {
   static constexpr std::uint32_t kFirstVisited = 1u << 30;
 
   Vec2<float> pair(std::uint32_t dimension) const { return sequence.pair(index, dimension); }
+  static std::uint32_t dimension(std::uint32_t depth, Purpose purpose) {
+    return 1 + 4 * depth + purpose;
+  }
   Vec2<float> at(std::uint32_t depth, Purpose purpose) const {
-    return pair(1 + 4 * depth + purpose);
+    return pair(dimension(depth, purpose));
   }
 };
 

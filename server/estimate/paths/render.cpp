@@ -95,10 +95,12 @@ class TileEstimator {
     BlockStream<3> channels(these.first);
     BlockTotal<LuminanceMoments> luminances(these.first);
     for (std::uint64_t b = these.first; b < these.first + these.count; ++b) {
-      const SampleSequence sequence(settings_.methods.sampler, settings_.seed, item, b);
+      const bool one = settings_.one_sequence;
+      const SampleSequence sequence(settings_.methods.sampler, settings_.seed, item, one ? 0 : b);
+      const PathSample first{sequence, one ? static_cast<std::uint32_t>(b * these.samples) : 0};
       BlockMoments of_block(scene_.camera().may_be_negative());
       const Rgb<double> mean =
-          block(x, y, sequence, these.samples, moments != nullptr ? &of_block : nullptr, work);
+          block(x, y, first, these.samples, moments != nullptr ? &of_block : nullptr, work);
       if (stopped_) return {};
       channels.add({mean.r, mean.g, mean.b});
       if (moments != nullptr) luminances.add(of_block.result(luminance(mean)));
@@ -136,8 +138,8 @@ class TileEstimator {
   }
 
   /// The mean of a block of n samples.
-  Rgb<double> block(int x, int y, const SampleSequence& sequence, std::uint32_t n,
-                    BlockMoments* moments, WorkCounts& work) {
+  Rgb<double> block(int x, int y, const PathSample& first, std::uint32_t n, BlockMoments* moments,
+                    WorkCounts& work) {
     const Camera& camera = scene_.camera();
     const PixelFilter* const filter = camera.filter();
     const bool has_lens = camera.has_lens();
@@ -148,7 +150,7 @@ class TileEstimator {
         stopped_ = true;
         return {};
       }
-      const PathSample sample{sequence, i};
+      const PathSample sample{first.sequence, first.index + i};
       PixelFilter::Sample film{sample.pair(PathSample::kFilm), 1};
       if (filter != nullptr) film = filter->sample(film.position_px);
       const auto ray_at = [&](float dx, float dy) {

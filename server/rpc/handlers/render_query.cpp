@@ -68,6 +68,17 @@ absl::Status put_blocks(const Request& request, RenderQuery& query) {
   return absl::OkStatus();
 }
 
+/// INVALID_ARGUMENT if the request needs independent blocks, but `one_sequence` is set.
+template <typename Request>
+absl::Status check_sequence(const Request& request) {
+  if (!request.one_sequence()) return absl::OkStatus();
+  constexpr char kAllowed[] =
+      "false with intervals and with accuracy.target_error, which need blocks";
+  if (request.intervals() || request.accuracy().has_target_error())
+    return bad_field("one_sequence", "true", kAllowed);
+  return absl::OkStatus();
+}
+
 /// The requested shutter; nothing: that of the scene file.
 template <typename Request>
 absl::StatusOr<std::optional<Shutter>> check_shutter(const Scene& scene, const Request& request) {
@@ -104,9 +115,11 @@ absl::StatusOr<RenderQuery> check(const Context& context, const Scene& scene,
   LUCERNA_ASSIGN_OR_RETURN(query.rule, check_stop_rule(context, request.accuracy(), proposed));
   query.most_samples = std::bit_floor(context.limits.max_samples);
   LUCERNA_RETURN_IF_ERROR(put_blocks(request, query));
+  LUCERNA_RETURN_IF_ERROR(check_sequence(request));
   LUCERNA_ASSIGN_OR_RETURN(query.settings.methods, check_methods(request.accuracy()));
   query.settings.seed = request.seed();
   query.settings.intervals = request.intervals();
+  query.settings.one_sequence = request.one_sequence();
   if (request.has_time_s()) query.settings.time_s = request.time_s();
   query.settings.bounces =
       request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(scene);

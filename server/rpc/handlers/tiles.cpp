@@ -67,9 +67,10 @@ absl::Status put_run(const v1::RenderTileRequest& request, const RenderQuery& qu
                      fmt::format("a multiple of accuracy.samples = {}", samples));
   }
   // Samples are numbered in 32 bits within the sampler's sequences.
-  constexpr std::uint64_t kMaxFirst = std::uint64_t{1} << 40;
-  if (first > kMaxFirst) {
-    return bad_field("first_sample", fmt::format("{}", first), fmt::format("[0, {}]", kMaxFirst));
+  const std::uint64_t most_first =
+      settings.one_sequence ? kMostSamplesPerBlock - samples : std::uint64_t{1} << 40;
+  if (first > most_first) {
+    return bad_field("first_sample", fmt::format("{}", first), fmt::format("[0, {}]", most_first));
   }
   settings.first_block = first / block;
   return absl::OkStatus();

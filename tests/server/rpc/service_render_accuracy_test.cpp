@@ -15,6 +15,8 @@
 namespace lucerna::testing {
 namespace {
 
+using ::testing::HasSubstr;
+
 template <typename Number>
 std::vector<Number> plane(const std::string& bytes) {
   std::vector<Number> numbers(bytes.size() / sizeof(Number));
@@ -162,6 +164,36 @@ TEST_F(RenderAccuracyTest, ACountReportsIntervalsIfTheyAreRequested) {
       EXPECT_LT(lower[i], upper[i]);
     }
   }
+}
+
+TEST_F(RenderAccuracyTest, OneSequenceHasNoIntervals) {
+  v1::RenderTileRequest q = tile_request();
+  q.mutable_accuracy()->set_samples(64);
+  v1::RenderTileResponse blocks, one;
+  ASSERT_TRUE(render(q, &blocks).ok());
+  q.set_one_sequence(true);
+  ASSERT_TRUE(render(q, &one).ok());
+  EXPECT_NE(one.tile().sum(), blocks.tile().sum());
+  q.set_intervals(true);
+  EXPECT_THAT(render(q, &one).error_message(),
+              HasSubstr("one_sequence = true, allowed: false with intervals"));
+  q.set_intervals(false);
+  q.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
+  EXPECT_THAT(render(q, &one).error_message(), HasSubstr("one_sequence = true, allowed: false"));
+}
+
+TEST_F(RenderAccuracyTest, OneSequenceEndsWhereItsNumbersEnd) {
+  v1::RenderTileRequest q = tile_request();
+  q.mutable_accuracy()->set_samples(64);
+  q.set_bounces(0);
+  q.set_one_sequence(true);
+  constexpr std::uint64_t kEnd = std::uint64_t{1} << 28;
+  v1::RenderTileResponse r;
+  q.set_first_sample(kEnd - 64);
+  EXPECT_TRUE(render(q, &r).ok());
+  q.set_first_sample(kEnd);
+  EXPECT_THAT(render(q, &r).error_message(),
+              HasSubstr("first_sample = 268435456, allowed: [0, 268435392]"));
 }
 
 TEST_F(RenderAccuracyTest, ImagesHaveTheIntervalsOfTiles) {
