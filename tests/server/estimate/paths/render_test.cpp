@@ -96,6 +96,45 @@ TEST(RenderTile, OneSequenceHasLessNoiseThanIndependentBlocks) {
   EXPECT_LT(one, 0.7 * blocks);
 }
 
+/// The variances of all pixels of a picture, each of eight blocks in one sequence: as the scatter
+/// of the blocks reports it, and as pictures of 32 seeds have it.
+struct Variances {
+  double reported = 0, actual = 0;
+};
+Variances variances_of_one_sequence(const Scene& scene, std::uint32_t bounces) {
+  constexpr std::uint32_t kSeeds = 32, kBlocks = 8;
+  TileSettings settings = whole(scene);
+  settings.bounces = bounces;
+  settings.samples_per_block = settings.block_count = kBlocks;
+  settings.first_block = 0;
+  settings.one_sequence = true;
+  std::vector<std::vector<BlockStatistics>> pictures;
+  for (settings.seed = 0; settings.seed < kSeeds; ++settings.seed)
+    pictures.push_back(render_tile(scene, settings, {}).channels);
+  Variances v;
+  for (std::size_t i = 0; i < pictures[0].size(); ++i) {
+    double mean = 0;
+    for (const auto& p : pictures) mean += p[i].sum / kSeeds;
+    for (const auto& p : pictures) {
+      v.reported += p[i].deviation * kBlocks / (kBlocks - 1);
+      v.actual += (p[i].sum - mean) * (p[i].sum - mean) * kSeeds / (kSeeds - 1);
+    }
+  }
+  return v;
+}
+
+TEST(RenderTile, OneSequenceReportsAtLeastItsError) {
+  SceneDescription d = testing::ball_under_a_lamp(4);
+  d.camera.world_from_camera = *Transform::look_at({0, -6, 3}, {0, 0, 0.5}, {0, 0, 1});
+  for (const auto& scene : {build(std::move(d)), busy_scene()}) {
+    for (const std::uint32_t bounces : {0U, 3U}) {
+      const Variances v = variances_of_one_sequence(*scene, bounces);
+      EXPECT_GT(v.reported, v.actual) << bounces;
+      EXPECT_GT(v.actual, 0) << bounces;
+    }
+  }
+}
+
 TEST(RenderTile, GivesTheSameBitsForAnySplitOfSamples) {
   const auto scene = busy_scene();
   TileSettings settings = whole(*scene);
