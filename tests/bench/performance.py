@@ -66,6 +66,23 @@ def wire(name, target):
     return measure
 
 
+def visibility(order, exact, target):
+    def measure(bench):
+        embree, plain, plain_ratio, with_error, error_ratio = bench.ratio(
+            "visibility_bench 5 leaves",
+            rf"{order}\s+Embree\s+([\d.]+) Mray/s; server\s+([\d.]+), ([\d.]+) times; "
+            rf"position_error_m 0:\s+([\d.]+), ([\d.]+) times")
+        ours, ratio = (with_error, error_ratio) if exact else (plain, plain_ratio)
+        return f"{ours} of {embree} Mray/s", float(ratio), float(ratio) >= target
+    return measure
+
+
+def visibility_row(order, exact, target):
+    how = ", `position_error_m` 0" if exact else ""
+    return (f"TestVisibility, {order} segments{how}", f"a bare loop of `rtcOccluded1`: at least {target} times",
+            "visibility_bench 5 leaves", visibility(order, exact, target))
+
+
 def load(bench):
     out = bench.output("textured_load_bench 9 plain")
     rows = [[float(x) for x in line.split()] for line in out.splitlines()[1:-1]]
@@ -103,6 +120,10 @@ def lights_error(bench):
 
 
 ROWS = {
+    "random": visibility_row("random", False, 1.0),
+    "coherent": visibility_row("coherent", False, 0.8),
+    "random_exact": visibility_row("random", True, 1.2),
+    "coherent_exact": visibility_row("coherent", True, 0.95),
     "point": ("SampleLi over loopback, a point light", "an echo of the same bytes: at least 0.8 times",
               "wire_bench 5 point", wire("point", 0.8)),
     "sphere": ("SampleLi over loopback, a spherical light", "an echo of the same bytes: at least 0.5 times",
