@@ -229,9 +229,9 @@ int run(int argc, char** argv) {
 
 /// Makes free() return large blocks to the operating system.  By default glibc raises the limit of
 /// large blocks up to 32 MiB, so loads leave holes of many megabytes that the memory budget does
-/// not know.  It also keeps an arena for almost every thread, and free blocks of one arena are of no
-/// use to another.  No thread allocates in its inner loops, and glibc caches small blocks for each
-/// thread, so one arena is enough.
+/// not know.  It also keeps an arena for almost every thread, and free blocks of one arena are of
+/// no use to another.  No thread allocates in its inner loops, and glibc caches small blocks for
+/// each thread, so one arena is enough.
 void return_freed_memory() {
   mallopt(M_ARENA_MAX, 1);
   mallopt(M_MMAP_THRESHOLD, 512 << 10);
