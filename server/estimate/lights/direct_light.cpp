@@ -62,7 +62,7 @@ MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receive
   return {most.lx, most.sample_lx / probability};
 }
 
-DirectLight::DirectLight(const Scene& scene, const Methods& methods)
+DirectLight::DirectLight(const Scene& scene, const Methods& methods, std::uint32_t candidates)
     : scene_(scene), methods_(methods), visibility_(scene, methods) {
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l) deltas_ += is_delta(l) ? 1 : 0;
   switch (methods.light_selection) {
@@ -71,7 +71,7 @@ DirectLight::DirectLight(const Scene& scene, const Methods& methods)
       break;
     case LightSelection::kAutomatic:
       spending_ = scene.lights().size() <= kFewLights ? Spending::kEach : Spending::kDrawn;
-      candidates_ = kCandidates;
+      candidates_ = candidates;
       break;
     default:
       // With one light, there is nothing to choose.

@@ -30,9 +30,11 @@ struct Sight {
 class PathTracer {
  public:
   /// `bounces`, `methods`: as in TileSettings.
-  PathTracer(const Scene& scene, std::optional<std::uint32_t> bounces, const Methods& methods)
+  /// `candidates`: as in DirectLight.
+  PathTracer(const Scene& scene, std::optional<std::uint32_t> bounces, const Methods& methods,
+             std::uint32_t candidates = DirectLight::kCandidates)
       : scene_(scene),
-        direct_(scene, methods),
+        direct_(scene, methods, candidates),
         last_depth_(bounces.value_or(std::numeric_limits<std::uint32_t>::max())),
         endless_(!bounces) {}
 

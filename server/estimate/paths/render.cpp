@@ -36,7 +36,9 @@ class TileEstimator {
         settings_(settings),
         shutter_(settings.shutter.value_or(
             Shutter{scene.hints().shutter_open_s, scene.hints().shutter_close_s})),
-        tracer_(scene, settings.bounces, settings.methods),
+        tracer_(scene, settings.bounces, settings.methods,
+                settings.one_sequence ? DirectLight::kCandidatesOfOneSequence
+                                      : DirectLight::kCandidates),
         stop_(stop),
         result_(result) {}
 
