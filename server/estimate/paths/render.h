@@ -45,8 +45,8 @@ struct TileSettings {
   /// Without a target error: also return the moments that intervals need.
   bool intervals = false;
   /// The blocks are consecutive parts of one sequence for each pixel.  Their scatter is an upper
-  /// estimate of the error.  Not with `intervals` or `target`.  Requires (first_block + block_count)
-  /// samples_per_block <= kMostSamplesPerBlock.
+  /// estimate of the error.  Not with `intervals` or `target`.  Requires
+  /// (first_block + block_count) samples_per_block <= kMostSamplesPerBlock.
   bool one_sequence = false;
 };
 
