@@ -104,7 +104,7 @@ def one_point(bench):
 
 
 def lights(bench):
-    return [line.split() for line in bench.output("many_lights_bench").splitlines()[1:]]
+    return [line.split() for line in bench.output("many_lights_bench 10").splitlines()[1:]]
 
 
 def lights_time(bench):
@@ -138,8 +138,8 @@ ROWS = {
     "one_point": ("`lucerna irradiance` of one point, processor time", "at most 40 ms",
                   "lucerna irradiance demo.pbrt --point 0,0,0 --normal 0,0,1 --samples 16", one_point),
     "lights_time": ("time of a sample, 1e3 to 1e6 lights", "grows at most as the logarithm: 2 times",
-                    "many_lights_bench", lights_time),
-    "lights_error": ("error at equal time, 1e5 lights", "at most a third of uniform choice", "many_lights_bench",
+                    "many_lights_bench 10", lights_time),
+    "lights_error": ("error at equal time, 1e5 lights", "at most a third of uniform choice", "many_lights_bench 10",
                      lights_error),
 }
 
