@@ -39,8 +39,8 @@ T value_or_throw(absl::StatusOr<T> result) {
 
 int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
   auto assets = value_or_throw(AssetReader::open(std::filesystem::absolute(file).parent_path()));
-  const auto scene = value_or_throw(
-      Scene::build(value_or_throw(load_pbrt(assets, file.filename().string(), {}))));
+  const auto scene =
+      value_or_throw(Scene::build(value_or_throw(load_pbrt(assets, file.filename().string(), {}))));
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const TileSettings settings{
       .rect = {0, 0, scene->camera().width(), scene->camera().height()},
@@ -51,8 +51,7 @@ int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
   for (int i = 0; i < repeats; ++i) {
     const double begin = processor_s();
     work = render_tile(*scene, settings, {}).work;
-    const auto rays =
-        static_cast<double>(work.camera_rays + work.indirect_rays + work.shadow_rays);
+    const auto rays = static_cast<double>(work.camera_rays + work.indirect_rays + work.shadow_rays);
     rates.push_back(rays / (processor_s() - begin) / 1e6);
   }
   std::ranges::sort(rates);
