@@ -31,7 +31,8 @@ void reserve(const std::vector<ShapeDescription>& shapes, bool with_moving, Geom
     vertices += mesh->positions.size();
     numbers += mesh->indices.size();
   }
-  set.vertices.reserve(vertices + 1);  // append_shape() leaves room for one more
+  // append_shape() leaves room for one more.  A scene without meshes has no array.
+  if (vertices > 0) set.vertices.reserve(vertices + 1);
   set.triangles.reserve(numbers);
 }
 

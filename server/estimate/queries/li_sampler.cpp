@@ -61,7 +61,8 @@ bool LiSampler::needs_one_sample() const { return one_sample_is_enough(scene_, q
 std::optional<std::uint32_t> LiSampler::plain_light() const {
   if (q_.test_visibility || !q_.wavelengths_nm.empty()) return std::nullopt;
   if (q_.light) return q_.light;
-  // The only light is certain.  Sample values of the caller may be wrong, so they are checked below.
+  // The only light is certain.  Sample values of the caller may be wrong, so they are checked
+  // below.
   const bool is_certain = scene_.lights().size() == 1 && q_.seed;
   return is_certain ? std::optional<std::uint32_t>(0) : std::nullopt;
 }
