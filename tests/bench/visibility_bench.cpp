@@ -2,9 +2,10 @@
 //
 //     visibility_bench [ROUNDS [leaves]]
 //
-// A million triangles: 200 bumpy balls in a box, or small triangles anywhere in it.  64 batches of 16 384 segments, 4 in flight, to a
-// lucernad of its own with two threads.  The bare loop has the same segments in the given order and
-// two threads, in a scene with Embree's default flags.  Both take turns; the table has medians.
+// A million triangles: 200 bumpy balls in a box, or small triangles anywhere in it.  64 batches of
+// 16 384 segments, 4 in flight, to a lucernad of its own with two threads.  The bare loop has the
+// same segments in the given order and two threads, in a scene with Embree's default flags.  Both
+// take turns; the table has medians.
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
