@@ -9,7 +9,7 @@
 
 namespace lucerna {
 
-/// The numbers of rays in the order of a Morton code of their middles [Morton66].  Empty if the
+/// The numbers of rays in the order of a Morton code of their middles.  Empty if the
 /// given order is as good: few rays, or rays that are near their neighbours already.  `middles`:
 /// any numbers.
 ///

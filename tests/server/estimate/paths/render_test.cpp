@@ -51,22 +51,6 @@ TEST(RenderTile, GivesTheSameBitsForAnyTiling) {
   EXPECT_EQ(samples, 16u * 12 * 32);
 }
 
-TEST(RenderTile, OneSequenceGivesTheSameBitsForAnySplitOfSamples) {
-  const auto scene = busy_scene();
-  TileSettings settings = whole(*scene);
-  settings.one_sequence = true;
-  const TileResult all = render_tile(*scene, settings, {});
-  BlockMerger merger(8, all.channels.size());
-  for (const auto& [first, count] : {std::pair{8, 4}, {12, 2}, {14, 1}, {15, 1}}) {
-    settings.first_block = static_cast<std::uint64_t>(first);
-    settings.block_count = static_cast<std::uint64_t>(count);
-    ASSERT_TRUE(merger.add(settings.first_block, settings.block_count,
-                           render_tile(*scene, settings, {}).channels));
-  }
-  const auto merged = merger.total();
-  for (std::size_t i = 0; i < merged.size(); ++i) ASSERT_TRUE(same(merged[i], all.channels[i]));
-}
-
 // A smooth integrand: Owen scrambling makes the variance of 64 samples of one sequence far smaller
 // than that of eight independent blocks.  [LEcuyer23]
 TEST(RenderTile, OneSequenceHasLessNoiseThanIndependentBlocks) {
@@ -137,17 +121,20 @@ TEST(RenderTile, OneSequenceReportsAtLeastItsError) {
 
 TEST(RenderTile, GivesTheSameBitsForAnySplitOfSamples) {
   const auto scene = busy_scene();
-  TileSettings settings = whole(*scene);
-  const TileResult all = render_tile(*scene, settings, {});
-  BlockMerger merger(8, all.channels.size());
-  for (const auto& [first, count] : {std::pair{8, 4}, {12, 2}, {14, 1}, {15, 1}}) {
-    settings.first_block = static_cast<std::uint64_t>(first);
-    settings.block_count = static_cast<std::uint64_t>(count);
-    ASSERT_TRUE(merger.add(settings.first_block, settings.block_count,
-                           render_tile(*scene, settings, {}).channels));
+  for (const bool one_sequence : {false, true}) {
+    TileSettings settings = whole(*scene);
+    settings.one_sequence = one_sequence;
+    const TileResult all = render_tile(*scene, settings, {});
+    BlockMerger merger(8, all.channels.size());
+    for (const auto& [first, count] : {std::pair{8, 4}, {12, 2}, {14, 1}, {15, 1}}) {
+      settings.first_block = static_cast<std::uint64_t>(first);
+      settings.block_count = static_cast<std::uint64_t>(count);
+      ASSERT_TRUE(merger.add(settings.first_block, settings.block_count,
+                             render_tile(*scene, settings, {}).channels));
+    }
+    const auto merged = merger.total();
+    for (std::size_t i = 0; i < merged.size(); ++i) ASSERT_TRUE(same(merged[i], all.channels[i]));
   }
-  const auto merged = merger.total();
-  for (std::size_t i = 0; i < merged.size(); ++i) ASSERT_TRUE(same(merged[i], all.channels[i]));
 }
 
 TEST(RenderTile, GivesTheSameMomentsForAnySplitAndTheSamePictureWithoutThem) {
