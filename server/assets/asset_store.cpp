@@ -117,9 +117,12 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
     state_->touch(entry);
     state_->set_owner(digest, entry, sender.name);
   }
-  AssetUpload upload(*this, digest, size, writer,
-                     Descriptor(::open(state_->part(digest).c_str(),
-                                       O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)));
+  const std::string part = state_->part(digest);
+  // ext4 waits for the disk when a file is closed that was truncated to nothing.
+  if (offset == 0) ::unlink(part.c_str());
+  AssetUpload upload(
+      *this, digest, size, writer,
+      Descriptor(::open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)));
   if (upload.file_.get() < 0) return disk_error(errno);
   std::string chunk(kReadBytes, '\0');
   while (upload.bytes_ < offset) {
@@ -130,7 +133,8 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
     upload.sha_.add(std::string_view(chunk).substr(0, static_cast<std::size_t>(n)));
     upload.bytes_ += static_cast<std::uint64_t>(n);
   }
-  if (ftruncate(upload.file_.get(), static_cast<off_t>(offset)) != 0) return disk_error(errno);
+  if (offset > 0 && ftruncate(upload.file_.get(), static_cast<off_t>(offset)) != 0)
+    return disk_error(errno);
   const std::lock_guard lock(state_->mutex);
   if (State::Entry* entry = state_->entry_of(digest, writer)) entry->bytes = offset;
   return upload;

@@ -103,6 +103,20 @@ TEST_F(AssetStoreTest, ContinuesABrokenUpload) {
   EXPECT_EQ(get("abcdef"), "abcdef");
 }
 
+TEST_F(AssetStoreTest, AnUploadFromTheBeginningDiscardsTheBytesOfTheLast) {
+  const std::string digest = sha256("abcdef");
+  {
+    auto upload = store_->upload(digest, 8, 0);
+    ASSERT_TRUE(upload.ok());
+    ASSERT_TRUE(upload->append("XXXXXXXX").ok());
+  }
+  auto upload = store_->upload(digest, 6, 0);
+  ASSERT_TRUE(upload.ok()) << upload.status();
+  ASSERT_TRUE(upload->append("abcdef").ok());
+  ASSERT_TRUE(upload->finish().ok());
+  EXPECT_EQ(get("abcdef"), "abcdef");
+}
+
 TEST_F(AssetStoreTest, DoesNotContinueBeyondItsBytes) {
   EXPECT_EQ(store_->upload(sha256("abcdef"), 6, 1).status().code(),
             absl::StatusCode::kInvalidArgument);
