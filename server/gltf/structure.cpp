@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <set>
 
@@ -16,6 +17,8 @@ constexpr std::uint64_t kMostElements = 0xffff'ffff;
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;
 /// tinygltf holds these offsets in an int.
 constexpr std::uint64_t kMostSparseOffset = 0x7fff'ffff;
+/// Quaternions of eight-bit numbers differ that much from unit length.
+constexpr double kLengthTolerance = 0.01;
 
 /// The number of elements of the array `key`; 0 if it is missing.
 std::size_t count_of(const View& root, std::string_view key) {
@@ -103,6 +106,18 @@ void check_mesh(const View& mesh, std::size_t accessors, std::size_t materials) 
   check_numbers(mesh, "weights");
 }
 
+/// The member "rotation" of a node.
+void check_rotation(const View& node) {
+  const auto rotation = node.find("rotation");
+  if (!rotation) return;
+  double square = 0;
+  for (const double x : rotation->numbers(4, {-1e9, 1e9})) square += x * x;
+  const double length = std::sqrt(square);
+  if (std::fabs(length - 1) > kLengthTolerance)
+    rotation->fail(
+        fmt::format("found a quaternion of length {:.6g}, allowed: a unit quaternion", length));
+}
+
 void check_node(const View& node, const View& root) {
   node.require_object();
   node.text("name", "");
@@ -112,9 +127,7 @@ void check_node(const View& node, const View& root) {
   if (const auto matrix = node.find("matrix")) matrix->numbers(16);
   node.numbers("translation", {0, 0, 0});
   node.numbers("scale", {1, 1, 1});
-  const std::vector<double> rotation = node.numbers("rotation", {0, 0, 0, 1}, {-1e9, 1e9});
-  if (std::all_of(rotation.begin(), rotation.end(), [](double x) { return x == 0; }))
-    node.at("rotation").fail("found a quaternion of 0, allowed: a unit quaternion");
+  check_rotation(node);
   check_numbers(node, "weights");
 }
 
@@ -214,6 +227,10 @@ void check_structure(const View& root) {
   for_each(root, "cameras", check_camera);
   for_each(root, "skins", [&](const View& s) { check_skin(s, nodes, accessors); });
   for_each(root, "animations", [&](const View& a) { check_animation(a, nodes, accessors); });
+  for (const char* name : {"KHR_lights_punctual", "EXT_lights_ies", "EXT_lights_image_based"}) {
+    if (const auto extension = root.extension(name))
+      for_each(*extension, "lights", [](const View& light) { light.require_object(); });
+  }
 }
 
 void check_extensions(const View& root) {

@@ -74,7 +74,15 @@ TEST(GltfBadFiles, WrongTypesAndIndices) {
   EXPECT_EQ(error_with("/nodes/0/translation", {1, 2}),
             "scene.gltf#/nodes/0/translation: found an array of 2, allowed: an array of 3");
   EXPECT_EQ(error_with("/nodes/0/rotation", {0, 0, 0, 0}),
-            "scene.gltf#/nodes/0/rotation: found a quaternion of 0, allowed: a unit quaternion");
+            "scene.gltf#/nodes/0/rotation: found a quaternion of length 0, allowed: a unit "
+            "quaternion");
+  EXPECT_EQ(error_with("/nodes/0/rotation", {0, 0, 0.6, 0.9}),
+            "scene.gltf#/nodes/0/rotation: found a quaternion of length 1.08167, allowed: a unit "
+            "quaternion");
+  EXPECT_EQ(error_with("/extensions", {{"KHR_lights_punctual", {{"lights", 5}}}}),
+            "scene.gltf#/extensions/KHR_lights_punctual/lights: found 5, allowed: an array");
+  EXPECT_EQ(error_with("/extensions", {{"EXT_lights_ies", {{"lights", {1, 2}}}}}),
+            "scene.gltf#/extensions/EXT_lights_ies/lights/0: found 1, allowed: an object");
   EXPECT_EQ(error_with("/accessors/0/componentType", 5124),
             "scene.gltf#/accessors/0/componentType: found 5124, allowed: 5120 to 5123, 5125, 5126");
   EXPECT_EQ(error_with("/accessors/0/count", -1),
