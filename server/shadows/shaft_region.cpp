@@ -12,9 +12,10 @@ namespace {
 using Vector = Vec3<double>;
 using Kind = LightOutline::Kind;
 
-/// The least distance at which shadow rays end before a flat light, for each metre of
-/// coordinate and ray: 16 roundings of its position (ray.cpp), minus the rounding there.
-constexpr double kEndsBefore = 12 * kFloatRoundoff;
+/// Surfaces so near before a flat light count as its plane, for each metre of coordinate and ray: a
+/// ceiling in the plane of its lamp has the rounding of both.  Shadow rays end up to four times as
+/// far before the light, so they pass obstacles there that the shaft has.
+constexpr double kInPlane = 4 * kFloatRoundoff;
 /// The largest distance of a shadow ray from its exact path, for each metre of coordinate and
 /// ray.  Both ends are rounded, and the end is moved by 16 roundings along each axis.  Embree
 /// finds surfaces to within as many roundings.
@@ -95,7 +96,7 @@ bool add_flat(const LightOutline& light, ShaftRegion& shaft) {
   const Vector away = height > 0 ? -light.axis : light.axis;
   double nearest = Bounds::kInfinity;
   for (const Vector& c : light.corners) nearest = std::fmin(nearest, dot(away, c));
-  shaft.add(away, nearest - kEndsBefore * (least_coordinate(light.corners) + std::fabs(height)));
+  shaft.add(away, nearest - kInPlane * (least_coordinate(light.corners) + std::fabs(height)));
   add_box(light.corners, slack, shaft);
   return true;
 }

@@ -28,6 +28,7 @@ void Questioner::release() {
   q.set_scene_id(id_);
   v1::ReleaseSceneResponse r;
   EXPECT_TRUE(status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, q, &r); }).ok());
+  id_.clear();
 }
 
 Verdict Questioner::judge(const Truth& truth, const Question& question) {

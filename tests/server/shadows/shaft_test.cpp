@@ -106,6 +106,23 @@ TEST(Shaft, FindsAnObstacleBeforeACornerOfTheLight) {
   }
 }
 
+// Shadow rays end 16 roundings before a light.  An answer without rays would claim to be exact.
+TEST(Shaft, FindsAnObstacleBetweenTheEndsOfRaysAndTheLight) {
+  constexpr double kHeight = 1e6;
+  for (const double below : {0.5, 0.0}) {
+    const double z = kHeight - below;
+    SceneDescription d = testing::description();
+    d.shapes = {
+        emissive(patch({-9, -9, kHeight}, {-9, 9, kHeight}, {9, -9, kHeight}, {9, 9, kHeight}), 10),
+        patch({-99, -99, z}, {-99, 99, z}, {99, -99, z}, {99, 99, z}),
+        // So that the scene keeps its origin.
+        testing::floor(9, -kHeight)};
+    EXPECT_EQ(is_empty(*build(std::move(d)), receiver_at({0, 0, kHeight - 1000}, {0, 0, 1})),
+              below == 0)
+        << below << " m below the light";
+  }
+}
+
 TEST(Shaft, IgnoresSurfacesBehindTheLightOrBelowTheHorizon) {
   SceneDescription d = testing::description();
   d.shapes = {emissive(testing::floor(0.5, 1), 5, true), testing::floor(9, 1.5),
