@@ -33,19 +33,20 @@ std::shared_ptr<const Scene> few_lights() {
   return build(std::move(d));
 }
 
-/// Three lamps, a bulb and a sun over a bright floor, with a board in the way.
+/// Three lamps, a bulb and a sun over a bright floor, with a board in the way.  The lamps are so
+/// large that reflected directions find them often.
 std::shared_ptr<const Scene> several_lamps() {
   SceneDescription d = testing::description(0.8);
-  d.shapes = {
-      testing::floor(20), testing::patch({0.5, -1, 1}, {2, -1, 1}, {0.5, 1, 1}, {2, 1, 1}),
-      testing::emissive(testing::patch({-1, -1, 3}, {-1, 1, 3}, {1, -1, 3}, {1, 1, 3}), 5),
-      testing::emissive(testing::patch({-3, -1, 2}, {-3, 1, 2}, {-3, -1, 3}, {-3, 1, 3}), 2, true),
-      testing::emissive(
-          testing::shape(SphereParams{.radius_m = 0.5,
-                                      .world_from_object = Transform::translate({3, 0.5, 2})}),
-          8)};
-  d.lights = {testing::point_light({2, 0, 3}, 5)};
-  d.lights.push_back({DistantLightParams{.illuminance_lx = Rgb<double>(1, 1, 1)}, {}});
+  d.shapes = {testing::floor(20), testing::patch({0.5, -1, 1}, {2, -1, 1}, {0.5, 1, 1}, {2, 1, 1}),
+              testing::emissive(testing::patch({-4, -4, 3}, {-4, 4, 3}, {4, -4, 3}, {4, 4, 3}), 1),
+              testing::emissive(
+                  testing::patch({-3, -3, 0.5}, {-3, 3, 0.5}, {-3, -3, 3}, {-3, 3, 3}), 2, true),
+              testing::emissive(
+                  testing::shape(SphereParams{
+                      .radius_m = 0.8, .world_from_object = Transform::translate({3, 0.5, 1.2})}),
+                  3)};
+  d.lights = {testing::point_light({2, 0, 2.5}, 1)};
+  d.lights.push_back({DistantLightParams{.illuminance_lx = Rgb<double>(0.5, 0.5, 0.5)}, {}});
   return build(std::move(d));
 }
 
