@@ -71,7 +71,8 @@ test-slurm: programs
 
 # Prints the table of docs/performance.md.  Requires an idle machine.  ROWS: some of them, such as "load version".
 bench: release
-	@cmake --build --preset release --target lucernad lucerna visibility_bench wire_bench textured_load_bench many_lights_bench
+	@cmake --build --preset release --target lucernad lucerna visibility_bench wire_bench textured_load_bench many_lights_bench \
+	  path_bench equal_error_bench
 	@tests/bench/performance.py build/release $(ROWS)
 
 # Prints the time of the parts: rays, tiles, lights, one light.

@@ -14,6 +14,7 @@ import resource
 import statistics
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/e2e"))
@@ -21,6 +22,12 @@ from server_process import ServerProcess  # noqa: E402
 
 TIMEOUT_S = 3600  # ends programs that hang
 STARTS = 21
+RENDERS = 3
+ANSWERS = 5
+EMBREE_MODELS = pathlib.Path("/usr/share/doc/embree3/models")
+# The processor time of `irradiance` before paths drew their lights and kept a small weight [s], on the machine of
+# docs/performance.md.
+IRRADIANCE_BEFORE_S = 4.93
 
 
 class Bench:
@@ -91,6 +98,56 @@ def load(bench):
     return f"{server:.2f} of {hand:.2f} s", ratio, ratio <= 1.5
 
 
+def paths(bench):
+    """Millions of rays for each second of the processor: `path_bench`, and Embree's `pathtracer`, in turns."""
+    ours, embree = [], []
+    with tempfile.TemporaryDirectory() as folder:
+        scene = pathlib.Path(folder) / "embree_cornell.pbrt"
+        scene.write_text(subprocess.run([ROOT / "tests/bench/embree_cornell.py"], capture_output=True, text=True,
+                                        check=True, timeout=TIMEOUT_S).stdout)
+        for _ in range(RENDERS):
+            out = subprocess.run([bench.build / "tests/bench/path_bench", scene, "16", "1"], capture_output=True,
+                                 text=True, check=True, timeout=TIMEOUT_S).stdout
+            ours.append(float(re.match(r"([\d.]+) Mray/s", out)[1]))
+            embree.append(embree_paths())
+    ratio = statistics.median(ours) / statistics.median(embree)
+    return f"{statistics.median(ours):.2f} of {statistics.median(embree):.2f} Mray/s", ratio, ratio >= 0.8
+
+
+def embree_paths():
+    """Millions of rays for each second of the processor that Embree's `pathtracer` traces."""
+    warm_up, frames = 1, 4
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    out = subprocess.run(
+        ["pathtracer", "-c", "cornell_box.ecs", "--size", "512", "512", "--spp", "16", "--benchmark", str(warm_up),
+         str(frames)], cwd=EMBREE_MODELS, capture_output=True, text=True, check=True, timeout=TIMEOUT_S).stdout
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    rate, pictures = (float(re.search(rf"BENCHMARK_RENDER_{name} ([\d.]+)", out)[1]) for name in ("MRAYPS_AVG", "AVG"))
+    return rate / pictures * (warm_up + frames) / (after.ru_utime - before.ru_utime)
+
+
+def equal_error(name, target):
+    def measure(bench):
+        times, = bench.ratio("equal_error_bench", rf"\nlights: [^\n]*{name} ([\d.]+)")
+        return f"{times} of {target} times", float(times) / target, float(times) >= target
+    return measure
+
+
+def irradiance(bench):
+    """Processor time of 325 points in an office to an error of 1%, with all reflections."""
+    times = []
+    with tempfile.TemporaryDirectory() as folder:
+        points = pathlib.Path(folder) / "points.csv"
+        points.write_text("".join(f"{0.5 + 0.25 * i},{0.5 + 0.25 * j},0.8,0,0,1\n" for j in range(13) for i in range(25)))
+        with ServerProcess(bench.build, ROOT / "tests/bench", "--load", "office.pbrt") as server:
+            for _ in range(ANSWERS):
+                answer = server.ask("irradiance", "office.pbrt", "--points", points, "--error", "1%")
+                times.append(answer["cost"]["cpuTimeS"])
+    target = IRRADIANCE_BEFORE_S / 3
+    figure = statistics.median(times)
+    return f"{figure:.2f} of {target:.2f} s", figure / target, figure <= target
+
+
 def version(bench):
     ms = bench.processor_ms("--version")
     return f"{ms:.0f} of 20 ms", ms / 20, ms <= 20
@@ -124,6 +181,14 @@ ROWS = {
     "coherent": visibility_row("coherent", False, 0.8),
     "random_exact": visibility_row("random", True, 1.2),
     "coherent_exact": visibility_row("coherent", True, 0.95),
+    "paths": ("paths in Embree's Cornell box, one core", "Embree's `pathtracer`: at least 0.8 times",
+              "path_bench embree_cornell.pbrt 16", paths),
+    "error_least": ("time to equal error, 21 scenes of lights, the least", "pbrt-v4: at least 3 times faster",
+                    "equal_error_bench", equal_error("least", 3)),
+    "error_mean": ("the same, geometric mean", "pbrt-v4: at least 8 times faster", "equal_error_bench",
+                   equal_error("geometric mean", 8)),
+    "irradiance": ("irradiance of 325 points with all reflections at 1%, processor time", "a third of the time before",
+                   "lucerna irradiance office.pbrt --points FILE --error 1%", irradiance),
     "point": ("SampleLi over loopback, a point light", "an echo of the same bytes: at least 0.8 times",
               "wire_bench 5 point", wire("point", 0.8)),
     "sphere": ("SampleLi over loopback, a spherical light", "an echo of the same bytes: at least 0.5 times",

@@ -56,6 +56,9 @@ enum class Spending {
   kDrawn,
   /// As kDrawn, for all lights except delta lights.
   kAreasDrawn,
+  /// As kEach for delta lights.  Samples points on one of the other lights, which the light tree
+  /// chooses.
+  kOneArea,
 };
 
 /// Upper bounds of a light's illuminance, if samples choose the light with this probability.
@@ -98,8 +101,9 @@ class DirectLight {
   /// Number of delta lights that take the time of one sample of drawn lights.
   static constexpr std::uint64_t kSettledPerSample = 12;
 
-  /// The distribution at the vertices of paths.
-  Spending spending() const { return spending_; }
+  /// The distribution at the vertices of paths, by the number of reflections between the vertex and
+  /// the camera or receiver.
+  Spending spending(std::uint32_t depth) const { return depth == 0 ? spending_ : later_spending_; }
   /// The distribution at a receiver with this number of samples.  By default, one ray settles each
   /// delta light if this does not cost more than the samples.  The samples are then used for the
   /// other lights.
@@ -196,6 +200,7 @@ class DirectLight {
   Methods methods_;
   LightVisibility visibility_;
   Spending spending_;
+  Spending later_spending_;  ///< after a reflection
   std::size_t deltas_ = 0;
   std::uint32_t candidates_ = 1;
 };

@@ -68,7 +68,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
 
     if (!scattering || !scattering->all_delta())
       direct_.sample(
-          direct_.spending(), hit, wo, depth, sample, settled, work,
+          direct_.spending(depth), hit, wo, depth, sample, settled, work,
           [&](std::uint32_t, const LightEstimate& e) {
             sum.value += throughput * e.value;
             sum.unshadowed += throughput * e.unshadowed;
@@ -93,7 +93,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     if (last && !finds) return sum;
     if (depth >= (endless_ ? kSafeDepth : kLongDepth)) {
       // Below 1 even if nothing is absorbed, so that every path ends.
-      const double survival = std::min(0.95, throughput.max_component());
+      const double survival = std::min(0.95, throughput.max_component() / kWeight);
       if (sample.at(depth, PathSample::kSurvival).x >= survival) return sum;
       throughput = throughput / survival;
     }
@@ -113,7 +113,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       const double weight =
           next_direction.is_single
               ? 1
-              : direct_.found_weight(direct_.spending(), hit, wo, ray, next, light,
+              : direct_.found_weight(direct_.spending(depth), hit, wo, ray, next, light,
                                      next_direction.pdf, scattering ? &*scattering : nullptr);
       sum.value += throughput * le * weight;
       sum.unshadowed += throughput * le * weight;

@@ -33,6 +33,23 @@ std::shared_ptr<const Scene> few_lights() {
   return build(std::move(d));
 }
 
+/// Three lamps, a bulb and a sun over a bright floor, with a board in the way.  The lamps are so
+/// large that reflected directions find them often.
+std::shared_ptr<const Scene> several_lamps() {
+  SceneDescription d = testing::description(0.8);
+  d.shapes = {testing::floor(20), testing::patch({0.5, -1, 1}, {2, -1, 1}, {0.5, 1, 1}, {2, 1, 1}),
+              testing::emissive(testing::patch({-4, -4, 3}, {-4, 4, 3}, {4, -4, 3}, {4, 4, 3}), 1),
+              testing::emissive(
+                  testing::patch({-3, -3, 0.5}, {-3, 3, 0.5}, {-3, -3, 3}, {-3, 3, 3}), 2, true),
+              testing::emissive(
+                  testing::shape(SphereParams{
+                      .radius_m = 0.8, .world_from_object = Transform::translate({3, 0.5, 1.2})}),
+                  3)};
+  d.lights = {testing::point_light({2, 0, 2.5}, 1)};
+  d.lights.push_back({DistantLightParams{.illuminance_lx = Rgb<double>(0.5, 0.5, 0.5)}, {}});
+  return build(std::move(d));
+}
+
 std::string name_of(const Methods& m) {
   return "selection " + std::to_string(int(m.light_selection)) + ", combination " +
          std::to_string(int(m.combination)) + ", sampler " + std::to_string(int(m.sampler)) +
@@ -87,6 +104,27 @@ TEST(Methods, GiveTheSameDirectLightOfFewLights) {
 
 TEST(Methods, GiveTheSameReflectedLightOfFewLights) {
   expect_same_irradiance(*few_lights(), {1, 0.2, 0}, 2, 4096);
+}
+
+TEST(Methods, GiveTheSameReflectedLightOfSeveralLamps) {
+  expect_same_irradiance(*several_lamps(), {1, 0.2, 0}, 3, 8192);
+}
+
+TEST(Methods, OneOfSeveralLampsIsDrawnAfterAReflection) {
+  const auto scene = several_lamps();
+  const auto rays = [&](LightSelection selection) {
+    const IrradiancePoint point{
+        Vec3<double>(1, 0.2, 0) - scene->origin(), {1e-5F, 1e-5F, 1e-5F}, {0, 0, 1}};
+    const IrradianceSettings settings{.samples_per_block = 64,
+                                      .block_count = 16,
+                                      .bounces = 3,
+                                      .methods = {.light_selection = selection,
+                                                  .combination = Combination::kLights,
+                                                  .closed_forms = ClosedForms::kOff}};
+    const WorkCounts work = estimate_irradiance(*scene, std::span(&point, 1), settings, {}).work;
+    return static_cast<double>(work.shadow_rays) / static_cast<double>(work.indirect_rays);
+  };
+  EXPECT_LT(rays(LightSelection::kAutomatic), 0.9 * rays(LightSelection::kAll));
 }
 
 TEST(Methods, GiveTheSameDirectLightOfEveryKindOfLight) {
