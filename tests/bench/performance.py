@@ -27,7 +27,7 @@ ANSWERS = 5
 EMBREE_MODELS = pathlib.Path("/usr/share/doc/embree3/models")
 # The processor time of `irradiance` before paths drew their lights and kept a small weight [s], on the machine of
 # docs/performance.md.
-IRRADIANCE_BEFORE_S = 4.93
+IRRADIANCE_BEFORE_S = 4.84
 
 
 class Bench:
@@ -138,7 +138,8 @@ def irradiance(bench):
     times = []
     with tempfile.TemporaryDirectory() as folder:
         points = pathlib.Path(folder) / "points.csv"
-        points.write_text("".join(f"{0.5 + 0.25 * i},{0.5 + 0.25 * j},0.8,0,0,1\n" for j in range(13) for i in range(25)))
+        points.write_text("".join(f"{0.5 + 0.25 * i},{0.5 + 0.25 * j},0.8,0,0,1\n"
+                                  for j in range(13) for i in range(25)))
         with ServerProcess(bench.build, ROOT / "tests/bench", "--load", "office.pbrt") as server:
             for _ in range(ANSWERS):
                 answer = server.ask("irradiance", "office.pbrt", "--points", points, "--error", "1%")
