@@ -159,14 +159,14 @@ class Walker {
       const Rgb<double>* reflectance = scene_.plain_diffuse(hit->material);
       if (reflectance != nullptr && reflectance->is_black()) return;
       Receiver<double> receiver(hit->position);
-      receiver.normal = Vec3<double>(dot(hit->ns, wo) < 0 ? -hit->ns : hit->ns);
+      receiver.normal = dot(hit->ns, Vec3<double>(wo)) < 0 ? -hit->ns : hit->ns;
       receiver.area_sampling = settings_.methods.area_sampling;
       receiver.incomplete = true;
       sample_lights(receiver, depth, sample, questions);
       const bool last = depth >= *settings_.bounces;
       if (last && !scene_.has_visible_lights()) return;
-      const Vec3<float> wi =
-          PathTracer::cosine_direction(hit->ns, wo, sample.at(depth, PathSample::kDirection));
+      const Vec3<float> wi = PathTracer::cosine_direction(Vec3<float>(hit->ns), wo,
+                                                          sample.at(depth, PathSample::kDirection));
       const Ray ray = spawn_ray(*hit, wi);
       ++work_.indirect_rays;
       hit = scene_.closest_hit(ray);
@@ -183,9 +183,16 @@ class Walker {
       q.receiver = receiver;
       q.u = {u.x, u.y};
     };
-    if (tracer_.direct().spending() != Spending::kDrawn) {
+    const Spending spending = tracer_.direct().spending(depth);
+    if (spending != Spending::kDrawn) {
       const Vec2<float> u = sample.at(depth, PathSample::kLightPoint);
-      for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) record(l, u);
+      const bool draws = spending == Spending::kOneArea;
+      for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
+        if (!draws || is_delta(scene_.lights()[l])) record(l, u);
+      if (!draws) return;
+      const auto choice = scene_.area_selector().choose(
+          LightSelection::kBvh, receiver, choosing_value(sample.at(depth, PathSample::kLight)));
+      if (choice) record(choice->light, u);
       return;
     }
     for (std::uint32_t j = 0; j < DirectLight::kCandidates; ++j) {
