@@ -7,56 +7,28 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <string_view>
 #include <utility>
+
+#include "server/pictures/exr_header.h"
+#include "server/pictures/picture_checks.h"
 
 namespace lucerna {
 namespace {
 
 constexpr int kMaxChannels = 64;
 
-absl::Status bad(const AssetContent& content, const std::string& what) {
-  return absl::InvalidArgumentError(content.name + ": " + what);
-}
-
-/// The extension in lower case with its dot; empty for unknown formats.  OpenImageIO reads more
-/// formats, such as films and archives, but a server should open only the formats that it needs.
-std::string known_extension(const std::string& name) {
-  std::string extension = std::filesystem::path(name).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) {
-    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  });
-  constexpr std::array<std::string_view, 8> kKnown{".exr", ".hdr",  ".pfm", ".png",
-                                                   ".tif", ".tiff", ".jpg", ".jpeg"};
-  return std::ranges::find(kKnown, extension) != kKnown.end() ? extension : "";
-}
-
-/// Text from a file, made printable for messages.
-std::string shown(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text.substr(0, 200);
-}
-
-/// The first line of a message of OpenImageIO.  Its messages name temporary files, quote their
-/// content, and may be long.
-std::string first_line(const std::string& text) { return shown(text.substr(0, text.find('\n'))); }
-
 absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec,
                         std::uint64_t max_texels) {
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
-    return bad(content, fmt::format("{} x {} texels of {} channels, allowed: at least 1 x 1 of 1, "
-                                    "in one plane",
-                                    spec.width, spec.height, spec.nchannels));
-  const auto texels =
-      static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
-  if (texels > max_texels)
-    return absl::ResourceExhaustedError(fmt::format("{}: {} x {} texels, allowed: {} in all",
-                                                    content.name, spec.width, spec.height,
-                                                    max_texels));
+    return bad_picture(content,
+                       fmt::format("{} x {} texels of {} channels, allowed: at least 1 x 1 of 1, "
+                                   "in one plane",
+                                   spec.width, spec.height, spec.nchannels));
+  LUCERNA_RETURN_IF_ERROR(check_texels(content, spec.width, spec.height, max_texels));
   if (spec.nchannels > kMaxChannels)
-    return bad(content, fmt::format("{} channels, allowed: 1 to {}", spec.nchannels, kMaxChannels));
+    return bad_picture(content,
+                       fmt::format("{} channels, allowed: 1 to {}", spec.nchannels, kMaxChannels));
   return absl::OkStatus();
 }
 
@@ -125,9 +97,10 @@ absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
                                           const ImageOptions& options) {
   const std::string extension = known_extension(content.name);
   if (extension.empty())
-    return bad(content,
-               "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
+    return bad_picture(content,
+                       "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
   if (options.stop.stop_requested()) return absl::CancelledError("loading was cancelled");
+  if (extension == ".exr") LUCERNA_RETURN_IF_ERROR(check_exr_header(content, options.max_texels));
   ImageFile file(content, options);
   // Chosen only by the format: with a file name, OpenImageIO would look for that file.
   file.input_ = OIIO::ImageInput::create(extension.substr(1));
@@ -153,10 +126,7 @@ absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
 }
 
 absl::Status ImageFile::unreadable() const {
-  const std::string why = input_->geterror();
-  return bad(*content_, fmt::format("cannot be read as an image{}{}, allowed: a complete {} file",
-                                    why.empty() ? "" : ": ", first_line(why),
-                                    known_extension(content_->name)));
+  return unreadable_picture(*content_, input_->geterror());
 }
 
 std::optional<std::array<int, 3>> ImageFile::colour_channels() const {
