@@ -50,7 +50,7 @@ std::int64_t read(exr_const_context_t, void* file, void* to, std::uint64_t size,
 }  // namespace
 
 absl::Status check_exr_header(const AssetContent& content, std::uint64_t max_texels) {
-  HeaderFile file{content.bytes};
+  HeaderFile file{content.bytes, EXR_ERR_SUCCESS, ""};
   exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
   options.error_handler_fn = &keep_first_error;
   options.user_data = &file;
