@@ -173,12 +173,15 @@ bool ImageFile::read_rows(std::size_t first, std::size_t rows, int low, int high
     return input_->read_tiles(0, 0, spec_.x, spec_.x + spec_.width, begin, end, spec_.z,
                               spec_.z + 1, low, high + 1, type, to);
   const std::size_t values = rows * width() * static_cast<std::size_t>(high - low + 1);
-  if (spec_.format == type || !spec_.channelformats.empty() ||
-      values > std::numeric_limits<int>::max())
+  if (!spec_.channelformats.empty() || values > std::numeric_limits<int>::max())
     return input_->read_scanlines(0, 0, begin, end, spec_.z, low, high + 1, type, to);
-  // OpenImageIO converts in a buffer of 64 MiB, which it allocates for each band.
+  // read_scanlines() does the same through a buffer of 64 MiB, which it allocates for each band.
+  const auto read_native = [&](void* rows_to) {
+    return input_->read_native_scanlines(0, 0, begin, end, spec_.z, low, high + 1, rows_to);
+  };
+  if (spec_.format == type) return read_native(to);
   stored_.resize(values * spec_.format.size());
-  return input_->read_native_scanlines(0, 0, begin, end, spec_.z, low, high + 1, stored_.data()) &&
+  return read_native(stored_.data()) &&
          OIIO::convert_pixel_values(spec_.format, stored_.data(), type, to,
                                     static_cast<int>(values));
 }
