@@ -61,8 +61,8 @@ absl::Status check_exr_header(const AssetContent& content, std::uint64_t max_tex
   const absl::Cleanup finish = [&] {
     if (context != nullptr) exr_finish(&context);
   };
-  // The C library skips an attribute of a wrong size, and the C++ library does not.
-  if (result != EXR_ERR_SUCCESS || file.code == EXR_ERR_ATTR_SIZE_MISMATCH)
+  // The C library skips a wrong attribute, and the C++ library reads it.
+  if (result != EXR_ERR_SUCCESS || file.code != EXR_ERR_SUCCESS)
     return unreadable_picture(content, file.message);
   int parts = 0;
   exr_get_count(context, &parts);

@@ -112,6 +112,11 @@ TEST(ExrHeader, AnAttributeBehindAnotherOfAWrongSizeIsNotRead) {
                         size));
 }
 
+TEST(ExrHeader, AnAttributeWithoutATypeIsRefused) {
+  EXPECT_THAT(message(decoded(exr_with(attribute("a", "", 1900000000)))),
+              HasSubstr("empty string encountered parsing attribute type for attribute 'a'"));
+}
+
 TEST(ExrHeader, ASizeBelowZeroIsRefused) {
   EXPECT_THAT(message(decoded(exr_with(attribute("a", "unknown", -5)))),
               HasSubstr("Attribute 'a', type 'unknown': Invalid negative size -5"));
