@@ -7,56 +7,29 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
+#include <limits>
 #include <string_view>
 #include <utility>
+
+#include "server/pictures/exr_header.h"
+#include "server/pictures/picture_checks.h"
 
 namespace lucerna {
 namespace {
 
 constexpr int kMaxChannels = 64;
 
-absl::Status bad(const AssetContent& content, const std::string& what) {
-  return absl::InvalidArgumentError(content.name + ": " + what);
-}
-
-/// The extension in lower case with its dot; empty for unknown formats.  OpenImageIO reads more
-/// formats, such as films and archives, but a server should open only the formats that it needs.
-std::string known_extension(const std::string& name) {
-  std::string extension = std::filesystem::path(name).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) {
-    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  });
-  constexpr std::array<std::string_view, 8> kKnown{".exr", ".hdr",  ".pfm", ".png",
-                                                   ".tif", ".tiff", ".jpg", ".jpeg"};
-  return std::ranges::find(kKnown, extension) != kKnown.end() ? extension : "";
-}
-
-/// Text from a file, made printable for messages.
-std::string shown(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text.substr(0, 200);
-}
-
-/// The first line of a message of OpenImageIO.  Its messages name temporary files, quote their
-/// content, and may be long.
-std::string first_line(const std::string& text) { return shown(text.substr(0, text.find('\n'))); }
-
 absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec,
                         std::uint64_t max_texels) {
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
-    return bad(content, fmt::format("{} x {} texels of {} channels, allowed: at least 1 x 1 of 1, "
-                                    "in one plane",
-                                    spec.width, spec.height, spec.nchannels));
-  const auto texels =
-      static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
-  if (texels > max_texels)
-    return absl::ResourceExhaustedError(fmt::format("{}: {} x {} texels, allowed: {} in all",
-                                                    content.name, spec.width, spec.height,
-                                                    max_texels));
+    return bad_picture(content,
+                       fmt::format("{} x {} texels of {} channels, allowed: at least 1 x 1 of 1, "
+                                   "in one plane",
+                                   spec.width, spec.height, spec.nchannels));
+  LUCERNA_RETURN_IF_ERROR(check_texels(content, spec.width, spec.height, max_texels));
   if (spec.nchannels > kMaxChannels)
-    return bad(content, fmt::format("{} channels, allowed: 1 to {}", spec.nchannels, kMaxChannels));
+    return bad_picture(content,
+                       fmt::format("{} channels, allowed: 1 to {}", spec.nchannels, kMaxChannels));
   return absl::OkStatus();
 }
 
@@ -125,9 +98,10 @@ absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
                                           const ImageOptions& options) {
   const std::string extension = known_extension(content.name);
   if (extension.empty())
-    return bad(content,
-               "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
+    return bad_picture(content,
+                       "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
   if (options.stop.stop_requested()) return absl::CancelledError("loading was cancelled");
+  if (extension == ".exr") LUCERNA_RETURN_IF_ERROR(check_exr_header(content, options.max_texels));
   ImageFile file(content, options);
   // Chosen only by the format: with a file name, OpenImageIO would look for that file.
   file.input_ = OIIO::ImageInput::create(extension.substr(1));
@@ -153,10 +127,7 @@ absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
 }
 
 absl::Status ImageFile::unreadable() const {
-  const std::string why = input_->geterror();
-  return bad(*content_, fmt::format("cannot be read as an image{}{}, allowed: a complete {} file",
-                                    why.empty() ? "" : ": ", first_line(why),
-                                    known_extension(content_->name)));
+  return unreadable_picture(*content_, input_->geterror());
 }
 
 std::optional<std::array<int, 3>> ImageFile::colour_channels() const {
@@ -201,7 +172,18 @@ bool ImageFile::read_rows(std::size_t first, std::size_t rows, int low, int high
   if (spec_.tile_width > 0)
     return input_->read_tiles(0, 0, spec_.x, spec_.x + spec_.width, begin, end, spec_.z,
                               spec_.z + 1, low, high + 1, type, to);
-  return input_->read_scanlines(0, 0, begin, end, spec_.z, low, high + 1, type, to);
+  const std::size_t values = rows * width() * static_cast<std::size_t>(high - low + 1);
+  if (!spec_.channelformats.empty() || values > std::numeric_limits<int>::max())
+    return input_->read_scanlines(0, 0, begin, end, spec_.z, low, high + 1, type, to);
+  // read_scanlines() does the same through a buffer of 64 MiB, which it allocates for each band.
+  const auto read_native = [&](void* rows_to) {
+    return input_->read_native_scanlines(0, 0, begin, end, spec_.z, low, high + 1, rows_to);
+  };
+  if (spec_.format == type) return read_native(to);
+  stored_.resize(values * spec_.format.size());
+  return read_native(stored_.data()) &&
+         OIIO::convert_pixel_values(spec_.format, stored_.data(), type, to,
+                                    static_cast<int>(values));
 }
 
 std::vector<ImageRemark> ImageFile::remarks() {

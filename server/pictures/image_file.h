@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -74,6 +75,7 @@ class ImageFile {
   std::shared_ptr<MemoryFile> file_;
   std::unique_ptr<OIIO::ImageInput> input_;  // last of these members: closed first
   OIIO::ImageSpec spec_;
+  std::vector<std::byte> stored_;  ///< a band as the file stores it
 };
 
 template <typename Value, typename Use>
@@ -81,7 +83,9 @@ absl::Status ImageFile::for_each_band(int low, int high, OIIO::TypeDesc type, Us
   const std::size_t most_rows = std::min(rows_at_once(), height());
   const std::size_t per_row = width() * static_cast<std::size_t>(high - low + 1);
   LoadBudget::Share share(options_.budget);
-  LUCERNA_RETURN_IF_ERROR(share.resize(most_rows * per_row * sizeof(Value) + decoder_bytes()));
+  // The band as values.  If these differ from what the file stores, as that too.
+  const std::size_t value_bytes = sizeof(Value) + (spec_.format == type ? 0 : spec_.format.size());
+  LUCERNA_RETURN_IF_ERROR(share.resize(most_rows * per_row * value_bytes + decoder_bytes()));
   std::vector<Value> band(most_rows * per_row);
   for (std::size_t row = 0; row < height(); row += most_rows) {
     const std::size_t rows = std::min(most_rows, height() - row);

@@ -44,13 +44,17 @@ def run(*command, **options):
 def lines(target, patterns):
     """(lines, lines reached) of the files."""
     program = BUILD / target
-    raw, merged = BUILD / f"{target}.profraw", BUILD / f"{target}.profdata"
+    merged = BUILD / f"{target}.profdata"
+    for old in BUILD.glob(f"{target}-*.profraw"):
+        old.unlink()
     run(program, "-runs=0", ROOT / "tests/fuzz/corpus" / target,
-        env={**os.environ, "LLVM_PROFILE_FILE": str(raw), **SANITIZERS},
+        env={**os.environ, "LLVM_PROFILE_FILE": str(BUILD / f"{target}-%m.profraw"), **SANITIZERS},
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    run("llvm-profdata-16", "merge", raw, "-o", merged)
+    # The program writes one file, and the library of pictures another.
+    run("llvm-profdata-16", "merge", *BUILD.glob(f"{target}-*.profraw"), "-o", merged)
+    library = next((ROOT / "build/fuzz/bin").glob("lucerna-pictures-*.so"))
     files = sorted({path for pattern in patterns for path in ROOT.glob(pattern)})
-    out = run("llvm-cov-16", "export", program, f"-instr-profile={merged}", *files,
+    out = run("llvm-cov-16", "export", program, "-object", library, f"-instr-profile={merged}", *files,
               *(["-summary-only"] if "--lines" not in sys.argv else []),
               stdout=subprocess.PIPE).stdout
     data = json.loads(out)["data"][0]
