@@ -76,7 +76,18 @@ Way past_cylinder(const Shape& shape, const Vec& off, const End& from, const End
     if (apart.lo > reach && there.lo > reach) return Way::kFree;
     return apart.hi < -reach && there.hi < -reach ? Way::kFree : Way::kUnsure;
   }
-  if (from.on) return at_height(shape, b * Real{-2} / a, f, d, blur);
+  if (from.on) {
+    // The way's other meeting.  Rounding moves the start a little off the surface, which moves the
+    // other end of a shallow chord far.
+    const Real off_surface = std::max(std::fabs(apart.lo), std::fabs(apart.hi));
+    const Range disc = squared(b) + a * Range{-off_surface, off_surface};
+    const Range root = root_of(disc);
+    if (disc.lo <= 0 || b.has(0)) {
+      const Range both = (Range{-root.hi, root.hi} - b) / a;
+      return at_height(shape, both, f, d, blur) == Way::kFree ? Way::kFree : Way::kUnsure;
+    }
+    return at_height(shape, ((b.lo > 0 ? -root : root) - b) / a, f, d, blur);
+  }
   const Range moment = f.x * d.y - f.y * d.x;
   const Range disc = a * (r * r) - squared(moment);
   if (disc.hi < 0) return Way::kFree;
