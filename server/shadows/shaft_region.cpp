@@ -12,7 +12,7 @@ namespace {
 using Vector = Vec3<double>;
 using Kind = LightOutline::Kind;
 
-/// Surfaces so near before a flat light count as its plane, for each metre of coordinate and ray: a
+/// Surfaces so near before a flat light count as its plane, for each metre of coordinate or ray: a
 /// ceiling in the plane of its lamp has the rounding of both.  Shadow rays end up to four times as
 /// far before the light, so they pass obstacles there that the shaft has.
 constexpr double kInPlane = 4 * kFloatRoundoff;
@@ -96,7 +96,8 @@ bool add_flat(const LightOutline& light, ShaftRegion& shaft) {
   const Vector away = height > 0 ? -light.axis : light.axis;
   double nearest = Bounds::kInfinity;
   for (const Vector& c : light.corners) nearest = std::fmin(nearest, dot(away, c));
-  shaft.add(away, nearest - kInPlane * (least_coordinate(light.corners) + std::fabs(height)));
+  shaft.add(away,
+            nearest - kInPlane * std::fmax(least_coordinate(light.corners), std::fabs(height)));
   add_box(light.corners, slack, shaft);
   return true;
 }

@@ -169,6 +169,39 @@ TEST(GroundExtremes, LampsJustAboveTheGround) {
   sweep.expect_within(1e-5);
 }
 
+// Shadow rays end 16 roundings before a lamp, so they pass a sheet there.  No answer may then claim
+// to be exact.
+TEST(GroundExtremes, SheetsJustBeforeLamps) {
+  Sweep sweep(36, "points below a lamp, with a sheet 5 to 11 roundings before the lamp",
+              "coordinates of 1 ... 1e9 m, triangles and patches", "exact, but wrong");
+  std::int64_t wrong = 0, cases = 0;
+  for (int exponent = 0; exponent <= 9; ++exponent) {
+    const double z = std::pow(10.0, exponent);
+    for (const Kind kind : {Kind::kTriangles, Kind::kPatch}) {
+      for (const double roundings : {5.0, 7.0, 9.0, 11.0}) {
+        const double s = 1e-3 * z;
+        SceneDescription d = description();
+        d.shapes = {emissive(patch(kLevel.at(s, -s, z), kLevel.at(-s, -s, z), kLevel.at(s, s, z),
+                                   kLevel.at(-s, s, z)),
+                             2),
+                    rectangle(kLevel, 0.1 * z, 1, z - roundings * 0x1p-24 * z, kind),
+                    // So that the scene keeps its origin.
+                    rectangle(kLevel, s, 1, -z, kind)};
+        const auto scene = build(std::move(d));
+        std::vector<Point> points;
+        for (const double below : {0.03, 0.1, 0.3, 0.9})
+          points.push_back(kLevel.at(0, 0, z - below * z));
+        for (const IrradianceEstimate& e : direct_lx(*scene, kLevel, points)) {
+          ++cases;
+          if (e.exact && luminance(e.irradiance_lx) > 0 && ++wrong < 10)
+            ADD_FAILURE() << z << " m, " << roundings << " roundings";
+        }
+      }
+    }
+  }
+  sweep.expect_none(wrong, cases, 0);
+}
+
 TEST(GroundExtremes, VisibilityOfSamples) {
   Sweep sweep(36, "samples of a light, from points under a screen and beside it",
               "grounds of 1e3 ... 1e9 m, level and tilted, triangles and patches",
