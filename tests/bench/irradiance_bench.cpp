@@ -11,37 +11,20 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "proto/common/confidence.h"
-#include "server/assets/asset_reader.h"
+#include "proto/common/defaults.h"
 #include "server/estimate/queries/irradiance.h"
-#include "server/pbrt/load.h"
-#include "server/scene/scene.h"
+#include "tests/bench/bench_program.h"
 
 namespace lucerna {
 namespace {
 
 constexpr int kColumns = 25, kRows = 13;
-constexpr std::uint32_t kReplicates = 16;  // as EstimateIrradiance
-
-double processor_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-template <typename T>
-T value_or_throw(absl::StatusOr<T> result) {
-  if (!result.ok()) throw std::runtime_error(result.status().ToString());
-  return *std::move(result);
-}
 
 std::vector<IrradiancePoint> grid(const Scene& scene, const double (&corners)[5]) {
   std::vector<IrradiancePoint> points;
@@ -86,9 +69,7 @@ void print_accuracy(const Scene& scene, const std::vector<IrradiancePoint>& poin
 
 int run(const std::filesystem::path& file, const double (&corners)[5], double error, int repeats,
         int seeds) {
-  auto assets = value_or_throw(AssetReader::open(std::filesystem::absolute(file).parent_path()));
-  const auto scene =
-      value_or_throw(Scene::build(value_or_throw(load_pbrt(assets, file.filename().string(), {}))));
+  const auto scene = load_scene(file);
   const std::vector<IrradiancePoint> points = grid(*scene, corners);
   const IrradianceSettings settings{.block_count = kReplicates,
                                     .target = TargetError{.relative = error}};
@@ -135,10 +116,14 @@ int main(int argc, char** argv) {
   try {
     if (argc < 7)
       throw std::runtime_error("SCENE.pbrt X0 Y0 X1 Y1 Z [ERROR [REPEATS [REFERENCE_SEEDS]]]");
+    const auto number = [&](int i, const char* name, double least, double most, double otherwise) {
+      return argc > i ? lucerna::number_of(name, argv[i], least, most) : otherwise;
+    };
     double corners[5];
-    for (int i = 0; i < 5; ++i) corners[i] = std::atof(argv[2 + i]);
-    return lucerna::run(argv[1], corners, argc > 7 ? std::atof(argv[7]) : 0.01,
-                        argc > 8 ? std::atoi(argv[8]) : 3, argc > 9 ? std::atoi(argv[9]) : 0);
+    for (int i = 0; i < 5; ++i) corners[i] = number(2 + i, "a coordinate", -1e9, 1e9, 0);
+    return lucerna::run(argv[1], corners, number(7, "ERROR", 1e-4, 1, 0.01),
+                        static_cast<int>(number(8, "REPEATS", 1, 1000, 3)),
+                        static_cast<int>(number(9, "REFERENCE_SEEDS", 0, 1000, 0)));
   } catch (const std::exception& e) {
     fmt::print(stderr, "irradiance_bench: {}\n", e.what());
     return 1;

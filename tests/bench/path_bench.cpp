@@ -9,38 +9,20 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "server/assets/asset_reader.h"
 #include "server/estimate/paths/render.h"
-#include "server/pbrt/load.h"
-#include "server/scene/scene.h"
+#include "tests/bench/bench_program.h"
 
 namespace lucerna {
 namespace {
 
-double processor_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-template <typename T>
-T value_or_throw(absl::StatusOr<T> result) {
-  if (!result.ok()) throw std::runtime_error(result.status().ToString());
-  return *std::move(result);
-}
-
 int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
-  auto assets = value_or_throw(AssetReader::open(std::filesystem::absolute(file).parent_path()));
-  const auto scene =
-      value_or_throw(Scene::build(value_or_throw(load_pbrt(assets, file.filename().string(), {}))));
+  const auto scene = load_scene(file);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const TileSettings settings{
       .rect = {0, 0, scene->camera().width(), scene->camera().height()},
@@ -72,8 +54,11 @@ int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
 int main(int argc, char** argv) {
   try {
     if (argc < 2) throw std::runtime_error("SCENE.pbrt [SAMPLES [REPEATS]]");
-    return lucerna::run(argv[1], argc > 2 ? static_cast<std::uint32_t>(std::atoi(argv[2])) : 16,
-                        argc > 3 ? std::atoi(argv[3]) : 3);
+    const auto number = [&](int i, const char* name, double most, double otherwise) {
+      return argc > i ? lucerna::number_of(name, argv[i], 1, most) : otherwise;
+    };
+    return lucerna::run(argv[1], static_cast<std::uint32_t>(number(2, "SAMPLES", 1 << 20, 16)),
+                        static_cast<int>(number(3, "REPEATS", 1000, 3)));
   } catch (const std::exception& e) {
     fmt::print(stderr, "path_bench: {}\n", e.what());
     return 1;

@@ -50,7 +50,7 @@ class Oracle : public ::testing::Test {
       tallies_[question.kind].add(verdict.kind);
       if (verdict.kind != Verdict::Kind::kWrong) continue;
       ++failures_;
-      show(number, world, question);
+      show(number, world, question, verdict);
     }
     questioner_.release();
   }
@@ -77,8 +77,12 @@ class Oracle : public ::testing::Test {
     return questioner_.judge(oracle::Truth(world), question);
   }
 
-  /// Prints the smallest scene that still has a wrong answer to the question.
-  void show(std::uint64_t number, const oracle::World& world, const Question& question) {
+  /// Prints the first verdict, and the smallest scene that still has a wrong answer to the
+  /// question.
+  void show(std::uint64_t number, const oracle::World& world, const Question& question,
+            const Verdict& first) {
+    // A call that failed once leaves no smaller scene.
+    std::cout << fmt::format("scene {}: {}\n", number, first.text);
     const auto [least, same] = oracle::shrink(world, question, [&](const auto& w, const auto& q) {
       return judge(w, q).kind == Verdict::Kind::kWrong;
     });
