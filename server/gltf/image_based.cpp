@@ -143,11 +143,10 @@ void add_environment(const Document& document, const Tree& tree) {
   ImageInfiniteLightParams params;
   params.map = *std::move(map);
   params.image_name = light.text("name", document.context().location(light.pointer()).file);
+  // check_structure() has checked its length.
   const std::vector<double> rotation = light.numbers("rotation", {0, 0, 0, 1}, {-1e9, 1e9});
-  const auto turn = Transform::from_matrix(
+  params.world_from_map = *Transform::from_matrix(
       from_parts({0, 0, 0}, {rotation[0], rotation[1], rotation[2], rotation[3]}, {1, 1, 1}));
-  if (!turn) light.at("rotation").fail("found a quaternion of 0, allowed: a unit quaternion");
-  params.world_from_map = *turn;
   params.radiance_cd_m2 = Rgb<double>(light.number("intensity", 1, kNotNegative) *
                                       document.context().scene.level_factors.emission);
   if (const auto made = ImageInfiniteLight<float>::create(params); !made.ok())

@@ -106,9 +106,9 @@ void check_mesh(const View& mesh, std::size_t accessors, std::size_t materials) 
   check_numbers(mesh, "weights");
 }
 
-/// The member "rotation" of a node.
-void check_rotation(const View& node) {
-  const auto rotation = node.find("rotation");
+/// The member "rotation" of a node or an environment.
+void check_rotation(const View& parent) {
+  const auto rotation = parent.find("rotation");
   if (!rotation) return;
   double square = 0;
   for (const double x : rotation->numbers(4, {-1e9, 1e9})) square += x * x;
@@ -231,6 +231,8 @@ void check_structure(const View& root) {
     if (const auto extension = root.extension(name))
       for_each(*extension, "lights", [](const View& light) { light.require_object(); });
   }
+  if (const auto environments = root.extension("EXT_lights_image_based"))
+    for_each(*environments, "lights", check_rotation);
 }
 
 void check_extensions(const View& root) {

@@ -83,6 +83,11 @@ TEST(GltfBadFiles, WrongTypesAndIndices) {
             "scene.gltf#/extensions/KHR_lights_punctual/lights: found 5, allowed: an array");
   EXPECT_EQ(error_with("/extensions", {{"EXT_lights_ies", {{"lights", {1, 2}}}}}),
             "scene.gltf#/extensions/EXT_lights_ies/lights/0: found 1, allowed: an object");
+  EXPECT_EQ(
+      error_with("/extensions",
+                 {{"EXT_lights_image_based", {{"lights", {{{"rotation", {0, 0, 0, 2}}}}}}}}),
+      "scene.gltf#/extensions/EXT_lights_image_based/lights/0/rotation: found a quaternion of "
+      "length 2, allowed: a unit quaternion");
   EXPECT_EQ(error_with("/accessors/0/componentType", 5124),
             "scene.gltf#/accessors/0/componentType: found 5124, allowed: 5120 to 5123, 5125, 5126");
   EXPECT_EQ(error_with("/accessors/0/count", -1),
