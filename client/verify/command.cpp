@@ -245,9 +245,10 @@ void add_verify_command(CLI::App& app, Session& session) {
   command->add_flag("--same-density", s.same_density,
                     "Densities must be one of Lucerna's; otherwise they must fit their samples");
   command
-      ->add_option("--error", s.error,
-                   "Relative standard error of Lucerna's illuminances; default: 0.1%")
-      ->transform(share());
+      ->add_option("--estimate-samples", s.samples,
+                   "Samples of Lucerna's illuminances, for each receiver")
+      ->check(sample_count(64))
+      ->capture_default_str();
   command->add_option("--bounces", s.bounces, "Most reflections in the illuminances; default: 0")
       ->check(whole(0));
   command->add_option("--seed", s.seed, "Random seed of Lucerna's samples")

@@ -25,7 +25,8 @@ constexpr double kGoodFit = 0.01;
 struct Reference {
   std::vector<Feature> features;  // above the horizon
   std::vector<bool> lit;          // rows whose receivers get light
-  double share = 1;               // of all samples that are above the horizon
+  // Of all samples at lit receivers: those that shine there, from above the horizon.
+  double share = 1;
 };
 
 bool is_above(const Records& rows, std::size_t row, const Double3& w) {
@@ -46,11 +47,11 @@ Reference reference_of(Truth& truth, const v1::Light& light, const Records& rows
       // A sample without light still has its density.
       if (!(s.pdf[k] > 0) || s.directions[k] == Double3{} || s.behind[k]) continue;
       any = true;
-      ++lit;
       if (is_above(rows, row, s.directions[k]))
         r.features.push_back(feature(s.directions[k], rows.points[row]));
     }
     r.lit.push_back(any);
+    if (any) lit += kReferenceSamples;
   }
   if (lit > 0) r.share = static_cast<double>(r.features.size()) / static_cast<double>(lit);
   return r;
@@ -171,7 +172,7 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
     if (q[i] > 0) {
       counts.cells.push_back(cell);
       counts.weights.push_back(1);
-    } else {
+    } else if (rows.value.empty() || rows.value[i] > 0) {
       ++counts.outside;
     }
   }
@@ -202,10 +203,10 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
   if (shape.p) own.where = describe(partition, reference, shape);
   if (!shape.p) own.sentence = "too few effective rows: the densities are too unlike Lucerna's";
   own.explain = explain;
-  // Samples of Lucerna below the horizon make the expected mean uncertain.
+  // Lucerna's samples below the horizon and on the back of the light make the mean uncertain.
   const double share = reference.share;
-  const double slack = 4 * std::sqrt(share * (1 - share) / size);
-  const MeanResult mean = mean_is(w.weights, share, strictness.tolerance + slack);
+  const MeanResult mean = mean_is(w.weights, share, strictness.tolerance,
+                                  std::sqrt(share * (1 - share) * share / size));
   integral.rows = w.weights.size();
   integral.left_out = unusable;
   integral.p = mean.p;

@@ -128,6 +128,13 @@ std::vector<Hypothesis> power_hypotheses(Truth& truth, const v1::Light& light, d
   return all;
 }
 
+Estimates illuminances(Truth& truth, const v1::Light* light, const std::vector<Double3>& points,
+                       const std::vector<Double3>& normals, const Strictness& s) {
+  if (light == nullptr)
+    return truth.illuminances_of_all(points, normals, s.bounces, s.samples, s.seed);
+  return truth.illuminances(light->id(), points, normals, s.samples, s.seed);
+}
+
 std::vector<Hypothesis> illuminance_hypotheses(Truth& truth, const v1::Light* light,
                                                const Records& rows, const std::vector<double>& ours,
                                                const Strictness& strictness) {
@@ -136,11 +143,7 @@ std::vector<Hypothesis> illuminance_hypotheses(Truth& truth, const v1::Light* li
   if (!rows.geometric_normals.empty()) {
     all.push_back(
         {"shading_normal", "the geometric normal is used instead of the shading normal",
-         truth
-             .illuminances(light == nullptr ? 0 : light->id(), rows.points, rows.geometric_normals,
-                           strictness.bounces, strictness.error, strictness.seed)
-             .value,
-         0});
+         illuminances(truth, light, rows.points, rows.geometric_normals, strictness).value, 0});
   }
   if (light == nullptr) return all;
   add_colours(*light, ours, &all);
@@ -223,8 +226,7 @@ Finding check_illuminances(Truth& truth, const v1::Light* light, const Records& 
   Finding f;
   f.quantity = "illuminance";
   f.light = light == nullptr ? 0 : light->id();
-  const Estimates ours = truth.illuminances(f.light, rows.points, rows.normals, strictness.bounces,
-                                            strictness.error, strictness.seed);
+  const Estimates ours = illuminances(truth, light, rows.points, rows.normals, strictness);
   compare_estimates(rows.value, rows.standard_error, ours, rows.place, strictness, &f);
   f.explain = [&truth, light, rows, ours, strictness](Finding& finding) {
     const std::vector<std::size_t> chosen = some_rows(rows.rows, kMostPlaces);

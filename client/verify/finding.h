@@ -63,8 +63,8 @@ struct Strictness {
   double outliers = 5e-3;
   /// A density must be one of Lucerna's.
   bool same_density = false;
-  /// The relative standard error of Lucerna's illuminances.
-  double error = 1e-3;
+  /// Samples of Lucerna's illuminances.
+  std::uint32_t samples = 4096;
   /// Most reflections in the illuminances.
   std::uint32_t bounces = 0;
   std::uint64_t seed = 0;

@@ -16,7 +16,6 @@
 namespace lucerna::verify {
 namespace {
 
-
 /// Four directions around each, and the same for places: what rounding of the input may change.
 std::vector<std::pair<Double3, Double3>> tangents(const std::vector<Double3>& directions) {
   std::vector<std::pair<Double3, Double3>> result;
@@ -86,11 +85,31 @@ BestWay best_way(Truth& truth, const v1::Light& light, const Records& rows,
   return best;
 }
 
+/// Rows whose point lies on the back of a closed surface.  The light shines from its front, which
+/// hides the point, so the value of 0 is right.
+std::vector<bool> on_back(const v1::Light& light, const Records& rows) {
+  std::vector<bool> back(rows.rows, false);
+  if (light.kind_case() != v1::Light::kDiffuseArea || light.diffuse_area().two_sided() ||
+      rows.value.empty())
+    return back;
+  const v1::DiffuseAreaLight& area = light.diffuse_area();
+  const bool flat = frame_of(light).flat && area.primitives() <= 1;
+  // A light that is dark everywhere is wrong.
+  if (flat || std::ranges::none_of(rows.value, [](double v) { return v > 0; })) return back;
+  for (std::size_t i = 0; i < rows.rows; ++i) back[i] = rows.value[i] == 0;
+  return back;
+}
+
 Finding density_finding(Truth& truth, const v1::Light& light, const Records& rows,
                         const BestWay& best, const Strictness& strictness) {
   Finding f = finding_of(light, "density");
+  // A sample without light, in a direction without light, may have any density.
+  std::vector<double> q = best.q;
+  const std::vector<bool> back = on_back(light, rows);
+  for (std::size_t i = 0; i < q.size() && !rows.value.empty(); ++i)
+    if (rows.value[i] == 0 && (q[i] == 0 || back[i])) q[i] = kNaN;
   compare(
-      rows.pdf, best.q,
+      rows.pdf, q,
       [&](const std::vector<std::size_t>& which) {
         return ranges_of(at_rows(rows.directions, which), strictness.angle_rad,
                          [&](const std::vector<Double3>& moved) {
@@ -145,11 +164,13 @@ Finding value_finding(Truth& truth, const v1::Light& light, const Records& rows,
   Finding f = finding_of(light, "value");
   const LightValues values(truth, light);
   const std::vector<Double3> rgb = values.at(rows.points, rows.directions, rows.distance);
+  const std::vector<bool> back = on_back(light, rows);
   std::vector<double> ours;
   for (std::size_t i = 0; i < rgb.size(); ++i) {
     // A hidden light says nothing about a row that is dark as well.
     const bool hidden = std::isnan(rgb[i][0]);
     ours.push_back(hidden && rows.value[i] == 0 ? 0 : luminance(rgb[i]));
+    if (back[i]) ours.back() = kNaN;
   }
   const auto rounded = [&](const std::vector<std::size_t>& which) {
     const std::vector<Double3> points = at_rows(rows.points, which);
@@ -213,10 +234,16 @@ Finding distance_finding(Truth& truth, const v1::Light& light, const Records& al
   const v1::DiffuseAreaLight& area = light.diffuse_area();
   // Tangent planes of curved surfaces are off by a few percent.
   if (!light.delta() && (area.shape() == v1::AREA_SHAPE_SPHERE ||
-                         area.shape() == v1::AREA_SHAPE_CYLINDER || area.primitives() > 1))
+                         area.shape() == v1::AREA_SHAPE_CYLINDER || area.primitives() > 1)) {
     loose.tolerance = std::max(0.1, strictness.tolerance);
-  compare(rows.distance, h.distance, {}, rows.place, loose, &f);
-  f.explain = [rows, ours = h.distance, n = truth.lights().size()](Finding& finding) {
+    loose.outliers = std::max(0.02, strictness.outliers);
+  }
+  std::vector<double> ours = h.distance;
+  const std::vector<bool> back = on_back(light, rows);
+  for (std::size_t i = 0; i < ours.size(); ++i)
+    if (back[i]) ours[i] = kNaN;
+  compare(rows.distance, ours, {}, rows.place, loose, &f);
+  f.explain = [rows, ours, n = truth.lights().size()](Finding& finding) {
     std::vector<Hypothesis> hypotheses;
     add_factors(ours, n, &hypotheses);
     std::vector<double> squares = ours, inverse = ours;
@@ -251,7 +278,12 @@ std::vector<Finding> check_samples(Truth& truth, const v1::Light& light, const R
       all.back().own_way_allowed = !strictness.same_density;
       all.back().tests = {"directions", "integral"};
     }
-    std::ranges::move(check_directions(truth, light, rows, best.way, best.q, strictness),
+    // A sample on the back of the light counts as a sample that missed.
+    std::vector<double> q = best.q;
+    const std::vector<bool> back = on_back(light, rows);
+    for (std::size_t i = 0; i < q.size(); ++i)
+      if (back[i]) q[i] = 0;
+    std::ranges::move(check_directions(truth, light, rows, best.way, q, strictness),
                       std::back_inserter(all));
   }
   if (!rows.value.empty()) all.push_back(value_finding(truth, light, rows, strictness));

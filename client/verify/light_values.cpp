@@ -102,26 +102,27 @@ Hits hits(Truth& truth, const v1::Light& light, const std::vector<Double3>& poin
   const LightSamples s =
       truth.samples(light.id(), points, {}, count, 1, v1::AREA_SAMPLING_UNSPECIFIED);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    std::size_t nearest = i * count;
-    bool any = false;
+    double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = i * count; k < (i + 1) * count; ++k) {
       h.behind |= s.behind[k];
       if (!s.ok[k]) continue;
-      if (!any || dot(s.directions[k], directions[i]) > dot(s.directions[nearest], directions[i]))
-        nearest = k;
-      any = true;
+      if (delta) {
+        h.distance[i] = s.distance[k];
+        continue;
+      }
+      // Where the ray meets the tangent plane of this sample.
+      const Double3 n = s.light_normals[k];
+      const double cosine = -dot(n, directions[i]);
+      if (!(cosine > 1e-6)) continue;
+      const Double3 place = s.distance[k] * s.directions[k];
+      const double t = -dot(n, place) / cosine;
+      const double away = length(t * directions[i] - place);
+      if (away >= least) continue;
+      least = away;
+      h.distance[i] = t;
+      h.cos_light[i] = cosine;
+      h.normals[i] = n;
     }
-    if (!any) continue;
-    if (delta) {
-      h.distance[i] = s.distance[nearest];
-      continue;
-    }
-    const Double3 n = s.light_normals[nearest];
-    const double cosine = -dot(n, directions[i]);
-    if (!(cosine > 1e-6)) continue;
-    h.distance[i] = s.distance[nearest] * dot(n, s.directions[nearest]) / dot(n, directions[i]);
-    h.cos_light[i] = cosine;
-    h.normals[i] = n;
   }
   return h;
 }

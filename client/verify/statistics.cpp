@@ -100,7 +100,8 @@ double student_p(double deviations, double freedom) {
                   2 * cdf(complement(boost::math::students_t(freedom), std::fabs(deviations))));
 }
 
-MeanResult mean_is(const std::vector<double>& values, double expected, double tolerance) {
+MeanResult mean_is(const std::vector<double>& values, double expected, double tolerance,
+                   double expected_error) {
   MeanResult result;
   const auto n = static_cast<double>(values.size());
   if (values.empty()) return result;
@@ -112,7 +113,7 @@ MeanResult mean_is(const std::vector<double>& values, double expected, double to
     third += d * d * d;
     squares += v * v;
   }
-  if (n > 1) result.standard_error = std::sqrt(second / (n - 1) / n);
+  if (n > 1) result.standard_error = std::hypot(std::sqrt(second / (n - 1) / n), expected_error);
   const double sum = n * result.mean;
   if (n < 2 || !(squares > 0) || sum * sum / squares < kFewestOfMean) return result;
   const double difference = result.mean - expected;
@@ -127,7 +128,7 @@ MeanResult mean_is(const std::vector<double>& values, double expected, double to
     return result;
   }
   const double t = std::copysign(beyond / result.standard_error, difference);
-  const double skewness = third / n / std::pow(second / n, 1.5);
+  const double skewness = second > 0 ? third / n / std::pow(second / n, 1.5) : 0;
   const double corrected = t + skewness * (2 * t * t + 1) / (6 * std::sqrt(n));
   // The correction is an expansion, so it may only widen.
   const double freedom = sum * sum / squares - 1;

@@ -41,9 +41,10 @@ struct MeanResult {
   std::optional<double> p;  ///< as in TestResult
 };
 
-/// Tests whether the mean is `expected` within `tolerance` and noise.  The upper and lower tails
-/// are corrected for skewness [Hall92].
-MeanResult mean_is(const std::vector<double>& values, double expected, double tolerance);
+/// Tests whether the mean is `expected` within `tolerance` and noise.  `expected_error` is the
+/// standard error of `expected`.  The upper and lower tails are corrected for skewness [Hall92].
+MeanResult mean_is(const std::vector<double>& values, double expected, double tolerance,
+                   double expected_error = 0);
 
 /// The two-sided p-value of `deviations` of Student's distribution with `freedom` degrees.
 double student_p(double deviations, double freedom);

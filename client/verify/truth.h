@@ -65,10 +65,14 @@ class Truth {
   std::vector<double> unoccluded(std::uint64_t light, const std::vector<Double3>& points,
                                  const std::vector<Double3>& normals,
                                  const Variation& variation = {});
-  /// Illuminances [lx]: of all lights if `light` is 0.  `bounces`: most reflections.
+  /// Direct illuminances by one light [lx], with occlusion, from this number of samples.
   Estimates illuminances(std::uint64_t light, const std::vector<Double3>& points,
-                         const std::vector<Double3>& normals, std::uint32_t bounces,
-                         double relative_error, std::uint64_t seed);
+                         const std::vector<Double3>& normals, std::uint32_t samples,
+                         std::uint64_t seed);
+  /// Illuminances by all lights [lx], with at most this number of reflections.
+  Estimates illuminances_of_all(const std::vector<Double3>& points,
+                                const std::vector<Double3>& normals, std::uint32_t bounces,
+                                std::uint32_t samples, std::uint64_t seed);
   std::vector<bool> visible(const std::vector<Double3>& from, const std::vector<Double3>& to);
   /// The id of a revision of the scene with another light; empty if the server refuses it.
   std::string with_light(const v1::Light& light);
