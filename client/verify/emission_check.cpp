@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -60,6 +61,17 @@ std::vector<double> values_of(Truth& truth, const v1::Light& light, const Record
   return result;
 }
 
+/// A value that is the same everywhere, whichever side of the light emits.
+void add_sides(const v1::Light& light, const std::vector<double>& ours,
+               std::vector<Hypothesis>* all) {
+  if (!light.has_diffuse_area() || light.diffuse_area().two_sided() ||
+      light.diffuse_area().has_image() || light.diffuse_area().has_profile())
+    return;
+  const double level = *std::ranges::max_element(ours);
+  all->push_back({"two_sides", "the light shines from both sides, but only one side emits",
+                  std::vector<double>(ours.size(), level), 1});
+}
+
 Finding compared(const v1::Light& light, const char* quantity, const Records& rows,
                  const std::vector<double>& theirs, const std::vector<double>& ours,
                  const std::vector<double>& cosine, std::size_t lights,
@@ -68,8 +80,13 @@ Finding compared(const v1::Light& light, const char* quantity, const Records& ro
   f.quantity = quantity;
   f.light = light.id();
   compare(theirs, ours, {}, rows.place, strictness, &f);
-  f.explain = [theirs, ours, cosine, lights, selection = rows.selection](Finding& finding) {
+  f.explain = [&light, theirs, ours, cosine, lights, selection = rows.selection,
+               is_value = std::string(quantity) == "emission"](Finding& finding) {
     std::vector<Hypothesis> all;
+    if (is_value) {
+      add_colours(light, ours, &all);
+      add_sides(light, ours, &all);
+    }
     add_factors(ours, lights, &all);
     add_product(ours, cosine, 1, "cosine_light", "a cosine at the light is a factor too many",
                 &all);
@@ -132,8 +149,9 @@ std::vector<Finding> check_emission(Truth& truth, const v1::Light& light, const 
     power.p = mean.p;
     power.where = fmt::format("{:.6g} lm, Lucerna: {:.6g} lm", mean.mean, exact);
     if (!mean.p) power.sentence = "too few rows";
-    power.explain = [mean, exact, lights](Finding& finding) {
+    power.explain = [&light, mean, exact, lights](Finding& finding) {
       std::vector<Hypothesis> hypotheses;
+      add_colours(light, {exact}, &hypotheses);
       add_factors({exact}, lights, &hypotheses);
       name_mistake(
           likely_mistake({mean.mean}, {exact}, {mean.standard_error / mean.mean}, hypotheses),

@@ -64,43 +64,6 @@ std::vector<double> scatter_of(const std::vector<double>& theirs,
   return result;
 }
 
-std::vector<double> times(std::vector<double> values, double factor) {
-  for (double& v : values) v *= factor;
-  return values;
-}
-
-/// Mistakes in colours of lights that have one.
-void add_colours(const v1::Light& light, const std::vector<double>& ours,
-                 std::vector<Hypothesis>* all) {
-  const Double3 level = texel_level(light);
-  Double3 colour{};
-  switch (light.kind_case()) {
-    case v1::Light::kDiffuseArea:
-      if (light.diffuse_area().has_image()) return;
-      colour = {light.diffuse_area().radiance_cd_m2().r(),
-                light.diffuse_area().radiance_cd_m2().g(),
-                light.diffuse_area().radiance_cd_m2().b()};
-      break;
-    case v1::Light::kPoint:
-      colour = {light.point().intensity_cd().r(), light.point().intensity_cd().g(),
-                light.point().intensity_cd().b()};
-      break;
-    case v1::Light::kSpot:
-      colour = {light.spot().intensity_cd().r(), light.spot().intensity_cd().g(),
-                light.spot().intensity_cd().b()};
-      break;
-    default:
-      return;
-  }
-  const double right = luminance(colour);
-  if (!(right > 0)) return;
-  const double once = luminance(not_linearised(colour, level)) / right;
-  const double twice = luminance(linearised_twice(colour, level)) / right;
-  if (once == 1) return;
-  all->push_back({"srgb", "sRGB texels or colours are not linearised", times(ours, once), 1});
-  all->push_back({"srgb", "linear texels or colours are decoded as sRGB", times(ours, twice), 1});
-}
-
 /// Mistakes of one light that show in its power.  They are named rather than a bare factor.
 std::vector<Hypothesis> power_hypotheses(Truth& truth, const v1::Light& light, double ours) {
   std::vector<Hypothesis> all;

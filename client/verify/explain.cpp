@@ -119,6 +119,11 @@ Double3 by_channel(const Double3& rgb, const Double3& level, Curve&& curve) {
   return result;
 }
 
+std::vector<double> times(std::vector<double> values, double factor) {
+  for (double& v : values) v *= factor;
+  return values;
+}
+
 }  // namespace
 
 Double3 not_linearised(const Double3& rgb, const Double3& level) {
@@ -159,6 +164,37 @@ Double3 texel_level(const v1::Light& light) {
   }
 }
 
+void add_colours(const v1::Light& light, const std::vector<double>& ours,
+                 std::vector<Hypothesis>* all) {
+  const Double3 level = texel_level(light);
+  Double3 colour{};
+  switch (light.kind_case()) {
+    case v1::Light::kDiffuseArea:
+      if (light.diffuse_area().has_image()) return;
+      colour = {light.diffuse_area().radiance_cd_m2().r(),
+                light.diffuse_area().radiance_cd_m2().g(),
+                light.diffuse_area().radiance_cd_m2().b()};
+      break;
+    case v1::Light::kPoint:
+      colour = {light.point().intensity_cd().r(), light.point().intensity_cd().g(),
+                light.point().intensity_cd().b()};
+      break;
+    case v1::Light::kSpot:
+      colour = {light.spot().intensity_cd().r(), light.spot().intensity_cd().g(),
+                light.spot().intensity_cd().b()};
+      break;
+    default:
+      return;
+  }
+  const double right = luminance(colour);
+  if (!(right > 0)) return;
+  const double once = luminance(not_linearised(colour, level)) / right;
+  const double twice = luminance(linearised_twice(colour, level)) / right;
+  if (once == 1) return;
+  all->push_back({"srgb", "sRGB texels or colours are not linearised", times(ours, once), 1});
+  all->push_back({"srgb", "linear texels or colours are decoded as sRGB", times(ours, twice), 1});
+}
+
 void name_mistake(const std::optional<Mistake>& mistake, Finding* finding) {
   if (!mistake) return;
   finding->mistake = mistake->mistake;
@@ -181,17 +217,18 @@ std::vector<Variation> variations(Truth& truth, const v1::Light& light) {
 Geometry geometry_of(Truth& truth, const v1::Light& light, const Records& rows) {
   Geometry g;
   Hits h = hits(truth, light, rows.points, rows.directions);
-  const auto cosines = [&](const std::vector<Double3>& normals, double sign) {
+  const auto cosines = [&](const std::vector<Double3>& normals) {
     std::vector<double> result;
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-      const double c = sign * dot(normals[i], rows.directions[i]);
-      result.push_back(c > 0 ? c : 0);
-    }
+    for (std::size_t i = 0; i < normals.size(); ++i)
+      result.push_back(dot(normals[i], rows.directions[i]));
     return result;
   };
-  g.cos_receiver = cosines(rows.normals, 1);
-  g.cos_geometric = cosines(rows.geometric_normals, 1);
-  g.cos_given_light = cosines(rows.light_normals, -1);
+  g.cos_receiver = cosines(rows.normals);
+  g.cos_geometric = cosines(rows.geometric_normals);
+  for (std::vector<double>* c : {&g.cos_receiver, &g.cos_geometric})
+    for (double& v : *c) v = std::max(0.0, v);
+  g.cos_given_light = cosines(rows.light_normals);
+  for (double& v : g.cos_given_light) v = std::fabs(v);
   g.cos_light = std::move(h.cos_light);
   g.distance = std::move(h.distance);
   g.behind = h.behind;
@@ -239,6 +276,7 @@ void explain_values(Truth& truth, const v1::Light& light, const Records& all_row
 void explain_densities(Truth& truth, const v1::Light& light, const Records& all_rows,
                        const std::vector<Way>& ways, Finding* finding) {
   const Records rows = rows_of(all_rows, some_rows(all_rows.rows, kMostRows));
+  if (rows.rows == 0) return;
   const Geometry geometry = geometry_of(truth, light, rows);
   const std::vector<Variation> changed = variations(truth, light);
   std::optional<Mistake> best;

@@ -39,6 +39,10 @@ Double3 linearised_twice(const Double3& rgb, const Double3& level);
 /// The level of a texel of 1, or of a light without a picture its brightest channel.
 Double3 texel_level(const v1::Light& light);
 
+/// Adds hypotheses about the colour of a light that has one colour.
+void add_colours(const v1::Light& light, const std::vector<double>& ours,
+                 std::vector<Hypothesis>* all);
+
 /// Sets the sentence and the mistake of the finding.
 void name_mistake(const std::optional<Mistake>& mistake, Finding* finding);
 

@@ -119,7 +119,10 @@ Finding density_finding(Truth& truth, const v1::Light& light, const Records& row
                          });
       },
       rows.place, strictness, &f);
-  f.explain = [&truth, &light, rows](Finding& finding) {
+  std::vector<std::size_t> compared;
+  for (std::size_t i = 0; i < q.size(); ++i)
+    if (!std::isnan(q[i]) && !std::isnan(rows.pdf[i])) compared.push_back(i);
+  f.explain = [&truth, &light, rows = rows_of(rows, compared)](Finding& finding) {
     explain_densities(truth, light, rows, ways_of(light, !rows.normals.empty()), &finding);
   };
   if (f.verdict == Verdict::kAgrees && *best.way.name != 0)

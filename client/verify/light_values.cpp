@@ -105,11 +105,9 @@ Hits hits(Truth& truth, const v1::Light& light, const std::vector<Double3>& poin
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = i * count; k < (i + 1) * count; ++k) {
       h.behind |= s.behind[k];
-      if (!s.ok[k]) continue;
-      if (delta) {
-        h.distance[i] = s.distance[k];
-        continue;
-      }
+      // A delta light has a distance even where it is dark.
+      if (delta && s.distance[k] > 0) h.distance[i] = s.distance[k];
+      if (delta || !s.ok[k]) continue;
       // Where the ray meets the tangent plane of this sample.
       const Double3 n = s.light_normals[k];
       const double cosine = -dot(n, directions[i]);

@@ -31,16 +31,16 @@ double difference(double theirs, double predicted, double scatter) {
   return std::fabs(std::log(theirs / predicted)) / (kFitError + kStandardErrors * scatter);
 }
 
-double misfit(const std::vector<double>& theirs, const std::vector<double>& predicted,
-              const std::vector<double>& scatter) {
+/// Over rows with light.  Rows without light agree with anything dark, and would hide the others.
+double misfit(const std::vector<double>& theirs, const std::vector<double>& ours,
+              const std::vector<double>& predicted, const std::vector<double>& scatter) {
   std::vector<double> all;
-  all.reserve(theirs.size());
   bool any_light = false;
   for (std::size_t i = 0; i < theirs.size(); ++i) {
+    if (!(theirs[i] > 0 || ours[i] > 0 || predicted[i] > 0)) continue;
     any_light |= theirs[i] > 0 && predicted[i] > 0;
     all.push_back(difference(theirs[i], predicted[i], scatter.empty() ? 0 : scatter[i]));
   }
-  // Rows that are all dark agree with anything dark.
   return any_light ? quantile(std::move(all), kFitShare) : kInfinite;
 }
 
@@ -71,14 +71,14 @@ std::optional<Mistake> likely_mistake(const std::vector<double>& theirs,
                                       const std::vector<double>& scatter,
                                       const std::vector<Hypothesis>& hypotheses) {
   if (theirs.empty()) return {};
-  const double without = misfit(theirs, ours, scatter);
+  const double without = misfit(theirs, ours, ours, scatter);
   struct Candidate {
     const Hypothesis* hypothesis;
     double misfit;
   };
   std::vector<Candidate> fits;
   for (const Hypothesis& h : hypotheses) {
-    const double m = misfit(theirs, h.predicted, scatter);
+    const double m = misfit(theirs, ours, h.predicted, scatter);
     if (m <= 1 && m * kMargin <= without) fits.push_back({&h, m});
   }
   if (fits.empty()) return {};
@@ -127,7 +127,8 @@ void add_product(const std::vector<double>& ours, const std::vector<double>& fac
                  std::vector<Hypothesis>* hypotheses) {
   if (factor.empty()) return;
   std::vector<double> product = ours;
-  for (std::size_t i = 0; i < product.size(); ++i) product[i] *= std::pow(factor[i], power);
+  for (std::size_t i = 0; i < product.size(); ++i)
+    if (product[i] != 0) product[i] *= std::pow(factor[i], power);
   hypotheses->push_back({mistake, sentence, product, 1});
   for (const Factor& f : kFactors) {
     for (const bool more : {true, false}) {

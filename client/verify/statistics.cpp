@@ -129,8 +129,10 @@ MeanResult mean_is(const std::vector<double>& values, double expected, double to
   }
   const double t = std::copysign(beyond / result.standard_error, difference);
   const double skewness = second > 0 ? third / n / std::pow(second / n, 1.5) : 0;
-  const double corrected = t + skewness * (2 * t * t + 1) / (6 * std::sqrt(n));
-  // The correction is an expansion, so it may only widen.
+  // Hall's cubic is monotone, unlike the plain expansion.
+  const double a = skewness / std::sqrt(n);
+  const double corrected = t + a * t * t / 3 + a * a * t * t * t / 27 + a / 6;
+  // The correction may only widen.
   const double freedom = sum * sum / squares - 1;
   const double plain = student_p(t, freedom);
   result.p = t * corrected <= 0 ? 1.0 : std::max(plain, student_p(corrected, freedom));

@@ -40,7 +40,7 @@ MISTAKES = {
     "radius_power": ("a diameter for a radius in the power", "ball", "power", "radius_diameter"),
     "radius_density": ("a density for a diameter", "ball", "given density", "radius_diameter"),
     "half_angle": ("half the angle of the cone", "spot", "value", "half_full_angle"),
-    "full_angle": ("twice the angle of the sun", "sun", "density", "half_full_angle"),
+    "full_angle": ("twice the angle of the sun", "sun", "value", "half_full_angle"),
     "degrees": ("degrees for radians", "spot", "value", "degrees"),
     "srgb": ("texels that are not linearised", "map", "value", "srgb"),
     "srgb_colour": ("a colour that is not linearised", "bulb", "value", "srgb"),
@@ -54,6 +54,7 @@ MISTAKES = {
     "selection_irradiance": ("no division by the probability", "panel", "illuminance", "selection"),
     "no_occlusion": ("nothing blocks rays", "all", "visibility", "no_occlusion"),
     "directions": ("directions by area for densities by solid angle", "panel", "directions", "other_density"),
+    "triangle": ("a triangle that is not sampled uniformly", "wedge", "directions", ""),
     "emission_cosine": ("a cosine in the emitted radiance", "disk", "emission", "cosine_light"),
     "distance": ("distances in centimetres", "bulb", "distance", "factor_100"),
 }
@@ -97,20 +98,29 @@ def write_png(path, texels):
 
 # The surfaces.  Each has: sample(u) -> points, normals; area; meets(x, d) -> distances along d, inf without a hit.
 class Parallelogram:
-    def __init__(self, corner, u, v, triangle=False):
+    def __init__(self, corner, u, v, triangle=False, uneven=False):
         self.corner, self.u, self.v = (np.array(a, float) for a in (corner, u, v))
         cross = np.cross(self.u, self.v)
         self.n = cross / np.linalg.norm(cross)
-        self.triangle = triangle
+        self.triangle, self.uneven = triangle, uneven
         self.area = np.linalg.norm(cross) / (2 if triangle else 1)
 
     def sample(self, u):
         if self.triangle:
-            root = np.sqrt(u[:, 0])
+            root = u[:, 0] if self.uneven else np.sqrt(u[:, 0])
             a, b = 1 - root, u[:, 1] * root
         else:
             a, b = u[:, 0], u[:, 1]
         return self.corner + a[:, None] * self.u + b[:, None] * self.v, np.broadcast_to(self.n, (len(u), 3))
+
+    def solid_angle(self, x):
+        """Of the parallelogram, as two triangles: tan(angle / 2) = |abc| / (1 + ab + bc + ca)."""
+        corners = [unit(self.corner + k * self.u + m * self.v - x) for k, m in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        total = 0
+        for a, b, c in (corners[:3], (corners[0], *corners[2:])):
+            over = np.abs(dots(a, np.cross(b, c)))
+            total = total + 2 * np.arctan2(over, 1 + dots(a, b) + dots(b, c) + dots(c, a))
+        return total
 
     def uv(self, p):
         uu, uv, vv = self.u @ self.u, self.u @ self.v, self.v @ self.v
@@ -404,11 +414,12 @@ class Renderer:
             "slide": AtPoint([0, 0, 3], slide),
             "downlight": AtPoint([-2.5, 2.5, 3], downlight),
             "panel": Area(Parallelogram([1, 1, 3], [0, 1, 0], [1.5, 0, 0]), 12, 2 if self.has("two_sides") else 1),
-            "pane": Area(Parallelogram([-3, 1, 2], [0, 1, 0], [0, 0, 0.5]), 5, 1 if self.has("one_side") else 2),
+            "pane": Area(Parallelogram([-1.5, 1, 2], [0, 1, 0], [0, 0, 0.5]), 5, 1 if self.has("one_side") else 2),
             "ball": BallLight(Ball([0.7, -1.2, 2.6], 0.7 if self.has("radius") else 0.35), 12),
             "disk": Area(Disk([-0.7, -1.2, 2.6], 0.4), 20),
             "tube": Area(Tube([0, -2.6, 2.8], 0.06, 1), 14),
-            "wedge": Area(Parallelogram([-2, -1, 3], [1, 0, 0], [0, -1, 0], triangle=True), 10),
+            "wedge": Area(Parallelogram([-2, -1, 3], [1, 0, 0], [0, -1, 0], triangle=True,
+                                        uneven=self.has("triangle")), 10),
             "screen": Area(Parallelogram([3, 1, 1], [0, 1, 0], [0, 0, 1]), 3, 2, screen),
         }
 
@@ -456,8 +467,7 @@ class Renderer:
             if wrong and self.has("selection_density"):
                 pdf = pdf * selection
             if wrong and self.has("directions"):
-                # Densities of another receiver: the right ones are those of the samples.
-                pdf = pdf / cos_light**2 * np.mean(cos_light**2)
+                pdf = np.where(np.any(value > 0, axis=1), 1 / light.shape.solid_angle(x), pdf)
             if self.has("selection"):
                 selection = 1
             if wrong and self.has("distance"):
@@ -612,7 +622,7 @@ AttributeBegin
 AttributeEnd
 AttributeBegin
   AreaLightSource "diffuse" "rgb L" [5 5 5] "bool twosided" true "string name" "pane"
-  Shape "bilinearmesh" "point3 P" [-3 1 2  -3 2 2  -3 1 2.5  -3 2 2.5]
+  Shape "bilinearmesh" "point3 P" [-1.5 1 2  -1.5 2 2  -1.5 1 2.5  -1.5 2 2.5]
 AttributeEnd
 AttributeBegin
   Translate 0.7 -1.2 2.6
