@@ -33,10 +33,43 @@ bool is_above(const Records& rows, std::size_t row, const Double3& w) {
   return rows.normals.empty() || dot(rows.normals[row], w) > 0;
 }
 
-Feature feature(const Double3& w, const Double3& x) { return {w[0], w[1], w[2], x[0], x[1], x[2]}; }
+/// The features of samples of one light.  For a local light, the direction becomes the place where
+/// the ray meets the plane through the middle of the light, at right angles to the way to it.  Then
+/// receivers at different places share the cells.
+class Features {
+ public:
+  explicit Features(const v1::Light& light) : local_(light.has_bounds()) {
+    if (local_)
+      center_ = 0.5 * (double3(light.bounds().lower_m()) + double3(light.bounds().upper_m()));
+  }
+
+  Feature operator()(const Double3& w, const Double3& x) const {
+    const Double3 at = local_ ? place(w, x) : w;
+    return {at[0], at[1], at[2], x[0], x[1], x[2]};
+  }
+
+  std::string describe(const Double3& mean) const {
+    if (local_) return fmt::format("near {} m", text(mean));
+    return length(mean) > 0 ? fmt::format("towards {}", text(normalized(mean))) : "";
+  }
+
+ private:
+  Double3 place(const Double3& w, const Double3& x) const {
+    const Double3 way = center_ - x;
+    const double far = length(way);
+    if (!(far > 0)) return x + w;
+    // Rays almost along the plane would go far beyond the light.
+    constexpr double kLeastCosine = 0.05;
+    return x + (far / std::max(kLeastCosine, dot(w, way) / far)) * w;
+  }
+
+  bool local_;
+  Double3 center_{};
+};
 
 Reference reference_of(Truth& truth, const v1::Light& light, const Records& rows,
                        v1::AreaSampling way, const Variation& variation, std::uint64_t seed) {
+  const Features feature(light);
   const LightSamples s =
       truth.samples(light.id(), rows.points, rows.normals, kReferenceSamples, seed, way, variation);
   Reference r;
@@ -69,14 +102,16 @@ std::size_t cells_for(std::size_t rows) {
   return std::clamp<std::size_t>(rows / kRowsPerCell, 2, kMostCells);
 }
 
-std::string describe(const Partition& partition, const Reference& reference,
-                     const TestResult& test) {
-  // The mean direction of the worst cell.
+std::string describe(const Features& features, const Partition& partition,
+                     const Reference& reference, const TestResult& test) {
   Double3 sum{};
-  for (const Feature& f : reference.features)
-    if (partition.cell(f) == test.worst_cell) sum = sum + Double3{f[0], f[1], f[2]};
-  if (length(sum) == 0) return {};
-  return fmt::format("towards {}: {:.3g} times as many samples", text(normalized(sum)),
+  double count = 0;
+  for (const Feature& f : reference.features) {
+    if (partition.cell(f) != test.worst_cell) continue;
+    sum = sum + Double3{f[0], f[1], f[2]};
+    ++count;
+  }
+  return fmt::format("{}: {:.3g} times as many samples", features.describe((1 / count) * sum),
                      test.worst_ratio);
 }
 
@@ -88,6 +123,7 @@ void explain_directions(Truth& truth, const v1::Light& light, const Records& row
     Way way;
     Variation variation;
   };
+  const Features feature(light);
   std::vector<Candidate> all;
   for (const Way& way : ways_of(light, !rows.normals.empty())) {
     const std::string name = *way.name == 0 ? "" : std::string(" sampled ") + way.name;
@@ -153,6 +189,7 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
   const Reference reference = reference_of(truth, light, rows, way.sampling, {}, strictness.seed);
   if (reference.features.size() < kFewestRows)
     return give("the light reaches too few of the receivers");
+  const Features feature(light);
   const Partition partition(reference.features, cells_for(rows.rows));
   Weighted w, counts;
   std::size_t unusable = 0;
@@ -182,7 +219,7 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
   lucerna.rows = counts.weights.size() + counts.outside;
   lucerna.left_out = unusable;
   lucerna.p = against_lucerna.p;
-  if (against_lucerna.p) lucerna.where = describe(partition, reference, against_lucerna);
+  if (against_lucerna.p) lucerna.where = describe(feature, partition, reference, against_lucerna);
   if (static_cast<double>(counts.outside) >
       strictness.outliers * static_cast<double>(lucerna.rows)) {
     lucerna.p = 0;
@@ -200,7 +237,7 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
   own.rows = w.weights.size();
   own.left_out = unusable;
   own.p = shape.p;
-  if (shape.p) own.where = describe(partition, reference, shape);
+  if (shape.p) own.where = describe(feature, partition, reference, shape);
   if (!shape.p) own.sentence = "too few effective rows: the densities are too unlike Lucerna's";
   own.explain = explain;
   // Lucerna's samples below the horizon and on the back of the light make the mean uncertain.

@@ -4,10 +4,14 @@
 #include <limits>
 
 namespace lucerna::verify {
+namespace {
+
+constexpr double kWeightOfReceivers = 0.25;
+
+}  // namespace
 
 Partition::Partition(const std::vector<Feature>& reference, std::size_t cells)
     : total_(reference.size()) {
-  // The widest cut among receivers competes with that among directions, whose spread is at most 2.
   std::array<double, 6> lower, upper;
   lower.fill(std::numeric_limits<double>::infinity());
   upper.fill(-std::numeric_limits<double>::infinity());
@@ -22,10 +26,10 @@ Partition::Partition(const std::vector<Feature>& reference, std::size_t cells)
     directions = std::max(directions, upper[i] - lower[i]);
     receivers = std::max(receivers, upper[i + 3] - lower[i + 3]);
   }
-  // Directions come first: half the weight for receivers.
+  // Errors of sampling show in directions more than in receivers.
   for (std::size_t i = 0; i < 3; ++i) {
     scale_[i] = 1;
-    scale_[i + 3] = receivers > 0 ? 0.5 * directions / receivers : 0;
+    scale_[i + 3] = receivers > 0 ? kWeightOfReceivers * directions / receivers : 0;
   }
   std::vector<Feature> all = reference;
   build(all, 0, all.size(), std::max<std::size_t>(1, cells));

@@ -7,7 +7,8 @@
 
 namespace lucerna::verify {
 
-/// A direction (three coordinates) and the receiver (three).
+/// Where a sample goes (three coordinates: a direction, or a place beside a local light), and the
+/// receiver (three).
 using Feature = std::array<double, 6>;
 
 /// A k-d tree.  Each cut halves the reference samples of a cell across its widest coordinate, so
