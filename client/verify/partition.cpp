@@ -61,8 +61,16 @@ std::size_t Partition::build(std::vector<Feature>& all, std::size_t begin, std::
       std::nth_element(all.begin() + static_cast<long>(begin),
                        all.begin() + static_cast<long>(middle),
                        all.begin() + static_cast<long>(end), less);
-      // The cut is at a sample's own coordinate, so samples that coincide stay together.
-      const double below = all[middle][coordinate];
+      // The cut is at a sample's own coordinate, so samples that coincide stay together.  If none
+      // is smaller, the cut is at the next larger one.
+      double below = all[middle][coordinate];
+      double smallest = below, larger = std::numeric_limits<double>::infinity();
+      for (std::size_t i = begin; i < end; ++i) {
+        const double c = all[i][coordinate];
+        smallest = std::min(smallest, c);
+        if (c > below) larger = std::min(larger, c);
+      }
+      if (smallest == below) below = larger;
       const auto cut = std::partition(all.begin() + static_cast<long>(begin),
                                       all.begin() + static_cast<long>(end),
                                       [&](const Feature& f) { return f[coordinate] < below; });
