@@ -124,7 +124,8 @@ class Verification {
       for (const std::size_t i : unknown) lights[i] = truth_.lights()[0].id();
     } else if (records.kind != Kind::kEmission) {
       const Records rows = verify::rows_of(records, unknown);
-      const std::vector<std::uint64_t> met = truth_.lights_met(rows.points, rows.directions);
+      const std::vector<std::uint64_t> met =
+          truth_.lights_met(rows.points, rows.directions, rows.distance);
       for (std::size_t i = 0; i < unknown.size(); ++i) lights[unknown[i]] = met[i];
     }
     return lights;

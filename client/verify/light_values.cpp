@@ -11,8 +11,6 @@ constexpr Double3 kHidden = {kNaN, kNaN, kNaN};
 // Samples on the light for each receiver.  On a sphere the nearest of them is then within a tenth
 // of the radius, and its tangent plane within 1% of the surface.
 constexpr std::uint32_t kNearSamples = 64;
-// Rays start this far on their way to a known point of the light, so nothing hides it.
-constexpr double kAlmostThere = 0.999;
 
 Double3 rgb(const v1::Rgb& c) { return {c.r(), c.g(), c.b()}; }
 

@@ -42,7 +42,7 @@ struct MeanResult {
 };
 
 /// Tests whether the mean is `expected` within `tolerance` and noise.  `expected_error` is the
-/// standard error of `expected`.  The upper and lower tails are corrected for skewness [Hall92].
+/// standard error of `expected`.  The upper and lower tails are corrected for skewness [Hall92b].
 MeanResult mean_is(const std::vector<double>& values, double expected, double tolerance,
                    double expected_error = 0);
 

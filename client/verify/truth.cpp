@@ -127,14 +127,30 @@ std::vector<Double3> Truth::radiances(std::uint64_t light, const std::vector<Dou
 }
 
 std::vector<std::uint64_t> Truth::lights_met(const std::vector<Double3>& points,
-                                             const std::vector<Double3>& directions) {
+                                             const std::vector<Double3>& directions,
+                                             const std::vector<double>& distances) {
+  const Double3 center = double3(scene_.center_m());
+  std::vector<Double3> starts = points;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    if (std::isfinite(distances[i])) {
+      starts[i] = points[i] + kAlmostThere * distances[i] * directions[i];
+    } else if (std::isinf(distances[i])) {
+      starts[i] = center + (2 * scene_.radius_m() + 1) * directions[i];
+    }
+  }
   v1::LeRequest request;
   request.set_scene_id(scene_id_);
-  *request.mutable_points() = client::make_points(points);
+  *request.mutable_points() = client::make_points(starts);
   client::fill(directions, request.mutable_directions());
   const v1::LeResponse response =
       session_.value_or_fail(client::le_in_batches(session_.client(), request, batches()));
-  return {response.light_ids().begin(), response.light_ids().end()};
+  std::vector<std::uint64_t> met(response.light_ids().begin(), response.light_ids().end());
+  const auto is_far = [](const v1::Light& l) { return !l.delta() && !l.has_bounds(); };
+  if (std::ranges::count_if(lights_, is_far) > 1) {
+    for (std::uint64_t& id : met)
+      if (id != 0 && is_far(light(id))) id = 0;
+  }
+  return met;
 }
 
 void Truth::emission_densities(std::uint64_t light, const std::vector<Double3>& points,

@@ -11,6 +11,9 @@
 
 namespace lucerna::verify {
 
+/// Rays start this far on their way to a known point of a light, so that nothing hides it.
+inline constexpr double kAlmostThere = 0.999;
+
 /// How the server chooses points on area lights.
 struct Way {
   v1::AreaSampling sampling = v1::AREA_SAMPLING_UNSPECIFIED;
@@ -52,9 +55,12 @@ class Truth {
   /// RGB radiances along rays [cd/m2], of one light.
   std::vector<Double3> radiances(std::uint64_t light, const std::vector<Double3>& points,
                                  const std::vector<Double3>& directions);
-  /// The first light that each ray meets; 0 for none.
+  /// The light that each ray meets: the first, or the one at the distance [m], which may be
+  /// infinite.  0 for none, and if several lights at infinity lie in this direction.  `distances`
+  /// may be empty or have NaN.
   std::vector<std::uint64_t> lights_met(const std::vector<Double3>& points,
-                                        const std::vector<Double3>& directions);
+                                        const std::vector<Double3>& directions,
+                                        const std::vector<double>& distances);
   /// The densities of rays that leave a light.
   void emission_densities(std::uint64_t light, const std::vector<Double3>& points,
                           const std::vector<Double3>& directions, std::vector<double>* position,
