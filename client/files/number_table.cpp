@@ -150,9 +150,6 @@ absl::Status NumberTable::read_csv(const Expected& expected) {
     content = trimmed(content);
     if (content.empty() || content.starts_with('#')) continue;
     split_fields(content, fields);
-    const auto letter = [&](std::size_t i) {
-      return static_cast<std::uint32_t>(fields[i].data() - line.data() + 1);
-    };
     const std::string line_place = fmt::format("{}:{}", path_, number);
     if (names_.empty()) {
       if (std::ranges::all_of(fields, is_name)) {
@@ -165,8 +162,11 @@ absl::Status NumberTable::read_csv(const Expected& expected) {
       return absl::InvalidArgumentError(fmt::format("{}: {} columns, allowed: {}, as before",
                                                     line_place, fields.size(), names_.size()));
     }
+    std::string_view rest = content;
     for (std::size_t i = 0; i < fields.size(); ++i) {
-      letters_.push_back(letter(i));
+      const char* at = fields[i].empty() ? rest.data() : fields[i].data();
+      letters_.push_back(static_cast<std::uint32_t>(at - line.data() + 1));
+      rest.remove_prefix(std::min(rest.find(','), rest.size() - 1) + 1);
       if (fields[i].empty()) {
         values_.push_back(std::numeric_limits<double>::quiet_NaN());
         continue;

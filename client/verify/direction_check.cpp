@@ -27,6 +27,8 @@ struct Reference {
   std::vector<bool> lit;          // rows whose receivers get light
   // Of all samples at lit receivers: those that shine there, from above the horizon.
   double share = 1;
+  // Of all samples at lit receivers: those that did not fail, as on the back of the light.
+  double shining = 1;
 };
 
 bool is_above(const Records& rows, std::size_t row, const Double3& w) {
@@ -73,19 +75,21 @@ Reference reference_of(Truth& truth, const v1::Light& light, const Records& rows
   const LightSamples s =
       truth.samples(light.id(), rows.points, rows.normals, kReferenceSamples, seed, way, variation);
   Reference r;
-  std::size_t lit = 0;
+  std::size_t lit = 0, shining = 0;
   for (std::size_t row = 0; row < rows.rows; ++row) {
     bool any = false;
     for (std::size_t k = row * kReferenceSamples; k < (row + 1) * kReferenceSamples; ++k) {
       // A sample without light still has its density.
       if (!(s.pdf[k] > 0) || s.directions[k] == Double3{} || s.behind[k]) continue;
       any = true;
+      ++shining;
       if (is_above(rows, row, s.directions[k]))
         r.features.push_back(feature(s.directions[k], rows.points[row]));
     }
     r.lit.push_back(any);
     if (any) lit += kReferenceSamples;
   }
+  if (lit > 0) r.shining = static_cast<double>(shining) / static_cast<double>(lit);
   if (lit > 0) r.share = static_cast<double>(r.features.size()) / static_cast<double>(lit);
   return r;
 }
@@ -147,7 +151,7 @@ void explain_directions(Truth& truth, const v1::Light& light, const Records& row
     for (std::size_t i = 0; i < rows.rows; ++i) {
       if (!is_above(rows, i, rows.directions[i])) continue;
       if (!(q[i] > 0)) {
-        ++w.outside;
+        if (rows.value.empty() || rows.value[i] > 0) ++w.outside;
         continue;
       }
       w.cells.push_back(partition.cell(feature(rows.directions[i], rows.points[i])));
@@ -195,7 +199,7 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
   std::size_t unusable = 0;
   for (std::size_t i = 0; i < rows.rows; ++i) {
     const bool above = is_above(rows, i, rows.directions[i]);
-    if (!reference.lit[i] || (claimed && !(rows.pdf[i] > 0))) {
+    if (!reference.lit[i] || (claimed && std::isnan(rows.pdf[i]))) {
       ++unusable;
       continue;
     }
@@ -203,7 +207,7 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
     if (claimed) {
       // Outside of Lucerna's density and below the horizon the weight is 0, in any cell.
       w.cells.push_back(cell);
-      w.weights.push_back(above ? q[i] / rows.pdf[i] : 0);
+      w.weights.push_back(above && rows.pdf[i] > 0 ? q[i] / rows.pdf[i] : 0);
     }
     if (!above) continue;
     if (q[i] > 0) {
@@ -241,9 +245,22 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
   if (!shape.p) own.sentence = "too few effective rows: the densities are too unlike Lucerna's";
   own.explain = explain;
   // Lucerna's samples below the horizon and on the back of the light make the mean uncertain.
-  const double share = reference.share;
-  const MeanResult mean = mean_is(w.weights, share, strictness.tolerance,
-                                  std::sqrt(share * (1 - share) * share / size));
+  const double size_of_all = size / reference.share;
+  double share = reference.share;
+  const auto test = [&](double expected) {
+    return mean_is(w.weights, expected, strictness.tolerance,
+                   std::sqrt(expected * (1 - expected) / size_of_all));
+  };
+  MeanResult mean = test(share);
+  if (reference.shining < 1) {
+    // The file may have samples that failed, as on the back of a light, or not.
+    const double of_shining = reference.share / reference.shining;
+    const MeanResult other = test(of_shining);
+    if (other.p && (!mean.p || *other.p > *mean.p)) {
+      mean = other;
+      share = of_shining;
+    }
+  }
   integral.rows = w.weights.size();
   integral.left_out = unusable;
   integral.p = mean.p;

@@ -31,19 +31,27 @@ std::vector<std::pair<Double3, Double3>> tangents(const std::vector<Double3>& di
 template <class Numbers>
 std::vector<Range> ranges_of(const std::vector<Double3>& directions, double angle_rad,
                              Numbers&& numbers) {
+  // Beside an edge, numbers rise up to the edge and are 0 behind it.  So smaller angles count too.
+  constexpr double kShares[] = {1, 0.1, 0.01};
   const auto around = tangents(directions);
   std::vector<Range> ranges(directions.size(), {std::numeric_limits<double>::infinity(), 0});
-  for (int k = 0; k < 5; ++k) {
-    std::vector<Double3> moved = directions;
-    for (std::size_t i = 0; i < moved.size() && k > 0; ++i) {
-      const Double3& t = k < 3 ? around[i].first : around[i].second;
-      moved[i] = normalized(moved[i] + (k % 2 == 0 ? angle_rad : -angle_rad) * t);
-    }
+  const auto add = [&](const std::vector<Double3>& moved) {
     const std::vector<double> all = numbers(moved);
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (std::isnan(all[i])) continue;
       ranges[i].lower = std::min(ranges[i].lower, all[i]);
       ranges[i].upper = std::max(ranges[i].upper, all[i]);
+    }
+  };
+  add(directions);
+  for (const double share : kShares) {
+    for (const double step : {share * angle_rad, -share * angle_rad}) {
+      for (const bool first : {true, false}) {
+        std::vector<Double3> moved = directions;
+        for (std::size_t i = 0; i < moved.size(); ++i)
+          moved[i] = normalized(moved[i] + step * (first ? around[i].first : around[i].second));
+        add(moved);
+      }
     }
   }
   return ranges;
@@ -245,7 +253,14 @@ Finding distance_finding(Truth& truth, const v1::Light& light, const Records& al
   const std::vector<bool> back = on_back(light, rows);
   for (std::size_t i = 0; i < ours.size(); ++i)
     if (back[i]) ours[i] = kNaN;
-  compare(rows.distance, ours, {}, rows.place, loose, &f);
+  const auto rounded = [&](const std::vector<std::size_t>& which) {
+    const std::vector<Double3> points = at_rows(rows.points, which);
+    return ranges_of(at_rows(rows.directions, which), strictness.angle_rad,
+                     [&](const std::vector<Double3>& moved) {
+                       return hits(truth, light, points, moved).distance;
+                     });
+  };
+  compare(rows.distance, ours, rounded, rows.place, loose, &f);
   f.explain = [rows, ours, n = truth.lights().size()](Finding& finding) {
     std::vector<Hypothesis> hypotheses;
     add_factors(ours, n, &hypotheses);

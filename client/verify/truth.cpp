@@ -145,6 +145,18 @@ std::vector<std::uint64_t> Truth::lights_met(const std::vector<Double3>& points,
   const v1::LeResponse response =
       session_.value_or_fail(client::le_in_batches(session_.client(), request, batches()));
   std::vector<std::uint64_t> met(response.light_ids().begin(), response.light_ids().end());
+  // A ray may pass a point light and meet another one behind it.
+  std::vector<std::size_t> local;
+  std::vector<Double3> before, after;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    if (!std::isfinite(distances[i])) continue;
+    local.push_back(i);
+    before.push_back(starts[i]);
+    after.push_back(points[i] + (2 - kAlmostThere) * distances[i] * directions[i]);
+  }
+  const std::vector<bool> empty = visible(before, after);
+  for (std::size_t k = 0; k < local.size(); ++k)
+    if (empty[k]) met[local[k]] = 0;
   const auto is_far = [](const v1::Light& l) { return !l.delta() && !l.has_bounds(); };
   if (std::ranges::count_if(lights_, is_far) > 1) {
     for (std::uint64_t& id : met)

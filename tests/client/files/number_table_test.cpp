@@ -80,6 +80,11 @@ TEST_F(NumberTableTest, WrongCsvFilesAreRefusedWithTheirPlace) {
   EXPECT_EQ(refusal("a.csv", "x,pdf\n1,a\n"), "a.csv:2:3: pdf = \"a\" is not a number");
   EXPECT_EQ(refusal("a.csv", "x,pdf\n1, nan\n"), "a.csv:2:4: pdf = \"nan\" is not a number");
   EXPECT_EQ(refusal("a.csv", "x,light\n1,lmp\n"), "a.csv:2:3: light = \"lmp\": no such lamp");
+  // The place of an empty field is that after its comma.
+  EXPECT_EQ(fs::path(read("c.csv", "x,pdf,light\n1,,3\n2,0.5,\n")->place(0, 1)).filename().string(),
+            "c.csv:2:3");
+  EXPECT_EQ(fs::path(read("c.csv", "x,pdf,light\n1,,3\n2,0.5,\n")->place(1, 2)).filename().string(),
+            "c.csv:3:7");
   EXPECT_EQ(refusal("a.csv", "x,pdf\n1\n"), "a.csv:2: 1 columns, allowed: 2, as before");
   EXPECT_EQ(refusal("a.csv", "1,2,3,4\n"),
             "a.csv:1: 4 columns without names, allowed: at most 3, in this order: x,pdf,light");
