@@ -9,6 +9,7 @@
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
 #include "client/terminal/signals.h"
+#include "client/verify/command.h"
 
 namespace lucerna::cli {
 
@@ -39,6 +40,7 @@ int run_lucerna(int argc, char** argv) {
   add_top_command(app, session);
   add_doctor_command(app, session);
   add_bench_command(app, session);
+  add_verify_command(app, session);
   add_tradeoff_command(app);
   try {
     start_tradeoff(app, argc, argv);
