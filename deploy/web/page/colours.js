@@ -30,7 +30,7 @@ function roundUp(/** @type {number} */ value) {
  * From 0 or a round number below `low` to one above `high`.
  * @returns {Scale}
  */
-export function linearScale(/** @type {number} */ low, /** @type {number} */ high, steps = 6) {
+export function linearScale(/** @type {number} */ low, /** @type {number} */ high, steps = 8) {
   if (!(high > 0)) return { share: () => 0, ticks: [0], low: 0, high: 1 };
   // A scale from 0, unless the values differ by less than half.
   const start = low > high / 2 ? low : 0;

@@ -12,8 +12,12 @@ import { floorLx } from "./point.js";
 /** @typedef {ReturnType<typeof import("./geometry.js").line>} Line */
 
 const insideSolid = 8;
-/** Points of one call: enough for two threads, and soon answered. */
+/** Points of one call: enough for all threads, and soon answered. */
 const pointsAtOnce = 128;
+/** Samples of a point in the first pass. */
+const coarseSamples = 32;
+/** Most samples of a point in the second pass: one dark corner must not keep the map waiting. */
+const mostSamples = 16384;
 
 /**
  * The light at many points of a plane.  NaN: not yet known, or inside a solid.
@@ -21,7 +25,9 @@ const pointsAtOnce = 128;
  */
 
 /**
- * Asks for the illuminance at points with one normal, in parts.  Calls `progress` after each.
+ * Asks for the illuminance at points with one normal, in parts.  Calls `progress` after each.  A first pass with few samples
+ * shows the field soon.  Its mean is the measure of the second pass: where it is darker, errors need not be smaller than at
+ * the mean.
  * @param {string} sceneId
  * @param {Vector[]} points
  * @param {Vector} normal
@@ -30,12 +36,34 @@ const pointsAtOnce = 128;
  * @param {(field: Field) => void} progress
  */
 export async function measureField(sceneId, points, normal, relative, signal, progress) {
-  const n = points.length;
-  const fresh = () => new Float64Array(n).fill(NaN);
+  const fresh = () => new Float64Array(points.length).fill(NaN);
   /** @type {Field} */
   const field = { lux: fresh(), lower: fresh(), upper: fresh(), done: 0, seconds: 0, samples: 0, rays: 0 };
+  /** @type {Stop} */
+  const coarse = { case: "samples", value: coarseSamples };
+  await pass(sceneId, points, normal, coarse, signal, field, progress);
+  const absoluteFloor = Math.max(floorLx, relative * (summary(field).mean || 0));
+  /** @type {Stop} */
+  const fine = { case: "targetError", value: { relative, absoluteFloor, maxSamples: mostSamples } };
+  await pass(sceneId, points, normal, fine, signal, field, progress);
+  return field;
+}
+
+/** @typedef {NonNullable<import("@bufbuild/protobuf").MessageInitShape<typeof import("../../generated/lucerna/v1/accuracy_pb.js").AccuracySchema>["stop"]>} Stop */
+
+/**
+ * Measures all points once.
+ * @param {string} sceneId
+ * @param {Vector[]} points
+ * @param {Vector} normal
+ * @param {Stop} stop
+ * @param {AbortSignal} signal
+ * @param {Field} field
+ * @param {(field: Field) => void} progress
+ */
+async function pass(sceneId, points, normal, stop, signal, field, progress) {
   const [x, y, z] = points[0];
-  for (let from = 0; from < n; from += pointsAtOnce) {
+  for (let from = 0; from < points.length; from += pointsAtOnce) {
     const part = points.slice(from, from + pointsAtOnce);
     const answer = await lighting.estimateIrradiance(
       {
@@ -43,23 +71,22 @@ export async function measureField(sceneId, points, normal, relative, signal, pr
         receivers: { originM: { x, y, z }, offsetsM: part.flatMap((p) => [p[0] - x, p[1] - y, p[2] - z]) },
         normals: part.flatMap(() => normal),
         seed: { seed: 0n, firstItem: BigInt(from) },
-        accuracy: { stop: { case: "targetError", value: { relative, absoluteFloor: floorLx } } },
+        accuracy: { stop },
       },
       { signal },
     );
     part.forEach((_, i) => {
-      if (answer.status[i] === insideSolid) return;
-      field.lux[from + i] = answer.illuminanceLx[i];
-      field.lower[from + i] = answer.lowerLx[i];
-      field.upper[from + i] = answer.upperLx[i];
+      const isKnown = answer.status[i] !== insideSolid;
+      field.lux[from + i] = isKnown ? answer.illuminanceLx[i] : NaN;
+      field.lower[from + i] = isKnown ? answer.lowerLx[i] : NaN;
+      field.upper[from + i] = isKnown ? answer.upperLx[i] : NaN;
     });
-    field.done = from + part.length;
+    field.done = Math.max(field.done, from + part.length);
     field.seconds += answer.cost?.wallTimeS ?? 0;
     field.samples += Number(answer.cost?.samples ?? 0n);
     field.rays += Number((answer.cost?.shadowRays ?? 0n) + (answer.cost?.indirectRays ?? 0n));
     progress(field);
   }
-  return field;
 }
 
 /** Minimum, mean and maximum of the known values; the error of the mean, whose points err independently. */
@@ -88,7 +115,7 @@ function figures(/** @type {Field} */ field, /** @type {string} */ size) {
       { class: "big", "data-mean": String(mean) },
       make("strong", { text: about.value }),
       make("span", { class: "plus-minus", text: ` ± ${about.error}` }),
-      make("span", { class: "unit", text: " lx on average" }),
+      make("span", { class: "unit", text: " lx, mean" }),
     ),
     make(
       "dl",
@@ -106,7 +133,7 @@ const costLine = (/** @type {Field} */ f) =>
   make("p", { class: "soft", text: `${f.done} points, ${count(f.samples)} samples, ${count(f.rays)} rays, ${duration(f.seconds)}.` });
 
 /** A legend of colours with its ticks. */
-export function legend(/** @type {import("./colours.js").Scale} */ scale, /** @type {string} */ unit, text = (/** @type {number} */ v) => digits(v)) {
+export function legend(/** @type {import("./colours.js").Scale} */ scale, /** @type {string} */ unit, text = (/** @type {number} */ v) => String(v)) {
   const strip = make("div", { class: "strip", "aria-hidden": "true" });
   strip.style.background = `linear-gradient(to right, ${Array.from({ length: 15 }, (_, i) => css(i / 14)).join(", ")})`;
   const ticks = make("div", { class: "ticks" });
@@ -170,13 +197,17 @@ export function showGrid(/** @type {HTMLElement} */ box, /** @type {Grid} */ gri
       context.fillRect(x, y, 1, 1);
     }
   const drawing = draw("svg", { viewBox: `0 0 ${columns * cell} ${rows * cell}`, role: "img", "aria-label": `Plan of the illuminance: least ${digits(low)}, most ${digits(high)}, on average ${digits(mean)} lux` });
+  /** @type {number[][]} */
+  const labels = [];
   for (const level of scale.ticks.filter((t) => t > low && t < high))
     for (const points of joined(segments(field.lux, columns, rows, level))) {
       const at = points.map(([x, y]) => [(x + 0.5) * cell, (rows - 0.5 - y) * cell]);
       drawing.append(draw("polyline", { points: at.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" "), class: "isoline" }));
-      if (at.length < 8) continue;
-      const [x, y] = at[at.length >> 1];
-      drawing.append(draw("text", { x: x.toFixed(1), y: y.toFixed(1), class: "isolabel" }, digits(level)));
+      // A label where none is near; short lines have none.
+      const spot = [0.5, 0.25, 0.75].map((part) => at[Math.floor(part * at.length)]).find(([x, y]) => labels.every(([a, b]) => Math.abs(x - a) > 44 || Math.abs(y - b) > 22));
+      if (at.length < 8 || !spot) continue;
+      labels.push(spot);
+      drawing.append(draw("text", { x: spot[0].toFixed(1), y: spot[1].toFixed(1), class: "isolabel" }, String(level)));
     }
   const plan = make("div", { class: "plan" }, canvas);
   plan.style.aspectRatio = `${columns} / ${rows}`;
@@ -203,7 +234,7 @@ export function showLine(/** @type {HTMLElement} */ box, /** @type {Line} */ lin
   const drawing = draw("svg", { viewBox: `0 0 ${width} ${height}`, class: "chart", role: "img", "aria-label": `Illuminance along the line: least ${digits(low)}, most ${digits(high)}, on average ${digits(mean)} lux` });
   for (const tick of scale.ticks) {
     drawing.append(draw("line", { x1: left, x2: width - 6, y1: y(tick), y2: y(tick), class: "gridline" }));
-    drawing.append(draw("text", { x: left - 5, y: y(tick) + 3, class: "axis end" }, digits(tick)));
+    drawing.append(draw("text", { x: left - 5, y: y(tick) + 3, class: "axis end" }, String(tick)));
   }
   for (const part of [0, 0.5, 1])
     drawing.append(draw("text", { x: x(part * (field.lux.length - 1)), y: height - 8, class: part === 1 ? "axis end" : part ? "axis middle" : "axis" }, `${digits(part * line.length)}${part === 1 ? " m" : ""}`));

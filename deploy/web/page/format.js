@@ -11,10 +11,12 @@ export function digits(/** @type {number} */ value, significant = 3) {
   return rounded.toFixed(Math.min(decimals, 8)).replace("-", "−");
 }
 
-/** A value with as many decimals as its error supports: two digits of the error. */
+/** A value with as many decimals as its error supports: two digits of the error, and at most four of the value. */
 export function withError(/** @type {number} */ value, /** @type {number} */ error) {
   if (!(error > 0)) return { value: digits(value, 6), error: "0" };
-  const decimals = Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(error))));
+  const first = (/** @type {number} */ v) => -Math.floor(Math.log10(Math.abs(v)));
+  const supported = 1 + first(error), readable = value === 0 ? supported : Math.max(3 + first(value), first(error));
+  const decimals = Math.min(8, Math.max(0, Math.min(supported, readable)));
   return { value: value.toFixed(decimals).replace("-", "−"), error: error.toFixed(decimals) };
 }
 

@@ -39,6 +39,11 @@ export function inFrame(/** @type {Frame} */ f, /** @type {Vector} */ point) {
   return { u: dot(d, f.u), v: dot(d, f.v), away: dot(d, f.normal) };
 }
 
+/** Whether a point lies in the plane of a surface point, within a thousandth of their distance. */
+export function isInPlane(/** @type {Place} */ place, /** @type {Vector} */ point) {
+  return Math.abs(inFrame(frame(place), point).away) <= 1e-3 * length(minus(point, place.point));
+}
+
 /** The point of the plane with these coordinates. */
 export const inWorld = (/** @type {Frame} */ f, /** @type {number} */ u, /** @type {number} */ v) =>
   along(along(f.origin, f.u, u), f.v, v);

@@ -4,7 +4,7 @@ import { Dial } from "./dial.js";
 import { afterCalm, byId, make, say } from "./dom.js";
 import { legend, measureField, overlayOf, showGrid, showLine } from "./field.js";
 import { count, digits, duration, metres, percent } from "./format.js";
-import { grid as gridOf, line as lineOf } from "./geometry.js";
+import { grid as gridOf, isInPlane, line as lineOf } from "./geometry.js";
 import { cssOf, nameOf, showLights } from "./lights.js";
 import { Picture, render } from "./picture.js";
 import { commandOf, measurePoint, showPoint } from "./point.js";
@@ -178,7 +178,8 @@ function showHint() {
     line: first ? "Click where the line ends" : "Click where the line begins",
     grid: first ? "Click on the opposite corner" : "Click on a corner of the grid",
   };
-  byId("hint").textContent = hints[tool];
+  // After a measurement, the hint would only hide the picture.
+  byId("hint").textContent = subject?.tool === tool && !first ? "" : hints[tool];
 }
 
 function pick(/** @type {Pixel} */ pixel) {
@@ -196,7 +197,10 @@ function pick(/** @type {Pixel} */ pixel) {
         ? { tool, pixels: [first.pixel, pixel], places: [first.place, place] }
         : { tool, pixels: [pixel], places: [place] };
       first = undefined;
+      showHint();
       await measure(signal);
+      if (subject.places[1] && !isInPlane(subject.places[0], place.point))
+        byId("result-error").textContent = "The ends lie on different surfaces. The points lie in the plane of the first end.";
     }
     showHint();
     redrawMarks();
@@ -238,6 +242,7 @@ async function measure(/** @type {AbortSignal} */ signal) {
   box.setAttribute("aria-busy", "false");
   box.dataset.scene = id;
   box.dataset.error = String(error);
+  box.dataset.places = JSON.stringify(places);
   redrawMarks();
 }
 

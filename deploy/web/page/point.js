@@ -53,13 +53,13 @@ export function commandOf(/** @type {string} */ scene, /** @type {Place} */ { po
  */
 function shares(answer, lightOf) {
   const total = answer.illuminanceLx[0];
-  const rows = answer.shares.map(({ lightId, illuminanceLx, lowerLx, upperLx }) => ({
+  const rows = answer.shares.map(({ lightId, illuminanceLx }) => ({
     ...lightOf(lightId),
     lux: illuminanceLx[0],
-    half: (upperLx[0] - lowerLx[0]) / 2,
+    isReflected: false,
   }));
   const direct = rows.reduce((sum, row) => sum + row.lux, 0);
-  rows.push({ name: "Reflected light", css: "var(--reflected)", lux: Math.max(0, total - direct), half: NaN });
+  rows.push({ name: "Reflected light", css: "var(--reflected)", lux: Math.max(0, total - direct), isReflected: true });
   return rows.sort((a, b) => b.lux - a.lux);
 }
 
@@ -78,11 +78,12 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
     const share = lux > 0 ? row.lux / lux : 0;
     const fill = make("span", { class: "fill" });
     fill.style.width = `${(100 * row.lux) / largest}%`;
-    fill.style.background = row.css;
+    const swatch = make("span", { class: "swatch", "aria-hidden": "true" });
+    swatch.style.background = row.css;
     return make(
       "li",
-      {},
-      make("span", { class: "bar-name", text: row.name }),
+      { class: row.isReflected ? "reflected" : "" },
+      make("span", { class: "bar-name" }, swatch, row.name),
       make("span", { class: "bar-value" }, `${digits(row.lux)} lx`, make("span", { class: "soft", text: ` ${percent(share)}` })),
       make("span", { class: "track", "aria-hidden": "true" }, fill),
     );
@@ -109,7 +110,7 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
       class: "soft",
       text: isInside
         ? "This point lies inside a solid: no light reaches it."
-        : `With 95 % confidence from ${digits(lower, 4)} to ${digits(upper, 4)} lx.`,
+        : `95 % interval: ${digits(lower, 4)} to ${digits(upper, 4)} lx`,
     }),
     make("h3", { text: "Where the light comes from" }),
     make("ul", { class: "bars" }, ...bars),
@@ -123,10 +124,12 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
       make("dd", { text: place.normal.map(metres).join("  ") }),
       make("dt", { text: "Luminance" }),
       make("dd", { text: `${digits(luminance)} cd/m²` }),
+      make("dt", { text: "Samples" }),
+      make("dd", { text: answer.samples ? count(answer.samples) : "none, exact" }),
       make("dt", { text: "Cost" }),
       make("dd", { text: costOf(answer) }),
     ),
-    make("details", { class: "command" }, make("summary", { text: "The same number from the command line" }), make("code", { text: command }), copy),
+    make("details", { class: "command" }, make("summary", { text: "The same from the command line" }), make("code", { text: command }), copy),
   );
   return `${value} plus or minus ${error} lux. ${rows
     .slice(0, 3)
@@ -134,8 +137,8 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
     .join(", ")}.`;
 }
 
-/** Samples, rays and time of an answer. */
-export function costOf(/** @type {Answer} */ { samples, cost }) {
+/** Rays and time of an answer. */
+function costOf(/** @type {Answer} */ { cost }) {
   const rays = Number((cost?.shadowRays ?? 0n) + (cost?.indirectRays ?? 0n));
-  return `${samples ? `${count(samples)} samples, ` : "exact, "}${count(rays)} rays, ${duration(cost?.wallTimeS ?? 0)}`;
+  return `${count(rays)} rays, ${duration(cost?.wallTimeS ?? 0)}`;
 }
