@@ -294,6 +294,12 @@ absl::Status Client::render_image(
   return to_absl_status(reader.finish());
 }
 
+absl::StatusOr<v1::FindSurfacesResponse> Client::find_surfaces(
+    const v1::FindSurfacesRequest& request, const CallOptions& options) const {
+  return call(connection_->render, &v1::RenderService::StubInterface::FindSurfaces, request,
+              options);
+}
+
 absl::StatusOr<v1::ListLeasesResponse> Client::list_leases(const v1::ListLeasesRequest& request,
                                                            const CallOptions& options) const {
   return call(connection_->admin, &v1::AdminService::StubInterface::ListLeases, request, options);

@@ -147,6 +147,8 @@ class Client {
   absl::Status render_image(const v1::RenderImageRequest& request,
                             const std::function<bool(const v1::RenderImageResponse&)>& on_response,
                             const CallOptions& options = {}) const;
+  Result<v1::FindSurfacesResponse> find_surfaces(const v1::FindSurfacesRequest& request,
+                                                 const CallOptions& options = {}) const;
 
   // AdminService
   Result<v1::ListLeasesResponse> list_leases(const v1::ListLeasesRequest& request,

@@ -83,6 +83,11 @@ AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64
                       2 * kFloat * wavelengths(request)};
 }
 
+AnswerSize answer_size(const v1::FindSurfacesRequest&) {
+  // Point and normal; whether it was found; the light.
+  return {.per_item = (3 + 3) * kFloat + kBit + kId + kStatus};
+}
+
 AnswerSize tile_size(const v1::Accuracy& accuracy, bool intervals) {
   // Sum and squared deviation of each channel; samples, interval and moments.
   std::uint64_t more = 0;

@@ -42,6 +42,7 @@ AnswerSize answer_size(const v1::EstimatePowerRequest& request);
 AnswerSize answer_size(const v1::TestVisibilityRequest& request, bool is_partial);
 /// `lights`: the number in the scene; used only with `per_light`.
 AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64_t lights);
+AnswerSize answer_size(const v1::FindSurfacesRequest& request);
 /// An item is a pixel, in tiles of either call.
 AnswerSize tile_size(const v1::Accuracy& accuracy, bool intervals);
 

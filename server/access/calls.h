@@ -46,6 +46,7 @@ inline constexpr std::array kCallRoles{
     CallEntry{Call::kGetServerInfo, Role::kQuery},
     CallEntry{Call::kGetStats, Role::kAdmin},
     CallEntry{Call::kListLeases, Role::kLoad},
+    CallEntry{Call::kFindSurfaces, Role::kQuery},
 };
 constexpr Role role_of(Call call) { return kCallRoles[static_cast<std::size_t>(call)].role; }
 static_assert(

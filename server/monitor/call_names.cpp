@@ -27,6 +27,7 @@ constexpr std::array<const char*, kCalls> kNames{
     "lucerna.v1.AdminService/GetServerInfo",
     "lucerna.v1.AdminService/GetStats",
     "lucerna.v1.AdminService/ListLeases",
+    "lucerna.v1.RenderService/FindSurfaces",
     "grpc.health.v1.Health/Check",
     "grpc.health.v1.Health/Watch",
     "grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",

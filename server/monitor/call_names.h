@@ -31,6 +31,7 @@ enum class Call : std::uint8_t {
   kGetServerInfo,
   kGetStats,
   kListLeases,
+  kFindSurfaces,
   // Calls that gRPC answers.
   kHealthCheck,
   kHealthWatch,
@@ -39,7 +40,7 @@ enum class Call : std::uint8_t {
 };
 inline constexpr std::size_t kCalls = static_cast<std::size_t>(Call::kUnknown) + 1;
 /// Those of the contract, which are the first.
-inline constexpr std::size_t kContractCalls = static_cast<std::size_t>(Call::kListLeases) + 1;
+inline constexpr std::size_t kContractCalls = static_cast<std::size_t>(Call::kFindSurfaces) + 1;
 
 /// Full name, e.g. "lucerna.v1.LightingService/SampleLi".
 const char* name_of(Call call);

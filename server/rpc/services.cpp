@@ -8,6 +8,7 @@
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/handlers/lighting.h"
 #include "server/rpc/handlers/scenes.h"
+#include "server/rpc/handlers/surfaces.h"
 #include "server/rpc/handlers/tiles.h"
 #include "server/rpc/image_stream.h"
 #include "server/rpc/messages/errors.h"
@@ -52,7 +53,8 @@ using LightingBase = v1::LightingService::WithRawCallbackMethod_SampleLi<
                             v1::LightingService::WithRawCallbackMethod_EstimateIrradiance<
                                 v1::LightingService::Service>>>>>>>>;
 using RenderBase = v1::RenderService::WithRawCallbackMethod_RenderTile<
-    v1::RenderService::WithRawCallbackMethod_RenderImage<v1::RenderService::Service>>;
+    v1::RenderService::WithRawCallbackMethod_RenderImage<
+        v1::RenderService::WithRawCallbackMethod_FindSurfaces<v1::RenderService::Service>>>;
 using AdminBase = v1::AdminService::WithRawCallbackMethod_GetServerInfo<
     v1::AdminService::WithRawCallbackMethod_GetStats<
         v1::AdminService::WithRawCallbackMethod_ListLeases<v1::AdminService::Service>>>;
@@ -142,6 +144,9 @@ class RenderServiceImpl final : public RenderBase {
   grpc::ServerWriteReactor<Bytes>* RenderImage(CallContext* context,
                                                const Bytes* request) override {
     return ImageStream::start(runtime_, context, request);
+  }
+  Unary* FindSurfaces(CallContext* context, const Bytes* request, Bytes* response) override {
+    return unary(runtime_, context, Call::kFindSurfaces, request, response, &find_surfaces);
   }
 
  private:

@@ -19,6 +19,7 @@
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/handlers/lighting.h"
 #include "server/rpc/handlers/scenes.h"
+#include "server/rpc/handlers/surfaces.h"
 #include "server/rpc/handlers/tiles.h"
 #include "server/rpc/observed_call.h"
 #include "server/rpc/services.h"
@@ -205,6 +206,8 @@ class World {
         return render_image(bytes);
       case Call::kListLeases:
         return run(bytes, &rpc::list_leases);
+      case Call::kFindSurfaces:
+        return run(bytes, &rpc::find_surfaces);
       // Their requests have no fields.
       case Call::kGetServerInfo: {
         v1::GetServerInfoRequest request;

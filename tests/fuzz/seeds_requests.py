@@ -157,6 +157,9 @@ def messages():
         yield "RenderTile", name, SCENE + text
     yield "RenderImage", "final", SCENE + "final_only: true intervals: true tile_size: 8 accuracy { samples: 2 } time_s: 0.5"
     yield "RenderImage", "bad", SCENE + "tile_size: 0 samples_per_block: 3"
+    yield "FindSurfaces", "places", SCENE + "places: [1.5, 2.5, 0, 0, 32, 24] time_s: 0.5"
+    yield "FindSurfaces", "outside", SCENE + "places: [-1, 2.5, nan, 0, 33, 24]"
+    yield "FindSurfaces", "odd", SCENE + "places: [1, 2, 3]"
     yield "GetServerInfo", "empty", ""
     yield "GetStats", "empty", ""
 
@@ -164,7 +167,7 @@ def messages():
 CALLS = ("FindMissingAssets UploadAsset LoadScene GetScene ListScenes ListAvailableScenes ListLights "
          "EditLights RenewLease ReleaseScene SampleLi PdfLi SampleLe PdfLe Le EstimatePower "
          "TestVisibility EstimateIrradiance RenderTile RenderImage GetServerInfo GetStats "
-         "ListLeases").split()  # in the order of monitor::Call
+         "ListLeases FindSurfaces").split()  # in the order of monitor::Call
 
 
 def request():

@@ -22,6 +22,7 @@ bool holds_no_numbers(const FieldDescriptor& field) {
       "lucerna.v1.SampleLiResponse.delta",                    // bits
       "lucerna.v1.SampleLiResponse.visible",                  // bits
       "lucerna.v1.TestVisibilityResponse.visible",            // bits
+      "lucerna.v1.FindSurfacesResponse.found",                // bits
       "lucerna.v1.Tile.samples",                              // whole numbers
       "lucerna.v1.NamedAsset.sha256",                         // a digest
       "lucerna.v1.FindMissingAssetsResponse.missing_sha256",  // digests
@@ -121,6 +122,7 @@ const std::map<std::string, std::string>& signed_fields() {
       {"lucerna.v1.SampleLiResponse.light_normals", "normals"},
       {"lucerna.v1.SampleLeResponse.directions", "directions"},
       {"lucerna.v1.SampleLeResponse.light_normals", "normals"},
+      {"lucerna.v1.FindSurfacesResponse.normals", "normals"},
       {"lucerna.v1.KeyFrame.time_s", "a time of the scene, which may begin before 0"},
       {"lucerna.v1.Tile.sum", "pixels of a filter with negative weights"},
       {"lucerna.v1.Tile.lower", "the same"},

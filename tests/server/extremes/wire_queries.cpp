@@ -61,6 +61,7 @@ void WireQueries::query_scene() {
   }
   tile();
   image();
+  surfaces();
 }
 
 /// The power of all lights, page by page, or of some lights, one of them possibly twice.

@@ -80,6 +80,7 @@ class WireQueries {
   void irradiance();
   void tile();
   void image();
+  void surfaces();
 
   int batch();
   /// Random points: anywhere, in the scene, and on lights.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "proto/common/luminance_moments.h"
 #include "tests/server/extremes/wire_queries.h"
@@ -140,6 +141,47 @@ void WireQueries::image() {
                        q.accuracy().stop_case() != v1::Accuracy::kTimeBudgetS;
   hold(counted ? done == total : total == 0, "RenderImage", 0,
        fmt::format("{} of {} samples are done", done, total));
+}
+
+/// Places on the picture, at its edges, beside it, and numbers of any size.
+void WireQueries::surfaces() {
+  v1::FindSurfacesRequest q;
+  q.set_scene_id(scene_id_);
+  if (n_.chance(0.5)) q.set_time_s(n_.chance(0.5) ? 0.5 : 0);
+  Items items(static_cast<std::size_t>(batch()));
+  for (Item& item : items) {
+    item = Item::kGood;
+    for (const std::uint32_t size : {summary_.image_width(), summary_.image_height()}) {
+      const float place =
+          n_.chance(0.1) ? n_.component() : static_cast<float>(n_.below(4 * size + 1)) / 4;
+      q.add_places(place);
+      const bool inside =
+          place > -std::numeric_limits<float>::min() && place <= static_cast<float>(size);
+      if (!inside) item = Item::kInvalid;
+    }
+  }
+  v1::FindSurfacesResponse r;
+  const grpc::Status s = call([&](auto* c) { return service_.render.FindSurfaces(c, q, &r); });
+  if (!answered("FindSurfaces", s, q, r)) return;
+  expect("FindSurfaces", r.points().offsets_m_size(), 3 * items.size(), "offsets");
+  expect("FindSurfaces", r.normals_size(), 3 * items.size(), "numbers of normals");
+  expect("FindSurfaces", r.found().size(), (items.size() + 7) / 8, "bytes of found");
+  expect("FindSurfaces", r.light_ids_size(), items.size(), "light ids");
+  if (!failures_.empty()) return;
+  const auto statuses_of_items = statuses("FindSurfaces", r.status(), items, false);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const std::uint64_t light = r.light_ids(static_cast<int>(i));
+    if (light != 0) is_light("FindSurfaces", i, light);
+    if (bit(r.found(), i)) {
+      is_unit("FindSurfaces", i, r.normals());
+      hold(statuses_of_items[i] == v1::ITEM_STATUS_OK, "FindSurfaces", i,
+           "found beside the picture");
+    } else {
+      is_zero("FindSurfaces", i, r.normals(), 3);
+      is_zero("FindSurfaces", i, r.points().offsets_m(), 3);
+      hold(light == 0, "FindSurfaces", i, "a light without a surface");
+    }
+  }
 }
 
 }  // namespace lucerna::testing

@@ -1,0 +1,59 @@
+#include "server/estimate/queries/surfaces.h"
+
+#include <atomic>
+#include <optional>
+#include <vector>
+
+#include "server/runtime/bits.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+constexpr std::size_t kGrainOfPlaces = 1024;
+
+/// The ray through a place of the picture; nothing if the place is not on it.
+std::optional<Ray> ray_at(const Camera& camera, float x, float y, double time_s) {
+  // Written so that NaN is outside.
+  const bool inside = x >= 0 && x <= static_cast<float>(camera.width()) && y >= 0 &&
+                      y <= static_cast<float>(camera.height());
+  if (!inside) return std::nullopt;
+  const FilmCrop& crop = camera.crop();
+  return camera.ray(static_cast<float>(crop.x0) + x, static_cast<float>(crop.y0) + y, time_s);
+}
+
+}  // namespace
+
+WorkCounts find_surfaces(const Scene& scene, const SurfacesQuery& query,
+                         const SurfacesAnswer& answer, std::stop_token stop) {
+  const std::size_t n = query.size();
+  // Bytes, because threads write them in any order.
+  std::vector<std::uint8_t> found(n);
+  std::atomic<std::uint64_t> rays = 0;
+  parallel_chunks(n, kGrainOfPlaces, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    std::uint64_t spent = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto ray =
+          ray_at(scene.camera(), query.places[2 * i], query.places[2 * i + 1], query.time_s);
+      answer.status[i] = static_cast<int>(ray ? ItemResult::kOk : ItemResult::kInvalidInput);
+      if (!ray) continue;
+      ++spent;
+      const std::optional<SurfaceHit> hit = scene.closest_hit(*ray);
+      if (!hit) continue;
+      found[i] = 1;
+      const bool from_front = dot(hit->ng, Vec3<double>(ray->direction)) <= 0;
+      store(answer.offsets_m, i, Vec3<float>(hit->position));
+      store(answer.normals, i, Vec3<float>(from_front ? hit->ng : -hit->ng));
+      if (hit->light >= 0)
+        answer.light_ids[i] = scene.lights()[static_cast<std::size_t>(hit->light)].id;
+    }
+    rays += spent;
+  });
+  for (std::size_t i = 0; i < n; ++i)
+    if (found[i] != 0) set_bit(answer.found, i);
+  return {.samples = n, .camera_rays = rays};
+}
+
+}  // namespace lucerna
