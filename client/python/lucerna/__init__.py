@@ -26,7 +26,7 @@ __all__ = [
     "STATUS", "Accuracy", "DeadlineExceeded", "EmissionDensity", "EmissionSamples", "Error", "Estimates",
     "FailedPrecondition", "FieldViolation", "Grid", "InvalidArgument", "Irradiance", "LightDensity", "LightSamples",
     "Lights", "LocalServer", "NotFound", "PermissionDenied", "Picture", "Power", "Radiance", "ResourceExhausted",
-    "Scene", "Server", "Shares", "Tile", "Unauthenticated", "Unavailable", "Visibility", "aio", "connect", "edits", "grid",
-    "local",
+    "Scene", "Server", "Shares", "Tile", "Unauthenticated", "Unavailable", "Visibility", "aio", "connect", "edits",
+    "grid", "local",
 ]
 __version__ = "0.1.0"

@@ -89,4 +89,4 @@ def accuracy_of(accuracy: Accuracy | None, samples: int | None, error: float | N
     given = {k: v for k, v in (("samples", samples), ("error", error), ("budget_s", budget_s)) if v is not None}
     if accuracy is None:
         return Accuracy(**given).message()  # type: ignore[arg-type]
-    return dataclasses.replace(accuracy, **given).message()  # type: ignore[arg-type]
+    return dataclasses.replace(accuracy, **given).message()

@@ -117,9 +117,10 @@ def settings(target: str | None = None, *, token: str | None = None, token_file:
              certificate: str | os.PathLike[str] | None = None, key: str | os.PathLike[str] | None = None,
              name: str | None = None, environment: Mapping[str, str] = os.environ) -> Connection:
     """The connection of these arguments.  The environment sets those that are None."""
-    target = _with_port(environment.get("LUCERNA_SERVER", DEFAULT_TARGET) if target is None else target)
+    target = environment.get("LUCERNA_SERVER", DEFAULT_TARGET) if target is None else target
     if not target:
         raise invalid("target", "is empty, allowed: HOST:PORT")
+    target = _with_port(target)
     ca = environment.get("LUCERNA_TLS_CA") if ca is None else ca
     certificate = environment.get("LUCERNA_TLS_CERT") if certificate is None else certificate
     key = environment.get("LUCERNA_TLS_KEY") if key is None else key

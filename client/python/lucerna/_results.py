@@ -23,7 +23,11 @@ Statuses = NDArray[np.uint8]
 
 
 def columns(**arrays: Any) -> dict[str, NDArray[Any]]:
-    """Columns of a table.  Arrays with three numbers for each row become three columns; None is left out."""
+    """Columns of a table; None is left out.
+
+    `n__xyz` names an array with three numbers for each row, which become the columns nx, ny and nz.  Longer names have an
+    underscore: value_r, value_g, value_b.
+    """
     table: dict[str, NDArray[Any]] = {}
     for name, array in arrays.items():
         if array is None:
@@ -31,7 +35,8 @@ def columns(**arrays: Any) -> dict[str, NDArray[Any]]:
         stem, _, ends = name.partition("__")
         if ends:
             rows = np.asarray(array).reshape(-1, len(ends))
-            table.update({f"{stem}{end}": rows[:, i] for i, end in enumerate(ends)})
+            link = "_" if len(stem) > 1 else ""
+            table.update({f"{stem}{link}{end}": rows[:, i] for i, end in enumerate(ends)})
         else:
             table[stem] = np.asarray(array).reshape(-1)
     return table
