@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from lucerna import _wire
-from lucerna._steps import Pipeline, Steps, Unary
+from lucerna._errors import ResourceExhausted
+from lucerna._steps import Pipeline, ServerInfo, Steps, Unary
 from lucerna.v1 import admin_pb2, lighting_pb2
 
 # Larger batches are not faster.
@@ -48,8 +49,9 @@ class BatchRequest:
 
     def part(self, first: int, count: int) -> bytes:
         """The request for items [first, first + count)."""
-        parts = [self.head]
-        parts += [_wire.packed(a.path, a.rows[first:first + count], a.before) for a in self.arrays]
+        parts: list[bytes | memoryview] = [self.head]
+        for array in self.arrays:
+            parts += _wire.packed(array.path, array.rows[first:first + count], array.before)
         if self.seed is not None:
             field, seed = self.seed
             moved = lighting_pb2.Seed(seed=seed.seed, first_item=seed.first_item + first)
@@ -72,33 +74,45 @@ class Answered:
     counts: list[int]
 
 
-def server_limits() -> Steps[admin_pb2.Limits]:
-    """The limits of the server."""
-    data = yield Unary("AdminService/GetServerInfo", b"")
-    return _wire.parsed(admin_pb2.GetServerInfoResponse, data).limits
+def server_limits(again: bool = False) -> Steps[admin_pb2.Limits]:
+    """The limits of the server.  A connection asks for them once, or `again`."""
+    return _wire.parsed(admin_pb2.GetServerInfoResponse, (yield ServerInfo(again))).limits
 
 
 def in_batches(request: BatchRequest, *, per_item: int, fixed: int = FIXED, weight: int = 1, whole: bool = False,
-               progress: Progress = False, batch: int | None = None) -> Steps[Answered]:
+               progress: Progress = False) -> Steps[Answered]:
     """Sends a request in batches, several at a time.
 
     `per_item` and `fixed` bound the bytes of the answer.  An item counts as `weight` items in the server's limit.
-    `whole`: never divides the request.  `batch`: items of a batch, at most; the default asks the server.
+    `whole`: never divides the request.
     """
+    # The longer of request and answer counts.
+    once = fixed + len(request.head) + 128
+    each = max(weight * per_item, request.bytes_of_an_item)
+    few = request.items * weight <= ALWAYS_ITEMS and once + request.items * each <= ALWAYS_BYTES
+    if whole or few or request.items <= 1:
+        return (yield from _send(request, max(1, request.items), progress))
+
+    def size(limits: admin_pb2.Limits) -> int:
+        good = min(max(limits.max_batch_items, 1), GOOD_ITEMS)
+        return max(1, min(good // weight, (limits.max_message_bytes - once) // each))
+
+    first = size((yield from server_limits()))
+    try:
+        return (yield from _send(request, first, progress))
+    except ResourceExhausted as error:
+        if error.reason != "OVER_LIMIT":
+            raise
+        # A server may get other limits while it runs.
+        second = size((yield from server_limits(again=True)))
+        if second >= first:
+            raise
+    return (yield from _send(request, second, progress))
+
+
+def _send(request: BatchRequest, size: int, progress: Progress) -> Steps[Answered]:
+    """Sends batches of `size` items."""
     report = _reporter(progress, request.items)
-    size = max(1, request.items)
-    if not whole and request.items > 1:
-        # The longer of request and answer counts.
-        once = fixed + len(request.head) + 128
-        each = max(weight * per_item, request.bytes_of_an_item)
-        limit_items, limit_bytes = ALWAYS_ITEMS, ALWAYS_BYTES
-        if request.items * weight > ALWAYS_ITEMS or once + request.items * each > ALWAYS_BYTES:
-            limits = yield from server_limits()
-            limit_items = min(max(limits.max_batch_items, 1), GOOD_ITEMS)
-            limit_bytes = limits.max_message_bytes
-        if batch is not None:
-            limit_items = batch
-        size = max(1, min(limit_items // weight, (limit_bytes - once) // each))
     counts = [min(size, request.items - first) for first in range(0, request.items, size)] or [0]
     try:
         if len(counts) == 1:

@@ -32,6 +32,7 @@ def add_cost(cost: accuracy_pb2.Cost, whole: accuracy_pb2.Cost) -> None:
 
 
 def number_of(message: Any, field: str) -> int:
+    """The number of a field of a message or of its class."""
     return int(message.DESCRIPTOR.fields_by_name[field].number)
 
 
@@ -50,6 +51,7 @@ def set_fields(message: Any, **fields: Any) -> None:
 
 
 def name_light(message: Any, light: Light | None) -> None:
+    """Sets the light of a request, by its id or by its name."""
     if isinstance(light, str):
         message.light_name = light
     elif light is not None:
@@ -57,13 +59,16 @@ def name_light(message: Any, light: Light | None) -> None:
 
 
 def seed_of(seed: int, first_item: int) -> lighting_pb2.Seed:
+    """The message of a seed."""
     message = lighting_pb2.Seed()
     set_fields(message, seed=seed, first_item=first_item)
     return message
 
 
-def points_at(path: tuple[int, ...], points: NDArray[np.float64]) -> b.ItemArray:
-    before, rows = p.offsets(points)
+def points_at(path: tuple[int, ...], points: NDArray[np.float64],
+              origin: NDArray[np.float64] | None = None) -> b.ItemArray:
+    """Points as offsets from `origin`, by default that of origin_of."""
+    before, rows = p.offsets(points, p.origin_of(points) if origin is None else origin)
     return b.ItemArray((*path, p.OFFSETS), rows, before)
 
 
@@ -124,6 +129,8 @@ class Gathered:
 
     def status(self, *shape: int) -> results.Statuses:
         """Statuses, in this shape.  An empty array of a batch means that all its items are OK."""
+        if not any(a.has("status") for a in self._parts):
+            return np.full(shape, results.OK, np.uint8)
         pieces = [a.varints("status").astype(np.uint8) if a.has("status") else np.full(n, results.OK, np.uint8)
                   for a, n in zip(self._parts, self._counts)]
         return _shaped("status", _wire.joined(pieces), shape)

@@ -101,30 +101,36 @@ def to_floats(array: NDArray[Any], width: int) -> _wire.Floats:
         return np.ascontiguousarray(array, np.float32).reshape(-1, width)
 
 
-def origin_of(*points: NDArray[np.float64]) -> NDArray[np.float64]:
+def origin_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """The origin that the C++ library chooses (client/rpc/points.h), so that both send the same floats.
 
     If all coordinates are equal, the middle is their value.  Otherwise the origin zero loses at most three bits, and
     keeps coordinates that are zero exact.
     """
-    rows = np.concatenate([p.reshape(-1, 3) for p in points]) if len(points) > 1 else points[0].reshape(-1, 3)
-    finite = np.isfinite(rows)
-    if not finite.all():
-        rows = rows[finite.all(axis=1)]
+    rows = points.reshape(-1, 3)
     if not len(rows):
         return np.zeros(3)
-    lower, upper = rows.min(axis=0), rows.max(axis=0)
+    # Along rows: NumPy takes ten times as long along columns.
+    axes = np.ascontiguousarray(rows.T)
+    lower, upper = axes.min(axis=1), axes.max(axis=1)
+    if not np.isfinite(lower + upper).all():  # NaN and infinity reach the least or the largest number
+        return origin_of(rows[np.isfinite(rows).all(axis=1)]) if not np.isfinite(rows).all() else np.zeros(3)
     middle, half = lower / 2 + upper / 2, upper / 2 - lower / 2
     return np.where(np.abs(middle) > 8 * half, middle, 0.0)
 
 
-def offsets(points: NDArray[np.float64]) -> tuple[bytes, _wire.Floats]:
+def offsets(points: NDArray[np.float64], origin: NDArray[np.float64]) -> tuple[bytes, _wire.Floats]:
     """The field `origin_m` of Points, and its offsets in rows of three."""
-    origin = origin_of(points)
     rows = points.reshape(-1, 3)
     if not origin.any():
         return b"", to_floats(rows, 3)
     message = accuracy_pb2.Vector3(x=origin[0], y=origin[1], z=origin[2])
-    with np.errstate(invalid="ignore"):  # infinite coordinates
-        moved = rows - origin
-    return _wire.field(ORIGIN, message.SerializeToString()), to_floats(moved, 3)
+    return _wire.field(ORIGIN, message.SerializeToString()), to_floats(shifted(rows, -origin), 3)
+
+
+def shifted(points: NDArray[Any], shift: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points of shape (..., 3) plus a vector, in double precision."""
+    moved: NDArray[np.float64] = points.astype(np.float64)
+    for axis in np.flatnonzero(shift):  # each axis by itself takes a third of the time of all at once
+        moved[..., axis] += shift[axis]
+    return moved

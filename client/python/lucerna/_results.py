@@ -25,8 +25,8 @@ Statuses = NDArray[np.uint8]
 def columns(**arrays: Any) -> dict[str, NDArray[Any]]:
     """Columns of a table; None is left out.
 
-    `n__xyz` names an array with three numbers for each row, which become the columns nx, ny and nz.  Longer names have an
-    underscore: value_r, value_g, value_b.
+    `n__xyz` names an array with three numbers for each row, which become the columns nx, ny and nz.  Longer names have
+    an underscore: value_r, value_g, value_b.
     """
     table: dict[str, NDArray[Any]] = {}
     for name, array in arrays.items():

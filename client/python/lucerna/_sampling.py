@@ -47,7 +47,8 @@ def sample_li(scene: SceneLike, points: p.Places, normals: ArrayLike | None = No
     count = head.accuracy.samples if head.accuracy.HasField("samples") else 1
     per_point = (count,) if head.accuracy.HasField("samples") else ()
     estimates = head.accuracy.HasField("target_error") or head.accuracy.HasField("time_budget_s")
-    arrays = [points_at((number_of(head, "receivers"),), where)]
+    origin = p.origin_of(where)
+    arrays = [points_at((number_of(head, "receivers"),), where, origin)]
     if facing is not None:
         arrays.append(b.ItemArray((number_of(head, "normals"),), p.to_floats(facing, 3)))
     own = _own_values(head, u, u_light, (*shape, *per_point), 2, count)
@@ -70,21 +71,30 @@ def sample_li(scene: SceneLike, points: p.Places, normals: ArrayLike | None = No
     got = Gathered(answered, lighting_pb2.SampleLiResponse, lambda a, _: a.floats("pdf_per_sr").size)
     per = _estimates(got, shape, wavelengths) if estimates and items else None
     form = (got.count,) if estimates else (*shape, *per_point)
-    counts = per.samples.reshape(-1).astype(np.intp) if per is not None else np.full(items, count, np.intp)
+    counts: Any = count if per is None else per.samples.reshape(-1).astype(np.intp)
     offsets = got.floats("light_offsets_m", *form, 3)
-    # Lights at infinity have no point; their offset 0 does not mean the origin.
     distance = got.floats("distance_m", *form)
-    near = np.where((distance > 0)[..., None], p.origin_of(where), 0.0)
+    ends = p.shifted(offsets, origin)
+    nowhere = distance == 0
+    if nowhere.any():
+        # Lights at infinity have no point; their offset 0 does not mean the origin.
+        ends[nowhere] = 0
     return results.LightSamples(
         value=got.floats("value", *form, 3), wi=got.floats("wi", *form, 3), distance=distance,
-        light_points=offsets + near, light_normals=got.floats("light_normals", *form, 3),
+        light_points=ends, light_normals=got.floats("light_normals", *form, 3),
         density=got.floats("pdf_per_sr", *form), delta=got.bits("delta", *form),
         visible=got.bits("visible", *form) if test_visibility else None,
         transmittance=got.floats_if_any("transmittance", *form, 3), light_ids=got.varints_if_any("light_ids", *form),
         probability=got.doubles_if_any("selection_probability", *form),
-        receiver=np.repeat(np.arange(items), counts).reshape(form), status=got.status(*form),
+        receiver=_receivers(items, counts).reshape(form), status=got.status(*form),
         wavelengths_nm=wavelengths, spectral=got.floats_if_any("spectral_value", *form, wavelengths.size),
         estimates=per, cost=got.cost())
+
+
+def _receivers(items: int, counts: int | NDArray[np.intp]) -> NDArray[np.intp]:
+    """The index of each sample's point."""
+    index = np.arange(items)
+    return index if isinstance(counts, int) and counts == 1 else np.repeat(index, counts)
 
 
 def _own_values(head: Any, u: ArrayLike | None, u_light: ArrayLike | None, shape: tuple[int, ...], width: int,
@@ -174,7 +184,8 @@ def sample_le(scene: SceneLike, count: int, *, light: Light | None = None, u: Ar
     at = _wire.parsed(accuracy_pb2.Vector3, points.parts[0].data("origin_m"))
     origin = np.array([at.x, at.y, at.z])
     return results.EmissionSamples(
-        points=offsets + origin, offsets=offsets, origin=origin, directions=got.floats("directions", count, 3),
+        points=p.shifted(offsets, origin), offsets=offsets, origin=origin,
+        directions=got.floats("directions", count, 3),
         light_normals=got.floats("light_normals", count, 3), value=got.floats("value", count, 3),
         density_position=got.floats("pdf_position_per_m2", count),
         density_direction=got.floats("pdf_direction_per_sr", count), light_ids=got.varints_if_any("light_ids", count),

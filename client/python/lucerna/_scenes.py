@@ -15,7 +15,7 @@ from lucerna import _wire
 from lucerna.edits import Edit, resolved
 from lucerna._errors import Error, FailedPrecondition, InvalidArgument, NotFound, Unavailable, invalid
 from lucerna._gathered import SceneLike, set_fields
-from lucerna._steps import Pause, Steps, Unary, Upload, Work
+from lucerna._steps import INFO, Pause, Steps, Unary, Upload, Work
 from lucerna._wire import Bools, Doubles, Ids
 from lucerna.v1 import admin_pb2, light_pb2, scene_pb2
 
@@ -59,7 +59,7 @@ class Lights:
 
 def info(_: Any) -> Steps[admin_pb2.GetServerInfoResponse]:
     """Returns version, limits, threads and numeric fingerprint of the server."""
-    return _wire.parsed(admin_pb2.GetServerInfoResponse, (yield Unary("AdminService/GetServerInfo", b"")))
+    return _wire.parsed(admin_pb2.GetServerInfoResponse, (yield INFO))
 
 
 def stats(_: Any) -> Steps[admin_pb2.GetStatsResponse]:

@@ -66,10 +66,20 @@ class Pause:
     seconds: float
 
 
+@dataclasses.dataclass(frozen=True)
+class ServerInfo:
+    """The serialised response of GetServerInfo, which a connection keeps.  `again`: asks the server again."""
+
+    again: bool
+
+
 R = TypeVar("R")
 P = ParamSpec("P")
-Step = Unary | Pipeline | Upload | Stream | Work | Pause
+Step = Unary | Pipeline | Upload | Stream | Work | Pause | ServerInfo
 Steps = Generator[Step, Any, R]
+
+
+INFO = Unary("AdminService/GetServerInfo", b"")
 
 
 def path_of(method: str) -> str:
@@ -83,6 +93,7 @@ class Transport:
     def __init__(self, connection: Connection, in_flight: int) -> None:
         self.connection = connection
         self.in_flight = in_flight
+        self._info: bytes | None = None
         credentials, options = connection.credentials(), connection.options()
         self._channel = (grpc.secure_channel(connection.target, credentials, options) if credentials
                          else grpc.insecure_channel(connection.target, options))
@@ -126,6 +137,10 @@ class Transport:
             finally:
                 call.cancel()
             return None
+        if isinstance(step, ServerInfo):
+            if self._info is None or step.again:
+                self._info = self._take(INFO, end)
+            return self._info
         if isinstance(step, Work):
             return step.run()
         time.sleep(step.seconds if left is None else min(step.seconds, left))

@@ -36,18 +36,24 @@ def field(number: int, content: bytes) -> bytes:
     return varint(number << 3 | _BYTES) + varint(len(content)) + content
 
 
-def packed(path: Sequence[int], values: Floats | Doubles, before: bytes = b"") -> bytes:
-    """A packed array in nested messages.
+def packed(path: Sequence[int], values: Floats | Doubles, before: bytes = b"") -> list[bytes | memoryview]:
+    """A packed array in nested messages, as pieces to join.  Large arrays are thus copied once.
 
     `path` has the field numbers from the outermost message to the array.  `before` holds further fields of the
     innermost message.  Parsers merge messages that occur again, so each array may have its own copy of the nesting.
     """
-    content = before
+    pieces: list[bytes | memoryview] = [before]
+    size = len(before)
     if values.size:
-        content += field(path[-1], values.astype(values.dtype.newbyteorder("<"), copy=False).tobytes())
+        content = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
+        buffer: Any = content
+        pieces += [varint(path[-1] << 3 | _BYTES) + varint(content.nbytes), memoryview(buffer).cast("B")]
+        size += len(pieces[1]) + content.nbytes
     for number in reversed(path[:-1]):
-        content = field(number, content)
-    return content
+        head = varint(number << 3 | _BYTES) + varint(size)
+        pieces.insert(0, head)
+        size += len(head)
+    return pieces
 
 
 def _read_varint(data: memoryview, at: int) -> tuple[int, int]:
@@ -143,7 +149,7 @@ class Answer:
     def bits(self, name: str, count: int) -> Bools:
         """The first `count` bits of an array of bits."""
         octets = np.frombuffer(self.data(name), np.uint8)
-        return np.unpackbits(octets, count=count, bitorder="little").astype(np.bool_)
+        return np.unpackbits(octets, count=count, bitorder="little").view(np.bool_)
 
     def number(self, name: str) -> int:
         """A whole number; 0 if it was not sent."""

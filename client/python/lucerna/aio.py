@@ -23,7 +23,7 @@ import grpc
 from lucerna import _channel, _errors, _lighting, _pictures, _sampling, _scenes
 from lucerna._client import check_in_flight, check_timeout, load_request
 from lucerna.edits import Edit
-from lucerna._steps import Pause, Pipeline, Step, Steps, Stream, Unary, Upload, Work, path_of
+from lucerna._steps import INFO, Pause, Pipeline, ServerInfo, Step, Steps, Stream, Unary, Upload, Work, path_of
 from lucerna._steps import _answer_of as answer_of
 from lucerna.v1 import scene_pb2
 
@@ -40,6 +40,7 @@ class _Transport:
     def __init__(self, connection: _channel.Connection, in_flight: int) -> None:
         self.connection = connection
         self.in_flight = in_flight
+        self._info: bytes | None = None
         credentials, options = connection.credentials(), connection.options()
         self._channel = (grpc.aio.secure_channel(connection.target, credentials, options) if credentials
                          else grpc.aio.insecure_channel(connection.target, options))
@@ -82,6 +83,10 @@ class _Transport:
             finally:
                 call.cancel()
             return None
+        if isinstance(step, ServerInfo):
+            if self._info is None or step.again:
+                self._info = await self._take(INFO, end)
+            return self._info
         if isinstance(step, Work):
             return await asyncio.to_thread(step.run)
         assert isinstance(step, Pause)

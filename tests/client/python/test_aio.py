@@ -79,12 +79,17 @@ def test_cancelling_a_task_cancels_its_calls(points):
             async with lucerna.aio.connect(server.target, timeout=WAIT_S) as client:
                 scene = await client.load("rectangle.pbrt")
                 task = asyncio.create_task(scene.irradiance(np.tile(points, (500, 1)), UP, samples=1 << 20))
-                while not any(c.method.endswith("EstimateIrradiance") and c.running for c in (await client.stats()).calls):
+
+                async def running():
+                    calls = (await client.stats()).calls
+                    return any(c.running for c in calls if c.method.endswith("EstimateIrradiance"))
+
+                while not await running():
                     await asyncio.sleep(0.05)
                 task.cancel()
                 with pytest.raises(asyncio.CancelledError):
                     await task
-                while any(c.running for c in (await client.stats()).calls if c.method.endswith("EstimateIrradiance")):
+                while await running():
                     await asyncio.sleep(0.05)
         run(ask())
 

@@ -1,6 +1,10 @@
 """Any number of points goes in batches that the server accepts, with the bits of a single request."""
+import asyncio
 import dataclasses
+import os
+import signal
 import sys
+import time
 
 import grpc
 import lucerna
@@ -137,6 +141,27 @@ def test_arrays_of_an_answer_are_below_the_stated_bound(server, crowd):
             assert 0 < sizes[-1] <= seen[-1]
     finally:
         _batches.in_batches = real
+
+
+def test_new_limits_of_a_running_server_count(crowd, tmp_path):
+    """A connection remembers the limits.  After a refusal it asks again, and sends smaller batches."""
+    settings = tmp_path / "lucernad.toml"
+    settings.write_text("max-batch-items = 8192\n")
+    with lucerna.local(REFERENCE, patience=WAIT_S, timeout=WAIT_S, arguments=["--config", str(settings)]) as server:
+        scene = server.load("rectangle.pbrt")
+        before = scene.irradiance(crowd, UP, samples=1, bounces=0)
+        settings.write_text("max-batch-items = 1024\n")
+        os.kill(server.process_id, signal.SIGHUP)
+        end = time.monotonic() + WAIT_S
+        while server.info().limits.max_batch_items != 1024:
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        same(before, scene.irradiance(crowd, UP, samples=1, bounces=0))
+
+        async def ask():
+            async with lucerna.aio.connect(server.target, timeout=WAIT_S) as client:
+                return await client.scene(scene.id).irradiance(crowd, UP, samples=1, bounces=0)
+        same(before, asyncio.run(ask()))
 
 
 def test_progress_counts_all_points(server, crowd, capsys):

@@ -27,7 +27,7 @@ def test_irradiance_has_the_bits_of_the_command_line(ask, many, points):
     # A point lies in the box.
     names = [f"ITEM_STATUS_{lucerna.STATUS[s]}" for s in got.status]
     assert names == wanted["status"] and set(names) == {"ITEM_STATUS_OK", "ITEM_STATUS_INSIDE_SOLID"}
-    assert [int(s["lightId"]) for s in wanted["shares"]] == got.shares.light_ids.tolist() and len(wanted["shares"]) == 400
+    assert [int(s["lightId"]) for s in wanted["shares"]] == got.shares.light_ids.tolist()
     for name, field in (("illuminance", "illuminanceLx"), ("low", "lowerLx"), ("high", "upperLx"),
                         ("standard_error", "standardErrorLx")):
         rows = floats([s[field] for s in wanted["shares"]], 400, 40)
@@ -110,9 +110,9 @@ def test_own_sample_values_are_sent(ask, rectangle, points):
 
 
 def test_sample_li_to_a_target_has_estimates(ask, many, points):
-    got = many.sample_li(points, UP, error=0.3, samples=None, seed=2, accuracy=lucerna.Accuracy(max_samples=256, error=1))
-    wanted = ask("sample", many.id, "--points", "-", "--normal", "0,0,1", "--error", 0.3, "--max-samples", 256, "--seed",
-                 2, points=points)
+    got = many.sample_li(points, UP, accuracy=lucerna.Accuracy(max_samples=256, error=0.3), seed=2)
+    wanted = ask("sample", many.id, "--points", "-", "--normal", "0,0,1", "--error", 0.3, "--max-samples", 256,
+                 "--seed", 2, points=points)
     assert np.array_equal(got.estimates.illuminance, floats(wanted["estimates"]["illuminanceLx"], 40))
     assert got.estimates.samples.tolist() == wanted["estimates"]["samples"]
     assert np.array_equal(got.value, floats(wanted["value"], -1, 3))

@@ -41,7 +41,8 @@ def environment(tmp_path_factory):
     if made.returncode != 0:
         pytest.skip(f"venv does not work here: {made.stderr or made.stdout}")
     # As root the network is away; otherwise pip has an index that does not exist.
-    offline = ["unshare", "-n"] if os.geteuid() == 0 and subprocess.run(["unshare", "-n", "true"]).returncode == 0 else []
+    alone = os.geteuid() == 0 and subprocess.run(["unshare", "-n", "true"], check=False).returncode == 0
+    offline = ["unshare", "-n"] if alone else []
     clean = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")} | {
         "PIP_INDEX_URL": "http://127.0.0.1:9/", "PIP_NO_CACHE_DIR": "1"}
     before = sources()
@@ -52,8 +53,9 @@ def environment(tmp_path_factory):
 
 def test_pip_installs_it_without_network(environment, server):
     folder, clean = environment
-    text = run(folder / "bin/python", "-c", "import lucerna, sys; print(lucerna.__file__); "
-               "print(lucerna.connect(sys.argv[1]).load('point.pbrt').power().total)", server.target, env=clean, cwd="/")
+    code = ("import lucerna, sys; print(lucerna.__file__); "
+            "print(lucerna.connect(sys.argv[1]).load('point.pbrt').power().total)")
+    text = run(folder / "bin/python", "-c", code, server.target, env=clean, cwd="/")
     place, power = text.split()
     assert place.startswith(str(folder)) and float(power) == pytest.approx(40 * np.pi)
     assert "lucerna" in run(folder / "bin/pip", "list", env=clean)
@@ -151,9 +153,9 @@ def test_answers_become_tables(rectangle, points):
     samples = rectangle.sample_li(points, samples=3, test_visibility=True)
     assert len(samples.frame()) == 120 and np.array_equal(samples.frame()["wi_z"], samples.wi[..., 2].ravel())
     rays = rectangle.sample_le(7, light=1)
-    for answer, rows in ((rays, 7), (rectangle.pdf_le(rays, light=1), 7), (rectangle.pdf_li(points, UP, light=1), 40),
-                         (rectangle.le(points, UP), 40), (rectangle.visible(points, points), 40), (rectangle.power(), 1),
-                         (rectangle.lights(), 1)):
+    for answer, rows in ((rays, 7), (rectangle.pdf_le(rays, light=1), 7), (rectangle.le(points, UP), 40),
+                         (rectangle.pdf_li(points, UP, light=1), 40), (rectangle.visible(points, points), 40),
+                         (rectangle.power(), 1), (rectangle.lights(), 1)):
         assert len(answer.frame()) == rows, answer
     assert rectangle.lights().frame()["kind"][0] == "diffuse_area"
 
@@ -194,5 +196,6 @@ def test_plots_do_not_load_pyplot(rectangle):
     """pyplot keeps every figure and may need a display."""
     pytest.importorskip("matplotlib")
     code = ("import lucerna, sys; assert 'matplotlib' not in sys.modules and 'pandas' not in sys.modules; "
-            "lucerna.connect(sys.argv[1]).scene(sys.argv[2]).power().plot(); assert 'matplotlib.pyplot' not in sys.modules")
+            "lucerna.connect(sys.argv[1]).scene(sys.argv[2]).power().plot(); "
+            "assert 'matplotlib.pyplot' not in sys.modules")
     run(sys.executable, "-c", code, rectangle._transport.connection.target, rectangle.id)

@@ -33,8 +33,8 @@ def files(tmp_path_factory):
 @pytest.fixture(scope="module")
 def guarded(files):
     """The target of a server with TLS, client certificates and tokens."""
-    with Lucernad(os.environ["LUCERNAD"], "--scene-root", REFERENCE, "--tls-cert", files["cert"], "--tls-key", files["key"],
-                  "--tls-client-ca", files["ca"], "--token-file", files["tokens"]) as server:
+    with Lucernad(os.environ["LUCERNAD"], "--scene-root", REFERENCE, "--tls-cert", files["cert"], "--tls-key",
+                  files["key"], "--tls-client-ca", files["ca"], "--token-file", files["tokens"]) as server:
         yield f"localhost:{server.port}"
 
 
@@ -47,8 +47,9 @@ def door(guarded, files, token, **more):
 def test_a_token_opens_its_door(guarded, files):
     with door(guarded, files, TOKENS["loader"]) as server:
         assert server.load("point.pbrt").power().total > 0
-    with door(guarded, files, TOKENS["reader"]) as server, pytest.raises(lucerna.PermissionDenied, match="load") as error:
-        server.load("sphere.pbrt")
+    with door(guarded, files, TOKENS["reader"]) as server:
+        with pytest.raises(lucerna.PermissionDenied, match="load") as error:
+            server.load("sphere.pbrt")
     assert error.value.reason == "NOT_ALLOWED" and isinstance(error.value, PermissionError)
 
 
