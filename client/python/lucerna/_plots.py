@@ -1,6 +1,7 @@
 """Plots of answers.  matplotlib is imported at the first plot (Debian's python3-matplotlib)."""
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -78,7 +79,7 @@ def light_map(answer: Any, path: Any, intervals: bool, title: str) -> Any:
     lux = np.where(known, answer.illuminance, np.nan)
     _map(figure, panels[0], x, y, lux, "inferno", title, "lx")
     if lux[known].size and np.ptp(lux[known]) > 0:
-        lines = panels[0].contour(x, y, lux, levels=6, colors="white", linewidths=0.7, alpha=0.8)
+        lines = panels[0].contour(x, y, _smooth(lux), levels=6, colors="white", linewidths=0.7, alpha=0.8)
         panels[0].clabel(lines, fmt="%.3g", fontsize=8)
     if intervals:
         half = np.where(known, (answer.high - answer.low) / 2, np.nan)
@@ -89,13 +90,27 @@ def light_map(answer: Any, path: Any, intervals: bool, title: str) -> Any:
     return _finish(figure, path)
 
 
+def _smooth(values: NDArray[Any]) -> NDArray[Any]:
+    """The median of each cell and its neighbours, so that single cells do not get contours of their own."""
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, 1, constant_values=np.nan), (3, 3))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # cells without any neighbour that has an answer
+        medians: NDArray[Any] = np.nanmedian(windows, axis=(2, 3))
+    return medians
+
+
 def _map(figure: Any, axes: Any, x: NDArray[Any], y: NDArray[Any], values: NDArray[Any], colours: str, title: str,
          unit: str) -> None:
-    mesh = axes.pcolormesh(x, y, values, shading="nearest", cmap=colours, rasterized=True)
+    known = values[np.isfinite(values)]
+    # Without a few outliers, which would leave all other cells dark.
+    top = float(np.percentile(known, 99)) if known.size else 0.0
+    outliers = known.size > 0 and top > 0 and known.max() > 1.5 * top
+    mesh = axes.pcolormesh(x, y, values, shading="nearest", cmap=colours, rasterized=True,
+                           vmax=top if outliers else None)
     axes.set_aspect("equal")
     axes.set_title(title)
     axes.set_facecolor("0.8")  # points without an answer
-    figure.colorbar(mesh, ax=axes, label=unit, shrink=0.95)
+    figure.colorbar(mesh, ax=axes, label=unit, shrink=0.95, extend="max" if outliers else "neither")
 
 
 def _curve(answer: Any, path: Any, intervals: bool, title: str) -> Any:
@@ -126,7 +141,7 @@ def directions(vectors: NDArray[Any], density: NDArray[Any], known: NDArray[Any]
     finite = pdf > 0
     axes.scatter(longitude[~finite], latitude[~finite], s=14, c="0.4", marker="x", linewidths=0.8,
                  label="without density")
-    norm: Any = "log" if finite.any() and pdf[finite].max() > pdf[finite].min() else None
+    norm: Any = "log" if finite.any() and pdf[finite].max() > 30 * pdf[finite].min() else None
     dots = axes.scatter(longitude[finite], latitude[finite], s=6, c=pdf[finite], cmap="viridis", norm=norm)
     if finite.any():
         figure.colorbar(dots, ax=axes, label="density [1/sr]")
@@ -146,7 +161,8 @@ def bars(power: Any, path: Any, title: str) -> Any:
     place = np.arange(count)
     low = np.where(np.isnan(power.low), power.flux - power.error, power.low)
     high = np.where(np.isnan(power.high), power.flux + power.error, power.high)
-    axes.barh(place, power.flux, xerr=np.maximum(0, np.stack([power.flux - low, high - power.flux])), color="#c8963e",
+    error = np.maximum(0, np.stack([power.flux - low, high - power.flux]))
+    axes.barh(place, power.flux, xerr=error if error.any() else None, color="#c8963e",
               error_kw={"elinewidth": 1.2, "capsize": 3})
     axes.set_yticks(place, [f"light {i}" for i in power.light_ids])
     axes.invert_yaxis()
