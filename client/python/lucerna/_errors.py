@@ -1,0 +1,149 @@
+"""What the package raises."""
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import grpc
+
+from lucerna import _wire
+
+
+@dataclasses.dataclass(frozen=True)
+class FieldViolation:
+    """A wrong field of a request."""
+
+    field: str  #: its name in the contract, such as "receivers.offsets_m", or the name of an argument
+    description: str  #: what is wrong, and what is allowed
+
+
+class Error(Exception):
+    """A call failed.  The subclasses name the codes that callers often handle.
+
+    The message names the field, the value and what is allowed.
+    """
+
+    code: grpc.StatusCode  #: the code of gRPC
+    reason: str  #: for programs, such as "SCENE_NOT_LOADED" (docs/api.md lists them); empty if the server sent none
+    violations: tuple[FieldViolation, ...]  #: the wrong fields of the request
+    retry_after_s: float | None  #: when another attempt may succeed [s]; None if the server states no time
+    request_id: str  #: as in the server's log; empty if no server answered
+
+    def __init__(self, message: str, *, code: grpc.StatusCode = grpc.StatusCode.UNKNOWN, reason: str = "",
+                 violations: tuple[FieldViolation, ...] = (), retry_after_s: float | None = None,
+                 request_id: str = "") -> None:
+        super().__init__(message)
+        self.message = message
+        self.code = code
+        self.reason = reason
+        self.violations = violations
+        self.retry_after_s = retry_after_s
+        self.request_id = request_id
+
+    def __str__(self) -> str:
+        return self.message
+
+
+class InvalidArgument(Error, ValueError):
+    """A field of the request is wrong; `violations` name it.  The package checks shapes before it sends a request."""
+
+
+class NotFound(Error, LookupError):
+    """There is no such scene, light, file or lease."""
+
+
+class FailedPrecondition(Error):
+    """The state forbids the call.  For example, the scene to release is leased."""
+
+
+class ResourceExhausted(Error):
+    """The request exceeds a limit or a quota, or the server is busy.  `retry_after_s` says which."""
+
+
+class Unavailable(Error, ConnectionError):
+    """No server answers, or it is shutting down."""
+
+
+class DeadlineExceeded(Error, TimeoutError):
+    """The time-out passed before the answer was complete."""
+
+
+class PermissionDenied(Error, PermissionError):
+    """The token does not allow this call."""
+
+
+class Unauthenticated(Error):
+    """The call has no token, or the server does not know it."""
+
+
+_CLASSES: dict[grpc.StatusCode, type[Error]] = {
+    grpc.StatusCode.INVALID_ARGUMENT: InvalidArgument,
+    grpc.StatusCode.NOT_FOUND: NotFound,
+    grpc.StatusCode.FAILED_PRECONDITION: FailedPrecondition,
+    grpc.StatusCode.RESOURCE_EXHAUSTED: ResourceExhausted,
+    grpc.StatusCode.UNAVAILABLE: Unavailable,
+    grpc.StatusCode.DEADLINE_EXCEEDED: DeadlineExceeded,
+    grpc.StatusCode.PERMISSION_DENIED: PermissionDenied,
+    grpc.StatusCode.UNAUTHENTICATED: Unauthenticated,
+}
+
+
+class _Shape:
+    """Names and numbers of the fields of a message.  Stands for a descriptor in _wire.Answer."""
+
+    def __init__(self, full_name: str, **fields: tuple[int, "_Shape" | None]) -> None:
+        self.full_name = full_name
+        self.fields_by_name = {name: _Field(*field) for name, field in fields.items()}
+
+
+@dataclasses.dataclass(frozen=True)
+class _Field:
+    number: int
+    message_type: _Shape | None = None
+
+
+# The standard messages of google.rpc.  Their generated modules would clash with those of other packages.
+_ANY = _Shape("google.protobuf.Any", type_url=(1, None), value=(2, None))
+_STATUS = _Shape("google.rpc.Status", code=(1, None), message=(2, None), details=(3, _ANY))
+_ERROR_INFO = _Shape("google.rpc.ErrorInfo", reason=(1, None), domain=(2, None))
+_VIOLATION = _Shape("google.rpc.BadRequest.FieldViolation", field=(1, None), description=(2, None))
+_BAD_REQUEST = _Shape("google.rpc.BadRequest", field_violations=(1, _VIOLATION))
+_DURATION = _Shape("google.protobuf.Duration", seconds=(1, None), nanos=(2, None))
+_RETRY_INFO = _Shape("google.rpc.RetryInfo", retry_delay=(1, _DURATION))
+
+
+def _text(answer: _wire.Answer, name: str) -> str:
+    return answer.data(name).decode("utf-8", "replace")
+
+
+def invalid(field: str, description: str) -> InvalidArgument:
+    """The error of a wrong argument that the package itself finds."""
+    return InvalidArgument(f"{field}: {description}", code=grpc.StatusCode.INVALID_ARGUMENT, reason="BAD_FIELD",
+                           violations=(FieldViolation(field, description),))
+
+
+def from_rpc(error: Any) -> Error:
+    """The error of a failed call of gRPC."""
+    message = error.details() or ""
+    reason, retry_after_s = "", None
+    violations: list[FieldViolation] = []
+    trailers = {key: value for key, value in error.trailing_metadata() or ()}
+    try:
+        for detail in _wire.Answer(trailers.get("grpc-status-details-bin", b""), _STATUS).messages("details"):
+            kind, value = _text(detail, "type_url").rpartition("/")[2], detail.data("value")
+            if kind == "google.rpc.ErrorInfo":
+                reason = _text(_wire.Answer(value, _ERROR_INFO), "reason")
+            elif kind == "google.rpc.BadRequest":
+                violations += [FieldViolation(_text(v, "field"), _text(v, "description"))
+                               for v in _wire.Answer(value, _BAD_REQUEST).messages("field_violations")]
+            elif kind == "google.rpc.RetryInfo":
+                delay = _wire.Answer(value, _RETRY_INFO).message("retry_delay")
+                retry_after_s = delay.number("seconds") + 1e-9 * delay.number("nanos")
+    except ValueError:
+        pass  # details that are no message explain nothing; code and message remain
+    for violation in violations:
+        if violation.field not in message or violation.description not in message:
+            message += f"; {violation.field}: {violation.description}"
+    kind_of_error = _CLASSES.get(error.code(), Error)
+    return kind_of_error(message, code=error.code(), reason=reason, violations=tuple(violations),
+                         retry_after_s=retry_after_s, request_id=str(trailers.get("x-request-id", "")))
