@@ -10,7 +10,7 @@ packages=(
   libgrpc++-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler libabsl-dev libssl-dev zlib1g-dev
   libembree-dev libtbb-dev libopenimageio-dev openimageio-tools libopenexr-dev libpng-dev
   colord-data
-  libcli11-dev libspdlog-dev libfmt-dev libtomlplusplus-dev libsystemd-dev libboost-dev nlohmann-json3-dev libjs-chart.js
+  libcli11-dev libspdlog-dev libfmt-dev libtomlplusplus-dev libsystemd-dev libjemalloc-dev libboost-dev nlohmann-json3-dev libjs-chart.js
   libtinygltf-dev libdraco-dev libmeshoptimizer-dev
   prometheus-cpp-dev
   libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels openssl
@@ -20,7 +20,7 @@ packages=(
 runtime=(
   libgrpc++1.51 libprotobuf32 libabsl20220623 libssl3 zlib1g
   libembree3-3 libtbb12 libopenimageio2.4 libopenexr-3-1-30 libpng16-16
-  libspdlog1.10 libfmt9 libtomlplusplus3 libsystemd0
+  libspdlog1.10 libfmt9 libtomlplusplus3 libsystemd0 libjemalloc2
   libdraco7 libmeshoptimizer2d libprometheus-cpp-pull1.0
 )
 if [ "${1:-}" = --runtime ]; then

@@ -1,6 +1,5 @@
 // lucernad: the server program.
 #include <fmt/core.h>
-#include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -227,21 +226,13 @@ int run(int argc, char** argv) {
   return serve(configuration, line.given);
 }
 
-/// Makes free() return large blocks to the operating system.  By default glibc raises the limit of
-/// large blocks up to 32 MiB, so loads leave holes of many megabytes that the memory budget does
-/// not know.  It also keeps an arena for almost every thread, and free blocks of one arena are of
-/// no use to another.  No thread allocates in its inner loops, and glibc caches small blocks for
-/// each thread, so one arena is enough.
-void return_freed_memory() {
-  mallopt(M_ARENA_MAX, 1);
-  mallopt(M_MMAP_THRESHOLD, 512 << 10);
-  mallopt(M_TRIM_THRESHOLD, 2 << 20);
-}
-
 }  // namespace
 
+// The settings of jemalloc, which reads this name.  Its own thread returns memory that nobody has
+// used for ten seconds, also while the server is idle.
+extern "C" const char* malloc_conf = "background_thread:true";
+
 int main(int argc, char** argv) {
-  return_freed_memory();
   // All threads inherit this, those of gRPC too.  The bulk lane's threads return to the default, so
   // that a small query does not wait for them.
   lucerna::set_time_slice(lucerna::TimeSlice::kShort);

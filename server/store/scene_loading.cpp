@@ -1,6 +1,5 @@
 // Loads of scenes, and revisions.
 #include <fmt/core.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/assets/asset_reader.h"
+#include "server/runtime/free_memory.h"
 #include "server/store/scene_file.h"
 #include "server/store/store_state.h"
 
@@ -102,7 +102,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const st
   if (turn == nullptr) return cancelled();
   absl::StatusOr<LoadedScene> loaded = load_alone(source, key, options);
   // The allocator would keep what a failed load has freed, beside the budget.
-  if (!loaded.ok()) malloc_trim(0);
+  if (!loaded.ok()) return_free_memory();
   return loaded;
 }
 

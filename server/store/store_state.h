@@ -3,7 +3,6 @@
 #pragma once
 
 #include <fmt/core.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <atomic>
@@ -21,6 +20,7 @@
 #include <vector>
 
 #include "proto/common/status_macros.h"
+#include "server/runtime/free_memory.h"
 #include "server/store/scene_store.h"
 
 namespace lucerna {
@@ -337,7 +337,7 @@ class SceneStore::LoadMemory final : public MemoryPool {
   }
 
   absl::Status take(std::uint64_t bytes) override {
-    trim_if_much_was_freed();
+    return_if_much_was_freed();
     std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
     const std::lock_guard lock(state_.mutex);
     LUCERNA_RETURN_IF_ERROR(state_.evict_for(bytes, own_, gone));
@@ -356,17 +356,17 @@ class SceneStore::LoadMemory final : public MemoryPool {
  private:
   /// The allocator keeps much of what is freed, in pieces between arrays that stay.  It must go
   /// back to the system before others count on it.
-  void trim_if_much_was_freed() {
+  void return_if_much_was_freed() {
     const std::uint64_t budget = state_.options.memory_budget_bytes;
-    if (budget == 0 || freed_.load() < std::max(kLeastTrim, budget / kTrimShare)) return;
+    if (budget == 0 || freed_.load() < std::max(kLeastFreed, budget / kFreedShare)) return;
     freed_ = 0;
-    malloc_trim(0);
+    return_free_memory();
   }
-  // A trim takes some milliseconds.
-  static constexpr std::uint64_t kLeastTrim = std::uint64_t{8} << 20, kTrimShare = 32;
+  // This takes some milliseconds.
+  static constexpr std::uint64_t kLeastFreed = std::uint64_t{8} << 20, kFreedShare = 32;
 
   State& state_;
-  std::atomic<std::uint64_t> freed_ = 0;  // since the last trim
+  std::atomic<std::uint64_t> freed_ = 0;  // since memory was last returned
   std::uint64_t own_ = 0;
   LoadBudget budget_{this};  // last member: gives its bytes back first
 };
