@@ -118,6 +118,7 @@ std::vector<Finding> check_emission(Truth& truth, const v1::Light& light, const 
     all.push_back(compared(light, quantity, rows, theirs, ours, cosine, lights, strictness));
     all.back().own_way_allowed = !strictness.same_density;
     all.back().tests = {"emitted power"};
+    all.back().needs_tests = true;
   };
   density("position density", rows.pdf_position, position);
   density("direction density", rows.pdf_direction, direction);

@@ -20,9 +20,10 @@ constexpr std::size_t kMostPlaces = 200;
 constexpr double kEndsMove = 1e-4;
 
 /// Estimates with errors on both sides.  Fills in the errors and the p-value of the worst row,
-/// corrected for the number of rows.
+/// corrected for the number of rows.  `rounding`: what rounding of the input may change; empty: 0.
 void compare_estimates(const std::vector<double>& theirs, const std::vector<double>& their_errors,
-                       const Estimates& ours, const std::function<std::string(std::size_t)>& place,
+                       const Estimates& ours, const std::vector<double>& rounding,
+                       const std::function<std::string(std::size_t)>& place,
                        const Strictness& strictness, Finding* finding) {
   std::vector<double> errors;
   double least = 1;
@@ -35,8 +36,9 @@ void compare_estimates(const std::vector<double>& theirs, const std::vector<doub
     errors.push_back(relative_error(theirs[i], {ours.value[i], ours.value[i]}));
     const double known = i < their_errors.size() && their_errors[i] > 0 ? their_errors[i] : 0;
     const double scatter = std::hypot(known, ours.standard_error[i]);
-    const double beyond =
-        std::max(0.0, std::fabs(theirs[i] - ours.value[i]) - strictness.tolerance * ours.value[i]);
+    const double allowed =
+        strictness.tolerance * ours.value[i] + (rounding.empty() ? 0 : rounding[i]);
+    const double beyond = std::max(0.0, std::fabs(theirs[i] - ours.value[i]) - allowed);
     const double p = beyond == 0 ? 1 : scatter == 0 ? 0 : student_p(beyond / scatter, kFreedom);
     if (p < strictness.level) ++finding->off;
     if (p < least || errors.size() == 1) {
@@ -171,7 +173,7 @@ std::vector<Finding> check_powers(Truth& truth, const Records& rows, const Stric
     Strictness loose = strictness;
     if (ours.value[i] > 0)
       loose.tolerance += ours.standard_error[i] / ours.value[i];  // a bound, not a deviation
-    compare_estimates(row.value, row.standard_error, one, row.place, loose, &f);
+    compare_estimates(row.value, row.standard_error, one, {}, row.place, loose, &f);
     f.explain = [&truth, row, one](Finding& finding) {
       const v1::Light& light = truth.light(row.lights[0]);
       name_mistake(
@@ -190,7 +192,13 @@ Finding check_illuminances(Truth& truth, const v1::Light* light, const Records& 
   f.quantity = "illuminance";
   f.light = light == nullptr ? 0 : light->id();
   const Estimates ours = illuminances(truth, light, rows.points, rows.normals, strictness);
-  compare_estimates(rows.value, rows.standard_error, ours, rows.place, strictness, &f);
+  std::vector<double> rounding;
+  if (light != nullptr) {
+    // An angle changes the cosine by as much.  This matters for light that grazes the surface.
+    rounding = truth.unoccluded(light->id(), rows.points, {});
+    for (double& r : rounding) r *= strictness.angle_rad;
+  }
+  compare_estimates(rows.value, rows.standard_error, ours, rounding, rows.place, strictness, &f);
   f.explain = [&truth, light, rows, ours, strictness](Finding& finding) {
     const std::vector<std::size_t> chosen = some_rows(rows.rows, kMostPlaces);
     const Records some = rows_of(rows, chosen);

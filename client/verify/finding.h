@@ -44,9 +44,14 @@ struct Finding {
 
   /// If it differs: finds the likely mistake.
   std::function<void(Finding&)> explain;
-  /// True: a difference is the renderer's own way if the tests of `tests` of the same light pass.
+  /// True: a difference is the renderer's own way if the tests `tests` of the same light pass.  It
+  /// stays a difference if one of them fails.
   bool own_way_allowed = false;
   std::vector<std::string> tests;
+  /// True: if a test could not be made, the difference is not judged.
+  bool needs_tests = false;
+  /// A quantity of the same light.  If it agrees with Lucerna, the renderer has no way of its own.
+  std::string rival;
   /// False: the test informs, and never decides.
   bool decides = true;
 };

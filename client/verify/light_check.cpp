@@ -207,8 +207,11 @@ Finding value_finding(Truth& truth, const v1::Light& light, const Records& rows,
       const double most = std::max({rgb[i][0], rgb[i][1], rgb[i][2]});
       if (!(most > 0) || !(rows.value[i] > 0)) continue;
       closeness[i] = 1;
+      // The luminance is compared already.
+      const double level = luminance(rgb[i]) / rows.value[i];
       for (std::size_t c = 0; c < 3; ++c)
-        closeness[i] = std::max(closeness[i], 1 + std::fabs(rows.rgb[i][c] - rgb[i][c]) / most);
+        closeness[i] =
+            std::max(closeness[i], 1 + std::fabs(level * rows.rgb[i][c] - rgb[i][c]) / most);
     }
     Finding colour = finding_of(light, "colour");
     Strictness loose = strictness;
@@ -295,6 +298,7 @@ std::vector<Finding> check_samples(Truth& truth, const v1::Light& light, const R
       all.push_back(density_finding(truth, light, rows, best, strictness));
       all.back().own_way_allowed = !strictness.same_density;
       all.back().tests = {"directions", "integral"};
+      all.back().needs_tests = true;
     }
     // A sample on the back of the light counts as a sample that missed.
     std::vector<double> q = best.q;
@@ -333,14 +337,12 @@ std::vector<Finding> check_densities(Truth& truth, const v1::Light& light, const
     f.integral_low = m.mean - 1.96 * m.standard_error;
     f.integral_high = m.mean + 1.96 * m.standard_error;
     if (!m.p) f.sentence = "too few rows";
-    f.sentence = fmt::format("{}", f.sentence);
     all.push_back(std::move(f));
-    all.front().own_way_allowed = !strictness.same_density;
-    all.front().tests = {"given integral", "directions", "integral"};
-  } else {
-    all.front().own_way_allowed = !strictness.same_density;
-    all.front().tests = {"directions", "integral"};
   }
+  // Without the column `drawn`, the densities must be Lucerna's.
+  all.front().own_way_allowed = !strictness.same_density;
+  all.front().tests = {"given integral"};
+  all.front().rival = "density";
   return all;
 }
 

@@ -224,6 +224,36 @@ TEST(VerifyDecide, AnotherDensityIsTheRenderersOwnWayOnlyIfItsTestsPass) {
   findings = {density, directions, integral};
   decide(findings, {});
   EXPECT_EQ(findings[0].verdict, Verdict::kDiffers);
+  density.needs_tests = true;
+  density.off = 7;
+  findings = {density, directions, integral};
+  decide(findings, {});
+  EXPECT_EQ(findings[0].verdict, Verdict::kNotJudged);
+  EXPECT_THAT(findings[0].sentence, HasSubstr("too few rows to test it"));
+  // One test that fails decides.
+  directions.p = 1e-9;
+  findings = {density, directions, integral};
+  decide(findings, {});
+  EXPECT_EQ(findings[0].verdict, Verdict::kDiffers);
+}
+
+TEST(VerifyDecide, TwoDensitiesOfOneLightAreADifference) {
+  Finding given, integral, density;
+  given.quantity = "given density";
+  given.verdict = Verdict::kDiffers;
+  given.own_way_allowed = true;
+  given.tests = {"given integral"};
+  given.rival = "density";
+  integral.quantity = "given integral";
+  integral.p = 0.5;
+  density.quantity = "density";
+  density.verdict = Verdict::kAgrees;
+  std::vector<Finding> findings = {given, integral, density};
+  decide(findings, {});
+  EXPECT_EQ(findings[0].verdict, Verdict::kDiffers);
+  findings = {given, integral};
+  decide(findings, {});
+  EXPECT_EQ(findings[0].verdict, Verdict::kOwnWay);
 }
 
 }  // namespace
