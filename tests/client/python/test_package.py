@@ -133,6 +133,13 @@ def test_mypy_knows_the_types_of_answers(tmp_path):
     assert '(got "Radiance", expected "Power")' in found["10"]
 
 
+def test_help_shows_arguments_and_answers():
+    for kind in (lucerna.Scene, lucerna.aio.Scene):
+        signature = inspect.signature(kind.pdf_li)
+        assert signature.return_annotation == "results.LightDensity"
+        assert list(signature.parameters)[:4] == ["scene", "points", "wi", "light"]
+
+
 def test_public_things_have_docstrings():
     for name in lucerna.__all__:
         thing = getattr(lucerna, name)
