@@ -8,6 +8,7 @@ from __future__ import annotations
 import collections
 import dataclasses
 import functools
+import inspect
 import time
 from collections.abc import Callable, Generator, Iterator
 from typing import Any, Concatenate, ParamSpec, TypeVar
@@ -186,10 +187,13 @@ def blocking(function: Callable[Concatenate[Any, P], Steps[R]]) -> Callable[Conc
         caller: Caller = self
         return caller._run(function(self, *args, **kwargs))
 
-    method.__annotations__ = {**function.__annotations__, "return": _answer_of(function)}
+    describe(method, function)
     return method
 
 
-def _answer_of(function: Callable[..., Any]) -> str:
-    """The annotation of what the steps return, for help()."""
-    return str(function.__annotations__.get("return", "")).removeprefix("Steps[").removesuffix("]")
+def describe(method: Any, function: Callable[..., Any]) -> None:
+    """Gives a method the signature that help() shows: that of its steps, with the type of the answer."""
+    signature = inspect.signature(function)
+    answer = str(signature.return_annotation).removeprefix("Steps[").removesuffix("]")
+    method.__signature__ = signature.replace(return_annotation=answer)
+    method.__annotations__ = {**function.__annotations__, "return": answer}

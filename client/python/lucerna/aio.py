@@ -23,8 +23,8 @@ import grpc
 from lucerna import _channel, _errors, _lighting, _pictures, _sampling, _scenes
 from lucerna._client import check_in_flight, check_timeout, load_request
 from lucerna.edits import Edit
-from lucerna._steps import INFO, Pause, Pipeline, ServerInfo, Step, Steps, Stream, Unary, Upload, Work, path_of
-from lucerna._steps import _answer_of as answer_of
+from lucerna._steps import (INFO, Pause, Pipeline, ServerInfo, Step, Steps, Stream, Unary, Upload, Work, describe,
+                            path_of)
 from lucerna.v1 import scene_pb2
 
 __all__ = ["Scene", "Server", "connect"]
@@ -132,7 +132,7 @@ def _coroutine(
         caller: _Caller = self
         return await caller._run(function(self, *args, **kwargs))
 
-    method.__annotations__ = {**function.__annotations__, "return": answer_of(function)}
+    describe(method, function)
     return method
 
 

@@ -149,19 +149,21 @@ def test_new_limits_of_a_running_server_count(crowd, tmp_path):
     settings.write_text("max-batch-items = 8192\n")
     with lucerna.local(REFERENCE, patience=WAIT_S, timeout=WAIT_S, arguments=["--config", str(settings)]) as server:
         scene = server.load("rectangle.pbrt")
-        before = scene.irradiance(crowd, UP, samples=1, bounces=0)
-        settings.write_text("max-batch-items = 1024\n")
-        os.kill(server.process_id, signal.SIGHUP)
-        end = time.monotonic() + WAIT_S
-        while server.info().limits.max_batch_items != 1024:
-            assert time.monotonic() < end
-            time.sleep(0.02)
-        same(before, scene.irradiance(crowd, UP, samples=1, bounces=0))
 
         async def ask():
             async with lucerna.aio.connect(server.target, timeout=WAIT_S) as client:
-                return await client.scene(scene.id).irradiance(crowd, UP, samples=1, bounces=0)
-        same(before, asyncio.run(ask()))
+                other = client.scene(scene.id)
+                before = scene.irradiance(crowd, UP, samples=1, bounces=0)
+                same(before, await other.irradiance(crowd, UP, samples=1, bounces=0))
+                settings.write_text("max-batch-items = 1024\n")
+                os.kill(server.process_id, signal.SIGHUP)
+                end = time.monotonic() + WAIT_S
+                while server.info().limits.max_batch_items != 1024:
+                    assert time.monotonic() < end
+                    time.sleep(0.02)
+                same(before, scene.irradiance(crowd, UP, samples=1, bounces=0))
+                same(before, await other.irradiance(crowd, UP, samples=1, bounces=0))
+        asyncio.run(ask())
 
 
 def test_progress_counts_all_points(server, crowd, capsys):
@@ -201,6 +203,12 @@ def test_points_have_the_origin_of_the_command_line(server, ask):
     assert got.illuminance.tolist() == np.array(wanted["illuminanceLx"], np.float32).tolist()
     assert lucerna._points.origin_of(far).tolist() == [1000000.05, -300000.125, 7.0]
     assert lucerna._points.origin_of(np.array([[-1.0, 0, 2], [1, 0, 2]])).tolist() == [0, 0, 2]
+    # More than eight times as far away as half of their extent.
+    assert lucerna._points.origin_of(np.array([[8.5, 7.5, -8.5], [10.5, 8.5, -6.5]])).tolist() == [9.5, 8, 0]
+    # Points that are not finite do not count.
+    for bad in (np.nan, np.inf, -np.inf):
+        assert lucerna._points.origin_of(np.array([[99, bad, 0], *far])).tolist() == [1000000.05, -300000.125, 7.0]
+    assert lucerna._points.origin_of(np.full((2, 3), np.nan)).tolist() == [0, 0, 0]
 
 
 @pytest.mark.parametrize("numbers", [[], [0], [127, 128, 300, 2**32, 2**64 - 1, 5], [1] * 9])

@@ -90,6 +90,7 @@ def test_sample_li_has_the_bits_of_the_command_line(ask, many, points):
 
 
 def test_samples_end_on_the_light(rectangle, points):
+    points = points * (1, 1, 0) + (0, 0, 0.25)  # offsets then have an origin
     got = rectangle.sample_li(points, light=1)
     assert got.value.shape == (40, 3) and got.light_ids is None and got.probability is None
     corners = rectangle.lights().messages[0].bounds
@@ -118,6 +119,14 @@ def test_sample_li_to_a_target_has_estimates(ask, many, points):
     assert np.array_equal(got.value, floats(wanted["value"], -1, 3))
     assert np.array_equal(np.bincount(got.receiver, minlength=40), got.estimates.samples)
     assert np.all(got.estimates.low <= got.estimates.high)
+
+
+def test_sample_li_to_a_target_has_the_default_most_samples(ask, many, points):
+    """The number follows from the limits of the server, and not from the number of points."""
+    got = many.sample_li(points[:4], UP, error=0.03, seed=2)
+    wanted = ask("sample", many.id, "--points", "-", "--normal", "0,0,1", "--error", 0.03, "--seed", 2,
+                 points=points[:4])
+    assert got.estimates.samples.tolist() == wanted["estimates"]["samples"] and got.estimates.samples.max() > 500
 
 
 def test_pdf_li_is_the_density_of_the_samples(ask, rectangle, points):
@@ -291,3 +300,7 @@ def test_upload_sends_a_scene_with_its_files(tmp_path, rectangle):
         with pytest.raises(lucerna.InvalidArgument):
             server.upload(tmp_path / "inner/scene.pbrt")
         assert len(server.upload(tmp_path / "inner/scene.pbrt", root=tmp_path).lights()) == 1
+        (tmp_path / "inner/link.pbrt").symlink_to("../outer.pbrt")
+        (tmp_path / "inner/linked.pbrt").write_text('WorldBegin\nInclude "link.pbrt"\n')
+        with pytest.raises(lucerna.InvalidArgument, match="link.pbrt is outside .*; only files inside it are sent"):
+            server.upload(tmp_path / "inner/linked.pbrt")

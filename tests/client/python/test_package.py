@@ -91,6 +91,18 @@ def test_the_build_tree_lists_every_module():
     assert sorted(listed) == sorted(f.stem for f in (SOURCE / "lucerna").glob("*.py"))
 
 
+def test_the_installation_has_the_package(tmp_path, server):
+    """Debian's interpreter finds lib/python3/dist-packages of its prefix."""
+    build = PACKAGE.parents[1]
+    run("cmake", "--install", build, "--component", "python", "--prefix", tmp_path)
+    place = tmp_path / "lib/python3/dist-packages"
+    assert sorted(f.name for f in place.iterdir()) == ["lucerna", f"lucerna-{lucerna.__version__}.dist-info"]
+    assert not list(place.rglob("*.pyc"))
+    code = "import lucerna, sys; print(lucerna.__file__); lucerna.connect(sys.argv[1]).info()"
+    text = run(sys.executable, "-B", "-c", code, server.target, env=os.environ | {"PYTHONPATH": str(place)})
+    assert text.startswith(str(place))
+
+
 def mypy(tmp_path, *arguments):
     pytest.importorskip("mypy")
     return subprocess.run([sys.executable, "-m", "mypy", "--config-file", SOURCE / "pyproject.toml", "--strict",
@@ -119,6 +131,13 @@ def test_mypy_knows_the_types_of_answers(tmp_path):
     assert 'incompatible type "str"; expected "Optional[int]"' in found["4"]
     assert '"Irradiance" has no attribute "radiance"' in found["5"]
     assert '(got "Radiance", expected "Power")' in found["10"]
+
+
+def test_help_shows_arguments_and_answers():
+    for kind in (lucerna.Scene, lucerna.aio.Scene):
+        signature = inspect.signature(kind.pdf_li)
+        assert signature.return_annotation == "results.LightDensity"
+        assert list(signature.parameters)[:4] == ["scene", "points", "wi", "light"]
 
 
 def test_public_things_have_docstrings():
