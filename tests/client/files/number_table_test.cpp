@@ -134,8 +134,8 @@ TEST_F(NumberTableTest, WrongNpyFilesAreRefused) {
             "a.npy: shape = (2, 2), allowed for an array with names: (n,)");
   EXPECT_EQ(refusal("a.npy", npy(header("[('x', '<f4'), ('x', '<f4')]", "(2,)"), numbers)),
             "a.npy: column \"x\" is there twice, allowed: once");
-  EXPECT_EQ(refusal("a.npy", npy(header("[('x', '<f4')]", "(4611686018427387905,)"), numbers)),
-            "a.npy: holds 16 bytes of numbers, its shape has 4611686018427387905 rows of 4");
+  EXPECT_EQ(refusal("a.npy", npy(header("[('x', '<f4')]", "(4611686018427387908,)"), numbers)),
+            "a.npy: holds 16 bytes of numbers, its shape has 4611686018427387908 rows of 4");
   EXPECT_EQ(refusal("a.npy", "x,y\n"), "a.npy: is not an NPY file");
 }
 

@@ -51,6 +51,8 @@ TEST(VerifyMistakes, NumbersThatNoMistakeExplainsGetNoName) {
   // One and a half percent beside pi, where a fit allows one.
   EXPECT_FALSE(likely_mistake(times(1.015 * pi), kOurs, {}, factors()));
   EXPECT_FALSE(likely_mistake({}, {}, {}, {}));
+  // A mistake must explain much more than no mistake does: here 0.6% become 0.3%.
+  EXPECT_FALSE(likely_mistake(times(1.006), kOurs, {}, {{"small", "small", times(1.003), 1}}));
 }
 
 TEST(VerifyMistakes, ScatterWidensTheFit) {
@@ -156,6 +158,23 @@ TEST(VerifyVariation, AMapOfDirectionsHas47OtherPositions) {
   // Without a picture it looks the same.
   projection.clear_image();
   EXPECT_TRUE(turned(slide).empty());
+}
+
+TEST(VerifyVariation, ThePictureOfARectangleHasRightHandedAxes) {
+  v1::Light light;
+  auto& area = *light.mutable_diffuse_area();
+  for (const Double3& corner : {Double3{1, 1, 3}, {1, 2, 3}, {2, 1, 3}, {2, 2, 3}}) {
+    v1::Vector3& c = *area.add_corners_m();
+    c.set_x(corner[0]);
+    c.set_y(corner[1]);
+    c.set_z(corner[2]);
+  }
+  const LightFrame frame = frame_of(light);
+  EXPECT_THAT(frame.center, ElementsAre(1.5, 1.5, 3));
+  EXPECT_THAT(frame.axes[0], ElementsAre(0, 1, 0));
+  // (corner 2 - corner 1) x (corner 3 - corner 1) is the side that shines.
+  EXPECT_THAT(frame.axes[2], ElementsAre(0, 0, -1));
+  EXPECT_EQ(cross(frame.axes[0], frame.axes[1]), frame.axes[2]);
 }
 
 TEST(VerifyVariation, AnglesAreHalvedDoubledAndTakenForDegrees) {

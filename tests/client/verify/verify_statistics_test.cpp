@@ -102,15 +102,17 @@ TEST(VerifyCells, TheWorstCellIsNamed) {
   EXPECT_LT(test.p.value(), 1e-9);
 }
 
+// Without the correction for skewness, 0.6% of the runs are rejected.  At the level of 0.1% in each
+// of 20000 runs, more than 48 alarms have a chance below 1e-6 (binomial).
 TEST(VerifyMean, SkewedValuesAreRejectedAtMostAtTheStatedLevel) {
   // The squares of exponential numbers have the mean 2 and a long tail.
   std::mt19937_64 random(3);
   std::exponential_distribution<double> exponential(1);
   int alarms = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 20000; ++i) {
     std::vector<double> values(400);
     for (double& v : values) v = std::pow(exponential(random), 2) / 2;
-    alarms += mean_is(values, 1, 0).p.value_or(1) <= 0.01 ? 1 : 0;
+    alarms += mean_is(values, 1, 0).p.value_or(1) <= 0.001 ? 1 : 0;
   }
   EXPECT_LE(alarms, 48);
 }
