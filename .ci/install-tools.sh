@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what only .ci/run needs: clang-format and prometheus, and from npm buf, the checkers of Kubernetes
+# Installs what only .ci/run needs: clang-format, prometheus and chromium, and from npm buf, the checkers of Kubernetes
 # manifests and of glTF files, and models and environments.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -7,6 +7,7 @@ cd "$(dirname "$0")/.."
 deploy/install-deps.sh
 command -v clang-format >/dev/null || deploy/install-deps.sh clang-format
 command -v prometheus >/dev/null || deploy/install-deps.sh prometheus
+command -v chromium >/dev/null || deploy/install-deps.sh chromium
 command -v npm >/dev/null || deploy/install-deps.sh npm
 tools=(@bufbuild/buf@1.75.0 @pmndrs/assets@1.7.0 gltf-validator@2.0.0-dev.3.10 kubernetes-models@4.5.1
   typescript@5.9.3 yaml@2.8.1)
