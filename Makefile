@@ -1,8 +1,8 @@
-# make demo | test | deb | test-deb | fuzz | soak | reliability | extremes | mutants | test-slurm | bench | parts | tradeoff | automatic
-#    | fit | distributed | precision | format
+# make demo | test | deb | test-deb | web | fuzz | soak | reliability | extremes | mutants | test-slurm | bench | parts
+#    | tradeoff | automatic | fit | distributed | precision | format
 # Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test deb test-deb fuzz wire oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed precision format
+.PHONY: deps release programs demo test deb test-deb web fuzz wire oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed precision format
 
 deps:
 	@deploy/install-deps.sh
@@ -125,6 +125,13 @@ distributed: release
 precision: release
 	@cmake --build --preset release --target traversal_bench precision_bench tile_precision_bench
 	@tests/bench/precision_page.sh build/release > build/precision.md && mv build/precision.md docs/precision.md
+
+# Starts lucernad with the demo scene, and the page for browsers, until Ctrl-C.  LISTEN=HOST:PORT: where.
+LISTEN ?= 127.0.0.1:8080
+web: programs
+	@command -v npm >/dev/null || deploy/install-deps.sh nodejs npm
+	@deploy/web/build.sh
+	@deploy/web/run.sh build/release $(LISTEN)
 
 format:
 	@command -v clang-format >/dev/null || deploy/install-deps.sh clang-format

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what only .ci/run needs: clang-format, prometheus, shells, and checkers of packages and of Python; and from npm
-# buf, the checkers of Kubernetes manifests and of glTF files, and models and environments.
+# Installs what only .ci/run needs: clang-format, prometheus, chromium, shells, and checkers of packages and of Python; and
+# from npm buf, the checkers of Kubernetes manifests and of glTF files, and models and environments.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -8,6 +8,7 @@ deploy/install-deps.sh
 command -v clang-format >/dev/null || deploy/install-deps.sh clang-format
 command -v prometheus >/dev/null || deploy/install-deps.sh prometheus
 deploy/install-deps.sh mypy python3-matplotlib python3-pandas python3-pip python3-tqdm python3-venv
+command -v chromium >/dev/null || deploy/install-deps.sh chromium
 command -v npm >/dev/null || deploy/install-deps.sh npm
 # Shells whose completion is tested, and what checks manual pages and packages.
 deploy/install-deps.sh bash-completion zsh fish man-db lintian dpkg-dev file

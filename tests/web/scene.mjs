@@ -13,7 +13,7 @@ LightSource "point" "string name" "left" "rgb I" [100 100 100] "point3 from" [-1
 LightSource "point" "string name" "right" "rgb I" [60 45 30] "point3 from" [1 0 2]
 Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
 Shape "bilinearmesh" "point3 P" [-5 -5 0  5 -5 0  -5 2 0  5 2 0]
-Shape "bilinearmesh" "point3 P" [-5 2 0  5 2 0  -5 2 4  5 2 4]
+Shape "bilinearmesh" "point3 P" [-2 2 0  2 2 0  -2 2 4  2 2 4]
 `;
 
 /** Makes a folder with the scene, in the file lamps.pbrt, and a wrong one in broken.pbrt. */

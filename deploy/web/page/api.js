@@ -48,6 +48,7 @@ export function kindOf(/** @type {unknown} */ reason) {
 export function textOf(/** @type {unknown} */ reason) {
   const error = ConnectError.from(reason);
   if (error.cause instanceof TypeError) return "The gateway of this page does not answer.";
-  const text = error.rawMessage;
-  return text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".");
+  // A sentence, unless it begins with a name, such as "room.pbrt:3:1: what".
+  const text = error.rawMessage.replace(/^[a-z]+(?= )/, (word) => word.charAt(0).toUpperCase() + word.slice(1));
+  return text + (/[.!?]$/.test(text) ? "" : ".");
 }

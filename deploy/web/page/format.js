@@ -6,8 +6,9 @@ export function digits(/** @type {number} */ value, significant = 3) {
   if (value === 0) return "0";
   const size = Math.abs(value);
   if (size >= 1e7 || size < 1e-4) return value.toExponential(significant - 1);
-  const decimals = Math.max(0, significant - 1 - Math.floor(Math.log10(size)));
+  // Rounding may add a digit before the point.
   const rounded = Number(value.toPrecision(significant));
+  const decimals = Math.max(0, significant - 1 - Math.floor(Math.log10(Math.abs(rounded))));
   return rounded.toFixed(Math.min(decimals, 8)).replace("-", "−");
 }
 

@@ -13,15 +13,14 @@ export async function surfaceAt(/** @type {string} */ sceneId, /** @type {number
 /**
  * @param {import("../../generated/lucerna/v1/render_pb.js").FindSurfacesResponse} answer
  * @param {number} i
- * @returns {(Place & {lightId: bigint}) | undefined}
+ * @returns {Place | undefined}
  */
-function placeOf({ points, normals, found, lightIds }, i) {
+function placeOf({ points, normals, found }, i) {
   if (!(found[i >> 3] & (1 << (i & 7)))) return undefined;
   const origin = points?.originM, offsets = points?.offsetsM ?? [];
   return {
     point: [(origin?.x ?? 0) + offsets[3 * i], (origin?.y ?? 0) + offsets[3 * i + 1], (origin?.z ?? 0) + offsets[3 * i + 2]],
     normal: [normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]],
-    lightId: lightIds[i],
   };
 }
 
