@@ -1,8 +1,8 @@
-# make demo | test | fuzz | soak | reliability | extremes | mutants | test-slurm | bench | parts | tradeoff | automatic
+# make demo | test | deb | test-deb | fuzz | soak | reliability | extremes | mutants | test-slurm | bench | parts | tradeoff | automatic
 #    | fit | distributed | precision | format
 # Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test fuzz wire oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed precision format
+.PHONY: deps release programs demo test deb test-deb fuzz wire oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed precision format
 
 deps:
 	@deploy/install-deps.sh
@@ -20,6 +20,19 @@ test: release
 	@cmake --build --preset release
 	@ctest --preset release
 	@$(MAKE) --no-print-directory wire
+
+# Writes the Debian packages to build/deb, and checks them.
+deb: programs
+	@deploy/install-deps.sh dpkg-dev file lintian
+	@cmake --build --preset release --target lucerna_packaged
+	@rm -rf build/deb
+	@cpack --config build/release/CPackConfig.cmake -B build/deb
+	@/usr/bin/python3 tests/packages/packages_test.py build/deb
+
+# Installs the packages in a new Debian that mmdebstrap makes, asks a question there, and purges them.  Needs root.
+test-deb: deb
+	@deploy/install-deps.sh mmdebstrap
+	@/usr/bin/python3 tests/packages/clean_root_test.py build/deb
 
 # Fuzzes every reader of input with libFuzzer and sanitizers: 60 s each, or RUNS runs each.
 fuzz: deps
