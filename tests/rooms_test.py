@@ -21,7 +21,7 @@ ROOMS = [
     "server/scene", "server/store", "server/shadows", "server/estimate/statistics", "server/estimate/lights",
     "server/estimate/paths", "server/estimate/queries", "server/monitor", "server/access", "server/rpc/messages",
     "server/rpc/handlers", "server/rpc", "server/config", "server",
-    "client/rpc", "client/jobs", "client/view", "client/files", "client/testing", "client/terminal",
+    "client/rpc", "client/jobs", "client/view", "client/files", "client/testing", "client/shell", "client/terminal",
     "client/tradeoff", "client/bench", "client/verify", "client/cli",
 ]
 ALLOWED = {"proto": {"proto"}, "lights": {"lights"}, "server": {"server", "lights", "proto"},

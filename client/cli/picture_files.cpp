@@ -61,16 +61,23 @@ void PictureNames::add(CLI::App& command) {
                   "File of the picture: .exr or .pfm (linear RGB, 32-bit float) or .png (8-bit "
                   "sRGB); may be repeated")
       ->allow_extra_args(false)
+      ->type_name("FILE")
       ->required();
-  command.add_option("--stderr", errors,
-                     "Also write a picture of the standard error of each pixel; a pixel whose "
-                     "samples found no light has its upper bound.  With this file or --interval, "
-                     "samples come in independent blocks, which have more noise");
-  command.add_option("--interval", intervals,
-                     "Also write the confidence interval of the luminance of each pixel: .exr "
-                     "with the channels Y, lower.Y and upper.Y");
-  command.add_option("--counts", counts,
-                     "Also write a picture of the number of samples of each pixel: .exr or .pfm");
+  command
+      .add_option("--stderr", errors,
+                  "Also write a picture of the standard error of each pixel; a pixel whose "
+                  "samples found no light has its upper bound.  With this file or --interval, "
+                  "samples come in independent blocks, which have more noise")
+      ->type_name("FILE");
+  command
+      .add_option("--interval", intervals,
+                  "Also write the confidence interval of the luminance of each pixel: .exr "
+                  "with the channels Y, lower.Y and upper.Y")
+      ->type_name("FILE");
+  command
+      .add_option("--counts", counts,
+                  "Also write a picture of the number of samples of each pixel: .exr or .pfm")
+      ->type_name("FILE");
 }
 
 void PictureNames::check(std::optional<std::uint32_t> samples) const {

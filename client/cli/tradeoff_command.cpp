@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "client/cli/commands.h"
+#include "client/shell/completion.h"
 #include "client/terminal/session.h"
 
 namespace lucerna::cli {
@@ -18,10 +19,10 @@ namespace {
 
 constexpr std::string_view kCommand = "tradeoff";
 
-/// The index of the first word that is neither an option before the command nor its value; `argc`
-/// if there is none.
-int command_index(const CLI::App& app, int argc, char** argv) {
-  for (int i = 1; i < argc; ++i) {
+/// The index of the first word from `begin` that is neither an option before the command nor its
+/// value; `argc` if there is none.
+int command_index(const CLI::App& app, int begin, int argc, char** argv) {
+  for (int i = begin; i < argc; ++i) {
     const std::string_view word = argv[i];
     if (!word.starts_with('-')) return i;
     const CLI::Option* option = app.get_option_no_throw(std::string(word));
@@ -39,8 +40,10 @@ void add_tradeoff_command(CLI::App& app) {
 }
 
 void start_tradeoff(const CLI::App& app, int argc, char** argv) {
-  const int index = command_index(app, argc, argv);
-  if (index == argc || argv[index] != kCommand) return;
+  // lucerna-tradeoff also completes its options.  A word that is not finished is no command yet.
+  const bool completes = argc > 1 && std::string_view(argv[1]) == shell::kCompleteWord;
+  const int index = command_index(app, completes ? 2 : 1, argc, argv);
+  if (index == argc || argv[index] != kCommand || (completes && index + 1 == argc)) return;
   std::error_code error;
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) wrong_use("cannot find the folder of this program: " + error.message());

@@ -93,9 +93,11 @@ absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name) 
 void PointOptions::add(CLI::App& command, const std::string& second) {
   command.add_option("--point", points_, "Point x,y,z [m]; may be repeated")
       ->allow_extra_args(false);
-  command.add_option(
-      "--points", file_,
-      "CSV file of points x,y,z [m], or - for standard input; columns 4 to 6 are " + second);
+  command
+      .add_option(
+          "--points", file_,
+          "CSV file of points x,y,z [m], or - for standard input; columns 4 to 6 are " + second)
+      ->type_name("FILE");
 }
 
 const std::string& PointOptions::file() const {

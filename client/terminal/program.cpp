@@ -8,6 +8,7 @@
 #include <exception>
 #include <vector>
 
+#include "client/shell/completion.h"
 #include "client/terminal/suggestion.h"
 
 namespace lucerna::cli {
@@ -43,6 +44,26 @@ std::string unknown_words(const CLI::App& app, const CLI::App& command,
   return nearest.empty() ? text : fmt::format("{}; did you mean {}?", text, nearest);
 }
 
+/// The scenes that the server of `words` can load, for completion.  None if it does not answer at
+/// once.
+std::vector<std::string> scene_names(const std::vector<std::string>& words) {
+  // Without a time-out, a server that hangs would block the shell.
+  std::vector<std::string> reversed = {"1", "--timeout"};
+  reversed.insert(reversed.begin(), words.rbegin() + 1, words.rend());
+  const std::atomic<int> no_signal = 0;
+  Session session({}, no_signal);
+  CLI::App options;
+  session.add_options(options);
+  options.allow_extras();
+  try {
+    options.parse(std::move(reversed));
+    const v1::ListAvailableScenesResponse scenes = list_available_scenes(session);
+    return {scenes.paths().begin(), scenes.paths().end()};
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
 }  // namespace
 
 std::string describe(const CLI::App& app, const CLI::ParseError& error) {
@@ -64,6 +85,12 @@ std::string describe(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 int run_program(CLI::App& app, Session& session, int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == shell::kCompleteWord) {
+    const std::vector<std::string> words(argv + 2, argv + argc);
+    const auto scenes = [&words] { return scene_names(words); };
+    fmt::print("{}", shell::to_lines(shell::complete(app, words, scenes)));
+    return kDone;
+  }
   // --json may come after the word that cannot be parsed.
   const auto has_json = [&] {
     return session.json() ||

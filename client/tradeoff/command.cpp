@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "client/terminal/point_options.h"
+#include "client/terminal/program.h"
 #include "client/terminal/session.h"
 #include "client/terminal/signals.h"
 #include "client/terminal/validators.h"
@@ -209,7 +210,8 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--points", options.points,
                  "CSV file of points x,y,z [m] and normals, not for render and power; default: "
-                 "points.csv beside SCENE, here or under scenes/");
+                 "points.csv beside SCENE, here or under scenes/")
+      ->type_name("FILE");
   app.add_option("--bounces", options.bounces,
                  "Reflections of light in irradiance and pictures; default: no limit")
       ->check(cli::whole(0));
@@ -233,8 +235,9 @@ void add_options(CLI::App& app, Options& options) {
       ->check(cli::whole64())
       ->capture_default_str();
   app.add_option("--report", options.report,
-                 "Only makes report.html and errors.png (with chromium) from this tradeoff.json");
-  app.add_option("--out", options.directory, "Directory for the results");
+                 "Only makes report.html and errors.png (with chromium) from this tradeoff.json")
+      ->type_name("FILE");
+  app.add_option("--out", options.directory, "Directory for the results")->type_name("DIR");
   app.add_flag("--quiet", options.quiet, "Prints no progress");
 }
 
@@ -254,21 +257,14 @@ int run_tradeoff(int argc, char** argv) {
   session.add_options(app);
   Options options;
   add_options(app, options);
-  try {
-    app.parse(argc, argv);
+  app.callback([&] {
     if (options.report.empty()) {
       trade(app, session, options);
     } else {
       report(options);
     }
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? cli::kDone : cli::kWrongUse;
-  } catch (const cli::CommandError& error) {
-    fmt::print(stderr, "lucerna: {}\n", error.what());
-    return error.exit_status();
-  }
-  if (std::fflush(stdout) != 0) return cli::kWrongUse;
-  return session.exit_status();
+  });
+  return cli::run_program(app, session, argc, argv);
 }
 
 }  // namespace lucerna::tradeoff

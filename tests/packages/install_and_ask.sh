@@ -6,16 +6,15 @@ lucerna --version
 lucernad --version
 lucernad --config /etc/lucernad/lucernad.toml --check-config | grep '/var/lib/lucernad/scenes'
 getent passwd lucernad
-# systemd makes this folder when the service starts.
-install -d -o lucernad -g lucernad /var/lib/lucernad/scenes
+# systemd makes these folders when the service starts.
+install -d -o lucernad -g lucernad /var/lib/lucernad /var/lib/lucernad/scenes
 cp /root/packages/*.pbrt /root/packages/*.ies /var/lib/lucernad/scenes
 
 # The user and the settings of the service.
 su -s /bin/sh lucernad -c 'exec lucernad --config /etc/lucernad/lucernad.toml' >/tmp/lucernad.log 2>&1 &
-tries=0
+server=$!
 until lucerna info >/dev/null 2>&1; do
-  tries=$((tries + 1))
-  if [ $tries -gt 600 ]; then
+  if ! kill -0 $server; then
     cat /tmp/lucernad.log
     exit 1
   fi
@@ -27,6 +26,5 @@ library=$(echo /usr/lib/lucerna/lucerna-pictures-*.so)
 if ldd "$library" | grep 'not found'; then exit 1; fi
 # Each package has its manual page where man finds it.
 for page in man1/lucerna.1 man1/lucerna-irradiance.1 man1/lucerna-tradeoff.1 man8/lucernad.8; do
-  # minbase leaves out manual pages only if dpkg is told so.
   dpkg -L lucerna lucernad | grep "/usr/share/man/$page.gz"
 done

@@ -8,6 +8,7 @@ that they should have.
 """
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -84,6 +85,17 @@ def check_service(there):
     unit = (there / "lib/systemd/system/lucernad.service").read_text()
     if "\nExecStart=/usr/bin/lucernad --config /etc/lucernad/lucernad.toml\n" not in unit or "/local/" in unit:
         yield "lucernad: the unit does not start /usr/bin/lucernad"
+    if shutil.which("systemd-analyze") is None:
+        print("skipped: systemd-analyze is not installed")
+        return
+    # Its program and its user are not on this machine.
+    changed = there / "lucernad.service"
+    unit = unit.replace("=/usr/bin/lucernad ", f"={there}/usr/bin/lucernad ")
+    changed.write_text(re.sub(r"(?m)^(User|Group)=lucernad$", r"\1=daemon", unit))
+    verified = subprocess.run(["systemd-analyze", "verify", "--man=no", changed], capture_output=True, text=True,
+                              check=False, timeout=TIMEOUT_S)
+    if verified.returncode != 0 or "lucernad.service" in verified.stderr:
+        yield f"lucernad: {verified.stderr}"
 
 
 def check_dependencies(packages):

@@ -5,4 +5,4 @@ if command -v lucerna || command -v lucernad; then exit 1; fi
 # Settings and scenes stay until the purge.
 test -f /etc/lucernad/lucernad.toml
 test -d /var/lib/lucernad/scenes
-apt-get purge -q -y $names
+dpkg --purge $names
