@@ -14,7 +14,7 @@ packages=(
   libtinygltf-dev libdraco-dev libmeshoptimizer-dev
   prometheus-cpp-dev
   libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels openssl
-  python3 python3-grpcio python3-protobuf python3-gmpy2 python3-mpmath python3-numpy python3-pytest
+  python3 python3-grpcio python3-protobuf python3-gmpy2 python3-mpmath python3-numpy python3-pytest python3-yaml
 )
 # tests/runtime_packages_test.py compares them with the programs.
 runtime=(
