@@ -137,7 +137,7 @@ class Bench {
     if (session_.json()) {
       fmt::print("{}", bench::json_of(report_));
     } else {
-      fmt::print("{}", bench::table_of(report_));
+      session_.show(bench::rows_of(report_), session_.csv() ? "" : bench::found_of(report_));
       session_.print_remarks();
     }
   }
@@ -277,6 +277,7 @@ void add_bench_command(CLI::App& app, Session& session) {
   command->add_option("--seed", options->items.seed, "Random seed of items and arrivals")
       ->check(whole64())
       ->capture_default_str();
+  session.prints_table(*command);
   command->callback([options, &session] {
     session.need_one_server("a bench loads one server");
     const Question question = question_of(options->question);

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "client/terminal/output.h"
-
 namespace lucerna::bench {
 namespace {
 
@@ -19,6 +17,12 @@ double per_second(std::uint64_t value, const Figures& figures) {
 }
 
 std::string short_number(double value) { return fmt::format("{:.4g}", value); }
+
+/// The same for people, and in full for programs.
+cli::Cell number_of(double value) { return {short_number(value), {fmt::format("{}", value)}}; }
+
+/// Two digits after the point for people.
+cli::Cell fixed(double value) { return {fmt::format("{:.2f}", value), {fmt::format("{}", value)}}; }
 
 /// What a reader must know about the figures of a row.
 std::string note(const Row& row) {
@@ -42,7 +46,7 @@ bool holds(const Figures& figures, const LatencyLimit& limit) {
          figures.latency_s(limit.quantile) <= limit.latency_s;
 }
 
-std::string table_of(const Report& report) {
+cli::Table rows_of(const Report& report) {
   const auto any = [&](auto member) {
     return std::ranges::any_of(report.rows, [&](const Row& r) { return r.figures.*member > 0; });
   };
@@ -62,22 +66,27 @@ std::string table_of(const Report& report) {
   cli::Table table(columns);
   for (const Row& row : report.rows) {
     const Figures& f = row.figures;
-    std::vector<std::string> cells;
+    std::vector<cli::Cell> cells;
     if (items) cells.push_back(std::to_string(row.batch));
-    cells.push_back(open ? short_number(*row.rate) : std::to_string(*row.in_flight));
-    cells.push_back(short_number(per_second(f.calls(), f)));
-    if (items) cells.push_back(short_number(per_second(f.items, f)));
-    for (const double q : kQuantiles) cells.push_back(short_number(1e3 * f.latency_s(q)));
-    cells.push_back(short_number(1e-6 * per_second(f.bytes_sent, f)));
-    cells.push_back(short_number(1e-6 * per_second(f.bytes_received, f)));
-    if (samples) cells.push_back(short_number(per_second(f.samples, f)));
-    if (rays) cells.push_back(short_number(per_second(f.rays, f)));
-    cells.push_back(f.server_cpu_s ? fmt::format("{:.2f}", per_second(*f.server_cpu_s, f))
-                                   : "unknown");
+    cells.push_back(open ? number_of(*row.rate) : std::to_string(*row.in_flight));
+    cells.push_back(number_of(per_second(f.calls(), f)));
+    if (items) cells.push_back(number_of(per_second(f.items, f)));
+    for (const double q : kQuantiles) cells.push_back(number_of(1e3 * f.latency_s(q)));
+    cells.push_back(number_of(1e-6 * per_second(f.bytes_sent, f)));
+    cells.push_back(number_of(1e-6 * per_second(f.bytes_received, f)));
+    if (samples) cells.push_back(number_of(per_second(f.samples, f)));
+    if (rays) cells.push_back(number_of(per_second(f.rays, f)));
+    cells.push_back(f.server_cpu_s ? fixed(per_second(*f.server_cpu_s, f)) : "unknown");
     cells.push_back(note(row));
     table.add(std::move(cells));
   }
-  std::string text = table.to_string();
+  return table;
+}
+
+std::string found_of(const Report& report) {
+  const bool items =
+      std::ranges::any_of(report.rows, [](const Row& r) { return r.figures.items > 0; });
+  std::string text;
   for (const Found& found : report.found) {
     const std::string batch = items ? fmt::format("batch {}: ", found.batch) : "";
     text += found.rate ? fmt::format("{}{} holds up to {} calls/s\n", batch, name(*report.limit),

@@ -8,6 +8,7 @@
 
 #include "client/bench/figures.h"
 #include "client/bench/rate_search.h"
+#include "client/terminal/output.h"
 
 namespace lucerna::bench {
 
@@ -40,7 +41,10 @@ struct Report {
 /// Whether the load had answers only, kept up with its rate, and holds the limit.
 bool holds(const Figures& figures, const LatencyLimit& limit);
 
-std::string table_of(const Report& report);
+/// One row for each load.
+cli::Table rows_of(const Report& report);
+/// What the search for a rate found, one line each.  Empty without a search.
+std::string found_of(const Report& report);
 /// One line.
 std::string json_of(const Report& report);
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "client/bench/command.h"
+#include "client/terminal/error.h"
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
 #include "client/terminal/signals.h"
@@ -45,7 +46,7 @@ int run_lucerna(int argc, char** argv) {
   try {
     start_tradeoff(app, argc, argv);
   } catch (const CommandError& error) {
-    fmt::print(stderr, "lucerna: {}\n", error.what());
+    print_error(error.status(), false);
     return error.exit_status();
   }
   return run_program(app, session, argc, argv);

@@ -37,8 +37,8 @@ class Report {
   bool well() const {
     return std::all_of(checks_.begin(), checks_.end(), [](const Check& c) { return c.ok; });
   }
-  void print(bool json) const {
-    if (json) {
+  void print(const Session& session) const {
+    if (session.json()) {
       nlohmann::ordered_json out{{"well", well()}, {"checks", nlohmann::ordered_json::array()}};
       for (const Check& c : checks_)
         out["checks"].push_back({{"name", c.name}, {"ok", c.ok}, {"text", c.text}});
@@ -46,8 +46,11 @@ class Report {
       return;
     }
     Table table({{"", true}, {"check", true}, {"result", true}});
-    for (const Check& c : checks_) table.add({c.ok ? "ok" : "FAILED", c.name, c.text});
-    fmt::print("{}", table.to_string());
+    for (const Check& c : checks_)
+      table.add({c.ok ? Cell::coloured("ok", shell::Colour::kGood)
+                      : Cell::coloured("FAILED", shell::Colour::kBad),
+                 c.name, c.text});
+    session.show(table);
   }
 
  private:
@@ -160,11 +163,12 @@ void add_doctor_command(CLI::App& app, Session& session) {
   command->footer(
       "The exit status is 0 if all is well, else 1.\nExample:\n  lucerna doctor --server "
       "10.0.0.7:50051");
+  session.prints_table(*command);
   command->callback([&session] {
     session.need_one_server("it checks one server at a time");
     Report report;
     examine(session, report);
-    report.print(session.json());
+    report.print(session);
     if (!report.well()) session.set_exit_status(kServerRefused);
   });
 }

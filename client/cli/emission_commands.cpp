@@ -44,7 +44,7 @@ void le(Session& session, const LeOptions& options) {
     std::vector<Table::Column> columns = {
         {"x [m]"}, {"y [m]"}, {"z [m]"}, {"direction", true}, {"radiance (RGB) [cd/m2]", true}};
     if (options.wavelengths.given()) {
-      columns.push_back({options.wavelengths.header("W/m2/sr/nm"), true});
+      columns.push_back(options.wavelengths.column("W/m2/sr/nm"));
     }
     columns.insert(columns.end(), {{"light"}, {"", true}});
     Table table(columns);
@@ -53,8 +53,9 @@ void le(Session& session, const LeOptions& options) {
       const auto& [x, y, z] = set.points.at(i);
       const auto& [wx, wy, wz] = directions.at(i);
       const std::uint64_t light = response.light_ids(i);
-      std::vector<std::string> row = {number(x), number(y), number(z), triple(wx, wy, wz),
-                                      triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2])};
+      std::vector<Cell> row = {number_cell(x), number_cell(y), number_cell(z),
+                               triple_cell(wx, wy, wz),
+                               triple_cell(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2])};
       if (options.wavelengths.given()) {
         row.push_back(options.wavelengths.values(response.spectral_radiance(), i));
       }
@@ -62,8 +63,8 @@ void le(Session& session, const LeOptions& options) {
       row.push_back(item_status(response.status(), i));
       table.add(std::move(row));
     }
-    fmt::print("{}{}{}\n", table.to_string(), describe(response.cost()),
-               describe_approximations(request.accuracy(), response.cost()));
+    session.show(table, fmt::format("{}{}\n", describe(response.cost()),
+                                    describe_approximations(request.accuracy(), response.cost())));
   });
 }
 
@@ -103,7 +104,8 @@ std::string spectral_unit_of(bool has_normal, float pdf_position, float pdf_dire
   return unit == "lx" ? "W/m2/nm" : "W/m2/sr/nm";
 }
 
-void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options) {
+void print_rays(const Session& session, const v1::SampleLeResponse& response,
+                const EmitOptions& options) {
   std::vector<Table::Column> columns = {{"light"}};
   if (!options.light.given()) columns.push_back({"chosen with"});
   columns.insert(columns.end(), {{"from [m]", true},
@@ -113,7 +115,8 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
                                  {"pdf [1/m2]"},
                                  {"pdf [1/sr]"}});
   if (options.wavelengths.given()) {
-    columns.insert(columns.end(), {{options.wavelengths.header(), true}, {"unit", true}});
+    columns.insert(columns.end(),
+                   {options.wavelengths.column(), {"unit", true, {"spectral unit"}}});
   }
   columns.push_back({"", true});
   Table table(columns);
@@ -122,7 +125,7 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
     return i < v.size() ? v[i] : 0.0F;
   };
   const auto three = [&](const google::protobuf::RepeatedField<float>& v, int i) {
-    return triple(at(v, 3 * i), at(v, 3 * i + 1), at(v, 3 * i + 2));
+    return triple_cell(at(v, 3 * i), at(v, 3 * i + 1), at(v, 3 * i + 2));
   };
   for (int i = 0; i < response.pdf_direction_per_sr_size(); ++i) {
     const auto& offsets = response.points().offsets_m();
@@ -130,26 +133,26 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
     const float position = at(response.pdf_position_per_m2(), i);
     const float direction = at(response.pdf_direction_per_sr(), i);
     const std::string status = item_status(response.status(), i);
-    std::vector<std::string> row = {
+    std::vector<Cell> row = {
         options.light.given()
             ? options.light.word()
             : std::to_string(i < response.light_ids_size() ? response.light_ids(i) : 0)};
     if (!options.light.given()) {
-      row.push_back(number(
-          i < response.selection_probability_size() ? response.selection_probability(i) : 0));
+      row.push_back(number_cell(
+          i < response.selection_probability_size() ? response.selection_probability(i) : 0.0));
     }
     if (status.empty()) {
       const bool surface =
           at(normals, 3 * i) != 0 || at(normals, 3 * i + 1) != 0 || at(normals, 3 * i + 2) != 0;
       // The wire holds floats, so the sum has no more digits than a float.
-      row.push_back(triple(static_cast<float>(origin.x() + at(offsets, 3 * i)),
-                           static_cast<float>(origin.y() + at(offsets, 3 * i + 1)),
-                           static_cast<float>(origin.z() + at(offsets, 3 * i + 2))));
+      row.push_back(triple_cell(static_cast<float>(origin.x() + at(offsets, 3 * i)),
+                                static_cast<float>(origin.y() + at(offsets, 3 * i + 1)),
+                                static_cast<float>(origin.z() + at(offsets, 3 * i + 2))));
       row.push_back(three(response.directions(), i));
       row.push_back(three(response.value(), i));
       row.emplace_back(unit_of(surface, position, direction));
-      row.push_back(position == 0 ? "certain" : number(position));
-      row.push_back(direction == 0 ? "certain" : number(direction));
+      row.push_back(position == 0 ? Cell("certain") : number_cell(position));
+      row.push_back(direction == 0 ? Cell("certain") : number_cell(direction));
       if (options.wavelengths.given()) {
         row.push_back(options.wavelengths.values(response.spectral_value(), i));
         row.push_back(spectral_unit_of(surface, position, direction));
@@ -160,7 +163,7 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
     row.push_back(status);
     table.add(std::move(row));
   }
-  fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
+  session.show(table, describe(response.cost()) + "\n");
 }
 
 void emit(Session& session, const EmitOptions& options) {
@@ -177,8 +180,9 @@ void emit(Session& session, const EmitOptions& options) {
   }
   options.wavelengths.put(request);
   request.set_scene_id(session.query_scene_id(options.scene));
-  send_and_print(session, request, client::sample_le_in_batches,
-                 [&](const v1::SampleLeResponse& response) { print_rays(response, options); });
+  send_and_print(
+      session, request, client::sample_le_in_batches,
+      [&](const v1::SampleLeResponse& response) { print_rays(session, response, options); });
 }
 
 struct EmitPdfOptions {
@@ -212,11 +216,12 @@ void emit_pdf(Session& session, const EmitPdfOptions& options) {
              ++i) {
           const auto& [x, y, z] = set.points.at(i);
           const auto& [wx, wy, wz] = directions.at(i);
-          table.add({number(x), number(y), number(z), triple(wx, wy, wz),
-                     number(response.pdf_position_per_m2(i)),
-                     number(response.pdf_direction_per_sr(i)), item_status(response.status(), i)});
+          table.add({number_cell(x), number_cell(y), number_cell(z), triple_cell(wx, wy, wz),
+                     number_cell(response.pdf_position_per_m2(i)),
+                     number_cell(response.pdf_direction_per_sr(i)),
+                     item_status(response.status(), i)});
         }
-        fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
+        session.show(table, describe(response.cost()) + "\n");
       });
 }
 
@@ -244,6 +249,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
       ->excludes("--seed");
   emission->time.add(*command);
   emission->wavelengths.add(*command);
+  session.prints_table(*command);
   command->callback([emission, &session] { emit(session, *emission); });
 
   command =
@@ -257,6 +263,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
                           "Direction x,y,z of the ray, away from the light");
   density->light.add(*command, "Id or name of the light")->required();
   density->time.add(*command);
+  session.prints_table(*command);
   command->callback([density, &session] { emit_pdf(session, *density); });
 
   command = app.add_subcommand(
@@ -272,6 +279,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
   looking->time.add(*command);
   looking->wavelengths.add(*command);
   looking->thin_glass.add(*command);
+  session.prints_table(*command);
   command->callback([looking, &session] { le(session, *looking); });
 }
 

@@ -189,6 +189,7 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
   if (points.file().empty() || points.file() == "-") {
     wrong_use("-o requires --points FILE: .npy, .csv or .exr");
   }
+  if (session.csv()) wrong_use("--output csv: not with -o, whose file has the answers");
   if (request.per_light()) wrong_use("--per-light: not with -o, which has no columns for it");
   if (!servers_.asset_root.empty() && !servers_.upload) {
     wrong_use("--asset-root requires --upload");

@@ -58,15 +58,16 @@ v1::SampleValues sample_values(const SampleOptions& options, std::size_t points)
   return values;
 }
 
-void print_samples(const v1::SampleLiResponse& response, const SampleOptions& options,
-                   const v1::Accuracy& accuracy) {
+void print_samples(const Session& session, const v1::SampleLiResponse& response,
+                   const SampleOptions& options, const v1::Accuracy& accuracy) {
   const std::uint32_t samples = options.stop.samples.value_or(1);
   std::vector<Table::Column> columns = {{"point"}, {"light"}};
   if (!options.light.given()) columns.push_back({"chosen with"});
   columns.insert(columns.end(),
                  {{"value (RGB)"}, {"unit", true}, {"wi", true}, {"distance [m]"}, {"pdf [1/sr]"}});
   if (options.wavelengths.given()) {
-    columns.insert(columns.end(), {{options.wavelengths.header(), true}, {"unit", true}});
+    columns.insert(columns.end(),
+                   {options.wavelengths.column(), {"unit", true, {"spectral unit"}}});
   }
   if (options.visibility) columns.push_back({"visible", true});
   const bool in_part = response.transmittance_size() > 0;
@@ -75,32 +76,32 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
   Table table(columns);
   for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
     const bool delta = client::bit(response.delta(), i);
-    std::vector<std::string> row = {std::to_string(i / samples + 1)};
+    std::vector<Cell> row = {std::to_string(i / samples + 1)};
     row.push_back(options.light.given()
                       ? options.light.word()
                       : std::to_string(i < response.light_ids_size() ? response.light_ids(i) : 0));
     if (!options.light.given()) {
-      row.push_back(number(
-          i < response.selection_probability_size() ? response.selection_probability(i) : 0));
+      row.push_back(number_cell(
+          i < response.selection_probability_size() ? response.selection_probability(i) : 0.0));
     }
-    row.push_back(triple_of(response.value(), i));
+    row.push_back(triple_cell_of(response.value(), i));
     row.emplace_back(delta ? "lx" : "cd/m2");
-    row.push_back(triple_of(response.wi(), i));
+    row.push_back(triple_cell_of(response.wi(), i));
     const float distance = i < response.distance_m_size() ? response.distance_m(i) : 0;
     const std::string status = item_status(response.status(), i);
-    row.push_back(distance == 0 && status.empty() ? "infinite" : number(distance));
-    row.push_back(delta ? "delta" : number(response.pdf_per_sr(i)));
+    row.push_back(distance == 0 && status.empty() ? Cell("infinite") : number_cell(distance));
+    row.push_back(delta ? Cell("delta") : number_cell(response.pdf_per_sr(i)));
     if (options.wavelengths.given()) {
       row.push_back(options.wavelengths.values(response.spectral_value(), i));
       row.emplace_back(delta ? "W/m2/nm" : "W/m2/sr/nm");
     }
     if (options.visibility) row.emplace_back(client::bit(response.visible(), i) ? "yes" : "no");
-    if (in_part) row.push_back(triple_of(response.transmittance(), i));
+    if (in_part) row.push_back(triple_cell_of(response.transmittance(), i));
     row.push_back(status);
     table.add(std::move(row));
   }
-  fmt::print("{}{}{}\n", table.to_string(), describe(response.cost()),
-             describe_approximations(accuracy, response.cost()));
+  session.show(table, fmt::format("{}{}\n", describe(response.cost()),
+                                  describe_approximations(accuracy, response.cost())));
 }
 
 std::uint64_t most_samples(const v1::ReceiverEstimates& estimates) {
@@ -109,16 +110,17 @@ std::uint64_t most_samples(const v1::ReceiverEstimates& estimates) {
 }
 
 /// The estimate of each point.
-void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& options,
-                     const PointSet& set, const v1::SampleLiRequest& request) {
+void print_estimates(const Session& session, const v1::SampleLiResponse& response,
+                     const SampleOptions& options, const PointSet& set,
+                     const v1::SampleLiRequest& request) {
   const v1::Accuracy& accuracy = request.accuracy();
   const v1::ReceiverEstimates& estimates = response.estimates();
   const bool on_surfaces = request.normals_size() > 0;
   std::vector<Table::Column> columns = {
-      {"x [m]"},  {"y [m]"},
-      {"z [m]"},  {on_surfaces ? "illuminance [lx]" : "spherical illuminance [lx]"},
-      {"± [lx]"}, {"samples"}};
-  if (options.wavelengths.given()) columns.push_back({options.wavelengths.header("W/m2/nm"), true});
+      {"x [m]"},         {"y [m]"},
+      {"z [m]"},         {on_surfaces ? "illuminance [lx]" : "spherical illuminance [lx]"},
+      interval_column(), {"samples"}};
+  if (options.wavelengths.given()) columns.push_back(options.wavelengths.column("W/m2/nm"));
   columns.push_back({"", true});
   Table table(columns);
   for (int i = 0; i < estimates.samples_size(); ++i) {
@@ -126,27 +128,29 @@ void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& 
     const std::string status = item_status(estimates.status(), i);
     // Several equal samples may all have missed a light, so their interval is not exact.
     const bool approximate = is_approximate(accuracy) || estimates.samples(i) > 1;
-    const std::string error =
-        status.empty() ? interval_text(estimates.illuminance_lx(i), estimates.lower_lx(i),
-                                       estimates.upper_lx(i), approximate)
-                       : "";
-    std::vector<std::string> row = {number(x), number(y),
-                                    number(z), number(estimates.illuminance_lx(i)),
-                                    error,     std::to_string(estimates.samples(i))};
+    const Cell error = status.empty()
+                           ? interval_cell(estimates.illuminance_lx(i), estimates.lower_lx(i),
+                                           estimates.upper_lx(i), approximate)
+                           : Cell();
+    std::vector<Cell> row = {number_cell(x), number_cell(y),
+                             number_cell(z), number_cell(estimates.illuminance_lx(i)),
+                             error,          std::to_string(estimates.samples(i))};
     if (options.wavelengths.given())
       row.push_back(options.wavelengths.values(estimates.spectral_irradiance(), i));
     row.push_back(status);
     table.add(std::move(row));
   }
-  fmt::print("{}", table.to_string());
-  fmt::print(
-      "± and < hold with {}% confidence, of {}; {}{}{}{}\n", percent(options.stop.confidence()),
-      options.visibility ? "visible lights" : "unoccluded lights (--visible tests visibility)",
-      accuracy.has_target_error()
-          ? check_target(estimates, estimates.samples(), accuracy.target_error()).describe("points")
-          : "",
-      describe_overrun(accuracy, response.cost(), most_samples(estimates), "point"),
-      describe(response.cost()), describe_approximations(accuracy, response.cost()));
+  session.show(
+      table,
+      fmt::format(
+          "± and < hold with {}% confidence, of {}; {}{}{}{}\n", percent(options.stop.confidence()),
+          options.visibility ? "visible lights" : "unoccluded lights (--visible tests visibility)",
+          accuracy.has_target_error()
+              ? check_target(estimates, estimates.samples(), accuracy.target_error())
+                    .describe("points")
+              : "",
+          describe_overrun(accuracy, response.cost(), most_samples(estimates), "point"),
+          describe(response.cost()), describe_approximations(accuracy, response.cost())));
 }
 
 void sample(Session& session, const SampleOptions& options) {
@@ -173,9 +177,9 @@ void sample(Session& session, const SampleOptions& options) {
       session, request, client::sample_li_in_batches,
       [&](const Response& response) {
         if (response.has_estimates()) {
-          print_estimates(response, options, set, request);
+          print_estimates(session, response, options, set, request);
         } else {
-          print_samples(response, options, accuracy);
+          print_samples(session, response, options, accuracy);
         }
       },
       [&](const Response& response) {
@@ -216,10 +220,10 @@ void pdf(Session& session, const PdfOptions& options) {
         for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
           const auto& [x, y, z] = set.points.at(i);
           const auto& [wx, wy, wz] = directions.at(i);
-          table.add({number(x), number(y), number(z), triple(wx, wy, wz),
-                     number(response.pdf_per_sr(i)), item_status(response.status(), i)});
+          table.add({number_cell(x), number_cell(y), number_cell(z), triple_cell(wx, wy, wz),
+                     number_cell(response.pdf_per_sr(i)), item_status(response.status(), i)});
         }
-        fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
+        session.show(table, describe(response.cost()) + "\n");
       });
 }
 
@@ -253,6 +257,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   sampling->methods.add(*command);
   sampling->time.add(*command);
   sampling->wavelengths.add(*command);
+  session.prints_table(*command);
   command->callback([sampling, &session] { sample(session, *sampling); });
 
   command =
@@ -266,6 +271,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   density->normals.add(*command, "--normal", "Surface normal x,y,z at the point");
   density->area_sampling.add(*command);
   density->time.add(*command);
+  session.prints_table(*command);
   command->callback([density, &session] { pdf(session, *density); });
 }
 

@@ -327,7 +327,18 @@ std::string flux_text(double lumens, bool from_infinity) {
   return (from_infinity ? "*" : "") + number(lumens);
 }
 
-std::string light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lights) {
+Cell flux_cell(double lumens, bool from_infinity) {
+  return {flux_text(lumens, from_infinity), number_cell(lumens).values()};
+}
+
+Cell error_cell(double lumens) { return lumens == 0 ? Cell("exact", {"0"}) : number_cell(lumens); }
+
+std::string light_notes(const google::protobuf::RepeatedPtrField<v1::Light>& lights) {
+  const bool any = std::any_of(lights.begin(), lights.end(), is_at_infinity);
+  return any ? std::string(kFluxFromInfinity) + "\n" : "";
+}
+
+Table light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lights) {
   const bool any_name = std::any_of(lights.begin(), lights.end(),
                                     [](const v1::Light& light) { return !light.name().empty(); });
   std::vector<Table::Column> columns = {{"id"}};
@@ -341,19 +352,17 @@ std::string light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lig
                                  {"delta", true},
                                  {"made at", true}});
   Table table(columns);
-  bool any_from_infinity = false;
   for (const v1::Light& light : lights) {
-    any_from_infinity |= is_at_infinity(light);
-    std::vector<std::string> row = {std::to_string(light.id())};
+    std::vector<Cell> row = {std::to_string(light.id())};
     if (any_name) row.push_back(light.name());
-    row.insert(row.end(), {type_of(light), describe_light(light), place_of(light),
-                           light.has_area_m2() ? number(light.area_m2()) : "",
-                           flux_text(light.power_lm(), is_at_infinity(light)),
-                           light.power_error_lm() == 0 ? "exact" : number(light.power_error_lm()),
-                           light.delta() ? "yes" : "no", light.source()});
+    row.insert(row.end(),
+               {type_of(light), describe_light(light), place_of(light),
+                light.has_area_m2() ? number_cell(light.area_m2()) : Cell(),
+                flux_cell(light.power_lm(), is_at_infinity(light)),
+                error_cell(light.power_error_lm()), light.delta() ? "yes" : "no", light.source()});
     table.add(std::move(row));
   }
-  return table.to_string() + (any_from_infinity ? std::string(kFluxFromInfinity) + "\n" : "");
+  return table;
 }
 
 }  // namespace lucerna::cli

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "client/terminal/output.h"
 #include "lucerna/v1/light.pb.h"
 
 namespace lucerna::cli {
@@ -31,7 +32,14 @@ inline constexpr char kFluxFromInfinity[] =
 /// A flux [lm], with a mark before it if it includes a light at infinity.
 std::string flux_text(double lumens, bool from_infinity);
 
-/// The table of `lucerna lights`, one row for each light, and the explanation of its marks.
-std::string light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lights);
+/// The same as a cell, whose value has no mark.
+Cell flux_cell(double lumens, bool from_infinity);
+/// The error of an exact power: "exact" for 0.
+Cell error_cell(double lumens);
+
+/// The table of `lucerna lights`, one row for each light.
+Table light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lights);
+/// The explanation of its marks, with a new line.  Empty without marks.
+std::string light_notes(const google::protobuf::RepeatedPtrField<v1::Light>& lights);
 
 }  // namespace lucerna::cli

@@ -48,9 +48,9 @@ v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest 
 }
 
 /// Half the interval of a sampled flux.
-std::string flux_interval_text(const v1::LightPower& light) {
+Cell flux_interval_cell(const v1::LightPower& light) {
   if (!light.has_upper_lm()) return "unknown";
-  return number((light.upper_lm() - light.lower_lm()) / 2);
+  return number_cell((light.upper_lm() - light.lower_lm()) / 2);
 }
 
 void power(Session& session, const PowerOptions& options) {
@@ -97,18 +97,16 @@ void power(Session& session, const PowerOptions& options) {
   if (sampled) columns.push_back({"samples"});
   if (watts) columns.push_back({"flux [W]"});
   columns.push_back({"RGB [lm]", true});
-  if (options.wavelengths.given()) columns.push_back({options.wavelengths.header("W/nm"), true});
+  if (options.wavelengths.given()) columns.push_back(options.wavelengths.column("W/nm"));
   Table table(columns);
   const auto add = [&](const std::string& id, const std::string& type, const v1::LightPower& light,
                        bool from_infinity) {
     const v1::Rgb& rgb = light.rgb_lm();
-    std::vector<std::string> row = {id, type, flux_text(light.power_lm(), from_infinity),
-                                    sampled                 ? flux_interval_text(light)
-                                    : light.error_lm() == 0 ? "exact"
-                                                            : number(light.error_lm())};
+    std::vector<Cell> row = {id, type, flux_cell(light.power_lm(), from_infinity),
+                             sampled ? flux_interval_cell(light) : error_cell(light.error_lm())};
     if (sampled) row.push_back(std::to_string(light.samples()));
-    if (watts) row.push_back(light.has_power_w() ? number(light.power_w()) : "unknown");
-    row.push_back(triple(rgb.r(), rgb.g(), rgb.b()));
+    if (watts) row.push_back(light.has_power_w() ? number_cell(light.power_w()) : Cell("unknown"));
+    row.push_back(triple_cell(rgb.r(), rgb.g(), rgb.b()));
     if (options.wavelengths.given()) {
       row.push_back(options.wavelengths.values(light.spectral_w_per_nm(), 0));
     }
@@ -124,7 +122,8 @@ void power(Session& session, const PowerOptions& options) {
         from_infinity);
   }
   add("all", "", response.total(), any_from_infinity);
-  fmt::print("{}", table.to_string());
+  session.show(table);
+  if (session.csv()) return;
   if (any_from_infinity) fmt::print("{}; \"all\" includes it\n", kFluxFromInfinity);
   if (sampled) {
     std::uint64_t most = 0;
@@ -167,6 +166,7 @@ void add_power_command(CLI::App& app, Session& session) {
       ->check(whole64())
       ->capture_default_str();
   powers->wavelengths.add(*command);
+  session.prints_table(*command);
   command->callback([powers, &session] { power(session, *powers); });
 }
 

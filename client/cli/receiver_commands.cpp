@@ -75,16 +75,17 @@ void visible(Session& session, const VisibleOptions& options) {
                    for (std::size_t i = 0; i < response.count() && i < count; ++i) {
                      const auto& [x, y, z] = set.points[i];
                      const std::string status = item_status(response.status(), i);
-                     std::vector<std::string> row = {number(x), number(y), number(z),
-                                                     triple(ends[i][0], ends[i][1], ends[i][2]),
-                                                     !status.empty()                      ? status
-                                                     : client::bit(response.visible(), i) ? "yes"
-                                                                                          : "no"};
-                     if (in_part) row.push_back(triple_of(response.transmittance(), i));
+                     std::vector<Cell> row = {number_cell(x), number_cell(y), number_cell(z),
+                                              triple_cell(ends[i][0], ends[i][1], ends[i][2]),
+                                              !status.empty()                      ? status
+                                              : client::bit(response.visible(), i) ? "yes"
+                                                                                   : "no"};
+                     if (in_part) row.push_back(triple_cell_of(response.transmittance(), i));
                      table.add(std::move(row));
                    }
-                   fmt::print("{}{}{}\n", table.to_string(), describe(response.cost()),
-                              describe_approximations(request.accuracy(), response.cost()));
+                   session.show(table, fmt::format("{}{}\n", describe(response.cost()),
+                                                   describe_approximations(request.accuracy(),
+                                                                           response.cost())));
                  });
 }
 
@@ -102,13 +103,13 @@ struct IrradianceOptions {
   IrradianceFilesOption files;
 };
 
-/// The text of the column ± for item `i`.  `bound` is above 0 if all samples were zero.  A single
+/// The column ± for item `i`.  `bound` is above 0 if all samples were zero.  A single
 /// sample has no interval.
 template <typename Answer>
-std::string error_text(const Answer& answer, int i, double bound, bool approximate) {
-  if (bound > 0) return fmt::format("< {}", number(bound));
-  if (i >= answer.upper_lx_size()) return "unknown";
-  return interval_text(answer.illuminance_lx(i), answer.lower_lx(i), answer.upper_lx(i),
+Cell error_cell(const Answer& answer, int i, float bound, bool approximate) {
+  if (bound > 0) return {fmt::format("< {}", number(bound)), {"0", fmt::format("{}", bound)}};
+  if (i >= answer.upper_lx_size()) return {"unknown", {"", ""}};
+  return interval_cell(answer.illuminance_lx(i), answer.lower_lx(i), answer.upper_lx(i),
                        approximate);
 }
 
@@ -121,51 +122,54 @@ std::string samples_text(const v1::EstimateIrradianceResponse& response) {
       response.cost().samples() < response.samples() * points ? " that needed samples" : "");
 }
 
-void print_irradiance(const v1::EstimateIrradianceResponse& response, const PointSet& set,
-                      const WavelengthOption& wavelengths, const StopOption& stop,
-                      const v1::Accuracy& accuracy) {
+void print_irradiance(const Session& session, const v1::EstimateIrradianceResponse& response,
+                      const PointSet& set, const WavelengthOption& wavelengths,
+                      const StopOption& stop, const v1::Accuracy& accuracy) {
   const bool approximate = is_approximate(accuracy);
   std::vector<Table::Column> columns = {
-      {"x [m]"}, {"y [m]"}, {"z [m]"}, {"illuminance [lx]"}, {"± [lx]"}, {"RGB [lx]", true}};
+      {"x [m]"}, {"y [m]"}, {"z [m]"}, {"illuminance [lx]"}, interval_column(), {"RGB [lx]", true}};
   const bool by_target = response.has_item_costs();
   if (by_target) columns.insert(columns.end() - 1, {{"samples"}, {"rays"}, {"time [ms]"}});
-  if (wavelengths.given()) columns.push_back({wavelengths.header("W/m2/nm"), true});
+  if (wavelengths.given()) columns.push_back(wavelengths.column("W/m2/nm"));
   columns.push_back({"", true});
   Table table(columns);
   for (int i = 0; i < response.illuminance_lx_size(); ++i) {
     const auto& [x, y, z] = set.points.at(i);
     const std::string status = item_status(response.status(), i);
     const auto& rgb = response.irradiance_lx();
-    std::vector<std::string> row = {
-        number(x),
-        number(y),
-        number(z),
-        number(response.illuminance_lx(i)),
-        has_answer(response.status(), i)
-            ? error_text(response, i, response.zero_bound_lx(i), approximate)
-            : "",
-        3 * i + 2 < rgb.size() ? triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]) : ""};
+    std::vector<Cell> row = {number_cell(x),
+                             number_cell(y),
+                             number_cell(z),
+                             number_cell(response.illuminance_lx(i)),
+                             has_answer(response.status(), i)
+                                 ? error_cell(response, i, response.zero_bound_lx(i), approximate)
+                                 : Cell(),
+                             triple_cell_of(rgb, i)};
     if (by_target) {
       const v1::ItemCosts& costs = response.item_costs();
       row.insert(row.end() - 1, {std::to_string(costs.samples(i)), std::to_string(costs.rays(i)),
-                                 number(1e3 * costs.time_s(i))});
+                                 number_cell(1e3 * costs.time_s(i))});
     }
     if (wavelengths.given()) row.push_back(wavelengths.values(response.spectral_irradiance(), i));
     row.push_back(status);
     table.add(std::move(row));
   }
-  fmt::print("{}", table.to_string());
+  // CSV is one table: of the lights if they are asked for.
+  if (!session.csv() || response.shares_size() == 0) session.show(table);
   if (response.shares_size() > 0) {
-    Table shares({{"light"}, {"x [m]"}, {"y [m]"}, {"z [m]"}, {"direct [lx]"}, {"± [lx]"}});
+    Table shares({{"light"}, {"x [m]"}, {"y [m]"}, {"z [m]"}, {"direct [lx]"}, interval_column()});
     for (const v1::LightShare& share : response.shares()) {
       for (int i = 0; i < share.illuminance_lx_size(); ++i) {
         const auto& [x, y, z] = set.points.at(i);
-        shares.add({std::to_string(share.light_id()), number(x), number(y), number(z),
-                    number(share.illuminance_lx(i)), error_text(share, i, 0, approximate)});
+        shares.add({std::to_string(share.light_id()), number_cell(x), number_cell(y),
+                    number_cell(z), number_cell(share.illuminance_lx(i)),
+                    error_cell(share, i, 0, approximate)});
       }
     }
-    fmt::print("\n{}", shares.to_string());
+    if (!session.csv()) fmt::print("\n");
+    session.show(shares);
   }
+  if (session.csv()) return;
   fmt::print("{}± and < hold with {}% confidence; {}{}{}{}{}\n",
              by_target ? "" : samples_text(response) + "; ", percent(stop.confidence()),
              describe_inside(response.status()),
@@ -205,7 +209,7 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   send_and_print<v1::EstimateIrradianceRequest, Response>(
       session, request, client::estimate_irradiance_in_batches,
       [&](const Response& response) {
-        print_irradiance(response, set, options.wavelengths, options.stop, accuracy);
+        print_irradiance(session, response, set, options.wavelengths, options.stop, accuracy);
       },
       [&](const Response& response) {
         std::string more = json_of_approximate(accuracy);
@@ -240,6 +244,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
       ->check(not_negative());
   looking->time.add(*command);
   looking->thin_glass.add(*command);
+  session.prints_table(*command);
   command->callback([looking, &session] { visible(session, *looking); });
 
   command = app.add_subcommand("irradiance", "Print the light that arrives on small surfaces");
@@ -274,6 +279,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   meter->time.add(*command);
   meter->wavelengths.add(*command);
   meter->files.add(*command);
+  session.prints_table(*command);
   command->callback([meter, &session] { irradiance(session, *meter); });
 }
 

@@ -98,6 +98,11 @@ void available_scenes(Session& session) {
     fmt::print("{}", to_json(response));
     return;
   }
+  if (session.csv()) {
+    Table table({{"path", true}});
+    for (const std::string& path : response.paths()) table.add({path});
+    return session.show(table);
+  }
   for (const std::string& path : response.paths()) fmt::print("{}\n", path);
   fmt::print("{} files under {}{}\n", response.paths_size(), response.root(),
              response.incomplete() ? "; the list is incomplete" : "");
@@ -106,6 +111,12 @@ void available_scenes(Session& session) {
 std::string counted_lights(const v1::SceneSummary& scene) {
   return fmt::format("{} {}", scene.edited_lights(),
                      scene.edited_lights() == 1 ? "light" : "lights");
+}
+
+/// In kB with `digits` after the point.
+Cell kilobytes_cell(std::uint64_t bytes, int digits) {
+  const double kilobytes = static_cast<double>(bytes) / 1000;
+  return {fmt::format("{:.{}f}", kilobytes, digits), {fmt::format("{}", kilobytes)}};
 }
 
 void scenes(Session& session, bool available) {
@@ -118,20 +129,21 @@ void scenes(Session& session, bool available) {
   Table table({{"id", true},
                {"lights"},
                {"primitives"},
-               {"picture [px]"},
+               {"picture [px]", false, {"width [px]", "height [px]"}},
                {"memory [kB]"},
                {"leased [s]"},
                {"path", true}});
   for (const v1::SceneSummary& scene : response.scenes()) {
     table.add({scene.scene_id(), std::to_string(scene.lights()), std::to_string(scene.primitives()),
-               fmt::format("{} x {}", scene.image_width(), scene.image_height()),
-               fmt::format("{:.0f}", static_cast<double>(scene.bytes()) / 1000),
+               Cell(fmt::format("{} x {}", scene.image_width(), scene.image_height()),
+                    {std::to_string(scene.image_width()), std::to_string(scene.image_height())}),
+               kilobytes_cell(scene.bytes(), 0),
                scene.leased_s() > 0 ? fmt::format("{:.0f}", std::ceil(scene.leased_s())) : "",
                scene.edited_lights() > 0
                    ? fmt::format("{}, {} edited", scene.path(), counted_lights(scene))
                    : scene.path()});
   }
-  fmt::print("{}", table.to_string());
+  session.show(table);
 }
 
 /// Empty if the levels of the scene file are unchanged.
@@ -153,6 +165,16 @@ std::string describe_picture(const v1::SceneSummary& scene) {
   return text + fmt::format(", values in cd/m2 times {:.6g}", scene.film_scale());
 }
 
+Table parts_table(const v1::GetSceneResponse& scene) {
+  Table table({{"part", true}, {"memory [kB]"}, {"built in [ms]"}, {"why", true}});
+  for (const v1::ScenePart& part : scene.parts()) {
+    table.add({part.name(), kilobytes_cell(part.bytes(), 1),
+               Cell(fmt::format("{:.3g}", part.build_ms()), {fmt::format("{}", part.build_ms())}),
+               part.why()});
+  }
+  return table;
+}
+
 void scene(Session& session, const std::string& name, bool remarks_only) {
   session.need_one_server("each server builds its own parts of a scene");
   v1::GetSceneRequest request;
@@ -162,6 +184,15 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
   if (session.json()) {
     fmt::print("{}", to_json(response));
     return;
+  }
+  if (session.csv()) {
+    if (!remarks_only) return session.show(parts_table(response));
+    Table remarks(
+        {{"file", true}, {"line"}, {"column"}, {"what", true}, {"instead", true}, {"count"}});
+    for (const v1::Remark& remark : response.remarks())
+      remarks.add({remark.file(), std::to_string(remark.line()), std::to_string(remark.column()),
+                   remark.what(), remark.instead(), std::to_string(remark.count())});
+    return session.show(remarks);
   }
   if (remarks_only) {
     for (const v1::Remark& remark : response.remarks()) fmt::print("{}\n", describe(remark));
@@ -175,12 +206,7 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
     fmt::print("revision of {}: {} edited, {:.0f} kB of its own\n", summary.loaded_scene_id(),
                counted_lights(summary), static_cast<double>(summary.own_bytes()) / 1000);
   if (summary.has_level_factors()) fmt::print("light levels: {}\n", describe_levels(summary));
-  Table table({{"part", true}, {"memory [kB]"}, {"built in [ms]"}, {"why", true}});
-  for (const v1::ScenePart& part : response.parts()) {
-    table.add({part.name(), fmt::format("{:.1f}", static_cast<double>(part.bytes()) / 1000),
-               fmt::format("{:.3g}", part.build_ms()), part.why()});
-  }
-  fmt::print("{}", table.to_string());
+  session.show(parts_table(response));
   print_remarks(response.remarks());
 }
 
@@ -196,8 +222,8 @@ std::string kilobytes(std::uint64_t bytes) {
   return fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1000);
 }
 
-std::string contents_table(const v1::GetSceneResponse& scene,
-                           const std::map<std::string, std::size_t>& lights) {
+Table contents_table(const v1::GetSceneResponse& scene,
+                     const std::map<std::string, std::size_t>& lights) {
   const v1::SceneContents& contents = scene.contents();
   Table table({{"what", true}, {"kind", true}, {"count"}, {"details", true}});
   add_kinds("shape", contents.shapes(), table);
@@ -219,7 +245,7 @@ std::string contents_table(const v1::GetSceneResponse& scene,
   for (const v1::ScenePart& part : scene.parts())
     table.add({"memory", part.name(), "", kilobytes(part.bytes())});
   table.add({"memory", "all", "", kilobytes(scene.summary().bytes())});
-  return table.to_string();
+  return table;
 }
 
 void inspect(Session& session, const LoadFlags& flags) {
@@ -237,9 +263,9 @@ void inspect(Session& session, const LoadFlags& flags) {
   std::map<std::string, std::size_t> lights;
   const v1::ListLightsResponse listed = list_lights(session, loaded.scene_id());
   for (const v1::Light& light : listed.lights()) ++lights[type_of(light)];
-  fmt::print("{}  {}\n{}", loaded.scene_id(), scene.summary().path(),
-             contents_table(scene, lights));
-  print_remarks(scene.remarks());
+  if (!session.csv()) fmt::print("{}  {}\n", loaded.scene_id(), scene.summary().path());
+  session.show(contents_table(scene, lights));
+  if (!session.csv()) print_remarks(scene.remarks());
   check_strict(session, loaded);
 }
 
@@ -249,7 +275,7 @@ void lights(Session& session, const std::string& scene) {
     fmt::print("{}", to_json(response));
     return;
   }
-  fmt::print("{}", light_table(response.lights()));
+  session.show(light_table(response.lights()), light_notes(response.lights()));
   session.print_remarks();
 }
 
@@ -285,10 +311,11 @@ void leases(Session& session) {
   }
   Table table({{"lease", true}, {"ends in [s]"}, {"owner", true}, {"scene", true}, {"path", true}});
   for (const v1::SceneLease& lease : all.leases()) {
-    table.add({lease.lease_id(), fmt::format("{:.0f}", lease.left_s()), lease.owner(),
-               lease.scene_id().substr(0, 12), lease.path()});
+    table.add({lease.lease_id(),
+               Cell(fmt::format("{:.0f}", lease.left_s()), {fmt::format("{}", lease.left_s())}),
+               lease.owner(), lease.scene_id().substr(0, 12), lease.path()});
   }
-  fmt::print("{}", table.to_string());
+  session.show(table);
 }
 
 void release(Session& session, const std::string& scene, const std::string& lease,
@@ -317,7 +344,8 @@ void info(Session& session) {
   }
   const v1::Limits& limits = response.limits();
   const v1::NumericFingerprint& fingerprint = response.fingerprint();
-  Table table({{"lucernad", true}, {response.version(), true}});
+  Table table({{"lucernad", true, {"what"}}, {response.version(), true, {"value"}}});
+  if (session.csv()) table.add({"lucernad", response.version()});
   table.add({"threads", std::to_string(response.threads())});
   table.add({"batch, at most", fmt::format("{} items", limits.max_batch_items())});
   table.add({"tile, at most", fmt::format("{} pixels", limits.max_tile_pixels())});
@@ -346,7 +374,7 @@ void info(Session& session) {
   table.add({"  build", fingerprint.build()});
   table.add({"  Embree", fingerprint.embree()});
   table.add({"  libm", fingerprint.libm()});
-  fmt::print("{}", table.to_string());
+  session.show(table);
 }
 
 /// A command with one argument at most.
@@ -394,6 +422,7 @@ void add_load_command(CLI::App& app, Session& session) {
       "inspect", "Load a scene file and print what it holds, its memory, and what is not modelled");
   command->footer("Example:\n  lucerna inspect room.pbrt\n  lucerna inspect --upload ~/room.pbrt");
   const auto inspected = add_file_options(*command);
+  session.prints_table(*command);
   command->callback([inspected, &session] { inspect(session, *inspected); });
 }
 
@@ -422,8 +451,9 @@ void add_lease_commands(CLI::App& app, Session& session) {
   unload->add_flag("--break-leases", *all,
                    "End all leases of the scene, those of others too; needs the role admin");
 
-  add_command(app, "leases", "List your leases; with the role admin those of all callers", nullptr,
-              "", "lucerna leases", [&session](const std::string&) { leases(session); });
+  session.prints_table(*add_command(
+      app, "leases", "List your leases; with the role admin those of all callers", nullptr, "",
+      "lucerna leases", [&session](const std::string&) { leases(session); }));
 }
 
 }  // namespace
@@ -435,21 +465,23 @@ void add_scene_commands(CLI::App& app, Session& session) {
       add_command(app, "scenes", "List the loaded scenes", nullptr, "",
                   "lucerna scenes --json\n  lucerna scenes --available",
                   [&session, available](const std::string&) { scenes(session, *available); });
+  session.prints_table(*scenes_command);
   scenes_command->add_flag("--available", *available, "List the scene files that may be loaded");
   const auto remarks_only = std::make_shared<bool>(false);
   CLI::App* scene_command = add_command(
       app, "scene", "Print the parts that were built for a scene, with memory, time and reason",
       "SCENE", kSceneHelp, "lucerna scene room.pbrt",
       [&session, remarks_only](const std::string& name) { scene(session, name, *remarks_only); });
+  session.prints_table(*scene_command);
   scene_command->add_flag("--remarks", *remarks_only, "List only the content that is not modelled");
-  add_command(app, "lights", "List the lights of a scene", "SCENE", kSceneHelp,
-              "lucerna lights room.pbrt",
-              [&session](const std::string& scene) { lights(session, scene); });
+  session.prints_table(*add_command(
+      app, "lights", "List the lights of a scene", "SCENE", kSceneHelp, "lucerna lights room.pbrt",
+      [&session](const std::string& scene) { lights(session, scene); }));
   add_lease_commands(app, session);
-  add_command(app, "info",
-              "Print the version, the limits and the numeric fingerprint of the server", nullptr,
-              "", "lucerna info --server 10.0.0.7:50051",
-              [&session](const std::string&) { info(session); });
+  session.prints_table(*add_command(
+      app, "info", "Print the version, the limits and the numeric fingerprint of the server",
+      nullptr, "", "lucerna info --server 10.0.0.7:50051",
+      [&session](const std::string&) { info(session); }));
 }
 
 }  // namespace lucerna::cli

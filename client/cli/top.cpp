@@ -57,8 +57,8 @@ const v1::CallStats& call_of(const v1::GetStatsResponse& stats, const std::strin
   return v1::CallStats::default_instance();
 }
 
-std::string calls_table(const v1::GetStatsResponse& before, const v1::GetStatsResponse& now,
-                        double seconds) {
+Table calls_table(const v1::GetStatsResponse& before, const v1::GetStatsResponse& now,
+                  double seconds) {
   Table table({{"call", true},
                {"running"},
                {"calls/s"},
@@ -76,10 +76,10 @@ std::string calls_table(const v1::GetStatsResponse& before, const v1::GetStatsRe
                rate(old.samples(), call.samples(), seconds),
                rate(old.rays(), call.rays(), seconds)});
   }
-  return table.to_string();
+  return table;
 }
 
-std::string lanes_table(const v1::GetStatsResponse& before, const v1::GetStatsResponse& now) {
+Table lanes_table(const v1::GetStatsResponse& before, const v1::GetStatsResponse& now) {
   Table table({{"lane", true}, {"waiting"}, {"running"}, {"wait [ms]"}});
   for (int i = 0; i < now.lanes_size(); ++i) {
     const v1::LaneStats& lane = now.lanes(i);
@@ -88,7 +88,7 @@ std::string lanes_table(const v1::GetStatsResponse& before, const v1::GetStatsRe
     table.add({lane.name(), std::to_string(lane.waiting()), std::to_string(lane.running()),
                mean_ms(old, lane.wait())});
   }
-  return table.to_string();
+  return table;
 }
 
 /// Waits until the time has passed.  False if the program must end.
@@ -102,6 +102,7 @@ bool wait(const std::stop_token& stop, double seconds) {
 
 void top(Session& session, double every_s, bool once) {
   session.need_one_server("each server has its own statistics");
+  if (session.csv() && !once) wrong_use("--output csv: lucerna top needs --once too");
   const bool terminal = isatty(STDOUT_FILENO) != 0;
   std::optional<v1::GetStatsResponse> before;
   do {
@@ -109,11 +110,14 @@ void top(Session& session, double every_s, bool once) {
         session.value_or_fail(session.client().get_stats({}, session.call_options()));
     if (session.json()) {
       fmt::print("{}", to_json(now));
+    } else if (session.csv()) {
+      // Of the calls since the server started.
+      session.show(calls_table(v1::GetStatsResponse::default_instance(), now, now.uptime_s()));
     } else {
       // Clears the terminal.
       if (terminal && !once) fmt::print("\033[H\033[J");
       fmt::print("lucernad at {}, {}", session.server(),
-                 top_text(before ? &*before : nullptr, now));
+                 top_text(before ? &*before : nullptr, now, shell::has_colours(STDOUT_FILENO)));
     }
     std::fflush(stdout);
     before = std::move(now);
@@ -124,7 +128,8 @@ void top(Session& session, double every_s, bool once) {
 
 }  // namespace
 
-std::string top_text(const v1::GetStatsResponse* before, const v1::GetStatsResponse& now) {
+std::string top_text(const v1::GetStatsResponse* before, const v1::GetStatsResponse& now,
+                     bool colours) {
   const bool restarted = before != nullptr && before->uptime_s() > now.uptime_s();
   const v1::GetStatsResponse& old =
       before == nullptr || restarted ? v1::GetStatsResponse::default_instance() : *before;
@@ -138,7 +143,8 @@ std::string top_text(const v1::GetStatsResponse* before, const v1::GetStatsRespo
                       process.most_descriptors(), process.threads());
   text += fmt::format("scenes {} in {}, leases {}, uploaded files {}\n\n", now.scenes(),
                       megabytes(now.scene_bytes()), now.leases(), megabytes(now.asset_bytes()));
-  text += lanes_table(old, now) + "\n" + calls_table(old, now, seconds);
+  text += lanes_table(old, now).to_string(colours) + "\n" +
+          calls_table(old, now, seconds).to_string(colours);
   return text;
 }
 
@@ -153,6 +159,7 @@ void add_top_command(CLI::App& app, Session& session) {
       ->type_name("TIME")
       ->transform(duration());
   command->add_flag("--once", *once, "Print one table and end");
+  session.prints_table(*command);
   command->callback([&session, every_s, once] { top(session, *every_s, *once); });
 }
 

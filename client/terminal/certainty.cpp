@@ -31,6 +31,17 @@ std::string interval_text(double value, double lower, double upper, bool approxi
   return fmt::format("{} ... {}", number(lower), number(upper));
 }
 
+Cell interval_cell(double value, double lower, double upper, bool approximate) {
+  return {interval_text(value, lower, upper, approximate),
+          {fmt::format("{}", lower), fmt::format("{}", upper)}};
+}
+Cell interval_cell(float value, float lower, float upper, bool approximate) {
+  return {interval_text(value, lower, upper, approximate),
+          {fmt::format("{}", lower), fmt::format("{}", upper)}};
+}
+
+Table::Column interval_column() { return {"± [lx]", false, {"lower [lx]", "upper [lx]"}}; }
+
 bool is_approximate(const v1::Accuracy& accuracy) {
   return accuracy.has_far_light_radii() || accuracy.visibility() == v1::VISIBILITY_SHADOW_MAPS ||
          accuracy.thin_glass() == v1::THIN_GLASS_BLOCKS;

@@ -21,6 +21,12 @@ std::string percent(double share);
 /// scatter" for an `approximate` answer.
 std::string interval_text(double value, double lower, double upper, bool approximate);
 
+/// The same as a cell with two values: `lower` and `upper`.
+Cell interval_cell(double value, double lower, double upper, bool approximate);
+Cell interval_cell(float value, float lower, float upper, bool approximate);
+/// The column of these cells.
+Table::Column interval_column();
+
 /// Whether the request chose an approximation.  Intervals do not include its error.
 bool is_approximate(const v1::Accuracy& accuracy);
 /// "; approximated: area lights as points beyond 7.1 radii; ..." for the end of a footer.  Empty

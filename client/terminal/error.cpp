@@ -2,10 +2,12 @@
 
 #include <fmt/core.h>
 #include <google/protobuf/util/json_util.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "client/shell/colour.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "lucerna/client/client.h"
@@ -58,8 +60,10 @@ std::string to_json(const absl::Status& error) {
 }
 
 void print_error(const absl::Status& error, bool json) {
+  std::string name = "lucerna:";
+  if (shell::has_colours(STDERR_FILENO)) name = shell::paint(name, shell::Colour::kBad);
   fmt::print(stderr, "{}",
-             json ? to_json(error) : fmt::format("lucerna: {}\n", std::string(error.message())));
+             json ? to_json(error) : fmt::format("{} {}\n", name, std::string(error.message())));
 }
 
 }  // namespace lucerna::cli

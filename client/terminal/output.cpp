@@ -16,41 +16,131 @@ std::size_t width(const std::string& text) {
                        [](unsigned char c) { return (c & 0xc0) != 0x80; });
 }
 
+/// A field of CSV.  Quotes are needed around these characters.
+std::string quoted(const std::string& value) {
+  if (value.find_first_of("\",\r\n") == std::string::npos) return value;
+  std::string result = "\"";
+  for (const char c : value) result += c == '"' ? "\"\"" : std::string(1, c);
+  return result + "\"";
+}
+
+std::string csv_line(const std::vector<std::string>& fields) {
+  std::string line;
+  for (const std::string& field : fields) {
+    if (&field != fields.data()) line += ',';
+    line += quoted(field);
+  }
+  return line + "\n";
+}
+
+/// Digits that read back as the same number.
+template <class Number>
+std::string full(Number value) {
+  return fmt::format("{}", value);
+}
+
+template <class Number>
+Cell make_triple(Number a, Number b, Number c) {
+  return {triple(a, b, c), {full(a), full(b), full(c)}};
+}
+
 }  // namespace
 
 Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
-void Table::add(std::vector<std::string> row) {
+void Table::add(std::vector<Cell> row) {
   row.resize(columns_.size());
   rows_.push_back(std::move(row));
 }
 
-std::string Table::to_string() const {
+std::string Table::to_string(bool colours) const {
   std::vector<std::size_t> widths;
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     widths.push_back(width(columns_[i].header));
-    for (const auto& row : rows_) widths[i] = std::max(widths[i], width(row[i]));
+    for (const auto& row : rows_) widths[i] = std::max(widths[i], width(row[i].text()));
   }
   std::string result;
-  const auto add_line = [&](const auto& entry) {
+  const auto add_line = [&](const auto& entry, const auto& colour) {
     std::string line;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       const std::string& text = entry(i);
       const std::string space(widths[i] - width(text), ' ');
-      line += columns_[i].text ? text + space : space + text;
+      const std::string shown = colours ? shell::paint(text, colour(i)) : text;
+      line += columns_[i].text ? shown + space : space + shown;
       line += "  ";
     }
     line.erase(line.find_last_not_of(' ') + 1);
     result += line + "\n";
   };
-  add_line([&](std::size_t i) -> const std::string& { return columns_[i].header; });
+  add_line([&](std::size_t i) -> const std::string& { return columns_[i].header; },
+           [](std::size_t) { return shell::Colour::kBold; });
   for (const auto& row : rows_) {
-    add_line([&](std::size_t i) -> const std::string& { return row[i]; });
+    add_line([&](std::size_t i) -> const std::string& { return row[i].text(); },
+             [&](std::size_t i) {
+               const shell::Colour own = row[i].colour();
+               const bool is_status = columns_[i].header.empty();
+               return own == shell::Colour::kPlain && is_status ? shell::Colour::kWarning : own;
+             });
+  }
+  return result;
+}
+
+std::vector<std::string> Table::names_of(std::size_t column) const {
+  std::size_t count = 1;
+  for (const auto& row : rows_) count = std::max(count, row[column].values().size());
+  const Column& c = columns_[column];
+  if (!c.names.empty()) return c.names;
+  if (c.header.empty()) return {"status"};
+  // "what [unit]"
+  const std::size_t bracket = std::min(c.header.find(" ["), c.header.size());
+  std::string what = c.header.substr(0, bracket);
+  const std::string unit = c.header.substr(bracket);
+  if (what == "±") what = "error";
+  if (count == 1) return {what + unit};
+  const char* const* parts = nullptr;
+  constexpr const char* kColour[] = {"R", "G", "B"};
+  constexpr const char* kPlace[] = {" x", " y", " z"};
+  if (what.ends_with("(RGB)")) what.resize(what.size() - 5);
+  if (what == "RGB") what.clear();
+  parts = what.size() + unit.size() < c.header.size() ? kColour : kPlace;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < count; ++i)
+    names.push_back(what + (i < 3 ? std::string(parts[i]) : fmt::format(" {}", i + 1)) + unit);
+  return names;
+}
+
+std::string Table::to_csv() const {
+  std::vector<std::string> header;
+  std::vector<std::size_t> counts;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const std::vector<std::string> names = names_of(i);
+    counts.push_back(names.size());
+    header.insert(header.end(), names.begin(), names.end());
+  }
+  std::string result = csv_line(header);
+  for (const auto& row : rows_) {
+    std::vector<std::string> fields;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      std::vector<std::string> values = row[i].values();
+      values.resize(counts[i]);
+      fields.insert(fields.end(), values.begin(), values.end());
+    }
+    result += csv_line(fields);
   }
   return result;
 }
 
 std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+Cell number_cell(double value) { return {number(value), {full(value)}}; }
+Cell number_cell(float value) { return {number(value), {full(value)}}; }
+Cell triple_cell(double a, double b, double c) { return make_triple(a, b, c); }
+Cell triple_cell(float a, float b, float c) { return make_triple(a, b, c); }
+
+Cell triple_cell_of(const google::protobuf::RepeatedField<float>& values, std::size_t i) {
+  const auto at = static_cast<int>(3 * i);
+  return at + 2 < values.size() ? make_triple(values[at], values[at + 1], values[at + 2]) : Cell();
+}
 
 std::string triple(double a, double b, double c) {
   return number(a) + " " + number(b) + " " + number(c);

@@ -1,4 +1,4 @@
-// Answers as aligned tables for people and as JSON for programs.
+// Answers as aligned tables for people, and as JSON and CSV for programs.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -7,30 +7,76 @@
 #include <string_view>
 #include <vector>
 
+#include "client/shell/colour.h"
 #include "lucerna/v1/lighting.pb.h"
 
 namespace lucerna::cli {
 
-/// Rows of text under headers.  Columns are as wide as their widest entry, with two spaces between
-/// them.
+/// An entry of a table: a text for people, and values in full precision for programs.
+class Cell {
+ public:
+  Cell() = default;
+  /// The value is the text itself.
+  Cell(std::string text) : text_(std::move(text)) {}  // NOLINT: any text is a cell
+  Cell(const char* text) : text_(text) {}             // NOLINT
+  Cell(std::string text, std::vector<std::string> values)
+      : text_(std::move(text)), values_(std::move(values)) {}
+  static Cell coloured(std::string text, shell::Colour colour) {
+    Cell cell(std::move(text));
+    cell.colour_ = colour;
+    return cell;
+  }
+
+  const std::string& text() const { return text_; }
+  shell::Colour colour() const { return colour_; }
+  std::vector<std::string> values() const {
+    return values_.empty() ? std::vector<std::string>{text_} : values_;
+  }
+
+ private:
+  std::string text_;
+  std::vector<std::string> values_;
+  shell::Colour colour_ = shell::Colour::kPlain;
+};
+
+/// Rows of cells under headers.
 class Table {
  public:
   struct Column {
     std::string header;
     bool text = false;  ///< aligned left; numbers are aligned right
+    /// The names in CSV, one for each value of a cell.  Empty: they follow from the header.
+    std::vector<std::string> names = {};
   };
   explicit Table(std::vector<Column> columns);
 
-  void add(std::vector<std::string> row);
-  std::string to_string() const;
+  void add(std::vector<Cell> row);
+  /// Columns are as wide as their widest entry, with two spaces between them.  With `colours`,
+  /// headers are bold, and entries of a column without header are warnings.
+  std::string to_string(bool colours = false) const;
+  /// CSV [RFC 4180] with a header, but with lines that end in LF.  A cell of three values has three
+  /// columns: "RGB [lx]" becomes R [lx], G [lx] and B [lx], and "wi" becomes wi x, wi y and wi z.
+  /// A column without header is "status", and "± [lx]" is "error [lx]".
+  std::string to_csv() const;
 
  private:
+  std::vector<std::string> names_of(std::size_t column) const;
+
   std::vector<Column> columns_;
-  std::vector<std::vector<std::string>> rows_;
+  std::vector<std::vector<Cell>> rows_;
 };
 
 /// Six significant digits.
 std::string number(double value);
+/// Six significant digits for people.  The value reads back as the same number.
+Cell number_cell(double value);
+Cell number_cell(float value);
+/// Three numbers, as three values.
+Cell triple_cell(double a, double b, double c);
+Cell triple_cell(float a, float b, float c);
+/// Triple `i` of an interleaved array; an empty cell beyond its end.
+Cell triple_cell_of(const google::protobuf::RepeatedField<float>& values, std::size_t i);
+
 /// Three numbers with spaces between them: "a b c".
 std::string triple(double a, double b, double c);
 /// Triple `i` of an interleaved array; "" beyond its end.

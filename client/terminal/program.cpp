@@ -64,6 +64,30 @@ std::vector<std::string> scene_names(const std::vector<std::string>& words) {
   }
 }
 
+/// Moves `--output table|json|csv` before the command.  Some commands have an option --output of
+/// their own, whose value is the name of a file with an ending.
+std::vector<std::string> words_of(int argc, char** argv) {
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc), first;
+  const auto is_form = [](std::string_view word) {
+    return word == "table" || word == "json" || word == "csv";
+  };
+  for (auto word = words.begin(); word != words.end() && *word != "--";) {
+    constexpr std::string_view kOutput = "--output";
+    const auto next = word + 1;
+    if (*word == kOutput && next != words.end() && is_form(*next)) {
+      first.insert(first.end(), {*word, *next});
+      word = words.erase(word, next + 1);
+    } else if (word->starts_with("--output=") && is_form(word->substr(kOutput.size() + 1))) {
+      first.push_back(*word);
+      word = words.erase(word);
+    } else {
+      ++word;
+    }
+  }
+  first.insert(first.end(), words.begin(), words.end());
+  return first;
+}
+
 }  // namespace
 
 std::string describe(const CLI::App& app, const CLI::ParseError& error) {
@@ -91,13 +115,12 @@ int run_program(CLI::App& app, Session& session, int argc, char** argv) {
     fmt::print("{}", shell::to_lines(shell::complete(app, words, scenes)));
     return kDone;
   }
+  std::vector<std::string> words = words_of(argc, argv);
   // --json may come after the word that cannot be parsed.
-  const auto has_json = [&] {
-    return session.json() ||
-           std::find(argv, argv + argc, std::string_view("--json")) != argv + argc;
-  };
+  const bool json = std::find(words.begin(), words.end(), "--json") != words.end();
+  const auto has_json = [&] { return session.json() || json; };
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // as CLI11 takes them
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {
       app.exit(error);  // prints the help or the version

@@ -1,6 +1,7 @@
 #include "client/terminal/session.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -131,8 +132,21 @@ void Session::add_options(CLI::App& app) {
                "With several servers: accept servers of different numeric fingerprints");
   app.add_option("--timeout", timeout_s_, "Give up after this time [s]; default: never")
       ->check(positive());
-  app.add_flag("--json", json_,
-               "Print the answer, or the error, as JSON of the messages in lucerna.v1");
+  CLI::Option* output =
+      app.add_option("--output", output_,
+                     "Form of the answer: table for people; json: the messages in lucerna.v1, also "
+                     "of errors; csv: the table in full precision")
+          ->check(one_of({"table", "json", "csv"}))
+          ->capture_default_str();
+  app.add_flag("--json", json_, "The same as --output json")->excludes(output);
+  // Before the command sends anything.
+  app.parse_complete_callback([this, &app] {
+    const auto commands = app.get_subcommands();
+    const CLI::App& command = commands.empty() ? app : *commands.front();
+    if (csv() && table_commands_.count(&command) == 0)
+      wrong_use(fmt::format("--output csv: {} prints no table; allowed: table, json",
+                            commands.empty() ? app.get_name() : "lucerna " + command.get_name()));
+  });
   blender_.add(app);
   edit_.add(app);
   app.add_flag("--strict", strict_, "Fail if the scene has anything that is not modelled");
@@ -277,7 +291,7 @@ std::string Session::unedited_scene_id(const std::string& scene) {
 std::string Session::query_scene_id(const std::string& scene) {
   loaded_remarks_.reset();
   std::string id = scene_id(scene);
-  if (json_ && !strict_) return id;
+  if ((json() || csv()) && !strict_) return id;
   Remarks remarks;
   if (servers_) {
     remarks = servers_->loaded().remarks();
@@ -302,7 +316,15 @@ absl::Status Session::note_remarks(const std::string& scene, const Remarks& rema
 
 void Session::print_remarks() const {
   const std::lock_guard lock(remarks_mutex_);
-  if (!remarks_line_.empty()) fmt::print("{}\n", remarks_line_);
+  if (!remarks_line_.empty() && !csv()) fmt::print("{}\n", remarks_line_);
+}
+
+void Session::show(const Table& table, const std::string& notes) const {
+  if (csv()) {
+    fmt::print("{}", table.to_csv());
+  } else {
+    fmt::print("{}{}", table.to_string(shell::has_colours(STDOUT_FILENO)), notes);
+  }
 }
 
 v1::LoadSceneRequest load_request(const Session& session, const std::string& path, double lease_s) {

@@ -5,11 +5,13 @@
 #include <atomic>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 
 #include "client/terminal/error.h"
 #include "client/terminal/load_options.h"
+#include "client/terminal/output.h"
 #include "client/terminal/remarks.h"
 #include "client/terminal/server_address.h"
 #include "lucerna/client/client.h"
@@ -30,11 +32,17 @@ class Session {
   Session(std::stop_token stop, const std::atomic<int>& signal)
       : stop_(std::move(stop)), signal_(signal) {}
 
-  /// Adds --server, --allow-mixed, --timeout, --json, --strict and the options of BlenderOption,
-  /// EditOption and SecurityOptions.  They may come before or after the command.
+  /// Adds --server, --allow-mixed, --timeout, --output, --json, --strict and the options of
+  /// BlenderOption, EditOption and SecurityOptions.  They may come before or after the command.
   void add_options(CLI::App& app);
 
-  bool json() const { return json_; }
+  /// The form of the answer.  With CSV, the program prints one table and nothing else.
+  bool json() const { return json_ || output_ == "json"; }
+  bool csv() const { return !json() && output_ == "csv"; }
+  /// Declares that the command prints a table, so that it may be CSV.
+  void prints_table(const CLI::App& command) { table_commands_.insert(&command); }
+  /// Prints the table, and then the notes for people.  As CSV, only the table.
+  void show(const Table& table, const std::string& notes = {}) const;
   /// The address or the list of --server; each host has a port.
   const std::string& server() const { return server_; }
   /// Of the scene files that this command loads.
@@ -87,7 +95,7 @@ class Session {
   /// the name `scene` in the message.  Thread-safe.
   absl::Status note_remarks(const std::string& scene, const Remarks& remarks);
   /// Prints the last line of an answer, which counts the remarks.  Prints nothing for a scene
-  /// without remarks.
+  /// without remarks, and as CSV.
   void print_remarks() const;
 
   /// Sets the exit status of a run without errors.
@@ -103,6 +111,8 @@ class Session {
   std::string server_ = "127.0.0.1:50051";
   std::optional<double> timeout_s_;
   bool json_ = false;
+  std::string output_ = "table";
+  std::set<const CLI::App*> table_commands_;
   bool strict_ = false;
   BlenderOption blender_;
   SecurityOptions security_;

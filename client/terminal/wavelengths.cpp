@@ -19,10 +19,15 @@ void WavelengthOption::add(CLI::App& command) {
                              [](double nm) { return nm >= 100 && nm <= 1e6; }));
 }
 
-std::string WavelengthOption::header(const std::string& unit) const {
-  std::string text = "at";
-  for (const double nm : nm_) text += " " + number(nm);
-  return text + (unit.empty() ? " nm" : fmt::format(" nm [{}]", unit));
+Table::Column WavelengthOption::column(const std::string& unit) const {
+  const std::string end = unit.empty() ? " nm" : fmt::format(" nm [{}]", unit);
+  Table::Column column{.header = "at", .text = true, .names = {}};
+  for (const double nm : nm_) {
+    column.header += " " + number(nm);
+    column.names.push_back(fmt::format("at {}{}", nm, end));
+  }
+  column.header += end;
+  return column;
 }
 
 }  // namespace lucerna::cli

@@ -23,19 +23,23 @@ class WavelengthOption {
     request.mutable_wavelengths_nm()->Add(nm_.begin(), nm_.end());
   }
 
-  /// The header of the values' column: "at 450 555 nm", or with a unit "at 450 555 nm [W/nm]".
-  std::string header(const std::string& unit = {}) const;
+  /// The values' column: "at 450 555 nm", or with a unit "at 450 555 nm [W/nm]".  In CSV each
+  /// wavelength has a column.
+  Table::Column column(const std::string& unit = {}) const;
 
   /// The values of item `i`, with spaces between them.
   template <typename T>
-  std::string values(const google::protobuf::RepeatedField<T>& all, int i) const {
+  Cell values(const google::protobuf::RepeatedField<T>& all, int i) const {
     std::string text;
+    std::vector<std::string> values;
     const int count = static_cast<int>(nm_.size());
     for (int k = i * count; k < (i + 1) * count && k < all.size(); ++k) {
+      const Cell cell = number_cell(all[k]);
       if (!text.empty()) text += ' ';
-      text += number(all[k]);
+      text += cell.text();
+      values.push_back(cell.values().front());
     }
-    return text;
+    return {std::move(text), std::move(values)};
   }
 
  private:

@@ -63,7 +63,7 @@ TEST(Report, HasRatesAndLatencies) {
   report.question = "visibility";
   report.scene_id = "abc";
   report.rows = {row(0.005, 10)};
-  const std::string text = table_of(report);
+  const std::string text = rows_of(report).to_string() + found_of(report);
   // 10 calls of 8 items in 2 s, each of 5 ms.
   EXPECT_THAT(text,
               ::testing::ContainsRegex("\n +8 +2 +5 +40 +5 +5 +5 +5 +0 +0 +unknown  not stable\n"));

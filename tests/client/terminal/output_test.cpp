@@ -26,6 +26,42 @@ TEST(Table, OfNothingIsItsHeader) {
   EXPECT_EQ(cli::Table({{"id"}, {"", true}}).to_string(), "id\n");
 }
 
+TEST(Csv, HasNamesWithUnitsAndEveryDigit) {
+  cli::Table table(
+      {{"id"}, {"± [lm]"}, {"RGB [lx]", true}, {"value (RGB)"}, {"wi", true}, {"", true}});
+  table.add({"1", cli::number_cell(1.0 / 3), cli::triple_cell(0.1F, 2.0F, 3e-9F),
+             cli::triple_cell(1.0, 2.0, 3.0), cli::triple_cell(0.0, 0.0, 1.0), ""});
+  table.add({"2", "exact", "", "", "", "NO_LIGHT"});
+  EXPECT_EQ(table.to_csv(),
+            "id,error [lm],R [lx],G [lx],B [lx],value R,value G,value B,wi x,wi y,wi z,status\n"
+            "1,0.3333333333333333,0.1,2,3e-09,1,2,3,0,0,1,\n"
+            "2,exact,,,,,,,,,,NO_LIGHT\n");
+}
+
+TEST(Csv, QuotesWhatRfc4180Quotes) {
+  cli::Table table({{"a, b"}, {"c"}});
+  table.add({"say \"x\"", "two\nlines"});
+  table.add({"plain text", ";"});
+  EXPECT_EQ(table.to_csv(), "\"a, b\",c\n\"say \"\"x\"\"\",\"two\nlines\"\nplain text,;\n");
+}
+
+TEST(Csv, TakesTheNamesOfTheColumn) {
+  cli::Table table({{"± [lx]", false, {"lower [lx]", "upper [lx]"}}});
+  table.add({cli::Cell("0.5", {"1", "2"})});
+  table.add({""});
+  EXPECT_EQ(table.to_csv(), "lower [lx],upper [lx]\n1,2\n,\n");
+}
+
+TEST(Table, ColoursLeaveTheAlignment) {
+  cli::Table table({{"id"}, {"", true}});
+  table.add({"12", "NO_LIGHT"});
+  table.add({"3", cli::Cell::coloured("ok", shell::Colour::kGood)});
+  EXPECT_EQ(table.to_string(true),
+            "\033[1mid\033[0m\n"
+            "12  \033[33mNO_LIGHT\033[0m\n"
+            " 3  \033[32mok\033[0m\n");
+}
+
 TEST(Json, HasLowerCamelCaseNamesAndAllPlainFields) {
   v1::LoadSceneResponse response;
   response.set_scene_id("ab");
