@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "client/bench/command.h"
+#include "client/conformance/command.h"
 #include "client/terminal/error.h"
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
@@ -42,6 +43,7 @@ int run_lucerna(int argc, char** argv) {
   add_doctor_command(app, session);
   add_bench_command(app, session);
   add_verify_command(app, session);
+  add_conformance_command(app, session);
   add_tradeoff_command(app);
   try {
     start_tradeoff(app, argc, argv);
