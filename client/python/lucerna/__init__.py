@@ -19,14 +19,14 @@ from lucerna._local import LocalServer, local
 from lucerna._pictures import Picture, Tile
 from lucerna._points import Grid, grid
 from lucerna._results import (STATUS, EmissionDensity, EmissionSamples, Estimates, Irradiance, LightDensity,
-                              LightSamples, Power, Radiance, Shares, Visibility)
+                              LightSamples, Power, Radiance, Shares, Surfaces, Visibility)
 from lucerna._scenes import Lights
 
 __all__ = [
     "STATUS", "Accuracy", "DeadlineExceeded", "EmissionDensity", "EmissionSamples", "Error", "Estimates",
     "FailedPrecondition", "FieldViolation", "Grid", "InvalidArgument", "Irradiance", "LightDensity", "LightSamples",
     "Lights", "LocalServer", "NotFound", "PermissionDenied", "Picture", "Power", "Radiance", "ResourceExhausted",
-    "Scene", "Server", "Shares", "Tile", "Unauthenticated", "Unavailable", "Visibility", "aio", "connect", "edits",
-    "grid", "local",
+    "Scene", "Server", "Shares", "Surfaces", "Tile", "Unauthenticated", "Unavailable", "Visibility", "aio", "connect",
+    "edits", "grid", "local",
 ]
 __version__ = "0.1.0"

@@ -68,6 +68,7 @@ class Scene(Caller):
     pdf_le = blocking(_sampling.pdf_le)
     le = blocking(_lighting.le)
     visible = blocking(_lighting.visible)
+    find_surfaces = blocking(_lighting.find_surfaces)
     power = blocking(_lighting.power)
     lights = blocking(_scenes.lights)
     description = blocking(_scenes.description)

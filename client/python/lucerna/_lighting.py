@@ -16,7 +16,7 @@ from lucerna._errors import invalid
 from lucerna._gathered import (Gathered, Light, SceneLike, add_cost, name_light, number_of, points_at, seed_of,
                                set_fields)
 from lucerna._steps import Steps, Unary
-from lucerna.v1 import accuracy_pb2, lighting_pb2, scene_pb2
+from lucerna.v1 import accuracy_pb2, lighting_pb2, render_pb2, scene_pb2
 
 
 def irradiance(scene: SceneLike, points: p.Places, normals: ArrayLike | None = None, *, samples: int | None = None,
@@ -160,6 +160,31 @@ def visible(scene: SceneLike, points: p.Places, to: ArrayLike | None = None, *, 
     return results.Visibility(visible=got.bits("visible", *shape),
                               transmittance=got.floats_if_any("transmittance", *shape, 3), status=got.status(*shape),
                               cost=got.cost())
+
+
+def find_surfaces(scene: SceneLike, places: ArrayLike, *, time_s: float | None = None,
+                  progress: b.Progress = False) -> Steps[results.Surfaces]:
+    """Finds the surfaces that the camera sees at places of its picture.
+
+    places: x and y [pixels], shape (..., 2); x from the left, y from the top.  The middle of pixel (i, j) is
+    (i + 0.5, j + 0.5).  time_s: the moment [s].  Errors: as in irradiance.  A place outside of the picture has its own
+    status.
+    """
+    where = p.vectors("places", places, width=2)
+    shape = where.shape[:-1]
+    head = render_pb2.FindSurfacesRequest(scene_id=scene.id)
+    set_fields(head, time_s=time_s)
+    request = b.BatchRequest("RenderService/FindSurfaces", where[..., 0].size, head.SerializeToString(),
+                             (b.ItemArray((number_of(head, "places"),), p.to_floats(where, 2)),))
+    got = Gathered((yield from b.in_batches(request, per_item=6 * b.FLOAT + b.BIT + b.ID + b.STATUS,
+                                            progress=progress)), render_pb2.FindSurfacesResponse)
+    points = got.inside("points", lambda a: a.floats("offsets_m").size // 3)
+    # Every batch has the origin of the scene.
+    at = _wire.parsed(accuracy_pb2.Vector3, points.parts[0].data("origin_m"))
+    return results.Surfaces(
+        points=p.shifted(points.floats("offsets_m", *shape, 3), np.array([at.x, at.y, at.z])),
+        normals=got.floats("normals", *shape, 3).astype(np.float64), found=got.bits("found", *shape),
+        light_ids=got.varints("light_ids", *shape), status=got.status(*shape), cost=got.cost())
 
 
 def power(scene: SceneLike, lights: Sequence[Light] = (), *, method: str = "exact", samples: int | None = None,

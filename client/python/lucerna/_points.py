@@ -61,14 +61,15 @@ def grid(corner: ArrayLike, across: ArrayLike, up: ArrayLike, *, columns: int, r
     return Grid(points, np.broadcast_to(normal / length, points.shape).copy())
 
 
-def vectors(name: str, values: ArrayLike, items: tuple[int, ...] | None = None) -> NDArray[np.float64]:
-    """An array of shape (..., 3).  With `items`, vectors of shape (3,) or of that shape; broadcast to it."""
+def vectors(name: str, values: ArrayLike, items: tuple[int, ...] | None = None,
+            width: int = 3) -> NDArray[np.float64]:
+    """An array of shape (..., width).  With `items`, vectors of shape (3,) or of that shape; broadcast to it."""
     try:
         array = np.asarray(values, np.float64)
     except (TypeError, ValueError):
         raise invalid(name, "is no array of numbers") from None
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise invalid(name, f"has shape {array.shape}, must be (..., 3)")
+    if array.ndim == 0 or array.shape[-1] != width:
+        raise invalid(name, f"has shape {array.shape}, must be (..., {width})")
     if items is None:
         return array
     try:

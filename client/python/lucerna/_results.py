@@ -251,6 +251,26 @@ class Visibility:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Surfaces:
+    """What the camera sees at places of its picture, from Scene.find_surfaces.
+
+    Methods take it as points with normals: scene.irradiance(surfaces).
+    """
+
+    points: Doubles  #: where the rays meet the surfaces, world [m], shape (..., 3); undefined where there is none
+    normals: Doubles  #: geometric, unit, on the side of the camera, shape (..., 3); 0 where there is no surface
+    found: Bools  #: the ray meets a surface, shape (...)
+    light_ids: Ids  #: the light whose surface it is; 0 for none, shape (...)
+    status: Statuses  #: numbers of STATUS, shape (...)
+    cost: accuracy_pb2.Cost
+
+    def frame(self) -> Any:
+        """A pandas DataFrame with a row for each place.  ImportError without pandas."""
+        return frame_of(columns(__xyz=self.points, n__xyz=self.normals, found=self.found, light=self.light_ids,
+                                status=status_names(self.status)))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Power:
     """The power of lights, from Scene.power.  NaN stands for a number that the light does not have."""
 

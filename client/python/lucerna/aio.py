@@ -167,6 +167,7 @@ class Scene(_Caller):
     pdf_le = _coroutine(_sampling.pdf_le)
     le = _coroutine(_lighting.le)
     visible = _coroutine(_lighting.visible)
+    find_surfaces = _coroutine(_lighting.find_surfaces)
     power = _coroutine(_lighting.power)
     lights = _coroutine(_scenes.lights)
     description = _coroutine(_scenes.description)

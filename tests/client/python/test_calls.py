@@ -3,10 +3,12 @@ import os
 import struct
 import subprocess
 
+import grpc
 import lucerna
 import numpy as np
 import pytest
 from conftest import REFERENCE, WAIT_S, floats
+from lucerna.v1 import render_pb2, render_pb2_grpc
 
 UP = (0.0, 0.0, 1.0)
 
@@ -176,6 +178,28 @@ def test_visibility_of_segments_and_rays(server, ask):
     assert scene.visible(starts, directions=(0, 0, -1), lengths_m=[0.4, 3]).visible.tolist() == [True, False]
     wanted = ask("visible", scene.id, "--points", "-", points=joined(starts, ends))
     assert wanted["count"] == 2 and scene.visible(starts, ends).visible.dtype == np.bool_
+
+
+def test_surfaces_of_the_picture_are_receivers(server):
+    """The floor before the box is at z = 0; the light of 10 cd is at (1.2, -1.5, 3.2)."""
+    scene = server.load("point.pbrt")
+    x, y = np.meshgrid(np.arange(160) + 0.5, np.arange(120) + 0.5)
+    places = np.stack([x, y], axis=-1)  # more than one batch
+    places[0, 0] = (-1, 0)
+    surfaces = scene.find_surfaces(places)
+    request = render_pb2.FindSurfacesRequest(scene_id=scene.id, places=places.ravel().tolist())
+    with grpc.insecure_channel(server.target) as channel:
+        raw = render_pb2_grpc.RenderServiceStub(channel).FindSurfaces(request, timeout=WAIT_S)
+    offsets = np.array(raw.points.offsets_m).reshape(120, 160, 3)
+    origin = (raw.points.origin_m.x, raw.points.origin_m.y, raw.points.origin_m.z)
+    assert np.array_equal(surfaces.points, offsets + origin)
+    assert np.array_equal(surfaces.normals.ravel(), raw.normals)
+    assert surfaces.status.ravel().tolist() == list(raw.status) and surfaces.status[0, 0] == 7
+    assert surfaces.found[1:].all() and not surfaces.found[0, 0] and surfaces.light_ids.shape == (120, 160)
+    row = scene.irradiance(surfaces, bounces=0).illuminance[-1]
+    to_light = np.array([1.2, -1.5, 3.2]) - surfaces.points[-1]
+    assert np.allclose(surfaces.normals[-1], UP) and np.abs(surfaces.points[-1, :, 2]).max() < 1e-6
+    np.testing.assert_allclose(row, 32 / np.linalg.norm(to_light, axis=1) ** 3, rtol=1e-5)
 
 
 def test_power_is_exact_sampled_and_approximate(ask, rectangle, many):

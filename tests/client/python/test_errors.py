@@ -31,6 +31,7 @@ def fields(error):
     ("u", lambda s: s.sample_li(HERE, u=np.zeros((3, 2)))),
     ("u", lambda s: s.sample_li(HERE, u_light=np.zeros(4))),
     ("u_light", lambda s: s.sample_li(HERE, u=np.zeros((4, 2)), u_light=np.zeros(3))),
+    ("places", lambda s: s.find_surfaces(HERE)),
     ("count", lambda s: s.sample_le(-1)),
     ("error", lambda s: s.irradiance(HERE, UP, samples=4, error=0.1)),
     ("error", lambda s: s.irradiance(HERE, UP, accuracy=lucerna.Accuracy(floor=1))),

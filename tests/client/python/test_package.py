@@ -140,6 +140,19 @@ def test_help_shows_arguments_and_answers():
         assert list(signature.parameters)[:4] == ["scene", "points", "wi", "light"]
 
 
+def test_every_call_of_the_contract_is_made():
+    """A new call must get its method.  Reflection and health are standard services of gRPC."""
+    calls = set()
+    for file in (ROOT / "proto/lucerna/v1").glob("*.proto"):
+        text = file.read_text()
+        for service, body in re.findall(r"^service (\w+) \{(.*?)^\}", text, re.M | re.S):
+            calls |= {f"{service}/{call}" for call in re.findall(r"^  rpc (\w+)\(", body, re.M)}
+    sources = "".join(f.read_text() for f in (SOURCE / "lucerna").glob("*.py"))
+    assert len(calls) > 20 and {c for c in calls if f'"{c}"' not in sources} == set()
+    page = (ROOT / "docs/python.md").read_text()
+    assert {c.partition("/")[2] for c in calls if c.partition("/")[2] not in page} == set()
+
+
 def test_public_things_have_docstrings():
     for name in lucerna.__all__:
         thing = getattr(lucerna, name)
