@@ -3,7 +3,7 @@
 
     tests/e2e/verify_test.py BUILD_DIR [SHARD SHARDS]
 
-The renderer is docs/examples/python/small_renderer.py, which shares no code with Lucerna.  With SHARD and SHARDS, only
+The renderer is docs/examples/python/small_renderer, which shares no code with Lucerna.  With SHARD and SHARDS, only
 counts the false alarms of correct files: 1000 seeds in all shards together.
 """
 import csv
@@ -21,8 +21,8 @@ import numpy as np
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 SHARD, SHARDS = (int(a) for a in sys.argv[2:4]) if len(sys.argv) > 2 else (None, 1)
-sys.path[:0] = [str(ROOT / "docs/examples/python"), str(pathlib.Path(__file__).parent)]
-import small_renderer  # noqa: E402
+sys.path[:0] = [str(ROOT / "docs/examples/python/small_renderer"), str(pathlib.Path(__file__).parent)]
+import renderer as small_renderer  # noqa: E402
 from server_process import ServerProcess  # noqa: E402
 
 TIMEOUT_S = 900  # ends tests that hang
