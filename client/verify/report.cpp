@@ -6,15 +6,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "client/terminal/output.h"
-
 namespace lucerna::verify {
 namespace {
 
-std::string percent(const std::optional<double>& error) {
+cli::Cell percent(const std::optional<double>& error) {
   if (!error) return "";
-  if (std::isinf(*error)) return "only one is 0";
-  return fmt::format("{:.2g}%", 100 * *error);
+  return {std::isinf(*error) ? "only one is 0" : fmt::format("{:.2g}%", 100 * *error),
+          {fmt::format("{}", *error)}};
 }
 
 std::string name_of(std::uint64_t id, const Truth& truth) {
@@ -23,9 +21,25 @@ std::string name_of(std::uint64_t id, const Truth& truth) {
   return name.empty() ? std::to_string(id) : fmt::format("{} ({})", id, name);
 }
 
-std::string integral_of(const Finding& f) {
-  if (!f.integral) return "";
-  return fmt::format("{:.4g} ± {:.2g}", *f.integral, *f.integral_high - *f.integral);
+cli::Cell light_of(std::uint64_t id, const Truth& truth) {
+  return {name_of(id, truth), {id == 0 ? "" : std::to_string(id)}};
+}
+
+cli::Cell p_of(const std::optional<double>& p) {
+  if (!p) return "";
+  return {fmt::format("{:.2g}", *p), {fmt::format("{}", *p)}};
+}
+
+cli::Cell integral_of(const Finding& f) {
+  if (!f.integral) return {"", {"", "", ""}};
+  return {fmt::format("{:.4g} ± {:.2g}", *f.integral, *f.integral_high - *f.integral),
+          {fmt::format("{}", *f.integral), fmt::format("{}", *f.integral_low),
+           fmt::format("{}", *f.integral_high)}};
+}
+
+/// For programs also what the notes have.
+cli::Cell verdict_of(const Finding& f) {
+  return {word(f.verdict), {word(f.verdict), f.mistake, f.sentence, f.where}};
 }
 
 std::size_t count(const std::vector<Finding>& findings, Verdict verdict) {
@@ -38,23 +52,28 @@ bool any_differs(const std::vector<Finding>& findings) {
   return count(findings, Verdict::kDiffers) > 0;
 }
 
-std::string table_of(const std::vector<Finding>& findings, const Truth& truth,
-                     const Strictness& strictness) {
+cli::Table rows_of(const std::vector<Finding>& findings, const Truth& truth) {
   cli::Table table({{"light"},
                     {"quantity", true},
                     {"rows"},
                     {"off"},
-                    {"median"},
-                    {"worst"},
+                    {"median", false, {"median error"}},
+                    {"worst", false, {"worst error"}},
                     {"p"},
-                    {"integral"},
-                    {"verdict", true}});
-  std::string sentences;
+                    {"integral", false, {"integral", "integral low", "integral high"}},
+                    {"verdict", true, {"verdict", "mistake", "sentence", "where"}}});
   for (const Finding& f : findings) {
-    table.add({name_of(f.light, truth), f.quantity, std::to_string(f.rows),
+    table.add({light_of(f.light, truth), f.quantity, std::to_string(f.rows),
                f.median ? std::to_string(f.off) : "", percent(f.median), percent(f.worst),
-               f.adjusted_p ? fmt::format("{:.2g}", *f.adjusted_p) : "", integral_of(f),
-               word(f.verdict)});
+               p_of(f.adjusted_p), integral_of(f), verdict_of(f)});
+  }
+  return table;
+}
+
+std::string notes_of(const std::vector<Finding>& findings, const Truth& truth,
+                     const Strictness& strictness) {
+  std::string notes;
+  for (const Finding& f : findings) {
     if (f.verdict == Verdict::kAgrees) continue;
     std::string line =
         fmt::format("light {}, {}: {}", name_of(f.light, truth), f.quantity, word(f.verdict));
@@ -63,15 +82,14 @@ std::string table_of(const std::vector<Finding>& findings, const Truth& truth,
       line += f.sentence;
     }
     if (!f.where.empty()) line += fmt::format("\n  {}", f.where);
-    sentences += line + "\n";
+    notes += line + "\n";
   }
-  std::string summary = fmt::format("{} of {} quantities differ",
-                                    count(findings, Verdict::kDiffers), findings.size());
+  notes += fmt::format("{} of {} quantities differ", count(findings, Verdict::kDiffers),
+                       findings.size());
   if (const std::size_t n = count(findings, Verdict::kNotJudged); n > 0)
-    summary += fmt::format(", {} not judged", n);
-  summary +=
-      fmt::format("; a correct renderer differs with a chance of at most {:g}", strictness.level);
-  return table.to_string() + sentences + summary + "\n";
+    notes += fmt::format(", {} not judged", n);
+  return notes + fmt::format("; a correct renderer differs with a chance of at most {:g}\n",
+                             strictness.level);
 }
 
 std::string json_of(const std::vector<Finding>& findings, const Truth& truth,

@@ -1,16 +1,20 @@
-// Findings as a table for people and as JSON for programs.
+// Findings as a table with notes for people, and as JSON for programs.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "client/terminal/output.h"
 #include "client/verify/finding.h"
 #include "client/verify/truth.h"
 
 namespace lucerna::verify {
 
-/// The table, the sentences about what differs, and a summary in the last line.
-std::string table_of(const std::vector<Finding>& findings, const Truth& truth,
+/// One row for each finding.
+cli::Table rows_of(const std::vector<Finding>& findings, const Truth& truth);
+
+/// What does not agree, with the likely mistakes, and a summary in the last line.
+std::string notes_of(const std::vector<Finding>& findings, const Truth& truth,
                      const Strictness& strictness);
 
 /// One line of JSON.

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A small renderer with mistakes that can be switched on.  It makes files for `lucerna verify`.
 
-    small_renderer.py DIR [--seed N] [--rows N] [--receivers N] [--mistake NAME] [--list]
+    renderer.py DIR [--seed N] [--rows N] [--receivers N] [--mistake NAME]
 
 Writes DIR/scene.pbrt with its pictures, and samples.csv, densities.csv, emission.csv, power.csv, irradiance.csv and
 visibility.csv.  It shares no code with Lucerna: its formulas come from textbooks.  Without --mistake, all numbers are
@@ -11,12 +11,12 @@ import argparse
 import csv
 import math
 import pathlib
-import struct
-import zlib
 
 import numpy as np
 
-LUMINANCE = np.array([0.2126390058715104, 0.7151686787677559, 0.0721923153607337])
+from lights import (LUMINANCE, Area, AtPoint, Ball, BallLight, Disk, FromFar, Parallelogram, Sky, Sun, Tube, about,
+                    dots, unit)
+from scene import CANDELA, GONIO, MAP, SCREEN, SLIDE, decode, latlong, mean_over_sphere, texel, write_scene
 
 # What each mistake is, and what `lucerna verify` must find: the light, the quantity, and the word for the mistake.
 MISTAKES = {
@@ -58,287 +58,6 @@ MISTAKES = {
     "emission_cosine": ("a cosine in the emitted radiance", "disk", "emission", "cosine_light"),
     "distance": ("distances in centimetres", "bulb", "distance", "factor_100"),
 }
-
-
-def unit(v):
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
-
-
-def dots(a, b):
-    return np.sum(a * b, axis=-1)
-
-
-def frame(w):
-    """Two unit vectors at right angles to each `w`."""
-    other = np.where(np.abs(w[..., :1]) < 0.7, np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))
-    a = unit(np.cross(w, other))
-    return a, np.cross(w, a)
-
-
-def about(w, cos_theta, phi):
-    """The directions at these angles from `w`."""
-    a, b = frame(w)
-    s = np.sqrt(np.maximum(0, 1 - cos_theta**2))[..., None]
-    return s * np.cos(phi)[..., None] * a + s * np.sin(phi)[..., None] * b + cos_theta[..., None] * w
-
-
-def decode(x):
-    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
-
-
-def write_png(path, texels):
-    """Eight bits for each channel of an array (height, width, 3)."""
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    height, width, _ = texels.shape
-    rows = b"".join(b"\0" + row.tobytes() for row in texels)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
-                     + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
-
-
-# The surfaces.  Each has: sample(u) -> points, normals; area; meets(x, d) -> distances along d, inf without a hit.
-class Parallelogram:
-    def __init__(self, corner, u, v, triangle=False, uneven=False):
-        self.corner, self.u, self.v = (np.array(a, float) for a in (corner, u, v))
-        cross = np.cross(self.u, self.v)
-        self.n = cross / np.linalg.norm(cross)
-        self.triangle, self.uneven = triangle, uneven
-        self.area = np.linalg.norm(cross) / (2 if triangle else 1)
-
-    def sample(self, u):
-        if self.triangle:
-            root = u[:, 0] if self.uneven else np.sqrt(u[:, 0])
-            a, b = 1 - root, u[:, 1] * root
-        else:
-            a, b = u[:, 0], u[:, 1]
-        return self.corner + a[:, None] * self.u + b[:, None] * self.v, np.broadcast_to(self.n, (len(u), 3))
-
-    def solid_angle(self, x):
-        """Of the parallelogram, as two triangles: tan(angle / 2) = |abc| / (1 + ab + bc + ca)."""
-        corners = [unit(self.corner + k * self.u + m * self.v - x) for k, m in ((0, 0), (1, 0), (1, 1), (0, 1))]
-        total = 0
-        for a, b, c in (corners[:3], (corners[0], *corners[2:])):
-            over = np.abs(dots(a, np.cross(b, c)))
-            total = total + 2 * np.arctan2(over, 1 + dots(a, b) + dots(b, c) + dots(c, a))
-        return total
-
-    def uv(self, p):
-        uu, uv, vv = self.u @ self.u, self.u @ self.v, self.v @ self.v
-        a, b = (p - self.corner) @ self.u, (p - self.corner) @ self.v
-        det = uu * vv - uv * uv
-        return (a * vv - b * uv) / det, (b * uu - a * uv) / det
-
-    def meets(self, x, d):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (self.corner - x) @ self.n / (d @ self.n)
-            a, b = self.uv(x + t[:, None] * d)
-        inside = (a >= 0) & (b >= 0) & ((a + b <= 1) if self.triangle else ((a <= 1) & (b <= 1)))
-        return np.where(inside & (t > 1e-6), t, np.inf)
-
-
-class Disk:
-    """Faces down."""
-
-    def __init__(self, center, radius):
-        self.center, self.radius = np.array(center, float), radius
-        self.n, self.area = np.array([0, 0, -1.0]), math.pi * radius**2
-
-    def sample(self, u):
-        r, phi = self.radius * np.sqrt(u[:, 0]), 2 * math.pi * u[:, 1]
-        p = self.center + np.stack([r * np.cos(phi), r * np.sin(phi), 0 * r], axis=1)
-        return p, np.broadcast_to(self.n, p.shape)
-
-    def meets(self, x, d):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (self.center[2] - x[:, 2]) / d[:, 2]
-            inside = np.linalg.norm(x + t[:, None] * d - self.center, axis=1) <= self.radius
-        return np.where(inside & (t > 1e-6), t, np.inf)
-
-
-class Ball:
-    def __init__(self, center, radius):
-        self.center, self.radius, self.area = np.array(center, float), radius, 4 * math.pi * radius**2
-
-    def sample(self, u):
-        z, phi = 1 - 2 * u[:, 0], 2 * math.pi * u[:, 1]
-        s = np.sqrt(np.maximum(0, 1 - z * z))
-        n = np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=1)
-        return self.center + self.radius * n, n
-
-    def meets(self, x, d):
-        o = self.center - x
-        along = dots(o, d)
-        square = self.radius**2 - (dots(o, o) - along**2)
-        root = np.sqrt(np.maximum(0, square))
-        t = np.where(along - root > 1e-6, along - root, along + root)
-        return np.where((square >= 0) & (t > 1e-6), t, np.inf)
-
-
-class Tube:
-    """An open cylinder along x."""
-
-    def __init__(self, center, radius, half):
-        self.center, self.radius, self.half = np.array(center, float), radius, half
-        self.area = 2 * math.pi * radius * 2 * half
-
-    def sample(self, u):
-        phi = 2 * math.pi * u[:, 1]
-        n = np.stack([0 * phi, np.cos(phi), np.sin(phi)], axis=1)
-        p = self.center + self.radius * n
-        p[:, 0] += self.half * (2 * u[:, 0] - 1)
-        return p, n
-
-    def meets(self, x, d):
-        o, k = (x - self.center)[:, 1:], d[:, 1:]
-        a, b, c = dots(k, k), dots(o, k), dots(o, o) - self.radius**2
-        square = b * b - a * c
-        best = np.full(len(x), np.inf)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            for sign in (1, -1):
-                t = (-b + sign * np.sqrt(np.maximum(0, square))) / a
-                at = np.abs((x + t[:, None] * d - self.center)[:, 0]) <= self.half
-                best = np.where((square >= 0) & at & (t > 1e-6), np.minimum(best, t), best)
-        return best
-
-
-class Light:
-    """A light by its name.  `li` samples it: directions, densities (None: delta), distances, RGB values, normals."""
-    delta = False
-    infinite = False
-
-    def rgb(self, level):
-        return np.array([level] * 3 if np.isscalar(level) else level, float)
-
-
-class AtPoint(Light):
-    delta = True
-
-    def __init__(self, position, intensity):
-        self.position, self.intensity = np.array(position, float), intensity
-
-    def li(self, x, rng):
-        to = self.position - x
-        d = np.linalg.norm(to, axis=1)
-        w = to / d[:, None]
-        return w, None, d, self.intensity(-w) / d[:, None] ** 2, None
-
-
-class FromFar(Light):
-    delta, infinite = True, True
-
-    def __init__(self, to_light, level):
-        self.to_light, self.level = unit(np.array(to_light, float)), self.rgb(level)
-
-    def li(self, x, rng):
-        n = len(x)
-        return np.tile(self.to_light, (n, 1)), None, np.full(n, np.inf), np.tile(self.level, (n, 1)), None
-
-
-class Sun(Light):
-    infinite = True
-
-    def __init__(self, to_light, illuminance, diameter_deg):
-        self.to_light = unit(np.array(to_light, float))
-        self.cos = math.cos(math.radians(diameter_deg / 2))
-        # The illuminance on a surface that faces the centre is pi L sin^2.
-        self.radiance = self.rgb(illuminance) / (math.pi * (1 - self.cos**2))
-
-    def li(self, x, rng):
-        u = rng.random((len(x), 2))
-        w = about(np.tile(self.to_light, (len(x), 1)), 1 - u[:, 0] * (1 - self.cos), 2 * math.pi * u[:, 1])
-        pdf = np.full(len(x), 1 / (2 * math.pi * (1 - self.cos)))
-        return w, pdf, np.full(len(x), np.inf), np.tile(self.radiance, (len(x), 1)), None
-
-
-class Sky(Light):
-    """Radiance from all directions, which are sampled uniformly."""
-    infinite = True
-
-    def __init__(self, radiance):
-        self.radiance = radiance
-
-    def li(self, x, rng):
-        u = rng.random((len(x), 2))
-        w = about(np.tile([0, 0, 1.0], (len(x), 1)), 1 - 2 * u[:, 0], 2 * math.pi * u[:, 1])
-        return w, np.full(len(x), 1 / (4 * math.pi)), np.full(len(x), np.inf), self.radiance(w), None
-
-
-class Area(Light):
-    """A surface, sampled uniformly by area."""
-
-    def __init__(self, shape, level, sides=1, texture=None):
-        self.shape, self.level, self.sides, self.texture = shape, self.rgb(level), sides, texture
-
-    def shines(self, n, w):
-        return dots(n, w) > 0 if self.sides == 1 else np.full(len(w), True)
-
-    def radiance(self, p):
-        return self.level * (self.texture(*self.shape.uv(p)) if self.texture else np.ones((len(p), 1)))
-
-    def li(self, x, rng):
-        p, n = self.shape.sample(rng.random((len(x), 2)))
-        d = np.linalg.norm(p - x, axis=1)
-        w = (p - x) / d[:, None]
-        pdf = d**2 / (self.shape.area * np.abs(dots(n, w)))
-        value = self.radiance(p) * self.shines(n, -w)[:, None]
-        return w, pdf, d, value, n
-
-    def power(self):
-        return math.pi * self.sides * self.shape.area * (self.level @ LUMINANCE)
-
-
-class BallLight(Area):
-    """Sampled uniformly in the cone in which it is seen."""
-
-    def density(self, x):
-        to = self.shape.center - x
-        d2 = dots(to, to)
-        sin2 = np.minimum(self.shape.radius**2 / d2, 1)
-        one_less_cos = sin2 / (1 + np.sqrt(1 - sin2))
-        return one_less_cos, 1 / (2 * math.pi * one_less_cos)
-
-    def li(self, x, rng):
-        u = rng.random((len(x), 2))
-        one_less_cos, pdf = self.density(x)
-        axis = unit(self.shape.center - x)
-        w = about(axis, 1 - u[:, 0] * one_less_cos, 2 * math.pi * u[:, 1])
-        d = self.shape.meets(x, w)
-        # The edge of the cone only touches the ball.
-        d = np.where(np.isfinite(d), d, np.sqrt(np.maximum(0, dots(self.shape.center - x, self.shape.center - x)
-                                                           - self.shape.radius**2)))
-        n = unit(x + d[:, None] * w - self.shape.center)
-        return w, pdf, d, np.tile(self.level, (len(x), 1)), n
-
-
-def picture(seed, height, width):
-    """Texels of eight bits, sRGB-encoded, without symmetry."""
-    rng = np.random.default_rng(seed)
-    return rng.integers(30, 255, (height, width, 3), dtype=np.uint8)
-
-
-def texel(texels, u, v, linear=True):
-    height, width, _ = texels.shape
-    column = np.clip((u * width).astype(int), 0, width - 1)
-    row = np.clip((v * height).astype(int), 0, height - 1)
-    values = texels[row, column] / 255
-    return decode(values) if linear else values
-
-
-MAP, GONIO, SLIDE, SCREEN = picture(1, 8, 16), picture(2, 8, 16), picture(3, 8, 8), picture(4, 6, 6)
-CANDELA = [(0, 300.0), (30, 250.0), (60, 100.0), (90, 20.0)]  # of the luminaire, from straight down
-
-
-def latlong(w):
-    """Longitude about +y from +x to +z, and the angle from +y, both from 0 to 1."""
-    return (np.arctan2(w[..., 2], w[..., 0]) / (2 * math.pi)) % 1, np.arccos(np.clip(w[..., 1], -1, 1)) / math.pi
-
-
-def mean_over_sphere(of, n=400):
-    """The mean over directions, by the midpoint rule."""
-    cosine, phi = np.meshgrid((np.arange(n) + 0.5) / n * 2 - 1, (np.arange(2 * n) + 0.5) / n * math.pi, indexing="ij")
-    s = np.sqrt(1 - cosine**2)
-    w = np.stack([s * np.cos(phi), cosine, s * np.sin(phi)], axis=-1).reshape(-1, 3)
-    return of(w).mean(axis=0)
 
 
 class Renderer:
@@ -590,68 +309,6 @@ class Renderer:
             yield [*a[i], *b[i], int(seen[i])]
 
 
-SCENE = """# The lights of small_renderer.py.
-WorldBegin
-Shape "bilinearmesh" "point3 P" [-4 -4 0  4 -4 0  -4 4 0  4 4 0]
-LightSource "point" "rgb I" [12 6 3] "point3 from" [1 -1 3] "string name" "bulb"
-LightSource "spot" "rgb I" [40 40 40] "point3 from" [2 -2.5 3.5] "point3 to" [0 0 0]
-  "float coneangle" [30] "float conedeltaangle" [12] "string name" "spot"
-LightSource "distant" "rgb L" [2 2 2] "point3 from" [1 -2 3] "point3 to" [0 0 0] "string name" "far"
-LightSource "distant" "rgb L" [3 3 3] "point3 from" [-1 -2 3] "point3 to" [0 0 0] "float angulardiameter" [10]
-  "string name" "sun"
-LightSource "infinite" "rgb L" [0.5 0.5 0.5] "string name" "sky"
-LightSource "infinite" "string filename" "map.png" "float scale" [2] "string mapping" "latlong" "string name" "map"
-AttributeBegin
-  Translate -1 1 3
-  LightSource "goniometric" "string filename" "gonio.png" "float scale" [30] "string mapping" "latlong"
-    "string name" "gonio"
-AttributeEnd
-AttributeBegin
-  Translate 0 0 3
-  Rotate 180 1 0 0
-  LightSource "projection" "string filename" "slide.png" "float fov" [40] "float scale" [60] "string name" "slide"
-AttributeEnd
-AttributeBegin
-  Translate -2.5 2.5 3
-  Rotate 180 1 0 0
-  LightSource "goniometric" "string filename" "downlight.ies" "string name" "downlight"
-AttributeEnd
-AttributeBegin
-  AreaLightSource "diffuse" "rgb L" [12 12 12] "string name" "panel"
-  Shape "bilinearmesh" "point3 P" [1 1 3  1 2 3  2.5 1 3  2.5 2 3]
-AttributeEnd
-AttributeBegin
-  AreaLightSource "diffuse" "rgb L" [5 5 5] "bool twosided" true "string name" "pane"
-  Shape "bilinearmesh" "point3 P" [-1.5 1 2  -1.5 2 2  -1.5 1 2.5  -1.5 2 2.5]
-AttributeEnd
-AttributeBegin
-  Translate 0.7 -1.2 2.6
-  AreaLightSource "diffuse" "rgb L" [12 12 12] "string name" "ball"
-  Shape "sphere" "float radius" [0.35]
-AttributeEnd
-AttributeBegin
-  Translate -0.7 -1.2 2.6
-  Rotate 180 1 0 0
-  AreaLightSource "diffuse" "rgb L" [20 20 20] "string name" "disk"
-  Shape "disk" "float radius" [0.4]
-AttributeEnd
-AttributeBegin
-  Translate 0 -2.6 2.8
-  Rotate 90 0 1 0
-  AreaLightSource "diffuse" "rgb L" [14 14 14] "string name" "tube"
-  Shape "cylinder" "float radius" [0.06] "float zmin" [-1] "float zmax" [1]
-AttributeEnd
-AttributeBegin
-  AreaLightSource "diffuse" "rgb L" [10 10 10] "string name" "wedge"
-  Shape "trianglemesh" "point3 P" [-2 -1 3  -1 -1 3  -2 -2 3] "integer indices" [0 1 2]
-AttributeEnd
-AttributeBegin
-  AreaLightSource "diffuse" "string filename" "screen.png" "float scale" [3] "bool twosided" true
-    "string filter" "nearest" "string name" "screen"
-  Shape "bilinearmesh" "point3 P" [3 1 1  3 2 1  3 1 2  3 2 2]
-AttributeEnd
-"""
-
 HEADERS = {
     "samples": "x,y,z,light,wx,wy,wz,pdf,r,g,b,distance,selection,nx,ny,nz,lx,ly,lz",
     "densities": "x,y,z,light,wx,wy,wz,pdf,drawn",
@@ -660,16 +317,6 @@ HEADERS = {
     "irradiance": "x,y,z,nx,ny,nz,illuminance,light,stderr,gx,gy,gz",
     "visibility": "x,y,z,tx,ty,tz,visible",
 }
-
-
-def write_scene(folder):
-    (folder / "scene.pbrt").write_text(SCENE)
-    for name, texels in (("map", MAP), ("gonio", GONIO), ("slide", SLIDE), ("screen", SCREEN)):
-        write_png(folder / f"{name}.png", texels)
-    angles, candela = zip(*CANDELA)
-    (folder / "downlight.ies").write_text(
-        "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 4 1 1 2 0 0 0\n1 1 0\n" + " ".join(map(str, angles)) + "\n0\n"
-        + " ".join(map(str, candela)) + "\n")
 
 
 def write_tables(folder, seed, rows, receivers, mistake=None, digits=9, only=None):
