@@ -186,7 +186,8 @@ void run(Session& session, const VerifyOptions& options) {
   if (session.json()) {
     fmt::print("{}", verify::json_of(findings, truth, options.strictness));
   } else {
-    fmt::print("{}", verify::table_of(findings, truth, options.strictness));
+    session.show(verify::table_of(findings, truth),
+                 verify::notes_of(findings, truth, options.strictness));
     session.print_remarks();
   }
   if (verify::any_differs(findings)) session.set_exit_status(kServerRefused);
@@ -255,6 +256,7 @@ void add_verify_command(CLI::App& app, Session& session) {
   command->add_option("--seed", s.seed, "Random seed of Lucerna's samples")
       ->check(whole64())
       ->capture_default_str();
+  session.prints_table(*command);
   command->callback([options, &session] { run(session, *options); });
 }
 

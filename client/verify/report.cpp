@@ -6,15 +6,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "client/terminal/output.h"
-
 namespace lucerna::verify {
 namespace {
 
-std::string percent(const std::optional<double>& error) {
+/// A relative error, for people in percent.
+cli::Cell percent(const std::optional<double>& error) {
   if (!error) return "";
-  if (std::isinf(*error)) return "only one is 0";
-  return fmt::format("{:.2g}%", 100 * *error);
+  if (std::isinf(*error)) return {"only one is 0", {"inf"}};
+  return {fmt::format("{:.2g}%", 100 * *error), {fmt::format("{}", *error)}};
 }
 
 std::string name_of(std::uint64_t id, const Truth& truth) {
@@ -23,9 +22,19 @@ std::string name_of(std::uint64_t id, const Truth& truth) {
   return name.empty() ? std::to_string(id) : fmt::format("{} ({})", id, name);
 }
 
-std::string integral_of(const Finding& f) {
+/// An integral, with the upper end of its interval.
+cli::Cell integral_of(const Finding& f) {
   if (!f.integral) return "";
-  return fmt::format("{:.4g} ± {:.2g}", *f.integral, *f.integral_high - *f.integral);
+  return {fmt::format("{:.4g} ± {:.2g}", *f.integral, *f.integral_high - *f.integral),
+          {fmt::format("{}", *f.integral), fmt::format("{}", *f.integral_high)}};
+}
+
+/// Only what differs is wrong.
+cli::Cell verdict_of(const Finding& f) {
+  return cli::Cell::coloured(word(f.verdict), f.verdict == Verdict::kDiffers ? shell::Colour::kBad
+                                              : f.verdict == Verdict::kAgrees
+                                                  ? shell::Colour::kGood
+                                                  : shell::Colour::kPlain);
 }
 
 std::size_t count(const std::vector<Finding>& findings, Verdict verdict) {
@@ -38,8 +47,7 @@ bool any_differs(const std::vector<Finding>& findings) {
   return count(findings, Verdict::kDiffers) > 0;
 }
 
-std::string table_of(const std::vector<Finding>& findings, const Truth& truth,
-                     const Strictness& strictness) {
+cli::Table table_of(const std::vector<Finding>& findings, const Truth& truth) {
   cli::Table table({{"light"},
                     {"quantity", true},
                     {"rows"},
@@ -47,14 +55,23 @@ std::string table_of(const std::vector<Finding>& findings, const Truth& truth,
                     {"median"},
                     {"worst"},
                     {"p"},
-                    {"integral"},
+                    {"integral", false, {"integral", "integral upper"}},
                     {"verdict", true}});
-  std::string sentences;
   for (const Finding& f : findings) {
     table.add({name_of(f.light, truth), f.quantity, std::to_string(f.rows),
                f.median ? std::to_string(f.off) : "", percent(f.median), percent(f.worst),
-               f.adjusted_p ? fmt::format("{:.2g}", *f.adjusted_p) : "", integral_of(f),
-               word(f.verdict)});
+               f.adjusted_p ? cli::Cell(fmt::format("{:.2g}", *f.adjusted_p),
+                                        {fmt::format("{}", *f.adjusted_p)})
+                            : cli::Cell(),
+               integral_of(f), verdict_of(f)});
+  }
+  return table;
+}
+
+std::string notes_of(const std::vector<Finding>& findings, const Truth& truth,
+                     const Strictness& strictness) {
+  std::string sentences;
+  for (const Finding& f : findings) {
     if (f.verdict == Verdict::kAgrees) continue;
     std::string line =
         fmt::format("light {}, {}: {}", name_of(f.light, truth), f.quantity, word(f.verdict));
@@ -71,7 +88,7 @@ std::string table_of(const std::vector<Finding>& findings, const Truth& truth,
     summary += fmt::format(", {} not judged", n);
   summary +=
       fmt::format("; a correct renderer differs with a chance of at most {:g}", strictness.level);
-  return table.to_string() + sentences + summary + "\n";
+  return sentences + summary + "\n";
 }
 
 std::string json_of(const std::vector<Finding>& findings, const Truth& truth,

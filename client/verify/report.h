@@ -4,13 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "client/terminal/output.h"
 #include "client/verify/finding.h"
 #include "client/verify/truth.h"
 
 namespace lucerna::verify {
 
-/// The table, the sentences about what differs, and a summary in the last line.
-std::string table_of(const std::vector<Finding>& findings, const Truth& truth,
+/// One row for each finding.
+cli::Table table_of(const std::vector<Finding>& findings, const Truth& truth);
+
+/// The sentences about what differs, and a summary in the last line.
+std::string notes_of(const std::vector<Finding>& findings, const Truth& truth,
                      const Strictness& strictness);
 
 /// One line of JSON.
