@@ -11,8 +11,8 @@ namespace {
 
 constexpr const char* kReadme = R"(# Conformance pack
 
-Each folder has a scene with one light, and what Lucerna answers about this light.  Compare your renderer with the tables,
-without running Lucerna.  `manifest.json` lists the cases and the version that made them.
+Each folder has a scene with one light, and what Lucerna answers about this light.  Compare your renderer with the
+tables, without running Lucerna.  `manifest.json` lists the cases and the version that made them.
 
 | file of a case | one row is |
 |---|---|
@@ -42,7 +42,7 @@ without running Lucerna.  `manifest.json` lists the cases and the version that m
 | `tx`, `ty`, `tz`, `visible` | the other end [m]; 1 if nothing is between both ends, else 0 |
 
 - Numbers of light samples are 32-bit floats, written with all their digits.
-- Your renderer may sample in another way.  Then its densities differ, and its powers, irradiances and visibilities do not.
+- Your renderer may sample in another way.  Then its densities differ.  Its powers, irradiances and visibilities do not.
 - The flux of a light at infinity is that through the bounding disk of the scene, or through its portal.
 - `lucerna verify` compares files with these columns, and names the likely mistake.
 )";

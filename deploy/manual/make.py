@@ -3,8 +3,8 @@
 
     deploy/manual/make.py --version VERSION --out DIRECTORY PROGRAM...
 
-Writes lucerna.1, lucerna-COMMAND.1, lucerna-tradeoff.1 and lucernad.8, each with what its program prints.  Sections that
-help does not have, such as exit statuses, come from deploy/manual/NAME.SECTION.  Fails for help that it does not
+Writes lucerna.1, lucerna-COMMAND.1, lucerna-tradeoff.1 and lucernad.8, each with what its program prints.  Sections
+that help does not have, such as exit statuses, come from deploy/manual/NAME.SECTION.  Fails for help that it does not
 understand.
 """
 import argparse
@@ -65,7 +65,8 @@ class Help:
 
 def escape(text):
     """Text of roff: no line is a request, and hyphens can be searched and copied."""
-    text = text.replace("\\", "\\e").replace("-", "\\-").replace("~", "\\(ti").replace("^", "\\(ha").replace("`", "\\(ga")
+    for character, roff in (("\\", "\\e"), ("-", "\\-"), ("~", "\\(ti"), ("^", "\\(ha"), ("`", "\\(ga")):
+        text = text.replace(character, roff)
     return re.sub(r"^([.'])", r"\\&\1", text, flags=re.M)
 
 
@@ -88,7 +89,8 @@ def term_of(term, positional=False):
         term, default = found[1] + found[3], found[2]
     names, _, value = term.partition(" ")
     value = re.sub(r"\{(.*?)\}", lambda m: "|".join(m[1].split(", ")), value)
-    value = re.sub(r"(?<=[\w.]):(NUMBER|TIME|SHARE|LIMIT|LIGHT)\b", "", value)  # the name of the check after that of the value
+    # The name of the check after that of the value.
+    value = re.sub(r"(?<=[\w.]):(NUMBER|TIME|SHARE|LIMIT|LIGHT)\b", "", value)
     value = re.sub(r"^(UINT|INT|FLOAT)\b", "NUMBER", value)
     if positional and value == "TEXT":
         value = ""
@@ -140,8 +142,9 @@ def page(name, section, version, about, help_text, see, commands=()):
         out += [".SH ARGUMENTS", *options(help_text.groups["Positionals"], positional=True)]
     if commands:
         out.append(".SH COMMANDS")
-        out += [f".TP\n\\fB{escape(command)}\\fR\n{escape(text.rstrip('.'))}.  See\n.BR lucerna\\-{escape(command)} (1)."
-                for command, text in commands]
+        for command, text in commands:
+            name_of_page = escape(f"lucerna-{command}")
+            out.append(f".TP\n\\fB{escape(command)}\\fR\n{escape(text.rstrip('.'))}.  See\n.BR {name_of_page} (1).")
     if "Options" in help_text.groups:
         out += [".SH OPTIONS", *options(help_text.groups["Options"])]
     if section == 1 and name not in ("lucerna", "lucerna-tradeoff"):
