@@ -230,7 +230,9 @@ int run(int argc, char** argv) {
 
 // The settings of jemalloc, which reads this name.  Each processor has an arena.  A thread of
 // jemalloc returns memory that nobody has used for ten seconds, also while the server is idle.
-extern "C" const char* malloc_conf = "background_thread:true,percpu_arena:percpu";
+extern "C" {
+const char* malloc_conf = "background_thread:true,percpu_arena:percpu";
+}
 
 int main(int argc, char** argv) {
   // All threads inherit this, those of gRPC too.  The bulk lane's threads return to the default, so
