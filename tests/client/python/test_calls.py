@@ -202,6 +202,18 @@ def test_surfaces_of_the_picture_are_receivers(server):
     np.testing.assert_allclose(row, 32 / np.linalg.norm(to_light, axis=1) ** 3, rtol=1e-5)
 
 
+def test_surfaces_far_from_zero(tmp_path):
+    """The offsets of the answer then have an origin."""
+    (tmp_path / "far.pbrt").write_text(
+        'Film "rgb" "integer xresolution" 8 "integer yresolution" 8\n'
+        "LookAt 1000 2000 5  1000 2000 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\nWorldBegin\n"
+        'Shape "bilinearmesh" "point3 P" [990 1990 3  1010 1990 3  990 2010 3  1010 2010 3]\n')
+    with lucerna.local(tmp_path, patience=WAIT_S, timeout=WAIT_S) as server:
+        surfaces = server.load("far.pbrt").find_surfaces((4, 4))
+        assert surfaces.found and np.allclose(surfaces.normals, UP)
+        np.testing.assert_allclose(surfaces.points, (1000, 2000, 3), atol=1e-4)
+
+
 def test_power_is_exact_sampled_and_approximate(ask, rectangle, many):
     wanted = ask("power", rectangle.id)
     got = rectangle.power()
