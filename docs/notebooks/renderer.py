@@ -3,8 +3,8 @@
 #
 # The renderer under test is twenty lines of NumPy: it samples a rectangle light uniformly by area.  Lucerna is the
 # reference for densities, radiance and illuminance.  The second version has a common mistake: it forgets that the
-# density by area must become one by solid angle.  Run this file in the root of the repository with `build/release/bin`
-# on PATH.
+# density by area must become one by solid angle.  `lucerna verify` tests such claims and names the likely mistake
+# (docs/verify.md).  Run this file in the root of the repository with `build/release/bin` on PATH.
 
 # %%
 import pathlib
