@@ -11,8 +11,10 @@ namespace {
 
 cli::Cell percent(const std::optional<double>& error) {
   if (!error) return "";
-  return {std::isinf(*error) ? "only one is 0" : fmt::format("{:.2g}%", 100 * *error),
-          {fmt::format("{}", *error)}};
+  std::string text =
+      *error < 1 ? fmt::format("{:.2g}%", 100 * *error) : fmt::format("{:.0f}%", 100 * *error);
+  if (std::isinf(*error)) text = "only one is 0";
+  return {std::move(text), {fmt::format("{}", *error)}};
 }
 
 std::string name_of(std::uint64_t id, const Truth& truth) {

@@ -258,7 +258,7 @@ class Renderer:
         powers["bulb"] = 4 * math.pi * (np.array([12, 6, 3]) @ LUMINANCE)
         cos_out, cos_in = math.cos(math.radians(30)), math.cos(math.radians(18))
         powers["spot"] = 2 * math.pi * 40 * ((1 - cos_in) + (cos_in - cos_out) / 2)
-        powers["gonio"] = 4 * math.pi * (mean_over_sphere(self.lights["gonio"].intensity) @ LUMINANCE)
+        powers["gonio"] = 4 * math.pi * 30 * mean_over_sphere(GONIO)[0]
         powers["screen"] = 2 * math.pi * 3 * (decode(SCREEN / 255).mean(axis=(0, 1)) @ LUMINANCE)
         # Straight lines between angles: integrals of (a + b theta) sin(theta).
         flux = 0

@@ -34,7 +34,8 @@ def texel(texels, u, v, linear=True):
     return decode(values) if linear else values
 
 
-MAP, GONIO, SLIDE, SCREEN = picture(1, 8, 16), picture(2, 8, 16), picture(3, 8, 8), picture(4, 6, 6)
+MAP, SLIDE, SCREEN = picture(1, 8, 16), picture(3, 8, 8), picture(4, 6, 6)
+GONIO = np.repeat(picture(2, 8, 16)[..., :1], 3, axis=2)  # intensities have no colour
 CANDELA = [(0, 300.0), (30, 250.0), (60, 100.0), (90, 20.0)]  # of the luminaire, from straight down
 
 
@@ -43,12 +44,10 @@ def latlong(w):
     return (np.arctan2(w[..., 2], w[..., 0]) / (2 * math.pi)) % 1, np.arccos(np.clip(w[..., 1], -1, 1)) / math.pi
 
 
-def mean_over_sphere(of, n=400):
-    """The mean over directions, by the midpoint rule."""
-    cosine, phi = np.meshgrid((np.arange(n) + 0.5) / n * 2 - 1, (np.arange(2 * n) + 0.5) / n * math.pi, indexing="ij")
-    s = np.sqrt(1 - cosine**2)
-    w = np.stack([s * np.cos(phi), cosine, s * np.sin(phi)], axis=-1).reshape(-1, 3)
-    return of(w).mean(axis=0)
+def mean_over_sphere(texels):
+    """The mean RGB over all directions.  The solid angle of a row is the difference of its cosines."""
+    cosines = np.cos(np.linspace(0, math.pi, len(texels) + 1))
+    return decode(texels / 255).mean(axis=1).T @ ((cosines[:-1] - cosines[1:]) / 2)
 
 
 SCENE = """# The lights of the small renderer.
