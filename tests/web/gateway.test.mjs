@@ -2,13 +2,12 @@
 import assert from "node:assert/strict";
 import { createHash } from "node:crypto";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
-import { request as httpRequest } from "node:http";
-import { request as httpsRequest } from "node:https";
 import { connect } from "node:net";
 import { tmpdir } from "node:os";
 import test, { after, before } from "node:test";
 
-import { Program, root, run, startGateway, startServer, stopAll, until } from "./programs.mjs";
+import { call, send } from "./calls.mjs";
+import { startGateway, startServer, stopAll, until } from "./programs.mjs";
 import { makeScenes } from "./scene.mjs";
 
 const limit = { timeout: 300_000 };
@@ -27,33 +26,6 @@ after(async () => {
   for (const made of [folder, scenes]) rmSync(made, { recursive: true });
 });
 
-/** Sends a request with any headers.  The answer has its body as text. */
-function send(address, { path = "/", method = "GET", headers = {}, body, ca } = {}) {
-  const { hostname, port, protocol } = new URL(address);
-  return new Promise((resolve, reject) => {
-    const make = protocol === "https:" ? httpsRequest : httpRequest;
-    const sent = make({ host: hostname, port, path, method, headers, ca, servername: "localhost", agent: false }, (answer) => {
-      let text = "";
-      answer.setEncoding("utf8");
-      answer.on("data", (part) => (text += part));
-      answer.on("end", () => resolve({ status: answer.statusCode, headers: answer.headers, text }));
-    });
-    sent.on("error", reject);
-    sent.end(body);
-  });
-}
-
-/** Calls a method by the Connect protocol with JSON. */
-function call(address, method, message = {}, { headers = {}, ca } = {}) {
-  return send(address, {
-    path: `/lucerna.v1.${method}`,
-    method: "POST",
-    headers: { "Content-Type": "application/json", ...headers },
-    body: typeof message === "string" ? message : JSON.stringify(message),
-    ca,
-  });
-}
-
 /** The calls that the server computes now in its bulk lane. */
 const bulk = async () => JSON.parse((await call(gateway.address, "AdminService/GetStats")).text).bulkRequests ?? 0;
 
@@ -71,13 +43,21 @@ test("errors keep their code, their text and their details", limit, async () => 
   const { code, message, details } = JSON.parse(missing.text);
   assert.equal(code, "not_found");
   assert.match(message, /no scene with this id|not loaded/);
-  assert.deepEqual(details.map(({ type }) => type), ["google.rpc.ErrorInfo"]);
+  assert.deepEqual(
+    details.map(({ type }) => type),
+    ["google.rpc.ErrorInfo"],
+  );
   assert.ok(Buffer.from(details[0].value, "base64").includes("SCENE_NOT_LOADED"));
 });
 
 test("a picture comes as a stream", limit, async () => {
   const { scenes: loaded } = JSON.parse((await call(gateway.address, "SceneService/ListScenes")).text);
-  const message = JSON.stringify({ sceneId: loaded[0].sceneId, accuracy: { samples: 2 }, samplesPerBlock: 1, tileSize: 40 });
+  const message = JSON.stringify({
+    sceneId: loaded[0].sceneId,
+    accuracy: { samples: 2 },
+    samplesPerBlock: 1,
+    tileSize: 40,
+  });
   const head = Buffer.alloc(5);
   head.writeUInt32BE(message.length, 1);
   const answer = await send(gateway.address, {
@@ -98,7 +78,8 @@ test("an uploaded file comes as a stream of requests", limit, async () => {
     { header: { sha256: createHash("sha256").update(content).digest("base64"), sizeBytes: String(content.length) } },
     { chunk: content.toString("base64") },
   ].map((part) => {
-    const text = Buffer.from(JSON.stringify(part)), head = Buffer.alloc(5);
+    const text = Buffer.from(JSON.stringify(part)),
+      head = Buffer.alloc(5);
     head.writeUInt32BE(text.length, 1);
     return Buffer.concat([head, text]);
   });
@@ -135,7 +116,13 @@ test("the page has strict headers, and nothing else is served", limit, async () 
 
 test("a foreign Host is refused", limit, async () => {
   const { port } = new URL(gateway.address);
-  for (const host of ["evil.example", `evil.example:${port}`, "127.0.0.1.evil.example", "127.0.0.1@evil.example", "10.0.0.1"]) {
+  for (const host of [
+    "evil.example",
+    `evil.example:${port}`,
+    "127.0.0.1.evil.example",
+    "127.0.0.1@evil.example",
+    "10.0.0.1",
+  ]) {
     for (const path of ["/", "/health", "/lucerna.v1.AdminService/GetServerInfo"]) {
       const { status, text } = await send(gateway.address, { path, headers: { Host: host } });
       assert.equal(status, 421, `${host} ${path}`);
@@ -151,9 +138,13 @@ test("a foreign Host is refused", limit, async () => {
 });
 
 test("calls of pages of other sites are refused", limit, async () => {
-  const method = "AdminService/GetServerInfo", { host } = new URL(gateway.address);
+  const method = "AdminService/GetServerInfo",
+    { host } = new URL(gateway.address);
   for (const headers of [
-    { Origin: "https://evil.example" }, { Origin: "null" }, { Origin: "http://127.0.0.1:1" }, { Origin: `http://${host}.evil.example` },
+    { Origin: "https://evil.example" },
+    { Origin: "null" },
+    { Origin: "http://127.0.0.1:1" },
+    { Origin: `http://${host}.evil.example` },
     { "Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors" },
   ]) {
     const { status, text } = await call(gateway.address, method, {}, { headers });
@@ -226,11 +217,16 @@ test("health says whether the server serves", limit, async () => {
 
 test("tokens of callers are passed on, and those of a file stand in", limit, async () => {
   const token = "a-token-for-this-test-only";
-  writeFileSync(`${folder}/tokens.toml`, `[[token]]\nname = "viewer"\nsha256 = "${createHash("sha256").update(token).digest("hex")}"\nroles = ["query"]\n`);
+  writeFileSync(
+    `${folder}/tokens.toml`,
+    `[[token]]\nname = "viewer"\nsha256 = "${createHash("sha256").update(token).digest("hex")}"\nroles = ["query"]\n`,
+  );
   writeFileSync(`${folder}/viewer.token`, `${token}\n`);
   const guarded = await startServer({ scenes, options: [`--token-file=${folder}/tokens.toml`] });
-  const bare = await startGateway(guarded.address), holder = await startGateway(guarded.address, `--token-file=${folder}/viewer.token`);
-  const method = "SceneService/ListScenes", bearer = (text) => ({ headers: { Authorization: `Bearer ${text}` } });
+  const bare = await startGateway(guarded.address),
+    holder = await startGateway(guarded.address, `--token-file=${folder}/viewer.token`);
+  const method = "SceneService/ListScenes",
+    bearer = (text) => ({ headers: { Authorization: `Bearer ${text}` } });
   assert.equal((await call(bare.address, method)).status, 401);
   assert.equal((await call(bare.address, method, {}, bearer("a-wrong-token-of-this-test"))).status, 401);
   assert.equal((await call(bare.address, method, {}, bearer(token))).status, 200);
@@ -244,96 +240,14 @@ test("tokens of callers are passed on, and those of a file stand in", limit, asy
   for (const program of [bare, holder, guarded]) await program.stop();
 });
 
-/** Makes an authority, and certificates that it signs. */
-async function certificates() {
-  const openssl = async (...given) => {
-    const { status, stderr } = await run("openssl", ...given);
-    assert.equal(status, 0, stderr);
-  };
-  const ec = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes"];
-  const path = (name) => `${folder}/${name}`;
-  for (const name of ["authority", "stranger"])
-    await openssl("req", "-x509", ...ec, "-days", "2", "-subj", `/CN=${name}`, "-keyout", path(`${name}.key`), "-out", path(`${name}.pem`));
-  writeFileSync(path("names"), "subjectAltName=DNS:localhost,IP:127.0.0.1\n");
-  for (const name of ["server", "gateway"]) {
-    await openssl("req", "-new", ...ec, "-subj", `/CN=${name}`, "-keyout", path(`${name}.key`), "-out", path(`${name}.csr`));
-    await openssl("x509", "-req", "-in", path(`${name}.csr`), "-CA", path("authority.pem"), "-CAkey", path("authority.key"), "-CAcreateserial", "-days", "2", "-extfile", path("names"), "-out", path(`${name}.pem`));
-  }
-  return path;
-}
-
-test("TLS holds on both sides", limit, async () => {
-  const path = await certificates();
-  const secure = await startServer({
-    scenes,
-    options: [`--tls-cert=${path("server.pem")}`, `--tls-key=${path("server.key")}`, `--tls-client-ca=${path("authority.pem")}`],
-  });
-  const certificate = [`--server-cert=${path("gateway.pem")}`, `--server-key=${path("gateway.key")}`];
-  const front = [`--tls-cert=${path("gateway.pem")}`, `--tls-key=${path("gateway.key")}`];
-  const { readFileSync } = await import("node:fs");
-  const ca = readFileSync(path("authority.pem"));
-  const method = "AdminService/GetServerInfo";
-
-  const good = await startGateway(secure.address, `--server-ca=${path("authority.pem")}`, ...certificate, ...front);
-  assert.match(good.address, /^https:/);
-  const answer = await call(good.address, method, {}, { ca });
-  assert.equal(answer.status, 200, answer.text);
-  await assert.rejects(call(good.address, method, {}, { ca: readFileSync(path("stranger.pem")) }), /certificate/);
-  assert.equal((await send(good.address, { ca, headers: { Host: "evil.example" } })).status, 421);
-  assert.equal(await good.stop(), 0);
-
-  for (const [what, options] of [
-    ["an unknown authority", [`--server-ca=${path("stranger.pem")}`, ...certificate]],
-    ["no certificate of its own", [`--server-ca=${path("authority.pem")}`]],
-    ["another name", [`--server-ca=${path("authority.pem")}`, ...certificate, "--server-name=other.example"]],
-    ["no TLS", []],
-  ]) {
-    const bad = await startGateway(secure.address, ...options);
-    const { status, text } = await call(bad.address, method);
-    assert.equal(status, 503, `${what}: ${text}`);
-    assert.match(JSON.parse(text).message, /lucernad does not answer/, what);
-    await bad.stop();
-  }
-  await secure.stop();
-});
-
-test("wrong settings are refused with their name and what is allowed", limit, async () => {
-  const program = `${root}build/web/lucerna-web.mjs`;
-  for (const [options, words] of [
-    [["--listen=0.0.0.0:0"], /listen = 0\.0\.0\.0:0, which other machines can reach; allowed: a loopback address/],
-    [["--listen=127.0.0.1"], /listen = 127\.0\.0\.1, allowed: HOST:PORT/],
-    [["--server=10.1.2.3:50051"], /server = 10\.1\.2\.3:50051, on another machine and without TLS; allowed: /],
-    [["--tls-cert=/none"], /tls-cert and tls-key: one is missing/],
-    [["--tls-cert=/none", "--tls-key=/none"], /tls-cert = \/none: ENOENT/],
-    [["--server-name=a"], /need TLS to lucernad/],
-    [["--max-calls=0"], /max-calls = 0, allowed: 1 to 65536/],
-    [["--max-calls=many"], /max-calls = many, allowed: 1 to 65536/],
-    [["--no-such"], /--no-such: no such option/],
-    [["--token-file=/none"], /token-file = \/none: ENOENT/],
-    [["--listen"], /--listen needs a value: HOST:PORT/],
-  ]) {
-    const { status, stderr } = await run(process.execPath, program, ...options);
-    assert.equal(status, 2, `${options}: ${stderr}`);
-    assert.match(stderr, words);
-  }
-  const { status, stdout } = await run(process.execPath, program, "--help");
-  assert.equal(status, 0);
-  assert.match(stdout, /--listen HOST:PORT=127\.0\.0\.1:8080 /);
-});
-
-test("the environment sets what flags do not", limit, async () => {
-  const program = `${root}build/web/lucerna-web.mjs`;
-  const environment = { LUCERNA_WEB_LISTEN: "127.0.0.1:0", LUCERNA_WEB_SERVER: server.address, LUCERNA_WEB_MAX_CALLS: "0" };
-  const started = await Program.start(process.execPath, [program, "--max-calls=2"], environment);
-  assert.equal((await call(started.address, "AdminService/GetServerInfo")).status, 200);
-  assert.equal(await started.stop(), 0);
-  await assert.rejects(Program.start(process.execPath, [program], environment), /max-calls = 0, allowed/);
-});
-
 test("SIGTERM lets running calls finish, and takes no others", limit, async () => {
   const ending = await startGateway(server.address, "--drain-seconds=300");
   const { scenes: loaded } = JSON.parse((await call(ending.address, "SceneService/ListScenes")).text);
-  const running = call(ending.address, "RenderService/RenderTile", { sceneId: loaded[0].sceneId, rect: { x1: 60, y1: 40 }, accuracy: { samples: 4096 } });
+  const running = call(ending.address, "RenderService/RenderTile", {
+    sceneId: loaded[0].sceneId,
+    rect: { x1: 60, y1: 40 },
+    accuracy: { samples: 4096 },
+  });
   await until(async () => (await bulk()) > 0);
   const status = ending.stop();
   await until(() => ending.output.includes("draining"));
@@ -345,7 +259,11 @@ test("SIGTERM lets running calls finish, and takes no others", limit, async () =
 test("calls that outlast the drain are ended with a reason", limit, async () => {
   const ending = await startGateway(server.address, "--drain-seconds=0");
   const { scenes: loaded } = JSON.parse((await call(ending.address, "SceneService/ListScenes")).text);
-  const running = call(ending.address, "RenderService/RenderTile", { sceneId: loaded[0].sceneId, rect: { x1: 60, y1: 40 }, accuracy: { samples: 1 << 18 } });
+  const running = call(ending.address, "RenderService/RenderTile", {
+    sceneId: loaded[0].sceneId,
+    rect: { x1: 60, y1: 40 },
+    accuracy: { samples: 1 << 18 },
+  });
   await until(async () => (await bulk()) > 0);
   const status = ending.stop();
   const { text } = await running;

@@ -8,7 +8,15 @@ import { count, digits, duration, metres, percent, withError } from "../../deplo
 import { dot, frame, grid, inFrame, isInPlane, length, line } from "../../deploy/web/page/geometry.js";
 
 test("numbers have significant digits", () => {
-  for (const [value, text] of [[0, "0"], [99.96, "100"], [0.01234, "0.0123"], [2.5, "2.50"], [-3, "−3.00"], [NaN, "–"], [1.5e9, "1.50e+9"]])
+  for (const [value, text] of [
+    [0, "0"],
+    [99.96, "100"],
+    [0.01234, "0.0123"],
+    [2.5, "2.50"],
+    [-3, "−3.00"],
+    [NaN, "–"],
+    [1.5e9, "1.50e+9"],
+  ])
     assert.equal(digits(value), text);
   assert.equal(duration(0.0123), "12.3 ms");
   assert.equal(duration(61.4), "61.4 s");
@@ -28,17 +36,35 @@ test("values have the decimals that their error supports", () => {
 });
 
 test("the axes of a plane are at right angles, upright on walls, and along the world on floors", () => {
-  for (const normal of [[0, 0, 1], [0, 0, -1], [0, -1, 0], [1, 0, 0], [0.6, 0, 0.8], [0.3, -0.5, 0.2]]) {
+  for (const normal of [
+    [0, 0, 1],
+    [0, 0, -1],
+    [0, -1, 0],
+    [1, 0, 0],
+    [0.6, 0, 0.8],
+    [0.3, -0.5, 0.2],
+  ]) {
     const f = frame({ point: [1, 2, 3], normal });
     for (const v of [f.u, f.v, f.normal]) assert.ok(Math.abs(length(v) - 1) < 1e-12);
-    for (const [a, b] of [[f.u, f.v], [f.v, f.normal], [f.u, f.normal]]) assert.ok(Math.abs(dot(a, b)) < 1e-12);
+    for (const [a, b] of [
+      [f.u, f.v],
+      [f.v, f.normal],
+      [f.u, f.normal],
+    ])
+      assert.ok(Math.abs(dot(a, b)) < 1e-12);
     const { u, v, away } = inFrame(f, [1 + 2 * f.u[0] - f.v[0], 2 + 2 * f.u[1] - f.v[1], 3 + 2 * f.u[2] - f.v[2]]);
     assert.ok(Math.abs(u - 2) < 1e-12 && Math.abs(v + 1) < 1e-12 && Math.abs(away) < 1e-12);
   }
   assert.deepEqual(frame({ point: [0, 0, 0], normal: [0, 0, 1] }).u.map(Math.round), [1, 0, 0]);
   // Seen from the front, the right of a wall that faces -y is +x.
   const wall = frame({ point: [0, 0, 0], normal: [0, -1, 0] });
-  assert.deepEqual([wall.u, wall.v].map((v) => v.map((x) => Math.round(x) + 0)) /* no -0 */, [[1, 0, 0], [0, 0, 1]]);
+  assert.deepEqual(
+    [wall.u, wall.v].map((v) => v.map((x) => Math.round(x) + 0)) /* no -0 */,
+    [
+      [1, 0, 0],
+      [0, 0, 1],
+    ],
+  );
 });
 
 test("a grid has the centres of its cells, whichever corner comes first", () => {
@@ -63,7 +89,12 @@ test("a line has both ends", () => {
 
 test("scales have round ticks that contain the values", () => {
   assert.deepEqual(linearScale(3, 149).ticks, [0, 20, 40, 60, 80, 100, 120, 140, 160]);
-  for (const [low, high] of [[0, 1], [90, 100], [0.001, 0.0023], [5, 1e6]]) {
+  for (const [low, high] of [
+    [0, 1],
+    [90, 100],
+    [0.001, 0.0023],
+    [5, 1e6],
+  ]) {
     const { ticks, share } = linearScale(low, high);
     assert.ok(ticks[0] <= low && ticks.at(-1) >= high * (1 - 1e-9), `${low} to ${high}: ${ticks}`);
     assert.equal(share(ticks[0]), 0);
@@ -82,13 +113,19 @@ test("lines of equal value lie where the values cross, and join", () => {
   const slope = Array.from({ length: 5 * 4 }, (_, i) => i % 5);
   const [straight, ...none] = joined(segments(slope, 5, 4, 2.5));
   assert.equal(none.length, 0);
-  assert.deepEqual(straight.map(([x]) => x), Array(4).fill(2.5));
+  assert.deepEqual(
+    straight.map(([x]) => x),
+    Array(4).fill(2.5),
+  );
   assert.deepEqual(straight.map(([, y]) => y).sort(), [0, 1, 2, 3]);
   // A hill: one closed line about its top, which is at (4, 4).
   const hill = Array.from({ length: 81 }, (_, i) => 10 - Math.hypot((i % 9) - 4, Math.floor(i / 9) - 4));
   const rings = joined(segments(hill, 9, 9, 7.5));
   assert.equal(rings.length, 1);
-  assert.deepEqual(rings[0][0].map((v) => v.toFixed(6)), rings[0].at(-1).map((v) => v.toFixed(6)));
+  assert.deepEqual(
+    rings[0][0].map((v) => v.toFixed(6)),
+    rings[0].at(-1).map((v) => v.toFixed(6)),
+  );
   for (const [x, y] of rings[0]) assert.ok(Math.abs(Math.hypot(x - 4, y - 4) - 2.5) < 0.1);
   // No line where a value is missing.
   assert.equal(segments([0, NaN, 1, 1], 2, 2, 0.5).length, 0);

@@ -42,7 +42,10 @@ export class Program {
   static async start(command, args, environment = {}) {
     const program = new Program();
     running.add(program);
-    program.#process = spawn(command, args, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, ...environment } });
+    program.#process = spawn(command, args, {
+      stdio: ["ignore", "pipe", "pipe"],
+      env: { ...process.env, ...environment },
+    });
     program.ended = new Promise((resolve) => program.#process.once("exit", (status) => resolve(status)));
     // It must not outlive a test that is stopped.
     process.once("exit", program.#kill);
@@ -81,7 +84,12 @@ export const startServer = ({ listen = "127.0.0.1:0", scenes = `${root}scenes`, 
 
 /** A gateway to the server at `server`. */
 export const startGateway = (server, ...options) =>
-  Program.start(process.execPath, [`${root}build/web/lucerna-web.mjs`, "--listen=127.0.0.1:0", `--server=${server}`, ...options]);
+  Program.start(process.execPath, [
+    `${root}build/web/lucerna-web.mjs`,
+    "--listen=127.0.0.1:0",
+    `--server=${server}`,
+    ...options,
+  ]);
 
 /** Runs `lucerna` against the server.  Throws if it fails. */
 export async function lucerna(server, ...given) {

@@ -29,7 +29,10 @@ export function guard(names) {
     const authority = headers[":authority"] ?? headers.host;
     const host = hostOf(authority);
     if (host === undefined || !allowed.has(host))
-      return { status: 421, text: `Host = ${authority ?? "unset"}, allowed: ${[...allowed].join(", ")}; --name adds a name` };
+      return {
+        status: 421,
+        text: `Host = ${authority ?? "unset"}, allowed: ${[...allowed].join(", ")}; --name adds a name`,
+      };
     const { origin } = headers;
     if (origin !== undefined && origin.replace(/^https?:\/\//, "") !== authority)
       return { status: 403, text: `Origin = ${origin}, allowed: the origin of this page` };

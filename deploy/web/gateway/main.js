@@ -42,7 +42,13 @@ function handler(settings, stop) {
     } else if (request.url === "/health") {
       calls.checkHealth().then(
         () => answer(response, 200, '{"status":"SERVING"}', "application/json"),
-        (error) => answer(response, 503, JSON.stringify({ status: "NOT_SERVING", message: ConnectError.from(error).rawMessage }), "application/json"),
+        (error) =>
+          answer(
+            response,
+            503,
+            JSON.stringify({ status: "NOT_SERVING", message: ConnectError.from(error).rawMessage }),
+            "application/json",
+          ),
       );
     } else {
       connect(request, response);

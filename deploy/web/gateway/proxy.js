@@ -19,7 +19,8 @@ import { content } from "./settings.js";
  */
 export function connection(s) {
   const tls = s.serverTls || s.serverCa !== "";
-  const file = (/** @type {string} */ setting, /** @type {string} */ path) => (path ? content(setting, path) : undefined);
+  const file = (/** @type {string} */ setting, /** @type {string} */ path) =>
+    path ? content(setting, path) : undefined;
   return createGrpcTransport({
     baseUrl: `${tls ? "https" : "http"}://${s.server}`,
     readMaxBytes: s.maxMessageBytes,

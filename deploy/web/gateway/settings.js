@@ -31,23 +31,52 @@ import { isIP } from "node:net";
 
 /** @type {Setting[]} */
 const schema = [
-  { name: "listen", value: "HOST:PORT", default: "127.0.0.1:8080", help: "Address for browsers; port 0 chooses a free port" },
-  { name: "insecure", help: "Allow addresses that other machines reach, without TLS.  Everyone there can read and send" },
+  {
+    name: "listen",
+    value: "HOST:PORT",
+    default: "127.0.0.1:8080",
+    help: "Address for browsers; port 0 chooses a free port",
+  },
+  {
+    name: "insecure",
+    help: "Allow addresses that other machines reach, without TLS.  Everyone there can read and send",
+  },
   { name: "tls-cert", value: "FILE", help: "Certificate chain for browsers, in PEM" },
   { name: "tls-key", value: "FILE", help: "The private key of --tls-cert, in PEM" },
-  { name: "name", value: "HOST", repeats: true, help: "Another host name under which browsers reach the page; may be repeated" },
+  {
+    name: "name",
+    value: "HOST",
+    repeats: true,
+    help: "Another host name under which browsers reach the page; may be repeated",
+  },
   { name: "server", value: "HOST:PORT", default: "127.0.0.1:50051", help: "Address of lucernad" },
   { name: "server-tls", help: "Use TLS to lucernad, with the authorities that Node trusts" },
   { name: "server-ca", value: "FILE", help: "Use TLS to lucernad, with these authorities, in PEM" },
   { name: "server-cert", value: "FILE", help: "The gateway's certificate for lucernad, in PEM" },
   { name: "server-key", value: "FILE", help: "The private key of --server-cert, in PEM" },
-  { name: "server-name", value: "HOST", help: "Name that lucernad's certificate must have; default: the host of --server" },
+  {
+    name: "server-name",
+    value: "HOST",
+    help: "Name that lucernad's certificate must have; default: the host of --server",
+  },
   { name: "token-file", value: "FILE", help: "Token for callers that send none.  They then have its rights" },
-  { name: "max-message-bytes", value: "N", default: 1 << 26, range: [1 << 16, 2147483647], help: "Most bytes of one message" },
+  {
+    name: "max-message-bytes",
+    value: "N",
+    default: 1 << 26,
+    range: [1 << 16, 2147483647],
+    help: "Most bytes of one message",
+  },
   { name: "max-calls", value: "N", default: 256, range: [1, 65536], help: "Most calls at once" },
   { name: "max-connections", value: "N", default: 1024, range: [1, 65536], help: "Most open connections of browsers" },
   { name: "call-seconds", value: "N", default: 3600, range: [1, 86400], help: "Longest time of one call" },
-  { name: "drain-seconds", value: "N", default: 10, range: [0, 3600], help: "Time that running calls have to finish after SIGTERM" },
+  {
+    name: "drain-seconds",
+    value: "N",
+    default: 10,
+    range: [0, 3600],
+    help: "Time that running calls have to finish after SIGTERM",
+  },
 ];
 
 /** The setting's name as a property: "tls-cert" is tlsCert. */
@@ -106,7 +135,11 @@ export function content(/** @type {string} */ setting, /** @type {string} */ pat
 }
 
 /** Reads one value. */
-function parsed(/** @type {Setting} */ { name, value, range }, /** @type {string} */ text, /** @type {string} */ origin) {
+function parsed(
+  /** @type {Setting} */ { name, value, range },
+  /** @type {string} */ text,
+  /** @type {string} */ origin,
+) {
   if (value === undefined) {
     if (text === "true" || text === "1") return true;
     if (text === "false" || text === "0") return false;
@@ -155,7 +188,8 @@ export function readSettings(args, environment) {
     const fromEnvironment = environment[variable(name)];
     /** @type {string[] | undefined} */
     const texts =
-      given.get(name) ?? (fromEnvironment === undefined ? undefined : repeats ? fromEnvironment.split(",") : [fromEnvironment]);
+      given.get(name) ??
+      (fromEnvironment === undefined ? undefined : repeats ? fromEnvironment.split(",") : [fromEnvironment]);
     const values = texts?.map((text) => parsed(setting, text, name));
     settings[property(name)] = values === undefined ? fallback : repeats ? values : values[0];
   }

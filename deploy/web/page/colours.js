@@ -2,7 +2,14 @@
 
 // Stops of a map with rising lightness, also for people who see red and green alike: near viridis and its bright end.
 const stops = [
-  [38, 18, 66], [62, 40, 120], [52, 92, 141], [34, 132, 141], [46, 168, 126], [116, 204, 84], [197, 222, 52], [253, 240, 110],
+  [38, 18, 66],
+  [62, 40, 120],
+  [52, 92, 141],
+  [34, 132, 141],
+  [46, 168, 126],
+  [116, 204, 84],
+  [197, 222, 52],
+  [253, 240, 110],
 ];
 
 /** The colour of a share from 0 to 1, as [r, g, b] of 0 to 255. */
@@ -35,7 +42,8 @@ export function linearScale(/** @type {number} */ low, /** @type {number} */ hig
   // A scale from 0, unless the values differ by less than half.
   const start = low > high / 2 ? low : 0;
   const step = roundUp(Math.max((high - start) / steps, high * 1e-6));
-  const first = Math.floor(start / step) * step, last = Math.ceil(high / step - 1e-9) * step;
+  const first = Math.floor(start / step) * step,
+    last = Math.ceil(high / step - 1e-9) * step;
   const ticks = [];
   for (let i = 0; first + i * step <= last + step / 2; ++i) ticks.push(Number((first + i * step).toPrecision(12)));
   return { share: (v) => (v - first) / (last - first || 1), ticks, low: first, high: last };
@@ -48,7 +56,8 @@ export function linearScale(/** @type {number} */ low, /** @type {number} */ hig
 export function logScale(/** @type {number} */ low, /** @type {number} */ high) {
   if (!(high > 0)) return { share: () => 0, ticks: [], low: 0, high: 1 };
   const bottom = Math.max(low, high * 1e-5);
-  const a = Math.log10(bottom), b = Math.max(Math.log10(high), a + 0.3);
+  const a = Math.log10(bottom),
+    b = Math.max(Math.log10(high), a + 0.3);
   const ticks = [];
   for (let decade = Math.floor(a); decade <= Math.ceil(b); ++decade)
     for (const factor of b - a > 2.5 ? [1] : [1, 2, 5]) {

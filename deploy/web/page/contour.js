@@ -16,13 +16,19 @@ export function segments(values, columns, rows, level) {
   for (let j = 0; j + 1 < rows; ++j)
     for (let i = 0; i + 1 < columns; ++i) {
       // The corners in turn about the square, and where the level crosses the sides between them.
-      const corners = /** @type {Position[]} */ ([[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]]);
+      const corners = /** @type {Position[]} */ ([
+        [i, j],
+        [i + 1, j],
+        [i + 1, j + 1],
+        [i, j + 1],
+      ]);
       const at = corners.map(([x, y]) => values[y * columns + x]);
       if (at.some(Number.isNaN)) continue;
       /** @type {Position[]} */
       const crossings = [];
       for (let k = 0; k < 4; ++k) {
-        const a = at[k], b = at[(k + 1) % 4];
+        const a = at[k],
+          b = at[(k + 1) % 4];
         if (a >= level === b >= level) continue;
         const t = (level - a) / (b - a);
         const [from, to] = [corners[k], corners[(k + 1) % 4]];
@@ -33,7 +39,17 @@ export function segments(values, columns, rows, level) {
       // A saddle: the mean tells which corners belong together.
       const joined = at.reduce((sum, v) => sum + v, 0) / 4 >= level === at[0] >= level;
       const [p, q, r, s] = crossings;
-      result.push(...(joined ? /** @type {[Position, Position][]} */ ([[p, q], [r, s]]) : /** @type {[Position, Position][]} */ ([[s, p], [q, r]])));
+      result.push(
+        ...(joined
+          ? /** @type {[Position, Position][]} */ ([
+              [p, q],
+              [r, s],
+            ])
+          : /** @type {[Position, Position][]} */ ([
+              [s, p],
+              [q, r],
+            ])),
+      );
     }
   return result;
 }

@@ -29,11 +29,22 @@ export class Dial {
     this.#seconds = steps.map(() => NaN);
     const id = `${box.id}-slider`;
     this.#value = make("output", { for: id });
-    this.#slider = make("input", { id, type: "range", min: 0, max: steps.length - 1, step: 1, value: steps.indexOf(start) });
+    this.#slider = make("input", {
+      id,
+      type: "range",
+      min: 0,
+      max: steps.length - 1,
+      step: 1,
+      value: steps.indexOf(start),
+    });
     this.#bars = make("ol", { class: "times", "aria-label": "Time of each step" });
     this.#slider.addEventListener("input", () => this.#show());
     this.#slider.addEventListener("change", changed);
-    box.append(make("div", { class: "dial-head" }, make("label", { for: id, text: name }), this.#value), this.#slider, this.#bars);
+    box.append(
+      make("div", { class: "dial-head" }, make("label", { for: id, text: name }), this.#value),
+      this.#slider,
+      this.#bars,
+    );
     this.#show();
   }
 
@@ -62,7 +73,8 @@ export class Dial {
   }
 
   #show() {
-    const at = Number(this.#slider.value), longest = Math.max(...this.#seconds.filter((s) => s > 0), 1e-9);
+    const at = Number(this.#slider.value),
+      longest = Math.max(...this.#seconds.filter((s) => s > 0), 1e-9);
     const chosen = `${this.#prefix}${this.#text(this.#steps[at])}`;
     this.#value.textContent = chosen;
     this.#slider.setAttribute("aria-valuetext", chosen);

@@ -21,7 +21,8 @@ const mostSamples = 16384;
 
 /**
  * The light at many points of a plane.  NaN: not yet known, or inside a solid.
- * @typedef {{lux: Float64Array, lower: Float64Array, upper: Float64Array, done: number, seconds: number, samples: number, rays: number}} Field
+ * @typedef {{lux: Float64Array, lower: Float64Array, upper: Float64Array, done: number, seconds: number, samples: number,
+ *   rays: number}} Field
  */
 
 /**
@@ -49,7 +50,8 @@ export async function measureField(sceneId, points, normal, relative, signal, pr
   return field;
 }
 
-/** @typedef {NonNullable<import("@bufbuild/protobuf").MessageInitShape<typeof import("../../generated/lucerna/v1/accuracy_pb.js").AccuracySchema>["stop"]>} Stop */
+/** @typedef {typeof import("../../generated/lucerna/v1/accuracy_pb.js").AccuracySchema} Schema */
+/** @typedef {NonNullable<import("@bufbuild/protobuf").MessageInitShape<Schema>["stop"]>} Stop */
 
 /**
  * Measures all points once.
@@ -91,7 +93,11 @@ async function pass(sceneId, points, normal, stop, signal, field, progress) {
 
 /** Minimum, mean and maximum of the known values; the error of the mean, whose points err independently. */
 export function summary(/** @type {Field} */ { lux, lower, upper }) {
-  let n = 0, sum = 0, squares = 0, low = Infinity, high = 0;
+  let n = 0,
+    sum = 0,
+    squares = 0,
+    low = Infinity,
+    high = 0;
   for (let i = 0; i < lux.length; ++i) {
     if (Number.isNaN(lux[i])) continue;
     n += 1;
@@ -100,14 +106,21 @@ export function summary(/** @type {Field} */ { lux, lower, upper }) {
     low = Math.min(low, lux[i]);
     high = Math.max(high, lux[i]);
   }
-  return { n, mean: n ? sum / n : NaN, error: n ? Math.sqrt(squares) / n : NaN, low: n ? low : NaN, high: n ? high : NaN };
+  return {
+    n,
+    mean: n ? sum / n : NaN,
+    error: n ? Math.sqrt(squares) / n : NaN,
+    low: n ? low : NaN,
+    high: n ? high : NaN,
+  };
 }
 
 /** The row of figures over a chart. */
 function figures(/** @type {Field} */ field, /** @type {string} */ size) {
   const { n, mean, error, low, high } = summary(field);
   const about = withError(mean, error);
-  const figure = (/** @type {string} */ name, /** @type {string} */ text) => make("div", {}, make("dt", { text: name }), make("dd", { text }));
+  const figure = (/** @type {string} */ name, /** @type {string} */ text) =>
+    make("div", {}, make("dt", { text: name }), make("dd", { text }));
   const left = field.done - n;
   return [
     make(
@@ -130,10 +143,17 @@ function figures(/** @type {Field} */ field, /** @type {string} */ size) {
 }
 
 const costLine = (/** @type {Field} */ f) =>
-  make("p", { class: "soft", text: `${f.done} points, ${count(f.samples)} samples, ${count(f.rays)} rays, ${duration(f.seconds)}.` });
+  make("p", {
+    class: "soft",
+    text: `${f.done} points, ${count(f.samples)} samples, ${count(f.rays)} rays, ${duration(f.seconds)}.`,
+  });
 
 /** A legend of colours with its ticks. */
-export function legend(/** @type {import("./colours.js").Scale} */ scale, /** @type {string} */ unit, text = (/** @type {number} */ v) => String(v)) {
+export function legend(
+  /** @type {import("./colours.js").Scale} */ scale,
+  /** @type {string} */ unit,
+  text = (/** @type {number} */ v) => String(v),
+) {
   const strip = make("div", { class: "strip", "aria-hidden": "true" });
   strip.style.background = `linear-gradient(to right, ${Array.from({ length: 15 }, (_, i) => css(i / 14)).join(", ")})`;
   const ticks = make("div", { class: "ticks" });
@@ -148,18 +168,30 @@ export function legend(/** @type {import("./colours.js").Scale} */ scale, /** @t
 }
 
 /** The value between the centres of the cells, or that of the nearest one at the edge. */
-function between(/** @type {Grid} */ { columns, rows }, /** @type {Float64Array} */ lux, /** @type {number} */ x, /** @type {number} */ y) {
+function between(
+  /** @type {Grid} */ { columns, rows },
+  /** @type {Float64Array} */ lux,
+  /** @type {number} */ x,
+  /** @type {number} */ y,
+) {
   const clamp = (/** @type {number} */ v, /** @type {number} */ n) => Math.min(n - 1, Math.max(0, v));
-  const i = Math.min(columns - 2, Math.floor(clamp(x, columns))), j = Math.min(rows - 2, Math.floor(clamp(y, rows)));
-  const fx = clamp(x, columns) - i, fy = clamp(y, rows) - j;
+  const i = Math.min(columns - 2, Math.floor(clamp(x, columns))),
+    j = Math.min(rows - 2, Math.floor(clamp(y, rows)));
+  const fx = clamp(x, columns) - i,
+    fy = clamp(y, rows) - j;
   const at = (/** @type {number} */ a, /** @type {number} */ b) => lux[b * columns + a];
-  const mixed = (at(i, j) * (1 - fx) + at(i + 1, j) * fx) * (1 - fy) + (at(i, j + 1) * (1 - fx) + at(i + 1, j + 1) * fx) * fy;
+  const mixed =
+    (at(i, j) * (1 - fx) + at(i + 1, j) * fx) * (1 - fy) + (at(i, j + 1) * (1 - fx) + at(i + 1, j + 1) * fx) * fy;
   // Beside a point that is left out, the nearest one counts.
   return Number.isNaN(mixed) ? at(Math.round(clamp(x, columns)), Math.round(clamp(y, rows))) : mixed;
 }
 
 /** The colours of the grid over the picture, where the picture shows its plane. */
-export function overlayOf(/** @type {Grid} */ grid, /** @type {Field | undefined} */ field, /** @type {import("./surfaces.js").SurfaceMap} */ map) {
+export function overlayOf(
+  /** @type {Grid} */ grid,
+  /** @type {Field | undefined} */ field,
+  /** @type {import("./surfaces.js").SurfaceMap} */ map,
+) {
   const canvas = make("canvas", { width: map.columns, height: map.rows });
   const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   const image = context.createImageData(map.columns, map.rows);
@@ -169,9 +201,11 @@ export function overlayOf(/** @type {Grid} */ grid, /** @type {Field | undefined
   for (let j = 0; j < map.rows; ++j)
     for (let i = 0; i < map.columns; ++i) {
       const place = map.cell(i, j);
-      if (!place || normal[0] * place.normal[0] + normal[1] * place.normal[1] + normal[2] * place.normal[2] < 0.98) continue;
+      if (!place || normal[0] * place.normal[0] + normal[1] * place.normal[1] + normal[2] * place.normal[2] < 0.98)
+        continue;
       const { u, v, away } = inFrame(grid.plane, place.point);
-      const x = ((u - grid.u0) / grid.width) * grid.columns - 0.5, y = ((v - grid.v0) / grid.height) * grid.rows - 0.5;
+      const x = ((u - grid.u0) / grid.width) * grid.columns - 0.5,
+        y = ((v - grid.v0) / grid.height) * grid.rows - 0.5;
       if (Math.abs(away) > near || x < -0.5 || y < -0.5 || x > grid.columns - 0.5 || y > grid.rows - 0.5) continue;
       const value = field && scale ? between(grid, field.lux, x, y) : NaN;
       const [r, g, b] = scale && !Number.isNaN(value) ? colour(scale.share(value)) : [255, 255, 255];
@@ -196,15 +230,23 @@ export function showGrid(/** @type {HTMLElement} */ box, /** @type {Grid} */ gri
       context.fillStyle = css(scale.share(value));
       context.fillRect(x, y, 1, 1);
     }
-  const drawing = draw("svg", { viewBox: `0 0 ${columns * cell} ${rows * cell}`, role: "img", "aria-label": `Plan of the illuminance: least ${digits(low)}, most ${digits(high)}, on average ${digits(mean)} lux` });
+  const drawing = draw("svg", {
+    viewBox: `0 0 ${columns * cell} ${rows * cell}`,
+    role: "img",
+    "aria-label": `Plan of the illuminance: least ${digits(low)}, most ${digits(high)}, on average ${digits(mean)} lux`,
+  });
   /** @type {number[][]} */
   const labels = [];
   for (const level of scale.ticks.filter((t) => t > low && t < high))
     for (const points of joined(segments(field.lux, columns, rows, level))) {
       const at = points.map(([x, y]) => [(x + 0.5) * cell, (rows - 0.5 - y) * cell]);
-      drawing.append(draw("polyline", { points: at.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" "), class: "isoline" }));
+      drawing.append(
+        draw("polyline", { points: at.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" "), class: "isoline" }),
+      );
       // A label where none is near; short lines have none.
-      const spot = [0.5, 0.25, 0.75].map((part) => at[Math.floor(part * at.length)]).find(([x, y]) => labels.every(([a, b]) => Math.abs(x - a) > 44 || Math.abs(y - b) > 22));
+      const spot = [0.5, 0.25, 0.75]
+        .map((part) => at[Math.floor(part * at.length)])
+        .find(([x, y]) => labels.every(([a, b]) => Math.abs(x - a) > 44 || Math.abs(y - b) > 22));
       if (at.length < 8 || !spot) continue;
       labels.push(spot);
       drawing.append(draw("text", { x: spot[0].toFixed(1), y: spot[1].toFixed(1), class: "isolabel" }, String(level)));
@@ -214,37 +256,75 @@ export function showGrid(/** @type {HTMLElement} */ box, /** @type {Grid} */ gri
   plan.append(drawing);
   const table = make("table", {}, make("caption", { text: "Illuminance [lx], rows from the top of the plan" }));
   for (let j = rows - 1; j >= 0; --j)
-    table.append(make("tr", {}, ...Array.from({ length: columns }, (_, i) => make("td", { text: digits(field.lux[j * columns + i]) }))));
+    table.append(
+      make(
+        "tr",
+        {},
+        ...Array.from({ length: columns }, (_, i) => make("td", { text: digits(field.lux[j * columns + i]) })),
+      ),
+    );
   box.replaceChildren(
     ...figures(field, `${digits(grid.width)} × ${digits(grid.height)} m`),
     plan,
     legend(scale, "lx"),
     costLine(field),
-    make("details", {}, make("summary", { text: `Table of ${columns} × ${rows} points` }), make("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Table of the points" }, table)),
+    make(
+      "details",
+      {},
+      make("summary", { text: `Table of ${columns} × ${rows} points` }),
+      make("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Table of the points" }, table),
+    ),
   );
 }
 
 /** Shows a line: figures, and a chart with the interval of each point. */
 export function showLine(/** @type {HTMLElement} */ box, /** @type {Line} */ line, /** @type {Field} */ field) {
-  const width = 300, height = 150, left = 40, bottom = 24, top = 8;
+  const width = 300,
+    height = 150,
+    left = 40,
+    bottom = 24,
+    top = 8;
   const { low, high, mean } = summary(field);
   const scale = linearScale(0, Math.max(...Array.from(field.upper, (v) => (Number.isNaN(v) ? 0 : v))));
   const x = (/** @type {number} */ i) => left + ((width - left - 6) * i) / (field.lux.length - 1);
   const y = (/** @type {number} */ v) => height - bottom - (height - bottom - top) * scale.share(v);
-  const drawing = draw("svg", { viewBox: `0 0 ${width} ${height}`, class: "chart", role: "img", "aria-label": `Illuminance along the line: least ${digits(low)}, most ${digits(high)}, on average ${digits(mean)} lux` });
+  const drawing = draw("svg", {
+    viewBox: `0 0 ${width} ${height}`,
+    class: "chart",
+    role: "img",
+    "aria-label": `Illuminance along the line: least ${digits(low)}, most ${digits(high)}, on average ${digits(mean)} lux`,
+  });
   for (const tick of scale.ticks) {
     drawing.append(draw("line", { x1: left, x2: width - 6, y1: y(tick), y2: y(tick), class: "gridline" }));
     drawing.append(draw("text", { x: left - 5, y: y(tick) + 3, class: "axis end" }, String(tick)));
   }
   for (const part of [0, 0.5, 1])
-    drawing.append(draw("text", { x: x(part * (field.lux.length - 1)), y: height - 8, class: part === 1 ? "axis end" : part ? "axis middle" : "axis" }, `${digits(part * line.length)}${part === 1 ? " m" : ""}`));
+    drawing.append(
+      draw(
+        "text",
+        {
+          x: x(part * (field.lux.length - 1)),
+          y: height - 8,
+          class: part === 1 ? "axis end" : part ? "axis middle" : "axis",
+        },
+        `${digits(part * line.length)}${part === 1 ? " m" : ""}`,
+      ),
+    );
   const known = Array.from(field.lux.keys()).filter((i) => !Number.isNaN(field.lux[i]));
-  const path = (/** @type {Float64Array} */ values, order = known) => order.map((i) => `${x(i).toFixed(1)},${y(values[i]).toFixed(1)}`).join(" ");
-  drawing.append(draw("polygon", { points: `${path(field.upper)} ${path(field.lower, [...known].reverse())}`, class: "band" }));
+  const path = (/** @type {Float64Array} */ values, order = known) =>
+    order.map((i) => `${x(i).toFixed(1)},${y(values[i]).toFixed(1)}`).join(" ");
+  drawing.append(
+    draw("polygon", { points: `${path(field.upper)} ${path(field.lower, [...known].reverse())}`, class: "band" }),
+  );
   drawing.append(draw("polyline", { points: path(field.lux), class: "curve" }));
   box.replaceChildren(
     ...figures(field, `${digits(line.length)} m`),
-    make("figure", {}, drawing, make("figcaption", { class: "soft", text: "Illuminance [lx] along the line, with 95 % intervals" })),
+    make(
+      "figure",
+      {},
+      drawing,
+      make("figcaption", { class: "soft", text: "Illuminance [lx] along the line, with 95 % intervals" }),
+    ),
     costLine(field),
   );
 }

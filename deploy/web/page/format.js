@@ -16,7 +16,8 @@ export function digits(/** @type {number} */ value, significant = 3) {
 export function withError(/** @type {number} */ value, /** @type {number} */ error) {
   if (!(error > 0)) return { value: digits(value, 6), error: "0" };
   const first = (/** @type {number} */ v) => -Math.floor(Math.log10(Math.abs(v)));
-  const supported = 1 + first(error), readable = value === 0 ? supported : Math.max(3 + first(value), first(error));
+  const supported = 1 + first(error),
+    readable = value === 0 ? supported : Math.max(3 + first(value), first(error));
   const decimals = Math.min(8, Math.max(0, Math.min(supported, readable)));
   return { value: value.toFixed(decimals).replace("-", "−"), error: error.toFixed(decimals) };
 }

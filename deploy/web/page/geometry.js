@@ -57,11 +57,14 @@ export const inWorld = (/** @type {Frame} */ f, /** @type {number} */ u, /** @ty
 export function grid(from, to, most) {
   const plane = frame(from);
   const corner = inFrame(plane, to);
-  const u0 = Math.min(0, corner.u), v0 = Math.min(0, corner.v);
-  const width = Math.abs(corner.u), height = Math.abs(corner.v);
+  const u0 = Math.min(0, corner.u),
+    v0 = Math.min(0, corner.v);
+  const width = Math.abs(corner.u),
+    height = Math.abs(corner.v);
   const longer = Math.max(width, height);
   const cells = (/** @type {number} */ side) => Math.max(2, Math.round((most * side) / longer));
-  const columns = cells(width), rows = cells(height);
+  const columns = cells(width),
+    rows = cells(height);
   const points = [];
   for (let j = 0; j < rows; ++j)
     for (let i = 0; i < columns; ++i)

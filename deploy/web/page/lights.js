@@ -10,8 +10,16 @@ const most = 100;
 
 /** @type {Record<string, string>} */
 const kinds = {
-  point: "point", spot: "spot", distant: "distant", uniformInfinite: "uniform sky", diffuseArea: "area", projection: "projector",
-  beam: "beam", goniometric: "luminaire", sun: "sun", imageInfinite: "picture sky",
+  point: "point",
+  spot: "spot",
+  distant: "distant",
+  uniformInfinite: "uniform sky",
+  diffuseArea: "area",
+  projection: "projector",
+  beam: "beam",
+  goniometric: "luminaire",
+  sun: "sun",
+  imageInfinite: "picture sky",
 };
 
 export const kindOf = (/** @type {Light} */ light) => kinds[light.kind.case ?? ""] ?? "light";
@@ -31,10 +39,12 @@ export function cssOf(/** @type {[number, number, number] | undefined} */ rgb) {
  */
 export function showLights(scene, changed) {
   const reset = /** @type {HTMLButtonElement} */ (byId("lights-reset"));
-  const rows = scene.lights.slice(0, most).map((light, i) => row(scene, light, i, () => {
-    reset.disabled = false;
-    changed();
-  }));
+  const rows = scene.lights.slice(0, most).map((light, i) =>
+    row(scene, light, i, () => {
+      reset.disabled = false;
+      changed();
+    }),
+  );
   byId("lights").replaceChildren(...rows.map(({ item }) => item));
   const notes = [];
   if (scene.lights.length === 0) notes.push("This scene has no lights.");
@@ -51,10 +61,28 @@ export function showLights(scene, changed) {
 }
 
 /** One light.  `update` shows its level of now. */
-function row(/** @type {OpenScene} */ scene, /** @type {Light} */ light, /** @type {number} */ i, /** @type {() => void} */ changed) {
-  const name = nameOf(light), power = scene.powers[i];
-  const toggle = make("input", { type: "checkbox", role: "switch", "aria-label": `${name} is on`, disabled: !scene.mayEdit });
-  const slider = make("input", { type: "range", min: 0, max: 200, step: 1, "aria-label": `Level of ${name}`, disabled: !scene.mayEdit });
+function row(
+  /** @type {OpenScene} */ scene,
+  /** @type {Light} */ light,
+  /** @type {number} */ i,
+  /** @type {() => void} */ changed,
+) {
+  const name = nameOf(light),
+    power = scene.powers[i];
+  const toggle = make("input", {
+    type: "checkbox",
+    role: "switch",
+    "aria-label": `${name} is on`,
+    disabled: !scene.mayEdit,
+  });
+  const slider = make("input", {
+    type: "range",
+    min: 0,
+    max: 200,
+    step: 1,
+    "aria-label": `Level of ${name}`,
+    disabled: !scene.mayEdit,
+  });
   const value = make("output", {});
   const swatch = make("span", { class: "swatch", "aria-hidden": "true" });
   swatch.style.background = cssOf(power?.rgb);
@@ -66,7 +94,10 @@ function row(/** @type {OpenScene} */ scene, /** @type {Light} */ light, /** @ty
       { class: "light-head" },
       swatch,
       make("span", { class: "light-name", text: name, title: light.source }),
-      make("span", { class: "soft", text: `${light.name ? `${kindOf(light)}, ` : ""}${digits(power?.lumens ?? light.powerLm)} lm` }),
+      make("span", {
+        class: "soft",
+        text: `${light.name ? `${kindOf(light)}, ` : ""}${digits(power?.lumens ?? light.powerLm)} lm`,
+      }),
       toggle,
     ),
     make("div", { class: "light-level" }, slider, value),

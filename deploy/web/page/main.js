@@ -1,11 +1,12 @@
 // The page: joins the scene, the picture, the measurements and the dials.
-import { kindOf, textOf } from "./api.js";
+import { textOf } from "./api.js";
 import { Dial } from "./dial.js";
 import { afterCalm, byId, make, say } from "./dom.js";
 import { legend, measureField, overlayOf, showGrid, showLine } from "./field.js";
 import { count, digits, duration, metres, percent } from "./format.js";
 import { grid as gridOf, isInPlane, line as lineOf } from "./geometry.js";
 import { cssOf, nameOf, showLights } from "./lights.js";
+import { Latest } from "./latest.js";
 import { Picture, render } from "./picture.js";
 import { commandOf, measurePoint, showPoint } from "./point.js";
 import { listScenes, OpenScene } from "./scene.js";
@@ -18,7 +19,9 @@ import { drawMarks, listen, paint } from "./view.js";
 /** @typedef {"point" | "line" | "grid"} Tool */
 
 const frame = byId("picture");
-const pointBox = byId("result-point"), mapBox = byId("result-map"), emptyNote = byId("result-empty");
+const pointBox = byId("result-point"),
+  mapBox = byId("result-map"),
+  emptyNote = byId("result-empty");
 const exposure = /** @type {HTMLInputElement} */ (byId("exposure"));
 
 /** @type {OpenScene | undefined} */
@@ -42,28 +45,11 @@ let first;
 /** @type {HTMLCanvasElement | undefined} */
 let overlay;
 
-/** Work of one kind: a new one ends the one before. */
-class Latest {
-  #controller = new AbortController();
-  /** Runs the work, and shows its errors in `box`. */
-  async run(/** @type {(signal: AbortSignal) => Promise<void>} */ work, /** @type {HTMLElement} */ box) {
-    this.#controller.abort();
-    const controller = (this.#controller = new AbortController());
-    try {
-      box.textContent = "";
-      await work(controller.signal);
-    } catch (error) {
-      if (controller.signal.aborted || handled(error)) return;
-      // The server has released the scene, or was started again.
-      if (kindOf(error) === "missing" && scene && (await reopen())) return;
-      box.textContent = textOf(error);
-    }
-  }
-  end() {
-    this.#controller.abort();
-  }
-}
-const opening = new Latest(), rendering = new Latest(), mapping = new Latest(), measuring = new Latest(), editing = new Latest();
+const opening = new Latest(reopen),
+  rendering = new Latest(reopen),
+  mapping = new Latest(reopen),
+  measuring = new Latest(reopen),
+  editing = new Latest(reopen);
 
 const errorDial = new Dial(byId("dial-error"), {
   name: "Measurements, relative error",
@@ -96,7 +82,8 @@ function repaint() {
     if (picture?.started) viewScale = paint(picture, view, Number(exposure.value));
     const box = byId("view-legend");
     box.hidden = !viewScale;
-    if (viewScale) box.replaceChildren(view === "error" ? legend(viewScale, "± error", percent) : legend(viewScale, "cd/m²"));
+    if (viewScale)
+      box.replaceChildren(view === "error" ? legend(viewScale, "± error", percent) : legend(viewScale, "cd/m²"));
     redrawMarks();
   });
 }
@@ -104,13 +91,19 @@ function repaint() {
 function redrawMarks() {
   if (!picture) return;
   const pins = [...(subject?.pixels ?? []), ...(first ? [first.pixel] : [])];
-  const line = first && cursor && tool === "line" ? { from: first.pixel, to: cursor } : subject?.tool === "line" && !first ? { from: subject.pixels[0], to: subject.pixels[1] } : undefined;
+  const line =
+    first && cursor && tool === "line"
+      ? { from: first.pixel, to: cursor }
+      : subject?.tool === "line" && !first
+        ? { from: subject.pixels[0], to: subject.pixels[1] }
+        : undefined;
   drawMarks({ cursor, pins: first ? [first.pixel] : pins, line, overlay }, picture.width, picture.height);
 }
 
 function startPicture() {
   if (!scene) return;
-  const { id, summary } = scene, samples = samplesDial.value;
+  const { id, summary } = scene,
+    samples = samplesDial.value;
   const next = new Picture(summary.imageWidth, summary.imageHeight, summary.filmScale || 1);
   const progress = /** @type {HTMLProgressElement} */ (byId("progress"));
   rendering.run(async (signal) => {
@@ -157,7 +150,8 @@ function moved(/** @type {Pixel | undefined} */ at, /** @type {boolean} */ byKey
     box.dataset.luminance = String(luminance);
     box.title = place ? `at ${place.point.map(metres).join(", ")} m` : "no surface";
     if (byKey) spokenPlace();
-    if (first && tool === "grid" && place && map) overlay = overlayOf(gridOf(first.place, place.point, 4), undefined, map);
+    if (first && tool === "grid" && place && map)
+      overlay = overlayOf(gridOf(first.place, place.point, 4), undefined, map);
   }
   redrawMarks();
 }
@@ -200,7 +194,8 @@ function pick(/** @type {Pixel} */ pixel) {
       showHint();
       await measure(signal);
       if (subject.places[1] && !isInPlane(subject.places[0], place.point))
-        byId("result-error").textContent = "The ends lie on different surfaces. The points lie in the plane of the first end.";
+        byId("result-error").textContent =
+          "The ends lie on different surfaces. The points lie in the plane of the first end.";
     }
     showHint();
     redrawMarks();
@@ -214,7 +209,9 @@ function measureAgain() {
 /** Measures the subject. */
 async function measure(/** @type {AbortSignal} */ signal) {
   if (!scene || !subject) return;
-  const { id } = scene, error = errorDial.value, { places } = subject;
+  const { id } = scene,
+    error = errorDial.value,
+    { places } = subject;
   emptyNote.hidden = true;
   pointBox.hidden = subject.tool !== "point";
   mapBox.hidden = subject.tool === "point";
@@ -225,7 +222,9 @@ async function measure(/** @type {AbortSignal} */ signal) {
   } else if (subject.tool === "line") {
     overlay = undefined;
     const line = lineOf(places[0], places[1].point, 61);
-    const field = await measureField(id, line.points, line.plane.normal, error, signal, (f) => showLine(mapBox, line, f));
+    const field = await measureField(id, line.points, line.plane.normal, error, signal, (f) =>
+      showLine(mapBox, line, f),
+    );
     errorDial.measured(error, field.seconds);
     say(`Line measured. ${mapBox.querySelector("svg")?.getAttribute("aria-label")}`);
   } else {
@@ -246,7 +245,12 @@ async function measure(/** @type {AbortSignal} */ signal) {
   redrawMarks();
 }
 
-async function measureOne(/** @type {string} */ id, /** @type {Place} */ place, /** @type {number} */ error, /** @type {AbortSignal} */ signal) {
+async function measureOne(
+  /** @type {string} */ id,
+  /** @type {Place} */ place,
+  /** @type {number} */ error,
+  /** @type {AbortSignal} */ signal,
+) {
   const answer = await measurePoint(id, place, error, signal);
   if (!scene || !subject) return;
   const { lights, powers, isEdited, path } = scene;
@@ -258,7 +262,9 @@ async function measureOne(/** @type {string} */ id, /** @type {Place} */ place, 
     command: commandOf(isEdited ? id : path, place, error),
     lightOf: (lightId) => {
       const i = lights.findIndex((light) => light.id === lightId);
-      return i < 0 ? { name: `light ${lightId}`, css: cssOf(undefined) } : { name: nameOf(lights[i]), css: cssOf(powers[i]?.rgb) };
+      return i < 0
+        ? { name: `light ${lightId}`, css: cssOf(undefined) }
+        : { name: nameOf(lights[i]), css: cssOf(powers[i]?.rgb) };
     },
   });
   errorDial.measured(error, answer.cost?.wallTimeS ?? 0);
@@ -282,7 +288,8 @@ function showScene(/** @type {OpenScene} */ opened) {
   document.title = `${path} – Lucerna`;
   const remarks = opened.remarks ? `, ${count(opened.remarks)} things not modelled` : "";
   byId("scene-title").textContent = path;
-  byId("scene-title").title = `${count(Number(summary.primitives))} primitives, ${opened.lights.length} lights${remarks}`;
+  byId("scene-title").title =
+    `${count(Number(summary.primitives))} primitives, ${opened.lights.length} lights${remarks}`;
   byId("stage-title").textContent = `Picture of ${path}`;
   frame.style.setProperty("--ratio", String(summary.imageWidth / summary.imageHeight));
   showLights(opened, applyLevels);
@@ -339,11 +346,22 @@ async function showScenes() {
   const { scenes, denied } = await listScenes();
   byId("scenes").replaceChildren(
     ...scenes.map(({ path, id }) =>
-      make("li", {}, make("button", { type: "button", "data-path": path, "aria-current": String(path === scene?.path), text: path, onclick: () => openScene(path, id) })),
+      make(
+        "li",
+        {},
+        make("button", {
+          type: "button",
+          "data-path": path,
+          "aria-current": String(path === scene?.path),
+          text: path,
+          onclick: () => openScene(path, id),
+        }),
+      ),
     ),
   );
   if (scenes.length === 0) byId("scenes-note").textContent = "The server has no scenes.";
-  else if (denied) byId("scenes-note").textContent = "Your token may only use loaded scenes: others need the role load.";
+  else if (denied)
+    byId("scenes-note").textContent = "Your token may only use loaded scenes: others need the role load.";
   return scenes;
 }
 

@@ -32,7 +32,8 @@ export class Picture {
     for (let y = y0; y < y1; ++y)
       for (let x = x0; x < x1; ++x) {
         const pixel = y * this.width + x;
-        let luminance = 0, error = 0;
+        let luminance = 0,
+          error = 0;
         for (let c = 0; c < 3; ++c, at += 8) {
           const value = sums.getFloat64(at, true) / n / this.filmScale;
           this.rgb[3 * pixel + c] = value;

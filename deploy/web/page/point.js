@@ -11,7 +11,12 @@ export const floorLx = 0.01;
 const insideSolid = 8;
 
 /** Asks for the illuminance at a point. */
-export function measurePoint(/** @type {string} */ sceneId, /** @type {Place} */ place, /** @type {number} */ relative, /** @type {AbortSignal} */ signal) {
+export function measurePoint(
+  /** @type {string} */ sceneId,
+  /** @type {Place} */ place,
+  /** @type {number} */ relative,
+  /** @type {AbortSignal} */ signal,
+) {
   const [x, y, z] = place.point;
   return lighting.estimateIrradiance(
     {
@@ -27,7 +32,8 @@ export function measurePoint(/** @type {string} */ sceneId, /** @type {Place} */
 }
 
 /** A word of a shell. */
-const word = (/** @type {string} */ text) => (/^[\w./,:=%@+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+const word = (/** @type {string} */ text) =>
+  /^[\w./,:=%@+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 
 /** The shortest text that gives the same float. */
 function float(/** @type {number} */ value) {
@@ -39,10 +45,19 @@ function float(/** @type {number} */ value) {
 }
 
 /** The command of `lucerna` that gives the same answer. */
-export function commandOf(/** @type {string} */ scene, /** @type {Place} */ { point, normal }, /** @type {number} */ relative) {
+export function commandOf(
+  /** @type {string} */ scene,
+  /** @type {Place} */ { point, normal },
+  /** @type {number} */ relative,
+) {
   return [
-    "lucerna irradiance", word(scene), `--point=${point.join(",")}`, `--normal=${normal.map(float).join(",")}`,
-    `--error=${Number((relative * 100).toPrecision(6))}%`, `--floor=${floorLx}`, "--per-light",
+    "lucerna irradiance",
+    word(scene),
+    `--point=${point.join(",")}`,
+    `--normal=${normal.map(float).join(",")}`,
+    `--error=${Number((relative * 100).toPrecision(6))}%`,
+    `--floor=${floorLx}`,
+    "--per-light",
   ].join(" ");
 }
 
@@ -69,11 +84,14 @@ function shares(answer, lightOf) {
  * @param {{answer: Answer, place: Place, luminance: number, command: string, lightOf: (id: bigint) => {name: string, css: string}}} shown
  */
 export function showPoint(box, { answer, place, luminance, command, lightOf }) {
-  const lux = answer.illuminanceLx[0], lower = answer.lowerLx[0], upper = answer.upperLx[0];
+  const lux = answer.illuminanceLx[0],
+    lower = answer.lowerLx[0],
+    upper = answer.upperLx[0];
   const { value, error } = withError(lux, (upper - lower) / 2);
   const isInside = answer.status[0] === insideSolid;
   const most = 12;
-  const rows = shares(answer, lightOf), largest = Math.max(rows[0]?.lux ?? 0, 1e-30);
+  const rows = shares(answer, lightOf),
+    largest = Math.max(rows[0]?.lux ?? 0, 1e-30);
   const bars = rows.slice(0, most).map((row) => {
     const share = lux > 0 ? row.lux / lux : 0;
     const fill = make("span", { class: "fill" });
@@ -84,7 +102,12 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
       "li",
       { class: row.isReflected ? "reflected" : "" },
       make("span", { class: "bar-name" }, swatch, row.name),
-      make("span", { class: "bar-value" }, `${digits(row.lux)} lx`, make("span", { class: "soft", text: ` ${percent(share)}` })),
+      make(
+        "span",
+        { class: "bar-value" },
+        `${digits(row.lux)} lx`,
+        make("span", { class: "soft", text: ` ${percent(share)}` }),
+      ),
       make("span", { class: "track", "aria-hidden": "true" }, fill),
     );
   });
@@ -101,7 +124,12 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
   box.replaceChildren(
     make(
       "p",
-      { class: "big", "data-lux": String(lux), "data-point": place.point.join(","), "data-normal": place.normal.join(",") },
+      {
+        class: "big",
+        "data-lux": String(lux),
+        "data-point": place.point.join(","),
+        "data-normal": place.normal.join(","),
+      },
       make("strong", { text: value }),
       make("span", { class: "plus-minus", text: ` ± ${error}` }),
       make("span", { class: "unit", text: " lx" }),
@@ -129,7 +157,13 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
       make("dt", { text: "Cost" }),
       make("dd", { text: costOf(answer) }),
     ),
-    make("details", { class: "command" }, make("summary", { text: "The same from the command line" }), make("code", { text: command }), copy),
+    make(
+      "details",
+      { class: "command" },
+      make("summary", { text: "The same from the command line" }),
+      make("code", { text: command }),
+      copy,
+    ),
   );
   return `${value} plus or minus ${error} lux. ${rows
     .slice(0, 3)

@@ -27,9 +27,7 @@ async function allPages(/** @type {(token: string) => Promise<{nextPageToken: st
 export async function listScenes() {
   const loaded = (await allPages((pageToken) => scenes.listScenes({ pageToken }))).flatMap((page) => page.scenes);
   /** @type {{path: string, id?: string, lights?: bigint}[]} */
-  const result = loaded
-    .filter((s) => !s.loadedSceneId)
-    .map((s) => ({ path: s.path, id: s.sceneId, lights: s.lights }));
+  const result = loaded.filter((s) => !s.loadedSceneId).map((s) => ({ path: s.path, id: s.sceneId, lights: s.lights }));
   let denied = false;
   try {
     const names = new Set(result.map((s) => s.path));
@@ -61,7 +59,12 @@ export class OpenScene {
   remarks = 0;
 
   /** @private */
-  constructor(/** @type {string} */ path, /** @type {Kept} */ base, /** @type {Summary} */ summary, /** @type {boolean} */ mayEdit) {
+  constructor(
+    /** @type {string} */ path,
+    /** @type {Kept} */ base,
+    /** @type {Summary} */ summary,
+    /** @type {boolean} */ mayEdit,
+  ) {
     this.path = path;
     this.#base = this.#revision = base;
     this.summary = summary;
@@ -165,7 +168,8 @@ export class OpenScene {
 
   /** The levels, for the same scene after the server has started again. */
   takeLevels(/** @type {OpenScene} */ from) {
-    for (const [light, level] of from.#levels) if (this.lights.some(({ id }) => id === light)) this.#levels.set(light, level);
+    for (const [light, level] of from.#levels)
+      if (this.lights.some(({ id }) => id === light)) this.#levels.set(light, level);
   }
 
   /** Ends the leases.  The server keeps the scene while it has memory for it: only revisions of our own are released. */

@@ -2,7 +2,9 @@
 import { admin, kindOf, textOf, useToken } from "./api.js";
 import { byId } from "./dom.js";
 
-const alertBox = byId("alert"), chip = byId("server"), chipText = byId("server-text");
+const alertBox = byId("alert"),
+  chip = byId("server"),
+  chipText = byId("server-text");
 const tokenForm = /** @type {HTMLFormElement} */ (byId("token-form"));
 const tokenInput = /** @type {HTMLInputElement} */ (byId("token"));
 

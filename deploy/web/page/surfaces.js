@@ -5,7 +5,12 @@ import { limits } from "./session.js";
 /** @typedef {import("./geometry.js").Place} Place */
 
 /** The surface in the middle of a pixel; undefined if there is none. */
-export async function surfaceAt(/** @type {string} */ sceneId, /** @type {number} */ x, /** @type {number} */ y, /** @type {AbortSignal} */ signal) {
+export async function surfaceAt(
+  /** @type {string} */ sceneId,
+  /** @type {number} */ x,
+  /** @type {number} */ y,
+  /** @type {AbortSignal} */ signal,
+) {
   const answer = await renders.findSurfaces({ sceneId, places: [x + 0.5, y + 0.5] }, { signal });
   return placeOf(answer, 0);
 }
@@ -17,9 +22,14 @@ export async function surfaceAt(/** @type {string} */ sceneId, /** @type {number
  */
 function placeOf({ points, normals, found }, i) {
   if (!(found[i >> 3] & (1 << (i & 7)))) return undefined;
-  const origin = points?.originM, offsets = points?.offsetsM ?? [];
+  const origin = points?.originM,
+    offsets = points?.offsetsM ?? [];
   return {
-    point: [(origin?.x ?? 0) + offsets[3 * i], (origin?.y ?? 0) + offsets[3 * i + 1], (origin?.z ?? 0) + offsets[3 * i + 2]],
+    point: [
+      (origin?.x ?? 0) + offsets[3 * i],
+      (origin?.y ?? 0) + offsets[3 * i + 1],
+      (origin?.z ?? 0) + offsets[3 * i + 2],
+    ],
     normal: [normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]],
   };
 }
@@ -37,7 +47,12 @@ export class SurfaceMap {
     this.rows = Math.ceil(height / this.step);
   }
 
-  static async read(/** @type {string} */ sceneId, /** @type {number} */ width, /** @type {number} */ height, /** @type {AbortSignal} */ signal) {
+  static async read(
+    /** @type {string} */ sceneId,
+    /** @type {number} */ width,
+    /** @type {number} */ height,
+    /** @type {AbortSignal} */ signal,
+  ) {
     const map = new SurfaceMap(width, height);
     const rowsAtOnce = Math.max(1, Math.floor(Math.min(limits?.maxBatchItems ?? 1024, 32768) / map.columns));
     for (let from = 0; from < map.rows; from += rowsAtOnce) {

@@ -36,10 +36,14 @@ export function paint(picture, view, exposure) {
     // The brightest twentieth becomes nearly white.
     const gain = (0.85 * 2 ** exposure) / (picture.quantile(0.95) || 1);
     for (let i = 0, p = 0; i < rgb.length; ++p)
-      for (let c = 0; c < 3; ++c, ++i) pixels[4 * p + c] = encoded[Math.round(4096 * Math.min(1, shoulder(Math.max(0, rgb[i] * gain))))];
+      for (let c = 0; c < 3; ++c, ++i)
+        pixels[4 * p + c] = encoded[Math.round(4096 * Math.min(1, shoulder(Math.max(0, rgb[i] * gain))))];
   } else {
     const values = view === "luminance" ? luminance : error;
-    scale = view === "luminance" ? logScale(picture.quantile(0.01), picture.quantile(0.999)) : linearScale(0, 2 * picture.medianError());
+    scale =
+      view === "luminance"
+        ? logScale(picture.quantile(0.01), picture.quantile(0.999))
+        : linearScale(0, 2 * picture.medianError());
     for (let p = 0; p < values.length; ++p) {
       const [r, g, b] = values[p] > 0 ? colour(scale.share(values[p])) : [0, 0, 0];
       pixels[4 * p] = r;
@@ -62,19 +66,27 @@ export function paint(picture, view, exposure) {
  */
 
 /** Draws the marks. */
-export function drawMarks(/** @type {Marks} */ { cursor, pins, line, overlay }, /** @type {number} */ width, /** @type {number} */ height) {
+export function drawMarks(
+  /** @type {Marks} */ { cursor, pins, line, overlay },
+  /** @type {number} */ width,
+  /** @type {number} */ height,
+) {
   const box = canvas.getBoundingClientRect();
   const sharp = window.devicePixelRatio || 1;
   Object.assign(marks, { width: Math.round(box.width * sharp), height: Math.round(box.height * sharp) });
   const context = /** @type {CanvasRenderingContext2D} */ (marks.getContext("2d"));
-  const fx = marks.width / width, fy = marks.height / height;
+  const fx = marks.width / width,
+    fy = marks.height / height;
   if (overlay) {
     context.imageSmoothingEnabled = true;
     context.drawImage(overlay, 0, 0, marks.width, marks.height);
   }
   /** Strokes twice, dark and light, so that the mark shows on every picture. */
   const stroke = (/** @type {() => void} */ path) => {
-    for (const [style, size] of /** @type {[string, number][]} */ ([["rgb(0 0 0 / 75%)", 3.5], ["#fff", 1.5]])) {
+    for (const [style, size] of /** @type {[string, number][]} */ ([
+      ["rgb(0 0 0 / 75%)", 3.5],
+      ["#fff", 1.5],
+    ])) {
       context.strokeStyle = style;
       context.lineWidth = size * sharp;
       context.beginPath();
@@ -85,7 +97,8 @@ export function drawMarks(/** @type {Marks} */ { cursor, pins, line, overlay }, 
   const centre = (/** @type {Pixel} */ p) => [(p.x + 0.5) * fx, (p.y + 0.5) * fy];
   if (line)
     stroke(() => {
-      const [a, b] = centre(line.from), [c, d] = centre(line.to);
+      const [a, b] = centre(line.from),
+        [c, d] = centre(line.to);
       context.moveTo(a, b);
       context.lineTo(c, d);
     });
@@ -96,8 +109,15 @@ export function drawMarks(/** @type {Marks} */ { cursor, pins, line, overlay }, 
     });
   if (cursor)
     stroke(() => {
-      const [x, y] = centre(cursor), inner = 5 * sharp, outer = 13 * sharp;
-      for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+      const [x, y] = centre(cursor),
+        inner = 5 * sharp,
+        outer = 13 * sharp;
+      for (const [dx, dy] of [
+        [1, 0],
+        [-1, 0],
+        [0, 1],
+        [0, -1],
+      ]) {
         context.moveTo(x + dx * inner, y + dy * inner);
         context.lineTo(x + dx * outer, y + dy * outer);
       }
@@ -116,9 +136,14 @@ export function listen(size, on) {
   /** @type {Pixel | undefined} */
   let cursor;
   const place = (/** @type {PointerEvent} */ event) => {
-    const box = canvas.getBoundingClientRect(), { x: width, y: height } = size();
-    const part = (/** @type {number} */ at, /** @type {number} */ from, /** @type {number} */ length, /** @type {number} */ n) =>
-      Math.min(n - 1, Math.max(0, Math.floor(((at - from) / length) * n)));
+    const box = canvas.getBoundingClientRect(),
+      { x: width, y: height } = size();
+    const part = (
+      /** @type {number} */ at,
+      /** @type {number} */ from,
+      /** @type {number} */ length,
+      /** @type {number} */ n,
+    ) => Math.min(n - 1, Math.max(0, Math.floor(((at - from) / length) * n)));
     return { x: part(event.clientX, box.left, box.width, width), y: part(event.clientY, box.top, box.height, height) };
   };
   frame.addEventListener("pointermove", (event) => on.move((cursor = place(event)), false));
@@ -137,7 +162,10 @@ export function listen(size, on) {
       const by = event.shiftKey ? 10 : 1;
       // The first key shows the cross-hair where it is.
       cursor = cursor
-        ? { x: Math.min(width - 1, Math.max(0, at.x + by * step[0])), y: Math.min(height - 1, Math.max(0, at.y + by * step[1])) }
+        ? {
+            x: Math.min(width - 1, Math.max(0, at.x + by * step[0])),
+            y: Math.min(height - 1, Math.max(0, at.y + by * step[1])),
+          }
         : at;
       on.move(cursor, true);
     } else if (event.key === "Enter" || event.key === " ") {
