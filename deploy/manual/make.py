@@ -67,6 +67,8 @@ def escape(text):
     """Text of roff: no line is a request, and hyphens can be searched and copied."""
     for character, roff in (("\\", "\\e"), ("-", "\\-"), ("~", "\\(ti"), ("^", "\\(ha"), ("`", "\\(ga")):
         text = text.replace(character, roff)
+    # Long lists may break after their commas.
+    text = re.sub(r"\S{30,}", lambda word: word[0].replace(",", ",\\:"), text)
     return re.sub(r"^([.'])", r"\\&\1", text, flags=re.M)
 
 
@@ -121,7 +123,8 @@ def footer(lines):
             examples.append(line[2:])
         else:
             inside = False
-            text.append(line)
+            # Rows of a list are paragraphs.
+            text += ["", line.strip(), ""] if line.startswith("  ") else [line]
     return examples, "\n".join(text).strip()
 
 
