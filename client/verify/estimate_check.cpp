@@ -129,6 +129,14 @@ std::vector<Hypothesis> illuminance_hypotheses(Truth& truth, const v1::Light* li
     add_product(ours, squares, 1, "inverse_square", "a division by r2 is missing", &all);
     add_product(ours, squares, -1, "inverse_square", "a division by r2 is too many", &all);
   }
+  if (light->has_spot()) {
+    const Double3 center = frame_of(*light).center,
+                  axis = normalized(double3(light->spot().axis()));
+    std::vector<double> cosines;
+    for (const Double3& x : rows.points) cosines.push_back(dot(normalized(x - center), axis));
+    add_product(ours, cosines, 1, "cosine_light",
+                "a cosine about the axis of the spot is a factor too many", &all);
+  }
   for (const Variation& v : variations(truth, *light))
     all.push_back({v.mistake, v.sentence,
                    changed(truth.unoccluded(light->id(), rows.points, rows.normals, v)), 1});

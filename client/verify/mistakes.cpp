@@ -57,6 +57,8 @@ constexpr Factor kFactors[] = {
     {683, "factor_683", "683", "lumens for watts at 555 nm"},
     {179, "factor_179", "179", "the luminous efficacy of Radiance"},
     {106.856895, "factor_cie_y", "106.857", "the integral of the CIE's Y over wavelengths"},
+    {kPi / 4, "factor_quarter_pi", "pi / 4", "the area of a disk over that of its square"},
+    {177.83, "factor_177_83", "177.83", "the luminous efficacy of white light in Cycles"},
     {2, "factor_2", "2", "such as one side for two"},
     {4, "factor_4", "4", "such as a diameter for a radius, squared"},
     {100, "factor_100", "100", "such as centimetres for metres"},
