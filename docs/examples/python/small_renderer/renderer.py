@@ -290,12 +290,13 @@ class Renderer:
             each = value @ LUMINANCE * cosine / (1 if pdf is None else pdf)
             if self.has("inverse_square_irradiance") and name == "spot":
                 each = each * d**2
+            unoccluded = each.reshape(n, count).mean(axis=1)
             each = np.where(self.blocked(places, w, d), 0, each).reshape(n, count)
             if self.has("selection_irradiance") and name == "panel":
                 each = each / len(self.names)
             mean = each.mean(axis=1)
-            # An obstacle that hides less than one sample is not found.
-            error = 0 * mean if light.delta else np.hypot(each.std(axis=1, ddof=1) / math.sqrt(count), mean / count)
+            # Light or shadow of less than one sample is not found.
+            error = np.hypot(each.std(axis=1, ddof=1) / math.sqrt(count), unoccluded / count) if count > 1 else 0 * mean
             for i in range(n):
                 yield [*x[i], *normal[i], mean[i], name, error[i], *geometric[i]]
 
