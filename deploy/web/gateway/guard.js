@@ -17,8 +17,8 @@ function hostOf(authority) {
 /**
  * Makes the check of one gateway.  It returns the reason to refuse a request, or undefined.
  *
- * A page of another site may make its host name point to this machine (DNS rebinding).  Its requests are then of the same
- * origin for the browser, but they have that name in Host.
+ * A page of another site may make its host name point to this machine (DNS rebinding).  For the browser its requests
+ * are then of the same origin, but they have that name in Host.
  * @param {string[]} names the hosts under which browsers may reach the gateway
  */
 export function guard(names) {

@@ -51,8 +51,8 @@ export function tokenOf(/** @type {string} */ path) {
  */
 function passedOn(reason, server, ended) {
   const error = ConnectError.from(reason);
-  // A code of Node instead of gRPC: it could not reach the server, or lost it.  A server that closes the connection, for
-  // example because it wants a certificate, looks as if the call had been cancelled.
+  // A code of Node instead of gRPC: it could not reach the server, or lost it.  A server that closes the connection,
+  // for example because it wants a certificate, looks as if the call had been cancelled.
   const code = /** @type {NodeJS.ErrnoException | undefined} */ (error.cause)?.code;
   if (!ended && (code !== undefined || error.code === Code.Canceled))
     return new ConnectError(`lucernad does not answer at ${server}: ${code ?? error.rawMessage}`, Code.Unavailable);

@@ -209,13 +209,13 @@ function check(/** @type {Settings} */ s) {
     throw new SettingError("server-cert and server-name need TLS to lucernad: server-tls or server-ca");
   if (!isLoopback(address("listen", s.listen).host) && !s.tlsCert && !s.insecure)
     throw new SettingError(
-      `listen = ${s.listen}, which other machines can reach; allowed: a loopback address, or tls-cert and tls-key, or ` +
-        "insecure in so many words",
+      `listen = ${s.listen}, which other machines can reach; allowed: a loopback address, or tls-cert and tls-key, ` +
+        "or insecure in so many words",
     );
   // Tokens of callers travel on this connection.
   if (!isLoopback(address("server", s.server).host) && !tls && !s.insecure)
     throw new SettingError(
-      `server = ${s.server}, on another machine and without TLS; allowed: a loopback address, or server-tls or server-ca, ` +
-        "or insecure in so many words",
+      `server = ${s.server}, on another machine and without TLS; allowed: a loopback address, or server-tls or ` +
+        "server-ca, or insecure in so many words",
     );
 }

@@ -21,14 +21,14 @@ const mostSamples = 16384;
 
 /**
  * The light at many points of a plane.  NaN: not yet known, or inside a solid.
- * @typedef {{lux: Float64Array, lower: Float64Array, upper: Float64Array, done: number, seconds: number, samples: number,
- *   rays: number}} Field
+ * @typedef {{lux: Float64Array, lower: Float64Array, upper: Float64Array, done: number, seconds: number,
+ *   samples: number, rays: number}} Field
  */
 
 /**
- * Asks for the illuminance at points with one normal, in parts.  Calls `progress` after each.  A first pass with few samples
- * shows the field soon.  Its mean is the measure of the second pass: where it is darker, errors need not be smaller than at
- * the mean.
+ * Asks for the illuminance at points with one normal, in parts.  Calls `progress` after each.  A first pass with few
+ * samples shows the field soon.  Its mean is the measure of the second pass: where it is darker, errors need not be
+ * smaller than at the mean.
  * @param {string} sceneId
  * @param {Vector[]} points
  * @param {Vector} normal
@@ -292,7 +292,8 @@ export function showLine(/** @type {HTMLElement} */ box, /** @type {Line} */ lin
     viewBox: `0 0 ${width} ${height}`,
     class: "chart",
     role: "img",
-    "aria-label": `Illuminance along the line: least ${digits(low)}, most ${digits(high)}, on average ${digits(mean)} lux`,
+    "aria-label":
+      `Illuminance along the line: least ${digits(low)}, most ${digits(high)}, ` + `on average ${digits(mean)} lux`,
   });
   for (const tick of scale.ticks) {
     drawing.append(draw("line", { x1: left, x2: width - 6, y1: y(tick), y2: y(tick), class: "gridline" }));

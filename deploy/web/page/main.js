@@ -1,7 +1,7 @@
 // The page: joins the scene, the picture, the measurements and the dials.
 import { textOf } from "./api.js";
 import { Dial } from "./dial.js";
-import { afterCalm, byId, make, say } from "./dom.js";
+import { afterCalm, byId, say } from "./dom.js";
 import { legend, measureField, overlayOf, showGrid, showLine } from "./field.js";
 import { count, digits, duration, metres, percent } from "./format.js";
 import { grid as gridOf, isInPlane, line as lineOf } from "./geometry.js";
@@ -9,7 +9,8 @@ import { cssOf, nameOf, showLights } from "./lights.js";
 import { Latest } from "./latest.js";
 import { Picture, render } from "./picture.js";
 import { commandOf, measurePoint, showPoint } from "./point.js";
-import { listScenes, OpenScene } from "./scene.js";
+import { OpenScene } from "./scene.js";
+import { showScenes } from "./scene_list.js";
 import { handled, startSession } from "./session.js";
 import { surfaceAt, SurfaceMap } from "./surfaces.js";
 import { drawMarks, listen, paint } from "./view.js";
@@ -90,20 +91,20 @@ function repaint() {
 
 function redrawMarks() {
   if (!picture) return;
-  const pins = [...(subject?.pixels ?? []), ...(first ? [first.pixel] : [])];
+  const pins = first ? [first.pixel] : (subject?.pixels ?? []);
   const line =
     first && cursor && tool === "line"
       ? { from: first.pixel, to: cursor }
       : subject?.tool === "line" && !first
         ? { from: subject.pixels[0], to: subject.pixels[1] }
         : undefined;
-  drawMarks({ cursor, pins: first ? [first.pixel] : pins, line, overlay }, picture.width, picture.height);
+  drawMarks({ cursor, pins, line, overlay }, picture.width, picture.height);
 }
 
 function startPicture() {
   if (!scene) return;
-  const { id, summary } = scene,
-    samples = samplesDial.value;
+  const { id, summary } = scene;
+  const samples = samplesDial.value;
   const next = new Picture(summary.imageWidth, summary.imageHeight, summary.filmScale || 1);
   const progress = /** @type {HTMLProgressElement} */ (byId("progress"));
   rendering.run(async (signal) => {
@@ -206,6 +207,12 @@ function measureAgain() {
   if (subject) measuring.run(measure, byId("result-error"));
 }
 
+/** Says that a field is measured, and keeps the time that it took. */
+function toldField(/** @type {string} */ what, /** @type {number} */ error, /** @type {number} */ seconds) {
+  errorDial.measured(error, seconds);
+  say(`${what} measured. ${mapBox.querySelector("svg")?.getAttribute("aria-label")}`);
+}
+
 /** Measures the subject. */
 async function measure(/** @type {AbortSignal} */ signal) {
   if (!scene || !subject) return;
@@ -215,7 +222,8 @@ async function measure(/** @type {AbortSignal} */ signal) {
   emptyNote.hidden = true;
   pointBox.hidden = subject.tool !== "point";
   mapBox.hidden = subject.tool === "point";
-  (subject.tool === "point" ? pointBox : mapBox).setAttribute("aria-busy", "true");
+  const box = subject.tool === "point" ? pointBox : mapBox;
+  box.setAttribute("aria-busy", "true");
   if (subject.tool === "point") {
     overlay = undefined;
     await measureOne(id, places[0], error, signal);
@@ -225,8 +233,7 @@ async function measure(/** @type {AbortSignal} */ signal) {
     const field = await measureField(id, line.points, line.plane.normal, error, signal, (f) =>
       showLine(mapBox, line, f),
     );
-    errorDial.measured(error, field.seconds);
-    say(`Line measured. ${mapBox.querySelector("svg")?.getAttribute("aria-label")}`);
+    toldField("Line", error, field.seconds);
   } else {
     const grid = gridOf(places[0], places[1].point, 32);
     const field = await measureField(id, grid.points, grid.plane.normal, error, signal, (f) => {
@@ -234,10 +241,8 @@ async function measure(/** @type {AbortSignal} */ signal) {
       if (map) overlay = overlayOf(grid, f, map);
       redrawMarks();
     });
-    errorDial.measured(error, field.seconds);
-    say(`Grid measured. ${mapBox.querySelector("svg")?.getAttribute("aria-label")}`);
+    toldField("Grid", error, field.seconds);
   }
-  const box = subject.tool === "point" ? pointBox : mapBox;
   box.setAttribute("aria-busy", "false");
   box.dataset.scene = id;
   box.dataset.error = String(error);
@@ -342,32 +347,9 @@ async function reopen() {
   }
 }
 
-async function showScenes() {
-  const { scenes, denied } = await listScenes();
-  byId("scenes").replaceChildren(
-    ...scenes.map(({ path, id }) =>
-      make(
-        "li",
-        {},
-        make("button", {
-          type: "button",
-          "data-path": path,
-          "aria-current": String(path === scene?.path),
-          text: path,
-          onclick: () => openScene(path, id),
-        }),
-      ),
-    ),
-  );
-  if (scenes.length === 0) byId("scenes-note").textContent = "The server has no scenes.";
-  else if (denied)
-    byId("scenes-note").textContent = "Your token may only use loaded scenes: others need the role load.";
-  return scenes;
-}
-
 startSession(async () => {
   try {
-    const scenes = await showScenes();
+    const scenes = await showScenes(scene?.path, openScene);
     if (scene) await reopen();
     else if (scenes.length) openScene(scenes[0].path, scenes[0].id);
   } catch (error) {
@@ -394,7 +376,7 @@ for (const input of /** @type {NodeListOf<HTMLInputElement>} */ (document.queryS
 exposure.addEventListener("input", () => {
   const text = `${Number(exposure.value) > 0 ? "+" : ""}${exposure.value.replace("-", "−")} EV`;
   byId("exposure-value").textContent = text;
-  exposure.setAttribute("aria-valuetext", text);
+  exposure.ariaValueText = text;
   exposure.style.setProperty("--part", `${((Number(exposure.value) + 6) / 12) * 100}%`);
   repaint();
 });

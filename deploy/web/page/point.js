@@ -81,7 +81,8 @@ function shares(answer, lightOf) {
 /**
  * Shows the answer.
  * @param {HTMLElement} box
- * @param {{answer: Answer, place: Place, luminance: number, command: string, lightOf: (id: bigint) => {name: string, css: string}}} shown
+ * @param {{answer: Answer, place: Place, luminance: number, command: string,
+ *   lightOf: (id: bigint) => {name: string, css: string}}} shown
  */
 export function showPoint(box, { answer, place, luminance, command, lightOf }) {
   const lux = answer.illuminanceLx[0],

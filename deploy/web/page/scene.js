@@ -172,7 +172,7 @@ export class OpenScene {
       if (this.lights.some(({ id }) => id === light)) this.#levels.set(light, level);
   }
 
-  /** Ends the leases.  The server keeps the scene while it has memory for it: only revisions of our own are released. */
+  /** Releases the revision.  The server keeps the scene of the file while it has memory for it. */
   close() {
     clearInterval(this.#timer);
     if (this.#revision !== this.#base) this.#release(this.#revision);

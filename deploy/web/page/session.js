@@ -58,8 +58,8 @@ export function startSession(/** @type {() => void} */ ready) {
 }
 
 /**
- * Takes an error that concerns the whole session: true if it does, so that the caller need not show it.  Cancelled calls
- * concern nobody.
+ * Takes an error that concerns the whole session: true if it does, so that the caller need not show it.  Cancelled
+ * calls concern nobody.
  */
 export function handled(/** @type {unknown} */ error) {
   const kind = kindOf(error);
