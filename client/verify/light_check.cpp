@@ -284,6 +284,8 @@ std::vector<Way> ways_of(const v1::Light& light, bool normals) {
   std::vector<Way> ways = {{v1::AREA_SAMPLING_SOLID_ANGLE, "by solid angle"},
                            {v1::AREA_SAMPLING_KRAEMER, "by area"}};
   if (normals) ways.push_back({v1::AREA_SAMPLING_COSINE_SOLID_ANGLE, "by projected solid angle"});
+  // Numbers of Lucerna itself: the server chooses among the ways at each receiver.
+  ways.push_back({v1::AREA_SAMPLING_UNSPECIFIED, "as Lucerna chooses at each receiver"});
   return ways;
 }
 
