@@ -35,8 +35,8 @@ std::optional<Mistake> likely_mistake(const std::vector<double>& theirs,
                                       const std::vector<double>& scatter,
                                       const std::vector<Hypothesis>& hypotheses);
 
-/// Adds hypotheses in which all numbers have the same factor: pi, 2 pi, 4 pi, pi / 4, 683, 2 and others,
-/// and the number of lights.
+/// Adds hypotheses in which all numbers have the same factor: pi, 2 pi, 4 pi, pi / 4, 683, 2 and
+/// others, and the number of lights.
 void add_factors(const std::vector<double>& ours, std::size_t lights,
                  std::vector<Hypothesis>* hypotheses);
 
