@@ -21,6 +21,7 @@ trap 'exit 143' TERM
 # Loads the demo scene before it serves.  The programs get no Ctrl-C from the terminal: this script stops them in order.
 export LUCERNAD_LOAD=demo.pbrt
 start_server "$build" "$root/scenes" setsid
+: >"$scratch/web" >"$scratch/weblog"
 setsid node "$root/build/web/lucerna-web.mjs" --listen "$listen" --server "$LUCERNA_SERVER" --drain-seconds 1 \
   >"$scratch/web" 2>"$scratch/weblog" &
 web=$!

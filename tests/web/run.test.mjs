@@ -59,6 +59,6 @@ test("an address that other machines reach is refused", limit, async () => {
   });
   let errors = "";
   script.stderr.on("data", (text) => (errors += text));
-  assert.equal(await new Promise((resolve) => script.once("exit", resolve)), 1);
+  assert.equal(await new Promise((resolve) => script.once("close", resolve)), 1);
   assert.match(errors, /listen = 0\.0\.0\.0:0, which other machines can reach/);
 });
