@@ -229,9 +229,9 @@ int run(int argc, char** argv) {
 }  // namespace
 
 // The settings of jemalloc, which reads this name.  Each processor has an arena.  A thread of
-// jemalloc returns memory that nobody has used for ten seconds, also while the server is idle.
+// jemalloc returns memory that nobody has used for a second, also while the server is idle.
 extern "C" {
-const char* malloc_conf = "background_thread:true,percpu_arena:percpu";
+const char* malloc_conf = "background_thread:true,percpu_arena:percpu,dirty_decay_ms:1000";
 }
 
 int main(int argc, char** argv) {
