@@ -268,7 +268,7 @@ class Verify(WithServer):
 @unittest.skipIf(SHARD is None, "only mistakes")
 class FalseAlarms(WithServer):
     def test_correct_files_agree_in_1000_seeds(self):
-        """At each level, more alarms than the bound have a chance below 1e-6 (binomial, 250 seeds of a shard)."""
+        """At each level, more alarms than the bound have a chance below 1e-6 (binomial)."""
         self.assertEqual(SEEDS % SHARDS, 0)
         seeds = range(SHARD, SEEDS, SHARDS)
         least = []
