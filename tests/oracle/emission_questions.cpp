@@ -44,7 +44,7 @@ bool Questioner::has_densities(const Truth& truth, const Question& question,
   *q.mutable_directions() = rays.directions();
   v1::PdfLeResponse r;
   const oracle::Shape* shape = shape_of(truth.world(), question.source);
-  const grpc::Status s = status_of([&](auto* c) { return service_.lighting.PdfLe(c, q, &r); });
+  const grpc::Status s = call_status([&](auto* c) { return service_.lighting.PdfLe(c, q, &r); });
   if (!s.ok()) {
     text = s.error_message();
     return false;
@@ -81,7 +81,7 @@ Verdict Questioner::rays(const Truth& truth, const Question& question) {
   q.mutable_seed()->set_seed(1);
   q.mutable_accuracy()->set_sampler(v1::SAMPLER_INDEPENDENT);
   v1::SampleLeResponse r;
-  const grpc::Status s = status_of([&](auto* c) { return service_.lighting.SampleLe(c, q, &r); });
+  const grpc::Status s = call_status([&](auto* c) { return service_.lighting.SampleLe(c, q, &r); });
   if (!s.ok()) return {Kind::kWrong, s.error_message()};
   const oracle::Shape* shape = shape_of(truth.world(), question.source);
   const auto& origin = r.points().origin_m();
@@ -169,7 +169,7 @@ Verdict Questioner::le_of_portal(const Truth& truth, const Question& question) {
   }
   if (std::ranges::count(free, Way::kUnsure) > 0) return {};
   v1::LeResponse r;
-  const grpc::Status sent = status_of([&](auto* c) { return service_.lighting.Le(c, q, &r); });
+  const grpc::Status sent = call_status([&](auto* c) { return service_.lighting.Le(c, q, &r); });
   if (!sent.ok()) return {Kind::kWrong, sent.error_message()};
   if (r.status_size() > 0 && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
   const bool is_in_front = dot(portal.axes[2], from.at - portal.at) > 0;
@@ -217,7 +217,7 @@ Verdict Questioner::le(const Truth& truth, const Question& question) {
   for (const Real x : {direction.x, direction.y, direction.z})
     q.add_directions(static_cast<float>(x));
   v1::LeResponse r;
-  const grpc::Status s = status_of([&](auto* c) { return service_.lighting.Le(c, q, &r); });
+  const grpc::Status s = call_status([&](auto* c) { return service_.lighting.Le(c, q, &r); });
   if (!s.ok()) return {Kind::kWrong, s.error_message()};
   if (r.status_size() > 0 && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
   const bool is_this = r.light_ids(0) == static_cast<std::uint64_t>(question.source) + 1;

@@ -120,6 +120,8 @@ TEST_F(Oracle, AgreesWithTheServer) {
         "{}: {} agree, {} wrong, {} intervals hold, {} miss, {} unsure, {} without an answer\n",
         name_of(kind), t[K::kAgrees], t[K::kWrong], t[K::kHolds], t[K::kMisses], t[K::kUnsure],
         t[K::kNoAnswer]);
+  std::cout << fmt::format("{} calls were sent again, because their connection broke\n",
+                           questioner_.repeats());
   EXPECT_EQ(failures_, 0U);
   if (one != none) return;
   for (const auto& [kind, t] : tallies_) {
@@ -132,6 +134,23 @@ TEST_F(Oracle, AgreesWithTheServer) {
     const double all = static_cast<double>(t[K::kAgrees] + t[K::kWrong]) + sampled + unsure;
     EXPECT_LE(unsure, 0.05 * all + 4 * std::sqrt(0.0475 * all)) << name_of(kind);
   }
+}
+
+TEST(OracleCalls, AreSentAgainOnlyIfTheirConnectionBreaks) {
+  const auto outcome = [](grpc::StatusCode code, int failures) {
+    int calls = 0;
+    std::uint64_t repeats = 0;
+    const grpc::Status status = status_on_any_connection(
+        [&](auto*) { return calls++ < failures ? grpc::Status(code, "") : grpc::Status::OK; },
+        repeats);
+    EXPECT_EQ(repeats + 1, static_cast<std::uint64_t>(calls));
+    return std::pair(status.error_code(), calls);
+  };
+  using enum grpc::StatusCode;
+  EXPECT_EQ(outcome(UNAVAILABLE, 0), std::pair(OK, 1));
+  EXPECT_EQ(outcome(UNAVAILABLE, 3), std::pair(OK, 4));
+  EXPECT_EQ(outcome(UNAVAILABLE, 9), std::pair(UNAVAILABLE, 4));
+  EXPECT_EQ(outcome(INTERNAL, 1), std::pair(INTERNAL, 1));
 }
 
 }  // namespace
