@@ -22,7 +22,7 @@ ROOMS = [
     "server/estimate/paths", "server/estimate/queries", "server/monitor", "server/access", "server/rpc/messages",
     "server/rpc/handlers", "server/rpc", "server/config", "server",
     "client/rpc", "client/jobs", "client/view", "client/files", "client/testing", "client/shell", "client/terminal",
-    "client/tradeoff", "client/bench", "client/verify", "client/conformance", "client/cli",
+    "client/tradeoff", "client/admin", "client/bench", "client/verify", "client/conformance", "client/cli",
 ]
 ALLOWED = {"proto": {"proto"}, "lights": {"lights"}, "server": {"server", "lights", "proto"},
            "client": {"client", "proto"}}

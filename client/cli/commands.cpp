@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "client/admin/commands.h"
 #include "client/bench/command.h"
 #include "client/conformance/command.h"
 #include "client/terminal/error.h"
@@ -33,6 +34,8 @@ int run_lucerna(int argc, char** argv) {
       "interrupted (128 + the signal).");
   session.add_options(app);
   add_scene_commands(app, session);
+  add_lease_commands(app, session);
+  add_info_command(app, session);
   add_edit_command(app, session);
   add_light_commands(app, session);
   add_power_command(app, session);

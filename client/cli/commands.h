@@ -20,8 +20,6 @@ void add_power_command(CLI::App& app, Session& session);
 void add_emission_commands(CLI::App& app, Session& session);  // emit emit-pdf le
 void add_receiver_commands(CLI::App& app, Session& session);  // visible irradiance
 void add_render_command(CLI::App& app, Session& session);     // render
-void add_top_command(CLI::App& app, Session& session);
-void add_doctor_command(CLI::App& app, Session& session);
 /// Adds tradeoff to the list of commands.
 void add_tradeoff_command(CLI::App& app);
 /// If the command is tradeoff, replaces this process by lucerna-tradeoff, with all other arguments.

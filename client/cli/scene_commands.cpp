@@ -1,4 +1,4 @@
-// The commands load, scenes, scene, lights, lease, leases, release and info.
+// The commands load, inspect, scenes, scene and lights.
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -13,6 +13,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/light_table.h"
 #include "client/terminal/output.h"
+#include "client/terminal/program.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
 #include "lucerna/client/upload.h"
@@ -279,116 +280,6 @@ void lights(Session& session, const std::string& scene) {
   session.print_remarks();
 }
 
-void lease(Session& session, const std::string& scene, double seconds, const std::string& id) {
-  session.need_one_server("each server has its own leases");
-  v1::RenewLeaseRequest request;
-  request.set_scene_id(session.scene_id(scene));
-  request.set_lease_s(seconds);
-  request.set_lease_id(id);
-  const auto response =
-      session.value_or_fail(session.client().renew_lease(request, session.call_options()));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-  } else {
-    fmt::print("lease {} for {:g} s\n", response.lease_id(), response.lease_s());
-  }
-}
-
-void leases(Session& session) {
-  session.need_one_server("each server has its own leases");
-  v1::ListLeasesResponse all;
-  v1::ListLeasesRequest request;
-  do {
-    const auto page =
-        session.value_or_fail(session.client().list_leases(request, session.call_options()));
-    request.set_page_token(page.next_page_token());
-    all.MergeFrom(page);
-  } while (!request.page_token().empty());
-  all.clear_next_page_token();
-  if (session.json()) {
-    fmt::print("{}", to_json(all));
-    return;
-  }
-  Table table({{"lease", true}, {"ends in [s]"}, {"owner", true}, {"scene", true}, {"path", true}});
-  for (const v1::SceneLease& lease : all.leases()) {
-    table.add({lease.lease_id(),
-               Cell(fmt::format("{:.0f}", lease.left_s()), {fmt::format("{}", lease.left_s())}),
-               lease.owner(), lease.scene_id().substr(0, 12), lease.path()});
-  }
-  session.show(table);
-}
-
-void release(Session& session, const std::string& scene, const std::string& lease,
-             bool break_leases) {
-  session.need_one_server("each server has its own leases");
-  v1::ReleaseSceneRequest request;
-  request.set_scene_id(session.scene_id(scene));
-  request.set_lease_id(lease);
-  request.set_break_leases(break_leases);
-  const auto response =
-      session.value_or_fail(session.client().release_scene(request, session.call_options()));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-  } else {
-    fmt::print("{}  {}\n", request.scene_id(),
-               response.still_loaded() ? "lease ended, others keep it" : "released");
-  }
-}
-
-void info(Session& session) {
-  const auto response =
-      session.value_or_fail(session.client().get_server_info({}, session.call_options()));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-    return;
-  }
-  const v1::Limits& limits = response.limits();
-  const v1::NumericFingerprint& fingerprint = response.fingerprint();
-  Table table({{"lucernad", true, {"what"}}, {response.version(), true, {"value"}}});
-  if (session.csv()) table.add({"lucernad", response.version()});
-  table.add({"threads", std::to_string(response.threads())});
-  table.add({"batch, at most", fmt::format("{} items", limits.max_batch_items())});
-  table.add({"tile, at most", fmt::format("{} pixels", limits.max_tile_pixels())});
-  table.add({"samples, at most", std::to_string(limits.max_samples())});
-  table.add({"page, at most", fmt::format("{} entries", limits.max_page_size())});
-  table.add({"message, at most", fmt::format("{} bytes", limits.max_message_bytes())});
-  table.add({"may wait", fmt::format("{} queries, {} renders", limits.interactive_queue(),
-                                     limits.bulk_queue())});
-  table.add({"uploaded file, at most", fmt::format("{} bytes", limits.max_asset_bytes())});
-  table.add({"uploaded files, at most", fmt::format("{} bytes", limits.asset_budget_bytes())});
-  table.add({"scenes, at most", limits.memory_budget_bytes() == 0
-                                    ? std::string("no limit")
-                                    : fmt::format("{} bytes", limits.memory_budget_bytes())});
-  table.add({"lease, at most", fmt::format("{:g} s", limits.max_lease_s())});
-  // Older servers do not state these.
-  if (limits.max_scene_primitives() > 0) {
-    table.add({"scene, at most", fmt::format("{} primitives", limits.max_scene_primitives())});
-    table.add({"files of a scene, at most", fmt::format("{} bytes", limits.max_scene_bytes())});
-    table.add({".pbrt files, at most",
-               fmt::format("{} tokens, {} deep", limits.max_tokens(), limits.max_include_depth())});
-    table.add({"picture, at most", fmt::format("{} texels", limits.max_picture_texels())});
-    table.add({"name, at most", fmt::format("{} bytes", limits.max_name_bytes())});
-    table.add({"upload may pause", fmt::format("{:g} s", limits.upload_timeout_s())});
-  }
-  table.add({"fingerprint", fingerprint.digest()});
-  table.add({"  build", fingerprint.build()});
-  table.add({"  Embree", fingerprint.embree()});
-  table.add({"  libm", fingerprint.libm()});
-  session.show(table);
-}
-
-/// A command with one argument at most.
-CLI::App* add_command(CLI::App& app, const char* name, const char* what, const char* argument,
-                      const char* argument_what, const char* example,
-                      std::function<void(const std::string&)> run) {
-  CLI::App* command = app.add_subcommand(name, what);
-  command->footer(fmt::format("Example:\n  {}", example));
-  const auto value = std::make_shared<std::string>();
-  if (argument != nullptr) command->add_option(argument, *value, argument_what)->required();
-  command->callback([value, run = std::move(run)] { run(*value); });
-  return command;
-}
-
 /// The file and its options.
 std::shared_ptr<LoadFlags> add_file_options(CLI::App& command) {
   const auto flags = std::make_shared<LoadFlags>();
@@ -426,36 +317,6 @@ void add_load_command(CLI::App& app, Session& session) {
   command->callback([inspected, &session] { inspect(session, *inspected); });
 }
 
-void add_lease_commands(CLI::App& app, Session& session) {
-  const auto seconds = std::make_shared<double>(0);
-  const auto all = std::make_shared<bool>(false);
-  const auto renewed = std::make_shared<std::string>(), ended = std::make_shared<std::string>();
-  CLI::App* renew = add_command(app, "lease", "Keep a scene loaded when the server needs memory",
-                                "SCENE", kSceneHelp, "lucerna lease 3f1c --for 3600",
-                                [&session, seconds, renewed](const std::string& scene) {
-                                  lease(session, scene, *seconds, *renewed);
-                                });
-  renew->add_option("--for", *seconds, "Time from now [s]")
-      ->type_name("SECONDS")
-      ->required()
-      ->check(positive());
-  renew->add_option("--id", *renewed, "Id of the lease to renew; default: a new lease");
-
-  CLI::App* unload = add_command(
-      app, "release", "Unload a scene", "SCENE", kSceneHelp, "lucerna release 3f1c",
-      [&session, ended, all](const std::string& scene) { release(session, scene, *ended, *all); });
-  unload
-      ->add_option("--lease", *ended,
-                   "End this lease; the scene is unloaded if it has no other lease")
-      ->type_name("ID");
-  unload->add_flag("--break-leases", *all,
-                   "End all leases of the scene, those of others too; needs the role admin");
-
-  session.prints_table(*add_command(
-      app, "leases", "List your leases; with the role admin those of all callers", nullptr, "",
-      "lucerna leases", [&session](const std::string&) { leases(session); }));
-}
-
 }  // namespace
 
 void add_scene_commands(CLI::App& app, Session& session) {
@@ -477,11 +338,6 @@ void add_scene_commands(CLI::App& app, Session& session) {
   session.prints_table(*add_command(
       app, "lights", "List the lights of a scene", "SCENE", kSceneHelp, "lucerna lights room.pbrt",
       [&session](const std::string& scene) { lights(session, scene); }));
-  add_lease_commands(app, session);
-  session.prints_table(*add_command(
-      app, "info", "Print the version, the limits and the numeric fingerprint of the server",
-      nullptr, "", "lucerna info --server 10.0.0.7:50051",
-      [&session](const std::string&) { info(session); }));
 }
 
 }  // namespace lucerna::cli

@@ -142,4 +142,15 @@ int run_program(CLI::App& app, Session& session, int argc, char** argv) {
   return session.exit_status();
 }
 
+CLI::App* add_command(CLI::App& app, const char* name, const char* what, const char* argument,
+                      const char* argument_what, const char* example,
+                      std::function<void(const std::string&)> run) {
+  CLI::App* command = app.add_subcommand(name, what);
+  command->footer(fmt::format("Example:\n  {}", example));
+  const auto value = std::make_shared<std::string>();
+  if (argument != nullptr) command->add_option(argument, *value, argument_what)->required();
+  command->callback([value, run = std::move(run)] { run(*value); });
+  return command;
+}
+
 }  // namespace lucerna::cli

@@ -1,5 +1,5 @@
 // The command top: what a server does, live.
-#include "client/cli/top.h"
+#include "client/admin/top.h"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@
 #include <numeric>
 #include <optional>
 
-#include "client/cli/commands.h"
+#include "client/admin/commands.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/commands.h"
+#include "client/admin/commands.h"
 #include "client/rpc/security.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
