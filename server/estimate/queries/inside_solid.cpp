@@ -24,6 +24,9 @@ constexpr int kMostLights = 64;
 // A place just before a surface, as a part of the way to it.
 constexpr float kJustBefore = 0.999F;
 constexpr std::size_t kPointsPerChunk = 8;
+// How far before its surface a receiver looks for a solid, in errors of its position.  A thousandth
+// of this is more than the rounding of a ray's start.
+constexpr double kBeforeSurface = 4096;
 
 /// Spread evenly over the sphere (a Fibonacci lattice), none along an axis; directions that follow
 /// each other are far apart.
@@ -82,15 +85,19 @@ std::optional<Crossings> crossings(const Scene& scene, const Vec3<double>& from,
   return std::nullopt;
 }
 
+/// Whether the point lies in the plane of the hit, within the errors.
+bool is_on(const SurfaceHit& hit, const Vec3<double>& point, double error) {
+  return std::fabs(dot(hit.ng, hit.position - point)) <= 2 * (error + max_abs(hit.position_error));
+}
+
 /// The rays from one point, and the shapes that they cross.
 class Surroundings {
  public:
-  Surroundings(const Scene& scene, const IrradiancePoint& point, double time_s)
-      : scene_(scene), from_(point.position), time_s_(time_s) {
-    const double error = max_abs(point.position_error);
+  Surroundings(const Scene& scene, const Vec3<double>& from, double error, double time_s)
+      : scene_(scene), from_(from), time_s_(time_s) {
     for (const Vec3<float>& direction : directions()) {
       auto along = crossings(scene, from_, direction, time_s);
-      if (!along || (along->first && touches(*along->first, error))) return;
+      if (!along || (along->first && is_on(*along->first, from_, error))) return;
       along_.push_back(*std::move(along));
       if (along_.size() == kFirstRays && !leaves_any()) return;
     }
@@ -114,11 +121,6 @@ class Surroundings {
   static const std::array<Vec3<float>, kRays>& directions() {
     static const auto kDirections = spread_directions();
     return kDirections;
-  }
-
-  bool touches(const SurfaceHit& hit, double error) const {
-    return std::fabs(dot(hit.ng, hit.position - from_)) <=
-           2 * (error + max_abs(hit.position_error));
   }
 
   bool leaves_any() const {
@@ -195,7 +197,17 @@ class Surroundings {
 }  // namespace
 
 bool is_inside_solid(const Scene& scene, const IrradiancePoint& point, double time_s) {
-  return !scene.empty() && Surroundings(scene, point, time_s).are_solid();
+  if (scene.empty()) return false;
+  const double error = max_abs(point.position_error);
+  // A ray from a point on a surface may miss that surface.  One that begins before it does not.
+  const double rounding = max_abs(point.position) * std::numeric_limits<float>::epsilon();
+  const Vec3<double> normal = normalized(point.normal);
+  const double distance = kBeforeSurface * std::max(error, rounding);
+  const Vec3<double> before = point.position + normal * distance;
+  const auto surface = scene.closest_hit(
+      Ray{Vec3<float>(before), Vec3<float>(-normal), 0, static_cast<float>(2 * distance), time_s});
+  const bool is_on_surface = surface && is_on(*surface, point.position, error + rounding);
+  return Surroundings(scene, is_on_surface ? before : point.position, error, time_s).are_solid();
 }
 
 std::vector<std::uint8_t> inside_solids(const Scene& scene, std::span<const IrradiancePoint> points,

@@ -12,9 +12,11 @@ namespace lucerna {
 
 /// True if a shape encloses the point.  Depends only on its arguments.
 ///
-/// The rule: the point is not on a surface.  From it, 16 rays in fixed directions are followed
-/// through all surfaces.  They count the crossings of each shape: +1 from back to front (leaving),
-/// -1 from front to back.  Normals point to the front.  A shape encloses the point if
+/// The rule: a point on a surface is replaced by one just before it, on the side of the receiver's
+/// normal.  So a receiver on the floor below furniture is inside.  From the point, 16 rays in fixed
+/// directions are followed through all surfaces.  They count the crossings of each shape: +1 from
+/// back to front (leaving), -1 from front to back.  Normals point to the front.  A shape encloses
+/// the point if
 /// - the count is positive along 4 rays or more, and negative along none;
 /// - each ray with the count 0 meets a surface, and the place just before it is inside of the
 ///   shape.  Most rays that lead away from there have positive counts.  So furniture that touches

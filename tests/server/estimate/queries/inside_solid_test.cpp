@@ -105,6 +105,32 @@ TEST(InsideSolid, FurnitureThatTouchesFloorAndWallIsASolid) {
       inside(*scene_of({testing::floor(3), box({-1, -1, 0}, {1, 1, 1}, kNoBottom)}), {0, 0, 0.5}));
 }
 
+TEST(InsideSolid, AReceiverOnASurfaceLooksAtTheSideOfItsNormal) {
+  const auto facing = [](const Scene& scene, const Vec3<double>& at, const Vec3<double>& normal) {
+    return is_inside_solid(scene, {at, {1e-6F, 1e-6F, 1e-6F}, normal}, 0);
+  };
+  // The floor lies at a height whose coordinates round.
+  for (const double z : {0.0, 3.3}) {
+    for (const bool has_bottom : {true, false}) {
+      const auto scene = scene_of({testing::floor(9, z), box({-1, -1, z}, {1, 1, z + 0.7},
+                                                             has_bottom ? 0b111111 : kNoBottom)},
+                                  {0, 0, z + 2.5});
+      EXPECT_TRUE(facing(*scene, {0.2, 0.3, z}, {0, 0, 1})) << z << has_bottom;
+      EXPECT_TRUE(facing(*scene, {0.2, 0.3, z}, {0.6, 0, 0.8})) << z << has_bottom;
+      EXPECT_FALSE(facing(*scene, {1.5, 0.3, z}, {0, 0, 1})) << z << has_bottom;
+      EXPECT_FALSE(facing(*scene, {0.2, 0.3, z + 0.7}, {0, 0, 1})) << z << has_bottom;
+      EXPECT_TRUE(facing(*scene, {0.2, 0.3, z + 0.7}, {0, 0, -1})) << z << has_bottom;
+    }
+    // A board on two legs: the floor between the legs is not inside, that below a leg is.
+    const auto table =
+        scene_of({testing::floor(9, z), box({-1, -1, z + 0.7}, {1, 1, z + 0.75}),
+                  box({-1, -1, z}, {-0.9, 1, z + 0.7}), box({0.9, -1, z}, {1, 1, z + 0.7})},
+                 {0, 0, z + 2.5});
+    EXPECT_FALSE(facing(*table, {0, 0, z}, {0, 0, 1})) << z;
+    EXPECT_TRUE(facing(*table, {-0.95, 0, z}, {0, 0, 1})) << z;
+  }
+}
+
 TEST(InsideSolid, ARoomIsNotASolidButItsFurnitureIs) {
   for (const bool outwards : {true, false}) {
     const ShapeDescription walls = box({-3, -3, 0}, {3, 3, 3});
