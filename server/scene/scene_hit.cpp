@@ -202,10 +202,11 @@ SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
   // Rounded up, so that it stays a bound.
   hit.position_error = Vec3<float>(error * (1 + 1e-6));
   hit.ng = local.ng;
-  Vector ns = local.ns;
-  if (ns != Vector{}) ns = normalized(ns);
-  if (ns == Vector{}) ns = local.ng;
-  hit.ns = dot(ns, local.ng) < 0 ? -ns : ns;
+  hit.ns = local.ng;
+  if (local.ns != Vector{}) {
+    const Vector ns = normalized(local.ns);
+    if (ns != Vector{}) hit.ns = dot(ns, local.ng) < 0 ? -ns : ns;
+  }
   const PrimitiveRun& run = table.run(raw.kind, raw.primitive);
   const Surface& surface = table.surfaces[run.surface];
   hit.material = surface.material;

@@ -149,8 +149,12 @@ Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
 
 LightSample<double> DirectLight::light_sample(const Vertex& v, std::uint32_t light,
                                               const PathSample& at, std::uint32_t dimension) const {
-  const LightAtTime l(scene_.lights()[light], v.hit.time_s);
+  const SceneLight& of = scene_.lights()[light];
   const Receiver<double> r = receiver(v.hit, v.wo, v.scattering);
+  // A point light takes less time than a LightAtTime.
+  if (of.moving == nullptr)
+    if (const auto* point = of.light.get_if<PointLight<double>>()) return point->sample_li(r, {});
+  const LightAtTime l(of, v.hit.time_s);
   if (methods_.far_light_radii)
     if (const auto s = far_sample(l, r, *methods_.far_light_radii)) return *s;
   if (l.is_delta()) return l.sample_li(r, {});  // has one sample, so it needs no random numbers
@@ -258,7 +262,8 @@ std::optional<Rgb<double>> DirectLight::in_closed_form(const SurfaceHit& hit, co
 
 void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
                          std::uint32_t depth, const PathSample& s, const LightSet& settled,
-                         WorkCounts& work, Found found, const SurfaceScattering* scattering) const {
+                         WorkCounts& work, const Found& found,
+                         const SurfaceScattering* scattering) const {
   const Vertex v{hit, wo, depth, settled, work, found, scattering};
   if (spending == Spending::kEach) {
     const auto lights = static_cast<std::uint32_t>(scene_.lights().size());

@@ -47,9 +47,11 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   Vec3<float> wo = first_wo;
   Rgb<double> throughput{1};
   LightSet settled;
+  // Most surfaces are diffuse without textures, and need no scattering function.  Outside of the
+  // loop, because GCC clears all of it.
+  std::optional<SurfaceScattering> scattering;
   for (;; ++depth) {
-    // Most surfaces are diffuse without textures, and need no scattering function.
-    std::optional<SurfaceScattering> scattering;
+    scattering.reset();
     if (const Rgb<double>* reflectance = scene_.plain_diffuse(hit.material)) [[likely]] {
       throughput = throughput * *reflectance;
       if (throughput.is_black()) return sum;
