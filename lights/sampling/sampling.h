@@ -3,8 +3,11 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <type_traits>
 
 #include "lights/maths/density.h"
 #include "lights/maths/vec.h"
@@ -43,6 +46,14 @@ SolidAnglePdf<Real> uniform_cone_pdf(Real one_minus_cos) {
   return {std::numbers::inv_pi_v<Real> / (2 * one_minus_cos)};
 }
 
+/// `a` if `first`, else `b`.  Without a branch, for choices that no processor can predict.
+template <std::floating_point Real>
+Real select(bool first, Real a, Real b) {
+  using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
+  const Bits mask = first ? ~Bits{0} : Bits{0};
+  return std::bit_cast<Real>((std::bit_cast<Bits>(a) & mask) | (std::bit_cast<Bits>(b) & ~mask));
+}
+
 /// A point of the disk of radius 1, uniform by area.  It maps concentric squares to concentric
 /// circles.  [Shirley97]
 template <std::floating_point Real>
@@ -51,12 +62,11 @@ Vec2<Real> sample_concentric_disk(Vec2<Real> u) {
   const Real b = 2 * u.y - 1;
   if (a == 0 && b == 0) return {};
   constexpr Real kQuarterPi = std::numbers::pi_v<Real> / 4;
-  if (std::fabs(a) > std::fabs(b)) {
-    const Real phi = kQuarterPi * (b / a);
-    return {a * std::cos(phi), a * std::sin(phi)};
-  }
-  const Real phi = kQuarterPi * (a / b);
-  return {b * std::sin(phi), b * std::cos(phi)};
+  const bool wide = std::fabs(a) > std::fabs(b);
+  const Real r = select(wide, a, b);
+  const Real phi = kQuarterPi * (select(wide, b, a) / r);
+  const Real along = r * std::cos(phi), across = r * std::sin(phi);
+  return {select(wide, along, across), select(wide, across, along)};
 }
 
 /// For a disk of `radius` [m] (1 for the warp itself).

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
 #include <utility>
 
 #include "proto/common/status_macros.h"
@@ -15,13 +16,20 @@ std::optional<UnitRay> unit_ray(const Ray& ray, const RaySpace& space) {
                            ray.t_max, space);
 }
 
-RTCRay embree_ray(const UnitRay& r) {
-  RTCRay ray{};
-  ray.org_x = r.origin.x, ray.org_y = r.origin.y, ray.org_z = r.origin.z;
-  ray.dir_x = r.direction.x, ray.dir_y = r.direction.y, ray.dir_z = r.direction.z;
-  ray.tnear = r.t_min, ray.tfar = r.t_max;
+/// Embree reads four floats at once.  Reading bytes that were just stored in parts waits until all
+/// of them are in the cache, so four floats are stored at once too.
+void store(float* at, float x, float y, float z, float w) {
+  using Four [[gnu::vector_size(4 * sizeof(float))]] = float;
+  const Four four{x, y, z, w};
+  std::memcpy(at, &four, sizeof four);
+}
+
+void set_ray(RTCRay& ray, const UnitRay& r) {
+  store(&ray.org_x, r.origin.x, r.origin.y, r.origin.z, r.t_min);
+  store(&ray.dir_x, r.direction.x, r.direction.y, r.direction.z, 0);
+  ray.tfar = r.t_max;
   ray.mask = ~0u;
-  return ray;
+  ray.id = ray.flags = 0;
 }
 
 }  // namespace
@@ -35,7 +43,7 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray, Meets meets) cons
   const std::optional<UnitRay> start = unit_ray(ray, state.space);
   if (!start) return std::nullopt;
   alignas(16) RTCRayHit query;
-  query.ray = embree_ray(*start);
+  set_ray(query.ray, *start);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   QueryContext context(ray.time_s, start->t_max, meets, state.placed);
@@ -82,7 +90,7 @@ std::vector<RawHit> Accelerator::all_hits(const Ray& ray, Meets meets) const {
   const std::optional<UnitRay> start = unit_ray(ray, state.space);
   if (!start) return hits;
   alignas(16) RTCRayHit query;
-  query.ray = embree_ray(*start);
+  set_ray(query.ray, *start);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   QueryContext context(ray.time_s, start->t_max, meets, state.placed);
@@ -103,7 +111,8 @@ Obstacle Accelerator::obstacle(const Ray& ray, const LooseEnds& ends, Meets meet
   if (state.rays == nullptr) return Obstacle::kNone;
   const std::optional<UnitRay> start = unit_ray(ray, state.space);
   if (!start) return Obstacle::kNone;
-  alignas(16) RTCRay query = embree_ray(*start);
+  alignas(16) RTCRay query;
+  set_ray(query, *start);
   QueryContext context(ray.time_s, start->t_max, meets, state.placed);
   if (ends.any()) context.ends = &ends;
   if (state.moved_scene != nullptr) [[unlikely]] {

@@ -81,9 +81,14 @@ inline Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>&
                                  const Vec3<double>& normal, const Vec3<double>& direction) {
   const auto moved_outwards = [](float p, float offset) {
     const float q = p + offset;
-    if (offset > 0) return next_up(q);
-    if (offset < 0) return -next_up(-q);
-    return q;
+    const auto bits = std::bit_cast<std::uint32_t>(q);
+    if (!(std::fabs(q) < INFINITY) || bits << 1 == 0) [[unlikely]]
+      return offset > 0 ? next_up(q) : offset < 0 ? -next_up(-q) : q;
+    // One ulp towards the sign of the offset.  The signs of normals are unpredictable, so branches
+    // would take longer.
+    const std::uint32_t towards_zero = (bits ^ std::bit_cast<std::uint32_t>(offset)) >> 31;
+    const std::uint32_t moves = offset != 0 ? 1 : 0;
+    return std::bit_cast<float>(bits + moves - 2 * (moves & towards_zero));
   };
   const Vec3<float> n(normal);
   // The extent of the error box along the normal.

@@ -171,7 +171,14 @@ void meet_plane(const Ray& ray, LocalHit& hit) {
 std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray, Meets meets) const {
   const std::optional<RawHit> raw = placed_->accelerator->closest_hit(ray, meets);
   if (!raw) return std::nullopt;
-  return surface_hit(*raw, ray);
+  // Made in place, because a copy would wait for the bytes just stored.
+  struct Made {
+    const Scene& scene;
+    const RawHit& raw;
+    const Ray& ray;
+    operator SurfaceHit() const { return scene.surface_hit(raw, ray); }  // NOLINT
+  };
+  return std::optional<SurfaceHit>(std::in_place, Made{*this, *raw, ray});
 }
 
 SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
@@ -202,10 +209,11 @@ SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
   // Rounded up, so that it stays a bound.
   hit.position_error = Vec3<float>(error * (1 + 1e-6));
   hit.ng = local.ng;
-  Vector ns = local.ns;
-  if (ns != Vector{}) ns = normalized(ns);
-  if (ns == Vector{}) ns = local.ng;
-  hit.ns = dot(ns, local.ng) < 0 ? -ns : ns;
+  hit.ns = local.ng;
+  if (local.ns != Vector{}) {
+    const Vector ns = normalized(local.ns);
+    if (ns != Vector{}) hit.ns = dot(ns, local.ng) < 0 ? -ns : ns;
+  }
   const PrimitiveRun& run = table.run(raw.kind, raw.primitive);
   const Surface& surface = table.surfaces[run.surface];
   hit.material = surface.material;

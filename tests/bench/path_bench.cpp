@@ -3,18 +3,21 @@
 //     path_bench SCENE.pbrt [SAMPLES [REPEATS]]
 //
 // Renders the picture by one thread and prints millions of rays for each second of the processor,
-// and the rays of a sample.  Seconds of the processor do not count other programs.
+// the rays of a sample, and a hash of the picture.  Seconds of the processor do not count other
+// programs.  Two builds with the same hash gave all pixels the same bits.
 // tests/bench/embree_cornell.py makes the scene that Embree's `pathtracer --benchmark` renders.
 #include <fmt/core.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <bit>
 #include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "lights/sampling/sobol.h"
 #include "server/estimate/paths/render.h"
 #include "tests/bench/bench_program.h"
 
@@ -30,11 +33,16 @@ int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
       .bounces = static_cast<std::uint32_t>(scene->hints().max_depth.value_or(1) - 1)};
   std::vector<double> rates;
   WorkCounts work;
+  std::uint64_t hash = 0;
   for (int i = 0; i < repeats; ++i) {
     const double begin = processor_s();
-    work = render_tile(*scene, settings, {}).work;
+    const TileResult tile = render_tile(*scene, settings, {});
+    work = tile.work;
     const auto rays = static_cast<double>(work.camera_rays + work.indirect_rays + work.shadow_rays);
     rates.push_back(rays / (processor_s() - begin) / 1e6);
+    hash = 0;
+    for (const BlockStatistics& channel : tile.channels)
+      hash = mix_bits(hash + std::bit_cast<std::uint64_t>(channel.sum));
   }
   std::ranges::sort(rates);
   const auto per_sample = [&](std::uint64_t n) {
@@ -45,6 +53,7 @@ int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
   fmt::print("rays of a sample: {:.3f} = 1 camera + {:.3f} indirect + {:.3f} shadow\n",
              per_sample(work.camera_rays + work.indirect_rays + work.shadow_rays),
              per_sample(work.indirect_rays), per_sample(work.shadow_rays));
+  fmt::print("picture {:016x}\n", hash);
   return 0;
 }
 

@@ -116,7 +116,7 @@ class DirectLight {
   using Found = absl::FunctionRef<void(std::uint32_t light, const LightEstimate&)>;
   /// Samples the lights that are not in `settled`.
   void sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
-              const PathSample& s, const LightSet& settled, WorkCounts& work, Found found,
+              const PathSample& s, const LightSet& settled, WorkCounts& work, const Found& found,
               const SurfaceScattering* scattering = nullptr) const;
 
   /// All light of a light that is seen in one direction from `hit`: a delta light, or a light so
@@ -168,7 +168,7 @@ class DirectLight {
     std::uint32_t depth;
     const LightSet& settled;
     WorkCounts& work;
-    Found found;
+    const Found& found;
     const SurfaceScattering* scattering;
   };
   void sample_points(const Vertex& v, const LightChoice& choice, const PathSample& s,

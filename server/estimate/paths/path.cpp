@@ -47,9 +47,11 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   Vec3<float> wo = first_wo;
   Rgb<double> throughput{1};
   LightSet settled;
+  // Most surfaces are diffuse without textures, and need no scattering function.  Outside of the
+  // loop, because GCC clears all of it.
+  std::optional<SurfaceScattering> scattering;
   for (;; ++depth) {
-    // Most surfaces are diffuse without textures, and need no scattering function.
-    std::optional<SurfaceScattering> scattering;
+    scattering.reset();
     if (const Rgb<double>* reflectance = scene_.plain_diffuse(hit.material)) [[likely]] {
       throughput = throughput * *reflectance;
       if (throughput.is_black()) return sum;
@@ -66,6 +68,16 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       }
     }
 
+    const bool last = depth >= last_depth_;
+    Direction next_direction;
+    if (!scattering && !(last && !direct_.finds_lights())) {
+      // Before the lights are sampled: while those wait for square roots and divisions, the
+      // processor computes this.
+      next_direction.wi =
+          cosine_direction(Vec3<float>(hit.ns), wo, sample.at(depth, PathSample::kDirection));
+      next_direction.pdf = std::fabs(dot(hit.ns, Vec3<double>(next_direction.wi))) * kInvPi;
+    }
+
     if (!scattering || !scattering->all_delta())
       direct_.sample(
           direct_.spending(depth), hit, wo, depth, sample, settled, work,
@@ -75,8 +87,6 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
           },
           scattering ? &*scattering : nullptr);
 
-    const bool last = depth >= last_depth_;
-    Direction next_direction;
     if (scattering) {
       const auto scattered =
           scattering->sample(Vec3<double>(wo), {sample.pair(PathSample::kFirstLobe + depth).x,
@@ -98,11 +108,6 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       throughput = throughput / survival;
     }
 
-    if (!scattering) {
-      next_direction.wi =
-          cosine_direction(Vec3<float>(hit.ns), wo, sample.at(depth, PathSample::kDirection));
-      next_direction.pdf = std::fabs(dot(hit.ns, Vec3<double>(next_direction.wi))) * kInvPi;
-    }
     const Vec3<float>& wi = next_direction.wi;
     const Ray ray = spawn_ray(hit, wi);
     ++work.indirect_rays;
