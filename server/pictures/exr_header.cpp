@@ -5,8 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
+#include <functional>
 #include <string>
+#include <string_view>
 
 #include "proto/common/status_macros.h"
 #include "server/pictures/picture_checks.h"
@@ -47,6 +50,38 @@ std::int64_t read(exr_const_context_t, void* file, void* to, std::uint64_t size,
   return static_cast<std::int64_t>(n);
 }
 
+/// Whether the channels at `list` end where `size` bytes do.
+bool ends_after(std::string_view list, std::size_t size) {
+  constexpr std::size_t kAfterName = 16;  // type, linearity and sampling
+  std::size_t at = 0;
+  while (at < size && list[at] != '\0') {
+    at = list.find('\0', at);
+    if (at == std::string_view::npos) return false;
+    at += 1 + kAfterName;
+  }
+  return at + 1 == size;
+}
+
+/// The C library reads the channels within the size of the attribute, and the C++ library reads up
+/// to an empty name.  If they end at different bytes, the libraries disagree about all attributes
+/// behind them.
+bool has_whole_channel_lists(std::string_view bytes) {
+  constexpr std::string_view kType("\0chlist", 8);  // the end of the name, the type and its end
+  const std::boyer_moore_horspool_searcher searcher(kType.begin(), kType.end());
+  for (auto found = bytes.begin();;) {
+    found = std::search(found, bytes.end(), searcher);
+    if (found == bytes.end()) return true;
+    found += kType.size();
+    const std::string_view rest(found, bytes.end());
+    constexpr std::size_t kSizeBytes = 4;
+    if (rest.size() < kSizeBytes) return false;
+    std::uint32_t size = 0;
+    for (std::size_t i = 0; i < kSizeBytes; ++i)
+      size |= std::uint32_t{static_cast<unsigned char>(rest[i])} << (8 * i);
+    if (size > rest.size() - kSizeBytes || !ends_after(rest.substr(kSizeBytes), size)) return false;
+  }
+}
+
 }  // namespace
 
 absl::Status check_exr_header(const AssetContent& content, std::uint64_t max_texels) {
@@ -64,6 +99,8 @@ absl::Status check_exr_header(const AssetContent& content, std::uint64_t max_tex
   // The C library skips a wrong attribute, and the C++ library reads it.
   if (result != EXR_ERR_SUCCESS || file.code != EXR_ERR_SUCCESS)
     return unreadable_picture(content, file.message);
+  if (!has_whole_channel_lists(content.bytes))
+    return unreadable_picture(content, "the list of channels does not end with its attribute");
   int parts = 0;
   exr_get_count(context, &parts);
   for (int part = 0; part < parts; ++part) {

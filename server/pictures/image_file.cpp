@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -88,7 +89,19 @@ ImageFile::StoppableReader::StoppableReader(const std::string& bytes, std::stop_
       stop_(std::move(stop)) {}
 
 std::size_t ImageFile::StoppableReader::read(void* to, std::size_t size) {
-  return stop_.stop_requested() ? 0 : IOMemReader::read(to, size);
+  const std::size_t n = pread(to, size, m_pos);
+  m_pos += static_cast<std::int64_t>(n);
+  return n;
+}
+
+std::size_t ImageFile::StoppableReader::pread(void* to, std::size_t size, std::int64_t offset) {
+  // That of OpenImageIO 2.4 reads the memory before the file if an offset is below zero.  EXR files
+  // state the offsets of their rows.
+  const auto all = static_cast<std::size_t>(m_buf.size());
+  if (stop_.stop_requested() || offset < 0 || static_cast<std::size_t>(offset) >= all) return 0;
+  const std::size_t n = std::min(size, all - static_cast<std::size_t>(offset));
+  std::memcpy(to, m_buf.data() + offset, n);
+  return n;
 }
 
 ImageFile::ImageFile(const AssetContent& content, const ImageOptions& options)

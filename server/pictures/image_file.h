@@ -50,11 +50,12 @@ class ImageFile {
 
  private:
   /// Reads compressed bytes until the load is stopped, so that the decoder of a picture whose rows
-  /// are not stored in order ends too.
+  /// are not stored in order ends too.  Places outside the file have no bytes.
   class StoppableReader final : public OIIO::Filesystem::IOMemReader {
    public:
     StoppableReader(const std::string& bytes, std::stop_token stop);
     std::size_t read(void* to, std::size_t size) override;
+    std::size_t pread(void* to, std::size_t size, std::int64_t offset) override;
 
    private:
     std::stop_token stop_;

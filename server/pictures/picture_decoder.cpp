@@ -31,13 +31,22 @@ float decoded_texel(float coded, Encoding encoding) {
   return encoding == kLinear ? coded : static_cast<float>(std::pow(double{coded}, encoding.gamma));
 }
 
+/// The value of a code.
+template <typename Code>
+float decoded_code(std::size_t code, Encoding encoding) {
+  constexpr auto kMost = static_cast<float>(std::numeric_limits<Code>::max());
+  return decoded_texel(static_cast<float>(code) / kMost, encoding);
+}
+
+/// The number of codes.
+template <typename Code>
+constexpr std::size_t kCodes = std::size_t{std::numeric_limits<Code>::max()} + 1;
+
 /// The value of each code.  Integers have few different values, so each is decoded once.
 template <typename Code>
 std::vector<float> decoded_codes(Encoding encoding) {
-  constexpr std::size_t kMost = std::numeric_limits<Code>::max();
-  std::vector<float> decoded(kMost + 1);
-  for (std::size_t i = 0; i <= kMost; ++i)
-    decoded[i] = decoded_texel(static_cast<float>(i) / static_cast<float>(kMost), encoding);
+  std::vector<float> decoded(kCodes<Code>);
+  for (std::size_t i = 0; i < decoded.size(); ++i) decoded[i] = decoded_code<Code>(i, encoding);
   return decoded;
 }
 
@@ -92,11 +101,11 @@ class FloatReader {
 
   template <typename Code>
   absl::Status read_codes(OIIO::TypeDesc type) {
+    // A small picture has fewer values than a table of all codes.
+    if (3 * file_.texels() < kCodes<Code>)
+      return read_as<Code>(type, [this](Code c) { return decoded_code<Code>(c, encoding_); });
     const std::vector<float> decoded = decoded_codes<Code>(encoding_);
-    return for_each_texel<Code>(type, [&](const Code* texel) {
-      const auto value = [&](std::size_t c) { return decoded[texel[offset_[c]]]; };
-      texels_.push_back({value(0), value(1), value(2)});
-    });
+    return read_as<Code>(type, [&](Code c) { return decoded[c]; });
   }
 
   absl::Status read_floats() {
@@ -119,6 +128,14 @@ class FloatReader {
   std::size_t negative() const { return negative_; }
 
  private:
+  template <typename Code, typename Decode>
+  absl::Status read_as(OIIO::TypeDesc type, Decode&& decode) {
+    return for_each_texel<Code>(type, [&](const Code* texel) {
+      const auto value = [&](std::size_t c) { return decode(texel[offset_[c]]); };
+      texels_.push_back({value(0), value(1), value(2)});
+    });
+  }
+
   template <typename Value, typename Use>
   absl::Status for_each_texel(OIIO::TypeDesc type, Use&& use) {
     const auto read = static_cast<std::size_t>(high_ - low_ + 1);

@@ -55,9 +55,10 @@ bool has_same_runs(const SurfaceTable& table, std::uint32_t surface, const Exten
   return true;
 }
 
-/// Replaces values from `first` on.
+/// Replaces values from `first` on.  Without values to put, there may be none to replace.
 template <typename T>
 void replace(std::vector<T>& values, std::size_t first, const std::vector<T>& by) {
+  if (by.empty()) return;
   std::ranges::copy(by, values.begin() + static_cast<std::ptrdiff_t>(first));
 }
 

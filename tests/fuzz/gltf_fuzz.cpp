@@ -4,7 +4,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lucerna;
-  constexpr std::uint64_t kMostPrimitives = 20000, kMostTexels = 1 << 16;
+  constexpr std::uint64_t kMostPrimitives = 20000, kMostTexels = 1 << 12;
   const std::string_view input = fuzz::text_of(data, size);
   const std::string name = input.starts_with("glTF") ? "scene.glb" : "scene.gltf";
   AssetReader assets(std::make_unique<fuzz::InputFiles>(input, name));

@@ -6,19 +6,30 @@ Seeds are valid inputs, and inputs with one error.  Further inputs in these fold
 
 An input of several files joins them by lines "#FILE name" (input_files.h).
 """
+import itertools
 import pathlib
 import sys
 
 import seeds_formats
 import seeds_gltf
+import seeds_packed
 import seeds_requests
 import seeds_texts
 
 CORPUS = pathlib.Path(__file__).resolve().parent / "corpus"
 
-SEEDS = {"pbrt_fuzz": seeds_texts.pbrt, "ply_fuzz": seeds_formats.ply, "ies_fuzz": seeds_formats.ies, "eulumdat_fuzz": seeds_formats.eulumdat,
-         "picture_fuzz": seeds_formats.picture, "texture_fuzz": seeds_formats.texture, "gltf_fuzz": seeds_gltf.gltf,
-         "config_fuzz": seeds_texts.config, "token_file_fuzz": seeds_texts.token_file, "request_fuzz": seeds_requests.request}
+SEEDS = {
+    "config_fuzz": seeds_texts.config,
+    "eulumdat_fuzz": seeds_formats.eulumdat,
+    "gltf_fuzz": lambda: itertools.chain(seeds_gltf.gltf(), seeds_packed.gltf()),
+    "ies_fuzz": seeds_formats.ies,
+    "pbrt_fuzz": seeds_texts.pbrt,
+    "picture_fuzz": seeds_formats.picture,
+    "ply_fuzz": seeds_formats.ply,
+    "request_fuzz": seeds_requests.request,
+    "texture_fuzz": seeds_formats.texture,
+    "token_file_fuzz": seeds_texts.token_file,
+}
 
 
 def main():

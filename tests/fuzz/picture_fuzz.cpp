@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace lucerna;
   if (size == 0) return 0;
   constexpr std::array kEndings{".exr", ".hdr", ".pfm", ".png", ".tif", ".jpg", ".gif"};
-  constexpr std::uint64_t kMostTexels = 1 << 16;
+  constexpr std::uint64_t kMostTexels = 1 << 12;
   const AssetContent content{std::string("picture") + kEndings[data[0] % kEndings.size()],
                              std::string(fuzz::text_of(data + 1, size - 1))};
   const ImageOptions options{.max_texels = kMostTexels};

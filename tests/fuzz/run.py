@@ -42,7 +42,9 @@ def fuzz(target, limit):
     new, findings = BUILD / "corpus" / target, BUILD / "findings"
     new.mkdir(parents=True, exist_ok=True)
     findings.mkdir(parents=True, exist_ok=True)
-    command = [BUILD / "tests/fuzz" / target, limit, f"-timeout={INPUT_SECONDS}",
+    # libFuzzer's count of rare features took a quarter of the time of glTF files and a third of that
+    # of requests.
+    command = [BUILD / "tests/fuzz" / target, limit, "-entropic=0", f"-timeout={INPUT_SECONDS}",
                f"-rss_limit_mb={MEGABYTES}", f"-artifact_prefix={findings}/{target}-",
                "-print_final_stats=1", new, FUZZ / "corpus" / target]
     dictionary = FUZZ / "dictionaries" / f"{target}.dict"

@@ -42,7 +42,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       "Material \"diffuse\" \"texture reflectance\" \"c\" \"texture displacement\" \"a\" "
       "Shape \"sphere\" \"texture alpha\" \"a\"\n#FILE " +
       picture + "\n" + std::string(lucerna::fuzz::text_of(data + kParameters, size - kParameters));
-  constexpr std::uint64_t kMostTexels = 1 << 16;
+  constexpr std::uint64_t kMostTexels = 1 << 12;
   lucerna::AssetReader assets(std::make_unique<lucerna::fuzz::InputFiles>(input, "scene.pbrt"));
   auto description = lucerna::load_pbrt(assets, "scene.pbrt", {}, {.max_texels = kMostTexels});
   if (!description.ok()) return 0;

@@ -121,6 +121,18 @@ TEST(ExrHeader, AnAttributeWithoutATypeIsRefused) {
               HasSubstr("empty string encountered parsing attribute type for attribute 'a'"));
 }
 
+TEST(ExrHeader, ChannelsThatDoNotEndWithTheirAttributeAreRefused) {
+  // OpenEXR's C library takes the end of the list for the end of the header.
+  std::string bytes = exr_with("");
+  const std::string channels = attribute("channels", "chlist", 55);
+  const std::size_t at = bytes.find(channels);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at, channels.size(), attribute("channels", "chlist", 54));
+  bytes.insert(at + channels.size() + 55, attribute("a", "unknown", 1900000000));
+  EXPECT_THAT(message(decoded(bytes)),
+              HasSubstr("the list of channels does not end with its attribute"));
+}
+
 TEST(ExrHeader, ASizeBelowZeroIsRefused) {
   EXPECT_THAT(message(decoded(exr_with(attribute("a", "unknown", -5)))),
               HasSubstr("Attribute 'a', type 'unknown': Invalid negative size -5"));

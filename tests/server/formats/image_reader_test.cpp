@@ -54,6 +54,27 @@ TEST(ImageReader, IntegersAreSrgbCoded) {
   }
 }
 
+TEST(ImageReader, SixteenBitCodesDoNotDependOnTheSizeOfThePicture) {
+  // Large pictures look codes up, small ones compute each.
+  std::vector<std::uint16_t> codes(std::size_t{160} * 160);
+  for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = static_cast<std::uint16_t>(i * 37);
+  const auto grey = [](int width, int height) {
+    return OIIO::ImageSpec(width, height, 1, OIIO::TypeDesc::UINT16);
+  };
+  const auto large = decode_image({"a.png", written("a.png", grey(160, 160), codes)});
+  ASSERT_TRUE(large.ok()) << large.status();
+  const std::vector<std::uint16_t> row(codes.begin() + 160, codes.begin() + 320);
+  const auto small = decode_image({"a.png", written("a.png", grey(160, 1), row)});
+  ASSERT_TRUE(small.ok()) << small.status();
+  for (int x = 0; x < 160; ++x) {
+    EXPECT_EQ(small->image->texel(x, 0), large->image->texel(x, 1)) << x;
+    // IEC 61966-2-1
+    const double c = row[static_cast<std::size_t>(x)] / 65535.0;
+    const double linear = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+    EXPECT_NEAR(small->image->texel(x, 0).r, linear, 1e-6) << x;
+  }
+}
+
 TEST(ImageReader, HalfIsLinear) {
   OIIO::ImageSpec spec(2, 1, 3, OIIO::TypeDesc::HALF);
   const std::vector<std::uint16_t> halves{0x3c00, 0x3800, 0x7bff, 0, 0x0001, 0x4000};
