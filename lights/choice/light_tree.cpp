@@ -30,126 +30,158 @@ constexpr double kBelowOne = 1 - 0x1p-53;
 //   houses with 4096 windows:         41, 8.4, 8.6, 11.5 and 30
 constexpr double kNearestShare = 1.0 / 16;
 
-Vec3<double> vec(const float (&v)[3]) { return {double{v[0]}, double{v[1]}, double{v[2]}}; }
+/// A vector of each child.
+struct TwoVecs {
+  TwoDoubles x, y, z;
 
-/// An angle in [0, pi], stored as its cosine and sine, or as a common multiple of both.
-struct Turn {
-  double cos, sin;
-  Turn less(const Turn& other) const {
+  TwoVecs operator+(const TwoVecs& v) const { return {x + v.x, y + v.y, z + v.z}; }
+  TwoVecs operator-(const TwoVecs& v) const { return {x - v.x, y - v.y, z - v.z}; }
+  TwoVecs operator*(double s) const { return {x * s, y * s, z * s}; }
+};
+
+TwoVecs both_vecs(const Vec3<double>& v) { return {both(v.x), both(v.y), both(v.z)}; }
+template <typename T>
+TwoVecs both_vecs(const T (&v)[3][2]) {
+  return {both(v[0]), both(v[1]), both(v[2])};
+}
+TwoDoubles dot(const TwoVecs& a, const TwoVecs& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+TwoVecs cross(const TwoVecs& a, const TwoVecs& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Angles in [0, pi], stored as their cosines and sines, or as common multiples of both.
+struct Turns {
+  TwoDoubles cos, sin;
+  Turns less(const Turns& other) const {
     return {cos * other.cos + sin * other.sin, sin * other.cos - cos * other.sin};
   }
 };
 
-/// Half the extent of the box along the unit vector `w`.
-double reach_along(const Vec3<double>& w, const Vec3<double>& half) {
-  return std::fabs(w.x) * half.x + std::fabs(w.y) * half.y + std::fabs(w.z) * half.z;
+/// Half the extents of the boxes along the unit vectors `w`.
+TwoDoubles reach_along(const TwoVecs& w, const TwoVecs& half) {
+  return abs(w.x) * half.x + abs(w.y) * half.y + abs(w.z) * half.z;
 }
 
 }  // namespace
 
 std::optional<LightTree::Query> LightTree::query_from(const Receiver<double>& receiver) const {
-  if (nodes_.empty() || !is_finite(receiver.position) || !is_finite(receiver.normal))
-    return std::nullopt;
+  if (empty() || !is_finite(receiver.position) || !is_finite(receiver.normal)) return std::nullopt;
   Query from{receiver.position * scale_, receiver.normal, receiver.normal != Vec3<double>{}};
   if (max_abs(from.position) > kFarthest)
     from.position = scaled(receiver.position, -std::ilogb(max_abs(receiver.position))) * kFarthest;
   return from;
 }
 
-double LightTree::importance(const Node& node, const Query& from) {
-  const Vec3<double> to_lower = from.position - vec(node.lower);
-  const Vec3<double> to_upper = from.position - vec(node.upper);
-  const Vec3<double> half = (to_lower - to_upper) * 0.5;
-  const Vec3<double> way = (to_lower + to_upper) * 0.5;  // from the box's middle to the receiver
-  const double r2 = dot(half, half), d2 = dot(way, way);
-  const double r = std::sqrt(r2), d = std::sqrt(d2);
+void LightTree::prefetch(std::uint32_t pair) const {
+  __builtin_prefetch(&pairs_[pair]);
+  if (!cones_.empty()) __builtin_prefetch(&cones_[pair]);
+}
+
+// Both children at once and without branches: random receivers would mispredict most of them.
+TwoDoubles LightTree::importance(std::uint32_t pair, const Query& from) const {
+  const Pair& node = pairs_[pair];
+  const TwoVecs position = both_vecs(from.position);
+  const TwoVecs to_lower = position - both_vecs(node.lower),
+                to_upper = position - both_vecs(node.upper);
+  const TwoVecs half = (to_lower - to_upper) * 0.5;
+  const TwoVecs way = (to_lower + to_upper) * 0.5;  // from the box's middle to the receiver
+  const TwoDoubles zero = both(0.0);
+  const TwoDoubles r2 = dot(half, half), d2 = dot(way, way);
+  const TwoDoubles r = sqrt(r2), d = sqrt(d2);
   // theta_u: the angle that the box covers, seen from the receiver; cosine and sine times d.
   // Within the box's sphere: all directions.
-  const bool is_outside = d2 > r2;
-  const Turn box{is_outside ? std::sqrt(d2 - r2) : 0, r};
+  const TwoMasks is_outside = d2 > r2;
+  const Turns box{sqrt(is_outside ? d2 - r2 : zero), r};
 
-  double cosines = 1;
+  TwoMasks is_dark{};
+  TwoDoubles cosines = both(1.0);
   if (from.has_normal) {
-    const double height = -dot(from.normal, way);
-    if (height + reach_along(from.normal, half) < -kHorizonRad * (d + r)) return 0;
-    if (is_outside) {
-      const Turn above{height, std::sqrt(std::max(0.0, d2 - height * height))};
-      const Turn nearest = above.less(box);
-      if (nearest.sin > 0) cosines = std::max(nearest.cos / d2, kLeastCosine);
-    }
+    const TwoVecs normal = both_vecs(from.normal);
+    const TwoDoubles height = -dot(normal, way);
+    is_dark = height + reach_along(normal, half) < -kHorizonRad * (d + r);
+    const Turns above{height, sqrt(max(zero, d2 - height * height))};
+    const Turns nearest = above.less(box);
+    const TwoMasks is_slanted = is_outside & (nearest.sin > 0);
+    cosines = is_slanted ? max(nearest.cos / d2, both(kLeastCosine)) : cosines;
   }
 
-  if (node.cos_o > -1) {
-    const Vec3<double> axis{node.axis[0], node.axis[1], node.axis[2]};
-    const double along = dot(axis, way);
-    const Vec3<double> across = cross(axis, way);
-    const Turn cone{double{node.cos_o}, double{node.sin_o}};
-    const Turn theta{node.two_sided != 0 ? std::fabs(along) : along,
-                     std::sqrt(dot(across, across))};
-    const Turn beyond_cone = theta.less(cone);
-    if (beyond_cone.sin > 0) {
-      if (is_outside) {
-        const Turn nearest = beyond_cone.less(box);
-        if (nearest.sin > 0) {
-          if (node.has_cosine == 0 || !(nearest.cos > 0)) return 0;
-          cosines *= std::max(nearest.cos / d2, kLeastCosine);
-        }
-      }
-      // The sphere of a flat box extends far in front of its plane and behind it.  So also test the
-      // box along the axis: every point of it is at least this far ahead of the receiver, and at
-      // most d + r away.
-      if (node.has_cosine != 0 && node.two_sided == 0 && cone.cos > 0 &&
-          along + reach_along(axis, half) < -cone.sin * (d + r))
-        return 0;
-    }
+  const Child &left = node.child[0], &right = node.child[1];
+  if ((left.has_cone | right.has_cone) != 0) {
+    const auto mask = [](std::uint32_t l, std::uint32_t r) {
+      return TwoMasks{-std::int64_t{l}, -std::int64_t{r}};
+    };
+    const TwoMasks has_cone = mask(left.has_cone, right.has_cone);
+    const TwoMasks has_cosine = mask(left.has_cosine, right.has_cosine);
+    const TwoMasks two_sided = mask(left.two_sided, right.two_sided);
+    const Cones& cones = cones_[pair];
+    const TwoVecs axis = both_vecs(cones.axis);
+    const TwoDoubles along = dot(axis, way);
+    const TwoVecs across = cross(axis, way);
+    const Turns cone{both(cones.cos_o), both(cones.sin_o)};
+    const Turns theta{two_sided ? abs(along) : along, sqrt(dot(across, across))};
+    const Turns beyond_cone = theta.less(cone);
+    const TwoMasks is_beyond = has_cone & (beyond_cone.sin > 0);
+    const Turns nearest = beyond_cone.less(box);
+    const TwoMasks is_box_beyond = is_beyond & is_outside & (nearest.sin > 0);
+    is_dark |= is_box_beyond & ~(has_cosine & (nearest.cos > 0));
+    cosines = is_box_beyond ? cosines * max(nearest.cos / d2, both(kLeastCosine)) : cosines;
+    // The sphere of a flat box extends far in front of its plane and behind it.  So also test the
+    // box along the axis: every point of it is at least this far ahead of the receiver, and at
+    // most d + r away.
+    is_dark |= is_beyond & has_cosine & ~two_sided & (cone.cos > 0) &
+               (along + reach_along(axis, half) < -cone.sin * (d + r));
   }
-  const Vec3<double> beside{std::max(0.0, std::fabs(way.x) - half.x),
-                            std::max(0.0, std::fabs(way.y) - half.y),
-                            std::max(0.0, std::fabs(way.z) - half.z)};
-  const double nearest = std::max(std::sqrt(dot(beside, beside)), r * kNearestShare);
-  return double{node.intensity} * cosines / (nearest * std::max(d, r));
+  const TwoVecs beside{max(zero, abs(way.x) - half.x), max(zero, abs(way.y) - half.y),
+                       max(zero, abs(way.z) - half.z)};
+  const TwoDoubles nearest = max(sqrt(dot(beside, beside)), r * kNearestShare);
+  const TwoDoubles importance = both(node.intensity) * cosines / (nearest * max(d, r));
+  return is_dark ? zero : importance;
 }
 
 std::optional<LightChoice> LightTree::choose(const Receiver<double>& receiver, double u) const {
   const std::optional<Query> from = query_from(receiver);
   if (!from) return std::nullopt;
-  const Node* node = nodes_.data();
-  if (node->is_leaf != 0 && !(importance(*node, *from) > 0)) return std::nullopt;
-  double probability = 1;
-  while (node->is_leaf == 0) {
-    const Node* left = &nodes_[node->index];
-    const double l = importance(left[0], *from), r = importance(left[1], *from);
-    const double sum = l + r;
-    if (!(sum > 0)) return std::nullopt;
-    // The rest of u chooses among the lights of the child.  If its bits are used up, the
-    // probabilities are still valid.
-    if (u < l / sum) {
-      node = left;
-      u = std::min(u / (l / sum), kBelowOne);
-      probability *= l / sum;
-    } else {
-      node = left + 1;
-      u = std::min((u - l / sum) / (r / sum), kBelowOne);
-      probability *= r / sum;
-    }
+  if (size() == 1) {
+    if (!(importance(0, *from)[0] > 0)) return std::nullopt;
+    return LightChoice{pairs_[0].child[0].index, 1};
   }
-  return LightChoice{node->index, probability};
+  double probability = 1;
+  std::uint32_t pair = 0;
+  while (true) {
+    const Child(&child)[2] = pairs_[pair].child;
+    // Both pairs of the next step are fetched while this step computes.
+    for (const Child& next : child)
+      if (next.is_leaf == 0) prefetch(next.index);
+    const TwoDoubles both = importance(pair, *from);
+    const double sum = both[0] + both[1];
+    if (!(sum > 0)) return std::nullopt;
+    const TwoDoubles shares = both / sum;
+    // The rest of u chooses among the lights of the child.  If its bits are used up, the
+    // probabilities are still valid.  No branch on the side, because u would mispredict it.
+    const double share[] = {shares[0], shares[1]}, before[] = {0, shares[0]};
+    const int side = u < share[0] ? 0 : 1;
+    u = std::min((u - before[side]) / share[side], kBelowOne);
+    probability *= share[side];
+    const Child chosen = child[side];
+    if (chosen.is_leaf != 0) return LightChoice{chosen.index, probability};
+    pair = chosen.index;
+  }
 }
 
 double LightTree::probability(const Receiver<double>& receiver, std::uint32_t light) const {
   const std::optional<Query> from = query_from(receiver);
   if (!from || leaf_of_[light] == kNoLeaf) return 0;
-  std::uint32_t at = leaf_of_[light];
-  if (at == 0) return importance(nodes_[0], *from) > 0 ? 1 : 0;
+  if (size() == 1) return importance(0, *from)[0] > 0 ? 1 : 0;
   // Shares from the leaf upwards.  The list grows as deep as the tree.
   absl::InlinedVector<double, 64> shares;
-  while (at > 0) {
-    const std::uint32_t left = at - (at % 2 == 0 ? 1 : 0);
-    const double l = importance(nodes_[left], *from), r = importance(nodes_[left + 1], *from);
-    const double own = at == left ? l : r;
+  for (Place at = leaf_of_[light];; at = parents_[at / 2]) {
+    const std::uint32_t pair = at / 2;
+    if (pair > 0) prefetch(parents_[pair] / 2);
+    const TwoDoubles both = importance(pair, *from);
+    const double l = both[0], r = both[1], own = at % 2 == 0 ? l : r;
     if (!(own > 0)) return 0;
     shares.push_back(own / (l + r));
-    at = parents_[left / 2];
+    if (pair == 0) break;
   }
   // Multiplied as `choose` does, so that the bits are the same.
   double probability = 1;
@@ -158,8 +190,8 @@ double LightTree::probability(const Receiver<double>& receiver, std::uint32_t li
 }
 
 std::size_t LightTree::bytes() const {
-  return nodes_.capacity() * sizeof(Node) + parents_.capacity() * sizeof parents_[0] +
-         leaf_of_.capacity() * sizeof leaf_of_[0];
+  return pairs_.capacity() * sizeof(Pair) + cones_.capacity() * sizeof(Cones) +
+         (parents_.capacity() + leaf_of_.capacity()) * sizeof(Place);
 }
 
 }  // namespace lucerna

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "lights/maths/two_doubles.h"
 #include "lights/models/light_bounds.h"
 #include "lights/sampling/light_sample.h"
 
@@ -56,23 +57,35 @@ class LightTree {
   double probability(const Receiver<double>& receiver, std::uint32_t light) const;
 
   /// The number of lights that can be chosen.
-  std::size_t size() const { return (nodes_.size() + 1) / 2; }
-  bool empty() const { return nodes_.empty(); }
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
   std::size_t bytes() const;
 
  private:
   class Builder;
 
-  /// A cache line.  Coordinates are the tree's own, with a largest value of about 1.
-  struct alignas(64) Node {
-    double axis[3];
-    float lower[3], upper[3];
-    float intensity;     ///< power over solid_angle_sr()
-    float cos_o, sin_o;  ///< -1 and 0: all directions
-    std::uint32_t is_leaf : 1, has_cosine : 1, two_sided : 1;
-    std::uint32_t index : 29;  ///< of the left child, beside the right one; of a leaf's light
+  /// A child of a pair.
+  struct Child {
+    std::uint32_t is_leaf : 1, has_cone : 1, has_cosine : 1, two_sided : 1;
+    std::uint32_t index : 28;  ///< of the pair of its children; of a leaf's light
   };
-  static_assert(sizeof(Node) == 64);
+  /// Both children of a node, in one cache line.  A step down reads no more if neither has a cone.
+  /// Coordinates are the tree's own, with a largest value of about 1.
+  struct alignas(64) Pair {
+    float lower[3][2], upper[3][2];  ///< for each axis, of both children
+    float intensity[2];              ///< power over solid_angle_sr()
+    Child child[2];
+  };
+  static_assert(sizeof(Pair) == 64 && kMaxLights <= std::size_t{1} << 28);
+  /// The directions of both children.
+  struct alignas(64) Cones {
+    double axis[3][2];
+    float cos_o[2], sin_o[2];
+  };
+  static_assert(sizeof(Cones) == 64);
+
+  /// A child by number: twice that of its pair, plus 1 for the right one.
+  using Place = std::uint32_t;
 
   /// A receiver in the tree's coordinates.
   struct Query {
@@ -80,16 +93,21 @@ class LightTree {
     bool has_normal;
   };
 
-  static Node node_of(const LightCluster& cluster);
+  void set(Place place, const LightCluster& cluster);
   std::optional<Query> query_from(const Receiver<double>& receiver) const;
-  static double importance(const Node& node, const Query& from);
+  /// Starts to load a pair into the cache.
+  void prefetch(std::uint32_t pair) const;
+  /// Of both children of a pair.
+  TwoDoubles importance(std::uint32_t pair, const Query& from) const;
 
-  std::vector<Node> nodes_;             // the root, then pairs of siblings
-  std::vector<std::uint32_t> parents_;  // of each pair
-  std::vector<std::uint32_t> leaf_of_;  // of each item; kNoLeaf
-  double scale_ = 1;                    // to the tree's coordinates, a power of two
+  std::vector<Pair> pairs_;   // the children of the root, then the left child's before the right's
+  std::vector<Cones> cones_;  // of each pair; empty if all lights shine in all directions
+  std::vector<Place> parents_;  // of each pair but the first
+  std::vector<Place> leaf_of_;  // of each item; kNoLeaf
+  std::size_t size_ = 0;        // a single light is the left child of the only pair
+  double scale_ = 1;            // to the tree's coordinates, a power of two
 
-  static constexpr std::uint32_t kNoLeaf = ~std::uint32_t{0};
+  static constexpr Place kNoLeaf = ~Place{0};
 };
 
 }  // namespace lucerna

@@ -26,6 +26,8 @@ constexpr double kLeastBox = 0x1p-100;
 constexpr double kLeastPower = 0x1p-100;
 constexpr int kMostBins = 16;
 
+bool has_cone(const LightCluster& cluster) { return !(cluster.theta_o_rad > kPi - kNearlyAllRad); }
+
 }  // namespace
 
 class LightTree::Builder {
@@ -36,9 +38,10 @@ class LightTree::Builder {
   LightTree build();
 
  private:
-  /// Makes node `node` from the lights order_[begin, end).
+  /// Makes the tree below `place` from the lights order_[begin, end).
   struct Task {
-    std::uint32_t begin, end, node;
+    std::uint32_t begin, end;
+    Place place;  ///< that of the root is not used
     LightCluster cluster;
   };
   struct Split {
@@ -126,21 +129,24 @@ LightCluster LightTree::Builder::cluster_of(std::span<const std::uint32_t> light
   return all;
 }
 
-LightTree::Node LightTree::node_of(const LightCluster& cluster) {
-  Node node{};
+void LightTree::set(Place place, const LightCluster& cluster) {
+  Pair& pair = pairs_[place / 2];
+  const int side = static_cast<int>(place % 2);
   const auto [lower, upper] = rounded_outwards<float>(cluster.lower, cluster.upper);
   for (int axis = 0; axis < 3; ++axis) {
-    node.axis[axis] = cluster.axis[axis];
-    node.lower[axis] = lower[axis];
-    node.upper[axis] = upper[axis];
+    pair.lower[axis][side] = lower[axis];
+    pair.upper[axis][side] = upper[axis];
   }
-  const bool all_directions = cluster.theta_o_rad > kPi - kNearlyAllRad;
-  node.cos_o = all_directions ? -1 : static_cast<float>(std::cos(cluster.theta_o_rad));
-  node.sin_o = all_directions ? 0 : static_cast<float>(std::sin(cluster.theta_o_rad));
-  node.has_cosine = cluster.has_cosine ? 1 : 0;
-  node.two_sided = cluster.two_sided ? 1 : 0;
-  node.intensity = static_cast<float>(cluster.power / cluster.solid_angle_sr());
-  return node;
+  pair.intensity[side] = static_cast<float>(cluster.power / cluster.solid_angle_sr());
+  Child& child = pair.child[side];
+  child.has_cosine = cluster.has_cosine ? 1 : 0;
+  child.two_sided = cluster.two_sided ? 1 : 0;
+  child.has_cone = has_cone(cluster) ? 1 : 0;
+  if (child.has_cone == 0) return;
+  Cones& cones = cones_[place / 2];
+  for (int axis = 0; axis < 3; ++axis) cones.axis[axis][side] = cluster.axis[axis];
+  cones.cos_o[side] = static_cast<float>(std::cos(cluster.theta_o_rad));
+  cones.sin_o[side] = static_cast<float>(std::sin(cluster.theta_o_rad));
 }
 
 std::optional<LightTree::Builder::Binning> LightTree::Builder::fill_bins(int axis,
@@ -219,30 +225,40 @@ LightTree LightTree::Builder::build() {
   take_lights(tree.scale_);
   tree.leaf_of_.assign(items_.size(), kNoLeaf);
   if (order_.empty()) return tree;
-  tree.nodes_.reserve(2 * order_.size() - 1);
-  tree.parents_.reserve(order_.size() - 1);
-  tree.nodes_.emplace_back();
+  tree.size_ = order_.size();
+  const std::size_t pairs = std::max<std::size_t>(1, order_.size() - 1);
+  tree.pairs_.reserve(pairs);
+  tree.parents_.reserve(pairs);
+  if (std::ranges::any_of(order_, [&](std::uint32_t i) { return has_cone(lights_[i]); }))
+    tree.cones_.resize(pairs);
+  const LightCluster all = cluster_of(order_);
+  if (order_.size() == 1) {
+    tree.pairs_.emplace_back();
+    tree.set(0, all);
+  }
   // An explicit stack: lights in a line make the tree too deep for recursive calls.
   std::vector<Task> tasks;
-  tasks.push_back({0, static_cast<std::uint32_t>(order_.size()), 0, cluster_of(order_)});
+  tasks.push_back({0, static_cast<std::uint32_t>(order_.size()), 0, all});
   while (!tasks.empty()) {
     const Task task = tasks.back();
     tasks.pop_back();
-    Node node = node_of(task.cluster);
     if (task.end - task.begin == 1) {
-      node.is_leaf = 1;
-      node.index = order_[task.begin];
-      tree.leaf_of_[node.index] = task.node;
-    } else {
-      const Split parts = split(task);
-      const auto left = static_cast<std::uint32_t>(tree.nodes_.size());
-      node.index = left;
-      tree.parents_.push_back(task.node);
-      tree.nodes_.resize(left + 2);
-      tasks.push_back({parts.middle, task.end, left + 1, parts.right});
-      tasks.push_back({task.begin, parts.middle, left, parts.left});
+      const std::uint32_t light = order_[task.begin];
+      Child& leaf = tree.pairs_[task.place / 2].child[task.place % 2];
+      leaf.is_leaf = 1;
+      leaf.index = light;
+      tree.leaf_of_[light] = task.place;
+      continue;
     }
-    tree.nodes_[task.node] = node;
+    const Split parts = split(task);
+    const auto pair = static_cast<std::uint32_t>(tree.pairs_.size());
+    if (pair > 0) tree.pairs_[task.place / 2].child[task.place % 2].index = pair;
+    tree.pairs_.emplace_back();
+    tree.parents_.push_back(task.place);
+    tree.set(2 * pair, parts.left);
+    tree.set(2 * pair + 1, parts.right);
+    tasks.push_back({parts.middle, task.end, 2 * pair + 1, parts.right});
+    tasks.push_back({task.begin, parts.middle, 2 * pair, parts.left});
   }
   return tree;
 }

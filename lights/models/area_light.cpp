@@ -11,6 +11,7 @@
 
 #include "lights/models/irradiance.h"
 #include "lights/sampling/emission.h"
+#include "lights/sampling/inverse_square.h"
 #include "lights/sampling/sampling.h"
 #include "lights/spectra/level_validation.h"
 
@@ -110,12 +111,14 @@ LightSample<Real> AreaLight<Real, Shape>::sample_li(const Receiver<Real>& receiv
   const Vec3<double> to_light = chosen.to_point != Vec3<double>{}
                                     ? chosen.to_point
                                     : Vec3<double>(sample.point) - Vec3<double>(receiver.position);
-  sample.distance = static_cast<Real>(length(to_light));
   if (to_light == Vec3<double>{}) {
     sample.reason = NoLight::kDegenerate;
     return sample;
   }
-  sample.wi = Vec3<Real>(normalized(to_light));
+  const auto plain = plain_way<double>(to_light);
+  const Way way = plain ? *plain : scaled_way(to_light);
+  sample.distance = static_cast<Real>(way.distance_m);
+  sample.wi = Vec3<Real>(way.wi);
   if (is_density(chosen.pdf)) sample.pdf = chosen.pdf;
 
   const bool emits = emits_towards(chosen.point, -to_light, receiver.position);

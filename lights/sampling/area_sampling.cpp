@@ -50,7 +50,7 @@ struct Range {
   double least, most;
 
   explicit Range(double v) : least(v), most(v) {}
-  void add(double v) { least = std::fmin(least, v), most = std::fmax(most, v); }
+  void add(double v) { least = v < least ? v : least, most = v > most ? v : most; }
 };
 
 AreaSampling by_distances(std::span<const Vec3<double>> points, double far) {

@@ -47,26 +47,16 @@ std::uint32_t pascal(std::uint32_t index) {
 
 float to_unit(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24F; }
 
-constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15U;
-
 }  // namespace
-
-// The finaliser "Mix13" of the SplitMix generator.  [Steele14]
-std::uint64_t mix_bits(std::uint64_t v) {
-  v = (v ^ v >> 30) * 0xBF58476D1CE4E5B9U;
-  v = (v ^ v >> 27) * 0x94D049BB133111EBU;
-  return v ^ v >> 31;
-}
-
-SobolSequence::SobolSequence(std::uint64_t seed, std::uint64_t item, std::uint64_t replicate)
-    : key_(mix_bits(mix_bits(mix_bits(seed + kGolden) + item + kGolden) + replicate + kGolden)) {}
 
 Vec2<float> SobolSequence::pair(std::uint32_t index, std::uint32_t pair) const {
   const std::uint64_t order = mix_bits(key_ + (2 * std::uint64_t{pair} + 1) * kGolden);
   const std::uint64_t digits = mix_bits(key_ + (2 * std::uint64_t{pair} + 2) * kGolden);
   // Nested scrambling of the index keeps every aligned block of 2^m points together.  [Burley20]
+  // Most queries take only point 0.
+  const std::uint32_t reversed = index == 0 ? 0 : reverse_bits(index);
   const std::uint32_t shuffled =
-      reverse_bits(scramble_upwards(reverse_bits(index), static_cast<std::uint32_t>(order >> 32)));
+      reverse_bits(scramble_upwards(reversed, static_cast<std::uint32_t>(order >> 32)));
   const auto x_seed = static_cast<std::uint32_t>(digits);
   const auto y_seed = static_cast<std::uint32_t>(digits >> 32);
   const Reversed bits =

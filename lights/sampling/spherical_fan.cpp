@@ -19,13 +19,9 @@ double covered(double distance, double y, double height) {
 
 std::optional<SphericalFan> SphericalFan::create(std::span<const Vec3<double>> corners,
                                                  const Vec3<double>& normal, double height) {
-  constexpr double kLow = 1e-3;
-  double farthest = 0;
-  for (const auto& c : corners) farthest = std::fmax(farthest, max_abs(c));
+  if (!is_low(corners, height)) return std::nullopt;
   SphericalFan fan;
   fan.height_ = std::fabs(height);
-  if (!(fan.height_ > 0 && fan.height_ < kLow * farthest) || !std::isfinite(farthest))
-    return std::nullopt;
   fan.to_foot_ = normal * -height;
 
   double sum = 0;

@@ -32,6 +32,17 @@ class SphericalFan {
   static std::optional<SphericalFan> create(std::span<const Vec3<double>> corners,
                                             const Vec3<double>& normal, double height);
 
+  /// Whether the height is that low; a fast test of what `create` requires.
+  static bool is_low(std::span<const Vec3<double>> corners, double height) {
+    constexpr double kLow = 1e-3;
+    double farthest = 0;
+    for (const Vec3<double>& c : corners) {
+      const double most = max_abs(c);
+      farthest = most > farthest ? most : farthest;
+    }
+    return std::fabs(height) > 0 && std::fabs(height) < kLow * farthest && std::isfinite(farthest);
+  }
+
   double solid_angle_sr() const { return up_to_[count_ - 1]; }
 
   /// A point of the polygon, from the receiver; uniform in solid angle.  u.y = 0 is the foot,

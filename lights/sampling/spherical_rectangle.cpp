@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/maths/turn.h"
 #include "lights/sampling/spherical_triangle.h"
 
 namespace lucerna {
@@ -11,6 +12,24 @@ namespace lucerna {
 namespace {
 
 constexpr double kMinSolidAngle = 1e-5;
+
+/// A complex number: an angle, times any positive factor.
+struct Turn {
+  double cos, sin;
+  Turn plus(const Turn& other) const {
+    return {cos * other.cos - sin * other.sin, sin * other.cos + cos * other.sin};
+  }
+  Turn less(const Turn& other) const {
+    return {cos * other.cos + sin * other.sin, sin * other.cos - cos * other.sin};
+  }
+};
+
+/// `v` between `from` and `to`; `from` for NaN.
+double between(double v, double from, double to) {
+  const double least = v > from ? v : from;
+  return least < to ? least : to;
+}
+double unit(double v) { return between(v, 0, 1); }
 
 }  // namespace
 
@@ -26,28 +45,35 @@ std::optional<SphericalRectangle> SphericalRectangle::create(const Vec3<double>&
                                                              double height) {
   const double largest = std::max({max_abs(corner), max_abs(edge_x), max_abs(edge_y)});
   if (!(largest > 0) || !std::isfinite(largest)) return std::nullopt;
-  const int exponent = -std::ilogb(largest);
+  const int exponent = -exponent_of(largest);
   const Vec3<double> p = scaled(corner, exponent);
   const Vec3<double> ex = scaled(edge_x, exponent);
   const Vec3<double> ey = scaled(edge_y, exponent);
   const double dx = length(ex), dy = length(ey);
 
   SphericalRectangle r;
-  r.z_ = std::fabs(std::scalbn(height, exponent));
+  r.z_ = std::fabs(scaled(height, exponent));
   if (!(r.z_ > 0)) return std::nullopt;
-  const double determinant = r.z_ * dx * dy;  // of either half
-  r.solid_angle_ = triangle_solid_angle(p, p + ex, p + ey, determinant) +
-                   triangle_solid_angle(p + ex + ey, p + ey, p + ex, determinant);
-  if (!(r.solid_angle_ >= kMinSolidAngle && r.solid_angle_ <= kMaxSolidAngle)) return std::nullopt;
-  const Vec3<double> x = ex / dx;
-  const Vec3<double> y = ey / dy;
-  r.x0_ = dot(p, x);
+  r.x0_ = dot(p, ex) / dx;
   r.x1_ = r.x0_ + dx;
-  r.y0_ = dot(p, y);
+  r.y0_ = dot(p, ey) / dy;
   r.y1_ = r.y0_ + dy;
-  r.sin_y0_ = r.y0_ / std::sqrt(r.y0_ * r.y0_ + r.z_ * r.z_);
-  r.sin_y1_ = r.y1_ / std::sqrt(r.y1_ * r.y1_ + r.z_ * r.z_);
-  r.strip_x0_ = r.strip(r.x0_);
+
+  // Both halves by [Oosterom83], in the frame of the rectangle.  The corners are 00, 10, 01 and 11.
+  const double z2 = r.z_ * r.z_;
+  const double xx0 = r.x0_ * r.x0_, xx = r.x0_ * r.x1_, xx1 = r.x1_ * r.x1_;
+  const double yy0 = r.y0_ * r.y0_, yy = r.y0_ * r.y1_, yy1 = r.y1_ * r.y1_;
+  const double l00 = std::sqrt(xx0 + yy0 + z2), l10 = std::sqrt(xx1 + yy0 + z2);
+  const double l01 = std::sqrt(xx0 + yy1 + z2), l11 = std::sqrt(xx1 + yy1 + z2);
+  const double determinant = r.z_ * dx * dy;  // of either half
+  const double diagonal = l10 * l01 + (xx + yy + z2);
+  const Turn first{l00 * diagonal + (xx + yy0 + z2) * l01 + (xx0 + yy + z2) * l10, determinant};
+  const Turn second{l11 * diagonal + (xx + yy1 + z2) * l10 + (xx1 + yy + z2) * l01, determinant};
+  const Turn half = first.plus(second);
+  r.solid_angle_ = 2 * std::atan2(half.sin, half.cos);
+  if (!(r.solid_angle_ >= kMinSolidAngle && r.solid_angle_ <= kMaxSolidAngle)) return std::nullopt;
+  r.distance00_ = l00;
+  r.distance01_ = l01;
   return r;
 }
 
@@ -62,23 +88,31 @@ Vec2<double> SphericalRectangle::sample(Vec2<double> u) const {
   // The strip between 0 and x covers d = asin(k1 s) - asin(k0 s).  Here s = sin phi, tan phi = x /
   // z, and k0 and k1 are the sines of the elevations of the edges.  The law of cosines then gives
   // s^2 (k1^2 + k0^2 - 2 k1 k0 cos d) = sin^2 d.
-  const double d = strip_x0_ + clamp_unit(u.x) * solid_angle_;
-  const double k0 = sin_y0_;
-  const double k1 = sin_y1_;
-  const double half = k0 * k1 > 0 ? std::sin(d / 2) : std::cos(d / 2);
-  const double outer = k0 * k1 > 0 ? k1 - k0 : k1 + k0;
-  const double k = std::sqrt(outer * outer + 4 * std::fabs(k0 * k1) * half * half);
-  const double sin_phi = std::clamp(std::sin(d) / k, -1.0, 1.0);
-  const double cos_phi = std::sqrt((1 - sin_phi) * (1 + sin_phi));
-  const double x = std::fmin(std::fmax(z_ * sin_phi / cos_phi, x0_), x1_);
+  const double share = unit(u.x);
+  const CosSin part = cos_sin_of_turn(share * (solid_angle_ * (0.5 / kPi)));
+  const Turn before = Turn{z_ * distance01_, x0_ * y1_}.less({z_ * distance00_, x0_ * y0_});
+  const Turn sum = before.plus({part.cos, part.sin});
+  const double to_unit = 1 / std::sqrt(before.cos * before.cos + before.sin * before.sin);
+  const double sin_d = sum.sin * to_unit, cos_d = sum.cos * to_unit;
+  const double k0 = y0_ / std::sqrt(y0_ * y0_ + z_ * z_);
+  const double k1 = y1_ / std::sqrt(y1_ * y1_ + z_ * z_);
+  const bool same_side = k0 * k1 > 0;
+  const double outer = same_side ? k1 - k0 : k1 + k0;
+  const double c = same_side ? cos_d : -cos_d;
+  const double one_minus_c = c > 0 ? sin_d * sin_d / (1 + c) : 1 - c;
+  // sin^2 d / tan^2 phi
+  const double rest = outer * outer + 2 * std::fabs(k0 * k1) * one_minus_c - sin_d * sin_d;
+  // x loses digits where phi is nearly a right angle, but both ends are exact.
+  const double x = between(z_ * sin_d / std::sqrt(rest > 0 ? rest : 0), share < 1 ? x0_ : x1_,
+                           share > 0 ? x1_ : x0_);
 
   // At this x, the sine of the elevation along y is uniform.
-  const double r = std::sqrt(x * x + z_ * z_);
-  const double h0 = y0_ / std::sqrt(r * r + y0_ * y0_);
-  const double h1 = y1_ / std::sqrt(r * r + y1_ * y1_);
-  const double h = h0 + clamp_unit(u.y) * (h1 - h0);
-  const double y = r * h / std::sqrt((1 - h) * (1 + h));
-  return {clamp_unit((x - x0_) / (x1_ - x0_)), clamp_unit((y - y0_) / (y1_ - y0_))};
+  const double r2 = x * x + z_ * z_;
+  const double h0 = y0_ / std::sqrt(r2 + y0_ * y0_);
+  const double h1 = y1_ / std::sqrt(r2 + y1_ * y1_);
+  const double h = h0 + unit(u.y) * (h1 - h0);
+  const double y = h * std::sqrt(r2 / ((1 - h) * (1 + h)));
+  return {unit((x - x0_) * (1 / (x1_ - x0_))), unit((y - y0_) * (1 / (y1_ - y0_)))};
 }
 
 Vec2<double> SphericalRectangle::invert(Vec2<double> shares) const {
@@ -86,8 +120,8 @@ Vec2<double> SphericalRectangle::invert(Vec2<double> shares) const {
   const double y = y0_ + shares.y * (y1_ - y0_);
   const double r = std::sqrt(x * x + z_ * z_);
   const auto elevation = [r](double y) { return y / std::sqrt(r * r + y * y); };
-  return {clamp_unit((strip(x) - strip_x0_) / solid_angle_),
-          clamp_unit((elevation(y) - elevation(y0_)) / (elevation(y1_) - elevation(y0_)))};
+  return {unit((strip(x) - strip(x0_)) / solid_angle_),
+          unit((elevation(y) - elevation(y0_)) / (elevation(y1_) - elevation(y0_)))};
 }
 
 }  // namespace lucerna

@@ -24,7 +24,8 @@ class SphericalRectangle {
                                                   const Vec3<double>& edge_x,
                                                   const Vec3<double>& edge_y, double height);
 
-  /// Computed by two triangles, because a sum of four angles cancels.  [Oosterom83]
+  /// Computed by two triangles, because a sum of four angles cancels.  [Oosterom83]  They share a
+  /// diagonal, so one arctangent gives the sum of both.
   double solid_angle_sr() const { return solid_angle_; }
 
   /// The position along both edges as fractions in [0, 1]^2, uniform in solid angle. u = (0, 0) is
@@ -41,9 +42,8 @@ class SphericalRectangle {
   double strip(double x) const;
 
   double x0_, y0_, x1_, y1_, z_;  // the receiver's foot is the origin of the plane z = z_ > 0
-  double sin_y0_, sin_y1_;        // of the elevation of both edges along x
-  double strip_x0_;
   double solid_angle_;
+  double distance00_, distance01_;  // of both corners at x0
 };
 
 }  // namespace lucerna

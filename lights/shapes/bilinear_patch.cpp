@@ -166,7 +166,8 @@ struct Seen {
     way = way_for_corners(receiver.area_sampling, corner, normal, receiver.incomplete);
     if (is_by_area(way) || height == 0) return;
     const Vec3<double> around[] = {corner[0], corner[1], corner[3], corner[2]};
-    fan = SphericalFan::create(around, normalized(cross(p.e, p.f)), height);
+    if (SphericalFan::is_low(around, height))
+      fan = SphericalFan::create(around, normalized(cross(p.e, p.f)), height);
     if (!fan) spherical = SphericalRectangle::create(corner[0], p.e, p.f, height);
   }
 

@@ -15,14 +15,12 @@ struct SeenSphere {
   struct Point {
     Vec3<double> from_center;  ///< [m]
     Vec3<double> normal;       ///< outwards, unit
+    double pdf_per_sr;         ///< of its direction
     /// From the viewpoint [m].  0: the difference of the positions is as exact.
     Vec3<double> to_point{};
   };
 
-  /// 1 - cos of the half-angle that it subtends.  This and the next two functions require a
-  /// distance greater than the radius.
-  double one_minus_cos_cone() const;
-  /// The density of `from_outside` [1/sr].
+  /// The density of `from_outside` [1/sr].  Both require a distance greater than the radius.
   double pdf_from_outside() const;
   /// The point of the near side in a direction chosen uniformly among those that meet the sphere; u
   /// in [0, 1]^2.  [Pharr23, 6.2.4]

@@ -99,8 +99,7 @@ ShapeSample<Real> Sphere<Real>::sample(const Receiver<Real>& receiver, Vec2<Real
     ShapeSample<Real> s;
     s.point.position = Vec3<Real>(center_m_ + p.from_center);
     s.point.normal = Vec3<Real>(params_.reverse_orientation ? -p.normal : p.normal);
-    s.pdf = is_outside ? SolidAnglePdf<Real>{static_cast<Real>(seen.pdf_from_outside())}
-                       : uniform_sphere_pdf<Real>();
+    s.pdf = {static_cast<Real>(p.pdf_per_sr)};
     s.to_point = p.to_point;
     return s;
   }

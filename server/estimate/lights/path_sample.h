@@ -13,8 +13,11 @@ class SampleSequence {
  public:
   SampleSequence(Sampler sampler, std::uint64_t seed, std::uint64_t item, std::uint64_t replicate)
       : sobol_(seed, item, replicate),
-        // Keys of different sequences differ, because each mixes in its own constant.
-        key_(mix_bits(mix_bits(mix_bits(seed ^ kIndependent) + item) + replicate)),
+        // Keys of different sequences differ, because each mixes in its own constant.  One that is
+        // not used would take as long as that of Sobol points.
+        key_(sampler == Sampler::kSobol
+                 ? 0
+                 : mix_bits(mix_bits(mix_bits(seed ^ kIndependent) + item) + replicate)),
         sampler_(sampler) {}
 
   /// As SobolSequence::pair.  Independent points have any two dimensions.

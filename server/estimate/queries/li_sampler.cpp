@@ -1,6 +1,7 @@
 #include "server/estimate/queries/li_sampler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 
@@ -111,12 +112,12 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
 /// Writes the choice of the only light, which only receivers without a place lack.
 void LiSampler::put_only_choice(const LiLayout& layout, std::size_t begin, std::size_t end,
                                 const SampleLiAnswer& answer) const {
+  const std::uint64_t id = scene_.lights()[0].id;
   for (std::size_t i = begin; i < end; ++i) {
-    const bool has_place = answer.status[i] == static_cast<int>(ItemResult::kOk) ||
-                           receiver_result(layout.place(i).receiver) == ItemResult::kOk;
-    std::optional<LightChoice> choice;
-    if (has_place) choice = {.light = 0, .probability = 1};
-    put_choice(scene_, choice, i, answer.light_ids, answer.selection_probability);
+    answer.selection_probability[i] = 1;
+    if (answer.status[i] == static_cast<int>(ItemResult::kOk) ||
+        receiver_result(layout.place(i).receiver) == ItemResult::kOk)
+      answer.light_ids[i] = id;
   }
 }
 
@@ -217,7 +218,12 @@ void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pendi
   if (!scene_.lights().empty() && p.receiver.result == ItemResult::kOk)
     p.choice = choose_light(scene_, q_.methods.light_selection, receiver_of(p.receiver, p.normal),
                             u_light);
-  if (p.choice) p.light = p.choice->light;
+  if (!p.choice) return;
+  p.light = p.choice->light;
+  // Fetched while the next samples choose their lights.
+  const auto* light = reinterpret_cast<const char*>(&scene_.lights()[*p.light]);
+  __builtin_prefetch(light);
+  __builtin_prefetch(light + 64);
 }
 
 /// Prepares the entries from `begin` on.
@@ -277,17 +283,24 @@ void LiSampler::fill_from(const L& light, const LiLayout& layout, std::size_t be
 template <typename L>
 void LiSampler::fill_each(const L& light, const LiLayout& layout, std::size_t begin,
                           std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const {
+  // Random numbers are computed ahead of the samples.  The hashes of one wait for each other, but
+  // the processor computes those of several at a time.
+  constexpr std::size_t kAhead = 32;
+  std::array<std::optional<Vec2<double>>, kAhead> ahead;
   At at_receiver;
   Receiver<double> of_light;
   std::optional<std::size_t> receiver;
   for (std::size_t i = begin; i < end; ++i) {
+    if ((i - begin) % kAhead == 0)
+      for (std::size_t k = 0; k < std::min(kAhead, end - i); ++k)
+        ahead[k] = point_of(layout.place(i + k), i + k);
     const LiPlace place = layout.place(i);
     if (place.receiver != receiver) {
       receiver = place.receiver;
       at_receiver = at(*receiver);
       of_light = receiver_of(at_receiver.point, at_receiver.normal);
     }
-    const std::optional<Vec2<double>> u = point_of(place, i);
+    const std::optional<Vec2<double>>& u = ahead[(i - begin) % kAhead];
     const ItemResult before = u ? at_receiver.point.result : ItemResult::kInvalidInput;
     if (shares != nullptr) shares[i] = {};
     if (before != ItemResult::kOk) {
@@ -302,21 +315,22 @@ void LiSampler::fill_each(const L& light, const LiLayout& layout, std::size_t be
 
 /// Visits each light once for all samples of the chunk that chose it.
 void LiSampler::sample(std::vector<Pending>& chunk) const {
-  std::vector<std::uint32_t> order;
+  // The light above the number in the chunk: comparing such keys reads nothing else.
+  std::vector<std::uint64_t> order;
   order.reserve(chunk.size());
   for (std::uint32_t k = 0; k < chunk.size(); ++k) {
-    if (chunk[k].receiver.result == ItemResult::kOk && chunk[k].light) order.push_back(k);
+    if (chunk[k].receiver.result == ItemResult::kOk && chunk[k].light)
+      order.push_back(std::uint64_t{*chunk[k].light} << 32 | k);
   }
-  if (!q_.light) {
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return chunk[a].light != chunk[b].light ? chunk[a].light < chunk[b].light : a < b;
-    });
-  }
-  for (std::size_t k = 0; k < order.size();) {
-    const std::uint32_t light = *chunk[order[k]].light;
+  if (!q_.light) std::ranges::sort(order);
+  const auto at = [&](std::size_t i) -> Pending& {
+    return chunk[static_cast<std::uint32_t>(order[i])];
+  };
+  for (std::size_t i = 0; i < order.size();) {
+    const std::uint32_t light = *at(i).light;
     const LightAtTime at_time(scene_.lights()[light], q_.time_s);
-    for (; k < order.size() && chunk[order[k]].light == light; ++k) {
-      Pending& p = chunk[order[k]];
+    for (; i < order.size() && at(i).light == light; ++i) {
+      Pending& p = at(i);
       p.sample = sample(at_time, receiver_of(p.receiver, p.normal), p.u);
       p.sampled = true;
     }

@@ -288,6 +288,14 @@ TEST(SphericalRectangle, SampleAndInverseAreOneMap) {
   }
 }
 
+TEST(SphericalRectangle, EndsAlongTheFirstEdgeAreExact) {
+  for (const Box& b : rectangles()) {
+    const auto seen = *SphericalRectangle::create(b.corner, b.x, b.y);
+    EXPECT_EQ(seen.sample({0, 0.3}).x, 0) << b.name;
+    EXPECT_NEAR(seen.sample({1, 0.3}).x, 1, 0x1p-52) << b.name;
+  }
+}
+
 TEST(SphericalRectangle, DoesNotExistBelowTheThreshold) {
   EXPECT_FALSE(SphericalRectangle::create({0.3, 0.2, 30}, {0.02, 0, 0}, {0, 0.02, 0}));
   EXPECT_FALSE(SphericalRectangle::create({1, 1, 0}, {1, 0, 0}, {0, 1, 0}));
