@@ -271,8 +271,16 @@ class BoundsAdder {
 }  // namespace
 
 const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) const {
+  // A binary search without branches: no processor could predict them.
   const auto& of_kind = runs[static_cast<int>(kind)];
-  return *(std::ranges::upper_bound(of_kind, primitive, {}, &PrimitiveRun::first) - 1);
+  const PrimitiveRun* run = of_kind.data();
+  for (std::size_t count = of_kind.size(); count > 1;) {
+    const std::size_t half = count / 2;
+    const std::size_t step = run[half].first <= primitive ? 1 : 0;
+    run += step * half;
+    count -= half;
+  }
+  return *run;
 }
 
 bool SurfaceTable::has_sheer() const { return std::ranges::any_of(surfaces, &Surface::is_sheer); }

@@ -271,14 +271,19 @@ void occluded_wide(const RTCOccludedFunctionNArguments* args) {
   ray.tfar = -INFINITY;
 }
 
-/// For a ray along a triangle, Embree divides two numbers that are rounding errors.  It may then
-/// find a hit beyond the triangle.  Such hits are checked in double.
-void check_hit(const RTCFilterFunctionNArguments* args) {
-  const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);  // N is 1
-  const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+/// Whether the ray runs along the triangle that it hits.
+bool is_along(const RTCRay& ray, const RTCHit& hit) {
   const Vec3<float> n{hit.Ng_x, hit.Ng_y, hit.Ng_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
   // A cosine.  Above it, the error of the hit is below 2^-10 of the triangle's size.
   constexpr float kAlong = 0x1p-12F;
+  const float cosine = dot(n, d);
+  return cosine * cosine < kAlong * kAlong * dot(n, n) * dot(d, d);
+}
+
+/// check_hit() for all rays.  Not inlined, so that the common case is short.
+[[gnu::noinline]] void check_any_hit(const RTCFilterFunctionNArguments* args) {
+  const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);  // N is 1
+  const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
   const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
   const GeometrySet& set = *of.set;
   const std::uint32_t number = of.first + hit.primID;
@@ -287,12 +292,11 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
     args->valid[0] = 0;
     return;
   }
-  const float cosine = dot(n, d);
-  if (cosine * cosine < kAlong * kAlong * dot(n, n) * dot(d, d)) [[unlikely]] {
+  if (is_along(ray, hit)) [[unlikely]] {
     WideTriangle triangle;
     for (std::size_t k = 0; k < 3; ++k)
       triangle.corners[k] = Vec3<double>(set.vertices[set.triangles[3 * std::size_t{number} + k]]);
-    if (!intersect(triangle, origin_of(ray), Vec3<double>(d), ray.tnear,
+    if (!intersect(triangle, origin_of(ray), direction_of(ray), ray.tnear,
                    query_of(args->context).t_max)) {
       args->valid[0] = 0;
       return;
@@ -307,6 +311,18 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
           Vec3<double>(set.vertices[set.triangles[3 * std::size_t{number} + k]]) * set.unit_m;
     if (plane_may_be_own(args->context, corners)) args->valid[0] = 0;
   }
+}
+
+/// For a ray along a triangle, Embree divides two numbers that are rounding errors.  It may then
+/// find a hit beyond the triangle.  Such hits are checked in double.
+void check_hit(const RTCFilterFunctionNArguments* args) {
+  const QueryContext& query = query_of(args->context);
+  const GeometrySet& set = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr)->set;
+  const bool takes_any = query.hidden == nullptr && query.kept == nullptr &&
+                         query.ends == nullptr && !may_pass(set, query.meets);
+  if (!takes_any || is_along(*reinterpret_cast<const RTCRay*>(args->ray),
+                             *reinterpret_cast<const RTCHit*>(args->hit)))
+    check_any_hit(args);
 }
 
 /// A ray of the scene in the object's space, in Embree's form.

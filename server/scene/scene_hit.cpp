@@ -171,7 +171,14 @@ void meet_plane(const Ray& ray, LocalHit& hit) {
 std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray, Meets meets) const {
   const std::optional<RawHit> raw = placed_->accelerator->closest_hit(ray, meets);
   if (!raw) return std::nullopt;
-  return surface_hit(*raw, ray);
+  // Made in place, because a copy would wait for the bytes just stored.
+  struct Made {
+    const Scene& scene;
+    const RawHit& raw;
+    const Ray& ray;
+    operator SurfaceHit() const { return scene.surface_hit(raw, ray); }  // NOLINT
+  };
+  return std::optional<SurfaceHit>(std::in_place, Made{*this, *raw, ray});
 }
 
 SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {

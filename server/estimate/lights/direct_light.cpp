@@ -43,13 +43,17 @@ std::optional<LightSample<double>> far_sample(const LightAtTime& light,
   return s;
 }
 
-/// The share of a sample's light that a surface of reflectance 1 sends towards `wo`: cosine / pi.
-/// 0 if there is no light, or if it is on the other side.
+/// The share of the light from `wi` that a surface of reflectance 1 sends towards `wo`: cosine /
+/// pi. 0 if they are on different sides.
+double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo, const Vec3<double>& wi) {
+  const double cos_i = dot(hit.ns, wi);
+  return cos_i * dot(hit.ns, Vec3<double>(wo)) > 0 ? std::fabs(cos_i) * kInvPi : 0;
+}
+
+/// The same for a sample; 0 if it has no light.
 double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
                        const LightSample<double>& sample) {
-  if (sample.reason != NoLight::kNone) return 0;
-  const double cos_i = dot(hit.ns, sample.wi);
-  return cos_i * dot(hit.ns, Vec3<double>(wo)) > 0 ? std::fabs(cos_i) * kInvPi : 0;
+  return sample.reason == NoLight::kNone ? reflected_share(hit, wo, sample.wi) : 0;
 }
 
 /// From this number of lights with a size on, one of them is drawn after a reflection.  Measured:
@@ -149,12 +153,8 @@ Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
 
 LightSample<double> DirectLight::light_sample(const Vertex& v, std::uint32_t light,
                                               const PathSample& at, std::uint32_t dimension) const {
-  const SceneLight& of = scene_.lights()[light];
+  const LightAtTime l(scene_.lights()[light], v.hit.time_s);
   const Receiver<double> r = receiver(v.hit, v.wo, v.scattering);
-  // A point light takes less time than a LightAtTime.
-  if (of.moving == nullptr)
-    if (const auto* point = of.light.get_if<PointLight<double>>()) return point->sample_li(r, {});
-  const LightAtTime l(of, v.hit.time_s);
   if (methods_.far_light_radii)
     if (const auto s = far_sample(l, r, *methods_.far_light_radii)) return *s;
   if (l.is_delta()) return l.sample_li(r, {});  // has one sample, so it needs no random numbers
@@ -298,6 +298,22 @@ void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<fl
 
 void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, const PathSample& s,
                                 std::uint32_t dimension) const {
+  const SceneLight& light = scene_.lights()[choice.light];
+  const auto* point = light.light.get_if<PointLight<double>>();
+  if (point != nullptr && light.moving == nullptr && v.scattering == nullptr) {
+    // As below, with the same bits.  A LightAtTime and its samples would take longer than the rest.
+    if (const auto s = point->plain_sample_li(v.hit.position)) {
+      const double f = reflected_share(v.hit, v.wo, s->wi);
+      if (!(f > 0)) return v.found(choice.light, {});
+      const Rgb<double> value = s->value * (f / choice.probability);
+      Rgb<double> visible(1);
+      if (!value.is_black() && !scene_.is_clear())
+        visible =
+            visibility_.visible(choice.light, v.hit.position, v.hit.ng,
+                                ray_to_point(v.hit, s->wi, Vec3<float>(point->position())), v.work);
+      return v.found(choice.light, {value * visible, value});
+    }
+  }
   const std::uint32_t points = points_on(choice.light);
   LightEstimate sum;
   for (std::uint32_t j = 0; j < points; ++j) {

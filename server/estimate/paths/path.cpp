@@ -68,6 +68,16 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       }
     }
 
+    const bool last = depth >= last_depth_;
+    Direction next_direction;
+    if (!scattering && !(last && !direct_.finds_lights())) {
+      // Before the lights are sampled: while those wait for square roots and divisions, the
+      // processor computes this.
+      next_direction.wi =
+          cosine_direction(Vec3<float>(hit.ns), wo, sample.at(depth, PathSample::kDirection));
+      next_direction.pdf = std::fabs(dot(hit.ns, Vec3<double>(next_direction.wi))) * kInvPi;
+    }
+
     if (!scattering || !scattering->all_delta())
       direct_.sample(
           direct_.spending(depth), hit, wo, depth, sample, settled, work,
@@ -77,8 +87,6 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
           },
           scattering ? &*scattering : nullptr);
 
-    const bool last = depth >= last_depth_;
-    Direction next_direction;
     if (scattering) {
       const auto scattered =
           scattering->sample(Vec3<double>(wo), {sample.pair(PathSample::kFirstLobe + depth).x,
@@ -100,11 +108,6 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       throughput = throughput / survival;
     }
 
-    if (!scattering) {
-      next_direction.wi =
-          cosine_direction(Vec3<float>(hit.ns), wo, sample.at(depth, PathSample::kDirection));
-      next_direction.pdf = std::fabs(dot(hit.ns, Vec3<double>(next_direction.wi))) * kInvPi;
-    }
     const Vec3<float>& wi = next_direction.wi;
     const Ray ray = spawn_ray(hit, wi);
     ++work.indirect_rays;
