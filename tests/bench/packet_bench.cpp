@@ -19,15 +19,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <functional>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lights/models/point_light.h"
