@@ -94,14 +94,18 @@ Vec2<double> SphericalRectangle::sample(Vec2<double> u) const {
   const Turn sum = before.plus({part.cos, part.sin});
   const double to_unit = 1 / std::sqrt(before.cos * before.cos + before.sin * before.sin);
   const double sin_d = sum.sin * to_unit, cos_d = sum.cos * to_unit;
-  const double k0 = y0_ / std::sqrt(y0_ * y0_ + z_ * z_);
-  const double k1 = y1_ / std::sqrt(y1_ * y1_ + z_ * z_);
-  const bool same_side = k0 * k1 > 0;
-  const double outer = same_side ? k1 - k0 : k1 + k0;
-  const double c = same_side ? cos_d : -cos_d;
+  // Sines of the elevations without their signs, and squares of their cosines.  From these come
+  // differences that would cancel for a receiver near the plane.
+  const double per_rho0 = 1 / (y0_ * y0_ + z_ * z_), per_rho1 = 1 / (y1_ * y1_ + z_ * z_);
+  const double k0 = std::fabs(y0_) * std::sqrt(per_rho0), k1 = std::fabs(y1_) * std::sqrt(per_rho1);
+  const double e0 = z_ * z_ * per_rho0, e1 = z_ * z_ * per_rho1;
+  const double outer =  // |k1| - |k0|
+      z_ * z_ * (y1_ - y0_) * (y1_ + y0_) * per_rho0 * per_rho1 / (k0 + k1);
+  const double one_minus_kk = (e0 + e1 - e0 * e1) / (1 + k0 * k1);
+  const double c = (y0_ > 0) == (y1_ > 0) ? cos_d : -cos_d;
   const double one_minus_c = c > 0 ? sin_d * sin_d / (1 + c) : 1 - c;
   // sin^2 d / tan^2 phi
-  const double rest = outer * outer + 2 * std::fabs(k0 * k1) * one_minus_c - sin_d * sin_d;
+  const double rest = outer * outer + one_minus_c * (one_minus_c - 2 * one_minus_kk);
   // x loses digits where phi is nearly a right angle, but both ends are exact.
   const double x = between(z_ * sin_d / std::sqrt(rest > 0 ? rest : 0), share < 1 ? x0_ : x1_,
                            share > 0 ? x1_ : x0_);

@@ -14,8 +14,8 @@ class SphericalRectangle {
   /// A corner relative to the receiver and the two edges from it, perpendicular to each other; any
   /// unit of length.  Nothing below 1e-5 sr or above 2 pi - 1e-6 sr.  Callers then sample by area;
   /// sampling and density use the same thresholds.  Most smaller rectangles are so far away that
-  /// all ways are equal.  The others are nearly edge-on: the cosines of this class lose digits,
-  /// ten of sixteen at 1e-5 sr.
+  /// all ways are equal.  The others are nearly edge-on: samples lose digits, about five of sixteen
+  /// at 1e-5 sr.
   static std::optional<SphericalRectangle> create(const Vec3<double>& corner,
                                                   const Vec3<double>& edge_x,
                                                   const Vec3<double>& edge_y);
