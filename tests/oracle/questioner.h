@@ -1,6 +1,7 @@
 // Questions about a random scene, asked to a server over the wire and answered by the oracle.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -36,7 +37,11 @@ grpc::Status status_on_any_connection(Call&& call, std::uint64_t& repeats) {
   grpc::Status status = status_of(call);
   for (int i = 0; i < kMostRepeats && status.error_code() == grpc::StatusCode::UNAVAILABLE; ++i) {
     ++repeats;
-    status = status_of(call);
+    grpc::ClientContext context;
+    // Without this, a call fails at once while the channel connects again.
+    context.set_wait_for_ready(true);
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(5));
+    status = call(&context);
   }
   return status;
 }
