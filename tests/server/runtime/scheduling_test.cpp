@@ -67,13 +67,17 @@ TEST(Scheduling, ThreadsOfTheBulkLaneAreNicerAndInteractiveOnesHaveShortTurns) {
     // Loads come first in a server, so the bulk lane starts oneTBB's workers.
     for (const auto& [niceness, slice] : threads_of(lanes, Lane::kBulk)) {
       EXPECT_EQ(niceness, std::min(own + 10, 19));
-      if (slices) EXPECT_GT(slice, 100'000U);
+      if (slices) {
+        EXPECT_GT(slice, 100'000U);
+      }
     }
     bool first = false;
     for (const auto& [niceness, slice] : threads_of(lanes, Lane::kInteractive)) {
       // Workers that came from the bulk lane stay nicer in a process without privileges.
       first = first || niceness == own;
-      if (slices) EXPECT_EQ(slice, 100'000U);
+      if (slices) {
+        EXPECT_EQ(slice, 100'000U);
+      }
     }
     EXPECT_TRUE(first);
   }).join();

@@ -229,7 +229,9 @@ TEST_F(ManifestTest, AScenesManifestsAreForgottenBeyondALimit) {
     manifest_.assets["unused" + std::to_string(i)] = "";
     const auto loaded = load();
     ASSERT_TRUE(loaded.ok()) << loaded.status();
-    if (i > 0) EXPECT_EQ(loaded->stored.scene->id(), id);
+    if (i > 0) {
+      EXPECT_EQ(loaded->stored.scene->id(), id);
+    }
     id = loaded->stored.scene->id();
   }
   EXPECT_EQ(store_->builds(), 1U);
