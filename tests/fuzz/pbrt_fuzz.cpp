@@ -19,7 +19,7 @@ bool is_picture(std::string_view name) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lucerna;
   // A few bytes can ask for any number of primitives or texels, so limits bound each run.
-  constexpr std::uint64_t kMostPrimitives = 20000, kMostTexels = 1 << 12;
+  constexpr std::uint64_t kMostPrimitives = 20000, kMostTexels = 1 << 16;
   constexpr std::uint64_t kMostTokens = 1 << 18, kMostFileBytes = 1 << 24;
   testing::LimitedPool pool;
   LoadBudget budget(&pool);
