@@ -22,18 +22,39 @@ Transform rounded_to_float(const Transform& t) {
 }
 
 /// Reserves the vertices and triangles of all meshes among `shapes`.  Vectors that grow would hold
-/// them twice meanwhile, and keep unused room.
+/// them twice meanwhile.
 void reserve(const std::vector<ShapeDescription>& shapes, bool with_moving, GeometrySet& set) {
   std::size_t vertices = 0, numbers = 0;
   for (const ShapeDescription& shape : shapes) {
-    const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry);
-    if (mesh == nullptr || (shape.motion && !with_moving)) continue;
-    vertices += mesh->positions.size();
-    numbers += mesh->indices.size();
+    if (shape.motion && !with_moving) continue;
+    if (const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry)) {
+      vertices += mesh->positions.size();
+      numbers += mesh->indices.size();
+    } else if (const auto* patches = std::get_if<PatchMeshData>(&shape.geometry)) {
+      // A flat patch becomes two triangles.
+      vertices += patches->positions.size();
+      if (patches->normals.empty()) numbers += patches->indices.size() / 4 * 6;
+    }
   }
   // append_shape() leaves room for one more.  A scene without meshes has no array.
   if (vertices > 0) set.vertices.reserve(vertices + 1);
   set.triangles.reserve(numbers);
+}
+
+/// Frees unused room behind `spare` elements, if it is more than a sixteenth of what is used.
+template <typename T>
+void fit(std::vector<T>& values, std::size_t spare) {
+  const std::size_t used = values.size() + spare;
+  if (values.capacity() - std::min(values.capacity(), used) <= used / 16) return;
+  std::vector<T> fitted;
+  fitted.reserve(used);
+  fitted.assign(values.begin(), values.end());
+  values = std::move(fitted);
+}
+
+void fit(GeometrySet& set) {
+  fit(set.vertices, set.triangles.empty() ? 0 : 1);  // Embree reads beyond the last vertex
+  fit(set.triangles, 0);
 }
 
 /// Reserved and not filled yet.
@@ -129,6 +150,8 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     else
       instances.push_back({i.object, rounded_to_float(scene_from_object)});
   }
+  fit(set);
+  for (GeometrySet& object : objects) fit(object);
   keep_textures(set, objects);
   report_motion(instances);
   if (!set.empty() || !instances.empty()) keep_materials();
