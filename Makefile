@@ -82,11 +82,11 @@ test-slurm: programs
 	@deploy/install-deps.sh slurm-wlm munge
 	@/usr/bin/python3 tests/slurm/slurm_test.py build/release
 
-# Prints the table of docs/performance.md.  Requires an idle machine.  ROWS: some of them, such as "load version".
+# Prints the table of docs/performance.md, and writes it there if it has all rows.  Requires an idle machine.  ROWS: some of them, such as "load version".
 bench: release
 	@cmake --build --preset release --target lucernad lucerna visibility_bench wire_bench textured_load_bench many_lights_bench \
 	  path_bench equal_error_bench
-	@tests/bench/performance.py build/release $(ROWS)
+	@tests/bench/performance.py build/release $(if $(ROWS),$(ROWS),--page docs/performance.md)
 
 # Prints the time of the parts: rays, tiles, lights, one light.
 parts: release
