@@ -29,7 +29,9 @@ std::vector<std::vector<double>> numbers(const std::string& path) {
     if (line.empty() || line[0] == '#' || line[0] == 'x') continue;
     std::vector<double>& row = rows.emplace_back();
     std::istringstream fields(line);
-    for (std::string field; std::getline(fields, field, ',') && field != "OK";)
+    // The columns of the stage stand on points of the floor.
+    for (std::string field;
+         std::getline(fields, field, ',') && field != "OK" && field != "INSIDE_SOLID";)
       row.push_back(std::stod(field));
   }
   return rows;
