@@ -43,7 +43,8 @@ class Oracle : public ::testing::Test {
     const oracle::World world = oracle::random_world(number);
     count(world);
     const grpc::Status loaded = questioner_.load(world);
-    ASSERT_TRUE(loaded.ok()) << loaded.error_code() << ": " << loaded.error_message() << "\n" << pbrt_text(world);
+    ASSERT_TRUE(loaded.ok()) << loaded.error_code() << ": " << loaded.error_message() << "\n"
+                             << pbrt_text(world);
     const oracle::Truth truth(world);
     for (const Question& question : questions_about(world)) {
       const Verdict verdict = questioner_.judge(truth, question);
