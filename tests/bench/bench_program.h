@@ -4,7 +4,9 @@
 #include <absl/strings/numbers.h>
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <ctime>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -43,6 +45,24 @@ inline double number_of(const char* name, const char* text, double least, double
     throw std::runtime_error(
         fmt::format("{} = {}, allowed: a number from {} to {}", name, text, least, most));
   return number;
+}
+
+/// The program `name SCENE.pbrt [SAMPLES [REPEATS]]`.  Returns the exit status of `run`, or 1 after
+/// an error, which it prints.
+inline int run_on_scene(const char* name, int argc, char** argv, double most_samples, int repeats,
+                        int (*run)(const std::filesystem::path& scene, std::uint32_t samples,
+                                   int repeats)) {
+  try {
+    if (argc < 2) throw std::runtime_error("SCENE.pbrt [SAMPLES [REPEATS]]");
+    const auto number = [&](int i, const char* what, double most, double otherwise) {
+      return argc > i ? number_of(what, argv[i], 1, most) : otherwise;
+    };
+    return run(argv[1], static_cast<std::uint32_t>(number(2, "SAMPLES", most_samples, 16)),
+               static_cast<int>(number(3, "REPEATS", 1000, repeats)));
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}: {}\n", name, e.what());
+    return 1;
+  }
 }
 
 }  // namespace lucerna

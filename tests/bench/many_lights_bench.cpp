@@ -22,6 +22,7 @@
 #include "server/estimate/queries/queries.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/scene.h"
+#include "tests/bench/sample_li_arrays.h"
 
 namespace lucerna {
 namespace {
@@ -81,40 +82,27 @@ class Study {
   /// `rounds` calls with different seeds.
   Result measure(LightSelection selection, int rounds) const {
     constexpr std::size_t kN = std::size_t{kReceivers} * kSamples;
-    std::vector<float> value(3 * kN), wi(3 * kN), distance(kN), point(3 * kN), normal(3 * kN),
-        pdf(kN);
-    std::vector<std::uint8_t> delta(kN / 8);
-    std::vector<std::uint64_t> ids(kN);
-    std::vector<double> probability(kN);
-    std::vector<int> status(kN);
+    SampleLiArrays arrays(kN);
     SampleLiQuery query{.receivers = {{}, offsets_m_}, .samples = kSamples, .normals = normals_};
     query.methods.light_selection = selection;
     // Independent, so that the error of one sample has a meaning.
     query.methods.sampler = Sampler::kIndependent;
-    const SampleLiAnswer answer{.value = value.data(),
-                                .wi = wi.data(),
-                                .distance_m = distance.data(),
-                                .light_offsets_m = point.data(),
-                                .light_normals = normal.data(),
-                                .pdf_per_sr = pdf.data(),
-                                .delta = delta.data(),
-                                .visible = nullptr,
-                                .light_ids = ids.data(),
-                                .selection_probability = probability.data(),
-                                .status = status.data()};
+    const SampleLiAnswer answer = arrays.answer();
     std::vector<double> times_ns;
     std::vector<double> squares(kReceivers);
     for (int round = 0; round < rounds; ++round) {
       query.seed = SeedRange{.seed = static_cast<std::uint64_t>(round)};
-      std::ranges::fill(delta, 0);
+      std::ranges::fill(arrays.delta, 0);
       // Processor time, which other programs change little.  The arena has one thread.
       const std::int64_t begin_ns = thread_cpu_ns();
       (void)sample_li(*scene_, query, answer, {});
       times_ns.push_back(static_cast<double>(thread_cpu_ns() - begin_ns) / kN);
       for (std::size_t i = 0; i < kN; ++i) {
         const std::size_t r = i / kSamples;
-        const double lx =
-            status[i] > 1 ? 0 : value[3 * i] * std::max(0.0F, wi[3 * i + 2]) / probability[i];
+        const double lx = arrays.status[i] > 1
+                              ? 0
+                              : arrays.value[3 * i] * std::max(0.0F, arrays.wi[3 * i + 2]) /
+                                    arrays.selection_probability[i];
         const double difference = lx / exact_lx_[r] - 1;
         squares[r] += difference * difference;
       }

@@ -367,15 +367,5 @@ int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
 }  // namespace lucerna
 
 int main(int argc, char** argv) {
-  try {
-    if (argc < 2) throw std::runtime_error("SCENE.pbrt [SAMPLES [REPEATS]]");
-    const auto number = [&](int i, const char* name, double most, double otherwise) {
-      return argc > i ? lucerna::number_of(name, argv[i], 1, most) : otherwise;
-    };
-    return lucerna::run(argv[1], static_cast<std::uint32_t>(number(2, "SAMPLES", 1 << 10, 16)),
-                        static_cast<int>(number(3, "REPEATS", 1000, 5)));
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "packet_bench: {}\n", e.what());
-    return 1;
-  }
+  return lucerna::run_on_scene("packet_bench", argc, argv, 1 << 10, 5, lucerna::run);
 }

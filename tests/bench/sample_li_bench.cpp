@@ -12,27 +12,20 @@
 #include <cstdint>
 #include <exception>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "server/assets/asset_reader.h"
 #include "server/estimate/queries/queries.h"
-#include "server/pbrt/load.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/scene.h"
+#include "tests/bench/bench_program.h"
+#include "tests/bench/sample_li_arrays.h"
 
 namespace lucerna {
 namespace {
 
 constexpr std::size_t kReceivers = 4096;
-
-template <typename T>
-T value(absl::StatusOr<T> result) {
-  if (!result.ok()) throw std::runtime_error(result.status().ToString());
-  return *std::move(result);
-}
 
 std::vector<float> receivers(const SceneSphere& sphere) {
   std::mt19937_64 random(7);
@@ -48,26 +41,10 @@ std::vector<float> receivers(const SceneSphere& sphere) {
 }
 
 double sample_ns(const std::string& file, int rounds) {
-  auto assets = value(AssetReader::open(LUCERNA_TEST_DATA "/reference"));
-  const auto scene = value(Scene::build(value(load_pbrt(assets, file, {}))));
+  const auto scene = load_scene(LUCERNA_TEST_DATA "/reference/" + file);
   const std::vector<float> offsets_m = receivers(scene->sphere());
-  std::vector<float> values(3 * kReceivers), wi = values, points = values, normals = values;
-  std::vector<float> distances_m(kReceivers), pdf(kReceivers);
-  std::vector<std::uint8_t> delta(kReceivers / 8);
-  std::vector<std::uint64_t> ids(kReceivers);
-  std::vector<double> probability(kReceivers);
-  std::vector<int> status(kReceivers);
-  const SampleLiAnswer answer{.value = values.data(),
-                              .wi = wi.data(),
-                              .distance_m = distances_m.data(),
-                              .light_offsets_m = points.data(),
-                              .light_normals = normals.data(),
-                              .pdf_per_sr = pdf.data(),
-                              .delta = delta.data(),
-                              .visible = nullptr,
-                              .light_ids = ids.data(),
-                              .selection_probability = probability.data(),
-                              .status = status.data()};
+  SampleLiArrays arrays(kReceivers);
+  const SampleLiAnswer answer = arrays.answer();
   SampleLiQuery query{.receivers = {scene->origin(), offsets_m}};
   std::vector<double> times_ns;
   for (int round = 0; round < rounds; ++round) {
@@ -92,7 +69,8 @@ int run(int rounds, const std::vector<std::string>& scenes) {
 
 int main(int argc, char** argv) {
   try {
-    const int rounds = argc > 1 ? std::stoi(argv[1]) : 300;
+    const int rounds =
+        argc > 1 ? static_cast<int>(lucerna::number_of("ROUNDS", argv[1], 1, 1e6)) : 300;
     std::vector<std::string> scenes(argv + std::min(argc, 2), argv + argc);
     if (scenes.empty()) scenes = {"point.pbrt", "sphere.pbrt", "rectangle_near.pbrt"};
     return tbb::task_arena(1).execute([&] { return lucerna::run(rounds, scenes); });

@@ -302,15 +302,15 @@ void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, cons
   const auto* point = light.light.get_if<PointLight<double>>();
   if (point != nullptr && light.moving == nullptr && v.scattering == nullptr) {
     // As below, with the same bits.  A LightAtTime and its samples would take longer than the rest.
-    if (const auto s = point->plain_sample_li(v.hit.position)) {
-      const double f = reflected_share(v.hit, v.wo, s->wi);
+    if (const auto plain = point->plain_sample_li(v.hit.position)) {
+      const double f = reflected_share(v.hit, v.wo, plain->wi);
       if (!(f > 0)) return v.found(choice.light, {});
-      const Rgb<double> value = s->value * (f / choice.probability);
+      const Rgb<double> value = plain->value * (f / choice.probability);
       Rgb<double> visible(1);
       if (!value.is_black() && !scene_.is_clear())
-        visible =
-            visibility_.visible(choice.light, v.hit.position, v.hit.ng,
-                                ray_to_point(v.hit, s->wi, Vec3<float>(point->position())), v.work);
+        visible = visibility_.visible(
+            choice.light, v.hit.position, v.hit.ng,
+            ray_to_point(v.hit, plain->wi, Vec3<float>(point->position())), v.work);
       return v.found(choice.light, {value * visible, value});
     }
   }
