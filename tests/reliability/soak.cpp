@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <condition_variable>
 #include <mutex>
 #include <random>
 #include <thread>
@@ -13,19 +15,58 @@
 namespace lucerna::reliability {
 namespace {
 
-/// Least squares: the change of y with x.
-double slope(const std::vector<std::pair<double, double>>& points) {
-  double mean_x = 0, mean_y = 0, xy = 0, xx = 0;
+/// A straight line through points by least squares.
+struct Line {
+  /// The change of y with x, and its standard error for independent points.
+  double slope = 0, error = 0;
+};
+
+Line line_through(const std::vector<std::pair<double, double>>& points) {
+  const auto n = static_cast<double>(points.size());
+  if (points.size() < 3) return {};
+  double mean_x = 0, mean_y = 0, xx = 0, xy = 0, yy = 0;
+  for (const auto& [x, y] : points) mean_x += x / n, mean_y += y / n;
   for (const auto& [x, y] : points) {
-    mean_x += x / static_cast<double>(points.size());
-    mean_y += y / static_cast<double>(points.size());
-  }
-  for (const auto& [x, y] : points) {
-    xy += (x - mean_x) * (y - mean_y);
     xx += (x - mean_x) * (x - mean_x);
+    xy += (x - mean_x) * (y - mean_y);
+    yy += (y - mean_y) * (y - mean_y);
   }
-  return xx > 0 ? xy / xx : 0;
+  const double slope = xy / xx;
+  return {slope, std::sqrt(std::max(0.0, yy - slope * xy) / ((n - 2) * xx))};
 }
+
+/// Where workers wait while the server rests.
+class Gate {
+ public:
+  /// Waits until the gate is open.
+  void enter() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return open_; });
+    ++inside_;
+  }
+  void leave() {
+    const std::scoped_lock lock(mutex_);
+    --inside_;
+    changed_.notify_all();
+  }
+  /// Closes the gate, and waits until all have left.
+  void close() {
+    std::unique_lock lock(mutex_);
+    open_ = false;
+    changed_.wait(lock, [this] { return inside_ == 0; });
+  }
+  void open() {
+    const std::scoped_lock lock(mutex_);
+    open_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool open_ = true;
+  int inside_ = 0;
+};
 
 /// One client that makes calls in a random order.
 class Worker {
@@ -156,24 +197,42 @@ void soak(const Settings& settings, Report& report) {
   Subject subject(files, {"--metrics", "127.0.0.1:0", "--log-level", "warning"});
   const Seconds whole(settings.brief ? 5 : 60 * settings.soak_minutes);
   const Seconds warm_up = whole / 4;
+  // Free memory returns to the system after a second.
+  const Seconds work(settings.brief ? 1 : 10), rest(settings.brief ? 0.1 : 2);
   std::atomic<std::int64_t> calls{0};
   std::vector<std::unique_ptr<Worker>> workers;
   for (unsigned i = 0; i < 4; ++i) workers.push_back(std::make_unique<Worker>(subject, files, i));
+  Gate gate;
   std::vector<std::jthread> threads;
   const auto begin = Clock::now();
   for (const auto& worker : workers)
-    threads.emplace_back([&calls, &worker](const std::stop_token& stop) {
-      while (!stop.stop_requested()) calls += worker->step();
+    threads.emplace_back([&calls, &gate, &worker](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        gate.enter();
+        calls += worker->step();
+        gate.leave();
+      }
     });
-  // Time [h] and memory [MB].
-  std::vector<std::pair<double, double>> memory;
+  // Time [h] and memory [MB]: the mean of each period of calls, and the memory after each rest.
+  std::vector<std::pair<double, double>> under_load, at_rest;
   double most = 0;
   while (Clock::now() < after(begin, whole)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(250));
+    double sum = 0;
+    int samples = 0;
+    for (const auto end = after(Clock::now(), work); Clock::now() < end; ++samples) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(250));
+      const double memory = 1e-6 * subject.resident_bytes();
+      sum += memory;
+      most = std::max(most, memory);
+    }
+    gate.close();
+    std::this_thread::sleep_for(rest);
     const Seconds time = Clock::now() - begin;
-    if (time < warm_up) continue;
-    memory.emplace_back(time.count() / 3600, 1e-6 * subject.resident_bytes());
-    most = std::max(most, memory.back().second);
+    if (time > warm_up) {
+      under_load.emplace_back(time.count() / 3600, sum / samples);
+      at_rest.emplace_back(time.count() / 3600, 1e-6 * subject.resident_bytes());
+    }
+    gate.open();
   }
   threads.clear();  // stops and joins
   std::size_t errors = 0;
@@ -188,8 +247,13 @@ void soak(const Settings& settings, Report& report) {
                   "calls");
   report.note("resident memory, most", most, "MB");
   // A few minutes say nothing about hours.
-  if (!settings.brief && settings.soak_minutes >= 10)
-    report.at_most("slope of the resident memory after the warm-up", slope(memory), 1, "MB/h");
+  if (!settings.brief && settings.soak_minutes >= 10) {
+    const Line load = line_through(under_load), idle = line_through(at_rest);
+    report.note("slope of the resident memory under load, after the warm-up", load.slope, "MB/h");
+    report.note("its standard error", load.error, "MB/h");
+    report.at_most("slope at rest, after the warm-up", idle.slope, 1, "MB/h");
+    report.note("its standard error", idle.error, "MB/h");
+  }
   report.at_most("exit status of the server", subject.server().stop(), 0, "");
 }
 
