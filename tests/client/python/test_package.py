@@ -36,8 +36,8 @@ def environment(tmp_path_factory):
     """A virtual environment with Debian's packages and the installed package; pip had no network."""
     folder = tmp_path_factory.mktemp("venv")
     pytest.importorskip("pip")
-    made = subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", folder], capture_output=True,
-                          text=True, timeout=WAIT_S, check=False)
+    made = subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", folder],
+                          capture_output=True, text=True, timeout=WAIT_S, check=False)
     if made.returncode != 0:
         pytest.skip(f"venv does not work here: {made.stderr or made.stdout}")
     # As root the network is away; otherwise pip has an index that does not exist.
@@ -46,7 +46,7 @@ def environment(tmp_path_factory):
     clean = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")} | {
         "PIP_INDEX_URL": "http://127.0.0.1:9/", "PIP_NO_CACHE_DIR": "1"}
     before = sources()
-    run(*offline, folder / "bin/pip", "install", SOURCE, env=clean)
+    run(*offline, folder / "bin/python", "-m", "pip", "install", SOURCE, env=clean)
     assert sources() == before, "pip left files in the sources"
     return folder, clean
 
@@ -58,8 +58,8 @@ def test_pip_installs_it_without_network(environment, server):
     text = run(folder / "bin/python", "-c", code, server.target, env=clean, cwd="/")
     place, power = text.split()
     assert place.startswith(str(folder)) and float(power) == pytest.approx(40 * np.pi)
-    assert "lucerna" in run(folder / "bin/pip", "list", env=clean)
-    run(folder / "bin/pip", "uninstall", "-y", "lucerna", env=clean)
+    assert "lucerna" in run(folder / "bin/python", "-m", "pip", "list", env=clean)
+    run(folder / "bin/python", "-m", "pip", "uninstall", "-y", "lucerna", env=clean)
     assert not list(folder.rglob("lucerna*"))
 
 
