@@ -158,8 +158,8 @@ void examine(Session& session, Report& report) {
 }  // namespace
 
 void add_doctor_command(CLI::App& app, Session& session) {
-  CLI::App* command =
-      app.add_subcommand("doctor", "Check whether this machine can use the server, and why not");
+  CLI::App* command = app.add_subcommand(
+      "doctor", "Check whether this machine can use the server, and name what fails");
   command->footer(
       "The exit status is 0 if all is well, else 1.\nExample:\n  lucerna doctor --server "
       "10.0.0.7:50051");

@@ -229,7 +229,7 @@ void add_load_options(CLI::App& command, BenchOptions& options) {
         ->transform(duration());
   };
   add_time("--time", options.plan.time_s, "Most time of each load");
-  add_time("--warm-up", options.plan.warm_up_s, "Time before it that does not count");
+  add_time("--warm-up", options.plan.warm_up_s, "Time before each load that does not count");
   add_time("--window", options.plan.window_s, "Length of a window");
   command
       .add_option("--stable", options.plan.stable_share,

@@ -35,8 +35,8 @@ int command_index(const CLI::App& app, int begin, int argc, char** argv) {
 
 void add_tradeoff_command(CLI::App& app) {
   app.add_subcommand(std::string(kCommand),
-                     "Measures error against time of every sampling method; starts the program "
-                     "lucerna-tradeoff, a target of its own");
+                     "Measures error against time of every sampling method; runs the program "
+                     "lucerna-tradeoff");
 }
 
 void start_tradeoff(const CLI::App& app, int argc, char** argv) {

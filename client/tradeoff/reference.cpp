@@ -129,7 +129,7 @@ void compare(const Check& check, Reference& r) {
     r.way += "; " + finding;
     return;
   }
-  r.warning = fmt::format("A reference ({}) was rejected: {}, and replaced it.", r.way, finding);
+  r.warning = fmt::format("A reference ({}) was rejected and replaced: {}.", r.way, finding);
   Replicates replicates(check.answers[0].size());
   for (const std::vector<double>& answer : check.answers) replicates.add(answer);
   finish(replicates, r);

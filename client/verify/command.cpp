@@ -201,7 +201,7 @@ CLI::Validator probability() {
 
 void add_verify_command(CLI::App& app, Session& session) {
   CLI::App* command =
-      app.add_subcommand("verify", "Hold numbers of another renderer against Lucerna");
+      app.add_subcommand("verify", "Compare numbers of another renderer with Lucerna's");
   std::string columns;
   for (const Kind kind : kKinds)
     columns +=
@@ -235,12 +235,12 @@ void add_verify_command(CLI::App& app, Session& session) {
       ->check(probability());
   command
       ->add_option("--tolerance", s.tolerance,
-                   "Relative error that is rounding, and angle [rad] to delta lights; default: "
-                   "0.1%")
+                   "Relative error that counts as rounding, and angle [rad] to delta lights; "
+                   "default: 0.1%")
       ->transform(share());
   command
       ->add_option("--angle", s.angle_rad,
-                   "Error of directions that is rounding [rad]; default: 1e-5")
+                   "Error of directions that counts as rounding [rad]; default: 1e-5")
       ->check(not_negative());
   command->add_option("--outliers", s.outliers, "Share of rows that may differ; default: 0.5%")
       ->transform(share());

@@ -92,9 +92,9 @@ Finding compared(const v1::Light& light, const char* quantity, const Records& ro
                 &all);
     add_product(ours, cosine, -1, "cosine_light", "a cosine at the light is missing", &all);
     add_product(ours, selection, 1, "selection",
-                "the probability of choosing the light is a factor in it", &all);
+                "the numbers are multiplied by the probability of choosing the light", &all);
     add_product(ours, selection, -1, "selection",
-                "the probability of choosing the light is a divisor in it", &all);
+                "the numbers are divided by the probability of choosing the light", &all);
     name_mistake(likely_mistake(theirs, ours, {}, all), &finding);
   };
   return f;

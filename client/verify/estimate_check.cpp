@@ -271,12 +271,15 @@ Finding check_visibility(Truth& truth, const Records& rows, const Strictness& st
     } else if (seen == 0) {
       finding.mistake = "self_intersection";
       finding.sentence = fmt::format(
-          "{} rays are blocked that nothing blocks; they may meet the surface on which they start "
-          "or end",
+          "{} rays are reported blocked, but nothing blocks them; they may hit the surface on "
+          "which "
+          "they start or end",
           blocked);
     } else {
-      finding.sentence =
-          fmt::format("{} rays pass that are blocked, {} are blocked that pass", seen, blocked);
+      finding.sentence = fmt::format(
+          "{} rays are reported visible but are blocked; {} are reported blocked but "
+          "are visible",
+          seen, blocked);
     }
   };
   return f;

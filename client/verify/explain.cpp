@@ -72,9 +72,9 @@ void add_geometry(const std::vector<double>& ours, const Geometry& g, bool densi
 void add_selection(const std::vector<double>& ours, const std::vector<double>& selection,
                    std::vector<Hypothesis>* all) {
   add_product(ours, selection, 1, "selection",
-              "the probability of choosing the light is a factor in it", all);
+              "the numbers are multiplied by the probability of choosing the light", all);
   add_product(ours, selection, -1, "selection",
-              "the probability of choosing the light is a divisor in it", all);
+              "the numbers are divided by the probability of choosing the light", all);
 }
 
 /// One-sided lights that shine from both sides, and the other way round.  `numbers` returns those

@@ -380,8 +380,8 @@ std::vector<Finding> check_selection(Truth& truth, const Records& rows,
     if (!m.p) f.sentence = "too few rows of this light";
     f.explain = [mean = m.mean](Finding& finding) {
       finding.mistake = "selection";
-      finding.sentence = fmt::format(
-          "the light is chosen {:.3g} times as often as the probability of choosing it says", mean);
+      finding.sentence =
+          fmt::format("the light is chosen {:.3g} times as often as its stated probability", mean);
     };
     all.push_back(std::move(f));
   }

@@ -34,8 +34,8 @@ class ImageInfiniteLight {
                                                    const Vec3<double>& origin_m = {});
 
   /// A direction by the map's luminance, with the density of SphereDistribution; distance infinite.
-  /// For an `incomplete` receiver, by max(0, luminance - its mean over the sphere).  This is 0
-  /// where the receiver's own directions are as good.  A map that is nowhere above its mean uses
+  /// For an `incomplete` receiver, by max(0, luminance - mean luminance).  This is 0 where the
+  /// directions that the caller samples are as good.  A map that is nowhere above its mean uses
   /// its luminance.  [Karlik19]
   ///
   /// Value and density belong to the rounded `wi`, which at a pole may show another texel. kBlack

@@ -62,7 +62,7 @@ class PhotometricWeb {
   /// The part of the flux towards +z, downwards [lm].  In closed form too.
   double downward_flux_lm() const;
   /// A bound on the flux within this angle of the horizon, on either side of it [lm]. For types A
-  /// and C it equals the flux of the side with more.
+  /// and C it equals the larger flux of the two sides.
   double horizon_flux_bound_lm(double width_rad) const;
   /// The largest intensity [cd].
   double max_cd() const { return max_cd_; }

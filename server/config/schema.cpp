@@ -12,7 +12,8 @@ std::vector<Setting> settings(Options& options) {
       {"listen", "HOST:PORT", "Address to listen on; port 0 chooses a free port",
        Text{&server.listen}},
       {"insecure", "",
-       "Allow an address that other machines reach, without TLS.  Everyone there can read and send",
+       "Allow an address that other machines can reach, without TLS.  Anyone there can read and "
+       "send",
        Switch{&server.doors.insecure}},
       reloads({"tls-cert", "FILE", "The server's certificate chain in PEM",
                Text{&server.doors.tls.certificate}}),
@@ -33,7 +34,7 @@ std::vector<Setting> settings(Options& options) {
        Whole{&server.doors.streams, 1, 1U << 20}},
       {"idle-seconds", "SECONDS", "Close a connection without calls after this time; 0: never",
        Whole{&server.doors.idle_s, 0, 2000000}},
-      {"handshake-seconds", "SECONDS", "Close a connection that does not start a call's protocol",
+      {"handshake-seconds", "SECONDS", "Close a connection without TLS and HTTP/2 within this time",
        Whole{&server.doors.handshake_s, 1, 3600}},
       {"ping-seconds", "SECONDS", "Time of silence after which the server pings a client",
        Whole{&server.doors.ping_s, 1, 2000000}},

@@ -24,7 +24,7 @@ struct GaussianFilter {
 struct MitchellFilter {
   double b = 1.0 / 3, c = 1.0 / 3;
 };
-/// sin(pi x) / (pi x), windowed by its own main lobe of half width tau: that of Lanczos.
+/// sin(pi x) / (pi x) with a Lanczos window: its main lobe, stretched to half width tau.
 struct SincFilter {
   double tau = 3;  ///< [pixels], at least 0.25
 };
@@ -69,7 +69,7 @@ class PixelFilter {
     /// Values at equal steps from 0 to the radius, at least two; the function is even.
     Axis(double radius_px, const std::vector<double>& values);
 
-    /// The integral of the magnitude over that of the function; not above 0 if the latter is not.
+    /// The integral of |f| over the integral of f.  Not above 0 if the latter is not.
     double excess() const { return excess_; }
     bool is_signed() const { return is_signed_; }
     /// The distance from the centre, and whether the function is negative there.

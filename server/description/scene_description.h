@@ -108,7 +108,8 @@ struct ShapeDescription {
 #undef LUCERNA_PARAMS
   std::uint32_t material = 0;  ///< index into SceneDescription::materials
   bool has_uv = false;         ///< whether textures use the (u, v) of its surface
-  /// The share of rays that meet the surface; the others pass it.  A surface emits in this share.
+  /// The share of rays that meet the surface; the others pass it.  The radiance of a surface that
+  /// emits is multiplied by it.
   NumberValue alpha{1};
   /// Set if the media on its sides differ.
   std::optional<MediumSides> media{};

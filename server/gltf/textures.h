@@ -26,8 +26,9 @@ void check_texture(const Document& document, const View& info);
 /// v upwards.  A texture of another set is left out, with a remark.
 class TextureSet {
  public:
-  /// `has_picture`: the (u, v) are those of an emissive picture, of this set.  Then textures must
-  /// repeat and have no transform.  `allowed`: whether this picture does the same.
+  /// `has_picture`: the (u, v) are those of an emissive picture.  Then textures must repeat and
+  /// have no transform.  `allowed`: whether this picture repeats and has none; if not, no texture
+  /// fits.
   TextureSet(const Document& document, std::optional<int> uv_set, bool has_picture, bool allowed)
       : document_(document), uv_set_(uv_set), has_picture_(has_picture), allowed_(allowed) {}
 

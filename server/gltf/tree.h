@@ -45,8 +45,8 @@ class Tree {
   const Document& document_;
   Animations animations_;
   std::vector<std::ptrdiff_t> parent_;  ///< -1: none
-  /// Whether something has the motion of a node: the node's own content, or that of nodes beneath
-  /// it without an animation between.  Joints have no content.
+  /// Whether something moves with a node: its own content, or content below it with no animated
+  /// node between.  Joints have no content.
   std::vector<bool> is_followed_;
   mutable std::uint64_t evaluations_ = 0;  ///< of transforms at times
   std::vector<PlacedNode> nodes_;

@@ -49,8 +49,8 @@ class ImageFile {
   absl::Status unreadable() const;
 
  private:
-  /// Reads compressed bytes until the load is stopped, so that the decoder of a picture whose rows
-  /// are not stored in order ends too.  Places outside the file have no bytes.
+  /// Returns no bytes after a request to stop.  So decoders that read the whole file before the
+  /// first row end too.  Places outside the file have no bytes.
   class StoppableReader final : public OIIO::Filesystem::IOMemReader {
    public:
     StoppableReader(const std::string& bytes, std::stop_token stop);

@@ -1,4 +1,4 @@
-// A small class around Embree.  Only accelerator.cpp and user_geometry.{h,cpp} include Embree.
+// A small class around Embree.  Of the headers, only user_geometry.h includes Embree's.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -143,7 +143,7 @@ struct RawHit {
   Vec3<double> position, normal;
 };
 
-/// What a ray meets whose ends may lie on surfaces.
+/// What a ray meets, if its ends may lie on surfaces.
 enum class Obstacle : std::uint8_t {
   kNone,
   kOther,       ///< a surface that neither end lies on
@@ -173,10 +173,10 @@ class Accelerator {
   static absl::StatusOr<std::unique_ptr<Accelerator>> build(
       GeometrySet scene, std::vector<GeometrySet> objects, std::vector<GeometryInstance> instances,
       const std::string& isa, std::stop_token stop, LoadBudget* budget = nullptr);
-  /// As `still`, with the scene's own primitives in `moved` elsewhere: as `scene` has them.  It has
-  /// the unit, the numbers and all other primitives of still->scene(), and shares the BVH.  New
-  /// primitives follow those of still->scene(), and are in `moved` too.  `still`
-  /// comes from build().  Null if a new BVH would have another unit.
+  /// Shares the BVH of `still`, which comes from build(), but takes the scene's own primitives in
+  /// `moved` from `scene`.  The unit, the numbers and all other primitives are those of
+  /// still->scene().  New primitives follow them, and are in `moved` too.  Null if a new BVH would
+  /// have another unit.
   /// Errors: RESOURCE_EXHAUSTED if Embree has no memory.
   static absl::StatusOr<std::shared_ptr<const Accelerator>> with_moved(
       std::shared_ptr<const Accelerator> still, GeometrySet scene,
@@ -194,8 +194,8 @@ class Accelerator {
   std::vector<RawHit> all_hits(const Ray& ray, Meets meets) const;
   /// Whether anything is at t in (t_min, t_max).
   bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const;
-  /// What is at t in (t_min, t_max).  A surface may be that of an end if its plane passes near the
-  /// end, however far from it the ray meets the surface.
+  /// What is at t in (t_min, t_max).  A surface may be an end's own if its plane passes near that
+  /// end, even if the hit is far from the end.
   Obstacle obstacle(const Ray& ray, const LooseEnds& ends, Meets meets) const;
 
   const GeometrySet& scene() const;

@@ -34,8 +34,8 @@ struct CurvePiece {
   Vec3<double> derivative(double u) const;
   double radius_m(double u) const { return start_radius_m + (end_radius_m - start_radius_m) * u; }
 
-  /// Nearest hit in (t_min, t_max).  Its normal is on the side of the ray, but that of a ribbon is
-  /// that of its normals.  u along the piece and v across it, both in [0, 1], go to
+  /// Nearest hit in (t_min, t_max).  Its normal faces the ray.  For a ribbon it follows the
+  /// ribbon's own normals.  u along the piece and v across it, both in [0, 1], go to
   /// `*uv_hit` if that is not null.
   std::optional<ShapeHit<double>> intersect(const Vec3<double>& origin,
                                             const Vec3<double>& direction, double t_min,

@@ -1,5 +1,5 @@
-// Callbacks for Embree: for shapes that it does not have, and for instances that move.  Only this
-// file, user_geometry.cpp and accelerator.cpp use Embree.
+// Callbacks for Embree: for shapes that it does not have, and for instances that move.  Only
+// accelerator_build.cpp, accelerator.cpp, accelerator_state.h and user_geometry.{h,cpp} use Embree.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -35,8 +35,8 @@ struct QueryContext {
   const std::vector<PrimitiveRange>* hidden = nullptr;
   /// Set if the query wants all hits: it takes each of them, and the ray goes on.
   std::vector<RawHit>* kept = nullptr;
-  /// Set if the ends of the ray may lie on surfaces: it then passes those that these may be, and
-  /// sets `may_be_own`.
+  /// Set if the ends of the ray may lie on surfaces.  The query then ignores surfaces on which an
+  /// end may lie, and sets `may_be_own`.
   const LooseEnds* ends = nullptr;
   bool may_be_own = false;
   Vec3<double> position, normal;
@@ -65,8 +65,8 @@ struct MovingInstance {
   RTCBounds swept;  ///< in the scene's units, over all time
 };
 
-/// Lets the geometry of triangles reject hits of rays along a triangle that do not meet it, and
-/// hits that the ray passes (Meets).
+/// Installs a filter on the triangles.  It rejects false hits of rays nearly parallel to a
+/// triangle, and hits on surfaces that the ray passes (Meets).
 void check_along(RTCGeometry geometry, PrimitivesOfSet* triangles);
 
 /// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes`, `wide` and

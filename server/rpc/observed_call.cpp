@@ -75,9 +75,8 @@ absl::Status ObservedCall::take_items(const access::Admission& admission, std::u
   const access::Caller& caller = admission.caller;
   return retry_after(
       absl::ResourceExhaustedError(fmt::format(
-          "\"{}\" asks for {} items, and may compute {} in a second; enough are there in {:.3f} s",
-          caller.name, items, caller.quota.items_per_second,
-          1e-3 * static_cast<double>(wait.count()))),
+          "\"{}\" requested {} items, allowed: {} per second; retry in {:.3f} s", caller.name,
+          items, caller.quota.items_per_second, 1e-3 * static_cast<double>(wait.count()))),
       Reason::kOverQuota, wait);
 }
 

@@ -118,7 +118,7 @@ absl::Status check_doors(const ServerOptions& options) {
   if (!*loopback && !doors.tls.given() && !doors.insecure) {
     errors.push_back(
         fmt::format("listen = {}, which other machines can reach; allowed: a loopback address, "
-                    "or tls-cert and tls-key, or insecure in so many words",
+                    "or tls-cert and tls-key, or the option insecure",
                     options.listen));
   }
   if (!options.metrics.empty() && !doors.insecure) {
@@ -127,7 +127,7 @@ absl::Status check_doors(const ServerOptions& options) {
     if (metrics_loopback.ok() && !*metrics_loopback) {
       errors.push_back(fmt::format(
           "metrics = {}, which other machines can reach; allowed: a loopback address, or "
-          "insecure in so many words",
+          "the option insecure",
           options.metrics));
     }
   }

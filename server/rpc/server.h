@@ -53,7 +53,7 @@ absl::Status check_doors(const ServerOptions& options);
 /// What a server serves, for its log.
 struct ServerSummary {
   std::string root;                    ///< the scene root, absolute
-  std::size_t available_scenes = 0;    ///< .pbrt files under it
+  std::size_t available_scenes = 0;    ///< scene files under it
   bool listing_is_incomplete = false;  ///< there may be more
   std::size_t loaded_scenes = 0;
   int threads = 0;  ///< of computation

@@ -11,9 +11,9 @@
 namespace lucerna::rpc {
 
 /// Predictions are upper estimates.  The model keeps, for each kind of call, the least ratio of the
-/// wall time to the prediction.  The ratio of an easy scene holds for a while.  So the model
-/// refuses only work that would be late even in the easiest case.  It also keeps the mean of the
-/// last ratios, by which lanes choose among the calls that wait.  Thread-safe.
+/// wall time to the prediction.  The least ratio fades slowly (kForget).  So the model refuses
+/// only work that would be late even in the easiest case.  It also keeps the mean of the last
+/// ratios.  Lanes use it to choose the next waiting call.  Thread-safe.
 class TimeModel {
  public:
   /// The work of a call has ended.  Short work says little about long work.
@@ -49,7 +49,8 @@ class TimeModel {
   // The first calls of a server build parts of scenes.  They take longer than later ones, and a
   // prediction from one of them refused work that had enough time.
   static constexpr unsigned kLeastCalls = 8;
-  // After 70 calls the ratio of a scene that nobody uses any more counts half.
+  // The least ratio rises by this factor with each call that is not faster.  After 70 calls it has
+  // doubled, so an easy scene of the past no longer decides.
   static constexpr double kForget = 1.01;
   // The machine may be less busy than it was in all earlier calls.
   static constexpr double kCaution = 0.5;

@@ -1,16 +1,16 @@
 // Two lanes with bounded queues compute requests.  So a query of a millisecond does not wait for a
 // render of an hour.
 //
-// Each lane has its own threads.  The jobs of one client run first come, first served, except late
-// ones; clients take turns.  Each lane has an oneTBB arena, in which oneTBB's workers help with the
-// loops of these threads.  Workers prefer the interactive arena and move to it between two chunks.
-// The operating system schedules the threads in an arena by its lane: those of the bulk lane have a
-// lower priority, those of the interactive lane run sooner when they wake.  So even a job of one
-// long chunk does not delay the other lane.
+// Each lane has its own threads.  Jobs run first come, first served, except late ones.  In the bulk
+// lane, clients also take turns.  Each lane has an oneTBB arena, in which oneTBB's workers help
+// with the loops of these threads.  Workers prefer the interactive arena and move to it between two
+// chunks. The operating system schedules the threads in an arena by its lane: those of the bulk
+// lane have a lower priority, those of the interactive lane run sooner when they wake.  So even a
+// job of one long chunk does not delay the other lane.
 //
-// The bulk lane runs two jobs of each kind at a time.  A client without a running job of this kind
-// may start one of up to two more.  So neither two endless loads nor two endless renders of one
-// client keep another client waiting.
+// The bulk lane runs two jobs of each kind at a time.  Up to two further jobs may run, if their
+// clients have no running job of that kind.  So neither two endless loads nor two endless renders
+// of one client keep another client waiting.
 #pragma once
 
 #include <absl/status/status.h>

@@ -50,7 +50,7 @@ const LightTree& LightSelector::tree() const {
       [this] { return std::make_unique<const LightTree>(LightTree::create(items_).value()); },
       [this](const LightTree&) {
         return items_.size() < kTreeFrom
-                   ? fmt::format("{} local lights, and a query that selected it", items_.size())
+                   ? fmt::format("{} local lights; a query selected the tree", items_.size())
                    : fmt::format("{} local lights, {} or more", items_.size(), kTreeFrom);
       });
 }

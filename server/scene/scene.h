@@ -100,16 +100,16 @@ class Scene {
                                                                      const SurfaceEdits& edits);
 
   /// A scene with the files of `loaded` and other lights.  It shares everything but its lights with
-  /// `loaded`, which must come from build() or build_moved().  `placed`: those of `loaded`, or, for
-  /// edits that move other surfaces, those of place().
+  /// `loaded`, which must come from build() or build_moved().  `placed`: the surfaces, which are
+  /// loaded->placed(), or the result of place() if edits move or add surfaces.
   /// All queries have the same bits as in a scene whose files give these lights in this order.
   ///
   /// Errors: a change that its light does not allow; a level or a place out of range.
   static absl::StatusOr<std::shared_ptr<const Scene>> revise(
       std::shared_ptr<const Scene> loaded, std::shared_ptr<const PlacedSurfaces> placed,
       LightEdits edits);
-  /// With all surfaces at the places of `loaded`, or at those of place().  FAILED_PRECONDITION if
-  /// that needs build_moved().
+  /// The same with the surfaces of `loaded` or of place(), whichever the edits need.
+  /// FAILED_PRECONDITION if they need build_moved().
   static absl::StatusOr<std::shared_ptr<const Scene>> revise(std::shared_ptr<const Scene> loaded,
                                                              LightEdits edits);
 
@@ -201,7 +201,7 @@ class Scene {
   std::uint64_t own_bytes() const;
   /// Shapes in memory.  Those of an object count once, for any number of instances.
   std::uint64_t shape_count() const;
-  /// Primitives in memory: triangles, patches, spheres, disks and cylinders.
+  /// Primitives in memory: triangles, patches, pieces of curves, spheres, disks, cylinders.
   std::uint64_t primitive_count() const;
   std::string isa() const;
 
@@ -242,9 +242,9 @@ class Scene {
   }
   /// The share of light that the panes along the ray pass straight on.
   double through_panes(const Ray& ray) const;
-  /// The share of light that the media along the ray leave, by channel.  A surface that bounds
-  /// media tells which are on its sides.  Beyond the last one the ray is in the medium that this
-  /// surface tells; without one ahead or behind, in the surrounding medium.
+  /// The share of light that the media along the ray leave, by channel.  Surfaces that bound
+  /// media define the medium on each side.  If none is ahead, the nearest one behind decides.  If
+  /// there is none at all, the ray is in the surrounding medium.
   Rgb<double> through_media(const Ray& ray) const;
 
   /// The part of type `T` that other code keeps with this scene.  Made by `T(scene)` at its

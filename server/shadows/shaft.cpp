@@ -275,8 +275,9 @@ class Shafts::AttachedBoxes : public AttachedPart {
   explicit AttachedBoxes(const PlacedSurfaces& placed) : placed_(placed) {}
 
   const Boxes& get() const {
-    return boxes_.get([this] { return std::make_unique<const Boxes>(placed_); },
-                      [](const Boxes&) { return "shafts test what is in them"; });
+    return boxes_.get(
+        [this] { return std::make_unique<const Boxes>(placed_); },
+        [](const Boxes&) { return "closed forms test whether surfaces block the light"; });
   }
   std::optional<ScenePart> report() const override { return boxes_.report(); }
   std::uint64_t bytes() const override { return boxes_.bytes(); }

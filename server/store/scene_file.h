@@ -12,7 +12,7 @@
 
 namespace lucerna {
 
-/// The endings of names of scene files: .pbrt, .gltf and .glb.
+/// The endings of names of scene files: .pbrt, .pbrt.gz, .gltf and .glb.
 const std::vector<std::string>& scene_file_extensions();
 
 /// Whether the file is glTF: its name ends with .gltf or .glb, in upper or lower case.

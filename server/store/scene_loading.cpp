@@ -288,8 +288,8 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
       scene_id(found.description->assets, found.description->textures.halved(),
                found.description->level_factors) != loaded->id())
     return absl::FailedPreconditionError(
-        fmt::format("the files of \"{}\" are not those that were loaded, and an edit that moves a "
-                    "surface reads them again; load the scene again",
+        fmt::format("the files of \"{}\" have changed since the scene was loaded, and an edit that "
+                    "moves a surface reads them again; load the scene again",
                     of.path));
   LoadMemory memory(*state_);
   MovedSurfaces moves = edits.moved;
@@ -301,7 +301,7 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
   LUCERNA_ASSIGN_OR_RETURN(placed, Scene::place(**built, edits));
   if (placed != nullptr) return Moved{*built, std::move(placed)};
   return absl::InvalidArgumentError(
-      "an added surface that changes where coordinates of the scene begin or the unit of its rays, "
+      "an added surface lies outside of the scene, or its size would change the unit of rays, "
       "allowed: surfaces within the scene; load the scene with the surface in its file");
 }
 

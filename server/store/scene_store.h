@@ -146,7 +146,7 @@ class SceneStore {
 
   /// The root as an absolute path.
   const std::string& root() const;
-  /// The .pbrt and .pbrt.gz files under the root, which `load` may load.  Reads directories: takes
+  /// The scene files under the root, which `load` may load.  Reads directories: takes
   /// milliseconds to seconds.
   FileListing available() const;
 

@@ -12,7 +12,8 @@ cat <<'END'
 # Precision and its price
 
 This page shows the cost and the gain of double precision and of robust rays.  In short: double costs less than a tenth
-of a tile's time, and robust rays take less than a fifth longer than default rays.  Both are always on.
+of a tile's time.  In the scenes of this page, robust rays take less than a fifth longer than default rays.  Both are
+always on.
 
     make precision
 

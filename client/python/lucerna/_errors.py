@@ -57,7 +57,8 @@ class FailedPrecondition(Error):
 
 
 class ResourceExhausted(Error):
-    """The request exceeds a limit or a quota, or the server is busy.  `retry_after_s` says which."""
+    """The request exceeds a limit or a quota, or the server is busy.  `reason` names the cause.  `retry_after_s` is
+    set if a later attempt may succeed."""
 
 
 class Unavailable(Error, ConnectionError):

@@ -39,7 +39,7 @@ const schema = [
   },
   {
     name: "insecure",
-    help: "Allow addresses that other machines reach, without TLS.  Everyone there can read and send",
+    help: "Allow addresses that other machines can reach, without TLS.  Anyone there can read and send",
   },
   { name: "tls-cert", value: "FILE", help: "Certificate chain for browsers, in PEM" },
   { name: "tls-key", value: "FILE", help: "The private key of --tls-cert, in PEM" },
@@ -210,12 +210,12 @@ function check(/** @type {Settings} */ s) {
   if (!isLoopback(address("listen", s.listen).host) && !s.tlsCert && !s.insecure)
     throw new SettingError(
       `listen = ${s.listen}, which other machines can reach; allowed: a loopback address, or tls-cert and tls-key, ` +
-        "or insecure in so many words",
+        "or the option insecure",
     );
   // Tokens of callers travel on this connection.
   if (!isLoopback(address("server", s.server).host) && !tls && !s.insecure)
     throw new SettingError(
       `server = ${s.server}, on another machine and without TLS; allowed: a loopback address, or server-tls or ` +
-        "server-ca, or insecure in so many words",
+        "server-ca, or the option insecure",
     );
 }

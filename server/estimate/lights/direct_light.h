@@ -104,9 +104,9 @@ class DirectLight {
   /// The distribution at the vertices of paths, by the number of reflections between the vertex and
   /// the camera or receiver.
   Spending spending(std::uint32_t depth) const { return depth == 0 ? spending_ : later_spending_; }
-  /// The distribution at a receiver with this number of samples.  By default, one ray settles each
-  /// delta light if this does not cost more than the samples.  The samples are then used for the
-  /// other lights.
+  /// The distribution at a receiver with this number of samples.  By default, delta lights are
+  /// settled if this does not cost more than the samples: one ray to each of them gives all of its
+  /// direct light.  The samples are then used for the other lights.
   Spending spending_at_receiver(std::uint64_t samples) const;
   /// From this number of samples on, delta lights are settled at a receiver.
   std::uint64_t settling_samples() const;

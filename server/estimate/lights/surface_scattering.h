@@ -13,7 +13,7 @@ namespace lucerna {
 class SurfaceScattering {
  public:
   /// Evaluates the textures of the material.  Sets `hit.ns` if a map changes the normal.
-  /// `meets`: what the ray met.  A pane that was met by chance reflects all light.
+  /// `meets`: what the ray met.  With kPanesByChance, a pane counts as a mirror.
   /// `neighbours`: of the camera ray that met the surface, for scenes whose textures use
   /// footprints; else null.
   SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets = Meets::kSurfaces,

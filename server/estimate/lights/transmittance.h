@@ -15,11 +15,11 @@ class Transmittance {
         through_panes_(scene.has_panes() && thin_glass == ThinGlass::kPasses),
         is_partial_(through_panes_ || scene.has_media()) {}
 
-  /// Whether light may arrive in part.  Otherwise it is blocked or not.
+  /// Whether light may arrive in part.  Otherwise all of it arrives or none.
   bool is_partial() const { return is_partial_; }
   /// The surfaces that block direct light.
   Meets blocking() const { return through_panes_ ? Meets::kOpaque : Meets::kSurfaces; }
-  /// The surfaces that rays meet which look for light or for the next surface.
+  /// The surfaces that rays meet when they search for lights or for the next surface.
   Meets met() const { return through_panes_ ? Meets::kPanesByChance : Meets::kSurfaces; }
 
   /// The share of light, by channel, that passes along a ray that no surface blocks.

@@ -87,7 +87,7 @@ void PathTracer::for_each_emitter(const Sight& sight, const std::optional<Surfac
     const auto light = static_cast<std::uint32_t>(hit->light);
     const Rgb<double> le =
         LightAtTime(scene_.lights()[light], sight.time_s).le(hit->on_light(), -sight.direction);
-    // Rays meet a thinned surface less often, and then see more of it.
+    // `le` contains the factor alpha.  Only this share of rays meets the surface.
     if (!le.is_black()) f(light, le / scene_.alpha(*hit));
     return;
   }

@@ -52,12 +52,12 @@ std::optional<double> needed_samples(const TargetError& target, Pilot&& pilot) {
   // also take 1, 0.93 and 0.90 of the time.  But smooth light then takes too many samples, because
   // its error falls faster than assumed below.
   constexpr std::uint32_t kEnough = 6;
-  // Each pilot is twice as large as the one before if that is enough by what is known, else this
-  // many times.
+  // Each pilot is twice as large as the one before if that is expected to be enough, else this many
+  // times as large.
   constexpr std::uint32_t kGrowth = 4;
-  // Skewed samples need more samples than their scatter suggests.  This is the limit, in multiples
-  // of the pilot's samples.  With 4 instead, only 92.8% of the 95% intervals of a furnace's pixels
-  // held.
+  // Skewed samples need more samples than their scatter suggests.  They may raise the count to at
+  // most this many times the pilot's samples.  With 4 instead, only 92.8% of the 95% intervals of a
+  // furnace's pixels held.
   constexpr std::uint32_t kMostForShape = 8;
   // A pilot with little scatter by chance leads to too few samples.  This factor compensates for
   // it.  Measured on a furnace with a target of 2% at 95% confidence (coverage_test): 94.9% of the

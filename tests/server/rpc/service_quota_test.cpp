@@ -65,8 +65,8 @@ class Quotas : public ::testing::Test {
     authorize(second, name);
     const grpc::Status refused = call(&second);
     EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-    EXPECT_THAT(refused.error_message(), HasSubstr("\"" + name + "\" asks for "));
-    EXPECT_THAT(refused.error_message(), HasSubstr(" items, and may compute 1 in a second"));
+    EXPECT_THAT(refused.error_message(), HasSubstr("\"" + name + "\" requested "));
+    EXPECT_THAT(refused.error_message(), HasSubstr(" items, allowed: 1 per second"));
     EXPECT_EQ(detail<google::rpc::ErrorInfo>(refused).reason(), "OVER_QUOTA");
     const auto delay = detail<google::rpc::RetryInfo>(refused).retry_delay();
     EXPECT_GT(delay.seconds() + 1e-9 * delay.nanos(), 0);
