@@ -9,6 +9,7 @@ namespace lucerna::testing {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::Gt;
 using ::testing::HasSubstr;
 
 /// Multiplies the level of every light of a .pbrt file.
@@ -82,6 +83,27 @@ TEST_F(Edit, RemovedLightsLeaveDarkSurfacesAndKeepTheIdsOfOthers) {
   std::vector<std::uint64_t> ids;
   for (const v1::Light& light : answers.lights().lights()) ids.push_back(light.id());
   EXPECT_THAT(ids, ElementsAre(1, 3, 4, 5, 6, 7));
+}
+
+TEST_F(Edit, ARemovedLampDoesNotShineAsTheNextLight) {
+  const auto lamp = [](const char* place, const char* radiance) {
+    return std::string("AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" ") + radiance +
+           " Translate " + place + " Shape \"sphere\" \"float radius\" 0.5 AttributeEnd\n";
+  };
+  const std::string scene =
+      load("lamps.pbrt", "WorldBegin\n" + lamp("-2 0 3", "[1 1 1]") + lamp("2 0 3", "[5 5 5]"));
+  v1::EditLightsRequest request = request_for(scene);
+  request.add_edits()->set_remove(1);
+  v1::LeRequest rays;
+  rays.set_scene_id(edited(request));
+  for (const float x : {-2.0F, 2.0F}) {
+    for (const float p : {x, 0.0F, 0.0F}) rays.mutable_points()->add_offsets_m(p);
+    for (const float w : {0.0F, 0.0F, 1.0F}) rays.add_directions(w);
+  }
+  v1::LeResponse answer;
+  ASSERT_TRUE(status_of([&](auto* c) { return service_->lighting.Le(c, rays, &answer); }).ok());
+  EXPECT_THAT(answer.light_ids(), ElementsAre(0, 2));
+  EXPECT_THAT(answer.radiance_cd_m2(), ElementsAre(0, 0, 0, Gt(0), Gt(0), Gt(0)));
 }
 
 TEST_F(Edit, TheIdFollowsFromTheLightsAndNotFromTheWayToThem) {
