@@ -272,13 +272,11 @@ Finding check_visibility(Truth& truth, const Records& rows, const Strictness& st
       finding.mistake = "self_intersection";
       finding.sentence = fmt::format(
           "{} rays are reported blocked, but nothing blocks them; they may hit the surface on "
-          "which "
-          "they start or end",
+          "which they start or end",
           blocked);
     } else {
       finding.sentence = fmt::format(
-          "{} rays are reported visible but are blocked; {} are reported blocked but "
-          "are visible",
+          "{} rays are reported visible but are blocked; {} are reported blocked but are visible",
           seen, blocked);
     }
   };

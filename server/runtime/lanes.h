@@ -4,7 +4,7 @@
 // Each lane has its own threads.  Jobs run first come, first served, except late ones.  In the bulk
 // lane, clients also take turns.  Each lane has an oneTBB arena, in which oneTBB's workers help
 // with the loops of these threads.  Workers prefer the interactive arena and move to it between two
-// chunks. The operating system schedules the threads in an arena by its lane: those of the bulk
+// chunks.  The operating system schedules the threads in an arena by its lane: those of the bulk
 // lane have a lower priority, those of the interactive lane run sooner when they wake.  So even a
 // job of one long chunk does not delay the other lane.
 //

@@ -126,8 +126,8 @@ TEST(TestVisibility, PointsTypedOnASurfaceDoNotShadowThemselves) {
 }
 
 TEST(TestVisibility, PointsNearZeroOfALargeSurfaceDoNotShadowThemselves) {
-  // Nearly 0 ulps of their own, on a plane that is rounded with vertices 1000 m away.  No corner is
-  // a float, and rounding moves the plane by more than the ulps of the points.
+  // Nearly 0 ulps of their own, on a plane that is rounded with vertices 1000 m away.  No height
+  // of a corner is a float, so rounding moves the plane by more than the ulps of the points.
   SceneDescription d = description();
   const auto at = [](double x, double y) { return Vec3<double>{x, y, x / 3 - y / 7}; };
   d.shapes.push_back(
