@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/paths.h"
+
 namespace lucerna::testing {
 
 class ReferenceTable {
@@ -32,7 +34,7 @@ class ReferenceTable {
   /// line names the columns.  Throws if the file does not exist or a line has a wrong number of
   /// words.
   explicit ReferenceTable(const std::string& name) {
-    const std::string path = std::string(LUCERNA_TEST_DATA) + "/extremes/" + name + ".txt";
+    const std::string path = test_data("extremes/") + name + ".txt";
     std::ifstream file(path);
     if (!file) throw std::runtime_error("cannot open " + path);
     std::string line;

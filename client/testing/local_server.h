@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "lucerna/client/client.h"
 
-// The CMake target lucerna::testing sets this to the program of the same build or installation.
+// The CMake target lucerna::testing sets this to the program of the same installation.
 #ifndef LUCERNA_LUCERNAD
 #define LUCERNA_LUCERNAD ""
 #endif

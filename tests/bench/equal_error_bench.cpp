@@ -34,6 +34,7 @@
 #include "server/pbrt/load.h"
 #include "server/runtime/denormals.h"
 #include "server/scene/scene.h"
+#include "tests/paths.h"
 #include "tests/server/estimate/paths/compare.h"
 
 namespace lucerna {
@@ -42,7 +43,7 @@ namespace {
 using testing::Picture;
 using testing::read_picture;
 
-const std::string kReference = LUCERNA_TEST_DATA "/reference/";
+const std::string kReference = test_data("reference/");
 constexpr std::uint32_t kBlocks = 8, kSamplesPerBlock = 8;  // 64 samples a pixel
 constexpr std::uint32_t kRepeats = 3;                       // with different seeds
 constexpr int kThreads = 2;                                 // of pbrt-v4's figures

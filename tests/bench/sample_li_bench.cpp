@@ -21,6 +21,7 @@
 #include "server/scene/scene.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/sample_li_arrays.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -41,7 +42,7 @@ std::vector<float> receivers(const SceneSphere& sphere) {
 }
 
 double sample_ns(const std::string& file, int rounds) {
-  const auto scene = load_scene(LUCERNA_TEST_DATA "/reference/" + file);
+  const auto scene = load_scene(test_data("reference/") + file);
   const std::vector<float> offsets_m = receivers(scene->sphere());
   SampleLiArrays arrays(kReceivers);
   const SampleLiAnswer answer = arrays.answer();

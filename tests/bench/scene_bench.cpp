@@ -5,12 +5,13 @@
 #include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
 
 std::shared_ptr<const Scene> load(const std::string& name,
-                                  const std::string& root = LUCERNA_TEST_DATA "/reference") {
+                                  const std::string& root = test_data("reference")) {
   auto assets = AssetReader::open(root);
   auto description = load_pbrt(*assets, name, {});
   return *Scene::build(*std::move(description));
@@ -30,7 +31,7 @@ void BM_ClosestHit(benchmark::State& state) {
 BENCHMARK(BM_ClosestHit);
 
 void BM_RenderTile(benchmark::State& state, const std::string& name,
-                   const std::string& root = LUCERNA_TEST_DATA "/reference") {
+                   const std::string& root = test_data("reference")) {
   const auto scene = load(name, root);
   TileSettings settings;
   settings.rect = {48, 28, 112, 92};
@@ -56,7 +57,7 @@ BENCHMARK_CAPTURE(BM_RenderTile, many_points, "many_points.pbrt")
 BENCHMARK_CAPTURE(BM_RenderTile, bounces, "bounces.pbrt")
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(BM_RenderTile, demo, "demo.pbrt", LUCERNA_SCENES)
+BENCHMARK_CAPTURE(BM_RenderTile, demo, "demo.pbrt", source_path("scenes"))
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 

@@ -12,17 +12,18 @@
 #include "server/estimate/queries/irradiance.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 
 inline std::shared_ptr<const Scene> load_shipped(const std::string& name) {
-  auto assets = AssetReader::open(LUCERNA_SCENES);
+  auto assets = AssetReader::open(source_path("scenes"));
   return *Scene::build(*load_pbrt(*assets, name + "/scene.pbrt", {}));
 }
 
 /// Its points.csv: x, y, z, nx, ny, nz per line.
 inline std::vector<IrradiancePoint> shipped_points(const Scene& scene, const std::string& name) {
-  std::ifstream file(LUCERNA_SCENES "/" + name + "/points.csv");
+  std::ifstream file(source_path("scenes/") + name + "/points.csv");
   std::vector<IrradiancePoint> out;
   for (std::string line; std::getline(file, line);) {
     std::ranges::replace(line, ',', ' ');

@@ -26,6 +26,7 @@
 #include "server/runtime/parallel.h"
 #include "server/scene/light_choice.h"
 #include "server/scene/scene.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -359,7 +360,7 @@ int run() {
       "| scene | lights | light evaluations a sample | ns a sample of the tile | ns an evaluation, "
       "float | double | share of the tile's time | cost of double |\n"
       "|---|---|---|---|---|---|---|---|\n");
-  const std::string reference = LUCERNA_TEST_DATA "/reference";
+  const std::string reference = test_data("reference");
   double most = -1;
   std::string where;
   const auto measure = [&](const std::string& root, const std::string& name) {
@@ -369,7 +370,7 @@ int run() {
   for (const char* name : {"point", "spot", "triangle", "rectangle", "sphere", "disk", "cylinder",
                            "environment", "many_points", "many_triangles", "bounces"})
     measure(reference, name);
-  measure(LUCERNA_SCENES, "demo");
+  measure(source_path("scenes"), "demo");
   fmt::print(
       "\nAt most double costs {:.1f} % of a tile's time ({}), {} than a tenth: by the rule "
       "**lights compute in {}**.\n",

@@ -31,6 +31,7 @@
 #include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -97,8 +98,8 @@ class Load {
 };
 
 void compare_samples(const std::string& name, const std::string& scene, int pairs) {
-  const auto server = value(testing::LocalServer::start(
-      {.scene_root = LUCERNA_TEST_DATA "/reference", .threads = kThreads}));
+  const auto server = value(
+      testing::LocalServer::start({.scene_root = test_data("reference"), .threads = kThreads}));
   v1::LoadSceneRequest load;
   load.set_path(scene);
   v1::GetSceneRequest get;
@@ -124,12 +125,12 @@ void compare_samples(const std::string& name, const std::string& scene, int pair
 class Picture {
  public:
   Picture()
-      : server_(value(
-            testing::LocalServer::start({.scene_root = LUCERNA_SCENES, .threads = kThreads}))) {
+      : server_(value(testing::LocalServer::start(
+            {.scene_root = source_path("scenes"), .threads = kThreads}))) {
     v1::LoadSceneRequest load;
     load.set_path("cornell/scene.pbrt");
     id_ = value(server_.client().load_scene(load)).scene_id();
-    auto assets = AssetReader::open(LUCERNA_SCENES);
+    auto assets = AssetReader::open(source_path("scenes"));
     scene_ = value(Scene::build(value(load_pbrt(*assets, "cornell/scene.pbrt", {}))));
     width_ = scene_->camera().width();
     height_ = scene_->camera().height();

@@ -10,6 +10,7 @@
 
 #include "lucerna/client/testing/local_server.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -43,7 +44,7 @@ class CliEdit : public ::testing::Test {
   }
 
   Outcome lucerna(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    arguments.insert(arguments.begin(), build_path("bin/lucerna"));
     return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", servers_[0]->target()}});
   }
   std::string path(const std::string& name) const { return (directory_.path() / name).string(); }

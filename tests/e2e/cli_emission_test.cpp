@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tests/e2e/cli_fixture.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -18,7 +19,7 @@ constexpr const char* kScene = "lights/every_light.pbrt";
 class CliEmission : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    auto server = testing::LocalServer::start({.scene_root = LUCERNA_TEST_DATA});
+    auto server = testing::LocalServer::start({.scene_root = test_data()});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = std::make_unique<testing::LocalServer>(*std::move(server));
   }
@@ -26,7 +27,7 @@ class CliEmission : public ::testing::Test {
   void SetUp() override { ASSERT_NE(server_, nullptr); }
 
   static Outcome lucerna(std::vector<std::string> arguments, const std::string& input = {}) {
-    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    arguments.insert(arguments.begin(), build_path("bin/lucerna"));
     return run_program(std::move(arguments), input, {{"LUCERNA_SERVER", server_->target()}});
   }
   /// The output of a command, which must succeed.

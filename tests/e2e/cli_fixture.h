@@ -10,6 +10,7 @@
 
 #include "client/testing/local_server.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -25,7 +26,7 @@ class Cli : public ::testing::Test {
     const fs::path scenes = directory_->path() / "scenes";
     fs::create_directories(scenes);
     for (const char* file : {"point.pbrt", "sphere.pbrt", "rectangle_near.pbrt", "ball.ply"}) {
-      fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / file, scenes / file);
+      fs::copy_file(fs::path(test_data("reference")) / file, scenes / file);
     }
     // sphere.pbrt with a ninth of its pixels.
     std::ifstream sphere(scenes / "sphere.pbrt");
@@ -34,8 +35,7 @@ class Cli : public ::testing::Test {
       if (line.starts_with("Film"))
         line = "Film \"rgb\" \"integer xresolution\" 54 \"integer yresolution\" 40";
     small.close();
-    fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "pbrt" / "moving_point.pbrt",
-                  scenes / "moving_point.pbrt");
+    fs::copy_file(test_data("pbrt/moving_point.pbrt"), scenes / "moving_point.pbrt");
     std::ofstream(scenes / "broken.pbrt") << "WorldBegin\nShape sphere\n";
     std::ofstream(scenes / "lamp.pbrt")
         << "WorldBegin\nLightSource \"point\" \"spectrum I\" [500 1 600 1] \"float power\" 1000\n";
@@ -59,7 +59,7 @@ class Cli : public ::testing::Test {
   void SetUp() override { ASSERT_NE(server_, nullptr); }
 
   static Outcome lucerna(std::vector<std::string> arguments, const std::string& input = {}) {
-    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    arguments.insert(arguments.begin(), build_path("bin/lucerna"));
     return run_program(std::move(arguments), input, {{"LUCERNA_SERVER", server_->target()}});
   }
   static std::string path(const std::string& name) { return (directory_->path() / name).string(); }

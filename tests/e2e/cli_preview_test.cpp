@@ -1,5 +1,6 @@
 // lucerna render --tev and --preview.
 #include "tests/e2e/cli_fixture.h"
+#include "tests/paths.h"
 #include "tests/tev_receiver.h"
 // This header removes macros that Protobuf's headers need, so it comes last.
 #include <OpenImageIO/imageio.h>
@@ -48,7 +49,7 @@ class CliPreview : public Cli {
   }
   /// Ends a render of minutes by this signal when a preview exists.
   Outcome interrupt(std::vector<std::string> arguments, const std::string& preview, int signal) {
-    arguments.insert(arguments.begin(), {LUCERNA_CLI, "render"});
+    arguments.insert(arguments.begin(), {build_path("bin/lucerna"), "render"});
     arguments.insert(arguments.end(), {"--samples", "16384", "--tile-size", "8", "--preview=0.1"});
     return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", server_->target()}},
                        [&](pid_t program) {
@@ -153,8 +154,8 @@ TEST_F(CliPreview, AFailedRenderKeepsItsLastPreview) {
   const auto server = testing::LocalServer::start({.scene_root = path("scenes")});
   ASSERT_TRUE(server.ok()) << server.status();
   const Outcome outcome = run_program(
-      {LUCERNA_CLI, "render", "point.pbrt", "-o", path("early.png"), "--preview=0.1", "--samples",
-       "16384", "--tile-size", "8", "--server", server->target()},
+      {build_path("bin/lucerna"), "render", "point.pbrt", "-o", path("early.png"), "--preview=0.1",
+       "--samples", "16384", "--tile-size", "8", "--server", server->target()},
       {}, {}, [&](pid_t) {
         EXPECT_TRUE(TevReceiver::wait_for([&] { return fs::exists(path("early.png")); }));
         ::kill(server->process_id(), SIGKILL);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/e2e/cli_fixture.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -215,7 +216,7 @@ TEST_F(CliTradeoff, ClosedFormsAreTheReference) {
 TEST_F(CliTradeoff, PrintedCommandsWork) {
   fs::copy_file(path("points.csv"), path("my points.csv"));
   for (const std::string query : {"irradiance", "render", "sample", "visibility", "power"}) {
-    std::vector<std::string> arguments = {LUCERNA_CLI,
+    std::vector<std::string> arguments = {build_path("bin/lucerna"),
                                           "tradeoff",
                                           "lamp_over_table.pbrt",
                                           "--server",
@@ -241,8 +242,8 @@ TEST_F(CliTradeoff, PrintedCommandsWork) {
       EXPECT_THAT(command, HasSubstr(" --server " + server_->target()));
       const Outcome again =
           run_program({"/bin/sh", "-c",
-                       "cd '" + path(".") + "' && lucerna() { '" LUCERNA_CLI "' \"$@\"; } && " +
-                           with_small_amounts(command)});
+                       "cd '" + path(".") + "' && lucerna() { '" + build_path("bin/lucerna") +
+                           "' \"$@\"; } && " + with_small_amounts(command)});
       EXPECT_EQ(again.status, 0) << command << '\n' << again.err;
     }
     EXPECT_GT(commands, 0) << query;
@@ -367,8 +368,8 @@ TEST_F(CliTradeoff, ReportsOfOtherStudiesAreDrawn) {
   fs::permissions(path("tools/chromium"), fs::perms::owner_all);
   std::ofstream(path("study.json"))
       << R"({"lucerna_tradeoff": 1, "runs": {"rows": [[7]]}, "text": "</script><!--"})";
-  const std::vector<std::string> words = {LUCERNA_CLI,        "tradeoff", "--report",
-                                          path("study.json"), "--out",    path("my #1")};
+  const std::vector<std::string> words = {build_path("bin/lucerna"), "tradeoff", "--report",
+                                          path("study.json"),        "--out",    path("my #1")};
   const Outcome drawn =
       run_program(words, "", {{"PATH", path("tools") + ":" + std::getenv("PATH")}});
   EXPECT_EQ(drawn.status, 0) << drawn.err;
@@ -391,7 +392,7 @@ TEST_F(CliTradeoff, ReportsOfOtherStudiesAreDrawn) {
 
 TEST_F(CliTradeoff, ThePagesInDocsCanBeMade) {
   for (const char* scene : {"cornell", "meadow", "room", "stage", "street"}) {
-    const std::string json = std::string(LUCERNA_DOCS) + "/tradeoff/" + scene + "/tradeoff.json";
+    const std::string json = source_path("docs/tradeoff/") + scene + "/tradeoff.json";
     const Outcome outcome = lucerna({"tradeoff", "--report", json, "--out", path("page")});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(text("page/report.html"), HasSubstr("\"items\":[{")) << scene;
@@ -399,10 +400,10 @@ TEST_F(CliTradeoff, ThePagesInDocsCanBeMade) {
 }
 
 TEST_F(CliTradeoff, NeedsTheProgramBesideLucerna) {
-  fs::copy_file(LUCERNA_CLI, path("lucerna"));
+  fs::copy_file(build_path("bin/lucerna"), path("lucerna"));
   const Outcome outcome = run_program({path("lucerna"), "tradeoff", "--help"});
   expect_wrong_use(outcome, "cannot start " + path("lucerna-tradeoff"));
-  fs::copy_file(fs::path(LUCERNA_CLI).parent_path() / "lucerna-tradeoff", path("lucerna-tradeoff"));
+  fs::copy_file(build_path("bin/lucerna-tradeoff"), path("lucerna-tradeoff"));
   const Outcome beside =
       run_program({path("lucerna"), "--server", "a:1", "--timeout=5", "--json", "tradeoff",
                    "tradeoff", "--query", "power", "--out", path("out")});

@@ -9,6 +9,7 @@
 #include "lucerna/client/testing/local_server.h"
 #include "lucerna/client/upload.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -28,7 +29,7 @@ class CliUpload : public ::testing::Test {
     fs::create_directories(directory_ / "mine");
     fs::create_directories(directory_ / "theirs");
     for (const char* file : {"textured.pbrt", "screen.exr", "point.pbrt", "ball.ply"}) {
-      fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / file, directory_ / "mine" / file);
+      fs::copy_file(fs::path(test_data("reference")) / file, directory_ / "mine" / file);
     }
     start();
   }
@@ -43,7 +44,7 @@ class CliUpload : public ::testing::Test {
   }
 
   Outcome lucerna(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    arguments.insert(arguments.begin(), build_path("bin/lucerna"));
     return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", server_->target()}});
   }
   std::string path(const std::string& name) const { return (directory_ / name).string(); }
@@ -54,7 +55,7 @@ class CliUpload : public ::testing::Test {
 };
 
 TEST_F(CliUpload, GltfScenesBringTheirBuffers) {
-  const std::string room = std::string(LUCERNA_TEST_DATA) + "/gltf/room.gltf";
+  const std::string room = test_data("gltf/room.gltf");
   const Outcome loaded = lucerna({"load", "--upload", room});
   ASSERT_EQ(loaded.status, 0) << loaded.err;
   EXPECT_THAT(lucerna({"lights", "room.gltf"}).out, HasSubstr("room.gltf#/nodes/4"));
@@ -70,7 +71,7 @@ TEST_F(CliUpload, GltfScenesBringTheirBuffers) {
 }
 
 TEST_F(CliUpload, BlendersLevelsBecomePhotometric) {
-  const std::string room = std::string(LUCERNA_TEST_DATA) + "/gltf/room.gltf";
+  const std::string room = test_data("gltf/room.gltf");
   const Outcome plain = lucerna({"load", "--upload", room});
   ASSERT_EQ(plain.status, 0) << plain.err;
   const Outcome standard = lucerna({"load", "--upload", "--blender", "standard", room});
@@ -86,7 +87,7 @@ TEST_F(CliUpload, BlendersLevelsBecomePhotometric) {
   EXPECT_THAT(lucerna({"inspect", "--upload", "--blender", "standard", room}).out,
               ContainsRegex("\nlight levels .*emission times 683"));
 
-  fs::copy(std::string(LUCERNA_TEST_DATA) + "/gltf", path("theirs"));
+  fs::copy(test_data("gltf"), path("theirs"));
   const Outcome half =
       lucerna({"load", "--blender", "unitless", "--lumens-per-watt", "0.5", "room.gltf"});
   ASSERT_EQ(half.status, 0) << half.err;
@@ -95,7 +96,7 @@ TEST_F(CliUpload, BlendersLevelsBecomePhotometric) {
 }
 
 TEST_F(CliUpload, QueriesAndJobsLoadWithBlendersLevels) {
-  const std::string room = std::string(LUCERNA_TEST_DATA) + "/gltf/room.gltf";
+  const std::string room = test_data("gltf/room.gltf");
   const auto id_with = [&](const std::string& mode) {
     return lucerna({"load", "--upload", "--blender", mode, room}).out.substr(0, 64);
   };

@@ -4,6 +4,7 @@
 
 #include "client/testing/local_server_test.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -19,20 +20,21 @@ constexpr char kExpected[] =
 class Examples : public testing::LocalServerTest {
  protected:
   testing::LocalServerOptions options() const override {
-    return {.scene_root = LUCERNA_TEST_DATA "/reference"};
+    return {.scene_root = test_data("reference")};
   }
 };
 
 TEST_F(Examples, CppSendsTheFourQueries) {
-  const Outcome outcome = run_program({LUCERNA_EXAMPLE_CPP, server().target(), "point.pbrt"});
+  const Outcome outcome =
+      run_program({build_path("tests/e2e/example_ask"), server().target(), "point.pbrt"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, kExpected);
 }
 
 TEST_F(Examples, PythonSendsTheFourQueries) {
-  const Outcome outcome =
-      run_program({LUCERNA_PYTHON, LUCERNA_EXAMPLE_PYTHON, server().target(), "point.pbrt"}, "",
-                  {{"PYTHONPATH", LUCERNA_PYTHON_STUBS}, {"PYTHONDONTWRITEBYTECODE", "1"}});
+  const Outcome outcome = run_program(
+      {LUCERNA_PYTHON, source_path("docs/examples/python/ask.py"), server().target(), "point.pbrt"},
+      "", {{"PYTHONPATH", build_path("tests/e2e/stubs")}, {"PYTHONDONTWRITEBYTECODE", "1"}});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, kExpected);
 }

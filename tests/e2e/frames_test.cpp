@@ -11,6 +11,7 @@
 #include "lucerna/client/picture.h"
 #include "lucerna/client/testing/local_server.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -31,7 +32,7 @@ class Frames : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(directory_ / "scenes");
-    const std::string scene = bytes(fs::path(LUCERNA_TEST_DATA) / "pbrt/moving_both.pbrt");
+    const std::string scene = bytes(test_data("pbrt/moving_both.pbrt"));
     std::ofstream(directory_ / "scenes/moving.pbrt") << scene;
     const std::string shutter = "\"float shutteropen\" [0] \"float shutterclose\" [0.125]";
     const std::size_t at = scene.find(shutter);
@@ -52,7 +53,7 @@ class Frames : public ::testing::Test {
   }
 
   Outcome render(std::vector<std::string> arguments, const std::string& server = {}) const {
-    arguments.insert(arguments.begin(), {LUCERNA_CLI, "render"});
+    arguments.insert(arguments.begin(), {build_path("bin/lucerna"), "render"});
     return run_program(std::move(arguments), {},
                        {{"LUCERNA_SERVER", server.empty() ? servers_[0]->target() : server}});
   }

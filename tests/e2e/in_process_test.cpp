@@ -11,11 +11,12 @@
 #include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
 
-constexpr char kScenes[] = LUCERNA_TEST_DATA "/reference";
+const std::string kScenes = test_data("reference");
 constexpr std::uint32_t kPerBlock = 4, kBlocks = 8;
 constexpr std::uint64_t kSeed = 5;
 

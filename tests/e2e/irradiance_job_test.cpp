@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "lucerna/client/testing/local_server.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -80,8 +81,7 @@ class IrradianceJob : public ::testing::Test {
   }
 
   void add_server() {
-    auto server =
-        testing::LocalServer::start({.scene_root = LUCERNA_TEST_DATA "/reference", .threads = 1});
+    auto server = testing::LocalServer::start({.scene_root = test_data("reference"), .threads = 1});
     ASSERT_TRUE(server.ok()) << server.status();
     servers_.push_back(std::make_unique<testing::LocalServer>(*std::move(server)));
     targets_.push_back(servers_.back()->target());

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -49,7 +50,7 @@ TEST(LocalServer, EndsWithItsObject) {
 
 TEST(LocalServer, LoadsItsScenesBeforeItServes) {
   const auto server = LocalServer::start(
-      {.scene_root = LUCERNA_TEST_DATA "/reference", .load = {"point.pbrt", "spot.pbrt"}});
+      {.scene_root = test_data("reference"), .load = {"point.pbrt", "spot.pbrt"}});
   ASSERT_TRUE(server.ok()) << server.status();
   const auto scenes = server->client().list_scenes({});
   ASSERT_TRUE(scenes.ok()) << scenes.status();

@@ -11,6 +11,7 @@
 
 #include "client/testing/local_server.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -73,8 +74,7 @@ class Luminaires : public ::testing::Test {
           "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n5 x\n");
     write("broken.pbrt",
           "WorldBegin\nLightSource \"goniometric\" \"string filename\" \"broken.ies\"\n");
-    fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / "gonio.exr",
-                  directory_->path() / "gonio.exr");
+    fs::copy_file(test_data("reference/gonio.exr"), directory_->path() / "gonio.exr");
     write("picture.pbrt",
           "WorldBegin\nLightSource \"goniometric\" \"string filename\" \"gonio.exr\"\n"
           "  \"float power\" 800\nLightSource \"goniometric\" \"rgb I\" [7 7 7]\n");
@@ -92,7 +92,7 @@ class Luminaires : public ::testing::Test {
     std::ofstream(directory_->path() / name, std::ios::binary) << text;
   }
   static Outcome lucerna(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    arguments.insert(arguments.begin(), build_path("bin/lucerna"));
     return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", server_->target()}});
   }
 

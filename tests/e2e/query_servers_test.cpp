@@ -13,6 +13,7 @@
 #include "lucerna/client/testing/local_server.h"
 #include "tests/client/rpc/fake_server.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -29,13 +30,13 @@ class QueryServers : public ::testing::Test {
 
   static std::unique_ptr<testing::LocalServer> start(int port = 0) {
     auto server = testing::LocalServer::start(
-        {.scene_root = LUCERNA_TEST_DATA "/reference", .threads = 1, .port = port});
+        {.scene_root = test_data("reference"), .threads = 1, .port = port});
     EXPECT_TRUE(server.ok()) << server.status();
     return std::make_unique<testing::LocalServer>(*std::move(server));
   }
   std::string both() const { return servers_[0]->target() + "," + servers_[1]->target(); }
   static Outcome lucerna(std::vector<std::string> arguments, const std::string& server) {
-    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    arguments.insert(arguments.begin(), build_path("bin/lucerna"));
     return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", server}});
   }
   static std::vector<std::string> irradiance(const std::string& scene) {
@@ -118,8 +119,8 @@ TEST(QueryServersMixed, TheProgramRefusesThemUnlessAllowed) {
   }
   const auto query = [&](std::vector<std::string> more) {
     more.insert(more.begin(),
-                {LUCERNA_CLI, "irradiance", "a.pbrt", "--point", "0,0,0", "--normal", "0,0,1",
-                 "--json", "--server", servers[0].target() + "," + servers[1].target()});
+                {build_path("bin/lucerna"), "irradiance", "a.pbrt", "--point", "0,0,0", "--normal",
+                 "0,0,1", "--json", "--server", servers[0].target() + "," + servers[1].target()});
     return run_program(std::move(more));
   };
   const Outcome refused = query({});

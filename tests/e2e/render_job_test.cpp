@@ -12,6 +12,7 @@
 #include "lucerna/client/testing/local_server.h"
 #include "lucerna/client/upload.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -63,7 +64,7 @@ class RenderJob : public ::testing::Test {
 
   void add_server(int port = 0) {
     auto server = testing::LocalServer::start(
-        {.scene_root = LUCERNA_TEST_DATA "/reference", .threads = 1, .port = port});
+        {.scene_root = test_data("reference"), .threads = 1, .port = port});
     ASSERT_TRUE(server.ok()) << server.status();
     servers_.push_back(std::make_unique<testing::LocalServer>(*std::move(server)));
     if (port == 0) targets_.push_back(servers_.back()->target());
@@ -256,10 +257,10 @@ TEST_F(RenderJob, TooManyPiecesAreRefused) {
 
 TEST_F(RenderJob, TheCommandLineUploadsAndRendersEverywhere) {
   add_server();
-  fs::copy(LUCERNA_TEST_DATA "/reference/point.pbrt", directory_ / "my.pbrt");
-  fs::copy(LUCERNA_TEST_DATA "/reference/ball.ply", directory_ / "ball.ply");
+  fs::copy(test_data("reference/point.pbrt"), directory_ / "my.pbrt");
+  fs::copy(test_data("reference/ball.ply"), directory_ / "ball.ply");
   const auto lucerna = [&](std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {LUCERNA_CLI, "render"});
+    arguments.insert(arguments.begin(), {build_path("bin/lucerna"), "render"});
     return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", targets_[0]}});
   };
   const std::string here = (directory_ / "here.pfm").string(),

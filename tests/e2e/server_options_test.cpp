@@ -9,6 +9,7 @@
 
 #include "lucerna/client/testing/local_server.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -17,7 +18,7 @@ using ::testing::HasSubstr;
 
 /// The numeric options in the help: those whose value is N, BYTES or SECONDS.
 std::set<std::string> numeric_options() {
-  const Outcome help = run_program({LUCERNA_LUCERNAD, "--help"});
+  const Outcome help = run_program({build_path("bin/lucernad"), "--help"});
   const std::regex option("(--[a-z-]+) (N|BYTES|SECONDS)\\b");
   std::set<std::string> names;
   for (std::sregex_iterator i(help.out.begin(), help.out.end(), option), end; i != end; ++i)
@@ -36,8 +37,8 @@ TEST(ServerOptions, NumbersOutOfRangeAreRefusedWithTheRange) {
     for (const std::string& value : values) {
       SCOPED_TRACE(name + " '" + value + "'");
       // Without the check it would serve, and this test would wait for it.
-      const Outcome outcome = run_program({"/usr/bin/timeout", "20", LUCERNA_LUCERNAD, "--listen",
-                                           "127.0.0.1:0", name + "=" + value});
+      const Outcome outcome = run_program({"/usr/bin/timeout", "20", build_path("bin/lucernad"),
+                                           "--listen", "127.0.0.1:0", name + "=" + value});
       EXPECT_EQ(outcome.status, 2);
       EXPECT_THAT(outcome.err, HasSubstr(name));
       if (!value.empty()) EXPECT_THAT(outcome.err, HasSubstr("allowed: "));
@@ -49,11 +50,11 @@ TEST(ServerOptions, SizesHaveUnits) {
   for (const std::string value : {"1MiB", "1 m", "1048576b"}) {
     SCOPED_TRACE(value);
     const Outcome outcome =
-        run_program({LUCERNA_LUCERNAD, "--check-config", "--memory-budget=" + value});
+        run_program({build_path("bin/lucernad"), "--check-config", "--memory-budget=" + value});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, ::testing::ContainsRegex("memory-budget +1MiB +--memory-budget"));
   }
-  const Outcome unit = run_program({LUCERNA_LUCERNAD, "--memory-budget=1 parsec"});
+  const Outcome unit = run_program({build_path("bin/lucernad"), "--memory-budget=1 parsec"});
   EXPECT_EQ(unit.status, 2);
   EXPECT_THAT(unit.err, HasSubstr("1 parsec, allowed: at least 0 bytes, such as 8GiB"));
 }

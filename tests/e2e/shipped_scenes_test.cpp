@@ -11,6 +11,7 @@
 
 #include "client/testing/local_server.h"
 #include "tests/e2e/run_program.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna {
@@ -40,14 +41,15 @@ std::vector<std::vector<double>> numbers(const std::string& path) {
 /// Direct light at all points of a scene.  Each point must have an answer.
 std::vector<Reading> direct_light(const std::string& scene) {
   const TempDirectory directory;
-  const auto server = testing::LocalServer::start({.scene_root = LUCERNA_SCENES});
+  const auto server = testing::LocalServer::start({.scene_root = source_path("scenes")});
   EXPECT_TRUE(server.ok()) << server.status();
   if (!server.ok()) return {};
-  const std::string points = std::string(LUCERNA_SCENES) + "/" + scene + "/points.csv";
+  const std::string points = source_path("scenes/") + scene + "/points.csv";
   const std::string answers = (directory.path() / "lux.csv").string();
-  const Outcome outcome = run_program({LUCERNA_CLI, "irradiance", scene + "/scene.pbrt", "--points",
-                                       points, "--bounces", "0", "--samples", "256", "-o", answers},
-                                      {}, {{"LUCERNA_SERVER", server->target()}});
+  const Outcome outcome =
+      run_program({build_path("bin/lucerna"), "irradiance", scene + "/scene.pbrt", "--points",
+                   points, "--bounces", "0", "--samples", "256", "-o", answers},
+                  {}, {{"LUCERNA_SERVER", server->target()}});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   std::vector<Reading> readings;
   const auto requested = numbers(points), answered = numbers(answers);

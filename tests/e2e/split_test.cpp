@@ -4,6 +4,7 @@
 #include "client/rpc/batches.h"
 #include "client/rpc/points.h"
 #include "client/testing/local_server_test.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 class Split : public testing::LocalServerTest {
  protected:
   testing::LocalServerOptions options() const override {
-    return {.scene_root = LUCERNA_TEST_DATA "/reference"};
+    return {.scene_root = test_data("reference")};
   }
 
   std::string load(const std::string& path) const {

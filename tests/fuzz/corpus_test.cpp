@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/fuzz/allocations.h"
+#include "tests/paths.h"
 
 // All targets.  A folder of the corpora that is not in this list fails a test.
 #define LUCERNA_FUZZ_TARGETS(f)                                                         \
@@ -39,7 +40,8 @@ const std::map<std::string, Target>& targets() {
 class Corpus : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Corpus, RunsThroughItsTarget) {
-  const std::filesystem::path folder = std::filesystem::path(LUCERNA_CORPUS) / GetParam();
+  const std::filesystem::path folder =
+      std::filesystem::path(source_path("tests/fuzz/corpus")) / GetParam();
   std::vector<std::filesystem::path> inputs;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     inputs.push_back(entry.path());
@@ -65,7 +67,7 @@ std::vector<std::string> names() {
 
 TEST(Corpora, HaveOneFolderForEachTarget) {
   std::vector<std::string> folders;
-  for (const auto& entry : std::filesystem::directory_iterator(LUCERNA_CORPUS))
+  for (const auto& entry : std::filesystem::directory_iterator(source_path("tests/fuzz/corpus")))
     folders.push_back(entry.path().filename());
   EXPECT_THAT(folders, ::testing::UnorderedElementsAreArray(names()));
 }

@@ -24,6 +24,7 @@
 #include "server/rpc/observed_call.h"
 #include "server/rpc/services.h"
 #include "tests/fuzz/input_files.h"
+#include "tests/paths.h"
 
 namespace lucerna::fuzz {
 namespace {
@@ -56,7 +57,7 @@ void check(const absl::Status& status) {
 SceneStoreOptions store_options() {
   constexpr std::uint64_t kMemoryBytes = std::uint64_t{64} << 20;
   SceneStoreOptions options;
-  options.root = LUCERNA_TEST_DATA;
+  options.root = test_data();
   options.memory_budget_bytes = kMemoryBytes;
   options.max_texels = 1 << 16;
   options.max_primitives = 20000;

@@ -7,11 +7,12 @@
 #include "server/assets/asset_reader.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
+#include "tests/paths.h"
 
 namespace lucerna::testing {
 
 inline std::shared_ptr<const Scene> every_light() {
-  absl::StatusOr<AssetReader> reader = AssetReader::open(LUCERNA_TEST_DATA);
+  absl::StatusOr<AssetReader> reader = AssetReader::open(test_data());
   if (!reader.ok()) throw std::runtime_error(reader.status().ToString());
   auto description = load_pbrt(*reader, "lights/every_light.pbrt", {});
   if (!description.ok()) throw std::runtime_error(description.status().ToString());

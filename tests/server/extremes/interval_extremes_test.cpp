@@ -18,7 +18,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::uint64_t kBlocks = 8;
+constexpr std::uint32_t kBlocks = 8;
 constexpr int kSeeds = 200;
 // An interval of 95% holds in fewer than 175 of 200 pictures once in 3e5 times.
 constexpr int kHoldsAtLeast = 175;

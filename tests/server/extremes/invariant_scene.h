@@ -7,6 +7,7 @@
 
 #include "server/assets/asset_reader.h"
 #include "server/pbrt/load.h"
+#include "tests/paths.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna::testing {
@@ -16,7 +17,7 @@ inline const Vec3<double> kEveryLightMiddle{100, -50, 0};
 
 /// With these settings the bits depend on nothing but the size.
 inline SceneDescription invariant_scene() {
-  auto assets = AssetReader::open(LUCERNA_TEST_DATA);
+  auto assets = AssetReader::open(test_data());
   if (!assets.ok()) throw std::runtime_error(assets.status().ToString());
   auto scene = load_pbrt(*assets, "lights/every_light.pbrt");
   if (!scene.ok()) throw std::runtime_error(scene.status().ToString());

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "proto/common/sha256.h"
+#include "tests/paths.h"
 #include "tests/server/extremes/extreme_files.h"
 #include "tests/server/extremes/wire_answers.h"
 
@@ -36,7 +37,7 @@ void expect_answer(const grpc::Status& status, const google::protobuf::Message& 
 
 WireScenes::WireScenes(Service& service, std::filesystem::path root)
     : service_(service), root_(std::move(root)) {
-  const std::filesystem::path data(LUCERNA_TEST_DATA);
+  const std::filesystem::path data(test_data());
   for (const char* file : {"reference/sky.exr", "reference/slide.exr", "reference/screen.exr",
                            "lights/downlight.ies", "lights/sconce.ldt"}) {
     std::ifstream in(data / file, std::ios::binary);

@@ -18,7 +18,7 @@ using testing::remarks_of;
 SceneDescription description_of(const std::string& options) {
   const auto scene = load_text(options + " WorldBegin");
   EXPECT_TRUE(scene.ok()) << scene.status();
-  return scene.ok() ? *scene : SceneDescription{};
+  return scene.ok() ? *scene : SceneDescription();
 }
 
 TEST(PbrtCamera, DefaultsAreThoseOfPbrt) {

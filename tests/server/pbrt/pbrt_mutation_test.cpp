@@ -7,6 +7,7 @@
 #include "server/formats/ply.h"
 #include "server/pbrt/syntax/place.h"
 #include "tests/mutated.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
@@ -16,7 +17,7 @@ using testing::mutated;
 using testing::SceneFiles;
 
 std::string contents(const std::string& name) {
-  std::ifstream file(std::string(LUCERNA_TEST_DATA) + "/" + name, std::ios::binary);
+  std::ifstream file(test_data(name), std::ios::binary);
   EXPECT_TRUE(file.good()) << name;
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -78,7 +79,7 @@ TEST(PbrtMutations, BrokenMeshesEndWithAMeshOrAnError) {
 }
 
 TEST(PbrtMutations, TheUnbrokenSceneLoads) {
-  auto assets = AssetReader::open(std::string(LUCERNA_TEST_DATA) + "/pbrt");
+  auto assets = AssetReader::open(test_data("pbrt"));
   const auto scene = load_pbrt(*assets, "everything.pbrt");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(testing::remarks_of(*scene), "");

@@ -6,16 +6,17 @@
 #include <variant>
 
 #include "pbrt_fixture.h"
+#include "tests/paths.h"
 
 namespace lucerna {
 namespace {
 
 SceneDescription reference(const std::string& name) {
-  auto assets = AssetReader::open(std::string(LUCERNA_TEST_DATA) + "/reference");
+  auto assets = AssetReader::open(test_data("reference"));
   EXPECT_TRUE(assets.ok());
   auto scene = load_pbrt(*assets, name + ".pbrt");
   EXPECT_TRUE(scene.ok()) << scene.status();
-  return scene.ok() ? *std::move(scene) : SceneDescription{};
+  return scene.ok() ? *std::move(scene) : SceneDescription();
 }
 
 struct Expected {
@@ -104,7 +105,7 @@ TEST(PbrtReference, TheBallIsAClosedSurfaceWithNormalsThatLeaveIt) {
 
 // Tests of the calls load this scene, so a light or a shape that is missing here is not tested.
 TEST(EveryLightScene, HasEveryModelAndEveryShape) {
-  auto assets = AssetReader::open(LUCERNA_TEST_DATA);
+  auto assets = AssetReader::open(test_data());
   ASSERT_TRUE(assets.ok()) << assets.status();
   const auto scene = load_pbrt(*assets, "lights/every_light.pbrt");
   ASSERT_TRUE(scene.ok()) << scene.status();

@@ -69,7 +69,9 @@ TEST(TextureMutations, BrokenPicturesLoadOrEndWithAnErrorThatNamesThem) {
                                      : mutated(whole, random, kWords));
       const bool is_good = loads(files, name);
       good += is_good, bad += !is_good;
-      if (i == 0) EXPECT_TRUE(is_good) << name;
+      if (i == 0) {
+        EXPECT_TRUE(is_good) << name;
+      }
     }
     EXPECT_GT(good, 0) << name;
     EXPECT_GT(bad, 20) << name;

@@ -15,6 +15,7 @@
 
 #include "proto/common/sha256.h"
 #include "service_fixture.h"
+#include "tests/paths.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna::testing {
@@ -169,7 +170,7 @@ class Answers {
 class Edit : public ::testing::Test {
  protected:
   Edit() {
-    const std::filesystem::path data = LUCERNA_TEST_DATA;
+    const std::filesystem::path data = test_data();
     std::filesystem::copy(data / "lights", root_.path() / "lights");
     std::filesystem::create_directory(root_.path() / "reference");
     for (const char* file : {"sky.exr", "slide.exr", "screen.exr"})

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "service_fixture.h"
+#include "tests/paths.h"
 
 namespace lucerna::testing {
 
@@ -20,7 +21,7 @@ inline double luminance_of(double r, double g, double b) {
 
 inline rpc::ServerOptions all_data() {
   rpc::ServerOptions options = service_options();
-  options.scenes.root = LUCERNA_TEST_DATA;
+  options.scenes.root = test_data();
   return options;
 }
 

@@ -6,12 +6,13 @@
 #include <sstream>
 
 #include "server/rpc/messages/errors.h"
+#include "tests/paths.h"
 
 namespace lucerna::rpc {
 namespace {
 
 TEST(ReasonsPage, NamesEveryReason) {
-  std::ifstream file(LUCERNA_API_PAGE);
+  std::ifstream file(source_path("docs/api.md"));
   ASSERT_TRUE(file.is_open());
   std::stringstream page;
   page << file.rdbuf();

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "service_fixture.h"
+#include "tests/paths.h"
 
 namespace lucerna::testing {
 namespace {
@@ -13,7 +14,7 @@ class BlenderServiceTest : public ::testing::Test {
   /// The scenes in tests/data/gltf.
   static rpc::ServerOptions options() {
     rpc::ServerOptions options = service_options();
-    options.scenes.root = std::string(LUCERNA_TEST_DATA) + "/gltf";
+    options.scenes.root = test_data("gltf");
     return options;
   }
 

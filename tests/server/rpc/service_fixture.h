@@ -18,13 +18,14 @@
 #include "lucerna/v1/scene.grpc.pb.h"
 #include "server/rpc/server.h"
 #include "server/store/scene_store.h"
+#include "tests/paths.h"
 
 namespace lucerna::testing {
 
 inline rpc::ServerOptions service_options() {
   rpc::ServerOptions options;
   options.listen = "127.0.0.1:0";
-  options.scenes.root = std::string(LUCERNA_TEST_DATA) + "/reference";
+  options.scenes.root = test_data("reference");
   options.version = "test";
   options.lanes.threads = 2;
   return options;
@@ -33,7 +34,7 @@ inline rpc::ServerOptions service_options() {
 /// The same with the scenes in tests/data/pbrt.
 inline rpc::ServerOptions pbrt_options() {
   rpc::ServerOptions options = service_options();
-  options.scenes.root = std::string(LUCERNA_TEST_DATA) + "/pbrt";
+  options.scenes.root = test_data("pbrt");
   return options;
 }
 

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "service_fixture.h"
+#include "tests/paths.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna::testing {
@@ -10,8 +11,7 @@ namespace {
 
 TEST(GoniometricService, ListLightsReportsTheDistribution) {
   const SceneFiles files;
-  std::filesystem::copy_file(std::string(LUCERNA_TEST_DATA) + "/reference/gonio.exr",
-                             files.path() / "gonio.exr");
+  std::filesystem::copy_file(test_data("reference/gonio.exr"), files.path() / "gonio.exr");
   // 100 cd over the lower half: 200 pi lm.
   files.write("lamps/down.ies",
               "IESNA:LM-63-1995\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n");

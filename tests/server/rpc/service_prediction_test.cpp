@@ -5,6 +5,7 @@
 #include "server/estimate/queries/predicted_time.h"
 #include "server/rpc/handlers/lighting.h"
 #include "server/store/scene_store.h"
+#include "tests/paths.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -36,7 +37,7 @@ class Prediction : public ::testing::Test {
   RequestLimits limits_;
   std::unique_ptr<AssetStore> assets_ = AssetStore::open({}).value();
   std::unique_ptr<SceneStore> scenes_ =
-      SceneStore::open({.root = LUCERNA_TEST_DATA "/reference"}, assets_.get()).value();
+      SceneStore::open({.root = test_data("reference")}, assets_.get()).value();
   // 400 lights with an RGB colour each.
   std::string scene_ = scenes_->load("many_points.pbrt").value().stored.scene->id();
 };

@@ -2,6 +2,7 @@
 #include <thread>
 
 #include "service_fixture.h"
+#include "tests/paths.h"
 
 namespace lucerna::testing {
 namespace {
@@ -134,7 +135,7 @@ TEST_F(RenderServiceTest, BlocksOfMoreSamplesThanCanBeNumberedAreRefused) {
 
 TEST_F(RenderServiceTest, ProposedSampleCountsAreRoundedForTiles) {
   rpc::ServerOptions options = service_options();
-  options.scenes.root = LUCERNA_TEST_DATA "/pbrt";
+  options.scenes.root = test_data("pbrt");
   Service service(options);
   const std::string scene = service.load("twelve_samples.pbrt");
   v1::RenderTileRequest q;

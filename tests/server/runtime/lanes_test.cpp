@@ -319,7 +319,9 @@ TEST(ParallelChunks, StayOnOneThreadWhileOtherJobsKeepTheProcessorsBusy) {
   // The other job ends within the loop, and the rest of the chunks may have help.
   std::atomic<std::size_t> all = 0;
   parallel_chunks(64, 1, {}, [&](std::size_t begin, std::size_t) {
-    if (begin < 8) EXPECT_EQ(std::this_thread::get_id(), self);
+    if (begin < 8) {
+      EXPECT_EQ(std::this_thread::get_id(), self);
+    }
     if (begin == 7) running = 1;
     ++all;
   });

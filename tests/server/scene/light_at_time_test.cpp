@@ -15,13 +15,14 @@
 
 #include "server/assets/asset_reader.h"
 #include "server/pbrt/load.h"
+#include "tests/paths.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {
 namespace {
 
 SceneDescription every_light() {
-  auto assets = AssetReader::open(LUCERNA_TEST_DATA);
+  auto assets = AssetReader::open(test_data());
   if (!assets.ok()) throw std::runtime_error(assets.status().ToString());
   AssetReader reader = *std::move(assets);
   return load_pbrt(reader, "lights/every_light.pbrt").value();

@@ -192,7 +192,7 @@ TEST(OnlyWhatASceneRequires, ArraysOfMeshesHaveNoUnusedRoom) {
     for (int i = 0; i < 3; ++i)
       d.shapes.push_back(testing::patch({0, 0, 2.0 + i}, {1, 0, 2.0 + i}, {0, 1, 2.0 + i},
                                         {1, 1, 2.0 + i + bend}));
-  const auto scene = build(std::move(d));
+  const auto scene = testing::build(std::move(d));
   constexpr double kCorners = 402 + 4 + 6 * 4, kTriangles = 400 + 2 + 3 * 2;
   for (const ScenePart& part : scene->parts()) {
     if (part.name == "vertices") {

@@ -15,18 +15,21 @@
 #include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
+#include "tests/paths.h"
 #include "tests/server/estimate/paths/compare.h"
 #include "tests/server/extremes/wire_settings.h"
+#include "tests/server/scene/scenes.h"
 
 namespace lucerna {
 namespace {
 
 using testing::Agreement;
+using testing::build;
 using testing::compare;
 using testing::Picture;
 using testing::read_picture;
 
-const std::string kReference = LUCERNA_TEST_DATA "/reference/";
+const std::string kReference = test_data("reference/");
 
 SceneDescription describe(const std::string& name) {
   absl::StatusOr<AssetReader> reader = AssetReader::open(kReference);
@@ -34,12 +37,6 @@ SceneDescription describe(const std::string& name) {
   auto description = load_pbrt(*reader, name + ".pbrt", {});
   if (!description.ok()) throw std::runtime_error(description.status().ToString());
   return *std::move(description);
-}
-
-std::shared_ptr<const Scene> build(SceneDescription description) {
-  auto scene = Scene::build(std::move(description));
-  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
-  return *scene;
 }
 
 struct Rendered {

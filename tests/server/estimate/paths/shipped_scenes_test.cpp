@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "server/scene/scene.h"
+#include "tests/paths.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
@@ -17,11 +18,11 @@ namespace fs = std::filesystem;
 constexpr const char* kScenes[] = {"cornell", "meadow", "room", "stage", "street"};
 
 SceneDescription shipped(const std::string& name) {
-  auto assets = AssetReader::open(LUCERNA_SCENES);
+  auto assets = AssetReader::open(source_path("scenes"));
   EXPECT_TRUE(assets.ok()) << assets.status();
   auto scene = load_pbrt(*assets, name + "/scene.pbrt");
   EXPECT_TRUE(scene.ok()) << scene.status();
-  return scene.ok() ? *std::move(scene) : SceneDescription{};
+  return scene.ok() ? *std::move(scene) : SceneDescription();
 }
 
 /// The number of lights of each kind.
@@ -97,7 +98,8 @@ TEST(ShippedScenes, LoadWithoutRemarksAndHaveTheExpectedLights) {
 TEST(ShippedScenes, AreTogetherUnder10Megabytes) {
   std::uintmax_t bytes = 0;
   for (const char* name : kScenes)
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(LUCERNA_SCENES) / name))
+    for (const auto& entry :
+         fs::recursive_directory_iterator(fs::path(source_path("scenes")) / name))
       if (entry.is_regular_file()) bytes += entry.file_size();
   EXPECT_LT(bytes, 10'000'000U);
   EXPECT_GT(bytes, 1'000'000U);

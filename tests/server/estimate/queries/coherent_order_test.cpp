@@ -64,7 +64,9 @@ TEST(CoherentOrder, TakesAnyNumbers) {
     auto points = random_points(1024);
     for (std::size_t i = 0; i < points.size(); i += 3) points[i].x = kOdd.at(i % kinds);
     const auto order = coherent_order(points);
-    if (!order.empty()) EXPECT_TRUE(has_each_once(order, points.size()));
+    if (!order.empty()) {
+      EXPECT_TRUE(has_each_once(order, points.size()));
+    }
   }
   EXPECT_TRUE(coherent_order(std::vector<Vec3<float>>(1024, {1, 2, 3})).empty());
 }
