@@ -5,8 +5,10 @@
 namespace lucerna {
 namespace {
 
-// testing::LocalServer starts the lucernad of this build, unless the caller's environment names another.
-const int lucernad_of_this_build = ::setenv("LUCERNAD", LUCERNA_BUILD "/bin/lucernad", /*overwrite=*/0);
+// testing::LocalServer starts the lucernad of this build, unless the caller's environment names
+// another.
+const int lucernad_of_this_build =
+    ::setenv("LUCERNAD", LUCERNA_BUILD "/bin/lucernad", /*overwrite=*/0);
 
 std::string join(std::string path, std::string_view name) {
   if (!name.empty()) path.append("/").append(name);

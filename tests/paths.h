@@ -1,5 +1,6 @@
-// Files of the sources and of this build.  Only paths.cpp knows their folders.  All other test sources compile to the
-// same objects in every folder, so the compiler cache finds them in a new clone.
+// Files of the sources and of this build.  Only paths.cpp knows their folders.  All other test
+// sources compile to the same objects in every folder, so the compiler cache finds them in a new
+// clone.
 #pragma once
 
 #include <string>
