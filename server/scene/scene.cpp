@@ -7,7 +7,6 @@
 
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
-#include "server/description/load_meter.h"
 #include "server/runtime/denormals.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
@@ -146,12 +145,6 @@ std::uint64_t PlacedSurfaces::bytes() const {
   std::uint64_t sum = 0;
   for (const ScenePart& part : parts) sum += part.bytes;
   attached_parts.for_each([&](const AttachedPart& attached) { sum += attached.bytes(); });
-  return sum;
-}
-
-std::uint64_t MovableSurfaces::bytes() const {
-  std::uint64_t sum = shapes.capacity() * sizeof(ShapeDescription);
-  for (const ShapeDescription& shape : shapes) sum += array_bytes(shape);
   return sum;
 }
 

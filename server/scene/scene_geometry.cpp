@@ -111,14 +111,14 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   std::size_t moving_shape = 0;
   reserve(in_.shapes, false, set);
   // A list that grows would copy the arrays of its shapes.
-  scene_->movable_.shapes.reserve(static_cast<std::size_t>(std::ranges::count_if(
+  scene_->movable_.reserve(static_cast<std::size_t>(std::ranges::count_if(
       in_.shapes, [](const ShapeDescription& s) { return s.emission.has_value(); })));
   for (auto& s : in_.shapes) {
     if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
       LUCERNA_RETURN_IF_ERROR(append(s, scene_->origin_, emitter, set, placed_->surfaces));
-      if (s.emission) scene_->movable_.shapes.push_back(std::move(s));
+      if (s.emission) scene_->movable_.add(std::move(s));
       continue;
     }
     // A moving shape is an object about its own origin with one instance.
@@ -129,7 +129,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     if (!objects[object].empty())
       instances.push_back(
           {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
-    if (s.emission) scene_->movable_.shapes.push_back(std::move(s));
+    if (s.emission) scene_->movable_.add(std::move(s));
   }
   std::vector<bool> is_placed(in_.objects.size());
   for (const auto& i : in_.instances) is_placed[i.object] = true;
@@ -179,8 +179,8 @@ void Scene::Builder::keep_movable(std::uint64_t geometry_bytes) {
   MovableSurfaces& movable = scene_->movable_;
   const std::uint64_t bytes = movable.bytes();
   movable.is_complete = bytes <= std::max(MovableSurfaces::kLeastBytes, geometry_bytes / 100);
-  if (!movable.is_complete) movable.shapes = {};
-  if (!movable.shapes.empty())
+  if (!movable.is_complete) movable.clear();
+  if (!movable.empty())
     part("movable surfaces", bytes, Stopwatch(), "shapes of lights, which edits can move");
 }
 

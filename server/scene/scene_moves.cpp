@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "proto/common/status_macros.h"
+#include "server/description/load_meter.h"
 #include "server/runtime/denormals.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
@@ -199,7 +200,76 @@ std::shared_ptr<const SurfaceMaterials> with_materials(
   return materials;
 }
 
+/// The emission of a light without a picture and without a profile, as its file gives it.  Without
+/// spectrum, name and number of samples, which a light keeps when it moves.
+ShapeDescription::Emission emission_of(const Scene& scene, const SceneLight& light) {
+  return visit(
+      [&](const auto& model) {
+        ShapeDescription::Emission emission{.radiance_cd_m2 = {}, .where = scene.source_of(light)};
+        if constexpr (requires { model.emission(); }) {
+          emission.radiance_cd_m2 = model.emission().radiance_cd_m2;
+          emission.two_sided = model.emission().two_sided;
+        }
+        return emission;
+      },
+      light.light);
+}
+
 }  // namespace
+
+bool MovableSurfaces::is_plain(const ShapeDescription& shape) {
+  const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry);
+  return mesh != nullptr && mesh->normals.empty() && mesh->corner_uv.empty() &&
+         mesh->colours.empty() && mesh->tangents.empty() && shape.alpha.is_constant() &&
+         shape.alpha.constant >= 1 && !shape.media && !shape.is_interface && !shape.motion &&
+         !shape.emission->picture && !shape.emission->panel;
+}
+
+void MovableSurfaces::add(ShapeDescription&& shape) {
+  if (!is_plain(shape)) {
+    kept_.emplace_back(std::make_unique<const ShapeDescription>(std::move(shape)));
+    return;
+  }
+  auto& mesh = std::get<TriangleMeshData>(shape.geometry);
+  kept_.emplace_back(PlainMesh{std::move(mesh.positions), std::move(mesh.indices)});
+}
+
+ShapeDescription MovableSurfaces::shape(std::size_t i, const Scene& loaded,
+                                        const SceneLight& light) const {
+  if (const auto* whole = std::get_if<std::unique_ptr<const ShapeDescription>>(&kept_[i]))
+    return **whole;
+  const auto& mesh = std::get<PlainMesh>(kept_[i]);
+  ShapeDescription shape;
+  shape.geometry = TriangleMeshData{mesh.positions, {}, mesh.indices};
+  shape.emission = emission_of(loaded, light);
+  return shape;
+}
+
+absl::StatusOr<std::optional<Bounds>> MovableSurfaces::still_bounds(std::size_t i) const {
+  ShapeDescription plain;
+  const ShapeDescription* shape = &plain;
+  if (const auto* whole = std::get_if<std::unique_ptr<const ShapeDescription>>(&kept_[i])) {
+    shape = whole->get();
+    if (shape->motion) return std::nullopt;
+  } else {
+    const auto& mesh = std::get<PlainMesh>(kept_[i]);
+    plain.geometry = TriangleMeshData{mesh.positions, {}, mesh.indices};
+  }
+  LUCERNA_ASSIGN_OR_RETURN(const Bounds bounds, shape_bounds(*shape));
+  return bounds;
+}
+
+std::uint64_t MovableSurfaces::bytes() const {
+  std::uint64_t sum = kept_.capacity() * sizeof(Kept);
+  for (const Kept& kept : kept_) {
+    if (const auto* whole = std::get_if<std::unique_ptr<const ShapeDescription>>(&kept))
+      sum += sizeof(ShapeDescription) + array_bytes(**whole);
+    else
+      sum += std::get<PlainMesh>(kept).positions.capacity() * sizeof(Vec3<double>) +
+             std::get<PlainMesh>(kept).indices.capacity() * sizeof(std::uint32_t);
+  }
+  return sum;
+}
 
 absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& loaded,
                                                                    const SurfaceEdits& edits) {
@@ -208,7 +278,7 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
   const MovableSurfaces& movable = loaded.movable_;
   const PlacedSurfaces& from = *loaded.placed_;
   const auto count = static_cast<std::int32_t>(loaded.lights_.size());
-  const std::uint64_t first_id = loaded.lights_.size() - movable.shapes.size() + 1;
+  const std::uint64_t first_id = loaded.lights_.size() - movable.size() + 1;
   if (!movable.is_complete) return std::shared_ptr<const PlacedSurfaces>();
   // Those that `loaded` was built with are where they should be.
   MovedSurfaces moved = edits.moved;
@@ -222,20 +292,20 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
   to->world_m = movable.others_m;
   double detail_m = movable.others_detail_m, old_detail_m = movable.others_detail_m;
   std::vector<EditedShape> shapes;
-  for (std::size_t i = 0; i < movable.shapes.size(); ++i) {
-    const ShapeDescription& shape = movable.shapes[i];
+  for (std::size_t i = 0; i < movable.size(); ++i) {
     const std::uint64_t id = first_id + i;
     const auto change = moved.find(id);
     const bool is_moved = change != moved.end();
-    if (shape.motion && !is_moved) continue;
     if (is_moved) {
-      shapes.push_back({id, shape, static_cast<std::int32_t>(id - 1), false});
+      shapes.push_back({id, movable.shape(i, loaded, loaded.lights_[id - 1]),
+                        static_cast<std::int32_t>(id - 1), false});
       LUCERNA_RETURN_IF_ERROR(move_surface(id, change->second, shapes.back().shape));
     }
-    LUCERNA_ASSIGN_OR_RETURN(const Bounds before, shape_bounds(shape));
+    LUCERNA_ASSIGN_OR_RETURN(const std::optional<Bounds> before, movable.still_bounds(i));
+    if (!before) continue;
     Bounds unused;
-    add_shape(before, unused, old_detail_m);
-    if (!is_moved) add_shape(before, to->world_m, detail_m);
+    add_shape(*before, unused, old_detail_m);
+    if (!is_moved) add_shape(*before, to->world_m, detail_m);
   }
   if (shapes.size() != static_cast<std::size_t>(std::ranges::count_if(
                            moved, [&](const auto& m) { return !edits.added.contains(m.first); })))

@@ -1,11 +1,14 @@
 #!/usr/bin/python3
-"""Compares the processor time of rays of two builds on the same grey scenes, in turns.
+"""Compares the processor time of rays, and the memory, of two builds on the same grey scenes, in turns.
 
     tests/bench/compare_builds.py BEFORE NOW [--repeats 7]
 
 BEFORE and NOW are build folders with bin/lucernad; the contract is that of this checkout.  Prints for each scene of
-tests/data/reference below the rays of a tile of 16 samples a pixel, and the time of a ray in NOW over that in BEFORE: the
-median.  Needs python3-grpcio, python3-protobuf and protobuf-compiler.
+tests/data/reference below:
+- the rays of a tile of 16 samples a pixel, of both builds,
+- the time of a ray in NOW over that in BEFORE: the median,
+- the bytes of the scene before its first query in NOW over those in BEFORE.
+Needs python3-grpcio, python3-protobuf and protobuf-compiler.
 """
 import argparse
 import pathlib
@@ -60,10 +63,13 @@ def messages(folder):
 
 
 def compare(servers, modules, scene, repeats):
-    """The rays of a tile, and the median of the ratio of seconds for each ray."""
+    """The rays of a tile, the median of the ratio of seconds for each ray, and the ratio of the scene's bytes."""
     accuracy, render, scenes = modules
     ids = [s.call("SceneService/LoadScene", scenes.LoadSceneRequest(path=f"{scene}.pbrt"),
                   scenes.LoadSceneResponse).scene_id for s in servers]
+    before, now = (sum(part.bytes for part in s.call(
+        "SceneService/GetScene", scenes.GetSceneRequest(scene_id=i), scenes.GetSceneResponse).parts)
+                   for s, i in zip(servers, ids))
     ratios = []
     for seed in range(repeats):
         seconds, rays = [0, 0], [0, 0]
@@ -73,7 +79,7 @@ def compare(servers, modules, scene, repeats):
             rays[k] = cost.camera_rays + cost.indirect_rays + cost.shadow_rays
             seconds[k] = cost.cpu_time_s / rays[k]
         ratios.append(seconds[1] / seconds[0])
-    return rays, statistics.median(ratios)
+    return rays, statistics.median(ratios), now / before
 
 
 def main():
@@ -90,9 +96,9 @@ def main():
             modules = messages(folder)
             ratios = []
             for scene in SCENES:
-                rays, ratio = compare(servers, modules, scene, options.repeats)
+                rays, ratio, memory = compare(servers, modules, scene, options.repeats)
                 ratios.append(ratio)
-                print(f"{scene:16} rays {rays[0]:8} {rays[1]:8}   time of a ray {ratio:.3f}", flush=True)
+                print(f"{scene:16} rays {rays[0]:8} {rays[1]:8}   time of a ray {ratio:.3f}   bytes {memory:.3f}", flush=True)
         print(f"median of the scenes {statistics.median(ratios):.3f}")
     finally:
         for server in servers:

@@ -1,5 +1,6 @@
 // Surfaces of lights that edits move: they share the BVH of all others, and rays have the bits that
 // they have in a scene built with the surfaces at their new places.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -176,6 +177,66 @@ TEST_P(Moved, LightsHaveTheBitsOfASceneBuiltThere) {
     EXPECT_EQ(p.distance, q.distance) << i;
     EXPECT_EQ(a.power(moved->sphere()).lumens, b.power(built->sphere()).lumens) << i;
   }
+}
+
+/// A floor under triangles that emit.  Each differs from the others in all that a file can say.
+SceneDescription triangles(int count) {
+  SceneDescription d = testing::description();
+  d.shapes = {testing::floor(4)};
+  for (int i = 0; i < count; ++i) {
+    const Vector a = Vector{0.1 * i - 1, 0, 2};
+    ShapeDescription lamp =
+        testing::emissive(testing::shape(TriangleMeshData{
+                              {a, a + Vector{0.1, 0, 0}, a + Vector{0, 0.1, 0}}, {}, {0, 2, 1}}),
+                          1 + i, i % 2 == 0);
+    lamp.has_uv = i % 3 == 0;
+    lamp.emission->name = fmt::format("lamp {}", i);
+    lamp.emission->samples = static_cast<std::uint32_t>(1 + i);
+    lamp.emission->where = {"lamps.pbrt", 10 + i, 3};
+    if (i % 2 == 1)
+      lamp.emission->spectrum =
+          std::make_shared<const Spectrum>(value(Spectrum::create(BlackBody{2000.0 + 100 * i})));
+    d.shapes.push_back(std::move(lamp));
+  }
+  return d;
+}
+
+TEST(MovedSurfaces, OfPlainTrianglesKeepAllThatTheirFileSays) {
+  constexpr int kCount = 4;
+  MovedSurfaces moves;
+  for (std::uint64_t light = 1; light <= kCount; ++light)
+    moves[light] = {.shift_m = Vector{0.3, -0.2, 0.1} * static_cast<double>(light)};
+  const auto loaded = build(triangles(kCount));
+  const auto placed = value(Scene::place(*loaded, {moves, {}}));
+  ASSERT_NE(placed, nullptr);
+  const auto moved = value(Scene::revise(loaded, placed, edits_of(moves)));
+  const auto built = value(Scene::build_moved(triangles(kCount), moves));
+  ASSERT_EQ(moved->lights().size(), built->lights().size());
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const SceneLight &a = moved->lights()[i], &b = built->lights()[i];
+    EXPECT_EQ(moved->light_names().of(i), built->light_names().of(i));
+    EXPECT_EQ(moved->source_of(a).line, built->source_of(b).line);
+    EXPECT_EQ(moved->source_of(a).file, built->source_of(b).file);
+    EXPECT_EQ(a.samples, b.samples);
+    EXPECT_EQ(moved->spectrum(i) == nullptr, built->spectrum(i) == nullptr);
+    EXPECT_EQ(LightAtTime(a, 0).power(moved->sphere()).lumens,
+              LightAtTime(b, 0).power(built->sphere()).lumens);
+    Ray ray{{static_cast<float>(0.1 * i - 0.97 + 0.3 * (i + 1)),
+             static_cast<float>(0.03 - 0.2 * (i + 1)), 1},
+            {0, 0, 10}};
+    const auto p = moved->closest_hit(ray), q = built->closest_hit(ray);
+    ASSERT_TRUE(p && q) << i;
+    EXPECT_EQ(p->light, static_cast<std::int32_t>(i));
+    EXPECT_EQ(bits_of(*p), bits_of(*q)) << i;
+  }
+}
+
+TEST(MovedSurfaces, OfPlainTrianglesTakeLittleMemory) {
+  const auto parts = build(triangles(100))->parts();
+  const auto kept = std::ranges::find(parts, "movable surfaces", &ScenePart::name);
+  ASSERT_NE(kept, parts.end());
+  // Three vertices and three indices take 84 bytes.
+  EXPECT_LT(kept->bytes, 100 * 2 * 84U);
 }
 
 TEST(MovedSurfaces, ShareTheMemoryOfAllOthers) {
