@@ -1,7 +1,7 @@
 # Installs BUILD_DIR into a prefix.  Then builds and runs the project beside this file and the C++ example, with that
 # prefix only.  The example is also built by pkg-config.
-#   cmake -DBUILD_DIR=... -DWORK_DIR=... -DSCENES=... -DEXAMPLE=... -DFLAGS=... -DCXX=... -DTESTING=... -P installed_project.cmake
-# TESTING is the archive of lucerna::testing, which `make demo` does not build.
+#   cmake -DBUILD_DIR=... -DWORK_DIR=... -DSCENES=... -DEXAMPLE=... -DFLAGS=... -DCXX=... -DCCACHE=... -DTESTING=... -P installed_project.cmake
+# CCACHE is ccache, or false if it is not installed.  TESTING is the archive of lucerna::testing, which `make demo` does not build.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status)
   if(NOT status EQUAL 0)
@@ -9,6 +9,12 @@ function(run)
     message(FATAL_ERROR "exit status ${status}: ${command}")
   endif()
 endfunction()
+
+if(CCACHE)
+  set(ENV{CMAKE_CXX_COMPILER_LAUNCHER} ${CCACHE})
+  set(ENV{CCACHE_BASEDIR} ${WORK_DIR})
+  set(ENV{CCACHE_NOHASHDIR} 1)
+endif()
 
 # The test needs a tree like that of `make demo`.  So the library is moved away, and back before anything can fail.
 file(REMOVE_RECURSE ${WORK_DIR})

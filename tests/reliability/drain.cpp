@@ -133,7 +133,7 @@ void one_server(const SceneFiles& files, std::vector<double>& not_serving_ms,
 
 void drain(const Settings& settings, Report& report) {
   const SceneFiles files;
-  const int repeats = settings.brief ? 3 : 20;
+  const int repeats = settings.brief ? 2 : 20;
   std::vector<double> not_serving_ms;
   std::map<std::string, int> ends;
   for (int i = 0; i < repeats; ++i) one_server(files, not_serving_ms, ends);

@@ -195,7 +195,7 @@ class Worker {
 void soak(const Settings& settings, Report& report) {
   const SceneFiles files;
   Subject subject(files, {"--metrics", "127.0.0.1:0", "--log-level", "warning"});
-  const Seconds whole(settings.brief ? 5 : 60 * settings.soak_minutes);
+  const Seconds whole(settings.brief ? 3 : 60 * settings.soak_minutes);
   const Seconds warm_up = whole / 4;
   // Free memory returns to the system after a second.
   const Seconds work(settings.brief ? 1 : 10), rest(settings.brief ? 0.1 : 2);

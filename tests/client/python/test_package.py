@@ -103,19 +103,24 @@ def test_the_installation_has_the_package(tmp_path, server):
     assert text.startswith(str(place))
 
 
-def mypy(tmp_path, *arguments):
+@pytest.fixture(scope="module")
+def mypy_cache(tmp_path_factory):
+    return tmp_path_factory.mktemp("mypy")
+
+
+def mypy(tmp_path, cache, *arguments):
     pytest.importorskip("mypy")
     return subprocess.run([sys.executable, "-m", "mypy", "--config-file", SOURCE / "pyproject.toml", "--strict",
-                           "--cache-dir", tmp_path / "cache", *arguments], capture_output=True, text=True,
+                           "--cache-dir", cache, *arguments], capture_output=True, text=True,
                           timeout=WAIT_S, check=False, cwd=tmp_path, env=os.environ | {"MYPYPATH": str(PACKAGE.parent)})
 
 
-def test_mypy_finds_no_error(tmp_path):
-    outcome = mypy(tmp_path, "-p", "lucerna")
+def test_mypy_finds_no_error(tmp_path, mypy_cache):
+    outcome = mypy(tmp_path, mypy_cache, "-p", "lucerna")
     assert outcome.returncode == 0, outcome.stdout
 
 
-def test_mypy_knows_the_types_of_answers(tmp_path):
+def test_mypy_knows_the_types_of_answers(tmp_path, mypy_cache):
     """Decorators and generators keep the types of arguments and answers."""
     (tmp_path / "user.py").write_text(
         "import lucerna\n\n"
@@ -125,7 +130,7 @@ def test_mypy_knows_the_types_of_answers(tmp_path):
         "async def ask() -> lucerna.Power:\n"
         "    other = await lucerna.aio.connect().load('a.pbrt')\n"
         "    return await other.le([0, 0, 0], [0, 0, 1])\n")
-    outcome = mypy(tmp_path, "user.py")
+    outcome = mypy(tmp_path, mypy_cache, "user.py")
     found = dict(re.findall(r"^user.py:(\d+): error: (.*)$", outcome.stdout, re.M))
     assert sorted(found, key=int) == ["4", "5", "10"], outcome.stdout + outcome.stderr
     assert 'incompatible type "str"; expected "Optional[int]"' in found["4"]

@@ -254,7 +254,7 @@ TEST_F(RenderAccuracyTest, ATimeBudgetReportsItsSampleCount) {
 TEST_F(RenderAccuracyTest, ImagesWithATimeBudgetReportTheirSampleCounts) {
   v1::RenderImageRequest q = image_request();
   for (const bool final_only : {false, true}) {
-    for (const double budget : {1e-9, 0.6}) {
+    for (const double budget : {1e-9, 0.2}) {
       q.mutable_accuracy()->set_time_budget_s(budget);
       q.set_final_only(final_only);
       const auto sent = image(q);
