@@ -41,7 +41,9 @@ TEST(ServerOptions, NumbersOutOfRangeAreRefusedWithTheRange) {
                                            "--listen", "127.0.0.1:0", name + "=" + value});
       EXPECT_EQ(outcome.status, 2);
       EXPECT_THAT(outcome.err, HasSubstr(name));
-      if (!value.empty()) EXPECT_THAT(outcome.err, HasSubstr("allowed: "));
+      if (!value.empty()) {
+        EXPECT_THAT(outcome.err, HasSubstr("allowed: "));
+      }
     }
   }
 }

@@ -166,9 +166,14 @@ class SlurmCluster:
 
     def repair(self, node):
         self._daemon(node, "slurmd", "-D", "-N", node)
-        self.run("scontrol", "update", f"NodeName={node}", "State=RESUME")
-        self._wait(lambda: self.run("sinfo", "-h", "-n", node, "-o", "%t") in ("idle", "mix", "alloc"), 30,
-                   f"{node} is back")
+
+        def is_back():
+            if self.run("sinfo", "-h", "-n", node, "-o", "%t") in ("idle", "mix", "alloc"):
+                return True
+            # On a slow machine the node may be back by itself by now.  Then Slurm refuses the change.
+            self.run("scontrol", "update", f"NodeName={node}", "State=RESUME", check=False)
+            return False
+        self._wait(is_back, 120, f"{node} is back")
 
     def wait_for(self, job_id, seconds, states=("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL")):
         """The state in which a job ended."""
@@ -204,12 +209,12 @@ class SlurmCluster:
         self._daemon("munged", "munged", "--foreground", f"--socket={munge}/socket", f"--key-file={key}",
                      f"--pid-file={munge}/pid", f"--seed-file={munge}/seed", f"--log-file={munge}/log",
                      privileges=as_munge)
-        self._wait(lambda: (munge / "socket").exists(), 10, "munged's socket")
+        self._wait(lambda: (munge / "socket").exists(), 120, "munged's socket")
         self._daemon("slurmctld", "slurmctld", "-D")
         for node in self.nodes:
             self._daemon(node, "slurmd", "-D", "-N", node)
         self._wait(lambda: self.run("sinfo", "-h", "-N", "-o", "%N %t", check=False).splitlines() ==
-                   [f"{node} idle" for node in self.nodes], 30, "every node idle")
+                   [f"{node} idle" for node in self.nodes], 120, "every node idle")
 
     def _daemon(self, name, *command, privileges=()):
         with open(self.directory / "log" / f"{name}.out", "w") as out:

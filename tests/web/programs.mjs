@@ -70,7 +70,8 @@ export class Program {
   async stop(signal = "SIGTERM") {
     process.off("exit", this.#kill);
     if (this.#process.exitCode === null && this.#process.signalCode === null) this.#process.kill(signal);
-    const late = setTimeout(this.#kill, 30_000);
+    // Only ends programs that hang: a slow machine may need a minute for a call that runs.
+    const late = setTimeout(this.#kill, 280_000);
     const status = await this.ended;
     running.delete(this);
     clearTimeout(late);

@@ -56,7 +56,7 @@ TEST(SceneContents, CountsWhatAFileHoldsByKind) {
 }
 
 TEST(SceneContents, OfAnEmptySceneHaveNoKinds) {
-  const SceneContents contents = contents_of({});
+  const SceneContents contents = contents_of(SceneDescription());
   EXPECT_THAT(contents.shapes, IsEmpty());
   EXPECT_THAT(contents.materials, IsEmpty());
   EXPECT_THAT(contents.textures, IsEmpty());

@@ -70,7 +70,9 @@ Rgb<double> seen(const Scene& scene, const Vec3<double>& a, const Vec3<double>& 
       {});
   EXPECT_EQ(status, static_cast<int>(ItemResult::kOk));
   if (!Transmittance(scene, thin_glass).is_partial()) return Rgb<double>(visible);
-  if (visible == 0) EXPECT_EQ(share, (std::array<float, 3>{}));
+  if (visible == 0) {
+    EXPECT_EQ(share, (std::array<float, 3>{}));
+  }
   return {share[0], share[1], share[2]};
 }
 
