@@ -168,7 +168,7 @@ void add_process(const Figures& figures, std::vector<MetricFamily>& out) {
   Family(out, MetricType::Gauge, "lucerna_build_info", "1, with the version as labels.")
       .add({{"version", figures.version}, {"fingerprint", figures.fingerprint}}, 1.0);
   add_one(out, MetricType::Counter, "lucerna_log_lines_left_out_total",
-          "Lines that the limit of the log left out.", figures.log_lines_left_out);
+          "Lines of calls that the limit of the log left out.", figures.log_lines_left_out);
   const ProcessFigures& p = figures.process;
   // These names are the convention of Prometheus.
   add_one(out, MetricType::Gauge, "process_start_time_seconds",
