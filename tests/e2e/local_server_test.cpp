@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "tests/paths.h"
@@ -63,19 +64,34 @@ TEST(LocalServer, ReportsTheStderrOfAServerThatDoesNotStart) {
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("/no/such/directory"));
 }
 
+/// Sets the environment variable LUCERNAD, or removes it, until its end.
+class Lucernad {
+ public:
+  explicit Lucernad(const char* value) {
+    if (const char* before = std::getenv("LUCERNAD")) before_ = before;
+    set(value);
+  }
+  ~Lucernad() { set(before_ ? before_->c_str() : nullptr); }
+  Lucernad(const Lucernad&) = delete;
+  Lucernad& operator=(const Lucernad&) = delete;
+
+ private:
+  static void set(const char* value) {
+    value != nullptr ? ::setenv("LUCERNAD", value, 1) : ::unsetenv("LUCERNAD");
+  }
+  std::optional<std::string> before_;
+};
+
 TEST(LocalServer, ReportsThePathOfAMissingProgram) {
-  if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD has priority over the option";
+  const Lucernad none(nullptr);
   const auto server = LocalServer::start({.program = "/no/such/lucernad"});
   EXPECT_EQ(server.status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("\"/no/such/lucernad\""));
 }
 
 TEST(LocalServer, EnvironmentVariableHasPriorityOverTheOption) {
-  const char* before = std::getenv("LUCERNAD");
-  const std::string saved = before == nullptr ? "" : before;
-  ::setenv("LUCERNAD", "/no/such/program", 1);
-  const auto server = LocalServer::start();
-  before == nullptr ? ::unsetenv("LUCERNAD") : ::setenv("LUCERNAD", saved.c_str(), 1);
+  const Lucernad other("/no/such/program");
+  const auto server = LocalServer::start({.program = "/no/such/lucernad"});
   EXPECT_EQ(server.status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("environment variable LUCERNAD"));
 }
@@ -83,9 +99,6 @@ TEST(LocalServer, EnvironmentVariableHasPriorityOverTheOption) {
 /// A script of the test in the place of lucernad.
 class Impostor : public ::testing::Test {
  protected:
-  void SetUp() override {
-    if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD has priority over the option";
-  }
   std::string script(const std::string& text) const {
     const std::string path = (directory_ / "program").string();
     std::ofstream(path) << "#!/bin/sh\n" << text << '\n';
@@ -106,6 +119,7 @@ class Impostor : public ::testing::Test {
     return found;
   }
 
+  const Lucernad none_{nullptr};  // it would have priority over the script
   const TempDirectory temp_;
   const std::filesystem::path& directory_ = temp_.path();
 };
