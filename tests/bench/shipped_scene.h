@@ -33,7 +33,7 @@ inline std::vector<IrradiancePoint> shipped_points(const Scene& scene, const std
     in >> n.x >> n.y >> n.z;
     const Vec3<double> at = p - scene.origin();
     const auto error = static_cast<float>(max_abs(at) * 0x1p-21);
-    out.push_back({at, {error, error, error}, Vec3<float>(normalized(n))});
+    out.push_back({at, {error, error, error}, normalized(n)});
   }
   return out;
 }
