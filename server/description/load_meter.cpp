@@ -2,10 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
-#include <utility>
-
 #include "proto/common/status_macros.h"
 #include "server/description/scene_contents.h"
 
@@ -17,17 +13,13 @@ std::uint64_t bytes_of(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);
 }
 
-}  // namespace
-
-void push_back(ShapeDescription shape, std::vector<ShapeDescription>& shapes) {
-  if (shapes.size() == shapes.capacity()) {
-    std::vector<ShapeDescription> larger;
-    larger.reserve(std::max<std::size_t>(1, 2 * shapes.size()));
-    std::move(shapes.begin(), shapes.end(), std::back_inserter(larger));
-    shapes = std::move(larger);
-  }
-  shapes.push_back(std::move(shape));
+/// Of a list whose elements have a block each.
+template <typename List>
+std::uint64_t bytes_of(const List& values) {
+  return values.size() * (sizeof(typename List::value_type) + sizeof(void*));
 }
+
+}  // namespace
 
 std::uint64_t array_bytes(const ShapeDescription& shape) {
   return std::visit(
@@ -37,10 +29,15 @@ std::uint64_t array_bytes(const ShapeDescription& shape) {
           sum += bytes_of(g.positions) + bytes_of(g.normals) + bytes_of(g.indices) +
                  bytes_of(g.corner_uv);
         if constexpr (requires { g.colours; }) sum += bytes_of(g.colours) + bytes_of(g.tangents);
-        if constexpr (requires { g.curves; }) sum += bytes_of(g.curves);
+        if constexpr (requires { g.points; }) sum += bytes_of(g.points) + bytes_of(g.normals);
         return sum;
       },
       shape.geometry);
+}
+
+std::uint64_t listed_bytes(const ShapeDescription& shape) {
+  return array_bytes(shape) + sizeof shape + sizeof(ShapeDescription*) +
+         (shape.emission ? sizeof *shape.emission : 0);
 }
 
 absl::Status LoadMeter::add(const ShapeDescription& shape) {
@@ -49,7 +46,7 @@ absl::Status LoadMeter::add(const ShapeDescription& shape) {
     return absl::ResourceExhaustedError(fmt::format(
         "the scene has {} triangles and other primitives up to here, allowed: at most {}",
         primitives_, limits_.max_primitives));
-  return hold(array_bytes(shape));
+  return hold(listed_bytes(shape));
 }
 
 absl::Status LoadMeter::hold(std::uint64_t bytes) {
@@ -64,9 +61,9 @@ absl::Status LoadMeter::keep(std::uint64_t bytes) {
 
 absl::Status LoadMeter::count_lists() {
   if (budget() == nullptr) return absl::OkStatus();
-  const std::uint64_t lists = bytes_of(scene_.shapes) + bytes_of(scene_.instances) +
-                              bytes_of(scene_.lights) + bytes_of(scene_.materials) +
-                              bytes_of(scene_.media) + bytes_of(scene_.objects);
+  const std::uint64_t lists = bytes_of(scene_.instances) + bytes_of(scene_.lights) +
+                              bytes_of(scene_.materials) + bytes_of(scene_.media) +
+                              bytes_of(scene_.objects);
   // Lists only grow.
   if (lists > lists_) LUCERNA_RETURN_IF_ERROR(hold(lists - lists_));
   lists_ = lists;

@@ -4,7 +4,6 @@
 #include <absl/status/status.h>
 
 #include <cstdint>
-#include <vector>
 
 #include "server/assets/load_budget.h"
 #include "server/assets/load_limits.h"
@@ -27,7 +26,7 @@ class LoadMeter {
   absl::Status hold(std::uint64_t bytes);
   /// Counts bytes that the scene keeps, such as the pictures of lights.
   absl::Status keep(std::uint64_t bytes);
-  /// Counts the lists of the description and its textures as they are now.
+  /// Counts the other lists of the description and its textures as they are now.
   absl::Status count_lists();
 
  private:
@@ -37,11 +36,9 @@ class LoadMeter {
   std::uint64_t lists_ = 0, textures_ = 0;  ///< as last counted
 };
 
-/// Adds the shape at the end.  A vector that grows by itself copies the arrays of all its shapes,
-/// because their moves are not noexcept.  Then a scene of many meshes exists twice.
-void push_back(ShapeDescription shape, std::vector<ShapeDescription>& shapes);
-
 /// Memory of the arrays of a shape.
 std::uint64_t array_bytes(const ShapeDescription& shape);
+/// The same, and of the shape itself in a list.
+std::uint64_t listed_bytes(const ShapeDescription& shape);
 
 }  // namespace lucerna

@@ -11,7 +11,7 @@ void RemarkGroups::add(SourceLocation where, std::string what, std::string inste
   // A byte that no text holds separates the parts.
   std::string key = what + '\0' + instead;
   const std::string all =
-      fmt::format("{}{}{}:{}:{}", key, '\0', where.file, where.line, where.column);
+      fmt::format("{}{}{}:{}:{}", key, '\0', where.file.str(), where.line, where.column);
   if (!seen_.insert(std::hash<std::string>()(all)).second) return;
   if (const auto found = numbers_.find(key); found != numbers_.end()) {
     Remark& group = groups_[found->second];

@@ -50,7 +50,7 @@ std::uint64_t primitives_of(const ShapeDescription& shape) {
     return mesh->indices.size() / 3;
   if (const auto* mesh = std::get_if<PatchMeshData>(&shape.geometry))
     return mesh->indices.size() / 4;
-  if (const auto* curve = std::get_if<CurveData>(&shape.geometry)) return curve->curves.size();
+  if (const auto* curve = std::get_if<CurveData>(&shape.geometry)) return curve->count();
   return 1;
 }
 

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <boost/container/deque.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,7 +21,9 @@
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset.h"
 #include "server/assets/load_limits.h"
+#include "server/description/boxed.h"
 #include "server/description/pixel_filter.h"
+#include "server/description/shared_text.h"
 #include "server/materials/material.h"
 
 namespace lucerna {
@@ -27,7 +31,7 @@ namespace lucerna {
 /// A place in a file.  `file` is relative to the scene root.  In a glTF file it ends with "#" and a
 /// JSON pointer, such as "room.gltf#/nodes/3", and `line` is 0.
 struct SourceLocation {
-  std::string file;
+  SharedText file;
   int line = 0;    ///< from 1; 0: the file as a whole
   int column = 0;  ///< from 1
 };
@@ -88,17 +92,21 @@ struct PatchMeshData {
 /// What rays meet along a curve (server/rays/curve.h).
 enum class CurveKind : std::uint8_t { kFlat, kCylinder, kRibbon };
 
-/// A cubic Bezier curve.  Its width changes evenly.
-struct CubicCurve {
-  std::array<Vec3<double>, 4> points;
-  double start_width_m = 0, end_width_m = 0;  ///< at least 0
-  std::array<Vec3<double>, 2> normals{};      ///< of a ribbon: unit, at its start and its end
-};
-
-/// Curves do not emit.
+/// Curves that join, from their control points.  Their width changes evenly from the first to the
+/// last.  They do not emit.
 struct CurveData {
   CurveKind kind{};
-  std::vector<CubicCurve> curves;
+  std::vector<Vec3<double>> points{};
+  int degree = 3;                             ///< 2 or 3
+  bool is_b_spline = false;                   ///< with even knots; else Bezier curves
+  double start_width_m = 1, end_width_m = 1;  ///< at least 0
+  std::vector<Vec3<double>> normals{};        ///< of a ribbon: unit, count() + 1; else empty
+
+  /// Requires as many points as check_curves() allows (server/meshes/curve_pieces.h).
+  std::size_t count() const {
+    const auto d = static_cast<std::size_t>(degree);
+    return is_b_spline ? points.size() - d : (points.size() - 1) / d;
+  }
 };
 
 struct ShapeDescription {
@@ -127,17 +135,24 @@ struct ShapeDescription {
     std::uint32_t samples = 1;                   ///< the same as in SceneLight
     std::string name{};                          ///< the same as in LightDescription
   };
-  std::optional<Emission> emission{};
+  Boxed<Emission> emission{};
   SourceLocation where{};
   /// Motion in the world; null if it does not move.  `geometry` is at the first key frame.  Not
   /// used within an ObjectDefinition.
   std::shared_ptr<const Motion> motion{};
 };
 
+/// A list that may have millions of elements.  Not a vector, which holds its elements twice while
+/// it grows, and not std::deque, which takes half a kilobyte while it is empty.
+template <typename T>
+using LongList = boost::container::deque<T>;
+
+using ShapeList = LongList<ShapeDescription>;
+
 /// A named object.  Its shapes are in object space and do not emit.
 struct ObjectDefinition {
   std::string name;
-  std::vector<ShapeDescription> shapes;
+  ShapeList shapes;
 };
 
 struct InstanceDescription {
@@ -213,14 +228,14 @@ struct LevelFactors {
 };
 
 struct SceneDescription {
-  std::vector<Material> materials;
+  std::deque<Material> materials;
   Textures textures;
   std::vector<Medium> media;
   std::int32_t surrounding_medium = -1;  ///< where no surface bounds a medium; -1 for none
-  std::vector<ShapeDescription> shapes;
-  std::vector<ObjectDefinition> objects;
-  std::vector<InstanceDescription> instances;
-  std::vector<LightDescription> lights;  ///< in file order; area lights are in `shapes`
+  ShapeList shapes;
+  LongList<ObjectDefinition> objects;
+  LongList<InstanceDescription> instances;
+  LongList<LightDescription> lights;  ///< in file order; area lights are in `shapes`
   CameraDescription camera;
   Film film;
   RenderHints hints;

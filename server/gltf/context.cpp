@@ -18,8 +18,8 @@ void Context::fail(const std::string& pointer, const std::string& what) const {
 }
 
 void Context::fail(const std::string& pointer, const absl::Status& status) const {
-  throw Failure{absl::Status(
-      status.code(), fmt::format("{}: {}", location(pointer).file, std::string(status.message())))};
+  throw Failure{absl::Status(status.code(), fmt::format("{}: {}", location(pointer).file.str(),
+                                                        std::string(status.message())))};
 }
 
 std::string Context::light_name(const std::string& pointer,

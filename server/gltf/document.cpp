@@ -251,7 +251,7 @@ const AssetContent* Document::read_uri(const View& uri) const {
     if (absl::IsFailedPrecondition(read.status())) {
       if (missing_.ok())
         missing_ = absl::Status(read.status().code(),
-                                fmt::format("{}: {}", context_.location(uri.pointer()).file,
+                                fmt::format("{}: {}", context_.location(uri.pointer()).file.str(),
                                             std::string(read.status().message())));
       return nullptr;
     }
@@ -296,7 +296,7 @@ const AssetContent* Document::read(const View& thing) const {
   if (!missing_.ok()) return nullptr;
   AssetContent content;
   content.bytes = view_bytes(view, given.pointer());
-  content.name = context_.location(thing.pointer()).file + ending_of(content.bytes);
+  content.name = context_.location(thing.pointer()).file.str() + ending_of(content.bytes);
   context_.claim_for_good(given.pointer(), content.bytes.size(), 1);
   return &files_.emplace(given.pointer(), std::move(content)).first->second;
 }

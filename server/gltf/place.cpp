@@ -174,7 +174,7 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
   if (place == nullptr) {
     shape.geometry = part.mesh;
     count(shape, part);
-    push_back(std::move(shape), context_.scene.objects.back().shapes);
+    context_.scene.objects.back().shapes.push_back(std::move(shape));
     return;
   }
   shape.geometry =
@@ -197,7 +197,7 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
     shape.emission = std::move(emission);
   }
   count(shape, part);
-  push_back(std::move(shape), context_.scene.shapes);
+  context_.scene.shapes.push_back(std::move(shape));
 }
 
 void Placer::count(const ShapeDescription& shape, const Part& part) {

@@ -24,40 +24,42 @@ std::array<Vector, 4> between_knots(const Vector* p, int degree) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<CubicCurve>> cubic_curves(const CurveControl& control) {
-  const std::size_t n = control.points.size(), degree = static_cast<std::size_t>(control.degree);
+absl::Status check_curves(const CurveData& curves) {
+  const std::size_t n = curves.points.size(), degree = static_cast<std::size_t>(curves.degree);
   if (n < degree + 1)
     return absl::InvalidArgumentError(fmt::format(
         "{} control points, allowed: at least {} for degree {}", n, degree + 1, degree));
-  if (!control.is_b_spline && (n - 1) % degree != 0)
+  if (!curves.is_b_spline && (n - 1) % degree != 0)
     return absl::InvalidArgumentError(
         fmt::format("{} control points of Bezier curves of degree {}, allowed: 1 more than a "
                     "multiple of {}",
                     n, degree, degree));
-  const std::size_t count = control.is_b_spline ? n - degree : (n - 1) / degree;
+  const std::size_t count = curves.count();
   if (count > kMostCurves)
     return absl::ResourceExhaustedError(
         fmt::format("{} curves in one shape, allowed: at most {}", count, kMostCurves));
-  if (!control.normals.empty() && control.normals.size() != count + 1)
+  if (!curves.normals.empty() && curves.normals.size() != count + 1)
     return absl::InvalidArgumentError(
-        fmt::format("{} normals of a ribbon with {} curves, allowed: {}", control.normals.size(),
+        fmt::format("{} normals of a ribbon with {} curves, allowed: {}", curves.normals.size(),
                     count, count + 1));
-  const auto width = [&](std::size_t i) {
-    const double share = static_cast<double>(i) / static_cast<double>(count);
-    return control.start_width_m * (1 - share) + control.end_width_m * share;
+  return absl::OkStatus();
+}
+
+CubicCurve cubic_curve(const CurveData& curves, std::size_t i) {
+  const std::size_t count = curves.count(), degree = static_cast<std::size_t>(curves.degree);
+  const auto width = [&](std::size_t joint) {
+    const double share = static_cast<double>(joint) / static_cast<double>(count);
+    return curves.start_width_m * (1 - share) + curves.end_width_m * share;
   };
-  std::vector<CubicCurve> curves(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    CubicCurve& curve = curves[i];
-    const Vector* p = &control.points[control.is_b_spline ? i : i * degree];
-    if (control.is_b_spline)
-      curve.points = between_knots(p, control.degree);
-    else
-      curve.points = degree == 2 ? raised(p[0], p[1], p[2]) : std::array{p[0], p[1], p[2], p[3]};
-    curve.start_width_m = width(i), curve.end_width_m = width(i + 1);
-    if (!control.normals.empty()) curve.normals = {control.normals[i], control.normals[i + 1]};
-  }
-  return curves;
+  CubicCurve curve;
+  const Vector* p = &curves.points[curves.is_b_spline ? i : i * degree];
+  if (curves.is_b_spline)
+    curve.points = between_knots(p, curves.degree);
+  else
+    curve.points = degree == 2 ? raised(p[0], p[1], p[2]) : std::array{p[0], p[1], p[2], p[3]};
+  curve.start_width_m = width(i), curve.end_width_m = width(i + 1);
+  if (!curves.normals.empty()) curve.normals = {curves.normals[i], curves.normals[i + 1]};
+  return curve;
 }
 
 }  // namespace lucerna

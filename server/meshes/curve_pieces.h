@@ -1,30 +1,30 @@
-// Cubic Bezier curves from the control points of a Bezier curve or a B-spline.
+// Cubic Bezier curves from the control points of Bezier curves or a B-spline.
 #pragma once
 
-#include <absl/status/statusor.h>
+#include <absl/status/status.h>
 
+#include <array>
 #include <cstddef>
-#include <vector>
 
 #include "server/description/scene_description.h"
 
 namespace lucerna {
 
-struct CurveControl {
-  std::vector<Vec3<double>> points{};
-  int degree = 3;            ///< 2 or 3
-  bool is_b_spline = false;  ///< with even knots; else a chain of Bezier curves
-  double start_width_m = 1, end_width_m = 1;
-  /// Of a ribbon: unit, one more than curves; else empty.
-  std::vector<Vec3<double>> normals{};
+/// A cubic Bezier curve.  Its width changes evenly.
+struct CubicCurve {
+  std::array<Vec3<double>, 4> points;
+  double start_width_m = 0, end_width_m = 0;  ///< at least 0
+  std::array<Vec3<double>, 2> normals{};      ///< of a ribbon: unit, at its start and its end
 };
 
-/// The most curves of one CurveControl.
+/// The most curves of one CurveData.
 inline constexpr std::size_t kMostCurves = std::size_t{1} << 20;
 
-/// The curves, of degree 3.  Widths change evenly from the first to the last.  Errors
-/// (INVALID_ARGUMENT): too few points, a number of points that does not end a Bezier curve, a wrong
-/// number of normals.  RESOURCE_EXHAUSTED above kMostCurves.
-absl::StatusOr<std::vector<CubicCurve>> cubic_curves(const CurveControl& control);
+/// Errors (INVALID_ARGUMENT): too few points, a number of points that does not end a Bezier curve,
+/// a wrong number of normals.  RESOURCE_EXHAUSTED above kMostCurves.
+absl::Status check_curves(const CurveData& curves);
+
+/// Curve `i` < curves.count().  Requires check_curves(curves).
+CubicCurve cubic_curve(const CurveData& curves, std::size_t i);
 
 }  // namespace lucerna

@@ -16,14 +16,6 @@ constexpr std::size_t kMostAttributes = 64;  // of one target
 constexpr std::size_t kNodeBytes = 96;
 constexpr std::size_t kParameterBytes = sizeof(Parameter) + 128;
 
-/// Appends to a list of the scene, and counts its memory if it has grown.
-template <typename T>
-void append(Context& context, std::vector<T>& list, T item) {
-  const std::size_t before = list.capacity();
-  list.push_back(std::move(item));
-  if (list.capacity() > before) context.poll();
-}
-
 const char* name_of_opener(int kind) {
   static constexpr const char* kNames[] = {"AttributeBegin", "ObjectBegin", "Import"};
   return kNames[kind];
@@ -40,19 +32,28 @@ void Builder::require_before_world(const std::string& directive, const Place& pl
 }
 
 void Builder::set_transform(const Transform& transform) {
-  if (state_.start_active) state_.world_from_object.start = transform;
-  if (state_.end_active) state_.world_from_object.end = transform;
+  MovingTransform& moving = state_.world_from_object;
+  if (state_.start_active && state_.end_active)
+    moving = MovingTransform(transform);
+  else if (state_.start_active)
+    moving = {transform, moving.end()};
+  else
+    moving = {moving.start(), transform};
 }
 
 void Builder::concatenate(const Transform& transform) {
   MovingTransform& moving = state_.world_from_object;
-  if (state_.start_active) moving.start = moving.start * transform;
-  if (state_.end_active) moving.end = moving.end * transform;
+  if (state_.start_active && state_.end_active && !moving.moves())
+    moving = MovingTransform(moving.start() * transform);
+  else
+    moving = {state_.start_active ? moving.start() * transform : moving.start(),
+              state_.end_active ? moving.end() * transform : moving.end()};
 }
 
 void Builder::coordinate_system(const std::string& name) {
   const bool is_new = coordinate_systems_.insert_or_assign(name, state_.world_from_object).second;
-  if (is_new) context_.count(sizeof(MovingTransform) + kNodeBytes + name.size());
+  // The transform can be one that nothing else holds.
+  if (is_new) context_.count(sizeof(Transform) + kNodeBytes + name.size());
 }
 
 void Builder::coord_sys_transform(const std::string& name, const Place& place) {
@@ -72,16 +73,16 @@ void Builder::active_transform(bool start, bool end) {
 
 const Transform& Builder::still_transform(const char* directive, const Place& place) {
   const MovingTransform& moving = state_.world_from_object;
-  if (!(moving.start == moving.end))
+  if (moving.moves())
     context_.remark(place, fmt::format("motion of {} is not modelled", directive),
                     "its position at the start");
-  return moving.start;
+  return moving.start();
 }
 
 std::shared_ptr<const Motion> Builder::motion(const char* directive, const MovingTransform& moving,
                                               const Place& place) const {
-  if (moving.start == moving.end) return nullptr;
-  const std::array<KeyTransform, 2> frames{{{start_s_, moving.start}, {end_s_, moving.end}}};
+  if (!moving.moves()) return nullptr;
+  const std::array<KeyTransform, 2> frames{{{start_s_, moving.start()}, {end_s_, moving.end()}}};
   absl::StatusOr<Motion> motion = Motion::create(frames);
   if (!motion.ok())
     fail(place, fmt::format("{}: {}", directive, std::string(motion.status().message())));
@@ -94,9 +95,9 @@ void Builder::setting(const std::string& directive, const std::string& type, Par
   Setting setting{type, ParameterSet(std::move(params), {}), place};
   if (directive == "Camera") {
     // The current transform maps world to camera.  The motion is that of the camera in the world.
-    const MovingTransform world_from_camera{state_.world_from_object.start.inverse(),
-                                            state_.world_from_object.end.inverse()};
-    settings_.camera_from_world = state_.world_from_object.start;
+    const MovingTransform world_from_camera{state_.world_from_object.start().inverse(),
+                                            state_.world_from_object.end().inverse()};
+    settings_.camera_from_world = state_.world_from_object.start();
     settings_.camera_motion = motion("Camera", world_from_camera, place);
     coordinate_systems_["camera"] = world_from_camera;
     settings_.camera = std::move(setting);
@@ -141,8 +142,7 @@ void Builder::open(Opened::Kind kind, const Place& place) {
 
 void Builder::count_materials(std::size_t before, std::size_t parameters) {
   const std::size_t added = materials_.size() - before;
-  context_.count(added * (2 * Materials::bytes_of_one() + kNodeBytes) +
-                 parameters * kParameterBytes);
+  context_.count(added * (Materials::bytes_of_one() + kNodeBytes) + parameters * kParameterBytes);
 }
 
 void Builder::close(Opened::Kind kind, const char* directive, const Place& place) {
@@ -231,11 +231,11 @@ void Builder::texture(const std::string& name, const std::string& kind, const st
 
 void Builder::shape(const std::string& type, Parameters params, const Place& place) {
   require_world("Shape", place);
-  const ParameterSet set(std::move(params), state_.shape_attributes);
+  ParameterSet set(std::move(params), state_.shape_attributes);
   // A moving shape in an object would need one motion for each instance.
   const Transform& world_from_object =
       open_object_ ? still_transform("a shape within an object definition", place)
-                   : state_.world_from_object.start;
+                   : state_.world_from_object.start();
   const NumberValue alpha = materials_.textures().number(set, "alpha", 1);
   const bool with_uv = (state_.area_light && !open_object_ && needs_uv(*state_.area_light)) ||
                        materials_.may_need_uv(state_.material) || !alpha.is_constant();
@@ -252,32 +252,25 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
     context_.remark(place, "an area light within an object definition", "the shape emits nothing");
   } else if (state_.area_light) {
     shape.emission = make_emission(context_, *state_.area_light, *geometry, place,
-                                   state_.world_from_object.start.swaps_handedness());
+                                   state_.world_from_object.start().swaps_handedness());
   }
   shape.alpha = alpha;
   shape.geometry = *std::move(geometry);
   if (absl::Status status = context_.meter.add(shape); !status.ok()) fail(place, status);
   auto& shapes =
       open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;
-  const std::size_t before = shapes.capacity();
-  push_back(std::move(shape), shapes);
-  if (shapes.capacity() == before) return;
-  // The meter counts the lists of the scene, but not those within an object.
-  if (open_object_)
-    Context::require(context_.meter.hold((shapes.capacity() - before) * sizeof(ShapeDescription)));
-  else
-    context_.poll();
+  shapes.push_back(std::move(shape));
 }
 
 void Builder::light_source(const std::string& type, Parameters params, const Place& place) {
   require_world("LightSource", place);
   const ParameterSet set(std::move(params), state_.light_attributes);
-  LightDescription light = make_light(context_, type, set, place, state_.world_from_object.start);
+  LightDescription light = make_light(context_, type, set, place, state_.world_from_object.start());
   light.motion = motion("LightSource", place);
   if (light.motion && std::holds_alternative<PortalLightParams>(light.params))
     context_.remark(place, "a moving light with a portal, which pbrt-v4 keeps in place",
                     "the portal moves with the light");
-  append(context_, context_.scene.lights, std::move(light));
+  context_.scene.lights.push_back(std::move(light));
 }
 
 void Builder::area_light_source(const std::string& type, Parameters params, const Place& place) {
@@ -306,10 +299,14 @@ void Builder::object_end(const Place& place) {
 void Builder::object_instance(const std::string& name, const Place& place) {
   require_world("ObjectInstance", place);
   if (open_object_) fail(place, "ObjectInstance within an object definition");
-  append(context_, context_.scene.instances,
-         {0, state_.world_from_object.start, motion("ObjectInstance", place), location(place)});
-  instance_uses_.push_back({name, place});
-  context_.count(2 * sizeof(Use));
+  context_.scene.instances.push_back(
+      {0, state_.world_from_object.start(), motion("ObjectInstance", place), location(place)});
+  if (const auto found = objects_.find(name); found != objects_.end()) {
+    context_.scene.instances.back().object = found->second;
+    return;
+  }
+  undefined_objects_.push_back({context_.scene.instances.size() - 1, name, place});
+  context_.count(sizeof(Use) + name.size());
 }
 
 void Builder::import_begin(const Place& place) {
@@ -325,7 +322,7 @@ void Builder::import_end() {
   opened_.pop_back();
 }
 
-void Builder::resolve_materials(std::vector<ShapeDescription>& shapes) {
+void Builder::resolve_materials(ShapeList& shapes) {
   // Within the list, since a second list would double its memory.
   auto end = shapes.begin();
   const auto keep = [&](ShapeDescription& shape) {
@@ -358,12 +355,12 @@ void Builder::finish(const Place& end) {
   if (!opened_.empty())
     fail(opened_.back().place,
          fmt::format("{} is not closed", name_of_opener(static_cast<int>(opened_.back().kind))));
-  for (std::size_t i = 0; i < instance_uses_.size(); ++i) {
-    const auto found = objects_.find(instance_uses_[i].name);
+  for (const Use& use : undefined_objects_) {
+    const auto found = objects_.find(use.name);
     if (found == objects_.end())
-      fail(instance_uses_[i].place, fmt::format("no object \"{}\" is defined in this scene",
-                                                printable(instance_uses_[i].name)));
-    context_.scene.instances[i].object = found->second;
+      fail(use.place,
+           fmt::format("no object \"{}\" is defined in this scene", printable(use.name)));
+    context_.scene.instances[use.instance].object = found->second;
   }
   media_.finish();
   resolve_materials(context_.scene.shapes);

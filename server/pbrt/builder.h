@@ -18,12 +18,24 @@
 
 namespace lucerna::pbrt {
 
-using Parameters = std::vector<std::shared_ptr<const Parameter>>;
+using Parameters = std::vector<std::shared_ptr<Parameter>>;
 
-/// The transforms at the start and at the end of the exposure.
-struct MovingTransform {
-  Transform start, end;
-  bool operator==(const MovingTransform&) const = default;
+/// The transforms at the start and at the end of the exposure.  Copies share them.
+class MovingTransform {
+ public:
+  MovingTransform() : MovingTransform(Transform()) {}
+  explicit MovingTransform(const Transform& still)
+      : start_(std::make_shared<const Transform>(still)), end_(start_) {}
+  MovingTransform(const Transform& start, const Transform& end)
+      : start_(std::make_shared<const Transform>(start)),
+        end_(start == end ? start_ : std::make_shared<const Transform>(end)) {}
+
+  const Transform& start() const { return *start_; }
+  const Transform& end() const { return *end_; }
+  bool moves() const { return start_ != end_; }
+
+ private:
+  std::shared_ptr<const Transform> start_, end_;  // one object if it does not move
 };
 
 /// The state that AttributeBegin saves.
@@ -92,6 +104,7 @@ class Builder {
     GraphicsState saved;
   };
   struct Use {
+    std::size_t instance;  ///< index into `scene.instances`
     std::string name;
     Place place;
   };
@@ -111,7 +124,7 @@ class Builder {
   }
   std::shared_ptr<const Motion> motion(const char* directive, const MovingTransform& moving,
                                        const Place& place) const;
-  void resolve_materials(std::vector<ShapeDescription>& shapes);
+  void resolve_materials(ShapeList& shapes);
 
   Context& context_;
   GraphicsState state_;
@@ -123,7 +136,7 @@ class Builder {
   Media media_;
   std::optional<std::size_t> open_object_;
   std::map<std::string, std::uint32_t> objects_;
-  std::vector<Use> instance_uses_;  ///< of `scene.instances`; finish() resolves them
+  LongList<Use> undefined_objects_;  ///< names used before their definition, for finish()
   bool in_world_ = false;
 };
 

@@ -17,6 +17,16 @@ namespace {
 constexpr std::uint64_t kTokensPerPoll = 4096;
 // A parameter takes 20 times the memory of its shortest text.
 constexpr std::size_t kMostParameters = 256;  // of one directive
+// A string takes 16 times the memory of its shortest text.
+constexpr std::size_t kMostStrings = 256;  // of one parameter
+constexpr std::uint64_t kLongBytes = 1 << 15;
+
+/// The values of a parameter whose type has lists of type `T`.
+template <typename T>
+T& list_of(Parameter& parameter) {
+  T* list = std::get_if<T>(&parameter.values);
+  return list != nullptr ? *list : parameter.values.emplace<T>();
+}
 
 }  // namespace
 
@@ -59,10 +69,9 @@ void Parser::open(const Place& place, const std::string& name, bool imported) {
   } else {
     content = context_.read(place, name);
   }
-  names_.push_back(content.name);
-  const std::string* file = &names_.back();
+  const SharedText* file = &names_.try_emplace(content.name, content.name).first->second;
   for (const OpenFile& open : files_)
-    if (*open.name == *file) fail(place, fmt::format("file \"{}\" includes itself", *file));
+    if (open.name == file) fail(place, fmt::format("file \"{}\" includes itself", file->str()));
   files_.push_back(
       {file, std::move(content.bytes), Tokenizer(file, {}), imported, std::move(content.share)});
   // Columns are counted without the mark, as in editors.
@@ -146,7 +155,7 @@ Parameters Parser::parameters() {
   }
 }
 
-std::shared_ptr<const Parameter> Parser::parameter(const Token& declaration) {
+std::shared_ptr<Parameter> Parser::parameter(const Token& declaration) {
   const std::string text = unescaped(declaration);
   const std::size_t type_begin = text.find_first_not_of(" \t");
   const std::size_t type_end = text.find_first_of(" \t", type_begin);
@@ -154,52 +163,60 @@ std::shared_ptr<const Parameter> Parser::parameter(const Token& declaration) {
   if (type_begin == std::string::npos || name_begin == std::string::npos)
     fail(declaration.place,
          fmt::format("expected a parameter \"TYPE NAME\", found {}", described(declaration)));
+  const std::string_view given = std::string_view(text).substr(type_begin, type_end - type_begin);
+  const ParameterType* type = parameter_type(given);
+  if (type == nullptr)
+    fail(declaration.place,
+         fmt::format("unknown parameter type \"{}\", expected one of float integer bool string "
+                     "point2 vector2 point3 vector3 normal rgb spectrum blackbody texture",
+                     printable(given)));
   auto result = std::make_shared<Parameter>();
-  result->type = text.substr(type_begin, type_end - type_begin);
+  result->type = type->name;
   const std::size_t name_end = text.find_first_of(" \t", name_begin);
   result->name = text.substr(
       name_begin, name_end == std::string::npos ? std::string::npos : name_end - name_begin);
   result->place = declaration.place;
-  if (result->type == "point") result->type = "point3";
-  if (result->type == "vector") result->type = "vector3";
-  if (result->type == "normal3") result->type = "normal";
-  const auto per_item = values_per_item(result->type);
-  if (!per_item)
-    fail(declaration.place,
-         fmt::format("unknown parameter type \"{}\", expected one of float integer bool string "
-                     "point2 vector2 point3 vector3 normal rgb spectrum blackbody texture",
-                     printable(result->type)));
 
+  std::size_t count = 0;
   Token token = next();
   if (token.kind == Token::Kind::kOpen) {
-    for (token = next(); token.kind != Token::Kind::kClose; token = next()) {
-      value(token, *result);
-      count(*result);
-    }
+    reserve(*result, files_.back().tokens.words_ahead());
+    for (token = next(); token.kind != Token::Kind::kClose; token = next())
+      value(token, count++, *result);
   } else {
-    value(token, *result);
+    value(token, count++, *result);
   }
-  const std::size_t count = result->numbers.size() + result->strings.size();
-  if (count == 0 || (*per_item > 1 && count % *per_item != 0))
+  const std::size_t per_item = type->values_per_item;
+  if (count == 0 || (per_item > 1 && count % per_item != 0))
     fail(declaration.place,
          fmt::format("\"{} {}\" has {} values, expected {}{}", result->type,
-                     printable(result->name), count, *per_item > 1 ? "a multiple of " : "at least ",
-                     *per_item > 1 ? *per_item : 1));
+                     printable(result->name), count, per_item > 1 ? "a multiple of " : "at least ",
+                     per_item > 1 ? per_item : 1));
   return result;
 }
 
-void Parser::count(Parameter& parameter) const {
-  constexpr std::size_t kLong = 4096;
-  const std::size_t numbers = parameter.numbers.capacity(), strings = parameter.strings.capacity();
-  if (numbers < kLong && strings < kLong) return;
-  const std::uint64_t bytes = numbers * sizeof(double) + strings * sizeof(std::string);
-  if (parameter.share.bytes() == bytes) return;
-  if (parameter.share.bytes() == 0) parameter.share = LoadBudget::Share(context_.meter.budget());
-  Context::require(parameter.share.resize(bytes));
+void Parser::reserve(Parameter& parameter, std::size_t words) {
+  // A list that grows exists twice.
+  std::uint64_t bytes = 0;
+  const auto reserve = [&]<typename T>(std::vector<T>& list, std::size_t count) {
+    bytes = count * sizeof(T);
+    if (bytes >= kLongBytes) {
+      parameter.share = LoadBudget::Share(context_.meter.budget());
+      Context::require(parameter.share.resize(bytes));
+    }
+    list.reserve(count);
+  };
+  const std::string_view type = parameter.type;
+  if (type == "point3" || type == "vector3" || type == "normal")
+    reserve(parameter.values.emplace<Vectors>(), words / 3);
+  else if (type == "integer")
+    reserve(parameter.values.emplace<Integers>(), words);
+  else if (words > 0)
+    reserve(parameter.values.emplace<Numbers>(), words);
 }
 
-void Parser::value(const Token& token, Parameter& parameter) {
-  const std::string& type = parameter.type;
+void Parser::value(const Token& token, std::size_t index, Parameter& parameter) {
+  const std::string_view type = parameter.type;
   const auto reject = [&](const char* expected) {
     fail(token.place, fmt::format("expected {} or ']' for \"{} {}\", found {}", expected, type,
                                   printable(parameter.name), described(token)));
@@ -208,24 +225,36 @@ void Parser::value(const Token& token, Parameter& parameter) {
   const bool is_string = token.kind == Token::Kind::kString;
   if (type == "string" || type == "texture") {
     if (!is_string) reject("a quoted string");
-    parameter.strings.push_back(unescaped(token));
+    if (index == kMostStrings)
+      fail(token.place, fmt::format("\"{} {}\" has more than {} strings, allowed: at most {}", type,
+                                    printable(parameter.name), kMostStrings, kMostStrings));
+    list_of<Strings>(parameter).push_back(unescaped(token));
   } else if (type == "bool") {
     if (!(is_word || is_string) || (token.text != "true" && token.text != "false"))
       reject("true or false");
-    parameter.numbers.push_back(token.text == "true" ? 1 : 0);
+    list_of<Numbers>(parameter).push_back(token.text == "true" ? 1 : 0);
   } else if (type == "spectrum" && is_string) {
-    if (!parameter.numbers.empty() || !parameter.strings.empty()) reject("a number");
-    parameter.strings.push_back(unescaped(token));
+    if (index > 0) reject("a number");
+    list_of<Strings>(parameter).push_back(unescaped(token));
   } else {
-    if (!is_word || !parameter.strings.empty() ||
+    if (!is_word || !parameter.strings().empty() ||
         !(token.text.front() == '.' || token.text.front() == '-' || token.text.front() == '+' ||
           (token.text.front() >= '0' && token.text.front() <= '9')))
       reject(type == "integer" ? "an integer" : "a number");
-    const double number = pbrt::number(token, "a number", parameter.type, parameter.name);
-    if (type == "integer" &&
-        (number != std::floor(number) || number < -2147483648.0 || number > 2147483647.0))
-      reject("an integer of 32 bits");
-    parameter.numbers.push_back(number);
+    const double number = pbrt::number(token, "a number", type, parameter.name);
+    if (type == "integer") {
+      if (number != std::floor(number) || number < -2147483648.0 || number > 2147483647.0)
+        reject("an integer of 32 bits");
+      list_of<Integers>(parameter).push_back(
+          static_cast<std::uint32_t>(static_cast<std::int32_t>(number)));
+    } else if (type == "point3" || type == "vector3" || type == "normal") {
+      Vectors& vectors = list_of<Vectors>(parameter);
+      if (index % 3 == 0) vectors.emplace_back(number, 0.0, 0.0);
+      if (index % 3 == 1) vectors.back().y = number;
+      if (index % 3 == 2) vectors.back().z = number;
+    } else {
+      list_of<Numbers>(parameter).push_back(number);
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,7 @@ class Parser {
 
  private:
   struct OpenFile {
-    const std::string* name;
+    const SharedText* name;
     std::string contents;
     Tokenizer tokens;
     bool imported;            ///< by Import: parameters end at its end
@@ -43,14 +44,15 @@ class Parser {
   void concatenate(const std::optional<Transform>& transform, const std::string& directive,
                    const Place& place);
   Parameters parameters();
-  std::shared_ptr<const Parameter> parameter(const Token& declaration);
-  void value(const Token& token, Parameter& parameter);
-  /// Counts the memory of a long list of values.
-  void count(Parameter& parameter) const;
+  std::shared_ptr<Parameter> parameter(const Token& declaration);
+  /// Makes room for a list of at most this many values.  Counts the memory of a long list.
+  void reserve(Parameter& parameter, std::size_t words);
+  /// Adds value `index`, the next one.
+  void value(const Token& token, std::size_t index, Parameter& parameter);
 
   Context& context_;
   Builder& builder_;
-  std::deque<std::string> names_;  ///< file names, to which places point
+  std::map<std::string, SharedText> names_;  ///< file names, to which places point
   std::deque<OpenFile> files_;
   std::optional<Token> put_back_;
   std::uint64_t token_count_ = 0;

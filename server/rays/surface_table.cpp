@@ -156,8 +156,8 @@ class Appender {
   absl::Status operator()(const CurveData& data) {
     constexpr std::size_t kMaximum = std::numeric_limits<std::uint32_t>::max();
     begin_run(HitKind::kCurve, set_.curves.size(), 0, 1);
-    for (const CubicCurve& curve : data.curves) {
-      const auto pieces = pieces_of(curve, data.kind, origin_);
+    for (std::size_t i = 0; i < data.count(); ++i) {
+      const auto pieces = pieces_of(cubic_curve(data, i), data.kind, origin_);
       if (set_.curves.size() + pieces.size() > kMaximum)
         return absl::ResourceExhaustedError("more than 2^32 - 1 pieces of curves");
       set_.curves.insert(set_.curves.end(), pieces.begin(), pieces.end());
@@ -231,8 +231,8 @@ class BoundsAdder {
   absl::Status operator()(const TriangleMeshData& mesh) { return add_vertices(mesh.positions); }
   absl::Status operator()(const PatchMeshData& mesh) { return add_vertices(mesh.positions); }
   absl::Status operator()(const CurveData& data) {
-    for (const CubicCurve& curve : data.curves)
-      for (const CurvePiece& piece : pieces_of(curve, data.kind, {})) {
+    for (std::size_t i = 0; i < data.count(); ++i)
+      for (const CurvePiece& piece : pieces_of(cubic_curve(data, i), data.kind, {})) {
         const auto [lower, upper] = piece.bounds();
         const double reach = std::max(max_abs(lower), max_abs(upper));
         if (!(reach <= Accelerator::kMaxCoordinate))
@@ -389,7 +389,8 @@ absl::Status located(const absl::Status& status, const SourceLocation& where) {
   if (status.ok()) return status;
   // Files without lines have their place in the name.
   const std::string place =
-      where.line > 0 ? fmt::format("{}:{}:{}", where.file, where.line, where.column) : where.file;
+      where.line > 0 ? fmt::format("{}:{}:{}", where.file.str(), where.line, where.column)
+                     : where.file.str();
   return {status.code(), fmt::format("{}: {}", place, std::string(status.message()))};
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -23,7 +24,7 @@ Transform rounded_to_float(const Transform& t) {
 
 /// Reserves the vertices and triangles of all meshes among `shapes`.  Vectors that grow would hold
 /// them twice meanwhile.
-void reserve(const std::vector<ShapeDescription>& shapes, bool with_moving, GeometrySet& set) {
+void reserve(const ShapeList& shapes, bool with_moving, GeometrySet& set) {
   std::size_t vertices = 0, numbers = 0;
   for (const ShapeDescription& shape : shapes) {
     if (shape.motion && !with_moving) continue;
@@ -93,7 +94,7 @@ absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>&
 }
 
 void Scene::Builder::drop(ShapeDescription& shape) {
-  const std::uint64_t held = std::min(array_bytes(shape), in_.held_bytes);
+  const std::uint64_t held = std::min(listed_bytes(shape), in_.held_bytes);
   if (auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry)) *mesh = {};
   if (auto* mesh = std::get_if<PatchMeshData>(&shape.geometry)) *mesh = {};
   if (auto* curves = std::get_if<CurveData>(&shape.geometry)) *curves = {};
@@ -113,7 +114,8 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   // A list that grows would copy the arrays of its shapes.
   scene_->movable_.reserve(static_cast<std::size_t>(std::ranges::count_if(
       in_.shapes, [](const ShapeDescription& s) { return s.emission.has_value(); })));
-  for (auto& s : in_.shapes) {
+  for (; !in_.shapes.empty(); in_.shapes.pop_front()) {
+    ShapeDescription& s = in_.shapes.front();
     if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
@@ -136,9 +138,9 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
     reserve(in_.objects[i].shapes, true, objects[i]);
-    for (auto& s : in_.objects[i].shapes)
-      LUCERNA_RETURN_IF_ERROR(
-          append(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]));
+    for (ShapeList& of_object = in_.objects[i].shapes; !of_object.empty(); of_object.pop_front())
+      LUCERNA_RETURN_IF_ERROR(append(of_object.front(), object_origins_[i], -1, objects[i],
+                                     scene_->object_surfaces_[i]));
   }
   for (const auto& i : in_.instances) {
     if (objects[i.object].empty()) continue;
@@ -157,8 +159,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   if (!set.empty() || !instances.empty()) keep_materials();
   report_geometry(set, objects, watch);
   keep_movable(set.bytes());
-  in_.shapes = std::vector<ShapeDescription>();  // {} would keep its room
-  in_.objects = std::vector<ObjectDefinition>();
+  in_.objects = {};
   if (budget_ != nullptr) budget_->release(std::exchange(in_.held_bytes, 0));
 
   watch = Stopwatch();
@@ -193,7 +194,8 @@ void Scene::Builder::keep_materials() {
     materials->reflectances.push_back(reflectance != nullptr ? *reflectance : Rgb<double>());
   }
   if (std::ranges::find(materials->plain, false) != materials->plain.end()) {
-    materials->all = std::move(in_.materials);
+    materials->all.assign(std::make_move_iterator(in_.materials.begin()),
+                          std::make_move_iterator(in_.materials.end()));
     if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
   }
   placed_->materials = std::move(materials);

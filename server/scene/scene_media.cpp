@@ -15,13 +15,14 @@ void Scene::Builder::simplify_media() {
                ? -1
                : medium;
   };
-  const auto simplify = [&](std::vector<ShapeDescription>& shapes) {
+  const auto simplify = [&](ShapeList& shapes) {
     for (ShapeDescription& s : shapes) {
       if (!s.media) continue;
       s.media = MediumSides{kept(s.media->inside), kept(s.media->outside)};
       if (s.media->inside == s.media->outside) s.media.reset();
     }
-    std::erase_if(shapes, [](const auto& s) { return s.is_interface && !s.media; });
+    const auto bounds_nothing = [](const auto& s) { return s.is_interface && !s.media; };
+    shapes.erase(std::remove_if(shapes.begin(), shapes.end(), bounds_nothing), shapes.end());
     return std::ranges::any_of(shapes, [](const auto& s) { return s.media.has_value(); });
   };
   bool has_media = simplify(in_.shapes);

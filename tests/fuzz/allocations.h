@@ -39,8 +39,5 @@ inline constexpr std::size_t kPbrtFixedBytes = std::size_t{2} << 20;
 /// The same for toml++, which holds each key and value with its place: far more than its text.
 inline constexpr std::size_t kTomlFactor = 128;
 inline constexpr std::size_t kTomlFixedBytes = std::size_t{256} << 10;
-/// The memory budget counts lists after they have grown.  While a list grows, its old half exists
-/// too.
-inline constexpr std::size_t kListGrowth = 2;
 
 }  // namespace lucerna::fuzz

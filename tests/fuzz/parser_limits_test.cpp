@@ -45,6 +45,17 @@ TEST(ParserLimits, ADirectiveHasAtMost256Parameters) {
               HasSubstr("a directive with more than 256 parameters, allowed: at most 256"));
 }
 
+TEST(ParserLimits, AParameterHasAtMost256Strings) {
+  const auto strings = [](int count) {
+    std::string text = "WorldBegin Shape \"sphere\" \"string names\" [";
+    for (int i = 0; i < count; ++i) text += "\"a\" ";
+    return text + "]";
+  };
+  EXPECT_TRUE(pbrt(strings(256)).ok());
+  EXPECT_THAT(message(pbrt(strings(257)).status()),
+              HasSubstr("\"string names\" has more than 256 strings, allowed: at most 256"));
+}
+
 TEST(ParserLimits, ATargetHasAtMost64Attributes) {
   const auto attributes = [](int count) {
     std::string text = "WorldBegin";

@@ -35,9 +35,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   // OpenImageIO asks for 64 MiB at once, of which it uses what it needs.
   if (std::ranges::any_of(assets.assets(), [](const Asset& a) { return is_picture(a.name); }))
     return 0;
-  // Lists may take any memory that the memory budget allows.
+  // Short directives become objects that the memory budget counts.
   bound.require_at_most(bound.peak_bytes(), fuzz::AllocationBound::kFactor * size +
-                                                fuzz::kPbrtFixedBytes +
-                                                fuzz::kListGrowth * pool.most());
+                                                fuzz::kPbrtFixedBytes + pool.most());
   return 0;
 }

@@ -124,10 +124,10 @@ std::optional<PanelProfile> area_profile(Context& context, const ParameterSet& p
   if (file == nullptr) return std::nullopt;
   if (params.find("filename", {"string"}) != nullptr)
     fail(file->place, "\"profile\" and \"filename\" are both given, allowed: one of them");
-  if (file->strings.size() != 1 || !names_photometric_file(file->strings.front()))
+  if (file->strings().size() != 1 || !names_photometric_file(file->strings().front()))
     fail(file->place,
          fmt::format("\"string profile\" = \"{}\", allowed: the name of an .ies or .ldt file",
-                     file->strings.empty() ? "" : printable(file->strings.front())));
+                     file->strings().empty() ? "" : printable(file->strings().front())));
   NamedPhotometricFile named = read_photometric_file(context, *file);
   PanelProfile profile{.web = std::move(named.file.web),
                        .tangent = tangent_of(geometry, shape_place),
@@ -203,7 +203,7 @@ void remark_no_area(Context& context, const ParameterSet& params, const Place& s
   if (const Parameter* power = positive_parameter(params, "power"))
     fail(power->place,
          fmt::format("\"float power\" = {} lm for the shape at {}, which has no area{}",
-                     power->numbers.front(), to_string(shape_place), kOnlyAsIfNotGiven));
+                     power->numbers().front(), to_string(shape_place), kOnlyAsIfNotGiven));
   context.remark(shape_place, "a light without area", "the shape emits nothing");
 }
 

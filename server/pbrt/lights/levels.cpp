@@ -61,7 +61,7 @@ Rgb<double> light_level_with_target(Context& context, const ParameterSet& params
 
 const Parameter* positive_parameter(const ParameterSet& params, std::string_view name) {
   const Parameter* given = params.find(name, {"float"});
-  return given != nullptr && given->numbers.front() > 0 ? given : nullptr;
+  return given != nullptr && given->numbers().front() > 0 ? given : nullptr;
 }
 
 Place level_place(const ParameterSet& params, std::string_view name, const Place& directive) {

@@ -54,7 +54,7 @@ bool names_photometric_file(const std::string& name) {
 }
 
 NamedPhotometricFile read_photometric_file(Context& context, const Parameter& filename) {
-  if (filename.strings.size() != 1)
+  if (filename.strings().size() != 1)
     fail(filename.place, fmt::format("\"string {}\" takes one name", filename.name));
   const AssetContent content = context.read(filename);
   PhotometricFile& file = context.photometric_files[content.name];
@@ -89,7 +89,7 @@ GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
   require_equal_scale(place, "a goniometric light", world_from_light);
   light.axes = {world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),
                 world_from_light.vector({0, 0, 1})};
-  if (filename->strings.size() == 1 && names_photometric_file(filename->strings.front())) {
+  if (filename->strings().size() == 1 && names_photometric_file(filename->strings().front())) {
     NamedPhotometricFile named = read_photometric_file(context, *filename);
     light.web = std::move(named.file.web);
     light.file = std::move(named.name);

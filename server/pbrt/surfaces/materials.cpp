@@ -16,19 +16,29 @@ namespace {
 
 bool is_interface(std::string_view type) { return is_one_of(type, {"interface", "none", ""}); }
 
-bool is_material(std::string_view type) {
-  return is_interface(type) ||
-         is_one_of(type, {"diffuse", "coateddiffuse", "diffusetransmission", "conductor",
-                          "coatedconductor", "dielectric", "thindielectric", "hair", "measured",
-                          "subsurface", "mix"});
-}
-
-void check_type(const std::string& type, const Place& place) {
-  if (!is_material(type))
+/// The name of a type, which outlives `type`.  Fails if it is not known.
+std::string_view known_type(const std::string& type, const Place& place) {
+  static constexpr std::array<std::string_view, 13> kTypes{"diffuse",
+                                                           "coateddiffuse",
+                                                           "diffusetransmission",
+                                                           "conductor",
+                                                           "coatedconductor",
+                                                           "dielectric",
+                                                           "thindielectric",
+                                                           "hair",
+                                                           "measured",
+                                                           "subsurface",
+                                                           "mix",
+                                                           "interface",
+                                                           "none"};
+  if (type.empty()) return {};
+  const auto found = std::ranges::find(kTypes, type);
+  if (found == kTypes.end())
     fail(place, fmt::format("unknown material \"{}\", expected one of diffuse coateddiffuse "
                             "diffusetransmission conductor coatedconductor dielectric "
                             "thindielectric hair measured subsurface mix interface",
                             printable(type)));
+  return *found;
 }
 
 /// Reads the parameters of one material.
@@ -122,7 +132,7 @@ class Reader {
       const auto both = metal_index(context_, is_eta ? p : nullptr, is_eta ? nullptr : p);
       return {is_eta ? both->eta : both->k};
     }
-    const Rgb<double> c{p->numbers[0], p->numbers[1], p->numbers[2]};
+    const Rgb<double> c{p->numbers()[0], p->numbers()[1], p->numbers()[2]};
     if (std::min({c.r, c.g, c.b}) < 0)
       fail(p->place, fmt::format("\"rgb {}\" = {}, allowed: not negative", p->name, text(c)));
     return {c};
@@ -139,9 +149,8 @@ class Reader {
 Materials::Materials() { add("diffuse", {}, {}); }
 
 std::uint32_t Materials::add(const std::string& type, ParameterSet params, const Place& place) {
-  check_type(type, place);
   Entry entry;
-  entry.type = type;
+  entry.type = known_type(type, place);
   entry.params = std::move(params);
   entry.place = place;
   entry.defined = true;
@@ -153,7 +162,7 @@ std::uint32_t Materials::named(const std::string& name, const Place& place) {
   const auto [it, added] = names_.try_emplace(name, static_cast<std::uint32_t>(materials_.size()));
   if (added) {
     Entry entry;
-    entry.name = name;
+    entry.name = &it->first;
     entry.place = place;
     materials_.push_back(std::move(entry));
   }
@@ -165,10 +174,10 @@ void Materials::make_named(const std::string& name, ParameterSet params, const P
   if (entry.defined)
     fail(place, fmt::format("material \"{}\" is already defined, at {}", printable(name),
                             to_string(entry.place)));
-  entry.type = params.string("type", "");
-  if (entry.type.empty())
+  const std::string type = params.string("type", "");
+  if (type.empty())
     fail(place, fmt::format("material \"{}\" lacks \"string type\"", printable(name)));
-  check_type(entry.type, place);
+  entry.type = known_type(type, place);
   entry.params = std::move(params);
   entry.place = place;
   entry.defined = true;
@@ -186,19 +195,19 @@ bool Materials::may_need_uv(std::uint32_t reference) const {
 MixParams Materials::mix_of(Context& context, const Entry& entry) {
   const Parameter* parts = entry.params.find("materials", {"string"});
   if (parts == nullptr) fail(entry.place, "material \"mix\" lacks \"string materials\"");
-  if (parts->strings.size() != 2)
+  if (parts->strings().size() != 2)
     fail(parts->place,
-         fmt::format("\"string materials\" has {} names, allowed: 2", parts->strings.size()));
+         fmt::format("\"string materials\" has {} names, allowed: 2", parts->strings().size()));
   MixParams mix;
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto part = names_.find(parts->strings[i]);
+    const auto part = names_.find(parts->strings()[i]);
     if (part == names_.end())
       fail(parts->place,
-           fmt::format("material \"{}\" is not defined", printable(parts->strings[i])));
+           fmt::format("material \"{}\" is not defined", printable(parts->strings()[i])));
     const auto index = resolve(context, part->second);
     if (!index)
       fail(parts->place, fmt::format("material \"{}\" is an interface, which cannot be mixed",
-                                     printable(parts->strings[i])));
+                                     printable(parts->strings()[i])));
     mix.materials.at(i) = *index;
   }
   mix.amount = textures_.number(entry.params, "amount", 0.5);
@@ -207,9 +216,9 @@ MixParams Materials::mix_of(Context& context, const Entry& entry) {
 
 Material Materials::material_of(Context& context, const Entry& entry) {
   const Reader read(context, textures_, entry.params, entry.place);
-  const std::string owner = entry.name.empty()
+  const std::string owner = entry.name == nullptr
                                 ? fmt::format("material \"{}\"", entry.type)
-                                : fmt::format("material \"{}\"", printable(entry.name));
+                                : fmt::format("material \"{}\"", printable(*entry.name));
   Material m;
   if (entry.type == "diffuse") {
     m.params = DiffuseParams{read.reflectance("reflectance", 0.5)};
@@ -255,13 +264,13 @@ Material Materials::material_of(Context& context, const Entry& entry) {
 std::optional<std::uint32_t> Materials::resolve(Context& context, std::uint32_t reference) {
   if (!materials_[reference].defined)
     fail(materials_[reference].place, fmt::format("material \"{}\" is not defined in this scene",
-                                                  printable(materials_[reference].name)));
+                                                  printable(*materials_[reference].name)));
   if (materials_[reference].resolved) return materials_[reference].index;
   constexpr int kMaxNesting = 64;
   if (nesting_ == kMaxNesting)
     fail(materials_[reference].place,
          fmt::format("material \"{}\" is a mix of itself, or of mixes more than {} deep",
-                     printable(materials_[reference].name), kMaxNesting));
+                     printable(*materials_[reference].name), kMaxNesting));
   Entry& entry = materials_[reference];
   if (!is_interface(entry.type)) {
     ++nesting_;
@@ -269,6 +278,9 @@ std::optional<std::uint32_t> Materials::resolve(Context& context, std::uint32_t 
     --nesting_;
     context.scene.materials.push_back(std::move(made));
     entry.index = static_cast<std::uint32_t>(context.scene.materials.size() - 1);
+    entry.params = {};
+    constexpr std::size_t kMaterialsPerPoll = 256;
+    if (context.scene.materials.size() % kMaterialsPerPoll == 0) context.poll();
   }
   entry.resolved = true;
   return entry.index;

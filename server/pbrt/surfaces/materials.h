@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
+#include <string_view>
 
 #include "server/materials/material.h"
 #include "server/pbrt/surfaces/textures.h"
@@ -46,10 +46,10 @@ class Materials {
 
  private:
   struct Entry {
-    std::string type;
+    std::string_view type;  ///< one of those that it knows
     ParameterSet params;
-    Place place;       ///< of the directive that defines it; before that, of its first use
-    std::string name;  ///< empty if made by Material
+    Place place;  ///< of the directive that defines it; before that, of its first use
+    const std::string* name = nullptr;  ///< null if made by Material
     bool defined = false;
     bool resolved = false;
     std::optional<std::uint32_t> index;
@@ -57,7 +57,7 @@ class Materials {
   Material material_of(Context& context, const Entry& entry);
   MixParams mix_of(Context& context, const Entry& entry);
 
-  std::vector<Entry> materials_;
+  LongList<Entry> materials_;
   int nesting_ = 0;  ///< depth of mixes that are being resolved
   std::map<std::string, std::uint32_t> names_;
   TextureTable textures_;

@@ -20,7 +20,7 @@ std::optional<Rgb<double>> coefficient(Context& context, const ParameterSet& par
   const Parameter* p = params.find(name, {"rgb", "spectrum"});
   if (p == nullptr) return std::nullopt;
   if (p->type == "rgb") {
-    const Rgb<double> c{p->numbers[0], p->numbers[1], p->numbers[2]};
+    const Rgb<double> c{p->numbers()[0], p->numbers()[1], p->numbers()[2]};
     if (std::min({c.r, c.g, c.b}) < 0)
       fail(p->place, fmt::format("\"rgb {}\" = {}, allowed: not negative", name, text(c)));
     return c;

@@ -146,8 +146,8 @@ std::optional<MetalIndex> metal_index(Context& context, const Parameter* eta, co
                             std::string_view otherwise) -> std::optional<SampledSpectrum> {
     if (p == nullptr) return metal_spectrum(otherwise);
     if (p->type != "spectrum") return std::nullopt;
-    if (!p->strings.empty())
-      if (auto known = metal_spectrum(p->strings.front())) return known;
+    if (!p->strings().empty())
+      if (auto known = metal_spectrum(p->strings().front())) return known;
     return spectrum_samples(context, *p);
   };
   const auto n = spectrum(eta, "metal-Cu-eta"), absorption = spectrum(k, "metal-Cu-k");
@@ -173,9 +173,9 @@ std::optional<MetalIndex> metal_index(Context& context, const Parameter* eta, co
 
 double index_at_sodium(Context& context, const Parameter& parameter) {
   constexpr double kSodiumNm = 589.3;
-  if (!parameter.strings.empty())
+  if (!parameter.strings().empty())
     for (const Glass& glass : kGlasses)
-      if (parameter.strings.front() == glass.name) {
+      if (parameter.strings().front() == glass.name) {
         context.remark(parameter.place,
                        fmt::format("the dispersion of \"{}\" is not modelled", glass.name),
                        fmt::format("index {}, that of yellow light", glass.eta));

@@ -112,13 +112,13 @@ Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
 
 RawMesh raw_mesh(const ShapeDirective& shape) {
   shape.params.ignore({"uv", "st", "S", "faceIndices", "emissionfilename"});
-  RawMesh raw{shape.params.vectors("P", "point3"),
-              shape.params.vectors("N", "normal"),
-              shape.params.indices("indices"),
+  RawMesh raw{shape.params.take_vectors("P", "point3"),
+              shape.params.take_vectors("N", "normal"),
+              shape.params.take_indices("indices"),
               {}};
   if (const Parameter* uv = shape.needs_uv ? shape.params.find("uv", {"point2"}) : nullptr)
-    for (std::size_t i = 0; i + 1 < uv->numbers.size(); i += 2)
-      raw.uv.push_back({float(uv->numbers[i]), float(uv->numbers[i + 1])});
+    for (std::size_t i = 0; i + 1 < uv->numbers().size(); i += 2)
+      raw.uv.push_back({float(uv->numbers()[i]), float(uv->numbers()[i + 1])});
   return raw;
 }
 
@@ -316,18 +316,21 @@ CurveData curve(Context& context, const ShapeDirective& shape) {
          fmt::format("\"string {}\" = \"{}\", allowed: {}", name, printable(value), list));
   };
   const std::string type = one_of("type", "flat", {"flat", "cylinder", "ribbon"});
-  CurveControl control;
-  control.is_b_spline = one_of("basis", "bezier", {"bezier", "bspline"}) == "bspline";
-  control.degree = shape.params.integer("degree", 3);
-  if (control.degree != 2 && control.degree != 3)
+  CurveData curves;
+  curves.kind = type == "flat"       ? CurveKind::kFlat
+                : type == "cylinder" ? CurveKind::kCylinder
+                                     : CurveKind::kRibbon;
+  curves.is_b_spline = one_of("basis", "bezier", {"bezier", "bspline"}) == "bspline";
+  curves.degree = shape.params.integer("degree", 3);
+  if (curves.degree != 2 && curves.degree != 3)
     fail(shape.params.place_of({"degree"}, shape.place),
-         fmt::format("\"integer degree\" = {}, allowed: 2 or 3", control.degree));
+         fmt::format("\"integer degree\" = {}, allowed: 2 or 3", curves.degree));
   const double scale = scale_of_widths(context, shape);
   const double both = width(shape, "width", 1);
-  control.start_width_m = width(shape, "width0", both) * scale;
-  control.end_width_m = width(shape, "width1", both) * scale;
-  control.points = world_positions(shape, shape.params.vectors("P", "point3"));
-  const std::vector<Vec3<double>> normals = shape.params.vectors("N", "normal");
+  curves.start_width_m = width(shape, "width0", both) * scale;
+  curves.end_width_m = width(shape, "width1", both) * scale;
+  curves.points = world_positions(shape, shape.params.take_vectors("P", "point3"));
+  const std::vector<Vec3<double>> normals = shape.params.take_vectors("N", "normal");
   const Place normals_place = shape.params.place_of({"N"}, shape.place);
   if (type != "ribbon") {
     if (!normals.empty())
@@ -339,15 +342,12 @@ CurveData curve(Context& context, const ShapeDirective& shape) {
       const Vec3<double> unit = normalized(shape.world_from_object.normal(n));
       if (!is_finite(unit) || max_abs(unit) == 0)
         fail(normals_place, "a normal of a ribbon has no direction");
-      control.normals.push_back(turned ? -unit : unit);
+      curves.normals.push_back(turned ? -unit : unit);
     }
   }
-  auto curves = cubic_curves(control);
-  if (!curves.ok()) fail(shape.params.place_of({"P"}, shape.place), curves.status());
-  return {type == "flat"       ? CurveKind::kFlat
-          : type == "cylinder" ? CurveKind::kCylinder
-                               : CurveKind::kRibbon,
-          *std::move(curves)};
+  if (const absl::Status status = check_curves(curves); !status.ok())
+    fail(shape.params.place_of({"P"}, shape.place), status);
+  return curves;
 }
 
 std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shape) {

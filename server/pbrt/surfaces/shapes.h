@@ -11,7 +11,7 @@ namespace lucerna::pbrt {
 /// A Shape directive and its graphics state.
 struct ShapeDirective {
   std::string type;
-  const ParameterSet& params;
+  ParameterSet& params;  ///< long lists move out of it
   Place place;
   Transform world_from_object;
   bool reverse_orientation = false;

@@ -79,22 +79,22 @@ bool are_constant(std::initializer_list<bool> constant) {
 
 ColourValue TextureTable::texture(const Parameter& parameter) const {
   for (const char* kind : {"spectrum ", "float "}) {
-    const auto found = values_.find(kind + parameter.strings.front());
+    const auto found = values_.find(kind + parameter.strings().front());
     if (found != values_.end()) return found->second;
   }
   fail(parameter.place, fmt::format("texture \"{}\" is not defined before this place",
-                                    printable(parameter.strings.front())));
+                                    printable(parameter.strings().front())));
 }
 
 NumberValue TextureTable::number(const ParameterSet& params, const std::string& name,
                                  double otherwise) const {
   const Parameter* given = params.find(name, {"float", "texture"});
   if (given == nullptr) return {otherwise};
-  if (given->type == "float") return {given->numbers.front()};
-  const auto found = values_.find("float " + given->strings.front());
+  if (given->type == "float") return {given->numbers().front()};
+  const auto found = values_.find("float " + given->strings().front());
   if (found == values_.end())
     fail(given->place, fmt::format("float texture \"{}\" is not defined before this place",
-                                   printable(given->strings.front())));
+                                   printable(given->strings().front())));
   return {found->second.constant.r, found->second.texture};
 }
 

@@ -18,7 +18,8 @@ absl::StatusOr<AssetContent> Context::find(const Place& place, const std::string
   if (!is_printable(name))
     return absl::InvalidArgumentError("a file name must be UTF-8 without control characters");
   auto content = assets.read_unpacked(name, scene_file);
-  if (absl::IsNotFound(content.status()) && place.file != nullptr && *place.file != scene_file) {
+  if (absl::IsNotFound(content.status()) && place.file != nullptr &&
+      place.file->str() != scene_file) {
     if (auto nearby = assets.read_unpacked(name, *place.file); !absl::IsNotFound(nearby.status()))
       content = std::move(nearby);
   }
@@ -32,7 +33,7 @@ AssetContent Context::read(const Place& place, const std::string& name) {
 }
 
 AssetContent Context::read(const Parameter& parameter) {
-  const std::string& name = parameter.strings.front();
+  const std::string& name = parameter.strings().front();
   auto content = find(parameter.place, name);
   if (content.ok()) return *std::move(content);
   const absl::Status& status = content.status();

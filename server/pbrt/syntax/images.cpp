@@ -21,7 +21,7 @@ Picture checked(Context& context, const Parameter& filename, absl::StatusOr<Pict
 }
 
 AssetContent content_of(Context& context, const Parameter& filename) {
-  if (filename.strings.size() != 1)
+  if (filename.strings().size() != 1)
     fail(filename.place, fmt::format("\"string {}\" takes one name", filename.name));
   return context.read(filename);
 }

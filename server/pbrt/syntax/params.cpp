@@ -4,22 +4,38 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace lucerna::pbrt {
 
-std::optional<std::size_t> values_per_item(std::string_view type) {
-  if (type == "float" || type == "integer" || type == "bool" || type == "string" ||
-      type == "texture" || type == "blackbody")
-    return 1;
-  if (type == "point2" || type == "vector2") return 2;
-  if (type == "point3" || type == "vector3" || type == "normal" || type == "rgb") return 3;
-  if (type == "spectrum") return 0;
-  return std::nullopt;
+const ParameterType* parameter_type(std::string_view name) {
+  static constexpr std::array<ParameterType, 13> kTypes{{{"float", 1},
+                                                         {"integer", 1},
+                                                         {"bool", 1},
+                                                         {"string", 1},
+                                                         {"texture", 1},
+                                                         {"blackbody", 1},
+                                                         {"point2", 2},
+                                                         {"vector2", 2},
+                                                         {"point3", 3},
+                                                         {"vector3", 3},
+                                                         {"normal", 3},
+                                                         {"rgb", 3},
+                                                         {"spectrum", 0}}};
+  if (name == "point") name = "point3";
+  if (name == "vector") name = "vector3";
+  if (name == "normal3") name = "normal";
+  const auto found = std::ranges::find(kTypes, name, &ParameterType::name);
+  return found == kTypes.end() ? nullptr : &*found;
 }
 
-ParameterSet::ParameterSet(std::vector<std::shared_ptr<const Parameter>> own,
-                           const std::vector<std::shared_ptr<const Parameter>>& inherited) {
+std::size_t Parameter::count() const {
+  return numbers().size() + integers().size() + 3 * vectors().size() + strings().size();
+}
+
+ParameterSet::ParameterSet(std::vector<std::shared_ptr<Parameter>> own,
+                           const std::vector<std::shared_ptr<Parameter>>& inherited) {
   for (auto& parameter : own) entries_.push_back({std::move(parameter), false});
   std::for_each(inherited.rbegin(), inherited.rend(), [&](const auto& parameter) {
     entries_.push_back({parameter, true});
@@ -46,16 +62,16 @@ const Parameter* ParameterSet::one(std::string_view name,
                                    std::initializer_list<std::string_view> types) const {
   const Parameter* parameter = find(name, types);
   if (parameter == nullptr) return nullptr;
-  const std::size_t values = parameter->numbers.size() + parameter->strings.size();
-  if (values != values_per_item(parameter->type))
-    fail(parameter->place, fmt::format("parameter \"{}\" has {} values, expected {}", name, values,
-                                       *values_per_item(parameter->type)));
+  const std::size_t expected = parameter_type(parameter->type)->values_per_item;
+  if (parameter->count() != expected)
+    fail(parameter->place, fmt::format("parameter \"{}\" has {} values, expected {}", name,
+                                       parameter->count(), expected));
   return parameter;
 }
 
 std::optional<double> ParameterSet::number(std::string_view name) const {
   const Parameter* parameter = one(name, {"float"});
-  return parameter != nullptr ? std::optional(parameter->numbers[0]) : std::nullopt;
+  return parameter != nullptr ? std::optional(parameter->numbers()[0]) : std::nullopt;
 }
 
 double ParameterSet::number(std::string_view name, double otherwise) const {
@@ -64,53 +80,61 @@ double ParameterSet::number(std::string_view name, double otherwise) const {
 
 int ParameterSet::integer(std::string_view name, int otherwise) const {
   const Parameter* parameter = one(name, {"integer"});
-  return parameter != nullptr ? static_cast<int>(parameter->numbers[0]) : otherwise;
+  return parameter != nullptr ? static_cast<std::int32_t>(parameter->integers()[0]) : otherwise;
 }
 
 bool ParameterSet::boolean(std::string_view name, bool otherwise) const {
   const Parameter* parameter = one(name, {"bool"});
-  return parameter != nullptr ? parameter->numbers[0] != 0 : otherwise;
+  return parameter != nullptr ? parameter->numbers()[0] != 0 : otherwise;
 }
 
 std::string ParameterSet::string(std::string_view name, const std::string& otherwise) const {
   const Parameter* parameter = one(name, {"string"});
-  return parameter != nullptr ? parameter->strings[0] : otherwise;
+  return parameter != nullptr ? parameter->strings()[0] : otherwise;
 }
 
 Vec3<double> ParameterSet::point(std::string_view name, const Vec3<double>& otherwise) const {
   const Parameter* parameter = one(name, {"point3"});
   if (parameter == nullptr) return otherwise;
-  return {parameter->numbers[0], parameter->numbers[1], parameter->numbers[2]};
+  return parameter->vectors()[0];
 }
 
 std::vector<double> ParameterSet::numbers(std::string_view name) const {
   const Parameter* parameter = find(name, {"float", "integer"});
-  return parameter != nullptr ? parameter->numbers : std::vector<double>{};
-}
-
-std::vector<std::uint32_t> ParameterSet::indices(std::string_view name) const {
-  const Parameter* parameter = find(name, {"integer"});
   if (parameter == nullptr) return {};
-  std::vector<std::uint32_t> result;
-  result.reserve(parameter->numbers.size());
-  for (const double index : parameter->numbers) {
-    if (index < 0)
-      fail(parameter->place, fmt::format("\"{}\" holds {}, allowed: not negative", name, index));
-    result.push_back(static_cast<std::uint32_t>(index));
-  }
+  std::vector<double> result = parameter->numbers();
+  for (const std::uint32_t value : parameter->integers())
+    result.push_back(static_cast<std::int32_t>(value));
   return result;
 }
 
-std::vector<Vec3<double>> ParameterSet::vectors(std::string_view name,
-                                                std::string_view type) const {
+Vectors ParameterSet::vectors(std::string_view name, std::string_view type) const {
   const Parameter* parameter = find(name, {type});
+  return parameter != nullptr ? parameter->vectors() : Vectors();
+}
+
+template <typename T>
+T ParameterSet::take(const Parameter* parameter) {
   if (parameter == nullptr) return {};
-  std::vector<Vec3<double>> result;
-  result.reserve(parameter->numbers.size() / 3);
-  for (std::size_t i = 0; i + 2 < parameter->numbers.size(); i += 3)
-    result.emplace_back(parameter->numbers[i], parameter->numbers[i + 1],
-                        parameter->numbers[i + 2]);
-  return result;
+  const auto entry =
+      std::ranges::find(entries_, parameter, [](const Entry& e) { return e.parameter.get(); });
+  // Other directives may need the values of an Attribute directive.
+  T& values = std::get<T>(entry->parameter->values);
+  return entry->inherited ? values : std::exchange(values, {});
+}
+
+Vectors ParameterSet::take_vectors(std::string_view name, std::string_view type) {
+  return take<Vectors>(find(name, {type}));
+}
+
+Integers ParameterSet::take_indices(std::string_view name) {
+  const Parameter* parameter = find(name, {"integer"});
+  Integers indices = take<Integers>(parameter);
+  for (const std::uint32_t index : indices)
+    if (static_cast<std::int32_t>(index) < 0)
+      fail(parameter->place, fmt::format("\"{}\" holds {}, allowed: not negative", name,
+                                         static_cast<std::int32_t>(index)));
+  return indices;
 }
 
 Place ParameterSet::place_of(std::initializer_list<std::string_view> names,

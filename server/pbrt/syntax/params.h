@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "lights/maths/vec.h"
@@ -19,18 +20,49 @@ namespace lucerna::pbrt {
 /// Files give angles in degrees.
 inline constexpr double kRadPerDegree = kPi / 180;
 
-/// A parameter in the file.  The number of values is a positive multiple of values_per_item().
-struct Parameter {
-  std::string type;  ///< point, vector and normal3 become point3, vector3 and normal
-  std::string name;
-  Place place;
-  std::vector<double> numbers;  ///< finite; whole for integer, 0 or 1 for bool
-  std::vector<std::string> strings;
-  LoadBudget::Share share{};  ///< of long lists of values
+/// A type of parameters.
+struct ParameterType {
+  std::string_view name;        ///< point, vector and normal3 are point3, vector3 and normal
+  std::size_t values_per_item;  ///< 0: any number (spectrum)
 };
 
-/// Number of values of one item of a type; 0: any number (spectrum).  Nothing for unknown types.
-std::optional<std::size_t> values_per_item(std::string_view type);
+/// The type of this name; null if there is none.
+const ParameterType* parameter_type(std::string_view name);
+
+/// The finite numbers of float, bool (0 or 1), point2, vector2, rgb, spectrum and blackbody.
+using Numbers = std::vector<double>;
+/// The values of integer, each as static_cast<std::uint32_t>(std::int32_t).
+using Integers = std::vector<std::uint32_t>;
+/// The finite items of point3, vector3 and normal.
+using Vectors = std::vector<Vec3<double>>;
+/// The values of string and texture, and the name of a spectrum.
+using Strings = std::vector<std::string>;
+
+/// A parameter in the file.  The number of values is a positive multiple of its type's.  They are
+/// stored as meshes store them, so that long lists need not exist twice.
+struct Parameter {
+  std::string_view type;
+  std::string name;
+  Place place;
+  std::variant<Numbers, Integers, Vectors, Strings> values{};
+  LoadBudget::Share share{};  ///< of long lists of values
+
+  /// Those of other types are empty.
+  const Numbers& numbers() const { return values_or_none<Numbers>(); }
+  const Integers& integers() const { return values_or_none<Integers>(); }
+  const Vectors& vectors() const { return values_or_none<Vectors>(); }
+  const Strings& strings() const { return values_or_none<Strings>(); }
+  /// The number of values; an item of `vectors` has three.
+  std::size_t count() const;
+
+ private:
+  template <typename T>
+  const T& values_or_none() const {
+    static const T kNone;
+    const T* given = std::get_if<T>(&values);
+    return given == nullptr ? kNone : *given;
+  }
+};
 
 /// Whether a word of the file is one of `words`.
 inline bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
@@ -44,8 +76,8 @@ class ParameterSet {
   ParameterSet() = default;
   /// `own` parameters override `inherited` ones, and later inherited ones override earlier ones.
   /// Inherited ones may stay unused.
-  ParameterSet(std::vector<std::shared_ptr<const Parameter>> own,
-               const std::vector<std::shared_ptr<const Parameter>>& inherited);
+  ParameterSet(std::vector<std::shared_ptr<Parameter>> own,
+               const std::vector<std::shared_ptr<Parameter>>& inherited);
 
   /// The parameter of this name if it has one of the types; null if there is none.  Fails if the
   /// directive itself gives it with another type.
@@ -61,8 +93,10 @@ class ParameterSet {
 
   /// Any number of values; empty if it is not given.
   std::vector<double> numbers(std::string_view name) const;
-  std::vector<std::uint32_t> indices(std::string_view name) const;  ///< fails on negative ones
-  std::vector<Vec3<double>> vectors(std::string_view name, std::string_view type) const;
+  Vectors vectors(std::string_view name, std::string_view type) const;
+  /// The same.  An own parameter has no values afterwards.
+  Vectors take_vectors(std::string_view name, std::string_view type);
+  Integers take_indices(std::string_view name);  ///< fails on negative ones
 
   /// The place of the first of `names` that is given; `otherwise` if none is.
   Place place_of(std::initializer_list<std::string_view> names, const Place& otherwise) const;
@@ -84,11 +118,13 @@ class ParameterSet {
 
  private:
   struct Entry {
-    std::shared_ptr<const Parameter> parameter;
+    std::shared_ptr<Parameter> parameter;
     bool inherited = false;
     mutable bool used = false;
   };
   const Parameter* one(std::string_view name, std::initializer_list<std::string_view> types) const;
+  template <typename T>
+  T take(const Parameter* parameter);
   std::vector<Entry> entries_;
 };
 

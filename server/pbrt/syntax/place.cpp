@@ -4,13 +4,13 @@
 
 namespace lucerna::pbrt {
 SourceLocation location(const Place& place) {
-  return {place.file != nullptr ? *place.file : std::string(), place.line, place.column};
+  return {place.file != nullptr ? *place.file : SharedText(), place.line, place.column};
 }
 
 std::string to_string(const Place& place) {
   if (place.file == nullptr) return "";
   if (place.line == 0) return *place.file;
-  return fmt::format("{}:{}:{}", *place.file, place.line, place.column);
+  return fmt::format("{}:{}:{}", place.file->str(), place.line, place.column);
 }
 
 void fail(const Place& place, const std::string& what) {

@@ -12,7 +12,7 @@ namespace lucerna::pbrt {
 
 /// A place in a file.  The parser owns `file`, which outlives all references to it; null: no place.
 struct Place {
-  const std::string* file = nullptr;
+  const SharedText* file = nullptr;
   int line = 0;    ///< from 1
   int column = 0;  ///< from 1, in bytes
 };

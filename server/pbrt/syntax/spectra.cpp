@@ -71,25 +71,26 @@ bool of_no_light(const std::string& name) {
 
 /// A key for sharing spectra: the content if it is short, else the place in the file.
 std::string key_of(const Parameter& p) {
-  if (p.type == "blackbody") return fmt::format("blackbody {}", p.numbers.front());
-  if (!p.strings.empty() && p.strings.front().starts_with("stdillum-")) return p.strings.front();
+  if (p.type == "blackbody") return fmt::format("blackbody {}", p.numbers().front());
+  if (!p.strings().empty() && p.strings().front().starts_with("stdillum-"))
+    return p.strings().front();
   const SourceLocation at = location(p.place);
-  return fmt::format("{}:{}:{}", at.file, at.line, at.column);
+  return fmt::format("{}:{}:{}", at.file.str(), at.line, at.column);
 }
 
 std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter& p) {
   if (p.type == "blackbody") {
-    if (p.numbers.size() != 1)
+    if (p.numbers().size() != 1)
       fail(p.place, fmt::format("\"blackbody {}\" has {} values, allowed: one temperature in "
                                 "[100, 1e7] K",
-                                p.name, p.numbers.size()));
+                                p.name, p.numbers().size()));
     return std::make_shared<Spectrum>(
-        made(p.place, fmt::format("\"blackbody {}\"", p.name), BlackBody{p.numbers.front()}));
+        made(p.place, fmt::format("\"blackbody {}\"", p.name), BlackBody{p.numbers().front()}));
   }
   const std::string what = fmt::format("spectrum \"{}\"", p.name);
-  std::vector<double> numbers = p.numbers;
+  std::vector<double> numbers = p.numbers();
   if (numbers.empty()) {
-    const std::string& name = p.strings.front();
+    const std::string& name = p.strings().front();
     constexpr std::string_view kIlluminant = "stdillum-";
     if (name.starts_with(kIlluminant))
       return std::make_shared<Spectrum>(
@@ -113,10 +114,10 @@ std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter&
 }
 
 Rgb<double> rgb_of(const Parameter& parameter) {
-  if (parameter.numbers.size() != 3)
+  if (parameter.numbers().size() != 3)
     fail(parameter.place, fmt::format("parameter \"{}\" has {} values, expected 3", parameter.name,
-                                      parameter.numbers.size()));
-  return {parameter.numbers[0], parameter.numbers[1], parameter.numbers[2]};
+                                      parameter.numbers().size()));
+  return {parameter.numbers()[0], parameter.numbers()[1], parameter.numbers()[2]};
 }
 
 /// The spectrum, read once for all lights that share it.  Null for parameters without a spectrum.
@@ -164,17 +165,17 @@ Rgb<double> light_level(Context& context, const ParameterSet& params, std::strin
     return rgb;
   }
   if (const auto spectrum = spectrum_of(context, parameter)) return spectrum->rgb();
-  const bool named = parameter->numbers.empty() && of_no_light(parameter->strings.front());
+  const bool named = parameter->numbers().empty() && of_no_light(parameter->strings().front());
   return Rgb<double>(named ? 1 : 0);
 }
 
 SampledSpectrum spectrum_samples(Context& context, const Parameter& parameter) {
   const std::string what = fmt::format("spectrum \"{}\"", parameter.name);
-  if (!parameter.numbers.empty()) return samples(parameter.place, what, parameter.numbers);
+  if (!parameter.numbers().empty()) return samples(parameter.place, what, parameter.numbers());
   const std::vector<double> numbers = numbers_of(parameter.place, context.read(parameter));
   if (numbers.empty())
     fail(parameter.place,
-         fmt::format("\"{}\" holds no numbers", printable(parameter.strings.front())));
+         fmt::format("\"{}\" holds no numbers", printable(parameter.strings().front())));
   return samples(parameter.place, what, numbers);
 }
 
@@ -202,11 +203,11 @@ Rgb<double> reflectance(Context& context, const Parameter& parameter) {
   if (parameter.type == "rgb") {
     rgb = rgb_of(parameter);
   } else if (parameter.type == "float") {
-    rgb = Rgb<double>(parameter.numbers.front());
-  } else if (!parameter.strings.empty() && is_spectrum_name(parameter.strings.front())) {
+    rgb = Rgb<double>(parameter.numbers().front());
+  } else if (!parameter.strings().empty() && is_spectrum_name(parameter.strings().front())) {
     context.remark(parameter.place,
                    fmt::format("\"{}\" is not the spectrum of a reflectance",
-                               printable(parameter.strings.front())),
+                               printable(parameter.strings().front())),
                    "grey 0.5");
   } else {
     rgb = colour_of(spectrum_samples(context, parameter));

@@ -102,7 +102,7 @@ double number(const Token& word, std::string_view expected, std::string_view own
   return value;
 }
 
-Tokenizer::Tokenizer(const std::string* file, std::string_view contents)
+Tokenizer::Tokenizer(const SharedText* file, std::string_view contents)
     : file_(file),
       at_(contents.data()),
       end_(contents.data() + contents.size()),
@@ -131,6 +131,21 @@ Token Tokenizer::next() {
   if (*begin == ']') return {Token::Kind::kClose, {begin, 1}, place};
   while (at_ != end_ && !ends_word(*at_)) ++at_;
   return {Token::Kind::kWord, {begin, static_cast<std::size_t>(at_ - begin)}, place};
+}
+
+std::size_t Tokenizer::words_ahead() const {
+  std::size_t words = 0;
+  bool in_word = false;
+  for (const char* at = at_; at != end_; ++at) {
+    if (!in_word && *at == '#') {
+      while (at != end_ && *at != '\n' && *at != '\r') ++at;
+      if (at == end_) break;
+    }
+    if (ends_word(*at) && !is_space(*at)) break;
+    words += !in_word && !is_space(*at);
+    in_word = !is_space(*at);
+  }
+  return words;
 }
 
 Token Tokenizer::string() {

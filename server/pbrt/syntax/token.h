@@ -1,6 +1,7 @@
 // Splits scene files into tokens.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -37,16 +38,18 @@ double number(const Token& word, std::string_view expected, std::string_view own
 class Tokenizer {
  public:
   /// `file` and `contents` must outlive the tokenizer and its tokens.
-  Tokenizer(const std::string* file, std::string_view contents);
+  Tokenizer(const SharedText* file, std::string_view contents);
 
   /// The next token.  At the end, every call returns kEnd.
   Token next();
+  /// The number of words from here to the next quote or bracket.
+  std::size_t words_ahead() const;
 
  private:
   Place place_at(const char* at) const;
   Token string();
 
-  const std::string* file_;
+  const SharedText* file_;
   const char* at_;
   const char* end_;
   const char* line_begin_;

@@ -144,7 +144,7 @@ std::string content_of(const v1::Light& light) {
 }
 
 /// Errors: a surface that cannot be added.
-absl::Status check_surface(const ShapeDescription& shape, const std::vector<Material>& materials) {
+absl::Status check_surface(const ShapeDescription& shape, const std::deque<Material>& materials) {
   const auto refused = [&](const char* what, const char* allowed) {
     return located(absl::InvalidArgumentError(fmt::format(
                        "{} in a file whose lights are added, allowed: {}", what, allowed)),

@@ -284,8 +284,9 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   out->set_name(std::string(scene.light_names().of(light)));
   out->set_samples_per_light(entry.samples);
   const SourceLocation where = scene.source_of(entry);
-  out->set_source(where.line > 0 ? fmt::format("{}:{}:{}", where.file, where.line, where.column)
-                                 : where.file);
+  out->set_source(where.line > 0
+                      ? fmt::format("{}:{}:{}", where.file.str(), where.line, where.column)
+                      : where.file.str());
   const Vec3<double>& origin_m = scene.origin_of(entry);
   visit(
       [&]<typename L>(const L& l) {

@@ -23,12 +23,10 @@ inline SceneDescription scaled_scene(SceneDescription d, double s) {
         [&](auto& geometry) {
           if constexpr (requires { geometry.positions; })
             for (Vec3<double>& p : geometry.positions) p = p * s;
-          else if constexpr (requires { geometry.curves; })
-            for (CubicCurve& curve : geometry.curves) {
-              for (Vec3<double>& p : curve.points) p = p * s;
-              curve.start_width_m *= s, curve.end_width_m *= s;
-            }
-          else
+          else if constexpr (requires { geometry.points; }) {
+            for (Vec3<double>& p : geometry.points) p = p * s;
+            geometry.start_width_m *= s, geometry.end_width_m *= s;
+          } else
             geometry.world_from_object = *Transform::scale({s, s, s}) * geometry.world_from_object;
         },
         shape.geometry);

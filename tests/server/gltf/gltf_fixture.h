@@ -190,7 +190,7 @@ class GltfFile {
 inline std::string gltf_remarks(const SceneDescription& scene) {
   std::string result;
   for (const Remark& remark : scene.remarks)
-    result += remark.where.file + ": " + remark.what + " -> " + remark.instead + "\n";
+    result += remark.where.file.str() + ": " + remark.what + " -> " + remark.instead + "\n";
   return result;
 }
 

@@ -108,7 +108,8 @@ bool load_and_check(const GltfFiles& files, const std::string& name) {
     for (const InstanceDescription& instance : scene->instances)
       EXPECT_LT(instance.object, scene->objects.size());
     for (const Remark& remark : scene->remarks)
-      EXPECT_TRUE(is_printable(remark.where.file + remark.what + remark.instead)) << remark.what;
+      EXPECT_TRUE(is_printable(remark.where.file.str() + remark.what + remark.instead))
+          << remark.what;
   } else {
     EXPECT_NE(message_of(scene.status()), "");
     EXPECT_TRUE(is_printable(message_of(scene.status()))) << scene.status();

@@ -15,15 +15,16 @@ Vector at(const CubicCurve& c, double u) {
          c.points[3] * (u * u * u);
 }
 
-std::vector<CubicCurve> curves_of(const CurveControl& control) {
-  auto curves = cubic_curves(control);
-  EXPECT_TRUE(curves.ok()) << curves.status();
-  return curves.ok() ? *std::move(curves) : std::vector<CubicCurve>{};
+std::vector<CubicCurve> curves_of(const CurveData& data) {
+  std::vector<CubicCurve> curves;
+  const absl::Status status = check_curves(data);
+  EXPECT_TRUE(status.ok()) << status;
+  for (std::size_t i = 0; status.ok() && i < data.count(); ++i)
+    curves.push_back(cubic_curve(data, i));
+  return curves;
 }
 
-std::string error_of(const CurveControl& control) {
-  return std::string(cubic_curves(control).status().message());
-}
+std::string error_of(const CurveData& data) { return std::string(check_curves(data).message()); }
 
 // The values of the uniform basis functions at the middle of a span: (1, 23, 23, 1) / 48 and
 // (1, 6, 1) / 8; those of Bezier: (1, 3, 3, 1) / 8 and (1, 2, 1) / 4.
@@ -74,8 +75,7 @@ TEST(CurvePieces, RefuseWrongNumbers) {
   EXPECT_THAT(error_of({.points = points(6)}), HasSubstr("allowed: 1 more than a multiple of 3"));
   EXPECT_EQ(error_of({.points = points(7), .normals = points(2)}),
             "2 normals of a ribbon with 2 curves, allowed: 3");
-  const auto status =
-      cubic_curves({.points = points(kMostCurves + 4), .is_b_spline = true}).status();
+  const auto status = check_curves({.points = points(kMostCurves + 4), .is_b_spline = true});
   EXPECT_TRUE(absl::IsResourceExhausted(status));
   EXPECT_THAT(std::string(status.message()),
               HasSubstr("1048577 curves in one shape, allowed: at most 1048576"));

@@ -155,16 +155,17 @@ TEST(PbrtShapes, CurvesKeepTheirKindWidthAndPlace) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene), "");
   const auto data = [&](int i) { return std::get<CurveData>(scene->shapes[i].geometry); };
+  const auto curve = [&](int i, std::size_t k) { return cubic_curve(data(i), k); };
   EXPECT_EQ(data(0).kind, CurveKind::kFlat);
-  EXPECT_NEAR(data(0).curves[0].start_width_m, 2, 1e-15);
-  EXPECT_EQ(data(0).curves[0].points[3], Vec3<double>(5, 0, 6));
+  EXPECT_NEAR(curve(0, 0).start_width_m, 2, 1e-15);
+  EXPECT_EQ(curve(0, 0).points[3], Vec3<double>(5, 0, 6));
   EXPECT_EQ(data(1).kind, CurveKind::kCylinder);
-  EXPECT_NEAR(data(1).curves[0].start_width_m, 1, 1e-15);
-  EXPECT_NEAR(data(1).curves[0].end_width_m, 0.5, 1e-15);
+  EXPECT_NEAR(curve(1, 0).start_width_m, 1, 1e-15);
+  EXPECT_NEAR(curve(1, 0).end_width_m, 0.5, 1e-15);
   EXPECT_EQ(data(2).kind, CurveKind::kRibbon);
-  ASSERT_EQ(data(2).curves.size(), 2U);
-  EXPECT_EQ(data(2).curves[0].normals[0], Vec3<double>(1, 0, 0));
-  EXPECT_EQ(data(2).curves[1].normals[0], Vec3<double>(0, 1, 0));
+  ASSERT_EQ(data(2).count(), 2U);
+  EXPECT_EQ(curve(2, 0).normals[0], Vec3<double>(1, 0, 0));
+  EXPECT_EQ(curve(2, 1).normals[0], Vec3<double>(0, 1, 0));
 }
 
 TEST(PbrtShapes, CurvesReportWhatIsNotModelled) {

@@ -7,7 +7,7 @@
 namespace lucerna::pbrt {
 namespace {
 
-const std::string kFile = "f";
+const SharedText kFile = "f";
 
 std::vector<Token> tokens(std::string_view text) {
   Tokenizer tokenizer(&kFile, text);
@@ -51,6 +51,21 @@ TEST(PbrtTokens, WordsEndAtBracketsAndQuotes) {
   EXPECT_EQ(all[2].text, "b");
   EXPECT_EQ(all[3].text, "c");
   EXPECT_EQ(all[4].text, "d");
+}
+
+TEST(PbrtTokens, WordsAheadAreThoseOfAList) {
+  const auto ahead = [](std::string_view text) {
+    Tokenizer tokenizer(&kFile, text);
+    while (tokenizer.next().kind != Token::Kind::kOpen) {
+    }
+    return tokenizer.words_ahead();
+  };
+  EXPECT_EQ(ahead("a [1 2\t3\r\n4]5"), 4U);
+  EXPECT_EQ(ahead("[ 1# 2 #3 4]\n 5 # 6"), 3U) << "\"1#\" is a word, and \"#3 4]\" is a comment";
+  EXPECT_EQ(ahead("[]1"), 0U);
+  EXPECT_EQ(ahead("[\"1 2\" 3]"), 0U);
+  EXPECT_EQ(ahead("[1 [2 3]"), 1U);
+  EXPECT_EQ(ahead("[1 2"), 2U);
 }
 
 TEST(PbrtTokens, EscapesAreResolved) {

@@ -174,8 +174,12 @@ TEST(Curve, NormalOfATubeTurnsEvenlyOverItsWidth) {
   }
 }
 
-ShapeDescription shape_of(std::vector<CubicCurve> curves, CurveKind kind) {
-  return testing::shape(CurveData{kind, std::move(curves)});
+ShapeDescription shape_of(const CubicCurve& c, CurveKind kind) {
+  return testing::shape(CurveData{.kind = kind,
+                                  .points = {c.points.begin(), c.points.end()},
+                                  .start_width_m = c.start_width_m,
+                                  .end_width_m = c.end_width_m,
+                                  .normals = {c.normals.begin(), c.normals.end()}});
 }
 
 /// Rays from hits on a straight curve, on the side of their normals, and their number that hits the
@@ -214,7 +218,7 @@ TEST(Curve, RaysThatLeaveDoNotHitItAgainAndRaysBackAreNotLost) {
         curve.normals = {normalized(Vector{-0.3, 0.5, 0}), normalized(Vector{-0.3, 0.5, 0})};
         SceneDescription d = testing::description();
         // A far triangle keeps the origin of the scene, so that floats round the curve's place.
-        d.shapes = {shape_of(std::vector<CubicCurve>(1, curve), kind), testing::floor(0.1, -9000)};
+        d.shapes = {shape_of(curve, kind), testing::floor(0.1, -9000)};
         const auto scene = build(std::move(d));
         const Spawned count = spawn(*scene, middle, std::max(width, 0.02));
         EXPECT_GT(count.rays, 20) << width;
@@ -235,7 +239,7 @@ TEST(Curve, RaysThatLeaveDoNotHitItAgainAndRaysBackAreNotLost) {
 TEST(Curve, HitsOfObjectsAreInTheirPlace) {
   const Ray down{{0, 0, 5}, {0, 0, -1}};
   SceneDescription d = testing::description();
-  d.objects = {{"tube", {shape_of({straight({-1, 0, 0}, {1, 0, 0}, 1)}, CurveKind::kCylinder)}}};
+  d.objects = {{"tube", {shape_of(straight({-1, 0, 0}, {1, 0, 0}, 1), CurveKind::kCylinder)}}};
   d.instances = {{0, Transform::translate({0, 0, 1}) * *Transform::scale({2, 2, 2})}};
   const auto placed = build(d);
   const auto hit = placed->closest_hit(down);
@@ -250,7 +254,7 @@ TEST(Curve, HitsOfObjectsAreInTheirPlace) {
 TEST(Curve, MovesWithItsShape) {
   const std::vector<KeyTransform> keys{{0, Transform()}, {1, Transform::translate({0, 4, 0})}};
   SceneDescription d = testing::description();
-  d.shapes = {shape_of({straight({-1, 0, 0}, {1, 0, 0}, 0.5)}, CurveKind::kCylinder)};
+  d.shapes = {shape_of(straight({-1, 0, 0}, {1, 0, 0}, 0.5), CurveKind::kCylinder)};
   d.shapes[0].motion = std::make_shared<const Motion>(*Motion::create(keys));
   const auto scene = build(d);
   for (const double time_s : {0.0, 0.5, 1.0})
@@ -266,7 +270,7 @@ TEST(Curve, BlocksShafts) {
   SceneDescription d = testing::description();
   const Vector a{-0.2, -0.2, 2}, b{-0.2, 0.2, 2}, c{0.2, -0.2, 2}, e{0.2, 0.2, 2};
   d.shapes = {testing::floor(1), testing::emissive(testing::patch(a, b, c, e), 10),
-              shape_of({straight({-1, 0.3, 1}, {1, 0.3, 1}, 0.02)}, CurveKind::kFlat)};
+              shape_of(straight({-1, 0.3, 1}, {1, 0.3, 1}, 0.02), CurveKind::kFlat)};
   const auto scene = build(std::move(d));
   const Shafts shafts(*scene);
   for (const double y : {-0.5, 0.0, 0.25, 0.35, 0.5, 0.7, 0.9}) {
@@ -287,7 +291,8 @@ TEST(Curve, CountsItsBytesAndOnlyItsOwn) {
     return 0;
   };
   EXPECT_EQ(part(*build(d)), 0U);
-  d.shapes.push_back(shape_of({bent(0.1), bent(0.2)}, CurveKind::kCylinder));
+  for (const double width : {0.1, 0.2})
+    d.shapes.push_back(shape_of(bent(width), CurveKind::kCylinder));
   const std::uint64_t bytes = part(*build(d));
   EXPECT_GE(bytes, 8 * sizeof(CurvePiece));
   EXPECT_LT(bytes, 17 * sizeof(CurvePiece));  // what a vector may keep for growth

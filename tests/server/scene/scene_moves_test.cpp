@@ -61,7 +61,7 @@ SceneDescription every_shape(double size, double ground) {
       Vector{-ground, -ground, -0.5 * ground} * size, Vector{ground, -ground, -0.5 * ground} * size,
       Vector{-ground, ground, 0.3 * ground} * size, Vector{ground, ground, 0.3 * ground} * size);
   const Vector c = place(1, -1);
-  std::vector<ShapeDescription> lamps{
+  ShapeList lamps{
       wave(place(-1, -1), size),
       testing::patch(c, c + Vector{size, 0, 0}, c + Vector{0, size, 0}, c + Vector{size, size, 0}),
       testing::patch(place(-1, 1), place(0, 1), place(-1, 2), place(0, 2) + Vector{0, 0, size}),

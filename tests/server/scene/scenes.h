@@ -47,7 +47,9 @@ inline ShapeDescription floor(double half_side, double z = 0) {
 }
 
 inline ShapeDescription emissive(ShapeDescription shape, double radiance, bool two_sided = false) {
-  shape.emission = {Rgb<double>(radiance), two_sided, {"test.pbrt", 7, 3}};
+  shape.emission = ShapeDescription::Emission{.radiance_cd_m2 = Rgb<double>(radiance),
+                                              .two_sided = two_sided,
+                                              .where = {"test.pbrt", 7, 3}};
   return shape;
 }
 

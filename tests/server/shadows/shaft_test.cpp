@@ -239,7 +239,7 @@ TEST(Shaft, InstancesCountWhereTheyAre) {
     SceneDescription d = testing::description();
     d.shapes = {testing::floor(4), emissive(testing::floor(0.5, 2), 1, true)};
     // A frame around nothing: its box intersects the shaft, the frame does not.
-    std::vector<ShapeDescription> frame;
+    ShapeList frame;
     for (const double side : {-1.0, 0.8})
       frame.push_back(patch({side, -1, 0}, {side + 0.2, -1, 0}, {side, 1, 0}, {side + 0.2, 1, 0}));
     d.objects = {{"frame", std::move(frame)}};

@@ -49,18 +49,18 @@ std::vector<std::array<Vec3<double>, 4>> sides(double skew) {
   return all;
 }
 
-std::vector<ShapeDescription> triangles() { return {emissive({testing::room({1, 2, 3})}, kL)}; }
+ShapeList triangles() { return {emissive({testing::room({1, 2, 3})}, kL)}; }
 
 /// Each side is a light of its own.
-std::vector<ShapeDescription> rectangles() {
-  std::vector<ShapeDescription> shapes;
+ShapeList rectangles() {
+  ShapeList shapes;
   for (const auto& s : sides(0))
     shapes.push_back(emissive(testing::patch(s[0], s[1], s[2], s[3]), kL));
   return shapes;
 }
 
 /// All sides are one light.
-std::vector<ShapeDescription> patches() {
+ShapeList patches() {
   PatchMeshData mesh;
   for (const auto& s : sides(0.4))
     for (const Vec3<double>& p : s) {
@@ -73,14 +73,14 @@ std::vector<ShapeDescription> patches() {
 const Transform kPlace =
     Transform::translate({1, 2, 3}) * *Transform::rotate(0.7, Vec3<double>{1, -2, 0.5});
 
-std::vector<ShapeDescription> sphere() {
+ShapeList sphere() {
   return {emissive(
       {SphereParams{.radius_m = 1.25, .reverse_orientation = true, .world_from_object = kPlace}},
       kL)};
 }
 
 /// Half a sphere, closed by a disk.
-std::vector<ShapeDescription> dome() {
+ShapeList dome() {
   return {
       emissive({SphereParams{.radius_m = 1.25,
                              .z_min_m = 0,
@@ -92,7 +92,7 @@ std::vector<ShapeDescription> dome() {
 
 /// A cylinder closed by a disk on one side, and by an annulus and the disk in its hole on the
 /// other.
-std::vector<ShapeDescription> drum() {
+ShapeList drum() {
   const auto lid = [](double inner, double outer) {
     return emissive({DiskParams{.height_m = 0.75,
                                 .radius_m = outer,
@@ -112,12 +112,12 @@ std::vector<ShapeDescription> drum() {
       lid(0, 0.5), lid(0.5, 1.25)};
 }
 
-using Shapes = std::vector<ShapeDescription> (*)();
+using Shapes = ShapeList (*)();
 
 /// The same with a uniform grey picture on each light, at a quarter of the level.  Each triangle
 /// shows half of it.
 template <Shapes kOf>
-std::vector<ShapeDescription> painted() {
+ShapeList painted() {
   auto shapes = kOf();
   for (ShapeDescription& s : shapes) {
     s.emission->radiance_cd_m2 = Rgb<double>(kL / 4);
@@ -151,16 +151,16 @@ void make_panel(ShapeDescription& shape, double area_m2) {
 }
 
 /// The sides of a cube, each a panel of one patch.
-std::vector<ShapeDescription> rectangle_panels() {
+ShapeList rectangle_panels() {
   auto shapes = rectangles();
   for (ShapeDescription& s : shapes) make_panel(s, 4);
   return shapes;
 }
 
 /// The sides of a cube, each a panel of two triangles.
-std::vector<ShapeDescription> triangle_panels() {
+ShapeList triangle_panels() {
   const TriangleMeshData room = testing::room({1, 2, 3});
-  std::vector<ShapeDescription> shapes;
+  ShapeList shapes;
   for (std::size_t i = 0; i < room.indices.size(); i += 6) {
     TriangleMeshData side;
     for (std::size_t k = i; k < i + 6; ++k) {
@@ -174,7 +174,7 @@ std::vector<ShapeDescription> triangle_panels() {
 }
 
 /// The drum with panels for its disks.  Its wall is not flat and stays diffuse.
-std::vector<ShapeDescription> disk_panels() {
+ShapeList disk_panels() {
   auto shapes = drum();
   for (ShapeDescription& s : shapes)
     if (const auto* disk = std::get_if<DiskParams>(&s.geometry))

@@ -35,8 +35,7 @@ ShapeDescription turned(ShapeDescription shape) {
   return shape;
 }
 
-std::shared_ptr<const Scene> scene_of(std::vector<ShapeDescription> shapes,
-                                      const Vec3<double>& lamp = {0, 0, 2.5}) {
+std::shared_ptr<const Scene> scene_of(ShapeList shapes, const Vec3<double>& lamp = {0, 0, 2.5}) {
   SceneDescription d = testing::description();
   d.shapes = std::move(shapes);
   d.lights = {testing::point_light(lamp, 100)};
@@ -92,9 +91,9 @@ TEST(InsideSolid, APointJustOffAWallIsNotFlaggedOnEitherSideNorOnIt) {
 // Where two surfaces coincide, a ray finds one of them.
 TEST(InsideSolid, FurnitureThatTouchesFloorAndWallIsASolid) {
   for (const bool floor_first : {false, true}) {
-    std::vector<ShapeDescription> shapes = {box({-1, -1, 0}, {1, 1, 1})};
-    const std::vector<ShapeDescription> room = {
-        testing::floor(3), testing::patch({-3, -1, 0}, {3, -1, 0}, {-3, -1, 3}, {3, -1, 3})};
+    ShapeList shapes = {box({-1, -1, 0}, {1, 1, 1})};
+    const ShapeList room = {testing::floor(3),
+                            testing::patch({-3, -1, 0}, {3, -1, 0}, {-3, -1, 3}, {3, -1, 3})};
     shapes.insert(floor_first ? shapes.begin() : shapes.end(), room.begin(), room.end());
     const auto scene = scene_of(std::move(shapes));
     for (const double z : {0.01, 0.2, 0.5, 0.99}) EXPECT_TRUE(inside(*scene, {0.3, -0.4, z})) << z;
