@@ -271,6 +271,21 @@ class Log(unittest.TestCase):
         self.assertLess(len(lines), 1000)
         self.assertFalse([line for line in lines if "libprotobuf" in line])
 
+    def test_has_no_line_of_a_library(self):
+        picture = (REFERENCE / "tiles.png").read_bytes()
+        with tempfile.TemporaryDirectory() as root, tempfile.TemporaryFile("w+") as log:
+            scene = pathlib.Path(root, "scene.pbrt")
+            scene.write_text('WorldBegin Texture "t" "spectrum" "imagemap" "string filename" "t.png"\n'
+                             'Material "diffuse" "texture reflectance" "t" Shape "sphere"\n')
+            with ServerProcess(BUILD, root, "--log-format", "json", log=log) as server:
+                for kept in (20, 40, len(picture) // 2):  # libpng prints what is wrong with each
+                    pathlib.Path(root, "t.png").write_bytes(picture[:kept])
+                    with self.assertRaisesRegex(RuntimeError, "t.png"):
+                        server.ask("load", "scene.pbrt")
+            log.seek(0)
+            parsed = [json.loads(line) for line in log]
+        self.assertEqual([p["code"] for p in parsed if p.get("call") == "LoadScene"], 3 * ["INVALID_ARGUMENT"])
+
     def test_has_no_calls_above_its_level(self):
         def calls(channel):
             self.send(channel, "/lucerna.v1.AdminService/GetServerInfo", b"")
