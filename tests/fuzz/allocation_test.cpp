@@ -102,33 +102,38 @@ TEST(Allocations, PhotometricParsersHoldAtMostEightTimesTheSizeBeyondTheWeb) {
   EXPECT_TRUE(parse_eulumdat(ldt, "file").ok()) << parse_eulumdat(ldt, "file").status();
 }
 
-/// Loads `text` and requires that the peak is at most 8 times its size.  `counts_lists`: also what
-/// the memory budget counts.
-void check_pbrt(const std::string& text, bool counts_lists) {
+/// Loads `text` and requires that the peak is at most 8 times its size, and `fixed` bytes.
+/// `counts_lists`: also what the memory budget counts.
+void check_pbrt(const std::string& text, std::size_t fixed = AllocationBound::kFixedBytes,
+                bool counts_lists = false) {
   testing::LimitedPool pool;
   LoadBudget budget(&pool);
   AssetReader assets(std::make_unique<InputFiles>(text, "scene.pbrt"), {.budget = &budget});
   const AllocationBound bound(".pbrt", text.size());
   const auto scene = load_pbrt(assets, "scene.pbrt", {}, {.budget = &budget});
-  EXPECT_LE(bound.peak_bytes(), AllocationBound::kFactor * text.size() + kPbrtFixedBytes +
-                                    (counts_lists ? pool.most() : 0))
+  EXPECT_LE(bound.peak_bytes(),
+            AllocationBound::kFactor * text.size() + fixed + (counts_lists ? pool.most() : 0))
       << text.substr(0, 200) << " " << scene.status() << " counted " << pool.most();
 }
 
 const std::string kWorld = "WorldBegin ";
 
-TEST(Allocations, PbrtHoldsAtMostEightTimesItsSize) {
-  const std::string triangle = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 ";
-  const std::string corners = "] \"point3 P\" [0 0 0 1 0 0 1 1 0 ";
+TEST(Allocations, PbrtHoldsAtMostTwoMegabytesForOpenBlocks) {
   const std::string blocks = repeated("AttributeBegin ", 255);
   std::string attributes;
   for (const char* target : {"shape", "light", "material", "texture", "medium"})
     for (int i = 0; i < 64; ++i)
       attributes += fmt::format("Attribute\"{}\"\"float a{}\"1 ", target, i);
+  for (const std::string& text :
+       {kWorld + blocks + repeated("AttributeEnd ", 255), kWorld + filled("AttributeBegin "),
+        kWorld + attributes + blocks, kWorld + numbered("Attribute\"shape\"\"float a%\"1 ")})
+    check_pbrt(text, kPbrtFixedBytes);
+}
+
+TEST(Allocations, PbrtHoldsAtMostEightTimesItsSize) {
+  const std::string triangle = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 ";
+  const std::string corners = "] \"point3 P\" [0 0 0 1 0 0 1 1 0 ";
   for (const std::string& text : {
-           kWorld + blocks + repeated("AttributeEnd ", 255),
-           kWorld + filled("AttributeBegin "),
-           kWorld + attributes + blocks,
            kWorld + filled("Attribute\"shape\"\"float a\"1 "),
            kWorld + numbered("Attribute\"shape\"\"float a%\"1 "),
            kWorld + filled("AreaLightSource\"diffuse\""),
@@ -163,7 +168,7 @@ TEST(Allocations, PbrtHoldsAtMostEightTimesItsSize) {
            kWorld + "Shape \"" + filled("\\n") + "\"",
            "#" + filled("a"),
        })
-    check_pbrt(text, false);
+    check_pbrt(text);
 }
 
 // Directives with as many digits as programs write.
@@ -186,7 +191,7 @@ TEST(Allocations, PbrtOfOrdinaryDirectivesHoldsAtMostEightTimesItsSize) {
                numbered("AttributeBegin\nTransform [0.5 0 0 0 0 0.5 0 0 0 0 0.5 0 1.25 % -0.75 1]\n"
                         "ObjectInstance \"tree\"\nAttributeEnd\n"),
        })
-    check_pbrt(text.starts_with("WorldBegin") ? text : kWorld + text, false);
+    check_pbrt(text.starts_with("WorldBegin") ? text : kWorld + text);
 }
 
 // Many short directives: each becomes an object that is larger than its text.
@@ -204,7 +209,7 @@ TEST(Allocations, PbrtOfTheShortestDirectivesHoldsWhatTheBudgetCounts) {
            numbered("MakeNamedMaterial\"%\"\"string type\"\"mix\"\"float a\"1\"float b\"1 "),
            numbered("NamedMaterial\"%\""),
        })
-    check_pbrt(kWorld + text, true);
+    check_pbrt(kWorld + text, AllocationBound::kFixedBytes, true);
 }
 
 }  // namespace
