@@ -197,10 +197,8 @@ std::shared_ptr<Parameter> Parser::parameter(const Token& declaration) {
 
 void Parser::reserve(Parameter& parameter, std::size_t words) {
   // A list that grows exists twice.
-  std::uint64_t bytes = 0;
   const auto reserve = [&]<typename T>(std::vector<T>& list, std::size_t count) {
-    bytes = count * sizeof(T);
-    if (bytes >= kLongBytes) {
+    if (const std::uint64_t bytes = count * sizeof(T); bytes >= kLongBytes) {
       parameter.share = LoadBudget::Share(context_.meter.budget());
       Context::require(parameter.share.resize(bytes));
     }
