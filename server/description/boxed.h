@@ -1,4 +1,4 @@
-// An optional value that takes no room where it is missing.
+// An optional value that takes only a pointer if it is missing.
 #pragma once
 
 #include <memory>

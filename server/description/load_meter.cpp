@@ -13,7 +13,7 @@ std::uint64_t bytes_of(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);
 }
 
-/// Of a list whose elements have a block each.
+/// Memory of a deque: each element, and a pointer to its block.
 template <typename List>
 std::uint64_t bytes_of(const List& values) {
   return values.size() * (sizeof(typename List::value_type) + sizeof(void*));
@@ -37,7 +37,7 @@ std::uint64_t array_bytes(const ShapeDescription& shape) {
 
 std::uint64_t listed_bytes(const ShapeDescription& shape) {
   return array_bytes(shape) + sizeof shape + sizeof(ShapeDescription*) +
-         (shape.emission ? sizeof *shape.emission : 0);
+         (shape.emission ? sizeof *shape.emission + shape.emission->name.size() : 0);
 }
 
 absl::Status LoadMeter::add(const ShapeDescription& shape) {

@@ -26,7 +26,7 @@ class LoadMeter {
   absl::Status hold(std::uint64_t bytes);
   /// Counts bytes that the scene keeps, such as the pictures of lights.
   absl::Status keep(std::uint64_t bytes);
-  /// Counts the other lists of the description and its textures as they are now.
+  /// Counts the lists other than those of shapes, and the textures, as they are now.
   absl::Status count_lists();
 
  private:
@@ -38,7 +38,7 @@ class LoadMeter {
 
 /// Memory of the arrays of a shape.
 std::uint64_t array_bytes(const ShapeDescription& shape);
-/// The same, and of the shape itself in a list.
+/// Memory of a shape in a list, with its arrays and its emission.
 std::uint64_t listed_bytes(const ShapeDescription& shape);
 
 }  // namespace lucerna

@@ -142,8 +142,8 @@ struct ShapeDescription {
   std::shared_ptr<const Motion> motion{};
 };
 
-/// A list that may have millions of elements.  Not a vector, which holds its elements twice while
-/// it grows, and not std::deque, which takes half a kilobyte while it is empty.
+/// A list that may have millions of elements.  A vector holds its elements twice while it grows. An
+/// empty std::deque takes half a kilobyte.
 template <typename T>
 using LongList = boost::container::deque<T>;
 

@@ -16,6 +16,9 @@ constexpr std::size_t kMostAttributes = 64;  // of one target
 constexpr std::size_t kNodeBytes = 96;
 constexpr std::size_t kParameterBytes = sizeof(Parameter) + 128;
 
+/// Whether an entry is not a number, which products of large transforms can have.
+bool has_nan(const Transform& t) { return !(t == t); }
+
 const char* name_of_opener(int kind) {
   static constexpr const char* kNames[] = {"AttributeBegin", "ObjectBegin", "Import"};
   return kNames[kind];
@@ -32,28 +35,20 @@ void Builder::require_before_world(const std::string& directive, const Place& pl
 }
 
 void Builder::set_transform(const Transform& transform) {
-  MovingTransform& moving = state_.world_from_object;
-  if (state_.start_active && state_.end_active)
-    moving = MovingTransform(transform);
-  else if (state_.start_active)
-    moving = {transform, moving.end()};
-  else
-    moving = {moving.start(), transform};
+  state_.world_from_object.change(state_.start_active, state_.end_active,
+                                  [&](const Transform&) { return transform; });
 }
 
 void Builder::concatenate(const Transform& transform) {
-  MovingTransform& moving = state_.world_from_object;
-  if (state_.start_active && state_.end_active && !moving.moves())
-    moving = MovingTransform(moving.start() * transform);
-  else
-    moving = {state_.start_active ? moving.start() * transform : moving.start(),
-              state_.end_active ? moving.end() * transform : moving.end()};
+  state_.world_from_object.change(state_.start_active, state_.end_active,
+                                  [&](const Transform& t) { return t * transform; });
 }
 
 void Builder::coordinate_system(const std::string& name) {
   const bool is_new = coordinate_systems_.insert_or_assign(name, state_.world_from_object).second;
-  // The transform can be one that nothing else holds.
-  if (is_new) context_.count(sizeof(Transform) + kNodeBytes + name.size());
+  // Its transforms can be such that nothing else holds.
+  const std::size_t transforms = state_.world_from_object.moves() ? 2 : 1;
+  if (is_new) context_.count(transforms * sizeof(Transform) + kNodeBytes + name.size());
 }
 
 void Builder::coord_sys_transform(const std::string& name, const Place& place) {
@@ -80,13 +75,21 @@ const Transform& Builder::still_transform(const char* directive, const Place& pl
 }
 
 std::shared_ptr<const Motion> Builder::motion(const char* directive, const MovingTransform& moving,
-                                              const Place& place) const {
+                                              const Place& place) {
+  if (has_nan(moving.start()) || has_nan(moving.end()))
+    fail(place,
+         fmt::format("{}: the product of the transforms exceeds the range of a double", directive));
   if (!moving.moves()) return nullptr;
+  // Many shapes may have the same motion.
+  if (last_motion_ && moving.is_same_object_as(last_moving_)) return last_motion_;
   const std::array<KeyTransform, 2> frames{{{start_s_, moving.start()}, {end_s_, moving.end()}}};
   absl::StatusOr<Motion> motion = Motion::create(frames);
   if (!motion.ok())
     fail(place, fmt::format("{}: {}", directive, std::string(motion.status().message())));
-  return std::make_shared<const Motion>(*std::move(motion));
+  context_.count(sizeof(Motion) + motion->bytes());
+  last_moving_ = moving;
+  last_motion_ = std::make_shared<const Motion>(*std::move(motion));
+  return last_motion_;
 }
 
 void Builder::setting(const std::string& directive, const std::string& type, Parameters params,
@@ -95,8 +98,8 @@ void Builder::setting(const std::string& directive, const std::string& type, Par
   Setting setting{type, ParameterSet(std::move(params), {}), place};
   if (directive == "Camera") {
     // The current transform maps world to camera.  The motion is that of the camera in the world.
-    const MovingTransform world_from_camera{state_.world_from_object.start().inverse(),
-                                            state_.world_from_object.end().inverse()};
+    MovingTransform world_from_camera = state_.world_from_object;
+    world_from_camera.change(true, true, [](const Transform& t) { return t.inverse(); });
     settings_.camera_from_world = state_.world_from_object.start();
     settings_.camera_motion = motion("Camera", world_from_camera, place);
     coordinate_systems_["camera"] = world_from_camera;

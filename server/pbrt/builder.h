@@ -23,16 +23,27 @@ using Parameters = std::vector<std::shared_ptr<Parameter>>;
 /// The transforms at the start and at the end of the exposure.  Copies share them.
 class MovingTransform {
  public:
-  MovingTransform() : MovingTransform(Transform()) {}
-  explicit MovingTransform(const Transform& still)
-      : start_(std::make_shared<const Transform>(still)), end_(start_) {}
-  MovingTransform(const Transform& start, const Transform& end)
-      : start_(std::make_shared<const Transform>(start)),
-        end_(start == end ? start_ : std::make_shared<const Transform>(end)) {}
+  MovingTransform() : start_(std::make_shared<const Transform>()), end_(start_) {}
 
   const Transform& start() const { return *start_; }
   const Transform& end() const { return *end_; }
   bool moves() const { return start_ != end_; }
+  bool is_same_object_as(const MovingTransform& other) const {
+    return start_ == other.start_ && end_ == other.end_;
+  }
+
+  /// Replaces those that `at_start` and `at_end` choose by `changed(transform)`.
+  template <typename F>
+  void change(bool at_start, bool at_end, F&& changed) {
+    const auto apply = [&](const Transform& t) {
+      return std::make_shared<const Transform>(changed(t));
+    };
+    const bool both = at_start && at_end && !moves();
+    const auto start = at_start ? apply(*start_) : start_;
+    const auto end = both ? start : at_end ? apply(*end_) : end_;
+    start_ = start;
+    end_ = *start == *end ? start : end;
+  }
 
  private:
   std::shared_ptr<const Transform> start_, end_;  // one object if it does not move
@@ -118,12 +129,12 @@ class Builder {
   /// The current transform at the start of the exposure.  Adds a remark if it moves.
   const Transform& still_transform(const char* directive, const Place& place);
   /// The motion of the current transform; null if it does not move.  Fails on a motion that is not
-  /// rigid.
-  std::shared_ptr<const Motion> motion(const char* directive, const Place& place) const {
+  /// rigid, and on a transform that is not a number.
+  std::shared_ptr<const Motion> motion(const char* directive, const Place& place) {
     return motion(directive, state_.world_from_object, place);
   }
   std::shared_ptr<const Motion> motion(const char* directive, const MovingTransform& moving,
-                                       const Place& place) const;
+                                       const Place& place);
   void resolve_materials(ShapeList& shapes);
 
   Context& context_;
@@ -131,6 +142,8 @@ class Builder {
   std::deque<Opened> opened_;
   std::map<std::string, MovingTransform> coordinate_systems_;
   double start_s_ = 0, end_s_ = 1;  ///< TransformTimes
+  MovingTransform last_moving_;     ///< of `last_motion_`
+  std::shared_ptr<const Motion> last_motion_;
   Settings settings_;
   Materials materials_;
   Media media_;

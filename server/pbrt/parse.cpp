@@ -19,7 +19,6 @@ constexpr std::uint64_t kTokensPerPoll = 4096;
 constexpr std::size_t kMostParameters = 256;  // of one directive
 // A string takes 16 times the memory of its shortest text.
 constexpr std::size_t kMostStrings = 256;  // of one parameter
-constexpr std::uint64_t kLongBytes = 1 << 15;
 
 /// The values of a parameter whose type has lists of type `T`.
 template <typename T>
@@ -180,9 +179,13 @@ std::shared_ptr<Parameter> Parser::parameter(const Token& declaration) {
   std::size_t count = 0;
   Token token = next();
   if (token.kind == Token::Kind::kOpen) {
+    // A list that grows exists twice.
     reserve(*result, files_.back().tokens.words_ahead());
-    for (token = next(); token.kind != Token::Kind::kClose; token = next())
+    for (token = next(); token.kind != Token::Kind::kClose; token = next()) {
       value(token, count++, *result);
+      // A list grows if a part of it follows behind an included file.
+      hold(*result, result->capacity_bytes());
+    }
   } else {
     value(token, count++, *result);
   }
@@ -196,21 +199,24 @@ std::shared_ptr<Parameter> Parser::parameter(const Token& declaration) {
 }
 
 void Parser::reserve(Parameter& parameter, std::size_t words) {
-  // A list that grows exists twice.
   const auto reserve = [&]<typename T>(std::vector<T>& list, std::size_t count) {
-    if (const std::uint64_t bytes = count * sizeof(T); bytes >= kLongBytes) {
-      parameter.share = LoadBudget::Share(context_.meter.budget());
-      Context::require(parameter.share.resize(bytes));
-    }
+    hold(parameter, count * sizeof(T));
     list.reserve(count);
   };
   const std::string_view type = parameter.type;
   if (type == "point3" || type == "vector3" || type == "normal")
-    reserve(parameter.values.emplace<Vectors>(), words / 3);
+    reserve(parameter.values.emplace<Vectors>(), (words + 2) / 3);
   else if (type == "integer")
     reserve(parameter.values.emplace<Integers>(), words);
   else if (words > 0)
     reserve(parameter.values.emplace<Numbers>(), words);
+}
+
+void Parser::hold(Parameter& parameter, std::uint64_t bytes) const {
+  constexpr std::uint64_t kLongBytes = 1 << 15;
+  if (bytes < kLongBytes || bytes == parameter.share.bytes()) return;
+  if (parameter.share.bytes() == 0) parameter.share = LoadBudget::Share(context_.meter.budget());
+  Context::require(parameter.share.resize(bytes));
 }
 
 void Parser::value(const Token& token, std::size_t index, Parameter& parameter) {

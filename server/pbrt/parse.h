@@ -45,8 +45,10 @@ class Parser {
                    const Place& place);
   Parameters parameters();
   std::shared_ptr<Parameter> parameter(const Token& declaration);
-  /// Makes room for a list of at most this many values.  Counts the memory of a long list.
+  /// Makes room for a list of this many words.
   void reserve(Parameter& parameter, std::size_t words);
+  /// Counts the memory of a long list.
+  void hold(Parameter& parameter, std::uint64_t bytes) const;
   /// Adds value `index`, the next one.
   void value(const Token& token, std::size_t index, Parameter& parameter);
 

@@ -16,7 +16,7 @@ namespace {
 
 bool is_interface(std::string_view type) { return is_one_of(type, {"interface", "none", ""}); }
 
-/// The name of a type, which outlives `type`.  Fails if it is not known.
+/// `type` as a string of static lifetime.  Fails if it is not a known type.
 std::string_view known_type(const std::string& type, const Place& place) {
   static constexpr std::array<std::string_view, 13> kTypes{"diffuse",
                                                            "coateddiffuse",

@@ -46,7 +46,7 @@ class Materials {
 
  private:
   struct Entry {
-    std::string_view type;  ///< one of those that it knows
+    std::string_view type;  ///< a known type
     ParameterSet params;
     Place place;  ///< of the directive that defines it; before that, of its first use
     const std::string* name = nullptr;  ///< null if made by Material

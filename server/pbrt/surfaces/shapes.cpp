@@ -375,7 +375,7 @@ std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shap
 }  // namespace
 
 std::optional<Geometry> make_geometry(Context& context, const ShapeDirective& shape) {
-  // The arrays of a mesh have at most twice the bytes of its numbers in the file.
+  // The arrays of a mesh take at most twice the memory of its parameters.
   LoadBudget::Share work(context.meter.budget());
   Context::require(work.resize(2 * shape.params.long_bytes()));
   auto geometry = geometry_of(context, shape);

@@ -38,8 +38,8 @@ using Vectors = std::vector<Vec3<double>>;
 /// The values of string and texture, and the name of a spectrum.
 using Strings = std::vector<std::string>;
 
-/// A parameter in the file.  The number of values is a positive multiple of its type's.  They are
-/// stored as meshes store them, so that long lists need not exist twice.
+/// A parameter in the file.  The number of values is a positive multiple of `values_per_item` of
+/// its type.  They are stored as meshes store them, so that long lists need not exist twice.
 struct Parameter {
   std::string_view type;
   std::string name;
@@ -54,6 +54,14 @@ struct Parameter {
   const Strings& strings() const { return values_or_none<Strings>(); }
   /// The number of values; an item of `vectors` has three.
   std::size_t count() const;
+  /// Memory of the list.
+  std::uint64_t capacity_bytes() const {
+    return std::visit(
+        []<typename T>(const std::vector<T>& list) -> std::uint64_t {
+          return list.capacity() * sizeof(T);
+        },
+        values);
+  }
 
  private:
   template <typename T>
@@ -94,7 +102,8 @@ class ParameterSet {
   /// Any number of values; empty if it is not given.
   std::vector<double> numbers(std::string_view name) const;
   Vectors vectors(std::string_view name, std::string_view type) const;
-  /// The same.  An own parameter has no values afterwards.
+  /// Moves the values out of a parameter of this directive.  Copies those of an Attribute
+  /// directive.
   Vectors take_vectors(std::string_view name, std::string_view type);
   Integers take_indices(std::string_view name);  ///< fails on negative ones
 

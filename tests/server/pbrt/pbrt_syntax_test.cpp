@@ -124,6 +124,11 @@ TEST(PbrtSyntax, ErrorsNamePlaceAndExpectedSyntax) {
        "Transform is not affine: its fourth, eighth and twelfth number must be 0, its last must "
        "not"},
       {"@Transform [1 0 0 0 2 0 0 0 0 0 1 0 0 0 0 1]", "this Transform has no inverse"},
+      {"ObjectBegin \"a\" Shape \"disk\" ObjectEnd Scale 1e200 1e200 1e200 Scale 1e200 1e200 1e200 "
+       "@ObjectInstance \"a\"",
+       "ObjectInstance: the product of the transforms exceeds the range of a double"},
+      {"Scale 1e200 1e200 1e200 Scale 1e200 1e200 1e200 @LightSource \"infinite\"",
+       "LightSource: the product of the transforms exceeds the range of a double"},
       {"Scale @1e400 1 1",
        "number 1e400 of Scale does not fit a double, allowed: [-1.79769e+308, 1.79769e+308]"},
       {"LightSource \"point\" \"float scale\" @1e400",
