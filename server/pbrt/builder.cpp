@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace lucerna::pbrt {
@@ -16,8 +17,14 @@ constexpr std::size_t kMostAttributes = 64;  // of one target
 constexpr std::size_t kNodeBytes = 96;
 constexpr std::size_t kParameterBytes = sizeof(Parameter) + 128;
 
-/// Whether an entry is not a number, which products of large transforms can have.
-bool has_nan(const Transform& t) { return !(t == t); }
+/// Products of large transforms can have entries that are infinite or not a number.
+bool is_in_range(const Transform& t) {
+  if (!(t == t)) return false;  // not a number, in the matrix or its inverse
+  for (const auto& row : t.matrix())
+    for (const double entry : row)
+      if (!std::isfinite(entry)) return false;
+  return true;
+}
 
 const char* name_of_opener(int kind) {
   static constexpr const char* kNames[] = {"AttributeBegin", "ObjectBegin", "Import"};
@@ -76,7 +83,7 @@ const Transform& Builder::still_transform(const char* directive, const Place& pl
 
 std::shared_ptr<const Motion> Builder::motion(const char* directive, const MovingTransform& moving,
                                               const Place& place) {
-  if (has_nan(moving.start()) || has_nan(moving.end()))
+  if (!is_in_range(moving.start()) || !is_in_range(moving.end()))
     fail(place,
          fmt::format("{}: the product of the transforms exceeds the range of a double", directive));
   if (!moving.moves()) return nullptr;

@@ -129,7 +129,7 @@ class Builder {
   /// The current transform at the start of the exposure.  Adds a remark if it moves.
   const Transform& still_transform(const char* directive, const Place& place);
   /// The motion of the current transform; null if it does not move.  Fails on a motion that is not
-  /// rigid, and on a transform that is not a number.
+  /// rigid, and on a transform beyond the range.
   std::shared_ptr<const Motion> motion(const char* directive, const Place& place) {
     return motion(directive, state_.world_from_object, place);
   }

@@ -127,7 +127,8 @@ TEST(PbrtSyntax, ErrorsNamePlaceAndExpectedSyntax) {
       {"ObjectBegin \"a\" Shape \"disk\" ObjectEnd Scale 1e200 1e200 1e200 Scale 1e200 1e200 1e200 "
        "@ObjectInstance \"a\"",
        "ObjectInstance: the product of the transforms exceeds the range of a double"},
-      {"Scale 1e200 1e200 1e200 Scale 1e200 1e200 1e200 @LightSource \"infinite\"",
+      {"Scale 1e200 1e200 1e200 Scale 1e200 1e200 1e200 Scale 1e200 1e200 1e200 @LightSource "
+       "\"infinite\"",
        "LightSource: the product of the transforms exceeds the range of a double"},
       {"Scale @1e400 1 1",
        "number 1e400 of Scale does not fit a double, allowed: [-1.79769e+308, 1.79769e+308]"},
