@@ -228,7 +228,7 @@ struct LevelFactors {
 };
 
 struct SceneDescription {
-  std::deque<Material> materials;
+  std::deque<Material> materials;  // GCC 12 warns falsely about a LongList of these
   Textures textures;
   std::vector<Medium> media;
   std::int32_t surrounding_medium = -1;  ///< where no surface bounds a medium; -1 for none

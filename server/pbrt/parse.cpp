@@ -15,7 +15,7 @@ namespace lucerna::pbrt {
 namespace {
 
 constexpr std::uint64_t kTokensPerPoll = 4096;
-// A parameter takes 20 times the memory of its shortest text.
+// A parameter takes far more memory than its shortest text.
 constexpr std::size_t kMostParameters = 256;  // of one directive
 // A string takes 16 times the memory of its shortest text.
 constexpr std::size_t kMostStrings = 256;  // of one parameter
