@@ -18,7 +18,7 @@ ROOMS = [
     "lights/choice",
     "server/runtime", "server/assets", "server/formats", "server/pictures", "server/materials", "server/description", "server/meshes",
     "server/pbrt/syntax", "server/pbrt/surfaces", "server/pbrt/lights", "server/pbrt", "server/gltf", "server/rays",
-    "server/scene", "server/store", "server/shadows", "server/estimate/statistics", "server/estimate/lights",
+    "server/scene", "server/store", "server/shadows", "server/smooth", "server/estimate/statistics", "server/estimate/lights",
     "server/estimate/paths", "server/estimate/queries", "server/monitor", "server/access", "server/rpc/messages",
     "server/rpc/handlers", "server/rpc", "server/config", "server",
     "client/rpc", "client/jobs", "client/view", "client/files", "client/testing", "client/shell", "client/terminal",

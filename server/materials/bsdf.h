@@ -43,6 +43,9 @@ class Bsdf {
                                             const ScatterValues<Real>& u) const {
     return std::visit([&](const auto& s) { return s.sample(wo, u); }, set_);
   }
+  Rgb<Real> single(const Vec3<Real>& wo, Side side) const {
+    return std::visit([&](const auto& s) { return s.single(wo, side); }, set_);
+  }
   bool all_delta() const {
     return std::visit([](const auto& s) { return s.all_delta(); }, set_);
   }

@@ -130,6 +130,12 @@ std::optional<ScatterSample<Real>> Coated<Real, Base>::sample(const Vec3<Real>& 
   return s;
 }
 
+template <std::floating_point Real, typename Base>
+Rgb<Real> Coated<Real, Base>::single(const Vec3<Real>& wo, Side side) const {
+  if (side != Side::kReflected || wo.z == 0) return {};
+  return all_delta() ? mirror(wo).weight : boundary_.single(wo.z < 0 ? -wo : wo, side);
+}
+
 // Smooth layers send all light to the mirror direction: a geometric series.
 template <std::floating_point Real, typename Base>
 ScatterSample<Real> Coated<Real, Base>::mirror(const Vec3<Real>& wo) const {

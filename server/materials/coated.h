@@ -31,6 +31,7 @@ class Coated {
   explicit Coated(const Params& params);
 
   bool all_delta() const { return boundary_.all_delta() && base_.all_delta(); }
+  Rgb<Real> single(const Vec3<Real>& wo, Side side) const;
   Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
   SolidAnglePdf<Real> pdf(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
   std::optional<ScatterSample<Real>> sample(const Vec3<Real>& wo,

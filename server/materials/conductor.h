@@ -20,6 +20,9 @@ class Conductor {
         smooth_(Microfacets<Real>::is_smooth(alpha_x, alpha_y)) {}
 
   bool all_delta() const { return smooth_; }
+  Rgb<Real> single(const Vec3<Real>& wo, Side side) const {
+    return smooth_ && side == Side::kReflected ? reflected(wo.z) : Rgb<Real>();
+  }
   Vec2<Real> alpha() const { return facets_.alpha(); }
   Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
   SolidAnglePdf<Real> pdf(const Vec3<Real>& wo, const Vec3<Real>& wi) const;

@@ -59,6 +59,15 @@ Real Dielectric<Real>::pdf(const Vec3<Real>& wo, const Vec3<Real>& wi, Side side
 }
 
 template <std::floating_point Real>
+Rgb<Real> Dielectric<Real>::single(const Vec3<Real>& wo, Side side) const {
+  if (!smooth_ || wo.z == 0) return {};
+  const Real reflected = fresnel_dielectric(wo.z, eta_);
+  if (side == Side::kReflected) return Rgb<Real>(reflected);
+  const Real eta = wo.z > 0 ? eta_ : 1 / eta_;
+  return Rgb<Real>((1 - reflected) / (eta * eta));
+}
+
+template <std::floating_point Real>
 auto Dielectric<Real>::sample(const Vec3<Real>& wo, const ScatterValues<Real>& u, Side sides,
                               Carries carries) const -> std::optional<Sample> {
   if (wo.z == 0) return std::nullopt;

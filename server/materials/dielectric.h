@@ -20,6 +20,7 @@ class Dielectric {
 
   Real eta() const { return eta_; }
   bool all_delta() const { return smooth_; }
+  Rgb<Real> single(const Vec3<Real>& wo, Side side) const;
   Vec2<Real> alpha() const { return facets_.alpha(); }
   Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
     return Rgb<Real>(value(wo, wi, Carries::kRadiance));
@@ -57,6 +58,9 @@ class ThinDielectric {
   explicit ThinDielectric(Real eta) : eta_(eta) {}
 
   bool all_delta() const { return true; }
+  Rgb<Real> single(const Vec3<Real>& wo, Side side) const {
+    return Rgb<Real>(side == Side::kTransmitted ? passed(wo.z) : 1 - passed(wo.z));
+  }
   Rgb<Real> value(const Vec3<Real>&, const Vec3<Real>&) const { return {}; }
   SolidAnglePdf<Real> pdf(const Vec3<Real>&, const Vec3<Real>&) const { return {}; }
   std::optional<ScatterSample<Real>> sample(const Vec3<Real>& wo,

@@ -32,6 +32,7 @@ class DiffuseTransmission {
   }
 
   bool all_delta() const { return false; }
+  Rgb<Real> single(const Vec3<Real>&, Side) const { return {}; }
   Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
     if (wo.z * wi.z == 0) return {};
     return (same_side(wo, wi) ? reflectance_ : transmittance_) *
@@ -68,6 +69,7 @@ class Diffuse {
 
   const Rgb<Real>& reflectance() const { return reflectance_; }
   bool all_delta() const { return false; }
+  Rgb<Real> single(const Vec3<Real>&, Side) const { return {}; }
   Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
     return reflectance_ * pdf(wo, wi).per_sr;
   }

@@ -121,6 +121,89 @@ Bsdf<double> bsdf_of(const Material& material, const Textures& textures, const T
   return std::visit(Maker(textures, p), material.params);
 }
 
+namespace {
+
+using Materials = absl::FunctionRef<const Material&(std::uint32_t)>;
+
+class TraitsOf {
+ public:
+  explicit TraitsOf(Materials materials) : materials_(materials) {}
+
+  SmoothTraits of(std::uint32_t number) const {
+    const Material& m = materials_(number);
+    SmoothTraits t = std::visit(*this, m.params);
+    t.turns_normals = t.turns_normals || m.normal_map >= 0 || m.bumps >= 0;
+    return t;
+  }
+
+  SmoothTraits operator()(const DiffuseParams&) const { return {.is_rough = true}; }
+  SmoothTraits operator()(const DiffuseTransmissionParams&) const { return {.is_rough = true}; }
+  SmoothTraits operator()(const MetalParams& m) const {
+    return {.reflects = may_be_smooth(m.roughness), .is_rough = may_be_rough(m.roughness)};
+  }
+  SmoothTraits operator()(const DielectricParams& m) const {
+    const bool smooth = may_be_smooth(m.roughness);
+    return {.reflects = smooth,
+            .passes = smooth,
+            .eta = constant(m.eta),
+            .is_rough = may_be_rough(m.roughness)};
+  }
+  SmoothTraits operator()(const ThinDielectricParams&) const {
+    return {.reflects = true, .passes = true};
+  }
+  SmoothTraits operator()(const CoatedDiffuseParams& m) const {
+    return {.reflects = may_be_smooth(m.coat.roughness), .is_rough = true};
+  }
+  SmoothTraits operator()(const CoatedMetalParams& m) const {
+    return {.reflects = may_be_smooth(m.coat.roughness),
+            .is_rough = may_be_rough(m.coat.roughness) || may_be_rough(m.metal.roughness)};
+  }
+  SmoothTraits operator()(const GltfSurfaceParams& m) const {
+    const auto least = [](const ColourValue& c) { return c.is_constant() ? c.constant.g : 0; };
+    const bool smooth = is_smooth(square(least(m.surface)));
+    const bool has_coat = !m.coat.is_constant() || m.coat.constant > 0;
+    return {.reflects = smooth || (has_coat && is_smooth(square(least(m.coat_roughness)))),
+            .passes = smooth && m.transmits(),
+            .is_rough = true};
+  }
+  SmoothTraits operator()(const MixParams& m) const {
+    const SmoothTraits a = of(m.materials[0]), b = of(m.materials[1]);
+    SmoothTraits t{.reflects = a.reflects || b.reflects,
+                   .passes = a.passes || b.passes,
+                   .eta = a.passes ? a.eta : b.eta,
+                   .turns_normals = a.turns_normals || b.turns_normals,
+                   .is_rough = a.is_rough || b.is_rough};
+    if (a.passes && b.passes && a.eta != b.eta) t.eta = std::nullopt;
+    return t;
+  }
+
+ private:
+  static double square(double x) { return x * x; }
+  static bool is_smooth(double alpha) { return Microfacets<double>::is_smooth(alpha, alpha); }
+  static std::optional<double> constant(const NumberValue& eta) {
+    if (!eta.is_constant()) return std::nullopt;
+    return std::clamp(eta.constant, kLeastEta, kMostEta);
+  }
+  static double alpha(const Roughness& r, const NumberValue& v) {
+    const double given = std::clamp(v.constant, 0.0, 1.0);
+    return r.remap ? std::sqrt(given) : given;
+  }
+  static bool is_constant(const Roughness& r) { return r.u.is_constant() && r.v.is_constant(); }
+  static bool is_smooth(const Roughness& r) {
+    return Microfacets<double>::is_smooth(alpha(r, r.u), alpha(r, r.v));
+  }
+  static bool may_be_smooth(const Roughness& r) { return !is_constant(r) || is_smooth(r); }
+  static bool may_be_rough(const Roughness& r) { return !is_constant(r) || !is_smooth(r); }
+
+  Materials materials_;
+};
+
+}  // namespace
+
+SmoothTraits smooth_traits(Materials materials, std::uint32_t number) {
+  return TraitsOf(materials).of(number);
+}
+
 double pane_transmittance(const NumberValue& eta, const Textures& textures, const TexturePoint& p,
                           double cosine) {
   return ThinDielectric<double>(std::clamp(textures(eta, p), kLeastEta, kMostEta))

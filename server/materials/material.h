@@ -1,9 +1,12 @@
 // Materials: the parameters of a scattering function, constant or from textures.
 #pragma once
 
+#include <absl/functional/function_ref.h>
+
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <variant>
 
 #include "server/materials/bsdf.h"
@@ -103,6 +106,21 @@ struct Material {
                : nullptr;
   }
 };
+
+/// What a material does with light in single directions.
+struct SmoothTraits {
+  bool reflects = false, passes = false;  ///< at some point of it
+  /// The index below the surface over that above, for light that passes; 1 where it keeps its
+  /// direction.  Nothing if it differs from point to point.
+  std::optional<double> eta = 1;
+  bool turns_normals = false;  ///< by a map
+  bool is_rough = false;       ///< whether it scatters light in other directions too
+
+  bool is_smooth() const { return reflects || passes; }
+};
+/// `materials`: the material of a number.
+SmoothTraits smooth_traits(absl::FunctionRef<const Material&(std::uint32_t)> materials,
+                           std::uint32_t number);
 
 inline Material diffuse_material(const Rgb<double>& reflectance) {
   return {.params = DiffuseParams{{reflectance}}};

@@ -162,15 +162,30 @@ bool MetallicRoughnessOn<Real, kSide>::is_single(Lobe lobe) const {
 }
 
 template <std::floating_point Real, Side kSide>
-ScatterSample<Real> MetallicRoughnessOn<Real, kSide>::single(Lobe lobe, const Vec3<Real>& wo,
-                                                             Real share) const {
+Rgb<Real> MetallicRoughnessOn<Real, kSide>::single(Lobe lobe, const Vec3<Real>& wo) const {
   const Real cosine = std::fabs(wo.z), schlick = schlick_weight(cosine);
   Rgb<Real> light(coat_ * coat_reflected(schlick));
   if (lobe != Lobe::kCoat) {
     light = lobe == Lobe::kReflected ? reflected(schlick) : passed_ * left(schlick);
     if (coat_ > 0) light = light * below_coat(cosine);
   }
-  return {.wi = lobe == Lobe::kPassed ? -wo : mirrored(wo), .weight = light / share, .delta = true};
+  return light;
+}
+
+template <std::floating_point Real, Side kSide>
+Rgb<Real> MetallicRoughnessOn<Real, kSide>::single(const Vec3<Real>& wo, Side side) const {
+  Rgb<Real> sum;
+  const auto add = [&](Lobe lobe) {
+    if (is_single(lobe)) sum += single(lobe, wo);
+  };
+  if (wo.z == 0) return sum;
+  if (side == Side::kTransmitted) {
+    if (kTransmits) add(Lobe::kPassed);
+    return sum;
+  }
+  add(Lobe::kReflected);
+  if (coat_ > 0) add(Lobe::kCoat);
+  return sum;
 }
 
 template <std::floating_point Real, Side kSide>
@@ -192,7 +207,10 @@ std::optional<ScatterSample<Real>> MetallicRoughnessOn<Real, kSide>::sample(
     break;
   }
   if (!(share > 0)) return std::nullopt;
-  if (is_single(lobe)) return single(lobe, wo, share);
+  if (is_single(lobe))
+    return ScatterSample<Real>{.wi = lobe == Lobe::kPassed ? -wo : mirrored(wo),
+                               .weight = single(lobe, wo) / share,
+                               .delta = true};
   ScatterSample<Real> s;
   if (lobe == Lobe::kDiffuse) {
     s.wi = sample_cosine_hemisphere(u.direction);

@@ -40,6 +40,7 @@ class MetallicRoughnessOn {
   explicit MetallicRoughnessOn(const MetallicRoughnessParams<Real>& params);
 
   bool all_delta() const { return smooth_ && diffuse_.is_black() && (coat_ == 0 || coat_smooth_); }
+  Rgb<Real> single(const Vec3<Real>& wo, Side side) const;
   Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
     return evaluate(wo, wi).value;
   }
@@ -71,8 +72,8 @@ class MetallicRoughnessOn {
   Shares shares(Real cosine) const;
   Evaluation evaluate(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
   bool is_single(Lobe lobe) const;
-  /// A lobe of one direction, chosen with probability `share`.
-  ScatterSample<Real> single(Lobe lobe, const Vec3<Real>& wo, Real share) const;
+  /// The share of light that a lobe of one direction sends to `wo`.
+  Rgb<Real> single(Lobe lobe, const Vec3<Real>& wo) const;
   static Facets facets_between(const Microfacets<Real>& facets, const Vec3<Real>& wo,
                                const Vec3<Real>& wi);
   Rgb<Real> reflected(Real schlick) const { return f0_ * (1 - schlick) + f90_ * schlick; }

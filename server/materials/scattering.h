@@ -52,6 +52,10 @@ enum class Carries : std::uint8_t { kRadiance, kImportance };
 /// - `pdf(wo, wi)`: the density with which `sample` chooses `wi` among the lobes that are not
 ///   single directions.  Exact, also if `value` is an estimate.
 /// - `sample(wo, values)`: a direction; nothing if no light is scattered.
+/// - `single(wo, side)`: the share of light that the single direction on this side sends to `wo`:
+/// the
+///   mirror direction, or the refracted one.  Radiance, so refraction divides by the squared ratio
+///   of indices.  0 without such a lobe.
 /// - `kSides`: where light may come from.  `all_delta()`: whether all lobes are single directions.
 /// No call has an error, and none allocates.
 template <typename S, typename Real>
@@ -59,6 +63,7 @@ concept Scattering = requires(const S& s, const Vec3<Real>& w, const ScatterValu
   { s.value(w, w) } -> std::same_as<Rgb<Real>>;
   { s.pdf(w, w) } -> std::same_as<SolidAnglePdf<Real>>;
   { s.sample(w, u) } -> std::same_as<std::optional<ScatterSample<Real>>>;
+  { s.single(w, Side{}) } -> std::same_as<Rgb<Real>>;
   { s.all_delta() } -> std::same_as<bool>;
   { S::kSides } -> std::convertible_to<Side>;
 };

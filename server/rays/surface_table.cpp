@@ -336,6 +336,7 @@ bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
 
 std::size_t SurfaceTable::bytes() const {
   std::size_t sum = surfaces.capacity() * sizeof(Surface) +
+                    smooth.capacity() * sizeof(SmoothSurface) +
                     vertex_normals.capacity() * sizeof(Vec3<float>) +
                     vertex_colours.capacity() * sizeof(Rgb<float>) +
                     vertex_tangents.capacity() * sizeof(VertexTangent) +

@@ -53,6 +53,12 @@ struct PrimitiveRun {
 
 struct SurfaceTable {
   std::vector<Surface> surfaces;
+  /// The surfaces that send light on in single directions (SmoothTraits), with their places.
+  struct SmoothSurface {
+    std::uint32_t surface = 0;
+    SourceLocation where{};
+  };
+  std::vector<SmoothSurface> smooth;
   /// By HitKind, in ascending order of `first`.
   std::array<std::vector<PrimitiveRun>, kHitKinds> runs;
   /// Shading normals, one for each vertex, zero without one.  Empty if no mesh has any.

@@ -209,6 +209,10 @@ class Scene {
   const Accelerator& accelerator() const { return *placed_->accelerator; }
   /// Shading data of the scene's own geometry.
   const SurfaceTable& surfaces() const { return placed_->surfaces; }
+  /// The same for the geometry of an object, as Accelerator::object numbers it.
+  const SurfaceTable& surfaces_of(std::uint32_t object) const {
+    return base_->object_surfaces_[object];
+  }
   /// Surface::light of a light without a surface.
   static constexpr std::int32_t kNoSurface = -2;
   /// Surface::light of the surfaces of a light; a number of no surface for a light without any.

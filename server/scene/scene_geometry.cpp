@@ -83,6 +83,9 @@ absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>&
   // Edits can move a light that does not move by itself.
   if (!shape.emission || shape.motion) drop(shape);
   if (shape.is_interface) return absl::OkStatus();
+  const auto of_scene = [&](std::uint32_t i) -> const Material& { return in_.materials[i]; };
+  if (smooth_traits(of_scene, shape.material).is_smooth())
+    table.smooth.push_back({static_cast<std::uint32_t>(table.surfaces.size() - 1), shape.where});
   // A pane that emits is met by all rays, which find its light.
   const Material& material = in_.materials[shape.material];
   const auto* pane = std::get_if<ThinDielectricParams>(&material.params);

@@ -43,14 +43,8 @@ std::optional<LightSample<double>> far_sample(const LightAtTime& light,
   return s;
 }
 
-/// The share of the light from `wi` that a surface of reflectance 1 sends towards `wo`: cosine /
-/// pi. 0 if they are on different sides.
-double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo, const Vec3<double>& wi) {
-  const double cos_i = dot(hit.ns, wi);
-  return cos_i * dot(hit.ns, Vec3<double>(wo)) > 0 ? std::fabs(cos_i) * kInvPi : 0;
-}
-
-/// The same for a sample; 0 if it has no light.
+/// The share of a sample's light that a surface of reflectance 1 sends towards `wo`; 0 without
+/// light.
 double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
                        const LightSample<double>& sample) {
   return sample.reason == NoLight::kNone ? reflected_share(hit, wo, sample.wi) : 0;

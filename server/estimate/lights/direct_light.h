@@ -141,6 +141,7 @@ class DirectLight {
                       std::uint32_t light) const;
 
   const Transmittance& transmittance() const { return visibility_.transmittance(); }
+  const LightVisibility& visibility() const { return visibility_; }
 
   /// Whether directions of surfaces are sampled and may find lights.
   bool finds_lights() const {

@@ -1,12 +1,22 @@
 // How the surface at a hit scatters light.
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "server/materials/bsdf.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {
+
+/// The share of the light from `wi` that a diffuse surface of reflectance 1 sends towards `wo`:
+/// cosine / pi.  0 if they are on different sides.
+inline double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
+                              const Vec3<double>& wi) {
+  const double cos_i = dot(hit.ns, wi);
+  return cos_i * dot(hit.ns, Vec3<double>(wo)) > 0 ? std::fabs(cos_i) * std::numbers::inv_pi : 0;
+}
 
 /// The scattering function at a hit, for directions of the scene.  Surfaces that are diffuse and
 /// have no textures need none: see Scene::plain_diffuse.
@@ -28,6 +38,16 @@ class SurfaceScattering {
   }
   double pdf(const Vec3<double>& wo, const Vec3<double>& wi) const {
     return bsdf_.pdf(local(wo), local(wi)).per_sr;
+  }
+  /// The share of light that its single direction on a side sends to `wo`.
+  Rgb<double> single(const Vec3<double>& wo, Side side) const {
+    return bsdf_.single(local(wo), side);
+  }
+  /// Whether it scatters light so widely that samples of lights are enough.
+  bool is_wide(const Vec3<double>& wo) const {
+    constexpr double kMost = 1;  // [1/sr]; a diffuse surface has 1/pi
+    const Vec3<double> w = local(wo);
+    return !all_delta() && bsdf_.pdf(w, mirrored(w)).per_sr <= kMost;
   }
   /// `wi` is in the scene.
   std::optional<ScatterSample<double>> sample(const Vec3<double>& wo,

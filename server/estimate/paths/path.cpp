@@ -40,7 +40,7 @@ Rgb<double> PathTracer::left_by_media(Ray ray, const std::optional<SurfaceHit>& 
 
 LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& first_wo,
                                     std::uint32_t depth, const PathSample& sample, WorkCounts& work,
-                                    const NeighbourRays* neighbours) const {
+                                    bool counted, const NeighbourRays* neighbours) const {
   LightEstimate sum;
   if (scene_.lights().empty()) return sum;
   SurfaceHit hit = first;
@@ -87,6 +87,16 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
           },
           scattering ? &*scattering : nullptr);
 
+    // Where a surface has both kinds of directions, paths come from its other ones too.
+    const bool counts_sizes = smooth_.any() && (!scattering || !scattering->all_delta());
+    if (counts_sizes)
+      smooth_.sample(
+          {hit, wo, scattering ? &*scattering : nullptr, depth, most_steps(depth), false}, sample,
+          work, [&](std::uint32_t, const LightEstimate& e) {
+            sum.value += throughput * e.value;
+            sum.unshadowed += throughput * e.unshadowed;
+          });
+
     if (scattering) {
       const auto scattered =
           scattering->sample(Vec3<double>(wo), {sample.pair(PathSample::kFirstLobe + depth).x,
@@ -97,6 +107,10 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       if (throughput.is_black() || !is_finite(throughput)) return sum;
       next_direction = {Vec3<float>(scattered->wi), scattered->pdf.per_sr, scattered->delta};
     }
+    if (!next_direction.is_single)
+      counted = smooth_.counts_at(scattering ? &*scattering : nullptr, wo);
+    else if (counted)
+      counted = smooth_.counts_step(hit, Vec3<double>(wo), Vec3<double>(next_direction.wi));
     // Lights do not sample single directions, so these always find lights.
     const bool finds =
         next_direction.is_single ? scene_.has_visible_lights() : direct_.finds_lights();
@@ -114,7 +128,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray, direct_.transmittance().met());
     if (scene_.has_media()) throughput = throughput * left_by_media(ray, next);
     const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
-      if (settled.has(light)) return;
+      if (settled.has(light) || (next_direction.is_single && counted)) return;
       const double weight =
           next_direction.is_single
               ? 1
@@ -138,7 +152,7 @@ LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample, Wor
   Rgb<double> seen;
   for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<double>& le) { seen += le; });
   LightEstimate sum{seen, seen};
-  if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work, neighbours);
+  if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work, false, neighbours);
   if (!scene_.has_media()) return sum;
   const Rgb<double> left = left_by_media(ray, hit);
   return {sum.value * left, sum.unshadowed * left};

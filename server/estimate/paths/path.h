@@ -8,6 +8,7 @@
 
 #include "server/estimate/lights/direct_light.h"
 #include "server/estimate/lights/path_sample.h"
+#include "server/estimate/lights/smooth_light.h"
 #include "server/scene/light_at_time.h"
 #include "server/scene/scene.h"
 
@@ -35,19 +36,24 @@ class PathTracer {
              std::uint32_t candidates = DirectLight::kCandidates)
       : scene_(scene),
         direct_(scene, methods, candidates),
+        smooth_(scene, methods, direct_.visibility()),
         last_depth_(bounces.value_or(std::numeric_limits<std::uint32_t>::max())),
         endless_(!bounces) {}
 
   const DirectLight& direct() const { return direct_; }
+  const SmoothLight& smooth() const { return smooth_; }
+  /// The most surfaces between a vertex at this depth and a lamp.
+  std::uint32_t most_steps(std::uint32_t depth) const { return last_depth_ - depth; }
 
   /// Radiance [cd/m2] along a ray from the camera.  `neighbours`: as in SurfaceScattering.
   LightEstimate radiance(const Ray& ray, const PathSample& sample, WorkCounts& work,
                          const NeighbourRays* neighbours = nullptr) const;
 
   /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`.
-  /// `depth`: number of reflections between the surface and the camera.
+  /// `depth`: number of reflections between the surface and the camera.  `counted`: whether the
+  /// vertex before it has counted the light of its single directions (SmoothLight).
   LightEstimate reflected(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
-                          const PathSample& sample, WorkCounts& work,
+                          const PathSample& sample, WorkCounts& work, bool counted = false,
                           const NeighbourRays* neighbours = nullptr) const;
 
   /// Calls `f(light, radiance)` for each light at the ray's end: the light at `hit` or,
@@ -75,6 +81,7 @@ class PathTracer {
 
   const Scene& scene_;
   DirectLight direct_;
+  SmoothLight smooth_;
   std::uint32_t last_depth_;
   bool endless_;
 };

@@ -61,6 +61,7 @@ class IrradianceEstimator {
         result_(result),
         direct_(tracer_.direct()),
         gather_indirect_(gathers_reflected_light(scene, settings)),
+        by_way_(gather_indirect_ && tracer_.smooth().any()),
         confidence_(settings.target ? settings.target->confidence : kConfidence),
         rule_(confidence_, settings.block_count,
               std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),
@@ -142,10 +143,12 @@ class IrradianceEstimator {
       return most(receiver, settled, missed ? &e.found : nullptr);
     });
     for (std::uint32_t l = 0; l < e.shares.size(); ++l)
-      if (!settled.lights.has(l))
-        result_.per_light[p * e.shares.size() + l] = e.shares[l].result(
-            {}, count, rule,
-            [&](bool missed) { return missed ? MostIrradiance{} : most(receiver, settled, l); });
+      if (is_sampled(settled, l))
+        result_.per_light[p * e.shares.size() + l] =
+            e.shares[l].result(settled.shares[l], count, rule, [&](bool missed) {
+              return missed || settled.lights.has(l) ? MostIrradiance{}
+                                                     : most(receiver, settled, l);
+            });
     const std::span<double> at_wavelengths = spectral(p);
     for (std::size_t k = 0; k < at_wavelengths.size(); ++k) {
       const BlockStatistics at = e.at_wavelengths[k].total()[0];
@@ -173,6 +176,11 @@ class IrradianceEstimator {
   MostIrradiance most(const SurfaceHit& receiver, const Settled& settled,
                       std::uint32_t light) const {
     return direct_.most(settled.spending, receiver, Vec3<float>(receiver.ns), light);
+  }
+
+  /// Whether samples find light of this light: directly, or by way of smooth surfaces.
+  bool is_sampled(const Settled& settled, std::uint32_t light) const {
+    return by_way_ || !settled.lights.has(light);
   }
 
   /// Entries of point `p`, one for each wavelength.
@@ -234,7 +242,7 @@ class IrradianceEstimator {
       work.samples += these.samples;
       e.total.end_block(these.samples);
       for (std::uint32_t l = 0; l < e.shares.size(); ++l)
-        if (!settled.lights.has(l)) e.shares[l].end_block(these.samples);
+        if (is_sampled(settled, l)) e.shares[l].end_block(these.samples);
       if (!e.at_wavelengths.empty()) end_spectral_block(these.samples, e);
     }
   }
@@ -310,6 +318,11 @@ class IrradianceEstimator {
     LightEstimate sum;
     direct_.sample(settled.spending, receiver, Vec3<float>(receiver.ns), 0, s, settled.lights, work,
                    [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
+    if (by_way_)
+      tracer_.smooth().sample(
+          {receiver, Vec3<float>(receiver.ns), nullptr, 0, tracer_.most_steps(0),
+           settings_.per_light},
+          s, work, [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
     if (settled.gathers) gather(receiver, s, settled, sum, to, work);
     to.total.add(sum);
   }
@@ -353,7 +366,8 @@ class IrradianceEstimator {
                                  });
     }
     if (hit && gather_indirect_) {
-      const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
+      const LightEstimate e =
+          tracer_.reflected(*hit, -wi, 1, s, work, tracer_.smooth().counts_at(nullptr, n));
       sum += {e.value * left * kPi, e.unshadowed * left * kPi};
     }
   }
@@ -366,6 +380,7 @@ class IrradianceEstimator {
   IrradianceResult& result_;
   const DirectLight& direct_;
   const bool gather_indirect_;
+  const bool by_way_;  // of smooth surfaces, light is sampled
   const double confidence_;
   const IntervalRule rule_;  ///< for points with the sample count of the settings
   /// One for each thread, because looking spectra up takes longer than using them.

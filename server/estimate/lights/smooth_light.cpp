@@ -1,0 +1,344 @@
+#include "server/estimate/lights/smooth_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lucerna {
+namespace {
+
+using Vector = Vec3<double>;
+
+/// Sequences that leave less than this share of light are chosen at random, one for each vertex.
+constexpr double kLeastShare = 1e-3;
+/// The most sequences of a vertex that are all visited.
+constexpr std::size_t kMostVisited = 64;
+/// Of many surfaces, the number that a vertex chooses as the first one of a path.
+constexpr std::size_t kChosenFirst = 16;
+/// With at most this many lights, each is sampled at receivers and surfaces that cameras see.
+constexpr std::size_t kFewLights = 20;
+
+/// Random numbers of the choices, apart from those of direct light and of directions.
+constexpr std::uint32_t kFirstPair = 3U << 30;
+constexpr std::uint32_t kPairsOfVertex = 1U << 20;
+
+/// Uniform numbers that depend on the path and the vertex only.
+class Choices {
+ public:
+  Choices(const PathSample& s, std::uint32_t depth)
+      : s_(s), next_(kFirstPair + depth * kPairsOfVertex) {}
+  double uniform() { return s_.pair(next_++).x; }
+
+ private:
+  const PathSample& s_;
+  std::uint32_t next_;
+};
+
+int sign_of(double x) { return x < 0 ? -1 : 1; }
+
+}  // namespace
+
+SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
+                         const LightVisibility& visibility)
+    : scene_(scene),
+      visibility_(visibility),
+      surfaces_(smooth_surfaces(scene)),
+      parts_(scene.lights().empty() ? std::span<const SmoothPart>() : surfaces_.parts()),
+      samples_sizes_(methods.combination != Combination::kSurfaces) {}
+
+bool SmoothLight::counts_step(const SurfaceHit& hit, const Vec3<double>& wo,
+                              const Vec3<double>& wi) const {
+  const std::int32_t number = surfaces_.part_of(hit);
+  if (number < 0) return false;
+  const SmoothPart& part = parts_[static_cast<std::size_t>(number)];
+  const double from = dot(hit.ng, wo), to = dot(hit.ng, wi);
+  if (from * to < 0) return part.refracts;
+  return part.reflects && (!part.is_sphere || dot(hit.position - part.middle, wo) > 0);
+}
+
+/// Whether light may continue from the last surface of `parent`, or from the vertex, to `part`.
+/// `side`: the side of the part on which it arrives.
+bool SmoothLight::may_follow(const Vertex& v, const Sequence& parent, const SmoothPart& part,
+                             int& side) const {
+  const SmoothPart* last = parent.steps.empty() ? nullptr : parent.steps.back().part;
+  if (&part == last) return false;  // neither a plane nor a ball is met twice in a row
+  if (last == nullptr) {
+    // Light that arrives below the horizon does not count.
+    if (v.scattering == nullptr || !v.scattering->transmits()) {
+      SmoothPart horizon;
+      horizon.n = dot(v.hit.ns, Vector(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
+      horizon.middle = v.hit.position;
+      if (!(part.heights_over(horizon).second > 0)) return false;
+    }
+  } else if (!last->is_sphere) {
+    const auto [low, high] = part.heights_over(*last);
+    const double least = 1e-6 * (high - low);
+    if (parent.side > 0 ? !(high > least) : !(low < -least)) return false;
+  }
+  if (part.is_sphere) {
+    side = 1;
+    return parent.is_bent || length(parent.image - part.middle) > part.radius_m;
+  }
+  if (!parent.is_bent) {
+    const double height = part.height(parent.image);
+    if (height == 0) return false;
+    side = sign_of(height);
+  }
+  if (last == nullptr) return true;
+  const auto [low, high] = last->heights_over(part);
+  const double least = 1e-6 * (high - low);
+  if (parent.is_bent) side = sign_of(low + high);
+  return side > 0 ? high > least : low < -least;
+}
+
+void SmoothLight::add_children(const Vertex& v, const Sequence& parent, Sequences& to) const {
+  if (parent.steps.size() >= std::min<std::size_t>(kMostSteps, v.most_steps)) return;
+  for (const SmoothPart& part : parts_) {
+    int side = 1;
+    if (!may_follow(v, parent, part, side)) continue;
+    // The sides on which light may continue after a whole rectangle is passed are the same for all.
+    if (part.reflects) {
+      Sequence child = parent;
+      child.steps.push_back({&part, false});
+      child.share *= std::max(part.reflected, 0.01);
+      child.side = side;
+      child.is_bent = parent.is_bent || part.is_sphere;
+      if (!part.is_sphere) {
+        child.image = mirror_image(part, parent.image);
+        child.image_normal = mirror_vector(part, parent.image_normal);
+      }
+      to.push_back(std::move(child));
+    }
+    if (part.refracts) {
+      Sequence child = parent;
+      child.steps.push_back({&part, true});
+      child.share *= std::max(1 - part.reflected, 0.01);
+      child.side = -side;
+      child.is_bent = parent.is_bent || part.eta != 1;
+      to.push_back(std::move(child));
+    }
+  }
+}
+
+void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
+                         const Found& found) const {
+  if (!any() || v.most_steps == 0) return;
+  Choices choices(s, v.depth);
+  Sequence root;
+  root.image = v.hit.position;
+  // Without a normal, light arrives from both sides.
+  if (v.scattering == nullptr || !v.scattering->transmits())
+    root.image_normal = dot(v.hit.ns, Vector(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
+  Sequences open;
+  add_children(v, root, open);
+  if (open.size() > kMostVisited) {
+    // Chooses some, by the share of light and the size that they seem to have.
+    std::vector<double> sums;
+    double sum = 0;
+    for (const Sequence& c : open) {
+      const SmoothPart& part = *c.steps[0].part;
+      const Vector away = part.middle - v.hit.position;
+      const double size2 = part.is_sphere ? part.radius_m * part.radius_m
+                                          : length(part.half_u) * length(part.half_v);
+      sum += c.share * size2 / (dot(away, away) + size2);
+      sums.push_back(sum);
+    }
+    Sequences chosen;
+    const double offset = choices.uniform();
+    for (std::size_t k = 0; k < kChosenFirst; ++k) {
+      const double at = (static_cast<double>(k) + offset) / kChosenFirst * sum;
+      const auto i = std::min<std::size_t>(
+          static_cast<std::size_t>(std::ranges::upper_bound(sums, at) - sums.begin()),
+          sums.size() - 1);
+      const double probability = (sums[i] - (i > 0 ? sums[i - 1] : 0)) / sum * kChosenFirst;
+      chosen.push_back(open[i]);
+      chosen.back().weight = 1 / probability;
+    }
+    open = std::move(chosen);
+  }
+  std::uint32_t number = 0;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const Sequence sequence = open[i];
+    visit(v, sequence, number++, s, work, found);
+    if (sequence.steps.size() >= std::min<std::size_t>(kMostSteps, v.most_steps)) continue;
+    Sequences children;
+    add_children(v, sequence, children);
+    if (children.empty()) continue;
+    const bool all = sequence.weight == 1 && open.size() + children.size() <= kMostVisited;
+    double rest = 0;  // the share of children that are not all visited
+    for (Sequence& child : children) {
+      if (all && child.share >= kLeastShare)
+        open.push_back(child);
+      else
+        rest += child.share;
+    }
+    if (!(rest > 0)) continue;
+    // Light of many steps is carried by few long walks, which need a fair chance to go on.
+    const double survival = std::clamp(rest / sequence.share, 0.25, 0.95);
+    double u = choices.uniform() / survival;
+    for (Sequence& child : children) {
+      if (all && child.share >= kLeastShare) continue;
+      const double probability = child.share / rest;
+      if (u < probability) {
+        child.weight = sequence.weight / (probability * survival);
+        open.push_back(std::move(child));
+        break;
+      }
+      u -= probability;
+    }
+  }
+}
+
+void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t number,
+                        const PathSample& s, WorkCounts& work, const Found& found) const {
+  const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
+  // Points of lights, two pairs for each sequence and light.
+  const std::uint32_t first = kFirstPair + v.depth * kPairsOfVertex + kPairsOfVertex / 2 +
+                              number % kMostVisited * (kFewLights + 2);
+  if (v.each_light || (v.depth == 0 && lights <= kFewLights) || lights == 1) {
+    for (std::uint32_t l = 0; l < lights; ++l) {
+      const Vec2<float> u = s.pair(first + l);
+      sample_light(v, sequence, l, 1, {u.x, u.y}, work, found);
+    }
+    return;
+  }
+  Receiver<double> from(sequence.image);
+  from.normal = sequence.image_normal;
+  const auto choice = scene_.light_selector().choose(LightSelection::kBvh, from,
+                                                     choosing_value(s.pair(first + kFewLights)));
+  if (!choice) return;
+  const Vec2<float> u = s.pair(first + kFewLights + 1);
+  sample_light(v, sequence, choice->light, choice->probability, {u.x, u.y}, work, found);
+}
+
+Rgb<double> SmoothLight::scattered(const Vertex& v, const Vec3<double>& wi) const {
+  if (v.scattering != nullptr) return v.scattering->value(Vector(v.wo), wi);
+  return Rgb<double>(reflected_share(v.hit, v.wo, wi));
+}
+
+void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::uint32_t light,
+                               double probability, Vec2<float> u, WorkCounts& work,
+                               const Found& found) const {
+  const LightAtTime at(scene_.lights()[light], v.hit.time_s);
+  if (!at.is_delta() && !counts_at(v.scattering, v.wo)) return;
+  const Vec2<double> point{u.x, u.y};
+  const auto arriving =
+      sequence.is_bent ? by_solving(v, sequence, at, point) : by_images(v, sequence, at, point);
+  if (!arriving) return;
+  const Rgb<double> value = arriving->value * (sequence.weight / probability);
+  if (value.is_black() || !is_finite(value)) return;
+  const Rgb<double> share = share_along(v, sequence, *arriving, light, work);
+  if (share.is_black())
+    found(light, {{}, value * sequence.share});
+  else
+    found(light, {value * share, value * share});
+}
+
+/// By flat mirrors only: the light as the mirrored vertex sees it.
+auto SmoothLight::by_images(const Vertex& v, const Sequence& sequence, const LightAtTime& light,
+                            Vec2<double> u) const -> std::optional<Arriving> {
+  Receiver<double> from(sequence.image);
+  from.normal = sequence.image_normal;
+  Arriving a;
+  a.end = light.sample_li(from, u);
+  if (a.end.reason != NoLight::kNone) return std::nullopt;
+  // From the light back to the vertex.
+  Vector p = sequence.image, w = a.end.wi;
+  double later = a.end.distance;
+  a.path.end = w;
+  for (std::size_t i = sequence.steps.size(); i-- > 0;) {
+    const SmoothPart& part = *sequence.steps[i].part;
+    const double t = -part.height(p) / dot(part.n, w);
+    if (!(t > 0 && t < later) || !std::isfinite(t)) return std::nullopt;
+    later = t;
+    a.path.points[i] = p + w * t;
+    if (!part.may_contain(a.path.points[i])) return std::nullopt;
+    if (sequence.steps[i].passes) continue;
+    p = mirror_image(part, p);
+    w = mirror_vector(part, w);
+  }
+  a.path.start = w;
+  const double pdf = a.end.delta ? 1 : a.end.pdf.per_sr;
+  a.value = a.end.value * scattered(v, w) / pdf;
+  return a;
+}
+
+/// By surfaces that bend light: a path is solved, and the density of the light's point is that of
+/// its area.
+auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const LightAtTime& light,
+                             Vec2<double> u) const -> std::optional<Arriving> {
+  Receiver<double> from(sequence.image);
+  // Every point of the light may shine on the vertex, wherever the straight way leads.
+  from.area_sampling = AreaSampling::kSquareRoot;
+  Arriving a;
+  a.end = light.sample_li(from, u);
+  LightSample<double>& end = a.end;
+  const bool is_far = !std::isfinite(end.distance);
+  if (const auto bounds = light.bounds(); bounds && light.is_delta())
+    end.point = bounds->lower * 0.5 + bounds->upper * 0.5;
+  else if (end.reason != NoLight::kNone)
+    return std::nullopt;
+  const auto path = is_far ? path_to_direction(v.hit.position, sequence.steps, end.wi)
+                           : path_to_point(v.hit.position, sequence.steps, end.point);
+  if (!path) return std::nullopt;
+  for (std::size_t i = 0; i < sequence.steps.size(); ++i)
+    if (!sequence.steps[i].part->is_sphere && !sequence.steps[i].part->may_contain(path->points[i]))
+      return std::nullopt;
+  a.path = *path;
+  const Vector& last = path->points[sequence.steps.size() - 1];
+  double density = 1;
+  if (light.is_delta()) {
+    // A receiver 1 m before a light without a size gets its intensity as illuminance.
+    const LightSample<double> there =
+        light.sample_li(Receiver<double>(is_far ? last : end.point - path->end), {});
+    if (there.reason != NoLight::kNone) return std::nullopt;
+    end.value = there.value;
+  } else if (is_far) {
+    if (!(end.pdf.per_sr > 0)) return std::nullopt;
+    end.value = light.le_escaped(last, path->end);
+    density = end.pdf.per_sr;
+  } else {
+    const double cosine = std::fabs(dot(end.normal, end.wi));
+    if (!(end.pdf.per_sr > 0 && cosine > 0)) return std::nullopt;
+    end.value = light.le({end.point, end.normal, end.primitive}, -path->end) *
+                std::fabs(dot(end.normal, path->end));
+    density = end.pdf.per_sr * cosine / (end.distance * end.distance);
+  }
+  end.wi = path->end;
+  a.value = end.value * scattered(v, path->start) * (path->spread / density);
+  return a;
+}
+
+Rgb<double> SmoothLight::share_along(const Vertex& v, const Sequence& sequence,
+                                     const Arriving& arriving, std::uint32_t light,
+                                     WorkCounts& work) const {
+  const bool passes_panes = visibility_.transmittance().blocking() == Meets::kOpaque;
+  SurfaceHit at = v.hit;
+  Rgb<double> share(1);
+  for (std::size_t i = 0; i < sequence.steps.size(); ++i) {
+    const SmoothStep& step = sequence.steps[i];
+    const auto number = static_cast<std::int32_t>(step.part - parts_.data());
+    const Vec3<float> towards(normalized(arriving.path.points[i] - at.position));
+    for (bool arrived = false; !arrived;) {
+      Ray ray = spawn_ray(at, towards);
+      ++work.indirect_rays;
+      std::optional<SurfaceHit> next = scene_.closest_hit(ray);
+      if (!next) return {};
+      if (scene_.has_media()) {
+        ray.t_max = next->t;
+        share = share * scene_.through_media(ray);
+      }
+      arrived = surfaces_.part_of(*next) == number;
+      if (!arrived && !(passes_panes && scene_.is_pane(*next))) return {};
+      const SurfaceScattering scattering(scene_, *next);
+      const bool passes = !arrived || step.passes;
+      share = share *
+              scattering.single(-Vector(towards), passes ? Side::kTransmitted : Side::kReflected);
+      if (share.is_black()) return {};
+      at = *next;
+    }
+  }
+  const Ray ray = shadow_ray(at, arriving.end, scene_.lights()[light].reach_m());
+  return share * visibility_.visible(light, at.position, at.ng, ray, work);
+}
+
+}  // namespace lucerna

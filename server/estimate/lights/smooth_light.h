@@ -1,0 +1,102 @@
+// Light that arrives from lamps by way of mirrors, panes and glass.
+//
+// A path from a receiver to a point of a lamp by given smooth surfaces is computed, and its rays
+// test that nothing is in the way.  Sequences of surfaces form a tree.  All short ones are
+// visited; a random walk chooses longer ones.  So the estimate has the right mean for any number of
+// surfaces.
+//
+// `counts` is the rule by which paths that find lamps by chance leave this light out.
+#pragma once
+
+#include <absl/container/inlined_vector.h>
+
+#include <cstdint>
+#include <span>
+
+#include "server/estimate/lights/direct_light.h"
+#include "server/estimate/lights/path_sample.h"
+#include "server/estimate/lights/surface_scattering.h"
+#include "server/runtime/work_counts.h"
+#include "server/scene/light_at_time.h"
+#include "server/scene/scene.h"
+#include "server/smooth/smooth_surfaces.h"
+#include "server/smooth/specular_path.h"
+
+namespace lucerna {
+
+/// Immutable; may be called from any thread.
+class SmoothLight {
+ public:
+  /// All arguments must outlive this object.
+  SmoothLight(const Scene& scene, const Methods& methods, const LightVisibility& visibility);
+
+  /// Whether light may arrive in this way at all.
+  bool any() const { return !parts_.empty(); }
+
+  /// A point that scatters light in more than single directions.
+  struct Vertex {
+    const SurfaceHit& hit;
+    const Vec3<float>& wo;
+    /// Null: diffuse with reflectance 1.
+    const SurfaceScattering* scattering;
+    std::uint32_t depth;  ///< reflections between the vertex and the camera or receiver
+    /// The most surfaces between the vertex and the lamp.
+    std::uint32_t most_steps;
+    /// Whether each light is sampled.  Else one is chosen if there are many.
+    bool each_light;
+  };
+  /// Estimates the radiance [cd/m2] that the surface sends towards `wo`.  Calls `found` for each
+  /// light that was sampled; the estimates add up.
+  using Found = DirectLight::Found;
+  void sample(const Vertex& v, const PathSample& s, WorkCounts& work, const Found& found) const;
+
+  /// Whether `sample` counts lights with a size at this vertex.
+  bool counts_at(const SurfaceScattering* scattering, const Vec3<float>& wo) const {
+    return any() && samples_sizes_ &&
+           (scattering == nullptr || scattering->is_wide(Vec3<double>(wo)));
+  }
+  /// Whether it counts light that a ray from `wi` brings, by a single direction of the surface, to
+  /// `wo`.
+  bool counts_step(const SurfaceHit& hit, const Vec3<double>& wo, const Vec3<double>& wi) const;
+
+ private:
+  /// A sequence of surfaces, as seen from a vertex.
+  struct Sequence {
+    absl::InlinedVector<SmoothStep, 4> steps;
+    Vec3<double> image, image_normal;  ///< the vertex and its normal, mirrored by the steps
+    double share = 1;                  ///< of light that the steps leave, about
+    double weight = 1;                 ///< 1 / probability of the choice
+    int side = 0;          ///< of the last plane on which light continues: the sign of n
+    bool is_bent = false;  ///< whether the image is not where light seems to come from
+  };
+  using Sequences = absl::InlinedVector<Sequence, 8>;
+
+  void add_children(const Vertex& v, const Sequence& parent, Sequences& to) const;
+  bool may_follow(const Vertex& v, const Sequence& parent, const SmoothPart& part, int& side) const;
+  void visit(const Vertex& v, const Sequence& sequence, std::uint32_t number, const PathSample& s,
+             WorkCounts& work, const Found& found) const;
+  void sample_light(const Vertex& v, const Sequence& sequence, std::uint32_t light,
+                    double probability, Vec2<float> u, WorkCounts& work, const Found& found) const;
+  /// The path of a sample, and what it brings without the losses on its way.
+  struct Arriving {
+    SpecularPath path;
+    LightSample<double> end;  ///< the sample of the light as the last surface sees it
+    Rgb<double> value;        ///< radiance that the vertex sends on
+  };
+  std::optional<Arriving> by_images(const Vertex& v, const Sequence& sequence,
+                                    const LightAtTime& light, Vec2<double> u) const;
+  std::optional<Arriving> by_solving(const Vertex& v, const Sequence& sequence,
+                                     const LightAtTime& light, Vec2<double> u) const;
+  /// The share of light that arrives along a path.
+  Rgb<double> share_along(const Vertex& v, const Sequence& sequence, const Arriving& arriving,
+                          std::uint32_t light, WorkCounts& work) const;
+  Rgb<double> scattered(const Vertex& v, const Vec3<double>& wi) const;
+
+  const Scene& scene_;
+  const LightVisibility& visibility_;
+  const SmoothSurfaces& surfaces_;
+  std::span<const SmoothPart> parts_;
+  bool samples_sizes_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,380 @@
+#include "server/smooth/smooth_surfaces.h"
+
+#include <absl/container/inlined_vector.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "server/materials/material.h"
+#include "server/rays/error_bounds.h"
+
+namespace lucerna {
+namespace {
+
+using Vector = Vec3<double>;
+
+/// A shape with faces in more planes than this counts as curved.  Refracted paths are solved one by
+/// one, so few of them pay.
+constexpr std::size_t kMostPlanes = 1024, kMostRefractingPlanes = 16;
+/// Of all parts together.
+constexpr std::size_t kMostParts = 4096;
+
+/// Distance of a face from a plane that it may have by the rounding of its corners.
+double plane_error(const Vector& p) { return 8 * kFloatRoundoff * max_abs(p) + kLeastError; }
+
+/// The corners of a flat face.
+using Face = absl::InlinedVector<Vector, 4>;
+
+/// A plane with the faces that were found in it so far.
+struct Plane {
+  SmoothPart part;
+  Vector u, v;  // unit axes of the rectangle
+  double u_min = 0, u_max = 0, v_min = 0, v_max = 0;
+
+  Plane(const SmoothPart& like, const Vector& normal, const Face& face) : part(like) {
+    part.n = normal;
+    part.middle = face[0];
+    Vector longest;
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const Vector edge = face[(i + 1) % face.size()] - face[i];
+      if (length(edge) > length(longest)) longest = edge;
+    }
+    u = normalized(longest - normal * dot(longest, normal));
+    v = cross(normal, u);
+    add(face);
+  }
+  explicit Plane(const SmoothPart& sphere) : part(sphere) {}
+  bool contains(const Vector& normal, const Face& face) const {
+    if (part.is_sphere) return false;
+    if (!(dot(normal, part.n) > 0.999)) return false;
+    return std::ranges::all_of(face, [&](const Vector& p) {
+      return std::fabs(part.height(p)) <= plane_error(p) + plane_error(part.middle);
+    });
+  }
+  void add(const Face& face) {
+    for (const Vector& p : face) {
+      const double a = dot(p - part.middle, u), b = dot(p - part.middle, v);
+      u_min = std::fmin(u_min, a), u_max = std::fmax(u_max, a);
+      v_min = std::fmin(v_min, b), v_max = std::fmax(v_max, b);
+    }
+  }
+  Face rectangle() const {
+    const auto corner = [&](double a, double b) { return part.middle + u * a + v * b; };
+    return {corner(u_min, v_min), corner(u_max, v_min), corner(u_max, v_max), corner(u_min, v_max)};
+  }
+  /// Whether another plane is the same one, with the same material.
+  bool joins(const Plane& other) const {
+    return !other.part.is_sphere && part.material == other.part.material &&
+           part.refracts == other.part.refracts && contains(other.part.n, other.rectangle());
+  }
+  SmoothPart finished() const {
+    SmoothPart p = part;
+    if (p.is_sphere) return p;
+    p.middle += u * ((u_min + u_max) / 2) + v * ((v_min + v_max) / 2);
+    p.half_u = u * ((u_max - u_min) / 2);
+    p.half_v = v * ((v_max - v_min) / 2);
+    return p;
+  }
+};
+
+class AttachedSmoothSurfaces final : public AttachedPart {
+ public:
+  explicit AttachedSmoothSurfaces(const Scene& scene) : scene_(scene) {}
+
+  const SmoothSurfaces& get() const {
+    return part_.get([this] { return std::make_unique<const SmoothSurfaces>(scene_); },
+                     [](const SmoothSurfaces& s) {
+                       return fmt::format(
+                           "{} mirrors, panes and glass faces; {} curved smooth surfaces",
+                           s.parts().size(), s.unsolved().size());
+                     });
+  }
+  std::optional<ScenePart> report() const override { return part_.report(); }
+  std::uint64_t bytes() const override { return part_.bytes(); }
+
+ private:
+  const Scene& scene_;
+  LazyPart<SmoothSurfaces> part_{"smooth surfaces"};
+};
+
+}  // namespace
+
+std::pair<double, double> SmoothPart::heights_over(const SmoothPart& other) const {
+  const double middle_m = dot(other.n, middle - other.middle);
+  const double reach =
+      is_sphere ? radius_m : std::fabs(dot(other.n, half_u)) + std::fabs(dot(other.n, half_v));
+  return {middle_m - reach, middle_m + reach};
+}
+
+bool SmoothPart::may_contain(const Vec3<double>& p) const {
+  constexpr double kMargin = 1.001;
+  const auto within = [&](const Vector& half) {
+    const double size2 = dot(half, half);
+    return std::fabs(dot(p - middle, half)) <= kMargin * size2;
+  };
+  return within(half_u) && within(half_v);
+}
+
+/// Collects the parts of one scene.
+class SmoothSurfaces::Collector {
+ public:
+  Collector(const Scene& scene, SmoothSurfaces& to) : scene_(scene), to_(to) {}
+
+  void collect() {
+    const std::span<const Material> materials = scene_.materials();
+    // Without a list of materials, all are diffuse.
+    to_.has_rough_surfaces_ = materials.empty() && !scene_.empty();
+    for (std::uint32_t m = 0; m < materials.size(); ++m)
+      to_.has_rough_surfaces_ |= traits_of(m).is_rough;
+    add(scene_.accelerator().scene(), scene_.surfaces(), -1);
+    for (std::uint32_t i = 0; i < scene_.accelerator().instance_count(); ++i) {
+      const std::uint32_t object = scene_.accelerator().instance(i).object;
+      add(scene_.accelerator().object(object), scene_.surfaces_of(object),
+          static_cast<std::int32_t>(i));
+    }
+    to_.parts_.reserve(planes_.size());
+    for (const Plane& p : planes_) to_.parts_.push_back(p.finished());
+  }
+
+ private:
+  /// Consecutive primitives of one kind and one surface.
+  struct Run {
+    std::uint32_t surface;
+    HitKind kind;
+    std::uint32_t first, count;
+  };
+  /// The planes of one surface, before they join those of the scene.
+  struct Found {
+    std::vector<Plane> planes;
+    struct OfKind {
+      HitKind kind;
+      std::uint32_t first;
+      std::vector<std::int32_t> planes;  // of each primitive
+    };
+    std::vector<OfKind> kinds;
+  };
+
+  void add(const GeometrySet& set, const SurfaceTable& table, std::int32_t instance) {
+    if (table.smooth.empty()) return;
+    std::vector<Run> runs;
+    const auto counts = set.counts();
+    for (std::size_t kind = 0; kind < kHitKinds; ++kind)
+      for (std::size_t r = 0; r < table.runs[kind].size(); ++r) {
+        const PrimitiveRun& run = table.runs[kind][r];
+        const std::size_t end =
+            r + 1 < table.runs[kind].size() ? table.runs[kind][r + 1].first : counts[kind];
+        runs.push_back({run.surface, static_cast<HitKind>(kind), run.first,
+                        static_cast<std::uint32_t>(end - run.first)});
+      }
+    std::ranges::stable_sort(runs, {}, &Run::surface);
+    for (const SurfaceTable::SmoothSurface& s : table.smooth) {
+      const auto of_surface = std::ranges::equal_range(runs, s.surface, {}, &Run::surface);
+      add(set, table, instance, s, {of_surface.begin(), of_surface.end()});
+    }
+  }
+
+  void add(const GeometrySet& set, const SurfaceTable& table, std::int32_t instance,
+           const SurfaceTable::SmoothSurface& s, std::span<const Run> runs) {
+    const Surface& surface = table.surfaces[s.surface];
+    const SmoothTraits traits = traits_of(surface.material);
+    const GeometryInstance* placed =
+        instance < 0 ? nullptr
+                     : &scene_.accelerator().instance(static_cast<std::uint32_t>(instance));
+    SmoothPart like{.reflects = traits.reflects,
+                    .refracts = traits.passes && !surface.pane_eta,
+                    .eta = traits.eta.value_or(1),
+                    .reflected = reflected(surface.material),
+                    .material = surface.material};
+    const bool moves = placed != nullptr && placed->motion != nullptr;
+    Found found;
+    bool solved = !moves && !traits.turns_normals && (!like.refracts || traits.eta);
+    for (const Run& run : runs) solved = solved && find(set, table, placed, run, like, found);
+    solved = solved && planes_.size() + found.planes.size() <= kMostParts;
+    if (solved) {
+      const auto shape = static_cast<std::uint64_t>(instance + 1) << 32 | s.surface;
+      join(found, shape);
+    } else {
+      Bounds bounds;
+      for (const Run& run : runs) add_bounds(set, placed, run, bounds);
+      to_.unsolved_.push_back({s.where, bounds});
+    }
+  }
+
+  SmoothTraits traits_of(std::uint32_t material) const {
+    return smooth_traits([&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; },
+                         material);
+  }
+  /// The share that a material reflects along its normal.  Textures have other values elsewhere.
+  double reflected(std::uint32_t material) const {
+    const Material& m = scene_.materials()[material];
+    if (const auto* mix = std::get_if<MixParams>(&m.params))
+      return std::max(reflected(mix->materials[0]), reflected(mix->materials[1]));
+    return bsdf_of(m, scene_.textures(), TexturePoint{})
+        .single({0, 0, 1}, Side::kReflected)
+        .max_component();
+  }
+
+  /// Finds the planes of a run.  Returns false if it is curved or has too many.
+  bool find(const GeometrySet& set, const SurfaceTable& table, const GeometryInstance* placed,
+            const Run& run, const SmoothPart& like, Found& found) const {
+    found.kinds.push_back({run.kind, run.first, {}});
+    std::vector<std::int32_t>& planes = found.kinds.back().planes;
+    for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
+      if (run.kind == HitKind::kSphere) {
+        auto sphere = whole_sphere(set.of<Sphere<double>>()[i], placed, like);
+        if (!sphere || like.refracts) return false;
+        planes.push_back(static_cast<std::int32_t>(found.planes.size()));
+        found.planes.push_back(*sphere);
+        continue;
+      }
+      Face face = corners(set, run.kind, i);
+      if (face.empty() || has_other_normals(set, table, run.kind, i)) return false;
+      for (Vector& p : face) p = placed ? placed->scene_from_object.point(p) : p;
+      Vector n = normal(set, run.kind, i);
+      if (placed) n = placed->scene_from_object.normal(n);
+      n = normalized(n);
+      // No ray meets a face without area.
+      if (!is_finite(n) || !(length(n) > 0.5)) {
+        planes.push_back(kNone);
+        continue;
+      }
+      const auto same =
+          std::ranges::find_if(found.planes, [&](const Plane& p) { return p.contains(n, face); });
+      planes.push_back(static_cast<std::int32_t>(same - found.planes.begin()));
+      if (same != found.planes.end())
+        same->add(face);
+      else
+        found.planes.emplace_back(like, n, face);
+      if (found.planes.size() > (like.refracts ? kMostRefractingPlanes : kMostPlanes)) return false;
+    }
+    return true;
+  }
+
+  static std::optional<Plane> whole_sphere(const Sphere<double>& sphere,
+                                           const GeometryInstance* placed, SmoothPart part) {
+    const auto& p = sphere.params();
+    if (p.z_min_m > -p.radius_m || p.z_max_m < p.radius_m || p.phi_max_rad < 2 * kPi)
+      return std::nullopt;
+    const RoundEnclosure e = sphere.enclosure();
+    std::array<Vector, 3> axes{e.x, e.y, e.z};
+    part.middle = e.center;
+    if (placed) {
+      part.middle = placed->scene_from_object.point(e.center);
+      for (Vector& a : axes) a = placed->scene_from_object.vector(a);
+    }
+    part.is_sphere = true;
+    part.radius_m = length(axes[0]);
+    for (int i = 0; i < 3; ++i) {
+      const double across = std::fabs(dot(axes[i], axes[(i + 1) % 3]));
+      if (std::fabs(length(axes[i]) - part.radius_m) > 1e-6 * part.radius_m ||
+          across > 1e-6 * part.radius_m * part.radius_m)
+        return std::nullopt;
+    }
+    return Plane(part);
+  }
+
+  static Vector vertex(const GeometrySet& set, std::uint32_t triangle, int i) {
+    if (const WideTriangle* wide = set.wide.empty() ? nullptr : set.wide_triangle(triangle))
+      return wide->corners[i];
+    return Vector(set.vertices[set.triangles[3 * std::size_t{triangle} + i]]) * set.unit_m;
+  }
+
+  /// In the space of the set.  Empty if the primitive is curved.
+  static Face corners(const GeometrySet& set, HitKind kind, std::uint32_t i) {
+    if (kind == HitKind::kTriangle)
+      return {vertex(set, i, 0), vertex(set, i, 1), vertex(set, i, 2)};
+    if (kind != HitKind::kDisk) return {};
+    const RoundEnclosure e = set.of<Disk<double>>()[i].enclosure();
+    return {e.center - e.x - e.y, e.center + e.x - e.y, e.center + e.x + e.y, e.center - e.x + e.y};
+  }
+  static Vector normal(const GeometrySet& set, HitKind kind, std::uint32_t i) {
+    if (kind == HitKind::kDisk) return set.of<Disk<double>>()[i].normals().axis;
+    const Vector a = vertex(set, i, 0);
+    return normalized(cross(vertex(set, i, 1) - a, vertex(set, i, 2) - a));
+  }
+  /// Whether shading normals turn light away from the mirror direction of the face.
+  static bool has_other_normals(const GeometrySet& set, const SurfaceTable& table, HitKind kind,
+                                std::uint32_t i) {
+    if (kind != HitKind::kTriangle || table.vertex_normals.empty()) return false;
+    const Vector n = normal(set, kind, i);
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = set.triangles[3 * std::size_t{i} + k];
+      if (v >= table.vertex_normals.size()) continue;
+      const Vector ns(table.vertex_normals[v]);
+      constexpr double kSame = 1e-5;  // of unit normals in floats
+      if (ns != Vector{} && !(length(cross(n, normalized(ns))) < kSame)) return true;
+    }
+    return false;
+  }
+
+  /// Adds the planes of a surface to those of the scene.
+  void join(const Found& found, std::uint64_t shape) {
+    std::vector<std::int32_t> numbers;
+    for (const Plane& p : found.planes) {
+      const auto same = std::ranges::find_if(planes_, [&](const Plane& q) { return q.joins(p); });
+      numbers.push_back(static_cast<std::int32_t>(same - planes_.begin()));
+      if (same == planes_.end())
+        planes_.push_back(p);
+      else
+        same->add(p.rectangle());
+    }
+    for (const Found::OfKind& of : found.kinds) {
+      ShapeParts& parts = to_.of_shape_[key(shape, of.kind)];
+      if (parts.parts.empty()) parts.first = of.first;
+      // Runs of one shape follow each other, except for those of other kinds between them.
+      parts.parts.resize(of.first - parts.first, kNone);
+      for (const std::int32_t p : of.planes) parts.parts.push_back(p < 0 ? kNone : numbers[p]);
+    }
+  }
+
+  static void add_bounds(const GeometrySet& set, const GeometryInstance* placed, const Run& run,
+                         Bounds& to) {
+    Bounds own;
+    for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
+      if (run.kind == HitKind::kTriangle) {
+        for (int k = 0; k < 3; ++k) own.add(vertex(set, i, k));
+      } else {
+        set.visit_surface(run.kind, i, [&](const auto& surface) {
+          const auto [lower, upper] = surface.bounds();
+          own.add(Vector(lower)), own.add(Vector(upper));
+        });
+      }
+    }
+    if (own.empty()) return;
+    for (int corner = 0; corner < 8; ++corner) {
+      Vector p{corner & 1 ? own.upper.x : own.lower.x, corner & 2 ? own.upper.y : own.lower.y,
+               corner & 4 ? own.upper.z : own.lower.z};
+      if (placed) p = placed->scene_from_object.point(p);
+      to.add(p);
+    }
+  }
+
+  const Scene& scene_;
+  SmoothSurfaces& to_;
+  std::vector<Plane> planes_;
+};
+
+SmoothSurfaces::SmoothSurfaces(const Scene& scene) { Collector(scene, *this).collect(); }
+
+std::int32_t SmoothSurfaces::part_of(const SurfaceHit& hit) const {
+  const auto of = of_shape_.find(key(hit.shape, hit.kind));
+  if (of == of_shape_.end() || hit.primitive < of->second.first) return kNone;
+  const std::size_t i = hit.primitive - of->second.first;
+  return i < of->second.parts.size() ? of->second.parts[i] : kNone;
+}
+
+std::size_t SmoothSurfaces::bytes() const {
+  std::size_t sum =
+      parts_.capacity() * sizeof(SmoothPart) + unsolved_.capacity() * sizeof(UnsolvedSurface);
+  for (const auto& [shape, of] : of_shape_)
+    sum += sizeof of + sizeof shape + of.parts.capacity() * sizeof(std::int32_t);
+  return sum;
+}
+
+const SmoothSurfaces& smooth_surfaces(const Scene& scene) {
+  return scene.attached<AttachedSmoothSurfaces>().get();
+}
+
+}  // namespace lucerna

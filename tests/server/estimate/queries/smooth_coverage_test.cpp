@@ -1,0 +1,118 @@
+// Intervals of light by way of mirrors, panes, glass and mirror balls.  tests/data/smooth has small
+// scenes with right answers from image sources and from solved rays, without samples.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "server/assets/asset_reader.h"
+#include "server/estimate/queries/irradiance.h"
+#include "server/pbrt/load.h"
+#include "tests/paths.h"
+#include "tests/server/estimate/coverage.h"
+#include "tests/server/scene/scenes.h"
+
+namespace lucerna::testing {
+namespace {
+
+/// A row of truth.tsv.
+struct Truth {
+  std::string file;
+  Vec3<double> point, normal;
+  double lux = 0, direct_lux = 0;
+};
+
+Vec3<double> triple(const std::string& text) {
+  std::istringstream in(text);
+  Vec3<double> v;
+  char comma = 0;
+  in >> v.x >> comma >> v.y >> comma >> v.z;
+  return v;
+}
+
+std::vector<Truth> truths() {
+  std::ifstream in(test_data("smooth/truth.tsv"));
+  std::vector<Truth> rows;
+  std::string line;
+  std::getline(in, line);  // the names of the columns
+  while (std::getline(in, line)) {
+    std::istringstream columns(line);
+    std::string file, point, normal;
+    Truth t;
+    std::getline(columns, t.file, '\t');
+    std::getline(columns, point, '\t');
+    std::getline(columns, normal, '\t');
+    columns >> t.lux >> t.direct_lux;
+    t.point = triple(point), t.normal = triple(normal);
+    rows.push_back(t);
+  }
+  return rows;
+}
+
+std::shared_ptr<const Scene> load(const std::string& file) {
+  absl::StatusOr<AssetReader> reader = AssetReader::open(test_data("smooth"));
+  if (!reader.ok()) throw std::runtime_error(reader.status().ToString());
+  auto description = load_pbrt(*reader, file, {});
+  if (!description.ok()) throw std::runtime_error(description.status().ToString());
+  return build(*std::move(description));
+}
+
+IrradianceResult answers(const Truth& t, const Scene& scene, std::size_t count,
+                         IrradianceSettings settings) {
+  settings.seed = 3;
+  const std::vector<IrradiancePoint> points(
+      count, {t.point - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, t.normal});
+  return estimate_irradiance(scene, points, settings, {});
+}
+
+/// Floats hold the corners of the scenes' surfaces.
+constexpr double kOfFloats = 2e-4;
+
+TEST(SmoothCoverage, IntervalsHoldTheTruth) {
+  for (const Truth& t : truths()) {
+    const auto scene = load(t.file);
+    for (const std::uint32_t each : {4U, 64U, has_time_for_large_counts() ? 256U : 64U}) {
+      const IrradianceResult r =
+          answers(t, *scene, repeats() / 5, {.samples_per_block = each, .block_count = 16});
+      int held = 0;
+      double widest = 0;
+      for (const IrradianceEstimate& e : r.points) {
+        held += e.illuminance_lx.lower <= t.lux * (1 + kOfFloats) &&
+                e.illuminance_lx.upper >= t.lux * (1 - kOfFloats);
+        widest = std::fmax(widest, (e.illuminance_lx.upper - e.illuminance_lx.lower) / 2);
+      }
+      const double n = static_cast<double>(r.points.size()), share = held / n;
+      EXPECT_GE(share, 0.92 - 4 * std::sqrt(0.92 * 0.08 / n))
+          << t.file << ", " << each << " samples a replicate: " << r.points[0].illuminance_lx.lower
+          << " to " << r.points[0].illuminance_lx.upper << ", right is " << t.lux;
+      const bool is_ball = t.file.find("ball") != std::string::npos;
+      if (each == 64) {
+        EXPECT_LT(widest / t.lux, is_ball ? 0.02 : 0.01) << t.file;
+      }
+    }
+  }
+}
+
+TEST(SmoothCoverage, MirrorsCountAsReflections) {
+  for (const Truth& t : truths()) {
+    const auto scene = load(t.file);
+    const IrradianceResult r =
+        answers(t, *scene, 1, {.samples_per_block = 64, .block_count = 16, .bounces = 0});
+    EXPECT_NEAR(luminance(r.points[0].irradiance_lx), t.direct_lux, 0.01 * t.direct_lux + 1e-6)
+        << t.file;
+  }
+}
+
+TEST(SmoothCoverage, SharesOfLightsAddUp) {
+  for (const Truth& t : truths()) {
+    const auto scene = load(t.file);
+    const IrradianceResult r =
+        answers(t, *scene, 1, {.samples_per_block = 64, .block_count = 16, .per_light = true});
+    EXPECT_NEAR(luminance(r.per_light[0].irradiance_lx), t.lux, 0.01 * t.lux) << t.file;
+  }
+}
+
+}  // namespace
+}  // namespace lucerna::testing
