@@ -27,7 +27,7 @@ constexpr std::size_t kRowsPerRead = 4096;
 /// Adds the receiver to `check`.  Returns whether it met the target; false if it has no answer.
 bool add_row(const float* row, TargetCheck& check) {
   const float status = row[client::kStatusColumn];
-  return (status == float{v1::ITEM_STATUS_OK} || status == float{v1::ITEM_STATUS_INSIDE_SOLID}) &&
+  return is_answered(static_cast<int>(status)) &&
          check.add(row[0], row[client::kLowerColumn], row[client::kUpperColumn],
                    static_cast<std::uint64_t>(row[client::kSamplesColumn]) + kReplicates);
 }

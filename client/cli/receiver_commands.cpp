@@ -113,6 +113,19 @@ Cell error_cell(const Answer& answer, int i, float bound, bool approximate) {
                        approximate);
 }
 
+/// The same for the light of all lights together.
+Cell total_error_cell(const v1::EstimateIrradianceResponse& response, int i, bool approximate) {
+  if (!has_answer(response.status(), i)) return {};
+  const bool open = item_status(response.status(), i) == "MAY_MISS_LIGHT" &&
+                    unsampled_bound(response, i) == 0 && i < response.upper_lx_size();
+  if (!open) return error_cell(response, i, response.zero_bound_lx(i), approximate);
+  // Without a bound, the light that may be missing has no upper end.
+  if (response.upper_lx(i) == response.lower_lx(i))
+    return {"or more", {fmt::format("{}", response.lower_lx(i)), ""}};
+  const Cell cell = error_cell(response, i, response.zero_bound_lx(i), approximate);
+  return {cell.text() + " or more", cell.values()};
+}
+
 /// "1024 samples per point", if all points have equally many.
 std::string samples_text(const v1::EstimateIrradianceResponse& response) {
   if (response.cost().samples() == 0) return "no samples taken";
@@ -141,9 +154,7 @@ void print_irradiance(const Session& session, const v1::EstimateIrradianceRespon
                              number_cell(y),
                              number_cell(z),
                              number_cell(response.illuminance_lx(i)),
-                             has_answer(response.status(), i)
-                                 ? error_cell(response, i, response.zero_bound_lx(i), approximate)
-                                 : Cell(),
+                             total_error_cell(response, i, approximate),
                              triple_cell_of(rgb, i)};
     if (by_target) {
       const v1::ItemCosts& costs = response.item_costs();
@@ -172,7 +183,7 @@ void print_irradiance(const Session& session, const v1::EstimateIrradianceRespon
   if (session.csv()) return;
   fmt::print("{}± and < hold with {}% confidence; {}{}{}{}{}\n",
              by_target ? "" : samples_text(response) + "; ", percent(stop.confidence()),
-             describe_inside(response.status()),
+             describe_inside(response.status()) + describe_missed(response),
              by_target
                  ? check_target(response, response.item_costs().samples(), accuracy.target_error())
                        .describe("points")

@@ -326,6 +326,10 @@ void append(const v1::EstimateIrradianceResponse& next, v1::EstimateIrradianceRe
   append_all(next.illuminance_lx(), whole->mutable_illuminance_lx());
   append_all(next.standard_error_lx(), whole->mutable_standard_error_lx());
   append_all(next.zero_bound_lx(), whole->mutable_zero_bound_lx());
+  append_all(next.unsampled_bound_lx(), whole->mutable_unsampled_bound_lx());
+  // Every batch names surfaces of the same list from its start.
+  if (whole->missed_surfaces().empty())
+    whole->mutable_missed_surfaces()->CopyFrom(next.missed_surfaces());
   append_all(next.lower_lx(), whole->mutable_lower_lx());
   append_all(next.upper_lx(), whole->mutable_upper_lx());
   append_all(next.spectral_irradiance(), whole->mutable_spectral_irradiance());

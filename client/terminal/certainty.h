@@ -61,6 +61,15 @@ class TargetCheck {
   double worst_ = 1;  // largest width / allowed width, of items with an allowed error above 0
 };
 
+/// The part of `upper_lx` that bounds light which no sample finds.
+template <typename Answers>
+double unsampled_bound(const Answers& answers, int i) {
+  if constexpr (requires { answers.unsampled_bound_lx(i); })
+    return i < answers.unsampled_bound_lx_size() ? answers.unsampled_bound_lx(i) : 0;
+  else
+    return 0;
+}
+
 /// Checks the receivers that have an answer.  `samples` has the number of samples of each receiver.
 /// Sets `reached` to whether each receiver met the target; false for receivers without an answer.
 template <typename Answers>
@@ -70,7 +79,8 @@ TargetCheck check_target(const Answers& answers,
   TargetCheck check(target);
   for (int i = 0; i < samples.size(); ++i) {
     const bool good = has_answer(answers.status(), i) &&
-                      check.add(answers.illuminance_lx(i), answers.lower_lx(i), answers.upper_lx(i),
+                      check.add(answers.illuminance_lx(i), answers.lower_lx(i),
+                                double{answers.upper_lx(i)} - unsampled_bound(answers, i),
                                 std::uint64_t{samples[i]} + kReplicates);
     if (reached != nullptr) reached->push_back(good);
   }

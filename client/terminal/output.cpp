@@ -177,10 +177,14 @@ std::string item_status(const google::protobuf::RepeatedField<int>& statuses, st
   return name.starts_with(kPrefix) ? name.substr(kPrefix.size()) : fmt::format("status {}", status);
 }
 
+bool is_answered(int status) {
+  return status == v1::ITEM_STATUS_OK || status == v1::ITEM_STATUS_INSIDE_SOLID ||
+         status == v1::ITEM_STATUS_MAY_MISS_LIGHT;
+}
+
 bool has_answer(const google::protobuf::RepeatedField<int>& statuses, std::size_t item) {
   return item >= static_cast<std::size_t>(statuses.size()) ||
-         statuses[static_cast<int>(item)] == v1::ITEM_STATUS_OK ||
-         statuses[static_cast<int>(item)] == v1::ITEM_STATUS_INSIDE_SOLID;
+         is_answered(statuses[static_cast<int>(item)]);
 }
 
 bool any_failed(const google::protobuf::RepeatedField<int>& statuses) {
@@ -191,6 +195,7 @@ bool any_failed(const google::protobuf::RepeatedField<int>& statuses) {
       case v1::ITEM_STATUS_OUTSIDE_CONE:
       case v1::ITEM_STATUS_BLACK:
       case v1::ITEM_STATUS_INSIDE_SOLID:
+      case v1::ITEM_STATUS_MAY_MISS_LIGHT:
         return false;
       default:
         return true;
@@ -203,6 +208,18 @@ std::string describe_inside(const google::protobuf::RepeatedField<int>& statuses
   if (inside == 0) return {};
   return fmt::format("{} of {} points {} inside of solids; ", inside, statuses.size(),
                      inside == 1 ? "is" : "are");
+}
+
+std::string describe_missed(const v1::EstimateIrradianceResponse& response) {
+  const auto points = std::count(response.status().begin(), response.status().end(),
+                                 v1::ITEM_STATUS_MAY_MISS_LIGHT);
+  if (points == 0) return {};
+  std::string way;
+  for (const std::string& surface : response.missed_surfaces())
+    way += (way.empty() ? " by way of " : ", ") + surface;
+  return fmt::format("{}{} may be missed at {} of {} points; ",
+                     way.empty() ? "reflected light" : "light", way, points,
+                     response.status_size());
 }
 
 std::string describe(const v1::Cost& cost) {

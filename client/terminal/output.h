@@ -92,11 +92,16 @@ std::string to_json(const google::protobuf::Message& message, const std::string&
 /// The name of the item's status, such as "INVALID_INPUT"; empty for OK.  An empty `statuses` means
 /// that all items are OK.
 std::string item_status(const google::protobuf::RepeatedField<int>& statuses, std::size_t item);
-/// Whether the item has an answer.  Points inside solids have an answer.
+/// Whether an item with this status has an answer.  Points inside solids have one, and points that
+/// may miss light.
+bool is_answered(int status);
 bool has_answer(const google::protobuf::RepeatedField<int>& statuses, std::size_t item);
 /// Whether some item has no answer.  Items without light have an answer.
 bool any_failed(const google::protobuf::RepeatedField<int>& statuses);
 
+/// "light by way of room.pbrt:12:1 may be missed at 4 of 8 points; ".  Empty if none has the status
+/// MAY_MISS_LIGHT.
+std::string describe_missed(const v1::EstimateIrradianceResponse& response);
 /// "2 of 8 points are inside of solids; ".  Empty if none is.
 std::string describe_inside(const google::protobuf::RepeatedField<int>& statuses);
 

@@ -75,11 +75,11 @@ AnswerSize answer_size(const v1::TestVisibilityRequest&, bool is_partial) {
 
 AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64_t lights) {
   const std::uint64_t shares = request.per_light() ? lights : 0;
-  // Illuminance, error and interval, also of each share; RGB and bound.
+  // Illuminance, error and interval, also of each share; RGB and both bounds.
   const std::uint64_t estimate = 4 * kFloat;
   const std::uint64_t cost = request.accuracy().has_target_error() ? 2 * kId + kFloat : 0;
   return {.fixed = AnswerSize::kFixed + shares * (5 * (kTag + kLength) + kTag + kId),
-          .per_item = estimate + (3 + 1) * kFloat + kStatus + cost + shares * estimate +
+          .per_item = estimate + (3 + 2) * kFloat + kStatus + cost + shares * estimate +
                       2 * kFloat * wavelengths(request)};
 }
 

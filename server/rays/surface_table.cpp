@@ -386,13 +386,14 @@ absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& ori
       shape.where);
 }
 
+std::string text_of(const SourceLocation& where) {
+  if (where.line == 0) return where.file.str();
+  return fmt::format("{}:{}:{}", where.file.str(), where.line, where.column);
+}
+
 absl::Status located(const absl::Status& status, const SourceLocation& where) {
   if (status.ok()) return status;
-  // Files without lines have their place in the name.
-  const std::string place =
-      where.line > 0 ? fmt::format("{}:{}:{}", where.file.str(), where.line, where.column)
-                     : where.file.str();
-  return {status.code(), fmt::format("{}: {}", place, std::string(status.message()))};
+  return {status.code(), fmt::format("{}: {}", text_of(where), std::string(status.message()))};
 }
 
 }  // namespace lucerna

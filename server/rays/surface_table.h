@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/description/scene_description.h"
@@ -126,6 +127,9 @@ bool is_flat_and_convex(const std::array<Vec3<double>, 4>& corners);
 absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& origin,
                           double detail_m, std::int32_t light, GeometrySet& set,
                           SurfaceTable& table);
+
+/// "file:line:column".  Files without lines have their place in the name.
+std::string text_of(const SourceLocation& where);
 
 /// `status` with file:line:column before its message.  OK is returned unchanged.
 absl::Status located(const absl::Status& status, const SourceLocation& where);

@@ -15,8 +15,8 @@ namespace {
 
 using Vector = Vec3<double>;
 
-/// A shape with faces in more planes than this counts as curved.  Refracted paths are solved one by
-/// one, so few of them pay.
+/// A shape with faces in more planes than this counts as curved.  In a scene with more planes that
+/// refract, all of these do: their sequences are many, and each path must be solved.
 constexpr std::size_t kMostPlanes = 1024, kMostRefractingPlanes = 16;
 /// Of all parts together.
 constexpr std::size_t kMostParts = 4096;
@@ -128,11 +128,13 @@ class SmoothSurfaces::Collector {
     to_.has_rough_surfaces_ = materials.empty() && !scene_.empty();
     for (std::uint32_t m = 0; m < materials.size(); ++m)
       to_.has_rough_surfaces_ |= traits_of(m).is_rough;
-    add(scene_.accelerator().scene(), scene_.surfaces(), -1);
-    for (std::uint32_t i = 0; i < scene_.accelerator().instance_count(); ++i) {
-      const std::uint32_t object = scene_.accelerator().instance(i).object;
-      add(scene_.accelerator().object(object), scene_.surfaces_of(object),
-          static_cast<std::int32_t>(i));
+    add_all();
+    const auto refracting = std::ranges::count_if(
+        planes_, [](const Plane& p) { return p.part.refracts && p.part.eta != 1; });
+    if (static_cast<std::size_t>(refracting) > kMostRefractingPlanes) {
+      solves_refraction_ = false;
+      planes_.clear(), to_.of_shape_.clear(), to_.unsolved_.clear();
+      add_all();
     }
     to_.parts_.reserve(planes_.size());
     for (const Plane& p : planes_) to_.parts_.push_back(p.finished());
@@ -155,6 +157,15 @@ class SmoothSurfaces::Collector {
     };
     std::vector<OfKind> kinds;
   };
+
+  void add_all() {
+    add(scene_.accelerator().scene(), scene_.surfaces(), -1);
+    for (std::uint32_t i = 0; i < scene_.accelerator().instance_count(); ++i) {
+      const std::uint32_t object = scene_.accelerator().instance(i).object;
+      add(scene_.accelerator().object(object), scene_.surfaces_of(object),
+          static_cast<std::int32_t>(i));
+    }
+  }
 
   void add(const GeometrySet& set, const SurfaceTable& table, std::int32_t instance) {
     if (table.smooth.empty()) return;
@@ -189,7 +200,9 @@ class SmoothSurfaces::Collector {
                     .material = surface.material};
     const bool moves = placed != nullptr && placed->motion != nullptr;
     Found found;
-    bool solved = !moves && !traits.turns_normals && (!like.refracts || traits.eta);
+    const bool bends = like.refracts && traits.eta != 1;
+    bool solved = !moves && !traits.turns_normals &&
+                  (!bends || (solves_refraction_ && traits.eta.has_value()));
     for (const Run& run : runs) solved = solved && find(set, table, placed, run, like, found);
     solved = solved && planes_.size() + found.planes.size() <= kMostParts;
     if (solved) {
@@ -354,6 +367,7 @@ class SmoothSurfaces::Collector {
   const Scene& scene_;
   SmoothSurfaces& to_;
   std::vector<Plane> planes_;
+  bool solves_refraction_ = true;
 };
 
 SmoothSurfaces::SmoothSurfaces(const Scene& scene) { Collector(scene, *this).collect(); }

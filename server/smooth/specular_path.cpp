@@ -23,11 +23,13 @@ struct Differential {
   }
 };
 
-/// Meets the whole plane or the outside of the sphere.  Returns the normal there, or nothing.
-std::optional<Vector> meet(const SmoothPart& part, Differential& ray) {
+/// Meets the whole plane, before or behind the ray, or the outside of the sphere.  Returns the
+/// normal there, or nothing.  `is_ahead` becomes false if the plane is behind.
+std::optional<Vector> meet(const SmoothPart& part, Differential& ray, bool& is_ahead) {
   if (!part.is_sphere) {
     const double t = -part.height(ray.p) / dot(part.n, ray.w);
-    if (!(t > 0) || !std::isfinite(t)) return std::nullopt;
+    if (!std::isfinite(t)) return std::nullopt;
+    is_ahead = is_ahead && t > 0;
     ray.transfer(t, part.n);
     return part.n;
   }
@@ -74,6 +76,7 @@ bool send_on(const SmoothStep& step, const Vector& n, Differential& ray) {
 struct Traced {
   Differential end;
   std::array<Vector, kMostSteps> points;
+  bool is_ahead = true;  ///< whether each surface is ahead of the one before
 };
 
 std::optional<Traced> trace(const Vector& from, const Vector& start,
@@ -82,7 +85,7 @@ std::optional<Traced> trace(const Vector& from, const Vector& start,
   const Frame<double> frame = Frame<double>::around(start);
   t.end = {from, start, {}, {frame.s, frame.t}};
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const std::optional<Vector> n = meet(*steps[i].part, t.end);
+    const std::optional<Vector> n = meet(*steps[i].part, t.end, t.is_ahead);
     if (!n) return std::nullopt;
     t.points[i] = t.end.p;
     if (!send_on(steps[i], *n, t.end)) return std::nullopt;
@@ -95,6 +98,7 @@ struct Miss {
   double a, b;
   double aa, ab, ba, bb;  // d(a, b) / d(parameters)
   double size;            // of the distance that counts as 1
+  bool is_ahead;          // whether the target is ahead of the last surface
 };
 
 double squared(const Miss& m) { return m.a * m.a + m.b * m.b; }
@@ -103,7 +107,7 @@ double squared(const Miss& m) { return m.a * m.a + m.b * m.b; }
 template <typename F>
 std::optional<SpecularPath> solve(const Vector& from, Vector start,
                                   std::span<const SmoothStep> steps, const F& miss) {
-  constexpr int kMostIterations = 24;
+  constexpr int kMostIterations = 16, kMostHalvings = 6;
   constexpr double kClose = 1e-12;
   std::optional<Traced> traced = trace(from, start, steps);
   if (!traced) return std::nullopt;
@@ -111,16 +115,17 @@ std::optional<SpecularPath> solve(const Vector& from, Vector start,
   for (int i = 0; m && i < kMostIterations; ++i) {
     const double det = m->aa * m->bb - m->ab * m->ba;
     if (!(std::fabs(det) > 0)) return std::nullopt;
-    if (squared(*m) <= kClose * kClose * m->size * m->size) {
-      SpecularPath path{traced->points, start, traced->end.w, 1 / std::fabs(det)};
-      return path;
-    }
+    const auto found = [&]() -> std::optional<SpecularPath> {
+      if (!traced->is_ahead || !m->is_ahead) return std::nullopt;
+      return SpecularPath{traced->points, start, traced->end.w, 1 / std::fabs(det)};
+    };
+    if (squared(*m) <= kClose * kClose * m->size * m->size) return found();
     const double x = -(m->bb * m->a - m->ab * m->b) / det, y = -(m->aa * m->b - m->ba * m->a) / det;
     const Frame<double> frame = Frame<double>::around(start);
     // Halves the step while it does not lead closer.
     double share = 1;
     bool moved = false;
-    for (int half = 0; half < 12 && !moved; ++half, share /= 2) {
+    for (int half = 0; half < kMostHalvings && !moved; ++half, share /= 2) {
       const Vector next = normalized(start + (frame.s * x + frame.t * y) * share);
       const std::optional<Traced> there = trace(from, next, steps);
       if (!there) continue;
@@ -132,7 +137,7 @@ std::optional<SpecularPath> solve(const Vector& from, Vector start,
       // Rounding allows no less.
       constexpr double kRounded = 1e-9;
       if (!(squared(*m) <= kRounded * kRounded * m->size * m->size)) return std::nullopt;
-      return SpecularPath{traced->points, start, traced->end.w, 1 / std::fabs(det)};
+      return found();
     }
   }
   return std::nullopt;
@@ -169,14 +174,13 @@ std::optional<SpecularPath> path_to_point(const Vec3<double>& from,
                [&](const Traced& traced) -> std::optional<Miss> {
                  Differential ray = traced.end;
                  const double t = dot(to - ray.p, ray.w);
-                 if (!(t > 0)) return std::nullopt;
                  ray.transfer(t, ray.w);
                  const Frame<double> across = Frame<double>::around(ray.w);
                  const Vector off = ray.p - to;
                  return Miss{dot(off, across.s),       dot(off, across.t),
                              dot(ray.dp[0], across.s), dot(ray.dp[1], across.s),
                              dot(ray.dp[0], across.t), dot(ray.dp[1], across.t),
-                             length(to - from)};
+                             length(to - from),        t > 0};
                });
 }
 
@@ -194,7 +198,8 @@ std::optional<SpecularPath> path_to_direction(const Vec3<double>& from,
                              dot(ray.dw[1], across.s),
                              dot(ray.dw[0], across.t),
                              dot(ray.dw[1], across.t),
-                             1};
+                             1,
+                             true};
                });
 }
 

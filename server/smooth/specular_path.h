@@ -3,7 +3,8 @@
 // By Fermat's principle, light takes a path at which every surface sends it on by the law of
 // reflection or refraction.  Such a path is one direction at its start.  By planes and outsides of
 // balls there is at most one path for one sequence of surfaces, because no surface focuses light.
-// Newton's method finds it: differentials of the ray give the exact derivatives.  [Jakob12]
+// Newton's method finds it: differentials of the ray give the exact derivatives.  [Jakob12],
+// [Igehy99]
 #pragma once
 
 #include <array>

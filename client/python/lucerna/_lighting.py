@@ -57,7 +57,7 @@ def irradiance(scene: SceneLike, points: p.Places, normals: ArrayLike | None = N
     share = 4 * b.FLOAT
     answered = yield from b.in_batches(
         request, fixed=b.FIXED + 41 * lights, whole=head.accuracy.HasField("time_budget_s"), progress=progress,
-        per_item=8 * b.FLOAT + b.STATUS + (2 * b.ID + b.FLOAT if target else 0) + lights * share
+        per_item=9 * b.FLOAT + b.STATUS + (2 * b.ID + b.FLOAT if target else 0) + lights * share
         + 2 * b.FLOAT * wavelengths.size)
     got = Gathered(answered, lighting_pb2.EstimateIrradianceResponse)
     items = got.inside("item_costs", lambda a: a.varints("samples").size) if target else None
@@ -71,7 +71,8 @@ def irradiance(scene: SceneLike, points: p.Places, normals: ArrayLike | None = N
         status=got.status(*shape), shares=_shares(got, shape) if per_light else None, wavelengths_nm=wavelengths,
         spectral=got.floats_if_any("spectral_irradiance", *shape, wavelengths.size),
         spectral_standard_error=got.floats_if_any("spectral_standard_error", *shape, wavelengths.size),
-        cost=got.cost())
+        unsampled_bound=got.floats("unsampled_bound_lx", *shape),
+        missed_surfaces=sorted({s for a in got.parts for s in a.texts("missed_surfaces")}), cost=got.cost())
 
 
 def _shares(got: Gathered, shape: tuple[int, ...]) -> results.Shares:

@@ -156,6 +156,10 @@ class Answer:
         values = self._all(name)
         return int(values[-1]) if values else 0
 
+    def texts(self, name: str) -> list[str]:
+        """The strings of a repeated field."""
+        return [bytes(v).decode() for v in self._all(name)]
+
     def messages(self, name: str) -> list[Answer]:
         """The messages of a repeated field."""
         return [Answer(v, self._numbers[name].message_type) for v in self._all(name)]

@@ -8,14 +8,12 @@ namespace {
 
 using Vector = Vec3<double>;
 
-/// Sequences that leave less than this share of light are chosen at random, one for each vertex.
+/// Longer sequences that leave less than this share of light are chosen at random.
 constexpr double kLeastShare = 1e-3;
-/// The most sequences of a vertex that are all visited.
-constexpr std::size_t kMostVisited = 64;
-/// Of many surfaces, the number that a vertex chooses as the first one of a path.
-constexpr std::size_t kChosenFirst = 16;
-/// With at most this many lights, each is sampled at receivers and surfaces that cameras see.
-constexpr std::size_t kFewLights = 20;
+/// The most sequences that a receiver visits, and that a vertex of a path visits.
+constexpr std::size_t kMostVisited = 64, kMostVisitedOnPaths = 1;
+/// With at most this many lights, each is sampled.
+constexpr std::size_t kFewLights = 20, kFewLightsOnPaths = 3;
 
 /// Random numbers of the choices, apart from those of direct light and of directions.
 constexpr std::uint32_t kFirstPair = 3U << 30;
@@ -90,33 +88,33 @@ bool SmoothLight::may_follow(const Vertex& v, const Sequence& parent, const Smoo
   return side > 0 ? high > least : low < -least;
 }
 
-void SmoothLight::add_children(const Vertex& v, const Sequence& parent, Sequences& to) const {
+void SmoothLight::add_next(const Vertex& v, const Sequence& parent, Nexts& to) const {
   if (parent.steps.size() >= std::min<std::size_t>(kMostSteps, v.most_steps)) return;
   for (const SmoothPart& part : parts_) {
     int side = 1;
     if (!may_follow(v, parent, part, side)) continue;
-    // The sides on which light may continue after a whole rectangle is passed are the same for all.
-    if (part.reflects) {
-      Sequence child = parent;
-      child.steps.push_back({&part, false});
-      child.share *= std::max(part.reflected, 0.01);
-      child.side = side;
-      child.is_bent = parent.is_bent || part.is_sphere;
-      if (!part.is_sphere) {
-        child.image = mirror_image(part, parent.image);
-        child.image_normal = mirror_vector(part, parent.image_normal);
-      }
-      to.push_back(std::move(child));
-    }
-    if (part.refracts) {
-      Sequence child = parent;
-      child.steps.push_back({&part, true});
-      child.share *= std::max(1 - part.reflected, 0.01);
-      child.side = -side;
-      child.is_bent = parent.is_bent || part.eta != 1;
-      to.push_back(std::move(child));
-    }
+    if (part.reflects) to.push_back({{&part, false}, side, std::max(part.reflected, 0.01)});
+    if (part.refracts) to.push_back({{&part, true}, side, std::max(1 - part.reflected, 0.01)});
   }
+}
+
+auto SmoothLight::extended(const Sequence& parent, const Next& next) -> Sequence {
+  const SmoothPart& part = *next.step.part;
+  Sequence child = parent;
+  child.steps.push_back(next.step);
+  child.share *= next.share;
+  if (next.step.passes) {
+    child.side = -next.side;
+    child.is_bent = parent.is_bent || part.eta != 1;
+    return child;
+  }
+  child.side = next.side;
+  child.is_bent = parent.is_bent || part.is_sphere;
+  if (!part.is_sphere) {
+    child.image = mirror_image(part, parent.image);
+    child.image_normal = mirror_vector(part, parent.image_normal);
+  }
+  return child;
 }
 
 void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
@@ -128,62 +126,59 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
   // Without a normal, light arrives from both sides.
   if (v.scattering == nullptr || !v.scattering->transmits())
     root.image_normal = dot(v.hit.ns, Vector(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
-  Sequences open;
-  add_children(v, root, open);
-  if (open.size() > kMostVisited) {
+  const std::size_t most = v.is_receiver ? kMostVisited : kMostVisitedOnPaths;
+  Nexts nexts;
+  add_next(v, root, nexts);
+  absl::InlinedVector<Sequence, 8> open;
+  if (nexts.size() <= most) {
+    for (const Next& next : nexts) open.push_back(extended(root, next));
+  } else {
     // Chooses some, by the share of light and the size that they seem to have.
     std::vector<double> sums;
     double sum = 0;
-    for (const Sequence& c : open) {
-      const SmoothPart& part = *c.steps[0].part;
+    for (const Next& next : nexts) {
+      const SmoothPart& part = *next.step.part;
       const Vector away = part.middle - v.hit.position;
       const double size2 = part.is_sphere ? part.radius_m * part.radius_m
                                           : length(part.half_u) * length(part.half_v);
-      sum += c.share * size2 / (dot(away, away) + size2);
-      sums.push_back(sum);
+      sums.push_back(sum += next.share * size2 / (dot(away, away) + size2));
     }
-    Sequences chosen;
-    const double offset = choices.uniform();
-    for (std::size_t k = 0; k < kChosenFirst; ++k) {
-      const double at = (static_cast<double>(k) + offset) / kChosenFirst * sum;
+    const double offset = choices.uniform(), count = static_cast<double>(most);
+    for (std::size_t k = 0; k < most; ++k) {
+      const double at = (static_cast<double>(k) + offset) / count * sum;
       const auto i = std::min<std::size_t>(
           static_cast<std::size_t>(std::ranges::upper_bound(sums, at) - sums.begin()),
           sums.size() - 1);
-      const double probability = (sums[i] - (i > 0 ? sums[i - 1] : 0)) / sum * kChosenFirst;
-      chosen.push_back(open[i]);
-      chosen.back().weight = 1 / probability;
+      open.push_back(extended(root, nexts[i]));
+      open.back().weight = sum / ((sums[i] - (i > 0 ? sums[i - 1] : 0)) * count);
     }
-    open = std::move(chosen);
   }
-  std::uint32_t number = 0;
   for (std::size_t i = 0; i < open.size(); ++i) {
     const Sequence sequence = open[i];
-    visit(v, sequence, number++, s, work, found);
-    if (sequence.steps.size() >= std::min<std::size_t>(kMostSteps, v.most_steps)) continue;
-    Sequences children;
-    add_children(v, sequence, children);
-    if (children.empty()) continue;
-    const bool all = sequence.weight == 1 && open.size() + children.size() <= kMostVisited;
-    double rest = 0;  // the share of children that are not all visited
-    for (Sequence& child : children) {
-      if (all && child.share >= kLeastShare)
-        open.push_back(child);
-      else
-        rest += child.share;
+    visit(v, sequence, static_cast<std::uint32_t>(i), s, work, found);
+    nexts.clear();
+    add_next(v, sequence, nexts);
+    // Visits all that leave enough light, and one of the others.
+    const bool all = v.is_receiver && sequence.weight == 1 && open.size() + nexts.size() <= most;
+    double rest = 0;
+    for (Next& next : nexts) {
+      if (all && sequence.share * next.share >= kLeastShare) {
+        open.push_back(extended(sequence, next));
+        next.share = 0;
+      }
+      rest += next.share;
     }
     if (!(rest > 0)) continue;
-    // Light of many steps is carried by few long walks, which need a fair chance to go on.
-    const double survival = std::clamp(rest / sequence.share, 0.25, 0.95);
-    double u = choices.uniform() / survival;
-    for (Sequence& child : children) {
-      if (all && child.share >= kLeastShare) continue;
-      const double probability = child.share / rest;
-      if (u < probability) {
-        child.weight = sequence.weight / (probability * survival);
-        open.push_back(std::move(child));
+    // A walk gets a fair chance to go on, because few long walks carry much light of many steps.
+    const double survival = std::clamp(rest, 0.25, 0.75);
+    double u = choices.uniform() / survival * rest;
+    for (const Next& next : nexts) {
+      if (u < next.share) {
+        open.push_back(extended(sequence, next));
+        open.back().weight = sequence.weight * rest / (next.share * survival);
         break;
       }
-      u -= probability;
+      u -= next.share;
     }
   }
 }
@@ -194,7 +189,7 @@ void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t
   // Points of lights, two pairs for each sequence and light.
   const std::uint32_t first = kFirstPair + v.depth * kPairsOfVertex + kPairsOfVertex / 2 +
                               number % kMostVisited * (kFewLights + 2);
-  if (v.each_light || (v.depth == 0 && lights <= kFewLights) || lights == 1) {
+  if (v.each_light || lights <= (v.is_receiver ? kFewLights : kFewLightsOnPaths)) {
     for (std::uint32_t l = 0; l < lights; ++l) {
       const Vec2<float> u = s.pair(first + l);
       sample_light(v, sequence, l, 1, {u.x, u.y}, work, found);

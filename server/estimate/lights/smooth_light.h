@@ -40,10 +40,11 @@ class SmoothLight {
     /// Null: diffuse with reflectance 1.
     const SurfaceScattering* scattering;
     std::uint32_t depth;  ///< reflections between the vertex and the camera or receiver
+    bool is_receiver;     ///< whether a query asks for its light; else it is on a path
     /// The most surfaces between the vertex and the lamp.
     std::uint32_t most_steps;
     /// Whether each light is sampled.  Else one is chosen if there are many.
-    bool each_light;
+    bool each_light = false;
   };
   /// Estimates the radiance [cd/m2] that the surface sends towards `wo`.  Calls `found` for each
   /// light that was sampled; the estimates add up.
@@ -69,9 +70,16 @@ class SmoothLight {
     int side = 0;          ///< of the last plane on which light continues: the sign of n
     bool is_bent = false;  ///< whether the image is not where light seems to come from
   };
-  using Sequences = absl::InlinedVector<Sequence, 8>;
+  /// A step that may follow a sequence.
+  struct Next {
+    SmoothStep step;
+    int side;      ///< on which light arrives
+    double share;  ///< of light that it leaves, about
+  };
+  using Nexts = absl::InlinedVector<Next, 16>;
 
-  void add_children(const Vertex& v, const Sequence& parent, Sequences& to) const;
+  void add_next(const Vertex& v, const Sequence& parent, Nexts& to) const;
+  static Sequence extended(const Sequence& parent, const Next& next);
   bool may_follow(const Vertex& v, const Sequence& parent, const SmoothPart& part, int& side) const;
   void visit(const Vertex& v, const Sequence& sequence, std::uint32_t number, const PathSample& s,
              WorkCounts& work, const Found& found) const;

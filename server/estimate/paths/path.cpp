@@ -91,7 +91,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     const bool counts_sizes = smooth_.any() && (!scattering || !scattering->all_delta());
     if (counts_sizes)
       smooth_.sample(
-          {hit, wo, scattering ? &*scattering : nullptr, depth, most_steps(depth), false}, sample,
+          {hit, wo, scattering ? &*scattering : nullptr, depth, false, most_steps(depth)}, sample,
           work, [&](std::uint32_t, const LightEstimate& e) {
             sum.value += throughput * e.value;
             sum.unshadowed += throughput * e.unshadowed;
@@ -129,6 +129,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     if (scene_.has_media()) throughput = throughput * left_by_media(ray, next);
     const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
       if (settled.has(light) || (next_direction.is_single && counted)) return;
+      work.by_chance += next_direction.is_single ? 1 : 0;
       const double weight =
           next_direction.is_single
               ? 1

@@ -14,6 +14,7 @@
 #include "server/estimate/paths/path.h"
 #include "server/estimate/queries/delta_irradiance.h"
 #include "server/estimate/queries/irradiance_estimate.h"
+#include "server/estimate/queries/missed_light.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/statistics/pilots.h"
 #include "server/runtime/denormals.h"
@@ -46,6 +47,7 @@ struct Sampled {
   std::vector<Estimate> shares;  // of each light, with `per_light`
   BySpectrum by_spectrum;        // of the current block
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
+  std::uint64_t reflected = 0;                 // samples with light that surfaces reflect
 };
 
 class IrradianceEstimator {
@@ -62,6 +64,7 @@ class IrradianceEstimator {
         direct_(tracer_.direct()),
         gather_indirect_(gathers_reflected_light(scene, settings)),
         by_way_(gather_indirect_ && tracer_.smooth().any()),
+        missed_(scene, settings.bounces),
         confidence_(settings.target ? settings.target->confidence : kConfidence),
         rule_(confidence_, settings.block_count,
               std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),
@@ -133,6 +136,7 @@ class IrradianceEstimator {
   void put_sampled(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
                    std::uint32_t per_block, WorkCounts& work) {
     Sampled e = no_samples(settled.shares.size(), settings_.wavelengths_nm.size());
+    const std::uint64_t by_chance = work.by_chance;
     blocks(p, receiver, {0, settings_.block_count, per_block}, settled, e, work);
     if (stopped_) return;
     std::optional<IntervalRule> own;
@@ -142,6 +146,11 @@ class IrradianceEstimator {
     result_.points[p] = e.total.result(settled.exact, count, rule, [&](bool missed) {
       return most(receiver, settled, missed ? &e.found : nullptr);
     });
+    if (gather_indirect_) {
+      IrradianceEstimate& total = result_.points[p];
+      total.missed = missed_.at(points_[p], {work.by_chance - by_chance, e.reflected}, rule);
+      total.illuminance_lx.upper += total.missed.bound_lx;
+    }
     for (std::uint32_t l = 0; l < e.shares.size(); ++l)
       if (is_sampled(settled, l))
         result_.per_light[p * e.shares.size() + l] =
@@ -320,7 +329,7 @@ class IrradianceEstimator {
                    [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
     if (by_way_)
       tracer_.smooth().sample(
-          {receiver, Vec3<float>(receiver.ns), nullptr, 0, tracer_.most_steps(0),
+          {receiver, Vec3<float>(receiver.ns), nullptr, 0, true, tracer_.most_steps(0),
            settings_.per_light},
           s, work, [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
     if (settled.gathers) gather(receiver, s, settled, sum, to, work);
@@ -369,6 +378,7 @@ class IrradianceEstimator {
       const LightEstimate e =
           tracer_.reflected(*hit, -wi, 1, s, work, tracer_.smooth().counts_at(nullptr, n));
       sum += {e.value * left * kPi, e.unshadowed * left * kPi};
+      to.reflected += e.unshadowed.is_black() ? 0 : 1;
     }
   }
 
@@ -381,6 +391,7 @@ class IrradianceEstimator {
   const DirectLight& direct_;
   const bool gather_indirect_;
   const bool by_way_;  // of smooth surfaces, light is sampled
+  const MissedLightRule missed_;
   const double confidence_;
   const IntervalRule rule_;  ///< for points with the sample count of the settings
   /// One for each thread, because looking spectra up takes longer than using them.

@@ -51,6 +51,17 @@ struct IrradianceSettings {
   std::span<const double> wavelengths_nm{};
 };
 
+/// Light that may be missing from an answer, because samples cannot find it or found none.
+struct MissedLight {
+  enum class Kind : std::uint8_t {
+    kNone,
+    kByWay,      ///< of lamps, by way of smooth surfaces for which paths are not computed
+    kReflected,  ///< by rough surfaces
+  };
+  Kind kind = Kind::kNone;
+  double bound_lx = 0;  ///< 0: none is known
+};
+
 struct IrradianceEstimate {
   Rgb<double> irradiance_lx;
   Rgb<double> standard_error_lx;  ///< of each channel; infinite where block_count is 1 and the
@@ -61,6 +72,7 @@ struct IrradianceEstimate {
   /// Upper bound of the illuminance if every sample was 0 but light may have been missed, else 0.
   double zero_bound_lx = 0;
   bool exact = false;  ///< standard error 0 because nothing was sampled
+  MissedLight missed{};  ///< `illuminance_lx` includes its bound
 };
 
 /// The cost of one point.

@@ -25,6 +25,7 @@ enum class ItemResult : int {
   kOutOfRange,
   kInvalidInput,
   kInsideSolid,
+  kMayMissLight,
 };
 inline ItemResult item_result(NoLight reason) {
   // Both enums have the same order.  This avoids a call or a table in the loop over samples of

@@ -22,6 +22,7 @@
 #include "server/rpc/messages/stop_rule.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/time_budget.h"
+#include "server/smooth/smooth_surfaces.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -276,6 +277,30 @@ void IrradianceEncoder::put(std::size_t i, const IrradianceResult& result, std::
   status_[i] = static_cast<int>(ItemResult::kOutOfRange);
 }
 
+/// Sets MAY_MISS_LIGHT for receivers whose answers may miss light, with its bounds.
+void mark_missed_light(const IrradianceQuery& query, const std::vector<ReceiverRun>& runs,
+                       const RunEstimates& estimates, v1::EstimateIrradianceResponse* response) {
+  fill(response->mutable_unsampled_bound_lx(), query.receivers.size());
+  bool by_way = false;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    for (std::size_t k = 0; k < runs[r].points.size(); ++k) {
+      const auto i = static_cast<int>(runs[r].begin + k);
+      const MissedLight& missed = estimates.runs[r].points[k].missed;
+      if (missed.kind == MissedLight::Kind::kNone ||
+          response->status(i) != static_cast<int>(ItemResult::kOk))
+        continue;
+      response->mutable_status()->Set(i, static_cast<int>(ItemResult::kMayMissLight));
+      response->set_unsampled_bound_lx(i, held_as_float(missed.bound_lx));
+      by_way |= missed.kind == MissedLight::Kind::kByWay;
+    }
+  }
+  if (!by_way) return;
+  constexpr std::size_t kMostNamed = 3;
+  const auto unsolved = smooth_surfaces(*query.scene).unsolved();
+  for (std::size_t s = 0; s < std::min(kMostNamed, unsolved.size()); ++s)
+    response->add_missed_surfaces(text_of(unsolved[s].where));
+}
+
 /// Sets INSIDE_SOLID for receivers that get no light and lie inside of a solid.
 void mark_inside_solids(const IrradianceQuery& query, const std::vector<ReceiverRun>& runs,
                         const RunEstimates& estimates, const std::stop_token& stop, int* status) {
@@ -284,7 +309,8 @@ void mark_inside_solids(const IrradianceQuery& query, const std::vector<Receiver
   for (std::size_t r = 0; r < runs.size(); ++r) {
     for (std::size_t k = 0; k < runs[r].points.size(); ++k) {
       const std::size_t i = runs[r].begin + k;
-      const bool is_ok = status[i] == static_cast<int>(ItemResult::kOk);
+      const bool is_ok = status[i] == static_cast<int>(ItemResult::kOk) ||
+                         status[i] == static_cast<int>(ItemResult::kMayMissLight);
       if (!is_ok || !estimates.runs[r].points[k].irradiance_lx.is_black()) continue;
       dark.push_back(runs[r].points[k]);
       items.push_back(i);
@@ -311,6 +337,7 @@ absl::Status answer(const IrradianceQuery& query, const std::stop_token& stop,
     for (std::size_t k = 0; k < runs[r].points.size(); ++k)
       encoder.put(runs[r].begin + k, estimates->runs[r], k);
   }
+  mark_missed_light(query, runs, *estimates, response);
   mark_inside_solids(query, runs, *estimates, stop, status);
   response->set_samples(encoder.most_samples());
   set_counts(response->mutable_cost(), work);

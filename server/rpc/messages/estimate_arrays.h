@@ -10,6 +10,13 @@
 
 namespace lucerna::rpc {
 
+/// A bound as a float.  One that does not fit, or whose squares overflowed a double, becomes the
+/// largest float.
+inline float held_as_float(double v) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  return v < kLargest ? static_cast<float>(v) : kLargest;
+}
+
 /// The arrays of estimates in a response.  Null: not requested, or unknown from a single sample.
 struct EstimateArrays {
   float* rgb;
@@ -30,19 +37,13 @@ struct EstimateArrays {
       rgb[3 * i + 1] = value.g;
       rgb[3 * i + 2] = value.b;
     }
-    // A bound that does not fit a float, or whose squares overflowed a double, becomes the largest
-    // float.
-    const auto held = [](double v) {
-      constexpr float kLargest = std::numeric_limits<float>::max();
-      return v < kLargest ? static_cast<float>(v) : kLargest;
-    };
     illuminance[i] = lux;
     if (standard_error != nullptr) {
       standard_error[i] = error;
-      lower[i] = e.illuminance_lx.lower > 0 ? held(e.illuminance_lx.lower) : 0;
-      upper[i] = held(e.illuminance_lx.upper);
+      lower[i] = e.illuminance_lx.lower > 0 ? held_as_float(e.illuminance_lx.lower) : 0;
+      upper[i] = held_as_float(e.illuminance_lx.upper);
     }
-    if (zero_bound != nullptr) zero_bound[i] = held(e.zero_bound_lx);
+    if (zero_bound != nullptr) zero_bound[i] = held_as_float(e.zero_bound_lx);
     return true;
   }
 

@@ -96,6 +96,32 @@ TEST(Scattering, SamplesFollowTheirDensity) {
   }
 }
 
+// The mean over all choices of what samples of single directions bring is the share of these.
+TEST(Scattering, SingleDirectionsHaveTheShareOfTheirSamples) {
+  int smooth = 0;
+  for (const auto& s : every_scattering<double>())
+    for (const Direction& wo : eyes()) {
+      constexpr int kChoices = 100'000;
+      Rgb<double> sampled[2];
+      for (int i = 0; i < kChoices; ++i) {
+        const auto sample = s.bsdf.sample(wo, {(i + 0.5) / kChoices, {0.3, 0.6}});
+        if (!sample || !sample->delta) continue;
+        sampled[same_side(wo, sample->wi) ? 0 : 1] += sample->weight * (1.0 / kChoices);
+      }
+      for (const int side : {0, 1}) {
+        const Rgb<double> share =
+            s.bsdf.single(wo, side == 0 ? Side::kReflected : Side::kTransmitted);
+        smooth += share.is_black() ? 0 : 1;
+        // A choice at the limit between two lobes.
+        const double error = 1e-12 + 4e-5 * std::fmax(1, share.max_component());
+        EXPECT_NEAR(share.r, sampled[side].r, error) << s.name << " from z = " << wo.z;
+        EXPECT_NEAR(share.g, sampled[side].g, error) << s.name << " from z = " << wo.z;
+        EXPECT_NEAR(share.b, sampled[side].b, error) << s.name << " from z = " << wo.z;
+      }
+    }
+  EXPECT_GT(smooth, 20);
+}
+
 TEST(Scattering, WeightsAreValueOverDensity) {
   for (const auto& s : every_scattering<double>()) {
     RandomU random(2);

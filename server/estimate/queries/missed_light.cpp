@@ -1,0 +1,86 @@
+#include "server/estimate/queries/missed_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/estimate/queries/delta_irradiance.h"
+#include "server/scene/light_at_time.h"
+
+namespace lucerna {
+namespace {
+
+/// As many finds show how the others scatter.
+constexpr std::uint64_t kEnough = 8;
+
+/// Whether a part of a box is above the receiver's horizon.
+bool reaches_above(const Bounds& box, const IrradiancePoint& receiver) {
+  if (box.empty()) return false;
+  const Vec3<double>& n = receiver.normal;
+  const Vec3<double> highest{n.x > 0 ? box.upper.x : box.lower.x,
+                             n.y > 0 ? box.upper.y : box.lower.y,
+                             n.z > 0 ? box.upper.z : box.lower.z};
+  const double error = double{max_abs(receiver.position_error)} + 1e-6 * max_abs(highest);
+  return dot(n, highest - receiver.position) > error;
+}
+
+/// The projected solid angle of a box is at most this [sr].
+double most_projected_sr(const Bounds& box, const IrradiancePoint& receiver) {
+  const Vec3<double> middle = box.lower * 0.5 + box.upper * 0.5;
+  const double radius = length(box.upper - middle), distance = length(middle - receiver.position);
+  return distance > radius ? kPi * (radius / distance) * (radius / distance) : kPi;
+}
+
+/// The luminance that a light with a size has at most [cd/m2]; infinite if it is not known.
+double most_luminance(const SceneLight& light) {
+  return visit(
+      [](const auto& l) {
+        bool has_picture = false;  // or photometry
+        l.for_each_shared([&](const auto&) { has_picture = true; });
+        if constexpr (requires { l.emission().radiance_cd_m2; })
+          if (!has_picture) return luminance(l.emission().radiance_cd_m2);
+        return std::numeric_limits<double>::infinity();
+      },
+      light.light);
+}
+
+}  // namespace
+
+MissedLightRule::MissedLightRule(const Scene& scene, std::optional<std::uint32_t> bounces)
+    : scene_(scene), once_(bounces && *bounces == 1) {
+  if (bounces.value_or(1) == 0 || scene.empty() || scene.lights().empty()) return;
+  surfaces_ = &smooth_surfaces(scene);
+  for (const SceneLight& light : scene.lights()) {
+    if (is_delta(light))
+      has_deltas_ = true;
+    else
+      most_cd_m2_ = std::fmax(most_cd_m2_, most_luminance(light));
+  }
+}
+
+MissedLight MissedLightRule::at(const IrradiancePoint& receiver, const FoundLight& found,
+                                const IntervalRule& rule) const {
+  if (surfaces_ == nullptr) return {};
+  double projected_sr = 0;
+  for (const UnsolvedSurface& s : surfaces_->unsolved())
+    // After another reflection, light may come from surfaces below the horizon.
+    if (!once_ || reaches_above(s.bounds_m, receiver))
+      projected_sr = std::fmin(kPi, projected_sr + most_projected_sr(s.bounds_m, receiver));
+  if (projected_sr > 0 && (has_deltas_ || found.by_chance < kEnough)) {
+    MissedLight missed{MissedLight::Kind::kByWay, 0};
+    if (has_deltas_ || !std::isfinite(most_cd_m2_)) return missed;
+    // No sample of a direction brings more than this, and no sample found any.
+    const double sample_lx = kPi * most_cd_m2_;
+    missed.bound_lx = rule.interval({.largest = sample_lx}).upper;
+    if (once_) missed.bound_lx = std::fmin(missed.bound_lx, most_cd_m2_ * projected_sr);
+    return missed;
+  }
+  if (found.reflected > 0 || !surfaces_->has_rough_surfaces()) return {};
+  Bounds all = scene_.placed()->world_m;
+  all.lower = all.lower - scene_.origin();
+  all.upper = all.upper - scene_.origin();
+  if (!reaches_above(all, receiver)) return {};
+  return {MissedLight::Kind::kReflected, 0};
+}
+
+}  // namespace lucerna

@@ -1,0 +1,39 @@
+// Decides whether the answer at a receiver may miss light.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "proto/common/confidence.h"
+#include "server/estimate/queries/irradiance.h"
+#include "server/scene/scene.h"
+#include "server/smooth/smooth_surfaces.h"
+
+namespace lucerna {
+
+/// What the samples of one answer found.
+struct FoundLight {
+  std::uint64_t by_chance = 0;  ///< lamps, by way of smooth surfaces (WorkCounts)
+  std::uint64_t reflected = 0;  ///< samples with light that surfaces reflect
+};
+
+/// Immutable; may be called from any thread.
+class MissedLightRule {
+ public:
+  /// `scene` must outlive this object.  `bounces`: as in IrradianceSettings.
+  MissedLightRule(const Scene& scene, std::optional<std::uint32_t> bounces);
+
+  /// `rule`: the interval rule of the answer's samples.
+  MissedLight at(const IrradiancePoint& receiver, const FoundLight& found,
+                 const IntervalRule& rule) const;
+
+ private:
+  const Scene& scene_;
+  const SmoothSurfaces* surfaces_ = nullptr;  ///< null: nothing is reflected
+  bool once_ = false;                         ///< at most one reflection
+  bool has_deltas_ = false;
+  /// The largest luminance of lights with a size [cd/m2]; infinite if it is not known.
+  double most_cd_m2_ = 0;
+};
+
+}  // namespace lucerna

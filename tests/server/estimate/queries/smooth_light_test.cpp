@@ -1,0 +1,186 @@
+// Light by way of smooth surfaces against paths that find it by chance: lamps here are so large
+// that directions of surfaces find them often.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "server/assets/asset_reader.h"
+#include "server/estimate/queries/irradiance.h"
+#include "server/pbrt/load.h"
+#include "tests/server/scene/scenes.h"
+#include "tests/temp_directory.h"
+
+namespace lucerna::testing {
+namespace {
+
+std::shared_ptr<const Scene> smooth_scene(const std::string& text) {
+  const TempDirectory folder;
+  std::ofstream(folder.path() / "scene.pbrt") << text;
+  absl::StatusOr<AssetReader> reader = AssetReader::open(folder.path());
+  if (!reader.ok()) throw std::runtime_error(reader.status().ToString());
+  auto description = load_pbrt(*reader, "scene.pbrt", {});
+  if (!description.ok()) throw std::runtime_error(description.status().ToString());
+  return build(*std::move(description));
+}
+
+const std::string kLargeLamp = R"(WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [40 30 20] "bool twosided" true
+  Shape "bilinearmesh" "point3 P" [-1 -1 3  -1 1 3  1 -1 3  1 1 3]
+AttributeEnd
+)";
+const std::string kGreyFloor = R"(Material "diffuse" "rgb reflectance" [0.5 0.6 0.7]
+Shape "bilinearmesh" "point3 P" [-4 -4 -0.1  4 -4 -0.1  -4 4 -0.1  4 4 -0.1]
+)";
+const std::string kGlassBox = R"(
+Shape "bilinearmesh" "point3 P" [-1 -1 1  1 -1 1  -1 1 1  1 1 1]
+Shape "bilinearmesh" "point3 P" [-1 -1 0.5  -1 1 0.5  1 -1 0.5  1 1 0.5]
+Shape "bilinearmesh" "point3 P" [-1 -1 0.5  1 -1 0.5  -1 -1 1  1 -1 1]
+Shape "bilinearmesh" "point3 P" [-1 1 0.5  -1 1 1  1 1 0.5  1 1 1]
+Shape "bilinearmesh" "point3 P" [-1 -1 0.5  -1 -1 1  -1 1 0.5  -1 1 1]
+Shape "bilinearmesh" "point3 P" [1 -1 0.5  1 1 0.5  1 -1 1  1 1 1]
+)";
+const std::string kUprightWall = R"(
+Shape "bilinearmesh" "point3 P" [1.5 -2 0  1.5 2 0  1.5 -2 2.5  1.5 2 2.5]
+)";
+const std::string kOppositeWall = R"(
+Shape "bilinearmesh" "point3 P" [-1.5 -2 0  -1.5 -2 2.5  -1.5 2 0  -1.5 2 2.5]
+)";
+
+struct SmoothScene {
+  std::string name, text;
+  std::uint32_t bounces;
+};
+
+/// The mean and its standard error, over many answers.
+struct MeanIlluminance {
+  double value = 0, error = 0;
+};
+MeanIlluminance mean_illuminance(const Scene& scene, std::uint32_t bounces,
+                                 Combination combination) {
+  constexpr std::size_t kAnswers = 40;
+  IrradianceSettings settings{
+      .seed = 5, .samples_per_block = 128, .block_count = 16, .bounces = bounces};
+  settings.methods.combination = combination;
+  settings.methods.closed_forms = ClosedForms::kOff;
+  const std::vector<IrradiancePoint> points(
+      kAnswers, {Vec3<double>{0.2, -0.3, 0} - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}});
+  const IrradianceResult r = estimate_irradiance(scene, points, settings, {});
+  double sum = 0, squares = 0;
+  for (const IrradianceEstimate& e : r.points) {
+    const double lux = luminance(e.irradiance_lx);
+    sum += lux, squares += lux * lux;
+  }
+  const double n = kAnswers, mean = sum / n;
+  return {mean, std::sqrt((squares / n - mean * mean) / (n - 1))};
+}
+
+TEST(SmoothLight, EqualsThatOfDirections) {
+  const std::string conductor =
+      "Material \"conductor\" \"rgb reflectance\" [0.9 0.8 0.7] \"float roughness\" 0";
+  const std::string glass = "Material \"dielectric\" \"float eta\" 1.5";
+  const std::string pane = "Material \"thindielectric\" \"float eta\" 1.5";
+  const std::string coat =
+      "Material \"coateddiffuse\" \"rgb reflectance\" [0.4 0.3 0.2] \"float roughness\" 0";
+  const std::string metal_coat =
+      "Material \"coatedconductor\" \"float interface.roughness\" 0 \"float conductor.roughness\" "
+      "0";
+  const std::string ball = R"(
+AttributeBegin
+Translate 0.9 0.8 0.5
+Shape "sphere" "float radius" 0.45
+AttributeEnd
+)";
+  const std::string mixture = R"(
+MakeNamedMaterial "a" "string type" "diffuse" "rgb reflectance" [0.3 0.3 0.3]
+MakeNamedMaterial "b" "string type" "conductor" "rgb reflectance" [0.8 0.8 0.8] "float roughness" 0
+Material "mix" "string materials" ["a" "b"] "float amount" 0.6)";
+  for (const SmoothScene& q : std::vector<SmoothScene>{
+           {"a mirror", kLargeLamp + conductor + kUprightWall, 1},
+           {"two mirrors that face each other",
+            kLargeLamp + conductor + kUprightWall + kOppositeWall, 6},
+           {"a pane", kLargeLamp + pane + kUprightWall, 1},
+           {"two panes and a floor", kLargeLamp + kGreyFloor + pane + kUprightWall + kOppositeWall,
+            3},
+           {"a box of glass", kLargeLamp + glass + kGlassBox, 6},
+           {"a box of glass above a floor", kLargeLamp + kGreyFloor + glass + kGlassBox, 4},
+           {"a smooth coat", kLargeLamp + coat + kUprightWall, 2},
+           {"two smooth coats", kLargeLamp + coat + kUprightWall + kOppositeWall, 4},
+           {"a coated mirror", kLargeLamp + metal_coat + kUprightWall, 1},
+           {"a mirror ball", kLargeLamp + conductor + ball, 1},
+           {"a mirror ball beside a mirror", kLargeLamp + conductor + ball + kUprightWall, 3},
+           {"a mixture", kLargeLamp + mixture + kUprightWall, 2},
+           {"a mirror under a sky",
+            "WorldBegin\nLightSource \"infinite\" \"rgb L\" [3 4 5]\n" + conductor + kUprightWall,
+            1},
+           {"glass under a sky",
+            "WorldBegin\nLightSource \"infinite\" \"rgb L\" [3 4 5]\n" + glass + kGlassBox, 5}}) {
+    const auto scene = smooth_scene(q.text);
+    const MeanIlluminance computed =
+                              mean_illuminance(*scene, q.bounces, Combination::kPowerHeuristic),
+                          by_chance = mean_illuminance(*scene, q.bounces, Combination::kSurfaces);
+    // Five standard errors, and the rounding of corners to floats: by chance once in a million.
+    EXPECT_NEAR(computed.value, by_chance.value,
+                5 * std::hypot(computed.error, by_chance.error) + 1e-6 * by_chance.value)
+        << q.name << ": " << computed.error << ", " << by_chance.error;
+    EXPECT_GT(by_chance.value, 0) << q.name;
+  }
+}
+
+/// The answer at one receiver.
+IrradianceEstimate smooth_answer(const Scene& scene, const Vec3<double>& normal = {0, 0, 1}) {
+  const std::vector<IrradiancePoint> points{
+      {Vec3<double>{0.2, -0.3, 0} - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, normal}};
+  return estimate_irradiance(scene, points, {.samples_per_block = 16, .block_count = 16}, {})
+      .points[0];
+}
+
+TEST(SmoothLight, BehindALensMayBeMissed) {
+  const std::string lens = R"(
+Material "dielectric" "float eta" 1.5
+AttributeBegin
+Translate 0 0 1
+Shape "sphere" "float radius" 0.4
+AttributeEnd
+)";
+  // Nothing bounds the light of a point that a lens focuses.
+  const auto point =
+      smooth_scene("WorldBegin\nLightSource \"point\" \"point3 from\" [1 0 3]\n" + lens);
+  const IrradianceEstimate e = smooth_answer(*point);
+  EXPECT_EQ(e.missed.kind, MissedLight::Kind::kByWay);
+  EXPECT_EQ(e.missed.bound_lx, 0);
+  // The light of a small lamp has a bound, and is not found.
+  const auto lamp = smooth_scene(R"(WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [4000 4000 4000]
+  Shape "bilinearmesh" "point3 P" [1 0 3  1 0.001 3  1.001 0 3  1.001 0.001 3]
+AttributeEnd
+)" + lens);
+  const IrradianceEstimate s = smooth_answer(*lamp);
+  EXPECT_EQ(s.missed.kind, MissedLight::Kind::kByWay);
+  EXPECT_GT(s.missed.bound_lx, 0);
+  EXPECT_LE(s.missed.bound_lx, kPi * 4000);
+  EXPECT_GT(s.illuminance_lx.upper, luminance(s.irradiance_lx) + s.missed.bound_lx * 0.99);
+  // A large lamp behind the lens is found often enough.
+  EXPECT_EQ(smooth_answer(*smooth_scene(kLargeLamp + lens)).missed.kind, MissedLight::Kind::kNone);
+}
+
+TEST(SmoothLight, ThatSurfacesReflectMayBeMissed) {
+  // A spot lights a small part of the wall, which few directions meet.
+  const std::string spot = R"(WorldBegin
+LightSource "spot" "point3 from" [0 0 1] "point3 to" [9 9 1.5] "float coneangle" 0.01 "float conedeltaangle" 0
+)";
+  const std::string wall = R"(Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
+Shape "bilinearmesh" "point3 P" [9 -99 -99  9 99 -99  9 -99 99  9 99 99]
+)";
+  EXPECT_EQ(smooth_answer(*smooth_scene(spot + wall)).missed.kind, MissedLight::Kind::kReflected);
+  // A receiver that faces away sees no surface.
+  EXPECT_EQ(smooth_answer(*smooth_scene(spot + wall), {-1, 0, 0}).missed.kind,
+            MissedLight::Kind::kNone);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,130 @@
+#include "server/smooth/smooth_surfaces.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/scene/scenes.h"
+
+namespace lucerna::testing {
+namespace {
+
+Material mirror(double roughness = 0) {
+  return {.params = MetalParams{.reflectance = ColourValue{Rgb<double>(0.9)},
+                                .roughness = {{roughness}, {roughness}}}};
+}
+Material glass() { return {.params = DielectricParams{}}; }
+Material pane() { return {.params = ThinDielectricParams{}}; }
+
+ShapeDescription with(std::uint32_t material, ShapeDescription shape) {
+  shape.material = material;
+  return shape;
+}
+
+SceneDescription scene_with(const Material& material, ShapeList shapes) {
+  SceneDescription d = description();
+  d.materials.push_back(material);
+  for (ShapeDescription& s : shapes) d.shapes.push_back(with(1, std::move(s)));
+  d.lights = {point_light({0, 0, 5}, 1)};
+  return d;
+}
+
+/// A scene that lives as long as its surfaces are used.
+struct Collected {
+  explicit Collected(SceneDescription d) : scene(build(std::move(d))) {}
+  Collected(const Material& material, ShapeList shapes)
+      : Collected(scene_with(material, std::move(shapes))) {}
+  const SmoothSurfaces* operator->() const { return &smooth_surfaces(*scene); }
+
+  std::shared_ptr<const Scene> scene;
+};
+
+TEST(SmoothSurfaces, ADiffuseSceneHasNone) {
+  SceneDescription d = description();
+  d.shapes = {floor(1)};
+  EXPECT_TRUE(Collected(std::move(d))->empty());
+}
+
+TEST(SmoothSurfaces, FacesInOnePlaneAreOnePart) {
+  const auto scene = build(scene_with(
+      mirror(), {floor(1), patch({2, -1, 0}, {4, -1, 0}, {2, 1, 0}, {4, 1, 0}), floor(1, 1)}));
+  const SmoothSurfaces& s = smooth_surfaces(*scene);
+  ASSERT_EQ(s.parts().size(), 2U);
+  EXPECT_TRUE(s.unsolved().empty());
+  EXPECT_TRUE(s.parts()[0].reflects);
+  EXPECT_FALSE(s.parts()[0].refracts);
+  // Every face of the first plane has this part.
+  for (const double x : {0.0, 3.0}) {
+    const auto hit = scene->closest_hit({{static_cast<float>(x), 0.3F, 0.5F}, {0, 0, -1}});
+    ASSERT_TRUE(hit);
+    EXPECT_EQ(s.part_of(*hit), 0);
+    EXPECT_TRUE(s.parts()[0].may_contain(hit->position));
+  }
+  EXPECT_FALSE(s.parts()[0].may_contain({0, 9, 0}));
+}
+
+TEST(SmoothSurfaces, PanesReflectAndGlassRefracts) {
+  const Collected panes(pane(), {floor(1)});
+  ASSERT_EQ(panes->parts().size(), 1U);
+  EXPECT_TRUE(panes->parts()[0].reflects);
+  EXPECT_FALSE(panes->parts()[0].refracts);
+  EXPECT_NEAR(panes->parts()[0].reflected, 0.0769, 1e-4);  // 2 r / (1 + r), r = 0.04
+  const Collected slab(glass(), {floor(1), floor(1, 1)});
+  ASSERT_EQ(slab->parts().size(), 2U);
+  EXPECT_TRUE(slab->parts()[0].refracts);
+  EXPECT_EQ(slab->parts()[0].eta, 1.5);
+}
+
+TEST(SmoothSurfaces, AWholeMirrorBallIsAPart) {
+  const auto ball = [](double z_max) {
+    return shape(SphereParams{
+        .radius_m = 0.5, .z_max_m = z_max, .world_from_object = Transform::translate({1, 2, 3})});
+  };
+  const Collected whole(mirror(), {ball(1)});
+  ASSERT_EQ(whole->parts().size(), 1U);
+  EXPECT_TRUE(whole->parts()[0].is_sphere);
+  EXPECT_EQ(whole->parts()[0].radius_m, 0.5);
+  // A part of a ball reflects on its inside too, and a ball of glass focuses light.
+  EXPECT_EQ(Collected(mirror(), {ball(0.2)})->unsolved().size(), 1U);
+  EXPECT_EQ(Collected(glass(), {ball(1)})->unsolved().size(), 1U);
+}
+
+TEST(SmoothSurfaces, RoughMetalIsNotSmooth) {
+  EXPECT_TRUE(Collected(mirror(0.01), {floor(1)})->empty());
+}
+
+TEST(SmoothSurfaces, ShadingNormalsAndMapsBendLight) {
+  TriangleMeshData bent = room();
+  bent.normals.assign(bent.positions.size(), Vec3<float>{0, 0, 1});
+  const Collected s(mirror(), {shape(std::move(bent))});
+  EXPECT_TRUE(s->parts().empty());
+  ASSERT_EQ(s->unsolved().size(), 1U);
+  EXPECT_NEAR(s->unsolved()[0].bounds_m.upper.x, 1, 1e-6);
+}
+
+TEST(SmoothSurfaces, TooManyRefractingFacesAreUnsolved) {
+  ShapeList boxes;
+  for (int i = 0; i < 3; ++i) boxes.push_back(shape(room({3.0 * i, 4.0 * i, 5.0 * i})));
+  EXPECT_EQ(Collected(glass(), {boxes[0], boxes[1]})->parts().size(), 12U);
+  const Collected s(glass(), std::move(boxes));
+  EXPECT_TRUE(s->parts().empty());
+  EXPECT_EQ(s->unsolved().size(), 3U);
+}
+
+TEST(SmoothSurfaces, InstancesHaveTheirOwnParts) {
+  SceneDescription d = scene_with(mirror(), {});
+  ObjectDefinition object{.name = "mirror", .shapes = {}};
+  object.shapes.push_back(with(1, floor(1)));
+  d.objects.push_back(std::move(object));
+  for (const double z : {0.0, 2.0})
+    d.instances.push_back({.object = 0, .world_from_object = Transform::translate({0, 0, z})});
+  const auto scene = build(std::move(d));
+  const SmoothSurfaces& s = smooth_surfaces(*scene);
+  ASSERT_EQ(s.parts().size(), 2U);
+  const auto hit = scene->closest_hit({{0.1F, 0.3F, 1}, {0, 0, 1}});
+  ASSERT_TRUE(hit);
+  const std::int32_t part = s.part_of(*hit);
+  ASSERT_GE(part, 0);
+  EXPECT_NEAR(s.parts()[static_cast<std::size_t>(part)].height(hit->position), 0, 1e-6);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
