@@ -168,7 +168,7 @@ void print_irradiance(const Session& session, const v1::EstimateIrradianceRespon
   // CSV is one table: of the lights if they are asked for.
   if (!session.csv() || response.shares_size() == 0) session.show(table);
   if (response.shares_size() > 0) {
-    Table shares({{"light"}, {"x [m]"}, {"y [m]"}, {"z [m]"}, {"direct [lx]"}, interval_column()});
+    Table shares({{"light"}, {"x [m]"}, {"y [m]"}, {"z [m]"}, {"share [lx]"}, interval_column()});
     for (const v1::LightShare& share : response.shares()) {
       for (int i = 0; i < share.illuminance_lx_size(); ++i) {
         const auto& [x, y, z] = set.points.at(i);
@@ -285,7 +285,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   command->add_option("--seed", meter->seed, "Random seed of the experiment")
       ->check(whole64())
       ->capture_default_str();
-  command->add_flag("--per-light", meter->per_light, "Also print the direct light of each light");
+  command->add_flag("--per-light", meter->per_light, "Also print the light of each lamp, directly and by way of mirrors and panes");
   meter->methods.add(*command);
   meter->time.add(*command);
   meter->wavelengths.add(*command);

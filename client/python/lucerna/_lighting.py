@@ -29,7 +29,7 @@ def irradiance(scene: SceneLike, points: p.Places, normals: ArrayLike | None = N
     points: world [m], shape (..., 3), or a Grid.  normals: world, of any length but 0, shape (3,) or (..., 3); those of
     the Grid by default.  samples: for each point, default 256.  error: target error relative to the illuminance.
     budget_s: wall time [s]; the points are then one request.  bounces: the most reflections, 0 for direct light only;
-    default no limit.  per_light: also returns the direct light of each light.  time_s: the moment [s].
+    default no limit.  per_light: also returns the light of each light, without diffuse reflections.  time_s: the moment [s].
     wavelengths_nm: in [100, 1e6] nm, at most 128; bounces must then be 0.  progress: True shows a bar of tqdm; a
     function gets the finished and all points.
 

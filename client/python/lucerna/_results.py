@@ -56,7 +56,7 @@ def status_names(status: Statuses) -> NDArray[Any]:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Shares:
-    """The direct light of each light at each point."""
+    """The light of each light at each point: directly, and by way of mirrors, panes and glass."""
 
     light_ids: Ids  #: shape (lights,)
     illuminance: Floats  #: [lx], shape (lights, ...)
