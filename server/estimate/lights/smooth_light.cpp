@@ -10,8 +10,13 @@ using Vector = Vec3<double>;
 
 /// Longer sequences that leave less than this share of light are chosen at random.
 constexpr double kLeastShare = 1e-3;
-/// The most sequences that a receiver visits, and that a vertex of a path visits.
-constexpr std::size_t kMostVisited = 64, kMostVisitedOnPaths = 1;
+/// The most surfaces that a receiver visits as the first of a sequence, and that a vertex of a path
+/// visits.
+constexpr std::size_t kMostFirst = 512, kMostFirstOnPaths = 1;
+/// The most sequences of a receiver that go on in every way.
+constexpr std::size_t kMostVisited = 64;
+/// The number of those that go on from more first surfaces than that.
+constexpr double kFewOfCrowd = 4;
 /// With at most this many lights, each is sampled.
 constexpr std::size_t kFewLights = 20, kFewLightsOnPaths = 3;
 
@@ -126,7 +131,7 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
   // Without a normal, light arrives from both sides.
   if (v.scattering == nullptr || !v.scattering->transmits())
     root.image_normal = dot(v.hit.ns, Vector(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
-  const std::size_t most = v.is_receiver ? kMostVisited : kMostVisitedOnPaths;
+  const std::size_t most = v.is_receiver ? kMostFirst : kMostFirstOnPaths;
   Nexts nexts;
   add_next(v, root, nexts);
   absl::InlinedVector<Sequence, 8> open;
@@ -153,13 +158,21 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
       open.back().weight = sum / ((sums[i] - (i > 0 ? sums[i - 1] : 0)) * count);
     }
   }
+  // Of a crowd of first surfaces, few go on: each looks at all surfaces again.
+  const std::size_t crowd = open.size();
+  const double goes_on = crowd > kMostVisited ? kFewOfCrowd / static_cast<double>(crowd) : 1;
   for (std::size_t i = 0; i < open.size(); ++i) {
-    const Sequence sequence = open[i];
+    Sequence sequence = open[i];
     visit(v, sequence, static_cast<std::uint32_t>(i), s, work, found);
+    if (i < crowd && goes_on < 1) {
+      if (choices.uniform() >= goes_on) continue;
+      sequence.weight /= goes_on;
+    }
     nexts.clear();
     add_next(v, sequence, nexts);
     // Visits all that leave enough light, and one of the others.
-    const bool all = v.is_receiver && sequence.weight == 1 && open.size() + nexts.size() <= most;
+    const bool all =
+        v.is_receiver && sequence.weight == 1 && open.size() + nexts.size() <= kMostVisited;
     double rest = 0;
     for (Next& next : nexts) {
       if (all && sequence.share * next.share >= kLeastShare) {
