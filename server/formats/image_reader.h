@@ -1,8 +1,8 @@
 // Decodes image files for lights and textures.  Only this room of the server knows OpenImageIO.
 //
-// Integer texels are sRGB-coded by default and floating-point texels are linear, both with the
-// primaries of Rec. 709, as in pbrt-v4.  Alpha is not applied.  Formats: OpenEXR, Radiance .hdr,
-// .pfm, PNG, TIFF, JPEG.
+// Integer texels are sRGB-coded by default and floating-point texels are linear.  Colours become
+// those of Rec. 709.  Alpha is not applied.  Formats: OpenEXR, Radiance, PFM, PPM, PGM, PBM, PNG,
+// TIFF, JPEG, TGA, BMP, QOI, WebP.  The first bytes of a file decide, and not its name.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -24,16 +24,22 @@ namespace lucerna {
 struct ImageRemark {
   std::string what;
   std::string instead;
-  bool is_alpha = false;  ///< about a channel that some formats of scenes define as not used
+  bool is_by_gltf = false;  ///< about alpha or a colour space, whose use glTF defines for all files
 };
 
-/// What the integer texels of a picture mean.  Floating-point texels are linear in any case.
+/// What the texels of a picture mean.
 struct Encoding {
-  double gamma = 0;  ///< value = code^gamma; 0: sRGB.  1: linear
-  bool operator==(const Encoding&) const = default;
-  bool operator<(const Encoding& e) const { return gamma < e.gamma; }
+  enum class Meaning : std::uint8_t {
+    kColour,
+    kLuminance,  ///< colours in cd/m2, if the file states the luminance of white
+    kData,       ///< no colours, such as normals: the primaries in the file have no meaning
+  };
+  double gamma = 0;  ///< of integers: value = code^gamma; 0: sRGB.  1: linear
+  Meaning meaning = Meaning::kColour;
+  auto operator<=>(const Encoding&) const = default;
 };
-inline constexpr Encoding kSrgb{0}, kLinear{1};
+inline constexpr Encoding kSrgb{0}, kLinear{1}, kLuminances{0, Encoding::Meaning::kLuminance},
+    kData{1, Encoding::Meaning::kData};
 
 /// The largest picture: 16384 x 8192 texels, 1.6 GB in memory.
 inline constexpr std::uint64_t kMaxImageTexels = std::uint64_t{1} << 27;
@@ -52,7 +58,13 @@ struct DecodedImage {
 };
 
 /// Decodes the first picture of an image file.  One or two channels are grey (and alpha); of more
-/// channels, R, G and B are used.  Texels below 0 count as 0, with a remark that counts them.
+/// channels, R, G and B are used, or those of the first layer that has them.  Texels below 0 count
+/// as 0, with a remark that counts them.
+///
+/// The picture is turned and mirrored as the file says.  An OpenEXR picture is that of the display
+/// window, black where the file has no texels.  Where an OpenEXR or Radiance file states primaries,
+/// its colours are converted to Rec. 709 with the same X, Y and Z.  Colours outside of Rec. 709
+/// become colours of the same luminance at its edge, with a remark that counts them.
 ///
 /// The size in the header is checked before anything is allocated.  Texels are decoded in bands of
 /// rows, and `stop` ends the decoding after a band.
@@ -81,6 +93,7 @@ struct DecodedSurface {
 };
 
 /// The same as decode_image, in a byte for each code if the picture has integers of 8 bits.
+/// Conversions from other primaries keep white, since the texels are reflectances.
 absl::StatusOr<DecodedSurface> decode_surface(const AssetContent& content,
                                               const ImageOptions& options = {});
 

@@ -117,19 +117,6 @@ bool has_scheme(std::string_view uri) {
   });
 }
 
-/// Cancelled loads have no place.
-[[noreturn]] void fail_picture(const View& place, const absl::Status& status) {
-  if (absl::IsCancelled(status)) throw Failure{status};
-  place.fail(status);
-}
-
-/// The ending of the name of an embedded picture, from which readers learn its format.
-std::string ending_of(std::string_view bytes) {
-  if (bytes.starts_with("\x89PNG")) return ".png";
-  if (bytes.starts_with("\xff\xd8\xff")) return ".jpg";
-  return "";
-}
-
 }  // namespace
 
 Document::Document(Context& context) : context_(context) {
@@ -241,7 +228,6 @@ const AssetContent* Document::read_uri(const View& uri) const {
     context_.claim_for_good(uri.pointer(), text.size(), 1);
     if (!absl::Base64Unescape(text.substr(comma + 1), &content.bytes))
       uri.fail("a data URI with invalid base64");
-    content.name += ending_of(content.bytes);
   } else {
     const std::string name = unescaped(text);
     if (has_scheme(text) || !is_printable(name))
@@ -296,26 +282,45 @@ const AssetContent* Document::read(const View& thing) const {
   if (!missing_.ok()) return nullptr;
   AssetContent content;
   content.bytes = view_bytes(view, given.pointer());
-  content.name = context_.location(thing.pointer()).file.str() + ending_of(content.bytes);
+  content.name = context_.location(thing.pointer()).file.str();
   context_.claim_for_good(given.pointer(), content.bytes.size(), 1);
   return &files_.emplace(given.pointer(), std::move(content)).first->second;
 }
 
 void Document::remark_on(const View& place, const std::vector<ImageRemark>& remarks) const {
-  // glTF defines where alpha is used.
   for (const ImageRemark& r : remarks)
-    if (!r.is_alpha) context_.remark(place.pointer(), r.what, r.instead);
+    if (!r.is_by_gltf) context_.remark(place.pointer(), r.what, r.instead);
+}
+
+bool Document::is_decoded(const View& place, const absl::Status& status,
+                          const char* instead) const {
+  if (status.ok()) return true;
+  if (absl::IsCancelled(status)) throw Failure{status};  // has no place
+  if (!absl::IsInvalidArgument(status)) place.fail(status);
+  context_.remark(place.pointer(), std::string(status.message()), instead);
+  return false;
+}
+
+std::optional<std::size_t> Document::picture_of(const View& texture) const {
+  const std::size_t images = count("images");
+  if (const auto webp = texture.extension("EXT_texture_webp"))
+    if (const auto source = webp->index("source", images, "image")) return source;
+  return texture.index("source", images, "image");
 }
 
 std::shared_ptr<const Image> Document::image(std::size_t index) const {
   std::shared_ptr<const Image>& image = images_[index];
-  if (image != nullptr) return image;
+  const auto key = std::pair(index, PictureKind::kColour);
+  if (image != nullptr || unreadable_.contains(key)) return image;
   const View place = root().at("images")[index];
   const AssetContent* content = read(place);
   if (content == nullptr) return nullptr;
   context_.poll();
   auto decoded = decode_image(*content, context_.image_options(kSrgb));
-  if (!decoded.ok()) fail_picture(place, decoded.status());
+  if (!is_decoded(place, decoded.status(), "the light is left out")) {
+    unreadable_.insert(key);
+    return nullptr;
+  }
   remark_on(place, decoded->remarks);
   image = decoded->image;
   decoded->share.reset();
@@ -325,11 +330,11 @@ std::shared_ptr<const Image> Document::image(std::size_t index) const {
 }
 
 /// The texels and the memory that they take until they are textures of the scene.
-Texels Document::read_texels(const AssetContent& content, const View& place, PictureKind kind,
-                             LoadBudget::Share& share) const {
+std::optional<Texels> Document::read_texels(const AssetContent& content, const View& place,
+                                            PictureKind kind, LoadBudget::Share& share) const {
   if (kind == PictureKind::kAlpha) {
     auto alpha = decode_alpha(content, context_.image_options(kLinear));
-    if (!alpha.ok()) fail_picture(place, alpha.status());
+    if (!is_decoded(place, alpha.status(), "only the factor of the alpha")) return std::nullopt;
     share = std::move(alpha->share);
     if (alpha->values.empty()) return Texels(1, 1, true, {}, {1.0F});
     const auto wrong =
@@ -339,9 +344,13 @@ Texels Document::read_texels(const AssetContent& content, const View& place, Pic
                              wrong - alpha->values.begin(), *wrong));
     return Texels::grey(alpha->width, alpha->height, std::move(alpha->values));
   }
-  auto picture =
-      decode_surface(content, context_.image_options(kind == PictureKind::kData ? kLinear : kSrgb));
-  if (!picture.ok()) fail_picture(place, picture.status());
+  const bool is_colour = kind == PictureKind::kColour;
+  auto picture = decode_surface(content, context_.image_options(is_colour ? kSrgb : kData));
+  if (!is_decoded(place, picture.status(),
+                  is_colour                      ? "grey 0.5 times the factor"
+                  : kind == PictureKind::kNormal ? "no normal map"
+                                                 : "only the factor"))
+    return is_colour ? std::optional(Texels(1, 1, true, {}, {0.5F})) : std::nullopt;
   remark_on(place, picture->remarks);
   share = std::move(picture->share);
   if (picture->codes)
@@ -353,17 +362,22 @@ Texels Document::read_texels(const AssetContent& content, const View& place, Pic
 }
 
 std::shared_ptr<const Texels> Document::texels(std::size_t index, PictureKind kind) const {
-  std::shared_ptr<const Texels>& texels = texels_[{index, kind}];
-  if (texels != nullptr) return texels;
+  const auto key = std::pair(index, kind);
+  std::shared_ptr<const Texels>& texels = texels_[key];
+  if (texels != nullptr || unreadable_.contains(key)) return texels;
   const View place = root().at("images")[index];
   const AssetContent* content = read(place);
   if (content == nullptr) return nullptr;
   context_.poll();
   LoadBudget::Share share;
-  Texels read = read_texels(*content, place, kind, share);
+  std::optional<Texels> read = read_texels(*content, place, kind, share);
+  if (!read) {
+    unreadable_.insert(key);
+    return nullptr;
+  }
   std::string name = place.text("uri", "");
   if (name.empty() || name.starts_with("data:")) name = context_.location(place.pointer()).file;
-  texels = context_.scene.textures.picture(printable(name), std::move(read), context_.stop);
+  texels = context_.scene.textures.picture(printable(name), *std::move(read), context_.stop);
   share.reset();
   context_.poll();
   return texels;

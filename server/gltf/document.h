@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +21,7 @@ namespace lucerna::gltf {
 enum class PictureKind : std::uint8_t {
   kColour,  ///< sRGB-coded colours
   kData,    ///< linear values
+  kNormal,  ///< the same; without the picture, there is no texture
   kAlpha,   ///< alpha in all channels; 1 if the picture has none
 };
 
@@ -40,9 +43,13 @@ class Document {
   /// The bytes of a thing with "uri" or "bufferView".  If the file was not uploaded yet, the load
   /// goes on without it (null) until require_all_files.
   const AssetContent* read(const View& thing) const;
-  /// The colours of the picture images/`index`; null as above.
+  /// The index of the picture of a texture: that of EXT_texture_webp if it has one.
+  std::optional<std::size_t> picture_of(const View& texture) const;
+  /// The colours of the picture images/`index` for a light; null as above.  Null too, after a
+  /// remark, if it cannot be decoded: the scene does without the light.
   std::shared_ptr<const Image> image(std::size_t index) const;
-  /// The picture for the textures of the scene, whose memory has a limit; null as above.
+  /// The picture for the textures of the scene, whose memory has a limit; null as above.  If it
+  /// cannot be decoded: grey 0.5 for colours, after a remark, and null for other kinds.
   std::shared_ptr<const Texels> texels(std::size_t index, PictureKind kind) const;
   /// Fails if a file was not uploaded yet.
   void require_all_files() const;
@@ -53,8 +60,12 @@ class Document {
   void read_buffers();
   const AssetContent* read_uri(const View& uri) const;
   void remark_on(const View& place, const std::vector<ImageRemark>& remarks) const;
-  Texels read_texels(const AssetContent& content, const View& place, PictureKind kind,
-                     LoadBudget::Share& share) const;
+  /// False after a remark if `status` says that the picture cannot be decoded.  Fails on all other
+  /// errors.
+  bool is_decoded(const View& place, const absl::Status& status, const char* instead) const;
+  /// Nothing if it cannot be decoded.
+  std::optional<Texels> read_texels(const AssetContent& content, const View& place,
+                                    PictureKind kind, LoadBudget::Share& share) const;
 
   Context& context_;
   Json json_;
@@ -66,6 +77,7 @@ class Document {
   mutable std::map<std::string, AssetContent> files_;    ///< by JSON pointer
   mutable std::map<std::size_t, std::shared_ptr<const Image>> images_;
   mutable std::map<std::pair<std::size_t, PictureKind>, std::shared_ptr<const Texels>> texels_;
+  mutable std::set<std::pair<std::size_t, PictureKind>> unreadable_;
   mutable absl::Status missing_;
 };
 

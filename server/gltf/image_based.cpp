@@ -60,7 +60,7 @@ View faces_of(const View& light) {
   return faces;
 }
 
-/// The texels of a face; empty if the file was not uploaded yet.
+/// The texels of a face; empty if it cannot be decoded.
 std::vector<Rgb<float>> face_texels(const Document& document, const View& face, int size) {
   const std::size_t index = face.index(document.count("images"), "image");
   const std::shared_ptr<const Image> image = document.image(index);
@@ -135,7 +135,10 @@ void add_environment(const Document& document, const Tree& tree) {
   const View faces = faces_of(light);
   Cube cube;
   cube.size = static_cast<int>(light.at("specularImageSize").integer(1, kMostFaceTexels));
-  for (std::size_t f = 0; f < 6; ++f) cube.faces[f] = face_texels(document, faces[f], cube.size);
+  for (std::size_t f = 0; f < 6; ++f) {
+    cube.faces[f] = face_texels(document, faces[f], cube.size);
+    if (cube.faces[f].empty()) return;  // a remark says that the light is left out
+  }
 
   auto map = SphereMap::create(panorama(document, cube, light), SphereMapping::kLatitudeLongitude,
                                ImageFilter::kBilinear);

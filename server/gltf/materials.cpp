@@ -51,8 +51,7 @@ void read_picture(const Document& document, const View& info) {
   const View root = document.root();
   const View texture =
       root.at("textures")[info.at("index").index(document.count("textures"), "texture")];
-  if (const auto source = texture.index("source", document.count("images"), "image"))
-    document.read(root.at("images")[*source]);
+  if (const auto source = document.picture_of(texture)) document.read(root.at("images")[*source]);
 }
 
 std::optional<View> texture_at(const View& material, const Slot& slot) {
@@ -79,7 +78,7 @@ bool is_material_extension(std::string_view name) {
   for (const std::string_view known :
        {kTransmission, kCoat, kSpecular, kAnisotropy, kIor, kUnlit, kStrength})
     if (name == known) return true;
-  return name == "KHR_texture_transform";
+  return name == "KHR_texture_transform" || name == "EXT_texture_webp";
 }
 
 void Materials::read_pictures() {
@@ -91,7 +90,7 @@ void Materials::read_pictures() {
   }
 }
 
-/// Sets the picture of `emission`; false if the picture was not uploaded yet.
+/// Sets the picture of `emission`; false if it was not uploaded yet, or cannot be decoded.
 bool Materials::apply_texture(const View& info, MaterialEmission& emission) {
   const View root = document_.root();
   const View texture =
@@ -104,7 +103,7 @@ bool Materials::apply_texture(const View& info, MaterialEmission& emission) {
   emission.wrap_v = sampling.wrap_t;
   Picture picture;
   picture.filter = sampling.filter;
-  const auto source = texture.index("source", document_.count("images"), "image");
+  const auto source = document_.picture_of(texture);
   if (!source) {
     texture.context().remark(texture.pointer(), "a texture without a picture in \"source\"",
                              "white");
@@ -185,7 +184,7 @@ Material Materials::scattering(const View& material, TextureSet& textures, const
   Material result{.params = DiffuseParams{s.base}, .second_axis = FrameAlong::kV};
   if (const auto normal = material.find("normalTexture")) {
     result.normal_map =
-        textures.colour(material, "normalTexture", PictureKind::kData, Rgb<double>(1)).texture;
+        textures.colour(material, "normalTexture", PictureKind::kNormal, Rgb<double>(1)).texture;
     result.normal_scale = normal->number("scale", 1);
   }
   if (material.extension(kUnlit)) return result;

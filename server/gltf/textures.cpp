@@ -80,7 +80,7 @@ std::int32_t TextureSet::image(const View& info, PictureKind kind) {
   const View root = document_.root();
   const View texture =
       root.at("textures")[info.at("index").index(document_.count("textures"), "texture")];
-  const auto source = texture.index("source", document_.count("images"), "image");
+  const auto source = document_.picture_of(texture);
   if (!source) {
     texture.context().remark(texture.pointer(), "a texture without a picture in \"source\"",
                              "white");
@@ -99,7 +99,8 @@ std::int32_t TextureSet::image(const View& info, PictureKind kind) {
       sampling.filter == ImageFilter::kNearest ? TextureFilter::kNearest : TextureFilter::kBilinear;
   if (!fits(info, t, static_cast<int>(set))) return -1;
   t.image = document_.texels(*source, kind);
-  if (t.image == nullptr) return -1;  // not uploaded yet: the load ends after this
+  if (t.image == nullptr)
+    return -1;  // not uploaded yet, so the load ends after this; or unreadable
   uv_set_ = static_cast<int>(set);
   any_ = true;
   return document_.context().scene.textures.add(std::move(t));

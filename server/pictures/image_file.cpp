@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <string_view>
@@ -14,6 +13,8 @@
 
 #include "server/pictures/exr_header.h"
 #include "server/pictures/picture_checks.h"
+#include "server/pictures/picture_colours.h"
+#include "server/pictures/webp_header.h"
 
 namespace lucerna {
 namespace {
@@ -32,6 +33,24 @@ absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec
     return bad_picture(content,
                        fmt::format("{} channels, allowed: 1 to {}", spec.nchannels, kMaxChannels));
   return absl::OkStatus();
+}
+
+/// The name of OpenImageIO for a format that it decodes.
+const char* library_name(PictureFormat format) {
+  switch (format) {
+    case PictureFormat::kExr:
+      return "openexr";
+    case PictureFormat::kJpeg:
+      return "jpeg";
+    case PictureFormat::kPnm:
+      return "pnm";
+    case PictureFormat::kTiff:
+      return "tiff";
+    case PictureFormat::kWebp:
+      return "webp";
+    default:
+      return "png";
+  }
 }
 
 /// Whether the rows of a PNG file are stored in several passes.
@@ -105,66 +124,83 @@ std::size_t ImageFile::StoppableReader::pread(void* to, std::size_t size, std::i
 }
 
 ImageFile::ImageFile(const AssetContent& content, const ImageOptions& options)
-    : content_(&content), options_(options) {}
+    : content_(&content), format_(format_of(content)), options_(options), opened_(options.budget) {}
 
 absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
                                           const ImageOptions& options) {
-  const std::string extension = known_extension(content.name);
-  if (extension.empty())
-    return bad_picture(content,
-                       "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
+  const PictureFormat format = format_of(content);
+  if (format == PictureFormat::kUnknown)
+    return bad_picture(content, fmt::format("unknown kind of image, allowed: {}", kKnownFormats));
   if (options.stop.stop_requested()) return absl::CancelledError("loading was cancelled");
-  if (extension == ".exr") LUCERNA_RETURN_IF_ERROR(check_exr_header(content, options.max_texels));
   ImageFile file(content, options);
-  // Chosen only by the format: with a file name, OpenImageIO would look for that file.
-  file.input_ = OIIO::ImageInput::create(extension.substr(1));
-  if (!file.input_) return absl::InternalError(content.name + ": " + first_line(OIIO::geterror()));
-  OIIO::ImageSpec config;
-  // Use the stored colours, not multiplied by alpha.
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  bool ok;
-  if (file.input_->supports("ioproxy")) {
-    file.memory_ = std::make_unique<StoppableReader>(content.bytes, options.stop);
-    OIIO::Filesystem::IOProxy* proxy = file.memory_.get();
-    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, static_cast<void*>(&proxy));
-    ok = file.input_->open("image" + extension, file.spec_, config);
+  bool ok = false;
+  if (auto whole = whole_picture(format, content.bytes, options.stop)) {
+    ok = whole->open("", file.spec_);
+    file.whole_bytes_ = whole->decoded_bytes();
+    file.input_ = std::move(whole);
   } else {
-    file.file_ = std::make_shared<MemoryFile>(content.bytes);
-    if (!file.file_->ok())
-      return absl::ResourceExhaustedError(content.name + ": " + std::strerror(errno));
-    ok = file.input_->open(file.file_->path(), file.spec_, config);
+    LUCERNA_ASSIGN_OR_RETURN(ok, file.open_by_library());
   }
   if (!ok) return file.unreadable();
   LUCERNA_RETURN_IF_ERROR(check_spec(content, file.spec_, options.max_texels));
+  file.arrangement_ = Arrangement(file.spec_, format == PictureFormat::kExr);
+  LUCERNA_RETURN_IF_ERROR(check_texels(content, file.arrangement_.width(),
+                                       file.arrangement_.height(), options.max_texels));
   return file;
+}
+
+absl::StatusOr<bool> ImageFile::open_by_library() {
+  if (format_ == PictureFormat::kExr)
+    LUCERNA_RETURN_IF_ERROR(check_exr_header(*content_, options_.max_texels));
+  if (format_ == PictureFormat::kWebp) {
+    // The library decodes the picture when it opens the file.
+    const auto [width, height] = webp_size(content_->bytes);
+    LUCERNA_RETURN_IF_ERROR(check_texels(*content_, width, height, options_.max_texels));
+    constexpr std::uint64_t kBytesOfTexel = 3 * 4;  // two canvases, and the decoded picture
+    LUCERNA_RETURN_IF_ERROR(opened_.resize(kBytesOfTexel * static_cast<std::uint64_t>(width) *
+                                           static_cast<std::uint64_t>(height)));
+  }
+  // Chosen only by the format: with a file name, OpenImageIO would look for that file.
+  const std::string name = library_name(format_);
+  input_ = OIIO::ImageInput::create(name);
+  if (!input_) return absl::InternalError(content_->name + ": " + first_line(OIIO::geterror()));
+  OIIO::ImageSpec config;
+  // Use the stored colours, not multiplied by alpha.
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  if (input_->supports("ioproxy")) {
+    memory_ = std::make_unique<StoppableReader>(content_->bytes, options_.stop);
+    OIIO::Filesystem::IOProxy* proxy = memory_.get();
+    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, static_cast<void*>(&proxy));
+    return input_->open("image." + name, spec_, config);
+  }
+  file_ = std::make_shared<MemoryFile>(content_->bytes);
+  if (!file_->ok())
+    return absl::ResourceExhaustedError(content_->name + ": " + std::strerror(errno));
+  return input_->open(file_->path(), spec_, config);
 }
 
 absl::Status ImageFile::unreadable() const {
   return unreadable_picture(*content_, input_->geterror());
 }
 
-std::optional<std::array<int, 3>> ImageFile::colour_channels() const {
-  if (spec_.nchannels <= 2) return std::array{0, 0, 0};
-  std::array<int, 3> channels{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto& names = spec_.channelnames;
-    const auto found = std::ranges::find(names, std::string(1, "RGB"[c]));
-    if (found == names.end()) return std::nullopt;
-    channels[c] = static_cast<int>(found - names.begin());
-  }
-  return channels;
+Encoding ImageFile::encoding() const {
+  Encoding encoding = options_.encoding;
+  if (spec_.get_string_attribute("oiio:ColorSpace") == "Linear" && format_ == PictureFormat::kQoi)
+    encoding.gamma = kLinear.gamma;
+  return encoding;
 }
 
 std::uint64_t ImageFile::decoder_bytes() const {
-  const std::string extension = known_extension(content_->name);
+  if (whole_bytes_ > 0) return whole_bytes_;
   const std::uint64_t row = spec_.scanline_bytes(true);
   const auto rows = [&](int count) {
     return row * static_cast<std::uint64_t>(std::clamp(count, 1, spec_.height));
   };
   if (spec_.tile_height > 0) return rows(spec_.tile_height);
-  if (extension == ".png" && is_interlaced_png(content_->bytes)) return rows(spec_.height);
+  if (format_ == PictureFormat::kPng && is_interlaced_png(content_->bytes))
+    return rows(spec_.height);
   // 16-bit coefficients of 8-bit codes.
-  if (extension.starts_with(".jp") && is_progressive_jpeg(content_->bytes))
+  if (format_ == PictureFormat::kJpeg && is_progressive_jpeg(content_->bytes))
     return 2 * rows(spec_.height);
   return rows(spec_.get_int_attribute("tiff:RowsPerStrip", 1));
 }
@@ -203,24 +239,28 @@ std::vector<ImageRemark> ImageFile::remarks() {
   const std::string& name = content_->name;
   std::vector<ImageRemark> remarks;
   const OIIO::ImageSpec& spec = spec_;
-  const bool grey_alpha = spec.nchannels == 2;
-  const bool alpha = grey_alpha || std::ranges::count(spec.channelnames, "A") > 0;
+  const auto layer = colours();
+  const bool alpha = spec.nchannels == 2 || (layer && layer->alpha >= 0);
   if (alpha) remarks.push_back({name + " has an alpha channel", "alpha is ignored", true});
   const int used = spec.nchannels <= 2 ? 1 : 3;
   if (const int rest = spec.nchannels - used - (alpha ? 1 : 0); rest > 0)
     remarks.push_back(
         {fmt::format("{} has {} channels besides R, G, B and A", name, rest), "they are ignored"});
-  if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
-      spec.height != spec.full_height)
+  if (layer && layer->others > 0)
+    remarks.push_back({fmt::format("{} has {} layers with colours", name, layer->others + 1),
+                       fmt::format("the layer \"{}\" is used", first_line(layer->name))});
+  const bool has_window = spec.x != spec.full_x || spec.y != spec.full_y ||
+                          spec.width != spec.full_width || spec.height != spec.full_height;
+  if (has_window && format_ == PictureFormat::kExr)
     remarks.push_back({name + " has a data window that differs from its display window",
-                       "the data window is used as the picture"});
-  if (spec.get_int_attribute("Orientation", 1) != 1)
-    remarks.push_back({name + " has an orientation flag", "the picture is used as stored"});
-  std::array<float, 8> c{};
-  constexpr std::array kRec709{0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
-  if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), c.data()) &&
-      !std::ranges::equal(c, kRec709, [](float a, float b) { return std::fabs(a - b) <= 2e-3F; }))
-    remarks.push_back({name + " has primaries other than Rec. 709", "treated as Rec. 709"});
+                       "the display window is the picture, black outside of the data window; "
+                       "pbrt-v4 takes the data window"});
+  else if (has_window)
+    remarks.push_back(
+        {name + " states a place within a larger picture", "the file's texels are the picture"});
+  if (options_.encoding == kSrgb || options_.encoding == kLuminances)
+    if (const std::string other = other_colours(*content_, format_, spec); !other.empty())
+      remarks.push_back({name + " has " + other, "treated as sRGB, as in pbrt-v4", true});
   if (input_->seek_subimage(1, 0))
     remarks.push_back({name + " has several pictures", "the first one is used"});
   input_->seek_subimage(0, 0);

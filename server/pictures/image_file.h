@@ -8,7 +8,6 @@
 #include <absl/status/statusor.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -20,6 +19,10 @@
 #include "proto/common/status_macros.h"
 #include "server/assets/load_budget.h"
 #include "server/formats/image_reader.h"
+#include "server/pictures/arrangement.h"
+#include "server/pictures/colour_layer.h"
+#include "server/pictures/picture_format.h"
+#include "server/pictures/whole_picture.h"
 
 namespace lucerna {
 
@@ -34,8 +37,13 @@ class ImageFile {
   std::size_t height() const { return static_cast<std::size_t>(spec_.height); }
   std::size_t texels() const { return width() * height(); }
 
-  /// The channels of red, green and blue.
-  std::optional<std::array<int, 3>> colour_channels() const;
+  /// The place of the stored texels in the picture.
+  const Arrangement& arrangement() const { return arrangement_; }
+
+  /// The channels of the colours; nothing if there are none.
+  std::optional<ColourLayer> colours() const { return colour_layer(spec_); }
+  /// What integers mean: what the file says, else what the caller says.
+  Encoding encoding() const;
   /// What lights and surfaces do not use of the file.
   std::vector<ImageRemark> remarks();
 
@@ -69,13 +77,19 @@ class ImageFile {
                  void* to);
 
   ImageFile(const AssetContent& content, const ImageOptions& options);
+  /// Opens the file with OpenImageIO; false if it cannot.
+  absl::StatusOr<bool> open_by_library();
 
   const AssetContent* content_;
+  PictureFormat format_;
   ImageOptions options_;
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;
   std::shared_ptr<MemoryFile> file_;
   std::unique_ptr<OIIO::ImageInput> input_;  // last of these members: closed first
+  std::uint64_t whole_bytes_ = 0;            ///< of a picture that is decoded as a whole
+  LoadBudget::Share opened_;                 ///< what the library takes to open the file
   OIIO::ImageSpec spec_;
+  Arrangement arrangement_{{}, false};
   std::vector<std::byte> stored_;  ///< a band as the file stores it
 };
 

@@ -3,24 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <filesystem>
-#include <string_view>
+
+#include "server/pictures/picture_format.h"
 
 namespace lucerna {
 
 absl::Status bad_picture(const AssetContent& content, const std::string& what) {
   return absl::InvalidArgumentError(content.name + ": " + what);
-}
-
-std::string known_extension(const std::string& name) {
-  std::string extension = std::filesystem::path(name).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) {
-    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  });
-  constexpr std::array<std::string_view, 8> kKnown{".exr", ".hdr",  ".pfm", ".png",
-                                                   ".tif", ".tiff", ".jpg", ".jpeg"};
-  return std::ranges::find(kKnown, extension) != kKnown.end() ? extension : "";
 }
 
 std::string first_line(const std::string& message) {
@@ -33,9 +22,8 @@ std::string first_line(const std::string& message) {
 
 absl::Status unreadable_picture(const AssetContent& content, const std::string& why) {
   return bad_picture(
-      content,
-      fmt::format("cannot be read as an image{}{}, allowed: a complete {} file",
-                  why.empty() ? "" : ": ", first_line(why), known_extension(content.name)));
+      content, fmt::format("cannot be read as an image{}{}, allowed: a complete {} file",
+                           why.empty() ? "" : ": ", first_line(why), name_of(format_of(content))));
 }
 
 absl::Status check_texels(const AssetContent& content, std::int64_t width, std::int64_t height,

@@ -13,10 +13,6 @@ namespace lucerna {
 /// INVALID_ARGUMENT that begins with the name of the file.
 absl::Status bad_picture(const AssetContent& content, const std::string& what);
 
-/// The extension in lower case with its dot; empty for unknown formats.  OpenImageIO reads more
-/// formats, such as films and archives, but a server should open only the formats that it needs.
-std::string known_extension(const std::string& name);
-
 /// The first line of a message of a library, made printable and at most 200 bytes long.  Messages
 /// of OpenImageIO name temporary files, quote their content, and may be long.
 std::string first_line(const std::string& message);

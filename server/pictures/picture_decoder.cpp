@@ -8,17 +8,16 @@
 #include <limits>
 #include <utility>
 
+#include "lights/spectra/rgb_primaries.h"
 #include "proto/common/status_macros.h"
 #include "server/pictures/image_file.h"
+#include "server/pictures/picture_checks.h"
+#include "server/pictures/picture_colours.h"
 
 namespace lucerna {
 namespace {
 
 using Channels = std::array<int, 3>;
-
-absl::Status invalid(const AssetContent& content, const std::string& what) {
-  return absl::InvalidArgumentError(content.name + ": " + what);
-}
 
 /// [IEC61966]
 float linear_from_srgb(float coded) {
@@ -27,8 +26,10 @@ float linear_from_srgb(float coded) {
 }
 
 float decoded_texel(float coded, Encoding encoding) {
-  if (encoding == kSrgb) return linear_from_srgb(coded);
-  return encoding == kLinear ? coded : static_cast<float>(std::pow(double{coded}, encoding.gamma));
+  if (encoding.gamma == kSrgb.gamma) return linear_from_srgb(coded);
+  return encoding.gamma == kLinear.gamma
+             ? coded
+             : static_cast<float>(std::pow(double{coded}, encoding.gamma));
 }
 
 /// The value of a code.
@@ -61,35 +62,42 @@ std::optional<bool> is_coded(const OIIO::TypeDesc& type) {
 
 /// The channels of the colours.  Fails if they are missing or of an unsupported type.
 absl::StatusOr<Channels> channels_of(const AssetContent& content, const ImageFile& file) {
-  const std::optional<Channels> channels = file.colour_channels();
-  if (!channels) {
+  const std::optional<ColourLayer> layer = file.colours();
+  if (!layer) {
     std::string names;
     for (const std::string& n : file.spec().channelnames) names += " " + n;
     std::ranges::replace_if(
         names, [](char c) { return c < ' ' || c > '~'; }, '?');
-    return invalid(content,
-                   "channels" + names.substr(0, 200) + ", allowed: one or two, or R, G and B");
+    return bad_picture(content,
+                       "channels" + names.substr(0, 200) + ", allowed: one or two, or R, G and B");
   }
-  for (const int c : *channels)
+  for (const int c : layer->channels)
     if (!is_coded(file.spec().channelformat(c)))
-      return invalid(
+      return bad_picture(
           content,
           fmt::format(
               "texels of type {}, allowed: unsigned 8- and 16-bit integers, half, float, double",
               file.spec().channelformat(c).c_str()));
-  return *channels;
+  return layer->channels;
 }
 
 bool all_are(const ImageFile& file, const Channels& channels, OIIO::TypeDesc type) {
   return std::ranges::all_of(channels, [&](int c) { return file.spec().channelformat(c) == type; });
 }
 
+/// What the header says of floats.
+struct FloatColours {
+  std::optional<RgbConversion> conversion;
+  double scale = 1;
+};
+
 /// Reads the texels of a picture as floats.
 class FloatReader {
  public:
-  FloatReader(ImageFile& file, const Channels& channels, Encoding encoding)
+  FloatReader(ImageFile& file, const Channels& channels, const FloatColours& colours)
       : file_(file),
-        encoding_(encoding),
+        encoding_(file.encoding()),
+        colours_(colours),
         low_(std::ranges::min(channels)),
         high_(std::ranges::max(channels)) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -110,24 +118,37 @@ class FloatReader {
 
   absl::Status read_floats() {
     return for_each_texel<float>(OIIO::TypeDesc::FLOAT, [&](const float* texel) {
-      bool below = false;
       const auto value = [&](std::size_t c) {
         const float v = texel[offset_[c]];
-        if (coded_[c]) return decoded_texel(v, encoding_);
-        // NaN and -infinity are kept, so that Image::create rejects them.
-        if (!(v < 0) || std::isinf(v)) return v;
-        below = true;
-        return 0.0F;
+        return coded_[c] ? decoded_texel(v, encoding_) : v;
       };
-      texels_.push_back({value(0), value(1), value(2)});
-      negative_ += below;
+      const Rgb<float> stored{value(0), value(1), value(2)};
+      texels_.push_back(colours_.conversion ? converted(stored) : not_negative(stored));
     });
   }
 
   std::vector<Rgb<float>>& texels() { return texels_; }
+  /// Texels with a value below 0, and those whose colours are outside of Rec. 709.
   std::size_t negative() const { return negative_; }
+  std::size_t outside() const { return outside_; }
 
  private:
+  /// NaN and infinities are kept, so that Image::create rejects them.
+  Rgb<float> not_negative(const Rgb<float>& c) {
+    const auto value = [](float v) { return !(v < 0) || std::isinf(v) ? v : 0.0F; };
+    const Rgb<float> result{value(c.r), value(c.g), value(c.b)};
+    negative_ += result.r > c.r || result.g > c.g || result.b > c.b;
+    const auto scale = static_cast<float>(colours_.scale);
+    return scale == 1 ? result : result * scale;
+  }
+
+  Rgb<float> converted(const Rgb<float>& c) {
+    if (!is_finite(c)) return c;
+    const Rgb<double> rgb = (*colours_.conversion)(Rgb<double>(c)) * colours_.scale;
+    outside_ += is_outside_rec709(rgb);
+    return Rgb<float>(at_edge_of_rec709(rgb));
+  }
+
   template <typename Code, typename Decode>
   absl::Status read_as(OIIO::TypeDesc type, Decode&& decode) {
     return for_each_texel<Code>(type, [&](const Code* texel) {
@@ -149,30 +170,82 @@ class FloatReader {
 
   ImageFile& file_;
   Encoding encoding_;
+  FloatColours colours_;
   int low_, high_;
   std::array<std::size_t, 3> offset_{};
   std::array<bool, 3> coded_{};
   std::vector<Rgb<float>> texels_;
-  std::size_t negative_ = 0;
+  std::size_t negative_ = 0, outside_ = 0;
 };
 
+/// Moves stored texels to their places in the picture.
+template <typename Value>
+absl::Status arrange(const ImageFile& file, const ImageOptions& options, std::size_t each,
+                     std::vector<Value>& values, LoadBudget::Share& share) {
+  if (file.arrangement().is_as_stored()) return absl::OkStatus();
+  const std::uint64_t bytes = file.arrangement().texels() * each * sizeof(Value);
+  LUCERNA_RETURN_IF_ERROR(share.grow(bytes));
+  if (options.stop.stop_requested()) return absl::CancelledError("loading was cancelled");
+  values = file.arrangement().arranged(values, each);
+  return share.resize(bytes);
+}
+
+std::string count_of_texels(const AssetContent& content, std::size_t count, const char* with) {
+  return fmt::format("{} has {} texel{} with {}", content.name, count, count == 1 ? "" : "s", with);
+}
+
+/// What the header says of floats.  Adds remarks on what is not applied.
+FloatColours colours_of(const AssetContent& content, const ImageFile& file,
+                        const ImageOptions& options, RgbConversion::White white,
+                        std::vector<ImageRemark>& remarks) {
+  using Meaning = Encoding::Meaning;
+  FloatColours colours;
+  const Meaning meaning = options.encoding.meaning;
+  const auto primaries = stated_primaries(file.spec());
+  if (primaries && meaning != Meaning::kData && file.spec().nchannels > 2) {
+    colours.conversion = RgbConversion::to_rec709(*primaries, white);
+    if (!colours.conversion)
+      remarks.push_back(
+          {content.name + " states primaries that span no colour space", "treated as Rec. 709"});
+  }
+  const auto white_cd_m2 = stated_white_cd_m2(file.spec());
+  // Reflectances are shares of white.
+  if (!white_cd_m2 || meaning == Meaning::kData || white == RgbConversion::White::kAdapted)
+    return colours;
+  const std::string what =
+      fmt::format("{} states that RGB (1, 1, 1) is {:.6g} cd/m2", content.name, *white_cd_m2);
+  if (meaning == Meaning::kLuminance) {
+    colours.scale = *white_cd_m2;
+    remarks.push_back({what, "its texels times this luminance; pbrt-v4 takes the texels"});
+  } else {
+    remarks.push_back({what, "a texel of 1 is the light's level"});
+  }
+  return colours;
+}
+
 absl::StatusOr<DecodedImage> read_image(const AssetContent& content, ImageFile& file,
-                                        const Channels& channels, const ImageOptions& options) {
+                                        const Channels& channels, const ImageOptions& options,
+                                        RgbConversion::White white) {
   DecodedImage decoded{nullptr, file.remarks(), LoadBudget::Share(options.budget)};
   LUCERNA_RETURN_IF_ERROR(decoded.share.resize(file.texels() * sizeof(Rgb<float>)));
-  FloatReader reader(file, channels, options.encoding);
+  FloatReader reader(file, channels, colours_of(content, file, options, white, decoded.remarks));
   const absl::Status read = all_are(file, channels, OIIO::TypeDesc::UINT8)
                                 ? reader.read_codes<std::uint8_t>(OIIO::TypeDesc::UINT8)
                             : all_are(file, channels, OIIO::TypeDesc::UINT16)
                                 ? reader.read_codes<std::uint16_t>(OIIO::TypeDesc::UINT16)
                                 : reader.read_floats();
   LUCERNA_RETURN_IF_ERROR(read);
-  if (const std::size_t negative = reader.negative(); negative > 0)
-    decoded.remarks.push_back({fmt::format("{} has {} texel{} with a value below 0", content.name,
-                                           negative, negative == 1 ? "" : "s"),
-                               "counted as 0"});
-  auto image = Image::create(file.spec().width, file.spec().height, std::move(reader.texels()));
-  if (!image.ok()) return invalid(content, std::string(image.status().message()));
+  if (reader.negative() > 0)
+    decoded.remarks.push_back(
+        {count_of_texels(content, reader.negative(), "a value below 0"), "counted as 0"});
+  if (reader.outside() > 0)
+    decoded.remarks.push_back(
+        {count_of_texels(content, reader.outside(), "a colour outside of Rec. 709"),
+         "the colour at its edge with the same luminance"});
+  LUCERNA_RETURN_IF_ERROR(arrange(file, options, 1, reader.texels(), decoded.share));
+  auto image = Image::create(file.arrangement().width(), file.arrangement().height(),
+                             std::move(reader.texels()));
+  if (!image.ok()) return bad_picture(content, std::string(image.status().message()));
   decoded.image = *std::move(image);
   return decoded;
 }
@@ -252,7 +325,7 @@ class CodeReader {
 absl::StatusOr<DecodedImage> image_of(const AssetContent& content, const ImageOptions& options) {
   LUCERNA_ASSIGN_OR_RETURN(ImageFile file, ImageFile::open(content, options));
   LUCERNA_ASSIGN_OR_RETURN(const Channels channels, channels_of(content, file));
-  return read_image(content, file, channels, options);
+  return read_image(content, file, channels, options, RgbConversion::White::kKept);
 }
 
 absl::StatusOr<DecodedSurface> surface_of(const AssetContent& content,
@@ -261,7 +334,8 @@ absl::StatusOr<DecodedSurface> surface_of(const AssetContent& content,
   LUCERNA_ASSIGN_OR_RETURN(const Channels channels, channels_of(content, file));
   DecodedSurface decoded{{}, nullptr, {}, LoadBudget::Share(options.budget)};
   if (!all_are(file, channels, OIIO::TypeDesc::UINT8)) {
-    LUCERNA_ASSIGN_OR_RETURN(DecodedImage image, read_image(content, file, channels, options));
+    LUCERNA_ASSIGN_OR_RETURN(DecodedImage image, read_image(content, file, channels, options,
+                                                            RgbConversion::White::kAdapted));
     decoded.image = std::move(image.image);
     decoded.remarks = std::move(image.remarks);
     decoded.share = std::move(image.share);
@@ -269,20 +343,24 @@ absl::StatusOr<DecodedSurface> surface_of(const AssetContent& content,
   }
   decoded.remarks = file.remarks();
   CodedImage& codes = decoded.codes.emplace();
-  codes.width = file.spec().width;
-  codes.height = file.spec().height;
-  codes.values = decoded_codes<std::uint8_t>(options.encoding);
+  codes.width = file.arrangement().width();
+  codes.height = file.arrangement().height();
+  codes.values = decoded_codes<std::uint8_t>(file.encoding());
   LUCERNA_RETURN_IF_ERROR(CodeReader(file, channels, codes, decoded.share).read());
+  LUCERNA_RETURN_IF_ERROR(
+      arrange(file, options, codes.is_grey ? 1 : 3, codes.codes, decoded.share));
   return decoded;
 }
 
 absl::StatusOr<DecodedAlpha> alpha_of(const AssetContent& content, const ImageOptions& options) {
   LUCERNA_ASSIGN_OR_RETURN(ImageFile file, ImageFile::open(content, options));
-  DecodedAlpha alpha{file.spec().width, file.spec().height, {}, LoadBudget::Share(options.budget)};
-  const auto& names = file.spec().channelnames;
-  const auto found = std::ranges::find(names, "A");
-  if (found == names.end()) return alpha;
-  const int channel = static_cast<int>(found - names.begin());
+  DecodedAlpha alpha{file.arrangement().width(),
+                     file.arrangement().height(),
+                     {},
+                     LoadBudget::Share(options.budget)};
+  const auto layer = file.colours();
+  const int channel = layer ? layer->alpha : -1;
+  if (channel < 0) return alpha;
   LUCERNA_RETURN_IF_ERROR(alpha.share.resize(file.texels() * sizeof(float)));
   alpha.values.reserve(file.texels());
   LUCERNA_RETURN_IF_ERROR(file.for_each_band<float>(
@@ -290,6 +368,7 @@ absl::StatusOr<DecodedAlpha> alpha_of(const AssetContent& content, const ImageOp
         alpha.values.insert(alpha.values.end(), band, band + count);
         return absl::OkStatus();
       }));
+  LUCERNA_RETURN_IF_ERROR(arrange(file, options, 1, alpha.values, alpha.share));
   return alpha;
 }
 

@@ -170,8 +170,47 @@ def pfm(width, height, values, kind="PF", scale="-1.0"):
     return f"{kind}\n{width} {height}\n{scale}\n".encode() + struct.pack(f"<{len(values)}f", *values)
 
 
-def hdr(width, height, body):
-    return (b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + f"-Y {height} +X {width}\n".encode() + body)
+def hdr(width, height, body, lines="FORMAT=32-bit_rle_rgbe\n", axes="-Y {} +X {}"):
+    return f"#?RADIANCE\n{lines}\n{axes.format(height, width)}\n".encode() + body
+
+
+def tga(kind, bits, body, palette=(0, 0, 0), name=b"", descriptor=0, size=(2, 2), footer=False):
+    first, entries, entry_bits = palette
+    return (struct.pack("<BBBHHBHHHHBB", len(name), entries > 0, kind, first, entries, entry_bits, 0, 0, *size,
+                        bits, descriptor) + name + body +
+            (bytes(8) + b"TRUEVISION-XFILE.\0" if footer else b""))
+
+
+def bmp(bits, body, compression=0, before=b"", size=(2, 2), core=False):
+    head = (struct.pack("<IHHHH", 12, *size, 1, bits) if core else
+            struct.pack("<IiiHHI", 40, *size, 1, bits, compression) + bytes(20))
+    return b"BM" + bytes(8) + struct.pack("<I", 14 + len(head) + len(before)) + head + before + body
+
+
+def qoi(body, size=(2, 2), channels=3, space=0):
+    return b"qoif" + struct.pack(">IIBB", *size, channels, space) + body + bytes(7) + b"\1"
+
+
+def exr(channels, windows=((0, 0, 1, 1), (0, 0, 1, 1)), extra=()):
+    """Half floats without compression; `extra`: (name, type, bytes)."""
+    data, display = windows
+    names = sorted(channels)
+    listed = b"".join(n.encode() + b"\0" + struct.pack("<IIII", 1, 0, 1, 1) for n in names) + b"\0"
+    attributes = [("channels", "chlist", listed), ("compression", "compression", b"\0"),
+                  ("dataWindow", "box2i", struct.pack("<4i", *data)),
+                  ("displayWindow", "box2i", struct.pack("<4i", *display)),
+                  ("lineOrder", "lineOrder", b"\0"), ("pixelAspectRatio", "float", struct.pack("<f", 1)),
+                  ("screenWindowCenter", "v2f", bytes(8)), ("screenWindowWidth", "float", struct.pack("<f", 1)),
+                  *extra]
+    head = b"\x76\x2f\x31\x01" + struct.pack("<I", 2)
+    for name, kind, value in attributes:
+        head += name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<I", len(value)) + value
+    head += b"\0"
+    width, height = data[2] - data[0] + 1, data[3] - data[1] + 1
+    row = 2 * width * len(names)
+    rows = b"".join(struct.pack("<iI", data[1] + y, row) + b"\0\x38" * (row // 2) for y in range(height))
+    first = len(head) + 8 * height
+    return head + b"".join(struct.pack("<Q", first + y * (8 + row)) for y in range(height)) + rows
 
 
 def tiff(bits=8, samples=3, sample_format=1, orientation=1, tiled=False):
@@ -186,10 +225,18 @@ def tiff(bits=8, samples=3, sample_format=1, orientation=1, tiled=False):
 
 def pictures():
     """(name, number of the ending, bytes); the endings are in picture_fuzz.cpp."""
-    exr, radiance, portable, png_, tiff_, jpeg, gif = range(7)
+    exr_, radiance, portable, png_, tiff_, jpeg, gif, tga_ = range(8)
     ref = DATA / "reference"
-    yield "screen", exr, (ref / "screen.exr").read_bytes()
-    yield "slide", exr, (ref / "slide.exr").read_bytes()
+    yield "screen", exr_, (ref / "screen.exr").read_bytes()
+    yield "slide", exr_, (ref / "slide.exr").read_bytes()
+    rec2020 = struct.pack("<8f", .708, .292, .170, .797, .131, .046, .3127, .3290)
+    yield "exr_colours", exr_, exr("RGB", extra=(("chromaticities", "chromaticities", rec2020),
+                                                 ("whiteLuminance", "float", struct.pack("<f", 80))))
+    yield "exr_no_space", exr_, exr("RGB", extra=(("chromaticities", "chromaticities", bytes(32)),))
+    yield "exr_window", exr_, exr("RGB", windows=((-1, 0, 1, 1), (0, -1, 2, 2)))
+    yield "exr_large_display", exr_, exr("RGB", windows=((0, 0, 0, 0), (-2 ** 31, 0, 2 ** 31 - 1, 9)))
+    yield "exr_layers", exr_, exr(["a.R", "a.G", "a.B", "a.A", "b.r", "b.g", "b.b"])
+    yield "exr_normals", exr_, exr(["n.x", "n.y", "n.z"])
     for name in ("tiles", "bumps", "holes"):
         yield name, png_, (ref / f"{name}.png").read_bytes()
     for kind, channels in ((0, 1), (2, 3), (4, 2), (6, 4)):
@@ -210,12 +257,59 @@ def pictures():
     yield "hdr", radiance, hdr(2, 2, bytes([128, 64, 32, 129]) * 4)
     yield "hdr_runs", radiance, hdr(8, 1, bytes([2, 2, 0, 8]) + bytes([136, 7]) * 4)
     yield "hdr_cut_off", radiance, hdr(8, 8, b"\2\2")
+    texels = bytes([128, 64, 32, 129]) * 4
+    yield "hdr_lines", radiance, hdr(2, 2, texels, "EXPOSURE=2\nCOLORCORR=1 2 3\nEXPOSURE= 1e-3\n"
+                                     "\tEXPOSURE=9\nPRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329\n")
+    yield "hdr_xyze", radiance, hdr(2, 2, texels, "FORMAT=32-bit_rle_xyze\r\n", axes="+X {} -Y {}\r")
+    yield "hdr_old_runs", radiance, hdr(261, 1, bytes([8, 7, 6, 129, 1, 1, 1, 4, 1, 1, 1, 1]))
+    for name, lines in (("format", "FORMAT=ascii\n"), ("exposure", "EXPOSURE=0\n"),
+                        ("correction", "COLORCORR=1 2\n"), ("primaries", "PRIMARIES=1 2\n")):
+        yield "hdr_bad_" + name, radiance, hdr(2, 2, texels, lines)
+    yield "hdr_bad_axes", radiance, hdr(2, 2, texels, axes="-Y {} -Y {}")
+    yield "hdr_bad_run", radiance, hdr(2, 2, bytes([1, 1, 1, 9]))
+    yield "hdr_bad_row", radiance, hdr(8, 1, bytes([2, 2, 0, 9]))
+    yield "hdr_bad_count", radiance, hdr(8, 1, bytes([2, 2, 0, 8, 255, 1]))
+    yield "tga_24", tga_, tga(2, 24, bytes(range(12)), descriptor=0x20)
+    yield "tga_32_runs", tga_, tga(10, 32, b"\x81\1\2\3\4\1\1\2\3\4\5\6\7\x08", descriptor=0x18)
+    yield "tga_16", tga_, tga(2, 16, bytes(range(8)), name=b"name", footer=True)
+    yield "tga_named_png", png_, tga(3, 16, bytes(range(8)), footer=True)
+    yield "tga_palette", tga_, tga(1, 8, bytes(range(9)) + b"\5\6\7\xff", palette=(5, 3, 24))
+    yield "tga_palette_cut_off", tga_, tga(9, 8, b"\1", palette=(0, 3, 32))
+    yield "tga_bad_type", tga_, tga(32, 24, bytes(12))
+    yield "tga_bad_bits", tga_, tga(2, 8, bytes(12))
+    yield "tga_huge", tga_, tga(2, 24, b"", size=(65535, 65535))
+    yield "tga_cut_off", tga_, tga(10, 24, b"\xff\1")
+    colours = bytes(range(8))
+    yield "bmp_1", gif, bmp(1, b"\x80\0\0\0" * 2, before=colours)
+    yield "bmp_4_runs", gif, bmp(4, b"\2\x12\0\0\0\3\x12\x30\0\2\1\0\0\1", 2, before=bytes(range(64)))
+    yield "bmp_8_runs", gif, bmp(8, b"\2\1\0\0\0\3\1\2\3\0\0\1", 1, before=bytes(1024))
+    yield "bmp_16_masks", gif, bmp(16, bytes(8), 3, before=struct.pack("<3I", 0xf800, 0x7e0, 0x1f))
+    yield "bmp_24", gif, bmp(24, bytes(range(16)), size=(2, -2))
+    yield "bmp_24_core", gif, bmp(24, bytes(range(16)), core=True)
+    yield "bmp_32_masks", gif, bmp(32, bytes(range(16)), 6,
+                                   before=struct.pack("<4I", 0xff, 0xff00, 0xff0000, 0xff000000))
+    yield "bmp_bad_mask", gif, bmp(16, bytes(8), 3, before=struct.pack("<3I", 5, 0, 0))
+    yield "bmp_bad_bits", gif, bmp(7, bytes(8))
+    yield "bmp_cut_off", gif, bmp(8, b"\0\9", 1, before=bytes(1024))
+    yield "bmp_header_only", gif, b"BM" + bytes(20)
+    yield "qoi", gif, qoi(b"\xfe\1\2\3\x5a\x8a\x77\xff\1\2\3\4")
+    yield "qoi_runs", gif, qoi(b"\xc1\x0a\xc9", channels=4, space=1)
+    yield "qoi_bad_header", gif, qoi(b"", channels=7)
+    yield "qoi_cut_off", gif, b"qoif" + struct.pack(">IIBB", 9, 9, 3, 0) + b"\xfe\1"
+    webp = (DATA / "pictures" / "red.webp").read_bytes()
+    yield "webp", gif, webp
+    yield "webp_cut_off", gif, webp[:-2]
+    yield "webp_canvas", gif, b"RIFF\x28\0\0\0WEBPVP8X\x0a\0\0\0" + bytes(4) + b"\xff" * 6 + bytes(20)
+    yield "pgm", portable, b"P5 2 2 255 " + bytes(range(4))
+    yield "ppm_text", portable, b"P3\n2 1\n255\n1 2 3 4 5 6\n"
+    yield "png_gamma", png_, png(2, 2, 2, 8, (b"\0" + bytes(6)) * 2, extra=struct.pack(
+        ">I4sII", 4, b"gAMA", 100000, zlib.crc32(b"gAMA" + struct.pack(">I", 100000))))
     for bits, samples, form in ((8, 3, 1), (16, 1, 1), (32, 3, 3), (32, 1, 1), (8, 4, 1), (8, 5, 1)):
         yield f"tiff_{bits}_{samples}_{form}", tiff_, tiff(bits, samples, form)
     yield "tiff_turned", tiff_, tiff(orientation=6)
     yield "jpeg_no_picture", jpeg, b"\xff\xd8\xff\xe0\0\x10JFIF\0"
     yield "gif", gif, b"GIF89a"
-    yield "png_named_exr", exr, png(1, 1, 0, 8, b"\0\0")
+    yield "png_named_exr", exr_, png(1, 1, 0, 8, b"\0\0")
     yield "text", png_, b"no picture"
 
 

@@ -8,9 +8,22 @@
 #include <string>
 #include <vector>
 
+#include "server/formats/image_reader.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna::testing {
+
+/// "what -> instead" for each remark, one per line.
+inline std::string remarks_of(const DecodedImage& d) {
+  std::string all;
+  for (const ImageRemark& r : d.remarks) all += r.what + " -> " + r.instead + "\n";
+  return all;
+}
+
+/// The bytes of these numbers, for files written by hand.
+inline std::string chars(const std::vector<int>& numbers) {
+  return {numbers.begin(), numbers.end()};
+}
 
 /// A .pfm file: three floats per texel, rows from the top.
 inline std::string pfm(int width, int height, const std::vector<float>& rgb) {

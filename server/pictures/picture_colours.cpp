@@ -1,0 +1,89 @@
+#include "server/pictures/picture_colours.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "server/pictures/picture_checks.h"
+
+namespace lucerna {
+namespace {
+
+/// Red, green, blue and white, each x and y.
+using Chromaticities = std::array<double, 8>;
+
+/// Whether they are those of Rec. 709, to the digits that files have.
+bool are_rec709(const Chromaticities& c) {
+  constexpr Chromaticities kRec709Values{0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290};
+  return std::ranges::equal(c, kRec709Values,
+                            [](double a, double b) { return std::fabs(a - b) <= 1e-4; });
+}
+
+std::uint32_t big_endian(std::string_view bytes) {
+  std::uint32_t value = 0;
+  for (const char c : bytes.substr(0, 4)) value = value << 8U | static_cast<unsigned char>(c);
+  return value;
+}
+
+/// What the chunks before the texels state.  They state it in units of 1e-5.
+std::string other_png_colours(std::string_view bytes) {
+  constexpr std::size_t kSignatureBytes = 8, kHeadBytes = 8, kCheckBytes = 4;
+  std::string other;
+  for (std::size_t at = kSignatureBytes; at + kHeadBytes <= bytes.size();) {
+    const std::size_t size = big_endian(bytes.substr(at));
+    const std::string_view type = bytes.substr(at + 4, 4);
+    const std::string_view body = bytes.substr(at + kHeadBytes, size);
+    if (type == "sRGB") return "";  // has priority over the others
+    if (type == "IDAT") break;
+    constexpr std::uint32_t kSrgbGamma = 45455;
+    if (type == "gAMA" && body.size() >= 4 &&
+        std::abs(std::int64_t{big_endian(body)} - kSrgbGamma) > 500)
+      other = fmt::format("a gamma of {}", big_endian(body) * 1e-5);
+    if (type == "cHRM" && body.size() >= 32 && other.empty()) {
+      const auto value = [&](std::size_t i) { return big_endian(body.substr(4 * i)) * 1e-5; };
+      // The white comes first.
+      if (!are_rec709(
+              {value(2), value(3), value(4), value(5), value(6), value(7), value(0), value(1)}))
+        other = "primaries other than those of sRGB";
+    }
+    at += kHeadBytes + size + kCheckBytes;
+  }
+  return other;
+}
+
+}  // namespace
+
+std::optional<RgbPrimaries> stated_primaries(const OIIO::ImageSpec& spec) {
+  std::array<float, 8> c{};
+  if (!spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), c.data()))
+    return std::nullopt;
+  Chromaticities values{};
+  std::ranges::copy(c, values.begin());
+  if (are_rec709(values)) return std::nullopt;
+  return RgbPrimaries{{values[0], values[1]},
+                      {values[2], values[3]},
+                      {values[4], values[5]},
+                      {values[6], values[7]}};
+}
+
+std::optional<double> stated_white_cd_m2(const OIIO::ImageSpec& spec) {
+  const float white = spec.get_float_attribute("whiteLuminance", 0);
+  if (!(white > 0) || !std::isfinite(white)) return std::nullopt;
+  return white;
+}
+
+std::string other_colours(const AssetContent& content, PictureFormat format,
+                          const OIIO::ImageSpec& spec) {
+  if (spec.find_attribute("ICCProfile") != nullptr) {
+    const std::string name = spec.get_string_attribute("ICCProfile:profile_description");
+    if (name.find("sRGB") == std::string::npos)
+      return name.empty() ? "a colour profile" : "the colour profile " + first_line(name);
+    return "";
+  }
+  return format == PictureFormat::kPng ? other_png_colours(content.bytes) : "";
+}
+
+}  // namespace lucerna

@@ -1,0 +1,79 @@
+#include "server/pictures/picture_format.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace lucerna {
+namespace {
+
+bool ends_in_tga(std::string_view name) {
+  constexpr std::string_view kTga = ".tga";
+  return name.size() >= kTga.size() &&
+         std::ranges::equal(name.substr(name.size() - kTga.size()), kTga, [](char a, char b) {
+           return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b;
+         });
+}
+
+bool is_tga(const AssetContent& content) {
+  constexpr std::string_view kFooter("TRUEVISION-XFILE.\0", 18);  // [TGA2]
+  return std::string_view(content.bytes).ends_with(kFooter) || ends_in_tga(content.name);
+}
+
+}  // namespace
+
+PictureFormat format_of(const AssetContent& content) {
+  using enum PictureFormat;
+  const std::string_view bytes = content.bytes;
+  struct Start {
+    std::string_view bytes;
+    PictureFormat format;
+  };
+  static constexpr auto kStarts = std::to_array<Start>({{"\x76\x2f\x31\x01", kExr},
+                                                        {"\xff\xd8\xff", kJpeg},
+                                                        {"\x89PNG", kPng},
+                                                        {{"II*\0", 4}, kTiff},
+                                                        {{"MM\0*", 4}, kTiff},
+                                                        {{"II+\0", 4}, kTiff},
+                                                        {{"MM\0+", 4}, kTiff},
+                                                        {"qoif", kQoi},
+                                                        {"#?", kRadiance},
+                                                        {"BM", kBmp}});
+  for (const Start& start : kStarts)
+    if (bytes.starts_with(start.bytes)) return start.format;
+  if (bytes.starts_with("RIFF") && bytes.substr(0, 12).ends_with("WEBP")) return kWebp;
+  if (bytes.size() > 2 && bytes[0] == 'P' &&
+      std::string_view("123456Ff").find(bytes[1]) != std::string_view::npos)
+    return kPnm;
+  return is_tga(content) ? kTga : kUnknown;
+}
+
+const char* name_of(PictureFormat format) {
+  switch (format) {
+    case PictureFormat::kExr:
+      return "OpenEXR";
+    case PictureFormat::kJpeg:
+      return "JPEG";
+    case PictureFormat::kPng:
+      return "PNG";
+    case PictureFormat::kPnm:
+      return "PFM, PPM, PGM or PBM";
+    case PictureFormat::kTiff:
+      return "TIFF";
+    case PictureFormat::kWebp:
+      return "WebP";
+    case PictureFormat::kBmp:
+      return "BMP";
+    case PictureFormat::kQoi:
+      return "QOI";
+    case PictureFormat::kRadiance:
+      return "Radiance";
+    case PictureFormat::kTga:
+      return "TGA";
+    case PictureFormat::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+}  // namespace lucerna

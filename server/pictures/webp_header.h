@@ -1,0 +1,17 @@
+// The header of WebP files.  Only for the files of this room.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace lucerna {
+
+struct WebpSize {
+  std::int64_t width = 0, height = 0;
+};
+
+/// The size that a WebP file states, of its first frame or of the canvas of all.  0 if it states
+/// none: then the library does not decode it.  [RFC9649]
+WebpSize webp_size(std::string_view bytes);
+
+}  // namespace lucerna

@@ -1,0 +1,300 @@
+// What the headers of pictures say: exposures, primaries, the order of rows, windows and layers.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "server/formats/image_reader.h"
+#include "tests/server/formats/picture_texts.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::message;
+using testing::remarks_of;
+using testing::written;
+
+constexpr const char* kRgbe = "FORMAT=32-bit_rle_rgbe\n";
+constexpr const char* kXyze = "FORMAT=32-bit_rle_xyze\n";
+
+/// A Radiance file; (128, 64, 32, 129) is (1, 0.5, 0.25).
+std::string radiance(const std::string& header, const std::string& resolution,
+                     const std::vector<std::array<int, 4>>& texels) {
+  std::string bytes = "#?RADIANCE\n" + header + "\n" + resolution + "\n";
+  for (const auto& texel : texels)
+    for (const int byte : texel) bytes += static_cast<char>(byte);
+  return bytes;
+}
+constexpr std::array kTexel{128, 64, 32, 129};
+
+DecodedImage decoded(const std::string& bytes, Encoding encoding = kSrgb) {
+  auto d = decode_image({"a.hdr", bytes}, {.encoding = encoding});
+  if (!d.ok()) throw std::runtime_error(message(d.status()));
+  return *std::move(d);
+}
+
+Rgb<float> first_texel(const std::string& bytes, Encoding encoding = kSrgb) {
+  return decoded(bytes, encoding).image->texel(0, 0);
+}
+
+void expect_near(const Rgb<float>& c, const Rgb<double>& expected, double error) {
+  EXPECT_NEAR(c.r, expected.r, error);
+  EXPECT_NEAR(c.g, expected.g, error);
+  EXPECT_NEAR(c.b, expected.b, error);
+}
+
+TEST(RadiancePicture, ExposuresAndColourCorrectionsAreDividedOut) {
+  const auto with = [](const std::string& lines) {
+    return first_texel(radiance(lines + kRgbe, "-Y 1 +X 1", {kTexel}));
+  };
+  EXPECT_EQ(with(""), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_EQ(with("EXPOSURE=2.0\n"), Rgb<float>(0.5F, 0.25F, 0.125F));
+  EXPECT_EQ(with("EXPOSURE= 2\nEXPOSURE=+4e0\n"), Rgb<float>(0.125F, 0.0625F, 0.03125F));
+  EXPECT_EQ(with("COLORCORR=2 4 8\nEXPOSURE=0.5\nCOLORCORR=1 1 0.5\n"),
+            Rgb<float>(1, 0.25F, 0.125F));
+  // Lines of an earlier picture begin with a tab.  Others have no meaning for the colours.
+  EXPECT_EQ(with("\tEXPOSURE=2\nSOFTWARE=EXPOSURE=3\nexposure=5\nPIXASPECT=2\n"),
+            Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_EQ(
+      remarks_of(decoded(radiance(std::string("EXPOSURE=2\n") + kRgbe, "-Y 1 +X 1", {kTexel}))),
+      "");
+}
+
+TEST(RadiancePicture, LinesMayEndWithCrLf) {
+  std::string bytes = "#?RGBE\r\nEXPOSURE=2\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 1 +X 1\r\n";
+  for (const int byte : kTexel) bytes += static_cast<char>(byte);
+  EXPECT_EQ(first_texel(bytes), Rgb<float>(0.5F, 0.25F, 0.125F));
+}
+
+TEST(RadiancePicture, PrimariesAreConvertedWithTheirLuminance) {
+  const auto with = [](const std::string& primaries, const std::array<int, 4>& texel) {
+    return decoded(radiance("PRIMARIES=" + primaries + "\n" + kRgbe, "-Y 1 +X 1", {texel}));
+  };
+  const std::string rec2020 = "0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.3290";
+  const DecodedImage grey = with(rec2020, {128, 128, 128, 129});
+  expect_near(grey.image->texel(0, 0), {1, 1, 1}, 1e-5);
+  EXPECT_EQ(remarks_of(grey), "");
+  // [BT2087]: 0.5 of green and 1 of red, of luminance 0.2627 + 0.3390.
+  const DecodedImage orange = with(rec2020, {128, 64, 0, 129});
+  expect_near(orange.image->texel(0, 0), {1.6605 - 0.2938, -0.1246 + 0.56645, 0}, 0.02);
+  EXPECT_NEAR(luminance(Rgb<double>(orange.image->texel(0, 0))), 0.2627 + 0.3390, 1e-4);
+  EXPECT_THAT(remarks_of(orange), HasSubstr("1 texel with a colour outside of Rec. 709"));
+  // Radiance's own: luminances 0.265, 0.670, 0.065 and equal amounts of white.
+  const std::string own = "0.640 0.330 0.290 0.600 0.150 0.060 0.3333 0.3333";
+  EXPECT_NEAR(luminance(Rgb<double>(with(own, {128, 0, 0, 129}).image->texel(0, 0))), 0.265, 5e-4);
+  EXPECT_NEAR(luminance(Rgb<double>(with(own, {0, 128, 0, 129}).image->texel(0, 0))), 0.670, 5e-4);
+  const DecodedImage line = with("0.1 0.1 0.2 0.2 0.3 0.3 0.3 0.3", kTexel);
+  EXPECT_EQ(line.image->texel(0, 0), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_THAT(remarks_of(line), HasSubstr("span no colour space -> treated as Rec. 709"));
+}
+
+TEST(RadiancePicture, XyzeIsConverted) {
+  // X, Y and Z of D65 white, (0.9505, 1, 1.0891), at an exponent of 2^-7.
+  const Rgb<float> c = first_texel(radiance(kXyze, "-Y 1 +X 1", {{122, 128, 139, 129}}));
+  expect_near(c, {1, 1, 1}, 0.02);
+  EXPECT_NEAR(luminance(Rgb<double>(c)), 1, 1e-6);  // Y
+}
+
+TEST(RadiancePicture, AllEightResolutionStringsStandUpright) {
+  // The picture has 2 rows and 3 columns: a b c over d e f.
+  const std::array<std::pair<const char*, const char*>, 8> kOrders{{{"-Y 2 +X 3", "abcdef"},
+                                                                    {"-Y 2 -X 3", "cbafed"},
+                                                                    {"+Y 2 +X 3", "defabc"},
+                                                                    {"+Y 2 -X 3", "fedcba"},
+                                                                    {"+X 3 -Y 2", "adbecf"},
+                                                                    {"-X 3 -Y 2", "cfbead"},
+                                                                    {"+X 3 +Y 2", "daebfc"},
+                                                                    {"-X 3 +Y 2", "fcebda"}}};
+  for (const auto& [resolution, order] : kOrders) {
+    SCOPED_TRACE(resolution);
+    std::vector<std::array<int, 4>> texels;
+    for (const char c : std::string(order)) texels.push_back({c, c, c, 136});
+    const DecodedImage d = decoded(radiance(kRgbe, resolution, texels));
+    ASSERT_EQ(d.image->width(), 3);
+    ASSERT_EQ(d.image->height(), 2);
+    std::string seen;
+    for (int y = 0; y < 2; ++y)
+      for (int x = 0; x < 3; ++x) seen += static_cast<char>(d.image->texel(x, y).r);
+    EXPECT_EQ(seen, "abcdef");
+    EXPECT_EQ(remarks_of(d), "");
+  }
+}
+
+TEST(RadiancePicture, RunsOfOldAndNewFilesAreRead) {
+  // (1, 1, 1, n) repeats the texel before n times, then 256 n times.
+  std::vector<std::array<int, 4>> old{kTexel, {1, 1, 1, 3}, {1, 1, 1, 1}, {0, 0, 128, 129}};
+  const DecodedImage d = decoded(radiance(kRgbe, "-Y 1 +X 261", old));
+  EXPECT_EQ(d.image->texel(259, 0), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_EQ(d.image->texel(260, 0), Rgb<float>(0, 0, 1));
+  // A row of 8: a run of red, single greens, runs of the others.
+  std::string fresh = "#?RADIANCE\n" + std::string(kRgbe) + "\n-Y 1 +X 8\n";
+  for (const int byte : {2, 2, 0, 8, 136, 128, 8, 0, 1, 2, 3, 4, 5, 6, 128, 136, 0, 136, 129})
+    fresh += static_cast<char>(byte);
+  const DecodedImage n = decoded(fresh);
+  EXPECT_EQ(n.image->texel(0, 0), Rgb<float>(1, 0, 0));
+  EXPECT_EQ(n.image->texel(7, 0), Rgb<float>(1, 1, 0));
+}
+
+TEST(RadiancePicture, WrongHeadersAndRowsAreErrorsThatSaySo) {
+  const auto error = [](const std::string& bytes) {
+    return message(decode_image({"a.hdr", bytes}).status());
+  };
+  const std::string one = "-Y 1 +X 1";
+  EXPECT_THAT(error(radiance("FORMAT=ascii\n", one, {kTexel})), HasSubstr("32-bit_rle_xyze"));
+  for (const char* line : {"EXPOSURE=0", "EXPOSURE=-1", "EXPOSURE=x", "EXPOSURE=nan",
+                           "EXPOSURE=1e999", "COLORCORR=1 2", "PRIMARIES=1 2 3"})
+    EXPECT_THAT(error(radiance(std::string(line) + "\n" + kRgbe, one, {kTexel})),
+                HasSubstr(line[0] == 'P' ? "eight chromaticities" : "numbers above 0"))
+        << line;
+  for (const char* resolution : {"", "-Y 1", "-Y 1 -Y 1", "-Y 1 +X -1", "-Y 1 +X 3e9", "-Z 1 +X 1"})
+    EXPECT_THAT(error(radiance(kRgbe, resolution, {kTexel})), HasSubstr("allowed: -Y HEIGHT"))
+        << resolution;
+  EXPECT_THAT(error(radiance(kRgbe, "-Y 2 +X 1", {kTexel})), HasSubstr("ends early"));
+  EXPECT_THAT(error(radiance(kRgbe, "-Y 1 +X 2", {{1, 1, 1, 2}})), HasSubstr("a run of 2"));
+  EXPECT_THAT(error(radiance(kRgbe, "-Y 1 +X 2", {kTexel, {1, 1, 1, 2}})), HasSubstr("a run of 2"));
+  EXPECT_THAT(error(radiance(kRgbe, "-Y 1 +X 8", {{2, 2, 0, 9}})), HasSubstr("a row of 9 texels"));
+  EXPECT_THAT(error(radiance(kRgbe, "-Y 1 +X 8", {{2, 2, 0, 8}, {255, 1, 1, 1}})),
+              HasSubstr("127 texels at the place 0"));
+  EXPECT_EQ(decode_image({"a.hdr", radiance(kRgbe, "-Y 60000 +X 60000", {kTexel})}).status().code(),
+            absl::StatusCode::kResourceExhausted);
+}
+
+std::string exr(const OIIO::ImageSpec& spec, const std::vector<float>& values) {
+  return written("a.exr", spec, values);
+}
+
+TEST(ExrPicture, ChromaticitiesAreConverted) {
+  OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeDesc::FLOAT);
+  const float rec2020[8]{0.708F, 0.292F, 0.170F, 0.797F, 0.131F, 0.046F, 0.3127F, 0.3290F};
+  spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec2020);
+  const std::string mixed = exr(spec, {0.5F, 0.5F, 0.25F});
+  // [BT2087]
+  const Rgb<double> expected{(1.6605 - 0.5876) / 2 - 0.0728 / 4,
+                             (-0.1246 + 1.1329) / 2 - 0.0083 / 4,
+                             (-0.0182 - 0.1006) / 2 + 1.1187 / 4};
+  expect_near(first_texel(mixed), expected, 1e-4);
+  const auto surface = decode_surface({"a.exr", mixed});
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  expect_near(surface->image->texel(0, 0), expected, 1e-4);
+  // Normals are no colours.
+  EXPECT_EQ(first_texel(mixed, kData), Rgb<float>(0.5F, 0.5F, 0.25F));
+}
+
+TEST(ExrPicture, AWhiteOtherThanD65TintsLightAndNotSurfaces) {
+  OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeDesc::FLOAT);
+  const float aces[8]{0.7347F, 0.2653F, 0, 1, 0.0001F, -0.0770F, 0.32168F, 0.33767F};
+  spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), aces);
+  const std::string white = exr(spec, {1, 1, 1});
+  const Rgb<double> light(first_texel(white));
+  EXPECT_NEAR(luminance(light), 1, 1e-6);
+  EXPECT_GT(light.r, 1.03);  // 6000 K
+  EXPECT_LT(light.b, 0.97);
+  const auto surface = decode_surface({"a.exr", white});
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  expect_near(surface->image->texel(0, 0), {1, 1, 1}, 1e-6);
+}
+
+TEST(ExrPicture, TheLuminanceOfWhiteScalesLuminancesOnly) {
+  OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeDesc::FLOAT);
+  spec.attribute("whiteLuminance", 200.0F);
+  const std::string bytes = exr(spec, {1, 0.5F, 0.25F});
+  const DecodedImage sky = decoded(bytes, kLuminances);
+  EXPECT_EQ(sky.image->texel(0, 0), Rgb<float>(200, 100, 50));
+  EXPECT_THAT(remarks_of(sky), HasSubstr("(1, 1, 1) is 200 cd/m2 -> its texels times this"));
+  const DecodedImage slide = decoded(bytes);
+  EXPECT_EQ(slide.image->texel(0, 0), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_THAT(remarks_of(slide), HasSubstr("a texel of 1 is the light's level"));
+  const auto surface = decode_surface({"a.exr", bytes});
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  EXPECT_EQ(surface->image->texel(0, 0), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_TRUE(surface->remarks.empty());
+}
+
+TEST(ExrPicture, TheDisplayWindowIsThePicture) {
+  OIIO::ImageSpec spec(2, 2, 1, OIIO::TypeDesc::FLOAT);
+  spec.x = 2, spec.y = -1;
+  spec.full_x = 1, spec.full_y = 0, spec.full_width = 3, spec.full_height = 2;
+  // Texels at (2, -1), (3, -1), (2, 0), (3, 0).  The first two are above the display window.
+  const DecodedImage d = decoded(exr(spec, {1, 2, 3, 4}));
+  ASSERT_EQ(d.image->width(), 3);
+  ASSERT_EQ(d.image->height(), 2);
+  const float expected[2][3]{{0, 3, 4}, {0, 0, 0}};
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 3; ++x) EXPECT_EQ(d.image->texel(x, y).r, expected[y][x]) << x << " " << y;
+  EXPECT_THAT(remarks_of(d), HasSubstr("the display window is the picture"));
+  spec.full_width = 100000, spec.full_height = 100000;
+  EXPECT_EQ(decode_image({"a.exr", exr(spec, {1, 2, 3, 4})}).status().code(),
+            absl::StatusCode::kResourceExhausted);
+}
+
+TEST(ExrPicture, ALayerOfAnotherNameIsRead) {
+  OIIO::ImageSpec spec(1, 1, 4, OIIO::TypeDesc::FLOAT);
+  spec.channelnames = {"View.Combined.R", "View.Combined.G", "View.Combined.B", "View.Combined.A"};
+  const std::string one = exr(spec, {1, 2, 3, 0.5F});
+  const DecodedImage d = decoded(one);
+  EXPECT_EQ(d.image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(remarks_of(d), "a.hdr has an alpha channel -> alpha is ignored\n");
+  const auto alpha = decode_alpha({"a.exr", one});
+  ASSERT_TRUE(alpha.ok()) << alpha.status();
+  EXPECT_EQ(alpha->values, std::vector<float>{0.5F});
+  // Channels without a prefix come first.  Of several layers, the first in the file is used.
+  spec.nchannels = 6;
+  spec.channelnames = {"R", "G", "B", "a.R", "a.G", "a.B"};
+  EXPECT_EQ(first_texel(exr(spec, {1, 2, 3, 4, 5, 6})), Rgb<float>(1, 2, 3));
+  spec.channelnames = {"a.r", "a.g", "a.b", "b.R", "b.G", "b.B"};
+  const DecodedImage two = decoded(exr(spec, {1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(two.image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_THAT(remarks_of(two), HasSubstr("has 2 layers with colours -> the layer \"a\""));
+}
+
+TEST(PictureHeaders, OrientationFlagsTurnThePicture) {
+  // Stored as a b c over d e f; where the first row and the first column are, as in TIFF.
+  const std::array<std::pair<int, const char*>, 8> kTurned{{{1, "abcdef"},
+                                                            {2, "cbafed"},
+                                                            {3, "fedcba"},
+                                                            {4, "defabc"},
+                                                            {5, "adbecf"},
+                                                            {6, "daebfc"},
+                                                            {7, "fcebda"},
+                                                            {8, "cfbead"}}};
+  for (const auto& [orientation, expected] : kTurned)
+    for (const auto type : {OIIO::TypeDesc::UINT8, OIIO::TypeDesc::FLOAT}) {
+      SCOPED_TRACE(orientation);
+      OIIO::ImageSpec spec(3, 2, 3, type);
+      spec.attribute("Orientation", orientation);
+      std::vector<float> values;
+      for (const char c : std::string("abcdef"))
+        for (int i = 0; i < 3; ++i) values.push_back(static_cast<float>(c - 'a' + i) / 255);
+      const std::string bytes = written("a.tif", spec, values);
+      const auto d = decode_image({"a.tif", bytes}, {.encoding = kLinear});
+      const auto surface = decode_surface({"a.tif", bytes}, {.encoding = kLinear});
+      ASSERT_TRUE(d.ok() && surface.ok()) << d.status() << surface.status();
+      EXPECT_EQ(remarks_of(*d), "");
+      ASSERT_EQ(d->image->width(), orientation < 5 ? 3 : 2);
+      ASSERT_EQ(d->image->height(), orientation < 5 ? 2 : 3);
+      std::string seen, codes;
+      for (int y = 0; y < d->image->height(); ++y)
+        for (int x = 0; x < d->image->width(); ++x)
+          seen += static_cast<char>('a' + std::lround(d->image->texel(x, y).r * 255));
+      EXPECT_EQ(seen, expected);
+      if (!surface->codes) continue;
+      EXPECT_EQ(surface->codes->width, d->image->width());
+      for (std::size_t i = 0; i < surface->codes->codes.size(); i += 3)
+        codes += static_cast<char>('a' + surface->codes->codes[i]);
+      EXPECT_EQ(codes, expected);
+    }
+}
+
+TEST(PictureHeaders, TheScaleOfAPfmFileIsApplied) {
+  for (const bool grey : {false, true}) {
+    std::string bytes = grey ? "Pf\n1 1\n-2.5\n" : "PF\n1 1\n-2.5\n";
+    const float values[3]{2, 4, 8};
+    bytes.append(reinterpret_cast<const char*>(values), (grey ? 1 : 3) * sizeof(float));
+    EXPECT_EQ(first_texel(bytes), grey ? Rgb<float>(5) : Rgb<float>(5, 10, 20));
+  }
+}
+
+}  // namespace
+}  // namespace lucerna
