@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/pbrt/syntax/images.h"
+
 namespace lucerna::pbrt {
 namespace {
 
@@ -246,7 +248,7 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   const Transform& world_from_object =
       open_object_ ? still_transform("a shape within an object definition", place)
                    : state_.world_from_object.start();
-  const NumberValue alpha = materials_.textures().number(set, "alpha", 1);
+  const NumberValue alpha = materials_.textures().alpha(set);
   const bool with_uv = (state_.area_light && !open_object_ && needs_uv(*state_.area_light)) ||
                        materials_.may_need_uv(state_.material) || !alpha.is_constant();
   auto geometry = make_geometry(
@@ -275,7 +277,12 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
 void Builder::light_source(const std::string& type, Parameters params, const Place& place) {
   require_world("LightSource", place);
   const ParameterSet set(std::move(params), state_.light_attributes);
-  LightDescription light = make_light(context_, type, set, place, state_.world_from_object.start());
+  LightDescription light;
+  try {
+    light = make_light(context_, type, set, place, state_.world_from_object.start());
+  } catch (const LightLeftOut&) {
+    return;
+  }
   light.motion = motion("LightSource", place);
   if (light.motion && std::holds_alternative<PortalLightParams>(light.params))
     context_.remark(place, "a moving light with a portal, which pbrt-v4 keeps in place",

@@ -54,6 +54,7 @@ struct GraphicsState {
   MovingTransform world_from_object;
   bool start_active = true, end_active = true;
   bool reverse_orientation = false;
+  const RgbPrimaries* colour_space = nullptr;
   std::uint32_t material = Materials::kDefault;
   MediumSides media;
   std::shared_ptr<const AreaLightDirective> area_light;
@@ -72,6 +73,10 @@ class Builder {
   void coordinate_system(const std::string& name);
   void coord_sys_transform(const std::string& name, const Place& place);
   void active_transform(bool start, bool end);
+
+  /// The primaries of rgb parameters from here on; null: Rec. 709.
+  void set_colour_space(const RgbPrimaries* space) { state_.colour_space = space; }
+  const RgbPrimaries* colour_space() const { return state_.colour_space; }
 
   // Before WorldBegin.
   /// `directive` is Camera, Film, Integrator, Sampler, PixelFilter or Accelerator.

@@ -81,13 +81,12 @@ bool Parser::settings_directive(const Token& word) {
     builder_.setting(name, type, parameters(), word.place);
   } else if (name == "ColorSpace") {
     const std::string space = string(name);
-    constexpr std::array<std::string_view, 4> kSpaces{"srgb", "rec2020", "aces2065-1", "dci-p3"};
-    if (std::find(kSpaces.begin(), kSpaces.end(), space) == kSpaces.end())
-      fail(word.place, fmt::format("unknown colour space \"{}\", expected one of {}",
-                                   printable(space), fmt::join(kSpaces, " ")));
-    if (space != "srgb")
-      context_.remark(word.place, fmt::format("ColorSpace \"{}\" is not modelled", space),
-                      "values are taken as srgb");
+    const RgbPrimaries* primaries = named_primaries(space);
+    if (primaries == nullptr)
+      fail(word.place, fmt::format("unknown colour space \"{}\", expected one of srgb rec2020 "
+                                   "aces2065-1 dci-p3",
+                                   printable(space)));
+    builder_.set_colour_space(*primaries == kRec709 ? nullptr : primaries);
   } else if (name == "Option") {
     const std::string option = string(name);
     const Token setting = next();

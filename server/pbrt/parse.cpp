@@ -175,6 +175,7 @@ std::shared_ptr<Parameter> Parser::parameter(const Token& declaration) {
   result->name = text.substr(
       name_begin, name_end == std::string::npos ? std::string::npos : name_end - name_begin);
   result->place = declaration.place;
+  if (result->type == "rgb") result->primaries = builder_.colour_space();
 
   std::size_t count = 0;
   Token token = next();

@@ -111,7 +111,7 @@ std::optional<Picture> area_picture(Context& context, const ParameterSet& params
   }
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
     fail(l->place, "\"L\" and \"filename\" are both given, allowed: one of them, and \"scale\"");
-  NamedImage named = read_image(context, *filename);
+  NamedImage named = read_image(context, *filename, kLuminances);
   return Picture{std::move(named.image), image_filter(params, "bilinear"), std::move(named.name)};
 }
 
@@ -287,7 +287,11 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
     fail(light.place,
          fmt::format("unknown area light \"{}\", expected \"diffuse\"", printable(light.type)));
   ShapeDescription::Emission emission;
-  emission.picture = area_picture(context, params);
+  try {
+    emission.picture = area_picture(context, params);
+  } catch (const LightLeftOut&) {
+    return std::nullopt;
+  }
   emission.two_sided = params.boolean("twosided", false);
   emission.where = location(light.place);
   emission.samples = samples_of(params);

@@ -92,7 +92,7 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
     fail(l->place, "\"L\" and \"filename\" are both given, allowed: one of them");
   require_equal_scale(place, "an infinite light", world_from_light);
-  const NamedImage named = read_image(context, filename);
+  const NamedImage named = read_image(context, filename, kLuminances);
   const SphereMapping mapping = sphere_mapping(params);
   const ImageFilter filter = params.find("filter", {"string"}) ? image_filter(params) : otherwise;
   auto map = SphereMap::create(named.image, mapping, filter);

@@ -28,7 +28,7 @@ bool ends_in(const std::string& name, std::string_view lower_case) {
 std::shared_ptr<const IntensityMap> read_intensity_map(Context& context, const Parameter& filename,
                                                        SphereMapping mapping, ImageFilter filter,
                                                        std::string& name) {
-  const NamedImage named = read_image(context, filename);
+  const NamedImage named = read_image(context, filename, kSrgb);
   name = named.name;
   std::shared_ptr<const IntensityMap>& map =
       context.intensity_maps[std::tuple(named.name, mapping, filter)];

@@ -94,7 +94,7 @@ Projection projection(Context& context, const ParameterSet& params, const Place&
                      scales_text(world_from_light)));
   NamedImage named;
   const Parameter* filename = params.find("filename", {"string"});
-  if (filename != nullptr) named = read_image(context, *filename);
+  if (filename != nullptr) named = read_image(context, *filename, kSrgb);
   if (filename == nullptr) check_without_picture(context, params, {"filter"});
   const ImageFilter filter = filename != nullptr ? image_filter(params) : ImageFilter::kNearest;
   const Vec3<double> position = world_from_light.point({0, 0, 0});

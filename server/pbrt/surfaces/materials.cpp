@@ -132,10 +132,7 @@ class Reader {
       const auto both = metal_index(context_, is_eta ? p : nullptr, is_eta ? nullptr : p);
       return {is_eta ? both->eta : both->k};
     }
-    const Rgb<double> c{p->numbers()[0], p->numbers()[1], p->numbers()[2]};
-    if (std::min({c.r, c.g, c.b}) < 0)
-      fail(p->place, fmt::format("\"rgb {}\" = {}, allowed: not negative", p->name, text(c)));
-    return {c};
+    return {not_negative_rgb(context_, *p, RgbConversion::White::kAdapted)};
   }
 
   Context& context_;
@@ -246,8 +243,8 @@ Material Materials::material_of(Context& context, const Entry& entry) {
     return m;
   }
   if (const Parameter* map = entry.params.find("normalmap", {"string"}))
-    m.normal_map =
-        context.scene.textures.add(ImageTexture{.image = read_texels(context, *map, kLinear)});
+    if (auto texels = read_texels(context, *map, kData, "no normal map"))
+      m.normal_map = context.scene.textures.add(ImageTexture{.image = std::move(texels)});
   if (const Parameter* map = entry.params.find("displacement", {"texture", "float"})) {
     const NumberValue height = textures_.number(entry.params, "displacement", 0);
     if (m.normal_map >= 0)

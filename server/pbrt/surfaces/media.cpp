@@ -19,12 +19,7 @@ std::optional<Rgb<double>> coefficient(Context& context, const ParameterSet& par
                                        const char* name) {
   const Parameter* p = params.find(name, {"rgb", "spectrum"});
   if (p == nullptr) return std::nullopt;
-  if (p->type == "rgb") {
-    const Rgb<double> c{p->numbers()[0], p->numbers()[1], p->numbers()[2]};
-    if (std::min({c.r, c.g, c.b}) < 0)
-      fail(p->place, fmt::format("\"rgb {}\" = {}, allowed: not negative", name, text(c)));
-    return c;
-  }
+  if (p->type == "rgb") return not_negative_rgb(context, *p, RgbConversion::White::kAdapted);
   const SampledSpectrum samples = spectrum_samples(context, *p);
   if (std::ranges::adjacent_find(samples.values, std::not_equal_to<>()) == samples.values.end())
     return Rgb<double>(samples.values.front());

@@ -98,6 +98,14 @@ NumberValue TextureTable::number(const ParameterSet& params, const std::string& 
   return {found->second.constant.r, found->second.texture};
 }
 
+NumberValue TextureTable::alpha(const ParameterSet& params) const {
+  const NumberValue value = number(params, "alpha", 1);
+  const Parameter* given = params.find("alpha", {"float", "texture"});
+  const bool is_unreadable = given != nullptr && given->type == "texture" &&
+                             unreadable_.contains("float " + given->strings().front());
+  return is_unreadable ? NumberValue{1} : value;
+}
+
 ColourValue TextureTable::reflectance(Context& context, const ParameterSet& params,
                                       const std::string& name, const ColourValue& otherwise) const {
   const Parameter* parameter = params.find(name, {"rgb", "spectrum", "texture", "float"});
@@ -128,7 +136,7 @@ ImageTexture TextureTable::image(Context& context, const ParameterSet& params, c
   if (file == nullptr) fail(place, "Texture \"imagemap\" lacks \"string filename\"");
   ImageTexture t;
   t.mapping = mapping;
-  t.image = read_texels(context, *file, encoding_of(params));
+  t.image = read_texels(context, *file, encoding_of(params), "grey 0.5; as an alpha, 1");
   t.wrap_s = choice<TextureWrap>(params, "wrap", "repeat",
                                  {{"repeat", TextureWrap::kRepeat},
                                   {"black", TextureWrap::kBlack},
@@ -194,10 +202,14 @@ void TextureTable::make(Context& context, const std::string& name, const std::st
     value = node(DirectionMixTexture{{part("tex1", 0), part("tex2", 1)}, direction});
   } else if (type == "imagemap") {
     ImageTexture made = image(context, params, place, mapping());
-    LoadBudget::Share levels(context.meter.budget());
-    if (uses_levels(made.filter)) Context::require(levels.resize(made.image->bytes()));
-    value = {{}, context.scene.textures.add(std::move(made), context.stop)};
-    levels.reset();
+    if (made.image == nullptr) {
+      unreadable_.insert(kind + " " + name);
+    } else {
+      LoadBudget::Share levels(context.meter.budget());
+      if (uses_levels(made.filter)) Context::require(levels.resize(made.image->bytes()));
+      value = {{}, context.scene.textures.add(std::move(made), context.stop)};
+      levels.reset();
+    }
     context.poll();
   } else if (type == "checkerboard") {
     const int dimension = params.integer("dimension", 2);

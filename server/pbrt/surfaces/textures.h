@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 
 #include "lights/maths/transform.h"
@@ -27,6 +28,9 @@ class TextureTable {
                           const ColourValue& otherwise) const;
   /// A parameter of type float or texture.
   NumberValue number(const ParameterSet& params, const std::string& name, double otherwise) const;
+  /// The "alpha" of a shape, 1 if it is not given.  A texture whose picture cannot be decoded is
+  /// grey, but as an alpha it hides nothing.
+  NumberValue alpha(const ParameterSet& params) const;
   /// The value of a texture that `parameter` names.
   ColourValue texture(const Parameter& parameter) const;
 
@@ -37,6 +41,7 @@ class TextureTable {
                      const TextureMapping& mapping) const;
 
   std::map<std::string, ColourValue> values_;  ///< by "kind name"
+  std::set<std::string> unreadable_;           ///< those without their pictures
 };
 
 }  // namespace lucerna::pbrt

@@ -45,6 +45,8 @@ struct Context {
   std::map<std::pair<std::string, Encoding>, std::shared_ptr<const Image>> images;
   /// Pictures of surfaces read so far, in the same way.
   std::map<std::pair<std::string, Encoding>, std::shared_ptr<const Texels>> texels;
+  /// Why pictures cannot be decoded, in the same way.
+  std::map<std::pair<std::string, Encoding>, absl::Status> unreadable;
   /// Spectra of lights, shared by lights with the same spectrum (spectra.cpp).
   std::map<std::string, std::shared_ptr<const Spectrum>> spectra;
   /// Luminaires read so far, by file name.

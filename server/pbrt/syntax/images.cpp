@@ -8,14 +8,32 @@ namespace lucerna::pbrt {
 
 namespace {
 
-/// The picture that `decode` made, with its remarks.
+/// The picture that `decode` makes of the content, with its remarks.  Nothing, with a remark, if
+/// the content is no picture that the server reads.  Limits of the server and a file that is
+/// missing are still errors.
 template <typename Picture>
-Picture checked(Context& context, const Parameter& filename, absl::StatusOr<Picture> picture) {
+std::optional<Picture> decoded(Context& context, const Parameter& filename,
+                               const AssetContent& content, Encoding encoding, const char* instead,
+                               absl::StatusOr<Picture> (*decode)(const AssetContent&,
+                                                                 const ImageOptions&)) {
+  const auto key = std::pair(content.name, encoding);
+  absl::StatusOr<Picture> picture = absl::InvalidArgumentError("");
+  if (const auto known = context.unreadable.find(key); known != context.unreadable.end()) {
+    picture = known->second;
+  } else {
+    context.poll();
+    picture = decode(content, context.image_options(encoding));
+  }
   const absl::Status& status = picture.status();
   if (absl::IsCancelled(status)) throw Failure{status};
-  if (!status.ok())
-    fail(filename.place, absl::Status(status.code(), fmt::format("\"string {}\": {}", filename.name,
-                                                                 std::string(status.message()))));
+  const std::string what =
+      fmt::format("\"string {}\": {}", filename.name, std::string(status.message()));
+  if (absl::IsInvalidArgument(status)) {
+    context.unreadable.try_emplace(key, status);
+    context.remark(filename.place, what, instead);
+    return std::nullopt;
+  }
+  if (!status.ok()) fail(filename.place, absl::Status(status.code(), what));
   for (const ImageRemark& r : picture->remarks) context.remark(filename.place, r.what, r.instead);
   return *std::move(picture);
 }
@@ -37,9 +55,10 @@ NamedImage read_image(Context& context, const Parameter& filename, Encoding enco
   const AssetContent content = content_of(context, filename);
   std::shared_ptr<const Image>& image = context.images[{content.name, encoding}];
   if (image == nullptr) {
-    context.poll();
-    image =
-        checked(context, filename, decode_image(content, context.image_options(encoding))).image;
+    const auto picture =
+        decoded(context, filename, content, encoding, "the light is left out", &decode_image);
+    if (!picture) throw LightLeftOut();
+    image = picture->image;
     // The tables from which lights draw points take up to as much as the picture.
     Context::require(context.meter.keep(2 * image->bytes()));
   }
@@ -47,13 +66,13 @@ NamedImage read_image(Context& context, const Parameter& filename, Encoding enco
 }
 
 std::shared_ptr<const Texels> read_texels(Context& context, const Parameter& filename,
-                                          Encoding encoding) {
+                                          Encoding encoding, const char* instead) {
   const AssetContent content = content_of(context, filename);
   std::shared_ptr<const Texels>& texels = context.texels[{content.name, encoding}];
   if (texels != nullptr) return texels;
-  context.poll();
-  DecodedSurface picture =
-      checked(context, filename, decode_surface(content, context.image_options(encoding)));
+  auto given = decoded(context, filename, content, encoding, instead, &decode_surface);
+  if (!given) return nullptr;
+  DecodedSurface picture = *std::move(given);
   Textures& textures = context.scene.textures;
   if (picture.codes) {
     texels = textures.picture(content.name, texels_of(*std::move(picture.codes)), context.stop);

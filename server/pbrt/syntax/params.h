@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lights/maths/vec.h"
+#include "lights/spectra/rgb_primaries.h"
 #include "server/pbrt/syntax/context.h"
 #include "server/pbrt/syntax/place.h"
 
@@ -44,6 +45,7 @@ struct Parameter {
   std::string_view type;
   std::string name;
   Place place;
+  const RgbPrimaries* primaries = nullptr;  ///< of an rgb; null: Rec. 709
   std::variant<Numbers, Integers, Vectors, Strings> values{};
   LoadBudget::Share share{};  ///< of long lists of values
 

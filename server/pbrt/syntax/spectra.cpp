@@ -113,13 +113,6 @@ std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter&
   return std::make_shared<Spectrum>(*std::move(spectrum));
 }
 
-Rgb<double> rgb_of(const Parameter& parameter) {
-  if (parameter.numbers().size() != 3)
-    fail(parameter.place, fmt::format("parameter \"{}\" has {} values, expected 3", parameter.name,
-                                      parameter.numbers().size()));
-  return {parameter.numbers()[0], parameter.numbers()[1], parameter.numbers()[2]};
-}
-
 /// The spectrum, read once for all lights that share it.  Null for parameters without a spectrum.
 std::shared_ptr<const Spectrum> spectrum_of(Context& context, const Parameter* parameter) {
   if (parameter == nullptr || parameter->type == "rgb") return nullptr;
@@ -129,6 +122,31 @@ std::shared_ptr<const Spectrum> spectrum_of(Context& context, const Parameter* p
 }
 
 }  // namespace
+
+Rgb<double> linear_rgb(Context& context, const Parameter& parameter, RgbConversion::White white) {
+  if (parameter.numbers().size() != 3)
+    fail(parameter.place, fmt::format("parameter \"{}\" has {} values, expected 3", parameter.name,
+                                      parameter.numbers().size()));
+  const Rgb<double> given{parameter.numbers()[0], parameter.numbers()[1], parameter.numbers()[2]};
+  if (parameter.primaries == nullptr) return given;
+  const Rgb<double> rgb = (*RgbConversion::to_rec709(*parameter.primaries, white))(given);
+  const Rgb<double> edge = at_edge_of_rec709(rgb);
+  if (is_outside_rec709(rgb))
+    context.remark(
+        parameter.place,
+        fmt::format("\"rgb {}\" = {} is outside of Rec. 709", parameter.name, text(given)),
+        fmt::format("linear RGB {} of the same luminance", text(edge)));
+  return edge;
+}
+
+Rgb<double> not_negative_rgb(Context& context, const Parameter& parameter,
+                             RgbConversion::White white) {
+  const Rgb<double> rgb = linear_rgb(context, parameter, white);
+  if (std::ranges::min(parameter.numbers()) < 0)
+    fail(parameter.place, fmt::format("\"rgb {}\" = [{:.4g}], allowed: not negative",
+                                      parameter.name, fmt::join(parameter.numbers(), " ")));
+  return rgb;
+}
 
 std::shared_ptr<const Spectrum> light_spectrum(Context& context, const ParameterSet& params,
                                                std::string_view name) {
@@ -157,13 +175,8 @@ void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
 Rgb<double> light_level(Context& context, const ParameterSet& params, std::string_view name) {
   const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
   if (parameter == nullptr) return Rgb<double>(1);
-  if (parameter->type == "rgb") {
-    const Rgb<double> rgb = rgb_of(*parameter);
-    if (std::min({rgb.r, rgb.g, rgb.b}) < 0)
-      fail(parameter->place,
-           fmt::format("\"rgb {}\" = {}, allowed: not negative", name, text(rgb)));
-    return rgb;
-  }
+  if (parameter->type == "rgb")
+    return not_negative_rgb(context, *parameter, RgbConversion::White::kKept);
   if (const auto spectrum = spectrum_of(context, parameter)) return spectrum->rgb();
   const bool named = parameter->numbers().empty() && of_no_light(parameter->strings().front());
   return Rgb<double>(named ? 1 : 0);
@@ -201,7 +214,7 @@ Rgb<double> colour_of(const SampledSpectrum& reflectance) {
 Rgb<double> reflectance(Context& context, const Parameter& parameter) {
   Rgb<double> rgb(0.5);
   if (parameter.type == "rgb") {
-    rgb = rgb_of(parameter);
+    rgb = linear_rgb(context, parameter, RgbConversion::White::kAdapted);
   } else if (parameter.type == "float") {
     rgb = Rgb<double>(parameter.numbers().front());
   } else if (!parameter.strings().empty() && is_spectrum_name(parameter.strings().front())) {

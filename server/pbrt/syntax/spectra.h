@@ -28,6 +28,13 @@ void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
 /// given.  Fails on negative values.
 Rgb<double> light_level(Context& context, const ParameterSet& params, std::string_view name);
 
+/// The values of an rgb, converted to Rec. 709 from the colour space of the file.  A colour outside
+/// of Rec. 709 becomes the one at its edge of the same luminance, with a remark.
+Rgb<double> linear_rgb(Context& context, const Parameter& parameter, RgbConversion::White white);
+/// The same; fails on negative values.
+Rgb<double> not_negative_rgb(Context& context, const Parameter& parameter,
+                             RgbConversion::White white);
+
 /// The samples that a parameter of type spectrum gives, itself or in a file it names.  Fails on
 /// other names.
 SampledSpectrum spectrum_samples(Context& context, const Parameter& parameter);

@@ -21,6 +21,7 @@ struct Outcome {
   std::string remarks;
   double lumens = 0;
   bool lit = false;
+  bool is_left_out = false;  ///< the scene has no light
 };
 
 /// `source` has FILE for the file name, after the parameter `parameter`.
@@ -43,6 +44,8 @@ inline Outcome load(const std::string& source, const std::string& parameter,
   const auto scene = Scene::build(*std::move(description));
   outcome.status = scene.status();
   if (!scene.ok()) return outcome;
+  outcome.is_left_out = (*scene)->lights().empty();
+  if (outcome.is_left_out) return outcome;
   EXPECT_EQ((*scene)->lights().size(), 1U);
   visit_light((*scene)->lights()[0], 0, [&](const auto& light) {
     outcome.lumens = luminance(light.power((*scene)->sphere()).lumens);
