@@ -97,7 +97,7 @@ TEST(ExrHeader, AnAttributeLargerThanTheFileIsRefusedWithItsNameAndSize) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << type;
     EXPECT_EQ(message(status),
               fmt::format("a.exr: cannot be read as an image: Attribute 'a', type '{}': Invalid "
-                          "size 1900000000, allowed: a complete .exr file",
+                          "size 1900000000, allowed: a complete OpenEXR file",
                           type));
   }
 }
@@ -108,7 +108,7 @@ TEST(ExrHeader, AnAttributeBehindAnotherOfAWrongSizeIsNotRead) {
   const auto size = static_cast<std::int32_t>(4 + hidden.size());
   EXPECT_EQ(message(decoded(exr_with(attribute("a", "float", size, ints({0}) + hidden)))),
             fmt::format("a.exr: cannot be read as an image: Attribute 'a': Invalid size {} (exp "
-                        "'float' size 4 * 1 (4)), allowed: a complete .exr file",
+                        "'float' size 4 * 1 (4)), allowed: a complete OpenEXR file",
                         size));
 }
 
@@ -140,9 +140,10 @@ TEST(ExrHeader, ASizeBelowZeroIsRefused) {
 
 TEST(ExrHeader, AHeaderThatEndsEarlyIsRefused) {
   const std::string bytes = exr_with("");
-  for (std::size_t length = 0; length < 100; ++length)
+  // The first four bytes are the mark of the format.
+  for (std::size_t length = 4; length < 100; ++length)
     EXPECT_THAT(message(decoded(bytes.substr(0, length))),
-                HasSubstr("allowed: a complete .exr file"))
+                HasSubstr("allowed: a complete OpenEXR file"))
         << length;
 }
 

@@ -135,7 +135,7 @@ TEST(PbrtPictures, AnUnreadableTextureIsGrey) {
     // A grey alpha would let half of the rays pass.
     EXPECT_TRUE(scene->shapes.at(0).alpha.is_constant());
     EXPECT_EQ(scene->shapes.at(0).alpha.constant, 1);
-    EXPECT_THAT(remarks_of(*scene), HasSubstr("2:33 \"string filename\": " + std::string(name)));
+    EXPECT_THAT(remarks_of(*scene), HasSubstr("2:35 \"string filename\": " + std::string(name)));
     EXPECT_THAT(remarks_of(*scene), HasSubstr("-> grey 0.5; as an alpha, 1"));
   }
 }
