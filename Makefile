@@ -17,6 +17,7 @@ demo: programs
 	@deploy/demo.sh build/release
 
 test: release
+	@deploy/install-deps.sh --tests
 	@cmake --build --preset release
 	@ctest --preset release
 	@$(MAKE) --no-print-directory wire

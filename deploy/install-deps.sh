@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that are needed to build, test and run Lucerna, and nothing else.
 # With names as arguments it installs just those packages, and with --runtime just the libraries
-# that lucernad and lucerna load.  Run it as root or with sudo.  It may be run twice: installed
-# packages are skipped.
+# that lucernad and lucerna load.  With --tests it also installs the programs that only tests use.
+# Run it as root or with sudo.  It may be run twice: installed packages are skipped.
 set -euo pipefail
 
 packages=(
@@ -16,6 +16,12 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels openssl
   python3 python3-grpcio python3-protobuf python3-gmpy2 python3-mpmath python3-numpy python3-pytest python3-yaml
 )
+# What tests use beside it, but for Blender.  tests/test_packages_test.py compares them with the tests.
+tests=(
+  bash-completion zsh fish man-db haproxy prometheus systemd npm
+  mypy python3-matplotlib python3-pandas python3-pip python3-tqdm python3-venv
+)
+buf=@bufbuild/buf@1.75.0  # from npm
 # tests/runtime_packages_test.py compares them with the programs.
 runtime=(
   libgrpc++1.51 libprotobuf32 libabsl20220623 libssl3 zlib1g
@@ -25,18 +31,31 @@ runtime=(
 )
 if [ "${1:-}" = --runtime ]; then
   packages=("${runtime[@]}")
+elif [ "${1:-}" = --tests ]; then
+  packages+=("${tests[@]}")
 elif [ $# -gt 0 ]; then
   packages=("$@")
 fi
 
 missing=()
 for package in "${packages[@]}"; do
-  [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] && continue
+  # Debian's npm and Node.js of another source exclude each other.
+  [ "$package" = npm ] && command -v npm >/dev/null && continue
+  missing+=("$package")
 done
-[ ${#missing[@]} -gt 0 ] || exit 0
+if [ ${#missing[@]} -gt 0 ]; then
+  as_root=()
+  [ "$(id -u)" = 0 ] || as_root=(sudo)
+  export DEBIAN_FRONTEND=noninteractive
+  "${as_root[@]}" apt-get update -q
+  "${as_root[@]}" apt-get install -q -y --no-install-recommends "${missing[@]}"
+fi
 
-as_root=()
-[ "$(id -u)" = 0 ] || as_root=(sudo)
-export DEBIAN_FRONTEND=noninteractive
-"${as_root[@]}" apt-get update -q
-"${as_root[@]}" apt-get install -q -y --no-install-recommends "${missing[@]}"
+if [ "${1:-}" = --tests ]; then
+  cd "$(dirname "$0")/.."
+  [ "$(cat build/buf/installed 2>/dev/null)" = "$buf" ] || {
+    npm install --prefix build/buf --no-save --no-audit --no-fund --loglevel=error "$buf"
+    echo "$buf" >build/buf/installed
+  }
+fi

@@ -3,8 +3,8 @@
 
     tests/e2e/clients_test.py BUILD_DIR python|buf
 
-buf is an npm tool that .ci/install-tools.sh installs.  Without it, `buf` is skipped.  Where LUCERNA_BUF names it, it
-must exist.
+buf is an npm tool that `deploy/install-deps.sh --tests` installs.  Without it, `buf` is skipped.  Where LUCERNA_BUF
+names it, it must exist.
 """
 import hashlib
 import json
@@ -108,7 +108,7 @@ def find_buf():
     if given:
         expect(os.access(given, os.X_OK), f"LUCERNA_BUF = {given}, which is no program")
         return given
-    tool = ROOT / "build/tools/node_modules/.bin/buf"
+    tool = ROOT / "build/buf/node_modules/.bin/buf"
     return str(tool) if tool.exists() else shutil.which("buf")
 
 
@@ -142,7 +142,7 @@ def buf(server, authority, strangers):
 def main():
     part = {"python": python, "buf": buf}[sys.argv[2]]
     if part is buf and find_buf() is None:
-        print("skipped: buf is not installed; .ci/install-tools.sh installs it")
+        print("skipped: buf is not installed; deploy/install-deps.sh --tests installs it")
         sys.exit(SKIPPED)
     with tempfile.TemporaryDirectory() as name:
         directory = pathlib.Path(name)
