@@ -113,6 +113,14 @@ struct PowerQuery {
   std::uint32_t most_samples = 0;  // with a time budget
 };
 
+/// The list that the request asks for, for page tokens.
+std::string power_list(const Scene& scene, v1::EstimatePowerRequest request) {
+  request.set_scene_id(scene.id());
+  request.clear_page_size();
+  request.clear_page_token();
+  return "power " + request.SerializeAsString();
+}
+
 absl::StatusOr<PowerQuery> parse(const Context& context, const v1::EstimatePowerRequest& request) {
   PowerQuery query;
   LUCERNA_ASSIGN_OR_RETURN(query.scene, find_scene(context, request.scene_id()));
@@ -134,7 +142,10 @@ absl::StatusOr<PowerQuery> parse(const Context& context, const v1::EstimatePower
   LUCERNA_ASSIGN_OR_RETURN(const std::size_t page_size,
                            check_page_size(request.page_size(), context.limits.max_page_size));
   query.lights = named > 0 ? named : query.scene->lights().size();
-  LUCERNA_ASSIGN_OR_RETURN(query.first, page_start("power", request.page_token(), query.lights));
+  if (!request.page_token().empty()) {
+    LUCERNA_ASSIGN_OR_RETURN(query.first, page_start(power_list(*query.scene, request),
+                                                     request.page_token(), query.lights));
+  }
   // The message size may end a page early, but one light always fits.
   const std::uint64_t fits = answer_size(request).items_within(context.limits.max_message_bytes);
   query.page = std::min<std::size_t>(page_size, std::max<std::uint64_t>(1, fits));
@@ -223,7 +234,8 @@ absl::Status answer(const PowerQuery& query, const v1::EstimatePowerRequest& req
   if (by_rays) sum.sampled = by_rays->total;
   set_power(sum, response->mutable_total());
   if (query.lights - query.first > query.page)
-    response->set_next_page_token(page_token("power", query.first + query.page));
+    response->set_next_page_token(
+        page_token(power_list(*query.scene, request), query.first + query.page));
   return absl::OkStatus();
 }
 

@@ -95,6 +95,9 @@ void set_loaded(const LoadedScene& loaded, v1::LoadSceneResponse* response) {
   add_remarks(*loaded.stored.scene, response->mutable_remarks());
 }
 
+/// The list of a scene's lights, for page tokens.
+std::string light_list(const Scene& scene) { return "lights of " + scene.id(); }
+
 }  // namespace
 
 absl::Status check_lease(double lease_s) {
@@ -274,7 +277,8 @@ Prepared list_lights(const Context& context, const v1::ListLightsRequest& reques
   LUCERNA_ASSIGN_OR_RETURN(const std::size_t page_size,
                            check_page_size(request.page_size(), context.limits.max_page_size));
   const std::size_t n = scene->lights().size();
-  LUCERNA_ASSIGN_OR_RETURN(const std::size_t start, page_start("lights", request.page_token(), n));
+  LUCERNA_ASSIGN_OR_RETURN(const std::size_t start,
+                           page_start(light_list(*scene), request.page_token(), n));
   const std::size_t end = std::min(n, start + page_size);
   Task task;
   task.predicted_s = kLightSeconds * static_cast<double>(end - start);
@@ -286,7 +290,7 @@ Prepared list_lights(const Context& context, const v1::ListLightsRequest& reques
       set_light(*scene, static_cast<std::uint32_t>(i), light);
       bytes += light->spectrum().ByteSizeLong() + light->name().size();
     }
-    if (i < n) response->set_next_page_token(page_token("lights", i));
+    if (i < n) response->set_next_page_token(page_token(light_list(*scene), i));
     return absl::OkStatus();
   };
   return task;

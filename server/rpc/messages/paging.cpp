@@ -5,15 +5,25 @@
 
 #include <charconv>
 
+#include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
 namespace {
+
+// A token of another list passes by chance once in 2^64.
+constexpr std::size_t kSealBytes = 8;
+
 absl::Status bad_token(const std::string& token) {
   return bad_field("page_token", fmt::format("\"{}\"", token),
                    "empty, or next_page_token of the previous answer to the same request");
 }
+
+std::string seal(const std::string& list, const std::string& position) {
+  return sha256(fmt::format("{}:{}{}", list.size(), list, position)).substr(0, kSealBytes);
+}
+
 }  // namespace
 
 absl::StatusOr<std::size_t> check_page_size(std::uint32_t page_size, std::uint32_t most) {
@@ -24,17 +34,18 @@ absl::StatusOr<std::size_t> check_page_size(std::uint32_t page_size, std::uint32
 }
 
 std::string page_token(const std::string& list, const std::string& position) {
-  return absl::WebSafeBase64Escape(list + ":" + position);
+  return absl::WebSafeBase64Escape(seal(list, position) + position);
 }
 
 absl::StatusOr<std::string> page_position(const std::string& list, const std::string& token) {
   if (token.empty()) return std::string();
   std::string text;
-  const std::string prefix = list + ":";
-  if (!absl::WebSafeBase64Unescape(token, &text) || !text.starts_with(prefix)) {
+  if (!absl::WebSafeBase64Unescape(token, &text) || text.size() < kSealBytes) {
     return bad_token(token);
   }
-  return text.substr(prefix.size());
+  std::string position = text.substr(kSealBytes);
+  if (!text.starts_with(seal(list, position))) return bad_token(token);
+  return position;
 }
 
 std::string page_token(const std::string& list, std::size_t position) {

@@ -208,6 +208,25 @@ TEST_F(PowerTest, TotalsAreSumsOfTheRequestedLights) {
   }
 }
 
+TEST_F(PowerTest, PagesBelongToOneRequest) {
+  v1::EstimatePowerRequest first = request(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+  first.set_page_size(2);
+  first.set_page_token(answer(first).next_page_token());
+  EXPECT_EQ(answer(first).lights_size(), 2);
+  const auto refused = [&](const std::function<void(v1::EstimatePowerRequest&)>& change) {
+    v1::EstimatePowerRequest changed = first;
+    change(changed);
+    v1::EstimatePowerResponse r;
+    expect_bad_field(power(changed, &r), "page_token");
+  };
+  refused([](auto& q) { q.set_method(v1::EstimatePowerRequest::METHOD_EXACT); });
+  refused([](auto& q) { q.add_wavelengths_nm(550); });
+  refused([](auto& q) {
+    for (const std::uint64_t id : {1, 2, 3}) q.add_light_ids(id);
+  });
+  refused([](auto& q) { q.set_page_token(q.page_token() + "AAAA"); });
+}
+
 TEST_F(PowerTest, InvalidRequestsAreRefused) {
   v1::EstimatePowerResponse r;
   v1::EstimatePowerRequest q = request(v1::EstimatePowerRequest::METHOD_APPROXIMATE);

@@ -125,6 +125,49 @@ TEST_F(SceneServiceTest, ListsInPages) {
       "page_size");
 }
 
+TEST_F(SceneServiceTest, PagesOfLightsBelongToOneScene) {
+  v1::ListLightsRequest request;
+  v1::ListLightsResponse page;
+  const auto list = [&](const std::string& scene, const std::string& token) {
+    request.set_scene_id(scene);
+    request.set_page_token(token);
+    page.Clear();
+    return status_of([&](auto* c) { return service_.scenes.ListLights(c, request, &page); });
+  };
+  const std::string many = service_.load("many_points.pbrt");
+  const std::string other = service_.load("many_triangles.pbrt");
+  request.set_page_size(2);
+  ASSERT_TRUE(list(many, "").ok());
+  const std::string token = page.next_page_token();
+  ASSERT_FALSE(token.empty());
+  expect_bad_field(list(other, token), "page_token");
+  // A prefix names the same scene, and pages may have another size.
+  request.set_page_size(1);
+  ASSERT_TRUE(list(many.substr(0, 12), token).ok());
+  ASSERT_EQ(page.lights_size(), 1);
+  EXPECT_EQ(page.lights(0).id(), 3U);
+
+  // A token of another call.
+  v1::EstimatePowerRequest power;
+  v1::EstimatePowerResponse powers;
+  power.set_scene_id(many);
+  power.set_page_size(2);
+  power.set_page_token(token);
+  const auto estimate = [&] {
+    return status_of([&](auto* c) { return service_.lighting.EstimatePower(c, power, &powers); });
+  };
+  expect_bad_field(estimate(), "page_token");
+  power.clear_page_token();
+  ASSERT_TRUE(estimate().ok());
+  expect_bad_field(list(many, powers.next_page_token()), "page_token");
+  v1::ListScenesRequest scenes;
+  v1::ListScenesResponse listed;
+  scenes.set_page_token(token);
+  expect_bad_field(
+      status_of([&](auto* c) { return service_.scenes.ListScenes(c, scenes, &listed); }),
+      "page_token");
+}
+
 TEST_F(SceneServiceTest, AvailableScenesComeInPagesRelativeToTheRoot) {
   const std::string root = service_options().scenes.root;
   v1::ListAvailableScenesRequest request;

@@ -192,6 +192,17 @@ TEST(Paging, TokensBelongToTheirList) {
   EXPECT_EQ(*rpc::page_start("lights", token, 20), 12U);
   EXPECT_FALSE(rpc::page_start("power", token, 20).ok());
   EXPECT_FALSE(rpc::page_start("lights", token, 11).ok());
+  // Any other character makes another token.
+  for (std::size_t i = 0; i < token.size(); ++i) {
+    for (const char c : {'A', 'b', '0', '-', '=', ' '}) {
+      std::string other = token;
+      other[i] = c;
+      if (other == token) continue;
+      const auto start = rpc::page_start("lights", other, 20);
+      // The last character holds bits that belong to no byte.
+      EXPECT_TRUE(!start.ok() || (i + 1 == token.size() && *start == 12)) << other;
+    }
+  }
 }
 
 }  // namespace
