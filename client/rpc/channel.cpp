@@ -3,17 +3,17 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/support/client_interceptor.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
+#include "client/rpc/target.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::client {
@@ -53,27 +53,10 @@ constexpr int kKeepaliveMs = 20'000;
 // A restarted server gets its share again after at most this time; the default of gRPC is minutes.
 constexpr int kLongestReconnectMs = 10'000;
 
-bool is_list(const std::string& target) {
-  return target.starts_with("ipv4:") || target.starts_with("ipv6:");
-}
-
-bool is_loopback(const std::string& target) {
-  for (const char* prefix : {"127.", "localhost:", "[::1]:", "unix:"}) {
-    if (target.starts_with(prefix)) return true;
-  }
-  return false;
-}
-
-/// Whether all servers of the target are on this machine.
-bool all_loopback(std::string target) {
-  if (target.starts_with("unix:")) return true;
-  for (const char* prefix : {"dns:///", "ipv4:", "ipv6:"}) {
-    if (target.starts_with(prefix)) target.erase(0, std::string_view(prefix).size());
-  }
-  for (const absl::string_view server : absl::StrSplit(target, ',')) {
-    if (!is_loopback(std::string(server))) return false;
-  }
-  return true;
+/// Whether all servers of the target are on this machine.  `servers`: what it names.
+bool all_loopback(const std::string& target, const std::vector<HostPort>& servers) {
+  if (servers.empty()) return target.starts_with("unix:");
+  return std::all_of(servers.begin(), servers.end(), is_loopback);
 }
 
 /// Adds the token to each call.  Credentials of gRPC's calls need TLS, also on loopback.
@@ -135,7 +118,11 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> make_credentials(
 
 absl::StatusOr<std::shared_ptr<grpc::Channel>> make_channel(const ConnectOptions& options) {
   const Security& security = options.security;
-  if (!security.token.empty() && !security.tls && !all_loopback(options.target)) {
+  const auto servers = servers_of(options.target);
+  if (!servers.ok())
+    return absl::InvalidArgumentError(absl::StrCat("target ", servers.status().message()));
+  const bool here = all_loopback(options.target, *servers);
+  if (!security.token.empty() && !security.tls && !here) {
     return absl::InvalidArgumentError(absl::StrCat(
         "the token would leave this machine without encryption; use TLS for ", options.target));
   }
@@ -164,8 +151,7 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> make_channel(const ConnectOptions
   // address.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   // gRPC would use a proxy from the environment even for this machine, or for a whole list at once.
-  if (is_loopback(options.target) || is_list(options.target))
-    arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  if (here || is_list(options.target)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   if (security.tls && !security.name.empty()) {
     arguments.SetSslTargetNameOverride(security.name);
   }

@@ -94,9 +94,6 @@ class Client::Connection {
 Client::Client(std::shared_ptr<const Connection> connection) : connection_(std::move(connection)) {}
 
 absl::StatusOr<Client> Client::connect(const ConnectOptions& options) {
-  if (options.target.empty()) {
-    return absl::InvalidArgumentError("target is empty, must be HOST:PORT");
-  }
   auto channel = make_channel(options);
   if (!channel.ok()) return channel.status();
   return Client(std::make_shared<Connection>(options.target, *std::move(channel)));

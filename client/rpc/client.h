@@ -75,9 +75,9 @@ struct CallOptions {
 class Client {
  public:
   /// Creates a client; nothing is sent yet.  If the server cannot be reached, the first call
-  /// returns UNAVAILABLE; why_unreachable() has the reason.  INVALID_ARGUMENT for an empty target,
-  /// for files of TLS that cannot be read, and for a token that would leave this machine without
-  /// TLS.
+  /// returns UNAVAILABLE; why_unreachable() has the reason.  INVALID_ARGUMENT for a target without
+  /// a host or with a port outside of 1 to 65535, for files of TLS that cannot be read, and for a
+  /// token that would leave this machine without TLS.
   static absl::StatusOr<Client> connect(const ConnectOptions& options);
   /// The target of ConnectOptions.
   const std::string& target() const;

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/rpc/target.h"
 
 namespace lucerna::client {
 namespace {
@@ -33,35 +34,13 @@ struct Close {
   int fd;
 };
 
-struct HostPort {
-  std::string host, port;
-};
-
-/// The first server of the target; an empty host if gRPC finds it in another way.
-HostPort host_port(std::string target) {
-  for (const char* prefix : {"dns:///", "dns:", "ipv4:", "ipv6:"}) {
-    if (target.starts_with(prefix)) {
-      target.erase(0, std::strlen(prefix));
-      break;
-    }
-  }
-  target = target.substr(0, target.find(','));
-  const std::size_t colon = target.rfind(':');
-  if (target.find("://") != std::string::npos || target.starts_with("unix") ||
-      colon == std::string::npos) {
-    return {};
-  }
-  std::string host = target.substr(0, colon);
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  return {host, target.substr(colon + 1)};
-}
-
 /// A connected socket; -1 with the reason in `why`.
 int connect_to(const HostPort& to, std::string& why) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  if (const int e = getaddrinfo(to.host.c_str(), to.port.c_str(), &hints, &found); e != 0) {
+  const std::string port = std::to_string(to.port);
+  if (const int e = getaddrinfo(to.host.c_str(), port.c_str(), &hints, &found); e != 0) {
     why = absl::StrCat("the name ", to.host, " has no address: ", gai_strerror(e));
     return -1;
   }
@@ -208,8 +187,9 @@ Probe probe_tls(int fd, const std::string& host, const Security& security) {
 }  // namespace
 
 Obstacle find_obstacle(const std::string& target, const Security& security) {
-  const HostPort to = host_port(target);
-  if (to.host.empty()) return {};
+  const auto servers = servers_of(target);
+  if (!servers.ok() || servers->empty()) return {};
+  const HostPort& to = servers->front();
   std::string why;
   const Close socket{connect_to(to, why)};
   if (socket.fd < 0) return {ConnectStep::kAddress, why};

@@ -4,15 +4,15 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
-#include <string_view>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "client/rpc/patience.h"
+#include "client/rpc/target.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::client {
@@ -23,28 +23,15 @@ using Targets = std::vector<std::string>;
 // With a dead name server, getaddrinfo() takes half a minute or more, and it cannot be stopped.
 constexpr std::chrono::seconds kLookUpTime(5);
 
-bool is_port(std::string_view text) {
-  unsigned port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  return error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= 65535;
-}
-
 absl::Status check_target(const std::string& target) {
-  const std::size_t colon = target.rfind(':');
-  if (target.starts_with("unix:") || (colon != std::string::npos && colon > 0 &&
-                                      is_port(std::string_view(target).substr(colon + 1))))
-    return absl::OkStatus();
-  return absl::InvalidArgumentError("server \"" + target + "\", must be HOST:PORT");
+  const absl::Status status = servers_of(target).status();
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(absl::StrCat("server ", status.message()));
 }
 
 absl::StatusOr<Targets> split(const std::string& text) {
-  Targets targets;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    targets.push_back(text.substr(begin, end - begin));
-    LUCERNA_RETURN_IF_ERROR(check_target(targets.back()));
-    begin = end + 1;
-  }
+  Targets targets = absl::StrSplit(is_list(text) ? text.substr(text.find(':') + 1) : text, ',');
+  for (const std::string& target : targets) LUCERNA_RETURN_IF_ERROR(check_target(target));
   return targets;
 }
 
@@ -112,20 +99,20 @@ absl::Status append_numbers(const std::string& ranges, Targets& heads) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<Targets> look_up(const std::string& host, const std::string& port) {
+absl::StatusOr<Targets> look_up(const HostPort& server) {
+  const std::string port = std::to_string(server.port);
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  if (const int error = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); error != 0)
-    return absl::UnavailableError(host + ": " + gai_strerror(error));
+  if (const int error = getaddrinfo(server.host.c_str(), port.c_str(), &hints, &found); error != 0)
+    return absl::UnavailableError(server.host + ": " + gai_strerror(error));
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> all(found, &freeaddrinfo);
   Targets targets;
   for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
     char name[NI_MAXHOST];
     if (getnameinfo(a->ai_addr, a->ai_addrlen, name, sizeof name, nullptr, 0, NI_NUMERICHOST) != 0)
       continue;
-    const std::string address = a->ai_family == AF_INET6 ? absl::StrCat("[", name, "]") : name;
-    targets.push_back(address + ":" + port);
+    targets.push_back(join_host_port({.host = name, .port = server.port}));
   }
   return targets;
 }
@@ -133,12 +120,11 @@ absl::StatusOr<Targets> look_up(const std::string& host, const std::string& port
 }  // namespace
 
 absl::StatusOr<Targets> numeric_addresses(const std::string& target) {
-  const std::size_t colon = target.rfind(':');
-  if (colon == std::string::npos) return check_target(target);
-  const bool brackets = target.starts_with('[') && colon > 1 && target[colon - 1] == ']';
-  const std::string host = brackets ? target.substr(1, colon - 2) : target.substr(0, colon);
-  return look_up_within(kLookUpTime, host,
-                        [host, port = target.substr(colon + 1)] { return look_up(host, port); });
+  LUCERNA_ASSIGN_OR_RETURN(const std::vector<HostPort> servers, servers_of(target));
+  if (servers.size() != 1)
+    return absl::InvalidArgumentError("server \"" + target + "\", allowed: one HOST:PORT");
+  return look_up_within(kLookUpTime, servers[0].host,
+                        [server = servers[0]] { return look_up(server); });
 }
 
 absl::StatusOr<Targets> expand_host_list(const std::string& text) {
@@ -171,14 +157,12 @@ absl::StatusOr<ServerList> server_list(const std::string& text) {
     return ServerList([path] { return lines(path); });
   }
   if (text.starts_with("dns:///")) {
-    const std::string name = text.substr(7);
-    LUCERNA_RETURN_IF_ERROR(check_target(name));
-    return ServerList([name] { return numeric_addresses(name); });
+    LUCERNA_RETURN_IF_ERROR(check_target(text));
+    return ServerList([text] { return numeric_addresses(text); });
   }
   if (text.starts_with("slurm:")) {
     const std::string port = text.substr(6);
-    if (!is_port(port))
-      return absl::InvalidArgumentError("servers \"" + text + "\", must be slurm:PORT");
+    LUCERNA_RETURN_IF_ERROR(check_target(text));
     const char* nodes = std::getenv("SLURM_JOB_NODELIST");
     if (nodes == nullptr)
       return absl::InvalidArgumentError(

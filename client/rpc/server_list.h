@@ -20,7 +20,7 @@ namespace lucerna::client {
 using ServerList = std::function<absl::StatusOr<std::vector<std::string>>()>;
 
 /// The list that `text` describes:
-///   a:50051,b:50051    these servers
+///   a:50051,b:50051    these servers; also ipv4:A:50051,B:50051 and ipv6:[A]:50051,[B]:50051
 ///   dns:///name:50051  every address that the name has, looked up at each call
 ///   @file              the lines of a file, each HOST:PORT, read at each call; # starts a comment
 ///   slurm:50051        the nodes of this Slurm job (SLURM_JOB_NODELIST), each at this port

@@ -17,8 +17,8 @@ namespace lucerna::cli {
 /// texts stay unchanged: "@FILE", "slurm:PORT", "unix:PATH" and other schemes of gRPC.
 std::string with_default_port(const std::string& servers);
 
-/// Adds default ports to the text.  The message names a server without a host, or with a port
-/// outside of 1 to 65535.
+/// Adds default ports to the text.  The message names what client::server_list() refuses, such as a
+/// port outside of 1 to 65535.
 CLI::Validator server_addresses();
 
 /// --tls, --tls-ca, --tls-cert, --tls-key, --tls-name and --token-file, with their environment

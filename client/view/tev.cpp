@@ -9,7 +9,6 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <charconv>
 #include <condition_variable>
 #include <cstring>
 #include <deque>
@@ -23,6 +22,7 @@
 #include <vector>
 
 #include "client/view/tev_packet.h"
+#include "proto/common/host_port.h"
 #include "proto/common/status_macros.h"
 
 // One connected socket that is only written to.  A networking library would need more code than
@@ -99,32 +99,15 @@ using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
 
 /// Names are resolved once, because a hanging resolver cannot be stopped.
 absl::StatusOr<Addresses> resolve(const std::string& address) {
-  const absl::Status bad = absl::InvalidArgumentError("\"" + address +
-                                                      "\" is not HOST, HOST:PORT or [IPV6]:PORT, "
-                                                      "with a port from 1 to 65535");
-  std::string host = address, port = std::to_string(kTevPort);
-  const bool bracket = address.starts_with('[');
-  const std::size_t end = bracket ? address.find(']') : address.find(':');
-  if (bracket && end == std::string::npos) return bad;
-  if (end != std::string::npos) {
-    host = bracket ? address.substr(1, end - 1) : address.substr(0, end);
-    const std::string rest = address.substr(bracket ? end + 1 : end);
-    if (!rest.empty()) {
-      unsigned number = 0;
-      const char* last = rest.data() + rest.size();
-      if (rest[0] != ':') return bad;
-      const auto [stop, error] = std::from_chars(rest.data() + 1, last, number);
-      if (error != std::errc() || stop != last || number < 1 || number > 65535) return bad;
-      port = rest.substr(1);
-    }
-  }
-  if (host.empty()) return bad;
+  LUCERNA_ASSIGN_OR_RETURN(const HostPort at,
+                           split_host_port(with_default_port(address, kTevPort)));
+  const std::string port = std::to_string(at.port);
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_NUMERICSERV;
   addrinfo* found = nullptr;
-  if (const int error = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); error != 0) {
-    return absl::InvalidArgumentError(host + ": " + gai_strerror(error));
+  if (const int error = getaddrinfo(at.host.c_str(), port.c_str(), &hints, &found); error != 0) {
+    return absl::InvalidArgumentError(at.host + ": " + gai_strerror(error));
   }
   return Addresses(found, &freeaddrinfo);
 }

@@ -6,56 +6,31 @@
 
 #include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <system_error>
 
+#include "proto/common/host_port.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::rpc {
-namespace {
 
-std::size_t port_colon(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  // A colon within brackets belongs to an IPv6 address.
-  if (colon == std::string::npos || address.find(']', colon) != std::string::npos) {
-    return std::string::npos;
-  }
-  return colon;
-}
-
-std::string host_of(const std::string& address) {
-  std::string host = address.substr(0, port_colon(address));
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  return host;
-}
-
-}  // namespace
-
-absl::Status check_address(const std::string& address) {
-  const std::size_t colon = port_colon(address);
-  int port = -1;
-  if (colon != std::string::npos && colon > 0) {
-    const char* const end = address.data() + address.size();
-    const auto [stopped, error] = std::from_chars(address.data() + colon + 1, end, port);
-    if (error != std::errc() || stopped != end) port = -1;
-  }
-  if (port >= 0 && port <= 65535) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      fmt::format("listen = \"{}\", allowed: HOST:PORT with a port in [0, 65535]", address));
+absl::Status check_address(const std::string& setting, const std::string& address) {
+  const absl::Status status = split_host_port(address, 0).status();
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(fmt::format("{} = {}", setting, std::string(status.message())));
 }
 
 std::string with_port(const std::string& address, int port) {
-  return fmt::format("{}:{}", address.substr(0, port_colon(address)), port);
+  return fmt::format("{}:{}", address.substr(0, address.rfind(':')), port);
 }
 
 absl::StatusOr<AddressList> resolve(const std::string& address) {
-  const std::string port = address.substr(port_colon(address) + 1);
+  LUCERNA_ASSIGN_OR_RETURN(const HostPort at, split_host_port(address, 0));
   addrinfo hints{};
   hints.ai_flags = AI_PASSIVE;
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  const std::string host = host_of(address);
-  if (const int e = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); e != 0) {
+  const std::string port = fmt::format("{}", at.port);
+  if (const int e = getaddrinfo(at.host.c_str(), port.c_str(), &hints, &found); e != 0) {
     return absl::UnavailableError(fmt::format("cannot listen on {}: {}", address, gai_strerror(e)));
   }
   return AddressList(found);

@@ -10,9 +10,10 @@
 
 namespace lucerna::rpc {
 
-/// INVALID_ARGUMENT if it is not HOST:PORT with a port in [0, 65535].  IPv6 hosts are in brackets.
-absl::Status check_address(const std::string& address);
-/// The address with another port.
+/// INVALID_ARGUMENT with the name of the setting if the address is not HOST:PORT with a port from 0
+/// to 65535.  IPv6 hosts are in brackets.
+absl::Status check_address(const std::string& setting, const std::string& address);
+/// A valid address with another port.
 std::string with_port(const std::string& address, int port);
 
 struct FreeAddresses {

@@ -113,6 +113,12 @@ absl::Status check_doors(const ServerOptions& options) {
   const auto add = [&](const absl::Status& status) {
     if (!status.ok()) errors.emplace_back(status.message());
   };
+  const auto all = [&] {
+    return absl::InvalidArgumentError(fmt::format("{}", fmt::join(errors, "\n")));
+  };
+  add(check_address("listen", options.listen));
+  if (!options.metrics.empty()) add(check_address("metrics", options.metrics));
+  if (!errors.empty()) return all();  // their hosts cannot be looked up
   const absl::StatusOr<bool> loopback = is_loopback(options.listen);
   if (!loopback.ok()) return loopback.status();
   if (!*loopback && !doors.tls.given() && !doors.insecure) {
@@ -133,8 +139,7 @@ absl::Status check_doors(const ServerOptions& options) {
   }
   if (doors.tls.given()) add(Tls::open(doors.tls).status());
   if (!doors.token_file.empty()) add(access::read_token_file(doors.token_file).status());
-  if (errors.empty()) return absl::OkStatus();
-  return absl::InvalidArgumentError(fmt::format("{}", fmt::join(errors, "\n")));
+  return errors.empty() ? absl::OkStatus() : all();
 }
 
 absl::Status Server::State::load(const std::string& path, const std::stop_token& stop) {
@@ -199,7 +204,6 @@ absl::Status Server::State::listen(const ServerOptions& options) {
 }
 
 absl::Status Server::State::serve_metrics(const std::string& address) {
-  LUCERNA_RETURN_IF_ERROR(check_address(address));
   auto started = monitor::MetricsServer::start(address, [this] { return figures(runtime); });
   if (!started.ok()) {
     // The library's message does not say why.
@@ -223,7 +227,6 @@ void Server::State::end(std::chrono::system_clock::time_point deadline) {
 
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& options,
                                                       std::stop_token stop) {
-  LUCERNA_RETURN_IF_ERROR(check_address(options.listen));
   LUCERNA_RETURN_IF_ERROR(check_doors(options));
   LUCERNA_ASSIGN_OR_RETURN(auto assets, AssetStore::open(options.assets));
   LUCERNA_ASSIGN_OR_RETURN(auto scenes, SceneStore::open(options.scenes, assets.get()));

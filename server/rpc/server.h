@@ -45,9 +45,9 @@ struct ServerOptions {
   DoorOptions doors;
 };
 
-/// Checks what `Server::start` and `Server::reload` check before they change anything: the address
-/// with its TLS, the certificates and the token file.  INVALID_ARGUMENT with all errors, one a
-/// line.
+/// Checks what `Server::start` and `Server::reload` check before they change anything: the
+/// addresses with their TLS, the certificates and the token file.  INVALID_ARGUMENT with all
+/// errors, one a line.
 absl::Status check_doors(const ServerOptions& options);
 
 /// What a server serves, for its log.

@@ -140,7 +140,7 @@ TEST_F(CliPreview, AWrongAddressIsRefusedBeforeRendering) {
     arguments.insert(arguments.end(), {"--server", "127.0.0.1:1"});  // no server is called
     expect_wrong_use(render(std::move(arguments)), what);
   };
-  refused({"--tev", "127.0.0.1:0"}, "--tev: \"127.0.0.1:0\" is not HOST");
+  refused({"--tev", "127.0.0.1:0"}, "--tev: \"127.0.0.1:0\": port \"0\", allowed: 1 to 65535");
   refused({"--tev", ":14158"}, "HOST:PORT");
   refused({"--preview"}, "an -o must end in .png");
   refused({"--preview=0"}, "0 is not a number of seconds from 0.1");

@@ -61,6 +61,10 @@ def only_loopback_is_open(files):
     certificate, key = files.issue("open-server")
     refuses_to_start("listen = 0.0.0.0:0, which other machines can reach", "--listen", "0.0.0.0:0")
     refuses_to_start("listen = [::]:0, which other machines can reach", "--listen", "[::]:0")
+    for address in ("127.0.0.1:119537", "[::1]:65536", "127.0.0.1:-1", "localhost:http"):
+        wrong = f'"{address}": port "{address.rpartition(":")[2]}", allowed: 0 to 65535'
+        refuses_to_start(f"listen = {wrong}", "--listen", address)
+        refuses_to_start(f"metrics = {wrong}", "--listen", "127.0.0.1:0", "--metrics", address)
     for options in (["--insecure"], ["--tls-cert", certificate, "--tls-key", key]):
         with Lucernad(LUCERNAD, "--listen", "0.0.0.0:0", *options):
             pass

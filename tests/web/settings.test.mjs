@@ -121,6 +121,12 @@ test("wrong settings are refused with their name and what is allowed", limit, as
   for (const [options, words] of [
     [["--listen=0.0.0.0:0"], /listen = 0\.0\.0\.0:0, which other machines can reach; allowed: a loopback address/],
     [["--listen=127.0.0.1"], /listen = 127\.0\.0\.1, allowed: HOST:PORT/],
+    [["--listen=::1:8080"], /listen = ::1:8080, allowed: HOST:PORT/],
+    [["--listen=127.0.0.1:119537"], /listen = 127\.0\.0\.1:119537: port "119537", allowed: 0 to 65535/],
+    [["--listen=[::1]:-1"], /listen = \[::1\]:-1: port "-1", allowed: 0 to 65535/],
+    [["--server=127.0.0.1:65536"], /server = 127\.0\.0\.1:65536: port "65536", allowed: 1 to 65535/],
+    [["--server=127.0.0.1:0"], /server = 127\.0\.0\.1:0: port "0", allowed: 1 to 65535/],
+    [["--server=[::1]:http"], /server = \[::1\]:http: port "http", allowed: 1 to 65535/],
     [["--server=10.1.2.3:50051"], /server = 10\.1\.2\.3:50051, on another machine and without TLS; allowed: /],
     [["--tls-cert=/none"], /tls-cert and tls-key: one is missing/],
     [["--tls-cert=/none", "--tls-key=/none"], /tls-cert = \/none: ENOENT/],

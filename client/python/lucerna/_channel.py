@@ -2,8 +2,10 @@
 from __future__ import annotations
 
 import dataclasses
+import ipaddress
 import os
 import pathlib
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -77,16 +79,56 @@ class Connection:
         return options
 
 
+# Targets that gRPC finds without a host and a port.
+_OTHER_SCHEMES = ("unix:", "unix-abstract:", "vsock:", "xds:")
+
+
+def _is_ip(host: str, version: int) -> bool:
+    try:
+        return ipaddress.ip_address(host).version == version
+    except ValueError:
+        return False
+
+
+def _servers(target: str) -> tuple[str, list[str]]:
+    """What stands before the servers of a target of gRPC, and the servers."""
+    if target.startswith(_OTHER_SCHEMES):
+        return target, []
+    if target.startswith(("ipv4:", "ipv6:")):
+        return target[:5], target[5:].split(",")
+    scheme = re.match("dns:(//[^/]*/)?", target)
+    return (scheme[0], [target[scheme.end():]]) if scheme else ("", [target])
+
+
+def _host_port(server: str) -> tuple[str, int]:
+    """Splits HOST:PORT or [IPV6]:PORT."""
+    match = re.fullmatch(r"(?:\[([^][]+)\]|([^][:/, ]+)):([^]:]*)", server)
+    if not match or not (match[2] or _is_ip(match[1], 6)):
+        raise invalid("target", f'"{server}", allowed: HOST:PORT, with an IPv6 address in brackets')
+    if not re.fullmatch("0*[0-9]{1,5}", match[3]) or not 1 <= int(match[3]) <= 65535:
+        raise invalid("target", f'"{server}": port "{match[3]}", allowed: 1 to 65535')
+    return match[1] or match[2], int(match[3])
+
+
 def _is_loopback(target: str) -> bool:
-    return target.startswith(("127.", "localhost:", "[::1]:", "unix:"))
+    hosts = [_host_port(server)[0] for server in _servers(target)[1]]
+    return all(host in ("localhost", "::1") or host.startswith("127.") and _is_ip(host, 4) for host in hosts) if hosts \
+        else target.startswith("unix:")
 
 
 def _with_port(target: str) -> str:
-    """Adds the default port to a bare host, as the command line does."""
-    bare = not target.startswith("unix:") and "://" not in target and "," not in target
-    if bare and (":" not in target or target.endswith("]")):
-        return f"{target}:50051"
-    return target
+    """Adds the default port to a bare host, as the command line does.  gRPC would take port 65537 for port 1, so other
+    ports than 1 to 65535 are an error."""
+    scheme, servers = _servers(target)
+    if len(servers) == 1:
+        server = servers[0]
+        server = f"[{server}]" if _is_ip(server, 6) else server
+        if server.endswith("]") or server and ":" not in server:
+            server += ":50051"
+        servers = [server]
+    for server in servers:
+        _host_port(server)
+    return scheme + ",".join(servers)
 
 
 def _read(field: str, path: str | os.PathLike[str] | None) -> bytes | None:

@@ -169,8 +169,9 @@ def connect(target: str | None = None, *, token: str | None = None, token_file: 
     name: the name that the server's certificate must have.  timeout: for each method [s], default none.  in_flight:
     batches of one method that are sent before the first is answered, at least 1.
 
-    After UNAVAILABLE a call is retried up to four times within half a second.  Errors: InvalidArgument for a file that
-    cannot be read, and for a token that would leave this machine without TLS.
+    After UNAVAILABLE a call is retried up to four times within half a second.  Errors: InvalidArgument for a
+    target without a host or with a port outside of 1 to 65535, for a file that cannot be read, and for a token that
+    would leave this machine without TLS.
     """
     connection = _channel.settings(target, token=token, token_file=token_file, tls=tls, ca=ca, certificate=certificate,
                                    key=key, name=name)

@@ -108,15 +108,18 @@ export function help() {
 export class SettingError extends Error {}
 
 /**
- * Splits "HOST:PORT" or "[HOST]:PORT".
- * @param {string} setting its name, for the error
+ * Splits "HOST:PORT" or "[IPV6]:PORT".
+ * @param {"listen" | "server"} setting port 0 is a free port to listen on
  * @param {string} text
  */
 export function address(setting, text) {
-  const match = /^(?:\[([^\]]+)\]|([^:[\]]+)):(\d{1,5})$/.exec(text);
-  const port = Number(match?.[3]);
-  if (!match || port > 65535)
+  const match = /^(?:\[([^\][]+)\]|([^:\][/, ]+)):([^:\]]*)$/.exec(text);
+  if (!match || (match[1] && isIP(match[1]) !== 6))
     throw new SettingError(`${setting} = ${text}, allowed: HOST:PORT, such as 127.0.0.1:8080 or [::1]:8080`);
+  const port = /^\d+$/.test(match[3]) ? Number(match[3]) : NaN;
+  const lowest = setting === "listen" ? 0 : 1;
+  if (!(port >= lowest && port <= 65535))
+    throw new SettingError(`${setting} = ${text}: port "${match[3]}", allowed: ${lowest} to 65535`);
   return { host: match[1] ?? match[2], port };
 }
 

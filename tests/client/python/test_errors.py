@@ -1,4 +1,5 @@
 """Wrong input gives an exception that names the field, and the server keeps serving."""
+import re
 import socket
 
 import grpc
@@ -146,6 +147,33 @@ def test_files_of_the_connection_are_checked(tmp_path):
 
 def test_a_bare_host_has_the_default_port():
     for given, wanted in (("localhost", "localhost:50051"), ("[::1]", "[::1]:50051"), ("a:1", "a:1"),
-                          ("unix:/run/x", "unix:/run/x"), ("dns:///a:1", "dns:///a:1")):
+                          ("unix:/run/x", "unix:/run/x"), ("dns:///a:1", "dns:///a:1"), ("::1", "[::1]:50051"),
+                          ("dns:///a", "dns:///a:50051"), ("ipv4:127.0.0.1:1,127.0.0.2:65535",) * 2):
         with lucerna.connect(given) as server:
             assert server.target == wanted
+
+
+# gRPC takes ports modulo 65536: 119537 is 54001.
+@pytest.mark.parametrize("port", ["119537", "65536", "0", "-1", "99999999999999999999", "0x50", "http", "+80", ""])
+def test_ports_of_no_server_are_refused(port):
+    for start, host in (("", "127.0.0.1:"), ("", "[::1]:"), ("dns:///", "a:"), ("dns:", "a:"),
+                        ("ipv4:10.0.0.1:1,", "127.0.0.1:")):
+        wanted = re.escape(f'target: "{host}{port}": port "{port}", allowed: 1 to 65535')
+        with pytest.raises(lucerna.InvalidArgument, match=wanted):
+            lucerna.connect(f"{start}{host}{port}")
+        with pytest.raises(lucerna.InvalidArgument, match=wanted):
+            lucerna.aio.connect(f"{start}{host}{port}")
+
+
+@pytest.mark.parametrize("target", [":50051", "::1:119537", "[::1:119537]", "http://a:1", "a:1,b:2", "[a]:1", "a b:1"])
+def test_hosts_that_are_none_are_refused(target):
+    with pytest.raises(lucerna.InvalidArgument, match="target: .*allowed: HOST:PORT"):
+        lucerna.connect(target)
+
+
+def test_only_loopback_takes_a_token_without_encryption():
+    with lucerna.connect("127.0.0.1", token="secret"), lucerna.connect("[::1]:1", token="secret"):
+        pass
+    for target in ("127.example.org", "dns:///lights.example:1", "ipv4:127.0.0.1:1,10.0.0.7:1"):
+        with pytest.raises(lucerna.InvalidArgument, match="without encryption"):
+            lucerna.connect(target, token="secret")

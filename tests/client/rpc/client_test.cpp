@@ -47,10 +47,37 @@ grpc::Status invalid(const std::string& message, const std::string& field,
   return {grpc::StatusCode::INVALID_ARGUMENT, message, details.SerializeAsString()};
 }
 
-TEST(Client, EmptyTargetIsRefused) {
-  const auto client = Client::connect({.target = ""});
-  EXPECT_EQ(client.status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(client.status().message()), HasSubstr("HOST:PORT"));
+TEST(Client, TargetsWithoutAHostOrAPortAreRefused) {
+  for (const char* target : {"", ":50051", "localhost", "[::1]", "::1:50051", "a:1,b:2"}) {
+    const auto client = Client::connect({.target = target});
+    EXPECT_EQ(client.status().code(), absl::StatusCode::kInvalidArgument) << target;
+    EXPECT_THAT(std::string(client.status().message()), HasSubstr(", allowed: ")) << target;
+  }
+}
+
+// gRPC takes ports modulo 65536: 119537 is 54001.
+TEST(Client, PortsOfNoServerAreRefused) {
+  FakeServer server;
+  const std::string address = server.target();
+  const std::string host = address.substr(0, address.rfind(':') + 1);
+  const int port = std::stoi(address.substr(host.size()));
+  for (const std::string& prefix : {"", "dns:///", "dns:", "ipv4:"}) {
+    for (const std::string& text :
+         {std::to_string(port + 65536), std::string("119537"), std::string("0"),
+          std::string("65536"), std::string("-1"), std::string("99999999999999999999"),
+          std::string("0x50"), std::string("http"), std::string("+80"), std::string()}) {
+      const auto client = Client::connect({.target = prefix + host + text});
+      EXPECT_EQ(client.status().message(),
+                "target \"" + host + text + "\": port \"" + text + "\", allowed: 1 to 65535");
+      EXPECT_EQ(client.status().code(), absl::StatusCode::kInvalidArgument);
+    }
+    EXPECT_TRUE(Client::connect({.target = prefix + address})->get_server_info().ok()) << prefix;
+  }
+  EXPECT_EQ(Client::connect({.target = "ipv6:[::1]:1,[::1]:119537"}).status().message(),
+            "target \"[::1]:119537\": port \"119537\", allowed: 1 to 65535");
+  for (const char* target : {"[::1]:65535", "unix:/run/lucernad", "unix:///run/lucernad"}) {
+    EXPECT_TRUE(Client::connect({.target = target}).ok()) << target;
+  }
 }
 
 TEST(Client, ServerThatCannotBeReachedIsUnavailable) {

@@ -30,12 +30,19 @@ TEST(ServerList, NamesSeparatedByCommas) {
 }
 
 TEST(ServerList, InvalidServersAreErrors) {
-  for (const char* bad : {"", "a", "a:", ":1", "a:0", "a:65536", "a:1,", "a:1,,b:2", "a:1x",
-                          "dns:///a", "slurm:", "slurm:x"}) {
+  for (const char* bad :
+       {"", "a", "a:", ":1", "a:0", "a:65536", "a:1,", "a:1,,b:2", "a:1x", "dns:///a",
+        "slurm:", "slurm:x", "slurm:65536", "[::1]:119537", "b:1,[::1]:0", "dns:///a:119537",
+        "ipv4:127.0.0.1:1,127.0.0.1:119537", "ipv6:[::1]:119537", "a:-1"}) {
     const auto list = server_list(bad);
     EXPECT_EQ(list.status().code(), absl::StatusCode::kInvalidArgument) << bad;
-    EXPECT_THAT(std::string(list.status().message()), HasSubstr("must be"));
+    EXPECT_THAT(std::string(list.status().message()), HasSubstr(", allowed: "));
   }
+}
+
+TEST(ServerList, AListOfAddressesNamesEachServer) {
+  EXPECT_THAT(now("ipv4:127.0.0.1:1,10.0.0.7:2"), ElementsAre("127.0.0.1:1", "10.0.0.7:2"));
+  EXPECT_THAT(now("ipv6:[::1]:1"), ElementsAre("[::1]:1"));
 }
 
 TEST(ServerList, AFileIsReadAtEachCall) {
@@ -47,6 +54,9 @@ TEST(ServerList, AFileIsReadAtEachCall) {
   EXPECT_THAT((*list)().value(), ElementsAre("a:1", "b:2"));
   std::ofstream(name) << "c:3\n";
   EXPECT_THAT((*list)().value(), ElementsAre("c:3"));
+  std::ofstream(name) << "127.0.0.1:119537\n";
+  EXPECT_EQ((*list)().status().message(),
+            name + ": server \"127.0.0.1:119537\": port \"119537\", allowed: 1 to 65535");
   std::ofstream(name) << "c\n";
   EXPECT_EQ((*list)().status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(server_list("@" + name).status().code(), absl::StatusCode::kInvalidArgument);

@@ -76,8 +76,12 @@ TEST(ServerAddresses, NeedAHostAndAPort) {
   EXPECT_EQ(read("a:65536"), "server \"a:65536\": port \"65536\", allowed: 1 to 65535");
   EXPECT_EQ(read("a:0"), "server \"a:0\": port \"0\", allowed: 1 to 65535");
   EXPECT_EQ(read("dns:///a:-1"), "server \"a:-1\": port \"-1\", allowed: 1 to 65535");
-  EXPECT_EQ(read("a,,b"), "server \"\": no host, allowed: HOST or HOST:PORT");
-  EXPECT_EQ(read(":50051"), "server \":50051\": no host, allowed: HOST or HOST:PORT");
+  EXPECT_EQ(read("a,,b"), "server \"\": no host, allowed: HOST:PORT");
+  EXPECT_EQ(read(":50051"), "server \":50051\": no host, allowed: HOST:PORT");
+  EXPECT_EQ(read("[::1]:119537"), "server \"[::1]:119537\": port \"119537\", allowed: 1 to 65535");
+  EXPECT_EQ(read("ipv4:10.0.0.7:119537"),
+            "server \"10.0.0.7:119537\": port \"119537\", allowed: 1 to 65535");
+  EXPECT_EQ(read("slurm:119537"), "server \"slurm:119537\": port \"119537\", allowed: 1 to 65535");
 }
 
 TEST(Duration, IsReadWithUnitsInDescendingOrder) {
