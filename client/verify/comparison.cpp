@@ -5,10 +5,55 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "client/verify/statistics.h"
 
 namespace lucerna::verify {
+
+namespace {
+
+/// Two directions at right angles to each.
+std::vector<std::pair<Double3, Double3>> tangents(const std::vector<Double3>& directions) {
+  std::vector<std::pair<Double3, Double3>> result;
+  for (const Double3& w : directions) {
+    const Double3 other = std::fabs(w[0]) < 0.7 ? Double3{1, 0, 0} : Double3{0, 1, 0};
+    const Double3 a = normalized(cross(w, other));
+    result.emplace_back(a, cross(w, a));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Range> ranges_of(
+    const std::vector<Double3>& directions, double angle_rad,
+    const std::function<std::vector<double>(const std::vector<Double3>&)>& numbers) {
+  // Beside an edge, numbers rise up to the edge and are 0 behind it.  So smaller angles count too.
+  constexpr double kShares[] = {1, 0.1, 0.01};
+  const auto around = tangents(directions);
+  std::vector<Range> ranges(directions.size(), {std::numeric_limits<double>::infinity(), 0});
+  const auto add = [&](const std::vector<Double3>& moved) {
+    const std::vector<double> all = numbers(moved);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (std::isnan(all[i])) continue;
+      ranges[i].lower = std::min(ranges[i].lower, all[i]);
+      ranges[i].upper = std::max(ranges[i].upper, all[i]);
+    }
+  };
+  add(directions);
+  for (const double share : kShares) {
+    for (const double step : {share * angle_rad, -share * angle_rad}) {
+      for (const bool first : {true, false}) {
+        std::vector<Double3> moved = directions;
+        for (std::size_t i = 0; i < moved.size(); ++i)
+          moved[i] = normalized(moved[i] + step * (first ? around[i].first : around[i].second));
+        add(moved);
+      }
+    }
+  }
+  return ranges;
+}
 
 double relative_error(double theirs, const Range& ours) {
   if (theirs >= ours.lower && theirs <= ours.upper) return 0;

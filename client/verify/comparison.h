@@ -7,6 +7,7 @@
 
 #include "client/verify/finding.h"
 #include "client/verify/records.h"
+#include "client/verify/variation.h"
 
 namespace lucerna::verify {
 
@@ -17,6 +18,12 @@ struct Range {
 
 /// The relative error of a number: 0 inside of the range, infinite if only one of both is 0.
 double relative_error(double theirs, const Range& ours);
+
+/// Calls `numbers` with directions that rounding by `angle_rad` may have moved, and returns the
+/// ranges.  NaN counts in no range.
+std::vector<Range> ranges_of(
+    const std::vector<Double3>& directions, double angle_rad,
+    const std::function<std::vector<double>(const std::vector<Double3>&)>& numbers);
 
 /// Compares numbers, and fills in the rows, errors, place and verdict of `finding`.  `ours` may
 /// have NaN for rows that are left out.  `rounded` returns the ranges of the rows that differ from

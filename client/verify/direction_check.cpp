@@ -20,6 +20,8 @@ constexpr std::size_t kRowsPerCell = 20;
 constexpr std::size_t kMostCells = 64;
 // A direction must fit this well to be named.
 constexpr double kGoodFit = 0.01;
+// The error of an integral that the right factor may leave.
+constexpr double kFactorError = 0.01;
 
 /// Lucerna's samples at the receivers of the rows.
 struct Reference {
@@ -98,8 +100,8 @@ Reference reference_of(Truth& truth, const v1::Light& light, const Records& rows
 struct Weighted {
   std::vector<std::size_t> cells;
   std::vector<double> weights;
-  std::vector<double> all_weights;  // also of rows below the horizon
-  std::size_t outside = 0;          // rows in which Lucerna's density is 0
+  std::vector<std::size_t> rows;  // of the file
+  std::size_t outside = 0;        // rows in which Lucerna's density is 0
 };
 
 std::size_t cells_for(std::size_t rows) {
@@ -117,6 +119,24 @@ std::string describe(const Features& features, const Partition& partition,
   }
   return fmt::format("{}: {:.3g} times as many samples", features.describe((1 / count) * sum),
                      test.worst_ratio);
+}
+
+/// Names a factor that is missing in the claimed densities: with it, they fit the directions.
+void explain_by_factor(const v1::Light& light, const Records& rows, const Partition& partition,
+                       const Weighted& claimed, double reference, double share, Finding* finding) {
+  double best = kGoodFit;
+  for (const MissingFactor& f : missing_factors(light, rows)) {
+    std::vector<double> weights = claimed.weights;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      if (weights[i] > 0) weights[i] *= f.factor[claimed.rows[i]];
+    const TestResult test = cells_have_probabilities(partition, claimed.cells, weights, reference);
+    if (!test.p || *test.p <= best) continue;
+    const MeanResult mean = mean_is(weights, share, kFactorError);
+    if (!mean.p || *mean.p <= kGoodFit) continue;
+    best = *test.p;
+    finding->mistake = f.mistake;
+    finding->sentence = f.sentence;
+  }
 }
 
 /// Names another density that the directions follow.
@@ -207,6 +227,7 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
     if (claimed) {
       // Outside of Lucerna's density and below the horizon the weight is 0, in any cell.
       w.cells.push_back(cell);
+      w.rows.push_back(i);
       w.weights.push_back(above && rows.pdf[i] > 0 ? q[i] / rows.pdf[i] : 0);
     }
     if (!above) continue;
@@ -243,7 +264,13 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
   own.p = shape.p;
   if (shape.p) own.where = describe(feature, partition, reference, shape);
   if (!shape.p) own.sentence = "too few effective rows: the densities are too unlike Lucerna's";
-  own.explain = explain;
+  const auto by_factor = [&light, rows, partition, w, size, share = reference.share](Finding& f) {
+    explain_by_factor(light, rows, partition, w, size, share, &f);
+  };
+  own.explain = [explain, by_factor](Finding& f) {
+    by_factor(f);
+    if (f.mistake.empty()) explain(f);
+  };
   // Lucerna's samples below the horizon and on the back of the light make the mean uncertain.
   const double size_of_all = size / reference.share;
   double share = reference.share;
@@ -271,8 +298,9 @@ std::vector<Finding> check_directions(Truth& truth, const v1::Light& light, cons
     integral.integral_high = *integral.integral + 1.96 * error;
   }
   if (!mean.p) integral.sentence = "too few effective rows: the densities are too unlike Lucerna's";
-  integral.explain = [](Finding& f) {
+  integral.explain = [by_factor](Finding& f) {
     f.sentence = "the claimed densities are not those of the samples by this factor";
+    by_factor(f);
   };
   return {own, integral, lucerna};
 }

@@ -122,8 +122,18 @@ std::vector<Hypothesis> illuminance_hypotheses(Truth& truth, const v1::Light* li
   };
   all.push_back({"cosine_receiver", "the cosine at the receiver is missing",
                  changed(truth.unoccluded(light->id(), rows.points, {})), 1});
+  if (!light->delta()) {
+    const char* sentence = "the cosine at the receiver is missing";
+    all.push_back({"cosine_receiver", sentence,
+                   truth.without_cosine(light->id(), rows.points, rows.normals, strictness.samples,
+                                        strictness.seed),
+                   1});
+  }
   if (light->has_bounds()) {
     const Double3 center = frame_of(*light).center;
+    std::vector<double> distances;
+    for (const Double3& x : rows.points) distances.push_back(length(x - center));
+    add_range(rows.value, ours, distances, &all);
     std::vector<double> squares;
     for (const Double3& x : rows.points) squares.push_back(std::pow(length(x - center), 2));
     add_product(ours, squares, 1, "inverse_square", "a division by r2 is missing", &all);

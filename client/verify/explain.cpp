@@ -214,6 +214,31 @@ std::vector<Variation> variations(Truth& truth, const v1::Light& light) {
   return all;
 }
 
+std::vector<MissingFactor> missing_factors(const v1::Light& light, const Records& rows) {
+  std::vector<MissingFactor> all;
+  if (!rows.normals.empty()) {
+    MissingFactor cosine{"cosine_receiver", "a cosine at the receiver is missing", {}};
+    for (std::size_t i = 0; i < rows.rows; ++i)
+      cosine.factor.push_back(1 / std::max(0.0, dot(rows.normals[i], rows.directions[i])));
+    all.push_back(std::move(cosine));
+  }
+  if (light.kind_case() != v1::Light::kUniformInfinite &&
+      light.kind_case() != v1::Light::kImageInfinite)
+    return all;
+  const LightFrame frame = frame_of(light);
+  constexpr const char* kNames[] = {"x", "y", "z"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    MissingFactor sine{"sin_theta",
+                       std::string("a division by sin(theta) is missing, with theta from ") +
+                           kNames[axis] + " of the light",
+                       {}};
+    for (const Double3& w : rows.directions)
+      sine.factor.push_back(length(cross(frame.axes[axis], w)));
+    all.push_back(std::move(sine));
+  }
+  return all;
+}
+
 Geometry geometry_of(Truth& truth, const v1::Light& light, const Records& rows) {
   Geometry g;
   Hits h = hits(truth, light, rows.points, rows.directions);
@@ -251,6 +276,8 @@ void explain_values(Truth& truth, const v1::Light& light, const Records& all_row
   const Geometry geometry = geometry_of(truth, light, rows);
   add_geometry(ours, geometry, false, &all);
   add_selection(ours, rows.selection, &all);
+  add_range(rows.value, ours, geometry.distance, &all);
+  add_clamp(rows.value, ours, &all);
   add_sides(light, ours, rows, numbers, &all);
   for (const Variation& v : variations(truth, light))
     all.push_back({v.mistake, v.sentence, numbers(v), 1});
@@ -291,6 +318,8 @@ void explain_densities(Truth& truth, const v1::Light& light, const Records& all_
     add_factors(ours, truth.lights().size(), &all);
     add_geometry(ours, geometry, true, &all);
     add_selection(ours, rows.selection, &all);
+    for (const MissingFactor& f : missing_factors(light, rows))
+      add_product(ours, f.factor, 1, f.mistake, f.sentence, &all);
     add_sides(light, ours, rows, numbers, &all);
     for (const Variation& v : changed) all.push_back({v.mistake, v.sentence, numbers(v), 1});
     add_rotation(light, rows.pdf, numbers, &all);

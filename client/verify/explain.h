@@ -23,6 +23,15 @@ void explain_values(Truth& truth, const v1::Light& light, const Records& rows,
 void explain_densities(Truth& truth, const v1::Light& light, const Records& rows,
                        const std::vector<Way>& ways, Finding* finding);
 
+/// A factor that the claimed densities have and the right ones have not, one number per row.
+struct MissingFactor {
+  std::string mistake, sentence;
+  std::vector<double> factor;
+};
+/// What a renderer that samples in a way of its own may forget: sin(theta) of a map by latitude and
+/// longitude, or the cosine of directions that follow it.
+std::vector<MissingFactor> missing_factors(const v1::Light& light, const Records& rows);
+
 /// Cosines and distances of rows.  A vector is empty if the file does not have what it needs.
 /// Cosines are at least 0.  NaN for rays that miss the light, and for lights at infinity.
 struct Geometry {

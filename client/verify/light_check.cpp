@@ -9,53 +9,13 @@
 
 #include "client/verify/comparison.h"
 #include "client/verify/direction_check.h"
+#include "client/verify/distance_check.h"
 #include "client/verify/explain.h"
 #include "client/verify/light_values.h"
 #include "client/verify/statistics.h"
 
 namespace lucerna::verify {
 namespace {
-
-/// Four directions around each, and the same for places: what rounding of the input may change.
-std::vector<std::pair<Double3, Double3>> tangents(const std::vector<Double3>& directions) {
-  std::vector<std::pair<Double3, Double3>> result;
-  for (const Double3& w : directions) {
-    const Double3 other = std::fabs(w[0]) < 0.7 ? Double3{1, 0, 0} : Double3{0, 1, 0};
-    const Double3 a = normalized(cross(w, other));
-    result.emplace_back(a, cross(w, a));
-  }
-  return result;
-}
-
-/// Calls `numbers` with directions that rounding may have moved, and returns the ranges.
-template <class Numbers>
-std::vector<Range> ranges_of(const std::vector<Double3>& directions, double angle_rad,
-                             Numbers&& numbers) {
-  // Beside an edge, numbers rise up to the edge and are 0 behind it.  So smaller angles count too.
-  constexpr double kShares[] = {1, 0.1, 0.01};
-  const auto around = tangents(directions);
-  std::vector<Range> ranges(directions.size(), {std::numeric_limits<double>::infinity(), 0});
-  const auto add = [&](const std::vector<Double3>& moved) {
-    const std::vector<double> all = numbers(moved);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (std::isnan(all[i])) continue;
-      ranges[i].lower = std::min(ranges[i].lower, all[i]);
-      ranges[i].upper = std::max(ranges[i].upper, all[i]);
-    }
-  };
-  add(directions);
-  for (const double share : kShares) {
-    for (const double step : {share * angle_rad, -share * angle_rad}) {
-      for (const bool first : {true, false}) {
-        std::vector<Double3> moved = directions;
-        for (std::size_t i = 0; i < moved.size(); ++i)
-          moved[i] = normalized(moved[i] + step * (first ? around[i].first : around[i].second));
-        add(moved);
-      }
-    }
-  }
-  return ranges;
-}
 
 Finding finding_of(const v1::Light& light, const char* quantity) {
   Finding f;
@@ -91,21 +51,6 @@ BestWay best_way(Truth& truth, const v1::Light& light, const Records& rows,
     best = {way, std::move(q)};
   }
   return best;
-}
-
-/// Rows whose point lies on the back of a closed surface.  The light shines from its front, which
-/// hides the point, so the value of 0 is right.
-std::vector<bool> on_back(const v1::Light& light, const Records& rows) {
-  std::vector<bool> back(rows.rows, false);
-  if (light.kind_case() != v1::Light::kDiffuseArea || light.diffuse_area().two_sided() ||
-      rows.value.empty())
-    return back;
-  const v1::DiffuseAreaLight& area = light.diffuse_area();
-  const bool flat = frame_of(light).flat && area.primitives() <= 1;
-  // A light that is dark everywhere is wrong.
-  if (flat || std::ranges::none_of(rows.value, [](double v) { return v > 0; })) return back;
-  for (std::size_t i = 0; i < rows.rows; ++i) back[i] = rows.value[i] == 0;
-  return back;
 }
 
 Finding density_finding(Truth& truth, const v1::Light& light, const Records& rows,
@@ -233,50 +178,6 @@ Finding value_finding(Truth& truth, const v1::Light& light, const Records& rows,
   return f;
 }
 
-/// Distances to delta lights, and to the surfaces of others by their tangent planes.
-Finding distance_finding(Truth& truth, const v1::Light& light, const Records& all_rows,
-                         const Strictness& strictness) {
-  constexpr std::size_t kMostRows = 2000;
-  const Records rows = rows_of(all_rows, some_rows(all_rows.rows, kMostRows));
-  Finding f = finding_of(light, "distance");
-  if (!light.has_bounds() && light.kind_case() != v1::Light::kBeam) {
-    f.sentence = "a light at infinity has none";
-    return f;
-  }
-  const Hits h = hits(truth, light, rows.points, rows.directions);
-  Strictness loose = strictness;
-  const v1::DiffuseAreaLight& area = light.diffuse_area();
-  // Tangent planes of curved surfaces are off by a few percent.
-  if (!light.delta() && (area.shape() == v1::AREA_SHAPE_SPHERE ||
-                         area.shape() == v1::AREA_SHAPE_CYLINDER || area.primitives() > 1)) {
-    loose.tolerance = std::max(0.1, strictness.tolerance);
-    loose.outliers = std::max(0.02, strictness.outliers);
-  }
-  std::vector<double> ours = h.distance;
-  const std::vector<bool> back = on_back(light, rows);
-  for (std::size_t i = 0; i < ours.size(); ++i)
-    if (back[i]) ours[i] = kNaN;
-  const auto rounded = [&](const std::vector<std::size_t>& which) {
-    const std::vector<Double3> points = at_rows(rows.points, which);
-    return ranges_of(at_rows(rows.directions, which), strictness.angle_rad,
-                     [&](const std::vector<Double3>& moved) {
-                       return hits(truth, light, points, moved).distance;
-                     });
-  };
-  compare(rows.distance, ours, rounded, rows.place, loose, &f);
-  f.explain = [rows, ours, n = truth.lights().size()](Finding& finding) {
-    std::vector<Hypothesis> hypotheses;
-    add_factors(ours, n, &hypotheses);
-    std::vector<double> squares = ours, inverse = ours;
-    for (double& d : squares) d *= d;
-    for (double& d : inverse) d = 1 / d;
-    hypotheses.push_back({"inverse_square", "the distance is squared", squares, 1});
-    hypotheses.push_back({"distance", "the distance is inverted", inverse, 1});
-    name_mistake(likely_mistake(rows.distance, ours, {}, hypotheses), &finding);
-  };
-  return f;
-}
-
 }  // namespace
 
 std::vector<Way> ways_of(const v1::Light& light, bool normals) {
@@ -307,11 +208,19 @@ std::vector<Finding> check_samples(Truth& truth, const v1::Light& light, const R
     const std::vector<bool> back = on_back(light, rows);
     for (std::size_t i = 0; i < q.size(); ++i)
       if (back[i]) q[i] = 0;
-    std::ranges::move(check_directions(truth, light, rows, best.way, q, strictness),
-                      std::back_inserter(all));
+    std::vector<Finding> tests = check_directions(truth, light, rows, best.way, q, strictness);
+    if (!all.empty() && tests.size() > 1) {
+      // A density of the renderer's own is explained by its samples.
+      all.front().explain = [first = all.front().explain, then = tests[1].explain](Finding& f) {
+        first(f);
+        if (f.mistake.empty() && then) then(f);
+        if (f.mistake.empty()) f.sentence.clear();
+      };
+    }
+    std::ranges::move(tests, std::back_inserter(all));
   }
   if (!rows.value.empty()) all.push_back(value_finding(truth, light, rows, strictness));
-  if (!rows.distance.empty()) all.push_back(distance_finding(truth, light, rows, strictness));
+  if (!rows.distance.empty()) all.push_back(check_distances(truth, light, rows, strictness));
   return all;
 }
 

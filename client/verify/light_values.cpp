@@ -88,6 +88,29 @@ std::vector<Double3> LightValues::at(const std::vector<Double3>& points,
   return result;
 }
 
+std::vector<bool> on_back(const v1::Light& light, const Records& rows) {
+  std::vector<bool> back(rows.rows, false);
+  if (light.kind_case() != v1::Light::kDiffuseArea || light.diffuse_area().two_sided() ||
+      rows.value.empty())
+    return back;
+  const v1::DiffuseAreaLight& area = light.diffuse_area();
+  const bool flat = frame_of(light).flat && area.primitives() <= 1;
+  // A light that is dark everywhere is wrong.
+  if (flat || std::ranges::none_of(rows.value, [](double v) { return v > 0; })) return back;
+  for (std::size_t i = 0; i < rows.rows; ++i) back[i] = rows.value[i] == 0;
+  return back;
+}
+
+bool is_plane(const v1::DiffuseAreaLight& area) {
+  if (area.shape() == v1::AREA_SHAPE_DISK) return true;
+  if (area.primitives() > 1 || area.corners_m_size() < 3) return false;
+  if (area.corners_m_size() == 3) return true;
+  const Double3 origin = double3(area.corners_m(0));
+  const Double3 n = cross(double3(area.corners_m(1)) - origin, double3(area.corners_m(2)) - origin);
+  const Double3 last = double3(area.corners_m(3)) - origin;
+  return std::fabs(dot(n, last)) <= 1e-6 * length(n) * length(last);
+}
+
 Hits hits(Truth& truth, const v1::Light& light, const std::vector<Double3>& points,
           const std::vector<Double3>& directions) {
   Hits h;
@@ -108,10 +131,11 @@ Hits hits(Truth& truth, const v1::Light& light, const std::vector<Double3>& poin
       if (delta || !s.ok[k]) continue;
       // Where the ray meets the tangent plane of this sample.
       const Double3 n = s.light_normals[k];
-      const double cosine = -dot(n, directions[i]);
+      const double along = dot(n, directions[i]);
+      const double cosine = light.diffuse_area().two_sided() ? std::fabs(along) : -along;
       if (!(cosine > 1e-6)) continue;
       const Double3 place = s.distance[k] * s.directions[k];
-      const double t = -dot(n, place) / cosine;
+      const double t = dot(n, place) / along;
       const double away = length(t * directions[i] - place);
       if (away >= least) continue;
       least = away;

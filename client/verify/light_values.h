@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "client/verify/records.h"
 #include "client/verify/truth.h"
 
 namespace lucerna::verify {
@@ -30,6 +31,10 @@ class LightValues {
   mutable std::optional<Double3> sun_;
 };
 
+/// Rows whose point lies on the back of a closed surface.  The light shines from its front, which
+/// hides the point, so the value of 0 is right.
+std::vector<bool> on_back(const v1::Light& light, const Records& rows);
+
 /// Where rays meet a light.  NaN for rays that do not, and for lights at infinity.
 struct Hits {
   std::vector<double> distance;   ///< [m]
@@ -42,5 +47,8 @@ struct Hits {
 /// curved ones.
 Hits hits(Truth& truth, const v1::Light& light, const std::vector<Double3>& points,
           const std::vector<Double3>& directions);
+
+/// Whether the surface lies in one plane, so that hits() are exact.
+bool is_plane(const v1::DiffuseAreaLight& area);
 
 }  // namespace lucerna::verify

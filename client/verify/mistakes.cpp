@@ -32,16 +32,22 @@ double difference(double theirs, double predicted, double scatter) {
 }
 
 /// Over rows with light.  Rows without light agree with anything dark, and would hide the others.
+/// `partial`: over the rows that differ from `ours`, or would.
 double misfit(const std::vector<double>& theirs, const std::vector<double>& ours,
-              const std::vector<double>& predicted, const std::vector<double>& scatter) {
+              const std::vector<double>& predicted, const std::vector<double>& scatter,
+              bool partial = false) {
   std::vector<double> all;
   bool any_light = false;
   for (std::size_t i = 0; i < theirs.size(); ++i) {
     if (!(theirs[i] > 0 || ours[i] > 0 || predicted[i] > 0)) continue;
     any_light |= theirs[i] > 0 && predicted[i] > 0;
-    all.push_back(difference(theirs[i], predicted[i], scatter.empty() ? 0 : scatter[i]));
+    const double each = scatter.empty() ? 0 : scatter[i];
+    if (partial && difference(theirs[i], ours[i], each) <= 1 &&
+        difference(predicted[i], ours[i], each) <= 1)
+      continue;
+    all.push_back(difference(theirs[i], predicted[i], each));
   }
-  return any_light ? quantile(std::move(all), kFitShare) : kInfinite;
+  return any_light && !all.empty() ? quantile(std::move(all), kFitShare) : kInfinite;
 }
 
 struct Factor {
@@ -80,8 +86,9 @@ std::optional<Mistake> likely_mistake(const std::vector<double>& theirs,
   };
   std::vector<Candidate> fits;
   for (const Hypothesis& h : hypotheses) {
-    const double m = misfit(theirs, ours, h.predicted, scatter);
-    if (m <= 1 && m * kMargin <= without) fits.push_back({&h, m});
+    const double m = misfit(theirs, ours, h.predicted, scatter, h.partial);
+    // What a partial mistake explains differs by more than a fit allows.
+    if (m <= 1 && (h.partial || m * kMargin <= without)) fits.push_back({&h, m});
   }
   if (fits.empty()) return {};
   // Of mistakes that fit equally well, the simplest.
@@ -142,6 +149,77 @@ void add_product(const std::vector<double>& ours, const std::vector<double>& fac
                              std::move(both), 2});
     }
   }
+}
+
+namespace {
+
+// So many dark rows are not the farthest ones by chance.
+constexpr std::size_t kFewestDark = 4;
+
+/// Light within `range` [m] of a window over the distance.
+void add_window(const std::vector<double>& ours, const std::vector<double>& distance, double range,
+                double power, std::vector<Hypothesis>* hypotheses) {
+  std::vector<double> predicted = ours;
+  for (std::size_t i = 0; i < predicted.size(); ++i) {
+    const double share = std::pow(distance[i] / range, 4);
+    if (!std::isnan(share)) predicted[i] *= std::pow(std::max(0.0, 1 - share), power);
+  }
+  hypotheses->push_back(
+      {"range", fmt::format("the light falls to 0 at a range of {:.3g} m, such as glTF's", range),
+       std::move(predicted), 2, true});
+}
+
+}  // namespace
+
+void add_range(const std::vector<double>& theirs, const std::vector<double>& ours,
+               const std::vector<double>& distance, std::vector<Hypothesis>* hypotheses) {
+  if (distance.empty()) return;
+  double lit = 0, dark = kInfinite;
+  std::size_t dark_rows = 0;
+  for (std::size_t i = 0; i < theirs.size(); ++i) {
+    if (!(ours[i] > 0) || !std::isfinite(distance[i])) continue;
+    if (theirs[i] > 0) {
+      lit = std::max(lit, distance[i]);
+    } else {
+      dark = std::min(dark, distance[i]);
+      ++dark_rows;
+    }
+  }
+  if (lit > 0 && lit < dark && dark_rows >= kFewestDark) {
+    std::vector<double> cut = ours;
+    for (std::size_t i = 0; i < cut.size(); ++i)
+      if (distance[i] > lit) cut[i] = 0;
+    hypotheses->push_back(
+        {"range", fmt::format("the light ends at a range of {:.3g} to {:.3g} m", lit, dark),
+         std::move(cut), 2, true});
+  }
+  for (const double power : {1.0, 2.0}) {
+    // Each row in the slope of the window tells its range.
+    std::vector<double> ranges;
+    for (std::size_t i = 0; i < theirs.size(); ++i) {
+      const double share = 1 - std::pow(theirs[i] / ours[i], 1 / power);
+      if (share > 0.05 && share < 0.95 && std::isfinite(distance[i]))
+        ranges.push_back(distance[i] / std::pow(share, 0.25));
+    }
+    if (ranges.size() >= kFewestDark)
+      add_window(ours, distance, quantile(std::move(ranges), 0.5), power, hypotheses);
+  }
+}
+
+void add_clamp(const std::vector<double>& theirs, const std::vector<double>& ours,
+               std::vector<Hypothesis>* hypotheses) {
+  if (theirs.empty()) return;
+  const double most = *std::ranges::max_element(theirs);
+  std::vector<double> cut = ours;
+  std::size_t above = 0, below = 0;
+  for (double& v : cut) {
+    above += v > most * (1 + kFitError) ? 1 : 0;
+    below += v > 0 && v < most * (1 - kFitError) ? 1 : 0;
+    v = std::min(v, most);
+  }
+  if (above < kFewestDark || below < kFewestDark) return;
+  hypotheses->push_back({"clamped", fmt::format("numbers above {:.3g} are cut to it", most),
+                         std::move(cut), 2, true});
 }
 
 }  // namespace lucerna::verify

@@ -17,6 +17,8 @@ struct Hypothesis {
   std::vector<double> predicted;
   /// Of two mistakes that fit equally well, the smaller number is named.
   int complexity = 1;
+  /// The mistake changes some rows only.  Then the rows that differ, or would, decide alone.
+  bool partial = false;
 };
 
 struct Mistake {
@@ -45,5 +47,15 @@ void add_factors(const std::vector<double>& ours, std::size_t lights,
 void add_product(const std::vector<double>& ours, const std::vector<double>& factor, double power,
                  const std::string& mistake, const std::string& sentence,
                  std::vector<Hypothesis>* hypotheses);
+
+/// Adds hypotheses in which light ends at a distance: at once, or by a window such as that of
+/// glTF's `range`.  `distance` [m] may have NaN.  Adds nothing if the numbers do not end so.
+void add_range(const std::vector<double>& theirs, const std::vector<double>& ours,
+               const std::vector<double>& distance, std::vector<Hypothesis>* hypotheses);
+
+/// Adds the hypothesis that numbers are cut at the largest of `theirs`.  Adds nothing if none, or
+/// all, would be cut.
+void add_clamp(const std::vector<double>& theirs, const std::vector<double>& ours,
+               std::vector<Hypothesis>* hypotheses);
 
 }  // namespace lucerna::verify

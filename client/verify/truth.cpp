@@ -138,13 +138,7 @@ std::vector<std::uint64_t> Truth::lights_met(const std::vector<Double3>& points,
       starts[i] = center + (2 * scene_.radius_m() + 1) * directions[i];
     }
   }
-  v1::LeRequest request;
-  request.set_scene_id(scene_id_);
-  *request.mutable_points() = client::make_points(starts);
-  client::fill(directions, request.mutable_directions());
-  const v1::LeResponse response =
-      session_.value_or_fail(client::le_in_batches(session_.client(), request, batches()));
-  std::vector<std::uint64_t> met(response.light_ids().begin(), response.light_ids().end());
+  std::vector<std::uint64_t> met = lights_ahead(starts, directions);
   // A ray may pass a point light and meet another one behind it.
   std::vector<std::size_t> local;
   std::vector<Double3> before, after;
@@ -163,6 +157,17 @@ std::vector<std::uint64_t> Truth::lights_met(const std::vector<Double3>& points,
       if (id != 0 && is_far(light(id))) id = 0;
   }
   return met;
+}
+
+std::vector<std::uint64_t> Truth::lights_ahead(const std::vector<Double3>& points,
+                                               const std::vector<Double3>& directions) {
+  v1::LeRequest request;
+  request.set_scene_id(scene_id_);
+  *request.mutable_points() = client::make_points(points);
+  client::fill(directions, request.mutable_directions());
+  const v1::LeResponse response =
+      session_.value_or_fail(client::le_in_batches(session_.client(), request, batches()));
+  return {response.light_ids().begin(), response.light_ids().end()};
 }
 
 void Truth::emission_densities(std::uint64_t light, const std::vector<Double3>& points,
@@ -217,6 +222,35 @@ std::vector<double> Truth::unoccluded(std::uint64_t light, const std::vector<Dou
   const v1::SampleLiResponse response =
       session_.value_or_fail(client::sample_li_in_batches(session_.client(), request, batches()));
   return doubles(response.estimates().illuminance_lx());
+}
+
+std::vector<double> Truth::without_cosine(std::uint64_t light, const std::vector<Double3>& points,
+                                          const std::vector<Double3>& normals,
+                                          std::uint32_t samples, std::uint64_t seed) {
+  v1::SampleLiRequest request;
+  request.set_scene_id(scene_id_);
+  request.set_light_id(light);
+  *request.mutable_receivers() = client::make_points(points);
+  client::fill(normals, request.mutable_normals());
+  request.mutable_seed()->set_seed(seed);
+  request.set_test_visibility(true);
+  request.mutable_accuracy()->set_samples(samples);
+  request.mutable_accuracy()->set_area_sampling(v1::AREA_SAMPLING_SOLID_ANGLE);
+  const v1::SampleLiResponse response =
+      session_.value_or_fail(client::sample_li_in_batches(session_.client(), request, batches()));
+  std::vector<double> result;
+  for (std::size_t at = 0; at < points.size(); ++at) {
+    double sum = 0;
+    for (std::size_t i = at * samples; i < (at + 1) * samples; ++i) {
+      const double pdf = response.pdf_per_sr(static_cast<int>(i));
+      if (!is_ok(response.status(), i) || !(pdf > 0) || !client::bit(response.visible(), i))
+        continue;
+      if (dot(normals[at], triple(response.wi(), i)) > 0)
+        sum += luminance(triple(response.value(), i)) / pdf;
+    }
+    result.push_back(sum / samples);
+  }
+  return result;
 }
 
 Estimates Truth::illuminances(std::uint64_t light, const std::vector<Double3>& points,

@@ -61,6 +61,9 @@ class Truth {
   std::vector<std::uint64_t> lights_met(const std::vector<Double3>& points,
                                         const std::vector<Double3>& directions,
                                         const std::vector<double>& distances);
+  /// The light of the first surface that each ray meets; 0 for none.
+  std::vector<std::uint64_t> lights_ahead(const std::vector<Double3>& points,
+                                          const std::vector<Double3>& directions);
   /// The densities of rays that leave a light.
   void emission_densities(std::uint64_t light, const std::vector<Double3>& points,
                           const std::vector<Double3>& directions, std::vector<double>* position,
@@ -71,6 +74,11 @@ class Truth {
   std::vector<double> unoccluded(std::uint64_t light, const std::vector<Double3>& points,
                                  const std::vector<Double3>& normals,
                                  const Variation& variation = {});
+  /// The integral of the light that arrives above the surface, with occlusion and without the
+  /// cosine [lx].  For lights with a density.
+  std::vector<double> without_cosine(std::uint64_t light, const std::vector<Double3>& points,
+                                     const std::vector<Double3>& normals, std::uint32_t samples,
+                                     std::uint64_t seed);
   /// Direct illuminances by one light [lx], with occlusion, from this number of samples.
   Estimates illuminances(std::uint64_t light, const std::vector<Double3>& points,
                          const std::vector<Double3>& normals, std::uint32_t samples,

@@ -142,6 +142,33 @@ class Verify(WithServer):
         self.assertEqual({str(f["light"]) for f in findings if f["verdict"] == "agrees"},
                          {r[1] for r in rows})
 
+    def test_distances_to_meshes_and_balls_are_exact(self):
+        rng = np.random.default_rng(8)
+        (self.folder / "mesh.pbrt").write_text("""WorldBegin
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [50 50 50] "string name" "tent"
+Shape "trianglemesh" "point3 P" [0 0 3  0 1 3.4  2 1 3.4  2 0 3  2 2 3  0 2 3]
+  "integer indices" [0 1 2 0 2 3 1 5 4 1 4 2]
+AttributeEnd
+""")
+        x = rng.random((300, 3)) * [2, 2, 1]
+        y = rng.random((300, 2)) * [2, 2]
+        p = np.stack([y[:, 0], y[:, 1], 3 + 0.4 * (1 - np.abs(y[:, 1] - 1))], axis=1)
+        d = np.linalg.norm(p - x, axis=1)
+        for factor, verdict in ((1, "agrees"), (1.0005, "agrees"), (1.002, "differs"), (1.09, "differs")):
+            path = self.folder / "tent.csv"
+            path.write_text("x,y,z,light,wx,wy,wz,distance\n" + "".join(
+                ",".join(f"{v:.9g}" for v in a) + ",tent," + ",".join(f"{v:.9g}" for v in w) + f",{factor * t:.9g}\n"
+                for a, w, t in zip(x, (p - x) / d[:, None], d)))
+            found = [f for f in self.verify("--samples", path, scene="mesh.pbrt") if f["quantity"] == "distance"]
+            self.assertEqual([f["verdict"] for f in found], [verdict], f"{factor}: {found}")
+            self.assertAlmostEqual(found[0]["medianError"], factor - 1, delta=1e-5)
+            self.assertGreater(found[0]["rows"], 250)
+        self.write(3, only=["samples"])
+        for f in self.verify(*self.files(["samples"])):
+            if f["quantity"] == "distance" and f["rows"] > 0:
+                self.assertLess(f["worstError"], 1e-3, f)
+
     def test_csv_and_numpy_files_have_the_same_answer(self):
         self.write(6, rows=1600)
         with open(self.folder / "samples.csv", encoding="utf-8") as file:

@@ -99,6 +99,61 @@ TEST(VerifyMistakes, RowsWithoutLightDoNotHideTheOthers) {
   EXPECT_FALSE(likely_mistake(theirs, ours, {}, all));
 }
 
+/// 100 lamps seen from 1 to 10.9 m, with 1/r2.
+struct Lamps {
+  std::vector<double> distance, ours;
+  Lamps() {
+    for (int i = 0; i < 100; ++i) {
+      distance.push_back(1 + 0.1 * i);
+      ours.push_back(50 / (distance.back() * distance.back()));
+    }
+  }
+  /// The name of the mistake in `theirs`.
+  std::string name(const std::vector<double>& theirs) const {
+    std::vector<Hypothesis> all;
+    add_factors(ours, 1, &all);
+    add_range(theirs, ours, distance, &all);
+    add_clamp(theirs, ours, &all);
+    const auto named = likely_mistake(theirs, ours, {}, all);
+    return named ? named->mistake : "";
+  }
+};
+
+TEST(VerifyMistakes, LightThatEndsAtARangeIsNamed) {
+  const Lamps lamps;
+  // Many rows beyond the range, and few.
+  for (const double range : {5.0, 10.45}) {
+    std::vector<double> cut = lamps.ours, window = lamps.ours, squared = lamps.ours;
+    for (std::size_t i = 0; i < cut.size(); ++i) {
+      const double share = std::max(0.0, 1 - std::pow(lamps.distance[i] / range, 4));
+      if (lamps.distance[i] > range) cut[i] = 0;
+      window[i] *= share;
+      squared[i] *= share * share;
+    }
+    EXPECT_EQ(lamps.name(cut), "range") << range;
+    EXPECT_EQ(lamps.name(window), "range") << range;
+    EXPECT_EQ(lamps.name(squared), "range") << range;
+  }
+  // Rows that are dark for another reason.
+  std::vector<double> shadowed = lamps.ours;
+  for (std::size_t i = 0; i < 100; i += 3) shadowed[i] = 0;
+  EXPECT_EQ(lamps.name(shadowed), "");
+}
+
+TEST(VerifyMistakes, NumbersThatAreCutAreNamed) {
+  const Lamps lamps;
+  std::vector<double> cut = lamps.ours, other = lamps.ours;
+  for (double& v : cut) v = std::min(v, 20.0);
+  EXPECT_EQ(lamps.name(cut), "clamped");
+  for (double& v : other) v = std::pow(v, 0.8);
+  EXPECT_EQ(lamps.name(other), "");
+  // One number everywhere is a factor, and no cut.
+  const std::vector<double> ours(100, 7), theirs(100, 5);
+  std::vector<Hypothesis> all;
+  add_clamp(theirs, ours, &all);
+  EXPECT_TRUE(all.empty());
+}
+
 TEST(VerifyVariation, ATurnByNinetyDegreesTakesXToY) {
   LightFrame frame;
   frame.center = {1, 0, 0};

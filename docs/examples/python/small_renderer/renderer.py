@@ -57,6 +57,12 @@ MISTAKES = {
     "triangle": ("a triangle that is not sampled uniformly", "wedge", "directions", ""),
     "emission_cosine": ("a cosine in the emitted radiance", "disk", "emission", "cosine_light"),
     "distance": ("distances in centimetres", "bulb", "distance", "factor_100"),
+    "distance_109": ("distances that are 9% too large", "ball", "distance", ""),
+    "sin_theta": ("a density without sin(theta)", "sky", "density", "sin_theta"),
+    "sin_theta_map": ("a density without sin(theta)", "map", "density", "sin_theta"),
+    "cosine_sky": ("illuminance without the cosine", "sky", "illuminance", "cosine_receiver"),
+    "range": ("values cut at a range", "bulb", "value", "range"),
+    "window": ("values that fall to 0 at a range", "spot", "value", "range"),
 }
 
 
@@ -191,6 +197,18 @@ class Renderer:
                 selection = 1
             if wrong and self.has("distance"):
                 d = d * 100
+            if wrong and self.has("distance_109"):
+                d = d * 1.09
+            if wrong and self.has("sin_theta", "sin_theta_map"):
+                # Uniform in both angles, as texels of equal size are.
+                u = math.pi * rng.random((len(x), 2))
+                pole = [0, 0, 1.0] if name == "sky" else [0, 1.0, 0]
+                w = about(np.tile(pole, (len(x), 1)), np.cos(u[:, 0]), 2 * u[:, 1])
+                pdf, value = np.full(len(x), 1 / (2 * math.pi**2)), light.radiance(w)
+            if wrong and self.has("range"):
+                value = value * (d < 3.2)[:, None]
+            if wrong and self.has("window"):
+                value = value * np.clip(1 - (d / 4) ** 4, 0, 1)[:, None]
             for i in range(len(x)):
                 yield [*x[i], name, *w[i], 0 if pdf is None else pdf[i], *value[i], d[i], selection, *normal[i],
                        *(shading[i] if shading is not None else (0, 0, 1))]
@@ -276,7 +294,8 @@ class Renderer:
             yield [name, power]
 
     def irradiance(self, n, rng, per_receiver=1024):
-        for name in ("bulb", "spot", "far", "panel", "ball", "disk", "wedge"):
+        names = ("bulb", "spot", "far", "panel", "ball", "disk", "wedge")
+        for name in (*names, "sky") if self.has("cosine_sky") else names:
             light = self.lights[name]
             x, normal = self.receivers(n, rng, 0)
             geometric = unit(normal + 0.3 * rng.normal(size=normal.shape))
@@ -287,6 +306,8 @@ class Renderer:
             cosine = np.maximum(0, dots(np.repeat(used, count, axis=0), w))
             if self.has("cosine_irradiance") and name == "bulb":
                 cosine = np.ones(len(w))
+            if self.has("cosine_sky") and name == "sky":
+                cosine = cosine > 0
             each = value @ LUMINANCE * cosine / (1 if pdf is None else pdf)
             if self.has("inverse_square_irradiance") and name == "spot":
                 each = each * d**2
