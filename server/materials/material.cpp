@@ -139,23 +139,30 @@ class TraitsOf {
   SmoothTraits operator()(const DiffuseParams&) const { return {.is_rough = true}; }
   SmoothTraits operator()(const DiffuseTransmissionParams&) const { return {.is_rough = true}; }
   SmoothTraits operator()(const MetalParams& m) const {
-    return {.reflects = may_be_smooth(m.roughness), .is_rough = may_be_rough(m.roughness)};
+    return {.reflects = may_be_smooth(m.roughness),
+            .glossy_alpha = glossy(m.roughness),
+            .is_rough = may_be_rough(m.roughness)};
   }
   SmoothTraits operator()(const DielectricParams& m) const {
     const bool smooth = may_be_smooth(m.roughness);
     return {.reflects = smooth,
             .passes = smooth,
             .eta = constant(m.eta),
+            .glossy_alpha = glossy(m.roughness),
             .is_rough = may_be_rough(m.roughness)};
   }
   SmoothTraits operator()(const ThinDielectricParams&) const {
     return {.reflects = true, .passes = true};
   }
   SmoothTraits operator()(const CoatedDiffuseParams& m) const {
-    return {.reflects = may_be_smooth(m.coat.roughness), .is_rough = true};
+    return {.reflects = may_be_smooth(m.coat.roughness),
+            .glossy_alpha = glossy(m.coat.roughness),
+            .is_rough = true};
   }
   SmoothTraits operator()(const CoatedMetalParams& m) const {
+    const double coat = glossy(m.coat.roughness);
     return {.reflects = may_be_smooth(m.coat.roughness),
+            .glossy_alpha = coat > 0 ? coat : glossy(m.metal.roughness),
             .is_rough = may_be_rough(m.coat.roughness) || may_be_rough(m.metal.roughness)};
   }
   SmoothTraits operator()(const GltfSurfaceParams& m) const {
@@ -164,6 +171,7 @@ class TraitsOf {
     const bool has_coat = !m.coat.is_constant() || m.coat.constant > 0;
     return {.reflects = smooth || (has_coat && is_smooth(square(least(m.coat_roughness)))),
             .passes = smooth && m.transmits(),
+            .glossy_alpha = m.surface.is_constant() ? glossy(square(m.surface.constant.g)) : 0,
             .is_rough = true};
   }
   SmoothTraits operator()(const MixParams& m) const {
@@ -172,6 +180,7 @@ class TraitsOf {
                    .passes = a.passes || b.passes,
                    .eta = a.passes ? a.eta : b.eta,
                    .turns_normals = a.turns_normals || b.turns_normals,
+                   .glossy_alpha = std::max(a.glossy_alpha, b.glossy_alpha),
                    .is_rough = a.is_rough || b.is_rough};
     if (a.passes && b.passes && a.eta != b.eta) t.eta = std::nullopt;
     return t;
@@ -187,6 +196,14 @@ class TraitsOf {
   static double alpha(const Roughness& r, const NumberValue& v) {
     const double given = std::clamp(v.constant, 0.0, 1.0);
     return r.remap ? std::sqrt(given) : given;
+  }
+  /// Between a mirror and surfaces whose lobes directions find by themselves.
+  static double glossy(double alpha) {
+    constexpr double kMostGlossy = 0.15;
+    return !is_smooth(alpha) && alpha <= kMostGlossy ? alpha : 0;
+  }
+  static double glossy(const Roughness& r) {
+    return is_constant(r) ? glossy(std::fmax(alpha(r, r.u), alpha(r, r.v))) : 0;
   }
   static bool is_constant(const Roughness& r) { return r.u.is_constant() && r.v.is_constant(); }
   static bool is_smooth(const Roughness& r) {

@@ -114,9 +114,13 @@ struct SmoothTraits {
   /// direction.  Nothing if it differs from point to point.
   std::optional<double> eta = 1;
   bool turns_normals = false;  ///< by a map
-  bool is_rough = false;       ///< whether it scatters light in other directions too
+  /// Roughness alpha of facets that reflect nearly like a mirror; 0 if there are none, or if it
+  /// differs from point to point.
+  double glossy_alpha = 0;
+  bool is_rough = false;  ///< whether it scatters light in other directions too
 
   bool is_smooth() const { return reflects || passes; }
+  bool is_glossy() const { return glossy_alpha > 0; }
 };
 /// `materials`: the material of a number.
 SmoothTraits smooth_traits(absl::FunctionRef<const Material&(std::uint32_t)> materials,

@@ -54,7 +54,7 @@ struct PrimitiveRun {
 
 struct SurfaceTable {
   std::vector<Surface> surfaces;
-  /// The surfaces that send light on in single directions (SmoothTraits), with their places.
+  /// The surfaces that are mirrors, or nearly so, at some points (SmoothTraits), with their places.
   struct SmoothSurface {
     std::uint32_t surface = 0;
     SourceLocation where{};

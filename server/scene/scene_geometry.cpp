@@ -84,7 +84,8 @@ absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>&
   if (!shape.emission || shape.motion) drop(shape);
   if (shape.is_interface) return absl::OkStatus();
   const auto of_scene = [&](std::uint32_t i) -> const Material& { return in_.materials[i]; };
-  if (smooth_traits(of_scene, shape.material).is_smooth())
+  const SmoothTraits traits = smooth_traits(of_scene, shape.material);
+  if (traits.is_smooth() || traits.is_glossy())
     table.smooth.push_back({static_cast<std::uint32_t>(table.surfaces.size() - 1), shape.where});
   // A pane that emits is met by all rays, which find its light.
   const Material& material = in_.materials[shape.material];

@@ -67,7 +67,8 @@ struct Plane {
   /// Whether another plane is the same one, with the same material.
   bool joins(const Plane& other) const {
     return !other.part.is_sphere && part.material == other.part.material &&
-           part.refracts == other.part.refracts && contains(other.part.n, other.rectangle());
+           part.refracts == other.part.refracts && part.glossy_alpha == other.part.glossy_alpha &&
+           contains(other.part.n, other.rectangle());
   }
   SmoothPart finished() const {
     SmoothPart p = part;
@@ -195,6 +196,7 @@ class SmoothSurfaces::Collector {
                      : &scene_.accelerator().instance(static_cast<std::uint32_t>(instance));
     SmoothPart like{.reflects = traits.reflects,
                     .refracts = traits.passes && !surface.pane_eta,
+                    .glossy_alpha = traits.glossy_alpha,
                     .eta = traits.eta.value_or(1),
                     .reflected = reflected(surface.material),
                     .material = surface.material};
@@ -209,6 +211,7 @@ class SmoothSurfaces::Collector {
       const auto shape = static_cast<std::uint64_t>(instance + 1) << 32 | s.surface;
       join(found, shape);
     } else {
+      if (!traits.is_smooth()) return;  // directions find light by way of it, if not soon
       Bounds bounds;
       for (const Run& run : runs) add_bounds(set, placed, run, bounds);
       to_.unsolved_.push_back({s.where, bounds});
@@ -237,7 +240,7 @@ class SmoothSurfaces::Collector {
     for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
       if (run.kind == HitKind::kSphere) {
         auto sphere = whole_sphere(set.of<Sphere<double>>()[i], placed, like);
-        if (!sphere || like.refracts) return false;
+        if (!sphere || like.refracts || !like.reflects) return false;
         planes.push_back(static_cast<std::int32_t>(found.planes.size()));
         found.planes.push_back(*sphere);
         continue;

@@ -24,6 +24,8 @@ struct SmoothPart {
   bool reflects = false;
   /// Whether light passes it in a single direction.  Panes that direct light passes do not count.
   bool refracts = false;
+  /// Of a plane that is nearly a mirror: the roughness alpha of its facets; else 0.
+  double glossy_alpha = 0;
   /// The index on the side to which -n points, over that to which n points.
   double eta = 1;
   /// The share of light that it reflects along its normal, at some point of it.  For choices only.

@@ -46,7 +46,15 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
       visibility_(visibility),
       surfaces_(smooth_surfaces(scene)),
       parts_(scene.lights().empty() ? std::span<const SmoothPart>() : surfaces_.parts()),
-      samples_sizes_(methods.combination != Combination::kSurfaces) {}
+      samples_sizes_(methods.combination != Combination::kSurfaces) {
+  for (std::uint32_t i = 0; i < parts_.size(); ++i) {
+    has_steps_ |= parts_[i].reflects || parts_[i].refracts;
+    if (parts_[i].glossy_alpha > 0) glossy_.push_back(i);
+  }
+  if (glossy_.empty()) return;
+  for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
+    if (is_delta(scene.lights()[l])) deltas_.push_back(l);
+}
 
 bool SmoothLight::counts_step(const SurfaceHit& hit, const Vec3<double>& wo,
                               const Vec3<double>& wi) const {
@@ -125,6 +133,8 @@ auto SmoothLight::extended(const Sequence& parent, const Next& next) -> Sequence
 void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
                          const Found& found) const {
   if (!any() || v.most_steps == 0) return;
+  if (!deltas_.empty()) sample_glossy(v, s, work, found);
+  if (!has_steps_) return;
   Choices choices(s, v.depth);
   Sequence root;
   root.image = v.hit.position;

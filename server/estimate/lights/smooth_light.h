@@ -11,7 +11,9 @@
 #include <absl/container/inlined_vector.h>
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "server/estimate/lights/direct_light.h"
 #include "server/estimate/lights/path_sample.h"
@@ -31,7 +33,7 @@ class SmoothLight {
   SmoothLight(const Scene& scene, const Methods& methods, const LightVisibility& visibility);
 
   /// Whether light may arrive in this way at all.
-  bool any() const { return !parts_.empty(); }
+  bool any() const { return has_steps_ || !deltas_.empty(); }
 
   /// A point that scatters light in more than single directions.
   struct Vertex {
@@ -50,6 +52,17 @@ class SmoothLight {
   /// light that was sampled; the estimates add up.
   using Found = DirectLight::Found;
   void sample(const Vertex& v, const PathSample& s, WorkCounts& work, const Found& found) const;
+
+  /// A vertex from which a direction led to another one.
+  struct Before {
+    Vec3<double> position;
+    double pdf = 0;  ///< of the direction [1/sr]; 0: it was a single one, or a camera's
+    bool is_receiver = false;
+    bool counted = false;  ///< `counts_at`
+  };
+  /// The weight of light from a delta light at `hit`, which a direction of the vertex before it
+  /// found.  Below 1 on glossy surfaces: `sample` at that vertex may have found this point too.
+  double glossy_weight(const Before& before, const SurfaceHit& hit, std::uint32_t light) const;
 
   /// Whether `sample` counts lights with a size at this vertex.
   bool counts_at(const SurfaceScattering* scattering, const Vec3<float>& wo) const {
@@ -100,11 +113,24 @@ class SmoothLight {
                           std::uint32_t light, WorkCounts& work) const;
   Rgb<double> scattered(const Vertex& v, const Vec3<double>& wi) const;
 
+  /// Delta lights by way of a glossy plane: points about that of the mirror image, as far away as
+  /// facets may be tilted.
+  void sample_glossy(const Vertex& v, const PathSample& s, WorkCounts& work,
+                     const Found& found) const;
+  struct GlossySpot;
+  std::optional<GlossySpot> glossy_spot(const SmoothPart& part, const Vec3<double>& from,
+                                        std::uint32_t light, double time_s) const;
+  /// The probability with which a vertex chooses each pair of a glossy plane and a delta light.
+  double glossy_choice(bool is_receiver) const;
+
   const Scene& scene_;
   const LightVisibility& visibility_;
   const SmoothSurfaces& surfaces_;
   std::span<const SmoothPart> parts_;
   bool samples_sizes_;
+  bool has_steps_ = false;             ///< whether a part mirrors or refracts
+  std::vector<std::uint32_t> glossy_;  ///< numbers of parts
+  std::vector<std::uint32_t> deltas_;  ///< delta lights, if there are glossy parts
 };
 
 }  // namespace lucerna

@@ -40,7 +40,8 @@ Rgb<double> PathTracer::left_by_media(Ray ray, const std::optional<SurfaceHit>& 
 
 LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& first_wo,
                                     std::uint32_t depth, const PathSample& sample, WorkCounts& work,
-                                    bool counted, const NeighbourRays* neighbours) const {
+                                    SmoothLight::Before before,
+                                    const NeighbourRays* neighbours) const {
   LightEstimate sum;
   if (scene_.lights().empty()) return sum;
   SurfaceHit hit = first;
@@ -81,9 +82,10 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     if (!scattering || !scattering->all_delta())
       direct_.sample(
           direct_.spending(depth), hit, wo, depth, sample, settled, work,
-          [&](std::uint32_t, const LightEstimate& e) {
-            sum.value += throughput * e.value;
-            sum.unshadowed += throughput * e.unshadowed;
+          [&](std::uint32_t light, const LightEstimate& e) {
+            const double weight = smooth_.any() ? smooth_.glossy_weight(before, hit, light) : 1;
+            sum.value += throughput * e.value * weight;
+            sum.unshadowed += throughput * e.unshadowed * weight;
           },
           scattering ? &*scattering : nullptr);
 
@@ -108,9 +110,14 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       next_direction = {Vec3<float>(scattered->wi), scattered->pdf.per_sr, scattered->delta};
     }
     if (!next_direction.is_single)
-      counted = smooth_.counts_at(scattering ? &*scattering : nullptr, wo);
-    else if (counted)
-      counted = smooth_.counts_step(hit, Vec3<double>(wo), Vec3<double>(next_direction.wi));
+      before = {hit.position, next_direction.pdf, false,
+                smooth_.counts_at(scattering ? &*scattering : nullptr, wo)};
+    else
+      before = {{},
+                0,
+                false,
+                before.counted &&
+                    smooth_.counts_step(hit, Vec3<double>(wo), Vec3<double>(next_direction.wi))};
     // Lights do not sample single directions, so these always find lights.
     const bool finds =
         next_direction.is_single ? scene_.has_visible_lights() : direct_.finds_lights();
@@ -128,7 +135,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray, direct_.transmittance().met());
     if (scene_.has_media()) throughput = throughput * left_by_media(ray, next);
     const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
-      if (settled.has(light) || (next_direction.is_single && counted)) return;
+      if (settled.has(light) || (next_direction.is_single && before.counted)) return;
       work.by_chance += next_direction.is_single ? 1 : 0;
       const double weight =
           next_direction.is_single
@@ -153,7 +160,7 @@ LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample, Wor
   Rgb<double> seen;
   for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<double>& le) { seen += le; });
   LightEstimate sum{seen, seen};
-  if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work, false, neighbours);
+  if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work, {}, neighbours);
   if (!scene_.has_media()) return sum;
   const Rgb<double> left = left_by_media(ray, hit);
   return {sum.value * left, sum.unshadowed * left};

@@ -50,10 +50,11 @@ class PathTracer {
                          const NeighbourRays* neighbours = nullptr) const;
 
   /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`.
-  /// `depth`: number of reflections between the surface and the camera.  `counted`: whether the
-  /// vertex before it has counted the light of its single directions (SmoothLight).
+  /// `depth`: number of reflections between the surface and the camera.  `before`: the vertex whose
+  /// direction found the surface, if SmoothLight sampled there.
   LightEstimate reflected(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
-                          const PathSample& sample, WorkCounts& work, bool counted = false,
+                          const PathSample& sample, WorkCounts& work,
+                          SmoothLight::Before before = {},
                           const NeighbourRays* neighbours = nullptr) const;
 
   /// Calls `f(light, radiance)` for each light at the ray's end: the light at `hit` or,

@@ -376,7 +376,8 @@ class IrradianceEstimator {
     }
     if (hit && gather_indirect_) {
       const LightEstimate e =
-          tracer_.reflected(*hit, -wi, 1, s, work, tracer_.smooth().counts_at(nullptr, n));
+          tracer_.reflected(*hit, -wi, 1, s, work,
+                            {receiver.position, pdf, true, tracer_.smooth().counts_at(nullptr, n)});
       sum += {e.value * left * kPi, e.unshadowed * left * kPi};
       to.reflected += e.unshadowed.is_black() ? 0 : 1;
     }

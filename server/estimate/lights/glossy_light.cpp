@@ -1,0 +1,148 @@
+// SmoothLight: delta lights by way of planes that are nearly mirrors.  Directions of surfaces meet
+// the small spot where such a plane shines by chance only.  So points are drawn about the point of
+// the mirror image.  Both ways are weighted by the balance heuristic.  [Veach95]
+#include <algorithm>
+#include <cmath>
+
+#include "server/estimate/lights/smooth_light.h"
+
+namespace lucerna {
+namespace {
+
+using Vector = Vec3<double>;
+
+/// With at most this many pairs of a plane and a light, a receiver visits each.
+constexpr std::size_t kFewPairs = 16;
+/// Pairs of random numbers, apart from those of smooth_light.cpp.
+constexpr std::uint32_t kFirstPair = 5U << 29;
+constexpr std::uint32_t kPairsOfVertex = 64;
+
+}  // namespace
+
+/// The part of a plane that mirrors a light towards a point.
+struct SmoothLight::GlossySpot {
+  Vector middle;         ///< where a mirror would show the light
+  Vector along, across;  ///< in the plane, unit: along the plane of incidence, and across it
+  double per_along, per_across;  ///< slope of the facets that mirror, over the distance [1/m]
+  double alpha;
+
+  /// GGX of slopes: alpha^2 / (pi (alpha^2 + slope^2)^2).
+  Vector point(const Vec2<float>& u) const {
+    const double r = alpha * std::sqrt(double{u.x} / (1 - double{u.x})), turn = 2 * kPi * u.y;
+    return middle + along * (r * std::cos(turn) / per_along) +
+           across * (r * std::sin(turn) / per_across);
+  }
+  /// Density of `point` [1/m2].
+  double pdf(const Vector& p) const {
+    const double a = dot(p - middle, along) * per_along, b = dot(p - middle, across) * per_across;
+    const double q = alpha * alpha + a * a + b * b;
+    return alpha * alpha / (kPi * q * q) * per_along * per_across;
+  }
+};
+
+auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3<double>& from, std::uint32_t light,
+                              double time_s) const -> std::optional<GlossySpot> {
+  const LightAtTime at(scene_.lights()[light], time_s);
+  const double height = part.height(from);
+  if (height == 0) return std::nullopt;
+  // The light as the mirrored point sees it.
+  const Vector image = mirror_image(part, from);
+  Vector w;
+  double distance = std::numeric_limits<double>::infinity();
+  if (const auto bounds = at.bounds()) {
+    const Vector away = bounds->lower * 0.5 + bounds->upper * 0.5 - image;
+    distance = length(away);
+    w = away / distance;
+  } else {
+    w = at.sample_li(Receiver<double>(image), {}).wi;
+  }
+  const double towards = dot(part.n, w), t = height / towards;
+  if (!(t > 0 && t < distance)) return std::nullopt;
+  // To the point, and to the light.
+  const double curvature = 1 / t + 1 / (distance - t), cosine = std::fabs(towards);
+  GlossySpot spot{.middle = image + w * t, .alpha = part.glossy_alpha};
+  const Vector in_plane = w - part.n * towards;
+  spot.along = length(in_plane) > 1e-6 ? normalized(in_plane) : Frame<double>::around(part.n).s;
+  spot.across = cross(part.n, spot.along);
+  spot.per_along = curvature * cosine / 2;
+  spot.per_across = curvature / (2 * cosine);
+  if (!std::isfinite(spot.per_across) || !(spot.per_along > 0)) return std::nullopt;
+  return spot;
+}
+
+double SmoothLight::glossy_choice(bool is_receiver) const {
+  const std::size_t pairs = glossy_.size() * deltas_.size();
+  return is_receiver && pairs <= kFewPairs ? 1 : 1 / static_cast<double>(pairs);
+}
+
+double SmoothLight::glossy_weight(const Before& before, const SurfaceHit& hit,
+                                  std::uint32_t light) const {
+  if (deltas_.empty() || !(before.pdf > 0) || !is_delta(scene_.lights()[light])) return 1;
+  const std::int32_t number = surfaces_.part_of(hit);
+  if (number < 0) return 1;
+  const SmoothPart& part = parts_[static_cast<std::size_t>(number)];
+  if (!(part.glossy_alpha > 0)) return 1;
+  const auto spot = glossy_spot(part, before.position, light, hit.time_s);
+  if (!spot) return 1;
+  const Vector away = hit.position - before.position;
+  const double distance2 = dot(away, away);
+  const double by_direction =
+      before.pdf * std::fabs(dot(hit.ng, away)) / (distance2 * std::sqrt(distance2));
+  return by_direction /
+         (by_direction + glossy_choice(before.is_receiver) * spot->pdf(hit.position));
+}
+
+void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts& work,
+                                const Found& found) const {
+  const std::size_t pairs = glossy_.size() * deltas_.size();
+  const double probability = glossy_choice(v.is_receiver);
+  const std::uint32_t first = kFirstPair + v.depth * kPairsOfVertex;
+  const auto visit = [&](std::size_t pair, const Vec2<float>& u) {
+    const std::uint32_t number = glossy_[pair / deltas_.size()];
+    const std::uint32_t light = deltas_[pair % deltas_.size()];
+    const SmoothPart& part = parts_[number];
+    const auto spot = glossy_spot(part, v.hit.position, light, v.hit.time_s);
+    if (!spot) return;
+    const Vector p = spot->point(u);
+    const double density = probability * spot->pdf(p);
+    if (!(density > 0) || !part.may_contain(p)) return;
+    const Vector away = p - v.hit.position;
+    const double distance = length(away);
+    const Vector w = away / distance;
+    const Rgb<double> f = scattered(v, w);
+    if (f.is_black()) return;
+    const Ray ray = spawn_ray(v.hit, Vec3<float>(w));
+    ++work.indirect_rays;
+    auto hit = scene_.closest_hit(ray, visibility_.transmittance().met());
+    if (!hit || surfaces_.part_of(*hit) != static_cast<std::int32_t>(number)) return;
+    const SurfaceScattering scattering(scene_, *hit);
+    const LightAtTime at(scene_.lights()[light], v.hit.time_s);
+    const LightSample<double> sample = at.sample_li(Receiver<double>(hit->position), {});
+    if (sample.reason != NoLight::kNone) return;
+    const double per_area = std::fabs(dot(part.n, w)) / (distance * distance);
+    const double direction_pdf = v.scattering != nullptr
+                                     ? v.scattering->pdf(Vector(v.wo), w)
+                                     : std::fabs(dot(v.hit.ns, w)) * std::numbers::inv_pi;
+    const Rgb<double> value = f * scattering.value(-w, sample.wi) * sample.value *
+                              (per_area / (density + direction_pdf * per_area));
+    if (value.is_black() || !is_finite(value)) return;
+    Rgb<double> share(1);
+    if (scene_.has_media()) {
+      Ray way = ray;
+      way.t_max = hit->t;
+      share = scene_.through_media(way);
+    }
+    const Ray last = shadow_ray(*hit, sample, scene_.lights()[light].reach_m());
+    share = share * visibility_.visible(light, hit->position, hit->ng, last, work);
+    found(light, {value * share, value});
+  };
+  if (probability == 1) {
+    for (std::size_t pair = 0; pair < pairs; ++pair)
+      visit(pair, s.pair(first + static_cast<std::uint32_t>(pair)));
+    return;
+  }
+  const double chosen = choosing_value(s.pair(first)) * static_cast<double>(pairs);
+  visit(std::min(static_cast<std::size_t>(chosen), pairs - 1), s.pair(first + 1));
+}
+
+}  // namespace lucerna

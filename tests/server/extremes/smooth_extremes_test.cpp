@@ -1,0 +1,50 @@
+// Row 43: light by way of mirrors, in scenes of any size and with lamps close to the mirror.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "server/estimate/queries/irradiance.h"
+#include "server/materials/fresnel.h"
+#include "tests/server/scene/scenes.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+TEST(SmoothExtremes, MirrorsOfAnySize) {
+  Sweep sweep(43, "a lamp before a mirror", "sizes 1e-9 ... 1e9 m, lamp at 1e-5 ... 1.5 sizes",
+              "illuminance, with that of the mirror image");
+  for (const double size_m : {1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9}) {
+    for (const double gap : {1e-5, 1e-3, 0.1, 1.5}) {
+      SceneDescription d = description();
+      d.materials = {{.params = MetalParams{.eta = ColourValue{Rgb<double>(1)},
+                                            .k = ColourValue{Rgb<double>(4)}}}};
+      const double s = size_m;
+      d.shapes = {patch({2 * s, -16 * s, -16 * s}, {2 * s, 16 * s, -16 * s},
+                        {2 * s, -16 * s, 16 * s}, {2 * s, 16 * s, 16 * s})};
+      const Vec3<double> lamp{(2 - gap) * s, 0.5 * s, s}, image{(2 + gap) * s, 0.5 * s, s};
+      const double candela = 100 * s * s;
+      d.lights = {point_light(lamp, candela)};
+      const auto scene = build(std::move(d));
+      const Vec3<double> n{0.6, 0, 0.8};
+      const auto error = static_cast<float>(1e-7 * s);
+      const std::vector<IrradiancePoint> points{
+          {Vec3<double>{} - scene->origin(), {error, error, error}, n}};
+      const IrradianceResult r = estimate_irradiance(
+          *scene, points, {.samples_per_block = 1, .block_count = 16, .bounces = 1}, {});
+      const auto arriving = [&](const Vec3<double>& from) {
+        return candela * dot(n, normalized(from)) / dot(from, from);
+      };
+      const double cosine = normalized(image).x;
+      const double share = fresnel_conductor(cosine, Rgb<double>(1), Rgb<double>(4)).g;
+      sweep.compare(luminance(r.points[0].irradiance_lx), arriving(lamp) + share * arriving(image),
+                    fmt::format("size {} m, lamp at {} sizes", size_m, gap));
+    }
+  }
+  sweep.expect_within(1e-6);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
