@@ -144,6 +144,11 @@ absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
   if (!ok) return file.unreadable();
   LUCERNA_RETURN_IF_ERROR(check_spec(content, file.spec_, options.max_texels));
   file.arrangement_ = Arrangement(file.spec_, format == PictureFormat::kExr);
+  // The numbers of a display window may exceed an int.
+  if (file.arrangement_.width() < 1 || file.arrangement_.height() < 1)
+    return bad_picture(content, fmt::format("a display window of {} x {} texels, allowed: at least "
+                                            "1 x 1",
+                                            file.arrangement_.width(), file.arrangement_.height()));
   LUCERNA_RETURN_IF_ERROR(check_texels(content, file.arrangement_.width(),
                                        file.arrangement_.height(), options.max_texels));
   return file;
