@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 namespace lucerna {
 namespace {
@@ -21,22 +20,11 @@ Axes axes_of(PhotometricType type) {
     case PhotometricType::kA:
       return {{0, 0, -1}, {1, 0, 0}, {0, 1, 0}};
     case PhotometricType::kB:
-      return {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
+      return {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
     case PhotometricType::kC:
       break;
   }
   return {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}};
-}
-
-absl::Status check_ascending(std::string_view field, const std::vector<double>& angles) {
-  for (std::size_t i = 0; i < angles.size(); ++i) {
-    const bool good = std::isfinite(angles[i]) && std::fabs(angles[i]) <= 360 &&
-                      (i == 0 || angles[i] > angles[i - 1]);
-    if (!good)
-      return absl::InvalidArgumentError(fmt::format(
-          "{}[{}] = {} degrees, allowed: ascending, within 360 degrees of 0", field, i, angles[i]));
-  }
-  return absl::OkStatus();
 }
 
 /// Integrals of the sine over an interval, times the two linear functions that are 1 at one end and
@@ -65,45 +53,6 @@ double half_one_minus_cos(double angle) {
 }
 
 }  // namespace
-
-absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees) {
-  const auto& v = degrees;
-  if (v.size() < 2)
-    return absl::InvalidArgumentError(
-        fmt::format("{} vertical angles, allowed: 2 or more", v.size()));
-  if (auto s = check_ascending("vertical angle", v); !s.ok()) return s;
-  const double first = v.front(), last = v.back();
-  if (type == PhotometricType::kC) {
-    if ((first == 0 || first == 90) && (last == 90 || last == 180)) return absl::OkStatus();
-    return absl::InvalidArgumentError(fmt::format(
-        "vertical angles from {} to {} degrees, allowed for type C: from 0 or 90 to 90 or 180",
-        first, last));
-  }
-  if ((first == -90 || first == 0) && last == 90) return absl::OkStatus();
-  return absl::InvalidArgumentError(fmt::format(
-      "vertical angles from {} to {} degrees, allowed for types A and B: from -90 or 0 to 90",
-      first, last));
-}
-
-absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees) {
-  const auto& h = degrees;
-  if (h.empty()) return absl::InvalidArgumentError("0 horizontal angles, allowed: 1 or more");
-  if (auto s = check_ascending("horizontal angle", h); !s.ok()) return s;
-  const double first = h.front(), last = h.back();
-  if (type == PhotometricType::kC) {
-    const bool good = (first == 0 && (last == 0 || last == 90 || last == 180 || last == 360)) ||
-                      (first == 90 && last == 270) || (first == -90 && last == 90);
-    if (good) return absl::OkStatus();
-    return absl::InvalidArgumentError(
-        fmt::format("horizontal angles from {} to {} degrees, allowed for type C: only 0, 0 to "
-                    "90, 0 to 180, 90 to 270, 0 to 360",
-                    first, last));
-  }
-  if ((first == 0 || first == -90) && last == 90) return absl::OkStatus();
-  return absl::InvalidArgumentError(fmt::format(
-      "horizontal angles from {} to {} degrees, allowed for types A and B: from 0 or -90 to 90",
-      first, last));
-}
 
 absl::StatusOr<std::shared_ptr<const PhotometricWeb>> PhotometricWeb::create(
     const PhotometricWebParams& params) {
@@ -136,42 +85,29 @@ PhotometricWeb::PhotometricWeb(const PhotometricWebParams& params) : type_(param
 // Expands the symmetries of the file's grid.  Polar angles are from the pole, and azimuths cover
 // all directions with light.
 void PhotometricWeb::write_out(const PhotometricWebParams& params) {
-  const std::size_t n = params.vertical_deg.size();
+  const std::vector<double>& v = params.vertical_deg;
+  const std::vector<PhotometricPlane> planes = all_planes(type_, params.horizontal_deg);
+  const auto add_row = [&](double azimuth_deg, auto&& index_of) {
+    azimuth_rad_.push_back(azimuth_deg * kRadPerDegree);
+    for (std::size_t j = 0; j < polar_rad_.size(); ++j)
+      cd_.push_back(params.intensity_cd[index_of(j)]);
+  };
+  if (type_ == PhotometricType::kB) {
+    // The horizontal angle is the latitude: the file's planes are the columns.
+    const std::size_t m = planes.size();
+    polar_rad_.reserve(m), azimuth_rad_.reserve(v.size()), cd_.reserve(v.size() * m);
+    for (std::size_t j = m; j-- > 0;) polar_rad_.push_back((90 - planes[j].deg) * kRadPerDegree);
+    for (std::size_t i = 0; i < v.size(); ++i)
+      add_row(v[i], [&](std::size_t j) { return planes[m - 1 - j].of * v.size() + i; });
+    return;
+  }
+  const std::size_t n = v.size();
   const bool from_pole = type_ == PhotometricType::kC;
-  polar_rad_.resize(n);
+  polar_rad_.reserve(n), azimuth_rad_.reserve(planes.size()), cd_.reserve(planes.size() * n);
   for (std::size_t j = 0; j < n; ++j)
-    polar_rad_[j] =
-        (from_pole ? params.vertical_deg[j] : 90 - params.vertical_deg[n - 1 - j]) * kRadPerDegree;
-
-  // A plane of the result: its azimuth, and the plane of the file that it copies.
-  struct Plane {
-    double deg;
-    std::size_t of;
-  };
-  std::vector<Plane> planes;
-  const auto& h = params.horizontal_deg;
-  for (std::size_t i = 0; i < h.size(); ++i) planes.push_back({h[i], i});
-  // Appends all planes, mirrored at the last one.
-  const auto mirror = [&] {
-    const double last = planes.back().deg;
-    for (std::size_t i = planes.size() - 1; i-- > 0;)
-      planes.push_back({2 * last - planes[i].deg, planes[i].of});
-  };
-  if (type_ == PhotometricType::kC) {
-    if (h.size() == 1) {
-      planes.push_back({360, 0});
-    } else {
-      while (planes.back().deg - planes.front().deg < 360) mirror();
-    }
-  } else if (h.front() == 0) {
-    for (std::size_t i = 1; i < h.size(); ++i) planes.insert(planes.begin(), {-h[i], i});
-  }
-  cd_.reserve(planes.size() * n);
-  for (const Plane& plane : planes) {
-    azimuth_rad_.push_back(plane.deg * kRadPerDegree);
-    for (std::size_t j = 0; j < n; ++j)
-      cd_.push_back(params.intensity_cd[plane.of * n + (from_pole ? j : n - 1 - j)]);
-  }
+    polar_rad_.push_back((from_pole ? v[j] : 90 - v[n - 1 - j]) * kRadPerDegree);
+  for (const PhotometricPlane& plane : planes)
+    add_row(plane.deg, [&](std::size_t j) { return plane.of * n + (from_pole ? j : n - 1 - j); });
 }
 
 double PhotometricWeb::cell_flux(std::size_t row, std::size_t column) const {
@@ -282,7 +218,9 @@ PhotometricWeb::Place PhotometricWeb::find(const Vec3<double>& w) const {
   const double x = dot(w, axes.zero), y = dot(w, axes.ninety), z = dot(w, axes.pole);
   const double polar = std::atan2(std::hypot(x, y), z);
   double azimuth = std::atan2(y, x);
-  if (azimuth < azimuth_rad_.front()) azimuth += 2 * kPi;
+  // The file's planes may begin anywhere within a turn of 0.
+  while (azimuth < azimuth_rad_.front()) azimuth += 2 * kPi;
+  while (azimuth > azimuth_rad_.front() + 2 * kPi) azimuth -= 2 * kPi;
   // A full circle has no gap, even if rounding moved its ends.
   const bool around = azimuth_rad_.back() - azimuth_rad_.front() > 6.28;
   const bool inside =

@@ -9,42 +9,19 @@
 #include <vector>
 
 #include "lights/maths/emission_cone.h"
+#include "lights/pictures/photometric_angles.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
 
-/// The poles of the grid.  In light space, +z is the photometric zero of a hanging luminaire:
-/// straight down.  (A spot shines along +z too.)  +x is the photometric horizontal.  So +y is
-/// horizontal too, to the right of an observer who looks along +x with the sky above.  V and H are
-/// the file's vertical and horizontal angles.  [LM63, 3], and for directions of rotation [Blut22]
-enum class PhotometricType : std::uint8_t {
-  kC,  ///< V from +z (0) to -z (180); H about that axis, counter-clockwise seen from above: at V 90
-       ///< H = 0 is +x and H = 90 is -y
-  kB,  ///< V the latitude about a horizontal axis, V = 90 is +x; at V 0 H = 0 is +z, H = 90 is +y
-  kA,  ///< V the latitude about the vertical axis, V = 90 is -z; at V 0 H = 0 is +x, H = 90 is +y
-};
-
 struct PhotometricWebParams {
   PhotometricType type = PhotometricType::kC;
-  /// Ascending [degrees], as in files.  Type C from 0 or 90 to 90 or 180; types A and B from -90 or
-  /// 0 to 90.  Directions outside are dark.
-  std::vector<double> vertical_deg;
-  /// Ascending [degrees]. Type C:
-  /// - only 0: symmetric about the axis
-  /// - 0 to 90: equal in each quadrant
-  /// - 0 to 180: symmetric about the plane 0-180
-  /// - 90 to 270 or -90 to 90: symmetric about the plane 90-270
-  /// - 0 to 360
-  ///
-  /// Types A and B: 0 to 90 (symmetric about H = 0), or -90 to 90.  Dark outside.
-  std::vector<double> horizontal_deg;
+  /// Ascending [degrees], as in files, and as check_vertical_angles and check_horizontal_angles
+  /// have it.  all_planes() adds planes by symmetry.  Directions outside are dark.
+  std::vector<double> vertical_deg, horizontal_deg;
   /// All vertical angles at the first horizontal angle, then at the next.  Finite, not negative.
   std::vector<double> intensity_cd;
 };
-
-/// OK where `degrees` satisfy PhotometricWebParams.
-absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees);
-absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees);
 
 /// Intensity, bilinear in the two angles between grid points.  Immutable, so lights share it.
 class PhotometricWeb {

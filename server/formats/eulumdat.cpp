@@ -54,13 +54,12 @@ class Lines {
     return status.ok() ? static_cast<std::size_t>(n) : 0;
   }
 
-  /// One number from each of `count` lines.  The caller has checked that the lines exist.  The list
-  /// has room for `more` numbers.
+  /// One number from each of `count` lines.  The caller has checked that the lines exist.
   std::vector<double> list(std::size_t line, std::size_t count, std::string_view what, double least,
-                           double most, std::string_view allowed, std::size_t more = 0) {
+                           double most, std::string_view allowed) {
     std::vector<double> result;
     if (!status.ok()) return result;
-    result.reserve(count + more);
+    result.reserve(count);
     for (std::size_t i = 0; i < count && status.ok(); ++i)
       result.push_back(number(line + i, what, least, most, allowed));
     return result;
@@ -68,6 +67,10 @@ class Lines {
 
   std::size_t size() const { return starts_.size(); }
   bool is_number(std::size_t line) const { return line <= size() && parse(line).has_value(); }
+  /// The number on a line; 0 if there is none.
+  double number_or_0(std::size_t line) const {
+    return line <= size() ? parse(line).value_or(0) : 0;
+  }
   bool blank(std::size_t line) const { return line > size() || trimmed(text_of(line)).empty(); }
   void fail(std::size_t line, std::string_view what) {
     if (status.ok()) status = photometric_error(file_, static_cast<int>(line), what);
@@ -90,26 +93,6 @@ class Lines {
   std::string_view file_, text_;
   std::vector<std::uint32_t> starts_;  // of the lines
 };
-
-/// The planes whose intensities the file has: the index of the first C-angle, and their number.
-struct Planes {
-  std::size_t first, count;
-};
-
-Planes planes_of(std::size_t symmetry, std::size_t angles) {
-  switch (symmetry) {
-    case 1:
-      return {0, 1};
-    case 2:
-      return {0, angles / 2 + 1};
-    case 3:  // from C270 over C0 to C90
-      return {3 * angles / 4, angles / 2 + 1};
-    case 4:
-      return {0, angles / 4 + 1};
-    default:
-      return {0, angles};
-  }
-}
 
 /// The order of the values of several sets of lamps.
 enum class SetOrder { kByField, kBySet, kEither, kNeither };
@@ -154,6 +137,15 @@ Sizes read_sizes(Lines& lines) {
   return sizes;
 }
 
+/// Sets `file.opening` from the luminous area: length and width, and its heights in four planes.
+void note_opening(const Lines& lines, PhotometricFile& file) {
+  constexpr double kMetres = 1e-3;  // the file has mm
+  const auto size_m = [&](std::size_t line) { return kMetres * lines.number_or_0(line); };
+  double height_m = 0;
+  for (const std::size_t line : {18, 19, 20, 21}) height_m = std::max(height_m, size_m(line));
+  file.opening = opening_note(16, {size_m(16), size_m(17), height_m});
+}
+
 /// The factor of all intensities; 1 if its line is blank.  The description does not allow a blank
 /// line, and some programs refuse it.  Other programs write it if nothing has to be converted.
 double read_conversion(Lines& lines, PhotometricFile& file) {
@@ -192,53 +184,134 @@ Lamps read_lamps(Lines& lines, PhotometricFile& file) {
   return lamps;
 }
 
-/// The angles of the planes whose intensities the file has.
-std::vector<double> plane_angles(const Sizes& sizes, const std::vector<double>& c) {
-  if (sizes.symmetry == 1) return {0};
-  const Planes planes = planes_of(sizes.symmetry, sizes.angles);
+/// The planes whose intensities the file has.
+struct Planes {
+  std::size_t first, count;  ///< of the C-angles
+  double lower, upper;       ///< symmetric about these angles
+};
+
+/// With `half` steps no plane lies on a plane of symmetry.
+Planes planes_of(const Sizes& sizes, bool half) {
+  const std::size_t all = sizes.angles, closing = half ? 0 : 1;
+  switch (sizes.symmetry) {
+    case 1:
+      return {0, 1, 0, 360};
+    case 2:
+      return {0, all / 2 + closing, 0, 180};
+    case 3:  // from C270 over C0 to C90
+      return {3 * all / 4, all / 2 + closing, -90, 90};
+    case 4:
+      return {0, all / 4 + closing, 0, 90};
+    default:
+      return {0, all, 0, 360};
+  }
+}
+
+/// The angles of the planes, ascending.
+std::vector<double> plane_angles(const Sizes& sizes, const Planes& planes,
+                                 const std::vector<double>& c) {
   std::vector<double> angles;
-  angles.reserve(planes.count + 1);
+  angles.reserve(planes.count);
   for (std::size_t i = 0; i < planes.count; ++i) {
     const double angle = c[(planes.first + i) % sizes.angles];
-    angles.push_back(sizes.symmetry == 3 && angle >= 270 ? angle - 360 : angle);
+    angles.push_back(sizes.symmetry == 3 && angle >= 180 ? angle - 360 : angle);
   }
   return angles;
 }
 
+/// Fails unless the planes reach from one plane of symmetry to the other (or begin or end the
+/// circle), or lie at half steps between them.
+void check_planes(Lines& lines, std::size_t line, const Sizes& sizes, const Planes& planes,
+                  const std::vector<double>& angles) {
+  const double below = angles.front() - planes.lower, above = planes.upper - angles.back();
+  if (sizes.symmetry == 0 ? below == 0 || above == 0 : below == 0 && above == 0) return;
+  const double step = (planes.upper - planes.lower) / static_cast<double>(angles.size());
+  bool even = true;
+  for (std::size_t i = 0; i < angles.size(); ++i)  // files have few digits
+    even =
+        even && std::fabs(angles[i] - planes.lower - (static_cast<double>(i) + 0.5) * step) < 1e-3;
+  if (even && angles.size() > 1) return;
+  lines.fail(line,
+             fmt::format("{} C-angles from {} to {} degrees, allowed for symmetry {}: from {} "
+                         "to {}, or at half of equal steps between them",
+                         angles.size(), angles.front(), angles.back(), sizes.symmetry, planes.lower,
+                         planes.upper));
+}
+
+/// Adds a note if there is more in the file than the intensities up to `end`.
+void note_rest(const Lines& lines, std::size_t end, PhotometricFile& file) {
+  for (std::size_t line = end; line <= lines.size(); ++line) {
+    if (lines.blank(line)) continue;
+    file.notes.push_back({static_cast<int>(line),
+                          lines.is_number(line) ? "values after those of the announced planes"
+                                                : "text after the last intensity",
+                          "left out"});
+    return;
+  }
+}
+
+/// The number of lines with a number, from a line on; 0 if other lines follow that are not blank.
+std::size_t numbers_from(const Lines& lines, std::size_t line) {
+  std::size_t count = 0;
+  while (lines.is_number(line + count)) ++count;
+  for (std::size_t rest = line + count; rest <= lines.size(); ++rest)
+    if (!lines.blank(rest)) return 0;
+  return count;
+}
+
 /// Reads the C-angles (from `angles_line` on), the gamma-angles and the intensities.  `factor`
 /// multiplies the intensities.
-absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, const Sizes& sizes,
-                                                      std::size_t angles_line, double factor) {
-  const auto [symmetry, angles, gammas] = sizes;
+absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, Sizes sizes,
+                                                      std::size_t angles_line, double factor,
+                                                      std::string_view name,
+                                                      PhotometricFile& file) {
+  const auto [announced, angles, gammas] = sizes;
   const std::size_t left = lines.size() >= angles_line ? lines.size() - angles_line + 1 : 0;
-  const Planes planes = planes_of(symmetry, angles);
+  const std::size_t gamma_line = angles_line + angles, intensity_line = gamma_line + gammas;
+  // The first C-angle is 0 or half a step.
+  const bool half = lines.number_or_0(angles_line) != 0;
+  Planes planes = planes_of(sizes, half);
   if (angles > left || gammas > left || planes.count > (left - angles) / gammas)
     lines.fail(6,
                fmt::format("{} angles and {} planes of {} intensities are announced, allowed: as "
                            "many as fit in the remaining {} lines",
                            angles, planes.count, gammas, left));
   LUCERNA_RETURN_IF_ERROR(lines.status);
+  if (planes.count < angles && numbers_from(lines, intensity_line) == angles * gammas) {
+    file.notes.push_back(
+        {3, fmt::format("symmetry {}, but intensities of all {} planes", announced, angles),
+         "all planes are used"});
+    sizes.symmetry = 0;
+    planes = planes_of(sizes, half);
+  }
   const std::vector<double> c =
       lines.list(angles_line, angles, "a C-angle", 0, 360, "from 0 to 360 degrees");
+  const std::size_t count = planes.count * gammas;
   PhotometricWebParams web;
   web.vertical_deg =
-      lines.list(angles_line + angles, gammas, "a gamma-angle", 0, 180, "from 0 to 180 degrees");
+      lines.list(gamma_line, gammas, "a gamma-angle", 0, 180, "from 0 to 180 degrees");
   web.intensity_cd =
-      lines.list(angles_line + angles + gammas, planes.count * gammas, "an intensity per 1000 lm",
-                 0, kAny, "finite, not negative", symmetry == 0 ? gammas : 0);
+      lines.list(intensity_line, count, "an intensity per 1000 lm", -kAny, kAny, "finite");
   if (auto s = check_vertical_angles(web.type, web.vertical_deg); lines.status.ok() && !s.ok())
-    lines.fail(angles_line + angles, std::string(s.message()));
+    lines.fail(gamma_line, std::string(s.message()));
   LUCERNA_RETURN_IF_ERROR(lines.status);
+  NoiseBelowZero noise;
+  for (std::size_t i = 0; i < count; ++i)
+    noise.add(web.intensity_cd[i], i + 1, static_cast<int>(intensity_line + i));
+  LUCERNA_RETURN_IF_ERROR(noise.clear(
+      web.intensity_cd, name, [](std::size_t) { return "an intensity per 1000 lm"; }, file));
   for (double& cd : web.intensity_cd) cd *= factor;
-  web.horizontal_deg = plane_angles(sizes, c);
-  if (symmetry == 0 && web.horizontal_deg.back() != 360) {
-    // The first plane closes the circle.
-    web.horizontal_deg.push_back(web.horizontal_deg.front() + 360);
-    for (std::size_t j = 0; j < gammas; ++j) {
-      const double cd = web.intensity_cd[j];
-      web.intensity_cd.push_back(cd);
-    }
-  }
+  note_rest(lines, intensity_line + count, file);
+  note_gap(static_cast<int>(gamma_line), vertical_gap(web.type, web.vertical_deg), file);
+  web.horizontal_deg = {0};
+  if (sizes.symmetry == 1) return web;
+  web.horizontal_deg = plane_angles(sizes, planes, c);
+  if (auto s = check_horizontal_angles(web.type, web.horizontal_deg); !s.ok())
+    lines.fail(angles_line, std::string(s.message()));
+  check_planes(lines, angles_line, sizes, planes, web.horizontal_deg);
+  LUCERNA_RETURN_IF_ERROR(lines.status);
+  if (sizes.symmetry == 0)
+    note_gap(static_cast<int>(angles_line), horizontal_gap(web.type, web.horizontal_deg), file);
   return web;
 }
 
@@ -267,6 +340,7 @@ absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::strin
   file.format = "EULUMDAT";
   const Sizes sizes = read_sizes(lines);
   LUCERNA_RETURN_IF_ERROR(lines.status);
+  note_opening(lines, file);
   const double conversion = read_conversion(lines, file);
   const Lamps lamps = read_lamps(lines, file);
   LUCERNA_RETURN_IF_ERROR(lines.status);
@@ -274,7 +348,7 @@ absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::strin
   const std::size_t angles_line = 27 + 6 * lamps.sets + 10;
   LUCERNA_ASSIGN_OR_RETURN(
       const PhotometricWebParams web,
-      read_intensities(lines, sizes, angles_line, lamps.lm / 1000 * conversion));
+      read_intensities(lines, sizes, angles_line, lamps.lm / 1000 * conversion, name, file));
   auto made = PhotometricWeb::create(web);
   if (!made.ok())
     return photometric_error(name, static_cast<int>(angles_line),

@@ -8,6 +8,8 @@
 
 #include "proto/common/status_macros.h"
 #include "server/formats/byte_order_mark.h"
+#include "server/formats/ies_numbers.h"
+#include "server/formats/ies_unit.h"
 
 namespace lucerna {
 namespace {
@@ -17,127 +19,13 @@ struct Edition {
   std::string_view line, name;
   int year;
 };
+constexpr double kMetresPerFoot = 0.3048;
 constexpr Edition k1986{"", "IES LM-63-1986", 1986};
 constexpr Edition k2002{"IESNA:LM-63-2002", "IES LM-63-2002", 2002};
 constexpr Edition kEditions[] = {
     {"IESNA91", "IES LM-63-1991", 1991},          {"IESNA:LM-63-1991", "IES LM-63-1991", 1991},
     {"IESNA:LM-63-1995", "IES LM-63-1995", 1995}, k2002,
     {"IES:LM-63-2019", "IES LM-63-2019", 2019},   {"IESNA:LM-63-2019", "IES LM-63-2019", 2019},
-};
-
-/// Reads one number after the other, across line ends, separated by blanks and commas.  After the
-/// first error, calls do nothing, so that callers can check `status` once for several numbers.
-class Numbers {
- public:
-  /// `rest`: what follows the line `line`.
-  Numbers(std::string_view file, std::string_view rest, int line)
-      : file_(file), rest_(rest), line_(line) {}
-
-  /// The next number; nothing after an error, which is in `status`.
-  std::optional<double> next(std::string_view what) {
-    if (!status.ok()) return std::nullopt;
-    if (!skip()) {
-      fail(fmt::format("the file ends before {}", what));
-      return std::nullopt;
-    }
-    const std::string_view word = words_.substr(0, words_.find_first_of(kBlanks));
-    words_.remove_prefix(word.size());
-    const auto number = parse_number(word);
-    if (!number) fail(fmt::format("{} is \"{}\", allowed: a finite number", what, excerpt(word)));
-    return number;
-  }
-
-  /// The next number, in [least, most].
-  double number(std::string_view what, double least, double most, std::string_view allowed) {
-    const auto n = next(what);
-    if (n && !(*n >= least && *n <= most))
-      fail(fmt::format("{} = {}, allowed: {}", what, *n, allowed));
-    return n.value_or(0);
-  }
-
-  /// A whole number in [least, most].
-  int whole(std::string_view what, int least, int most, std::string_view allowed) {
-    const double n = number(what, least, most, allowed);
-    if (status.ok() && n != std::floor(n))
-      fail(fmt::format("{} = {}, allowed: {}", what, n, allowed));
-    return status.ok() ? static_cast<int>(n) : 0;
-  }
-
-  double positive(std::string_view what) { return number(what, 1e-300, kAny, "positive"); }
-
-  /// A whole number from `least`, for the size of a list.
-  std::size_t count(std::string_view what, int least, std::string_view allowed) {
-    return static_cast<std::size_t>(whole(what, least, kMostCount, allowed));
-  }
-
-  /// `count` numbers that are not negative.  The caller has called `room_for`.
-  std::vector<double> list(std::string_view what, std::size_t count) {
-    std::vector<double> result;
-    if (!status.ok()) return result;
-    result.reserve(count);
-    for (std::size_t i = 0; i < count && status.ok(); ++i)
-      result.push_back(number(fmt::format("{} {}", what, i + 1), 0, kAny, "finite, not negative"));
-    return result;
-  }
-
-  /// `count` ascending angles [degrees].  The caller has called `room_for`.
-  std::vector<double> angles(std::string_view what, std::size_t count) {
-    std::vector<double> result;
-    if (!status.ok()) return result;
-    result.reserve(count);
-    for (std::size_t i = 0; i < count && status.ok(); ++i) {
-      const double n =
-          number(fmt::format("{} {}", what, i + 1), -360, 360, "from -360 to 360 degrees");
-      if (status.ok() && i > 0 && !(n > result.back()))
-        fail(fmt::format("{} {} = {} degrees, allowed: more than the previous angle, {}", what,
-                         i + 1, n, result.back()));
-      result.push_back(n);
-    }
-    return result;
-  }
-
-  /// Fails with the message of `checked` at a line, if that is an error.
-  void check(int line, const absl::Status& checked) {
-    if (status.ok() && !checked.ok())
-      status = photometric_error(
-          file_, line, std::string_view(checked.message().data(), checked.message().size()));
-  }
-
-  /// Fails if the rest is too short for `count` numbers: each takes a digit, and a blank before the
-  /// next one.
-  bool room_for(std::uint64_t count) {
-    const std::size_t left = words_.size() + 1 + rest_.size();
-    if (status.ok() && count > (left + 1) / 2)
-      fail(fmt::format("{} numbers announced, allowed: as many as fit in the remaining {} bytes",
-                       count, left));
-    return status.ok();
-  }
-
-  /// Skips to the next number; false if there is none.
-  bool skip() {
-    for (;;) {
-      words_.remove_prefix(std::min(words_.find_first_not_of(kBlanks), words_.size()));
-      if (!words_.empty()) return true;
-      if (rest_.empty()) return false;
-      words_ = take_line(rest_);
-      ++line_;
-    }
-  }
-
-  /// Number of the current line, from 1; the last line at the end of the file.
-  int line() const { return line_; }
-  void fail(std::string_view what) {
-    if (status.ok()) status = photometric_error(file_, line(), what);
-  }
-
-  absl::Status status;
-
- private:
-  static constexpr std::string_view kBlanks = " \t,\f\v";
-  std::string_view file_;
-  std::string_view words_;  // the rest of the current line
-  std::string_view rest_;   // the lines after it
-  int line_;
 };
 
 bool equals_ignoring_case(std::string_view a, std::string_view b) {
@@ -176,9 +64,9 @@ absl::StatusOr<TiltLine> find_tilt(std::string_view text, std::string_view name)
   while (!text.empty()) {
     const std::string_view found = trimmed(take_line(text));
     ++line;
-    constexpr std::string_view kKeyword = "TILT=";
-    if (equals_ignoring_case(found.substr(0, kKeyword.size()), kKeyword))
-      return TiltLine{trimmed(found.substr(kKeyword.size())), text, line};
+    const std::size_t equals = std::min(found.find('='), found.size());
+    if (equals < found.size() && equals_ignoring_case(trimmed(found.substr(0, equals)), "TILT"))
+      return TiltLine{trimmed(found.substr(equals + 1)), text, line};
   }
   return photometric_error(name, line,
                            "no line \"TILT=\", allowed: TILT=NONE, TILT=INCLUDE, TILT=<file>");
@@ -186,7 +74,7 @@ absl::StatusOr<TiltLine> find_tilt(std::string_view text, std::string_view name)
 
 /// Reads the table that follows TILT=INCLUDE.  Returns the factor at tilt 0, the position in which
 /// the luminaire was measured.
-double read_tilt_table(Numbers& numbers, PhotometricFile& file) {
+double read_tilt_table(IesNumbers& numbers, PhotometricFile& file) {
   const int line = numbers.line();
   numbers.whole("lamp-to-luminaire geometry", 1, 3, "1, 2 or 3");
   const std::size_t pairs =
@@ -200,7 +88,7 @@ double read_tilt_table(Numbers& numbers, PhotometricFile& file) {
                   absl::InvalidArgumentError(fmt::format(
                       "tilt angles from {} to {} degrees, allowed: from 0 to 180 at most",
                       angles.front(), angles.back())));
-  const std::vector<double> factors = numbers.list("tilt factor", pairs);
+  const std::vector<double> factors = numbers.list("tilt factor", pairs, 0, "finite, not negative");
   if (!numbers.status.ok()) return 0;
   if (std::any_of(factors.begin(), factors.end(), [](double f) { return f != 1; }))
     file.notes.push_back({line, "a table of factors for a tilted luminaire",
@@ -209,7 +97,7 @@ double read_tilt_table(Numbers& numbers, PhotometricFile& file) {
 }
 
 /// The factor that "TILT=" specifies.
-absl::StatusOr<double> read_tilt(const TiltLine& tilt, std::string_view name, Numbers& numbers,
+absl::StatusOr<double> read_tilt(const TiltLine& tilt, std::string_view name, IesNumbers& numbers,
                                  PhotometricFile& file) {
   const auto& [value, rest, line] = tilt;
   if (equals_ignoring_case(value, "NONE")) return 1;
@@ -236,7 +124,8 @@ struct IesHeader {
   double operated;  ///< the flux of the lamps in use, as a share of their rated flux
 };
 
-IesHeader read_header(Numbers& numbers, const Edition& edition, double tilt_factor) {
+IesHeader read_header(IesNumbers& numbers, const Edition& edition, double tilt_factor,
+                      PhotometricFile& file) {
   IesHeader header;
   numbers.skip();
   header.lamps_line = numbers.line();
@@ -252,10 +141,12 @@ IesHeader read_header(Numbers& numbers, const Edition& edition, double tilt_fact
   header.type = type == 1   ? PhotometricType::kC
                 : type == 2 ? PhotometricType::kB
                             : PhotometricType::kA;
-  numbers.whole("units", 1, 2, "1 (feet), 2 (metres)");
+  const double unit_m =
+      numbers.whole("units", 1, 2, "1 (feet), 2 (metres)") == 1 ? kMetresPerFoot : 1;
   // Negative sizes stand for rounded shapes.
-  for (const char* size : {"width", "length", "height"})
-    numbers.number(size, -kAny, kAny, "finite");
+  const auto size = [&](const char* what) { return numbers.number(what, -kAny, kAny, "finite"); };
+  const double width = size("width"), length = size("length"), height = size("height");
+  file.opening = opening_note(numbers.line(), {width * unit_m, length * unit_m, height * unit_m});
   header.operated = tilt_factor * numbers.positive("ballast factor");
   // The second number is a factor up to 1991, has no meaning in 1995 and 2002, and describes how
   // the file was made in 2019.
@@ -269,7 +160,7 @@ IesHeader read_header(Numbers& numbers, const Edition& edition, double tilt_fact
 }
 
 /// Reads the angles and the intensities into `file`.  Returns the photometric type.
-absl::StatusOr<PhotometricType> read_candela(Numbers& numbers, const IesHeader& header,
+absl::StatusOr<PhotometricType> read_candela(IesNumbers& numbers, const IesHeader& header,
                                              const Edition& edition, std::string_view name,
                                              PhotometricFile& file) {
   PhotometricWebParams web;
@@ -288,10 +179,18 @@ absl::StatusOr<PhotometricType> read_candela(Numbers& numbers, const IesHeader& 
   numbers.check(horizontal_line, check_horizontal_angles(web.type, web.horizontal_deg));
   numbers.skip();
   const int candela_line = numbers.line();
-  web.intensity_cd = numbers.list("candela value", header.vertical * header.horizontal);
+  const auto candela_value = [](std::size_t i) { return fmt::format("candela value {}", i); };
+  const std::size_t count = header.vertical * header.horizontal;
+  NoiseBelowZero noise;
+  web.intensity_cd.reserve(count);
+  for (std::size_t i = 1; i <= count && numbers.status.ok(); ++i) {
+    web.intensity_cd.push_back(numbers.number(candela_value(i), -kAny, kAny, "finite"));
+    noise.add(web.intensity_cd.back(), i, numbers.line());
+  }
   LUCERNA_RETURN_IF_ERROR(numbers.status);
-  if (numbers.skip())
-    file.notes.push_back({numbers.line(), "text after the last candela value", "left out"});
+  note_gap(vertical_line, vertical_gap(web.type, web.vertical_deg), file);
+  note_gap(horizontal_line, horizontal_gap(web.type, web.horizontal_deg), file);
+  LUCERNA_RETURN_IF_ERROR(noise.clear(web.intensity_cd, name, candela_value, file));
   for (double& cd : web.intensity_cd) cd *= header.factor;
   auto made = PhotometricWeb::create(web);
   if (!made.ok())
@@ -317,23 +216,71 @@ char letter(PhotometricType type) {
   return type == PhotometricType::kC ? 'C' : type == PhotometricType::kB ? 'B' : 'A';
 }
 
-}  // namespace
+/// What follows the last candela value.
+enum class Rest { kNothing, kText, kNumber };
 
-absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_view name) {
-  text = without_byte_order_mark(text);
+struct Reading {
   PhotometricFile file;
+  Rest rest;
+  int rest_line;
+};
+
+absl::StatusOr<Reading> read(std::string_view text, std::string_view name, Comma comma) {
+  Reading reading{};
+  PhotometricFile& file = reading.file;
   const Edition edition = edition_of(text, file);
   LUCERNA_ASSIGN_OR_RETURN(const TiltLine tilt, find_tilt(text, name));
-  Numbers numbers(name, tilt.rest, tilt.line);
+  note_unit(text.substr(0, text.size() - tilt.rest.size()), file);
+  IesNumbers numbers(name, tilt.rest, tilt.line, comma);
   LUCERNA_ASSIGN_OR_RETURN(const double tilt_factor, read_tilt(tilt, name, numbers, file));
-  const IesHeader header = read_header(numbers, edition, tilt_factor);
+  const IesHeader header = read_header(numbers, edition, tilt_factor, file);
   const std::uint64_t vertical = header.vertical, horizontal = header.horizontal;
   if (!numbers.room_for(vertical + horizontal + vertical * horizontal)) return numbers.status;
   LUCERNA_ASSIGN_OR_RETURN(const PhotometricType type,
                            read_candela(numbers, header, edition, name, file));
+  reading.rest = !numbers.skip()       ? Rest::kNothing
+                 : numbers.at_number() ? Rest::kNumber
+                                       : Rest::kText;
+  reading.rest_line = numbers.line();
+  if (reading.rest != Rest::kNothing)
+    file.notes.push_back({numbers.line(), "text after the last candela value", "left out"});
   check_flux(header, file);
   file.format = fmt::format("{}, type {}", edition.name, letter(type));
-  return file;
+  return reading;
+}
+
+/// Whether a comma stands between two digits.
+bool has_comma_in_number(std::string_view text) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  for (std::size_t i = 1; i + 1 < text.size(); ++i)
+    if (text[i] == ',' && is_digit(text[i - 1]) && is_digit(text[i + 1])) return true;
+  return false;
+}
+
+}  // namespace
+
+absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_view name) {
+  text = without_byte_order_mark(text);
+  auto reading = read(text, name, Comma::kSeparator);
+  const bool whole = reading.ok() && reading->rest != Rest::kNumber;
+  if (whole || !has_comma_in_number(text)) {
+    if (!reading.ok()) return reading.status();
+    return std::move(reading->file);
+  }
+  // A file with decimal commas seems to have more numbers than it announces.
+  auto decimal = read(text, name, Comma::kDecimal);
+  if (decimal.ok() && decimal->rest != Rest::kNumber) {
+    decimal->file.notes.push_back({1, "decimal commas, which separate numbers in LM-63",
+                                   "read as decimal points, which gives the announced counts"});
+    return std::move(decimal->file);
+  }
+  constexpr std::string_view kAllowed = "commas separate numbers, allowed: decimal points";
+  if (reading.ok())
+    return photometric_error(
+        name, reading->rest_line,
+        fmt::format("more numbers than announced, with commas between digits; {}", kAllowed));
+  return absl::Status(reading.status().code(),
+                      fmt::format("{}; {}", std::string(reading.status().message()), kAllowed));
 }
 
 }  // namespace lucerna

@@ -21,7 +21,10 @@ namespace lucerna {
 /// The luminaire hangs in the position of the measurement, so the factor at angle 0 of a tilt table
 /// applies.  A tilt table in a separate file is not read; its factor counts as 1.  Text after the
 /// last intensity (a further luminaire in the edition of 1991) is left out.  A note reports each of
-/// these.
+/// these, angles that leave a part of the sphere open, and noise below zero.
+///
+/// A comma separates numbers.  If the file then has an error or more numbers than it announces, and
+/// none with decimal commas, these are read, with a note.
 ///
 /// Counts in the header are checked against the length of the text before anything is allocated.
 /// Errors (INVALID_ARGUMENT): "name:line: what, allowed: ...".

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 namespace lucerna {
 
@@ -29,6 +30,43 @@ std::optional<double> parse_number(std::string_view text) {
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
   return value;
+}
+
+std::optional<PhotometricFile::Note> opening_note(int line, std::initializer_list<double> sizes_m) {
+  std::string sizes;
+  for (const double size : sizes_m)
+    if (size != 0) sizes += fmt::format("{}{:.4g}", sizes.empty() ? "" : " x ", std::fabs(size));
+  if (sizes.empty()) return std::nullopt;
+  return PhotometricFile::Note{line, fmt::format("a luminous opening of {} m", sizes),
+                               "a point; right from about 5 times that size on"};
+}
+
+void note_gap(int line, std::optional<AngleGap> gap, PhotometricFile& file) {
+  if (gap) file.notes.push_back({line, std::move(gap->what), std::move(gap->instead)});
+}
+
+void NoiseBelowZero::add(double value, std::size_t number, int line) {
+  if (value >= 0) return;
+  ++count_;
+  if (value < least_) least_ = value, number_ = number, line_ = line;
+}
+
+absl::Status NoiseBelowZero::clear(std::vector<double>& values, std::string_view name,
+                                   const std::function<std::string(std::size_t)>& what,
+                                   PhotometricFile& file) const {
+  if (count_ == 0) return absl::OkStatus();
+  const double largest = *std::max_element(values.begin(), values.end());
+  if (least_ < -0.02 * largest)
+    return photometric_error(name, line_,
+                             fmt::format("{} = {}, allowed: finite, not negative, and noise down "
+                                         "to -2% of the largest",
+                                         what(number_), least_));
+  for (double& value : values) value = std::max(value, 0.0);
+  file.notes.push_back({line_,
+                        fmt::format("{} negative {}, down to {}", count_,
+                                    count_ == 1 ? "intensity" : "intensities", least_),
+                        "0"});
+  return absl::OkStatus();
 }
 
 std::string excerpt(std::string_view text) {

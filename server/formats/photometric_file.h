@@ -3,6 +3,8 @@
 
 #include <absl/status/status.h>
 
+#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +30,35 @@ struct PhotometricFile {
     std::string what, instead;
   };
   std::vector<Note> notes;
+  /// For a light that is a point; nothing if the file's luminous opening has no size.
+  std::optional<Note> opening;
+  /// Unit of the web's flux if its intensities are not candela, such as "mW"; otherwise empty.
+  std::string flux_unit;
+  /// For a light whose level is the file's; nothing without `flux_unit`.
+  std::optional<Note> unit;
+};
+
+/// The note about a luminous opening of these sizes [m], of any sign; nothing if all are 0.
+std::optional<PhotometricFile::Note> opening_note(int line, std::initializer_list<double> sizes_m);
+
+/// Adds the note about angles that leave a part of the sphere open, if they do.
+void note_gap(int line, std::optional<AngleGap> gap, PhotometricFile& file);
+
+/// The negative intensities of a file.  Small ones are noise about 0 of the measurement.
+class NoiseBelowZero {
+ public:
+  /// The `number`-th value of the list, from 1, and its line.
+  void add(double value, std::size_t number, int line);
+  /// Sets them to 0, with a note.  Error (INVALID_ARGUMENT): one is below -2% of the largest.
+  /// `what` describes the list's value of a number.
+  absl::Status clear(std::vector<double>& values, std::string_view name,
+                     const std::function<std::string(std::size_t)>& what,
+                     PhotometricFile& file) const;
+
+ private:
+  double least_ = 0;
+  std::size_t number_ = 0, count_ = 0;
+  int line_ = 0;
 };
 
 /// Takes the first line off `text`, without its end: CR LF, LF or CR.  The last line may have no

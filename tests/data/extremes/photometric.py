@@ -30,16 +30,19 @@ def flux(kind, angles, planes, candela):
     n, total = len(angles), mpf(0)
     for (h0, i0), (h1, i1) in zip(lines, lines[1:]):
         for j in range(n - 1):
-            # The mean of the two lines over the plane's angle, then along them from the pole.
-            first = (mpf(candela[i0 * n + j]) + mpf(candela[i1 * n + j])) / 2
-            last = (mpf(candela[i0 * n + j + 1]) + mpf(candela[i1 * n + j + 1])) / 2
-            v0, v1 = radians(mpf(angles[j])), radians(mpf(angles[j + 1]))
-            slope = (last - first) / (v1 - v0)
-            if kind == "C":
-                along = slope * (sin(v1) - sin(v0)) - (last * cos(v1) - first * cos(v0))
+            v0, v1 = mpf(angles[j]), mpf(angles[j + 1])
+            (a, b), (c, d) = [[mpf(candela[i * n + k]) for k in (j, j + 1)] for i in (i0, i1)]
+            # The mean over the turn about the pole, then along the other angle: V, or H of type B.
+            if kind == "B":
+                start, end, first, last, turn = radians(h0), radians(h1), (a + b) / 2, (c + d) / 2, radians(v1 - v0)
             else:
-                along = slope * (cos(v1) - cos(v0)) + (last * sin(v1) - first * sin(v0))
-            total += radians(h1 - h0) * along
+                start, end, first, last, turn = radians(v0), radians(v1), (a + c) / 2, (b + d) / 2, radians(h1 - h0)
+            slope = (last - first) / (end - start)
+            if kind == "C":
+                along = slope * (sin(end) - sin(start)) - (last * cos(end) - first * cos(start))
+            else:
+                along = slope * (cos(end) - cos(start)) + (last * sin(end) - first * sin(start))
+            total += turn * along
     return total
 
 
@@ -49,7 +52,7 @@ def intensity(kind, angles, planes, candela, w):
     if kind == "C":
         v, h = degrees(acos(z / r)), degrees(atan2(-y, x))
     elif kind == "B":
-        v, h = degrees(asin(x / r)), degrees(atan2(y, z))
+        v, h = degrees(atan2(x, z)), degrees(asin(y / r))
     else:
         v, h = degrees(asin(-z / r)), degrees(atan2(y, x))
     lines, n = across(kind, planes), len(angles)
@@ -106,7 +109,7 @@ def directions(kind, angles, planes):
             if kind == "C":
                 w = sin(v) * cos(h), -sin(v) * sin(h), cos(v)
             elif kind == "B":
-                w = sin(v), cos(v) * sin(h), cos(v) * cos(h)
+                w = cos(h) * sin(v), sin(h), cos(h) * cos(v)
             else:
                 w = cos(v) * cos(h), cos(v) * sin(h), -sin(v)
             yield [float(c) for c in w]

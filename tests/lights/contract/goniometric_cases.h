@@ -13,7 +13,7 @@ struct HandGrid {
   std::vector<double> cd;        // all gamma at the first C
   double value(std::size_t i, std::size_t j) const { return cd[i * gamma.size() + j]; }
   double at(double g, double h) const {
-    if (g > gamma.back()) return 0;
+    if (g < gamma.front() || g > gamma.back()) return 0;
     const auto cell = [](const std::vector<double>& grid, double x) {
       std::size_t i = 0;
       while (i + 2 < grid.size() && x > grid[i + 1]) ++i;
@@ -37,8 +37,8 @@ Vec2<double> photometric_angles(const Vec3<double>& w) {
   switch (kType) {
     case PhotometricType::kC:  // from straight down, and to the left as seen from above
       return {std::atan2(std::hypot(w.x, w.y), w.z) / kDegree, std::atan2(-w.y, w.x) / kDegree};
-    case PhotometricType::kB:  // latitude towards +x; from straight down towards +y
-      return {std::atan2(w.x, std::hypot(w.y, w.z)) / kDegree, std::atan2(w.y, w.z) / kDegree};
+    case PhotometricType::kB:  // from straight down towards +x; latitude towards +y
+      return {std::atan2(w.x, w.z) / kDegree, std::atan2(w.y, std::hypot(w.x, w.z)) / kDegree};
     case PhotometricType::kA:  // latitude upwards; from +x towards +y
       return {std::atan2(-w.z, std::hypot(w.x, w.y)) / kDegree, std::atan2(w.y, w.x) / kDegree};
   }
@@ -85,10 +85,11 @@ struct WebCase : LocalDeltaCase {
     double sum = 0;
     for (std::size_t i = 0; i + 1 < c.size(); ++i)
       for (std::size_t j = 0; j + 1 < g.gamma.size(); ++j)
-        sum += simpson(c[i], c[i + 1], 10, [&](double h) {
+        sum += simpson(c[i], c[i + 1], 100, [&](double h) {
           return simpson(g.gamma[j], g.gamma[j + 1], 100, [&](double v) {
-            const double element =
-                Grid::kType == PhotometricType::kC ? std::sin(v * kDegree) : std::cos(v * kDegree);
+            const double element = Grid::kType == PhotometricType::kC   ? std::sin(v * kDegree)
+                                   : Grid::kType == PhotometricType::kB ? std::cos(h * kDegree)
+                                                                        : std::cos(v * kDegree);
             return g.at(v, h) * element * kDegree * kDegree;
           });
         });
@@ -110,7 +111,7 @@ struct DownGrid {
 struct FloodGrid {
   static constexpr PhotometricType kType = PhotometricType::kB;
   static HandGrid grid() {
-    return {{-90, -30, 10, 90}, {0, 40, 90}, {4, 6, 8, 5, 4, 7, 9, 5, 4, 3, 6, 5}};
+    return {{-90, -30, 10, 90}, {0, 40, 90}, {4, 6, 8, 5, 3, 7, 9, 5, 6, 6, 6, 6}};
   }
 };
 /// Measured like a headlamp, each side separately.

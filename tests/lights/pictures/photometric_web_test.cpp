@@ -71,7 +71,7 @@ Vec3<double> direction(PhotometricType type, double v_deg, double h_deg) {
     case PhotometricType::kC:  // up is -z, so a turn to the left as seen from above takes +x to -y
       return {std::sin(v) * std::cos(h), -std::sin(v) * std::sin(h), std::cos(v)};
     case PhotometricType::kB:
-      return {std::sin(v), std::cos(v) * std::sin(h), std::cos(v) * std::cos(h)};
+      return {std::cos(h) * std::sin(v), std::sin(h), std::cos(h) * std::cos(v)};
     case PhotometricType::kA:
       return {std::cos(v) * std::cos(h), std::cos(v) * std::sin(h), -std::sin(v)};
   }
@@ -85,9 +85,10 @@ TEST(PhotometricWeb, HoldsTheFilesIntensitiesAtItsAngles) {
       for (std::size_t j = 0; j < params.vertical_deg.size(); ++j) {
         const double v = params.vertical_deg[j], h = params.horizontal_deg[i];
         // At a pole all planes meet.  Beyond the ends of a partial range it is dark.
-        const bool pole = params.type == PhotometricType::kC ? v == 0 || v == 180 : v * v == 8100;
+        const bool pole = params.type == PhotometricType::kC && (v == 0 || v == 180);
         const bool wraps = h == 360 || (h == 0 && params.horizontal_deg.back() == 360);
-        const bool end = params.type != PhotometricType::kC && (h * h == 8100 || v == 0);
+        const bool end =
+            params.type != PhotometricType::kC && (h * h == 8100 || v * v == 8100 || v == 0);
         if (pole || wraps || end || v == 90) continue;
         EXPECT_NEAR(w->at(direction(params.type, v, h)),
                     params.intensity_cd[i * params.vertical_deg.size() + j], 1e-9)
@@ -210,6 +211,42 @@ TEST(PhotometricWeb, FluxIsExactForFunctionsThatAreLinearInTheAngle) {
               1e-14);
 }
 
+// In type B the planes share a horizontal axis, with H the latitude.  Intensity that falls linearly
+// with H gives pi times the integral of (1 - |H| / (pi/2)) cos H over [-pi/2, pi/2] = 4.  With V it
+// gives the integral of 1 - |V| / (pi/2), which is pi / 2, times that of cos H, which is 2.
+TEST(PhotometricWeb, TheHorizontalAngleOfTypeBIsTheLatitude) {
+  for (const double step : {90., 30., 2.5}) {
+    PhotometricWebParams by_h{PhotometricType::kB, range(-90, 90, step), range(-90, 90, step), {}};
+    PhotometricWebParams by_v = by_h;
+    for (const double h : by_h.horizontal_deg)
+      for (const double v : by_h.vertical_deg) {
+        by_h.intensity_cd.push_back(1000 * (1 - std::fabs(h) / 90));
+        by_v.intensity_cd.push_back(1000 * (1 - std::fabs(v) / 90));
+      }
+    EXPECT_NEAR(web(by_h)->flux_lm(), 4000, 1e-8);
+    EXPECT_NEAR(web(by_v)->flux_lm(), 1000 * kPi, 1e-8);
+    by_h.type = by_v.type = PhotometricType::kA;
+    EXPECT_NEAR(web(by_h)->flux_lm(), 1000 * kPi, 1e-8);
+    EXPECT_NEAR(web(by_v)->flux_lm(), 4000, 1e-8);
+  }
+}
+
+// At H = +-90 all vertical angles are one direction, so measured values agree there: 7 at +y, 3 at
+// -y.  The plane H = 0 is across: 0 at +x and -x, 9 straight down.
+TEST(PhotometricWeb, ThePolesOfTypeBAreOnePoint) {
+  const auto w =
+      web({PhotometricType::kB, {-90, 0, 90}, {-90, 0, 90}, {3, 3, 3, 0, 9, 0, 7, 7, 7}});
+  for (int i = 0; i <= 8; ++i) {
+    const double v = (i - 4) * 22.4 * kRad, tilt = 1e-9;
+    const Vec3<double> off{tilt * std::sin(v), 0, tilt * std::cos(v)};
+    EXPECT_NEAR(w->at(Vec3<double>(0, 1, 0) + off), 7, 1e-6);
+    EXPECT_NEAR(w->at(Vec3<double>(0, -1, 0) + off), 3, 1e-6);
+  }
+  EXPECT_EQ(w->at({0, 0, 1}), 9);
+  EXPECT_NEAR(w->at({1, 0, 1e-9}), 0, 1e-6);
+  EXPECT_NEAR(w->at({-1, 0, 1e-9}), 0, 1e-6);
+}
+
 // The standard's zonal method: the intensity at the middle of each zone times the zone's solid
 // angle.  For a cosine and zones of half width d it is 1 / cos(d) times the integral.  Straight
 // lines between angles h apart lose h^2 / 12 of a cosine, to 1e-7.
@@ -327,14 +364,14 @@ TEST(PhotometricWeb, ConeHoldsAllLightAndNoMoreThanItsCells) {
 
 TEST(PhotometricWeb, RefusesInvalidGrids) {
   using enum PhotometricType;
-  EXPECT_THAT(error({kC, {0}, {0}, {1}}), HasSubstr("1 vertical angles, allowed: 2 or more"));
+  EXPECT_THAT(error({kC, {0}, {0}, {1}}), HasSubstr("1 vertical angle, allowed: 2 or more"));
   EXPECT_THAT(error({kC, {0, 90}, {}, {}}), HasSubstr("0 horizontal angles"));
-  EXPECT_THAT(error({kC, {0, 80}, {0}, {1, 1}}), HasSubstr("from 0 to 80 degrees, allowed for"));
+  EXPECT_THAT(error({kC, {-5, 80}, {0}, {1, 1}}), HasSubstr("from -5 to 80 degrees, allowed for"));
   EXPECT_THAT(error({kC, {0, 90, 90}, {0}, {1, 1, 1}}), HasSubstr("vertical angle[2] = 90"));
   EXPECT_THAT(error({kC, {0, NAN, 90}, {0}, {1, 1, 1}}), HasSubstr("vertical angle[1] = nan"));
-  EXPECT_THAT(error({kC, {0, 90}, {0, 270}, {1, 1, 1, 1}}), HasSubstr("from 0 to 270"));
+  EXPECT_THAT(error({kC, {0, 90}, {-90, 271}, {1, 1, 1, 1}}), HasSubstr("from -90 to 271"));
   EXPECT_THAT(error({kA, {0, 90}, {0, 180}, {1, 1, 1, 1}}), HasSubstr("types A and B"));
-  EXPECT_THAT(error({kB, {-45, 90}, {0, 90}, {1, 1, 1, 1}}), HasSubstr("types A and B"));
+  EXPECT_THAT(error({kB, {-95, 90}, {0, 90}, {1, 1, 1, 1}}), HasSubstr("types A and B"));
   EXPECT_THAT(error({kC, {0, 90}, {0}, {1}}), HasSubstr("1 intensities, allowed: 2"));
   EXPECT_THAT(error({kC, {0, 90}, {0}, {1, -1}}), HasSubstr("vertical angle 90 = -1 cd"));
   EXPECT_THAT(error({kC, {0, 90}, {0}, {1, INFINITY}}), HasSubstr("= inf cd"));

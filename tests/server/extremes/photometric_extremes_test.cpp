@@ -237,6 +237,41 @@ TEST(PhotometricExtremes, WaysToWriteAFile) {
   sweep.expect_within(1e-14);
 }
 
+// 100 cd over a part of the sphere: its solid angle is a turn times a difference of sines.
+TEST(PhotometricExtremes, AnglesThatEndEarly) {
+  Sweep sweep(31, "IES files of types A, B and C whose angles end early, ranges of",
+              "1e-6 ... 180 degrees", "flux");
+  constexpr double kRad = std::numbers::pi / 180;
+  for (int exponent = -6; exponent <= 2; ++exponent) {
+    const double range = exponent == 2 ? 180 : std::pow(10, exponent);
+    const auto flux = [&](const char* type, double from, double to, double wide) {
+      const double v0 = from * kRad, v1 = to * kRad;
+      const bool c = type[0] == '1';
+      // sin(v1) - sin(v0), or cos(v0) - cos(v1), without cancellation.
+      const double height =
+          2 * std::sin((v1 - v0) / 2) * (c ? std::sin((v0 + v1) / 2) : std::cos((v0 + v1) / 2));
+      return 100 * wide * kRad * height;
+    };
+    const auto compare = [&](const char* type, double v, double h, double truth) {
+      Ies f;
+      f.type = type;
+      f.counts = type[0] == '1' ? "2 1" : "2 2";
+      f.angles = type[0] == '1' ? fmt::format("0 {:.17g}\n0\n", v)
+                                : fmt::format("{:.17g} {:.17g}\n{:.17g} {:.17g}\n", -v, v, -h, h);
+      f.candela = type[0] == '1' ? "100 100\n" : "100 100 100 100\n";
+      const auto web = web_of(f.text());
+      if (web != nullptr) sweep.compare(web->flux_lm(), truth, fmt::format("{} {}", type, range));
+    };
+    compare("1", range, 0, flux("1", 0, range, 360));
+    if (range > 90) continue;
+    compare("2", 30, range, flux("2", -range, range, 60));
+    compare("2", range, 30, flux("2", -30, 30, 2 * range));
+    compare("3", range, 30, flux("3", -range, range, 60));
+    compare("3", 30, range, flux("3", -30, 30, 2 * range));
+  }
+  sweep.expect_within(1e-7);
+}
+
 /// While this object exists, the process can allocate only this much more memory, used or not.
 class MemoryLimit {
  public:
@@ -322,12 +357,11 @@ TEST(PhotometricExtremes, FilesThatCannotBeRead) {
                              "3 2", "1e300 1", "1e999 1", "-3 1", "0 0", "3 0", "1 1", "2.5 1"})
     ies([&](Ies& f) { f.counts = counts; });
   for (const char* angles :
-       {"0 45 45\n0\n", "0 45 44\n0\n", "1e-6 45 90\n0\n", "0 45 89.999999\n0\n", "0 45 nan\n0\n",
-        "-90 0 90\n0\n", "0 45 180.000001\n0\n", "0 inf 90\n0\n", "0 45 90\n1e-6\n", "0 45 90\n",
-        ""})
+       {"0 45 45\n0\n", "0 45 44\n0\n", "-1e-6 45 90\n0\n", "0 45 nan\n0\n", "-90 0 90\n0\n",
+        "0 45 180.000001\n0\n", "0 inf 90\n0\n", "0 45 90\n361\n", "0 45 90\n", ""})
     ies([&](Ies& f) { f.angles = angles; });
   for (const char* candela :
-       {"-1e-30 1 1\n", "nan 1 1\n", "inf 1 1\n", "1e999 1 1\n", "1e301 1 1\n", "1 1\n", ""})
+       {"-0.021 1 1\n", "nan 1 1\n", "inf 1 1\n", "1e999 1 1\n", "1e301 1 1\n", "1 1\n", ""})
     ies([&](Ies& f) { f.candela = candela; });
   for (const char* lamps : {"1 -2 1", "1 -1.5 1", "-1 1000 1", "1 1000 0", "1 1000 -1", "1 nan 1",
                             "1 1000 1e-301", "1 1000 1e301", "1e9 1000 1"})
@@ -362,10 +396,10 @@ TEST(PhotometricExtremes, FilesThatCannotBeRead) {
     ldt([&](Ldt& f) { f.ng = count; });
   }
   for (const int symmetry : {-1, 5}) ldt([&](Ldt& f) { f.symmetry = symmetry; });
-  for (const char* value : {"nan", "-1e-30", "1e999", "1e301", "", "x"})
+  for (const char* value : {"nan", "-3", "1e999", "1e301", "", "x"})
     ldt([&](Ldt& f) { f.intensities[1] = value; });
   ldt([](Ldt& f) { f.gamma[1] = "0"; });
-  ldt([](Ldt& f) { f.gamma[2] = "89.999999"; });
+  ldt([](Ldt& f) { f.gamma[2] = "180.000001"; });
   ldt([](Ldt& f) { f.lamps[2] = "1e300", f.intensities[0] = "1e300"; });
   sweep.expect_answers(same);
 }

@@ -85,6 +85,80 @@ TEST(Eulumdat, PlanesOfEachSymmetry) {
   expect(planes(4, {"1", "2", "3"}), {1, 2, 3, 2, 1, 2, 3, 2});
 }
 
+TEST(Eulumdat, AboveTheLastGammaItIsDark) {
+  Ldt f;
+  f.gamma = {"0", "45", "140"};
+  EXPECT_EQ(notes(ldt(f.text())),
+            "44 vertical angles from 0 to 140 degrees -> dark outside of them\n");
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, -1}), 0);
+  EXPECT_NEAR(ldt(f.text()).web->at({1, 0, 0}), 2 * (50 - 40 * 45 / 95.), 1e-9);
+}
+
+// Planes at half of their distance from C0: the first and the last are equally far from the planes
+// of symmetry.
+TEST(Eulumdat, PlanesMayBeAtHalfSteps) {
+  const auto at = [](const Ldt& f, double c_deg) {
+    const double c = c_deg * kPi / 180;
+    const PhotometricFile file = ldt(f.text());
+    EXPECT_EQ(notes(file), "");
+    return file.web->at({std::cos(c), -std::sin(c), 0});
+  };
+  const auto half = [](int symmetry, const std::vector<std::string>& values) {
+    Ldt f = planes(symmetry, values);
+    f.c = {"22,5", "67.5", "112.5", "157.5", "202.5", "247.5", "292.5", "337.5"};
+    return f;
+  };
+  const auto expect = [&](const Ldt& f, const std::vector<double>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      EXPECT_NEAR(at(f, 22.5 + 45. * static_cast<double>(i)), values[i], 1e-9)
+          << "symmetry " << f.symmetry << ", plane " << i;
+  };
+  expect(half(0, {"1", "2", "3", "4", "5", "6", "7", "8"}), {1, 2, 3, 4, 5, 6, 7, 8});
+  EXPECT_NEAR(at(half(0, {"1", "2", "3", "4", "5", "6", "7", "8"}), 0), 4.5, 1e-9);
+  expect(half(2, {"1", "2", "3", "4"}), {1, 2, 3, 4, 4, 3, 2, 1});
+  expect(half(3, {"1", "2", "3", "4"}), {3, 4, 4, 3, 2, 1, 1, 2});
+  expect(half(4, {"1", "2"}), {1, 2, 2, 1, 1, 2, 2, 1});
+  EXPECT_NEAR(at(half(4, {"1", "2"}), 90), 2, 1e-9);
+  Ldt uneven = half(2, {"1", "2", "3", "4"});
+  uneven.c[1] = "60";
+  EXPECT_EQ(ldt_error(uneven.text()),
+            "lamp.ldt:43: 4 C-angles from 22.5 to 157.5 degrees, allowed for symmetry 2: from 0 to "
+            "180, or at half of equal steps between them");
+}
+
+TEST(Eulumdat, WhatFollowsTheAnnouncedPlanesIsNoted) {
+  Ldt f = planes(4, {"1", "2", "3"});
+  EXPECT_EQ(notes(ldt(f.text())), "");
+  EXPECT_EQ(notes(ldt(f.text() + "\n  \n")), "");
+  EXPECT_EQ(notes(ldt(f.text() + "\nmade by hand\n")),
+            "60 text after the last intensity -> left out\n");
+  EXPECT_EQ(notes(ldt(f.text() + "4\n4\n")),
+            "59 values after those of the announced planes -> left out\n");
+  // All planes of the circle are there: they tell more than the symmetry.
+  f = planes(4, {"1", "2", "3", "4", "5", "6", "7", "8"});
+  const PhotometricFile all = ldt(f.text());
+  EXPECT_EQ(notes(all), "3 symmetry 4, but intensities of all 8 planes -> all planes are used\n");
+  EXPECT_EQ(all.web->flux_lm(),
+            ldt(planes(0, {"1", "2", "3", "4", "5", "6", "7", "8"}).text()).web->flux_lm());
+}
+
+TEST(Eulumdat, SmallNegativeIntensitiesAreNoiseAboutZero) {
+  Ldt f;
+  f.intensities = {"100", "-1", "-0,5"};
+  EXPECT_EQ(notes(ldt(f.text())), "48 2 negative intensities, down to -1 -> 0\n");
+  EXPECT_EQ(ldt(f.text()).web->at({1, 0, 1}), 0);
+}
+
+TEST(Eulumdat, LuminousAreasAreNotedForPoints) {
+  Ldt f;
+  EXPECT_FALSE(ldt(f.text()).opening);
+  f.luminous_mm = {"386", "256", "0", "12", "0", "0"};
+  EXPECT_EQ(ldt(f.text()).opening->what, "a luminous opening of 0.386 x 0.256 x 0.012 m");
+  EXPECT_EQ(ldt(f.text()).opening->line, 16);
+  f.luminous_mm = {"100", "", "", "", "", "x"};
+  EXPECT_EQ(ldt(f.text()).opening->what, "a luminous opening of 0.1 m");
+}
+
 TEST(Eulumdat, SetsOfLampsBeyondTheFirstAreLeftOut) {
   Ldt f;
   f.sets = "2";
@@ -155,8 +229,9 @@ TEST(Eulumdat, ErrorsNameLineAndAllowedValues) {
   EXPECT_THAT(ldt_error(f.text()),
               StartsWith("lamp.ldt:29: the luminous flux of the lamps is \"x\""));
   f = {};
-  f.gamma = {"0", "45", "80"};
-  EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:44: vertical angles from 0 to 80"));
+  f.gamma = {"0", "45", "30"};
+  EXPECT_THAT(ldt_error(f.text()),
+              StartsWith("lamp.ldt:44: vertical angle[2] = 30 degrees, allow"));
   f = {};
   f.intensities[1] = "-5";
   EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:48: an intensity per 1000 lm = -5"));

@@ -138,6 +138,8 @@ TEST(Ies, TiltTablesAreReadAndTheFactorAtTiltZeroApplies) {
   f.tilt = "TILT=INCLUDE\n1\n900000000\n0 90\n1 1\n";
   EXPECT_THAT(ies_error(f.text()),
               StartsWith("lamp.ies:6: 1800000000 numbers announced, allowed: as many"));
+  f.tilt = "tilt = none\n";
+  EXPECT_EQ(down(f.text()), 100);
   f.tilt = "TILT=\n";
   EXPECT_THAT(ies_error(f.text()), StartsWith("lamp.ies:4: TILT= has no value"));
   f.tilt = "";
@@ -157,6 +159,9 @@ TEST(Ies, EndsOfLinesOfEveryKind) {
   EXPECT_EQ(down(unix_text.substr(0, unix_text.size() - 1)), 100);
   // The mark is not part of the line that names the edition.
   EXPECT_EQ(ies("\xef\xbb\xbf" + unix_text).format, "IES LM-63-2002, type C");
+  Ies semicolons;
+  semicolons.candela = "100; 50;10";
+  EXPECT_EQ(down(semicolons.text()), 100);
   Ies commas;
   commas.candela = "100, 50,10";
   EXPECT_EQ(down(commas.text()), 100);
@@ -185,10 +190,135 @@ TEST(Ies, MissingPlanesAreFilledBySymmetry) {
   EXPECT_NEAR(web->at({0, -1, 1e-9}), 20, 1e-6);  // H = 90
   EXPECT_NEAR(web->at({0, 1, 1e-9}), 40, 1e-6);
   EXPECT_NEAR(web->at({1, 0, 1e-9}), 30, 1e-6);
-  f.angles = "0 90\n0 345\n";
-  EXPECT_THAT(
-      ies_error(f.text()),
-      StartsWith("lamp.ies:8: horizontal angles from 0 to 345 degrees, allowed for type C"));
+}
+
+TEST(Ies, ThePlaneAt360MayBeLeftOut) {
+  Ies f;
+  f.counts = "2 4";
+  f.angles = "0 90\n0 90 180 270\n";
+  f.candela = "1 1\n2 2\n3 3\n4 4\n";
+  const PhotometricFile open = ies(f.text());
+  EXPECT_EQ(notes(open), "");
+  EXPECT_NEAR(open.web->at({1, 1, 1e-9}), 2.5, 1e-6);  // H = 315
+  f.counts = "2 5";
+  f.angles = "0 90\n0 90 180 270 360\n";
+  f.candela += "1 1\n";
+  EXPECT_EQ(open.web->flux_lm(), ies(f.text()).web->flux_lm());
+}
+
+TEST(Ies, AnglesThatEndEarlyAreNoted) {
+  Ies f;
+  f.angles = "0 45 80\n0\n";
+  EXPECT_EQ(notes(ies(f.text())),
+            "7 vertical angles from 0 to 80 degrees -> dark outside of them\n");
+  EXPECT_EQ(ies(f.text()).web->at({1, 0, 0.1}), 0);
+  f.counts = "2 3";
+  f.angles = "0 90\n0 40 80\n";
+  f.candela = "9 3\n9 6\n9 9\n";
+  EXPECT_EQ(notes(ies(f.text())),
+            "8 horizontal angles from 0 to 80 degrees -> symmetric about the planes 0 and 90\n");
+  EXPECT_NEAR(ies(f.text()).web->at({0, 1, 1e-9}), 9, 1e-6);
+  f.type = "2";
+  f.counts = "2 2";
+  f.angles = "-30 30\n0 40\n";
+  f.candela = "9 9\n9 9\n";
+  EXPECT_EQ(notes(ies(f.text())),
+            "7 vertical angles from -30 to 30 degrees -> dark outside of them\n"
+            "8 horizontal angles from 0 to 40 degrees -> symmetric about 0, and dark beyond 40\n");
+  // 9 cd over 60 degrees about the axis, times 2 sin(40 degrees).
+  EXPECT_NEAR(ies(f.text()).web->flux_lm(), 9 * kPi / 3 * 2 * std::sin(40 * kPi / 180), 1e-12);
+}
+
+TEST(Ies, SmallNegativeIntensitiesAreNoiseAboutZero) {
+  Ies f;
+  f.candela = "100 -0.25 -1.5\n";
+  const PhotometricFile file = ies(f.text());
+  EXPECT_EQ(notes(file), "9 2 negative intensities, down to -1.5 -> 0\n");
+  EXPECT_EQ(file.web->at({1, 0, 1}), 0);
+  EXPECT_EQ(file.web->at({0, 0, 1}), 100);
+  f.candela = "100 -2.5 0\n";
+  EXPECT_EQ(ies_error(f.text()),
+            "lamp.ies:9: candela value 2 = -2.5, allowed: finite, not negative, and noise down to "
+            "-2% of the largest");
+}
+
+// Commas separate numbers in LM-63, so a file with decimal commas has more than it announces.
+TEST(Ies, DecimalCommasAreReadIfTheCountsThenFit) {
+  Ies f;
+  f.candela = "100,5 80,5 0,5\n";
+  PhotometricFile file = ies(f.text());
+  EXPECT_THAT(notes(file),
+              HasSubstr("1 decimal commas, which separate numbers in LM-63 -> read as"));
+  EXPECT_EQ(file.web->at({0, 0, 1}), 100.5);
+  EXPECT_NEAR(file.web->at({1, 0, 1}), 80.5, 1e-12);
+  // In the header they would move all that follows.
+  f.lamps = "1 -1 1,0";
+  f.units = "2 0,12 0 0\n";
+  f.ballast = "0,5 1,0 10\n";
+  f.angles = "0,0 45,0 90,0\n0,0\n";
+  file = ies(f.text());
+  EXPECT_EQ(file.web->at({0, 0, 1}), 50.25);
+  EXPECT_EQ(file.opening->what, "a luminous opening of 0.12 m");
+  f = {};
+  f.candela = "100,5;80,5;0,5\n";
+  EXPECT_EQ(down(f.text()), 100.5);
+  f.candela = "100,5, 80,5, 0,5\n";
+  EXPECT_EQ(down(f.text()), 100.5);
+  // Without blanks they are separators, as in LM-63.
+  f.angles = "0,45,90\n0\n";
+  f.candela = "100,50,10\n";
+  EXPECT_EQ(down(f.text()), 100);
+  EXPECT_EQ(notes(ies(f.text())), "");
+  f.candela = "100,50,10 5\n";
+  EXPECT_EQ(ies_error(f.text()),
+            "lamp.ies:9: more numbers than announced, with commas between digits; commas separate "
+            "numbers, allowed: decimal points");
+  f = {};
+  f.lamps = "1 -1 1,0";
+  f.candela = "100,5 80,5 x\n";
+  EXPECT_THAT(ies_error(f.text()), HasSubstr("; commas separate numbers, allowed: decimal points"));
+}
+
+TEST(Ies, LuminousOpeningsAreNotedForPoints) {
+  Ies f;
+  EXPECT_FALSE(ies(f.text()).opening);
+  f.units = "2 -0.5 0.25 0\n";
+  const auto opening = ies(f.text()).opening;
+  ASSERT_TRUE(opening);
+  EXPECT_EQ(opening->line, 5);
+  EXPECT_EQ(opening->what, "a luminous opening of 0.5 x 0.25 m");
+  EXPECT_EQ(opening->instead, "a point; right from about 5 times that size on");
+  f.units = "1 1 0 0\n";
+  EXPECT_EQ(ies(f.text()).opening->what, "a luminous opening of 0.3048 m");
+}
+
+TEST(Ies, UnitsOfRadiantIntensityAreReported) {
+  const auto unit = [](const std::string& line) {
+    Ies f;
+    f.header = "IESNA:LM-63-2002\n[TEST] none\n" + line + "\n";
+    return ies(f.text()).flux_unit;
+  };
+  EXPECT_EQ(unit("[_INTENSITYUNITS] mW/sr"), "mW");
+  EXPECT_EQ(unit("[_intensityunits]   W/SR "), "W");
+  EXPECT_EQ(unit("[_INTENSITYUNITS] \xc2\xb5W/sr"), "uW");
+  EXPECT_EQ(unit("[_INTENSITYUNITS] \xb5W / sr"), "uW");
+  EXPECT_EQ(unit("[_INTENSITYUNIT] milliwatts per steradian"), "mW");
+  EXPECT_EQ(unit("[_FLUXUNITS] mW"), "mW");
+  EXPECT_EQ(unit("[OTHER] All values are in uW/sr."), "uW");
+  EXPECT_EQ(unit("[MORE] (mW sr-1)"), "mW");
+  EXPECT_EQ(unit("[_INTENSITYUNITS] umol/s/sr"), "umol/s");
+  for (const char* none :
+       {"[_INTENSITYUNITS] cd", "[_UNITS] mm", "[LAMP] 40 W", "[_POWERUNITS] W",
+        "[OTHER] peak of 0.5 W/sr at 850 nm", "[MORE] in lm/W", "[_INPUTPOWERUNIT] mW"})
+    EXPECT_EQ(unit(none), "") << none;
+  Ies f;
+  f.header = "IESNA:LM-63-2002\n[_INTENSITYUNITS] mW/sr\n";
+  const PhotometricFile file = ies(f.text());
+  ASSERT_TRUE(file.unit);
+  EXPECT_EQ(file.unit->line, 2);
+  EXPECT_EQ(file.unit->what, "intensities in mW/sr, not in cd");
+  EXPECT_EQ(file.unit->instead,
+            "read as if in cd: of this light, lm stand for mW and lx for mW/m2");
 }
 
 TEST(Ies, TypesAAndB) {

@@ -30,6 +30,8 @@ struct Ldt {
   int symmetry = 1, mc = 1, ng = 3;
   std::string conversion = "1", lorl = "", sets = "1";
   std::vector<std::string> lamps{"1", "lamp", "2000", "3000", "80", "20"};
+  /// Length, width, and four heights of the luminous area.
+  std::vector<std::string> luminous_mm{"0", "0", "0", "0", "0", "0"};
   std::vector<std::string> c{"0"}, gamma{"0", "45", "90"}, intensities{"100", "50", "10"};
   std::string end = "\n";
   std::string text() const {
@@ -47,21 +49,11 @@ struct Ldt {
                                    "date",
                                    "100",
                                    "0",
-                                   "50",
-                                   "100",
-                                   "0",
-                                   "0",
-                                   "0",
-                                   "0",
-                                   "0",
-                                   "100",
-                                   lorl,
-                                   conversion,
-                                   "0",
-                                   sets};
+                                   "50"};
     const auto add = [&](const std::vector<std::string>& more) {
       lines.insert(lines.end(), more.begin(), more.end());
     };
+    add(luminous_mm), add({"100", lorl, conversion, "0", sets});
     add(lamps);
     add(std::vector<std::string>(10, "0.5"));
     add(c), add(gamma), add(intensities);
