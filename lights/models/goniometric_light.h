@@ -26,6 +26,9 @@ struct GoniometricLightParams {
   std::shared_ptr<const IntensityMap> map{};
   std::string file{};    ///< name of the web's or map's file, for people to read
   std::string format{};  ///< of the web's file
+  /// Units of the flux of the web and of the light, such as "mW"; empty: lm.  They differ if the
+  /// light's level comes from a flux in lm.
+  std::string web_unit{}, flux_unit{};
 };
 
 /// The luminous flux [lm] of a goniometric light whose `intensity` is 1.  Exact.

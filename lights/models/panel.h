@@ -33,6 +33,7 @@ struct PanelProfile {
   Vec3<double> tangent{1, 0, 0};
   bool mirrored = false;  ///< +y is tangent x normal, else normal x tangent
   std::string file, format;
+  std::string web_unit{}, flux_unit{};  ///< as GoniometricLightParams has them
 };
 
 /// `Surface` is one of this library's shapes that can be flat.  Immutable, so safe to share between

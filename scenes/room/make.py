@@ -243,7 +243,7 @@ def make():
     lights = luminaires(model)
     files = model.files()
     files["downlights.pbrt"] = lights
-    files["downlight.ies"] = modelling.ies(("DOWNLIGHT 900", "a recessed reflector, 48 degrees"), 900, downlight, [2.5 * i for i in range(37)], size=(-0.1, -0.1, 0))
+    files["downlight.ies"] = modelling.ies(("DOWNLIGHT 900", "a recessed reflector, 48 degrees"), 900, downlight, [2.5 * i for i in range(37)])
     files["pendant.ies"] = modelling.ies(("PENDANT 4500", "a linear pendant, up and down"), 4500, pendant, [5 * i for i in range(37)], [15 * i for i in range(7)], (0.08, 1.5, 0))
     # The working plane, where nothing stands in it, half a metre from the walls.
     plane = [(0.5 + 8 * i / 32, 0.5 + 5.5 * j / 22) for i in range(33) for j in range(23)]

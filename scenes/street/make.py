@@ -229,7 +229,7 @@ def make():
     town(model, lights)
     files = model.files()
     files["lights.pbrt"] = lights.text()
-    files["lantern.ies"] = modelling.ies(("LANTERN 5200", "a street lantern, its road along C90"), 5200, lantern, [2.5 * i for i in range(37)], [15 * i for i in range(7)], (-0.5, -0.5, 0))
+    files["lantern.ies"] = modelling.ies(("LANTERN 5200", "a street lantern, its road along C90"), 5200, lantern, [2.5 * i for i in range(37)], [15 * i for i in range(7)])
     # Road and pavements.
     points = [(-3.3 + 6.6 * i / 7, 1.5 + 70 * j / 49, 0) for j in range(50) for i in range(8)]
     points += [(side * 4.9, 1.0 + 70 * j / 49, 0.13) for j in range(50) for side in (-1, 1)]

@@ -93,28 +93,41 @@ void add_punctual(const Document& document, const PlacedNode& node, const View& 
   document.context().scene.lights.push_back(std::move(result));
 }
 
+/// World directions of light space's axes.  The zero of both angles is -z of the node.  For types B
+/// and C this is straight down of the luminaire, and V = 90, H = 0 is +x.  Horizontal angles of
+/// type C are counter-clockwise seen from above, which is from +z of the node, those of type B
+/// clockwise.  For type A the zero is ahead, light space's +x; V = 90 is +x of the node here too.
+/// [Blut22]
+Frame<double> luminaire_axes(const Matrix& frame, PhotometricType type) {
+  const Vec3<double> x = column(frame, 0), y = column(frame, 1), z = column(frame, 2);
+  return type == PhotometricType::kA ? Frame<double>{-z, -y, -x} : Frame<double>{x, -y, -z};
+}
+
 void add_photometric(const Document& document, const PlacedNode& node, const View& use) {
   const View profile = light_of(document, "EXT_lights_ies", use);
   const AssetContent* content = document.read(profile);
   if (content == nullptr) return;
   const auto file = parse_ies(content->bytes, content->name);
   if (!file.ok()) profile.fail(file.status());
-  for (const PhotometricFile::Note& note : file->notes)
+  const auto remark = [&](const PhotometricFile::Note& note) {
     document.context().remark(profile.pointer(),
                               fmt::format("{}:{}: {}", content->name, note.line, note.what),
                               note.instead);
+  };
+  for (const PhotometricFile::Note& note : file->notes) remark(note);
+  if (file->opening) remark(*file->opening);
+  if (file->unit) remark(*file->unit);
   const Matrix frame = without_scale(node.world_from_node);
   GoniometricLightParams light;
   light.position_m = column(frame, 3);
-  // The luminaire's downward direction is -z of the node, and its angle H = 0 is +x.  Horizontal
-  // angles of type C are counter-clockwise seen from above, which is from +z of the node.
-  light.axes = Frame<double>{column(frame, 0), -column(frame, 1), -column(frame, 2)};
+  light.axes = luminaire_axes(frame, file->web->type());
   const std::vector<double> colour = use.numbers("color", {1, 1, 1}, kUnit);
   light.intensity =
       Rgb<double>(colour[0], colour[1], colour[2]) * use.number("multiplier", 1, kNotNegative);
   light.web = file->web;
   light.file = content->name;
   light.format = file->format;
+  light.web_unit = light.flux_unit = file->flux_unit;
   if (const auto status = GoniometricIntensity<float>::check(light, {}); !status.ok())
     use.fail(status);
   LightDescription result;

@@ -128,12 +128,14 @@ std::optional<PanelProfile> area_profile(Context& context, const ParameterSet& p
     fail(file->place,
          fmt::format("\"string profile\" = \"{}\", allowed: the name of an .ies or .ldt file",
                      file->strings().empty() ? "" : printable(file->strings().front())));
-  NamedPhotometricFile named = read_photometric_file(context, *file);
+  NamedPhotometricFile named = read_photometric_file(context, params, *file);
   PanelProfile profile{.web = std::move(named.file.web),
                        .tangent = tangent_of(geometry, shape_place),
                        .mirrored = mirrored,
                        .file = std::move(named.name),
-                       .format = std::move(named.file.format)};
+                       .format = std::move(named.file.format),
+                       .web_unit = std::move(named.file.flux_unit),
+                       .flux_unit = std::move(named.flux_unit)};
   if (const absl::Status status = check_panel(geometry, profile); !status.ok())
     fail(shape_place, status);
   return profile;

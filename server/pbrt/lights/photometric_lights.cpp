@@ -8,6 +8,7 @@
 #include "server/formats/eulumdat.h"
 #include "server/formats/ies.h"
 #include "server/pbrt/lights/image_lights.h"
+#include "server/pbrt/lights/levels.h"
 #include "server/pbrt/lights/scales.h"
 #include "server/pbrt/syntax/images.h"
 
@@ -22,6 +23,12 @@ bool ends_in(const std::string& name, std::string_view lower_case) {
     if (c != lower_case[i]) return false;
   }
   return true;
+}
+
+void remark_note(Context& context, const Parameter& filename, const std::string& name,
+                 const PhotometricFile::Note& note) {
+  context.remark(filename.place, fmt::format("{}:{}: {}", printable(name), note.line, note.what),
+                 note.instead);
 }
 
 /// The picture that a parameter names; lights that use it in the same way share it.
@@ -53,7 +60,8 @@ bool names_photometric_file(const std::string& name) {
   return ends_in(name, ".ies") || ends_in(name, ".ldt");
 }
 
-NamedPhotometricFile read_photometric_file(Context& context, const Parameter& filename) {
+NamedPhotometricFile read_photometric_file(Context& context, const ParameterSet& params,
+                                           const Parameter& filename) {
   if (filename.strings().size() != 1)
     fail(filename.place, fmt::format("\"string {}\" takes one name", filename.name));
   const AssetContent content = context.read(filename);
@@ -68,11 +76,15 @@ NamedPhotometricFile read_photometric_file(Context& context, const Parameter& fi
                                         fmt::format("\"string {}\": {}", filename.name,
                                                     std::string(parsed.status().message()))));
     for (const PhotometricFile::Note& note : parsed->notes)
-      context.remark(filename.place, fmt::format("{}:{}: {}", shown, note.line, note.what),
-                     note.instead);
+      remark_note(context, filename, content.name, note);
     file = *std::move(parsed);
   }
-  return {content.name, file};
+  NamedPhotometricFile named{content.name, file, {}};
+  if (file.unit && positive_parameter(params, "power") == nullptr) {
+    named.flux_unit = file.flux_unit;
+    remark_note(context, filename, content.name, *file.unit);
+  }
+  return named;
 }
 
 GoniometricLightParams goniometric(Context& context, const ParameterSet& params, const Place& place,
@@ -90,10 +102,13 @@ GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
   light.axes = {world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),
                 world_from_light.vector({0, 0, 1})};
   if (filename->strings().size() == 1 && names_photometric_file(filename->strings().front())) {
-    NamedPhotometricFile named = read_photometric_file(context, *filename);
+    NamedPhotometricFile named = read_photometric_file(context, params, *filename);
+    if (named.file.opening) remark_note(context, *filename, named.name, *named.file.opening);
     light.web = std::move(named.file.web);
     light.file = std::move(named.name);
     light.format = std::move(named.file.format);
+    light.web_unit = std::move(named.file.flux_unit);
+    light.flux_unit = std::move(named.flux_unit);
     return light;
   }
   const SphereMapping mapping = sphere_mapping(params);

@@ -24,11 +24,14 @@ bool names_photometric_file(const std::string& name);
 struct NamedPhotometricFile {
   std::string name;  ///< relative to the scene root
   PhotometricFile file;
+  std::string flux_unit;  ///< of the light; empty: lm
 };
 
 /// The luminaire in the file that a parameter names; parameters that name the same file share it.
-/// Remarks and errors have the place of the parameter.
-NamedPhotometricFile read_photometric_file(Context& context, const Parameter& filename);
+/// Remarks and errors have the place of the parameter.  `params` are those of the light: if they
+/// set its "power", its flux is in lm, whatever the file's unit.
+NamedPhotometricFile read_photometric_file(Context& context, const ParameterSet& params,
+                                           const Parameter& filename);
 
 /// LightSource "goniometric" without its level: `intensity` is 1.  Fails on transforms of unequal
 /// scale, and on a picture that the mapping cannot use.

@@ -127,6 +127,34 @@ TEST(GltfLuminaires, ShineAlongMinusZ) {
   EXPECT_NEAR(intensity.intensity({0, 0, 1}).r, 0, 1e-9);
 }
 
+// The zero of both angles is -z for every type.  In the extension the plane x-z has the vertical
+// angles, and horizontal angles of types A and B are clockwise: H = 90 is -y.
+TEST(GltfLuminaires, TypesAAndBHaveTheirAnglesAboutMinusZ) {
+  // All V at H = -90, 0, 90.  The values of a pole agree: of type B H = +-90, of type A V = +-90.
+  const std::pair<const char*, const char*> kTypes[] = {{"2", "3 3 3\n1 9 5\n7 7 7\n"},
+                                                        {"3", "1 3 5\n1 9 5\n1 7 5\n"}};
+  for (const auto& [type, candela] : kTypes) {
+    GltfFile file;
+    file.json["extensions"]["EXT_lights_ies"]["lights"] = Json::array({{{"uri", "lamp.ies"}}});
+    file.add_node({{"extensions", {{"EXT_lights_ies", {{"light", 0}}}}}});
+    const GltfFiles files;
+    files.write("scene.gltf", file.text());
+    files.write("lamp.ies", std::string("IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 3 ") + type +
+                                " 2 0 0 0\n1 1 50\n-90 0 90\n-90 0 90\n" + candela);
+    const auto scene = files.load("scene.gltf");
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    const GoniometricIntensity<double> light(
+        std::get<GoniometricLightParams>(scene->lights.at(0).params));
+    const auto at = [&](double x, double y) { return light.intensity({x, y, -1e-9}).r; };
+    EXPECT_NEAR(light.intensity({0, 0, -1}).r, 9, 1e-6);
+    EXPECT_NEAR(at(1, 0), 5, 1e-6) << "V = 90, type " << type;
+    EXPECT_NEAR(at(-1, 0), 1, 1e-6) << "V = -90, type " << type;
+    EXPECT_NEAR(at(0, -1), 7, 1e-6) << "H = 90, type " << type;
+    EXPECT_NEAR(at(0, 1), 3, 1e-6) << "H = -90, type " << type;
+    EXPECT_EQ(light.intensity({0, 0, 1}).r, 0);
+  }
+}
+
 TEST(GltfLuminaires, ErrorsNameTheFileAndItsLine) {
   GltfFile file;
   file.json["extensions"]["EXT_lights_ies"]["lights"] = Json::array({{{"uri", "lamp.ies"}}});

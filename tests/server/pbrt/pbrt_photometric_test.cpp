@@ -46,6 +46,51 @@ TEST(PbrtPhotometric, ALuminaireShinesAlongZ) {
   EXPECT_NEAR(luminance(l.power({}).lumens), 200 * kPi, 1e-9);
 }
 
+// Type B shines along +z with its pole along y.  A headlamp of type A shines along +x, and up is
+// -z.
+TEST(PbrtPhotometric, TypesAAndBHaveTheirPoles) {
+  const auto light = [](const std::string& type, const std::string& candela) {
+    const auto scene =
+        load_luminaire("LightSource \"goniometric\" \"string filename\" \"lamp.ies\"",
+                       "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 3 " + type +
+                           " 2 0 0 0\n1 1 50\n-90 0 90\n-90 0 90\n" + candela);
+    EXPECT_TRUE(scene.ok()) << scene.status();
+    EXPECT_EQ(remarks_of(*scene), "");
+    return *GoniometricLight<double>::create(
+        std::get<GoniometricLightParams>(scene->lights.at(0).params));
+  };
+  // All V at H = -90, 0, 90.
+  const auto b = light("2", "3 3 3\n1 9 5\n7 7 7\n");
+  EXPECT_NEAR(b.intensity({0, 0, 1}).g, 9, 1e-6);
+  EXPECT_NEAR(b.intensity({1, 0, 1e-9}).g, 5, 1e-6);
+  EXPECT_NEAR(b.intensity({-1, 0, 1e-9}).g, 1, 1e-6);
+  EXPECT_NEAR(b.intensity({0, 1, 1e-9}).g, 7, 1e-6);
+  EXPECT_NEAR(b.intensity({0, -1, 1e-9}).g, 3, 1e-6);
+  const auto a = light("3", "1 3 5\n1 9 5\n1 7 5\n");
+  EXPECT_NEAR(a.intensity({1, 0, 0}).g, 9, 1e-6);
+  EXPECT_NEAR(a.intensity({1e-9, 0, -1}).g, 5, 1e-6);
+  EXPECT_NEAR(a.intensity({1e-9, 0, 1}).g, 1, 1e-6);
+  EXPECT_NEAR(a.intensity({1e-9, 1, 0}).g, 7, 1e-6);
+  EXPECT_NEAR(a.intensity({1e-9, -1, 0}).g, 3, 1e-6);
+}
+
+TEST(PbrtPhotometric, APointHasARemarkAboutItsOpeningAndAPanelHasNone) {
+  const std::string ies =
+      "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0.5 0.25 0\n1 1 10\n0 90\n0\n100 100\n";
+  const std::string lamp = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\" ";
+  // Equal remarks of several lights are one, with the number of places.
+  auto scene = load_luminaire(lamp + lamp, ies);
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(remarks_of(*scene),
+            "1:38 lamp.ies:3: a luminous opening of 0.5 x 0.25 m -> a point; right from about 5 "
+            "times that size on\n");
+  EXPECT_EQ(scene->remarks.at(0).count, 2U);
+  scene = load_luminaire(
+      "AreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" Shape \"disk\"", ies);
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(remarks_of(*scene), "");
+}
+
 TEST(PbrtPhotometric, ScaleMultipliesTheCandelaAndPowerSetsTheTotal) {
   const std::string source = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\" ";
   EXPECT_EQ(luminaire(source + "\"float scale\" 3").intensity, Rgb<double>(3));
