@@ -53,7 +53,8 @@ std::string describe_light(const v1::SphereImage& map) {
 }
 
 std::string describe_light(const v1::PhotometricFile& file) {
-  return fmt::format("{} ({}, {} lm)", file.name(), file.format(), number(file.flux_lm()));
+  return fmt::format("{} ({}, {} {})", file.name(), file.format(), number(file.flux_lm()),
+                     file.flux_unit().empty() ? "lm" : file.flux_unit());
 }
 
 std::string describe_light(const v1::Spectrum& spectrum) {
@@ -181,7 +182,7 @@ bool is_type(const v1::PhotometricFile& file, char type) {
 
 /// The turn of a luminaire about its downward axis.
 std::string turn_of_luminaire(const v1::PhotometricFile& file, const v1::Axes& axes) {
-  // The direction of x: plane C0 of type C and EULUMDAT; the pole of type B; the beam of type A.
+  // The direction of x: plane C0 of type C and EULUMDAT; V = 90 of type B; the beam of type A.
   const char* x = is_type(file, 'A') ? "V 0 H 0" : is_type(file, 'B') ? "V 90" : "C0";
   return fmt::format(", {} to {}{}", x, direction(axes.x()),
                      is_left_handed(axes) ? ", mirrored" : "");
@@ -343,23 +344,25 @@ Table light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lights) {
                                     [](const v1::Light& light) { return !light.name().empty(); });
   std::vector<Table::Column> columns = {{"id"}};
   if (any_name) columns.push_back({"name", true});
+  const std::string in_lumens = lumens_header(lights);
   columns.insert(columns.end(), {{"type", true},
                                  {"what", true},
                                  {"where [m]", true},
                                  {"area [m2]"},
-                                 {"flux [lm]"},
-                                 {"± [lm]"},
-                                 {"delta", true},
-                                 {"made at", true}});
+                                 {"flux" + in_lumens},
+                                 {"±" + in_lumens}});
+  if (in_lumens.empty()) columns.push_back({"unit", true});
+  columns.insert(columns.end(), {{"delta", true}, {"made at", true}});
   Table table(columns);
   for (const v1::Light& light : lights) {
     std::vector<Cell> row = {std::to_string(light.id())};
     if (any_name) row.push_back(light.name());
-    row.insert(row.end(),
-               {type_of(light), describe_light(light), place_of(light),
-                light.has_area_m2() ? number_cell(light.area_m2()) : Cell(),
-                flux_cell(light.power_lm(), is_at_infinity(light)),
-                error_cell(light.power_error_lm()), light.delta() ? "yes" : "no", light.source()});
+    row.insert(row.end(), {type_of(light), describe_light(light), place_of(light),
+                           light.has_area_m2() ? number_cell(light.area_m2()) : Cell(),
+                           flux_cell(light.power_lm(), is_at_infinity(light)),
+                           error_cell(light.power_error_lm())});
+    if (in_lumens.empty()) row.push_back(flux_unit(light));
+    row.insert(row.end(), {light.delta() ? "yes" : "no", light.source()});
     table.add(std::move(row));
   }
   return table;

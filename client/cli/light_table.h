@@ -37,6 +37,20 @@ Cell flux_cell(double lumens, bool from_infinity);
 /// The error of an exact power: "exact" for 0.
 Cell error_cell(double lumens);
 
+/// " [lm]", for the header of a column of fluxes; empty if any of `lights` is in another unit.  A
+/// column "unit" then has flux_unit() of each.  `Light`: with a `power_unit`.
+template <typename Light>
+std::string lumens_header(const google::protobuf::RepeatedPtrField<Light>& lights) {
+  for (const Light& light : lights)
+    if (!light.power_unit().empty()) return "";
+  return " [lm]";
+}
+/// The light's unit where it is not lm, otherwise "lm".
+template <typename Light>
+std::string flux_unit(const Light& light) {
+  return light.power_unit().empty() ? "lm" : light.power_unit();
+}
+
 /// The table of `lucerna lights`, one row for each light.
 Table light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lights);
 /// The explanation of its marks, with a new line.  Empty without marks.

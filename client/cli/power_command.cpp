@@ -93,10 +93,13 @@ void power(Session& session, const PowerOptions& options) {
   for (const v1::Light& light : lights.lights()) by_id[light.id()] = &light;
   const bool watts = std::any_of(response.lights().begin(), response.lights().end(),
                                  [](const v1::LightPower& light) { return light.has_power_w(); });
-  std::vector<Table::Column> columns = {{"id"}, {"type", true}, {"flux [lm]"}, {"± [lm]"}};
+  const std::string in_lumens = lumens_header(response.lights());
+  std::vector<Table::Column> columns = {
+      {"id"}, {"type", true}, {"flux" + in_lumens}, {"±" + in_lumens}};
+  if (in_lumens.empty()) columns.push_back({"unit", true});
   if (sampled) columns.push_back({"samples"});
   if (watts) columns.push_back({"flux [W]"});
-  columns.push_back({"RGB [lm]", true});
+  columns.push_back({"RGB" + in_lumens, true});
   if (options.wavelengths.given()) columns.push_back(options.wavelengths.column("W/nm"));
   Table table(columns);
   const auto add = [&](const std::string& id, const std::string& type, const v1::LightPower& light,
@@ -104,6 +107,7 @@ void power(Session& session, const PowerOptions& options) {
     const v1::Rgb& rgb = light.rgb_lm();
     std::vector<Cell> row = {id, type, flux_cell(light.power_lm(), from_infinity),
                              sampled ? flux_interval_cell(light) : error_cell(light.error_lm())};
+    if (in_lumens.empty()) row.push_back(flux_unit(light));
     if (sampled) row.push_back(std::to_string(light.samples()));
     if (watts) row.push_back(light.has_power_w() ? number_cell(light.power_w()) : Cell("unknown"));
     row.push_back(triple_cell(rgb.r(), rgb.g(), rgb.b()));

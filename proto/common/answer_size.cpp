@@ -59,12 +59,13 @@ AnswerSize answer_size(const v1::LeRequest& request) {
 }
 
 AnswerSize answer_size(const v1::EstimatePowerRequest& request) {
-  // RGB in its message, flux, error, watts and the array of wavelengths; if sampled, also standard
-  // error, interval and count.
+  // RGB in its message, flux, error, watts, unit and the array of wavelengths; if sampled, also
+  // standard error, interval and count.
+  constexpr std::uint64_t kUnit = 16;  // "umol/s"
   const std::uint64_t rgb = kTag + kLength + 3 * (kTag + kDouble);
-  const std::uint64_t power = kTag + kLength + kTag + kId + rgb + 3 * (kTag + kDouble) + kTag +
-                              kLength + kDouble * wavelengths(request) + 3 * (kTag + kDouble) +
-                              kTag + kId;
+  const std::uint64_t power = kTag + kLength + kTag + kId + rgb + 3 * (kTag + kDouble) + kUnit +
+                              kTag + kLength + kDouble * wavelengths(request) +
+                              3 * (kTag + kDouble) + kTag + kId;
   // The total is one more message.
   return {.fixed = AnswerSize::kFixed + power, .per_item = power};
 }

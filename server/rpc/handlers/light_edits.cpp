@@ -132,6 +132,7 @@ std::string content_of(const v1::Light& light) {
   kept.clear_bounds();
   kept.clear_power_lm();
   kept.clear_power_error_lm();
+  kept.clear_power_unit();
   kept.clear_directions();
   std::string bytes;
   {

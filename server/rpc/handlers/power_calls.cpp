@@ -17,6 +17,7 @@
 #include "server/estimate/statistics/sample_sum.h"
 #include "server/rpc/handlers/lighting.h"
 #include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/paging.h"
 #include "server/rpc/messages/stop_rule.h"
@@ -33,13 +34,16 @@ struct RadiantPower {
   std::optional<SampledPower> sampled{};
   std::optional<double> watts{};
   std::vector<double> w_per_nm{};  // at each requested wavelength
+  std::string unit{};              // of the luminous power; empty: lm
 };
 
 /// The power of one light.  Always finite: a flux in the range of floats times at most
 /// kMostWattsPerLumen.
 RadiantPower radiant_power(const Scene& scene, std::uint32_t light, const Power& luminous,
                            SpectralValues& spectral) {
-  RadiantPower power{.luminous = luminous, .w_per_nm = std::vector<double>(spectral.size())};
+  RadiantPower power{.luminous = luminous,
+                     .w_per_nm = std::vector<double>(spectral.size()),
+                     .unit = power_unit(scene, light)};
   if (const Spectrum* spectrum = scene.spectrum(light)) {
     power.watts = luminance(luminous.lumens) * spectrum->watts_per_lumen();
   }
@@ -53,6 +57,8 @@ class PowerTotal {
   explicit PowerTotal(std::size_t wavelengths) : w_per_nm_(wavelengths) {}
 
   void add(const RadiantPower& power) {
+    if (is_empty_) unit_ = power.unit;
+    if (power.unit != unit_) unit_ = "mixed";
     is_empty_ = false;
     lumens_.add(power.luminous.lumens);
     error_lumens_.add(power.luminous.error_lumens);
@@ -65,6 +71,7 @@ class PowerTotal {
     RadiantPower sum{.luminous = {lumens_.value(), error_lumens_.value()}};
     if (has_watts_ && !is_empty_) sum.watts = watts_.value();
     for (const CompensatedSum& at : w_per_nm_) sum.w_per_nm.push_back(at.value());
+    sum.unit = unit_;
     return sum;
   }
 
@@ -73,6 +80,7 @@ class PowerTotal {
   CompensatedSum error_lumens_, watts_;
   bool has_watts_ = true, is_empty_ = true;
   std::vector<CompensatedSum> w_per_nm_;
+  std::string unit_;
 };
 
 /// The largest double instead of infinity.  Squares of extreme fluxes may overflow; the bound is
@@ -100,6 +108,7 @@ void set_power(const RadiantPower& radiant, v1::LightPower* out) {
   out->set_power_lm(luminance(power.lumens));
   out->set_error_lm(power.error_lumens);
   if (radiant.watts) out->set_power_w(*radiant.watts);
+  out->set_power_unit(radiant.unit);
   out->mutable_spectral_w_per_nm()->Add(radiant.w_per_nm.begin(), radiant.w_per_nm.end());
 }
 

@@ -101,11 +101,13 @@ void set_kind(const PortalLight<double>& l, v1::Light* out) {
   for (const Vec3<double>& corner : l.params().corners_m) set(corner, infinite->add_portal_m());
 }
 
-void set(const PhotometricWeb& web, const std::string& name, const std::string& format,
-         v1::PhotometricFile* out) {
-  out->set_name(name);
-  out->set_format(format);
-  out->set_flux_lm(web.flux_lm());
+/// `source`: GoniometricLightParams with a web, or PanelProfile.
+template <typename Source>
+void set(const Source& source, v1::PhotometricFile* out) {
+  out->set_name(source.file);
+  out->set_format(source.format);
+  out->set_flux_lm(source.web->flux_lm());
+  out->set_flux_unit(source.web_unit);
 }
 
 void set_kind(const GoniometricLight<double>& l, v1::Light* out) {
@@ -113,8 +115,7 @@ void set_kind(const GoniometricLight<double>& l, v1::Light* out) {
   set(l.params().position_m, goniometric->mutable_position_m());
   set(l.params().intensity, goniometric->mutable_intensity());
   if (l.params().web) {
-    set(*l.params().web, l.params().file, l.params().format,
-        goniometric->mutable_photometric_file());
+    set(l.params(), goniometric->mutable_photometric_file());
   } else if (l.params().map) {
     set(l.params().map->sphere_map(), l.params().file, goniometric->mutable_image());
   }
@@ -240,7 +241,7 @@ void set_kind(const AreaLight<double, Shape>& l, const Vec3<double>& origin_m, v
     set(*picture.image, picture.filter, picture.name, area->mutable_image());
   } else if constexpr (requires { l.shape().profile(); }) {
     const PanelProfile& profile = l.shape().profile();
-    set(*profile.web, profile.file, profile.format, area->mutable_profile());
+    set(profile, area->mutable_profile());
     const Vec3<double> down = normalized(Vec3<double>(l.shape().normals().axis));
     const Vec3<double> c0 = normalized(profile.tangent - down * dot(down, profile.tangent));
     const Vec3<double> c90 = profile.mirrored ? cross(c0, down) : cross(down, c0);
@@ -276,6 +277,21 @@ void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* 
     set(axis, frame->mutable_axis());
     frame->set_angle_rad(angle_rad);
   }
+}
+
+const std::string& power_unit(const Scene& scene, std::uint32_t light) {
+  static const std::string kLumens;
+  return visit(
+      []<typename L>(const L& l) -> const std::string& {
+        if constexpr (requires { l.shape().profile(); }) {
+          return l.shape().profile().flux_unit;
+        } else if constexpr (requires { l.params().flux_unit; }) {
+          return l.params().flux_unit;
+        } else {
+          return kLumens;
+        }
+      },
+      scene.lights()[light].light);
 }
 
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
@@ -318,6 +334,7 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   const Power power = light_power(scene, light);
   out->set_power_lm(luminance(power.lumens));
   out->set_power_error_lm(power.error_lumens);
+  out->set_power_unit(power_unit(scene, light));
   if (const Spectrum* spectrum = scene.spectrum(light)) {
     set_spectrum(*spectrum, out->mutable_spectrum());
     out->set_power_w(out->power_lm() * spectrum->watts_per_lumen());

@@ -173,7 +173,7 @@ TEST(LightTable, GoniometricOfAnyDistribution) {
   set(g->mutable_axes()->mutable_y(), -1, 0, 0);
   EXPECT_EQ(place_of(light),
             "1 1 1 towards 0 0 -1, C0 to 0 1 0, mirrored, within 90 deg of 0 0 -1");
-  // Type A shines along +x, with +z down.  Type B shines along +z; its pole is +x.
+  // Type A shines along +x, with +z down.  Type B shines along +z; V = 90 is +x.
   file->set_format("IES LM-63-2002, type A");
   EXPECT_EQ(place_of(light),
             "1 1 1 towards 0 1 0, down to 0 0 -1, mirrored, within 90 deg of 0 0 -1");
@@ -346,6 +346,31 @@ TEST(LightTable, HasARowForEachLight) {
             "12  area   triangle, 4500 cd/m2  0 0 0 to 1 1 0        0.5    7068.58    0.25  no   "
             "  room.pbrt:7:3\n"
             "13  point  10 cd                 0 0 0                        125.664   exact  yes\n");
+}
+
+TEST(LightTable, AFluxInAnotherUnitIsNotCalledLumens) {
+  v1::ListLightsResponse lights;
+  v1::Light* light = lights.add_lights();
+  light->set_id(1);
+  light->set_delta(true);
+  light->set_power_lm(125.5);
+  light->set_power_unit("mW");
+  v1::PhotometricFile* file = light->mutable_goniometric()->mutable_photometric_file();
+  file->set_name("uv.ies");
+  file->set_format("IES LM-63-2002, type C");
+  file->set_flux_lm(125.5);
+  file->set_flux_unit("mW");
+  grey(light->mutable_goniometric()->mutable_intensity(), 1);
+  light->set_source("room.pbrt:7:3");
+  *lights.add_lights() = *light;
+  lights.mutable_lights(1)->clear_power_unit();
+  EXPECT_EQ(light_table(lights.lights()).to_string(),
+            "id  type         what                                      where [m]  area [m2]   "
+            "flux      ±  unit  delta  made at\n"
+            " 1  goniometric  uv.ies (IES LM-63-2002, type C, 125.5 mW)  0 0 0                 "
+            "125.5  exact  mW    yes    room.pbrt:7:3\n"
+            " 1  goniometric  uv.ies (IES LM-63-2002, type C, 125.5 mW)  0 0 0                 "
+            "125.5  exact  lm    yes    room.pbrt:7:3\n");
 }
 
 TEST(LightTable, FluxesOfLightsAtInfinityAreMarked) {
