@@ -1,6 +1,8 @@
 // Lights and scenes as messages.
 #pragma once
 
+#include <string>
+
 #include "lights/maths/vec.h"
 #include "lights/spectra/rgb.h"
 #include "lucerna/v1/light.pb.h"
@@ -26,7 +28,7 @@ void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* 
 /// `light`: an index below the number of lights.
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out);
 /// Unit of the light's flux where fields are in lm; empty: lm.
-const std::string& power_unit(const Scene& scene, std::uint32_t light);
+std::string power_unit(const Scene& scene, std::uint32_t light);
 void set_summary(const StoredScene& stored, v1::SceneSummary* out);
 void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Remark>* out);
 void set_parts(const Scene& scene, v1::GetSceneResponse* out);

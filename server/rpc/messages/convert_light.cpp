@@ -279,16 +279,15 @@ void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* 
   }
 }
 
-const std::string& power_unit(const Scene& scene, std::uint32_t light) {
-  static const std::string kLumens;
+std::string power_unit(const Scene& scene, std::uint32_t light) {
   return visit(
-      []<typename L>(const L& l) -> const std::string& {
+      []<typename L>(const L& l) -> std::string {
         if constexpr (requires { l.shape().profile(); }) {
           return l.shape().profile().flux_unit;
         } else if constexpr (requires { l.params().flux_unit; }) {
           return l.params().flux_unit;
         } else {
-          return kLumens;
+          return {};
         }
       },
       scene.lights()[light].light);
