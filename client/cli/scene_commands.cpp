@@ -214,9 +214,13 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
 /// A row for each thing of a kind that a scene holds.
 void add_kinds(const char* what, const google::protobuf::RepeatedPtrField<v1::KindCount>& kinds,
                Table& table) {
-  for (const v1::KindCount& kind : kinds)
-    table.add({what, kind.kind(), std::to_string(kind.count()),
-               kind.primitives() > 0 ? fmt::format("{} primitives", kind.primitives()) : ""});
+  for (const v1::KindCount& kind : kinds) {
+    std::string primitives;
+    if (kind.primitives() > 0) primitives = fmt::format("{} primitives", kind.primitives());
+    if (kind.without_area() > 0)
+      primitives += fmt::format(", {} of them without area", kind.without_area());
+    table.add({what, kind.kind(), std::to_string(kind.count()), primitives});
+  }
 }
 
 std::string kilobytes(std::uint64_t bytes) {

@@ -4,6 +4,8 @@
 #include <set>
 #include <string_view>
 
+#include "server/description/mesh_census.h"
+
 namespace lucerna {
 namespace {
 
@@ -26,22 +28,35 @@ constexpr std::array<std::string_view, std::variant_size_v<decltype(ShapeDescrip
 
 /// Counts by the index of a variant.
 template <std::size_t kSize>
-class Census {
+class Kinds {
  public:
-  void add(std::size_t kind, std::uint64_t primitives = 0) {
+  void add(std::size_t kind, std::uint64_t primitives = 0, std::uint64_t without_area = 0) {
     ++counts_[kind];
     primitives_[kind] += primitives;
+    without_area_[kind] += without_area;
   }
   std::vector<KindCount> by(const std::array<std::string_view, kSize>& names) const {
     std::vector<KindCount> result;
     for (std::size_t i = 0; i < kSize; ++i)
-      if (counts_[i] > 0) result.push_back({std::string(names[i]), counts_[i], primitives_[i]});
+      if (counts_[i] > 0)
+        result.push_back({std::string(names[i]), counts_[i], primitives_[i], without_area_[i]});
     return result;
   }
 
  private:
-  std::array<std::uint64_t, kSize> counts_{}, primitives_{};
+  std::array<std::uint64_t, kSize> counts_{}, primitives_{}, without_area_{};
 };
+
+std::uint64_t without_area(const ShapeDescription& shape) {
+  return std::visit(
+      [](const auto& geometry) -> std::uint64_t {
+        if constexpr (requires { census_of(geometry); })
+          return census_of(geometry).without_area;
+        else
+          return 0;
+      },
+      shape.geometry);
+}
 
 }  // namespace
 
@@ -56,10 +71,10 @@ std::uint64_t primitives_of(const ShapeDescription& shape) {
 
 SceneContents contents_of(const SceneDescription& scene) {
   SceneContents contents;
-  Census<kShapes.size()> shapes;
+  Kinds<kShapes.size()> shapes;
   std::set<std::uint32_t> used;
   const auto add = [&](const ShapeDescription& shape) {
-    shapes.add(shape.geometry.index(), primitives_of(shape));
+    shapes.add(shape.geometry.index(), primitives_of(shape), without_area(shape));
     used.insert(shape.material);
   };
   for (const ShapeDescription& shape : scene.shapes) add(shape);
@@ -70,7 +85,7 @@ SceneContents contents_of(const SceneDescription& scene) {
   contents.instances = scene.instances.size();
 
   // Parts of a mix come before it, so one pass from the last to the first finds all.
-  Census<kMaterials.size()> materials;
+  Kinds<kMaterials.size()> materials;
   for (std::size_t i = scene.materials.size(); i-- > 0;) {
     if (!used.contains(static_cast<std::uint32_t>(i))) continue;
     materials.add(scene.materials[i].params.index());
@@ -79,7 +94,7 @@ SceneContents contents_of(const SceneDescription& scene) {
   }
   contents.materials = materials.by(kMaterials);
 
-  Census<kTextures.size()> textures;
+  Kinds<kTextures.size()> textures;
   for (const TextureNode& node : scene.textures.nodes()) textures.add(node.index());
   for (const Textures::Picture& p : scene.textures.pictures())
     contents.pictures.push_back({p.name, p.texels->width(), p.texels->height(), p.texels->bytes()});

@@ -13,7 +13,8 @@ namespace lucerna {
 struct KindCount {
   std::string kind;  ///< "triangle mesh", "conductor", "imagemap"
   std::uint64_t count = 0;
-  std::uint64_t primitives = 0;  ///< of shapes; else 0
+  std::uint64_t primitives = 0;    ///< of shapes; else 0
+  std::uint64_t without_area = 0;  ///< of the primitives: triangles and patches without area
 };
 
 /// A picture of textures.

@@ -185,12 +185,12 @@ class Reader {
     return absl::OkStatus();
   }
 
-  absl::Status check_vertex(std::uint64_t i) const {
+  absl::Status check_vertex(std::uint64_t i) {
     if (!is_finite(mesh_.positions[i])) return error(fmt::format("vertex {} is not finite", i));
-    if (has_uv_ && !(std::isfinite(mesh_.uv[i].x) && std::isfinite(mesh_.uv[i].y)))
-      return error(fmt::format("the u, v of vertex {} are not finite", i));
-    if (has_normals_ && !is_finite(mesh_.normals[i]))
-      return error(fmt::format("the normal of vertex {} is not finite", i));
+    if (has_uv_ && !(std::isfinite(mesh_.uv[i].x) && std::isfinite(mesh_.uv[i].y))) {
+      mesh_.uv[i] = {0, 0};
+      ++mesh_.mended_uv;
+    }
     return absl::OkStatus();
   }
 
@@ -254,8 +254,11 @@ class Reader {
   absl::Status read_face(const Property& property, std::uint64_t face) {
     double count = 0;
     if (!numbers_.next(*property.count_type, count)) return cut_off("face", face);
-    if (count != 3 && count != 4)
-      return error(fmt::format("face {} has {} corners, allowed: 3 or 4", face, count));
+    if (count != 3 && count != 4) {
+      if (!skip(property.type, count)) return cut_off("face", face);
+      ++(count < 3 ? mesh_.short_faces : mesh_.long_faces);
+      return absl::OkStatus();
+    }
     std::array<std::uint32_t, 4> corner{};
     for (int k = 0; k < static_cast<int>(count); ++k) {
       double index = 0;

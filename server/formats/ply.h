@@ -16,21 +16,25 @@ namespace lucerna {
 
 struct PlyMesh {
   std::vector<Vec3<double>> positions;  ///< finite
-  std::vector<Vec3<float>> normals;     ///< any length, per vertex; empty: none
+  std::vector<Vec3<float>> normals;     ///< any length or not finite, per vertex; empty: none
   std::vector<Vec2<float>> uv;          ///< finite, per vertex; empty: none
   std::vector<std::uint32_t> indices;   ///< three per triangle, all < positions.size()
   /// Quadrilaterals are split along their first diagonal: the first triangle of each.
   std::vector<std::uint32_t> quads;
-  LoadBudget::Share share{};  ///< of all arrays
+  std::uint64_t short_faces = 0;  ///< of fewer than three corners, which are left out
+  std::uint64_t long_faces = 0;   ///< of more than four corners, which are left out
+  std::uint64_t mended_uv = 0;    ///< (u, v) that are not finite, which become 0, 0
+  LoadBudget::Share share{};      ///< of all arrays
 };
 
 /// The mesh in the bytes of a PLY file.  Element `vertex` has x y z and optionally nx ny nz and u v
 /// (or s t, texture_u texture_v, texture_s texture_t).  Element `face` has the list vertex_indices
-/// (or vertex_index) with three or four entries.  Other elements and properties are skipped.
+/// (or vertex_index).  Faces of three and four corners are read, as in pbrt-v4.  Other elements and
+/// properties are skipped.
 ///
 /// Sizes in the header are checked against the length of the data before anything is allocated.
 /// Errors (INVALID_ARGUMENT) name the header line or the element.  They are: invalid header,
-/// truncated data, index out of range, vertex not finite, face without three or four corners.
+/// truncated data, index out of range, vertex not finite.
 /// CANCELLED on `stop`.  Refusals of `budget` (null: no limit).
 absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop = {},
                                   LoadBudget* budget = nullptr);

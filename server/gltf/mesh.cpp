@@ -7,6 +7,7 @@
 
 #include "server/gltf/accessor.h"
 #include "server/gltf/compression.h"
+#include "server/meshes/raw_mesh.h"
 
 namespace lucerna::gltf {
 namespace {
@@ -148,22 +149,20 @@ std::vector<Matrix> skinned(const Document& document, const Attributes& attribut
   return result;
 }
 
-/// Unit vectors; empty if one has no direction.
-std::vector<Vec3<float>> directions(Context& context, const std::string& pointer,
-                                    const std::vector<Vec3<double>>& vectors) {
-  std::vector<Vec3<float>> result;
-  result.reserve(vectors.size());
-  for (std::size_t i = 0; i < vectors.size(); ++i) {
-    const Vec3<double> n = normalized(vectors[i]);
-    if (!is_finite(n) || max_abs(n) == 0) {
-      context.remark(pointer + "/attributes/NORMAL",
-                     fmt::format("the normal of vertex {} has no direction", i),
-                     "the mesh has no vertex normals");
-      return {};
-    }
-    result.emplace_back(n);
+/// Sets the unit normals.  Mends those without a direction, with a remark.
+void set_normals(Context& context, const std::vector<Vec3<double>>& normals, Part& part) {
+  part.mesh.normals.reserve(normals.size());
+  for (const Vec3<double>& normal : normals) {
+    const Vec3<double> n = normalized(normal);
+    part.mesh.normals.emplace_back(is_finite(n) ? n : Vec3<double>{});
   }
-  return result;
+  const std::size_t mended = mend_normals<3>(
+      part.mesh, false, [](const auto& p) { return cross(p[1] - p[0], p[2] - p[0]); });
+  if (mended > 0)
+    context.remark(part.pointer + "/attributes/NORMAL",
+                   fmt::format("{} of {} normals have no direction", mended, normals.size()),
+                   mended == normals.size() ? "the mesh has no vertex normals"
+                                            : "the mean of the faces around each");
 }
 
 /// The (u, v) of the corners in the picture.  Triangles within one repetition of the picture are
@@ -352,7 +351,7 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
   for (std::size_t i = 0; i < count; ++i)
     if (!is_finite(positions[i])) context.fail(pointer, fmt::format("vertex {} is not finite", i));
   part.mesh.positions = std::move(positions);
-  part.mesh.normals = directions(context, pointer, normals);
+  set_normals(context, normals, part);
   part.mesh.tangents = tangents(context, pointer, along_u, given_tangents);
   if (attributes.has("COLOR_0")) set_colours(context, attributes, count, part);
   set_uv(context, attributes, count, part);

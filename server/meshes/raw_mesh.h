@@ -1,6 +1,7 @@
 // The steps from the vertices of a file to a mesh.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -38,6 +39,41 @@ void resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
       if (!mesh.corner_uv.empty()) std::swap(mesh.corner_uv[i + 1], mesh.corner_uv[i + 2]);
     }
   }
+}
+
+/// Replaces vertex normals of 0 by the mean normal of the faces around the vertex.  A face takes
+/// the side of its other normals, or without any the side that `turned` says.  Empties the normals
+/// if all are 0.  Returns how many were 0.
+template <std::size_t kCorners, typename Mesh, typename F>
+std::size_t mend_normals(Mesh& mesh, bool turned, F&& geometric_normal) {
+  const auto is_missing = [](const Vec3<float>& n) { return n == Vec3<float>{}; };
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(mesh.normals, is_missing));
+  if (count == mesh.normals.size()) mesh.normals.clear();
+  if (count == 0 || mesh.normals.empty()) return count;
+  std::vector<bool> missing(mesh.normals.size());
+  for (std::size_t i = 0; i < missing.size(); ++i) missing[i] = is_missing(mesh.normals[i]);
+  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
+    const std::uint32_t* corner = &mesh.indices[i];
+    std::array<Vec3<double>, kCorners> p;
+    Vec3<double> others{};
+    bool is_needed = false;
+    for (std::size_t k = 0; k < kCorners; ++k) {
+      p[k] = mesh.positions[corner[k]];
+      is_needed |= missing[corner[k]];
+      if (!missing[corner[k]]) others += Vec3<double>(mesh.normals[corner[k]]);
+    }
+    const Vec3<double> n = is_needed ? normalized(geometric_normal(p)) : Vec3<double>{};
+    if (!is_finite(n) || n == Vec3<double>{}) continue;
+    const double side = dot(n, others);
+    const bool flips = side != 0 ? side < 0 : turned;
+    for (std::size_t k = 0; k < kCorners; ++k)
+      if (missing[corner[k]]) mesh.normals[corner[k]] += Vec3<float>(flips ? -n : n);
+  }
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    const Vec3<float> n = normalized(mesh.normals[i]);
+    if (missing[i]) mesh.normals[i] = is_finite(n) ? n : Vec3<float>{};
+  }
+  return count;
 }
 
 /// The (u, v) of every corner, as in pbrt-v4: those of the vertices, or the defaults of each

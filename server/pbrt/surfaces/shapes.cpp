@@ -9,14 +9,12 @@
 #include <type_traits>
 #include <utility>
 
+#include "server/description/mesh_census.h"
 #include "server/formats/ply.h"
-#include "server/meshes/curve_pieces.h"
 #include "server/meshes/loop_subdivision.h"
-#include "server/meshes/mesh_census.h"
 #include "server/meshes/raw_mesh.h"
 
 namespace lucerna::pbrt {
-namespace {
 
 std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
                                           std::vector<Vec3<double>> positions) {
@@ -29,21 +27,31 @@ std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
   return positions;
 }
 
-/// Unit normals in world space, on the outside; empty if one has no direction.
-std::vector<Vec3<float>> world_normals(Context& context, const ShapeDirective& shape,
+namespace {
+
+/// Unit normals in world space, on the outside; 0 where one has no direction.
+std::vector<Vec3<float>> world_normals(const ShapeDirective& shape,
                                        const std::vector<Vec3<double>>& normals) {
   std::vector<Vec3<float>> result;
   result.reserve(normals.size());
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    const Vec3<double> n = normalized(shape.world_from_object.normal(normals[i]));
-    if (!is_finite(n) || max_abs(n) == 0) {
-      context.remark(shape.place, fmt::format("the normal of vertex {} has no direction", i),
-                     "the mesh has no vertex normals");
-      return {};
-    }
-    result.emplace_back(shape.reverse_orientation ? -n : n);
+  for (const Vec3<double>& normal : normals) {
+    const Vec3<double> n = normalized(shape.world_from_object.normal(normal));
+    result.emplace_back(!is_finite(n) ? Vec3<double>{} : shape.reverse_orientation ? -n : n);
   }
   return result;
+}
+
+/// Mends vertex normals, with a remark, and sets the winding of faces.
+template <std::size_t kCorners, typename Mesh, typename F>
+void orient(Context& context, const ShapeDirective& shape, Mesh& mesh, F&& geometric_normal) {
+  const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
+  const std::size_t all = mesh.normals.size();
+  if (const std::size_t mended = mend_normals<kCorners>(mesh, turned, geometric_normal); mended > 0)
+    context.remark(
+        shape.place,
+        fmt::format("{} of {} vertex normals of this mesh have no direction", mended, all),
+        mended == all ? "the mesh has no vertex normals" : "the mean of the faces around each");
+  resolve_winding<kCorners>(mesh, turned, geometric_normal);
 }
 
 void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
@@ -78,35 +86,29 @@ Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
   check_raw(shape, raw, kPatches ? 4 : 3);
   Mesh mesh;
   mesh.positions = world_positions(shape, std::move(raw.positions));
-  mesh.normals = world_normals(context, shape, raw.normals);
+  mesh.normals = world_normals(shape, raw.normals);
   if (shape.needs_uv) mesh.corner_uv = corner_uvs < kPatches ? 4 : 3 > (raw);
   mesh.indices = std::move(raw.indices);
-  const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
   if constexpr (kPatches) {
     // cross(dp/du, dp/dv) in the middle; the corners are (0,0), (1,0), (0,1), (1,1).
-    resolve_winding<4>(mesh, turned, [](const auto& p) {
+    orient<4>(context, shape, mesh, [](const auto& p) {
       return cross((p[1] - p[0]) + (p[3] - p[2]), (p[2] - p[0]) + (p[3] - p[1]));
     });
     if (shows_all_on_each(mesh.corner_uv)) mesh.corner_uv = {};
   } else {
-    resolve_winding<3>(mesh, turned, [](const auto& p) { return cross(p[1] - p[0], p[2] - p[0]); });
+    orient<3>(context, shape, mesh, [](const auto& p) { return cross(p[1] - p[0], p[2] - p[0]); });
   }
-  const Census census = census_of(mesh);
-  const std::size_t primitives = mesh.indices.size() / (kPatches ? 4 : 3);
-  if (census.without_area > 0)
-    context.remark(shape.place,
-                   fmt::format("{} of {} {} of this mesh have no area", census.without_area,
-                               primitives, kPatches ? "patches" : "triangles"),
-                   "kept, but invisible and without light");
-  if (census.crossed > 0)
-    context.remark(
-        shape.place,
-        fmt::format(
-            "the edges of {} of {} patches of this mesh cross, which suggests corners in ring "
-            "order; \"point3 P\" of a bilinearmesh needs rows: (u, v) = (0, 0), (1, 0), (0, 1), "
-            "(1, 1)",
-            census.crossed, primitives),
-        "taken as rows: a bow tie, whose halves face opposite ways");
+  if constexpr (kPatches) {
+    if (const std::size_t crossed = census_of(mesh).crossed; crossed > 0)
+      context.remark(
+          shape.place,
+          fmt::format(
+              "the edges of {} of {} patches of this mesh cross, which suggests corners in ring "
+              "order; \"point3 P\" of a bilinearmesh needs rows: (u, v) = (0, 0), (1, 0), (0, 1), "
+              "(1, 1)",
+              crossed, mesh.indices.size() / 4),
+          "taken as rows: a bow tie, whose halves face opposite ways");
+  }
   return mesh;
 }
 
@@ -120,6 +122,26 @@ RawMesh raw_mesh(const ShapeDirective& shape) {
     for (std::size_t i = 0; i + 1 < uv->numbers().size(); i += 2)
       raw.uv.push_back({float(uv->numbers()[i]), float(uv->numbers()[i + 1])});
   return raw;
+}
+
+/// Reports what a PLY file holds and the mesh does not.
+void remark_left_out(Context& context, const Place& place, const std::string& name,
+                     const PlyMesh& ply) {
+  if (ply.short_faces > 0)
+    context.remark(
+        place,
+        fmt::format("{} faces of mesh \"{}\" have fewer than 3 corners", ply.short_faces, name),
+        "left out, as in pbrt-v4");
+  if (ply.long_faces > 0)
+    context.remark(
+        place,
+        fmt::format("{} faces of mesh \"{}\" have more than 4 corners", ply.long_faces, name),
+        "left out, as in pbrt-v4; triangles keep them");
+  if (ply.mended_uv > 0)
+    context.remark(
+        place,
+        fmt::format("the (u, v) of {} vertices of mesh \"{}\" are not finite", ply.mended_uv, name),
+        "(u, v) 0, 0");
 }
 
 /// Quadrilaterals whose two triangles do not have one normal.
@@ -155,6 +177,7 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   Context::require(work.resize(ply->normals.size() * (sizeof(Vec3<double>) + sizeof(Vec3<float>)) +
                                (shape.needs_uv ? ply->indices.size() * sizeof(Vec2<float>) : 0)));
   RawMesh raw;
+  remark_left_out(context, file->place, content.name, *ply);
   if (const std::size_t bent = bent_quads(*ply); bent > 0)
     context.remark(file->place,
                    fmt::format("{} of {} quadrilaterals of mesh \"{}\" are not flat and convex; "
@@ -275,81 +298,6 @@ CylinderParams cylinder(const ShapeDirective& shape) {
   return cylinder;
 }
 
-/// A width at one end of a curve, in the shape's own space.
-double width(const ShapeDirective& shape, const char* name, double otherwise) {
-  const double width = shape.params.number(name, otherwise);
-  if (!(width >= 0))
-    fail(shape.params.place_of({name, "width"}, shape.place),
-         fmt::format("\"float {}\" = {} m, allowed: at least 0", name, width));
-  return width;
-}
-
-/// The factor from a length in the shape's own space to metres.  Adds a remark if there is no
-/// single one.
-double scale_of_widths(Context& context, const ShapeDirective& shape) {
-  const Transform& t = shape.world_from_object;
-  const Vec3<double> x = t.vector({1, 0, 0}), y = t.vector({0, 1, 0}), z = t.vector({0, 0, 1});
-  const double scale = std::cbrt(std::fabs(dot(cross(x, y), z)));
-  constexpr double kRounded = 1e-6;
-  const double s2 = kRounded * scale * scale;
-  const auto differs = [&](const Vec3<double>& v) {
-    return std::fabs(dot(v, v) - scale * scale) > s2;
-  };
-  if (differs(x) || differs(y) || differs(z) || std::fabs(dot(x, y)) > s2 ||
-      std::fabs(dot(y, z)) > s2 || std::fabs(dot(z, x)) > s2)
-    context.remark(shape.place, "a transform that deforms the cross-section of a curve",
-                   "the width is multiplied by the mean scale");
-  return scale;
-}
-
-CurveData curve(Context& context, const ShapeDirective& shape) {
-  shape.params.ignore({"splitdepth"});
-  const auto one_of = [&](const char* name, const std::string& otherwise,
-                          std::initializer_list<const char*> allowed) {
-    const std::string value = shape.params.string(name, otherwise);
-    std::string list;
-    for (const char* a : allowed) {
-      if (value == a) return value;
-      list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", a);
-    }
-    fail(shape.params.place_of({name}, shape.place),
-         fmt::format("\"string {}\" = \"{}\", allowed: {}", name, printable(value), list));
-  };
-  const std::string type = one_of("type", "flat", {"flat", "cylinder", "ribbon"});
-  CurveData curves;
-  curves.kind = type == "flat"       ? CurveKind::kFlat
-                : type == "cylinder" ? CurveKind::kCylinder
-                                     : CurveKind::kRibbon;
-  curves.is_b_spline = one_of("basis", "bezier", {"bezier", "bspline"}) == "bspline";
-  curves.degree = shape.params.integer("degree", 3);
-  if (curves.degree != 2 && curves.degree != 3)
-    fail(shape.params.place_of({"degree"}, shape.place),
-         fmt::format("\"integer degree\" = {}, allowed: 2 or 3", curves.degree));
-  const double scale = scale_of_widths(context, shape);
-  const double both = width(shape, "width", 1);
-  curves.start_width_m = width(shape, "width0", both) * scale;
-  curves.end_width_m = width(shape, "width1", both) * scale;
-  curves.points = world_positions(shape, shape.params.take_vectors("P", "point3"));
-  const std::vector<Vec3<double>> normals = shape.params.take_vectors("N", "normal");
-  const Place normals_place = shape.params.place_of({"N"}, shape.place);
-  if (type != "ribbon") {
-    if (!normals.empty())
-      context.remark(normals_place, "\"normal N\" of a curve that is no ribbon", "not used");
-  } else {
-    if (normals.empty()) fail(shape.place, "a ribbon lacks \"normal N\"");
-    const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
-    for (const Vec3<double>& n : normals) {
-      const Vec3<double> unit = normalized(shape.world_from_object.normal(n));
-      if (!is_finite(unit) || max_abs(unit) == 0)
-        fail(normals_place, "a normal of a ribbon has no direction");
-      curves.normals.push_back(turned ? -unit : unit);
-    }
-  }
-  if (const absl::Status status = check_curves(curves); !status.ok())
-    fail(shape.params.place_of({"P"}, shape.place), status);
-  return curves;
-}
-
 std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shape) {
   if (shape.type == "sphere") return sphere(shape);
   if (shape.type == "disk") return disk(shape);
@@ -366,7 +314,7 @@ std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shap
     return mesh;
   }
   if (shape.type == "loopsubdiv") return loop_surface(context, shape);
-  if (shape.type == "curve") return curve(context, shape);
+  if (shape.type == "curve") return make_curve(context, shape);
   fail(shape.place, fmt::format("unknown shape \"{}\", expected one of sphere disk trianglemesh "
                                 "plymesh bilinearmesh cylinder curve loopsubdiv",
                                 printable(shape.type)));

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/pbrt/syntax/params.h"
 
@@ -17,6 +18,10 @@ struct ShapeDirective {
   bool reverse_orientation = false;
   bool needs_uv = false;  ///< meshes then have the (u, v) of their corners
 };
+
+/// The positions in world space.  Fails on one that is not finite.
+std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
+                                          std::vector<Vec3<double>> positions);
 
 using Geometry = decltype(ShapeDescription::geometry);
 

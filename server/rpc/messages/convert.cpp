@@ -78,6 +78,7 @@ void set_contents(const Scene& scene, v1::SceneContents* out) {
       k->set_kind(kind.kind);
       k->set_count(kind.count);
       k->set_primitives(kind.primitives);
+      k->set_without_area(kind.without_area);
     }
   };
   add(contents.shapes, out->mutable_shapes());

@@ -55,6 +55,17 @@ TEST(SceneContents, CountsWhatAFileHoldsByKind) {
   EXPECT_EQ(contents.camera, "orthographic with a lens");
 }
 
+TEST(SceneContents, CountPrimitivesWithoutAreaAndDoNotReportThem) {
+  const auto scene = testing::load_world(
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 2 0 0  0 1 0] \"integer indices\" [0 1 2 0 "
+      "1 3 1 1 3] Shape \"bilinearmesh\" \"point3 P\" [0 0 1 1 0 1 2 0 1 3 0 1]");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const SceneContents contents = contents_of(*scene);
+  EXPECT_EQ(contents.shapes.at(0).without_area, 2U);
+  EXPECT_EQ(contents.shapes.at(1).without_area, 1U);
+  EXPECT_THAT(scene->remarks, IsEmpty());
+}
+
 TEST(SceneContents, OfAnEmptySceneHaveNoKinds) {
   const SceneContents contents = contents_of(SceneDescription());
   EXPECT_THAT(contents.shapes, IsEmpty());

@@ -1,4 +1,4 @@
-// Counts the primitives of a mesh that get a remark.
+// Counts the unusual primitives of a mesh.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 namespace lucerna {
 
 struct Census {
-  std::size_t without_area = 0;
-  std::size_t crossed = 0;  ///< flat patches whose edges cross
+  std::size_t without_area = 0;  ///< rays do not meet them, and they give no light
+  std::size_t crossed = 0;       ///< flat patches whose edges cross
 };
 
 Census census_of(const TriangleMeshData& mesh);

@@ -1,4 +1,4 @@
-#include "server/meshes/mesh_census.h"
+#include "server/description/mesh_census.h"
 
 #include <array>
 

@@ -1,0 +1,11 @@
+// Converts Shape "curve" directives.
+#pragma once
+
+#include "server/pbrt/surfaces/shapes.h"
+
+namespace lucerna::pbrt {
+
+/// The curves of a Shape directive in world space.  Fails on invalid parameters.
+CurveData make_curve(Context& context, const ShapeDirective& shape);
+
+}  // namespace lucerna::pbrt
