@@ -275,6 +275,7 @@ std::string type_of(const v1::Light& light) {
 
 std::string describe_light(const v1::Light& light) {
   std::string text = describe_kind(light);
+  if (light.has_own_axes()) text += ", scaled unequally";
   if (light.has_spectrum()) text += ", " + describe_light(light.spectrum());
   if (light.has_power_w()) text += fmt::format(", {} W", number(light.power_w()));
   if (const auto& frames = light.motion().key_frames(); frames.size() > 1) {

@@ -53,4 +53,9 @@ class Transform {
   Matrix m_, inverse_;
 };
 
+/// The images of the coordinate axes, of any lengths.
+inline Frame<double> axes_of(const Transform& map) {
+  return {map.vector({1, 0, 0}), map.vector({0, 1, 0}), map.vector({0, 0, 1})};
+}
+
 }  // namespace lucerna

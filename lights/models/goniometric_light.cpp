@@ -33,6 +33,12 @@ absl::Status check_axes(const Frame<double>& axes) {
 
 }  // namespace
 
+GoniometricLightParams in_space(GoniometricLightParams params, const Deformation& map) {
+  params.axes = map.own_from_world(params.axes);
+  params.own_space = nullptr;
+  return params;
+}
+
 double flux_of_unit_intensity_lm(const GoniometricLightParams& params) {
   if (params.web) return params.web->flux_lm();
   if (params.map) return params.map->flux_lm();

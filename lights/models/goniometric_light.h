@@ -29,7 +29,10 @@ struct GoniometricLightParams {
   /// Units of the flux of the web and of the light, such as "mW"; empty: lm.  They differ if the
   /// light's level comes from a flux in lm.
   std::string web_unit{}, flux_unit{};
+  std::shared_ptr<const Frame<double>> own_space{};  ///< see Deformable
 };
+
+GoniometricLightParams in_space(GoniometricLightParams params, const Deformation& map);
 
 /// The luminous flux [lm] of a goniometric light whose `intensity` is 1.  Exact.
 double flux_of_unit_intensity_lm(const GoniometricLightParams& params);

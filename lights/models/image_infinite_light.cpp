@@ -14,6 +14,19 @@ bool is_positive_normal(Real x) {
   return x >= std::numeric_limits<Real>::min() && std::isfinite(x);
 }
 
+/// The integral of the map over the directions of the world [sr], from `n` times `n` of them.
+Rgb<double> integral_of(const SphereMap& map, const Deformation& deformation, int n) {
+  Rgb<double> sum;
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const Vec3<double> own =
+          direction_from_square(SphereMapping::kEqualArea, {(x + 0.5) / n, (y + 0.5) / n});
+      const Vec3<double> w = normalized(deformation.world_from_own(own));
+      sum += map.lookup(own) / deformation.own_sr_per_world_sr(w);
+    }
+  return sum * (4 * kPi / n / n);
+}
+
 }  // namespace
 
 template <std::floating_point Real>
@@ -27,15 +40,20 @@ absl::StatusOr<ImageInfiniteLight<Real>> ImageInfiniteLight<Real>::create(const 
                                        params.map->brightest() * params.radiance_cd_m2, "cd/m2");
       !s.ok())
     return s;
-  if (!params.world_from_map.uniform_scale())
-    return absl::InvalidArgumentError(
-        "infinite.world_from_map has unequal scale, allowed: equal scale on all axes");
-  return ImageInfiniteLight(params);
+  if (params.world_from_map.uniform_scale()) return ImageInfiniteLight(params, nullptr);
+  const auto map = Deformation::create(axes_of(params.world_from_map));
+  if (!map.ok()) return map.status();
+  constexpr int kFine = 1024;
+  const Rgb<double> fine = integral_of(*params.map, *map, kFine);
+  const Rgb<double> coarse = integral_of(*params.map, *map, kFine / 2);
+  const double error = std::fabs(luminance(fine) - luminance(coarse));
+  return ImageInfiniteLight(params, std::make_shared<const Deformed>(Deformed{*map, fine, error}));
 }
 
 template <std::floating_point Real>
-ImageInfiniteLight<Real>::ImageInfiniteLight(const Params& params)
-    : params_(params), axes_(params.world_from_map) {
+ImageInfiniteLight<Real>::ImageInfiniteLight(const Params& params,
+                                             std::shared_ptr<const Deformed> deformed)
+    : params_(params), axes_(params.world_from_map), deformed_(std::move(deformed)) {
   complete_ = std::make_shared<const SphereDistribution>(*params.map);
   const double mean = luminance(params.map->integral()) / (4 * kPi);
   auto compensated = std::make_shared<const SphereDistribution>(*params.map, mean);
@@ -46,8 +64,9 @@ ImageInfiniteLight<Real>::ImageInfiniteLight(const Params& params)
 template <std::floating_point Real>
 [[gnu::noinline]] typename ImageInfiniteLight<Real>::Seen ImageInfiniteLight<Real>::look(
     const SphereDistribution& distribution, const Vec3<Real>& w) const {
-  const Vec3<double> direction = axes_.map_from_world(Vec3<double>(w));
-  return {params_.map->lookup(direction) * params_.radiance_cd_m2, distribution.per_sr(direction)};
+  const Vec3<double> direction = map_from_world(Vec3<double>(w));
+  return {params_.map->lookup(direction) * params_.radiance_cd_m2,
+          per_sr(distribution, Vec3<double>(w), direction)};
 }
 
 template <std::floating_point Real>
@@ -63,7 +82,8 @@ LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& rece
     return sample;
   }
   const auto s = distribution(receiver).sample({double{u.x}, double{u.y}});
-  sample.wi = Vec3<Real>(axes_.world_from_map(s.direction));
+  sample.wi = Vec3<Real>(deformed_ ? normalized(deformed_->map.world_from_own(s.direction))
+                                   : axes_.world_from_map(s.direction));
   sample.distance = std::numeric_limits<Real>::infinity();
   const Seen seen = look(distribution(receiver), sample.wi);
   sample.pdf.per_sr = static_cast<Real>(seen.per_sr);
@@ -83,19 +103,20 @@ LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& rece
 template <std::floating_point Real>
 SolidAnglePdf<Real> ImageInfiniteLight<Real>::pdf_li(const Receiver<Real>& receiver,
                                                      const Vec3<Real>& wi) const {
-  const Vec3<double> w = axes_.map_from_world(Vec3<double>(wi));
+  const Vec3<double> w = map_from_world(Vec3<double>(wi));
   if (!is_finite(receiver.position) || !is_finite(w) || complete_->empty() ||
       params_.radiance_cd_m2.is_black())
     return {};
-  const Real density = static_cast<Real>(distribution(receiver).per_sr(w));
+  const Real density = static_cast<Real>(per_sr(distribution(receiver), Vec3<double>(wi), w));
   return {is_positive_normal(density) ? density : 0};
 }
 
 template <std::floating_point Real>
 MostIrradiance ImageInfiniteLight<Real>::most_irradiance(const Receiver<Real>& receiver) const {
-  const double all = luminance(params_.map->integral() * params_.radiance_cd_m2);
-  double height = 1;
-  if (receiver.normal != Vec3<Real>{})
+  double all = luminance(params_.map->integral() * params_.radiance_cd_m2), height = 1;
+  if (deformed_)
+    all *= deformed_->map.most_world_sr_per_own_sr();
+  else if (receiver.normal != Vec3<Real>{})
     height = params_.map->lit_height(axes_.map_from_world(Vec3<double>(receiver.normal)));
   const double lx = all * height;
   // The density of a bilinear latitude-longitude map may be half of the proportional one.  Samples
@@ -106,7 +127,7 @@ MostIrradiance ImageInfiniteLight<Real>::most_irradiance(const Receiver<Real>& r
 
 template <std::floating_point Real>
 Rgb<Real> ImageInfiniteLight<Real>::le_escaped(const Vec3<Real>&, const Vec3<Real>& w) const {
-  const Vec3<double> direction = axes_.map_from_world(Vec3<double>(w));
+  const Vec3<double> direction = map_from_world(Vec3<double>(w));
   if (!is_finite(direction)) return {};
   return Rgb<Real>(params_.map->lookup(direction) * params_.radiance_cd_m2);
 }
@@ -136,9 +157,13 @@ EmissionPdf<Real> ImageInfiniteLight<Real>::pdf_le(const Vec3<Real>& position,
 
 template <std::floating_point Real>
 Power ImageInfiniteLight<Real>::power(const SceneSphere& scene) const {
-  const Rgb<double> integral = params_.map->integral() * params_.radiance_cd_m2;
+  const Rgb<double> integral =
+      (deformed_ ? deformed_->integral : params_.map->integral()) * params_.radiance_cd_m2;
   if (integral.is_black()) return {};
-  return {integral * (kPi * scene.radius_m * scene.radius_m), 0};
+  const double disk = kPi * scene.radius_m * scene.radius_m;
+  const double error =
+      deformed_ ? deformed_->error * params_.radiance_cd_m2.max_component() * disk : 0;
+  return {integral * disk, error};
 }
 
 template <std::floating_point Real>

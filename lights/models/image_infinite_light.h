@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "lights/maths/deformation.h"
 #include "lights/maths/transform.h"
 #include "lights/models/light_model.h"
 #include "lights/pictures/sphere_map.h"
@@ -16,8 +17,8 @@ namespace lucerna {
 
 struct ImageInfiniteLightParams {
   std::shared_ptr<const SphereMap> map;
-  std::string image_name{};    ///< reported by ListLights, else unused
-  Transform world_from_map{};  ///< rotation, mirror and equal scale; its translation is not used
+  std::string image_name{};         ///< reported by ListLights, else unused
+  Transform world_from_map{};       ///< its translation is not used
   Rgb<double> radiance_cd_m2{1.0};  ///< of a texel of value 1, per channel, finite, not negative
 };
 
@@ -28,8 +29,8 @@ class ImageInfiniteLight {
   static constexpr bool kDelta = false;
   static constexpr bool kHasIrradiance = false;
 
-  /// Errors: no map; a transform of unequal scale; a radiance that is negative or not finite; a
-  /// brightest texel beyond the range of `Real`.
+  /// Errors: no map; a transform that flattens directions; a radiance that is negative or not
+  /// finite; a brightest texel beyond the range of `Real`.
   static absl::StatusOr<ImageInfiniteLight> create(const Params& params,
                                                    const Vec3<double>& origin_m = {});
 
@@ -62,7 +63,8 @@ class ImageInfiniteLight {
                            const SceneSphere& scene) const;
 
   /// Flux through the disk of the scene's sphere from all directions: pi R^2 times the integral of
-  /// the radiance, exact.
+  /// the radiance, exact.  Under unequal scale, a sum over directions with the difference to a
+  /// coarser sum as its error.
   Power power(const SceneSphere& scene) const;
   /// Equal-area maps: 4 pi^2 R^2 times the mean texel, which is exact.  Latitude-longitude maps: pi
   /// R^2 times the mean texel, as in pbrt-v2 and pbrt-v3.  These omit the 4 pi of the sphere and
@@ -85,7 +87,24 @@ class ImageInfiniteLight {
   }
 
  private:
-  explicit ImageInfiniteLight(const Params& params);
+  /// Set under unequal scale.
+  struct Deformed {
+    Deformation map;
+    Rgb<double> integral;  ///< of the map over the directions of the world [sr]
+    double error;          ///< of its luminance
+  };
+
+  ImageInfiniteLight(const Params& params, std::shared_ptr<const Deformed> deformed);
+  /// The unit direction in the map's axes; NaN where `w` is not finite.
+  Vec3<double> map_from_world(const Vec3<double>& w) const {
+    return deformed_ ? normalized(deformed_->map.own_from_world(w)) : axes_.map_from_world(w);
+  }
+  /// The density of a direction of the world whose direction in the map is `in_map`.
+  double per_sr(const SphereDistribution& distribution, const Vec3<double>& w,
+                const Vec3<double>& in_map) const {
+    const double density = distribution.per_sr(in_map);
+    return deformed_ ? density * deformed_->map.own_sr_per_world_sr(normalized(w)) : density;
+  }
   /// Values of a direction after rounding to `Real`.
   struct Seen {
     Rgb<double> radiance;
@@ -98,6 +117,7 @@ class ImageInfiniteLight {
 
   Params params_;
   MapAxes axes_;
+  std::shared_ptr<const Deformed> deformed_;
   std::shared_ptr<const SphereDistribution> complete_, compensated_;
 };
 

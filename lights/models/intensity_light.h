@@ -3,12 +3,17 @@
 
 #include <absl/status/statusor.h>
 
+#include <cmath>
 #include <concepts>
+#include <memory>
 #include <optional>
+#include <type_traits>
 
+#include "lights/maths/deformation.h"
 #include "lights/maths/emission_cone.h"
 #include "lights/models/light_bounds.h"
 #include "lights/models/light_model.h"
+#include "lights/sampling/emission.h"
 #include "lights/sampling/inverse_square.h"
 #include "lights/sampling/light_sample.h"
 
@@ -44,6 +49,15 @@ concept IntensityProfile = requires(const P& profile, const typename P::Params& 
   profile.for_each_shared(AnySharedData());
 };
 
+/// Parameters of lights whose transform may scale unequally or shear.  Their member `own_space` has
+/// the world vectors of x, y and z of the light's own space, in which its angles are measured; null
+/// if all three have equal lengths and right angles.  `in_space(p, map)` returns parameters whose
+/// directions are mapped, without an `own_space`.
+template <typename Params>
+concept Deformable = requires(const Params& params) {
+  params.own_space;
+};
+
 /// A light at one point.  Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Profile>
 class IntensityLight {
@@ -58,17 +72,26 @@ class IntensityLight {
   /// Positions are kept relative to `origin_m`.  Errors: a field out of its domain.
   static absl::StatusOr<IntensityLight> create(const Params& params,
                                                const Vec3<double>& origin_m = {}) {
+    if constexpr (Deformable<Params>) {
+      if (params.own_space != nullptr) {
+        const auto map = Deformation::create(*params.own_space);
+        if (!map.ok()) return map.status();
+        const absl::Status status = Profile<Real>::check(in_space(params, *map), origin_m);
+        if (!status.ok()) return status;
+        return IntensityLight(params, origin_m, *map);
+      }
+    }
     if (absl::Status status = Profile<Real>::check(params, origin_m); !status.ok()) return status;
     return IntensityLight(params, origin_m);
   }
 
   /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light).
   Rgb<Real> intensity(const Vec3<Real>& w) const requires(!kSameForAllRays) {
-    return profile_.intensity(w);
+    return profile_.intensity(is_deformed() ? Vec3<Real>(own(Vec3<double>(w))) : w);
   }
   /// The same, as the `value` of the ray that leaves the light towards `w`.
   Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const requires(!kSameForAllRays) {
-    return profile_.intensity(w);
+    return intensity(w);
   }
 
   /// Intensity over distance squared.  kDegenerate where the receiver is at the light's position.
@@ -83,8 +106,9 @@ class IntensityLight {
       sample.reason = NoLight::kBlack;
       return sample;
     }
-    const std::optional<Rgb<double>> intensity_cd =
-        profile_.towards(-way.wi, Vec3<double>(receiver.position) - Vec3<double>(position_));
+    Vec3<double> w = -way.wi, v = Vec3<double>(receiver.position) - Vec3<double>(position_);
+    if (is_deformed()) w = own(w), v = deformed_->map.own_from_world(v);
+    const std::optional<Rgb<double>> intensity_cd = profile_.towards(w, v);
     if (intensity_cd)
       set_inverse_square(*intensity_cd, way, sample);
     else
@@ -124,24 +148,31 @@ class IntensityLight {
     if (profile_.is_black())
       sample.reason = NoLight::kBlack;
     else
-      profile_.sample(u_direction, sample);
+      sample_direction(u_direction, sample);
     return sample;
   }
   /// 0 at positions other than the light's and for directions that are not finite.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& /*scene*/) const {
     if (!same_float(position, position_) || !is_finite(direction)) return {};
-    return {{}, {profile_.per_sr(direction)}};
+    return {{}, {per_sr(direction)}};
   }
 
-  Power power(const SceneSphere& /*scene*/) const { return profile_.power(); }
+  /// That of the profile.  Under a deformation from a grid of directions, with the difference to a
+  /// coarser grid as its error.
+  Power power(const SceneSphere& /*scene*/) const {
+    if (is_deformed()) return deformed_->power;
+    return profile_.power();
+  }
+  /// Without the deformation, as in pbrt-v4.
   Power power_approximate(const SceneSphere& /*scene*/) const {
     return profile_.power_approximate();
   }
 
   /// A point, and the profile's cone.
   std::optional<LightBounds<Real>> bounds() const {
-    const EmissionCone cone = profile_.cone();
+    EmissionCone cone = profile_.cone();
+    if (is_deformed()) cone = deformed_->map.world_cone(cone);
     return LightBounds<Real>{.lower = position_,
                              .upper = position_,
                              .axis = Vec3<Real>(cone.axis),
@@ -160,15 +191,83 @@ class IntensityLight {
     profile_.for_each_shared(f);
   }
 
-  const Params& params() const { return profile_.params(); }
+  const Params& params() const {
+    if (is_deformed()) return deformed_->params;
+    return profile_.params();
+  }
   const Vec3<Real>& position() const { return position_; }
 
  private:
+  struct Deformed {
+    Deformation map;
+    Params params;  ///< in the world; those of the profile are in its own space
+    Power power{};
+  };
+  struct Never {
+    const Deformed* operator->() const { return nullptr; }
+  };
+
   IntensityLight(const Params& params, const Vec3<double>& origin_m)
       : profile_(params), position_(params.position_m - origin_m) {}
+  IntensityLight(const Params& params, const Vec3<double>& origin_m,
+                 const Deformation& map) requires Deformable<Params>
+      : profile_(in_space(params, map)), position_(params.position_m - origin_m) {
+    auto deformed = std::make_shared<Deformed>(Deformed{map, params});
+    deformed_ = deformed;
+    constexpr int kFine = 128;
+    const Rgb<double> fine = mean_flux(kFine), coarse = mean_flux(kFine / 2);
+    deformed->power = {fine, std::fabs(luminance(fine) - luminance(coarse))};
+  }
+
+  bool is_deformed() const {
+    if constexpr (Deformable<Params>)
+      return deformed_ != nullptr;
+    else
+      return false;
+  }
+  /// The unit vector of the profile's own space for a direction in the world.
+  Vec3<double> own(const Vec3<double>& w) const {
+    return normalized(deformed_->map.own_from_world(w));
+  }
+  Real per_sr(const Vec3<Real>& w) const {
+    if (!is_deformed()) return profile_.per_sr(w);
+    const Vec3<double> unit = normalized(Vec3<double>(w));
+    return static_cast<Real>(double{profile_.per_sr(Vec3<Real>(own(unit)))} *
+                             deformed_->map.own_sr_per_world_sr(unit));
+  }
+  void sample_direction(Vec2<Real> u, EmissionSample<Real>& sample) const {
+    profile_.sample(u, sample);
+    if (!is_deformed() || sample.reason != NoLight::kNone) return;
+    // Value and density belong to the rounded direction.
+    sample.direction =
+        Vec3<Real>(normalized(deformed_->map.world_from_own(Vec3<double>(sample.direction))));
+    if constexpr (!kSameForAllRays) sample.value = intensity(sample.direction);
+    sample.pdf_direction = {per_sr(sample.direction)};
+    settle(sample.pdf_direction.per_sr, sample);
+  }
+  /// The flux [lm] from `n` times `n` samples at the middles of cells.
+  Rgb<double> mean_flux(int n) const {
+    Rgb<double> sum;
+    if (profile_.is_black()) return sum;
+    for (int i = 0; i < n; ++i)
+      for (int k = 0; k < n; ++k) {
+        EmissionSample<Real> ray;
+        profile_.sample({static_cast<Real>((i + 0.5) / n), static_cast<Real>((k + 0.5) / n)}, ray);
+        if (ray.reason != NoLight::kNone) continue;
+        const Vec3<double> w =
+            normalized(deformed_->map.world_from_own(Vec3<double>(ray.direction)));
+        sum += Rgb<double>(ray.value) /
+               (double{ray.pdf_direction.per_sr} * deformed_->map.own_sr_per_world_sr(w) * n * n);
+      }
+    return sum;
+  }
 
   Profile<Real> profile_;
   Vec3<Real> position_;
+  /// Null without a deformation.
+  [[no_unique_address]] std::conditional_t<Deformable<Params>, std::shared_ptr<const Deformed>,
+                                           Never>
+      deformed_{};
 };
 
 }  // namespace lucerna

@@ -13,6 +13,12 @@
 
 namespace lucerna {
 
+ProjectionLightParams in_space(ProjectionLightParams params, const Deformation& map) {
+  params.axes = map.own_from_world(params.axes);
+  params.own_space = nullptr;
+  return params;
+}
+
 template <typename Real>
 absl::Status ProjectionIntensity<Real>::check(const Params& params, const Vec3<double>& origin_m) {
   if (params.picture == nullptr) return absl::InvalidArgumentError("projection.picture is missing");

@@ -19,7 +19,10 @@ struct ProjectionLightParams {
   std::shared_ptr<const ProjectedPicture> picture{};
   Rgb<double> intensity_cd{};  ///< where the picture's value is 1, finite, not negative
   std::string image_name{};    ///< reported by ListLights, else unused
+  std::shared_ptr<const Frame<double>> own_space{};  ///< see Deformable
 };
+
+ProjectionLightParams in_space(ProjectionLightParams params, const Deformation& map);
 
 template <typename Real>
 class ProjectionIntensity {

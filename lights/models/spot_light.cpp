@@ -121,6 +121,12 @@ absl::Status check_angles(const SpotLightParams& params) {
 
 }  // namespace
 
+SpotLightParams in_space(SpotLightParams params, const Deformation& map) {
+  params.axis = map.own_from_world(params.axis);
+  params.own_space = nullptr;
+  return params;
+}
+
 double effective_solid_angle_sr(const SpotLightParams& params) {
   return solid_angle_sr(params, profile_mean(params.profile));
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "lights/models/intensity_light.h"
@@ -22,7 +23,10 @@ struct SpotLightParams {
   double cone_half_angle_rad{};  ///< (0, pi]: no light outside
   double falloff_start_rad{};  ///< [0, cone_half_angle_rad]: full light inside; equal: a hard edge
   SpotProfile profile = SpotProfile::kSmoothstep;
+  std::shared_ptr<const Frame<double>> own_space{};  ///< see Deformable
 };
+
+SpotLightParams in_space(SpotLightParams params, const Deformation& map);
 
 /// The integral over directions of a spot's intensity relative to its axis [sr]:
 /// 2 pi ((1 - cos s) + (cos s - cos c) m).  m is the mean of the profile over x: 1/2 for

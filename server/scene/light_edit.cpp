@@ -47,13 +47,19 @@ class Mover {
   }
 
   void operator()(PointLightParams& p) const { point(p.position_m); }
-  void operator()(SpotLightParams& p) const { point(p.position_m), direction(p.axis); }
+  void operator()(SpotLightParams& p) const {
+    point(p.position_m), direction(p.axis), space(p.own_space);
+  }
   void operator()(DistantLightParams& p) const { direction(p.to_light); }
   void operator()(SunLightParams& p) const { direction(p.to_light); }
   void operator()(UniformInfiniteLightParams&) const {}
   void operator()(ImageInfiniteLightParams& p) const { turn_map(p.world_from_map); }
-  void operator()(GoniometricLightParams& p) const { point(p.position_m), frame(p.axes); }
-  void operator()(ProjectionLightParams& p) const { point(p.position_m), frame(p.axes); }
+  void operator()(GoniometricLightParams& p) const {
+    point(p.position_m), frame(p.axes), space(p.own_space);
+  }
+  void operator()(ProjectionLightParams& p) const {
+    point(p.position_m), frame(p.axes), space(p.own_space);
+  }
   void operator()(BeamLightParams& p) const { point(p.position_m), frame(p.axes); }
   void operator()(PortalLightParams& p) const {
     for (Vec3<double>& corner : p.corners_m) point(corner);
@@ -80,6 +86,12 @@ class Mover {
     p = (turn_ ? anchor_ + turn_->vector(p - anchor_) : p) + shift_;
   }
   void frame(Frame<double>& axes) const { direction(axes.s), direction(axes.t), direction(axes.n); }
+  void space(std::shared_ptr<const Frame<double>>& axes) const {
+    if (axes == nullptr) return;
+    auto turned = std::make_shared<Frame<double>>(*axes);
+    frame(*turned);
+    axes = std::move(turned);
+  }
   void turn_map(Transform& world_from_map) const {
     if (turn_) world_from_map = *turn_ * world_from_map;
   }

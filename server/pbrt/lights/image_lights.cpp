@@ -91,7 +91,6 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
   const Parameter& filename = *params.find("filename", {"string"});
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
     fail(l->place, "\"L\" and \"filename\" are both given, allowed: one of them");
-  require_equal_scale(place, "an infinite light", world_from_light);
   const NamedImage named = read_image(context, filename, kLuminances);
   const SphereMapping mapping = sphere_mapping(params);
   const ImageFilter filter = params.find("filter", {"string"}) ? image_filter(params) : otherwise;
@@ -152,6 +151,8 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
 PortalLightParams portal(Context& context, const ParameterSet& params, const Place& place,
                          const Transform& world_from_light) {
   const Parameter& given = *params.find("portal", {"point3"});
+  if (params.find("filename", {"string"}) != nullptr)
+    require_equal_scale(place, "a picture behind a portal", world_from_light);
   const std::vector<Vec3<double>> corners = params.vectors("portal", "point3");
   PortalLightParams light;
   if (corners.size() != light.corners_m.size())

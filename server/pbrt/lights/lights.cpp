@@ -80,7 +80,6 @@ LightParams spot_light(const LightSource& source) {
     fail(params.place_of({"conedeltaangle", "coneangle"}, source.place),
          fmt::format("\"float conedeltaangle\" = {} degrees{}, allowed [0, coneangle], which is {}",
                      delta, params.number("conedeltaangle") ? "" : " unless it is given", cone));
-  require_equal_scale(source.place, "a spot", source.world_from_light);
   SpotLightParams spot;
   const Vec3<double> from = params.point("from", {0, 0, 0});
   spot.position_m = source.world_from_light.point(from);
@@ -89,6 +88,7 @@ LightParams spot_light(const LightSource& source) {
   spot.cone_half_angle_rad = cone * kRadPerDegree;
   spot.falloff_start_rad = (cone - delta) * kRadPerDegree;
   spot.profile = spot_profile(params);
+  spot.own_space = own_space_of(source.context, params, source.world_from_light);
   spot.intensity_cd = source.level("I", {"power", "lm", effective_solid_angle_sr(spot)});
   return checked<SpotLight>(source.place, spot);
 }

@@ -98,9 +98,8 @@ GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
     check_without_picture(context, params, {"mapping", "filter"});
     return light;
   }
-  require_equal_scale(place, "a goniometric light", world_from_light);
-  light.axes = {world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),
-                world_from_light.vector({0, 0, 1})};
+  light.own_space = own_space_of(context, params, world_from_light);
+  light.axes = axes_of(world_from_light);
   if (filename->strings().size() == 1 && names_photometric_file(filename->strings().front())) {
     NamedPhotometricFile named = read_photometric_file(context, params, *filename);
     if (named.file.opening) remark_note(context, *filename, named.name, *named.file.opening);

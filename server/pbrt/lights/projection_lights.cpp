@@ -33,7 +33,9 @@ void apply_scale(const Vec3<double>& scale, ProjectedPictureParams& picture) {
   picture.aspect = half_x / half_y;
 }
 
+/// `own_space`: set for axes without right angles.
 Projection perspective(const ParameterSet& params, const Place& place, const Frame<double>& axes,
+                       std::shared_ptr<const Frame<double>> own_space,
                        const Vec3<double>& position_m, NamedImage named, ImageFilter filter) {
   const double fov = params.number("fov", 90);
   if (!(fov > 0 && fov < 180))
@@ -43,7 +45,7 @@ Projection perspective(const ParameterSet& params, const Place& place, const Fra
       .image = named.image, .filter = filter, .fov_rad = fov * (std::numbers::pi / 180)};
   if (named.image)
     picture.aspect = static_cast<double>(named.image->width()) / named.image->height();
-  apply_scale(scale_of(axes), picture);
+  if (own_space == nullptr) apply_scale(scale_of(axes), picture);
   auto projected = ProjectedPicture::create(picture);
   if (!projected.ok())
     fail(params.place_of({"fov", "filename"}, place),
@@ -56,7 +58,8 @@ Projection perspective(const ParameterSet& params, const Place& place, const Fra
   return {ProjectionLightParams{.position_m = position_m,
                                 .axes = axes,
                                 .picture = *std::move(projected),
-                                .image_name = std::move(named.name)},
+                                .image_name = std::move(named.name),
+                                .own_space = std::move(own_space)},
           lumens, counted};
 }
 
@@ -85,13 +88,8 @@ Projection orthographic(const ParameterSet& params, const Frame<double>& axes,
 
 Projection projection(Context& context, const ParameterSet& params, const Place& place,
                       const Transform& world_from_light) {
-  const Frame<double> axes{world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),
-                           world_from_light.vector({0, 0, 1})};
-  if (!check_right_angles("", axes).ok())
-    fail(place,
-         fmt::format("a projection under a transform that shears, {} along other axes than the "
-                     "light's own, allowed: rotations, mirrors, and scale along these",
-                     scales_text(world_from_light)));
+  const Frame<double> axes = axes_of(world_from_light);
+  const bool is_sheared = !check_right_angles("", axes).ok();
   NamedImage named;
   const Parameter* filename = params.find("filename", {"string"});
   if (filename != nullptr) named = read_image(context, *filename, kSrgb);
@@ -100,7 +98,14 @@ Projection projection(Context& context, const ParameterSet& params, const Place&
   const Vec3<double> position = world_from_light.point({0, 0, 0});
   const std::string name = params.string("projection", "perspective");
   if (name == "perspective")
-    return perspective(params, place, axes, position, std::move(named), filter);
+    return perspective(params, place, axes,
+                       is_sheared ? own_space_of(context, params, world_from_light) : nullptr,
+                       position, std::move(named), filter);
+  if (name == "orthographic" && is_sheared)
+    fail(place, fmt::format(
+                    "an orthographic projection under a transform that shears, {} along other "
+                    "axes than the light's own, allowed: rotations, mirrors, and scale along these",
+                    scales_text(world_from_light)));
   if (name == "orthographic") return orthographic(params, axes, position, std::move(named), filter);
   fail(params.find("projection", {"string"})->place,
        fmt::format("\"string projection\" = \"{}\", allowed: perspective, orthographic",

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/pbrt/lights/levels.h"
+
 namespace lucerna::pbrt {
 
 std::array<double, 3> scales_of(const Transform& transform) {
@@ -38,6 +40,15 @@ std::string scales_text(const Transform& transform) {
   // As many digits as Transform::uniform_scale distinguishes.
   const std::array<double, 3> s = scales_of(transform);
   return fmt::format("scales {:.8g}, {:.8g} and {:.8g}", s[0], s[1], s[2]);
+}
+
+std::shared_ptr<const Frame<double>> own_space_of(Context& context, const ParameterSet& params,
+                                                  const Transform& world_from_light) {
+  if (world_from_light.uniform_scale()) return nullptr;
+  if (const Parameter* power = positive_parameter(params, "power"))
+    context.remark(power->place, "\"power\" of a light under a transform of unequal scale",
+                   "the same intensity as in pbrt-v4, which leaves out the transform");
+  return std::make_shared<const Frame<double>>(axes_of(world_from_light));
 }
 
 void require_equal_scale(const Place& place, std::string_view what, const Transform& transform) {

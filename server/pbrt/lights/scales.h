@@ -2,11 +2,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "lights/maths/transform.h"
-#include "server/pbrt/syntax/place.h"
+#include "server/pbrt/syntax/params.h"
 
 namespace lucerna::pbrt {
 
@@ -16,6 +17,11 @@ std::array<double, 3> scales_of(const Transform& transform);
 
 /// "scales 1, 1 and 2".
 std::string scales_text(const Transform& transform);
+
+/// The `own_space` of a light model; null for equal scale.  Adds a remark if "power" is given,
+/// which pbrt-v4 measures without the transform.
+std::shared_ptr<const Frame<double>> own_space_of(Context& context, const ParameterSet& params,
+                                                  const Transform& world_from_light);
 
 /// Fails if `transform` scales lengths unequally.  `what`: "a spot".
 void require_equal_scale(const Place& place, std::string_view what, const Transform& transform);

@@ -13,16 +13,18 @@ namespace {
 
 using rpc::set;  // in addition to those here
 
+/// Axes with their lengths.
+void set_lengths(const Frame<double>& axes, v1::Axes* out) {
+  set(axes.s, out->mutable_x());
+  set(axes.t, out->mutable_y());
+  set(axes.n, out->mutable_z());
+}
+
 /// The unit vectors of axes of any lengths.
 void set(const Frame<double>& axes, v1::Axes* out) {
   set(normalized(axes.s), out->mutable_x());
   set(normalized(axes.t), out->mutable_y());
   set(normalized(axes.n), out->mutable_z());
-}
-
-/// The images of the coordinate axes under a map, of any lengths.
-Frame<double> axes_of(const Transform& map) {
-  return {map.vector({1, 0, 0}), map.vector({0, 1, 0}), map.vector({0, 0, 1})};
 }
 
 void set_kind(const PointLight<double>& l, v1::Light* out) {
@@ -321,6 +323,11 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
             out->mutable_directions()->set_half_angle_rad(bounds->cone_rad);
           }
         }
+        if constexpr (requires { l.params().own_space; })
+          if (l.params().own_space) set_lengths(*l.params().own_space, out->mutable_own_axes());
+        if constexpr (std::same_as<L, ImageInfiniteLight<double>>)
+          if (const Transform& t = l.params().world_from_map; !t.uniform_scale())
+            set_lengths(axes_of(t), out->mutable_own_axes());
         if constexpr (requires { l.emission(); }) {
           set_kind(l, origin_m, out);
         } else {

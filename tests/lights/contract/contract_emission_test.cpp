@@ -20,9 +20,15 @@ struct EmittingSpot : Spot {
 struct EmittingDistant : DistantCase, SceneDiskCase {};
 struct EmittingInfinite : InfiniteCase, SceneDiskCase {};
 
-using LocalCases = ::testing::Types<EmittingPoint, EmittingSpot<SoftSpotCase>,
-                                    EmittingSpot<HardSpotCase>, EmittingSpot<WideSpotCase>,
-                                    EmittingSpot<QuadraticSpotCase>, EmittingSpot<QuarticSpotCase>>;
+struct EmittingDeformedSpot : DeformedSpotCase {
+  static constexpr bool kConfined = true;
+  // The widest direction is along y: tan(0.7) 2 / 0.5 is the tangent of 1.282.
+  static Region emission_region(const Vec3<double>&) { return {axis(), 1.283}; }
+};
+using LocalCases =
+    ::testing::Types<EmittingPoint, EmittingSpot<SoftSpotCase>, EmittingSpot<HardSpotCase>,
+                     EmittingSpot<WideSpotCase>, EmittingSpot<QuadraticSpotCase>,
+                     EmittingSpot<QuarticSpotCase>, EmittingDeformedSpot>;
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, EmittingLight, LocalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, EmittingDirections, LocalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, BoundedLight, LocalCases);

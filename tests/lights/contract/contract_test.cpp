@@ -6,7 +6,7 @@ namespace lucerna::testing {
 namespace {
 
 using LocalDeltaCases = ::testing::Types<PointCase, SoftSpotCase, HardSpotCase, WideSpotCase,
-                                         QuadraticSpotCase, QuarticSpotCase>;
+                                         QuadraticSpotCase, QuarticSpotCase, DeformedSpotCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, AnyLight, LocalDeltaCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, DeltaLight, LocalDeltaCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, LocalLight, LocalDeltaCases);

@@ -115,6 +115,35 @@ using QuadraticSpotCase = SpotCase<800, 200, SpotProfile::kQuadratic>;
 using QuarticSpotCase = SpotCase<900, 400, SpotProfile::kQuartic>;
 using WideSpotCase = SpotCase<3000, 1800>;
 
+/// A spot whose transform scales by 1, 2 and 1/2 along x, y and z.  Its cone is round in its own
+/// space, where a direction has these factors taken out.
+struct DeformedSpotCase : SoftSpotCase {
+  static Vec3<double> own(const Vec3<double>& w) { return {w.x, w.y / 2, w.z * 2}; }
+  template <typename Real>
+  static SpotLight<Real> make(const Placement& placement) {
+    const Frame<double> axes{placement.direction({1, 0, 0}), placement.direction({0, 2, 0}),
+                             placement.direction({0, 0, 0.5})};
+    return *SpotLight<Real>::create({.position_m = placement.point(position()),
+                                     .axis = placement.direction(axis()) * 2.0,
+                                     .intensity_cd = kDeltaLevel,
+                                     .cone_half_angle_rad = kCone,
+                                     .falloff_start_rad = kStart,
+                                     .own_space = std::make_shared<const Frame<double>>(axes)});
+  }
+  static double share(const Vec3<double>& w) {
+    const Vec3<double> v = own(w);
+    return falloff(std::atan2(length(cross(v, axis())), dot(v, axis())));
+  }
+  static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
+    const Vec3<double> d = position() - receiver;
+    return kDeltaLevel * (share(-d) / dot(d, d) + zero_if_towards(position(), receiver, wi));
+  }
+  static Rgb<double> power_by_quadrature() {
+    return integrate(Region{axis(), kPi / 2}, 2000,
+                     [](const Vec3<double>& w) { return kDeltaLevel * share(w); });
+  }
+};
+
 struct DistantCase : CaseDefaults {
   template <typename Real>
   using Light = DistantLight<Real>;

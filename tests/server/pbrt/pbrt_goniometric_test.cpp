@@ -102,13 +102,17 @@ TEST(PbrtGoniometric, LevelsMultiplyAndPowerSetsTheTotal) {
               4 * 640 / (4 * kPi * 2.5), 1e-9);
 }
 
-TEST(PbrtGoniometric, TransformsRotateAndMirrorButNeverStretch) {
+TEST(PbrtGoniometric, TransformsRotateMirrorAndStretch) {
   const auto turned = goniometric_light("", kQuarters, "Rotate 90 0 1 0 Scale 2 2 2");  // +z to +x
   EXPECT_EQ(turned.intensity({0.5, 0.2, 0.5}), Rgb<double>(3));
   const auto mirrored = goniometric_light("", kQuarters, "Scale -1 1 1");
   EXPECT_EQ(mirrored.intensity({0.5, 0.2, 0.5}), Rgb<double>(3));
-  EXPECT_THAT(message(load_goniometric("", kQuarters, "Scale 1 2 1").status()),
-              HasSubstr("unequal scale"));
+  // The direction (1, 1, 1) of the light's own space is (1, 2, 1) in the world.
+  const auto stretched = goniometric_light("", kQuarters, "Scale 1 2 1");
+  const auto plain = goniometric_light("", kQuarters);
+  for (const Vec3<double>& own : {Vec3<double>{1, 1, 1}, {-1, 0.5, 2}, {1, -1, 0.1}, {-2, -1, -3}})
+    EXPECT_EQ(stretched.intensity(normalized(Vec3<double>{own.x, 2 * own.y, own.z})),
+              plain.intensity(normalized(own)));
 }
 
 TEST(PbrtGoniometric, ColoursBecomeTheirMeanWithARemark) {

@@ -91,11 +91,35 @@ TEST(PbrtImageLights, InvalidInputIsAnErrorWithItsPlace) {
   EXPECT_THAT(error("\"string filter\" \"cubic\"", 4, 4), HasSubstr("nearest, bilinear"));
   EXPECT_THAT(error("\"float scale\" -1", 4, 4), HasSubstr("\"float scale\" = -1"));
   EXPECT_THAT(error("\"rgb L\" [1 1 1]", 4, 4), HasSubstr("\"L\" and \"filename\" are both given"));
-  EXPECT_THAT(error("", 4, 4, "Scale 1 2 1"), HasSubstr("unequal scale"));
+  EXPECT_THAT(error("\"point3 portal\" [0 0 3  0 1 3  2 1 3  2 0 3]", 4, 4, "Scale 1 2 1"),
+              HasSubstr("a picture behind a portal under a transform of unequal scale"));
   EXPECT_THAT(message(load_infinite("\"float illuminance\" 5", 4, 4, 0).status()),
               HasSubstr("is black above the horizon"));
   EXPECT_THAT(message(load_infinite("", 4, 4, NAN).status()),
               HasSubstr("scene.pbrt:2:24: \"string filename\": sky.pfm: texel (0, 0)"));
+}
+
+TEST(PbrtImageLights, UnequalScaleMovesDirections) {
+  const auto light = [](const std::string& transform) {
+    auto scene = load_infinite("", 64, 64, 2, transform);
+    EXPECT_TRUE(scene.ok()) << scene.status();
+    return *ImageInfiniteLight<double>::create(
+        std::get<ImageInfiniteLightParams>(scene->lights.at(0).params));
+  };
+  const auto plain = light(""), stretched = light("Scale 1 2 3");
+  double sum = 0;
+  constexpr int kSteps = 200;
+  for (int i = 0; i < kSteps; ++i)
+    for (int k = 0; k < 2 * kSteps; ++k) {
+      const double z = (2 * i + 1.0) / kSteps - 1, r = std::sqrt(1 - z * z);
+      const double phi = (k + 0.5) * kPi / kSteps;
+      const Vec3<double> w{r * std::cos(phi), r * std::sin(phi), z};
+      EXPECT_EQ(stretched.le_escaped({}, w),
+                plain.le_escaped({}, normalized(Vec3<double>{w.x, w.y / 2, w.z / 3})));
+      sum += stretched.pdf_li({}, w).per_sr;
+    }
+  // The density integrates to 1 over the directions of the world.
+  EXPECT_NEAR(sum * 2 * kPi / kSteps / kSteps, 1, 1e-2);
 }
 
 const std::string kOblongPortal = "\"point3 portal\" [0 0 3  0 1 3  2 1 3  2 0 3] ";

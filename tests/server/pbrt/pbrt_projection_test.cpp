@@ -160,8 +160,9 @@ TEST(PbrtProjection, InvalidInputIsAnErrorWithItsPlace) {
   EXPECT_THAT(error(kSlide + "\"float scale\" -1"), HasSubstr("\"float scale\" = -1"));
   EXPECT_THAT(error(kSlide + "\"float power\" -2"), HasSubstr("\"float power\" = -2"));
   EXPECT_THAT(error("\"string filename\" \"none.pfm\""), HasSubstr("none.pfm"));
-  EXPECT_THAT(error(kSlide, "Scale 1 2 1 Rotate 30 0 0 1"),
-              HasSubstr("scene.pbrt:2:1: a projection under a transform that shears"));
+  EXPECT_THAT(
+      error(kSlide + "\"string projection\" \"orthographic\"", "Scale 1 2 1 Rotate 30 0 0 1"),
+      HasSubstr("scene.pbrt:2:1: an orthographic projection under a transform that shears"));
   EXPECT_THAT(error("\"float fov\" 1e-150"),
               HasSubstr("scene.pbrt:2:26: \"float fov\" = 1e-150 degrees: projection.fov"));
   const auto with_bytes = [](const std::string& bytes, const std::string& parameters = "") {

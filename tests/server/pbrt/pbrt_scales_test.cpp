@@ -31,9 +31,10 @@ TEST(PbrtScales, AreSingularValues) {
 
 TEST(PbrtScales, AreInTheErrorOfALightThatNeedsEqualOnes) {
   const std::pair<std::string, std::string> kLights[] = {
-      {"LightSource \"spot\"", "2:1: a spot"},
-      {"LightSource \"infinite\" \"string filename\" \"sky.pfm\"", "2:1: an infinite light"},
-      {"LightSource \"goniometric\" \"string filename\" \"lamp.ies\"", "2:1: a goniometric light"},
+      {"LightSource \"infinite\" \"string filename\" \"sky.pfm\" \"point3 portal\" [0 0 3 0 1 3 2 "
+       "1 3 "
+       "2 0 3]",
+       "2:1: a picture behind a portal"},
       {"LightSource \"distant\" \"float angulardiameter\" 1", "2:23: \"float angulardiameter\""},
   };
   for (const auto& [light, what] : kLights) {
@@ -51,8 +52,10 @@ TEST(PbrtScales, AreInTheErrorOfALightThatNeedsEqualOnes) {
 }
 
 TEST(PbrtScales, AreInTheErrorOfAShearedProjection) {
-  EXPECT_EQ(world_error_of(kShear + "\nLightSource \"projection\""),
-            "scene.pbrt:2:1: a projection under a transform that shears, scales 0.61803399, 1 and "
+  const std::string beam = "LightSource \"projection\" \"string projection\" \"orthographic\"";
+  EXPECT_EQ(world_error_of(kShear + "\n" + beam),
+            "scene.pbrt:2:1: an orthographic projection under a transform that shears, scales "
+            "0.61803399, 1 and "
             "1.618034 along other axes than the light's own, allowed: rotations, mirrors, and "
             "scale along these");
   EXPECT_EQ(world_error_of("Rotate 30 1 2 3 Scale 3 1 2\nLightSource \"projection\""), "");

@@ -36,7 +36,7 @@ std::vector<BadLight> bad_lights() {
       "AreaLightSource \"diffuse\" \"string filename\" \"sky.pfm\" Shape \"disk\"";
   const std::string ies = kIes;
   const std::string negative = ies.substr(0, ies.size() - 4) + "-1\n";
-  const std::string spot = "LightSource \"spot\"", point = "LightSource \"point\" ";
+  const std::string point = "LightSource \"point\" ";
   return {
       {"no picture", "LightSource \"infinite\" \"string filename\" \"none.pfm\"", infinite, nullptr,
        "", "", 24, "file \"none.pfm\" does not exist", grpc::StatusCode::NOT_FOUND},
@@ -48,8 +48,10 @@ std::vector<BadLight> bad_lights() {
        "lamp.ies:7: candela value 2 = -1, allowed: finite, not negative"},
       {"no photometry", luminaire, luminaire, "lamp.ies", "", ies, 27,
        "lamp.ies:0: no line \"TILT=\""},
-      {"unequal scale", "Scale 1 1 2 " + spot, "Scale 2 2 2 " + spot, nullptr, "", "", 13,
-       "a spot under a transform of unequal scales 1, 1 and 2, allowed: equal scale on all axes"},
+      {"unequal scale", "Scale 1 1 2 LightSource \"distant\" \"float angulardiameter\" 1",
+       "Scale 2 2 2 LightSource \"distant\" \"float angulardiameter\" 1", nullptr, "", "", 35,
+       "\"float angulardiameter\" under a transform of unequal scales 1, 1 and 2, allowed: equal "
+       "scale on all axes"},
       {"a profile on a sphere",
        "AreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" Shape \"sphere\"", panel,
        nullptr, "", "", 55, "a light with \"profile\" on a sphere, allowed: flat shapes"},
