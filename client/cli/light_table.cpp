@@ -116,7 +116,8 @@ std::string describe_light(const v1::DiffuseAreaLight& area, double area_m2) {
   if (area.has_profile()) {
     text += ", profile " + describe_light(area.profile()) + flux_of_panel(area, area_m2);
   }
-  return area.two_sided() ? text + ", two-sided" : text;
+  if (area.two_sided()) text += ", two-sided";
+  return area.invisible() ? text + ", invisible" : text;
 }
 
 std::string with_image(std::string text, bool has, const v1::ImageInfo& image) {

@@ -134,6 +134,8 @@ struct ShapeDescription {
     std::optional<PanelProfile> panel{};         ///< `radiance_cd_m2` multiplies its radiance
     std::uint32_t samples = 1;                   ///< the same as in SceneLight
     std::string name{};                          ///< the same as in LightDescription
+    /// Whether rays do not meet the surface, so that only samples of the light find it.
+    bool is_unseen = false;
   };
   Boxed<Emission> emission{};
   SourceLocation where{};

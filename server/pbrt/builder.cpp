@@ -267,6 +267,11 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
                                    state_.world_from_object.start().swaps_handedness());
   }
   shape.alpha = alpha;
+  // pbrt-v4 makes an invisible light of it, which shines as if it had no alpha.
+  if (shape.emission && alpha.is_constant() && alpha.constant == 0) {
+    shape.emission->is_unseen = true;
+    shape.alpha = {1};
+  }
   shape.geometry = *std::move(geometry);
   if (absl::Status status = context_.meter.add(shape); !status.ok()) fail(place, status);
   auto& shapes =

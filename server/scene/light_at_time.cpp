@@ -121,7 +121,7 @@ bool is_delta(const SceneLight& light) {
   return visit([](const auto& model) { return model.kDelta; }, light.light);
 }
 
-LightAtTime::LightAtTime(const SceneLight& light, double time_s) {
+LightAtTime::LightAtTime(const SceneLight& light, double time_s) : is_unseen_(light.is_unseen) {
   bool takes_slack = false;
   visit(
       [&]<typename L>(const L& model) {

@@ -136,6 +136,7 @@ class LightAtTime {
   LightAtTime& operator=(const LightAtTime&) = delete;
 
   bool is_delta() const { return traits_->is_delta; }
+  bool is_unseen() const { return is_unseen_; }
   bool has_surface() const { return traits_->has_surface; }
   bool is_seen_beyond() const { return traits_->is_seen_beyond; }
   bool leaves_freely() const { return traits_->leaves_freely; }
@@ -198,6 +199,7 @@ class LightAtTime {
   const LightTraits* traits_;
   const LightCalls* calls_;
   const void* light_;
+  bool is_unseen_;
   // The light that `light_` points to, if it moves.
   std::variant<std::monostate, Moved<false>, Moved<true>> moved_{};
 };

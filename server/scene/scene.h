@@ -51,6 +51,7 @@ struct SceneLight {
   Light<double> light;  ///< about the scene's origin; about its own if it moves
   std::shared_ptr<const LightMotion> moving;  ///< null if it does not move
   std::uint32_t samples = 1;  ///< points of each sample on it; the default of queries
+  bool is_unseen = false;     ///< as in ShapeDescription::Emission
   // Place of the light in the scene files, as in SourceLocation; the file is an index into the
   // scene's files.
   std::uint32_t file = 0;
@@ -166,7 +167,7 @@ class Scene {
   const LightSelector& area_selector() const;
   /// Whether a light, a shape, an instance or the camera moves: pictures then depend on time.
   bool moves() const { return moves_; }
-  /// Whether a light is not a delta light, so that rays may find it.
+  /// Whether rays may find a light: one that is no delta light and is not unseen.
   bool has_visible_lights() const { return has_visible_lights_; }
   /// Whether there is nothing to hit.
   bool empty() const { return placed_->accelerator->empty(); }

@@ -66,9 +66,13 @@ std::uint64_t unused_bytes(const GeometrySet& set) {
 
 }  // namespace
 
-/// Appends the shape and frees its arrays.
+/// Appends the shape and frees its arrays.  Leaves out a light that rays do not meet.
 absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>& origin,
                                     std::int32_t light, GeometrySet& set, SurfaceTable& table) {
+  if (shape.emission && shape.emission->is_unseen) {
+    if (shape.motion) drop(shape);
+    return absl::OkStatus();
+  }
   // What is reserved takes no memory before it is filled, and meshes are freed meanwhile.
   const auto bytes = [&] { return set.bytes() - unused_bytes(set) + table.bytes(); };
   const std::uint64_t before = bytes();

@@ -54,7 +54,7 @@ void Scene::Builder::note_visible_lights() {
     visit(
         [&]<typename L>(const L& l) {
           if constexpr (SeenBeyond<L>) scene_->infinite_lights_.push_back(i);
-          scene_->has_visible_lights_ |= !l.kDelta;
+          scene_->has_visible_lights_ |= !l.kDelta && !scene_->lights_[i].is_unseen;
         },
         scene_->lights_[i].light);
 }
@@ -159,6 +159,7 @@ absl::Status Scene::Builder::build_lights() {
     LUCERNA_ASSIGN_OR_RETURN(
         SceneLight light, scene_light(add(*s.emission), create_area_light(s, origin),
                                       s.emission->where, s.emission->samples, std::move(moving)));
+    light.is_unseen = s.emission->is_unseen;
     scene_->lights_.push_back(std::move(light));
   }
   if (scene_->lights_.empty()) return absl::OkStatus();

@@ -209,6 +209,7 @@ ShapeDescription::Emission emission_of(const Scene& scene, const SceneLight& lig
         if constexpr (requires { model.emission(); }) {
           emission.radiance_cd_m2 = model.emission().radiance_cd_m2;
           emission.two_sided = model.emission().two_sided;
+          emission.is_unseen = light.is_unseen;
         }
         return emission;
       },
@@ -332,7 +333,9 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
   to->materials = with_materials(from.materials, edits, shapes);
   EditedSet edited_set(from, *to);
   for (const EditedShape& edited : shapes) {
-    if (edited.is_new) {
+    if (edited.shape.emission->is_unseen) {
+      // Rays do not meet it.
+    } else if (edited.is_new) {
       LUCERNA_RETURN_IF_ERROR(
           edited_set.add(edited.shape, loaded.origin_, detail_m, edited.number));
     } else {

@@ -186,6 +186,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
       note(change.keeps_spectrum() ? emission.spectrum : nullptr, emission.name);
       made = scene_light(id, scene_->placed_->lights.at(id).light, emission.where, emission.samples,
                          nullptr);
+      if (made.ok()) made->is_unseen = emission.is_unseen;
       if (made.ok()) made = revised_light(*std::move(made), change);
       scene_->light_numbers_.push_back(static_cast<std::int32_t>(scene_->lights_.size()));
     }

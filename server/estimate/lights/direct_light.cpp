@@ -75,7 +75,9 @@ MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receive
                        double probability) {
   // The probability is 0 only if the bounds of the light's cluster exclude light.
   if (!(probability > 0)) return {};
-  const MostIrradiance most = light.most_irradiance(receiver);
+  MostIrradiance most = light.most_irradiance(receiver);
+  // No part of a light that rays do not meet hides another part.
+  if (light.is_unseen() && most.lx > 0) most.lx = most.sample_lx;
   return {most.lx, most.sample_lx / probability};
 }
 
@@ -125,6 +127,10 @@ bool DirectLight::is_delta(std::uint32_t light) const {
   return lucerna::is_delta(scene_.lights()[light]);
 }
 
+Combination DirectLight::combination(std::uint32_t light) const {
+  return scene_.lights()[light].is_unseen ? Combination::kLights : methods_.combination;
+}
+
 std::uint32_t DirectLight::points_on(std::uint32_t light) const {
   const std::uint32_t points = methods_.samples_per_light.value_or(scene_.lights()[light].samples);
   return points == 1 || is_delta(light) ? 1 : points;
@@ -148,7 +154,8 @@ Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
 LightSample<double> DirectLight::light_sample(const Vertex& v, std::uint32_t light,
                                               const PathSample& at, std::uint32_t dimension) const {
   const LightAtTime l(scene_.lights()[light], v.hit.time_s);
-  const Receiver<double> r = receiver(v.hit, v.wo, v.scattering);
+  Receiver<double> r = receiver(v.hit, v.wo, v.scattering);
+  r.incomplete = r.incomplete && !l.is_unseen();
   if (methods_.far_light_radii)
     if (const auto s = far_sample(l, r, *methods_.far_light_radii)) return *s;
   if (l.is_delta()) return l.sample_li(r, {});  // has one sample, so it needs no random numbers
@@ -172,7 +179,7 @@ DirectLight::Candidate DirectLight::candidate(const Vertex& v, const LightChoice
     return c;
   }
   const double light_pdf = s.pdf.per_sr * choice.probability;
-  switch (methods_.combination) {
+  switch (combination(choice.light)) {
     case Combination::kSurfaces:
       c.found = s.value;
       break;
@@ -198,7 +205,7 @@ void DirectLight::scatter(const Vertex& v, const LightChoice& choice, std::uint3
   }
   const double light_pdf = s.pdf.per_sr * choice.probability;
   const double direction_pdf = v.scattering->pdf(wo, s.wi);
-  switch (methods_.combination) {
+  switch (combination(choice.light)) {
     case Combination::kSurfaces:
       if (direction_pdf > 0) c.found = s.value * f / direction_pdf;
       break;

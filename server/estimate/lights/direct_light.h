@@ -188,6 +188,8 @@ class DirectLight {
                          const LightSample<double>& sample, const Rgb<double>& value,
                          WorkCounts& work) const;
   bool is_delta(std::uint32_t light) const;
+  /// What finds this light: only its samples, if rays do not meet it.
+  Combination combination(std::uint32_t light) const;
   const LightSelector& selector(Spending spending) const;
   std::uint32_t points_on(std::uint32_t light) const;
   /// The heuristic's weight for the strategy with density `a`; the other one has density `b`.

@@ -330,6 +330,7 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
             set_lengths(axes_of(t), out->mutable_own_axes());
         if constexpr (requires { l.emission(); }) {
           set_kind(l, origin_m, out);
+          out->mutable_diffuse_area()->set_invisible(entry.is_unseen);
         } else {
           set_kind(l, out);
         }
