@@ -10,14 +10,17 @@
 #include <utility>
 #include <variant>
 
+#include "server/pbrt/syntax/older_pbrt.h"
+
 namespace lucerna::pbrt {
 namespace {
 
 void check_type(const Setting& setting, const char* directive,
                 std::initializer_list<std::string_view> types) {
   if (!is_one_of(setting.type, types))
-    fail(setting.place, fmt::format("unknown {} \"{}\", expected one of {}", directive,
-                                    printable(setting.type), fmt::join(types, " ")));
+    fail(setting.place,
+         fmt::format("unknown {} \"{}\", expected one of {}{}", directive, printable(setting.type),
+                     fmt::join(types, " "), hint_of_older_pbrt(directive, setting.type)));
 }
 
 /// Four values, each pair in ascending order; empty if the parameter is not given.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/formats/byte_order_mark.h"
+#include "server/pbrt/syntax/older_pbrt.h"
 
 namespace lucerna::pbrt {
 namespace {
@@ -167,8 +168,8 @@ std::shared_ptr<Parameter> Parser::parameter(const Token& declaration) {
   if (type == nullptr)
     fail(declaration.place,
          fmt::format("unknown parameter type \"{}\", expected one of float integer bool string "
-                     "point2 vector2 point3 vector3 normal rgb spectrum blackbody texture",
-                     printable(given)));
+                     "point2 vector2 point3 vector3 normal rgb spectrum blackbody texture{}",
+                     printable(given), hint_of_older_pbrt("parameter type", given)));
   auto result = std::make_shared<Parameter>();
   result->type = type->name;
   const std::size_t name_end = text.find_first_of(" \t", name_begin);
@@ -268,7 +269,8 @@ void Parser::directive(const Token& word) {
       (transform_directive(word) || settings_directive(word) || world_directive(word)))
     return;
   if (word.text == "WorldEnd") fail(word.place, "WorldEnd does not exist in pbrt-v4; remove it");
-  fail(word.place, fmt::format("expected a directive, found {}", described(word)));
+  fail(word.place, fmt::format("expected a directive, found {}{}", described(word),
+                               hint_of_older_pbrt("directive", word.text)));
 }
 
 }  // namespace lucerna::pbrt

@@ -9,6 +9,7 @@
 
 #include "server/pbrt/surfaces/metals.h"
 #include "server/pbrt/syntax/images.h"
+#include "server/pbrt/syntax/older_pbrt.h"
 #include "server/pbrt/syntax/spectra.h"
 
 namespace lucerna::pbrt {
@@ -36,8 +37,8 @@ std::string_view known_type(const std::string& type, const Place& place) {
   if (found == kTypes.end())
     fail(place, fmt::format("unknown material \"{}\", expected one of diffuse coateddiffuse "
                             "diffusetransmission conductor coatedconductor dielectric "
-                            "thindielectric hair measured subsurface mix interface",
-                            printable(type)));
+                            "thindielectric hair measured subsurface mix interface{}",
+                            printable(type), hint_of_older_pbrt("Material", type)));
   return *found;
 }
 

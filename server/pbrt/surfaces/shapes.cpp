@@ -13,6 +13,8 @@
 #include "server/formats/ply.h"
 #include "server/meshes/loop_subdivision.h"
 #include "server/meshes/raw_mesh.h"
+#include "server/pbrt/surfaces/curve_shapes.h"
+#include "server/pbrt/syntax/older_pbrt.h"
 
 namespace lucerna::pbrt {
 
@@ -316,8 +318,8 @@ std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shap
   if (shape.type == "loopsubdiv") return loop_surface(context, shape);
   if (shape.type == "curve") return make_curve(context, shape);
   fail(shape.place, fmt::format("unknown shape \"{}\", expected one of sphere disk trianglemesh "
-                                "plymesh bilinearmesh cylinder curve loopsubdiv",
-                                printable(shape.type)));
+                                "plymesh bilinearmesh cylinder curve loopsubdiv{}",
+                                printable(shape.type), hint_of_older_pbrt("Shape", shape.type)));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/pbrt/syntax/images.h"
+#include "server/pbrt/syntax/older_pbrt.h"
 #include "server/pbrt/syntax/spectra.h"
 
 namespace lucerna::pbrt {
@@ -162,8 +163,9 @@ void TextureTable::make(Context& context, const std::string& name, const std::st
                         const std::string& type, const ParameterSet& params, const Place& place,
                         const Transform& world_from_texture) {
   if (kind != "float" && kind != "spectrum")
-    fail(place, fmt::format("texture \"{}\" has type \"{}\", expected \"float\" or \"spectrum\"",
-                            printable(name), printable(kind)));
+    fail(place,
+         fmt::format("texture \"{}\" has type \"{}\", expected \"float\" or \"spectrum\"{}",
+                     printable(name), printable(kind), hint_of_older_pbrt("texture type", kind)));
   const auto [it, added] = values_.try_emplace(kind + " " + name, ColourValue{Rgb<double>(0.5)});
   if (!added)
     fail(place, fmt::format("{} texture \"{}\" is already defined", kind, printable(name)));

@@ -7,6 +7,8 @@
 #include <array>
 #include <utility>
 
+#include "server/pbrt/syntax/older_pbrt.h"
+
 namespace lucerna::pbrt {
 
 const ParameterType* parameter_type(std::string_view name) {
@@ -169,12 +171,17 @@ void ParameterSet::ignore(std::initializer_list<std::string_view> names) const {
 }
 
 void ParameterSet::remark_unused(Context& context, const std::string& owner) const {
-  for (const Entry& entry : entries_)
-    if (!entry.used && !entry.inherited)
-      context.remark(entry.parameter->place,
-                     fmt::format("parameter \"{}\" of {} is not known",
-                                 printable(entry.parameter->name), owner),
-                     "it changes nothing");
+  for (const Entry& entry : entries_) {
+    if (entry.used || entry.inherited) continue;
+    const Parameter& parameter = *entry.parameter;
+    std::string what =
+        fmt::format("parameter \"{}\" of {} is not known", printable(parameter.name), owner);
+    if (const std::string_view now = name_in_pbrt_v4(parameter.name); !now.empty())
+      what += fmt::format("; it is of pbrt-v2 and pbrt-v3, use \"{}\"", now);
+    // Without its picture, a light would shine with its colour everywhere.
+    if (parameter.name == "mapname") fail(parameter.place, what);
+    context.remark(parameter.place, std::move(what), "it changes nothing");
+  }
 }
 
 }  // namespace lucerna::pbrt

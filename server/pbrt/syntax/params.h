@@ -124,7 +124,8 @@ class ParameterSet {
   /// Marks parameters as used that have no effect here.
   void ignore(std::initializer_list<std::string_view> names) const;
 
-  /// Adds a remark for every own parameter that was not used.  `owner`: `Shape "sphere"`.
+  /// Adds a remark for every own parameter that was not used.  Fails if it is the picture of a
+  /// light of an earlier pbrt.  `owner`: `Shape "sphere"`.
   void remark_unused(Context& context, const std::string& owner) const;
 
  private:
