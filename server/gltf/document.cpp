@@ -1,6 +1,7 @@
 #include "server/gltf/document.h"
 
 #include <absl/strings/escaping.h>
+#include <absl/strings/match.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -219,14 +220,15 @@ const AssetContent* Document::read_uri(const View& uri) const {
   const std::string& text = uri.text();
   AssetContent content;
   if (text.starts_with("data:")) {
-    constexpr std::string_view kCoding = ";base64,";
     const std::size_t comma = text.find(',');
-    if (comma == std::string::npos || comma + 1 < kCoding.size() ||
-        text.compare(comma + 1 - kCoding.size(), kCoding.size(), kCoding) != 0)
-      uri.fail("a data URI of another coding, allowed: data:TYPE;base64,DATA");
+    if (comma == std::string::npos)
+      uri.fail("a data URI without data, allowed: data:TYPE;base64,DATA and data:TYPE,DATA");
     content.name = context_.location(uri.pointer()).file;
     context_.claim_for_good(uri.pointer(), text.size(), 1);
-    if (!absl::Base64Unescape(text.substr(comma + 1), &content.bytes))
+    // Without base64, the data are the bytes themselves with percent escapes.  [RFC2397]
+    content.bytes = unescaped(std::string_view(text).substr(comma + 1));
+    if (absl::EndsWithIgnoreCase(text.substr(0, comma), ";base64") &&
+        !absl::Base64Unescape(std::string(content.bytes), &content.bytes))
       uri.fail("a data URI with invalid base64");
   } else {
     const std::string name = unescaped(text);
@@ -305,7 +307,11 @@ std::optional<std::size_t> Document::picture_of(const View& texture) const {
   const std::size_t images = count("images");
   if (const auto webp = texture.extension("EXT_texture_webp"))
     if (const auto source = webp->index("source", images, "image")) return source;
-  return texture.index("source", images, "image");
+  if (const auto source = texture.index("source", images, "image")) return source;
+  for (const char* name : {"EXT_texture_avif", "MSFT_texture_dds"})
+    if (const auto other = texture.extension(name))
+      if (const auto source = other->index("source", images, "image")) return source;
+  return std::nullopt;
 }
 
 std::shared_ptr<const Image> Document::image(std::size_t index) const {

@@ -36,6 +36,20 @@ View light_of(const Document& document, const char* extension, const View& use) 
   return lights.require_array()[use.at("light").index(lights.size(), "light")];
 }
 
+/// An angle of at most `most`, which files give with as few as four digits.
+double angle_of(const View& angles, std::string_view key, double otherwise, double least,
+                double most) {
+  constexpr double kDigits = 5e-4, kRounded = 1e-6;
+  const double angle = angles.number(key, otherwise, {least, 1e300});
+  if (angle <= most) return angle;
+  if (!(angle <= most + kDigits))
+    angles.at(key).fail(fmt::format("found {} rad, allowed: {} to {}", angle, least, most));
+  if (angle > most + kRounded)
+    angles.context().remark(angles.at(key).pointer(),
+                            fmt::format("{} rad, more than {}", angle, most), "this limit");
+  return most;
+}
+
 SpotLightParams spot_light(const View& light, const Vec3<double>& position,
                            const Vec3<double>& axis) {
   SpotLightParams spot;
@@ -45,14 +59,9 @@ SpotLightParams spot_light(const View& light, const Vec3<double>& position,
   // Earlier drafts of the extension allowed a spot without its angles.
   const auto given = light.find("spot");
   const View angles = given ? given->require_object() : light;
-  constexpr double kMost = std::numbers::pi / 2;
   spot.cone_half_angle_rad =
-      angles.number("outerConeAngle", std::numbers::pi / 4, {1e-6, kMost + 1e-6});
-  spot.falloff_start_rad = angles.number("innerConeAngle", 0, {0, kMost + 1e-6});
-  if (spot.falloff_start_rad > spot.cone_half_angle_rad)
-    angles.at("innerConeAngle")
-        .fail(fmt::format("found {} rad, allowed: 0 to {}, the outerConeAngle",
-                          spot.falloff_start_rad, spot.cone_half_angle_rad));
+      angle_of(angles, "outerConeAngle", std::numbers::pi / 4, 1e-6, std::numbers::pi / 2);
+  spot.falloff_start_rad = angle_of(angles, "innerConeAngle", 0, 0, spot.cone_half_angle_rad);
   // The falloff that the extension suggests, and that renderers use.
   spot.profile = SpotProfile::kQuadratic;
   return spot;

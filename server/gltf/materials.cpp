@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lights/spectra/level_validation.h"
@@ -36,14 +37,40 @@ constexpr std::string_view kPbr = "pbrMetallicRoughness",
                            kCoat = "KHR_materials_clearcoat", kSpecular = "KHR_materials_specular",
                            kAnisotropy = "KHR_materials_anisotropy", kIor = "KHR_materials_ior",
                            kUnlit = "KHR_materials_unlit",
-                           kStrength = "KHR_materials_emissive_strength";
+                           kStrength = "KHR_materials_emissive_strength",
+                           kGlossiness = "KHR_materials_pbrSpecularGlossiness";
 constexpr Slot kApplied[] = {{kPbr, "baseColorTexture"},     {kPbr, "metallicRoughnessTexture"},
                              {"", "normalTexture"},          {kTransmission, "transmissionTexture"},
                              {kCoat, "clearcoatTexture"},    {kCoat, "clearcoatRoughnessTexture"},
-                             {kSpecular, "specularTexture"}, {kSpecular, "specularColorTexture"}};
+                             {kSpecular, "specularTexture"}, {kSpecular, "specularColorTexture"},
+                             {kGlossiness, "diffuseTexture"}};
 constexpr Slot kLeftOut[] = {{"", "occlusionTexture"},
                              {kCoat, "clearcoatNormalTexture"},
-                             {kAnisotropy, "anisotropyTexture"}};
+                             {kAnisotropy, "anisotropyTexture"},
+                             {kGlossiness, "specularGlossinessTexture"}};
+
+/// Where a material has its base colour: in pbrMetallicRoughness, or in specular-glossiness if it
+/// has that alone.
+struct BaseColour {
+  std::optional<View> parent;
+  bool is_glossiness = false;
+
+  std::string_view texture() const { return is_glossiness ? "diffuseTexture" : "baseColorTexture"; }
+  /// RGBA.
+  std::vector<double> factor() const {
+    const std::vector<double> white{1, 1, 1, 1};
+    return parent ? parent->require_object().numbers(
+                        is_glossiness ? "diffuseFactor" : "baseColorFactor", white, kUnit)
+                  : white;
+  }
+};
+
+BaseColour base_colour(const View& material) {
+  if (auto pbr = material.find(kPbr)) return {std::move(pbr)};
+  auto glossiness = material.extension(kGlossiness);
+  const bool is_given = glossiness.has_value();
+  return {std::move(glossiness), is_given};
+}
 
 /// Reads the file of a texture, which may not be uploaded yet.
 void read_picture(const Document& document, const View& info) {
@@ -120,7 +147,13 @@ bool Materials::apply_texture(const View& info, MaterialEmission& emission) {
 }
 
 std::shared_ptr<const MaterialEmission> Materials::emission(const View& material) {
-  const std::vector<double> factor = material.numbers("emissiveFactor", {0, 0, 0}, kUnit);
+  const std::vector<double> factor = material.numbers("emissiveFactor", {0, 0, 0}, kNotNegative);
+  if (*std::ranges::max_element(factor) > 1)
+    material.context().remark(
+        material.at("emissiveFactor").pointer(),
+        fmt::format("an emissiveFactor of {}, {} and {}, which glTF limits to 1", factor[0],
+                    factor[1], factor[2]),
+        "used as given");
   double strength = 1;
   if (const auto given = material.extension(kStrength))
     strength = given->number("emissiveStrength", 1, kNotNegative);
@@ -158,9 +191,9 @@ NumberValue Materials::alpha(const View& material, TextureSet& textures) {
         .fail(fmt::format("found \"{}\", allowed: OPAQUE, MASK, BLEND", printable(mode)));
   const double cut_off = material.number("alphaCutoff", 0.5, kNotNegative);
   if (mode == "OPAQUE") return {1};
-  const auto pbr = material.find(kPbr);
-  const double factor = pbr ? pbr->numbers("baseColorFactor", {1, 1, 1, 1}, kUnit)[3] : 1;
-  NumberValue value = textures.number(pbr, "baseColorTexture", PictureKind::kAlpha, factor);
+  const BaseColour base = base_colour(material);
+  NumberValue value =
+      textures.number(base.parent, base.texture(), PictureKind::kAlpha, base.factor()[3]);
   if (mode == "BLEND") return value;
   if (value.is_constant()) return {value.constant >= cut_off ? 1.0 : 0.0};
   return {1, material.context().scene.textures.add(CutOffTexture{{{}, value.texture}, cut_off})};
@@ -173,14 +206,22 @@ Material Materials::scattering(const View& material, TextureSet& textures, const
   const auto coat = material.extension(kCoat), specular = material.extension(kSpecular),
              transmission = material.extension(kTransmission);
   GltfSurfaceParams s;
-  s.base = textures.colour(pbr, "baseColorTexture", PictureKind::kColour, base);
+  const BaseColour colour = base_colour(material);
+  s.base = textures.colour(colour.parent, colour.texture(), PictureKind::kColour, base);
   if (has_colours) {
     Textures& all = material.context().scene.textures;
     const std::int32_t colours = all.add(VertexColourTexture{});
     s.base.texture = all.add(ScaleTexture{s.base, {{}, colours}});
   }
-  const double metallic = pbr ? pbr->number("metallicFactor", 1, kUnit) : 1;
-  const double roughness = pbr ? pbr->number("roughnessFactor", 1, kUnit) : 1;
+  double metallic = pbr ? pbr->number("metallicFactor", 1, kUnit) : 1;
+  double roughness = pbr ? pbr->number("roughnessFactor", 1, kUnit) : 1;
+  if (colour.is_glossiness) {
+    metallic = 0;
+    roughness = 1 - colour.parent->number("glossinessFactor", 1, kUnit);
+    // Without an index of refraction, the reflectance along the normal is 0.04 of this colour.
+    const auto f = colour.parent->numbers("specularFactor", {1, 1, 1}, kUnit);
+    s.specular_colour = {Rgb<double>(f[0], f[1], f[2]) / 0.04};
+  }
   Material result{.params = DiffuseParams{s.base}, .second_axis = FrameAlong::kV};
   if (const auto normal = material.find("normalTexture")) {
     result.normal_map =
@@ -229,10 +270,7 @@ Materials::Use Materials::make(const View& material, bool has_colours) {
   Use use;
   use.emission = emission(material);
   use.double_sided = material.boolean("doubleSided", false);
-  const auto pbr = material.find(kPbr);
-  const std::vector<double> base =
-      pbr ? pbr->require_object().numbers("baseColorFactor", {1, 1, 1, 1}, kUnit)
-          : std::vector<double>{1, 1, 1, 1};
+  const std::vector<double> base = base_colour(material).factor();
   const bool has_picture = use.emission && use.emission->picture;
   std::optional<int> set;
   if (has_picture) set = use.emission->uv_set;

@@ -235,6 +235,26 @@ void check_structure(const View& root) {
     for_each(*environments, "lights", check_rotation);
 }
 
+namespace {
+
+/// What happens without an extension that a file may require: the file has a fallback for readers
+/// that lack it.  Empty for other extensions.
+std::string_view fallback_of(std::string_view name) {
+  if (name == "KHR_materials_variants") return "each mesh has its default material";
+  if (name == "KHR_materials_pbrSpecularGlossiness")
+    return "pbrMetallicRoughness; without it, the diffuse colour with its specular colour and "
+           "glossiness";
+  if (name == "KHR_texture_basisu") return "the picture in \"source\", else white";
+  if (name.find("_materials_") != std::string_view::npos) return "the materials without it";
+  for (const std::string_view known :
+       {"KHR_xmp", "KHR_xmp_json_ld", "KHR_audio_emitter", "EXT_mesh_features",
+        "EXT_instance_features", "EXT_structural_metadata", "MSFT_lod"})
+    if (name == known) return "ignored";
+  return "";
+}
+
+}  // namespace
+
 void check_extensions(const View& root) {
   const View version = root.at("asset").at("version");
   if (!version.text().starts_with("2."))
@@ -243,23 +263,25 @@ void check_extensions(const View& root) {
     least->fail(fmt::format("found \"{}\", allowed: \"2.0\"", printable(least->text())));
 
   static const std::set<std::string, std::less<>> kModelled{
-      "EXT_lights_ies",       "EXT_lights_image_based",     "EXT_mesh_gpu_instancing",
-      "KHR_lights_punctual",  "KHR_draco_mesh_compression", "EXT_meshopt_compression",
-      "KHR_mesh_quantization"};
+      "EXT_lights_ies",        "EXT_lights_image_based",     "EXT_mesh_gpu_instancing",
+      "KHR_lights_punctual",   "KHR_draco_mesh_compression", "EXT_meshopt_compression",
+      "KHR_mesh_quantization", "EXT_texture_webp",           "EXT_texture_avif",
+      "MSFT_texture_dds"};
   const auto is_modelled = [](const std::string& name) {
     return kModelled.contains(name) || is_material_extension(name);
   };
   for_each(root, "extensionsRequired", [&](const View& name) {
-    if (!is_modelled(name.text()))
+    if (!is_modelled(name.text()) && fallback_of(name.text()).empty())
       name.fail(absl::InvalidArgumentError(
           fmt::format("the file requires the extension \"{}\", which is not modelled",
                       printable(name.text()))));
   });
   for_each(root, "extensionsUsed", [&](const View& name) {
-    if (!is_modelled(name.text()))
-      root.context().remark(name.pointer(),
-                            fmt::format("extension \"{}\" is not modelled", printable(name.text())),
-                            "ignored");
+    if (is_modelled(name.text())) return;
+    const std::string_view fallback = fallback_of(name.text());
+    root.context().remark(name.pointer(),
+                          fmt::format("extension \"{}\" is not modelled", printable(name.text())),
+                          fallback.empty() ? "ignored" : std::string(fallback));
   });
 }
 

@@ -1,6 +1,7 @@
 // Textures of glTF materials.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>

@@ -132,7 +132,8 @@ TEST(GltfBadFiles, MissingAndForbiddenFiles) {
   EXPECT_THAT(error("../secret.bin"), StartsWith("scene.gltf#/buffers/0/uri: "));
   EXPECT_THAT(error("https://example.org/a.bin"), HasSubstr("allowed: a relative path"));
   EXPECT_THAT(error("data:;base64,???"), HasSubstr("invalid base64"));
-  EXPECT_THAT(error("data:text/plain,abc"), HasSubstr("a data URI of another coding"));
+  EXPECT_THAT(error("data:text/plain"), HasSubstr("a data URI without data"));
+  EXPECT_THAT(error("data:,abc"), HasSubstr("but the buffer has 3 bytes"));
 }
 
 TEST(GltfBadFiles, CyclesAndSharedNodes) {
@@ -236,6 +237,8 @@ TEST(GltfBadFiles, Lights) {
   EXPECT_THAT(error({{"type", "point"}, {"intensity", 1e200}}), StartsWith(at + ": intensity"));
   EXPECT_THAT(error({{"type", "spot"}, {"spot", {{"innerConeAngle", 1}, {"outerConeAngle", 0.5}}}}),
               StartsWith(at + "/spot/innerConeAngle: found 1 rad"));
+  EXPECT_THAT(error({{"type", "spot"}, {"spot", {{"outerConeAngle", 1.6}}}}),
+              StartsWith(at + "/spot/outerConeAngle: found 1.6 rad, allowed: 1e-06 to 1.570796"));
   GltfFile file;
   file.add_node(GltfFile::light_node(0));
   EXPECT_EQ(file.error(),
