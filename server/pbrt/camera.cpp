@@ -147,6 +147,13 @@ void apply_film(Context& context, const Settings& settings) {
   const double iso = params.number("iso", 100);
   if (!(iso > 0)) fail(setting.place, fmt::format("\"float iso\" = {}, allowed: above 0", iso));
   film.scale = exposure_s * iso / 100;
+  // The fourth power of a pixel's value must fit a double, for the intervals of pixels.
+  constexpr double kMostScale = 1e30;
+  if (!(film.scale > 0 && film.scale <= kMostScale))
+    fail(params.place_of({"iso"}, settings.camera ? settings.camera->place : setting.place),
+         fmt::format("\"float iso\" = {} and a shutter open for {} s multiply pixels by {}, "
+                     "allowed: more than 0, at most {:g}",
+                     iso, exposure_s, film.scale, kMostScale));
 
   apply_crop(context, setting);
   params.ignore({"filename", "savefp16", "diagonal", "coordinatesystem", "nbuckets", "lambdamin",

@@ -111,10 +111,13 @@ Rgb<double> changed_level(const LightChange& change, const Rgb<double>& level) {
   return change.is_off ? Rgb<double>() : level * change.scale * change.tint;
 }
 
+Rgb<double>& level_of(LightParams& params) {
+  return std::visit([](auto& p) -> Rgb<double>& { return level_of(p); }, params);
+}
+
 absl::Status apply(const LightChange& change, LightDescription& light) {
   if (change.has_level()) {
-    Rgb<double>& level =
-        std::visit([](auto& p) -> Rgb<double>& { return level_of(p); }, light.params);
+    Rgb<double>& level = level_of(light.params);
     level = changed_level(change, level);
     if (!change.keeps_spectrum()) light.spectrum = nullptr;
   }

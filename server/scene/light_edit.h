@@ -71,6 +71,8 @@ struct LightEdits {
 /// Changes level and place of a light without a surface.  Errors: a light that moves, and a shift
 /// of a light at infinity.
 absl::Status apply(const LightChange& change, LightDescription& light);
+/// The intensity, illuminance or radiance that `change` multiplies.
+Rgb<double>& level_of(LightParams& params);
 
 /// The part of a change that says where the light is.
 LightChange place_only(const LightChange& change);

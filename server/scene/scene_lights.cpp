@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "lights/maths/validation.h"
+#include "lights/spectra/level_validation.h"
 #include "proto/common/status_macros.h"
 #include "server/rays/surface_table.h"
+#include "server/scene/light_edit.h"
 
 namespace lucerna {
 
@@ -52,6 +54,9 @@ absl::StatusOr<Light<double>> create_light(const LightDescription& light,
         const LightPlace place = Model::place(params);
         for (const std::optional<Box>& box : {place.box_m, place.portal_m})
           if (auto s = check_place(box, origin); !s.ok()) return s;
+        // Answers hold floats.  A web's level is a factor of its intensities.
+        LightParams level = params;
+        LUCERNA_RETURN_IF_ERROR(check_light_value<float>("light.level", level_of(level), ""));
         auto made = Model::create(params, origin);
         if (!made.ok()) return made.status();
         return Light<double>(*std::move(made));

@@ -23,6 +23,25 @@ absl::Status check_extent(const Bounds& bounds, const SourceLocation& where) {
                  where);
 }
 
+// Of spheres, disks and cylinders.  Floats of coordinates about their own place must be normal.
+absl::Status check_size(const ShapeDescription& shape) {
+  static constexpr double kLeastShape = 1e-36;
+  const auto check = []<typename Params>(const Params& params) -> absl::Status {
+    if constexpr (requires { params.world_from_object; }) {
+      // About its own place, whose rounding would hide its size.
+      LUCERNA_ASSIGN_OR_RETURN(
+          const auto own,
+          QuadricOf<Params>::create(params, params.world_from_object.point({0, 0, 0})));
+      const auto [lower, upper] = own.bounds();
+      if (const double extent = max_abs(upper - lower); extent < kLeastShape)
+        return absl::InvalidArgumentError(
+            fmt::format("a shape of {:g} m, allowed: at least {:g}", extent, kLeastShape));
+    }
+    return absl::OkStatus();
+  };
+  return located(std::visit(check, shape.geometry), shape.where);
+}
+
 /// Adds the space that `motion` sweeps, which must be within the range of rays.
 absl::Status sweep(const Bounds& still, const Motion& motion, const SourceLocation& where,
                    Bounds& swept) {
@@ -110,6 +129,9 @@ absl::Status Scene::Builder::place() {
         in_.shapes.empty() ? in_.instances.front().where : in_.shapes.front().where;
     LUCERNA_RETURN_IF_ERROR(check_extent(world, first));
   }
+  for (const auto& s : in_.shapes) LUCERNA_RETURN_IF_ERROR(check_size(s));
+  for (const auto& object : in_.objects)
+    for (const auto& s : object.shapes) LUCERNA_RETURN_IF_ERROR(check_size(s));
   placed_->world_m = world;
   return place_lights();
 }

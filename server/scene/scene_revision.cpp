@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "lights/spectra/level_validation.h"
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/runtime/denormals.h"
@@ -31,6 +32,8 @@ template <typename Model>
 absl::StatusOr<Light<double>> with_level(const Model& light, const LightChange& change) {
   DiffuseEmission emission = light.emission();
   emission.radiance_cd_m2 = changed_level(change, emission.radiance_cd_m2);
+  LUCERNA_RETURN_IF_ERROR(
+      check_light_value<float>("light.level", emission.radiance_cd_m2, "cd/m2"));
   LUCERNA_ASSIGN_OR_RETURN(auto changed, Model::create(emission, light.shape()));
   return Light<double>(std::move(changed));
 }
