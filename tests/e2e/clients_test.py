@@ -25,7 +25,7 @@ from lucerna.v1 import accuracy_pb2, lighting_pb2, lighting_pb2_grpc  # noqa: E4
 from lucerna.v1 import render_pb2, render_pb2_grpc, scene_pb2, scene_pb2_grpc  # noqa: E402
 from lucernad import Lucernad, expect  # noqa: E402
 
-WAIT_S = 120  # ends tests that hang
+WAIT_S = 600  # ends tests that hang
 SKIPPED = 77
 TOKEN = "a-secret-for-the-clients-of-others"
 SERVING, NOT_FOUND = b"\x08\x01", grpc.StatusCode.NOT_FOUND

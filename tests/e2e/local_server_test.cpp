@@ -105,6 +105,13 @@ class Impostor : public ::testing::Test {
     ::chmod(path.c_str(), 0755);
     return path;
   }
+  /// A command of the shell that waits for ever.  It starts no other program: until a child of the
+  /// shell runs its own, it has the shell's command line.
+  std::string wait_for_ever() const {
+    const std::string path = (directory_ / "silent").string();
+    EXPECT_EQ(::mkfifo(path.c_str(), 0600), 0);
+    return "read -r line < " + path;
+  }
   /// The ids of all processes that run a script of this test.
   std::vector<std::string> processes() const {
     std::vector<std::string> found;
@@ -132,16 +139,15 @@ TEST_F(Impostor, ThatEndsAtOnceIsReported) {
 }
 
 TEST_F(Impostor, ThatNeverServesIsStopped) {
-  const auto server = LocalServer::start(
-      {.program = script("while :; do sleep 0.05; done"), .patience = std::chrono::seconds(2)});
+  const auto server =
+      LocalServer::start({.program = script(wait_for_ever()), .patience = std::chrono::seconds(2)});
   EXPECT_EQ(server.status().code(), absl::StatusCode::kDeadlineExceeded);
   EXPECT_THAT(processes(), ::testing::IsEmpty());
 }
 
 TEST_F(Impostor, ThatIgnoresSigtermIsKilled) {
-  const auto server =
-      LocalServer::start({.program = script("trap '' TERM; while :; do sleep 0.05; done"),
-                          .patience = std::chrono::seconds(2)});
+  const auto server = LocalServer::start(
+      {.program = script("trap '' TERM; " + wait_for_ever()), .patience = std::chrono::seconds(2)});
   EXPECT_EQ(server.status().code(), absl::StatusCode::kDeadlineExceeded);
   EXPECT_THAT(processes(), ::testing::IsEmpty());
 }

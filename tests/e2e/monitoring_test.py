@@ -30,11 +30,11 @@ from server_process import ServerProcess  # noqa: E402
 
 DEPLOY = ROOT / "deploy/prometheus"
 REFERENCE = ROOT / "tests/data/reference"
-PATIENCE_S = 120  # ends tests that hang
+PATIENCE_S = 600  # ends tests that hang
 
 
 def get(url):
-    with urllib.request.urlopen(url, timeout=30) as answer:
+    with urllib.request.urlopen(url, timeout=PATIENCE_S) as answer:
         return answer.read().decode()
 
 

@@ -43,7 +43,7 @@ export class Server {
     for (let waited = 0; !server.#address; waited += 50) {
       await sleep(50);
       server.#address = /listens on (127\.0\.0\.1:\d+)/.exec(readFileSync(log, "utf8"))?.[1];
-      if (!server.#address && (waited > 60_000 || server.#process.exitCode !== null)) {
+      if (!server.#address && (waited > 280_000 || server.#process.exitCode !== null)) {
         const text = readFileSync(log, "utf8");
         await server.stop();
         throw new Error(`lucernad does not listen: ${text}`);
@@ -68,7 +68,7 @@ export class Server {
     if (this.#process.exitCode === null && this.#process.signalCode === null) {
       const ended = new Promise((resolve) => this.#process.once("exit", resolve));
       this.#process.kill("SIGTERM");
-      const late = setTimeout(this.#kill, 10_000);
+      const late = setTimeout(this.#kill, 280_000);
       await ended;
       clearTimeout(late);
     }

@@ -13,7 +13,7 @@ from lucernad import Lucernad, expect
 
 UPLOAD = "/lucerna.v1.SceneService/UploadAsset"
 HEALTH = "/grpc.health.v1.Health/Check"
-WAIT_S = 60  # ends tests that hang
+WAIT_S = 600  # ends tests that hang
 
 
 def serves(channel):

@@ -51,7 +51,7 @@ export class Program {
     process.once("exit", program.#kill);
     for (const stream of ["stdout", "stderr"]) program.#process[stream].on("data", (text) => (program.output += text));
     program.address = await new Promise((resolve, reject) => {
-      const late = setTimeout(() => reject(new Error(`${command} does not listen: ${program.output}`)), 60_000);
+      const late = setTimeout(() => reject(new Error(`${command} does not listen: ${program.output}`)), 280_000);
       program.#process.stdout.on("data", () => {
         const found = /listening on (\S+)/.exec(program.output)?.[1];
         if (!found) return;
