@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -30,6 +33,45 @@ void set_ray(RTCRay& ray, const UnitRay& r) {
   ray.tfar = r.t_max;
   ray.mask = ~0u;
   ray.id = ray.flags = 0;
+}
+
+/// A query for surfaces near a point.
+struct NearQuery {
+  const GeometrySet* set;  ///< with the numbers of Embree's primitives; null: boxes decide
+  Vec3<double> point_m;
+  double radius_m;
+  bool found = false;
+
+  bool touches(const std::array<Vec3<double>, 3>& corners) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto [least, most] =
+          std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
+      if (point_m[axis] < least - radius_m || point_m[axis] > most + radius_m) return false;
+    }
+    const Vec3<double> n = cross(corners[1] - corners[0], corners[2] - corners[0]);
+    return !(std::fabs(dot(n, point_m - corners[0])) > radius_m * length(n));
+  }
+};
+
+/// Embree calls it for surfaces whose boxes are near.  Returns whether the query ends.
+bool check_near(RTCPointQueryFunctionArguments* args) {
+  auto& query = *static_cast<NearQuery*>(args->userPtr);
+  const GeometrySet* set = args->context->instStackSize == 0 ? query.set : nullptr;
+  bool touches = true;
+  if (set != nullptr && args->geomID == static_cast<unsigned>(HitKind::kTriangle)) {
+    std::array<Vec3<double>, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+      corners.at(k) =
+          Vec3<double>(set->vertices[set->triangles[3 * std::size_t{args->primID} + k]]) *
+          set->unit_m;
+    touches = query.touches(corners);
+  } else if (set != nullptr && args->geomID == kWide) {
+    touches = query.touches(set->wide[args->primID].corners);
+  }
+  if (!touches) return false;
+  query.found = true;
+  args->query->radius = 0;
+  return true;
 }
 
 }  // namespace
@@ -123,6 +165,24 @@ Obstacle Accelerator::obstacle(const Ray& ray, const LooseEnds& ends, Meets meet
   rtcOccluded1(state.rays, &context.embree, &query);
   if (query.tfar < 0) return Obstacle::kOther;  // Embree sets it to minus infinity
   return context.may_be_own ? Obstacle::kPerhapsOwn : Obstacle::kNone;
+}
+
+bool Accelerator::may_touch(const Vec3<double>& point, double radius_m) const {
+  const State& state = *state_;
+  NearQuery near{&state.shared().scene, point, radius_m};
+  const auto search = [&](RTCScene scene) {
+    const Vec3<float> at(point * state.space.per_unit);
+    // The point is rounded.
+    const double radius = radius_m * state.space.per_unit + 0x1p-22 * max_abs(at);
+    RTCPointQuery query{at.x, at.y, at.z, 0, static_cast<float>(radius)};
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene, &query, &context, check_near, &near);
+  };
+  if (state.rays != nullptr) search(state.rays);
+  near.set = nullptr;
+  if (state.moved_scene != nullptr && !near.found) search(state.moved_scene.get());
+  return near.found;
 }
 
 const GeometrySet& Accelerator::scene() const { return state_->scene; }

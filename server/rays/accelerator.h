@@ -198,6 +198,10 @@ class Accelerator {
   /// end, even if the hit is far from the end.
   Obstacle obstacle(const Ray& ray, const LooseEnds& ends, Meets meets) const;
 
+  /// Whether a surface may be within `radius_m` of the point.  Triangles are tested by their planes
+  /// and boxes, other surfaces by their boxes.
+  bool may_touch(const Vec3<double>& point, double radius_m) const;
+
   const GeometrySet& scene() const;
   const GeometrySet& object(std::uint32_t i) const;
   const GeometryInstance& instance(std::uint32_t i) const;

@@ -31,6 +31,9 @@ struct LooseEnd {
 
 struct LooseEnds {
   LooseEnd start, end;
+  /// The positions are exact, while the ray between them is rounded.  So a surface that does not
+  /// separate them is not between them, even if the ray meets it.
+  bool are_exact = false;
   bool any() const { return start.error >= 0 || end.error >= 0; }
 };
 
@@ -118,22 +121,38 @@ inline Ray ray_to_point(const SurfaceHit& from, const Vec3<double>& direction,
   return {origin, end - origin, 0, 1, from.time_s};
 }
 
+/// The end of a shadow ray at a sampled point of a light's surface, off that surface by `error_m`
+/// along each axis.  It lies on the way to the point, so that the ray keeps its direction: moved
+/// along the normal, the points of a small sphere would spread.  `wi`: towards the point.
+inline Vec3<double> before_light(const LightSample<double>& to, const Vec3<double>& wi,
+                                 double error_m) {
+  // A grazing ray would end far before the point.  It is lifted off the surface instead.
+  constexpr double kLongest = 16;
+  const double side = dot(to.normal, wi) < 0 ? 1 : -1;
+  const double cosine = -side * dot(to.normal, wi);
+  const double off_m =
+      error_m * (std::fabs(to.normal.x) + std::fabs(to.normal.y) + std::fabs(to.normal.z));
+  const double back_m = off_m < kLongest * off_m * cosine ? off_m / cosine : kLongest * off_m;
+  return to.point - wi * back_m + to.normal * (side * (off_m - back_m * cosine));
+}
+
 /// The ray whose t in (0, 1) is the open segment from a surface point to a sampled point of a
 /// light. It goes to infinity if the light is infinitely far.  Both ends are moved off their
 /// surfaces. `light_reach_m`: LightMotion::reach_m.
 inline Ray shadow_ray(const SurfaceHit& from, const LightSample<double>& to,
                       float light_reach_m = 0) {
   if (!std::isfinite(to.distance)) return spawn_ray(from, Vec3<float>(to.wi));
-  Vec3<float> end(to.point);
-  if (to.normal != Vec3<double>{}) {
-    // The point is rounded.  So is the ray's test with the light's surface, whose vertices are
-    // `distance` away.  For a moving light the test is in the light's own coordinates.
-    const float error =
-        kTraversalError * (max_abs(end) + static_cast<float>(to.distance) + light_reach_m) +
-        kLeastError;
-    end = offset_origin(end, {error, error, error}, to.normal, -to.wi);
-  }
-  return ray_to_point(from, to.wi, end);
+  if (to.normal == Vec3<double>{}) return ray_to_point(from, to.wi, Vec3<float>(to.point));
+  // The ray is rounded.  So is its test with the light's surface, whose vertices are `distance`
+  // away.  For a moving light the test is in the light's own coordinates.
+  const double error_m =
+      kTraversalBound * (max_abs(to.point) + to.distance + double{light_reach_m}) +
+      double{kLeastError};
+  const Vec3<float> origin =
+      offset_origin(Vec3<float>(from.position), from.position_error, from.ng, to.wi);
+  // In double, because the rounding of a far place is large against a small light.
+  const Vec3<double> end = before_light(to, to.wi, error_m);
+  return {origin, Vec3<float>(end - Vec3<double>(origin)), 0, 1, from.time_s};
 }
 
 }  // namespace lucerna

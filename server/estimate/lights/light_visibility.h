@@ -10,6 +10,7 @@
 #include "server/estimate/lights/transmittance.h"
 #include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
+#include "server/shadows/lamp_contacts.h"
 #include "server/shadows/shadow_maps.h"
 
 namespace lucerna {
@@ -19,14 +20,17 @@ class LightVisibility {
  public:
   /// `scene` must outlive this object.
   LightVisibility(const Scene& scene, const Methods& methods)
-      : scene_(scene), transmittance_(scene, methods.thin_glass) {
+      : scene_(scene), transmittance_(scene, methods.thin_glass), contacts_(lamp_contacts(scene)) {
     // Maps know only whether light arrives.
     if (methods.visibility == VisibilityMethod::kShadowMaps && !transmittance_.is_partial())
       maps_ = &shadow_maps(scene);
   }
   /// `maps` belong to the lights of the scene.  Both must outlive this object.
   LightVisibility(const Scene& scene, const ShadowMaps* maps)
-      : scene_(scene), transmittance_(scene, ThinGlass::kBlocks), maps_(maps) {}
+      : scene_(scene),
+        transmittance_(scene, ThinGlass::kBlocks),
+        contacts_(lamp_contacts(scene)),
+        maps_(maps) {}
 
   const Transmittance& transmittance() const { return transmittance_; }
 
@@ -37,7 +41,7 @@ class LightVisibility {
     if (!transmittance_.is_partial()) [[likely]]
       return Rgb<double>(is_occluded(light, position, normal, ray, work) ? 0 : 1);
     ++work.shadow_rays;
-    if (scene_.occluded(ray, transmittance_.blocking())) return {};
+    if (is_occluded_by_ray(light, position, ray)) return {};
     return transmittance_.along(ray, work);
   }
 
@@ -45,7 +49,7 @@ class LightVisibility {
   /// position is outside of it: then a ray is needed.  `normal`: of the surface, unit, or zero.
   std::optional<bool> by_map(std::uint32_t light, const Vec3<double>& position,
                              const Vec3<double>& normal) const {
-    if (maps_ == nullptr) return std::nullopt;
+    if (maps_ == nullptr || contacts_.touches(light)) return std::nullopt;
     const ShadowMap* map = maps_->map(light);
     return map == nullptr ? std::nullopt : map->is_occluded(position, normal);
   }
@@ -57,7 +61,7 @@ class LightVisibility {
     const auto occluded = by_map(light, position, normal);
     if (!occluded) {
       ++work.shadow_rays;
-      return scene_.occluded(ray);
+      return is_occluded_by_ray(light, position, ray);
     }
     ++work.map_lookups;
     if (is_compared(ray)) {
@@ -66,6 +70,8 @@ class LightVisibility {
     }
     return *occluded;
   }
+
+  const LampContacts& contacts() const { return contacts_; }
 
   /// One look-up in this many is compared with a ray.  A picture then has hundreds of comparisons,
   /// and their rays add about 1% to the time.
@@ -88,8 +94,15 @@ class LightVisibility {
   }
 
  private:
+  bool is_occluded_by_ray(std::uint32_t light, const Vec3<double>& position, const Ray& ray) const {
+    if (contacts_.touches(light)) [[unlikely]]
+      return contacts_.is_hidden(light, position, ray, transmittance_.blocking());
+    return scene_.occluded(ray, transmittance_.blocking());
+  }
+
   const Scene& scene_;
   Transmittance transmittance_;
+  const LampContacts& contacts_;
   const ShadowMaps* maps_ = nullptr;  ///< null: rays only
 };
 

@@ -388,13 +388,21 @@ WorkCounts LiSampler::test(std::size_t begin, std::vector<Pending>& chunk,
       continue;
     }
     ++work.shadow_rays;
-    LooseEnds ends;
-    if (starts_loose()) ends.start = p.start();
-    if (is_blocked(scene_, ray, ends, transmittance.blocking())) continue;
+    if (is_hidden(p, ray)) continue;
     set_bit(visible, begin + k);
     p.visible = transmittance.is_partial() ? transmittance.along(ray, work) : Rgb<double>(1);
   }
   return work;
+}
+
+bool LiSampler::is_hidden(const Pending& p, const Ray& ray) const {
+  const Meets blocking = visibility_.transmittance().blocking();
+  LooseEnds ends;
+  if (starts_loose()) ends.start = p.start();
+  if (p.light && visibility_.contacts().touches(*p.light)) [[unlikely]]
+    return visibility_.contacts().is_hidden(*p.light, p.receiver.position, ray, blocking,
+                                            ends.start.error);
+  return is_blocked(scene_, ray, ends, blocking);
 }
 
 /// Whether rays may start on surfaces of unknown normal.

@@ -38,6 +38,8 @@ class LiSampler {
   /// Takes samples that are not part of an answer and returns only their contributions.
   WorkCounts take(std::span<const LiPlace> places, std::span<LiShare> shares) const;
 
+  /// Whether samples have shadows.
+  bool tests_visibility() const { return q_.test_visibility && !scene_.is_clear(); }
   /// one_sample_is_enough() for the query.
   bool needs_one_sample() const;
   /// The status of a receiver before any sample.
@@ -82,6 +84,7 @@ class LiSampler {
   void put_spectral(std::size_t begin, std::vector<Pending>& chunk,
                     const SampleLiAnswer& answer) const;
   WorkCounts test(std::size_t first_bit, std::vector<Pending>& chunk, std::uint8_t* visible) const;
+  bool is_hidden(const Pending& sampled, const Ray& ray) const;
   bool starts_loose() const;
   std::optional<bool> by_map(const Pending& sampled, const Ray& ray, WorkCounts& work) const;
 

@@ -8,14 +8,9 @@
 
 #include "server/estimate/lights/transmittance.h"
 #include "server/estimate/queries/queries.h"
+#include "server/shadows/loose_ends.h"
 
 namespace lucerna {
-
-/// A ray from a point without a normal starts this many position errors away from the point.
-/// Every point of a cube of half edge e lies within sqrt(3) e of its centre.  So a ray that leaves
-/// a plane in the cube at more than asin(sqrt(3) / 16) = 6 degrees cannot meet that plane again.
-/// With a normal there is no such limit.
-inline constexpr float kStartWithoutNormal = 16;
 
 /// The point with its error increased by the error of the surface that it lies on, if there is a
 /// surface within both errors.  A surface has the rounding of its vertices, which may lie much
@@ -56,12 +51,5 @@ struct VisibilityAnswer {
 /// kInvalidInput if a length is not above 0.  A segment of length 0 is visible.
 WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
                            const VisibilityAnswer& answer, std::stop_token stop);
-
-/// The first surface that `ray` meets, except those that its ends lie on.
-std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends,
-                                              Meets meets = Meets::kSurfaces);
-
-/// Whether `ray` meets a surface that its ends do not lie on.  In most cases one traversal decides.
-bool is_blocked(const Scene& scene, const Ray& ray, const LooseEnds& ends, Meets blocking);
 
 }  // namespace lucerna
