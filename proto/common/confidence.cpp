@@ -17,6 +17,8 @@ constexpr double kCommon = 0.25;
 /// samples, and about 0.4 to 0.5 for direct light of a lamp.  The rule for two values counts in
 /// full from kTwoValues, not at all up to kSpread, and in part between.
 constexpr double kSpread = 0.6, kTwoValues = 0.8;
+/// Samples are equal if their standard deviation is at most this share of their mean.
+constexpr double kEqual = 0x1p-10;
 
 // Overflowed parameters are not an error; there is no interval then.
 using Quiet = boost::math::policies::policy<
@@ -116,6 +118,8 @@ ConfidenceInterval IntervalRule::interval(const EstimateMoments& m) const {
         std::max(result.upper,
                  weighted_counts_quantile(m.mean + weight, variance + weight * weight, 1 - tail));
   }
+  if (m.may_be_hidden && !m.partly_hidden && mean_square <= m.mean * m.mean * (1 + kEqual * kEqual))
+    result.lower = std::min(result.lower, m.mean * (1 - std::min(1.0, rare_ / samples_)));
   result.lower = std::max(result.lower, 0.0);
   return result;
 }

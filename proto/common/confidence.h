@@ -21,6 +21,8 @@ struct EstimateMoments {
   double largest = 0;
   /// Some samples were shadowed.
   bool partly_hidden = false;
+  /// Samples decide whether an obstacle hides the light.
+  bool may_be_hidden = false;
   /// Shape of the samples' distribution; 0 if it is not known, or if the samples are equal.
   double deviation = 0;  ///< standard deviation of the samples
   double skewness = 0;
@@ -49,7 +51,8 @@ class IntervalRule {
   /// number of them.  The means of replicates then differ by one sample or not at all.  So the rule
   /// of three for a value that no replicate had is added to Student's width.  Obstacles that no
   /// sample met are unknown.  With 95% confidence, they hide less than three samples' share of the
-  /// light.
+  /// light.  The scatter of samples covers this, unless they are equal to kEqual: a light of almost
+  /// one direction.  The lower end is then lower by this share.
   ///
   /// Beside an edge the samples have two values.  Each replicate then has nearly the same number of
   /// each, and the rule of three for one more of the other value is added in the same way.  The

@@ -226,9 +226,10 @@ class IrradianceEstimator {
   }
 
   Sampled no_samples(std::size_t shares, std::size_t wavelengths) const {
-    return {{},
+    const Estimate none{.may_be_hidden = !scene_.is_clear()};
+    return {none,
             {},
-            std::vector<Estimate>(shares),
+            std::vector<Estimate>(shares, none),
             no_spectra(wavelengths),
             std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0))};
   }

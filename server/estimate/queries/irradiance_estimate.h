@@ -23,8 +23,9 @@ namespace lucerna {
 
 /// One estimated number: the total, or the share of one light.
 struct Estimate {
+  bool may_be_hidden = false;     // EstimateMoments::may_be_hidden
   BlockStream<4> blocks{0};       // R, G, B and luminance [lx]
-  SampleSum block_sum;            // of the samples of the current block
+  SampleSum block_sum{};          // of the samples of the current block
   double sum_of_squares = 0;      // of samples' illuminances
   double largest_unshadowed = 0;  // largest illuminance of a sample without shadows [lx]
   bool partly_hidden = false;     // some sample was shadowed
@@ -72,7 +73,8 @@ inline void set_exact(Rgb<double> exact, IrradianceEstimate& e) {
 inline ConfidenceInterval Estimate::interval(double mean, double standard_error,
                                              const IntervalRule& rule, Most most) const {
   constexpr std::uint64_t kFew = 8;
-  EstimateMoments moments{mean, standard_error, sum_of_squares, largest_unshadowed, partly_hidden};
+  EstimateMoments moments{mean,          standard_error, sum_of_squares, largest_unshadowed,
+                          partly_hidden, may_be_hidden};
   ConfidenceInterval result = rule.interval(moments);
   const bool few = lit < kFew && 4 * lit < samples;
   const MostIrradiance bounds = most(!few);

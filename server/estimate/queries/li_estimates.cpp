@@ -20,7 +20,7 @@ constexpr std::size_t kSamplesAtOnce = 512;
 IrradianceEstimate estimate(const LiSampler& sampler, std::size_t receiver,
                             std::span<const LiShare> shares, std::size_t samples_per_block,
                             const IntervalRule& rule) {
-  Estimate e;
+  Estimate e{.may_be_hidden = sampler.tests_visibility()};
   const std::size_t blocks = shares.size() / samples_per_block;
   for (std::size_t i = 0; i < shares.size(); ++i) {
     e.add(shares[i].lx);
