@@ -44,6 +44,7 @@ class Scene::Builder {
  private:
   absl::Status check_references() const;
   void report_halved_pictures();
+  void report_portals();
 
   /// Computes bounds, origins and the scene's sphere.  Errors: shapes without bounds, motion out of
   /// the range of rays.
