@@ -102,7 +102,7 @@ bool any_failed(const google::protobuf::RepeatedField<int>& statuses);
 /// "light by way of room.pbrt:12:1 may be missed at 4 of 8 points; ".  Empty if none has the status
 /// MAY_MISS_LIGHT.
 std::string describe_missed(const v1::EstimateIrradianceResponse& response);
-/// "2 of 8 points are inside of solids; ".  Empty if none is.
+/// "2 of 8 points are inside of solids or behind lamps; ".  Empty if none is.
 std::string describe_inside(const google::protobuf::RepeatedField<int>& statuses);
 
 /// "1.2 s, 4096 samples, 8192 rays".  describe_approximations() reports wrong look-ups in shadow

@@ -138,7 +138,7 @@ function figures(/** @type {Field} */ field, /** @type {string} */ size) {
       figure("Uniformity", digits(low / mean, 2)),
       figure("Size", size),
     ),
-    ...(left > 0 ? [make("p", { class: "soft", text: `${left} points lie inside a solid and are left out.` })] : []),
+    ...(left > 0 ? [make("p", { class: "soft", text: `${left} points lie inside a solid or behind a lamp and are left out.` })] : []),
   ];
 }
 

@@ -138,7 +138,7 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
     make("p", {
       class: "soft",
       text: isInside
-        ? "This point lies inside a solid: no light reaches it."
+        ? "This point lies inside a solid or behind a lamp: no light reaches it."
         : `95 % interval: ${digits(lower, 4)} to ${digits(upper, 4)} lx`,
     }),
     make("h3", { text: "Where the light comes from" }),

@@ -10,6 +10,7 @@
 
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
+#include "server/scene/light_at_time.h"
 
 namespace lucerna {
 namespace {
@@ -194,6 +195,30 @@ class Surroundings {
   bool complete_ = false;  // false: the point is on a surface, outside, or not decided
 };
 
+/// Whether the back of a lamp covers a point with this normal: a ray along the normal meets it
+/// first, except for surfaces through the point itself.  `from`: just behind the point.
+bool is_covered(const Scene& scene, const IrradiancePoint& point, const Vec3<double>& from,
+                const Vec3<double>& normal, double error, double time_s) {
+  // The largest gap, relative to the diagonal of the lamp's box.  More light enters wider ones.
+  constexpr double kGap = 1.0 / 16;
+  Ray ray{Vec3<float>(from), Vec3<float>(normal), 0, std::numeric_limits<float>::infinity(),
+          time_s};
+  for (int i = 0; i < kMostCrossings; ++i) {
+    const auto hit = scene.closest_hit(ray);
+    if (!hit) return false;
+    if (hit->light >= 0 && dot(hit->ng, normal) > 0) {
+      const LightAtTime light(scene.lights()[static_cast<std::size_t>(hit->light)], time_s);
+      const auto bounds = light.bounds();
+      const double gap = dot(hit->position - point.position, normal);
+      return bounds && light.le(hit->on_light(), -normal).is_black() &&
+             gap <= kGap * length(bounds->upper - bounds->lower);
+    }
+    if (!is_on(*hit, point.position, error)) return false;
+    ray.t_min = next_up(hit->t);
+  }
+  return false;
+}
+
 }  // namespace
 
 bool is_inside_solid(const Scene& scene, const IrradiancePoint& point, double time_s) {
@@ -207,6 +232,9 @@ bool is_inside_solid(const Scene& scene, const IrradiancePoint& point, double ti
   const auto surface = scene.closest_hit(
       Ray{Vec3<float>(before), Vec3<float>(-normal), 0, static_cast<float>(2 * distance), time_s});
   const bool is_on_surface = surface && is_on(*surface, point.position, error + rounding);
+  if (is_covered(scene, point, point.position - normal * distance, normal, error + rounding,
+                 time_s))
+    return true;
   return Surroundings(scene, is_on_surface ? before : point.position, error, time_s).are_solid();
 }
 

@@ -1,4 +1,4 @@
-// Whether points lie inside of solids, such as furniture.
+// Whether points lie inside of solids, such as furniture, or behind lamps.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,17 @@
 
 namespace lucerna {
 
-/// True if a shape encloses the point.  Depends only on its arguments.
+/// True if a shape encloses the point, or if a lamp covers it.  Depends only on its arguments.
 ///
-/// The rule: a point on a surface is replaced by one just before it, on the side of the receiver's
-/// normal.  So a receiver on the floor below furniture is inside.  From the point, 16 rays in fixed
-/// directions are followed through all surfaces.  They count the crossings of each shape: +1 from
-/// back to front (leaving), -1 from front to back.  Normals point to the front.  A shape encloses
-/// the point if
+/// A lamp covers the point if a ray along the receiver's normal first meets the back of a one-sided
+/// area light, at most 1/16 of the diagonal of the light's box away.  So a point of a ceiling above
+/// a panel is covered.
+///
+/// The rule for shapes: a point on a surface is replaced by one just before it, on the side of the
+/// receiver's normal.  So a receiver on the floor below furniture is inside.  From the point, 16
+/// rays in fixed directions are followed through all surfaces.  They count the crossings of each
+/// shape: +1 from back to front (leaving), -1 from front to back.  Normals point to the front.  A
+/// shape encloses the point if
 /// - the count is positive along 4 rays or more, and negative along none;
 /// - each ray with the count 0 meets a surface, and the place just before it is inside of the
 ///   shape.  Most rays that lead away from there have positive counts.  So furniture that touches

@@ -213,9 +213,9 @@ TEST(ItemStatus, PointsInsideOfSolidsAreCountedAndHaveAnAnswer) {
   statuses.Add(v1::ITEM_STATUS_OK);
   EXPECT_EQ(cli::describe_inside(statuses), "");
   statuses.Add(v1::ITEM_STATUS_INSIDE_SOLID);
-  EXPECT_EQ(cli::describe_inside(statuses), "1 of 2 points is inside of solids; ");
+  EXPECT_EQ(cli::describe_inside(statuses), "1 of 2 points is inside of solids or behind lamps; ");
   statuses.Add(v1::ITEM_STATUS_INSIDE_SOLID);
-  EXPECT_EQ(cli::describe_inside(statuses), "2 of 3 points are inside of solids; ");
+  EXPECT_EQ(cli::describe_inside(statuses), "2 of 3 points are inside of solids or behind lamps; ");
   EXPECT_TRUE(cli::has_answer(statuses, 0));
   EXPECT_TRUE(cli::has_answer(statuses, 1));
   statuses.Add(v1::ITEM_STATUS_INVALID_INPUT);

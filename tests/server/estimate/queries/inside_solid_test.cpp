@@ -159,5 +159,33 @@ TEST(InsideSolid, ManyPointsGetTheSameAnswers) {
   }
 }
 
+/// A panel of 0.6 m that shines down, `gap` below a ceiling at 2.8 m.
+std::shared_ptr<const Scene> under_a_ceiling(double gap) {
+  const double z = 2.8 - gap;
+  SceneDescription d = testing::description();
+  d.shapes = {
+      testing::floor(3, 2.8), testing::floor(3),
+      testing::emissive(
+          testing::patch({0.3, -0.3, z}, {-0.3, -0.3, z}, {0.3, 0.3, z}, {-0.3, 0.3, z}), 100)};
+  return build(std::move(d));
+}
+
+bool covered(const Scene& scene, const Vec3<double>& position, double normal_z = -1) {
+  constexpr float kError = 1e-6F;
+  return is_inside_solid(scene, {position, {kError, kError, kError}, {0, 0, normal_z}}, 0);
+}
+
+TEST(InsideSolid, APointOfTheCeilingAboveAPanelIsFlagged) {
+  for (const double gap : {0.0, 1e-7, 1e-3, 0.04}) {
+    const auto scene = under_a_ceiling(gap);
+    EXPECT_TRUE(covered(*scene, {0.1, 0.1, 2.8})) << gap;
+    EXPECT_FALSE(covered(*scene, {0.5, 0.1, 2.8})) << gap;
+    // The floor sees the front, and the upper storey sees the ceiling.
+    EXPECT_FALSE(covered(*scene, {0.1, 0.1, 0}, 1)) << gap;
+    EXPECT_FALSE(covered(*scene, {0.1, 0.1, 2.8}, 1)) << gap;
+  }
+  EXPECT_FALSE(covered(*under_a_ceiling(0.3), {0.1, 0.1, 2.8}));
+}
+
 }  // namespace
 }  // namespace lucerna
