@@ -285,7 +285,8 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   command->add_option("--seed", meter->seed, "Random seed of the experiment")
       ->check(whole64())
       ->capture_default_str();
-  command->add_flag("--per-light", meter->per_light, "Also print the light of each lamp, directly and by way of mirrors and panes");
+  command->add_flag("--per-light", meter->per_light,
+                    "Also print the light of each lamp, directly and by way of mirrors and panes");
   meter->methods.add(*command);
   meter->time.add(*command);
   meter->wavelengths.add(*command);

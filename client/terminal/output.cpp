@@ -206,8 +206,8 @@ bool any_failed(const google::protobuf::RepeatedField<int>& statuses) {
 std::string describe_inside(const google::protobuf::RepeatedField<int>& statuses) {
   const auto inside = std::count(statuses.begin(), statuses.end(), v1::ITEM_STATUS_INSIDE_SOLID);
   if (inside == 0) return {};
-  return fmt::format("{} of {} points {} inside of solids or behind lamps; ", inside, statuses.size(),
-                     inside == 1 ? "is" : "are");
+  return fmt::format("{} of {} points {} inside of solids or behind lamps; ", inside,
+                     statuses.size(), inside == 1 ? "is" : "are");
 }
 
 std::string describe_missed(const v1::EstimateIrradianceResponse& response) {

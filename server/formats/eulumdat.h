@@ -23,10 +23,10 @@ namespace lucerna {
 /// intensities by more than 2%, the intensities are used, with a note.  This ratio and the downward
 /// flux fraction do not scale them.
 ///
-/// Planes are those of the symmetry Isym, from one plane of symmetry to the other, or equally spaced
-/// between them and half a step away.  If all planes of the circle are there, all are used, with a
-/// note.  Notes also report gamma-angles that leave a part of the sphere open, what follows the
-/// last intensity, and noise below zero.
+/// Planes are those of the symmetry Isym, from one plane of symmetry to the other, or equally
+/// spaced between them and half a step away.  If all planes of the circle are there, all are used,
+/// with a note.  Notes also report gamma-angles that leave a part of the sphere open, what follows
+/// the last intensity, and noise below zero.
 ///
 /// Counts are checked against the number of lines before anything is allocated.  Errors
 /// (INVALID_ARGUMENT): "name:line: what, allowed: ...".

@@ -71,7 +71,7 @@ struct IrradianceEstimate {
   ConfidenceInterval illuminance_lx;
   /// Upper bound of the illuminance if every sample was 0 but light may have been missed, else 0.
   double zero_bound_lx = 0;
-  bool exact = false;  ///< standard error 0 because nothing was sampled
+  bool exact = false;    ///< standard error 0 because nothing was sampled
   MissedLight missed{};  ///< `illuminance_lx` includes its bound
 };
 

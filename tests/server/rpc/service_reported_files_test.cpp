@@ -69,8 +69,8 @@ TEST_F(ReportedFiles, AnAreaLightWithoutAlphaIsInvisibleAndShines) {
   constexpr double kLux = kPi * 50 / 25;
   EXPECT_NEAR(illuminance_lx(loaded.scene_id(), {0, 0, 0}, {0, 0, 1}), kLux, 1e-5);
   for (const v1::Combination how :
-       {v1::COMBINATION_POWER_HEURISTIC, v1::COMBINATION_BALANCE_HEURISTIC,
-        v1::COMBINATION_LIGHTS, v1::COMBINATION_SURFACES}) {
+       {v1::COMBINATION_POWER_HEURISTIC, v1::COMBINATION_BALANCE_HEURISTIC, v1::COMBINATION_LIGHTS,
+        v1::COMBINATION_SURFACES}) {
     v1::Accuracy accuracy;
     accuracy.set_samples(4096);
     accuracy.set_combination(how);
