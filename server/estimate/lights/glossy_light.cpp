@@ -94,6 +94,7 @@ double SmoothLight::glossy_weight(const Before& before, const SurfaceHit& hit,
 
 void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts& work,
                                 const Found& found) const {
+  if (deltas_.empty() || v.most_steps == 0) return;
   const std::size_t pairs = glossy_.size() * deltas_.size();
   const double probability = glossy_choice(v.is_receiver);
   const std::uint32_t first = kFirstPair + v.depth * kPairsOfVertex;

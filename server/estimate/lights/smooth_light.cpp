@@ -132,9 +132,7 @@ auto SmoothLight::extended(const Sequence& parent, const Next& next) -> Sequence
 
 void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
                          const Found& found) const {
-  if (!any() || v.most_steps == 0) return;
-  if (!deltas_.empty()) sample_glossy(v, s, work, found);
-  if (!has_steps_) return;
+  if (!has_steps_ || v.most_steps == 0) return;
   Choices choices(s, v.depth);
   Sequence root;
   root.image = v.hit.position;

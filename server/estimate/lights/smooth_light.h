@@ -53,6 +53,11 @@ class SmoothLight {
   using Found = DirectLight::Found;
   void sample(const Vertex& v, const PathSample& s, WorkCounts& work, const Found& found) const;
 
+  /// The same for light of delta lights by way of planes that are nearly mirrors: a part of the
+  /// light that these reflect.  Directions find the rest (`glossy_weight`).
+  void sample_glossy(const Vertex& v, const PathSample& s, WorkCounts& work,
+                     const Found& found) const;
+
   /// A vertex from which a direction led to another one.
   struct Before {
     Vec3<double> position;
@@ -61,7 +66,8 @@ class SmoothLight {
     bool counted = false;  ///< `counts_at`
   };
   /// The weight of light from a delta light at `hit`, which a direction of the vertex before it
-  /// found.  Below 1 on glossy surfaces: `sample` at that vertex may have found this point too.
+  /// found.  Below 1 on glossy surfaces: `sample_glossy` at that vertex may have found this point
+  /// too.
   double glossy_weight(const Before& before, const SurfaceHit& hit, std::uint32_t light) const;
 
   /// Whether `sample` counts lights with a size at this vertex.
@@ -113,10 +119,6 @@ class SmoothLight {
                           std::uint32_t light, WorkCounts& work) const;
   Rgb<double> scattered(const Vertex& v, const Vec3<double>& wi) const;
 
-  /// Delta lights by way of a glossy plane: points about that of the mirror image, as far away as
-  /// facets may be tilted.
-  void sample_glossy(const Vertex& v, const PathSample& s, WorkCounts& work,
-                     const Found& found) const;
   struct GlossySpot;
   std::optional<GlossySpot> glossy_spot(const SmoothPart& part, const Vec3<double>& from,
                                         std::uint32_t light, double time_s) const;

@@ -90,14 +90,16 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
           scattering ? &*scattering : nullptr);
 
     // Where a surface has both kinds of directions, paths come from its other ones too.
-    const bool counts_sizes = smooth_.any() && (!scattering || !scattering->all_delta());
-    if (counts_sizes)
-      smooth_.sample(
-          {hit, wo, scattering ? &*scattering : nullptr, depth, false, most_steps(depth)}, sample,
-          work, [&](std::uint32_t, const LightEstimate& e) {
-            sum.value += throughput * e.value;
-            sum.unshadowed += throughput * e.unshadowed;
-          });
+    if (smooth_.any() && (!scattering || !scattering->all_delta())) {
+      const SmoothLight::Vertex v{hit,   wo,    scattering ? &*scattering : nullptr,
+                                  depth, false, most_steps(depth)};
+      const auto found = [&](std::uint32_t, const LightEstimate& e) {
+        sum.value += throughput * e.value;
+        sum.unshadowed += throughput * e.unshadowed;
+      };
+      smooth_.sample(v, sample, work, found);
+      smooth_.sample_glossy(v, sample, work, found);
+    }
 
     if (scattering) {
       const auto scattered =

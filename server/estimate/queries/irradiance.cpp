@@ -328,11 +328,16 @@ class IrradianceEstimator {
     LightEstimate sum;
     direct_.sample(settled.spending, receiver, Vec3<float>(receiver.ns), 0, s, settled.lights, work,
                    [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
-    if (by_way_)
+    if (by_way_) {
+      const Vec3<float> n(receiver.ns);
+      const SmoothLight::Vertex v{receiver,           n, nullptr, 0, true, tracer_.most_steps(0),
+                                  settings_.per_light};
       tracer_.smooth().sample(
-          {receiver, Vec3<float>(receiver.ns), nullptr, 0, true, tracer_.most_steps(0),
-           settings_.per_light},
-          s, work, [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
+          v, s, work, [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
+      tracer_.smooth().sample_glossy(v, s, work, [&](std::uint32_t, const LightEstimate& e) {
+        add_reflected(e, Rgb<double>(1), sum, to);
+      });
+    }
     if (settled.gathers) gather(receiver, s, settled, sum, to, work);
     to.total.add(sum);
   }
@@ -344,6 +349,13 @@ class IrradianceEstimator {
     if (!lx.unshadowed.is_black()) to.found.add(light);
     if (!to.shares.empty()) to.shares[light].add(lx);
     add_to(to.by_spectrum, light, lx.value);
+  }
+
+  /// Adds light that surfaces reflect, of which `left` arrives.
+  static void add_reflected(const LightEstimate& e, const Rgb<double>& left, LightEstimate& sum,
+                            Sampled& to) {
+    sum += {e.value * left * kPi, e.unshadowed * left * kPi};
+    to.reflected += e.unshadowed.is_black() ? 0 : 1;
   }
 
   /// Adds the light that a direction of the receiver finds: lights, and light that surfaces
@@ -379,8 +391,7 @@ class IrradianceEstimator {
       const LightEstimate e =
           tracer_.reflected(*hit, -wi, 1, s, work,
                             {receiver.position, pdf, true, tracer_.smooth().counts_at(nullptr, n)});
-      sum += {e.value * left * kPi, e.unshadowed * left * kPi};
-      to.reflected += e.unshadowed.is_black() ? 0 : 1;
+      add_reflected(e, left, sum, to);
     }
   }
 
