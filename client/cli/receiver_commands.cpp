@@ -126,6 +126,14 @@ Cell total_error_cell(const v1::EstimateIrradianceResponse& response, int i, boo
   return {cell.text() + " or more", cell.values()};
 }
 
+/// The same for the share of one light.
+Cell share_error_cell(const v1::EstimateIrradianceResponse& response, const v1::LightShare& share,
+                      int i, bool approximate) {
+  const Cell cell = error_cell(share, i, 0, approximate);
+  if (item_status(response.status(), i) != "MAY_MISS_LIGHT") return cell;
+  return {cell.text() == "exact" ? "or more" : cell.text() + " or more", cell.values()};
+}
+
 /// "1024 samples per point", if all points have equally many.
 std::string samples_text(const v1::EstimateIrradianceResponse& response) {
   if (response.cost().samples() == 0) return "no samples taken";
@@ -174,7 +182,7 @@ void print_irradiance(const Session& session, const v1::EstimateIrradianceRespon
         const auto& [x, y, z] = set.points.at(i);
         shares.add({std::to_string(share.light_id()), number_cell(x), number_cell(y),
                     number_cell(z), number_cell(share.illuminance_lx(i)),
-                    error_cell(share, i, 0, approximate)});
+                    share_error_cell(response, share, i, approximate)});
       }
     }
     if (!session.csv()) fmt::print("\n");

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <vector>
 
 #include "lights/sampling/hash_number.h"
 
@@ -125,17 +127,7 @@ namespace {
 
 using Materials = absl::FunctionRef<const Material&(std::uint32_t)>;
 
-class TraitsOf {
- public:
-  explicit TraitsOf(Materials materials) : materials_(materials) {}
-
-  SmoothTraits of(std::uint32_t number) const {
-    const Material& m = materials_(number);
-    SmoothTraits t = std::visit(*this, m.params);
-    t.turns_normals = t.turns_normals || m.normal_map >= 0 || m.bumps >= 0;
-    return t;
-  }
-
+struct TraitsOf {
   SmoothTraits operator()(const DiffuseParams&) const { return {.is_rough = true}; }
   SmoothTraits operator()(const DiffuseTransmissionParams&) const { return {.is_rough = true}; }
   SmoothTraits operator()(const MetalParams& m) const {
@@ -174,17 +166,7 @@ class TraitsOf {
             .glossy_alpha = m.surface.is_constant() ? glossy(square(m.surface.constant.g)) : 0,
             .is_rough = true};
   }
-  SmoothTraits operator()(const MixParams& m) const {
-    const SmoothTraits a = of(m.materials[0]), b = of(m.materials[1]);
-    SmoothTraits t{.reflects = a.reflects || b.reflects,
-                   .passes = a.passes || b.passes,
-                   .eta = a.passes ? a.eta : b.eta,
-                   .turns_normals = a.turns_normals || b.turns_normals,
-                   .glossy_alpha = std::max(a.glossy_alpha, b.glossy_alpha),
-                   .is_rough = a.is_rough || b.is_rough};
-    if (a.passes && b.passes && a.eta != b.eta) t.eta = std::nullopt;
-    return t;
-  }
+  SmoothTraits operator()(const MixParams&) const { return {}; }
 
  private:
   static double square(double x) { return x * x; }
@@ -211,14 +193,42 @@ class TraitsOf {
   }
   static bool may_be_smooth(const Roughness& r) { return !is_constant(r) || is_smooth(r); }
   static bool may_be_rough(const Roughness& r) { return !is_constant(r) || !is_smooth(r); }
-
-  Materials materials_;
 };
 
 }  // namespace
 
+void for_each_of_mix(Materials materials, std::uint32_t number,
+                     absl::FunctionRef<void(const Material&)> f) {
+  // Mixes of mixes may name one material in exponentially many ways.
+  std::vector<std::uint32_t> open{number};
+  std::set<std::uint32_t> seen{number};
+  while (!open.empty()) {
+    const Material& m = materials(open.back());
+    open.pop_back();
+    f(m);
+    if (const auto* mix = std::get_if<MixParams>(&m.params))
+      for (const std::uint32_t part : mix->materials)
+        if (seen.insert(part).second) open.push_back(part);
+  }
+}
+
 SmoothTraits smooth_traits(Materials materials, std::uint32_t number) {
-  return TraitsOf(materials).of(number);
+  SmoothTraits all;
+  bool has_eta = false;
+  for_each_of_mix(materials, number, [&](const Material& m) {
+    const SmoothTraits t = std::visit(TraitsOf(), m.params);
+    all.reflects |= t.reflects;
+    all.is_rough |= t.is_rough;
+    all.turns_normals |= m.normal_map >= 0 || m.bumps >= 0;
+    all.glossy_alpha = std::max(all.glossy_alpha, t.glossy_alpha);
+    if (!t.passes) return;
+    if (has_eta && all.eta != t.eta)
+      all.eta = std::nullopt;
+    else
+      all.eta = t.eta;
+    all.passes = has_eta = true;
+  });
+  return all;
 }
 
 double pane_transmittance(const NumberValue& eta, const Textures& textures, const TexturePoint& p,

@@ -114,15 +114,20 @@ struct SmoothTraits {
   /// direction.  Nothing if it differs from point to point.
   std::optional<double> eta = 1;
   bool turns_normals = false;  ///< by a map
-  /// Roughness alpha of facets that reflect nearly like a mirror; 0 if there are none, or if it
-  /// differs from point to point.
+  /// Roughness alpha of facets that reflect nearly like a mirror, the largest one of a mix; 0 if
+  /// there are none, or if it differs from point to point.
   double glossy_alpha = 0;
   bool is_rough = false;  ///< whether it scatters light in other directions too
 
   bool is_smooth() const { return reflects || passes; }
   bool is_glossy() const { return glossy_alpha > 0; }
 };
-/// `materials`: the material of a number.
+/// Calls `f` with each material of a mix, of mixes within it too, once; or with the material
+/// itself. `materials`: the material of a number.
+void for_each_of_mix(absl::FunctionRef<const Material&(std::uint32_t)> materials,
+                     std::uint32_t number, absl::FunctionRef<void(const Material&)> f);
+
+/// Those of a mix are those of all its materials together.
 SmoothTraits smooth_traits(absl::FunctionRef<const Material&(std::uint32_t)> materials,
                            std::uint32_t number);
 

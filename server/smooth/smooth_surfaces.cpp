@@ -19,7 +19,7 @@ using Vector = Vec3<double>;
 /// refract, all of these do: their sequences are many, and each path must be solved.
 constexpr std::size_t kMostPlanes = 1024, kMostRefractingPlanes = 16;
 /// Of all parts together.
-constexpr std::size_t kMostParts = 4096;
+constexpr std::size_t kMostParts = 4096, kMostFaces = 1 << 22;
 
 /// Distance of a face from a plane that it may have by the rounding of its corners.
 double plane_error(const Vector& p) { return 8 * kFloatRoundoff * max_abs(p) + kLeastError; }
@@ -135,6 +135,7 @@ class SmoothSurfaces::Collector {
     if (static_cast<std::size_t>(refracting) > kMostRefractingPlanes) {
       solves_refraction_ = false;
       planes_.clear(), to_.of_shape_.clear(), to_.unsolved_.clear();
+      faces_ = 0;
       add_all();
     }
     to_.parts_.reserve(planes_.size());
@@ -201,21 +202,28 @@ class SmoothSurfaces::Collector {
                     .reflected = reflected(surface.material),
                     .material = surface.material};
     const bool moves = placed != nullptr && placed->motion != nullptr;
-    Found found;
+    std::size_t faces = 0;
+    for (const Run& run : runs) faces += run.count;
     const bool bends = like.refracts && traits.eta != 1;
-    bool solved = !moves && !traits.turns_normals &&
+    bool solved = !moves && !traits.turns_normals && faces_ + faces <= kMostFaces &&
                   (!bends || (solves_refraction_ && traits.eta.has_value()));
+    Found found;
     for (const Run& run : runs) solved = solved && find(set, table, placed, run, like, found);
-    solved = solved && planes_.size() + found.planes.size() <= kMostParts;
-    if (solved) {
-      const auto shape = static_cast<std::uint64_t>(instance + 1) << 32 | s.surface;
-      join(found, shape);
-    } else {
-      if (!traits.is_smooth()) return;  // directions find light by way of it, if not soon
-      Bounds bounds;
-      for (const Run& run : runs) add_bounds(set, placed, run, bounds);
-      to_.unsolved_.push_back({s.where, bounds});
+    if (solved && planes_.size() + found.planes.size() <= kMostParts) {
+      faces_ += faces;
+      return join(found, static_cast<std::uint64_t>(instance + 1) << 32 | s.surface);
     }
+    // Directions find light by way of rougher surfaces.
+    constexpr double kRarelyFound = 0.01;
+    if (!traits.is_smooth() && traits.glossy_alpha > kRarelyFound) return;
+    Bounds bounds;
+    for (const Run& run : runs) add_bounds(set, placed, run, bounds);
+    if (to_.unsolved_.size() < kMostParts)
+      return to_.unsolved_.push_back({s.where, bounds, !traits.is_smooth()});
+    // The last one stands for all others.
+    UnsolvedSurface& last = to_.unsolved_.back();
+    last.bounds_m.add(bounds.lower), last.bounds_m.add(bounds.upper);
+    last.is_glossy = last.is_glossy && !traits.is_smooth();
   }
 
   SmoothTraits traits_of(std::uint32_t material) const {
@@ -224,12 +232,14 @@ class SmoothSurfaces::Collector {
   }
   /// The share that a material reflects along its normal.  Textures have other values elsewhere.
   double reflected(std::uint32_t material) const {
-    const Material& m = scene_.materials()[material];
-    if (const auto* mix = std::get_if<MixParams>(&m.params))
-      return std::max(reflected(mix->materials[0]), reflected(mix->materials[1]));
-    return bsdf_of(m, scene_.textures(), TexturePoint{})
-        .single({0, 0, 1}, Side::kReflected)
-        .max_component();
+    double most = 0;
+    for_each_of_mix(
+        [&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; }, material,
+        [&](const Material& m) {
+          const Bsdf<double> bsdf = bsdf_of(m, scene_.textures(), TexturePoint{});
+          most = std::max(most, bsdf.single({0, 0, 1}, Side::kReflected).max_component());
+        });
+    return most;
   }
 
   /// Finds the planes of a run.  Returns false if it is curved or has too many.
@@ -371,6 +381,7 @@ class SmoothSurfaces::Collector {
   SmoothSurfaces& to_;
   std::vector<Plane> planes_;
   bool solves_refraction_ = true;
+  std::size_t faces_ = 0;  // of parts
 };
 
 SmoothSurfaces::SmoothSurfaces(const Scene& scene) { Collector(scene, *this).collect(); }

@@ -50,6 +50,8 @@ struct SmoothPart {
 struct UnsolvedSurface {
   SourceLocation where;
   Bounds bounds_m;  ///< about the scene's origin
+  /// Nearly a mirror: directions find lamps with a size by way of it, but hardly delta lights.
+  bool is_glossy = false;
 };
 
 /// The smooth surfaces of a scene.  Immutable; may be read from any thread.

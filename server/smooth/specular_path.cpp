@@ -110,6 +110,12 @@ std::optional<SpecularPath> solve(const Vector& from, Vector start,
   constexpr int kMostIterations = 16, kMostHalvings = 6;
   constexpr double kClose = 1e-12;
   std::optional<Traced> traced = trace(from, start, steps);
+  // Beyond the angle of total reflection, the way is steeper than the first direction.
+  for (int k = 0; !traced && k < 8 && !steps[0].part->is_sphere; ++k) {
+    const Vector& n = steps[0].part->n;
+    start = normalized(start + n * std::copysign(0.5, dot(start, n)));
+    traced = trace(from, start, steps);
+  }
   if (!traced) return std::nullopt;
   std::optional<Miss> m = miss(*traced);
   for (int i = 0; m && i < kMostIterations; ++i) {

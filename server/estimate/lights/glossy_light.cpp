@@ -14,8 +14,8 @@ using Vector = Vec3<double>;
 /// With at most this many pairs of a plane and a light, a receiver visits each.
 constexpr std::size_t kFewPairs = 16;
 /// Pairs of random numbers, apart from those of smooth_light.cpp.
-constexpr std::uint32_t kFirstPair = 5U << 29;
-constexpr std::uint32_t kPairsOfVertex = 64;
+constexpr std::uint32_t kFirstGlossyPair = 5U << 29;
+constexpr std::uint32_t kGlossyPairsOfVertex = 64;
 
 }  // namespace
 
@@ -97,7 +97,7 @@ void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts
   if (deltas_.empty() || v.most_steps == 0) return;
   const std::size_t pairs = glossy_.size() * deltas_.size();
   const double probability = glossy_choice(v.is_receiver);
-  const std::uint32_t first = kFirstPair + v.depth * kPairsOfVertex;
+  const std::uint32_t first = kFirstGlossyPair + v.depth * kGlossyPairsOfVertex;
   const auto visit = [&](std::size_t pair, const Vec2<float>& u) {
     const std::uint32_t number = glossy_[pair / deltas_.size()];
     const std::uint32_t light = deltas_[pair % deltas_.size()];

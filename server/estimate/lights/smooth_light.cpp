@@ -12,7 +12,7 @@ using Vector = Vec3<double>;
 constexpr double kLeastShare = 1e-3;
 /// The most surfaces that a receiver visits as the first of a sequence, and that a vertex of a path
 /// visits.
-constexpr std::size_t kMostFirst = 512, kMostFirstOnPaths = 1;
+constexpr std::size_t kMostFirst = 512, kMostBent = 48, kMostFirstOnPaths = 1;
 /// The most sequences of a receiver that go on in every way.
 constexpr std::size_t kMostVisited = 64;
 /// The number of those that go on from more first surfaces than that.
@@ -49,6 +49,7 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
       samples_sizes_(methods.combination != Combination::kSurfaces) {
   for (std::uint32_t i = 0; i < parts_.size(); ++i) {
     has_steps_ |= parts_[i].reflects || parts_[i].refracts;
+    bends_ |= parts_[i].is_sphere || (parts_[i].refracts && parts_[i].eta != 1);
     if (parts_[i].glossy_alpha > 0) glossy_.push_back(i);
   }
   if (glossy_.empty()) return;
@@ -56,14 +57,25 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
     if (is_delta(scene.lights()[l])) deltas_.push_back(l);
 }
 
-bool SmoothLight::counts_step(const SurfaceHit& hit, const Vec3<double>& wo,
-                              const Vec3<double>& wi) const {
+auto SmoothLight::after_single(const Before& before, const SurfaceHit& hit, const Vec3<double>& wo,
+                               const Vec3<double>& wi) const -> Before {
+  Before after = before;
+  after.position = {}, after.pdf = 0, after.is_receiver = false;
+  ++after.singles;
   const std::int32_t number = surfaces_.part_of(hit);
-  if (number < 0) return false;
+  if (number < 0) {
+    after.met_unsolved = true;
+    after.counted = false;
+    return after;
+  }
   const SmoothPart& part = parts_[static_cast<std::size_t>(number)];
-  const double from = dot(hit.ng, wo), to = dot(hit.ng, wi);
-  if (from * to < 0) return part.refracts;
-  return part.reflects && (!part.is_sphere || dot(hit.position - part.middle, wo) > 0);
+  const bool passes = dot(hit.ng, wo) * dot(hit.ng, wi) < 0;
+  const bool on_its_side = !part.is_sphere || dot(hit.position - part.middle, wo) > 0;
+  after.counted = before.counted && (passes ? part.refracts : part.reflects && on_its_side) &&
+                  !(part.is_sphere && before.met_ball) && after.singles <= kMostSteps;
+  after.met_ball |= part.is_sphere;
+  after.is_bent |= part.is_sphere || (passes && part.eta != 1);
+  return after;
 }
 
 /// Whether light may continue from the last surface of `parent`, or from the vertex, to `part`.
@@ -83,9 +95,12 @@ bool SmoothLight::may_follow(const Vertex& v, const Sequence& parent, const Smoo
   } else if (!last->is_sphere) {
     const auto [low, high] = part.heights_over(*last);
     const double least = 1e-6 * (high - low);
-    if (parent.side > 0 ? !(high > least) : !(low < -least)) return false;
+    if ((parent.side > 0 && !(high > least)) || (parent.side < 0 && !(low < -least))) return false;
   }
   if (part.is_sphere) {
+    // The path by two balls is not always found.
+    for (const SmoothStep& step : parent.steps)
+      if (step.part->is_sphere) return false;
     side = 1;
     return parent.is_bent || length(parent.image - part.middle) > part.radius_m;
   }
@@ -97,7 +112,10 @@ bool SmoothLight::may_follow(const Vertex& v, const Sequence& parent, const Smoo
   if (last == nullptr) return true;
   const auto [low, high] = last->heights_over(part);
   const double least = 1e-6 * (high - low);
-  if (parent.is_bent) side = sign_of(low + high);
+  if (parent.is_bent) {
+    side = high > least ? (low < -least ? 0 : 1) : -1;
+    return high > least || low < -least;
+  }
   return side > 0 ? high > least : low < -least;
 }
 
@@ -139,7 +157,8 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
   // Without a normal, light arrives from both sides.
   if (v.scattering == nullptr || !v.scattering->transmits())
     root.image_normal = dot(v.hit.ns, Vector(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
-  const std::size_t most = v.is_receiver ? kMostFirst : kMostFirstOnPaths;
+  // Paths by balls and glass are solved, which takes as long as ten images.
+  const std::size_t most = !v.is_receiver ? kMostFirstOnPaths : bends_ ? kMostBent : kMostFirst;
   Nexts nexts;
   add_next(v, root, nexts);
   absl::InlinedVector<Sequence, 8> open;
@@ -207,7 +226,7 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
 void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t number,
                         const PathSample& s, WorkCounts& work, const Found& found) const {
   const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
-  // Points of lights, two pairs for each sequence and light.
+  // A pair for the point of each light, then two for a light that is chosen.
   const std::uint32_t first = kFirstPair + v.depth * kPairsOfVertex + kPairsOfVertex / 2 +
                               number % kMostVisited * (kFewLights + 2);
   if (v.each_light || lights <= (v.is_receiver ? kFewLights : kFewLightsOnPaths)) {
@@ -219,8 +238,10 @@ void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t
   }
   Receiver<double> from(sequence.image);
   from.normal = sequence.image_normal;
-  const auto choice = scene_.light_selector().choose(LightSelection::kBvh, from,
-                                                     choosing_value(s.pair(first + kFewLights)));
+  // The image of a bent sequence is not where its light comes from.
+  const auto choice = scene_.light_selector().choose(
+      sequence.is_bent ? LightSelection::kPower : LightSelection::kBvh, from,
+      choosing_value(s.pair(first + kFewLights)));
   if (!choice) return;
   const Vec2<float> u = s.pair(first + kFewLights + 1);
   sample_light(v, sequence, choice->light, choice->probability, {u.x, u.y}, work, found);
@@ -235,7 +256,9 @@ void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::u
                                double probability, Vec2<float> u, WorkCounts& work,
                                const Found& found) const {
   const LightAtTime at(scene_.lights()[light], v.hit.time_s);
-  if (!at.is_delta() && !counts_at(v.scattering, v.wo)) return;
+  // No direction finds delta lights and unseen ones.
+  if (!at.is_delta() && !at.is_unseen() && !counts_at(v.scattering, v.wo)) return;
+  if (sequence.is_bent && is_portal(light)) return;
   const Vec2<double> point{u.x, u.y};
   const auto arriving =
       sequence.is_bent ? by_solving(v, sequence, at, point) : by_images(v, sequence, at, point);
@@ -278,21 +301,25 @@ auto SmoothLight::by_images(const Vertex& v, const Sequence& sequence, const Lig
   return a;
 }
 
-/// By surfaces that bend light: a path is solved, and the density of the light's point is that of
-/// its area.
+/// By surfaces that bend light: a path is solved to a point of the light, by area.
 auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const LightAtTime& light,
                              Vec2<double> u) const -> std::optional<Arriving> {
-  Receiver<double> from(sequence.image);
-  // Every point of the light may shine on the vertex, wherever the straight way leads.
-  from.area_sampling = AreaSampling::kSquareRoot;
   Arriving a;
-  a.end = light.sample_li(from, u);
   LightSample<double>& end = a.end;
-  const bool is_far = !std::isfinite(end.distance);
-  if (const auto bounds = light.bounds(); bounds && light.is_delta())
-    end.point = bounds->lower * 0.5 + bounds->upper * 0.5;
-  else if (end.reason != NoLight::kNone)
-    return std::nullopt;
+  const auto bounds = light.bounds();
+  double density = 1;
+  if (light.is_delta() || !bounds) {
+    end = light.sample_li(Receiver<double>(sequence.image), u);
+    if (bounds) end.point = bounds->lower * 0.5 + bounds->upper * 0.5;
+    if (!light.is_delta() && end.reason != NoLight::kNone) return std::nullopt;
+    if (!light.is_delta()) density = end.pdf.per_sr;
+  } else {
+    const EmissionSample<double> on = light.sample_le(u, {0.5, 0.5}, scene_.sphere());
+    end.point = on.origin, end.normal = on.normal, end.primitive = on.primitive;
+    density = on.pdf_position.per_m2;
+  }
+  const bool is_far = light.is_delta() ? !std::isfinite(end.distance) : !bounds;
+  if (!(density > 0) || (is_far && end.wi == Vector{})) return std::nullopt;
   const auto path = is_far ? path_to_direction(v.hit.position, sequence.steps, end.wi)
                            : path_to_point(v.hit.position, sequence.steps, end.point);
   if (!path) return std::nullopt;
@@ -301,7 +328,8 @@ auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const Li
       return std::nullopt;
   a.path = *path;
   const Vector& last = path->points[sequence.steps.size() - 1];
-  double density = 1;
+  end.wi = path->end;
+  end.reason = NoLight::kNone;
   if (light.is_delta()) {
     // A receiver 1 m before a light without a size gets its intensity as illuminance.
     const LightSample<double> there =
@@ -309,17 +337,12 @@ auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const Li
     if (there.reason != NoLight::kNone) return std::nullopt;
     end.value = there.value;
   } else if (is_far) {
-    if (!(end.pdf.per_sr > 0)) return std::nullopt;
     end.value = light.le_escaped(last, path->end);
-    density = end.pdf.per_sr;
   } else {
-    const double cosine = std::fabs(dot(end.normal, end.wi));
-    if (!(end.pdf.per_sr > 0 && cosine > 0)) return std::nullopt;
     end.value = light.le({end.point, end.normal, end.primitive}, -path->end) *
                 std::fabs(dot(end.normal, path->end));
-    density = end.pdf.per_sr * cosine / (end.distance * end.distance);
   }
-  end.wi = path->end;
+  if (!is_far) end.distance = length(end.point - last);
   a.value = end.value * scattered(v, path->start) * (path->spread / density);
   return a;
 }

@@ -1,9 +1,9 @@
 // Light that arrives from lamps by way of mirrors, panes and glass.
 //
 // A path from a receiver to a point of a lamp by given smooth surfaces is computed, and its rays
-// test that nothing is in the way.  Sequences of surfaces form a tree.  All short ones are
-// visited; a random walk chooses longer ones.  So the estimate has the right mean for any number of
-// surfaces.
+// test that nothing is in the way.  Sequences of surfaces form a tree.  Receivers visit the short
+// ones, as far as they are not too many, and random walks choose the others.  So the estimate has
+// the right mean for any number of surfaces up to kMostSteps.
 //
 // `counts` is the rule by which paths that find lamps by chance leave this light out.
 #pragma once
@@ -63,8 +63,19 @@ class SmoothLight {
     Vec3<double> position;
     double pdf = 0;  ///< of the direction [1/sr]; 0: it was a single one, or a camera's
     bool is_receiver = false;
-    bool counted = false;  ///< `counts_at`
+    bool counted = false;  ///< `counts_at`, and then whether all steps since are those of `sample`
+    // Of the single directions since then.
+    std::uint32_t singles = 0;
+    bool is_bent = false, met_ball = false;
+    bool met_unsolved = false;  ///< a smooth surface that is no part
   };
+  /// The same after a single direction of the surface at `hit`, from `wi` to `wo`.
+  Before after_single(const Before& before, const SurfaceHit& hit, const Vec3<double>& wo,
+                      const Vec3<double>& wi) const;
+  /// Whether `sample` at the last vertex counts the light that single directions found there.
+  bool counts(const Before& before, std::uint32_t light) const {
+    return before.counted && !(before.is_bent && is_portal(light));
+  }
   /// The weight of light from a delta light at `hit`, which a direction of the vertex before it
   /// found.  Below 1 on glossy surfaces: `sample_glossy` at that vertex may have found this point
   /// too.
@@ -75,18 +86,20 @@ class SmoothLight {
     return any() && samples_sizes_ &&
            (scattering == nullptr || scattering->is_wide(Vec3<double>(wo)));
   }
-  /// Whether it counts light that a ray from `wi` brings, by a single direction of the surface, to
-  /// `wo`.
-  bool counts_step(const SurfaceHit& hit, const Vec3<double>& wo, const Vec3<double>& wi) const;
 
  private:
+  /// A portal's light has another window for each point, so bent paths to it are left to chance.
+  bool is_portal(std::uint32_t light) const {
+    return scene_.lights()[light].light.get_if<PortalLight<double>>() != nullptr;
+  }
   /// A sequence of surfaces, as seen from a vertex.
   struct Sequence {
     absl::InlinedVector<SmoothStep, 4> steps;
     Vec3<double> image, image_normal;  ///< the vertex and its normal, mirrored by the steps
     double share = 1;                  ///< of light that the steps leave, about
     double weight = 1;                 ///< 1 / probability of the choice
-    int side = 0;          ///< of the last plane on which light continues: the sign of n
+    /// Of the last plane on which light continues: the sign of n; 0: on either.
+    int side = 0;
     bool is_bent = false;  ///< whether the image is not where light seems to come from
   };
   /// A step that may follow a sequence.
@@ -131,6 +144,7 @@ class SmoothLight {
   std::span<const SmoothPart> parts_;
   bool samples_sizes_;
   bool has_steps_ = false;             ///< whether a part mirrors or refracts
+  bool bends_ = false;                 ///< whether paths by way of a part are solved
   std::vector<std::uint32_t> glossy_;  ///< numbers of parts
   std::vector<std::uint32_t> deltas_;  ///< delta lights, if there are glossy parts
 };

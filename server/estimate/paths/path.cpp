@@ -115,11 +115,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       before = {hit.position, next_direction.pdf, false,
                 smooth_.counts_at(scattering ? &*scattering : nullptr, wo)};
     else
-      before = {{},
-                0,
-                false,
-                before.counted &&
-                    smooth_.counts_step(hit, Vec3<double>(wo), Vec3<double>(next_direction.wi))};
+      before = smooth_.after_single(before, hit, Vec3<double>(wo), Vec3<double>(next_direction.wi));
     // Lights do not sample single directions, so these always find lights.
     const bool finds =
         next_direction.is_single ? scene_.has_visible_lights() : direct_.finds_lights();
@@ -137,8 +133,8 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray, direct_.transmittance().met());
     if (scene_.has_media()) throughput = throughput * left_by_media(ray, next);
     const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
-      if (settled.has(light) || (next_direction.is_single && before.counted)) return;
-      work.by_chance += next_direction.is_single ? 1 : 0;
+      if (settled.has(light) || (next_direction.is_single && smooth_.counts(before, light))) return;
+      work.by_chance += next_direction.is_single && before.met_unsolved ? 1 : 0;
       const double weight =
           next_direction.is_single
               ? 1

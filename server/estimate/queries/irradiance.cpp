@@ -150,6 +150,7 @@ class IrradianceEstimator {
       IrradianceEstimate& total = result_.points[p];
       total.missed = missed_.at(points_[p], {work.by_chance - by_chance, e.reflected}, rule);
       total.illuminance_lx.upper += total.missed.bound_lx;
+      if (total.zero_bound_lx > 0) total.zero_bound_lx = total.illuminance_lx.upper;
     }
     for (std::uint32_t l = 0; l < e.shares.size(); ++l)
       if (is_sampled(settled, l))

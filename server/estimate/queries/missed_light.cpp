@@ -50,12 +50,17 @@ MissedLightRule::MissedLightRule(const Scene& scene, std::optional<std::uint32_t
     : scene_(scene), once_(bounces && *bounces == 1) {
   if (bounces.value_or(1) == 0 || scene.empty() || scene.lights().empty()) return;
   surfaces_ = &smooth_surfaces(scene);
+  // A direction that leaves the scene meets all lights at infinity.
+  double beyond_cd_m2 = 0;
   for (const SceneLight& light : scene.lights()) {
-    if (is_delta(light))
+    if (is_delta(light) || light.is_unseen)
       has_deltas_ = true;
-    else
+    else if (LightAtTime(light, 0).bounds())
       most_cd_m2_ = std::fmax(most_cd_m2_, most_luminance(light));
+    else
+      beyond_cd_m2 += most_luminance(light);
   }
+  most_cd_m2_ = std::fmax(most_cd_m2_, beyond_cd_m2);
 }
 
 MissedLight MissedLightRule::at(const IrradiancePoint& receiver, const FoundLight& found,
@@ -64,12 +69,12 @@ MissedLight MissedLightRule::at(const IrradiancePoint& receiver, const FoundLigh
   double projected_sr = 0;
   for (const UnsolvedSurface& s : surfaces_->unsolved())
     // After another reflection, light may come from surfaces below the horizon.
-    if (!once_ || reaches_above(s.bounds_m, receiver))
+    if ((has_deltas_ || !s.is_glossy) && (!once_ || reaches_above(s.bounds_m, receiver)))
       projected_sr = std::fmin(kPi, projected_sr + most_projected_sr(s.bounds_m, receiver));
   if (projected_sr > 0 && (has_deltas_ || found.by_chance < kEnough)) {
     MissedLight missed{MissedLight::Kind::kByWay, 0};
     if (has_deltas_ || !std::isfinite(most_cd_m2_)) return missed;
-    // No sample of a direction brings more than this, and no sample found any.
+    // A direction brings no more than this.  The few that found any are part of the scatter.
     const double sample_lx = kPi * most_cd_m2_;
     missed.bound_lx = rule.interval({.largest = sample_lx}).upper;
     if (once_) missed.bound_lx = std::fmin(missed.bound_lx, most_cd_m2_ * projected_sr);

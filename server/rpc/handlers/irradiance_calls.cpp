@@ -309,8 +309,7 @@ void mark_inside_solids(const IrradianceQuery& query, const std::vector<Receiver
   for (std::size_t r = 0; r < runs.size(); ++r) {
     for (std::size_t k = 0; k < runs[r].points.size(); ++k) {
       const std::size_t i = runs[r].begin + k;
-      const bool is_ok = status[i] == static_cast<int>(ItemResult::kOk) ||
-                         status[i] == static_cast<int>(ItemResult::kMayMissLight);
+      const bool is_ok = status[i] == static_cast<int>(ItemResult::kOk);
       if (!is_ok || !estimates.runs[r].points[k].irradiance_lx.is_black()) continue;
       dark.push_back(runs[r].points[k]);
       items.push_back(i);
@@ -337,8 +336,8 @@ absl::Status answer(const IrradianceQuery& query, const std::stop_token& stop,
     for (std::size_t k = 0; k < runs[r].points.size(); ++k)
       encoder.put(runs[r].begin + k, estimates->runs[r], k);
   }
-  mark_missed_light(query, runs, *estimates, response);
   mark_inside_solids(query, runs, *estimates, stop, status);
+  mark_missed_light(query, runs, *estimates, response);
   response->set_samples(encoder.most_samples());
   set_counts(response->mutable_cost(), work);
   drop_if_all_ok(response->mutable_status());
