@@ -6,30 +6,18 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <iostream>
 #include <map>
 
 #include "tests/oracle/questioner.h"
 #include "tests/oracle/shapes.h"
 #include "tests/oracle/shrink.h"
+#include "tests/oracle/tally.h"
 #include "tests/server/extremes/wire_settings.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna::testing {
 namespace {
-
-/// The counts of one kind of question.
-struct Tally {
-  std::array<std::uint64_t, 6> of{};
-  std::uint64_t operator[](Verdict::Kind kind) const {
-    return of.at(static_cast<std::size_t>(kind));
-  }
-  void add(Verdict::Kind kind) { ++of.at(static_cast<std::size_t>(kind)); }
-};
-
-/// Printing a failure takes as long as testing many scenes.
-constexpr std::uint64_t kMostFailures = 20;
 
 class Oracle : public ::testing::Test {
  protected:
@@ -115,26 +103,12 @@ TEST_F(Oracle, AgreesWithTheServer) {
     ASSERT_LT(failures_, kMostFailures) << "stopped after scene " << i;
   }
   for (const auto& [kind, n] : kinds_) std::cout << fmt::format("{}: {}\n", kind, n);
-  using K = Verdict::Kind;
-  for (const auto& [kind, t] : tallies_)
-    std::cout << fmt::format(
-        "{}: {} agree, {} wrong, {} intervals hold, {} miss, {} unsure, {} without an answer\n",
-        name_of(kind), t[K::kAgrees], t[K::kWrong], t[K::kHolds], t[K::kMisses], t[K::kUnsure],
-        t[K::kNoAnswer]);
+  for (const auto& [kind, t] : tallies_) t.print(name_of(kind));
   std::cout << fmt::format("{} calls were sent again, because their connection broke\n",
                            questioner_.repeats());
   EXPECT_EQ(failures_, 0U);
   if (one != none) return;
-  for (const auto& [kind, t] : tallies_) {
-    // Intervals hold in 95%: a share that is four standard deviations lower is no chance.
-    const auto sampled = static_cast<double>(t[K::kHolds] + t[K::kMisses]);
-    EXPECT_LE(static_cast<double>(t[K::kMisses]), 0.05 * sampled + 4 * std::sqrt(0.0475 * sampled))
-        << name_of(kind);
-    // The rule for unsure answers must not hide what is wrong.
-    const auto unsure = static_cast<double>(t[K::kUnsure]);
-    const double all = static_cast<double>(t[K::kAgrees] + t[K::kWrong]) + sampled + unsure;
-    EXPECT_LE(unsure, 0.05 * all + 4 * std::sqrt(0.0475 * all)) << name_of(kind);
-  }
+  for (const auto& [kind, t] : tallies_) t.expect_shares(name_of(kind), 0.05, 0.05);
 }
 
 TEST(OracleCalls, AreSentAgainOnlyIfTheirConnectionBreaks) {

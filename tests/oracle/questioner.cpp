@@ -13,7 +13,11 @@ namespace lucerna::testing {
 grpc::Status Questioner::load(const oracle::World& world) {
   for (const auto& [name, bytes] : pbrt_files(world))
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
-  std::ofstream(folder_ / "scene.pbrt") << pbrt_text(world);
+  return load(pbrt_text(world));
+}
+
+grpc::Status Questioner::load(const std::string& text) {
+  std::ofstream(folder_ / "scene.pbrt") << text;
   v1::LoadSceneRequest q;
   q.set_path("scene.pbrt");
   v1::LoadSceneResponse r;
@@ -82,15 +86,20 @@ Verdict Questioner::visibility(const Truth& truth, const Question& question) {
                                 shown(question.to), visible));
 }
 
-grpc::Status Questioner::irradiance(const Truth& truth, const Place& at,
-                                    v1::EstimateIrradianceRequest q,
+grpc::Status Questioner::irradiance(const Place& at, v1::EstimateIrradianceRequest q,
                                     v1::EstimateIrradianceResponse* r) {
   q.set_scene_id(id_);
-  q.set_time_s(static_cast<double>(truth.world().time));
   set_point(at, q.mutable_receivers());
   add_normal(at, q.mutable_normals());
-  q.set_bounces(0);
   return call_status([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
+}
+
+grpc::Status Questioner::direct(const Truth& truth, const Place& at,
+                                v1::EstimateIrradianceRequest q,
+                                v1::EstimateIrradianceResponse* r) {
+  q.set_time_s(static_cast<double>(truth.world().time));
+  q.set_bounces(0);
+  return irradiance(at, std::move(q), r);
 }
 
 Verdict Questioner::compare(const Amount& amount, const v1::EstimateIrradianceResponse& r,
@@ -112,7 +121,7 @@ Verdict Questioner::illuminance(const Truth& truth, const Question& question) {
   const Amount amount = truth.illuminance(question.from);
   if (!amount.sure) return {};
   v1::EstimateIrradianceResponse r;
-  const grpc::Status s = irradiance(truth, question.from, {}, &r);
+  const grpc::Status s = direct(truth, question.from, {}, &r);
   if (!s.ok()) return {Kind::kWrong, s.error_message()};
   return compare(amount, r, question.from);
 }
@@ -125,7 +134,7 @@ Verdict Questioner::target(const Truth& truth, const Question& question) {
   q.mutable_accuracy()->mutable_target_error()->set_relative(kTarget);
   q.mutable_accuracy()->mutable_target_error()->set_max_samples(2048);
   v1::EstimateIrradianceResponse r;
-  const grpc::Status s = irradiance(truth, question.from, q, &r);
+  const grpc::Status s = direct(truth, question.from, q, &r);
   if (!s.ok()) return {Kind::kWrong, s.error_message()};
   Verdict verdict = compare(amount, r, question.from);
   const Real value = r.illuminance_lx(0);
@@ -154,7 +163,7 @@ Verdict Questioner::solid(const Truth& truth, const Question& question) {
     }
     if (has_light || !emitting_shapes(world).empty()) return {Kind::kNoAnswer};
     v1::EstimateIrradianceResponse r;
-    const grpc::Status s = irradiance(truth, question.from, {}, &r);
+    const grpc::Status s = direct(truth, question.from, {}, &r);
     if (!s.ok()) return {Kind::kWrong, s.error_message()};
     const auto status = r.status_size() == 0 ? v1::ITEM_STATUS_OK : r.status(0);
     if (status == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};

@@ -54,9 +54,14 @@ class Questioner {
 
   /// Loads the scene in place of the one before.
   grpc::Status load(const oracle::World& world);
+  /// The same from the text of a .pbrt file.
+  grpc::Status load(const std::string& text);
   /// Of the loaded scene.
   Verdict judge(const oracle::Truth& truth, const Question& question);
   void release();
+  /// Asks for the illuminance of one place in the loaded scene; `q`: how.
+  grpc::Status irradiance(const oracle::Place& at, v1::EstimateIrradianceRequest q,
+                          v1::EstimateIrradianceResponse* r);
   /// How often a call was sent again.
   std::uint64_t repeats() const { return repeats_; }
 
@@ -76,8 +81,8 @@ class Questioner {
   Verdict density(const oracle::Truth& truth, const Question& question);
   Verdict le(const oracle::Truth& truth, const Question& question);
   Verdict le_of_portal(const oracle::Truth& truth, const Question& question);
-  grpc::Status irradiance(const oracle::Truth& truth, const oracle::Place& at,
-                          v1::EstimateIrradianceRequest q, v1::EstimateIrradianceResponse* r);
+  grpc::Status direct(const oracle::Truth& truth, const oracle::Place& at,
+                      v1::EstimateIrradianceRequest q, v1::EstimateIrradianceResponse* r);
   static Verdict compare(const oracle::Amount& amount, const v1::EstimateIrradianceResponse& r,
                          const oracle::Place& at);
   bool has_densities(const oracle::Truth& truth, const Question& question,
