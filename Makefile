@@ -52,9 +52,10 @@ wire: deps
 
 # Compares the server's answers about random scenes with right answers.
 SCENES ?= 1000000
+ROOMS ?= 100000
 oracle: release
 	@cmake --build --preset release --target oracle_test
-	@LUCERNA_ORACLE_SCENES=$(SCENES) build/release/tests/oracle/oracle_test
+	@LUCERNA_ORACLE_SCENES=$(SCENES) LUCERNA_ORACLE_ROOMS=$(ROOMS) build/release/tests/oracle/oracle_test
 
 # What takes long: ten times the items, ten times the rays in the shadow tests, four times the repeats in the interval
 # tests, four times the samples of reference pictures, all mutants, and the figures of docs/reliability.md.

@@ -23,7 +23,7 @@ using oracle::InteriorTruth;
 /// Corners of surfaces are floats: angles and reflectances are a little off.
 constexpr Real kOfFloats = 2e-4L;
 /// A reference with a larger error decides nothing.
-constexpr Real kMostError = 1e-3L;
+constexpr Real kMostError = 2e-3L;
 constexpr double kTarget = 0.05;
 
 struct Request {
@@ -73,30 +73,30 @@ class Interiors : public ::testing::Test {
     const grpc::Status loaded = questioner_.load(pbrt_text(room));
     ASSERT_TRUE(loaded.ok()) << loaded.error_message() << "\n" << pbrt_text(room);
     for (const Request& q : requests_about(room, number)) {
-      const Verdict verdict = judge(room, q);
+      const auto right = right_answers(room, q);
+      const Verdict verdict = compare(room, q, right);
       tallies_[name_of(room, q)].add(verdict.kind);
-      if (verdict.kind == Kind::kMisses) retry(number, room, q);
-      if (verdict.kind != Kind::kWrong) continue;
-      ++failures_;
-      show(number, room, q);
+      const bool wrong = verdict.kind == Kind::kWrong;
+      if (wrong) ++failures_;
+      if (wrong || misses_always(room, q, right, verdict)) show(number, room, q);
     }
     questioner_.release();
   }
 
-  Verdict judge(const Interior& room, const Request& request) {
+  static std::vector<oracle::Amount> right_answers(const Interior& room, const Request& request) {
     const InteriorTruth truth(room);
     std::vector<oracle::Amount> right{truth.illuminance(request.receiver, request.bounces)};
     if (request.per_light)
       for (std::size_t l = 0; l < room.lamps.size(); ++l)
         right.push_back(truth.by_images(request.receiver, l, request.bounces));
-    for (const oracle::Amount& a : right)
-      if (a.bound > kMostError * a.value) return {Kind::kUnsure};
-    return compare(room, request, right);
+    return right;
   }
 
   /// `right`: the illuminance, and that from each lamp if the request is per light.
   Verdict compare(const Interior& room, const Request& request,
                   const std::vector<oracle::Amount>& right) {
+    for (const oracle::Amount& a : right)
+      if (a.bound > kMostError * a.value) return {Kind::kUnsure};
     v1::EstimateIrradianceRequest q;
     if (request.bounces != InteriorTruth::kAll)
       q.set_bounces(static_cast<std::uint32_t>(request.bounces));
@@ -135,21 +135,19 @@ class Interiors : public ::testing::Test {
     return worst;
   }
 
-  void retry(std::uint64_t number, const Interior& room, Request q) {
-    const std::uint64_t first = q.seed;
-    for (int i = 0; i < 4; ++i) {
+  /// Whether four further seeds miss too, which is no chance.
+  bool misses_always(const Interior& room, Request q, const std::vector<oracle::Amount>& right,
+                     Verdict verdict) {
+    for (int i = 0; i < 4 && verdict.kind == Kind::kMisses; ++i) {
       ++q.seed;
-      if (judge(room, q).kind != Kind::kMisses) return;
+      verdict = compare(room, q, right);
     }
-    q.seed = first;
-    ++always_;
-    std::cout << "misses always\n";
-    show(number, room, q);
+    return verdict.kind == Kind::kMisses;
   }
 
   /// Prints the smallest room that still has an answer of this kind to the question.
   void show(std::uint64_t number, const Interior& room, const Request& q) {
-    const Kind kind = judge(room, q).kind;
+    const Kind kind = judge_anew(room, q).kind;
     Interior least = room;
     const auto leave_out = [&](auto member) {
       for (std::size_t i = (least.*member).size(); i-- > 0;) {
@@ -160,22 +158,22 @@ class Interiors : public ::testing::Test {
     };
     leave_out(&Interior::sheets);
     if (!q.per_light) leave_out(&Interior::lamps);
-    std::cout << fmt::format("LUCERNA_ORACLE_ROOM={}\n{}{}\n", number, pbrt_text(least),
-                             judge_anew(least, q).text);
+    std::cout << fmt::format("LUCERNA_ORACLE_ROOM={}: {}\n{}{}\n", number, name_of(room, q),
+                             pbrt_text(least), judge_anew(least, q).text);
     judge_anew(room, q);  // loads the whole room again
   }
 
   Verdict judge_anew(const Interior& room, const Request& q) {
     questioner_.release();
     if (!questioner_.load(pbrt_text(room)).ok()) return {Kind::kNoAnswer};
-    return judge(room, q);
+    return compare(room, q, right_answers(room, q));
   }
 
   TempDirectory root_;
   Service service_{options()};
   Questioner questioner_{service_, root_.path()};
   std::map<std::string, Tally> tallies_;
-  std::uint64_t failures_ = 0, always_ = 0;
+  std::uint64_t failures_ = 0;
 };
 
 TEST_F(Interiors, AgreeWithTheServer) {
