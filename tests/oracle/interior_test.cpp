@@ -159,7 +159,8 @@ class Interiors : public ::testing::Test {
     leave_out(&Interior::sheets);
     if (!q.per_light) leave_out(&Interior::lamps);
     std::cout << fmt::format("LUCERNA_ORACLE_ROOM={}: {}\n{}{}\n", number, name_of(room, q),
-                             pbrt_text(least), judge_anew(least, q).text);
+                             pbrt_text(least), judge_anew(least, q).text)
+              << std::flush;
     judge_anew(room, q);  // loads the whole room again
   }
 

@@ -2,9 +2,9 @@
 
 #include <complex>
 #include <numbers>
-#include <queue>
 
 #include "tests/oracle/gauss.h"
+#include "tests/oracle/square_integral.h"
 
 namespace lucerna::oracle {
 namespace {
@@ -91,53 +91,6 @@ double of_spot(const Lamp& spot, const Vector& w, bool& doubt) {
   const double x = std::clamp((cosine - dark) / (full - dark), 0.0, 1.0);
   if (x > 0 && x < 0.01) doubt = true;  // rounding changes little light by a large share
   return x * x * (3 - 2 * x);
-}
-
-/// Simpson's rule.  Unlike Gauss's it looks at the edges of a cell, where light may begin.
-constexpr Rule kSimpson{3, {0, 0.5L, 1}, {1 / 6.0L, 4 / 6.0L, 1 / 6.0L}};
-
-/// The integral of f(s, t) over the unit square: divides the cell with the largest error again,
-/// until the error is below `enough` or below `share` of the sum, or there are `most` cells.
-template <typename F>
-Amount integral(const F& f, int across, Real enough, Real share, std::size_t most) {
-  struct Square {
-    double s, t, size;
-    Real value, error;
-    bool operator<(const Square& other) const { return error < other.error; }
-  };
-  const auto square = [&](double s, double t, double h) {
-    const auto by = [&](const Rule& rule) {
-      Real sum = 0;
-      for (std::size_t i = 0; i < static_cast<std::size_t>(rule.points); ++i)
-        for (std::size_t j = 0; j < static_cast<std::size_t>(rule.points); ++j)
-          sum +=
-              rule.weight[i] * rule.weight[j] *
-              f(s + h * static_cast<double>(rule.at[i]), t + h * static_cast<double>(rule.at[j]));
-      return sum * h * h;
-    };
-    const Real value = by(kThree);
-    return Square{s, t, h, value, std::fabs(value - by(kSimpson))};
-  };
-  std::priority_queue<Square> open;
-  Real value = 0, error = 0;
-  const auto put = [&](const Square& q) {
-    value += q.value;
-    error += q.error;
-    open.push(q);
-  };
-  const double h = 1.0 / across;
-  for (int i = 0; i < across; ++i)
-    for (int j = 0; j < across; ++j) put(square(i * h, j * h, h));
-  while (error > std::max(enough, share * value) && open.size() < most) {
-    const Square q = open.top();
-    open.pop();
-    value -= q.value;
-    error -= q.error;
-    const double half = q.size / 2;
-    for (const double s : {q.s, q.s + half})
-      for (const double t : {q.t, q.t + half}) put(square(s, t, half));
-  }
-  return {value, std::max(error, Real{0})};
 }
 
 }  // namespace
@@ -359,7 +312,7 @@ Amount InteriorTruth::by_one_wall(const Eye& eye, int bounces, Real enough) cons
       [&](double s, double t) {
         return kOnePi * gathered(eye.at, direction(eye.n, s, t), eye.on, bounces, at_wall);
       },
-      12, enough, 3e-4L, 4000);
+      20, enough, 3e-4L, 4000);
   // Four points stand for a lamp.
   for (const Lamp& lamp : interior_.lamps)
     if (lamp.has_size()) sum.bound += 1e-4L * sum.value / interior_.lamps.size();
