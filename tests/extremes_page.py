@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/extremes.md"
 MUTANTS = ROOT / "tests/mutants"
 PROGRAMS = ["tests/lights/extremes/lights_extremes_test", "tests/server/extremes/server_extremes_test"]
-ROWS = range(1, 43)
+ROWS = range(1, 44)
 SAME_WITHIN = 2
 ROUNDING = 1e-15
 MEASURED = re.compile(r"\b\de[+-]\d\d\b|\bexact\b")
@@ -64,6 +64,7 @@ Each problem has a number.  It is the first column of the table of tests.
 | 39, 40 | segments in the plane of a surface; light that grazes the receiver |
 | 41 | media and thin panes |
 | 42 | lamps on surfaces; small lamps behind narrow obstacles |
+| 43 | light by way of mirrors |
 
 ## The columns
 
