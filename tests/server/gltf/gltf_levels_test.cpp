@@ -22,7 +22,7 @@ using testing::png;
 
 constexpr double kPi = std::numbers::pi;
 
-constexpr char kIes[] =
+constexpr char kLevelsIes[] =
     "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 50\n0 90\n0\n200 100\n";
 
 /// A scene with one light of each kind.  Each has the level 2, 1, 0.5.
@@ -50,7 +50,7 @@ void write_every_kind(const GltfFiles& files) {
                     {"specularImages", Json::array({{0, 0, 0, 0, 0, 0}})},
                     {"irradianceCoefficients", Json::array()}}});
   file.json["scenes"][0]["extensions"] = {{"EXT_lights_image_based", {{"light", 0}}}};
-  files.write("lamp.ies", kIes);
+  files.write("lamp.ies", kLevelsIes);
   files.write("face.png", png(1, 1, {255, 255, 255, 255}));
   files.write("scene.gltf", file.text());
 }
