@@ -78,16 +78,22 @@ TEST(PictureBands, TiledAndPlainExrFilesHaveTheSameTexels) {
   std::vector<float> values;
   for (const std::uint8_t code : codes(kWidth, kHeight, 3)) values.push_back(code / 3.0F);
   OIIO::ImageSpec spec(kWidth, kHeight, 3, OIIO::TypeDesc::FLOAT);
-  // The data window begins elsewhere.
+  // The data window begins elsewhere.  The picture is the display window, and black beside it.
   spec.x = -20, spec.y = 33;
   for (const int tile : {0, 48}) {
     spec.tile_width = tile, spec.tile_height = tile;
     const auto d = decode_image({"a.exr", written("a.exr", spec, values)});
     ASSERT_TRUE(d.ok()) << d.status();
-    std::size_t i = 0;
     for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x, i += 3)
-        ASSERT_EQ(d->image->texel(x, y), Rgb<float>(values[i], values[i + 1], values[i + 2]));
+      for (int x = 0; x < kWidth; ++x) {
+        Rgb<float> texel;
+        if (x < kWidth + spec.x && y >= spec.y) {
+          const std::size_t i = 3 * (static_cast<std::size_t>(y - spec.y) * kWidth +
+                                     static_cast<std::size_t>(x - spec.x));
+          texel = {values[i], values[i + 1], values[i + 2]};
+        }
+        ASSERT_EQ(d->image->texel(x, y), texel) << x << ", " << y;
+      }
   }
 }
 

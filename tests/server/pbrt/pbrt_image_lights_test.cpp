@@ -95,8 +95,10 @@ TEST(PbrtImageLights, InvalidInputIsAnErrorWithItsPlace) {
               HasSubstr("a picture behind a portal under a transform of unequal scale"));
   EXPECT_THAT(message(load_infinite("\"float illuminance\" 5", 4, 4, 0).status()),
               HasSubstr("is black above the horizon"));
-  EXPECT_THAT(message(load_infinite("", 4, 4, NAN).status()),
-              HasSubstr("scene.pbrt:2:24: \"string filename\": sky.pfm: texel (0, 0)"));
+  const auto not_a_number = load_infinite("", 4, 4, NAN);
+  ASSERT_TRUE(not_a_number.ok()) << not_a_number.status();
+  EXPECT_THAT(remarks_of(*not_a_number),
+              HasSubstr("2:24 \"string filename\": sky.pfm: texel (0, 0)"));
 }
 
 TEST(PbrtImageLights, UnequalScaleMovesDirections) {

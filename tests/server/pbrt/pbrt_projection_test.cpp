@@ -170,10 +170,15 @@ TEST(PbrtProjection, InvalidInputIsAnErrorWithItsPlace) {
   };
   EXPECT_THAT(with_bytes(slide_pfm(2, 2, 0), "\"float power\" 5"),
               HasSubstr("for a light that illuminates nothing"));
-  EXPECT_THAT(with_bytes(slide_pfm(2, 2, NAN)),
-              HasSubstr("scene.pbrt:2:26: \"string filename\": slide.pfm: texel (0, 0)"));
-  EXPECT_THAT(with_bytes("PF\n0 0\n-1.0\n"), HasSubstr("slide.pfm"));
-  EXPECT_THAT(with_bytes("no picture"), HasSubstr("slide.pfm"));
+  const auto left_out = [](const std::string& bytes) {
+    const auto scene = load_projection(kSlide, "", bytes);
+    EXPECT_TRUE(scene.ok() && scene->lights.empty()) << scene.status();
+    return remarks_of(*scene);
+  };
+  EXPECT_THAT(left_out(slide_pfm(2, 2, NAN)),
+              HasSubstr("2:26 \"string filename\": slide.pfm: texel (0, 0)"));
+  EXPECT_THAT(left_out("PF\n0 0\n-1.0\n"), HasSubstr("slide.pfm"));
+  EXPECT_THAT(left_out("no picture"), HasSubstr("slide.pfm"));
   EXPECT_THAT(with_bytes(slide_pfm(2, 2, 1e30F), "\"float scale\" 1e30"),
               HasSubstr("scene.pbrt:2:56: projection.intensity of the brightest texel"));
 }
@@ -195,7 +200,7 @@ TEST(PbrtProjection, APictureThatLightsShareIsReadAndCountedOnce) {
   files.write("slide.pfm", slide_pfm(64, 64));
   const std::string one = "LightSource \"projection\" " + kSlide;
   files.write("scene.pbrt", "WorldBegin " + one + one + "\"string projection\" \"orthographic\" " +
-                                "LightSource \"infinite\" \"string filename\" \"slide.pfm\"");
+                                one + "\"float fov\" 30");
   auto description = files.load("scene.pbrt");
   ASSERT_TRUE(description.ok()) << description.status();
   EXPECT_EQ(description->assets.size(), 2U);  // the scene and the picture

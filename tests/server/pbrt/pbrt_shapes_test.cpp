@@ -314,7 +314,8 @@ TEST(PbrtShapes, CornersInRingOrderGetARemarkAndHaveArea) {
   EXPECT_EQ(remarks("[0 0 1 2 0 1 0 2 1 .5 .5 1]"), "");
   EXPECT_EQ(remarks("[0 0 1 1 0 1 0 1 1 0 1 1]"), "");
   EXPECT_EQ(remarks("[0 0 1 1 0 1 1 1 2 0 1 1]"), "");
-  EXPECT_EQ(remarks("[0 0 1 1 0 1 2 0 1 3 0 1]"), "");  // without area
+  EXPECT_EQ(remarks("[0 0 1 1 0 1 2 0 1 3 0 1]"),
+            "2:1 a light without area -> the shape emits nothing\n");
 }
 
 TEST(PbrtShapes, PartsOfShapesThatAreNotModelledGetRemarks) {
