@@ -118,7 +118,11 @@ ConfidenceInterval IntervalRule::interval(const EstimateMoments& m) const {
         std::max(result.upper,
                  weighted_counts_quantile(m.mean + weight, variance + weight * weight, 1 - tail));
   }
-  if (m.may_be_hidden && !m.partly_hidden && mean_square <= m.mean * m.mean * (1 + kEqual * kEqual))
+  // Samples that come in parts have a smaller sum of squares than their mean allows.
+  const double squared = m.mean * m.mean;
+  const bool equal = mean_square <= squared * (1 + kEqual * kEqual) &&
+                     mean_square >= squared * (1 - kEqual * kEqual);
+  if (m.may_be_hidden && !m.partly_hidden && equal)
     result.lower = std::min(result.lower, m.mean * (1 - std::min(1.0, rare_ / samples_)));
   result.lower = std::max(result.lower, 0.0);
   return result;

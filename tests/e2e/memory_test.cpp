@@ -197,7 +197,7 @@ TEST_F(Memory, ALargePictureOfASmallFileIsRefusedByItsHeader) {
   // The first picture loads the library that decodes pictures, which has 100 MB of code and data.
   v1::LoadSceneRequest request;
   request.set_path("broken.pbrt");
-  EXPECT_FALSE(server_->client().load_scene(request).ok());
+  EXPECT_TRUE(server_->client().load_scene(request).ok());  // the texture is grey
   const double idle = resident_bytes(server_->process_id());
   request.set_path("large.pbrt");
   const auto refused = server_->client().load_scene(request);

@@ -149,6 +149,10 @@ class IrradianceEstimator {
     if (gather_indirect_) {
       IrradianceEstimate& total = result_.points[p];
       total.missed = missed_.at(points_[p], {work.by_chance - by_chance, e.reflected}, rule);
+      // An interval with a width does not claim to be exact.
+      if (total.missed.kind == MissedLight::Kind::kReflected &&
+          total.illuminance_lx.upper > total.illuminance_lx.lower)
+        total.missed = {};
       total.illuminance_lx.upper += total.missed.bound_lx;
       if (total.zero_bound_lx > 0) total.zero_bound_lx = total.illuminance_lx.upper;
     }
