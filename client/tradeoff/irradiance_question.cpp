@@ -61,7 +61,9 @@ class IrradianceQuestion : public EstimateQuestion {
   }
 
   static bool has(const v1::EstimateIrradianceResponse& response, int i) {
-    return response.status().empty() || response.status(i) == v1::ITEM_STATUS_OK;
+    // Light that every setting may miss does not matter here.
+    return response.status().empty() || response.status(i) == v1::ITEM_STATUS_OK ||
+           response.status(i) == v1::ITEM_STATUS_MAY_MISS_LIGHT;
   }
   static std::vector<double> values(const v1::EstimateIrradianceResponse& response) {
     std::vector<double> result;

@@ -75,7 +75,7 @@ def light_map(answer: Any, path: Any, intervals: bool, title: str) -> Any:
     each = 5.6
     figure = _figure(each * (2 if intervals else 1), float(np.clip(each * 0.86 * shape + 0.9, 2.6, 9)))
     panels = figure.subplots(1, 2 if intervals else 1, squeeze=False)[0]
-    known = answer.status == 1
+    known = (answer.status == 1) | (answer.status == 9)  # OK, MAY_MISS_LIGHT
     lux = np.where(known, answer.illuminance, np.nan)
     _map(figure, panels[0], x, y, lux, "inferno", title, "lx")
     if lux[known].size and np.ptp(lux[known]) > 0:
