@@ -91,7 +91,7 @@ MeanIlluminance mean_illuminance(const Scene& scene, std::uint32_t bounces,
     sum += lux, squares += lux * lux;
   }
   const double n = kAnswers, mean = sum / n;
-  return {mean, std::sqrt((squares / n - mean * mean) / (n - 1))};
+  return {mean, std::sqrt(std::fmax(0, squares / n - mean * mean) / (n - 1))};
 }
 
 TEST(SmoothLight, EqualsThatOfDirections) {
