@@ -166,7 +166,8 @@ class IntensityLight {
   }
   /// Without the deformation, as in pbrt-v4.
   Power power_approximate(const SceneSphere& /*scene*/) const {
-    return profile_.power_approximate();
+    const Power textbook = profile_.power_approximate();
+    return is_deformed() ? approximate_power(textbook.lumens, deformed_->power) : textbook;
   }
 
   /// A point, and the profile's cone.

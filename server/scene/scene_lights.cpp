@@ -1,5 +1,7 @@
 #include "server/scene/scene_lights.h"
 
+#include <fmt/format.h>
+
 #include <concepts>
 #include <utility>
 
@@ -54,9 +56,13 @@ absl::StatusOr<Light<double>> create_light(const LightDescription& light,
         const LightPlace place = Model::place(params);
         for (const std::optional<Box>& box : {place.box_m, place.portal_m})
           if (auto s = check_place(box, origin); !s.ok()) return s;
-        // Answers hold floats.  A web's level is a factor of its intensities.
+        // Squares and products of levels must fit a double.  Answers that do not fit a float are
+        // OUT_OF_RANGE.
         LightParams level = params;
-        LUCERNA_RETURN_IF_ERROR(check_light_value<float>("light.level", level_of(level), ""));
+        constexpr double kMostLevel = 1e100;
+        if (const double most = level_of(level).max_component(); most > kMostLevel)
+          return absl::InvalidArgumentError(
+              fmt::format("light.level = {}, allowed: up to {}", most, kMostLevel));
         auto made = Model::create(params, origin);
         if (!made.ok()) return made.status();
         return Light<double>(*std::move(made));

@@ -92,7 +92,8 @@ class StoredFile(unittest.TestCase):
         self.assertEqual(len({p["name"] for p in contents["pictures"]}), 2)
         # Floor, ceiling, 2 walls, pane, leaf, strip: 2 each; far wall 8, leg and block 12 each, the bevelled table 108, and
         # the cube that was divided twice: 6 * 4^2 quadrilaterals.
-        self.assertEqual(contents["shapes"], [{"kind": "triangle mesh", "count": "12", "primitives": str(7 * 2 + 8 + 2 * 12 + 108 + 192)}])
+        self.assertEqual(contents["shapes"], [{"kind": "triangle mesh", "count": "12", "primitives": str(7 * 2 + 8 + 2 * 12 + 108 + 192),
+                                                "withoutArea": "0"}])
         with_colours = [m["name"] for m in document(STORED)["meshes"] if "COLOR_0" in m["primitives"][0]["attributes"]]
         self.assertEqual(with_colours, ["Painted block"])
 

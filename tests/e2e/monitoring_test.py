@@ -280,11 +280,10 @@ class Log(unittest.TestCase):
             with ServerProcess(BUILD, root, "--log-format", "json", log=log) as server:
                 for kept in (20, 40, len(picture) // 2):  # libpng prints what is wrong with each
                     pathlib.Path(root, "t.png").write_bytes(picture[:kept])
-                    with self.assertRaisesRegex(RuntimeError, "t.png"):
-                        server.ask("load", "scene.pbrt")
+                    server.ask("load", "scene.pbrt")  # the texture is grey
             log.seek(0)
             parsed = [json.loads(line) for line in log]
-        self.assertEqual([p["code"] for p in parsed if p.get("call") == "LoadScene"], 3 * ["INVALID_ARGUMENT"])
+        self.assertEqual([p["code"] for p in parsed if p.get("call") == "LoadScene"], 3 * ["OK"])
 
     def test_has_no_calls_above_its_level(self):
         def calls(channel):

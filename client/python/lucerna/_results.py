@@ -77,9 +77,7 @@ class Irradiance:
     low: Floats | None  #: the converged illuminance lies from `low` to `high` [lx], shape (...)
     high: Floats | None
     zero_bound: Floats  #: `high` if every sample was 0 but light may have been missed; else 0 [lx], shape (...)
-    #: with the status MAY_MISS_LIGHT: bound of the light that may be missing [lx]; `high` includes it; 0 if no bound is
-    #: known, and for all other points; shape (...)
-    unsampled_bound: Floats
+    unsampled_bound: Floats  #: part of `high` for light that may be missing (MAY_MISS_LIGHT) [lx], shape (...)
     missed_surfaces: list[str]  #: places of curved smooth surfaces by way of which light may be missing
     samples: Ids  #: samples of each point, shape (...); with a target error 0 for exact answers
     status: Statuses  #: numbers of STATUS, shape (...)

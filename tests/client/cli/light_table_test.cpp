@@ -365,7 +365,7 @@ TEST(LightTable, AFluxInAnotherUnitIsNotCalledLumens) {
   *lights.add_lights() = *light;
   lights.mutable_lights(1)->clear_power_unit();
   EXPECT_EQ(light_table(lights.lights()).to_string(),
-            "id  type         what                                      where [m]  area [m2]   "
+            "id  type         what                                       where [m]  area [m2]   "
             "flux      ±  unit  delta  made at\n"
             " 1  goniometric  uv.ies (IES LM-63-2002, type C, 125.5 mW)  0 0 0                 "
             "125.5  exact  mW    yes    room.pbrt:7:3\n"

@@ -69,7 +69,6 @@ TEST(ServerAddresses, NeedAHostAndAPort) {
   EXPECT_EQ(read("a,b:65535"), "a:50051,b:65535");
   EXPECT_EQ(read("[::1]:1"), "[::1]:1");
   EXPECT_EQ(read("dns:///name"), "dns:///name:50051");
-  EXPECT_EQ(read("slurm:50051"), "slurm:50051");
   EXPECT_EQ(read("unix:/run/lucernad"), "unix:/run/lucernad");
   EXPECT_EQ(read("x:y"), "server \"x:y\": port \"y\", allowed: 1 to 65535");
   EXPECT_EQ(read("a:"), "server \"a:\": port \"\", allowed: 1 to 65535");

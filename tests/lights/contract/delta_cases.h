@@ -118,6 +118,7 @@ using WideSpotCase = SpotCase<3000, 1800>;
 /// A spot whose transform scales by 1, 2 and 1/2 along x, y and z.  Its cone is round in its own
 /// space, where a direction has these factors taken out.
 struct DeformedSpotCase : SoftSpotCase {
+  static constexpr double kPowerTolerance = 1e-5;  // of the grid of directions
   static Vec3<double> own(const Vec3<double>& w) { return {w.x, w.y / 2, w.z * 2}; }
   template <typename Real>
   static SpotLight<Real> make(const Placement& placement) {

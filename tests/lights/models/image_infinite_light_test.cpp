@@ -141,8 +141,6 @@ TEST(ImageInfiniteLight, CreateNamesTheInvalidParameter) {
   EXPECT_THAT(error({.map = map, .radiance_cd_m2 = {-1, 0, 0}}), ::testing::HasSubstr("-1"));
   EXPECT_THAT(error({.map = map, .radiance_cd_m2 = Rgb<double>(3e38)}),
               ::testing::HasSubstr("brightest texel"));
-  EXPECT_THAT(error({.map = map, .world_from_map = *Transform::scale({1, 2, 1})}),
-              ::testing::HasSubstr("unequal scale"));
 }
 
 }  // namespace

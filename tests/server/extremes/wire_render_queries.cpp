@@ -115,7 +115,8 @@ void WireQueries::image() {
   }
   const std::uint32_t width = summary_.image_width(), height = summary_.image_height();
   if (n_.chance(0.7))
-    q.set_tile_size(static_cast<std::uint32_t>(1 + n_.below(2 * std::max(width, height))));
+    q.set_tile_size(
+        static_cast<std::uint32_t>(1 + n_.below(std::min(1024U, 2 * std::max(width, height)))));
   q.set_final_only(n_.chance(0.3));
   std::uint64_t done = 0, total = 1;
   const grpc::Status s = call([&](grpc::ClientContext* context) {

@@ -103,7 +103,7 @@ TEST(GltfMaterials, SpecularGlossinessAloneIsASurfaceOfItsColours) {
   EXPECT_NEAR(surface.specular_colour.constant.b, 2, 1e-12);
 }
 
-TEST(GltfTextures, ThePictureOfAnExtensionIsReadIfThereIsNoOther) {
+TEST(GltfTextures, ThePictureOfAnExtensionIsReadIfTheServerReadsItOrThereIsNoOther) {
   GltfFile file;
   file.json["images"] = Json::array(
       {{{"uri", "data:image/png;base64," + absl::Base64Escape(testing::png(1, 1, {9, 9, 9, 255}))}},
@@ -122,7 +122,9 @@ TEST(GltfTextures, ThePictureOfAnExtensionIsReadIfThereIsNoOther) {
   };
   const Json other = {{"EXT_texture_webp", {{"source", 1}}}};
   EXPECT_EQ(width({{"extensions", other}}), 2);
-  EXPECT_EQ(width({{"source", 0}, {"extensions", other}}), 1);
+  EXPECT_EQ(width({{"source", 0}, {"extensions", other}}), 2);  // "source" is for other readers
+  const Json unread = {{"MSFT_texture_dds", {{"source", 1}}}};
+  EXPECT_EQ(width({{"source", 0}, {"extensions", unread}}), 1);
 }
 
 }  // namespace

@@ -43,7 +43,9 @@ TEST(GltfPictureFormats, TheFirstBytesDecideAndNotTheName) {
   ASSERT_TRUE(emission && emission->picture);
   // pi times the area of 4 m2 times the mean of the texels is 6.319 lm.
   EXPECT_NEAR(kPi * 4 * luminance(emission->picture->image->mean()), 6.319, 1e-3);
-  EXPECT_EQ(gltf_remarks(*scene), "");
+  EXPECT_EQ(gltf_remarks(*scene),
+            "gltf_png_named_jpg.gltf: the scene has no camera -> one at the origin that looks along "
+            "-z\n");
 }
 
 /// One red texel, lossless.
@@ -66,7 +68,8 @@ TEST(GltfPictureFormats, WebpIsReadFromItsExtension) {
   const SceneDescription scene = file.scene();
   EXPECT_NEAR(base(scene).r, 1, 1e-6);
   EXPECT_LT(base(scene).g, 1e-3);  // the encoder writes the code 1
-  EXPECT_EQ(gltf_remarks(scene), "");
+  EXPECT_EQ(gltf_remarks(scene),
+            "scene.gltf: the scene has no camera -> one at the origin that looks along -z\n");
   file.json["textures"][0].erase("source");
   EXPECT_NEAR(base(file.scene()).r, 1, 1e-6);
   file.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 2;

@@ -35,7 +35,7 @@ std::vector<BadLight> bad_lights() {
   const std::string screen =
       "AreaLightSource \"diffuse\" \"string filename\" \"sky.pfm\" Shape \"disk\"";
   const std::string ies = kIes;
-  const std::string negative = ies.substr(0, ies.size() - 4) + "-1\n";
+  const std::string negative = ies.substr(0, ies.size() - 4) + "-99\n";
   const std::string point = "LightSource \"point\" ";
   return {
       {"no picture", "LightSource \"infinite\" \"string filename\" \"none.pfm\"", infinite, nullptr,
@@ -45,7 +45,7 @@ std::vector<BadLight> bad_lights() {
       {"photometry cut off", luminaire, luminaire, "lamp.ies", ies.substr(0, 50), ies, 27,
        "lamp.ies:4: the file ends before "},
       {"negative candela", panel, panel, "lamp.ies", negative, ies, 27,
-       "lamp.ies:7: candela value 2 = -1, allowed: finite, not negative"},
+       "lamp.ies:7: candela value 2 = -99, allowed: finite, not negative"},
       {"no photometry", luminaire, luminaire, "lamp.ies", "", ies, 27,
        "lamp.ies:0: no line \"TILT=\""},
       {"unequal scale", "Scale 1 1 2 LightSource \"distant\" \"float angulardiameter\" 1",
