@@ -59,7 +59,6 @@ MISTAKES = {
     "distance": ("distances in centimetres", "bulb", "distance", "factor_100"),
     "distance_109": ("distances that are 9% too large", "ball", "distance", ""),
     "sin_theta": ("a density without sin(theta)", "sky", "density", "sin_theta"),
-    "sin_theta_map": ("a density without sin(theta)", "map", "density", "sin_theta"),
     "cosine_sky": ("illuminance without the cosine", "sky", "illuminance", "cosine_receiver"),
     "range": ("values cut at a range", "bulb", "value", "range"),
     "window": ("values that fall to 0 at a range", "spot", "value", "range"),
@@ -199,7 +198,7 @@ class Renderer:
                 d = d * 100
             if wrong and self.has("distance_109"):
                 d = d * 1.09
-            if wrong and self.has("sin_theta", "sin_theta_map"):
+            if wrong and self.has("sin_theta"):
                 # Uniform in both angles, as texels of equal size are.
                 u = math.pi * rng.random((len(x), 2))
                 pole = [0, 0, 1.0] if name == "sky" else [0, 1.0, 0]
