@@ -150,9 +150,8 @@ std::vector<v1::ItemStatus> WireQueries::statuses(
     if (items[i] == Item::kGood) hold(!invalid, name, i, words + " for a valid item");
     if (items[i] == Item::kInvalid) hold(invalid, name, i, words + " for an invalid item");
     if (!typed) {
-      const bool inside =
-          name == "EstimateIrradiance" &&
-          (s == v1::ITEM_STATUS_INSIDE_SOLID || s == v1::ITEM_STATUS_MAY_MISS_LIGHT);
+      const bool inside = name == "EstimateIrradiance" && (s == v1::ITEM_STATUS_INSIDE_SOLID ||
+                                                           s == v1::ITEM_STATUS_MAY_MISS_LIGHT);
       hold(s == v1::ITEM_STATUS_OK || s == v1::ITEM_STATUS_OUT_OF_RANGE || inside || invalid, name,
            i, words + ", which this query never returns");
     }

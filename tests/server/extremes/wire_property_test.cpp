@@ -164,7 +164,8 @@ TEST_F(WireProperty, EveryNumberIsFiniteAndNotNegative) {
   for (int s = v1::ITEM_STATUS_OK; s <= v1::ItemStatus_MAX; ++s) {
     const auto status = static_cast<v1::ItemStatus>(s);
     // These are only of EstimateIrradiance.
-    if (status == v1::ITEM_STATUS_INSIDE_SOLID || status == v1::ITEM_STATUS_MAY_MISS_LIGHT) continue;
+    if (status == v1::ITEM_STATUS_INSIDE_SOLID || status == v1::ITEM_STATUS_MAY_MISS_LIGHT)
+      continue;
     EXPECT_GT((counts_[{"SampleLi", status}]), 0u) << v1::ItemStatus_Name(status);
   }
 }

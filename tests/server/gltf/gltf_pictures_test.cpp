@@ -43,9 +43,10 @@ TEST(GltfPictureFormats, TheFirstBytesDecideAndNotTheName) {
   ASSERT_TRUE(emission && emission->picture);
   // pi times the area of 4 m2 times the mean of the texels is 6.319 lm.
   EXPECT_NEAR(kPi * 4 * luminance(emission->picture->image->mean()), 6.319, 1e-3);
-  EXPECT_EQ(gltf_remarks(*scene),
-            "gltf_png_named_jpg.gltf: the scene has no camera -> one at the origin that looks along "
-            "-z\n");
+  EXPECT_EQ(
+      gltf_remarks(*scene),
+      "gltf_png_named_jpg.gltf: the scene has no camera -> one at the origin that looks along "
+      "-z\n");
 }
 
 /// One red texel, lossless.
