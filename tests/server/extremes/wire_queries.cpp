@@ -50,6 +50,13 @@ void WireQueries::query_light(const v1::Light& light) {
 }
 
 void WireQueries::query_scene() {
+  query_points();
+  tile();
+  image();
+  surfaces();
+}
+
+void WireQueries::query_points() {
   sample_le(nullptr);
   sample_li(nullptr);
   le(nullptr);
@@ -59,9 +66,6 @@ void WireQueries::query_scene() {
     visibility();
     irradiance();
   }
-  tile();
-  image();
-  surfaces();
 }
 
 /// The power of all lights, page by page, or of some lights, one of them possibly twice.

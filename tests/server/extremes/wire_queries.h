@@ -44,6 +44,8 @@ class WireQueries {
   void query_light(const v1::Light& light);
   /// All queries about the scene as a whole.
   void query_scene();
+  /// The same without those for pictures.
+  void query_points();
   /// Requests with one number that is never valid: each must be refused as a whole.
   void send_invalid();
   /// Starts a lease of a random length, lists it, and ends it.  The scene may be gone afterwards.
