@@ -256,8 +256,11 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
         result->from_journal > 0
             ? fmt::format(", {} of them from the journal", result->from_journal)
             : "";
-    fmt::print("{}: {} points{}{}; {}{}{}\n", output_, receivers.size(), before,
-               describe_statuses(*result), target->describe("points"), describe(summary.cost()),
+    fmt::print("{}: {} points{}{}; {}{}{}{}\n", output_, receivers.size(), before,
+               describe_statuses(*result),
+               describe_missed(result->statuses[v1::ITEM_STATUS_MAY_MISS_LIGHT], receivers.size(),
+                               result->missed_surfaces),
+               target->describe("points"), describe(summary.cost()),
                describe_approximations(accuracy, summary.cost()));
     session.print_remarks();
   }

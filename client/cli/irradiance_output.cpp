@@ -28,7 +28,8 @@ constexpr std::size_t kRowsPerRead = 4096;
 bool add_row(const float* row, TargetCheck& check) {
   const float status = row[client::kStatusColumn];
   return is_answered(static_cast<int>(status)) &&
-         check.add(row[0], row[client::kLowerColumn], row[client::kUpperColumn],
+         check.add(row[0], row[client::kLowerColumn],
+                   row[client::kUpperColumn] - row[client::kUnsampledColumn],
                    static_cast<std::uint64_t>(row[client::kSamplesColumn]) + kReplicates);
 }
 
@@ -37,7 +38,7 @@ absl::Status write_csv(const std::string& path, const client::ResultFile& result
   std::ofstream file(path, std::ios::binary);
   std::string text =
       "x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,"
-      "zero_bound_lx,status,lower_lx,upper_lx,approximate";
+      "zero_bound_lx,status,lower_lx,upper_lx,approximate,unsampled_bound_lx";
   const v1::Accuracy& accuracy = options.request.accuracy();
   const bool approximate = is_approximate(accuracy);
   TargetCheck check(accuracy.target_error());
@@ -78,8 +79,8 @@ absl::Status write_csv(const std::string& path, const client::ResultFile& result
 absl::Status write_map(const std::string& path, const client::ResultFile& results,
                        const IrradianceOutput& options, const client::MapWindow& window) {
   std::vector<std::string> names = {
-      "illuminance.Y", "R",        "G",       "B",      "standard_error.Y",
-      "zero_bound.Y",  "status.Y", "lower.Y", "upper.Y"};
+      "illuminance.Y", "R",        "G",       "B",       "standard_error.Y",
+      "zero_bound.Y",  "status.Y", "lower.Y", "upper.Y", "unsampled_bound.Y"};
   if (options.request.accuracy().has_target_error()) names.emplace_back("samples.Y");
   for (const double nm : options.request.wavelengths_nm())
     names.push_back(fmt::format("irradiance.{}nm", nm));

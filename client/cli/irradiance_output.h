@@ -28,9 +28,9 @@ std::string status_name(float status);
 ///   .npy  the results have this format already
 ///   .csv  one line for each receiver, the status by its name, numbers with all significant digits:
 ///         x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status,
-///         lower_lx,upper_lx,approximate
-///   .exr  channels R, G, B, illuminance.Y, zero_bound.Y and status.Y in `window`; with two samples
-///         or more also standard_error.Y, lower.Y and upper.Y
+///         lower_lx,upper_lx,approximate,unsampled_bound_lx
+///   .exr  channels R, G, B, illuminance.Y, zero_bound.Y, status.Y and unsampled_bound.Y in
+///         `window`; with two samples or more also standard_error.Y, lower.Y and upper.Y
 /// With a target error, .csv has the further columns samples,reached and .exr the channel
 /// samples.Y.  The values at the wavelengths come last.
 /// UNKNOWN if the file cannot be written.

@@ -200,6 +200,7 @@ class Irradiance final : public DistributedWork {
     count_statuses();
     client::append_cost(response.cost(), &cost_);
     samples_ = std::max(samples_, response.samples());
+    missed_surfaces_.insert(response.missed_surfaces().begin(), response.missed_surfaces().end());
     return journal_ ? journal_->add(JournalRecord{run, sum_of(rows_)}.bytes()) : absl::OkStatus();
   }
 
@@ -211,6 +212,7 @@ class Irradiance final : public DistributedWork {
     result.from_journal = from_journal_;
     result.samples = samples_ > 0 ? samples_ : samples_of(options_.request);
     result.statuses = statuses_;
+    result.missed_surfaces = missed_surfaces_;
     result.cost = cost_;
   }
 
@@ -273,6 +275,7 @@ class Irradiance final : public DistributedWork {
         !(response.status().empty() || has(response.status_size(), 1)) ||
         !(response.lower_lx().empty() || has(response.lower_lx_size(), 1)) ||
         response.upper_lx_size() != response.lower_lx_size() ||
+        !(response.unsampled_bound_lx().empty() || has(response.unsampled_bound_lx_size(), 1)) ||
         (target &&
          (response.lower_lx().empty() || !has(response.item_costs().samples_size(), 1))) ||
         !has(response.spectral_irradiance_size(), wavelengths))
@@ -289,6 +292,7 @@ class Irradiance final : public DistributedWork {
                                                             : int{response.status(i)});
       *row++ = response.lower_lx().empty() ? kUnknown : response.lower_lx(i);
       *row++ = response.upper_lx().empty() ? kUnknown : response.upper_lx(i);
+      *row++ = response.unsampled_bound_lx().empty() ? 0 : response.unsampled_bound_lx(i);
       if (target) *row++ = static_cast<float>(response.item_costs().samples(i));
       for (std::size_t w = 0; w < wavelengths; ++w)
         *row++ = response.spectral_irradiance(static_cast<int>(i * wavelengths + w));
@@ -313,6 +317,7 @@ class Irradiance final : public DistributedWork {
   std::uint64_t from_journal_ = 0;
   std::uint32_t samples_ = 0;
   std::array<std::uint64_t, v1::ItemStatus_ARRAYSIZE> statuses_{};
+  std::set<std::string> missed_surfaces_;
   v1::Cost cost_;
 };
 

@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -61,14 +62,15 @@ struct IrradianceJobOptions {
 /// - zero bound [lx]
 /// - status (lucerna.v1.ItemStatus, 1 is ITEM_STATUS_OK)
 /// - lower and upper end of the interval of the illuminance [lx]; NaN if there is none
+/// - part of the upper end that bounds light which no sample finds [lx]
 /// - number of samples, only with a target error
 /// - irradiance at each of the request's wavelengths [W/m2/nm]
 ///
 /// EstimateIrradianceResponse describes the values.
-inline constexpr std::size_t kIrradianceColumns = 9;
+inline constexpr std::size_t kIrradianceColumns = 10;
 inline constexpr std::size_t kStandardErrorColumn = 4, kStatusColumn = 6, kLowerColumn = 7,
-                             kUpperColumn = 8;
-inline constexpr std::size_t kSamplesColumn = 9;  ///< only with a target error
+                             kUpperColumn = 8, kUnsampledColumn = 9;
+inline constexpr std::size_t kSamplesColumn = 10;  ///< only with a target error
 std::size_t irradiance_columns(const v1::EstimateIrradianceRequest& request);
 
 struct IrradianceJobResult {
@@ -79,6 +81,8 @@ struct IrradianceJobResult {
   /// Number of receivers with each status, indexed by the status.  A status that this library does
   /// not know counts as ITEM_STATUS_UNSPECIFIED.
   std::array<std::uint64_t, v1::ItemStatus_ARRAYSIZE> statuses{};
+  /// The places of surfaces that this run's answers name in `missed_surfaces`.
+  std::set<std::string> missed_surfaces;
   /// Cost of this run; the wall time is that of the job.
   v1::Cost cost;
 };

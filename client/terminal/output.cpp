@@ -213,13 +213,18 @@ std::string describe_inside(const google::protobuf::RepeatedField<int>& statuses
 std::string describe_missed(const v1::EstimateIrradianceResponse& response) {
   const auto points = std::count(response.status().begin(), response.status().end(),
                                  v1::ITEM_STATUS_MAY_MISS_LIGHT);
+  return describe_missed(static_cast<std::uint64_t>(points),
+                         static_cast<std::uint64_t>(response.status_size()),
+                         {response.missed_surfaces().begin(), response.missed_surfaces().end()});
+}
+
+std::string describe_missed(std::uint64_t points, std::uint64_t all,
+                            const std::set<std::string>& surfaces) {
   if (points == 0) return {};
   std::string way;
-  for (const std::string& surface : response.missed_surfaces())
-    way += (way.empty() ? " by way of " : ", ") + surface;
+  for (const std::string& surface : surfaces) way += (way.empty() ? " by way of " : ", ") + surface;
   return fmt::format("{}{} may be missed at {} of {} points; ",
-                     way.empty() ? "reflected light" : "light", way, points,
-                     response.status_size());
+                     way.empty() ? "reflected light" : "light", way, points, all);
 }
 
 std::string describe(const v1::Cost& cost) {

@@ -3,6 +3,7 @@
 
 #include <google/protobuf/message.h>
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -102,6 +103,9 @@ bool any_failed(const google::protobuf::RepeatedField<int>& statuses);
 /// "light by way of room.pbrt:12:1 may be missed at 4 of 8 points; ".  Empty if none has the status
 /// MAY_MISS_LIGHT.
 std::string describe_missed(const v1::EstimateIrradianceResponse& response);
+/// The same for `points` of `all` points.  `surfaces`: the places of the surfaces.
+std::string describe_missed(std::uint64_t points, std::uint64_t all,
+                            const std::set<std::string>& surfaces);
 /// "2 of 8 points are inside of solids or behind lamps; ".  Empty if none is.
 std::string describe_inside(const google::protobuf::RepeatedField<int>& statuses);
 

@@ -123,8 +123,8 @@ TEST_F(CliCertainty, ApproximationsAreNotExact) {
     std::string header, row;
     std::getline(file, header);
     std::getline(file, row);
-    EXPECT_THAT(header, EndsWith(",status,lower_lx,upper_lx,approximate"));
-    EXPECT_THAT(row, EndsWith(std::string(way) == "rays" ? ",false" : ",true"));
+    EXPECT_THAT(header, EndsWith(",status,lower_lx,upper_lx,approximate,unsampled_bound_lx"));
+    EXPECT_THAT(row, EndsWith(std::string(way) == "rays" ? ",false,0" : ",true,0"));
   }
 }
 
@@ -170,9 +170,9 @@ TEST_F(CliCertainty, MissedTargetsAreCounted) {
   std::ifstream rows(path("a.csv"));
   std::string line;
   std::getline(rows, line);
-  EXPECT_THAT(line, EndsWith(",approximate,samples,reached"));
+  EXPECT_THAT(line, EndsWith(",approximate,unsampled_bound_lx,samples,reached"));
   std::getline(rows, line);
-  EXPECT_THAT(line, EndsWith(",false,64,false"));
+  EXPECT_THAT(line, EndsWith(",false,0,64,false"));
   std::getline(rows, line);  // no light is visible from below
   EXPECT_THAT(line, EndsWith(",true"));
 }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <sstream>
 
+#include "client/jobs/irradiance_job.h"
 #include "tests/e2e/cli_fixture.h"
 
 // This header removes macros that Protobuf's headers need, so it comes last.
@@ -125,14 +126,14 @@ TEST_F(CliIrradianceFiles, FilesHoldTheNumbersOfTheTableToTheBit) {
   std::getline(lines, line);
   EXPECT_EQ(line,
             "x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status,"
-            "lower_lx,upper_lx,approximate");
+            "lower_lx,upper_lx,approximate,unsampled_bound_lx");
   std::vector<float> illuminance, errors, lower, upper;
   int invalid = 0;
   while (std::getline(lines, line)) {
     std::istringstream fields(line);
     std::vector<std::string> values;
     for (std::string field; std::getline(fields, field, ',');) values.push_back(field);
-    ASSERT_EQ(values.size(), 13U) << line;
+    ASSERT_EQ(values.size(), 14U) << line;
     illuminance.push_back(std::stof(values[3]));
     errors.push_back(std::stof(values[7]));
     lower.push_back(std::stof(values[10]));
@@ -155,7 +156,7 @@ TEST_F(CliIrradianceFiles, FilesHoldTheNumbersOfTheTableToTheBit) {
                                      "--servers", server_->target(), "--journal", path("journal")},
                                     "sky.pbrt");
   EXPECT_EQ(listed.status, 1) << listed.err;
-  EXPECT_EQ(bytes("a.npy").size(), 128U + 150 * 9 * 4);
+  EXPECT_EQ(bytes("a.npy").size(), 128U + 150 * client::kIrradianceColumns * 4);
   EXPECT_EQ(bytes("a.npy"), bytes("b.npy"));
   // Normals in a file of their own.
   std::vector<double> points, normals;
@@ -181,6 +182,34 @@ TEST_F(CliIrradianceFiles, FilesHoldTheNumbersOfTheTableToTheBit) {
                                                        "a.csv", "a.npy", "c.npy", "my.pbrt"));
 }
 
+TEST_F(CliIrradianceFiles, TheBoundOfMissedLightHasAColumn) {
+  std::ofstream(path("scenes/bowl.pbrt"))
+      << "WorldBegin\n"
+         "AttributeBegin Translate 0 0 3 AreaLightSource \"diffuse\" \"rgb L\" [9 9 9]\n"
+         "Shape \"sphere\" \"float radius\" 1e-3 AttributeEnd\n"
+         "Material \"dielectric\" Shape \"sphere\" \"float radius\" 0.01\n";
+  write("points.csv", "x,y,z,nx,ny,nz\n0.5,0,0,0,0,1\n");
+  const Outcome outcome = lucerna({"irradiance", "bowl.pbrt", "--points", path("points.csv"), "-o",
+                                   path("a.csv"), "--error", "5%"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("a.csv: 1 points, 1 MAY_MISS_LIGHT; light by way of "
+                                     "bowl.pbrt:4:23 may be missed at 1 of 1 points; "));
+  EXPECT_THAT(outcome.out, ::testing::Not(HasSubstr("missed the target")));
+  std::istringstream lines(bytes("a.csv"));
+  std::string line;
+  std::getline(lines, line);
+  std::getline(lines, line);
+  std::istringstream fields(line);
+  std::vector<std::string> values;
+  for (std::string field; std::getline(fields, field, ',');) values.push_back(field);
+  ASSERT_EQ(values.size(), 16U) << line;
+  const double lower = std::stod(values[10]), upper = std::stod(values[11]),
+               bound = std::stod(values[13]);
+  EXPECT_GT(bound, 0);
+  EXPECT_NEAR(upper - bound, lower, 0.05 * lower);
+  EXPECT_EQ(values[15], "true") << "the target is judged without the bound";
+}
+
 TEST_F(CliIrradianceFiles, ATargetErrorAddsSamples) {
   write("points.csv", "x,y,z,nx,ny,nz\n1000.1,0.2,0.1,0,0,1\n1001,-0.3,0.2,0,1,1\n");
   const std::vector<std::string> base = {"irradiance", "sky.pbrt", "--points", path("points.csv"),
@@ -195,15 +224,17 @@ TEST_F(CliIrradianceFiles, ATargetErrorAddsSamples) {
   std::istringstream lines(bytes("a.csv"));
   std::string line;
   std::getline(lines, line);
-  EXPECT_THAT(line, ::testing::EndsWith(",status,lower_lx,upper_lx,approximate,samples,reached"));
+  EXPECT_THAT(line,
+              ::testing::EndsWith(
+                  ",status,lower_lx,upper_lx,approximate,unsampled_bound_lx,samples,reached"));
   std::vector<float> rows;
   while (std::getline(lines, line)) {
     std::istringstream fields(line);
     std::vector<std::string> values;
     for (std::string field; std::getline(fields, field, ',');) values.push_back(field);
-    ASSERT_EQ(values.size(), 15U) << line;
+    ASSERT_EQ(values.size(), 16U) << line;
     const float lux = std::stof(values[3]), lower = std::stof(values[10]),
-                upper = std::stof(values[11]), samples = std::stof(values[13]);
+                upper = std::stof(values[11]), samples = std::stof(values[14]);
     EXPECT_LE(lower, lux);
     EXPECT_GE(upper, lux);
     EXPECT_GE(samples, 64);
@@ -212,10 +243,13 @@ TEST_F(CliIrradianceFiles, ATargetErrorAddsSamples) {
   ASSERT_EQ(rows.size(), 6U);
   ASSERT_EQ(into("a.npy").status, 0);
   const std::string npy = bytes("a.npy");
-  EXPECT_THAT(npy, HasSubstr("(2, 10)"));
-  std::vector<float> numbers(20);
-  std::memcpy(numbers.data(), npy.data() + npy.size() - 80, 80);
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(numbers[i / 3 * 10 + 7 + i % 3], rows[i]) << i;
+  EXPECT_THAT(npy, HasSubstr("(2, 11)"));
+  std::vector<float> numbers(22);
+  std::memcpy(numbers.data(), npy.data() + npy.size() - 88, 88);
+  constexpr std::array<std::size_t, 3> kColumns{client::kLowerColumn, client::kUpperColumn,
+                                                client::kSamplesColumn};
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(numbers[i / 3 * 11 + kColumns[i % 3]], rows[i]) << i;
   // The same in channels of a map.
   write_exr("points.exr", {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z"}, map(true, true));
   const Outcome exr = lucerna({"irradiance", "plane.pbrt", "--points", path("points.exr"),
@@ -242,11 +276,12 @@ TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
   ASSERT_EQ(spec.height, kHeight);
   EXPECT_THAT(spec.channelnames,
               ::testing::UnorderedElementsAre("R", "G", "B", "illuminance.Y", "standard_error.Y",
-                                              "zero_bound.Y", "status.Y", "lower.Y", "upper.Y"));
-  std::vector<float> values(std::size_t{kWidth} * kHeight * 9);
-  ASSERT_TRUE(file->read_image(0, 0, 0, 9, OIIO::TypeDesc::FLOAT, values.data()));
+                                              "zero_bound.Y", "status.Y", "lower.Y", "upper.Y",
+                                              "unsampled_bound.Y"));
+  std::vector<float> values(std::size_t{kWidth} * kHeight * 10);
+  ASSERT_TRUE(file->read_image(0, 0, 0, 10, OIIO::TypeDesc::FLOAT, values.data()));
   const auto at = [&](int u, int v, const char* channel) {
-    return values[(static_cast<std::size_t>(v) * kWidth + u) * 9 + spec.channelindex(channel)];
+    return values[(static_cast<std::size_t>(v) * kWidth + u) * 10 + spec.channelindex(channel)];
   };
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
@@ -271,7 +306,7 @@ TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
   const auto two = OIIO::ImageInput::open(path("two.exr"));
   ASSERT_TRUE(two);
   std::vector<float> others(values.size());
-  ASSERT_TRUE(two->read_image(0, 0, 0, 9, OIIO::TypeDesc::FLOAT, others.data()));
+  ASSERT_TRUE(two->read_image(0, 0, 0, 10, OIIO::TypeDesc::FLOAT, others.data()));
   EXPECT_EQ(values, others);
   // A single sample has no error, so there is no picture of it.
   EXPECT_EQ(lucerna({"irradiance", "plane.pbrt", "--samples", "1", "--points", path("points.exr"),
@@ -351,7 +386,7 @@ TEST_F(CliIrradianceFiles, AFailedJobLeavesNoFile) {
   EXPECT_THAT(files(), ::testing::UnorderedElementsAre("six.csv", "out.npy"));
   EXPECT_EQ(bytes("out.npy"), "old");
   EXPECT_EQ(irradiance({"--points", path("six.csv"), "-o", path("out.npy")}).status, 0);
-  EXPECT_EQ(bytes("out.npy").size(), 128U + 9 * 4);
+  EXPECT_EQ(bytes("out.npy").size(), 128U + client::kIrradianceColumns * 4);
 }
 
 }  // namespace

@@ -108,6 +108,7 @@ class IrradianceJob : public ::testing::Test {
       rows.push_back(static_cast<float>(answer.status(i)));
       rows.push_back(answer.lower_lx(i));
       rows.push_back(answer.upper_lx(i));
+      rows.push_back(answer.unsampled_bound_lx().empty() ? 0 : answer.unsampled_bound_lx(i));
       if (!answer.has_item_costs()) continue;
       rows.push_back(static_cast<float>(answer.item_costs().samples(i)));
     }
@@ -234,16 +235,16 @@ TEST_F(IrradianceJob, ASingleSampleHasNoErrorAndWavelengthsAreTheLastColumns) {
   options_.request.add_wavelengths_nm(555);
   ASSERT_TRUE(client::run_irradiance_job(options_).ok());
   const std::vector<float> rows = results();
-  ASSERT_EQ(rows.size(), 11 * kPoints);
+  ASSERT_EQ(rows.size(), 12 * kPoints);
   for (const std::size_t c :
        {client::kStandardErrorColumn, client::kLowerColumn, client::kUpperColumn})
     EXPECT_TRUE(std::isnan(rows[c])) << c;
   EXPECT_GT(rows[0], 0);
   EXPECT_EQ(rows[client::kStatusColumn], 1);
   // In W/m2/nm.  The white light has most of its watts in the middle.
-  EXPECT_GT(rows[9], 0);
-  EXPECT_GT(rows[10], 0);
-  EXPECT_LT(rows[10], rows[0] / 100);
+  EXPECT_GT(rows[client::kIrradianceColumns], 0);
+  EXPECT_GT(rows[client::kIrradianceColumns + 1], 0);
+  EXPECT_LT(rows[client::kIrradianceColumns + 1], rows[0] / 100);
 }
 
 TEST_F(IrradianceJob, ATargetErrorGivesIntervalsAndSamplesOfEachReceiver) {
@@ -259,10 +260,10 @@ TEST_F(IrradianceJob, ATargetErrorGivesIntervalsAndSamplesOfEachReceiver) {
   expect_the_same_bits(again);
   EXPECT_EQ(again->from_journal, kPoints);
   const std::vector<float> rows = results();
-  ASSERT_EQ(rows.size(), 10 * kPoints);
+  ASSERT_EQ(rows.size(), 11 * kPoints);
   EXPECT_LT(rows[7], rows[0]);
   EXPECT_GT(rows[8], rows[0]);
-  EXPECT_GE(rows[9], 64);
+  EXPECT_GE(rows[client::kSamplesColumn], 64);
   // Without the target the rows have other columns, so they must not replace these.
   options_.request.mutable_accuracy()->set_samples(48);
   EXPECT_EQ(client::run_irradiance_job(options_).status().code(),
