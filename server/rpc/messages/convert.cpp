@@ -1,6 +1,7 @@
 #include "server/rpc/messages/convert.h"
 
 #include "server/estimate/queries/queries.h"
+#include "server/smooth/smooth_remarks.h"
 
 namespace lucerna::rpc {
 
@@ -53,7 +54,7 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
 }
 
 void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Remark>* out) {
-  for (const Remark& remark : scene.remarks()) {
+  const auto add = [&](const Remark& remark) {
     v1::Remark* r = out->Add();
     r->set_file(remark.where.file);
     r->set_line(static_cast<std::uint32_t>(remark.where.line));
@@ -67,7 +68,9 @@ void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Rema
       p->set_line(static_cast<std::uint32_t>(place.line));
       p->set_column(static_cast<std::uint32_t>(place.column));
     }
-  }
+  };
+  for (const Remark& remark : scene.remarks()) add(remark);
+  if (const auto remark = remark_on_smooth_surfaces(scene)) add(*remark);
 }
 
 void set_contents(const Scene& scene, v1::SceneContents* out) {

@@ -1,7 +1,9 @@
 #include "server/smooth/smooth_surfaces.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/smooth/smooth_remarks.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna::testing {
@@ -124,6 +126,38 @@ TEST(SmoothSurfaces, InstancesHaveTheirOwnParts) {
   const std::int32_t part = s.part_of(*hit);
   ASSERT_GE(part, 0);
   EXPECT_NEAR(s.parts()[static_cast<std::size_t>(part)].height(hit->position), 0, 1e-6);
+}
+
+TEST(SmoothRemarks, NameWhatLightMayBeMissed) {
+  const auto remark_of = [](SceneDescription d) {
+    return remark_on_smooth_surfaces(*build(std::move(d)));
+  };
+  ShapeDescription lens = shape(SphereParams{.radius_m = 0.5});
+  lens.where = {"room.pbrt", 7, 3};
+  SceneDescription d = scene_with(glass(), {lens});
+  const auto remark = remark_of(d);
+  ASSERT_TRUE(remark);
+  EXPECT_EQ(text_of(remark->where), "room.pbrt:7:3");
+  EXPECT_EQ(remark->count, 1U);
+  EXPECT_THAT(remark->instead,
+              ::testing::HasSubstr("light of lights without one is missed (light 1)"));
+  for (int i = 0; i < 6; ++i) {
+    d.lights.push_back(point_light({0, 0, 5}, 1));
+    d.shapes.push_back(d.shapes.back());
+  }
+  const auto many = remark_of(d);
+  ASSERT_TRUE(many);
+  EXPECT_EQ(many->count, 7U);
+  EXPECT_EQ(many->more.size(), 4U);
+  EXPECT_THAT(many->instead, ::testing::HasSubstr("(light 1, 2, 3, 4 and 3 more)"));
+  d.lights = {{UniformInfiniteLightParams{Rgb<double>(1)}, {"test.pbrt", 6, 1}}};
+  const auto found = remark_of(d);
+  ASSERT_TRUE(found);
+  EXPECT_THAT(found->instead, ::testing::Not(::testing::HasSubstr("is missed")));
+  d.lights.clear();
+  EXPECT_FALSE(remark_of(d)) << "without lights nothing is missed";
+  EXPECT_FALSE(remark_of(scene_with(mirror(), {floor(1)}))) << "a flat mirror is solved";
+  EXPECT_FALSE(remark_of(scene_with(mirror(0.5), {lens}))) << "rough metal is not smooth";
 }
 
 }  // namespace

@@ -1,0 +1,54 @@
+#include "server/smooth/smooth_remarks.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "server/scene/light_at_time.h"
+#include "server/smooth/smooth_surfaces.h"
+
+namespace lucerna {
+namespace {
+
+/// Without any, nothing is collected, and no part of the scene is built.
+bool has_smooth_surfaces(const Scene& scene) {
+  bool any = !scene.surfaces().smooth.empty();
+  for (std::uint32_t i = 0; !any && i < scene.accelerator().instance_count(); ++i)
+    any = !scene.surfaces_of(scene.accelerator().instance(i).object).smooth.empty();
+  return any;
+}
+
+}  // namespace
+
+std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene) {
+  constexpr std::size_t kMostNamed = 4;
+  if (scene.lights().empty() || !has_smooth_surfaces(scene)) return std::nullopt;
+  std::vector<std::uint64_t> deltas;
+  for (const SceneLight& light : scene.lights())
+    if (is_delta(light) || light.is_unseen) deltas.push_back(light.id);
+  Remark remark;
+  remark.count = 0;
+  for (const UnsolvedSurface& s : smooth_surfaces(scene).unsolved()) {
+    if (s.is_glossy && deltas.empty()) continue;
+    if (remark.count++ == 0)
+      remark.where = s.where;
+    else if (remark.more.size() < kMostNamed)
+      remark.more.push_back(s.where);
+  }
+  if (remark.count == 0) return std::nullopt;
+  remark.what = "a smooth surface that is curved, moves or has a normal map";
+  remark.instead = "by way of it, light of lights with a size is found by chance";
+  if (!deltas.empty()) {
+    const std::size_t more = deltas.size() - std::min(deltas.size(), kMostNamed);
+    deltas.resize(deltas.size() - more);
+    remark.instead +=
+        fmt::format(", and light of lights without one is missed (light {}{})",
+                    fmt::join(deltas, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+  }
+  remark.instead += "; answers that it may change have the status MAY_MISS_LIGHT";
+  return remark;
+}
+
+}  // namespace lucerna
