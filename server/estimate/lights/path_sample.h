@@ -53,6 +53,8 @@ struct PathSample {
   static constexpr std::uint32_t kFirstLobe = 1u << 29;
   /// For the point of the lens; drawn only if there is one.
   static constexpr std::uint32_t kLens = kTime - 1;
+  /// For the direction towards a smooth surface that sends light to the receiver.
+  static constexpr std::uint32_t kGuided = kLens - 1;
   /// If every light is sampled at a vertex, each has its own pair from here on.
   static constexpr std::uint32_t kFirstVisited = 1u << 30;
 

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <numbers>
 
+#include "server/estimate/lights/lamp_rays.h"
 #include "server/estimate/paths/path.h"
 #include "server/estimate/queries/delta_irradiance.h"
 #include "server/estimate/queries/irradiance_estimate.h"
@@ -38,6 +39,7 @@ struct Settled {
   Spending spending{};
   bool needs_samples = false;
   bool gathers = false;  // samples directions of the receiver too
+  GuidedDirections guided{};
 };
 
 /// Sums over all samples of one point.
@@ -64,6 +66,8 @@ class IrradianceEstimator {
         direct_(tracer_.direct()),
         gather_indirect_(gathers_reflected_light(scene, settings)),
         by_way_(gather_indirect_ && tracer_.smooth().any()),
+        lamp_rays_(gather_indirect_ && direct_.finds_lights() ? lamp_rays(scene)
+                                                              : std::span<const LampRay>()),
         missed_(scene, settings.bounces),
         confidence_(settings.target ? settings.target->confidence : kConfidence),
         rule_(confidence_, settings.block_count,
@@ -227,6 +231,8 @@ class IrradianceEstimator {
               .spending = spending(samples)};
     s.needs_samples = !settle_lights(receiver, samples, s, work) || gather_indirect_;
     s.gathers = gather_indirect_ || (direct_.finds_lights() && s.needs_samples);
+    if (!lamp_rays_.empty())
+      s.guided = GuidedDirections(lamp_rays_, receiver.position, receiver.ns);
     return s;
   }
 
@@ -363,17 +369,31 @@ class IrradianceEstimator {
     to.reflected += e.unshadowed.is_black() ? 0 : 1;
   }
 
-  /// Adds the light that a direction of the receiver finds: lights, and light that surfaces
-  /// reflect.
+  /// Adds the light that directions of the receiver find: lights, and light that surfaces reflect.
   void gather(const SurfaceHit& receiver, const PathSample& s, const Settled& settled,
               LightEstimate& sum, Sampled& to, WorkCounts& work) const {
     const Vec3<float> n(receiver.ns);
-    const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
+    gather_along(PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection)), false,
+                 receiver, s, settled, sum, to, work);
+    if (!settled.guided.any()) return;
+    const Vec3<float> wi = settled.guided.sample(s.pair(PathSample::kGuided));
+    if (dot(n, wi) > 0) gather_along(wi, true, receiver, s, settled, sum, to, work);
+  }
+  /// The same for one direction.  `is_guided`: it was drawn for surfaces that are not plain; light
+  /// from these counts with the balance heuristic of both ways. [Veach95]
+  void gather_along(const Vec3<float>& wi, bool is_guided, const SurfaceHit& receiver,
+                    const PathSample& s, const Settled& settled, LightEstimate& sum, Sampled& to,
+                    WorkCounts& work) const {
+    const Vec3<float> n(receiver.ns);
     const double pdf = dot(n, wi) * std::numbers::inv_pi;
     const Ray ray = spawn_ray(receiver, wi);
     ++work.indirect_rays;
     const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
-    const Rgb<double> left = scene_.has_media() ? tracer_.left_by_media(ray, hit) : Rgb<double>(1);
+    const bool both = settled.guided.any() && hit && scene_.plain_diffuse(hit->material) == nullptr;
+    if (is_guided && !both) return;
+    Rgb<double> left(1);
+    if (both) left = left * (pdf / (pdf + settled.guided.pdf(wi)));
+    if (scene_.has_media()) left = left * tracer_.left_by_media(ray, hit);
     const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
       return settled.lights.has(light)
                  ? 0.0
@@ -386,7 +406,7 @@ class IrradianceEstimator {
       });
       // Light behind an obstacle counts as hidden.  Light samples may choose only values above a
       // light's mean.  Then only this shows that the light exists.
-      if (hit)
+      if (hit && !is_guided)
         tracer_.for_each_emitter(ray, std::nullopt,
                                  [&](std::uint32_t light, const Rgb<double>& le) {
                                    add(light, {{}, le * weight(light, std::nullopt)}, sum, to);
@@ -409,6 +429,7 @@ class IrradianceEstimator {
   const DirectLight& direct_;
   const bool gather_indirect_;
   const bool by_way_;  // of smooth surfaces, light is sampled
+  const std::span<const LampRay> lamp_rays_;
   const MissedLightRule missed_;
   const double confidence_;
   const IntervalRule rule_;  ///< for points with the sample count of the settings
