@@ -384,7 +384,10 @@ class SmoothSurfaces::Collector {
   std::size_t faces_ = 0;  // of parts
 };
 
-SmoothSurfaces::SmoothSurfaces(const Scene& scene) { Collector(scene, *this).collect(); }
+SmoothSurfaces::SmoothSurfaces(const Scene& scene) {
+  Collector(scene, *this).collect();
+  if (parts_.size() > kFewParts) tree_ = PartTree(parts_);
+}
 
 std::int32_t SmoothSurfaces::part_of(const SurfaceHit& hit) const {
   const auto of = of_shape_.find(key(hit.shape, hit.kind));
@@ -394,8 +397,8 @@ std::int32_t SmoothSurfaces::part_of(const SurfaceHit& hit) const {
 }
 
 std::size_t SmoothSurfaces::bytes() const {
-  std::size_t sum =
-      parts_.capacity() * sizeof(SmoothPart) + unsolved_.capacity() * sizeof(UnsolvedSurface);
+  std::size_t sum = tree_.bytes() + parts_.capacity() * sizeof(SmoothPart) +
+                    unsolved_.capacity() * sizeof(UnsolvedSurface);
   for (const auto& [shape, of] : of_shape_)
     sum += sizeof of + sizeof shape + of.parts.capacity() * sizeof(std::int32_t);
   return sum;

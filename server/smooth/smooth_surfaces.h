@@ -7,44 +7,15 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
-#include "lights/maths/vec.h"
 #include "server/scene/scene.h"
+#include "server/smooth/part_tree.h"
+#include "server/smooth/smooth_part.h"
 
 namespace lucerna {
-
-/// Faces in one plane, or a whole sphere, of one material.  About the scene's origin [m].
-struct SmoothPart {
-  bool is_sphere = false;  ///< reflects on its outside only
-  bool reflects = false;
-  /// Whether light passes it in a single direction.  Panes that direct light passes do not count.
-  bool refracts = false;
-  /// Of a plane that is nearly a mirror: the roughness alpha of its facets; else 0.
-  double glossy_alpha = 0;
-  /// The index on the side to which -n points, over that to which n points.
-  double eta = 1;
-  /// The share of light that it reflects along its normal, at some point of it.  For choices only.
-  double reflected = 0;
-  std::uint32_t material = 0;
-  /// Of a plane: unit, on the outside.
-  Vec3<double> n{};
-  /// Of a plane: the middle of a rectangle that contains the faces, and half its edges.  Of a
-  /// sphere: its centre.
-  Vec3<double> middle{}, half_u{}, half_v{};
-  double radius_m = 0;  ///< of a sphere
-
-  /// The height of `p` over the plane, on the side of n [m].
-  double height(const Vec3<double>& p) const { return dot(n, p - middle); }
-  /// The lowest and the highest corner of this rectangle over the plane of `other` [m].
-  std::pair<double, double> heights_over(const SmoothPart& other) const;
-  /// Whether a point of the plane lies within the rectangle, or within a thousandth of it.
-  bool may_contain(const Vec3<double>& p) const;
-};
 
 /// A smooth surface by way of which paths are not computed.
 struct UnsolvedSurface {
@@ -61,6 +32,10 @@ class SmoothSurfaces {
 
   bool empty() const { return parts_.empty() && unsolved_.empty(); }
   std::span<const SmoothPart> parts() const { return parts_; }
+  /// With this many parts or fewer, each is visited.
+  static constexpr std::size_t kFewParts = 64;
+  /// Of the parts.  Empty if they are few.
+  const PartTree& tree() const { return tree_; }
   std::span<const UnsolvedSurface> unsolved() const { return unsolved_; }
   /// The part that a ray hit; kNone where it is no part.
   static constexpr std::int32_t kNone = -1;
@@ -81,6 +56,7 @@ class SmoothSurfaces {
   }
 
   std::vector<SmoothPart> parts_;
+  PartTree tree_;
   std::vector<UnsolvedSurface> unsolved_;
   std::unordered_map<std::uint64_t, ShapeParts> of_shape_;
   bool has_rough_surfaces_ = false;

@@ -20,22 +20,6 @@ constexpr double kFewOfCrowd = 4;
 /// With at most this many lights, each is sampled.
 constexpr std::size_t kFewLights = 20, kFewLightsOnPaths = 3;
 
-/// Random numbers of the choices, apart from those of direct light and of directions.
-constexpr std::uint32_t kFirstPair = 3U << 30;
-constexpr std::uint32_t kPairsOfVertex = 1U << 20;
-
-/// Uniform numbers that depend on the path and the vertex only.
-class Choices {
- public:
-  Choices(const PathSample& s, std::uint32_t depth)
-      : s_(s), next_(kFirstPair + depth * kPairsOfVertex) {}
-  double uniform() { return s_.pair(next_++).x; }
-
- private:
-  const PathSample& s_;
-  std::uint32_t next_;
-};
-
 int sign_of(double x) { return x < 0 ? -1 : 1; }
 
 }  // namespace
@@ -52,6 +36,7 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
     bends_ |= parts_[i].is_sphere || (parts_[i].refracts && parts_[i].eta != 1);
     if (parts_[i].glossy_alpha > 0) glossy_.push_back(i);
   }
+  if (!surfaces_.tree().empty()) find_places();
   if (glossy_.empty()) return;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
     if (is_delta(scene.lights()[l])) deltas_.push_back(l);
@@ -121,12 +106,15 @@ bool SmoothLight::may_follow(const Vertex& v, const Sequence& parent, const Smoo
 
 void SmoothLight::add_next(const Vertex& v, const Sequence& parent, Nexts& to) const {
   if (parent.steps.size() >= std::min<std::size_t>(kMostSteps, v.most_steps)) return;
-  for (const SmoothPart& part : parts_) {
-    int side = 1;
-    if (!may_follow(v, parent, part, side)) continue;
-    if (part.reflects) to.push_back({{&part, false}, side, std::max(part.reflected, 0.01)});
-    if (part.refracts) to.push_back({{&part, true}, side, std::max(1 - part.reflected, 0.01)});
-  }
+  for (const SmoothPart& part : parts_) add_next(v, parent, part, to);
+}
+
+void SmoothLight::add_next(const Vertex& v, const Sequence& parent, const SmoothPart& part,
+                           Nexts& to) const {
+  int side = 1;
+  if (!may_follow(v, parent, part, side)) return;
+  if (part.reflects) to.push_back({{&part, false}, side, std::max(part.reflected, 0.01)});
+  if (part.refracts) to.push_back({{&part, true}, side, std::max(1 - part.reflected, 0.01)});
 }
 
 auto SmoothLight::extended(const Sequence& parent, const Next& next) -> Sequence {
@@ -157,6 +145,7 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
   // Without a normal, light arrives from both sides.
   if (v.scattering == nullptr || !v.scattering->transmits())
     root.image_normal = dot(v.hit.ns, Vector(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
+  if (!surfaces_.tree().empty()) return sample_crowd(v, root, choices, s, work, found);
   // Paths by balls and glass are solved, which takes as long as ten images.
   const std::size_t most = !v.is_receiver ? kMostFirstOnPaths : bends_ ? kMostBent : kMostFirst;
   Nexts nexts;
@@ -224,13 +213,18 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
 }
 
 void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t number,
-                        const PathSample& s, WorkCounts& work, const Found& found) const {
+                        const PathSample& s, WorkCounts& work, const Found& found,
+                        Lights which) const {
+  const auto counts = [&](std::uint32_t light) {
+    return which == Lights::kAll || has_place_[light] == (which == Lights::kWithPlace);
+  };
   const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
   // A pair for the point of each light, then two for a light that is chosen.
   const std::uint32_t first = kFirstPair + v.depth * kPairsOfVertex + kPairsOfVertex / 2 +
                               number % kMostVisited * (kFewLights + 2);
   if (v.each_light || lights <= (v.is_receiver ? kFewLights : kFewLightsOnPaths)) {
     for (std::uint32_t l = 0; l < lights; ++l) {
+      if (!counts(l)) continue;
       const Vec2<float> u = s.pair(first + l);
       sample_light(v, sequence, l, 1, {u.x, u.y}, work, found);
     }
@@ -242,7 +236,7 @@ void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t
   const auto choice = scene_.light_selector().choose(
       sequence.is_bent ? LightSelection::kPower : LightSelection::kBvh, from,
       choosing_value(s.pair(first + kFewLights)));
-  if (!choice) return;
+  if (!choice || !counts(choice->light)) return;
   const Vec2<float> u = s.pair(first + kFewLights + 1);
   sample_light(v, sequence, choice->light, choice->probability, {u.x, u.y}, work, found);
 }

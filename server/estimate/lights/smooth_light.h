@@ -92,6 +92,20 @@ class SmoothLight {
   bool is_portal(std::uint32_t light) const {
     return scene_.lights()[light].light.get_if<PortalLight<double>>() != nullptr;
   }
+  /// Random numbers of the choices, apart from those of direct light and of directions.
+  static constexpr std::uint32_t kFirstPair = 3U << 30;
+  static constexpr std::uint32_t kPairsOfVertex = 1U << 20;
+  /// Uniform numbers that depend on the path and the vertex only.
+  class Choices {
+   public:
+    Choices(const PathSample& s, std::uint32_t depth)
+        : s_(s), next_(kFirstPair + depth * kPairsOfVertex) {}
+    double uniform() { return s_.pair(next_++).x; }
+
+   private:
+    const PathSample& s_;
+    std::uint32_t next_;
+  };
   /// A sequence of surfaces, as seen from a vertex.
   struct Sequence {
     absl::InlinedVector<SmoothStep, 4> steps;
@@ -110,11 +124,18 @@ class SmoothLight {
   };
   using Nexts = absl::InlinedVector<Next, 16>;
 
+  /// `sample` where parts are many.
+  void sample_crowd(const Vertex& v, const Sequence& root, Choices& choices, const PathSample& s,
+                    WorkCounts& work, const Found& found) const;
+  /// Whether a light may reach the vertex by a flat mirror of the node alone.
+  bool may_mirror(const Vertex& v, const PartTree::Node& node) const;
   void add_next(const Vertex& v, const Sequence& parent, Nexts& to) const;
+  void add_next(const Vertex& v, const Sequence& parent, const SmoothPart& part, Nexts& to) const;
   static Sequence extended(const Sequence& parent, const Next& next);
   bool may_follow(const Vertex& v, const Sequence& parent, const SmoothPart& part, int& side) const;
+  enum class Lights : std::uint8_t { kAll, kWithPlace, kOthers };
   void visit(const Vertex& v, const Sequence& sequence, std::uint32_t number, const PathSample& s,
-             WorkCounts& work, const Found& found) const;
+             WorkCounts& work, const Found& found, Lights which = Lights::kAll) const;
   void sample_light(const Vertex& v, const Sequence& sequence, std::uint32_t light,
                     double probability, Vec2<float> u, WorkCounts& work, const Found& found) const;
   /// The path of a sample, and what it brings without the losses on its way.
@@ -142,6 +163,17 @@ class SmoothLight {
   const LightVisibility& visibility_;
   const SmoothSurfaces& surfaces_;
   std::span<const SmoothPart> parts_;
+  /// Where light comes from.
+  struct Place {
+    bool is_direction;
+    Vec3<double> middle;  ///< or the direction, unit
+    double radius;        ///< [m], or [rad] about the direction
+  };
+  static std::optional<Place> place_of(const SceneLight& light);
+  void find_places();
+  /// If parts are many: the places of lights, and which of the lights these are.
+  std::vector<Place> places_;
+  std::vector<bool> has_place_;
   bool samples_sizes_;
   bool has_steps_ = false;             ///< whether a part mirrors or refracts
   bool bends_ = false;                 ///< whether paths by way of a part are solved

@@ -1,5 +1,6 @@
 // Light by way of smooth surfaces against paths that find it by chance: lamps here are so large
 // that directions of surfaces find them often.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -110,6 +111,16 @@ Translate 0.9 0.8 0.5
 Shape "sphere" "float radius" 0.45
 AttributeEnd
 )";
+  // 100 small mirrors, each turned to send light of the lamp to another place of the floor.
+  std::string crowd = conductor;
+  for (int i = 0; i < 100; ++i) {
+    const double x = 0.35 * (i % 10) - 1.6, y = 0.35 * (i / 10) - 1.6;
+    crowd += fmt::format(
+        "\nAttributeBegin Translate {} {} {} Rotate {} 0 1 0 Rotate {} 1 0 0 Shape "
+        "\"bilinearmesh\" "
+        "\"point3 P\" [-0.15 -0.15 0 0.15 -0.15 0 -0.15 0.15 0 0.15 0.15 0] AttributeEnd",
+        x, y, 0.4 + 0.01 * i, 180 + 20 * x, 20 * y);
+  }
   const std::string mixture = R"(
 MakeNamedMaterial "a" "string type" "diffuse" "rgb reflectance" [0.3 0.3 0.3]
 MakeNamedMaterial "b" "string type" "conductor" "rgb reflectance" [0.8 0.8 0.8] "float roughness" 0
@@ -128,6 +139,10 @@ Material "mix" "string materials" ["a" "b"] "float amount" 0.6)";
            {"a coated mirror", kLargeLamp + metal_coat + kUprightWall, 1},
            {"a mirror ball", kLargeLamp + conductor + ball, 1},
            {"a mirror ball beside a mirror", kLargeLamp + conductor + ball + kUprightWall, 3},
+           {"a crowd of mirrors", kLargeLamp + crowd, 3},
+           {"a crowd of mirrors above a floor", kLargeLamp + kGreyFloor + crowd, 3},
+           {"a crowd of mirrors under a sky",
+            "WorldBegin\nLightSource \"infinite\" \"rgb L\" [3 4 5]\n" + crowd, 3},
            {"a mixture", kLargeLamp + mixture + kUprightWall, 2},
            {"a lamp that faces away, and a mirror ball", kTurnedLamp + conductor + ball, 1},
            {"a ball of light, and a mirror ball", kRoundLamp + conductor + ball, 1},

@@ -1,0 +1,101 @@
+// Light by way of many smooth surfaces.
+#include <algorithm>
+#include <cmath>
+
+#include "server/estimate/lights/smooth_light.h"
+
+namespace lucerna {
+namespace {
+
+using Vector = Vec3<double>;
+
+/// More lamps than this count as one place.
+constexpr std::size_t kMostPlaces = 20;
+
+}  // namespace
+
+auto SmoothLight::place_of(const SceneLight& light) -> std::optional<Place> {
+  if (light.moving != nullptr) return std::nullopt;
+  const LightAtTime at(light, 0);
+  if (const auto bounds = at.bounds()) {
+    const Vector middle = bounds->lower * 0.5 + bounds->upper * 0.5;
+    return Place{false, middle, length(bounds->upper - middle)};
+  }
+  const auto* sun = light.light.get_if<SunLight<double>>();
+  if (!at.is_delta() && sun == nullptr) return std::nullopt;
+  const Vector wi = at.sample_li(Receiver<double>(Vector{}), {}).wi;
+  return Place{true, wi, sun == nullptr ? 0 : sun->params().angular_diameter_rad};
+}
+
+void SmoothLight::find_places() {
+  for (const SceneLight& light : scene_.lights()) {
+    const auto place = place_of(light);
+    has_place_.push_back(place.has_value());
+    if (place) places_.push_back(*place);
+  }
+  Bounds all;
+  for (const Place& p : places_)
+    if (!p.is_direction) all.add(p.middle);
+  // Many lamps are in one place.
+  if (places_.size() > kMostPlaces && !all.empty()) {
+    const Vector middle = all.lower * 0.5 + all.upper * 0.5;
+    Place one{false, middle, 0};
+    for (const Place& p : places_)
+      if (!p.is_direction) one.radius = std::fmax(one.radius, length(p.middle - middle) + p.radius);
+    std::erase_if(places_, [](const Place& p) { return !p.is_direction; });
+    places_.push_back(one);
+  }
+}
+
+bool SmoothLight::may_mirror(const Vertex& v, const PartTree::Node& node) const {
+  return std::ranges::any_of(places_, [&](const Place& place) {
+    return place.is_direction ? node.may_mirror_from(v.hit.position, place.middle, place.radius)
+                              : node.may_mirror(v.hit.position, place.middle, place.radius);
+  });
+}
+
+// Of many surfaces, a receiver visits those that alone may send light to it.  A random walk
+// chooses the first of the longer sequences.  On paths it chooses every surface.
+void SmoothLight::sample_crowd(const Vertex& v, const Sequence& root, Choices& choices,
+                               const PathSample& s, WorkCounts& work, const Found& found) const {
+  const PartTree& tree = surfaces_.tree();
+  const bool visits = v.is_receiver && !places_.empty();
+  std::uint32_t number = 0;
+  Nexts nexts;
+  if (visits)
+    tree.visit([&](const PartTree::Node& node) { return may_mirror(v, node); },
+               [&](std::uint32_t part) {
+                 nexts.clear();
+                 add_next(v, root, parts_[part], nexts);
+                 for (const Next& next : nexts)
+                   visit(v, extended(root, next), number++, s, work, found, Lights::kWithPlace);
+               });
+  constexpr int kWalks = 4;
+  const int walks = v.is_receiver ? kWalks : 1;
+  for (int k = 0; k < walks; ++k) {
+    Sequence walk = root;
+    walk.weight = 1.0 / walks;
+    for (;;) {
+      if (walk.steps.size() >= std::min<std::size_t>(kMostSteps, v.most_steps)) break;
+      const auto choice = tree.choose(
+          walk.steps.empty() ? v.hit.position : walk.steps.back().part->middle, choices.uniform());
+      if (!choice) break;
+      nexts.clear();
+      add_next(v, walk, parts_[choice->part], nexts);
+      if (nexts.empty()) break;
+      double sum = 0;
+      for (const Next& next : nexts) sum += next.share;
+      const double u = choices.uniform() * sum;
+      const Next& next = nexts.size() == 1 || u < nexts[0].share ? nexts[0] : nexts[1];
+      const double survival = walk.steps.empty() ? 1 : std::clamp(sum, 0.25, 0.75);
+      if (survival < 1 && choices.uniform() >= survival) break;
+      const double weight = walk.weight * sum / (choice->probability * next.share * survival);
+      walk = extended(walk, next);
+      walk.weight = weight;
+      const bool is_visited = visits && walk.steps.size() == 1;
+      visit(v, walk, number++, s, work, found, is_visited ? Lights::kOthers : Lights::kAll);
+    }
+  }
+}
+
+}  // namespace lucerna
