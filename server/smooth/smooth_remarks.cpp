@@ -38,7 +38,7 @@ std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene) {
       remark.more.push_back(s.where);
   }
   if (remark.count == 0) return std::nullopt;
-  remark.what = "a smooth surface that is curved, moves or has a normal map";
+  remark.what = "a smooth surface that is curved, moves, has a normal map or is the first of many";
   remark.instead = "by way of it, light of lights with a size is found by chance";
   if (!deltas.empty()) {
     const std::size_t more = deltas.size() - std::min(deltas.size(), kMostNamed);

@@ -100,6 +100,16 @@ class AttachedSmoothSurfaces final : public AttachedPart {
   LazyPart<SmoothSurfaces> part_{"smooth surfaces"};
 };
 
+/// The place of the first smooth surface.
+SourceLocation first_smooth(const Scene& scene) {
+  if (!scene.surfaces().smooth.empty()) return scene.surfaces().smooth[0].where;
+  for (std::uint32_t i = 0; i < scene.accelerator().instance_count(); ++i)
+    if (const auto& own = scene.surfaces_of(scene.accelerator().instance(i).object).smooth;
+        !own.empty())
+      return own[0].where;
+  return {};
+}
+
 }  // namespace
 
 std::pair<double, double> SmoothPart::heights_over(const SmoothPart& other) const {
@@ -311,18 +321,32 @@ class SmoothSurfaces::Collector {
   static Face corners(const GeometrySet& set, HitKind kind, std::uint32_t i) {
     if (kind == HitKind::kTriangle)
       return {vertex(set, i, 0), vertex(set, i, 1), vertex(set, i, 2)};
+    if (kind == HitKind::kPatch) {
+      // Files with seven digits bend flat faces by their rounding.
+      constexpr double kNearlyFlat = 3e-5;  // of the face's size
+      const BilinearPatch<double>& p = set.patches[i];
+      const Vector across = p.p11 - p.p00, n = normal(set, kind, i);
+      if (!(std::fabs(dot(p.p10 - p.p00, n)) <= kNearlyFlat * length(across))) return {};
+      return {p.p00, p.p10, p.p11, p.p01};
+    }
     if (kind != HitKind::kDisk) return {};
     const RoundEnclosure e = set.of<Disk<double>>()[i].enclosure();
     return {e.center - e.x - e.y, e.center + e.x - e.y, e.center + e.x + e.y, e.center - e.x + e.y};
   }
   static Vector normal(const GeometrySet& set, HitKind kind, std::uint32_t i) {
     if (kind == HitKind::kDisk) return set.of<Disk<double>>()[i].normals().axis;
+    if (kind == HitKind::kPatch) {
+      const BilinearPatch<double>& p = set.patches[i];
+      return normalized(cross(p.p11 - p.p00, p.p01 - p.p10));  // of the diagonals
+    }
     const Vector a = vertex(set, i, 0);
     return normalized(cross(vertex(set, i, 1) - a, vertex(set, i, 2) - a));
   }
   /// Whether shading normals turn light away from the mirror direction of the face.
   static bool has_other_normals(const GeometrySet& set, const SurfaceTable& table, HitKind kind,
                                 std::uint32_t i) {
+    if (kind == HitKind::kPatch)
+      return i < table.patch_normals.size() && table.patch_normals[i][0] != Vec3<float>{};
     if (kind != HitKind::kTriangle || table.vertex_normals.empty()) return false;
     const Vector n = normal(set, kind, i);
     for (int k = 0; k < 3; ++k) {
@@ -386,7 +410,16 @@ class SmoothSurfaces::Collector {
 
 SmoothSurfaces::SmoothSurfaces(const Scene& scene) {
   Collector(scene, *this).collect();
-  if (parts_.size() > kFewParts) tree_ = PartTree(parts_);
+  if (parts_.size() <= kFewParts) return;
+  tree_ = PartTree(parts_);
+  UnsolvedSurface crowd{.where = first_smooth(scene), .bounds_m = {}, .is_crowd = true};
+  for (const SmoothPart& p : parts_) {
+    const Vector reach{p.radius_m + std::fabs(p.half_u.x) + std::fabs(p.half_v.x),
+                       p.radius_m + std::fabs(p.half_u.y) + std::fabs(p.half_v.y),
+                       p.radius_m + std::fabs(p.half_u.z) + std::fabs(p.half_v.z)};
+    crowd.bounds_m.add(p.middle - reach), crowd.bounds_m.add(p.middle + reach);
+  }
+  unsolved_.push_back(crowd);
 }
 
 std::int32_t SmoothSurfaces::part_of(const SurfaceHit& hit) const {

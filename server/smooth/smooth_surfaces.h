@@ -23,6 +23,8 @@ struct UnsolvedSurface {
   Bounds bounds_m;  ///< about the scene's origin
   /// Nearly a mirror: directions find lamps with a size by way of it, but hardly delta lights.
   bool is_glossy = false;
+  /// Parts that are solved for paths by way of one only.
+  bool is_crowd = false;
 };
 
 /// The smooth surfaces of a scene.  Immutable; may be read from any thread.
@@ -32,8 +34,9 @@ class SmoothSurfaces {
 
   bool empty() const { return parts_.empty() && unsolved_.empty(); }
   std::span<const SmoothPart> parts() const { return parts_; }
-  /// With this many parts or fewer, each is visited.
-  static constexpr std::size_t kFewParts = 64;
+  /// With this many parts or fewer, paths by way of several are computed.  Else only those by way
+  /// of one, and all parts together are one more unsolved surface.
+  static constexpr std::size_t kFewParts = 16;
   /// Of the parts.  Empty if they are few.
   const PartTree& tree() const { return tree_; }
   std::span<const UnsolvedSurface> unsolved() const { return unsolved_; }

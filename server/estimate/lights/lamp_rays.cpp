@@ -64,7 +64,8 @@ std::optional<LampRay> follow(const Scene& scene, const SmoothSurfaces& surfaces
                            {s.at(k, PathSample::kDirection).x, s.at(k, PathSample::kDirection).y}});
     if (!on || !(on->delta || on->pdf.per_sr > kNarrow)) break;
     if (on->weight.is_black() || !is_finite(on->weight)) return std::nullopt;
-    met_unsolved |= surfaces.part_of(*hit) == SmoothSurfaces::kNone;
+    met_unsolved |=
+        surfaces.part_of(*hit) == SmoothSurfaces::kNone || (k > 0 && !surfaces.tree().empty());
     last = {Vec3<float>(hit->position), Vec3<float>(on->wi)};
     ray = spawn_ray(*hit, last.along);
   }

@@ -54,8 +54,8 @@ bool SmoothLight::may_mirror(const Vertex& v, const PartTree::Node& node) const 
   });
 }
 
-// Of many surfaces, a receiver visits those that alone may send light to it.  A random walk
-// chooses the first of the longer sequences.  On paths it chooses every surface.
+// Of many surfaces, a receiver visits those that alone may send light to it.  On paths one is
+// chosen.  Random walks find lights without a size by way of several; directions find the others.
 void SmoothLight::sample_crowd(const Vertex& v, const Sequence& root, Choices& choices,
                                const PathSample& s, WorkCounts& work, const Found& found) const {
   const PartTree& tree = surfaces_.tree();
@@ -70,32 +70,30 @@ void SmoothLight::sample_crowd(const Vertex& v, const Sequence& root, Choices& c
                  for (const Next& next : nexts)
                    visit(v, extended(root, next), number++, s, work, found, Lights::kWithPlace);
                });
-  constexpr int kWalks = 4;
-  const int walks = v.is_receiver ? kWalks : 1;
-  for (int k = 0; k < walks; ++k) {
-    Sequence walk = root;
-    walk.weight = 1.0 / walks;
-    for (;;) {
-      if (walk.steps.size() >= std::min<std::size_t>(kMostSteps, v.most_steps)) break;
-      const auto choice = tree.choose(
-          walk.steps.empty() ? v.hit.position : walk.steps.back().part->middle, choices.uniform());
-      if (!choice) break;
-      nexts.clear();
-      add_next(v, walk, parts_[choice->part], nexts);
-      if (nexts.empty()) break;
-      double sum = 0;
-      for (const Next& next : nexts) sum += next.share;
-      const double u = choices.uniform() * sum;
-      const Next& next = nexts.size() == 1 || u < nexts[0].share ? nexts[0] : nexts[1];
-      const double survival = walk.steps.empty() ? 1 : std::clamp(sum, 0.25, 0.75);
-      if (survival < 1 && choices.uniform() >= survival) break;
-      const double weight = walk.weight * sum / (choice->probability * next.share * survival);
-      walk = extended(walk, next);
-      walk.weight = weight;
-      const bool is_visited = visits && walk.steps.size() == 1;
-      visit(v, walk, number++, s, work, found, is_visited ? Lights::kOthers : Lights::kAll);
-    }
-  }
+  const bool all_visited = visits && std::ranges::find(has_place_, false) == has_place_.end();
+  if (all_visited && !has_unsized_) return;
+  Sequence walk = root;
+  do {
+    const auto choice = tree.choose(
+        walk.steps.empty() ? v.hit.position : walk.steps.back().part->middle, choices.uniform());
+    if (!choice) return;
+    nexts.clear();
+    add_next(v, walk, parts_[choice->part], nexts);
+    if (nexts.empty()) return;
+    double sum = 0;
+    for (const Next& next : nexts) sum += next.share;
+    const double u = choices.uniform() * sum;
+    const Next& next = nexts.size() == 1 || u < nexts[0].share ? nexts[0] : nexts[1];
+    const double survival = walk.steps.empty() ? 1 : std::clamp(sum, 0.25, 0.75);
+    if (survival < 1 && choices.uniform() >= survival) return;
+    const double weight = walk.weight * sum / (choice->probability * next.share * survival);
+    walk = extended(walk, next);
+    walk.weight = weight;
+    const Lights which = walk.steps.size() > 1 ? Lights::kUnsized
+                         : visits              ? Lights::kWithoutPlace
+                                               : Lights::kAll;
+    visit(v, walk, number++, s, work, found, which);
+  } while (has_unsized_ && walk.steps.size() < std::min<std::size_t>(kMostSteps, v.most_steps));
 }
 
 }  // namespace lucerna

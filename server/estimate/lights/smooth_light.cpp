@@ -10,13 +10,12 @@ using Vector = Vec3<double>;
 
 /// Longer sequences that leave less than this share of light are chosen at random.
 constexpr double kLeastShare = 1e-3;
-/// The most surfaces that a receiver visits as the first of a sequence, and that a vertex of a path
-/// visits.
-constexpr std::size_t kMostFirst = 512, kMostBent = 48, kMostFirstOnPaths = 1;
-/// The most sequences of a receiver that go on in every way.
-constexpr std::size_t kMostVisited = 64;
-/// The number of those that go on from more first surfaces than that.
-constexpr double kFewOfCrowd = 4;
+/// The most sequences that a receiver visits, all of those that go on in every way.
+constexpr std::size_t kMostVisited = 32;
+static_assert(2 * SmoothSurfaces::kFewParts <= kMostVisited);
+/// The most surfaces that a receiver visits as the first of a sequence if some bend light, and that
+/// a vertex of a path visits.
+constexpr std::size_t kMostBent = 48, kMostFirstOnPaths = 1;
 /// With at most this many lights, each is sampled.
 constexpr std::size_t kFewLights = 20, kFewLightsOnPaths = 3;
 
@@ -36,6 +35,7 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
     bends_ |= parts_[i].is_sphere || (parts_[i].refracts && parts_[i].eta != 1);
     if (parts_[i].glossy_alpha > 0) glossy_.push_back(i);
   }
+  for (const SceneLight& light : scene.lights()) has_unsized_ |= is_delta(light) || light.is_unseen;
   if (!surfaces_.tree().empty()) find_places();
   if (glossy_.empty()) return;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
@@ -56,8 +56,12 @@ auto SmoothLight::after_single(const Before& before, const SurfaceHit& hit, cons
   const SmoothPart& part = parts_[static_cast<std::size_t>(number)];
   const bool passes = dot(hit.ng, wo) * dot(hit.ng, wi) < 0;
   const bool on_its_side = !part.is_sphere || dot(hit.position - part.middle, wo) > 0;
+  // Of many surfaces, `sample` counts single ones only.
+  const bool is_crowd = !surfaces_.tree().empty();
+  after.met_unsolved |= is_crowd && after.singles > 1;
   after.counted = before.counted && (passes ? part.refracts : part.reflects && on_its_side) &&
-                  !(part.is_sphere && before.met_ball) && after.singles <= kMostSteps;
+                  !(part.is_sphere && before.met_ball) &&
+                  after.singles <= (is_crowd ? 1 : kMostSteps);
   after.met_ball |= part.is_sphere;
   after.is_bent |= part.is_sphere || (passes && part.eta != 1);
   return after;
@@ -138,7 +142,7 @@ auto SmoothLight::extended(const Sequence& parent, const Next& next) -> Sequence
 
 void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
                          const Found& found) const {
-  if (!has_steps_ || v.most_steps == 0) return;
+  if (!has_steps_ || v.most_steps == 0 || !(samples_sizes_ || has_unsized_)) return;
   Choices choices(s, v.depth);
   Sequence root;
   root.image = v.hit.position;
@@ -147,7 +151,7 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
     root.image_normal = dot(v.hit.ns, Vector(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
   if (!surfaces_.tree().empty()) return sample_crowd(v, root, choices, s, work, found);
   // Paths by balls and glass are solved, which takes as long as ten images.
-  const std::size_t most = !v.is_receiver ? kMostFirstOnPaths : bends_ ? kMostBent : kMostFirst;
+  const std::size_t most = !v.is_receiver ? kMostFirstOnPaths : bends_ ? kMostBent : kMostVisited;
   Nexts nexts;
   add_next(v, root, nexts);
   absl::InlinedVector<Sequence, 8> open;
@@ -174,16 +178,9 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
       open.back().weight = sum / ((sums[i] - (i > 0 ? sums[i - 1] : 0)) * count);
     }
   }
-  // Of a crowd of first surfaces, few go on: each looks at all surfaces again.
-  const std::size_t crowd = open.size();
-  const double goes_on = crowd > kMostVisited ? kFewOfCrowd / static_cast<double>(crowd) : 1;
   for (std::size_t i = 0; i < open.size(); ++i) {
-    Sequence sequence = open[i];
+    const Sequence sequence = open[i];  // `open` may move
     visit(v, sequence, static_cast<std::uint32_t>(i), s, work, found);
-    if (i < crowd && goes_on < 1) {
-      if (choices.uniform() >= goes_on) continue;
-      sequence.weight /= goes_on;
-    }
     nexts.clear();
     add_next(v, sequence, nexts);
     // Visits all that leave enough light, and one of the others.
@@ -216,7 +213,9 @@ void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t
                         const PathSample& s, WorkCounts& work, const Found& found,
                         Lights which) const {
   const auto counts = [&](std::uint32_t light) {
-    return which == Lights::kAll || has_place_[light] == (which == Lights::kWithPlace);
+    if (which == Lights::kAll) return true;
+    if (which != Lights::kUnsized) return has_place_[light] == (which == Lights::kWithPlace);
+    return is_delta(scene_.lights()[light]) || scene_.lights()[light].is_unseen;
   };
   const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
   // A pair for the point of each light, then two for a light that is chosen.

@@ -133,7 +133,7 @@ class SmoothLight {
   void add_next(const Vertex& v, const Sequence& parent, const SmoothPart& part, Nexts& to) const;
   static Sequence extended(const Sequence& parent, const Next& next);
   bool may_follow(const Vertex& v, const Sequence& parent, const SmoothPart& part, int& side) const;
-  enum class Lights : std::uint8_t { kAll, kWithPlace, kOthers };
+  enum class Lights : std::uint8_t { kAll, kWithPlace, kWithoutPlace, kUnsized };
   void visit(const Vertex& v, const Sequence& sequence, std::uint32_t number, const PathSample& s,
              WorkCounts& work, const Found& found, Lights which = Lights::kAll) const;
   void sample_light(const Vertex& v, const Sequence& sequence, std::uint32_t light,
@@ -174,6 +174,7 @@ class SmoothLight {
   /// If parts are many: the places of lights, and which of the lights these are.
   std::vector<Place> places_;
   std::vector<bool> has_place_;
+  bool has_unsized_ = false;  ///< lights that no direction finds
   bool samples_sizes_;
   bool has_steps_ = false;             ///< whether a part mirrors or refracts
   bool bends_ = false;                 ///< whether paths by way of a part are solved

@@ -102,6 +102,22 @@ TEST(SmoothSurfaces, ShadingNormalsAndMapsBendLight) {
   EXPECT_NEAR(s->unsolved()[0].bounds_m.upper.x, 1, 1e-6);
 }
 
+TEST(SmoothSurfaces, PatchesThatRoundingBendsAreFlat) {
+  const auto bent = [](double by) {
+    return patch({-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, by});
+  };
+  const auto scene = build(scene_with(mirror(), {bent(2e-6)}));
+  const SmoothSurfaces& s = smooth_surfaces(*scene);
+  ASSERT_EQ(s.parts().size(), 1U);
+  EXPECT_TRUE(s.unsolved().empty());
+  EXPECT_NEAR(s.parts()[0].n.z, 1, 1e-9);
+  const auto hit = scene->closest_hit({{0.4F, 0.3F, 0.5F}, {0, 0, -1}});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->kind, HitKind::kPatch);
+  EXPECT_EQ(s.part_of(*hit), 0);
+  EXPECT_EQ(Collected(mirror(), {bent(1e-3)})->unsolved().size(), 1U);
+}
+
 TEST(SmoothSurfaces, TooManyRefractingFacesAreUnsolved) {
   ShapeList boxes;
   for (int i = 0; i < 3; ++i) boxes.push_back(shape(room({3.0 * i, 4.0 * i, 5.0 * i})));
