@@ -410,10 +410,12 @@ class SmoothSurfaces::Collector {
 
 SmoothSurfaces::SmoothSurfaces(const Scene& scene) {
   Collector(scene, *this).collect();
-  if (parts_.size() <= kFewParts) return;
-  tree_ = PartTree(parts_);
+  if (parts_.size() > kFewParts) tree_ = PartTree(parts_);
+  const auto is_ball = [](const SmoothPart& p) { return p.is_sphere; };
+  if (tree_.empty() && std::ranges::count_if(parts_, is_ball) < 2) return;
   UnsolvedSurface crowd{.where = first_smooth(scene), .bounds_m = {}, .is_crowd = true};
   for (const SmoothPart& p : parts_) {
+    if (tree_.empty() && !p.is_sphere) continue;
     const Vector reach{p.radius_m + std::fabs(p.half_u.x) + std::fabs(p.half_v.x),
                        p.radius_m + std::fabs(p.half_u.y) + std::fabs(p.half_v.y),
                        p.radius_m + std::fabs(p.half_u.z) + std::fabs(p.half_v.z)};

@@ -23,7 +23,7 @@ struct UnsolvedSurface {
   Bounds bounds_m;  ///< about the scene's origin
   /// Nearly a mirror: directions find lamps with a size by way of it, but hardly delta lights.
   bool is_glossy = false;
-  /// Parts that are solved for paths by way of one only.
+  /// Parts of which a solved path has one at most: many, or mirror balls.
   bool is_crowd = false;
 };
 

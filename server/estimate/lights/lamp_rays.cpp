@@ -53,7 +53,7 @@ std::optional<Ray> start_of(const LightAtTime& light, const Vector& middle, doub
 std::optional<LampRay> follow(const Scene& scene, const SmoothSurfaces& surfaces, Ray ray,
                               const PathSample& s) {
   LampRay last{};
-  bool met_unsolved = false;
+  bool met_unsolved = false, met_ball = false;
   for (std::uint32_t k = 0; k < kMostSurfaces; ++k) {
     std::optional<SurfaceHit> hit = scene.closest_hit(ray);
     if (!hit || scene.plain_diffuse(hit->material) != nullptr) break;
@@ -64,8 +64,11 @@ std::optional<LampRay> follow(const Scene& scene, const SmoothSurfaces& surfaces
                            {s.at(k, PathSample::kDirection).x, s.at(k, PathSample::kDirection).y}});
     if (!on || !(on->delta || on->pdf.per_sr > kNarrow)) break;
     if (on->weight.is_black() || !is_finite(on->weight)) return std::nullopt;
-    met_unsolved |=
-        surfaces.part_of(*hit) == SmoothSurfaces::kNone || (k > 0 && !surfaces.tree().empty());
+    const std::int32_t part = surfaces.part_of(*hit);
+    const bool is_ball = part >= 0 && surfaces.parts()[static_cast<std::size_t>(part)].is_sphere;
+    met_unsolved |= part == SmoothSurfaces::kNone || (is_ball && met_ball) ||
+                    (k > 0 && !surfaces.tree().empty());
+    met_ball |= is_ball;
     last = {Vec3<float>(hit->position), Vec3<float>(on->wi)};
     ray = spawn_ray(*hit, last.along);
   }

@@ -58,7 +58,7 @@ auto SmoothLight::after_single(const Before& before, const SurfaceHit& hit, cons
   const bool on_its_side = !part.is_sphere || dot(hit.position - part.middle, wo) > 0;
   // Of many surfaces, `sample` counts single ones only.
   const bool is_crowd = !surfaces_.tree().empty();
-  after.met_unsolved |= is_crowd && after.singles > 1;
+  after.met_unsolved |= (is_crowd && after.singles > 1) || (part.is_sphere && before.met_ball);
   after.counted = before.counted && (passes ? part.refracts : part.reflects && on_its_side) &&
                   !(part.is_sphere && before.met_ball) &&
                   after.singles <= (is_crowd ? 1 : kMostSteps);

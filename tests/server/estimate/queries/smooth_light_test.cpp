@@ -189,10 +189,12 @@ TEST(SmoothLight, RoughnessIsOneContinuum) {
 }
 
 /// The answer at one receiver.
-IrradianceEstimate smooth_answer(const Scene& scene, const Vec3<double>& normal = {0, 0, 1}) {
+IrradianceEstimate smooth_answer(const Scene& scene, const Vec3<double>& normal = {0, 0, 1},
+                                 std::optional<std::uint32_t> bounces = {}) {
   const std::vector<IrradiancePoint> points{
       {Vec3<double>{0.2, -0.3, 0} - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, normal}};
-  return estimate_irradiance(scene, points, {.samples_per_block = 16, .block_count = 16}, {})
+  return estimate_irradiance(scene, points,
+                             {.samples_per_block = 16, .block_count = 16, .bounces = bounces}, {})
       .points[0];
 }
 
@@ -224,6 +226,30 @@ AttributeEnd
   EXPECT_GT(s.illuminance_lx.upper, luminance(s.irradiance_lx) + s.missed.bound_lx * 0.99);
   // A large lamp behind the lens is found often enough.
   EXPECT_EQ(smooth_answer(*smooth_scene(kLargeLamp + lens)).missed.kind, MissedLight::Kind::kNone);
+}
+
+TEST(SmoothLight, BySeveralMirrorsOfManyMayBeMissed) {
+  const std::string point = "WorldBegin\nLightSource \"point\" \"point3 from\" [0 0 3]\n";
+  const std::string mirror =
+      "Material \"conductor\" \"rgb reflectance\" [0.9 0.9 0.9] \"float roughness\" 0\n";
+  const auto ball = [](double x) {
+    return fmt::format(
+        "AttributeBegin Translate {} 0 1 Shape \"sphere\" \"float radius\" 0.3 AttributeEnd\n", x);
+  };
+  const auto kind = [](const std::string& text, std::optional<std::uint32_t> bounces) {
+    return smooth_answer(*smooth_scene(text), {0, 0, 1}, bounces).missed.kind;
+  };
+  using Kind = MissedLight::Kind;
+  EXPECT_EQ(kind(point + mirror + ball(1), {}), Kind::kNone);
+  EXPECT_EQ(kind(point + mirror + ball(1) + ball(-1), {}), Kind::kByWay);
+  EXPECT_EQ(kind(point + mirror + ball(1) + ball(-1), 1), Kind::kNone);
+  std::string tiles = point + mirror;
+  for (int i = 0; i < 20; ++i)
+    tiles += fmt::format(
+        "Shape \"bilinearmesh\" \"point3 P\" [{0} 0 {1} {2} 0 {1} {0} 1 {1} {2} 1 {1}]\n", 0.1 * i,
+        1 + 0.1 * i, 0.1 * i + 0.1);
+  EXPECT_EQ(kind(tiles, {}), Kind::kByWay);
+  EXPECT_EQ(kind(tiles, 1), Kind::kNone);
 }
 
 TEST(SmoothLight, ThatSurfacesReflectMayBeMissed) {
