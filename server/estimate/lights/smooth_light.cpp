@@ -142,7 +142,8 @@ auto SmoothLight::extended(const Sequence& parent, const Next& next) -> Sequence
 
 void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
                          const Found& found) const {
-  if (!has_steps_ || v.most_steps == 0 || !(samples_sizes_ || has_unsized_)) return;
+  if (!has_steps_ || v.most_steps == 0 || !((samples_sizes_ && v.depth == 0) || has_unsized_))
+    return;
   Choices choices(s, v.depth);
   Sequence root;
   root.image = v.hit.position;
@@ -250,7 +251,7 @@ void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::u
                                const Found& found) const {
   const LightAtTime at(scene_.lights()[light], v.hit.time_s);
   // No direction finds delta lights and unseen ones.
-  if (!at.is_delta() && !at.is_unseen() && !counts_at(v.scattering, v.wo)) return;
+  if (!at.is_delta() && !at.is_unseen() && !counts_at(v.depth, v.scattering, v.wo)) return;
   if (sequence.is_bent && is_portal(light)) return;
   const Vec2<double> point{u.x, u.y};
   const auto arriving =

@@ -81,9 +81,11 @@ class SmoothLight {
   /// too.
   double glossy_weight(const Before& before, const SurfaceHit& hit, std::uint32_t light) const;
 
-  /// Whether `sample` counts lights with a size at this vertex.
-  bool counts_at(const SurfaceScattering* scattering, const Vec3<float>& wo) const {
-    return any() && samples_sizes_ &&
+  /// Whether `sample` counts lights with a size at this vertex.  Later on a path their samples cost
+  /// more than they gain: directions find them.
+  bool counts_at(std::uint32_t depth, const SurfaceScattering* scattering,
+                 const Vec3<float>& wo) const {
+    return depth == 0 && any() && samples_sizes_ &&
            (scattering == nullptr || scattering->is_wide(Vec3<double>(wo)));
   }
 

@@ -113,7 +113,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     }
     if (!next_direction.is_single)
       before = {hit.position, next_direction.pdf, false,
-                smooth_.counts_at(scattering ? &*scattering : nullptr, wo)};
+                smooth_.counts_at(depth, scattering ? &*scattering : nullptr, wo)};
     else
       before = smooth_.after_single(before, hit, Vec3<double>(wo), Vec3<double>(next_direction.wi));
     // Lights do not sample single directions, so these always find lights.
