@@ -413,9 +413,9 @@ class IrradianceEstimator {
                                  });
     }
     if (hit && gather_indirect_) {
-      const LightEstimate e =
-          tracer_.reflected(*hit, -wi, 1, s, work,
-                            {receiver.position, pdf, true, tracer_.smooth().counts_at(0, nullptr, n)});
+      const LightEstimate e = tracer_.reflected(
+          *hit, -wi, 1, s, work,
+          {receiver.position, pdf, true, tracer_.smooth().counts_at(0, nullptr, n)});
       add_reflected(e, left, sum, to);
     }
   }
