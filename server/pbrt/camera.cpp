@@ -47,13 +47,13 @@ void apply_crop(Context& context, const Setting& setting) {
   };
   FilmCrop crop{};
   if (!bounds.empty()) {
+    if (!(bounds[0] >= 0 && bounds[2] >= 0 && bounds[1] <= film.width &&
+          bounds[3] <= film.height && bounds[0] < bounds[1] && bounds[2] < bounds[3]))
+      fail(place("pixelbounds"),
+           fmt::format("\"pixelbounds\" [{}], allowed: not empty and within [0 {} 0 {}]",
+                       fmt::join(bounds, " "), film.width, film.height));
     crop = {static_cast<int>(bounds[0]), static_cast<int>(bounds[2]), static_cast<int>(bounds[1]),
             static_cast<int>(bounds[3])};
-    if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height ||
-        crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
-      fail(place("pixelbounds"),
-           fmt::format("\"pixelbounds\" [{} {} {} {}], allowed: not empty and within [0 {} 0 {}]",
-                       crop.x0, crop.x1, crop.y0, crop.y1, film.width, film.height));
   }
   if (!window.empty()) {
     if (!bounds.empty())
@@ -63,11 +63,11 @@ void apply_crop(Context& context, const Setting& setting) {
     const auto pixel = [](double share, int size) {
       return static_cast<int>(std::ceil(static_cast<float>(size) * static_cast<float>(share)));
     };
+    const auto text = fmt::format("\"cropwindow\" [{}]", fmt::join(window, " "));
+    if (!std::ranges::all_of(window, [](double share) { return share >= 0 && share <= 1; }))
+      fail(place("cropwindow"), text + ", allowed: four values in [0, 1]");
     crop = {pixel(window[0], film.width), pixel(window[2], film.height),
             pixel(window[1], film.width), pixel(window[3], film.height)};
-    const auto text = fmt::format("\"cropwindow\" [{}]", fmt::join(window, " "));
-    if (window[0] < 0 || window[2] < 0 || window[1] > 1 || window[3] > 1)
-      fail(place("cropwindow"), text + ", allowed: four values in [0, 1]");
     if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
       fail(place("cropwindow"),
            fmt::format("{} holds no pixel of a film of {} by {}", text, film.width, film.height));
