@@ -42,6 +42,11 @@ double half_angle(double radius_m, double distance_m) {
 
 }  // namespace
 
+double PartTree::Node::weight_from(const Vec3<double>& from) const {
+  const Vector to = middle - from;
+  return weight / std::fmax(dot(to, to), radius_m * radius_m);
+}
+
 bool PartTree::Node::may_mirror(const Vec3<double>& to, const Vec3<double>& light,
                                 double light_radius_m) const {
   if (has_others) return true;
@@ -103,27 +108,6 @@ void PartTree::build(std::span<const SmoothPart> parts, std::span<std::uint32_t>
   build(parts, numbers.first(half));
   build(parts, numbers.subspan(half));
   nodes_[at].size = static_cast<std::uint32_t>(nodes_.size() - at);
-}
-
-std::optional<PartTree::Choice> PartTree::choose(const Vec3<double>& from, double u) const {
-  if (nodes_.empty()) return std::nullopt;
-  const auto importance = [&](const Node& node) {
-    const Vector to = node.middle - from;
-    return node.weight / std::fmax(dot(to, to), node.radius_m * node.radius_m);
-  };
-  double probability = 1;
-  std::size_t i = 0;
-  while (nodes_[i].size > 1) {
-    const std::size_t first = i + 1, second = first + nodes_[first].size;
-    const double a = importance(nodes_[first]), b = importance(nodes_[second]);
-    if (!(a + b > 0) || !std::isfinite(a + b)) return std::nullopt;
-    const double share = a / (a + b);
-    const bool takes_first = u < share;
-    probability *= takes_first ? share : 1 - share;
-    u = takes_first ? u / share : (u - share) / (1 - share);
-    i = takes_first ? first : second;
-  }
-  return Choice{nodes_[i].part, probability};
 }
 
 }  // namespace lucerna

@@ -1,6 +1,7 @@
 // A tree over many smooth surfaces, for the few by way of which light may reach a point.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -30,6 +31,8 @@ class PartTree {
     std::uint32_t size = 1;  ///< number of nodes from this one on, its children included
     std::uint32_t part = 0;  ///< of a leaf, whose size is 1
 
+    /// The weight of a choice at a point.
+    double weight_from(const Vec3<double>& from) const;
     /// Whether a flat mirror of this node may send light from the sphere about `light` to `to`.
     /// It may if its normal halves the angle between both ways.
     bool may_mirror(const Vec3<double>& to, const Vec3<double>& light, double light_radius_m) const;
@@ -52,8 +55,26 @@ class PartTree {
     std::uint32_t part;
     double probability;
   };
-  /// A part, by its area, reflected share and distance from a point.  `u` in [0, 1).
-  std::optional<Choice> choose(const Vec3<double>& from, double u) const;
+  /// A part whose nodes `may(node)` holds for, by its area, reflected share and distance from a
+  /// point.  `u` in [0, 1).
+  template <typename May>
+  std::optional<Choice> choose(const Vec3<double>& from, double u, const May& may) const {
+    if (nodes_.empty()) return std::nullopt;
+    double probability = 1;
+    std::size_t i = 0;
+    while (nodes_[i].size > 1) {
+      const std::size_t first = i + 1, second = first + nodes_[first].size;
+      const double a = may(nodes_[first]) ? nodes_[first].weight_from(from) : 0;
+      const double b = may(nodes_[second]) ? nodes_[second].weight_from(from) : 0;
+      if (!(a + b > 0) || !std::isfinite(a + b)) return std::nullopt;
+      const double share = a / (a + b);
+      const bool takes_first = u < share;
+      probability *= takes_first ? share : 1 - share;
+      u = takes_first ? u / share : (u - share) / (1 - share);
+      i = takes_first ? first : second;
+    }
+    return Choice{nodes_[i].part, probability};
+  }
 
   bool empty() const { return nodes_.empty(); }
   std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }

@@ -28,10 +28,12 @@ auto SmoothLight::place_of(const SceneLight& light) -> std::optional<Place> {
 }
 
 void SmoothLight::find_places() {
-  for (const SceneLight& light : scene_.lights()) {
-    const auto place = place_of(light);
+  paths_use_places_ = !has_unsized_;
+  for (std::size_t l = 0; l < scene_.lights().size(); ++l) {
+    const auto place = place_of(scene_.lights()[l]);
     has_place_.push_back(place.has_value());
     if (place) places_.push_back(*place);
+    paths_use_places_ &= place.has_value() || is_everywhere_[l];
   }
   Bounds all;
   for (const Place& p : places_)
@@ -72,10 +74,15 @@ void SmoothLight::sample_crowd(const Vertex& v, const Sequence& root, Choices& c
                });
   const bool all_visited = visits && std::ranges::find(has_place_, false) == has_place_.end();
   if (all_visited && !has_unsized_) return;
+  const bool only_places = !v.is_receiver && paths_use_places_;
+  const auto may_choose = [&](const PartTree::Node& node) {
+    return !only_places || may_mirror(v, node);
+  };
   Sequence walk = root;
   do {
-    const auto choice = tree.choose(
-        walk.steps.empty() ? v.hit.position : walk.steps.back().part->middle, choices.uniform());
+    const auto choice =
+        tree.choose(walk.steps.empty() ? v.hit.position : walk.steps.back().part->middle,
+                    choices.uniform(), may_choose);
     if (!choice) return;
     nexts.clear();
     add_next(v, walk, parts_[choice->part], nexts);

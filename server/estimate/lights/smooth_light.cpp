@@ -35,7 +35,15 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
     bends_ |= parts_[i].is_sphere || (parts_[i].refracts && parts_[i].eta != 1);
     if (parts_[i].glossy_alpha > 0) glossy_.push_back(i);
   }
-  for (const SceneLight& light : scene.lights()) has_unsized_ |= is_delta(light) || light.is_unseen;
+  if (parts_.empty()) return;
+  for (const SceneLight& light : scene.lights()) {
+    const bool is_unsized = is_delta(light) || light.is_unseen;
+    const bool is_everywhere = !is_unsized && !LightAtTime(light, 0).bounds() &&
+                               light.light.get_if<SunLight<double>>() == nullptr;
+    has_unsized_ |= is_unsized;
+    has_sized_elsewhere_ |= !is_unsized && !is_everywhere;
+    is_everywhere_.push_back(is_everywhere);
+  }
   if (!surfaces_.tree().empty()) find_places();
   if (glossy_.empty()) return;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
@@ -45,7 +53,7 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
 auto SmoothLight::after_single(const Before& before, const SurfaceHit& hit, const Vec3<double>& wo,
                                const Vec3<double>& wi) const -> Before {
   Before after = before;
-  after.position = {}, after.pdf = 0, after.is_receiver = false;
+  after.position = {}, after.pdf = 0;
   ++after.singles;
   const std::int32_t number = surfaces_.part_of(hit);
   if (number < 0) {
@@ -142,8 +150,9 @@ auto SmoothLight::extended(const Sequence& parent, const Next& next) -> Sequence
 
 void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
                          const Found& found) const {
-  if (!has_steps_ || v.most_steps == 0 || !((samples_sizes_ && v.depth == 0) || has_unsized_))
-    return;
+  const bool finds_sized =
+      samples_sizes_ && v.depth == 0 && (v.is_receiver || has_sized_elsewhere_);
+  if (!has_steps_ || v.most_steps == 0 || !(finds_sized || has_unsized_)) return;
   Choices choices(s, v.depth);
   Sequence root;
   root.image = v.hit.position;
@@ -251,7 +260,9 @@ void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::u
                                const Found& found) const {
   const LightAtTime at(scene_.lights()[light], v.hit.time_s);
   // No direction finds delta lights and unseen ones.
-  if (!at.is_delta() && !at.is_unseen() && !counts_at(v.depth, v.scattering, v.wo)) return;
+  if (!at.is_delta() && !at.is_unseen() &&
+      (!counts_at(v.depth, v.scattering, v.wo) || (is_everywhere_[light] && !v.is_receiver)))
+    return;
   if (sequence.is_bent && is_portal(light)) return;
   const Vec2<double> point{u.x, u.y};
   const auto arriving =

@@ -62,6 +62,7 @@ class SmoothLight {
   struct Before {
     Vec3<double> position;
     double pdf = 0;  ///< of the direction [1/sr]; 0: it was a single one, or a camera's
+    // Of the last vertex that is not left in a single direction.
     bool is_receiver = false;
     bool counted = false;  ///< `counts_at`, and then whether all steps since are those of `sample`
     // Of the single directions since then.
@@ -74,7 +75,8 @@ class SmoothLight {
                       const Vec3<double>& wi) const;
   /// Whether `sample` at the last vertex counts the light that single directions found there.
   bool counts(const Before& before, std::uint32_t light) const {
-    return before.counted && !(before.is_bent && is_portal(light));
+    return before.counted && !(before.is_bent && is_portal(light)) &&
+           (before.is_receiver || !is_everywhere_[light]);
   }
   /// The weight of light from a delta light at `hit`, which a direction of the vertex before it
   /// found.  Below 1 on glossy surfaces: `sample_glossy` at that vertex may have found this point
@@ -176,7 +178,12 @@ class SmoothLight {
   /// If parts are many: the places of lights, and which of the lights these are.
   std::vector<Place> places_;
   std::vector<bool> has_place_;
+  /// Whether vertices of paths sample lights by way of one part only, and all of these have places.
+  bool paths_use_places_ = false;
   bool has_unsized_ = false;  ///< lights that no direction finds
+  /// Lights that most directions find, such as a sky.  Only receivers sample them.
+  std::vector<bool> is_everywhere_;
+  bool has_sized_elsewhere_ = false;  ///< other lights that directions find
   bool samples_sizes_;
   bool has_steps_ = false;             ///< whether a part mirrors or refracts
   bool bends_ = false;                 ///< whether paths by way of a part are solved

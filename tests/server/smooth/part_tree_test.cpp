@@ -35,6 +35,8 @@ bool mirrors_light(const SmoothPart& p, const Vec3<double>& to, const Vec3<doubl
   return t > 0 && t < 1 && p.may_contain(at);
 }
 
+constexpr auto kAny = [](const PartTree::Node&) { return true; };
+
 TEST(PartTree, VisitsEveryMirrorThatSendsLightAndFewOthers) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(-4, 4);
@@ -76,7 +78,7 @@ TEST(PartTree, ChoosesWithTheProbabilityThatItSays) {
   std::vector<double> share(parts.size()), said(parts.size());
   constexpr int kTries = 100000;
   for (int i = 0; i < kTries; ++i) {
-    const auto choice = tree.choose(from, (i + 0.5) / kTries);
+    const auto choice = tree.choose(from, (i + 0.5) / kTries, kAny);
     ASSERT_TRUE(choice);
     share[choice->part] += 1.0 / kTries;
     said[choice->part] = choice->probability;
@@ -88,7 +90,33 @@ TEST(PartTree, ChoosesWithTheProbabilityThatItSays) {
     sum += said[p];
   }
   EXPECT_NEAR(sum, 1, 1e-9);
-  EXPECT_FALSE(PartTree().choose(from, 0.5));
+  EXPECT_FALSE(PartTree().choose(from, 0.5, kAny));
+}
+
+TEST(PartTree, ChoosesOnlyWhatMaySendLight) {
+  std::mt19937 random(5);
+  const std::vector<SmoothPart> parts = mirrors(300, random);
+  const PartTree tree(parts);
+  const Vec3<double> to{1, 0, -1}, lamp{-2, 1, 0.5};
+  const auto may = [&](const PartTree::Node& node) { return node.may_mirror(to, lamp, 0.01); };
+  double chosen_by_area = 0, sum = 0;
+  std::vector<bool> sends(parts.size()), found(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) sends[p] = mirrors_light(parts[p], to, lamp);
+  constexpr int kTries = 20000;
+  for (int i = 0; i < kTries; ++i) {
+    const double u = (i + 0.5) / kTries;
+    const auto any = tree.choose(to, u, kAny);
+    ASSERT_TRUE(any);
+    chosen_by_area += sends[any->part] ? 1.0 / kTries : 0;
+    // A branch may end without a part.
+    const auto choice = tree.choose(to, u, may);
+    if (!choice) continue;
+    found[choice->part] = true;
+    sum += sends[choice->part] ? 1.0 / kTries : 0;
+  }
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    EXPECT_TRUE(!sends[p] || found[p]) << p;
+  EXPECT_GT(sum, 3 * chosen_by_area);
 }
 
 TEST(PartTree, LeavesOutPartsThatAreOnlyNearlySmooth) {
@@ -96,8 +124,7 @@ TEST(PartTree, LeavesOutPartsThatAreOnlyNearlySmooth) {
   std::vector<SmoothPart> parts = mirrors(3, random);
   parts[1].reflects = false;
   int visited = 0;
-  PartTree(parts).visit([](const PartTree::Node&) { return true; },
-                        [&](std::uint32_t part) { visited += part != 1 ? 1 : 100; });
+  PartTree(parts).visit(kAny, [&](std::uint32_t part) { visited += part != 1 ? 1 : 100; });
   EXPECT_EQ(visited, 2);
 }
 
