@@ -184,15 +184,17 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
       more += fmt::format(",\"pixelsNotReached\":{}", target.missed());
     if (!picture.upper.empty())
       more += fmt::format(",\"pixelsWithoutLight\":{}", pixels_without_light(picture));
+    if (picture.may_miss_light) more += ",\"mayMissLight\":true";
     fmt::print("{}", to_json(last, more));
   } else {
     const std::string counts =
         options.stop.error || options.stop.budget_s ? describe_samples(picture.samples) + "; " : "";
     const auto most = std::max_element(picture.samples.begin(), picture.samples.end());
     fmt::print(
-        "{}: {} x {} pixels; {}{}{}{}{}{}\n", fmt::join(options.files.pictures, ", "),
+        "{}: {} x {} pixels; {}{}{}{}{}{}{}\n", fmt::join(options.files.pictures, ", "),
         picture.width, picture.height, counts, files.summary(), target.describe("pixels"),
         describe_overrun(accuracy, last.cost(), most == picture.samples.end() ? 0 : *most, "pixel"),
+        picture.may_miss_light ? "light by way of curved smooth surfaces may be missing; " : "",
         describe(last.cost()), describe_approximations(accuracy, last.cost()));
     session.print_remarks();
   }

@@ -210,6 +210,7 @@ struct PictureAssembler::State {
   /// 1 + the index of each pixel's piece, or 0.
   std::vector<std::uint32_t> owner;
   std::size_t owned = 0;
+  bool may_miss_light = false;
 
   const Piece* find(const v1::PixelRect& rect) const {
     if (rect.x0() >= width || rect.y0() >= height) return nullptr;
@@ -248,6 +249,7 @@ absl::Status PictureAssembler::add(const v1::Tile& tile) {
         std::to_string(tile.image_height()) + " pixels, but other tiles belong to one of " +
         std::to_string(state.width) + " x " + std::to_string(state.height));
   }
+  state.may_miss_light = state.may_miss_light || tile.may_miss_light();
   if (Piece* piece = state.find(rect)) {
     if (tile.first_block() == 0) {
       *piece = make_piece(tile);
@@ -288,6 +290,7 @@ absl::StatusOr<Picture> PictureAssembler::picture() const {
   Picture result;
   result.width = state.width;
   result.height = state.height;
+  result.may_miss_light = state.may_miss_light;
   result.pixels.resize(state.owner.size() * 3);
   result.standard_error.resize(result.pixels.size());
   result.samples.resize(state.owner.size());

@@ -35,6 +35,7 @@ struct Picture {
   /// Interval of the luminance of each pixel; see Tile.lower.  Empty unless all tiles have
   /// intervals.
   std::vector<float> lower{}, upper{};
+  bool may_miss_light = false;  ///< as in a tile
 };
 
 /// Writes the pixels of a rectangle within the picture: three floats each, rows from the top.

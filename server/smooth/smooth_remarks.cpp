@@ -20,14 +20,23 @@ bool has_smooth_surfaces(const Scene& scene) {
   return any;
 }
 
+bool is_unsized(const SceneLight& light) { return is_delta(light) || light.is_unseen; }
+
 }  // namespace
+
+bool may_miss_light(const Scene& scene) {
+  if (scene.lights().empty() || !has_smooth_surfaces(scene)) return false;
+  const auto unsolved = smooth_surfaces(scene).unsolved();
+  return std::ranges::any_of(unsolved, [](const auto& s) { return !s.is_glossy; }) ||
+         (!unsolved.empty() && std::ranges::any_of(scene.lights(), is_unsized));
+}
 
 std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene) {
   constexpr std::size_t kMostNamed = 4;
-  if (scene.lights().empty() || !has_smooth_surfaces(scene)) return std::nullopt;
+  if (!may_miss_light(scene)) return std::nullopt;
   std::vector<std::uint64_t> deltas;
   for (const SceneLight& light : scene.lights())
-    if (is_delta(light) || light.is_unseen) deltas.push_back(light.id);
+    if (is_unsized(light)) deltas.push_back(light.id);
   Remark remark;
   remark.count = 0;
   for (const UnsolvedSurface& s : smooth_surfaces(scene).unsolved()) {
@@ -37,14 +46,13 @@ std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene) {
     else if (remark.more.size() < kMostNamed)
       remark.more.push_back(s.where);
   }
-  if (remark.count == 0) return std::nullopt;
   remark.what = "a smooth surface that is curved, moves, has a normal map or is the first of many";
-  remark.instead = "by way of it, light of lights with a size is found by chance";
+  remark.instead = "by way of it, light may be missed";
   if (!deltas.empty()) {
     const std::size_t more = deltas.size() - std::min(deltas.size(), kMostNamed);
     deltas.resize(deltas.size() - more);
     remark.instead +=
-        fmt::format(", and light of lights without one is missed (light {}{})",
+        fmt::format(", and pictures leave out light of lights without a size (light {}{})",
                     fmt::join(deltas, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
   }
   remark.instead += "; answers that it may change have the status MAY_MISS_LIGHT";

@@ -1,4 +1,4 @@
-// What a load says of light that queries may miss.
+// What loads and pictures say of light that queries may miss.
 #pragma once
 
 #include <optional>
@@ -8,6 +8,8 @@
 
 namespace lucerna {
 
+/// Whether there are such surfaces and lights.
+bool may_miss_light(const Scene& scene);
 /// Names the smooth surfaces and the lights between which no paths are computed.  Nothing if there
 /// are none.
 std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene);

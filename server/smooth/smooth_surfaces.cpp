@@ -1,6 +1,5 @@
 #include "server/smooth/smooth_surfaces.h"
 
-#include <absl/container/inlined_vector.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +7,7 @@
 #include <cmath>
 
 #include "server/materials/material.h"
-#include "server/rays/error_bounds.h"
+#include "server/smooth/face_plane.h"
 
 namespace lucerna {
 namespace {
@@ -20,65 +19,6 @@ using Vector = Vec3<double>;
 constexpr std::size_t kMostPlanes = 1024, kMostRefractingPlanes = 16;
 /// Of all parts together.
 constexpr std::size_t kMostParts = 4096, kMostFaces = 1 << 22;
-
-/// Distance of a face from a plane that it may have by the rounding of its corners.
-double plane_error(const Vector& p) { return 8 * kFloatRoundoff * max_abs(p) + kLeastError; }
-
-/// The corners of a flat face.
-using Face = absl::InlinedVector<Vector, 4>;
-
-/// A plane with the faces that were found in it so far.
-struct Plane {
-  SmoothPart part;
-  Vector u, v;  // unit axes of the rectangle
-  double u_min = 0, u_max = 0, v_min = 0, v_max = 0;
-
-  Plane(const SmoothPart& like, const Vector& normal, const Face& face) : part(like) {
-    part.n = normal;
-    part.middle = face[0];
-    Vector longest;
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const Vector edge = face[(i + 1) % face.size()] - face[i];
-      if (length(edge) > length(longest)) longest = edge;
-    }
-    u = normalized(longest - normal * dot(longest, normal));
-    v = cross(normal, u);
-    add(face);
-  }
-  explicit Plane(const SmoothPart& sphere) : part(sphere) {}
-  bool contains(const Vector& normal, const Face& face) const {
-    if (part.is_sphere) return false;
-    if (!(dot(normal, part.n) > 0.999)) return false;
-    return std::ranges::all_of(face, [&](const Vector& p) {
-      return std::fabs(part.height(p)) <= plane_error(p) + plane_error(part.middle);
-    });
-  }
-  void add(const Face& face) {
-    for (const Vector& p : face) {
-      const double a = dot(p - part.middle, u), b = dot(p - part.middle, v);
-      u_min = std::fmin(u_min, a), u_max = std::fmax(u_max, a);
-      v_min = std::fmin(v_min, b), v_max = std::fmax(v_max, b);
-    }
-  }
-  Face rectangle() const {
-    const auto corner = [&](double a, double b) { return part.middle + u * a + v * b; };
-    return {corner(u_min, v_min), corner(u_max, v_min), corner(u_max, v_max), corner(u_min, v_max)};
-  }
-  /// Whether another plane is the same one, with the same material.
-  bool joins(const Plane& other) const {
-    return !other.part.is_sphere && part.material == other.part.material &&
-           part.refracts == other.part.refracts && part.glossy_alpha == other.part.glossy_alpha &&
-           contains(other.part.n, other.rectangle());
-  }
-  SmoothPart finished() const {
-    SmoothPart p = part;
-    if (p.is_sphere) return p;
-    p.middle += u * ((u_min + u_max) / 2) + v * ((v_min + v_max) / 2);
-    p.half_u = u * ((u_max - u_min) / 2);
-    p.half_v = v * ((v_max - v_min) / 2);
-    return p;
-  }
-};
 
 class AttachedSmoothSurfaces final : public AttachedPart {
  public:
@@ -141,7 +81,7 @@ class SmoothSurfaces::Collector {
       to_.has_rough_surfaces_ |= traits_of(m).is_rough;
     add_all();
     const auto refracting = std::ranges::count_if(
-        planes_, [](const Plane& p) { return p.part.refracts && p.part.eta != 1; });
+        planes_, [](const FacePlane& p) { return p.part.refracts && p.part.eta != 1; });
     if (static_cast<std::size_t>(refracting) > kMostRefractingPlanes) {
       solves_refraction_ = false;
       planes_.clear(), to_.of_shape_.clear(), to_.unsolved_.clear();
@@ -149,7 +89,7 @@ class SmoothSurfaces::Collector {
       add_all();
     }
     to_.parts_.reserve(planes_.size());
-    for (const Plane& p : planes_) to_.parts_.push_back(p.finished());
+    for (const FacePlane& p : planes_) to_.parts_.push_back(p.finished());
   }
 
  private:
@@ -161,7 +101,7 @@ class SmoothSurfaces::Collector {
   };
   /// The planes of one surface, before they join those of the scene.
   struct Found {
-    std::vector<Plane> planes;
+    std::vector<FacePlane> planes;
     struct OfKind {
       HitKind kind;
       std::uint32_t first;
@@ -276,8 +216,8 @@ class SmoothSurfaces::Collector {
         planes.push_back(kNone);
         continue;
       }
-      const auto same =
-          std::ranges::find_if(found.planes, [&](const Plane& p) { return p.contains(n, face); });
+      const auto same = std::ranges::find_if(
+          found.planes, [&](const FacePlane& p) { return p.contains(n, face); });
       planes.push_back(static_cast<std::int32_t>(same - found.planes.begin()));
       if (same != found.planes.end())
         same->add(face);
@@ -288,8 +228,8 @@ class SmoothSurfaces::Collector {
     return true;
   }
 
-  static std::optional<Plane> whole_sphere(const Sphere<double>& sphere,
-                                           const GeometryInstance* placed, SmoothPart part) {
+  static std::optional<FacePlane> whole_sphere(const Sphere<double>& sphere,
+                                               const GeometryInstance* placed, SmoothPart part) {
     const auto& p = sphere.params();
     if (p.z_min_m > -p.radius_m || p.z_max_m < p.radius_m || p.phi_max_rad < 2 * kPi)
       return std::nullopt;
@@ -308,7 +248,7 @@ class SmoothSurfaces::Collector {
           across > 1e-6 * part.radius_m * part.radius_m)
         return std::nullopt;
     }
-    return Plane(part);
+    return FacePlane(part);
   }
 
   static Vector vertex(const GeometrySet& set, std::uint32_t triangle, int i) {
@@ -362,8 +302,9 @@ class SmoothSurfaces::Collector {
   /// Adds the planes of a surface to those of the scene.
   void join(const Found& found, std::uint64_t shape) {
     std::vector<std::int32_t> numbers;
-    for (const Plane& p : found.planes) {
-      const auto same = std::ranges::find_if(planes_, [&](const Plane& q) { return q.joins(p); });
+    for (const FacePlane& p : found.planes) {
+      const auto same =
+          std::ranges::find_if(planes_, [&](const FacePlane& q) { return q.joins(p); });
       numbers.push_back(static_cast<std::int32_t>(same - planes_.begin()));
       if (same == planes_.end())
         planes_.push_back(p);
@@ -403,7 +344,7 @@ class SmoothSurfaces::Collector {
 
   const Scene& scene_;
   SmoothSurfaces& to_;
-  std::vector<Plane> planes_;
+  std::vector<FacePlane> planes_;
   bool solves_refraction_ = true;
   std::size_t faces_ = 0;  // of parts
 };

@@ -156,6 +156,24 @@ TEST_F(Cli, RenderSaysWhichPixelsSawNoLight) {
     fs::remove(path(name));
 }
 
+TEST_F(Cli, RenderSaysThatPicturesMayMissLight) {
+  std::ofstream(path("scenes/ball.pbrt"))
+      << "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+         "Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n"
+         "Translate 0 0 5 Material \"dielectric\" Shape \"sphere\"\n";
+  const auto render = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"render", "ball.pbrt", "-o", path("a.pfm"), "--samples",
+                                          "2"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return lucerna(std::move(arguments)).out;
+  };
+  constexpr const char* kMissing = "light by way of curved smooth surfaces may be missing";
+  EXPECT_THAT(render({}), HasSubstr(kMissing));
+  EXPECT_THAT(render({"--json"}), HasSubstr("\"mayMissLight\":true"));
+  EXPECT_THAT(render({"--bounces", "0"}), ::testing::Not(HasSubstr(kMissing)));
+  for (const char* name : {"a.pfm", "scenes/ball.pbrt"}) fs::remove(path(name));
+}
+
 TEST_F(Cli, RenderStopsWhenTheTimeIsOver) {
   const Outcome outcome = lucerna(
       {"render", "point.pbrt", "-o", path("a.exr"), "--budget", "0.2", "--counts", path("n.pfm")});

@@ -32,6 +32,7 @@ class Tile:
     samples: Ids  #: samples of each pixel, shape (rows, columns)
     low: Floats | None  #: the converged luminance lies from `low` to `high`, in the unit of `sum`
     high: Floats | None  #: shape (rows, columns); None without intervals
+    may_miss_light: bool  #: by way of curved smooth surfaces, which a remark of the load names
     cost: accuracy_pb2.Cost
 
     @property
@@ -59,6 +60,7 @@ class Picture:
     samples: Ids  #: samples of each pixel, shape (height, width)
     low: Floats | None  #: the converged luminance lies from `low` to `high`, in the unit of `pixels`
     high: Floats | None  #: shape (height, width); None without intervals
+    may_miss_light: bool  #: by way of curved smooth surfaces, which a remark of the load names
     cost: accuracy_pb2.Cost
 
     @property
@@ -97,7 +99,8 @@ def _tile(tile: render_pb2.Tile, cost: accuracy_pb2.Cost) -> Tile:
         samples=(_plane(tile.samples, "<u4", rows, columns).astype(np.uint64) if tile.samples
                  else np.full((rows, columns), each, np.uint64)),
         low=_plane(tile.lower, "<f4", rows, columns) if tile.lower else None,
-        high=_plane(tile.upper, "<f4", rows, columns) if tile.upper else None, cost=cost)
+        high=_plane(tile.upper, "<f4", rows, columns) if tile.upper else None, may_miss_light=tile.may_miss_light,
+        cost=cost)
 
 
 def _shutter(offset_s: float | None, length_s: float | None) -> render_pb2.Shutter | None:
@@ -152,6 +155,7 @@ def render(scene: SceneLike, *, samples: int | None = None, error: float | None 
                time_s=time_s)
     planes: dict[str, NDArray[Any]] = {}
     cost = accuracy_pb2.Cost()
+    missing = [False]
 
     def receive(data: bytes) -> None:
         answer = _wire.parsed(render_pb2.RenderImageResponse, data)
@@ -159,6 +163,7 @@ def render(scene: SceneLike, *, samples: int | None = None, error: float | None 
         if not answer.HasField("tile"):
             return
         part = _tile(answer.tile, answer.cost)
+        missing[0] |= part.may_miss_light
         if not planes:
             size = (part.image_height, part.image_width)
             planes.update(pixels=np.zeros((*size, 3)), standard_error=np.full((*size, 3), np.nan),
@@ -175,4 +180,4 @@ def render(scene: SceneLike, *, samples: int | None = None, error: float | None 
 
     yield Stream("RenderService/RenderImage", request.SerializeToString(), receive)
     return Picture(pixels=planes["pixels"], standard_error=planes["standard_error"], samples=planes["samples"],
-                   low=planes.get("low"), high=planes.get("high"), cost=cost)
+                   low=planes.get("low"), high=planes.get("high"), may_miss_light=missing[0], cost=cost)

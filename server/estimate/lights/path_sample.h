@@ -55,6 +55,8 @@ struct PathSample {
   static constexpr std::uint32_t kLens = kTime - 1;
   /// For the direction towards a smooth surface that sends light to the receiver.
   static constexpr std::uint32_t kGuided = kLens - 1;
+  /// For walks by way of curved smooth surfaces.
+  static constexpr std::uint32_t kWalks = kGuided - 1;
   /// If every light is sampled at a vertex, each has its own pair from here on.
   static constexpr std::uint32_t kFirstVisited = 1u << 30;
 

@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "server/estimate/lights/lamp_rays.h"
+#include "server/estimate/lights/manifold_walks.h"
 #include "server/estimate/paths/path.h"
 #include "server/estimate/queries/delta_irradiance.h"
 #include "server/estimate/queries/irradiance_estimate.h"
@@ -29,6 +30,8 @@ constexpr std::uint32_t kSamplesBetweenPolls = 64;
 constexpr std::uint64_t kSamplesPerShafts = 4;
 // A chunk takes 0.1 to 10 ms; a sample takes 0.5 to 40 us.
 constexpr std::uint64_t kSamplesPerChunk = 256;
+// A walk takes as long as 10 to 40 samples; so many find nearly every path.
+constexpr std::uint32_t kSamplesPerWalk = 2, kMostWalks = 32;
 
 /// The light of a point that does not need samples, and the light that remains to be sampled.
 struct Settled {
@@ -68,6 +71,8 @@ class IrradianceEstimator {
         by_way_(gather_indirect_ && tracer_.smooth().any()),
         lamp_rays_(gather_indirect_ && direct_.finds_lights() ? lamp_rays(scene)
                                                               : std::span<const LampRay>()),
+        walks_(scene, direct_.visibility(), tracer_.smooth()),
+        by_walks_(gather_indirect_ && walks_.any()),
         missed_(scene, settings.bounces),
         confidence_(settings.target ? settings.target->confidence : kConfidence),
         rule_(confidence_, settings.block_count,
@@ -198,7 +203,7 @@ class IrradianceEstimator {
 
   /// Whether samples find light of this light: directly, or by way of smooth surfaces.
   bool is_sampled(const Settled& settled, std::uint32_t light) const {
-    return by_way_ || !settled.lights.has(light);
+    return by_way_ || by_walks_ || !settled.lights.has(light);
   }
 
   /// Entries of point `p`, one for each wavelength.
@@ -260,6 +265,7 @@ class IrradianceEstimator {
         }
         sample(receiver, {sequence, i}, settled, e, work);
       }
+      if (by_walks_) walk(receiver, {sequence, 0}, these.samples, e, work);
       work.samples += these.samples;
       e.total.end_block(these.samples);
       for (std::uint32_t l = 0; l < e.shares.size(); ++l)
@@ -353,6 +359,17 @@ class IrradianceEstimator {
     to.total.add(sum);
   }
 
+  /// Adds light by way of curved smooth surfaces to a block.
+  void walk(const SurfaceHit& receiver, const PathSample& s, std::uint32_t samples, Sampled& to,
+            WorkCounts& work) const {
+    walks_.sample(receiver, std::clamp(samples / kSamplesPerWalk, 1U, kMostWalks),
+                  tracer_.most_steps(0), s, work, [&](std::uint32_t light, const Rgb<double>& lx) {
+                    to.total.add_to_block(lx, samples);
+                    if (!to.shares.empty()) to.shares[light].add_to_block(lx, samples);
+                    add_to(to.by_spectrum, light, lx * static_cast<double>(samples));
+                  });
+  }
+
   /// Adds the light of one light to the sum and to the light's share.
   void add(std::uint32_t light, const LightEstimate& e, LightEstimate& sum, Sampled& to) const {
     const LightEstimate lx{e.value * kPi, e.unshadowed * kPi};
@@ -430,6 +447,8 @@ class IrradianceEstimator {
   const bool gather_indirect_;
   const bool by_way_;  // of smooth surfaces, light is sampled
   const std::span<const LampRay> lamp_rays_;
+  const ManifoldWalks walks_;
+  const bool by_walks_;  // of curved smooth surfaces, light of lamps without a size is sampled
   const MissedLightRule missed_;
   const double confidence_;
   const IntervalRule rule_;  ///< for points with the sample count of the settings

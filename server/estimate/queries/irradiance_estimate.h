@@ -42,6 +42,10 @@ struct Estimate {
     ++samples;
     lit += unshadowed > 0 ? 1 : 0;
   }
+  /// Adds light to the mean of the current block [lx].
+  void add_to_block(const Rgb<double>& lx, std::uint32_t samples) {
+    block_sum.add(lx * static_cast<double>(samples));
+  }
   void end_block(std::uint32_t samples) {
     const Rgb<double> v = block_sum.value() / samples;
     blocks.add({v.r, v.g, v.b, luminance(v)});

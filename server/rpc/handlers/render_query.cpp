@@ -16,6 +16,7 @@
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/requested_methods.h"
+#include "server/smooth/smooth_remarks.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -183,6 +184,7 @@ void set_tile(const Scene& scene, const TileSettings& settings, std::uint64_t fi
   if (!settings.target) out->set_samples_per_block(settings.samples_per_block);
   out->set_first_block(first_block);
   out->set_block_count(blocks);
+  out->set_may_miss_light(settings.bounces != 0U && may_miss_light(scene));
   const auto& channels = result.channels;
   set_plane(out->mutable_sum(), channels.size(), [&](std::size_t i) { return channels[i].sum; });
   set_plane(out->mutable_deviation(), channels.size(),

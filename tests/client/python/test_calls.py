@@ -249,7 +249,7 @@ def test_picture_equals_that_of_the_command_line(server, tmp_path):
     got = scene.render(samples=2, one_sequence=True, on_tile=tiles.append)
     assert np.array_equal(got.pixels.astype(np.float32), read_pfm(tmp_path / "picture.pfm").astype(np.float32))
     assert got.pixels.shape == (120, 160, 3) and got.pixels.max() > 0 and np.all(got.samples == 2) and len(tiles) > 6
-    assert got.srgb().dtype == np.uint8 and got.srgb().max() == 255
+    assert got.srgb().dtype == np.uint8 and got.srgb().max() == 255 and not got.may_miss_light
 
 
 def test_tile_is_a_part_of_the_picture(server):
