@@ -12,6 +12,8 @@
 namespace lucerna {
 namespace {
 
+using Kind = UnsolvedSurface::Kind;
+
 /// Without any, nothing is collected, and no part of the scene is built.
 bool has_smooth_surfaces(const Scene& scene) {
   bool any = !scene.surfaces().smooth.empty();
@@ -26,9 +28,12 @@ bool is_unsized(const SceneLight& light) { return is_delta(light) || light.is_un
 
 bool may_miss_light(const Scene& scene) {
   if (scene.lights().empty() || !has_smooth_surfaces(scene)) return false;
-  const auto unsolved = smooth_surfaces(scene).unsolved();
-  return std::ranges::any_of(unsolved, [](const auto& s) { return !s.is_glossy; }) ||
-         (!unsolved.empty() && std::ranges::any_of(scene.lights(), is_unsized));
+  const auto has = [&](Kind kind) {
+    return std::ranges::any_of(smooth_surfaces(scene).unsolved(),
+                               [&](const UnsolvedSurface& s) { return s.kind == kind; });
+  };
+  return has(Kind::kSmooth) || has(Kind::kCrowd) ||
+         (has(Kind::kNearlySmooth) && std::ranges::any_of(scene.lights(), is_unsized));
 }
 
 std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene) {
@@ -40,7 +45,7 @@ std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene) {
   Remark remark;
   remark.count = 0;
   for (const UnsolvedSurface& s : smooth_surfaces(scene).unsolved()) {
-    if (s.is_glossy && deltas.empty()) continue;
+    if (s.kind == Kind::kNearlySmooth && deltas.empty()) continue;
     if (remark.count++ == 0)
       remark.where = s.where;
     else if (remark.more.size() < kMostNamed)

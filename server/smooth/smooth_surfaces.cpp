@@ -164,16 +164,18 @@ class SmoothSurfaces::Collector {
       return join(found, static_cast<std::uint64_t>(instance + 1) << 32 | s.surface);
     }
     // Directions find light by way of rougher surfaces.
-    constexpr double kRarelyFound = 0.01;
+    constexpr double kRarelyFound = 0.03;
     if (!traits.is_smooth() && traits.glossy_alpha > kRarelyFound) return;
     Bounds bounds;
     for (const Run& run : runs) add_bounds(set, placed, run, bounds);
+    using Kind = UnsolvedSurface::Kind;
+    const Kind kind = traits.is_smooth() ? Kind::kSmooth : Kind::kNearlySmooth;
     if (to_.unsolved_.size() < kMostParts)
-      return to_.unsolved_.push_back({s.where, bounds, !traits.is_smooth()});
+      return to_.unsolved_.push_back({s.where, bounds, kind});
     // The last one stands for all others.
     UnsolvedSurface& last = to_.unsolved_.back();
     last.bounds_m.add(bounds.lower), last.bounds_m.add(bounds.upper);
-    last.is_glossy = last.is_glossy && !traits.is_smooth();
+    if (kind == Kind::kSmooth) last.kind = kind;
   }
 
   SmoothTraits traits_of(std::uint32_t material) const {
@@ -354,7 +356,7 @@ SmoothSurfaces::SmoothSurfaces(const Scene& scene) {
   if (parts_.size() > kFewParts) tree_ = PartTree(parts_);
   const auto is_ball = [](const SmoothPart& p) { return p.is_sphere; };
   if (tree_.empty() && std::ranges::count_if(parts_, is_ball) < 2) return;
-  UnsolvedSurface crowd{.where = first_smooth(scene), .bounds_m = {}, .is_crowd = true};
+  UnsolvedSurface crowd{first_smooth(scene), {}, UnsolvedSurface::Kind::kCrowd};
   for (const SmoothPart& p : parts_) {
     if (tree_.empty() && !p.is_sphere) continue;
     const Vector reach{p.radius_m + std::fabs(p.half_u.x) + std::fabs(p.half_v.x),

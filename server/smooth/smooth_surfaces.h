@@ -19,12 +19,15 @@ namespace lucerna {
 
 /// A smooth surface by way of which paths are not computed.
 struct UnsolvedSurface {
+  enum class Kind : std::uint8_t {
+    kSmooth,
+    kNearlySmooth,
+    /// Parts of which a solved path has one at most: many, or mirror balls.
+    kCrowd
+  };
   SourceLocation where;
   Bounds bounds_m;  ///< about the scene's origin
-  /// Nearly a mirror: directions find lamps with a size by way of it, but hardly delta lights.
-  bool is_glossy = false;
-  /// Parts of which a solved path has one at most: many, or mirror balls.
-  bool is_crowd = false;
+  Kind kind = Kind::kSmooth;
 };
 
 /// The smooth surfaces of a scene.  Immutable; may be read from any thread.

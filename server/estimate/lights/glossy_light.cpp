@@ -70,6 +70,34 @@ auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3<double>& from, 
   return spot;
 }
 
+void SmoothLight::guide(const SurfaceHit& receiver, GuidedDirections& to) const {
+  // Each sample visits all cones.
+  constexpr std::size_t kMostPairs = 256;
+  if (glossy_.size() * scene_.lights().size() > kMostPairs) return;
+  for (const std::uint32_t g : glossy_) {
+    const SmoothPart& part = parts_[g];
+    for (const SceneLight& light : scene_.lights()) {
+      if (is_delta(light) || light.is_unseen) continue;
+      const auto place = place_of(light);
+      if (!place) continue;
+      const Vector image = place->is_direction
+                               ? mirror_vector(part, place->middle)
+                               : mirror_image(part, place->middle) - receiver.position;
+      const Vector axis = normalized(image);
+      const double t = -part.height(receiver.position) / dot(part.n, axis);
+      if (!(t > 0) || !(dot(receiver.ns, axis) > 0)) continue;
+      const double sine = place->radius / length(image);
+      // Most facets turn light by less than this.
+      const double angle = std::asin(std::fmin(sine, 1)) + 4 * part.glossy_alpha;
+      SmoothPart reached = part;
+      const double more = 1 + t * std::tan(std::fmin(angle, 1)) /
+                                  std::fmin(length(part.half_u), length(part.half_v));
+      reached.half_u = part.half_u * more, reached.half_v = part.half_v * more;
+      if (reached.may_contain(receiver.position + axis * t)) to.add(axis, angle);
+    }
+  }
+}
+
 double SmoothLight::glossy_choice(bool is_receiver) const {
   const std::size_t pairs = glossy_.size() * deltas_.size();
   return is_receiver && pairs <= kFewPairs ? 1 : 1 / static_cast<double>(pairs);

@@ -22,8 +22,6 @@ using Vector = Vec3<double>;
 /// Rays are followed until so many were kept or tried.
 constexpr std::size_t kMostKept = 8192, kMostTried = 32768;
 constexpr int kMostSurfaces = 16;
-/// Directions of a nearly smooth surface are as close together as this [1/sr].
-constexpr double kNarrow = 30;
 
 /// The start of a ray from a light towards a sphere.  Nothing if no light leaves there.
 std::optional<Ray> start_of(const LightAtTime& light, const Vector& middle, double radius,
@@ -168,6 +166,11 @@ GuidedDirections::GuidedDirections(std::span<const LampRay> rays, const Vec3<dou
   for (const Vec3<float>& axis : axes)
     widest2 = std::max(widest2, dot(axis - middle, axis - middle));
   add(middle, widest2);
+}
+
+void GuidedDirections::add(const Vec3<double>& axis, double angle_rad) {
+  const double sine = std::sin(angle_rad / 2);
+  cones_.push_back({Vec3<float>(axis), static_cast<float>(2 * sine * sine)});
 }
 
 Vec3<float> GuidedDirections::sample(Vec2<float> u) const {

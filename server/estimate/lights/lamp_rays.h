@@ -48,6 +48,8 @@ class GuidedDirections {
                    const Vec3<double>& n);
 
   bool any() const { return !cones_.empty(); }
+  /// Adds directions within an angle of `axis`, unit.
+  void add(const Vec3<double>& axis, double angle_rad);
   /// Unit.  `u` in [0, 1)^2.  Only if there are any.
   Vec3<float> sample(Vec2<float> u) const;
   double pdf(const Vec3<float>& w) const;  ///< [1/sr]

@@ -73,9 +73,10 @@ ManifoldWalks::ManifoldWalks(const Scene& scene, const LightVisibility& visibili
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
     if (is_delta(scene.lights()[l])) lights_.push_back(l);
   if (lights_.empty()) return;
+  using Kind = UnsolvedSurface::Kind;
   for (const UnsolvedSurface& s : smooth_surfaces_.unsolved())
-    if (!s.is_glossy && !s.bounds_m.empty() && !(s.is_crowd && !smooth_surfaces_.tree().empty()))
-      surfaces_.push_back(s.bounds_m);
+    if (s.kind == Kind::kSmooth || (s.kind == Kind::kCrowd && smooth_surfaces_.tree().empty()))
+      if (!s.bounds_m.empty()) surfaces_.push_back(s.bounds_m);
 }
 
 void ManifoldWalks::sample(const SurfaceHit& receiver, std::uint32_t walks,

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "server/estimate/lights/direct_light.h"
+#include "server/estimate/lights/lamp_rays.h"
 #include "server/estimate/lights/path_sample.h"
 #include "server/estimate/lights/surface_scattering.h"
 #include "server/runtime/work_counts.h"
@@ -57,6 +58,9 @@ class SmoothLight {
   /// light that these reflect.  Directions find the rest (`glossy_weight`).
   void sample_glossy(const Vertex& v, const PathSample& s, WorkCounts& work,
                      const Found& found) const;
+
+  /// Adds the directions from which planes that are nearly mirrors send light of lamps with a size.
+  void guide(const SurfaceHit& receiver, GuidedDirections& to) const;
 
   /// A vertex from which a direction led to another one.
   struct Before {

@@ -134,7 +134,8 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     if (scene_.has_media()) throughput = throughput * left_by_media(ray, next);
     const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
       if (settled.has(light) || (next_direction.is_single && smooth_.counts(before, light))) return;
-      work.by_chance += next_direction.is_single && before.met_unsolved ? 1 : 0;
+      work.by_chance +=
+          next_direction.is_single ? before.met_unsolved : next_direction.pdf > kNarrow;
       const double weight =
           next_direction.is_single
               ? 1

@@ -238,6 +238,7 @@ class IrradianceEstimator {
     s.gathers = gather_indirect_ || (direct_.finds_lights() && s.needs_samples);
     if (!lamp_rays_.empty())
       s.guided = GuidedDirections(lamp_rays_, receiver.position, receiver.ns);
+    if (gather_indirect_ && direct_.finds_lights()) tracer_.smooth().guide(receiver, s.guided);
     return s;
   }
 

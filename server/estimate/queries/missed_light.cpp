@@ -66,11 +66,11 @@ MissedLightRule::MissedLightRule(const Scene& scene, std::optional<std::uint32_t
 MissedLight MissedLightRule::at(const IrradiancePoint& receiver, const FoundLight& found,
                                 const IntervalRule& rule) const {
   if (surfaces_ == nullptr) return {};
+  using Kind = UnsolvedSurface::Kind;
   double projected_sr = 0;
   for (const UnsolvedSurface& s : surfaces_->unsolved())
     // After another reflection, light may come from surfaces below the horizon.
-    if ((has_deltas_ || !s.is_glossy) && !(once_ && s.is_crowd) &&
-        (!once_ || reaches_above(s.bounds_m, receiver)))
+    if (!once_ || (s.kind != Kind::kCrowd && reaches_above(s.bounds_m, receiver)))
       projected_sr = std::fmin(kPi, projected_sr + most_projected_sr(s.bounds_m, receiver));
   if (projected_sr > 0 && (has_deltas_ || found.by_chance < kEnough)) {
     MissedLight missed{MissedLight::Kind::kByWay, 0};

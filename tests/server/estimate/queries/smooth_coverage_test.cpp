@@ -148,6 +148,29 @@ TEST(SmoothCoverage, WalksFindLightByWayOfCurvedSurfaces) {
   }
 }
 
+// Directions of a receiver meet the spot in which a coat shows the lamp in 1 of 600 samples.
+TEST(SmoothCoverage, DirectionsLeadToCoatsThatAreNearlySmooth) {
+  for (const char* file : {"coat_0.pbrt", "coat_1.pbrt", "coat_2.pbrt", "coat_3.pbrt"}) {
+    const auto scene = load(file);
+    const Truth t{file, {0.65, 0.45, 0.2}, {0, 0, 1}};
+    IrradianceSettings settings{.samples_per_block = 1 << 16, .block_count = 16};
+    settings.methods.combination = Combination::kSurfaces;
+    const IrradianceEstimate truth = answers(t, *scene, 1, settings).points[0];
+    const double lux = luminance(truth.irradiance_lx), off = 3 * truth.illuminance_error_lx;
+    const IrradianceResult r =
+        answers(t, *scene, repeats() / 5, {.samples_per_block = 64, .block_count = 16});
+    int held = 0;
+    for (const IrradianceEstimate& e : r.points) {
+      held += e.illuminance_lx.lower <= lux + off && e.illuminance_lx.upper >= lux - off;
+      EXPECT_EQ(e.missed.kind, MissedLight::Kind::kNone) << file;
+    }
+    const double n = static_cast<double>(r.points.size());
+    EXPECT_GE(held / n, 0.92 - 4 * std::sqrt(0.92 * 0.08 / n))
+        << file << ": " << r.points[0].illuminance_lx.lower << " to "
+        << r.points[0].illuminance_lx.upper << ", right is " << lux << " +- " << off;
+  }
+}
+
 TEST(SmoothCoverage, WalksCountAsReflectionsAndBelongToTheirLight) {
   for (const Truth& t : truths("smooth/caustics.tsv")) {
     const auto scene = load(t.file);
