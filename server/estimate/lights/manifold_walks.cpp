@@ -17,9 +17,8 @@ using Vector = Vec3<double>;
 constexpr std::size_t kMostLamps = 4;
 /// Steps of Newton's method, and halvings of one step.
 constexpr int kMostTurns = 20, kMostHalvings = 8;
-// Shares of the angle that the surface covers: of the step of differences, of a turn that is small
-// enough to be the last, and of paths that are apart.
-constexpr double kStep = 1e-3, kLastTurn = 1e-4, kApart = 1e-3;
+/// The share of the angle of a surface by which the last step turns a path, without rounding.
+constexpr double kLastTurn = 1e-4;
 
 /// A lamp without a size, as a target of rays.
 struct Aim {
@@ -191,7 +190,10 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
   const LightAtTime at(scene_.lights()[light], receiver.time_s);
   const Aim aim = aim_of(at);
   const double size = std::fmin(1, length(extent) / 2 / length(to));
-  path.apart = kApart * size;
+  // Rays start at floats.  So their ends are off by about this share of the surface.
+  const double blur = kFloatRoundoff / size;
+  const double last_turn = (kLastTurn + 10 * blur) * size;
+  path.apart = 10 * last_turn;
   double spread = 0;
   std::optional<End> end = follow(receiver, path.start, path.links, work);
   for (int turn = 0;; ++turn) {
@@ -207,7 +209,8 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
     const auto turned = [&](double a, double b) {
       return normalized(path.start + around.s * a + around.t * b);
     };
-    const double h = kStep * size;
+    // The square of the step is about its error by rounding.
+    const double h = std::cbrt(blur) * size;
     Vec2<double> columns[2];
     for (int k = 0; k < 2; ++k) {
       const double a = k == 0 ? h : 0, b = h - a;
@@ -225,7 +228,7 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
     if (!std::isfinite(angle)) return std::nullopt;
     const double distance = aim.is_far ? 1 : length(aim.place - end->hit.position);
     spread = 1 / (std::fabs(determinant) * distance * distance);
-    if (angle < kLastTurn * size) {
+    if (angle < last_turn) {
       if (!(dot(end->along, wanted) > 0)) return std::nullopt;
       path.start = turned(a, b);
       end = follow(receiver, path.start, path.links, work);

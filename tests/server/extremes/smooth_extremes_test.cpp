@@ -1,4 +1,5 @@
-// Row 43: light by way of mirrors, in scenes of any size and with lamps close to the mirror.
+// Row 43: light by way of mirrors and lenses, in scenes of any size, with lamps close to the mirror
+// and with small lenses.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -44,6 +45,38 @@ TEST(SmoothExtremes, MirrorsOfAnySize) {
     }
   }
   sweep.expect_within(1e-6);
+}
+
+TEST(SmoothExtremes, BallsOfGlassOfAnySize) {
+  Sweep sweep(43, "a point light behind a ball of glass; rays solved in double",
+              "sizes 1e-9 ... 1e9 m, radius 1e-4 ... 0.2 sizes", "illuminance in its shadow");
+  // tests/data/smooth/caustics.py: illuminance(Point(3, 100), GlassBall(1.5, radius, 1.5), radius,
+  // 0, 0, 1).
+  struct Ball {
+    double radius, lux;
+  };
+  for (const double size_m : {1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9}) {
+    for (const Ball& ball : {Ball{0.2, 3.49791752}, Ball{1e-2, 4.26472921e-3},
+                             Ball{1e-3, 4.11330495e-5}, Ball{1e-4, 4.11658636e-7}}) {
+      const double s = size_m;
+      SceneDescription d = description();
+      d.materials = {{.params = DielectricParams{}}};
+      d.shapes = {shape(SphereParams{.radius_m = ball.radius * s,
+                                     .world_from_object = Transform::translate({0, 0, 1.5 * s})})};
+      d.lights = {point_light({0, 0, 3 * s}, 100 * s * s)};
+      const auto scene = build(std::move(d));
+      const auto error = static_cast<float>(1e-7 * s);
+      const std::vector<IrradiancePoint> points{
+          {Vec3<double>{ball.radius * s, 0, 0} - scene->origin(),
+           {error, error, error},
+           {0, 0, 1}}};
+      const IrradianceResult r =
+          estimate_irradiance(*scene, points, {.samples_per_block = 64, .block_count = 16}, {});
+      sweep.compare(luminance(r.points[0].irradiance_lx), ball.lux,
+                    fmt::format("size {} m, radius {} sizes", size_m, ball.radius));
+    }
+  }
+  sweep.expect_within(0.03);
 }
 
 }  // namespace
