@@ -133,6 +133,8 @@ struct TraitsOf {
   SmoothTraits operator()(const MetalParams& m) const {
     return {.reflects = may_be_smooth(m.roughness),
             .glossy_alpha = glossy(m.roughness),
+            .is_nearly_smooth = is_brushed(m.roughness),
+            .has_roughness_texture = !is_constant(m.roughness),
             .is_rough = may_be_rough(m.roughness)};
   }
   SmoothTraits operator()(const DielectricParams& m) const {
@@ -141,6 +143,8 @@ struct TraitsOf {
             .passes = smooth,
             .eta = constant(m.eta),
             .glossy_alpha = glossy(m.roughness),
+            .is_nearly_smooth = glossy(m.roughness) > 0 || is_brushed(m.roughness),
+            .has_roughness_texture = !is_constant(m.roughness),
             .is_rough = may_be_rough(m.roughness)};
   }
   SmoothTraits operator()(const ThinDielectricParams&) const {
@@ -149,21 +153,29 @@ struct TraitsOf {
   SmoothTraits operator()(const CoatedDiffuseParams& m) const {
     return {.reflects = may_be_smooth(m.coat.roughness),
             .glossy_alpha = glossy(m.coat.roughness),
+            .is_nearly_smooth = is_brushed(m.coat.roughness),
+            .has_roughness_texture = !is_constant(m.coat.roughness),
             .is_rough = true};
   }
   SmoothTraits operator()(const CoatedMetalParams& m) const {
     const double coat = glossy(m.coat.roughness);
-    return {.reflects = may_be_smooth(m.coat.roughness),
-            .glossy_alpha = coat > 0 ? coat : glossy(m.metal.roughness),
-            .is_rough = may_be_rough(m.coat.roughness) || may_be_rough(m.metal.roughness)};
+    return {
+        .reflects = may_be_smooth(m.coat.roughness),
+        .glossy_alpha = coat > 0 ? coat : glossy(m.metal.roughness),
+        .is_nearly_smooth = is_brushed(m.coat.roughness) || is_brushed(m.metal.roughness),
+        .has_roughness_texture = !is_constant(m.coat.roughness) || !is_constant(m.metal.roughness),
+        .is_rough = may_be_rough(m.coat.roughness) || may_be_rough(m.metal.roughness)};
   }
   SmoothTraits operator()(const GltfSurfaceParams& m) const {
     const auto least = [](const ColourValue& c) { return c.is_constant() ? c.constant.g : 0; };
     const bool smooth = is_smooth(square(least(m.surface)));
+    const double alpha = m.surface.is_constant() ? glossy(square(m.surface.constant.g)) : 0;
     const bool has_coat = !m.coat.is_constant() || m.coat.constant > 0;
     return {.reflects = smooth || (has_coat && is_smooth(square(least(m.coat_roughness)))),
             .passes = smooth && m.transmits(),
-            .glossy_alpha = m.surface.is_constant() ? glossy(square(m.surface.constant.g)) : 0,
+            .glossy_alpha = alpha,
+            .is_nearly_smooth = alpha > 0 && m.transmits(),
+            .has_roughness_texture = !m.surface.is_constant(),
             .is_rough = true};
   }
   SmoothTraits operator()(const MixParams&) const { return {}; }
@@ -186,6 +198,13 @@ struct TraitsOf {
   }
   static double glossy(const Roughness& r) {
     return is_constant(r) ? glossy(std::fmax(alpha(r, r.u), alpha(r, r.v))) : 0;
+  }
+  /// Whether facets are much smoother along u or v than along the other.
+  static bool is_brushed(const Roughness& r) {
+    if (!is_constant(r)) return false;
+    const double u = alpha(r, r.u), v = alpha(r, r.v), least = std::fmin(u, v);
+    return (is_smooth(least) || glossy(least) > 0) && std::fmax(u, v) > 2 * least &&
+           !is_smooth(std::fmax(u, v));
   }
   static bool is_constant(const Roughness& r) { return r.u.is_constant() && r.v.is_constant(); }
   static bool is_smooth(const Roughness& r) {
@@ -221,6 +240,8 @@ SmoothTraits smooth_traits(Materials materials, std::uint32_t number) {
     all.is_rough |= t.is_rough;
     all.turns_normals |= m.normal_map >= 0 || m.bumps >= 0;
     all.glossy_alpha = std::max(all.glossy_alpha, t.glossy_alpha);
+    all.is_nearly_smooth |= t.is_nearly_smooth;
+    all.has_roughness_texture |= t.has_roughness_texture;
     if (!t.passes) return;
     if (has_eta && all.eta != t.eta)
       all.eta = std::nullopt;

@@ -117,6 +117,10 @@ struct SmoothTraits {
   /// Roughness alpha of facets that reflect nearly like a mirror, the largest one of a mix; 0 if
   /// there are none, or if it differs from point to point.
   double glossy_alpha = 0;
+  /// Whether it sends light on nearly in single directions in another way than by such facets: it
+  /// passes, or the facets are rougher along u or v.
+  bool is_nearly_smooth = false;
+  bool has_roughness_texture = false;
   bool is_rough = false;  ///< whether it scatters light in other directions too
 
   bool is_smooth() const { return reflects || passes; }

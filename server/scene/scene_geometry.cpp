@@ -89,7 +89,8 @@ absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>&
   if (shape.is_interface) return absl::OkStatus();
   const auto of_scene = [&](std::uint32_t i) -> const Material& { return in_.materials[i]; };
   const SmoothTraits traits = smooth_traits(of_scene, shape.material);
-  if (traits.is_smooth() || traits.is_glossy())
+  if (traits.is_smooth() || traits.is_glossy() || traits.is_nearly_smooth ||
+      traits.has_roughness_texture)
     table.smooth.push_back({static_cast<std::uint32_t>(table.surfaces.size() - 1), shape.where});
   // A pane that emits is met by all rays, which find its light.
   const Material& material = in_.materials[shape.material];

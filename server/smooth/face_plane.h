@@ -40,7 +40,11 @@ struct FacePlane {
   explicit FacePlane(const SmoothPart& sphere) : part(sphere) {}
   bool contains(const Vec3<double>& normal, const Face& face) const {
     if (part.is_sphere) return false;
-    if (!(dot(normal, part.n) > 0.999)) return false;
+    // Rounding of the corners turns small faces, far from the origin.
+    double longest = 0;
+    for (const Vec3<double>& p : face) longest = std::fmax(longest, length(p - face[0]));
+    const double turned = 2 * plane_error(face[0]) / longest;
+    if (!(length(normal - part.n) < 1e-3 + std::fmin(turned, 0.04))) return false;
     return std::ranges::all_of(face, [&](const Vec3<double>& p) {
       return std::fabs(part.height(p)) <= plane_error(p) + plane_error(part.middle);
     });

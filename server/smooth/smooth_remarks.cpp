@@ -33,7 +33,8 @@ bool may_miss_light(const Scene& scene) {
                                [&](const UnsolvedSurface& s) { return s.kind == kind; });
   };
   return has(Kind::kSmooth) || has(Kind::kCrowd) ||
-         (has(Kind::kNearlySmooth) && std::ranges::any_of(scene.lights(), is_unsized));
+         ((has(Kind::kNearlySmooth) || has(Kind::kNearlySmoothChain)) &&
+          std::ranges::any_of(scene.lights(), is_unsized));
 }
 
 std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene) {
@@ -45,13 +46,15 @@ std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene) {
   Remark remark;
   remark.count = 0;
   for (const UnsolvedSurface& s : smooth_surfaces(scene).unsolved()) {
-    if (s.kind == Kind::kNearlySmooth && deltas.empty()) continue;
+    if (s.kind != Kind::kSmooth && s.kind != Kind::kCrowd && deltas.empty()) continue;
     if (remark.count++ == 0)
       remark.where = s.where;
     else if (remark.more.size() < kMostNamed)
       remark.more.push_back(s.where);
   }
-  remark.what = "a smooth surface that is curved, moves, has a normal map or is the first of many";
+  remark.what =
+      "a smooth surface that is curved, moves, has a normal map or is nearly smooth, or the first "
+      "of many";
   remark.instead = "by way of it, light may be missed";
   if (!deltas.empty()) {
     const std::size_t more = deltas.size() - std::min(deltas.size(), kMostNamed);

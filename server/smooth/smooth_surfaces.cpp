@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "server/materials/material.h"
+#include "server/scene/light_at_time.h"
 #include "server/smooth/face_plane.h"
 
 namespace lucerna {
@@ -155,23 +156,28 @@ class SmoothSurfaces::Collector {
     std::size_t faces = 0;
     for (const Run& run : runs) faces += run.count;
     const bool bends = like.refracts && traits.eta != 1;
-    bool solved = !moves && !traits.turns_normals && faces_ + faces <= kMostFaces &&
+    const bool sends = traits.is_smooth() || traits.is_glossy();
+    bool solved = sends && !moves && !traits.turns_normals && faces_ + faces <= kMostFaces &&
                   (!bends || (solves_refraction_ && traits.eta.has_value()));
     Found found;
     for (const Run& run : runs) solved = solved && find(set, table, placed, run, like, found);
     if (solved && planes_.size() + found.planes.size() <= kMostParts) {
       faces_ += faces;
-      return join(found, static_cast<std::uint64_t>(instance + 1) << 32 | s.surface);
+      join(found, static_cast<std::uint64_t>(instance + 1) << 32 | s.surface);
+    } else {
+      solved = false;
     }
     // Directions find light by way of rougher surfaces.
-    constexpr double kRarelyFound = 0.03;
-    if (!traits.is_smooth() && traits.glossy_alpha > kRarelyFound) return;
+    constexpr double kRarelyFound = 0.1;
+    const bool is_nearly = traits.is_nearly_smooth ||
+                           (!solved && traits.is_glossy() && traits.glossy_alpha <= kRarelyFound) ||
+                           (traits.has_roughness_texture && may_be_narrow(surface.material));
+    if ((solved || !traits.is_smooth()) && !is_nearly) return;
     Bounds bounds;
     for (const Run& run : runs) add_bounds(set, placed, run, bounds);
     using Kind = UnsolvedSurface::Kind;
-    const Kind kind = traits.is_smooth() ? Kind::kSmooth : Kind::kNearlySmooth;
-    if (to_.unsolved_.size() < kMostParts)
-      return to_.unsolved_.push_back({s.where, bounds, kind});
+    const Kind kind = traits.is_smooth() && !solved ? Kind::kSmooth : Kind::kNearlySmooth;
+    if (to_.unsolved_.size() < kMostParts) return to_.unsolved_.push_back({s.where, bounds, kind});
     // The last one stands for all others.
     UnsolvedSurface& last = to_.unsolved_.back();
     last.bounds_m.add(bounds.lower), last.bounds_m.add(bounds.upper);
@@ -181,6 +187,24 @@ class SmoothSurfaces::Collector {
   SmoothTraits traits_of(std::uint32_t material) const {
     return smooth_traits([&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; },
                          material);
+  }
+  /// Whether a material with a texture sends light nearly in one direction somewhere.
+  bool may_be_narrow(std::uint32_t material) const {
+    constexpr int kLooks = 32;     // in u and in v
+    constexpr double kNarrow = 2;  // [1/sr]
+    const Vector w{0.28, 0, 0.96};
+    bool is_narrow = false;
+    for_each_of_mix([&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; },
+                    material,
+                    [&](const Material& m) {
+                      for (int i = 0; i < kLooks * kLooks && !is_narrow; ++i) {
+                        TexturePoint p;
+                        p.uv = {(i % kLooks + 0.5) / kLooks, (i / kLooks + 0.5) / kLooks};
+                        const Bsdf<double> bsdf = bsdf_of(m, scene_.textures(), p);
+                        is_narrow = !bsdf.all_delta() && bsdf.pdf(w, mirrored(w)).per_sr > kNarrow;
+                      }
+                    });
+    return is_narrow;
   }
   /// The share that a material reflects along its normal.  Textures have other values elsewhere.
   double reflected(std::uint32_t material) const {
@@ -202,7 +226,8 @@ class SmoothSurfaces::Collector {
     for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
       if (run.kind == HitKind::kSphere) {
         auto sphere = whole_sphere(set.of<Sphere<double>>()[i], placed, like);
-        if (!sphere || like.refracts || !like.reflects) return false;
+        if (!sphere || like.refracts || !like.reflects || may_hold_light(sphere->part))
+          return false;
         planes.push_back(static_cast<std::int32_t>(found.planes.size()));
         found.planes.push_back(*sphere);
         continue;
@@ -230,6 +255,31 @@ class SmoothSurfaces::Collector {
     return true;
   }
 
+  /// Whether a light may be inside of a ball, whose inside is no part.
+  bool may_hold_light(const SmoothPart& ball) const {
+    constexpr std::size_t kFewLights = 64;
+    const auto is_within = [&](const Bounds& box) {
+      const Vector nearest{std::clamp(ball.middle.x, box.lower.x, box.upper.x),
+                           std::clamp(ball.middle.y, box.lower.y, box.upper.y),
+                           std::clamp(ball.middle.z, box.lower.z, box.upper.z)};
+      return length(nearest - ball.middle) < ball.radius_m;
+    };
+    if (scene_.lights().size() > kFewLights) return is_within(all_lights());
+    return std::ranges::any_of(scene_.lights(), [&](const SceneLight& light) {
+      const auto bounds = LightAtTime(light, 0).bounds();
+      return bounds && is_within({bounds->lower, bounds->upper});
+    });
+  }
+  /// A box of all lights with a place.
+  const Bounds& all_lights() const {
+    if (!lights_m_) {
+      lights_m_.emplace();
+      for (const SceneLight& light : scene_.lights())
+        if (const auto bounds = LightAtTime(light, 0).bounds())
+          lights_m_->add(bounds->lower), lights_m_->add(bounds->upper);
+    }
+    return *lights_m_;
+  }
   static std::optional<FacePlane> whole_sphere(const Sphere<double>& sphere,
                                                const GeometryInstance* placed, SmoothPart part) {
     const auto& p = sphere.params();
@@ -349,22 +399,37 @@ class SmoothSurfaces::Collector {
   std::vector<FacePlane> planes_;
   bool solves_refraction_ = true;
   std::size_t faces_ = 0;  // of parts
+  mutable std::optional<Bounds> lights_m_;
 };
 
 SmoothSurfaces::SmoothSurfaces(const Scene& scene) {
   Collector(scene, *this).collect();
   if (parts_.size() > kFewParts) tree_ = PartTree(parts_);
+  using Kind = UnsolvedSurface::Kind;
+  const auto add = [&](Kind kind, const auto& has) {
+    UnsolvedSurface all{first_smooth(scene), {}, kind};
+    for (const SmoothPart& p : parts_) {
+      if (!has(p)) continue;
+      const Vector reach{p.radius_m + std::fabs(p.half_u.x) + std::fabs(p.half_v.x),
+                         p.radius_m + std::fabs(p.half_u.y) + std::fabs(p.half_v.y),
+                         p.radius_m + std::fabs(p.half_u.z) + std::fabs(p.half_v.z)};
+      all.bounds_m.add(p.middle - reach), all.bounds_m.add(p.middle + reach);
+    }
+    unsolved_.push_back(all);
+  };
+  // Directions find light by way of rougher planes.
+  constexpr double kRarelyFound = 0.05;
+  const auto is_nearly = [](const SmoothPart& p) {
+    return p.glossy_alpha > 0 && p.glossy_alpha <= kRarelyFound;
+  };
   const auto is_ball = [](const SmoothPart& p) { return p.is_sphere; };
-  if (tree_.empty() && std::ranges::count_if(parts_, is_ball) < 2) return;
-  UnsolvedSurface crowd{first_smooth(scene), {}, UnsolvedSurface::Kind::kCrowd};
-  for (const SmoothPart& p : parts_) {
-    if (tree_.empty() && !p.is_sphere) continue;
-    const Vector reach{p.radius_m + std::fabs(p.half_u.x) + std::fabs(p.half_v.x),
-                       p.radius_m + std::fabs(p.half_u.y) + std::fabs(p.half_v.y),
-                       p.radius_m + std::fabs(p.half_u.z) + std::fabs(p.half_v.z)};
-    crowd.bounds_m.add(p.middle - reach), crowd.bounds_m.add(p.middle + reach);
-  }
-  unsolved_.push_back(crowd);
+  const auto is_any = [](const SmoothPart&) { return true; };
+  if (parts_.size() > 1 && std::ranges::any_of(parts_, is_nearly))
+    add(Kind::kNearlySmoothChain, is_any);
+  if (!tree_.empty())
+    add(Kind::kCrowd, is_any);
+  else if (std::ranges::count_if(parts_, is_ball) > 1)
+    add(Kind::kCrowd, is_ball);
 }
 
 std::int32_t SmoothSurfaces::part_of(const SurfaceHit& hit) const {

@@ -22,6 +22,8 @@ struct UnsolvedSurface {
   enum class Kind : std::uint8_t {
     kSmooth,
     kNearlySmooth,
+    /// Planes that are nearly mirrors, with other parts: paths by way of several.
+    kNearlySmoothChain,
     /// Parts of which a solved path has one at most: many, or mirror balls.
     kCrowd
   };

@@ -11,7 +11,7 @@
 namespace lucerna {
 
 /// Directions whose density is above this leave a surface that is nearly a mirror [1/sr].
-inline constexpr double kNarrow = 30;
+inline constexpr double kNarrow = 5;
 
 /// The share of the light from `wi` that a diffuse surface of reflectance 1 sends towards `wo`:
 /// cosine / pi.  0 if they are on different sides.

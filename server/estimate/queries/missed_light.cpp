@@ -70,7 +70,8 @@ MissedLight MissedLightRule::at(const IrradiancePoint& receiver, const FoundLigh
   double projected_sr = 0;
   for (const UnsolvedSurface& s : surfaces_->unsolved())
     // After another reflection, light may come from surfaces below the horizon.
-    if (!once_ || (s.kind != Kind::kCrowd && reaches_above(s.bounds_m, receiver)))
+    if (!once_ || (s.kind != Kind::kCrowd && s.kind != Kind::kNearlySmoothChain &&
+                   reaches_above(s.bounds_m, receiver)))
       projected_sr = std::fmin(kPi, projected_sr + most_projected_sr(s.bounds_m, receiver));
   if (projected_sr > 0 && (has_deltas_ || found.by_chance < kEnough)) {
     MissedLight missed{MissedLight::Kind::kByWay, 0};

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "server/smooth/smooth_remarks.h"
 #include "tests/server/scene/scenes.h"
 
@@ -87,6 +89,34 @@ TEST(SmoothSurfaces, AWholeMirrorBallIsAPart) {
   // A part of a ball reflects on its inside too, and a ball of glass focuses light.
   EXPECT_EQ(Collected(mirror(), {ball(0.2)})->unsolved().size(), 1U);
   EXPECT_EQ(Collected(glass(), {ball(1)})->unsolved().size(), 1U);
+}
+
+// Floats 1 km from the origin move corners by 0.03 mm.  The facets are turned by 1.5 degrees.
+TEST(SmoothSurfaces, SmallFacetsFarFromTheOriginStayApart) {
+  const auto facet = [](double turn_rad, double y) {
+    const Vec3<double> c{1000, y, 0}, u{0, 0, 0.05},
+        v{0.05 * std::sin(turn_rad), 0.05 * std::cos(turn_rad), 0};
+    return patch(c - u - v, c + u - v, c - u + v, c + u + v);
+  };
+  const auto parts = [&](double turn_rad) {
+    return Collected(mirror(), {facet(0, 0), facet(turn_rad, 0.11), facet(0, -2000)})
+        ->parts()
+        .size();
+  };
+  EXPECT_EQ(parts(0), 1U);
+  EXPECT_EQ(parts(0.026), 2U);
+}
+
+TEST(SmoothSurfaces, AMirrorBallWithALightInItIsNoPart) {
+  SceneDescription d = scene_with(mirror(), {shape(SphereParams{.radius_m = 2})});
+  d.lights = {point_light({0, 0, 1}, 1)};
+  const auto inside = build(d);
+  EXPECT_TRUE(smooth_surfaces(*inside).parts().empty());
+  EXPECT_EQ(smooth_surfaces(*inside).unsolved().size(), 1U);
+  d.lights = {point_light({0, 0, 5}, 1)};
+  const auto outside = build(d);
+  EXPECT_EQ(smooth_surfaces(*outside).parts().size(), 1U);
+  EXPECT_TRUE(smooth_surfaces(*outside).unsolved().empty());
 }
 
 TEST(SmoothSurfaces, RoughMetalIsNotSmooth) {

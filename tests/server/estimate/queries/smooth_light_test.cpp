@@ -228,6 +228,43 @@ AttributeEnd
   EXPECT_EQ(smooth_answer(*smooth_scene(kLargeLamp + lens)).missed.kind, MissedLight::Kind::kNone);
 }
 
+// Of these surfaces, no path of a lamp without a size is computed, or not every one.
+TEST(SmoothLight, ByWayOfNearlySmoothSurfacesMayBeMissed) {
+  const std::string point = "WorldBegin\nLightSource \"point\" \"point3 from\" [0 0 2.5]\n";
+  const std::string wall = "Shape \"bilinearmesh\" \"point3 P\" [1 -3 0 1 3 0 1 -3 4 1 3 4]\n";
+  const std::string facing =
+      "Shape \"bilinearmesh\" \"point3 P\" [-1.5 -3 0 -1.5 3 0 -1.5 -3 4 -1.5 3 4]\n";
+  const auto metal = [](const std::string& roughness) {
+    return "Material \"conductor\" \"bool remaproughness\" false " + roughness + "\n";
+  };
+  const auto checks = [](const char* a, const char* b) {
+    return fmt::format(
+        "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" {} \"float tex2\" {}\n", a, b);
+  };
+  const std::string textured = metal("\"texture roughness\" \"t\"");
+  const auto missed = [&](const std::string& more) {
+    return smooth_answer(*smooth_scene(point + more)).missed.kind == MissedLight::Kind::kByWay;
+  };
+  EXPECT_TRUE(
+      missed("Material \"dielectric\" \"bool remaproughness\" false \"float roughness\" "
+             "0.002 Shape \"disk\" \"float radius\" 3 \"float height\" 1"))
+      << "glass that is nearly smooth";
+  EXPECT_TRUE(missed(metal("\"float uroughness\" 0.002 \"float vroughness\" 0.2") + wall))
+      << "brushed metal";
+  EXPECT_TRUE(missed(checks("0.002", "0.5") + textured + wall)) << "a texture that is smooth";
+  EXPECT_FALSE(missed(checks("0.3", "0.5") + textured + wall)) << "a texture that is rough";
+  EXPECT_TRUE(missed(metal("\"float roughness\" 0.08") +
+                     "AttributeBegin Translate 1 0 1 Shape \"sphere\" \"float radius\" 0.3 "
+                     "AttributeEnd"))
+      << "a curved surface";
+  EXPECT_FALSE(missed(metal("\"float roughness\" 0.002") + wall)) << "one plane";
+  EXPECT_TRUE(missed(metal("\"float roughness\" 0.002") + wall + facing)) << "two planes";
+  EXPECT_TRUE(missed(metal("\"float roughness\" 0") +
+                     "AttributeBegin Translate 0 0 1 Shape \"sphere\" \"float radius\" 4 "
+                     "AttributeEnd"))
+      << "inside of a mirror ball";
+}
+
 TEST(SmoothLight, BySeveralMirrorsOfManyMayBeMissed) {
   const std::string point = "WorldBegin\nLightSource \"point\" \"point3 from\" [0 0 3]\n";
   const std::string mirror =
