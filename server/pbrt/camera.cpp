@@ -47,8 +47,8 @@ void apply_crop(Context& context, const Setting& setting) {
   };
   FilmCrop crop{};
   if (!bounds.empty()) {
-    if (!(bounds[0] >= 0 && bounds[2] >= 0 && bounds[1] <= film.width &&
-          bounds[3] <= film.height && bounds[0] < bounds[1] && bounds[2] < bounds[3]))
+    if (!(bounds[0] >= 0 && bounds[2] >= 0 && bounds[1] <= film.width && bounds[3] <= film.height &&
+          bounds[0] < bounds[1] && bounds[2] < bounds[3]))
       fail(place("pixelbounds"),
            fmt::format("\"pixelbounds\" [{}], allowed: not empty and within [0 {} 0 {}]",
                        fmt::join(bounds, " "), film.width, film.height));

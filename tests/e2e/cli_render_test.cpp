@@ -162,8 +162,8 @@ TEST_F(Cli, RenderSaysThatPicturesMayMissLight) {
          "Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n"
          "Translate 0 0 5 Material \"dielectric\" Shape \"sphere\"\n";
   const auto render = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"render", "ball.pbrt", "-o", path("a.pfm"), "--samples",
-                                          "2"};
+    std::vector<std::string> arguments = {"render",      "ball.pbrt", "-o",
+                                          path("a.pfm"), "--samples", "2"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return lucerna(std::move(arguments)).out;
   };
