@@ -168,7 +168,7 @@ class SmoothSurfaces::Collector {
       solved = false;
     }
     // Directions find light by way of rougher surfaces.
-    constexpr double kRarelyFound = 0.1;
+    constexpr double kRarelyFound = 0.05;
     const bool is_nearly = traits.is_nearly_smooth ||
                            (!solved && traits.is_glossy() && traits.glossy_alpha <= kRarelyFound) ||
                            (traits.has_roughness_texture && may_be_narrow(surface.material));

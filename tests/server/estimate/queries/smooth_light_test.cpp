@@ -253,7 +253,7 @@ TEST(SmoothLight, ByWayOfNearlySmoothSurfacesMayBeMissed) {
       << "brushed metal";
   EXPECT_TRUE(missed(checks("0.002", "0.5") + textured + wall)) << "a texture that is smooth";
   EXPECT_FALSE(missed(checks("0.3", "0.5") + textured + wall)) << "a texture that is rough";
-  EXPECT_TRUE(missed(metal("\"float roughness\" 0.08") +
+  EXPECT_TRUE(missed(metal("\"float roughness\" 0.04") +
                      "AttributeBegin Translate 1 0 1 Shape \"sphere\" \"float radius\" 0.3 "
                      "AttributeEnd"))
       << "a curved surface";
