@@ -14,7 +14,7 @@ struct WorkCounts {
   std::uint64_t map_compared = 0;   ///< look-ups that were compared with a ray
   std::uint64_t map_disagreed = 0;  ///< compared look-ups that differed from the ray
   std::uint64_t through_panes = 0;  ///< shadow rays that passed thin panes straight on
-  std::uint64_t by_chance = 0;      ///< lamps that directions found by way of smooth surfaces
+  std::uint64_t by_chance = 0;      ///< lamps found by way of smooth or nearly smooth surfaces
 
   WorkCounts& operator+=(const WorkCounts& w) {
     samples += w.samples;

@@ -1,6 +1,7 @@
-// SmoothLight: delta lights by way of planes that are nearly mirrors.  Directions of surfaces meet
-// the small spot where such a plane shines by chance only.  So points are drawn about the point of
-// the mirror image.  Both ways are weighted by the balance heuristic.  [Veach95]
+// SmoothLight: light by way of planes that are nearly mirrors.  Directions of surfaces meet the
+// small spot where such a plane shines by chance only.  For delta lights, points are drawn about
+// the point of the mirror image.  For lights with a size, directions are drawn about the image.
+// The balance heuristic weights each with the directions of surfaces.  [Veach95]
 #include <algorithm>
 #include <cmath>
 
