@@ -247,6 +247,8 @@ class Scene {
   }
   /// The share of light that the panes along the ray pass straight on.
   double through_panes(const Ray& ray) const;
+  /// The share of light along `direction` that a pane passes where it was hit.
+  double through_pane(const SurfaceHit& hit, const Vec3<float>& direction) const;
   /// The share of light that the media along the ray leave, by channel.  Surfaces that bound
   /// media define the medium on each side.  If none is ahead, the nearest one behind decides.  If
   /// there is none at all, the ray is in the surrounding medium.

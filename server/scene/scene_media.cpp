@@ -83,14 +83,15 @@ std::vector<Scene::Crossing> Scene::crossings(const Ray& ray, Meets meets) const
 double Scene::through_panes(const Ray& ray) const {
   double share = 1;
   if (!base_->has_panes_) return share;
-  const Vec3<double> w = normalized(Vec3<double>(ray.direction));
-  for (const auto& [hit, t, error_t, is_front] : crossings(ray, Meets::kPanes)) {
-    const double cosine = std::fabs(dot(hit.ng, w));
-    const TexturePoint at = shading_point(hit).texture;
-    share *=
-        pane_transmittance(*surface_of(hit).pane_eta, base_->textures_, at, std::fmin(cosine, 1));
-  }
+  for (const Crossing& c : crossings(ray, Meets::kPanes))
+    share *= through_pane(c.hit, ray.direction);
   return share;
+}
+
+double Scene::through_pane(const SurfaceHit& hit, const Vec3<float>& direction) const {
+  const double cosine = std::fabs(dot(hit.ng, normalized(Vec3<double>(direction))));
+  return pane_transmittance(*surface_of(hit).pane_eta, base_->textures_, shading_point(hit).texture,
+                            std::fmin(cosine, 1));
 }
 
 Rgb<double> Scene::through_media(const Ray& ray) const {

@@ -55,15 +55,34 @@ LampContacts::Contact LampContacts::find(std::uint32_t light) const {
 
 bool LampContacts::is_hidden(std::uint32_t light, const Vec3<double>& receiver, Ray ray,
                              Meets blocking, float error_m) const {
+  return between(light, receiver, ray, blocking, error_m).has_value();
+}
+
+double LampContacts::through_panes(std::uint32_t light, const Vec3<double>& receiver, Ray ray,
+                                   float error_m) const {
+  double share = 1;
+  if (!scene_.has_panes()) return share;
+  while (const auto hit = between(light, receiver, ray, Meets::kPanes, error_m)) {
+    share *= scene_.through_pane(*hit, ray.direction);
+    // Past the other triangle, if the ray meets an edge.
+    const float error_t = max_abs(hit->position_error) / length(ray.direction);
+    ray.t_min = std::nextafter(hit->t + error_t, INFINITY);
+  }
+  return share;
+}
+
+std::optional<SurfaceHit> LampContacts::between(std::uint32_t light, const Vec3<double>& receiver,
+                                                Ray ray, Meets meets, float error_m) const {
   const SceneLight& of = scene_.lights()[light];
   Vec3<double> lamp = *place_of(of);
   if (of.moving != nullptr) lamp = of.moving->at(ray.time_s).point(lamp);
   // The rounded ray may end before a surface that it should meet.
   constexpr float kBeyond = 1 + 0x1p-12F;
   ray.t_max = kBeyond;
+  if (!(ray.t_min < ray.t_max)) return std::nullopt;
   const auto rounding_m = static_cast<float>(kFloatRoundoff * max_abs(receiver)) + kLeastError;
   const LooseEnds ends{{receiver, std::max(error_m, rounding_m)}, {lamp, 0}, /*are_exact=*/true};
-  return first_other_surface(scene_, ray, ends, blocking).has_value();
+  return first_other_surface(scene_, ray, ends, meets);
 }
 
 std::optional<ScenePart> LampContacts::report() const {

@@ -70,6 +70,11 @@ bool separates(const SurfaceHit& hit, const LooseEnds& ends) {
 
 }  // namespace
 
+bool lies_in_plane(const Vec3<double>& exact, const SurfaceHit& hit) {
+  // Its rounding is that of the surface, which is at the same place.
+  return plane_passes(hit, exact, rounding_of(hit));
+}
+
 // An apparent obstacle may be the surface that an end of the ray lies on.  That surface has the
 // rounding of its vertices, while a point near zero has almost no error.
 std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends,

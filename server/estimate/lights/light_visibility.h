@@ -42,7 +42,16 @@ class LightVisibility {
       return Rgb<double>(is_occluded(light, position, normal, ray, work) ? 0 : 1);
     ++work.shadow_rays;
     if (is_occluded_by_ray(light, position, ray)) return {};
-    return transmittance_.along(ray, work);
+    return passed(light, position, ray, work);
+  }
+  /// The share of light that panes and media pass along a ray to the light that no surface blocks.
+  /// `error_m`: as for LampContacts::is_hidden.
+  Rgb<double> passed(std::uint32_t light, const Vec3<double>& position, const Ray& ray,
+                     WorkCounts& work, float error_m = 0) const {
+    if (!transmittance_.through_panes() || !contacts_.touches(light)) [[likely]]
+      return transmittance_.along(ray, work);
+    return transmittance_.along(ray, ray.t_max,
+                                contacts_.through_panes(light, position, ray, error_m), work);
   }
 
   /// Whether the light's map has an obstacle before a position.  Nothing if there is no map or the

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/rays/error_bounds.h"
+#include "server/shadows/loose_ends.h"
+
 namespace lucerna {
 namespace {
 
@@ -20,6 +23,14 @@ constexpr std::size_t kMostBent = 48, kMostFirstOnPaths = 1;
 constexpr std::size_t kFewLights = 20, kFewLightsOnPaths = 3;
 
 int sign_of(double x) { return x < 0 ? -1 : 1; }
+
+/// A lamp without a size that lies on a mirror, up to the rounding of coordinates, shines on both
+/// sides of it.  A ray may meet the mirror this much later than the lamp.  share_along() decides.
+double on_mirror(const SmoothPart& part, const LightSample<double>& lamp) {
+  if (!lamp.delta || !std::isfinite(lamp.distance)) return 0;
+  const double reach = max_abs(part.middle) + length(part.half_u) + length(part.half_v);
+  return 8 * kFloatRoundoff * reach / std::fabs(dot(part.n, lamp.wi));
+}
 
 }  // namespace
 
@@ -287,7 +298,7 @@ auto SmoothLight::by_images(const Vertex& v, const Sequence& sequence, const Lig
   if (a.end.reason != NoLight::kNone) return std::nullopt;
   // From the light back to the vertex.
   Vector p = sequence.image, w = a.end.wi;
-  double later = a.end.distance;
+  double later = a.end.distance + on_mirror(*sequence.steps.back().part, a.end);
   a.path.end = w;
   for (std::size_t i = sequence.steps.size(); i-- > 0;) {
     const SmoothPart& part = *sequence.steps[i].part;
@@ -381,7 +392,11 @@ Rgb<double> SmoothLight::share_along(const Vertex& v, const Sequence& sequence,
       at = *next;
     }
   }
-  const Ray ray = shadow_ray(at, arriving.end, scene_.lights()[light].reach_m());
+  const LightSample<double>& end = arriving.end;
+  const bool is_behind = end.delta && std::isfinite(end.distance) &&
+                         dot(at.ng, end.wi) * dot(at.ng, end.point - at.position) < 0;
+  if (is_behind && !lies_in_plane(end.point, at)) return {};
+  const Ray ray = shadow_ray(at, end, scene_.lights()[light].reach_m());
   return share * visibility_.visible(light, at.position, at.ng, ray, work);
 }
 

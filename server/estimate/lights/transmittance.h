@@ -15,6 +15,7 @@ class Transmittance {
         through_panes_(scene.has_panes() && thin_glass == ThinGlass::kPasses),
         is_partial_(through_panes_ || scene.has_media()) {}
 
+  bool through_panes() const { return through_panes_; }
   /// Whether light may arrive in part.  Otherwise all of it arrives or none.
   bool is_partial() const { return is_partial_; }
   /// The surfaces that block direct light.
@@ -27,14 +28,15 @@ class Transmittance {
   /// The same if the way ends at `t_end`, later than the ray.  Rays start and end beside the
   /// surfaces that their ends may lie on.  Media fill the whole way.
   Rgb<double> along(const Ray& ray, float t_end, WorkCounts& work) const {
+    return along(ray, t_end, through_panes_ ? scene_.through_panes(ray) : 1, work);
+  }
+  /// The same if all panes together pass `of_panes` of the light.  1 unless panes pass light.
+  Rgb<double> along(const Ray& ray, float t_end, double of_panes, WorkCounts& work) const {
     Ray way = ray;
     way.t_min = 0;
     way.t_max = t_end;
-    const Rgb<double> share = scene_.through_media(way);
-    if (!through_panes_) return share;
-    const double of_panes = scene_.through_panes(ray);
     if (of_panes < 1) ++work.through_panes;
-    return share * of_panes;
+    return scene_.through_media(way) * of_panes;
   }
 
  private:

@@ -390,7 +390,10 @@ WorkCounts LiSampler::test(std::size_t begin, std::vector<Pending>& chunk,
     ++work.shadow_rays;
     if (is_hidden(p, ray)) continue;
     set_bit(visible, begin + k);
-    p.visible = transmittance.is_partial() ? transmittance.along(ray, work) : Rgb<double>(1);
+    p.visible = !transmittance.is_partial() ? Rgb<double>(1)
+                : !p.light                  ? transmittance.along(ray, work)
+                           : visibility_.passed(*p.light, p.receiver.position, ray, work,
+                                                starts_loose() ? p.start().error : -1);
   }
   return work;
 }

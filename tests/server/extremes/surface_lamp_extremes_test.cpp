@@ -14,6 +14,7 @@
 #include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
+#include "server/materials/fresnel.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
@@ -253,6 +254,51 @@ TEST(SurfaceLampExtremes, RoomsBehindTheWall) {
       }
   });
   sweep.expect_none(wrong, cases, 0);
+}
+
+// The image of the lamp is at the lamp itself.  No pane is between them.
+TEST(SurfaceLampExtremes, LampsOnMirrorsAndPanes) {
+  Sweep sweep(42, "lamp without a size on a mirror and on a pane",
+              "0 ... 4 units in the last place before them, sizes of 1e-9 ... 1e9 m, level and "
+              "tilted, triangles and patches",
+              "irradiance before the mirror, with its reflection");
+  std::mt19937 random(44);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::vector<RoomPoint> receivers;
+  for (int i = 0; i < 8; ++i)
+    receivers.push_back({{3 + 2 * unit(random), 2 + 2 * unit(random), unit(random)}, {0, 0, 1}});
+  for_each_setting([&](const Setting& s) {
+    for (const bool is_pane : {false, true})
+      for (int steps = 0; steps <= 4; ++steps) {
+        const Point place{3.1, 2.2, before(kSize.z, steps, s.scale)};
+        SceneDescription d = description();
+        d.materials = {
+            {.params = is_pane ? MaterialParams{ThinDielectricParams{{1.5}}}
+                               : MaterialParams{MetalParams{.eta = ColourValue{Rgb<double>(1)},
+                                                            .k = ColourValue{Rgb<double>(4)}}}}};
+        d.shapes = {face(s, {-20, -20, kSize.z}, {40, 0, 0}, {0, 40, 0})};
+        d.lights = {lamp_at(Lamp::kPoint, s, place)};
+        const auto scene = build(std::move(d));
+        const auto points = points_of(*scene, s, receivers);
+        const auto lx =
+            estimate_irradiance(*scene, points,
+                                {.samples_per_block = 1, .block_count = 16, .bounces = 1}, {})
+                .points;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          const Point to = s.at(place) - points[i].position;
+          const double d2 = dot(to, to), cosine = dot(to, points[i].normal) / std::sqrt(d2);
+          const double once = fresnel_dielectric(cosine, 1.5);
+          const double reflected =
+              is_pane ? 2 * once / (1 + once)
+                      : fresnel_conductor(cosine, Rgb<double>(1), Rgb<double>(4)).g;
+          sweep.compare(luminance(lx[i].irradiance_lx),
+                        s.scale * s.scale * cosine / d2 * (1 + reflected),
+                        fmt::format("{}, {} before the {}, point {}", s.text(), steps,
+                                    is_pane ? "pane" : "mirror", i));
+        }
+      }
+  });
+  sweep.expect_within(1e-6);
 }
 
 // A screen just below the lamp hides it, and a lamp on one sheet lights both sides.
