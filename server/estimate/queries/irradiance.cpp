@@ -17,6 +17,7 @@
 #include "server/estimate/queries/delta_irradiance.h"
 #include "server/estimate/queries/irradiance_estimate.h"
 #include "server/estimate/queries/missed_light.h"
+#include "server/estimate/queries/shadow_edges.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/statistics/pilots.h"
 #include "server/runtime/denormals.h"
@@ -172,6 +173,7 @@ class IrradianceEstimator {
               return missed || settled.lights.has(l) ? MostIrradiance{}
                                                      : most(receiver, settled, l);
             });
+    add_shadow_edges(p, receiver, settled, e);
     const std::span<double> at_wavelengths = spectral(p);
     for (std::size_t k = 0; k < at_wavelengths.size(); ++k) {
       const BlockStatistics at = e.at_wavelengths[k].total()[0];
@@ -179,6 +181,22 @@ class IrradianceEstimator {
       if (count > 1)
         result_.spectral_error[p * at_wavelengths.size() + k] =
             std::sqrt(at.deviation / (count * (count - 1)));
+    }
+  }
+
+  /// Adds to intervals what the rounding of edges may change.
+  void add_shadow_edges(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
+                        const Sampled& e) {
+    const auto widen = [](IrradianceEstimate& to, double lx) {
+      to.illuminance_lx.lower = std::max(0.0, to.illuminance_lx.lower - lx);
+      to.illuminance_lx.upper += lx;
+    };
+    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
+      if (!e.found.has(l) || settled.lights.has(l)) continue;
+      const double lx = light_at_shadow_edges(scene_, receiver, l, most(receiver, settled, l).lx);
+      if (!(lx > 0)) continue;
+      widen(result_.points[p], lx);
+      if (settings_.per_light) widen(result_.per_light[p * scene_.lights().size() + l], lx);
     }
   }
 
