@@ -430,6 +430,8 @@ SmoothSurfaces::SmoothSurfaces(const Scene& scene) {
     add(Kind::kCrowd, is_any);
   else if (std::ranges::count_if(parts_, is_ball) > 1)
     add(Kind::kCrowd, is_ball);
+  const auto nearly = static_cast<std::size_t>(std::ranges::count_if(parts_, is_nearly));
+  if (nearly * scene.lights().size() > kMostGuidedPairs) add(Kind::kNearlySmooth, is_nearly);
 }
 
 std::int32_t SmoothSurfaces::part_of(const SurfaceHit& hit) const {

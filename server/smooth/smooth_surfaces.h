@@ -42,6 +42,9 @@ class SmoothSurfaces {
   /// With this many parts or fewer, paths by way of several are computed.  Else only those by way
   /// of one, and all parts together are one more unsolved surface.
   static constexpr std::size_t kFewParts = 16;
+  /// With more pairs of a plane that is nearly a mirror and a light with a size, no direction is
+  /// guided, and these planes are unsolved.
+  static constexpr std::size_t kMostGuidedPairs = 4096;
   /// Of the parts.  Empty if they are few.
   const PartTree& tree() const { return tree_; }
   std::span<const UnsolvedSurface> unsolved() const { return unsolved_; }

@@ -72,9 +72,7 @@ auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3<double>& from, 
 }
 
 void SmoothLight::guide(const SurfaceHit& receiver, GuidedDirections& to) const {
-  // Each sample visits all cones.
-  constexpr std::size_t kMostPairs = 256;
-  if (glossy_.size() * scene_.lights().size() > kMostPairs) return;
+  if (glossy_.size() * scene_.lights().size() > SmoothSurfaces::kMostGuidedPairs) return;
   for (const std::uint32_t g : glossy_) {
     const SmoothPart& part = parts_[g];
     for (const SceneLight& light : scene_.lights()) {

@@ -119,6 +119,19 @@ TEST(SmoothSurfaces, AMirrorBallWithALightInItIsNoPart) {
   EXPECT_TRUE(smooth_surfaces(*outside).unsolved().empty());
 }
 
+TEST(SmoothSurfaces, NearMirrorsBesideVeryManyLightsAreUnsolved) {
+  SceneDescription d = scene_with(mirror(1e-5), {floor(1)});
+  d.lights.resize(SmoothSurfaces::kMostGuidedPairs, d.lights[0]);
+  const Collected guided(d);
+  ASSERT_EQ(guided->parts().size(), 1U);
+  EXPECT_GT(guided->parts()[0].glossy_alpha, 0);
+  EXPECT_TRUE(guided->unsolved().empty());
+  d.lights.push_back(d.lights[0]);
+  const Collected many(d);
+  ASSERT_EQ(many->unsolved().size(), 1U);
+  EXPECT_EQ(many->unsolved()[0].kind, UnsolvedSurface::Kind::kNearlySmooth);
+}
+
 TEST(SmoothSurfaces, RoughMetalIsNotSmooth) {
   EXPECT_TRUE(Collected(mirror(0.05), {floor(1)})->empty());
 }
