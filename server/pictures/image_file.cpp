@@ -143,6 +143,9 @@ absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
   }
   if (!ok) return file.unreadable();
   LUCERNA_RETURN_IF_ERROR(check_spec(content, file.spec_, options.max_texels));
+  // OpenImageIO 2.4 reads the EXIF of WebP only if it has the mark of JPEG.
+  if (format == PictureFormat::kWebp)
+    file.spec_.attribute("Orientation", webp_orientation(content.bytes));
   file.arrangement_ = Arrangement(file.spec_, format == PictureFormat::kExr);
   // The numbers of a display window may exceed an int.
   if (file.arrangement_.width() < 1 || file.arrangement_.height() < 1)
@@ -263,6 +266,9 @@ std::vector<ImageRemark> ImageFile::remarks() {
   else if (has_window)
     remarks.push_back(
         {name + " states a place within a larger picture", "the file's texels are the picture"});
+  if (const std::string gamma = spec.get_string_attribute("gamma line"); !gamma.empty())
+    remarks.push_back({fmt::format("{} has the header line \"{}\"", name, gamma),
+                       "its texels are taken as linear, as in pbrt-v4"});
   if (options_.encoding == kSrgb || options_.encoding == kLuminances)
     if (const std::string other = other_colours(*content_, format_, spec); !other.empty())
       remarks.push_back({name + " has " + other, "treated as sRGB, as in pbrt-v4", true});

@@ -28,30 +28,34 @@ std::uint32_t big_endian(std::string_view bytes) {
   return value;
 }
 
-/// What the chunks before the texels state.  They state it in units of 1e-5.
-std::string other_png_colours(std::string_view bytes) {
+/// The body of the first chunk of this type before the texels, if it has `least` bytes.
+std::string_view png_chunk(std::string_view bytes, std::string_view type, std::size_t least) {
   constexpr std::size_t kSignatureBytes = 8, kHeadBytes = 8, kCheckBytes = 4;
-  std::string other;
   for (std::size_t at = kSignatureBytes; at + kHeadBytes <= bytes.size();) {
     const std::size_t size = big_endian(bytes.substr(at));
-    const std::string_view type = bytes.substr(at + 4, 4);
+    const std::string_view found = bytes.substr(at + 4, 4);
     const std::string_view body = bytes.substr(at + kHeadBytes, size);
-    if (type == "sRGB") return "";  // has priority over the others
-    if (type == "IDAT") break;
-    constexpr std::uint32_t kSrgbGamma = 45455;
-    if (type == "gAMA" && body.size() >= 4 &&
-        std::abs(std::int64_t{big_endian(body)} - kSrgbGamma) > 500)
-      other = fmt::format("a gamma of {}", big_endian(body) * 1e-5);
-    if (type == "cHRM" && body.size() >= 32 && other.empty()) {
-      const auto value = [&](std::size_t i) { return big_endian(body.substr(4 * i)) * 1e-5; };
-      // The white comes first.
-      if (!are_rec709(
-              {value(2), value(3), value(4), value(5), value(6), value(7), value(0), value(1)}))
-        other = "primaries other than those of sRGB";
-    }
+    if (found == type && body.size() >= least) return body;
+    if (found == "IDAT") break;
     at += kHeadBytes + size + kCheckBytes;
   }
-  return other;
+  return {};
+}
+
+/// What chunks of less priority than a profile state, in units of 1e-5.
+std::string other_png_colours(std::string_view bytes) {
+  if (!png_chunk(bytes, "sRGB", 1).empty()) return "";
+  constexpr std::uint32_t kSrgbGamma = 45455;
+  if (const std::string_view gamma = png_chunk(bytes, "gAMA", 4);
+      !gamma.empty() && std::abs(std::int64_t{big_endian(gamma)} - kSrgbGamma) > 500)
+    return fmt::format("a gamma of {}", big_endian(gamma) * 1e-5);
+  const std::string_view primaries = png_chunk(bytes, "cHRM", 32);
+  const auto value = [&](std::size_t i) { return big_endian(primaries.substr(4 * i)) * 1e-5; };
+  // The white comes first.
+  if (!primaries.empty() &&
+      !are_rec709({value(2), value(3), value(4), value(5), value(6), value(7), value(0), value(1)}))
+    return "primaries other than those of sRGB";
+  return "";
 }
 
 }  // namespace
@@ -77,13 +81,22 @@ std::optional<double> stated_white_cd_m2(const OIIO::ImageSpec& spec) {
 
 std::string other_colours(const AssetContent& content, PictureFormat format,
                           const OIIO::ImageSpec& spec) {
+  const bool is_png = format == PictureFormat::kPng;
+  // Comes before all other chunks.  [PNG3, 4.3]
+  if (const auto codes = is_png ? png_chunk(content.bytes, "cICP", 4) : ""; !codes.empty()) {
+    const int primaries = static_cast<unsigned char>(codes[0]),
+              transfer = static_cast<unsigned char>(codes[1]);
+    constexpr int kRec709 = 1, kSrgb = 13;
+    if (primaries == kRec709 && transfer == kSrgb) return "";
+    return fmt::format("primaries {} and transfer function {} of H.273", primaries, transfer);
+  }
   if (spec.find_attribute("ICCProfile") != nullptr) {
     const std::string name = spec.get_string_attribute("ICCProfile:profile_description");
     if (name.find("sRGB") == std::string::npos)
       return name.empty() ? "a colour profile" : "the colour profile " + first_line(name);
     return "";
   }
-  return format == PictureFormat::kPng ? other_png_colours(content.bytes) : "";
+  return is_png ? other_png_colours(content.bytes) : "";
 }
 
 }  // namespace lucerna

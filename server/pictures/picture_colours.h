@@ -19,8 +19,8 @@ std::optional<RgbPrimaries> stated_primaries(const OIIO::ImageSpec& spec);
 /// stated, not positive or not finite.  [OpenEXR]
 std::optional<double> stated_white_cd_m2(const OIIO::ImageSpec& spec);
 
-/// What a file of integers states other than sRGB: a profile of the ICC, or the gamma or the
-/// primaries of a PNG file.  Empty if there is nothing.
+/// What a file of integers states other than sRGB: a profile of the ICC, or the codes,
+/// the gamma or the primaries of a PNG file.  Empty if there is nothing.
 std::string other_colours(const AssetContent& content, PictureFormat format,
                           const OIIO::ImageSpec& spec);
 

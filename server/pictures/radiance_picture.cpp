@@ -74,6 +74,7 @@ absl::Status RadiancePicture::read_header() {
   for (std::string_view line = next_line(); !line.empty(); line = next_line())
     LUCERNA_RETURN_IF_ERROR(read_line(line));
   LUCERNA_RETURN_IF_ERROR(read_resolution(next_line()));
+  if (!gamma_line_.empty()) m_spec.attribute("gamma line", first_line(std::string(gamma_line_)));
   std::array<double, 8> values{1, 0, 0, 1, 0, 0, 1.0 / 3, 1.0 / 3};  // of X, Y, Z and equal amounts
   if (!is_xyz_ && primaries_.empty()) return absl::OkStatus();
   if (!is_xyz_ && !read_numbers(primaries_, values))
@@ -97,6 +98,11 @@ absl::Status RadiancePicture::read_line(std::string_view line) {
       return bad_line(line, "FORMAT=32-bit_rle_rgbe or 32-bit_rle_xyze");
   }
   primaries_ = value_of("PRIMARIES").value_or(primaries_);
+  // Radiance has no such line.  Programs that write it disagree on which power it states.
+  std::array<double, 1> gamma{};
+  if (const auto value = value_of("GAMMA");
+      value && !(read_numbers(*value, gamma) && gamma[0] == 1))
+    gamma_line_ = line;
   std::array<double, 3> factors{1, 1, 1};
   bool ok = true;
   if (const auto exposure = value_of("EXPOSURE")) {

@@ -11,7 +11,7 @@ namespace lucerna {
 /// The values are those before the exposure: they are divided by the product of all EXPOSURE lines,
 /// and each channel by that of its COLORCORR values.  The attribute "chromaticities" has the
 /// PRIMARIES, or those of X, Y and Z.  "Orientation" stands for all eight resolution strings.
-/// Lines may end with CR LF.
+/// "gamma line" is a GAMMA line other than 1, which has no effect.  Lines may end with CR LF.
 class RadiancePicture final : public WholePicture {
  public:
   using WholePicture::WholePicture;
@@ -31,7 +31,7 @@ class RadiancePicture final : public WholePicture {
 
   std::size_t at_ = 0;
   Rgb<double> exposure_{1, 1, 1};
-  std::string_view primaries_;
+  std::string_view primaries_, gamma_line_;
   bool is_xyz_ = false;
 };
 

@@ -14,4 +14,7 @@ struct WebpSize {
 /// none: then the library does not decode it.  [RFC9649]
 WebpSize webp_size(std::string_view bytes);
 
+/// That of TIFF, from the EXIF of the file; 1 if there is none.
+int webp_orientation(std::string_view bytes);
+
 }  // namespace lucerna

@@ -1,6 +1,7 @@
 // What the headers of pictures say: exposures, primaries, the order of rows, windows and layers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <array>
 #include <cmath>
@@ -60,6 +61,20 @@ TEST(RadiancePicture, ExposuresAndColourCorrectionsAreDividedOut) {
   EXPECT_EQ(
       remarks_of(decoded(radiance(std::string("EXPOSURE=2\n") + kRgbe, "-Y 1 +X 1", {kTexel}))),
       "");
+}
+
+TEST(RadiancePicture, AGammaIsARemark) {
+  const auto with = [](const std::string& line) {
+    return decoded(radiance(line + kRgbe, "-Y 1 +X 1", {kTexel}));
+  };
+  const DecodedImage d = with("GAMMA=2.2\n");
+  EXPECT_EQ(d.image->texel(0, 0), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_EQ(remarks_of(d),
+            "a.hdr has the header line \"GAMMA=2.2\" -> its texels are taken as linear, as in "
+            "pbrt-v4\n");
+  for (const char* line : {"GAMMA=1\n", "GAMMA= 1.000\n", "\tGAMMA=2.2\n"})
+    EXPECT_EQ(remarks_of(with(line)), "") << line;
+  EXPECT_THAT(remarks_of(with("GAMMA=x\n")), HasSubstr("\"GAMMA=x\""));
 }
 
 TEST(RadiancePicture, LinesMayEndWithCrLf) {
@@ -285,6 +300,81 @@ TEST(PictureHeaders, OrientationFlagsTurnThePicture) {
         codes += static_cast<char>('a' + surface->codes->codes[i]);
       EXPECT_EQ(codes, expected);
     }
+}
+
+/// A block of EXIF with one entry: the orientation.  [TIFF6]
+std::string exif(int orientation) {
+  return std::string("II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0", 18) +
+         static_cast<char>(orientation) + std::string(7, '\0');
+}
+
+/// A file of 3 x 2 texels.
+std::string three_by_two(const std::string& name) {
+  const OIIO::ImageSpec spec(3, 2, 3, OIIO::TypeDesc::UINT8);
+  return written(name, spec, std::vector<std::uint8_t>(18, 128));
+}
+
+/// A chunk of a PNG file; libpng reads those of wrong checks too, or leaves them out.
+std::string png_chunk(const std::string& type, const std::string& body) {
+  std::string size(4, '\0');
+  size[3] = static_cast<char>(body.size());
+  const std::string checked = type + body;
+  const uLong check =
+      crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()));
+  std::string bytes = size + checked;
+  for (int i = 3; i >= 0; --i) bytes += static_cast<char>(check >> (8 * i));
+  return bytes;
+}
+
+/// A PNG file with these chunks before its texels.
+std::string png_with(const std::string& chunks) {
+  constexpr std::size_t kHeaderEnd = 33;
+  return three_by_two("a.png").insert(kHeaderEnd, chunks);
+}
+
+/// A WebP file with this block of EXIF.  [RFC9649]
+std::string webp_with_exif(const std::string& block) {
+  const std::string plain = three_by_two("a.webp");
+  const auto size = [](std::size_t n) {
+    return std::string{static_cast<char>(n), static_cast<char>(n >> 8U), 0, 0};
+  };
+  std::string body = "WEBPVP8X" + size(10) + std::string("\x08\0\0\0\x02\0\0\x01\0\0", 10) +
+                     plain.substr(12) + "EXIF" + size(block.size()) + block;
+  return "RIFF" + size(body.size()) + body;
+}
+
+TEST(PictureHeaders, OrientationsInExifTurnThePicture) {
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"a.webp", webp_with_exif(exif(6))},
+        {"b.webp", webp_with_exif(std::string("Exif\0\0", 6) + exif(6))},
+        {"a.png", png_with(png_chunk("eXIf", exif(6)))}}) {
+    const auto d = decode_image({name, bytes});
+    ASSERT_TRUE(d.ok()) << d.status();
+    EXPECT_EQ(d->image->width(), 2) << name;
+    EXPECT_EQ(d->image->height(), 3) << name;
+  }
+  for (const std::string& block : {exif(1), exif(0), exif(9), exif(6).substr(0, 12), std::string()})
+    EXPECT_EQ(decoded(webp_with_exif(block)).image->width(), 3);
+}
+
+TEST(PictureHeaders, CodesOfPngFilesOtherThanSrgbAreRemarks) {
+  const auto remarks = [](const std::string& chunks) {
+    return remarks_of(decoded(png_with(chunks)));
+  };
+  const std::string srgb = png_chunk("sRGB", std::string(1, '\0'));
+  const std::string srgb_codes = png_chunk("cICP", testing::chars({1, 13, 0, 1}));
+  const std::string gamma = png_chunk("gAMA", testing::chars({0, 1, 0x86, 0xa0}));
+  EXPECT_EQ(remarks(srgb), "");
+  EXPECT_EQ(remarks(gamma), "a.hdr has a gamma of 1 -> treated as sRGB, as in pbrt-v4\n");
+  EXPECT_EQ(remarks(srgb + gamma), "");
+  // [PNG3, 4.3]: cICP comes before all others.
+  EXPECT_EQ(remarks(srgb_codes), "");
+  EXPECT_EQ(remarks(srgb_codes + gamma), "");
+  const std::string pq = png_chunk("cICP", testing::chars({9, 16, 0, 1}));
+  for (const std::string& chunks : {pq, srgb + pq, gamma + pq})
+    EXPECT_EQ(remarks(chunks),
+              "a.hdr has primaries 9 and transfer function 16 of H.273 -> treated as sRGB, as in "
+              "pbrt-v4\n");
 }
 
 TEST(PictureHeaders, TheScaleOfAPfmFileIsApplied) {
