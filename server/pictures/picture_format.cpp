@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <string_view>
 
 namespace lucerna {
@@ -15,9 +16,29 @@ bool ends_in_tga(std::string_view name) {
          });
 }
 
+/// Whether the bytes are a header of TGA, in which each field has few values.  [TGA2]
+bool has_tga_header(std::string_view bytes) {
+  constexpr std::size_t kHeaderBytes = 18;
+  if (bytes.size() <= kHeaderBytes) return false;
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+  const auto is_one_of = [](int value, std::initializer_list<int> allowed) {
+    return std::ranges::find(allowed, value) != allowed.end();
+  };
+  const bool has_palette = at(1) == 1;
+  const bool palette_fits =
+      has_palette ? is_one_of(at(7), {15, 16, 24, 32})
+                  : at(1) == 0 && bytes.substr(3, 5) == std::string_view("\0\0\0\0\0", 5);
+  const bool kind_fits =
+      has_palette ? is_one_of(at(2), {1, 2, 3, 9, 10, 11}) : is_one_of(at(2), {2, 3, 10, 11});
+  const bool has_texels = (at(12) | at(13)) != 0 && (at(14) | at(15)) != 0;
+  return palette_fits && kind_fits && has_texels && is_one_of(at(16), {8, 15, 16, 24, 32}) &&
+         (at(17) & 0xc0U) == 0;
+}
+
 bool is_tga(const AssetContent& content) {
   constexpr std::string_view kFooter("TRUEVISION-XFILE.\0", 18);  // [TGA2]
-  return std::string_view(content.bytes).ends_with(kFooter) || ends_in_tga(content.name);
+  return std::string_view(content.bytes).ends_with(kFooter) || ends_in_tga(content.name) ||
+         has_tga_header(content.bytes);
 }
 
 }  // namespace

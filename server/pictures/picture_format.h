@@ -28,7 +28,7 @@ enum class PictureFormat : std::uint8_t {
 };
 
 /// By the first bytes of the file.  A TGA file has its mark at the end, and old ones have none:
-/// then the name counts.
+/// then the name or a plausible header counts.
 PictureFormat format_of(const AssetContent& content);
 
 /// "TGA", for messages.

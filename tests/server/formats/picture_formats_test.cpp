@@ -260,6 +260,23 @@ TEST(PictureFormats, TheFirstBytesDecideAndNotTheName) {
   EXPECT_THAT(codes_of("a.png", "GIF89a"), HasSubstr("unknown kind of image, allowed: OpenEXR"));
 }
 
+TEST(PictureFormats, ATgaFileWithoutAMarkMayHaveAnyName) {
+  const std::string colours = tga(kColours, 1, 1, {24, 0x20}, {3, 2, 1});
+  for (const std::string name : {"a.png", "a.jpg", "a"})
+    EXPECT_EQ(codes_of(name, colours), "1 2 3; ") << name;
+  EXPECT_EQ(codes_of("a.png", tga({0, 1, 1, 0, 0, 1, 0, 24}, 1, 1, {8, 0}, {3, 2, 1, 0})),
+            "1 2 3; ");
+  EXPECT_EQ(codes_of("a.png", tga({0, 0, 11, 0, 0, 0, 0, 0}, 1, 1, {8, 0}, {0, 7})), "7 7 7; ");
+  // No picture: an icon, a cursor, and headers of values that TGA does not have.
+  for (const std::string& bytes :
+       {chars({0, 0, 1, 0, 1, 0, 16, 16, 0, 0, 1, 0, 24, 0, 9, 0, 8, 0}),
+        chars({0, 0, 2, 0, 1, 0, 16, 16, 0, 0, 1, 0, 24, 0, 9, 0, 24, 0}), colours.substr(0, 17),
+        tga(kColours, 0, 1, {24, 0}, {3, 2, 1}), tga(kColours, 1, 1, {23, 0}, {3, 2, 1}),
+        tga(kColours, 1, 1, {24, 0x40}, {3, 2, 1}),
+        tga({0, 2, 2, 0, 0, 0, 0, 0}, 1, 1, {24, 0}, {3, 2, 1})})
+    EXPECT_THAT(codes_of("a.png", bytes), HasSubstr("unknown kind of image"));
+}
+
 TEST(PictureFormats, ASizeIsCheckedBeforeMemoryIsTaken) {
   const std::string webp = "RIFF" + little(40) + "WEBPVP8X" + little(10) + chars({0, 0, 0, 0}) +
                            little(0x3fff, 3) + little(0x3fff, 3) + std::string(20, '\0');
