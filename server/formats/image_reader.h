@@ -57,9 +57,9 @@ struct DecodedImage {
   LoadBudget::Share share;  ///< of the texels
 };
 
-/// Decodes the first picture of an image file.  One or two channels are grey (and alpha); of more
-/// channels, R, G and B are used, or those of the first layer that has them.  Texels below 0 count
-/// as 0, with a remark that counts them.
+/// Decodes the first picture of an image file that has colours.  Its R, G and B are used, or those
+/// of the first layer that has them, or X, Y and Z; else a single channel besides alpha and depth
+/// is grey.  Texels below 0 count as 0, with a remark that counts them.
 ///
 /// The picture is turned and mirrored as the file says.  An OpenEXR picture is that of the display
 /// window, black where the file has no texels.  Where an OpenEXR or Radiance file states primaries,

@@ -142,6 +142,7 @@ absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
     LUCERNA_ASSIGN_OR_RETURN(ok, file.open_by_library());
   }
   if (!ok) return file.unreadable();
+  file.find_colours();
   LUCERNA_RETURN_IF_ERROR(check_spec(content, file.spec_, options.max_texels));
   // OpenImageIO 2.4 reads the EXIF of WebP only if it has the mark of JPEG.
   if (format == PictureFormat::kWebp)
@@ -187,6 +188,19 @@ absl::StatusOr<bool> ImageFile::open_by_library() {
   return input_->open(file_->path(), spec_, config);
 }
 
+void ImageFile::find_colours() {
+  OIIO::ImageSpec spec = spec_;
+  while (spec_.deep || !colours()) {
+    if (!input_->seek_subimage(++subimage_, 0)) {
+      input_->seek_subimage(subimage_ = 0, 0);
+      spec_ = std::move(spec);
+      return;
+    }
+    spec_ = input_->spec();
+  }
+  if (colours()->is_xyz) set_primaries_of_xyz(spec_);
+}
+
 absl::Status ImageFile::unreadable() const {
   return unreadable_picture(*content_, input_->geterror());
 }
@@ -227,14 +241,14 @@ bool ImageFile::read_rows(std::size_t first, std::size_t rows, int low, int high
   const int begin = spec_.y + static_cast<int>(first);
   const int end = begin + static_cast<int>(rows);
   if (spec_.tile_width > 0)
-    return input_->read_tiles(0, 0, spec_.x, spec_.x + spec_.width, begin, end, spec_.z,
+    return input_->read_tiles(subimage_, 0, spec_.x, spec_.x + spec_.width, begin, end, spec_.z,
                               spec_.z + 1, low, high + 1, type, to);
   const std::size_t values = rows * width() * static_cast<std::size_t>(high - low + 1);
   if (!spec_.channelformats.empty() || values > std::numeric_limits<int>::max())
-    return input_->read_scanlines(0, 0, begin, end, spec_.z, low, high + 1, type, to);
+    return input_->read_scanlines(subimage_, 0, begin, end, spec_.z, low, high + 1, type, to);
   // read_scanlines() does the same through a buffer of 64 MiB, which it allocates for each band.
   const auto read_native = [&](void* rows_to) {
-    return input_->read_native_scanlines(0, 0, begin, end, spec_.z, low, high + 1, rows_to);
+    return input_->read_native_scanlines(subimage_, 0, begin, end, spec_.z, low, high + 1, rows_to);
   };
   if (spec_.format == type) return read_native(to);
   stored_.resize(values * spec_.format.size());
@@ -248,15 +262,17 @@ std::vector<ImageRemark> ImageFile::remarks() {
   std::vector<ImageRemark> remarks;
   const OIIO::ImageSpec& spec = spec_;
   const auto layer = colours();
-  const bool alpha = spec.nchannels == 2 || (layer && layer->alpha >= 0);
+  const bool alpha = layer && layer->alpha >= 0;
   if (alpha) remarks.push_back({name + " has an alpha channel", "alpha is ignored", true});
-  const int used = spec.nchannels <= 2 ? 1 : 3;
+  const int used = layer && layer->is_grey() ? 1 : 3;
   if (const int rest = spec.nchannels - used - (alpha ? 1 : 0); rest > 0)
     remarks.push_back(
         {fmt::format("{} has {} channels besides R, G, B and A", name, rest), "they are ignored"});
   if (layer && layer->others > 0)
     remarks.push_back({fmt::format("{} has {} layers with colours", name, layer->others + 1),
                        fmt::format("the layer \"{}\" is used", first_line(layer->name))});
+  if (layer && layer->is_xyz && options_.encoding.meaning != Encoding::Meaning::kData)
+    remarks.push_back({name + " has the channels X, Y and Z", "taken as CIE XYZ"});
   const bool has_window = spec.x != spec.full_x || spec.y != spec.full_y ||
                           spec.width != spec.full_width || spec.height != spec.full_height;
   if (has_window && format_ == PictureFormat::kExr)
@@ -273,8 +289,10 @@ std::vector<ImageRemark> ImageFile::remarks() {
     if (const std::string other = other_colours(*content_, format_, spec); !other.empty())
       remarks.push_back({name + " has " + other, "treated as sRGB, as in pbrt-v4", true});
   if (input_->seek_subimage(1, 0))
-    remarks.push_back({name + " has several pictures", "the first one is used"});
-  input_->seek_subimage(0, 0);
+    remarks.push_back({name + " has several pictures", subimage_ == 0
+                                                           ? "the first one is used"
+                                                           : "the first one with colours is used"});
+  input_->seek_subimage(subimage_, 0);
   return remarks;
 }
 

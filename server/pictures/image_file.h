@@ -28,8 +28,9 @@ namespace lucerna {
 
 class ImageFile {
  public:
-  /// Opens the first picture of the file and checks the size in its header.  `content` must outlive
-  /// the object.  Errors: those of decode_image, except those about channels and texels.
+  /// Opens the first picture of the file that has colours and checks the size in its header.
+  /// `content` must outlive the object.  Errors: those of decode_image, except those about channels
+  /// and texels.
   static absl::StatusOr<ImageFile> open(const AssetContent& content, const ImageOptions& options);
 
   const OIIO::ImageSpec& spec() const { return spec_; }
@@ -41,7 +42,9 @@ class ImageFile {
   const Arrangement& arrangement() const { return arrangement_; }
 
   /// The channels of the colours; nothing if there are none.
-  std::optional<ColourLayer> colours() const { return colour_layer(spec_); }
+  std::optional<ColourLayer> colours() const {
+    return colour_layer(spec_, format_ == PictureFormat::kExr);
+  }
   /// What integers mean: what the file says, else what the caller says.
   Encoding encoding() const;
   /// What lights and surfaces do not use of the file.
@@ -79,6 +82,8 @@ class ImageFile {
   ImageFile(const AssetContent& content, const ImageOptions& options);
   /// Opens the file with OpenImageIO; false if it cannot.
   absl::StatusOr<bool> open_by_library();
+  /// Goes on to the first picture with colours: some files begin with depth.
+  void find_colours();
 
   const AssetContent* content_;
   PictureFormat format_;
@@ -88,6 +93,7 @@ class ImageFile {
   std::unique_ptr<OIIO::ImageInput> input_;  // last of these members: closed first
   std::uint64_t whole_bytes_ = 0;            ///< of a picture that is decoded as a whole
   LoadBudget::Share opened_;                 ///< what the library takes to open the file
+  int subimage_ = 0;                         ///< of the picture
   OIIO::ImageSpec spec_;
   Arrangement arrangement_{{}, false};
   std::vector<std::byte> stored_;  ///< a band as the file stores it

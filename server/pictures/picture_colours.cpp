@@ -73,6 +73,11 @@ std::optional<RgbPrimaries> stated_primaries(const OIIO::ImageSpec& spec) {
                       {values[6], values[7]}};
 }
 
+void set_primaries_of_xyz(OIIO::ImageSpec& spec) {
+  constexpr std::array<float, 8> kXyz{1, 0, 0, 1, 0, 0, 1.0F / 3, 1.0F / 3};
+  spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), kXyz.data());
+}
+
 std::optional<double> stated_white_cd_m2(const OIIO::ImageSpec& spec) {
   const float white = spec.get_float_attribute("whiteLuminance", 0);
   if (!(white > 0) || !std::isfinite(white)) return std::nullopt;

@@ -15,6 +15,9 @@ namespace lucerna {
 /// The primaries that an OpenEXR or a Radiance file states, unless they are those of Rec. 709.
 std::optional<RgbPrimaries> stated_primaries(const OIIO::ImageSpec& spec);
 
+/// States the primaries X, Y and Z, and equal amounts as their white.
+void set_primaries_of_xyz(OIIO::ImageSpec& spec);
+
 /// The luminance of RGB (1, 1, 1) that an OpenEXR file states [cd/m2].  Nothing if it is not
 /// stated, not positive or not finite.  [OpenEXR]
 std::optional<double> stated_white_cd_m2(const OIIO::ImageSpec& spec);

@@ -69,7 +69,8 @@ absl::StatusOr<Channels> channels_of(const AssetContent& content, const ImageFil
     std::ranges::replace_if(
         names, [](char c) { return c < ' ' || c > '~'; }, '?');
     return bad_picture(content,
-                       "channels" + names.substr(0, 200) + ", allowed: one or two, or R, G and B");
+                       "channels" + names.substr(0, 200) +
+                           ", allowed: R, G and B; X, Y and Z; or one besides alpha and depth");
   }
   for (const int c : layer->channels)
     if (!is_coded(file.spec().channelformat(c)))
@@ -202,7 +203,7 @@ FloatColours colours_of(const AssetContent& content, const ImageFile& file,
   FloatColours colours;
   const Meaning meaning = options.encoding.meaning;
   const auto primaries = stated_primaries(file.spec());
-  if (primaries && meaning != Meaning::kData && file.spec().nchannels > 2) {
+  if (primaries && meaning != Meaning::kData && !file.colours()->is_grey()) {
     colours.conversion = RgbConversion::to_rec709(*primaries, white);
     if (!colours.conversion)
       remarks.push_back(

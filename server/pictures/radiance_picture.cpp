@@ -13,6 +13,7 @@
 
 #include "proto/common/status_macros.h"
 #include "server/pictures/picture_checks.h"
+#include "server/pictures/picture_colours.h"
 
 namespace lucerna {
 namespace {
@@ -75,10 +76,10 @@ absl::Status RadiancePicture::read_header() {
     LUCERNA_RETURN_IF_ERROR(read_line(line));
   LUCERNA_RETURN_IF_ERROR(read_resolution(next_line()));
   if (!gamma_line_.empty()) m_spec.attribute("gamma line", first_line(std::string(gamma_line_)));
-  std::array<double, 8> values{1, 0, 0, 1, 0, 0, 1.0 / 3, 1.0 / 3};  // of X, Y, Z and equal amounts
-  if (!is_xyz_ && primaries_.empty()) return absl::OkStatus();
-  if (!is_xyz_ && !read_numbers(primaries_, values))
-    return bad_line(primaries_, "eight chromaticities");
+  if (is_xyz_) set_primaries_of_xyz(m_spec);
+  if (is_xyz_ || primaries_.empty()) return absl::OkStatus();
+  std::array<double, 8> values{};
+  if (!read_numbers(primaries_, values)) return bad_line(primaries_, "eight chromaticities");
   std::array<float, 8> floats{};
   std::ranges::transform(values, floats.begin(), [](double v) { return static_cast<float>(v); });
   m_spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), floats.data());

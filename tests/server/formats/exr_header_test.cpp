@@ -6,9 +6,7 @@
 
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <initializer_list>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -21,7 +19,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using testing::message;
-using testing::SceneFiles;
 using testing::written;
 
 /// 32-bit integers as OpenEXR stores them.
@@ -51,23 +48,6 @@ std::string exr_with(const std::string& attributes) {
     return bytes.insert(kMagicAndVersion, attributes);
   }
   throw std::runtime_error("no place of the rows");
-}
-
-/// A valid file of two pictures.
-std::string two_pictures() {
-  const SceneFiles files;
-  const std::string path = (files.path() / "two.exr").string();
-  const OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeDesc::FLOAT);
-  const std::vector<OIIO::ImageSpec> specs(2, spec);
-  const float texel[] = {1, 2, 3};
-  const auto file = OIIO::ImageOutput::create(path);
-  if (!file || !file->open(path, 2, specs.data()) ||
-      !file->write_image(OIIO::TypeDesc::FLOAT, texel) ||
-      !file->open(path, spec, OIIO::ImageOutput::AppendSubimage) ||
-      !file->write_image(OIIO::TypeDesc::FLOAT, texel) || !file->close())
-    throw std::runtime_error(file ? file->geterror() : OIIO::geterror());
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 const std::string kWindow = attribute("dataWindow", "box2i", 16);
@@ -157,7 +137,8 @@ TEST(ExrHeader, TheNumberOfTexelsIsCheckedBeforeBuffersAreAllocated) {
 }
 
 TEST(ExrHeader, EveryPictureOfTheFileIsChecked) {
-  std::string bytes = two_pictures();
+  const OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeDesc::FLOAT);
+  std::string bytes = testing::exr_parts({spec, spec}, {{1, 2, 3}, {1, 2, 3}});
   EXPECT_TRUE(decoded(bytes).ok()) << decoded(bytes);
   set_size(bytes, bytes.rfind(kWindow), 1 << 29, 1);
   EXPECT_EQ(message(decoded(bytes)), "a.exr: 536870912 x 1 texels, allowed: 134217728 in all");

@@ -113,7 +113,7 @@ TEST(ImageReader, OtherChannelsAreIgnoredButRgbIsNeeded) {
   spec.channelnames = {"n.x", "n.y", "n.z", "u", "v"};
   spec.alpha_channel = -1;
   EXPECT_THAT(message(decode_image({"a.exr", written("a.exr", spec, values)}).status()),
-              HasSubstr("allowed: one or two, or R, G and B"));
+              HasSubstr("allowed: R, G and B; X, Y and Z; or one besides"));
 }
 
 TEST(ImageReader, OneTexelAndAHundredThousandInARow) {

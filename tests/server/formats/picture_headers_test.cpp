@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -264,6 +265,75 @@ TEST(ExrPicture, ALayerOfAnotherNameIsRead) {
   EXPECT_THAT(remarks_of(two), HasSubstr("has 2 layers with colours -> the layer \"a\""));
 }
 
+OIIO::ImageSpec channels(const std::vector<std::string>& names) {
+  OIIO::ImageSpec spec(1, 1, static_cast<int>(names.size()), OIIO::TypeDesc::FLOAT);
+  spec.channelnames = names;
+  return spec;
+}
+
+TEST(ExrPicture, DepthIsNoColour) {
+  const std::vector<float> values{1, 2, 3, 4};
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"Z"},
+                                                {"ViewLayer.Depth.Z"},
+                                                {"depth"},
+                                                {"A", "Z"},
+                                                {"U", "V"},
+                                                {"Z", "ZBack"},
+                                                {"R", "G"},
+                                                {"Y", "RY", "BY"},
+                                                {"P.X", "P.Y", "P.Z"}}) {
+    const auto d = decode_image({"a.exr", exr(channels(names), values)});
+    EXPECT_THAT(message(d.status()),
+                HasSubstr("allowed: R, G and B; X, Y and Z; or one besides alpha and depth"))
+        << names[0];
+  }
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"Y"}, {"Y", "A"}, {"Y", "Z"}, {"Y", "A", "Z"}, {"mask"}}) {
+    const DecodedImage d = decoded(exr(channels(names), values));
+    EXPECT_EQ(d.image->texel(0, 0), Rgb<float>(1)) << names.back();
+    EXPECT_EQ(remarks_of(d).find("alpha is ignored") != std::string::npos,
+              std::ranges::count(names, "A") > 0);
+    EXPECT_EQ(remarks_of(d).find("besides R, G, B and A") != std::string::npos,
+              std::ranges::count(names, "Z") > 0);
+  }
+}
+
+TEST(ExrPicture, TheFirstPartWithColoursIsRead) {
+  const std::string bytes =
+      testing::exr_parts({channels({"Z"}), channels({"R", "G", "B"}), channels({"R", "G", "B"})},
+                         {{9}, {1, 2, 3}, {4, 5, 6}});
+  const DecodedImage d = decoded(bytes);
+  EXPECT_EQ(d.image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(remarks_of(d), "a.hdr has several pictures -> the first one with colours is used\n");
+  EXPECT_THAT(message(decode_image({"a.exr", testing::exr_parts({channels({"Z"}), channels({"Z"})},
+                                                                {{9}, {8}})})
+                          .status()),
+              HasSubstr("channels Z, allowed"));
+}
+
+TEST(ExrPicture, WordsNameTheChannelsToo) {
+  const std::vector<float> values{1, 2, 3, 0.5F};
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"red", "green", "blue"},
+                                                {"d.Red", "d.Green", "d.Blue", "d.Alpha"},
+                                                {"d.red", "d.green", "d.blue", "d.alpha"}}) {
+    // OpenImageIO keeps the order of the names in `values`.
+    const std::string bytes = exr(channels(names), values);
+    EXPECT_EQ(first_texel(bytes), Rgb<float>(1, 2, 3)) << names[0];
+    const auto alpha = decode_alpha({"a.exr", bytes});
+    ASSERT_TRUE(alpha.ok()) << alpha.status();
+    EXPECT_EQ(alpha->values.size(), names.size() - 3);
+  }
+}
+
+TEST(ExrPicture, XyzBecomesRgb) {
+  const std::string bytes = exr(channels({"X", "Y", "Z"}), {0.9505F, 1, 1.0891F});
+  const DecodedImage d = decoded(bytes);
+  expect_near(d.image->texel(0, 0), {1, 1, 1}, 1e-3);
+  EXPECT_EQ(remarks_of(d), "a.hdr has the channels X, Y and Z -> taken as CIE XYZ\n");
+  // Normals are no colours.
+  EXPECT_EQ(first_texel(bytes, kData), Rgb<float>(0.9505F, 1, 1.0891F));
+}
+
 TEST(PictureHeaders, OrientationFlagsTurnThePicture) {
   // Stored as a b c over d e f; where the first row and the first column are, as in TIFF.
   const std::array<std::pair<int, const char*>, 8> kTurned{{{1, "abcdef"},
@@ -314,7 +384,7 @@ std::string three_by_two(const std::string& name) {
   return written(name, spec, std::vector<std::uint8_t>(18, 128));
 }
 
-/// A chunk of a PNG file; libpng reads those of wrong checks too, or leaves them out.
+/// A chunk of a PNG file.
 std::string png_chunk(const std::string& type, const std::string& body) {
   std::string size(4, '\0');
   size[3] = static_cast<char>(body.size());

@@ -55,4 +55,19 @@ std::string written(const std::string& name, const OIIO::ImageSpec& spec,
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// An OpenEXR file of one picture of floats for each of `specs`.
+inline std::string exr_parts(const std::vector<OIIO::ImageSpec>& specs,
+                             const std::vector<std::vector<float>>& values) {
+  const SceneFiles files;
+  const std::string path = (files.path() / "parts.exr").string();
+  const auto file = OIIO::ImageOutput::create(path);
+  bool ok = file && file->open(path, static_cast<int>(specs.size()), specs.data());
+  for (std::size_t i = 0; ok && i < specs.size(); ++i)
+    ok = (i == 0 || file->open(path, specs[i], OIIO::ImageOutput::AppendSubimage)) &&
+         file->write_image(OIIO::TypeDesc::FLOAT, values[i].data());
+  if (!ok || !file->close()) throw std::runtime_error(file ? file->geterror() : OIIO::geterror());
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 }  // namespace lucerna::testing
