@@ -44,6 +44,7 @@ class Reader {
       if (index >= mesh_.positions.size())
         return error(fmt::format("a face uses vertex {}, but there are {} vertices", index,
                                  mesh_.positions.size()));
+    LUCERNA_RETURN_IF_ERROR(mend_places());
     return std::move(mesh_);
   }
 
@@ -180,17 +181,29 @@ class Reader {
             break;
         }
       }
-      for (std::uint64_t i = first; i < first + rows; ++i) LUCERNA_RETURN_IF_ERROR(check_vertex(i));
+      for (std::uint64_t i = first; i < first + rows; ++i) check_vertex(i);
     }
     return absl::OkStatus();
   }
 
-  absl::Status check_vertex(std::uint64_t i) {
-    if (!is_finite(mesh_.positions[i])) return error(fmt::format("vertex {} is not finite", i));
+  void check_vertex(std::uint64_t i) {
+    all_finite_ &= is_finite(mesh_.positions[i]);
     if (has_uv_ && !(std::isfinite(mesh_.uv[i].x) && std::isfinite(mesh_.uv[i].y))) {
       mesh_.uv[i] = {0, 0};
       ++mesh_.mended_uv;
     }
+  }
+
+  /// Moves vertices that are not finite to another one.  Fails if a face uses one.
+  absl::Status mend_places() {
+    if (all_finite_) return absl::OkStatus();
+    for (const std::uint32_t index : mesh_.indices)
+      if (!is_finite(mesh_.positions[index]))
+        return error(fmt::format("vertex {} is not finite", index));
+    const Vec3<double> place =
+        mesh_.indices.empty() ? Vec3<double>{} : mesh_.positions[mesh_.indices[0]];
+    for (Vec3<double>& p : mesh_.positions)
+      if (!is_finite(p)) p = place;
     return absl::OkStatus();
   }
 
@@ -248,7 +261,8 @@ class Reader {
     mesh_.positions.push_back(position);
     if (has_uv_) mesh_.uv.push_back({static_cast<float>(value[kU]), static_cast<float>(value[kV])});
     if (has_normals_) mesh_.normals.emplace_back(Vec3<double>{value[kNx], value[kNy], value[kNz]});
-    return check_vertex(i);
+    check_vertex(i);
+    return absl::OkStatus();
   }
 
   absl::Status read_face(const Property& property, std::uint64_t face) {
@@ -340,7 +354,7 @@ class Reader {
   Numbers numbers_;
   std::stop_token stop_;
   PlyMesh mesh_;
-  bool has_vertices_ = false;
+  bool has_vertices_ = false, all_finite_ = true;
   bool has_normals_ = false, has_uv_ = false;
 };
 

@@ -34,7 +34,7 @@ struct PlyMesh {
 ///
 /// Sizes in the header are checked against the length of the data before anything is allocated.
 /// Errors (INVALID_ARGUMENT) name the header line or the element.  They are: invalid header,
-/// truncated data, index out of range, vertex not finite.
+/// truncated data, index out of range, a vertex of a face that is not finite.
 /// CANCELLED on `stop`.  Refusals of `budget` (null: no limit).
 absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop = {},
                                   LoadBudget* budget = nullptr);

@@ -3,11 +3,13 @@
 #include <absl/status/status.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <utility>
 
 #include "proto/common/status_macros.h"
+#include "server/formats/byte_order_mark.h"
 
 namespace lucerna::ply {
 namespace {
@@ -44,6 +46,12 @@ std::vector<std::string_view> words(std::string_view line) {
     if (at > begin) result.push_back(line.substr(begin, at - begin));
   }
   return result;
+}
+
+/// LF, or CR in a file whose first line ends with CR alone.
+char line_end_of(std::string_view bytes) {
+  const std::size_t end = std::min(bytes.find_first_of("\r\n"), bytes.size());
+  return bytes.substr(end, 1) == "\r" && bytes.substr(end + 1, 1) != "\n" ? '\r' : '\n';
 }
 
 absl::Status add_property(const std::vector<std::string_view>& line, int number, Header& header) {
@@ -83,9 +91,11 @@ absl::Status error(const std::string& what) { return absl::InvalidArgumentError(
 
 absl::StatusOr<Header> parse_header(std::string_view bytes) {
   Header header;
+  bytes = without_byte_order_mark(bytes);
+  const char line_end = line_end_of(bytes);
   bool has_format = false;
   for (int number = 1;; ++number) {
-    const std::size_t end = bytes.find('\n');
+    const std::size_t end = bytes.find(line_end);
     if (end == std::string_view::npos)
       return header_error(number, "the file ends before \"end_header\"");
     const auto line = words(bytes.substr(0, end));

@@ -185,6 +185,42 @@ TEST(Ply, ErrorsNameTheElement) {
             "PLY: vertex 1: the data end or do not contain a number");
 }
 
+TEST(Ply, VerticesThatNoFaceUsesNeedNoPlace) {
+  std::string bytes = binary_quad(false, std::numeric_limits<float>::quiet_NaN());
+  bytes.replace(bytes.size() - 17, 17,
+                raw(std::uint8_t{3}, false) + raw(0, false) + raw(1, false) + raw(2, false));
+  for (const std::string& file :
+       {bytes, ascii(kQuadHeader) + "0 0 0 1 0 0 1 2 0 nan -inf 7\n3 0 1 2\n"}) {
+    const auto mesh = parse_ply(file);
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    // At a vertex of a face, so that the box of the mesh stays.
+    EXPECT_THAT(mesh->positions, ElementsAre(Vec3<double>(0, 0, 0), Vec3<double>(1, 0, 0),
+                                             Vec3<double>(1, 2, 0), Vec3<double>(0, 0, 0)));
+  }
+  const auto empty = parse_ply(ascii(kQuadHeader) + "0 0 0 1 0 0 1 2 0 nan 0 0\n2 0 1\n");
+  ASSERT_TRUE(empty.ok()) << empty.status();
+  EXPECT_THAT(empty->indices, ElementsAre());
+}
+
+TEST(Ply, ByteOrderMarksAndAllEndsOfLinesAreRead) {
+  const std::string text = ascii(kQuadHeader) + "0 0 0\n1 0 0\n1 2 0\n0 2 7\n4 0 1 2 3\n";
+  for (const std::string end : {"\n", "\r\n", "\r"})
+    for (const std::string mark : {"", "\xef\xbb\xbf"})
+      for (const bool is_binary : {false, true}) {
+        const std::string whole = is_binary ? binary_quad(false) : text;
+        const std::size_t header = whole.find("end_header\n") + 11;
+        std::string bytes = mark;
+        for (const char c : whole.substr(0, is_binary ? header : whole.size()))
+          bytes += c == '\n' ? end : std::string(1, c);
+        if (is_binary) bytes += whole.substr(header);
+        const auto mesh = parse_ply(bytes);
+        ASSERT_TRUE(mesh.ok()) << mesh.status();
+        EXPECT_THAT(mesh->positions, ElementsAre(Vec3<double>(0, 0, 0), Vec3<double>(1, 0, 0),
+                                                 Vec3<double>(1, 2, 0), Vec3<double>(0, 2, 7)));
+        EXPECT_EQ(mesh->indices.size(), 6U);
+      }
+}
+
 TEST(Ply, ErrorsNameTheHeaderLine) {
   EXPECT_EQ(ply_error(""), "PLY: header line 1: the file ends before \"end_header\"");
   EXPECT_EQ(ply_error("plyx\n"), "PLY: header line 1: expected \"ply\"");
