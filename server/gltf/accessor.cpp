@@ -123,7 +123,7 @@ std::size_t components_of(const Document& document, std::size_t index) {
 }
 
 std::vector<double> read_numbers(const Document& document, std::size_t index,
-                                 std::size_t components) {
+                                 std::size_t components, bool is_mended) {
   Context& context = document.context();
   const tinygltf::Accessor& accessor = document.model().accessors[index];
   const std::string pointer = accessor_pointer(index);
@@ -153,7 +153,7 @@ std::vector<double> read_numbers(const Document& document, std::size_t index,
     values.assign(accessor.count * components, 0.0);
   }
   if (accessor.sparse.isSparse) apply_sparse(document, pointer, accessor, components, values);
-  if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT)
+  if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT && !is_mended)
     check_finite(document, pointer, values, components);
   return values;
 }

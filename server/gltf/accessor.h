@@ -16,9 +16,9 @@ namespace lucerna::gltf {
 /// Sparse values are applied.  Columns of matrices follow each other.
 ///
 /// Fails with the place of the accessor: another type than one with `components` numbers, bytes
-/// outside of the buffer, a number that is not finite.
+/// outside of the buffer, a number that is not finite unless the caller mends those.
 std::vector<double> read_numbers(const Document& document, std::size_t index,
-                                 std::size_t components);
+                                 std::size_t components, bool is_mended = false);
 
 /// The number of components of one element: 3 for "VEC3".
 std::size_t components_of(const Document& document, std::size_t index);

@@ -12,6 +12,11 @@
 namespace lucerna::gltf {
 namespace {
 
+/// Whether vertices get another value where that of the file is not finite.
+bool is_mended(std::string_view attribute) {
+  return attribute == "NORMAL" || attribute == "TANGENT" || attribute.starts_with("TEXCOORD_");
+}
+
 /// The attributes of one primitive, from accessors or from compressed data.
 class Attributes {
  public:
@@ -43,10 +48,11 @@ class Attributes {
             at, fmt::format("found {} components, allowed: {}", packed.components, components));
       values = packed.values;
       for (const double value : values)
-        if (!std::isfinite(value)) document_.context().fail(at, "a compressed value is not finite");
+        if (!std::isfinite(value) && !is_mended(name))
+          document_.context().fail(at, "a compressed value is not finite");
     } else {
       values = read_numbers(document_, static_cast<std::size_t>(primitive_.attributes.at(name)),
-                            components);
+                            components, is_mended(name));
     }
     if (count && values.size() != *count * components)
       document_.context().fail(at, fmt::format("found {} elements, but there are {} vertices",
@@ -102,7 +108,8 @@ void morph(const Document& document, const tinygltf::Primitive& primitive,
   for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
     const auto found = primitive.targets[t].find(attribute);
     if (weights[t] == 0 || found == primitive.targets[t].end()) continue;
-    const auto change = vectors(read_numbers(document, static_cast<std::size_t>(found->second), 3));
+    const auto change = vectors(
+        read_numbers(document, static_cast<std::size_t>(found->second), 3, is_mended(attribute)));
     if (change.size() != values.size())
       document.context().fail(fmt::format("{}/targets/{}/{}", pointer, t, attribute),
                               fmt::format("found {} elements, but there are {} vertices",
@@ -219,12 +226,23 @@ void set_uv(Context& context, const Attributes& attributes, std::size_t count, P
       fmt::format("TEXCOORD_{}", emission != nullptr ? emission->uv_set : *part.use.uv_set);
   // Without coordinates every point shows (0, 0).
   std::vector<double> uv(2 * count, 0.0);
-  if (attributes.has(set))
+  if (attributes.has(set)) {
     uv = attributes.numbers(set, 2, count);
-  else
+    std::size_t mended = 0;
+    for (std::size_t i = 0; i < uv.size(); i += 2) {
+      if (std::isfinite(uv[i]) && std::isfinite(uv[i + 1])) continue;
+      uv[i] = uv[i + 1] = 0;
+      ++mended;
+    }
+    if (mended > 0)
+      context.remark(fmt::format("{}/attributes/{}", part.pointer, set),
+                     fmt::format("the (u, v) of {} vertices are not finite", mended),
+                     "(u, v) 0, 0");
+  } else {
     context.remark(part.pointer + "/attributes",
                    fmt::format("{}, which a texture of the material needs, is missing", set),
                    "every point has the (u, v) 0, 0");
+  }
   context.claim(part.pointer, part.mesh.indices.size(), sizeof(Vec2<float>));
   part.mesh.corner_uv = emission != nullptr
                             ? corner_uv(context, part.pointer, *emission, uv, part.mesh.indices)
@@ -261,11 +279,17 @@ std::vector<VertexTangent> tangents(Context& context, const std::string& pointer
   std::vector<VertexTangent> result;
   context.claim(pointer, along.size(), sizeof(VertexTangent));
   result.reserve(along.size());
+  std::size_t without = 0;
   for (std::size_t i = 0; i < along.size(); ++i) {
     const Vec3<double> t = normalized(along[i]);
+    without += !is_finite(t);
     result.push_back(
         {is_finite(t) ? Vec3<float>(t) : Vec3<float>{}, given[4 * i + 3] < 0 ? -1.0F : 1.0F});
   }
+  if (without > 0)
+    context.remark(pointer + "/attributes/TANGENT",
+                   fmt::format("{} of {} tangents have no direction", without, along.size()),
+                   "the frame follows the other tangents, or (u, v)");
   return result;
 }
 

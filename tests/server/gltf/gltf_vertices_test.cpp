@@ -1,6 +1,7 @@
 // Colours and tangents of vertices.
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <numbers>
 
 #include "gltf_fixture.h"
@@ -127,6 +128,36 @@ GltfFile tilted(const std::vector<float>& uv, const std::vector<float>& tangent,
     attributes["TANGENT"] = file.add_floats(all, "VEC4");
   }
   return file_of({{"normalTexture", {{"index", 0}}}}, std::move(file), attributes, std::move(node));
+}
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+TEST(GltfVertices, NormalsAndTexturesWithoutANumberAreMended) {
+  GltfFile file;
+  Json primitive = file.triangle();
+  primitive["attributes"]["NORMAL"] = file.add_floats({0, 0, 1, kNan, 0, 1, 0, 0, kNan}, "VEC3");
+  file.add_node({{"mesh", file.add_mesh(primitive)}});
+  const SceneDescription scene = file.scene();
+  EXPECT_THAT(gltf_remarks(scene), HasSubstr("/attributes/NORMAL: 2 of 3 normals have no direction "
+                                             "-> the mean of the faces around each"));
+  for (const auto& normal : testing::mesh_of(scene.shapes.at(0)).normals)
+    EXPECT_EQ(normal, Vec3<float>(0, 0, 1));
+  const GltfFile textured = tilted({0, 1, kNan, 1, 0, 0}, {}, Json::object());
+  EXPECT_THAT(gltf_remarks(textured.scene()),
+              HasSubstr("/attributes/TEXCOORD_0: the (u, v) of 1 vertices are not finite -> (u, v) "
+                        "0, 0"));
+}
+
+TEST(GltfVertices, TangentsWithoutANumberLeaveTheFrameToTheCoordinates) {
+  const GltfFile file = tilted({0, 1, 1, 1, 0, 0}, {kNan, 1, 0, 1}, Json::object());
+  EXPECT_THAT(
+      gltf_remarks(file.scene()),
+      HasSubstr("/attributes/TANGENT: 3 of 3 tangents have no direction -> the frame follows "
+                "the other tangents, or (u, v)"));
+  const auto scene = built(file);
+  SurfaceHit hit = hit_at(*scene, 0.25, 0.25);
+  const SurfaceScattering scattering(*scene, hit);
+  EXPECT_LT(length(hit.ns - Vec3<double>{0.6, 0.48, 0.64}), 0.01);
 }
 
 struct TiltedCase {
