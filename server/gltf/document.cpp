@@ -120,6 +120,8 @@ bool has_scheme(std::string_view uri) {
 
 }  // namespace
 
+bool is_data_uri(const std::string& uri) { return absl::StartsWithIgnoreCase(uri, "data:"); }
+
 Document::Document(Context& context) : context_(context) {
   absl::StatusOr<AssetContent> content = context.assets.read(context.file);
   if (!content.ok()) throw Failure{content.status()};
@@ -219,7 +221,7 @@ const AssetContent* Document::read_uri(const View& uri) const {
   if (known != files_.end()) return &known->second;
   const std::string& text = uri.text();
   AssetContent content;
-  if (text.starts_with("data:")) {
+  if (is_data_uri(text)) {
     const std::size_t comma = text.find(',');
     if (comma == std::string::npos)
       uri.fail("a data URI without data, allowed: data:TYPE;base64,DATA and data:TYPE,DATA");
@@ -382,7 +384,7 @@ std::shared_ptr<const Texels> Document::texels(std::size_t index, PictureKind ki
     return nullptr;
   }
   std::string name = place.text("uri", "");
-  if (name.empty() || name.starts_with("data:")) name = context_.location(place.pointer()).file;
+  if (name.empty() || is_data_uri(name)) name = context_.location(place.pointer()).file;
   texels = context_.scene.textures.picture(printable(name), *std::move(read), context_.stop);
   share.reset();
   context_.poll();

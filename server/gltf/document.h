@@ -25,6 +25,9 @@ enum class PictureKind : std::uint8_t {
   kAlpha,   ///< alpha in all channels; 1 if the picture has none
 };
 
+/// Whether the URI holds its data.  Schemes may be in capitals.  [RFC3986, 3.1]
+bool is_data_uri(const std::string& uri);
+
 class Document {
  public:
   /// Reads and checks the file `context.file`, a .gltf or a .glb file, and all its buffers.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -36,18 +37,18 @@ View light_of(const Document& document, const char* extension, const View& use) 
   return lights.require_array()[use.at("light").index(lights.size(), "light")];
 }
 
-/// An angle of at most `most`, which files give with as few as four digits.
+/// An angle of at least 0.  Beyond `least` and `most` it ends there, with a remark unless an
+/// exporter that holds floats made the difference.
 double angle_of(const View& angles, std::string_view key, double otherwise, double least,
                 double most) {
-  constexpr double kDigits = 5e-4, kRounded = 1e-6;
-  const double angle = angles.number(key, otherwise, {least, 1e300});
-  if (angle <= most) return angle;
-  if (!(angle <= most + kDigits))
-    angles.at(key).fail(fmt::format("found {} rad, allowed: {} to {}", angle, least, most));
-  if (angle > most + kRounded)
+  constexpr double kRounded = 1e-6;
+  const double angle = angles.number(key, otherwise, kNotNegative);
+  if (angle < least || angle > most + kRounded)
     angles.context().remark(angles.at(key).pointer(),
-                            fmt::format("{} rad, more than {}", angle, most), "this limit");
-  return most;
+                            angle < least ? fmt::format("{} rad, less than {}", angle, least)
+                                          : fmt::format("{} rad, more than {}", angle, most),
+                            "this limit");
+  return std::clamp(angle, least, most);
 }
 
 SpotLightParams spot_light(const View& light, const Vec3<double>& position,
@@ -59,8 +60,11 @@ SpotLightParams spot_light(const View& light, const Vec3<double>& position,
   // Earlier drafts of the extension allowed a spot without its angles.
   const auto given = light.find("spot");
   const View angles = given ? given->require_object() : light;
-  spot.cone_half_angle_rad =
-      angle_of(angles, "outerConeAngle", std::numbers::pi / 4, 1e-6, std::numbers::pi / 2);
+  constexpr double kRight = std::numbers::pi / 2;
+  constexpr double kDigits = 5e-4;  // files have angles of as few as four digits
+  if (const auto outer = angles.find("outerConeAngle"); outer && outer->number() > kRight + kDigits)
+    outer->fail(fmt::format("found {} rad, allowed: 0 to {}", outer->number(), kRight));
+  spot.cone_half_angle_rad = angle_of(angles, "outerConeAngle", std::numbers::pi / 4, 1e-6, kRight);
   spot.falloff_start_rad = angle_of(angles, "innerConeAngle", 0, 0, spot.cone_half_angle_rad);
   // The falloff that the extension suggests, and that renderers use.
   spot.profile = SpotProfile::kQuadratic;

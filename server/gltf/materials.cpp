@@ -140,14 +140,22 @@ bool Materials::apply_texture(const View& info, MaterialEmission& emission) {
   if (picture.image == nullptr) return false;
   const View image = root.at("images")[*source];
   picture.name = image.text("uri", "");
-  if (picture.name.empty() || picture.name.starts_with("data:"))
+  if (picture.name.empty() || is_data_uri(picture.name))
     picture.name = image.context().location(image.pointer()).file;
   emission.picture = std::move(picture);
   return true;
 }
 
 std::shared_ptr<const MaterialEmission> Materials::emission(const View& material) {
-  const std::vector<double> factor = material.numbers("emissiveFactor", {0, 0, 0}, kNotNegative);
+  std::vector<double> factor(3, 0.0);
+  const auto given_factor = material.find("emissiveFactor");
+  if (given_factor && given_factor->json().is_array() && given_factor->size() == 4) {
+    factor.resize(4);
+    material.context().remark(given_factor->pointer(), "4 numbers, which glTF limits to 3",
+                              "the first 3");
+  }
+  factor = material.numbers("emissiveFactor", factor, kNotNegative);
+  factor.resize(3);
   if (*std::ranges::max_element(factor) > 1)
     material.context().remark(
         material.at("emissiveFactor").pointer(),

@@ -246,9 +246,16 @@ std::string_view fallback_of(std::string_view name) {
            "glossiness";
   if (name == "KHR_texture_basisu") return "the picture in \"source\", else white";
   if (name.find("_materials_") != std::string_view::npos) return "the materials without it";
+  if (name == "KHR_animation_pointer") return "the values at rest";
+  if (name.starts_with("MSFT_packing_")) return "the textures without it";
+  // Metadata, sound, physics, characters and the behaviour of viewers.
   for (const std::string_view known :
-       {"KHR_xmp", "KHR_xmp_json_ld", "KHR_audio_emitter", "EXT_mesh_features",
-        "EXT_instance_features", "EXT_structural_metadata", "MSFT_lod"})
+       {"KHR_xmp", "KHR_xmp_json_ld", "KHR_audio_emitter", "KHR_implicit_shapes",
+        "KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability",
+        "KHR_physics_rigid_bodies", "EXT_mesh_features", "EXT_instance_features",
+        "EXT_structural_metadata", "AGI_articulations", "AGI_stk_metadata",
+        "CESIUM_primitive_outline", "MSFT_lod", "VRM", "VRMC_node_constraint", "VRMC_springBone",
+        "VRMC_vrm"})
     if (name == known) return "ignored";
   return "";
 }

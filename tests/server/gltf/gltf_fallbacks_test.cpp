@@ -23,11 +23,22 @@ TEST(GltfExtensions, RequiredOnesWithAFallbackGetARemark) {
         {"KHR_materials_pbrSpecularGlossiness", "pbrMetallicRoughness; without it"},
         {"KHR_materials_volume", "the materials without it"},
         {"KHR_texture_basisu", "the picture in \"source\""},
-        {"KHR_xmp_json_ld", "ignored"}}) {
+        {"KHR_xmp_json_ld", "ignored"},
+        {"KHR_animation_pointer", "the values at rest"},
+        {"KHR_physics_rigid_bodies", "ignored"},
+        {"VRMC_vrm", "ignored"},
+        {"CESIUM_primitive_outline", "ignored"},
+        {"MSFT_packing_occlusionRoughnessMetallic", "the textures without it"}}) {
     GltfFile file;
     file.json["extensionsUsed"] = file.json["extensionsRequired"] = {name};
     EXPECT_THAT(gltf_remarks(file.scene()),
                 HasSubstr(std::string("extension \"") + name + "\" is not modelled -> " + instead));
+  }
+  // Without these, vertices or lights would be wrong.
+  for (const char* name : {"CESIUM_RTC", "KHR_node_visibility", "KHR_meshopt_compression"}) {
+    GltfFile file;
+    file.json["extensionsUsed"] = file.json["extensionsRequired"] = {name};
+    EXPECT_THAT(file.error(), HasSubstr(name));
   }
   GltfFile webp;
   webp.json["extensionsUsed"] = webp.json["extensionsRequired"] = {"EXT_texture_webp"};
@@ -56,6 +67,28 @@ TEST(GltfLights, AnglesWithFewDigitsEndAtTheirLimit) {
   EXPECT_THAT(remarks, HasSubstr("0.78544 rad, more than 0.7854 -> this limit"));
 }
 
+TEST(GltfLights, ConesOutOfOrderEndAtTheirLimit) {
+  const auto [crossed, remark] = spot(1, 0.5);
+  EXPECT_EQ(crossed.cone_half_angle_rad, 0.5);
+  EXPECT_EQ(crossed.falloff_start_rad, 0.5);
+  EXPECT_THAT(remark, HasSubstr("/innerConeAngle: 1 rad, more than 0.5 -> this limit"));
+  const auto [narrow, other] = spot(0, 0);
+  EXPECT_EQ(narrow.cone_half_angle_rad, 1e-6);
+  EXPECT_THAT(other, HasSubstr("/outerConeAngle: 0 rad, less than 1e-06 -> this limit"));
+}
+
+TEST(GltfMaterials, TheFirstThreeOfFourEmissiveFactorsCount) {
+  GltfFile file;
+  file.json["materials"] = Json::array({{{"emissiveFactor", {1, 0.5, 0.25, 1}}}});
+  Json triangle = file.triangle();
+  triangle["material"] = 0;
+  file.add_node({{"mesh", file.add_mesh(triangle)}});
+  const SceneDescription scene = file.scene();
+  EXPECT_EQ(scene.shapes.at(0).emission->radiance_cd_m2, Rgb<double>(1, 0.5, 0.25));
+  EXPECT_THAT(gltf_remarks(scene),
+              HasSubstr("/emissiveFactor: 4 numbers, which glTF limits to 3 -> the first 3"));
+}
+
 /// Each byte as a percent escape.
 std::string escaped(const std::string& bytes) {
   std::string text;
@@ -75,7 +108,8 @@ TEST(GltfFiles, DataUrisNeedNoBase64) {
   const std::string base64 = absl::Base64Escape(file.bytes());
   for (const std::string& uri :
        {"data:application/octet-stream," + escaped(file.bytes()), "data:," + escaped(file.bytes()),
-        "data:;charset=utf-8;BASE64," + base64, "data:;base64," + escaped(base64)}) {
+        "data:;charset=utf-8;BASE64," + base64, "data:;base64," + escaped(base64),
+        "DATA:;base64," + base64}) {
     const auto scene = load(uri);
     ASSERT_TRUE(scene.ok()) << uri << scene.status();
     EXPECT_EQ(scene->objects.size() + scene->shapes.size(),
