@@ -26,6 +26,12 @@ class Lines {
     starts_.reserve(count);
     for (std::string_view rest = text; !rest.empty(); take_line(rest))
       starts_.push_back(static_cast<std::uint32_t>(text.size() - rest.size()));
+    // Names precede line 13.
+    for (std::size_t line = 13; line <= size() && !comma_decides_; ++line) {
+      const std::string_view word = trimmed(text_of(line));
+      comma_decides_ =
+          word.find(',') != std::string_view::npos && is_number(line) && !ambiguous_commas(word);
+    }
   }
 
   /// The number on a line, in [least, most].
@@ -43,6 +49,14 @@ class Lines {
     else if (!(*n >= least && *n <= most))
       fail(line, fmt::format("{} = {}, allowed: {}", what, *n, allowed));
     return status.ok() ? *n : 0;
+  }
+
+  /// Fails if the number on a line has a comma that may separate thousands.
+  void check_comma(std::size_t line, std::string_view what) {
+    if (comma_decides_ || !status.ok()) return;
+    const std::string_view word = trimmed(text_of(line));
+    if (const auto ambiguous = ambiguous_commas(word))
+      fail(line, fmt::format("{} is \"{}\", which is {}", what, word, *ambiguous));
   }
 
   /// A whole number in [least, most].
@@ -92,6 +106,7 @@ class Lines {
 
   std::string_view file_, text_;
   std::vector<std::uint32_t> starts_;  // of the lines
+  bool comma_decides_ = false;         // a comma of the file is a decimal comma for sure
 };
 
 /// The order of the values of several sets of lamps.
@@ -173,7 +188,9 @@ Lamps read_lamps(Lines& lines, PhotometricFile& file) {
                                lamps.sets));
   lines.number(27, "the number of lamps", -1e6, 1e6, "a number");
   const std::size_t flux_line = order == SetOrder::kBySet ? 29 : 27 + 2 * lamps.sets;
-  lamps.lm = lines.number(flux_line, "the luminous flux of the lamps", 1e-300, kAny, "positive");
+  constexpr std::string_view kFlux = "the luminous flux of the lamps";
+  lamps.lm = lines.number(flux_line, kFlux, 1e-300, kAny, "positive");
+  lines.check_comma(flux_line, kFlux);
   if (lamps.sets > 1)
     file.notes.push_back(
         {26, fmt::format("{} sets of lamps", lamps.sets), "only the first set is used"});
@@ -292,6 +309,8 @@ absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, Sizes sizes,
       lines.list(gamma_line, gammas, "a gamma-angle", 0, 180, "from 0 to 180 degrees");
   web.intensity_cd =
       lines.list(intensity_line, count, "an intensity per 1000 lm", -kAny, kAny, "finite");
+  for (std::size_t i = 0; i < count; ++i)
+    lines.check_comma(intensity_line + i, "an intensity per 1000 lm");
   if (auto s = check_vertical_angles(web.type, web.vertical_deg); lines.status.ok() && !s.ok())
     lines.fail(gamma_line, std::string(s.message()));
   LUCERNA_RETURN_IF_ERROR(lines.status);

@@ -11,11 +11,12 @@ namespace lucerna {
 
 /// The luminaire in the text of a file, as a web of type C.  `name` is the file's name in errors.
 ///
-/// The file has one value per line; decimal commas are accepted.  Intensity is the file's value per
-/// 1000 lm, times the luminous flux of the first set of lamps, times the conversion factor.  The
-/// flux is that of all lamps of the set.  If the number of lamps is negative, it is that of the
-/// luminaire (absolute photometry).  A blank conversion factor counts as 1, with a note, although
-/// the format does not allow it.
+/// The file has one value per line; decimal commas are accepted, unless those of a flux or of an
+/// intensity may separate thousands ("1,000") and no other comma shows what they are.  Intensity is
+/// the file's value per 1000 lm, times the luminous flux of the first set of lamps, times the
+/// conversion factor.  The flux is that of all lamps of the set.  If the number of lamps is
+/// negative, it is that of the luminaire (absolute photometry).  A blank conversion factor counts
+/// as 1, with a note, although the format does not allow it.
 ///
 /// Further sets of lamps are alternatives; they are ignored with a note.  The format lists the
 /// values of all sets field by field, but some programs write set by set.  The reader distinguishes

@@ -223,6 +223,7 @@ struct Reading {
   PhotometricFile file;
   Rest rest;
   int rest_line;
+  absl::Status ambiguous;  ///< as IesNumbers has it
 };
 
 absl::StatusOr<Reading> read(std::string_view text, std::string_view name, Comma comma) {
@@ -242,6 +243,7 @@ absl::StatusOr<Reading> read(std::string_view text, std::string_view name, Comma
                  : numbers.at_number() ? Rest::kNumber
                                        : Rest::kText;
   reading.rest_line = numbers.line();
+  reading.ambiguous = numbers.ambiguous();
   if (reading.rest != Rest::kNothing)
     file.notes.push_back({numbers.line(), "text after the last candela value", "left out"});
   check_flux(header, file);
@@ -270,6 +272,7 @@ absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_vie
   // A file with decimal commas seems to have more numbers than it announces.
   auto decimal = read(text, name, Comma::kDecimal);
   if (decimal.ok() && decimal->rest != Rest::kNumber) {
+    if (!decimal->ambiguous.ok()) return decimal->ambiguous;
     decimal->file.notes.push_back({1, "decimal commas, which separate numbers in LM-63",
                                    "read as decimal points, which gives the announced counts"});
     return std::move(decimal->file);

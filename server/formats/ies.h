@@ -24,7 +24,8 @@ namespace lucerna {
 /// these, angles that leave a part of the sphere open, and noise below zero.
 ///
 /// A comma separates numbers.  If the file then has an error or more numbers than it announces, and
-/// none with decimal commas, these are read, with a note.
+/// none with decimal commas, these are read, with a note.  If all of these may separate thousands
+/// ("1,000"), that is an error.
 ///
 /// Counts in the header are checked against the length of the text before anything is allocated.
 /// Errors (INVALID_ARGUMENT): "name:line: what, allowed: ...".

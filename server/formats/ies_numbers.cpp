@@ -28,6 +28,16 @@ std::optional<double> IesNumbers::parse(std::string_view word) const {
   return parse_number(decimal);
 }
 
+void IesNumbers::note_comma(std::string_view word) {
+  if (word.ends_with(',')) word.remove_suffix(1);
+  if (word.find(',') == std::string_view::npos) return;
+  const auto ambiguous = ambiguous_commas(word);
+  if (!ambiguous) comma_decides_ = true;
+  if (ambiguous && ambiguous_.ok())
+    ambiguous_ =
+        photometric_error(file_, line_, fmt::format("\"{}\" is {}", excerpt(word), *ambiguous));
+}
+
 std::optional<double> IesNumbers::next(std::string_view what) {
   if (!status.ok()) return std::nullopt;
   if (!skip()) {
@@ -37,6 +47,7 @@ std::optional<double> IesNumbers::next(std::string_view what) {
   const std::string_view found = word();
   words_.remove_prefix(found.size());
   const auto number = parse(found);
+  if (number && comma_ == Comma::kDecimal) note_comma(found);
   if (!number) fail(fmt::format("{} is \"{}\", allowed: a finite number", what, excerpt(found)));
   return number;
 }

@@ -59,9 +59,14 @@ class IesNumbers {
     if (status.ok()) status = photometric_error(file_, line(), what);
   }
 
+  /// An error about commas that may separate thousands, if no other comma shows that they are
+  /// decimal.
+  absl::Status ambiguous() const { return comma_decides_ ? absl::OkStatus() : ambiguous_; }
+
   absl::Status status;
 
  private:
+  void note_comma(std::string_view word);
   bool is_blank(char c) const;
   std::string_view word() const;
   std::optional<double> parse(std::string_view word) const;
@@ -71,6 +76,8 @@ class IesNumbers {
   std::string_view rest_;   // the lines after it
   int line_;
   Comma comma_;
+  absl::Status ambiguous_;  // about the first such number
+  bool comma_decides_ = false;
 };
 
 }  // namespace lucerna

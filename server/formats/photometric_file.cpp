@@ -32,6 +32,19 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
+std::optional<std::string> ambiguous_commas(std::string_view number) {
+  const std::size_t comma = number.find(',');
+  const std::size_t digits = number.find_first_of("123456789");
+  const bool thousands = comma != std::string_view::npos && digits < comma && comma - digits <= 3 &&
+                         number.size() == comma + 4 &&
+                         number.find_first_not_of("0123456789", comma + 1) == number.npos;
+  if (!thousands) return std::nullopt;
+  std::string all(number), decimal(number);
+  all.erase(comma, 1), decimal[comma] = '.';
+  return fmt::format("{} or {}, and no other number decides it, allowed: numbers without commas",
+                     parse_number(all).value_or(0), parse_number(decimal).value_or(0));
+}
+
 std::optional<PhotometricFile::Note> opening_note(int line, std::initializer_list<double> sizes_m) {
   std::string sizes;
   for (const double size : sizes_m)

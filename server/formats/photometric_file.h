@@ -71,6 +71,10 @@ std::string_view trimmed(std::string_view text);
 /// The finite number in `text`, with an optional sign; nothing if `text` is not such a number.
 std::optional<double> parse_number(std::string_view text);
 
+/// "1000 or 1, ..." for "1,000", whose comma may separate thousands or decimals.  Nothing for
+/// numbers such as "0,500" and "1,5".
+std::optional<std::string> ambiguous_commas(std::string_view number);
+
 /// INVALID_ARGUMENT "file:line: what".
 absl::Status photometric_error(std::string_view file, int line, std::string_view what);
 

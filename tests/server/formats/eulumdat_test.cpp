@@ -65,6 +65,26 @@ TEST(Eulumdat, EndsOfLinesAndDecimalCommas) {
   }
 }
 
+TEST(Eulumdat, CommasOfThousandsAreNotDecimals) {
+  Ldt f;
+  f.intensities = {"1,000", "500", "10"};
+  EXPECT_EQ(ldt_error(f.text()),
+            "lamp.ldt:47: an intensity per 1000 lm is \"1,000\", which is 1000 or 1, and no other "
+            "number decides it, allowed: numbers without commas");
+  f.intensities = {"1,000", "0,500", "10"};
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 2);
+  f = {};
+  f.lamps[2] = "12,500";
+  EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:29: the luminous flux of the lamps is "
+                                              "\"12,500\", which is 12500 or 12.5"));
+  f.gamma[1] = "22,5";
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 1.25);
+  // A factor of 1000 has no use.
+  f = {};
+  f.conversion = "1,000";
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+}
+
 TEST(Eulumdat, PlanesOfEachSymmetry) {
   // C90 points to -y, since +z is down.
   const auto at = [](const Ldt& f, double c_deg) {

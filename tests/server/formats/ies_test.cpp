@@ -279,6 +279,20 @@ TEST(Ies, DecimalCommasAreReadIfTheCountsThenFit) {
   EXPECT_THAT(ies_error(f.text()), HasSubstr("; commas separate numbers, allowed: decimal points"));
 }
 
+// "1,000" is a thousand in some countries and one in others.
+TEST(Ies, CommasOfThousandsAreNotDecimals) {
+  Ies f;
+  f.candela = "1,000 1,000 2,500\n";
+  EXPECT_EQ(ies_error(f.text()),
+            "lamp.ies:9: \"1,000\" is 1000 or 1, and no other number decides it, allowed: numbers "
+            "without commas");
+  // The counts fit with decimal commas only, and 0,125 has no thousands.
+  f.candela = "1,000 1,000 0,125\n";
+  EXPECT_EQ(down(f.text()), 1);
+  f.candela = "1000,000 1,000 1,250\n";
+  EXPECT_EQ(down(f.text()), 1000);
+}
+
 TEST(Ies, LuminousOpeningsAreNotedForPoints) {
   Ies f;
   EXPECT_FALSE(ies(f.text()).opening);
