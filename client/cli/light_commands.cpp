@@ -111,15 +111,18 @@ std::uint64_t most_samples(const v1::ReceiverEstimates& estimates) {
 
 /// The estimate of each point.
 void print_estimates(const Session& session, const v1::SampleLiResponse& response,
-                     const SampleOptions& options, const PointSet& set,
+                     const std::string& unit, const SampleOptions& options, const PointSet& set,
                      const v1::SampleLiRequest& request) {
   const v1::Accuracy& accuracy = request.accuracy();
   const v1::ReceiverEstimates& estimates = response.estimates();
   const bool on_surfaces = request.normals_size() > 0;
   std::vector<Table::Column> columns = {
-      {"x [m]"},         {"y [m]"},
-      {"z [m]"},         {on_surfaces ? "illuminance [lx]" : "spherical illuminance [lx]"},
-      interval_column(), {"samples"}};
+      {"x [m]"},
+      {"y [m]"},
+      {"z [m]"},
+      {fmt::format("{} [{}]", on_surfaces ? "illuminance" : "spherical illuminance", unit)},
+      interval_column(unit),
+      {"samples"}};
   if (options.wavelengths.given()) columns.push_back(options.wavelengths.column("W/m2/nm"));
   columns.push_back({"", true});
   Table table(columns);
@@ -177,7 +180,8 @@ void sample(Session& session, const SampleOptions& options) {
       session, request, client::sample_li_in_batches,
       [&](const Response& response) {
         if (response.has_estimates()) {
-          print_estimates(session, response, options, set, request);
+          print_estimates(session, response, illuminance_units(session, request.scene_id()).sum,
+                          options, set, request);
         } else {
           print_samples(session, response, options, accuracy);
         }

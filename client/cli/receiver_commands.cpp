@@ -144,11 +144,16 @@ std::string samples_text(const v1::EstimateIrradianceResponse& response) {
 }
 
 void print_irradiance(const Session& session, const v1::EstimateIrradianceResponse& response,
-                      const PointSet& set, const WavelengthOption& wavelengths,
-                      const StopOption& stop, const v1::Accuracy& accuracy) {
+                      const IlluminanceUnits& units, const PointSet& set,
+                      const WavelengthOption& wavelengths, const StopOption& stop,
+                      const v1::Accuracy& accuracy) {
   const bool approximate = is_approximate(accuracy);
-  std::vector<Table::Column> columns = {
-      {"x [m]"}, {"y [m]"}, {"z [m]"}, {"illuminance [lx]"}, interval_column(), {"RGB [lx]", true}};
+  std::vector<Table::Column> columns = {{"x [m]"},
+                                        {"y [m]"},
+                                        {"z [m]"},
+                                        {fmt::format("illuminance [{}]", units.sum)},
+                                        interval_column(units.sum),
+                                        {fmt::format("RGB [{}]", units.sum), true}};
   const bool by_target = response.has_item_costs();
   if (by_target) columns.insert(columns.end() - 1, {{"samples"}, {"rays"}, {"time [ms]"}});
   if (wavelengths.given()) columns.push_back(wavelengths.column("W/m2/nm"));
@@ -176,13 +181,26 @@ void print_irradiance(const Session& session, const v1::EstimateIrradianceRespon
   // CSV is one table: of the lights if they are asked for.
   if (!session.csv() || response.shares_size() == 0) session.show(table);
   if (response.shares_size() > 0) {
-    Table shares({{"light"}, {"x [m]"}, {"y [m]"}, {"z [m]"}, {"share [lx]"}, interval_column()});
+    const bool mixed = units.sum == "mixed";
+    columns = {{"light"},
+               {"x [m]"},
+               {"y [m]"},
+               {"z [m]"},
+               {mixed ? "share" : fmt::format("share [{}]", units.sum)},
+               interval_column(units.sum)};
+    if (mixed) columns.push_back({"unit", true});
+    Table shares(columns);
     for (const v1::LightShare& share : response.shares()) {
       for (int i = 0; i < share.illuminance_lx_size(); ++i) {
         const auto& [x, y, z] = set.points.at(i);
-        shares.add({std::to_string(share.light_id()), number_cell(x), number_cell(y),
-                    number_cell(z), number_cell(share.illuminance_lx(i)),
-                    share_error_cell(response, share, i, approximate)});
+        std::vector<Cell> row = {std::to_string(share.light_id()),
+                                 number_cell(x),
+                                 number_cell(y),
+                                 number_cell(z),
+                                 number_cell(share.illuminance_lx(i)),
+                                 share_error_cell(response, share, i, approximate)};
+        if (mixed) row.emplace_back(units.lights.at(share.light_id()));
+        shares.add(std::move(row));
       }
     }
     if (!session.csv()) fmt::print("\n");
@@ -228,7 +246,8 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   send_and_print<v1::EstimateIrradianceRequest, Response>(
       session, request, client::estimate_irradiance_in_batches,
       [&](const Response& response) {
-        print_irradiance(session, response, set, options.wavelengths, options.stop, accuracy);
+        print_irradiance(session, response, illuminance_units(session, request.scene_id()), set,
+                         options.wavelengths, options.stop, accuracy);
       },
       [&](const Response& response) {
         std::string more = json_of_approximate(accuracy);

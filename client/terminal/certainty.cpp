@@ -40,7 +40,11 @@ Cell interval_cell(float value, float lower, float upper, bool approximate) {
           {fmt::format("{}", lower), fmt::format("{}", upper)}};
 }
 
-Table::Column interval_column() { return {"± [lx]", false, {"lower [lx]", "upper [lx]"}}; }
+Table::Column interval_column(const std::string& unit) {
+  return {fmt::format("± [{}]", unit),
+          false,
+          {fmt::format("lower [{}]", unit), fmt::format("upper [{}]", unit)}};
+}
 
 bool is_approximate(const v1::Accuracy& accuracy) {
   return accuracy.has_far_light_radii() || accuracy.visibility() == v1::VISIBILITY_SHADOW_MAPS ||

@@ -25,7 +25,7 @@ std::string interval_text(double value, double lower, double upper, bool approxi
 Cell interval_cell(double value, double lower, double upper, bool approximate);
 Cell interval_cell(float value, float lower, float upper, bool approximate);
 /// The column of these cells.
-Table::Column interval_column();
+Table::Column interval_column(const std::string& unit = "lx");
 
 /// Whether the request chose an approximation.  Intervals do not include its error.
 bool is_approximate(const v1::Accuracy& accuracy);

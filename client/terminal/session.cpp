@@ -375,4 +375,23 @@ v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id
   return all;
 }
 
+IlluminanceUnits illuminance_units(Session& session, const std::string& scene_id) {
+  IlluminanceUnits units;
+  if (!session.csv() && !session.has_remarks()) return units;
+  const v1::ListLightsResponse lights = list_lights(session, scene_id);
+  const auto unit_of = [](const v1::Light& light) {
+    const std::string& flux = light.power_unit();
+    return flux.empty() ? "lx" : flux == "unknown" ? flux : flux + "/m2";
+  };
+  bool all_lx = true;
+  for (const v1::Light& light : lights.lights()) {
+    const std::string unit = unit_of(light);
+    all_lx = all_lx && unit == "lx";
+    units.sum = units.lights.empty() || unit == units.sum ? unit : "mixed";
+    units.lights.emplace(light.id(), unit);
+  }
+  if (all_lx) return {};
+  return units;
+}
+
 }  // namespace lucerna::cli

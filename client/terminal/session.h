@@ -3,6 +3,8 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -98,6 +100,13 @@ class Session {
   /// without remarks, and as CSV.
   void print_remarks() const;
 
+  /// Whether the scene that the session queried last has remarks.  False as CSV, for which they are
+  /// not read.
+  bool has_remarks() const {
+    const std::lock_guard lock(remarks_mutex_);
+    return !remarks_line_.empty();
+  }
+
   /// Sets the exit status of a run without errors.
   void set_exit_status(ExitStatus status) { exit_status_ = status; }
   ExitStatus exit_status() const { return exit_status_; }
@@ -140,6 +149,17 @@ v1::ListScenesResponse list_scenes(Session& session);
 v1::ListAvailableScenesResponse list_available_scenes(Session& session);
 /// All lights of a scene, from all pages.
 v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id);
+
+/// Units of the illuminances of a scene.
+struct IlluminanceUnits {
+  /// Of a sum over lights: "lx", another one such as "mW/m2", or "mixed".
+  std::string sum = "lx";
+  /// Of the light of each light; empty if all are in lx.
+  std::map<std::uint64_t, std::string> lights;
+};
+/// Of the scene that the session queried last.  It lists the lights unless the scene has no
+/// remarks: a light in another unit than lm has one.
+IlluminanceUnits illuminance_units(Session& session, const std::string& scene_id);
 
 /// Help of the argument SCENE.
 inline constexpr char kSceneHelp[] =

@@ -199,9 +199,11 @@ absl::StatusOr<PhotometricType> read_candela(IesNumbers& numbers, const IesHeade
   return web.type;
 }
 
-/// Adds a note if more light leaves the luminaire than its lamps emit, by more than 2%.
+/// Adds a note if more light leaves the luminaire than its lamps emit, by more than 2%, and both
+/// are in lm.
 void check_flux(const IesHeader& header, PhotometricFile& file) {
   if (header.lamp_lm < 0 || header.lamps == 0 || !(header.operated > 0)) return;
+  if (!file.flux_unit.empty()) return;
   const double lamps_lm = header.lamps * header.lamp_lm;
   if (file.web->flux_lm() / header.operated <= 1.02 * lamps_lm) return;
   file.notes.push_back(
@@ -231,7 +233,6 @@ absl::StatusOr<Reading> read(std::string_view text, std::string_view name, Comma
   PhotometricFile& file = reading.file;
   const Edition edition = edition_of(text, file);
   LUCERNA_ASSIGN_OR_RETURN(const TiltLine tilt, find_tilt(text, name));
-  note_unit(text.substr(0, text.size() - tilt.rest.size()), file);
   IesNumbers numbers(name, tilt.rest, tilt.line, comma);
   LUCERNA_ASSIGN_OR_RETURN(const double tilt_factor, read_tilt(tilt, name, numbers, file));
   const IesHeader header = read_header(numbers, edition, tilt_factor, file);
@@ -239,6 +240,7 @@ absl::StatusOr<Reading> read(std::string_view text, std::string_view name, Comma
   if (!numbers.room_for(vertical + horizontal + vertical * horizontal)) return numbers.status;
   LUCERNA_ASSIGN_OR_RETURN(const PhotometricType type,
                            read_candela(numbers, header, edition, name, file));
+  note_unit(text.substr(0, text.size() - tilt.rest.size()), file);
   reading.rest = !numbers.skip()       ? Rest::kNothing
                  : numbers.at_number() ? Rest::kNumber
                                        : Rest::kText;

@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -78,6 +79,8 @@ class Luminaires : public ::testing::Test {
     write("picture.pbrt",
           "WorldBegin\nLightSource \"goniometric\" \"string filename\" \"gonio.exr\"\n"
           "  \"float power\" 800\nLightSource \"goniometric\" \"rgb I\" [7 7 7]\n");
+    for (const char* file : {"radiant.ies", "radiant.pbrt", "radiant_and_lamp.pbrt"})
+      fs::copy_file(fs::path(test_data("luminaires")) / file, directory_->path() / file);
     auto server = testing::LocalServer::start({.scene_root = directory_->path().string()});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = std::make_unique<testing::LocalServer>(*std::move(server));
@@ -123,6 +126,30 @@ TEST_F(Luminaires, AreListedWithFileFormatAndLumens) {
   EXPECT_THAT(picture.out, ContainsRegex("image gonio.exr \\(64 x 64 px, equal-area, nearest\\), "
                                          "[0-9.]+ cd at 1 +0 0 0.* +800 +exact +yes"));
   EXPECT_THAT(picture.out, ContainsRegex("goniometric +7 cd +0 0 0 +87.9646 +exact"));
+}
+
+// 20 mW/sr at a distance of 2 m.
+TEST_F(Luminaires, TheUnitOfTheFileIsInTheHeadings) {
+  const std::vector<std::string> at = {"--point", "0,0,2", "--normal", "0,0,-1", "--bounces", "0"};
+  const auto irradiance = [&](const std::string& scene, std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {"irradiance", scene};
+    words.insert(words.end(), at.begin(), at.end());
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = lucerna(words);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  const std::string alone = irradiance("radiant.pbrt", {"--per-light"});
+  EXPECT_THAT(alone, HasSubstr("illuminance [mW/m2]"));
+  EXPECT_THAT(alone, HasSubstr("RGB [mW/m2]"));
+  EXPECT_THAT(alone, HasSubstr("share [mW/m2]"));
+  EXPECT_THAT(alone, Not(HasSubstr("[lx]")));
+  const std::string two = irradiance("radiant_and_lamp.pbrt", {"--per-light"});
+  EXPECT_THAT(two, HasSubstr("illuminance [mixed]"));
+  EXPECT_THAT(two, ContainsRegex("1 .* 5 +exact +mW/m2\n"));
+  EXPECT_THAT(two, ContainsRegex("2 .* exact +lx\n"));
+  EXPECT_THAT(irradiance("radiant.pbrt", {"--output", "csv"}), HasSubstr("illuminance [mW/m2]"));
+  EXPECT_THAT(irradiance("lantern.pbrt"), HasSubstr("illuminance [lx]"));
 }
 
 TEST_F(Luminaires, ABrokenFileIsNamedWithItsLineAndNothingIsLoaded) {

@@ -3,7 +3,7 @@ import { lighting } from "./api.js";
 import { colour, css, linearScale } from "./colours.js";
 import { joined, segments } from "./contour.js";
 import { draw, make } from "./dom.js";
-import { count, digits, duration, withError } from "./format.js";
+import { count, digits, duration, spoken, withError } from "./format.js";
 import { inFrame } from "./geometry.js";
 import { floorLx } from "./point.js";
 
@@ -116,7 +116,7 @@ export function summary(/** @type {Field} */ { lux, lower, upper }) {
 }
 
 /** The row of figures over a chart. */
-function figures(/** @type {Field} */ field, /** @type {string} */ size) {
+function figures(/** @type {Field} */ field, /** @type {string} */ unit, /** @type {string} */ size) {
   const { n, mean, error, low, high } = summary(field);
   const about = withError(mean, error);
   const figure = (/** @type {string} */ name, /** @type {string} */ text) =>
@@ -128,13 +128,13 @@ function figures(/** @type {Field} */ field, /** @type {string} */ size) {
       { class: "big", "data-mean": String(mean) },
       make("strong", { text: about.value }),
       make("span", { class: "plus-minus", text: ` ± ${about.error}` }),
-      make("span", { class: "unit", text: " lx, mean" }),
+      make("span", { class: "unit", text: ` ${unit}, mean` }),
     ),
     make(
       "dl",
       { class: "figures small" },
-      figure("Least", `${digits(low)} lx`),
-      figure("Most", `${digits(high)} lx`),
+      figure("Least", `${digits(low)} ${unit}`),
+      figure("Most", `${digits(high)} ${unit}`),
       figure("Uniformity", digits(low / mean, 2)),
       figure("Size", size),
     ),
@@ -216,7 +216,12 @@ export function overlayOf(
 }
 
 /** Shows a grid: figures, the plan with lines of equal illuminance, the legend and a table. */
-export function showGrid(/** @type {HTMLElement} */ box, /** @type {Grid} */ grid, /** @type {Field} */ field) {
+export function showGrid(
+  /** @type {HTMLElement} */ box,
+  /** @type {Grid} */ grid,
+  /** @type {Field} */ field,
+  /** @type {string} */ unit,
+) {
   const { columns, rows } = grid;
   const { low, high, mean } = summary(field);
   const scale = linearScale(low, high);
@@ -233,7 +238,7 @@ export function showGrid(/** @type {HTMLElement} */ box, /** @type {Grid} */ gri
   const drawing = draw("svg", {
     viewBox: `0 0 ${columns * cell} ${rows * cell}`,
     role: "img",
-    "aria-label": `Plan of the illuminance: least ${digits(low)}, most ${digits(high)}, on average ${digits(mean)} lux`,
+    "aria-label": `Plan of the illuminance: least ${digits(low)}, most ${digits(high)}, on average ${digits(mean)} ${spoken(unit)}`,
   });
   /** @type {number[][]} */
   const labels = [];
@@ -254,7 +259,7 @@ export function showGrid(/** @type {HTMLElement} */ box, /** @type {Grid} */ gri
   const plan = make("div", { class: "plan" }, canvas);
   plan.style.aspectRatio = `${columns} / ${rows}`;
   plan.append(drawing);
-  const table = make("table", {}, make("caption", { text: "Illuminance [lx], rows from the top of the plan" }));
+  const table = make("table", {}, make("caption", { text: `Illuminance [${unit}], rows from the top of the plan` }));
   for (let j = rows - 1; j >= 0; --j)
     table.append(
       make(
@@ -264,9 +269,9 @@ export function showGrid(/** @type {HTMLElement} */ box, /** @type {Grid} */ gri
       ),
     );
   box.replaceChildren(
-    ...figures(field, `${digits(grid.width)} × ${digits(grid.height)} m`),
+    ...figures(field, unit, `${digits(grid.width)} × ${digits(grid.height)} m`),
     plan,
-    legend(scale, "lx"),
+    legend(scale, unit),
     costLine(field),
     make(
       "details",
@@ -278,7 +283,12 @@ export function showGrid(/** @type {HTMLElement} */ box, /** @type {Grid} */ gri
 }
 
 /** Shows a line: figures, and a chart with the interval of each point. */
-export function showLine(/** @type {HTMLElement} */ box, /** @type {Line} */ line, /** @type {Field} */ field) {
+export function showLine(
+  /** @type {HTMLElement} */ box,
+  /** @type {Line} */ line,
+  /** @type {Field} */ field,
+  /** @type {string} */ unit,
+) {
   const width = 300,
     height = 150,
     left = 40,
@@ -293,7 +303,7 @@ export function showLine(/** @type {HTMLElement} */ box, /** @type {Line} */ lin
     class: "chart",
     role: "img",
     "aria-label":
-      `Illuminance along the line: least ${digits(low)}, most ${digits(high)}, ` + `on average ${digits(mean)} lux`,
+      `Illuminance along the line: least ${digits(low)}, most ${digits(high)}, ` + `on average ${digits(mean)} ${spoken(unit)}`,
   });
   for (const tick of scale.ticks) {
     drawing.append(draw("line", { x1: left, x2: width - 6, y1: y(tick), y2: y(tick), class: "gridline" }));
@@ -319,12 +329,12 @@ export function showLine(/** @type {HTMLElement} */ box, /** @type {Line} */ lin
   );
   drawing.append(draw("polyline", { points: path(field.lux), class: "curve" }));
   box.replaceChildren(
-    ...figures(field, `${digits(line.length)} m`),
+    ...figures(field, unit, `${digits(line.length)} m`),
     make(
       "figure",
       {},
       drawing,
-      make("figcaption", { class: "soft", text: "Illuminance [lx] along the line, with 95 % intervals" }),
+      make("figcaption", { class: "soft", text: `Illuminance [${unit}] along the line, with 95 % intervals` }),
     ),
     costLine(field),
   );

@@ -22,6 +22,9 @@ export function withError(/** @type {number} */ value, /** @type {number} */ err
   return { value: value.toFixed(decimals).replace("-", "−"), error: error.toFixed(decimals) };
 }
 
+/** A unit, for readers of the screen. */
+export const spoken = (/** @type {string} */ unit) => (unit === "lx" ? "lux" : unit);
+
 /** A time [s]. */
 export function duration(/** @type {number} */ seconds) {
   if (seconds < 1e-3) return `${digits(seconds * 1e6, 2)} µs`;

@@ -96,7 +96,7 @@ function row(
       make("span", { class: "light-name", text: name, title: light.source }),
       make("span", {
         class: "soft",
-        text: `${light.name ? `${kindOf(light)}, ` : ""}${digits(power?.lumens ?? light.powerLm)} lm`,
+        text: `${light.name ? `${kindOf(light)}, ` : ""}${digits(power?.lumens ?? light.powerLm)} ${power?.unit ?? "lm"}`,
       }),
       toggle,
     ),

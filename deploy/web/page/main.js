@@ -9,7 +9,7 @@ import { cssOf, nameOf, showLights } from "./lights.js";
 import { Latest } from "./latest.js";
 import { Picture, render } from "./picture.js";
 import { commandOf, measurePoint, showPoint } from "./point.js";
-import { OpenScene } from "./scene.js";
+import { illuminanceUnitOf, OpenScene } from "./scene.js";
 import { showScenes } from "./scene_list.js";
 import { handled, startSession } from "./session.js";
 import { surfaceAt, SurfaceMap } from "./surfaces.js";
@@ -216,7 +216,7 @@ function toldField(/** @type {string} */ what, /** @type {number} */ error, /** 
 /** Measures the subject. */
 async function measure(/** @type {AbortSignal} */ signal) {
   if (!scene || !subject) return;
-  const { id } = scene,
+  const { id, illuminanceUnit } = scene,
     error = errorDial.value,
     { places } = subject;
   emptyNote.hidden = true;
@@ -231,13 +231,13 @@ async function measure(/** @type {AbortSignal} */ signal) {
     overlay = undefined;
     const line = lineOf(places[0], places[1].point, 61);
     const field = await measureField(id, line.points, line.plane.normal, error, signal, (f) =>
-      showLine(mapBox, line, f),
+      showLine(mapBox, line, f, illuminanceUnit),
     );
     toldField("Line", error, field.seconds);
   } else {
     const grid = gridOf(places[0], places[1].point, 32);
     const field = await measureField(id, grid.points, grid.plane.normal, error, signal, (f) => {
-      showGrid(mapBox, grid, f);
+      showGrid(mapBox, grid, f, illuminanceUnit);
       if (map) overlay = overlayOf(grid, f, map);
       redrawMarks();
     });
@@ -265,11 +265,12 @@ async function measureOne(
     place,
     luminance: picture?.luminance[pixel.y * picture.width + pixel.x] ?? NaN,
     command: commandOf(isEdited ? id : path, place, error),
+    unit: scene.illuminanceUnit,
     lightOf: (lightId) => {
       const i = lights.findIndex((light) => light.id === lightId);
       return i < 0
-        ? { name: `light ${lightId}`, css: cssOf(undefined) }
-        : { name: nameOf(lights[i]), css: cssOf(powers[i]?.rgb) };
+        ? { name: `light ${lightId}`, css: cssOf(undefined), unit: "lx" }
+        : { name: nameOf(lights[i]), css: cssOf(powers[i]?.rgb), unit: illuminanceUnitOf(powers[i]?.unit ?? "lm") };
     },
   });
   errorDial.measured(error, answer.cost?.wallTimeS ?? 0);

@@ -1,7 +1,7 @@
 // The illuminance at one point of a surface, and each light's share.
 import { lighting } from "./api.js";
 import { make } from "./dom.js";
-import { count, digits, duration, metres, percent, withError } from "./format.js";
+import { count, digits, duration, metres, percent, spoken, withError } from "./format.js";
 
 /** @typedef {import("./geometry.js").Place} Place */
 /** @typedef {import("../../generated/lucerna/v1/lighting_pb.js").EstimateIrradianceResponse} Answer */
@@ -64,9 +64,10 @@ export function commandOf(
 /**
  * The bars: the direct light of each light, and all reflected light, the largest first.
  * @param {Answer} answer
- * @param {(id: bigint) => {name: string, css: string}} lightOf
+ * @param {(id: bigint) => {name: string, css: string, unit: string}} lightOf
+ * @param {string} unit
  */
-function shares(answer, lightOf) {
+function shares(answer, lightOf, unit) {
   const total = answer.illuminanceLx[0];
   const rows = answer.shares.map(({ lightId, illuminanceLx }) => ({
     ...lightOf(lightId),
@@ -74,24 +75,25 @@ function shares(answer, lightOf) {
     isReflected: false,
   }));
   const direct = rows.reduce((sum, row) => sum + row.lux, 0);
-  rows.push({ name: "Reflected light", css: "var(--reflected)", lux: Math.max(0, total - direct), isReflected: true });
+  const lux = Math.max(0, total - direct);
+  rows.push({ name: "Reflected light", css: "var(--reflected)", unit, lux, isReflected: true });
   return rows.sort((a, b) => b.lux - a.lux);
 }
 
 /**
  * Shows the answer.
  * @param {HTMLElement} box
- * @param {{answer: Answer, place: Place, luminance: number, command: string,
- *   lightOf: (id: bigint) => {name: string, css: string}}} shown
+ * @param {{answer: Answer, place: Place, luminance: number, command: string, unit: string,
+ *   lightOf: (id: bigint) => {name: string, css: string, unit: string}}} shown
  */
-export function showPoint(box, { answer, place, luminance, command, lightOf }) {
+export function showPoint(box, { answer, place, luminance, command, unit, lightOf }) {
   const lux = answer.illuminanceLx[0],
     lower = answer.lowerLx[0],
     upper = answer.upperLx[0];
   const { value, error } = withError(lux, (upper - lower) / 2);
   const isInside = answer.status[0] === insideSolid;
   const most = 12;
-  const rows = shares(answer, lightOf),
+  const rows = shares(answer, lightOf, unit),
     largest = Math.max(rows[0]?.lux ?? 0, 1e-30);
   const bars = rows.slice(0, most).map((row) => {
     const share = lux > 0 ? row.lux / lux : 0;
@@ -106,7 +108,7 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
       make(
         "span",
         { class: "bar-value" },
-        `${digits(row.lux)} lx`,
+        `${digits(row.lux)} ${row.unit}`,
         make("span", { class: "soft", text: ` ${percent(share)}` }),
       ),
       make("span", { class: "track", "aria-hidden": "true" }, fill),
@@ -133,13 +135,13 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
       },
       make("strong", { text: value }),
       make("span", { class: "plus-minus", text: ` ± ${error}` }),
-      make("span", { class: "unit", text: " lx" }),
+      make("span", { class: "unit", text: ` ${unit}` }),
     ),
     make("p", {
       class: "soft",
       text: isInside
         ? "This point lies inside a solid or behind a lamp: no light reaches it."
-        : `95 % interval: ${digits(lower, 4)} to ${digits(upper, 4)} lx`,
+        : `95 % interval: ${digits(lower, 4)} to ${digits(upper, 4)} ${unit}`,
     }),
     make("h3", { text: "Where the light comes from" }),
     make("ul", { class: "bars" }, ...bars),
@@ -166,7 +168,7 @@ export function showPoint(box, { answer, place, luminance, command, lightOf }) {
       copy,
     ),
   );
-  return `${value} plus or minus ${error} lux. ${rows
+  return `${value} plus or minus ${error} ${spoken(unit)}. ${rows
     .slice(0, 3)
     .map((row) => `${row.name} ${digits(row.lux)}`)
     .join(", ")}.`;

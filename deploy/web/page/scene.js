@@ -40,6 +40,10 @@ export async function listScenes() {
   return { scenes: result, denied };
 }
 
+/** The unit of the illuminance by a light whose flux has this unit. */
+export const illuminanceUnitOf = (/** @type {string} */ flux) =>
+  flux === "lm" ? "lx" : flux === "unknown" ? "unknown unit" : `${flux}/m²`;
+
 export class OpenScene {
   /** @type {Kept} */ #base;
   /** @type {Kept} */ #revision;
@@ -54,7 +58,7 @@ export class OpenScene {
   /** @type {Summary} */ summary;
   /** @type {Light[]} */ lights = [];
   /** Luminous flux and colour of each light, in the order of `lights`. */
-  /** @type {{lumens: number, rgb: [number, number, number]}[]} */ powers = [];
+  /** @type {{lumens: number, unit: string, rgb: [number, number, number]}[]} */ powers = [];
   /** What the file holds that is not modelled. */
   remarks = 0;
 
@@ -98,7 +102,17 @@ export class OpenScene {
     this.lights = (await allPages((pageToken) => scenes.listLights({ sceneId, pageToken }))).flatMap((p) => p.lights);
     this.powers = (await allPages((pageToken) => lighting.estimatePower({ sceneId, pageToken })))
       .flatMap((p) => p.lights)
-      .map(({ powerLm, rgbLm }) => ({ lumens: powerLm, rgb: [rgbLm?.r ?? 0, rgbLm?.g ?? 0, rgbLm?.b ?? 0] }));
+      .map(({ powerLm, powerUnit, rgbLm }) => ({
+        lumens: powerLm,
+        unit: powerUnit || "lm",
+        rgb: [rgbLm?.r ?? 0, rgbLm?.g ?? 0, rgbLm?.b ?? 0],
+      }));
+  }
+
+  /** The unit of illuminances, of all lights together: lx, or that of photometric files in mW/sr and the like. */
+  get illuminanceUnit() {
+    const units = new Set(this.powers.map(({ unit }) => illuminanceUnitOf(unit)));
+    return units.size > 1 ? "mixed units" : ([...units][0] ?? "lx");
   }
 
   /** The id for queries: that of the revision with the levels of the user. */

@@ -218,9 +218,10 @@ double panel_lumens(Context& context, const ParameterSet& params,
   // A relative 1e-6 allows for the digits of the file.
   if (const double lost = web.flux_lm() - lumens; lost > 1e-6 * web.flux_lm())
     context.remark(params.find("profile", {"string"})->place,
-                   fmt::format("{:.6g} of the file's {:.6g} lm go to the back of a panel that "
+                   fmt::format("{:.6g} of the file's {:.6g} {} go to the back of a panel that "
                                "emits from its front only",
-                               lost, web.flux_lm()),
+                               lost, web.flux_lm(),
+                               emission.panel->web_unit.empty() ? "lm" : emission.panel->web_unit),
                    "left out; \"bool twosided\" true includes them");
   return lumens;
 }

@@ -321,10 +321,29 @@ TEST(Ies, UnitsOfRadiantIntensityAreReported) {
   EXPECT_EQ(unit("[OTHER] All values are in uW/sr."), "uW");
   EXPECT_EQ(unit("[MORE] (mW sr-1)"), "mW");
   EXPECT_EQ(unit("[_INTENSITYUNITS] umol/s/sr"), "umol/s");
+  EXPECT_EQ(unit("[_PHOTONS] umol s-1 sr-1"), "umol/s");
+  EXPECT_EQ(unit("[MORE] \xc2\xb5mol\xc2\xb7s\xe2\x81\xbb\xc2\xb9\xc2\xb7sr\xe2\x81\xbb\xc2\xb9"),
+            "umol/s");
+  EXPECT_EQ(unit("[OTHER] PPF per sr"), "umol/s");
+  EXPECT_EQ(unit("[_INTENSITYUNITS] mW/ster"), "mW");
+  EXPECT_EQ(unit("[_UNIT_OF_INTENSITY]W*sr^-1"), "W");
   for (const char* none :
-       {"[_INTENSITYUNITS] cd", "[_UNITS] mm", "[LAMP] 40 W", "[_POWERUNITS] W",
-        "[OTHER] peak of 0.5 W/sr at 850 nm", "[MORE] in lm/W", "[_INPUTPOWERUNIT] mW"})
+       {"[_INTENSITYUNITS] cd", "[_INTENSITYUNITS] Candela", "[_INTENSITYUNITS]", "[_UNITS] mm",
+        "[LAMP] 40 W", "[_POWERUNITS] W", "[OTHER] peak of 0.5 W/sr at 850 nm", "[MORE] in lm/W",
+        "[_INPUTPOWERUNIT] mW", "[_COMMUNITY] W", "[_UNITED] W", "[_LENGTHUNITS] furlong",
+        "[_RADIANTPOWER] 500 mW", "[_PPF] 70 umol/s"})
     EXPECT_EQ(unit(none), "") << none;
+  // Another unit, or none that is known.
+  for (const char* odd : {"[_INTENSITYUNITS] uW/cm2", "[_UNITS] cd/klm", "[_FLUXUNIT] photons"})
+    EXPECT_EQ(unit(odd), "unknown") << odd;
+  Ies odd;
+  odd.header = "IESNA:LM-63-2002\n[_INTENSITYUNITS] uW/cm2\n";
+  EXPECT_EQ(ies(odd.text()).unit->what, "intensities in \"uW/cm2\", not in cd");
+  EXPECT_EQ(ies(odd.text()).unit->instead,
+            "read as if in cd: lm and lx of this light are numbers in an unknown unit");
+  // The flux of the file's intensities.
+  const std::string lm = fmt::format("{:.0f}", ies(odd.text()).web->flux_lm());
+  EXPECT_EQ(unit("[_ABSOLUTERADIANTPOWER]" + lm + " mW"), "mW");
   Ies f;
   f.header = "IESNA:LM-63-2002\n[_INTENSITYUNITS] mW/sr\n";
   const PhotometricFile file = ies(f.text());
