@@ -85,6 +85,8 @@ class Lines {
   double number_or_0(std::size_t line) const {
     return line <= size() ? parse(line).value_or(0) : 0;
   }
+  /// The text of a line, for a message.
+  std::string shown(std::size_t line) const { return excerpt(trimmed(text_of(line))); }
   bool blank(std::size_t line) const { return line > size() || trimmed(text_of(line)).empty(); }
   void fail(std::size_t line, std::string_view what) {
     if (status.ok()) status = photometric_error(file_, static_cast<int>(line), what);
@@ -140,15 +142,12 @@ struct Sizes {
 Sizes read_sizes(Lines& lines) {
   Sizes sizes;
   sizes.symmetry = lines.whole(3, "the symmetry Isym", 0, 4, "0, 1, 2, 3 or 4");
+  // A file that is symmetric about the axis needs no C-angle.
   sizes.angles =
-      lines.whole(4, "the number Mc of C-planes", 1, kMostCount, "a positive whole number");
+      lines.whole(4, "the number Mc of C-planes", sizes.symmetry == 1 ? 0 : 1, kMostCount,
+                  sizes.symmetry == 1 ? "a whole number, not negative" : "a positive whole number");
   sizes.gammas =
       lines.whole(6, "the number Ng of intensities in a plane", 2, kMostCount, "2 or more");
-  const std::size_t divisor = sizes.symmetry == 2 ? 2 : sizes.symmetry >= 3 ? 4 : 1;
-  if (lines.status.ok() && sizes.angles % divisor != 0)
-    lines.fail(4, fmt::format("the number Mc of C-planes = {}, allowed for symmetry {}: multiples "
-                              "of {}",
-                              sizes.angles, sizes.symmetry, divisor));
   return sizes;
 }
 
@@ -161,13 +160,27 @@ void note_opening(const Lines& lines, PhotometricFile& file) {
   file.opening = opening_note(16, {size_m(16), size_m(17), height_m});
 }
 
-/// The factor of all intensities; 1 if its line is blank.  The description does not allow a blank
-/// line, and some programs refuse it.  Other programs write it if nothing has to be converted.
+/// The factor of all intensities; 1 if its line is blank or 0.  The description does not allow a
+/// blank line, and some programs refuse it.  Other programs write it if nothing has to be
+/// converted.
 double read_conversion(Lines& lines, PhotometricFile& file) {
-  if (lines.size() < 24 || !lines.blank(24))
-    return lines.number(24, "the conversion factor", 1e-300, kAny, "positive");
-  file.notes.push_back({24, "no conversion factor for intensities", "1"});
+  const bool blank = lines.size() >= 24 && lines.blank(24);
+  const double factor =
+      blank ? 0 : lines.number(24, "the conversion factor", 0, kAny, "not negative; 0 counts as 1");
+  if (factor != 0 || !lines.status.ok()) return factor;
+  file.notes.push_back(
+      {24,
+       blank ? "no conversion factor for intensities" : "a conversion factor of 0 for intensities",
+       "1"});
   return 1;
+}
+
+/// Adds a note about the tilt of the luminaire during the measurement, unless it is 0 or blank.
+void note_tilt(const Lines& lines, PhotometricFile& file) {
+  if (lines.blank(25) || (lines.is_number(25) && lines.number_or_0(25) == 0)) return;
+  file.notes.push_back(
+      {25, fmt::format("a tilt of \"{}\" degrees during the measurement", lines.shown(25)),
+       "left out: gamma 0 is the axis of the luminaire"});
 }
 
 struct Lamps {
@@ -186,7 +199,7 @@ Lamps read_lamps(Lines& lines, PhotometricFile& file) {
     lines.fail(26, fmt::format("{} sets of lamps, allowed: numbers for lamps, luminous flux and "
                                "watts of each, field by field or set by set",
                                lamps.sets));
-  lines.number(27, "the number of lamps", -1e6, 1e6, "a number");
+  if (!lines.blank(27)) lines.number(27, "the number of lamps", -1e6, 1e6, "a number");
   const std::size_t flux_line = order == SetOrder::kBySet ? 29 : 27 + 2 * lamps.sets;
   constexpr std::string_view kFlux = "the luminous flux of the lamps";
   lamps.lm = lines.number(flux_line, kFlux, 1e-300, kAny, "positive");
@@ -231,26 +244,32 @@ std::vector<double> plane_angles(const Sizes& sizes, const Planes& planes,
   angles.reserve(planes.count);
   for (std::size_t i = 0; i < planes.count; ++i) {
     const double angle = c[(planes.first + i) % sizes.angles];
-    angles.push_back(sizes.symmetry == 3 && angle >= 180 ? angle - 360 : angle);
+    angles.push_back(planes.lower < 0 && angle >= 180 ? angle - 360 : angle);
   }
   return angles;
 }
 
-/// Fails unless the planes reach from one plane of symmetry to the other (or begin or end the
-/// circle), or lie at half steps between them.
+/// Notes planes of a symmetric file that do not reach from one plane of symmetry to the other, or
+/// lie at half steps between them.  Fails if they are not between them, or so few that they would
+/// have another symmetry.
 void check_planes(Lines& lines, std::size_t line, const Sizes& sizes, const Planes& planes,
-                  const std::vector<double>& angles) {
-  const double below = angles.front() - planes.lower, above = planes.upper - angles.back();
-  if (sizes.symmetry == 0 ? below == 0 || above == 0 : below == 0 && above == 0) return;
-  const double step = (planes.upper - planes.lower) / static_cast<double>(angles.size());
-  bool even = true;
+                  const std::vector<double>& angles, PhotometricFile& file) {
+  const double width = planes.upper - planes.lower;
+  if (angles.front() == planes.lower && angles.back() == planes.upper) return;
+  const double step = width / static_cast<double>(angles.size());
+  bool even = angles.size() > 1;
   for (std::size_t i = 0; i < angles.size(); ++i)  // files have few digits
     even =
         even && std::fabs(angles[i] - planes.lower - (static_cast<double>(i) + 0.5) * step) < 1e-3;
-  if (even && angles.size() > 1) return;
+  if (even) return;
+  const double from = angles.front() - planes.lower, to = angles.back() - planes.lower;
+  const bool known = width == 180 ? from >= 0 && from < 90 && to > 90 && to <= 180
+                                  : from >= 0 && to <= 90 && !(from == 0 && to == 45);
+  if (known && angles.size() > 1)
+    return note_gap(static_cast<int>(line), horizontal_gap(PhotometricType::kC, angles), file);
   lines.fail(line,
              fmt::format("{} C-angles from {} to {} degrees, allowed for symmetry {}: from {} "
-                         "to {}, or at half of equal steps between them",
+                         "to {}",
                          angles.size(), angles.front(), angles.back(), sizes.symmetry, planes.lower,
                          planes.upper));
 }
@@ -276,31 +295,77 @@ std::size_t numbers_from(const Lines& lines, std::size_t line) {
   return count;
 }
 
+/// The planes of a file that has other ones than `planes`, which its symmetry and Mc announce:
+/// `stored` intensities.  Adds a note.
+Planes other_planes(const Lines& lines, Sizes& sizes, Planes planes, std::size_t angles_line,
+                    std::size_t stored, PhotometricFile& file) {
+  const auto [symmetry, angles, gammas] = sizes;
+  if (angles > planes.count && stored == angles * gammas) {
+    const auto within = [&, count = angles](double lower, double upper) {
+      for (std::size_t i = 0; i < count; ++i)
+        if (const double c = lines.number_or_0(angles_line + i);
+            !(c >= lower && c <= upper) && !(c - 360 >= lower && c - 360 <= upper))
+          return false;
+      return true;
+    };
+    // Isym 3 has the half from C270 over C0 to C90.  Some files have the other one.
+    const bool far_half = symmetry == 3 && within(90, 270);
+    if (far_half || (symmetry >= 2 && within(planes.lower, planes.upper))) {
+      file.notes.push_back(
+          {4,
+           fmt::format("symmetry {}, but C-planes from {} to {} only", symmetry,
+                       lines.number_or_0(angles_line), lines.number_or_0(angles_line + angles - 1)),
+           "Mc is the number of planes with intensities"});
+      if (far_half) return {0, angles, 90, 270};
+      return {0, angles, planes.lower, planes.upper};
+    }
+    file.notes.push_back(
+        {3, fmt::format("symmetry {}, but intensities of all {} planes", symmetry, angles),
+         "all planes are used"});
+    sizes.symmetry = 0;
+    return {0, angles, 0, 360};
+  }
+  // More than half of a circle remains, so that no symmetry follows from the angles.
+  if (planes.count > 2 && stored == (planes.count - 1) * gammas &&
+      (symmetry != 0 || lines.number_or_0(angles_line + planes.count - 2) > 180)) {
+    file.notes.push_back(
+        {static_cast<int>(angles_line + angles + gammas),
+         fmt::format("intensities of {} planes, announced {}", planes.count - 1, planes.count),
+         "the last plane is left out"});
+    --planes.count;
+  }
+  return planes;
+}
+
 /// Reads the C-angles (from `angles_line` on), the gamma-angles and the intensities.  `factor`
 /// multiplies the intensities.
 absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, Sizes sizes,
                                                       std::size_t angles_line, double factor,
                                                       std::string_view name,
                                                       PhotometricFile& file) {
+  if (sizes.angles == 0) {
+    file.notes.push_back({4, "0 C-planes", "one plane, symmetric about the axis"});
+    // Some of these files have the angle of the plane.
+    sizes.angles = numbers_from(lines, angles_line) % 2;
+  }
   const auto [announced, angles, gammas] = sizes;
   const std::size_t left = lines.size() >= angles_line ? lines.size() - angles_line + 1 : 0;
   const std::size_t gamma_line = angles_line + angles, intensity_line = gamma_line + gammas;
   // The first C-angle is 0 or half a step.
-  const bool half = lines.number_or_0(angles_line) != 0;
-  Planes planes = planes_of(sizes, half);
+  Planes planes = planes_of(sizes, lines.number_or_0(angles_line) != 0);
+  const std::size_t divisor = announced == 2 ? 2 : announced >= 3 ? 4 : 1;
+  const std::size_t stored = numbers_from(lines, intensity_line);
+  if (angles <= left) planes = other_planes(lines, sizes, planes, angles_line, stored, file);
+  if (lines.status.ok() && angles % divisor != 0 && stored != angles * gammas)
+    lines.fail(4, fmt::format("the number Mc of C-planes = {}, allowed for symmetry {}: multiples "
+                              "of {}",
+                              angles, announced, divisor));
   if (angles > left || gammas > left || planes.count > (left - angles) / gammas)
     lines.fail(6,
                fmt::format("{} angles and {} planes of {} intensities are announced, allowed: as "
                            "many as fit in the remaining {} lines",
                            angles, planes.count, gammas, left));
   LUCERNA_RETURN_IF_ERROR(lines.status);
-  if (planes.count < angles && numbers_from(lines, intensity_line) == angles * gammas) {
-    file.notes.push_back(
-        {3, fmt::format("symmetry {}, but intensities of all {} planes", announced, angles),
-         "all planes are used"});
-    sizes.symmetry = 0;
-    planes = planes_of(sizes, half);
-  }
   const std::vector<double> c =
       lines.list(angles_line, angles, "a C-angle", 0, 360, "from 0 to 360 degrees");
   const std::size_t count = planes.count * gammas;
@@ -327,10 +392,11 @@ absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, Sizes sizes,
   web.horizontal_deg = plane_angles(sizes, planes, c);
   if (auto s = check_horizontal_angles(web.type, web.horizontal_deg); !s.ok())
     lines.fail(angles_line, std::string(s.message()));
-  check_planes(lines, angles_line, sizes, planes, web.horizontal_deg);
-  LUCERNA_RETURN_IF_ERROR(lines.status);
   if (sizes.symmetry == 0)
     note_gap(static_cast<int>(angles_line), horizontal_gap(web.type, web.horizontal_deg), file);
+  else
+    check_planes(lines, angles_line, sizes, planes, web.horizontal_deg, file);
+  LUCERNA_RETURN_IF_ERROR(lines.status);
   return web;
 }
 
@@ -361,6 +427,7 @@ absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::strin
   LUCERNA_RETURN_IF_ERROR(lines.status);
   note_opening(lines, file);
   const double conversion = read_conversion(lines, file);
+  note_tilt(lines, file);
   const Lamps lamps = read_lamps(lines, file);
   LUCERNA_RETURN_IF_ERROR(lines.status);
   // Ten direct ratios precede the angles.

@@ -34,8 +34,10 @@ TEST(Eulumdat, IntensitiesAreForAThousandLumensOfTheLamps) {
   EXPECT_EQ(notes(ldt(f.text())), "");
   f.conversion = "1,5";
   EXPECT_NEAR(ldt(f.text()).web->at({0, 0, 1}), 300, 1e-12);
-  f.lamps[0] = "-1";  // absolute photometry
-  EXPECT_NEAR(ldt(f.text()).web->at({0, 0, 1}), 300, 1e-12);
+  for (const char* lamps : {"-1", ""}) {  // absolute photometry, and a blank
+    f.lamps[0] = lamps;
+    EXPECT_NEAR(ldt(f.text()).web->at({0, 0, 1}), 300, 1e-12);
+  }
 }
 
 TEST(Eulumdat, WithoutAConversionFactorIntensitiesAreUnscaled) {
@@ -45,6 +47,9 @@ TEST(Eulumdat, WithoutAConversionFactorIntensitiesAreUnscaled) {
     EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
     EXPECT_EQ(notes(ldt(f.text())), "24 no conversion factor for intensities -> 1\n");
   }
+  f.conversion = "0.0";
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+  EXPECT_EQ(notes(ldt(f.text())), "24 a conversion factor of 0 for intensities -> 1\n");
   f.conversion = "x";
   EXPECT_EQ(ldt_error(f.text()),
             "lamp.ldt:24: the conversion factor is \"x\", allowed: a finite number");
@@ -141,9 +146,100 @@ TEST(Eulumdat, PlanesMayBeAtHalfSteps) {
   EXPECT_NEAR(at(half(4, {"1", "2"}), 90), 2, 1e-9);
   Ldt uneven = half(2, {"1", "2", "3", "4"});
   uneven.c[1] = "60";
+  EXPECT_EQ(notes(ldt(uneven.text())),
+            "43 horizontal angles from 22.5 to 157.5 degrees -> symmetric about the planes 0 and "
+            "180\n");
+  uneven.c = {"22.5", "67.5", "112.5", "190", "202.5", "247.5", "292.5", "337.5"};
   EXPECT_EQ(ldt_error(uneven.text()),
-            "lamp.ldt:43: 4 C-angles from 22.5 to 157.5 degrees, allowed for symmetry 2: from 0 to "
-            "180, or at half of equal steps between them");
+            "lamp.ldt:43: 4 C-angles from 22.5 to 190 degrees, allowed for symmetry 2: from 0 to "
+            "180");
+}
+
+/// Intensity at gamma 90 and C.
+double at_c(const PhotometricFile& file, double c_deg) {
+  const double c = c_deg * kPi / 180;
+  return file.web ? file.web->at({std::cos(c), -std::sin(c), 0}) : -1;
+}
+
+/// As planes(), with these C-angles.
+Ldt with_c(int symmetry, const std::vector<std::string>& c,
+           const std::vector<std::string>& values) {
+  Ldt f = planes(symmetry, values);
+  f.c = c;
+  f.mc = static_cast<int>(c.size());
+  return f;
+}
+
+TEST(Eulumdat, McMayCountThePlanesWithIntensities) {
+  const auto expect = [](const Ldt& f, const std::string& what, const std::vector<double>& values) {
+    const PhotometricFile file = ldt(f.text());
+    EXPECT_EQ(notes(file), "4 " + what + " -> Mc is the number of planes with intensities\n");
+    for (std::size_t i = 0; i < values.size(); ++i)
+      EXPECT_NEAR(at_c(file, 45. * static_cast<double>(i)), values[i], 1e-9) << what << i;
+  };
+  const std::vector<std::string> five{"1", "2", "3", "4", "5"};
+  expect(with_c(2, {"0", "45", "90", "135", "180"}, five),
+         "symmetry 2, but C-planes from 0 to 180 only", {1, 2, 3, 4, 5, 4, 3, 2});
+  expect(with_c(3, {"90", "135", "180", "225", "270"}, five),
+         "symmetry 3, but C-planes from 90 to 270 only", {3, 2, 1, 2, 3, 4, 5, 4});
+  expect(with_c(3, {"270", "315", "0", "45", "90"}, five),
+         "symmetry 3, but C-planes from 270 to 90 only", {3, 4, 5, 4, 3, 2, 1, 2});
+  expect(with_c(4, {"0", "45", "90"}, {"1", "2", "3"}),
+         "symmetry 4, but C-planes from 0 to 90 only", {1, 2, 3, 2, 1, 2, 3, 2});
+  EXPECT_EQ(ldt_error(with_c(2, {"0", "45", "90", "135", "180"}, {"1", "2", "3"}).text()),
+            "lamp.ldt:4: the number Mc of C-planes = 5, allowed for symmetry 2: multiples of 2");
+}
+
+TEST(Eulumdat, PlanesMayBeginAnywhere) {
+  Ldt f = with_c(0, {"5", "95", "185", "275"}, {"1", "2", "3", "4"});
+  EXPECT_EQ(notes(ldt(f.text())), "");
+  EXPECT_NEAR(at_c(ldt(f.text()), 95), 2, 1e-9);
+  EXPECT_NEAR(at_c(ldt(f.text()), 320), 2.5, 1e-9);
+}
+
+TEST(Eulumdat, TheLastPlaneMayBeMissing) {
+  PhotometricFile file = ldt(planes(2, {"1", "2", "3", "4"}).text());
+  EXPECT_EQ(notes(file),
+            "53 intensities of 4 planes, announced 5 -> the last plane is left out\n"
+            "43 horizontal angles from 0 to 135 degrees -> symmetric about the planes 0 and 180\n");
+  EXPECT_NEAR(at_c(file, 180), 4, 1e-9);
+  EXPECT_NEAR(at_c(file, 270), 3, 1e-9);
+  file = ldt(planes(0, {"1", "2", "3", "4", "5", "6", "7"}).text());
+  EXPECT_EQ(
+      notes(file),
+      "53 intensities of 7 planes, announced 8 -> the last plane is left out\n"
+      "43 horizontal angles from 0 to 270 degrees -> linear from the last plane to the first, "
+      "over 90 degrees\n");
+  EXPECT_NEAR(at_c(file, 315), 4, 1e-9);
+  // Two planes of an eighth, or half a circle, would have another symmetry.
+  EXPECT_THAT(ldt_error(planes(4, {"1", "2"}).text()), HasSubstr("allowed for symmetry 4: from 0"));
+  EXPECT_THAT(ldt_error(with_c(0, {"0", "90", "180", "270"}, {"1", "2", "3"}).text()),
+              HasSubstr("the file ends before an intensity"));
+}
+
+TEST(Eulumdat, SymmetryAboutTheAxisNeedsNoPlane) {
+  Ldt f;
+  f.mc = 0;
+  EXPECT_EQ(notes(ldt(f.text())), "4 0 C-planes -> one plane, symmetric about the axis\n");
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+  f.c.clear();
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+  f.symmetry = 0;
+  EXPECT_EQ(ldt_error(f.text()),
+            "lamp.ldt:4: the number Mc of C-planes = 0, allowed: a positive whole number");
+}
+
+TEST(Eulumdat, TheTiltOfTheMeasurementIsNoted) {
+  Ldt f;
+  for (const char* none : {"0", "0,0", "", "-0"}) {
+    f.tilt = none;
+    EXPECT_EQ(notes(ldt(f.text())), "");
+  }
+  f.tilt = "15";
+  EXPECT_EQ(
+      notes(ldt(f.text())),
+      "25 a tilt of \"15\" degrees during the measurement -> left out: gamma 0 is the axis of "
+      "the luminaire\n");
 }
 
 TEST(Eulumdat, WhatFollowsTheAnnouncedPlanesIsNoted) {
@@ -239,8 +335,9 @@ TEST(Eulumdat, ErrorsNameLineAndAllowedValues) {
   f.mc = f.ng = 1000000000;
   EXPECT_THAT(ldt_error(f.text()), HasSubstr("are announced"));
   f = {};
-  f.conversion = "0";
-  EXPECT_EQ(ldt_error(f.text()), "lamp.ldt:24: the conversion factor = 0, allowed: positive");
+  f.conversion = "-1";
+  EXPECT_EQ(ldt_error(f.text()),
+            "lamp.ldt:24: the conversion factor = -1, allowed: not negative; 0 counts as 1");
   f = {};
   f.sets = "0";
   EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:26: the number of sets of lamps = 0"));

@@ -28,7 +28,7 @@ struct Ies {
 
 struct Ldt {
   int symmetry = 1, mc = 1, ng = 3;
-  std::string conversion = "1", lorl = "", sets = "1";
+  std::string conversion = "1", tilt = "0", lorl = "", sets = "1";
   std::vector<std::string> lamps{"1", "lamp", "2000", "3000", "80", "20"};
   /// Length, width, and four heights of the luminous area.
   std::vector<std::string> luminous_mm{"0", "0", "0", "0", "0", "0"};
@@ -53,7 +53,7 @@ struct Ldt {
     const auto add = [&](const std::vector<std::string>& more) {
       lines.insert(lines.end(), more.begin(), more.end());
     };
-    add(luminous_mm), add({"100", lorl, conversion, "0", sets});
+    add(luminous_mm), add({"100", lorl, conversion, tilt, sets});
     add(lamps);
     add(std::vector<std::string>(10, "0.5"));
     add(c), add(gamma), add(intensities);

@@ -100,7 +100,7 @@ TEST(PbrtBadFiles, BrokenPhotometricFilesAreErrorsForEveryParameter) {
        "nan.ldt:48: an intensity per 1000 lm is \"nan\", allowed: a finite number"},
       {"negative.ldt", ldt([](Ldt& f) { f.intensities[1] = "-9"; }),
        "negative.ldt:48: an intensity per 1000 lm = -9, allowed: finite, not negative"},
-      {"none.ldt", ldt([](Ldt& f) { f.mc = 0; }),
+      {"none.ldt", ldt([](Ldt& f) { f.symmetry = f.mc = 0; }),
        "none.ldt:4: the number Mc of C-planes = 0, allowed: a positive whole number"},
       {"more.ldt", ldt([](Ldt& f) { f.ng = 30; }),
        "more.ldt:6: 1 angles and 1 planes of 30 intensities are announced, allowed"},
