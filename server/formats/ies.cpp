@@ -14,19 +14,16 @@
 namespace lucerna {
 namespace {
 
-/// An edition of LM-63.  `line` is the first line of its files; files of 1986 have no such line.
+/// An edition of LM-63.
 struct Edition {
-  std::string_view line, name;
+  std::string_view name;
   int year;
 };
 constexpr double kMetresPerFoot = 0.3048;
-constexpr Edition k1986{"", "IES LM-63-1986", 1986};
-constexpr Edition k2002{"IESNA:LM-63-2002", "IES LM-63-2002", 2002};
+constexpr Edition k1986{"IES LM-63-1986", 1986};
+constexpr Edition k2002{"IES LM-63-2002", 2002};
 constexpr Edition kEditions[] = {
-    {"IESNA91", "IES LM-63-1991", 1991},          {"IESNA:LM-63-1991", "IES LM-63-1991", 1991},
-    {"IESNA:LM-63-1995", "IES LM-63-1995", 1995}, k2002,
-    {"IES:LM-63-2019", "IES LM-63-2019", 2019},   {"IESNA:LM-63-2019", "IES LM-63-2019", 2019},
-};
+    k1986, {"IES LM-63-1991", 1991}, {"IES LM-63-1995", 1995}, k2002, {"IES LM-63-2019", 2019}};
 
 bool equals_ignoring_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
@@ -35,16 +32,28 @@ bool equals_ignoring_case(std::string_view a, std::string_view b) {
   });
 }
 
-/// The edition that the first line names.
+/// The edition that the first line with text names: "IESNA91", "IESNA:LM-63-2002".  Files of 1986
+/// have no such line.
 Edition edition_of(std::string_view text, PhotometricFile& file) {
-  if (text.empty()) return k1986;
-  const std::string_view first = trimmed(take_line(text));
-  if (!first.starts_with("IES")) return k1986;
+  std::string_view first;
+  int line = 0;
+  for (; !text.empty() && first.empty(); ++line) first = trimmed(take_line(text));
+  std::string label;
+  for (const char c : first) {
+    if (c >= 'a' && c <= 'z') label += static_cast<char>(c - 32);
+    if ((c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')) label += c;
+  }
+  std::string_view year = label;
+  if (!year.starts_with("IES")) return k1986;
+  for (const std::string_view part : {"IES", "NA", "LM63"})
+    if (year.starts_with(part)) year.remove_prefix(part.size());
   for (const Edition& edition : kEditions)
-    if (first == edition.line) return edition;
+    if (const std::string number = std::to_string(edition.year);
+        year == number || year == number.substr(2))
+      return edition;
   // A later edition or an unknown label.  The format has not changed since 1995.
   file.notes.push_back(
-      {1,
+      {line,
        fmt::format("unknown edition \"{}\", known: LM-63-1986, 1991, 1995, 2002, 2019",
                    excerpt(first)),
        "read as that of 2002"});

@@ -80,6 +80,11 @@ TEST(Ies, EditionsByTheirFirstLine) {
   EXPECT_EQ(format("IESNA91\n"), "IES LM-63-1991, type C");
   EXPECT_EQ(format("IESNA:LM-63-1995\n"), "IES LM-63-1995, type C");
   EXPECT_EQ(format("IES:LM-63-2019\n"), "IES LM-63-2019, type C");
+  EXPECT_EQ(format("iesna:lm-63-2002\n"), "IES LM-63-2002, type C");
+  EXPECT_EQ(format("\n\n  IESNA: LM-63-2002 \n"), "IES LM-63-2002, type C");
+  EXPECT_EQ(format("IESNA86\n"), "IES LM-63-1986, type C");
+  EXPECT_EQ(format("IESNA:LM-63-1986\n"), "IES LM-63-1986, type C");
+  EXPECT_EQ(format("IESNA95\n"), "IES LM-63-1995, type C");
   Ies odd;
   odd.header = "IESNA:LM-63-2040\n";
   EXPECT_EQ(notes(ies(odd.text())),
