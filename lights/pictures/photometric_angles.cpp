@@ -11,11 +11,11 @@ namespace {
 
 absl::Status check_angles(std::string_view kind, const std::vector<double>& angles) {
   for (std::size_t i = 0; i < angles.size(); ++i) {
-    const bool good = std::isfinite(angles[i]) && std::fabs(angles[i]) <= 360 &&
+    const bool good = std::isfinite(angles[i]) && std::fabs(angles[i]) <= 720 &&
                       (i == 0 || angles[i] > angles[i - 1]);
     if (!good)
       return absl::InvalidArgumentError(
-          fmt::format("{} angle[{}] = {} degrees, allowed: ascending, within 360 degrees of 0",
+          fmt::format("{} angle[{}] = {} degrees, allowed: ascending, within 720 degrees of 0",
                       kind, i, angles[i]));
   }
   return absl::OkStatus();
@@ -67,6 +67,20 @@ double largest_step(const std::vector<double>& h) {
   return largest;
 }
 
+/// Whether the planes make a circle, of which at most the last one is missing.
+bool is_around(const std::vector<double>& h) {
+  // A relative 1e-9 allows for angles with few digits.
+  return 360 - (h.back() - h.front()) <= largest_step(h) * (1 + 1e-9);
+}
+
+/// The same for type A, whose planes over 180 degrees leave the other half dark.
+bool is_around_in_type_a(const std::vector<double>& h) {
+  return h.back() - h.front() > 180 && is_around(h);
+}
+
+/// Whether planes of types A and B continue by symmetry.
+bool has_mirror_at_0(const std::vector<double>& h) { return h.front() == 0 && h.back() <= 180; }
+
 }  // namespace
 
 absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees) {
@@ -82,16 +96,16 @@ absl::Status check_vertical_angles(PhotometricType type, const std::vector<doubl
 
 absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees) {
   constexpr std::string_view kKind = "horizontal";
-  const bool around = type == PhotometricType::kC;
   if (degrees.empty()) return too_few(kKind, degrees, "1 or more");
-  if (!around && degrees.size() < 2) return too_few(kKind, degrees, "2 or more for types A and B");
+  if (type != PhotometricType::kC && degrees.size() < 2)
+    return too_few(kKind, degrees, "2 or more for types A and B");
   if (auto s = check_angles(kKind, degrees); !s.ok()) return s;
-  if (around)
-    return degrees.back() - degrees.front() <= 360
-               ? absl::OkStatus()
-               : outside(kKind, degrees, "type C: over 360 degrees at most");
-  return within(degrees, -90, 90) ? absl::OkStatus()
-                                  : outside(kKind, degrees, "types A and B: from -90 to 90");
+  if (type == PhotometricType::kB)
+    return within(degrees, -90, 90) ? absl::OkStatus()
+                                    : outside(kKind, degrees, "type B: from -90 to 90");
+  return degrees.back() - degrees.front() <= 360
+             ? absl::OkStatus()
+             : outside(kKind, degrees, "types A and C: over 360 degrees at most");
 }
 
 std::optional<AngleGap> vertical_gap(PhotometricType type, const std::vector<double>& degrees) {
@@ -108,8 +122,11 @@ std::optional<AngleGap> horizontal_gap(PhotometricType type, const std::vector<d
   const double first = degrees.front(), last = degrees.back();
   if (type != PhotometricType::kC) {
     if (is_range(degrees, 0, 90) || is_range(degrees, -90, 90)) return std::nullopt;
-    return AngleGap{what, first == 0 ? fmt::format("symmetric about 0, and dark beyond {}", last)
-                                     : "dark outside of them"};
+    if (is_around_in_type_a(degrees) || is_range(degrees, 0, 180))
+      return AngleGap{what, "all around, although the standard has -90 to 90 only"};
+    return AngleGap{what, has_mirror_at_0(degrees)
+                              ? fmt::format("symmetric about 0, and dark beyond {}", last)
+                              : "dark outside of them"};
   }
   if (degrees.size() == 1) {
     if (first == 0) return std::nullopt;
@@ -123,21 +140,19 @@ std::optional<AngleGap> horizontal_gap(PhotometricType type, const std::vector<d
     return AngleGap{
         what, fmt::format("symmetric about the planes {} and {}", mirrors->lower, mirrors->upper)};
   }
-  // A relative 1e-9 allows for angles with few digits.
-  const double open = 360 - (last - first);
-  if (open <= largest_step(degrees) * (1 + 1e-9)) return std::nullopt;
-  return AngleGap{what,
-                  fmt::format("linear from the last plane to the first, over {} degrees", open)};
+  if (is_around(degrees)) return std::nullopt;
+  return AngleGap{what, fmt::format("linear from the last plane to the first, over {} degrees",
+                                    360 - (last - first))};
 }
 
 std::vector<PhotometricPlane> all_planes(PhotometricType type, const std::vector<double>& degrees) {
   std::vector<PhotometricPlane> planes;
   planes.reserve(2 * degrees.size());
-  if (type != PhotometricType::kC && degrees.front() == 0)
+  if (type != PhotometricType::kC && has_mirror_at_0(degrees))
     for (std::size_t i = degrees.size(); --i > 0;) planes.push_back({-degrees[i], i});
   for (std::size_t i = 0; i < degrees.size(); ++i) planes.push_back({degrees[i], i});
-  if (type != PhotometricType::kC) return planes;
-  if (degrees.size() > 1)
+  if (type != PhotometricType::kC && !is_around_in_type_a(degrees)) return planes;
+  if (type == PhotometricType::kC && degrees.size() > 1)
     if (const auto mirrors = mirrors_of(degrees)) {
       // Each mirror image doubles the range, up to the circle.
       for (double open = mirrors->upper - mirrors->lower; open < 360; open *= 2) {

@@ -26,8 +26,8 @@ enum class PhotometricType : std::uint8_t {
 /// within -90 to 90.
 absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees);
 
-/// OK for ascending angles [degrees]: of type C one or more, over 360 degrees at most; of types A
-/// and B two or more, within -90 to 90.
+/// OK for ascending angles [degrees]: of type C one or more, of type A two or more, over 360
+/// degrees at most; of type B two or more, within -90 to 90.
 absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees);
 
 /// A range of angles that the standard does not have, and how the rest of the sphere is filled.
@@ -57,7 +57,8 @@ struct PhotometricPlane {
 /// - otherwise symmetric about two planes, the nearest multiples of 90 that enclose the file's and
 ///   are 90 or 180 degrees apart.  From a multiple of 90 to 45 degrees more: about these two.
 ///
-/// Types A and B: from 0 on symmetric about 0, otherwise as in the file.
+/// Types A and B: from 0 on symmetric about 0, otherwise as in the file.  In type A the first plane
+/// closes a circle.
 std::vector<PhotometricPlane> all_planes(PhotometricType type, const std::vector<double>& degrees);
 
 }  // namespace lucerna

@@ -10,6 +10,9 @@ namespace {
 
 constexpr double kRadPerDegree = kPi / 180;
 
+/// The angle by which rounding of angles and directions to float may turn a direction.
+constexpr double kSlack = 1e-6;
+
 /// The axes of a type's grid in light space.
 struct Axes {
   Vec3<double> pole, zero, ninety;
@@ -186,8 +189,11 @@ double PhotometricWeb::horizon_flux_bound_lm(double width_rad) const {
 
 void PhotometricWeb::bound() {
   double from_pole = 0, from_other_pole = 0;
-  // Grids of type C cover all azimuths.  Those of types A and B lie in the half towards `zero`.
-  double from_zero = type_ == PhotometricType::kC ? kPi : 0;
+  // Grids of type C cover all azimuths.  Those of types A and B mostly lie in the half towards
+  // `zero`.
+  const bool in_half = type_ != PhotometricType::kC && azimuth_rad_.front() > -kPi / 2 - kSlack &&
+                       azimuth_rad_.back() < kPi / 2 + kSlack;
+  double from_zero = in_half ? 0 : kPi;
   for (std::size_t i = 0; i < rows(); ++i) {
     for (std::size_t j = 0; j < columns(); ++j) {
       if (std::max({value(i, j), value(i + 1, j), value(i, j + 1), value(i + 1, j + 1)}) == 0)
@@ -196,7 +202,7 @@ void PhotometricWeb::bound() {
       from_other_pole = std::max(from_other_pole, kPi - polar_rad_[j]);
       // The cosine of the angle is a product of two factors, each least at an end.  So the farthest
       // point is a corner.
-      if (type_ == PhotometricType::kC) continue;
+      if (!in_half) continue;
       for (const std::size_t row : {i, i + 1})
         for (const std::size_t column : {j, j + 1}) {
           const double cos = std::sin(polar_rad_[column]) * std::cos(azimuth_rad_[row]);
@@ -208,8 +214,6 @@ void PhotometricWeb::bound() {
   cone_ = {axes.pole, from_pole};
   if (from_other_pole < cone_.half_angle_rad) cone_ = {-axes.pole, from_other_pole};
   if (from_zero < cone_.half_angle_rad) cone_ = {axes.zero, from_zero};
-  // The angle by which rounding of angles and directions to float may turn a direction.
-  constexpr double kSlack = 1e-6;
   cone_.half_angle_rad = std::min(kPi, cone_.half_angle_rad + kSlack);
 }
 
@@ -223,9 +227,11 @@ PhotometricWeb::Place PhotometricWeb::find(const Vec3<double>& w) const {
   while (azimuth > azimuth_rad_.front() + 2 * kPi) azimuth -= 2 * kPi;
   // A full circle has no gap, even if rounding moved its ends.
   const bool around = azimuth_rad_.back() - azimuth_rad_.front() > 6.28;
+  // A pole has no azimuth.
+  const bool at_pole = std::min(polar, kPi - polar) < kSlack;
   const bool inside =
       polar >= polar_rad_.front() && polar <= polar_rad_.back() &&
-      (around || (azimuth >= azimuth_rad_.front() && azimuth <= azimuth_rad_.back()));
+      (around || at_pole || (azimuth >= azimuth_rad_.front() && azimuth <= azimuth_rad_.back()));
   Place place{0, 0, 0, 0, inside};
   if (!inside) return place;
   const auto locate = [](const std::vector<double>& grid, double at, std::size_t& cell,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "proto/common/status_macros.h"
@@ -156,16 +157,96 @@ IesHeader read_header(IesNumbers& numbers, const Edition& edition, double tilt_f
   const auto size = [&](const char* what) { return numbers.number(what, -kAny, kAny, "finite"); };
   const double width = size("width"), length = size("length"), height = size("height");
   file.opening = opening_note(numbers.line(), {width * unit_m, length * unit_m, height * unit_m});
-  header.operated = tilt_factor * numbers.positive("ballast factor");
+  // Factors of 0 would make every such file dark.
+  const auto ballast_factor = [&](std::string_view what) {
+    const double factor = numbers.number(what, 0, kAny, "not negative; 0 counts as 1");
+    if (!numbers.status.ok() || factor != 0) return factor;
+    file.notes.push_back({numbers.line(), fmt::format("the {} is 0", what), "1"});
+    return 1.0;
+  };
+  header.operated = tilt_factor * ballast_factor("ballast factor");
   // The second number is a factor up to 1991, has no meaning in 1995 and 2002, and describes how
   // the file was made in 2019.
   if (edition.year <= 1991)
-    header.operated *= numbers.positive("ballast-lamp photometric factor");
+    header.operated *= ballast_factor("ballast-lamp photometric factor");
   else
     numbers.next("the second number after the sizes");
   numbers.number("input watts", -kAny, kAny, "finite");
   header.factor = multiplier * header.operated;
   return header;
+}
+
+/// Gives the poles of types A and B one intensity in all planes, the mean, since each is one
+/// direction.  Adds a note if that changes any.
+void join_poles(PhotometricWebParams& web, int line, PhotometricFile& file) {
+  const bool across = web.type == PhotometricType::kB;  // the pole is H = 90; otherwise V = 90
+  if (web.type == PhotometricType::kC) return;
+  const std::size_t vertical = web.vertical_deg.size(), horizontal = web.horizontal_deg.size();
+  const std::vector<double>& latitudes = across ? web.horizontal_deg : web.vertical_deg;
+  for (std::size_t i = 0; i < latitudes.size(); ++i) {
+    if (std::fabs(latitudes[i]) != 90) continue;
+    const std::size_t count = across ? vertical : horizontal;
+    const auto at = [&](std::size_t k) -> double& {
+      return web.intensity_cd[across ? i * vertical + k : k * vertical + i];
+    };
+    double sum = 0, least = at(0), most = at(0);
+    for (std::size_t k = 0; k < count; ++k)
+      sum += at(k), least = std::min(least, at(k)), most = std::max(most, at(k));
+    if (least == most) continue;
+    const double mean = sum / static_cast<double>(count);
+    for (std::size_t k = 0; k < count; ++k) at(k) = mean;
+    file.notes.push_back({line,
+                          fmt::format("intensities from {:.6g} to {:.6g} at {} = {}, which is one "
+                                      "direction",
+                                      least, most, across ? "H" : "V", latitudes[i]),
+                          fmt::format("their mean, {:.6g}", mean)});
+  }
+}
+
+/// The most vertical angles of a plane that `revolve` writes out.
+constexpr std::size_t kMostRevolved = 1000;
+
+/// Makes a web of types A or B of the one plane H = 0: symmetric about V = H = 0, like type C about
+/// its axis.  The distances from this direction are the file's vertical angles.
+void revolve(PhotometricWebParams& web) {
+  const auto side = [&](double v) -> std::optional<double> {
+    const auto next = std::lower_bound(web.vertical_deg.begin(), web.vertical_deg.end(), v);
+    if (next == web.vertical_deg.end()) return std::nullopt;
+    const auto i = static_cast<std::size_t>(next - web.vertical_deg.begin());
+    if (*next == v) return web.intensity_cd[i];
+    if (i == 0) return std::nullopt;
+    return std::lerp(web.intensity_cd[i - 1], web.intensity_cd[i],
+                     (v - *(next - 1)) / (*next - *(next - 1)));
+  };
+  // Where the plane has both sides, their mean.
+  const auto at = [&](double deg) {
+    const auto one = side(deg), other = side(-deg);
+    if (one && other) return (*one + *other) / 2;
+    return one ? *one : other.value_or(0);
+  };
+  std::vector<double> file{0}, distances{0}, cd;
+  for (const double v : web.vertical_deg) file.push_back(std::fabs(v));
+  std::sort(file.begin(), file.end());
+  // The web is bilinear in V and H, which steps of at most a degree make round.
+  for (std::size_t i = 1; i < file.size(); ++i) {
+    const double step = file[i] - file[i - 1], parts = std::ceil(step);
+    for (int k = 1; k < parts; ++k) distances.push_back(file[i - 1] + step * k / parts);
+    if (step > 0) distances.push_back(file[i]);
+  }
+  std::vector<double> vertical(distances);
+  for (const double v : distances)
+    if (v > 0) vertical.insert(vertical.begin(), -v);
+  constexpr double kDegree = kPi / 180;
+  for (const double h : distances)
+    for (const double v : vertical) {
+      const double cos = std::cos(h * kDegree) * std::cos(v * kDegree);
+      // Exact where one of the angles is the distance.
+      cd.push_back(at(h == 0   ? std::fabs(v)
+                      : v == 0 ? h
+                               : std::min(90.0, std::acos(std::clamp(cos, -1.0, 1.0)) / kDegree)));
+    }
+  web.vertical_deg = std::move(vertical), web.horizontal_deg = std::move(distances);
+  web.intensity_cd = std::move(cd);
 }
 
 /// Reads the angles and the intensities into `file`.  Returns the photometric type.
@@ -185,7 +266,11 @@ absl::StatusOr<PhotometricType> read_candela(IesNumbers& numbers, const IesHeade
   numbers.skip();
   const int horizontal_line = numbers.line();
   web.horizontal_deg = numbers.angles("horizontal angle", header.horizontal);
-  numbers.check(horizontal_line, check_horizontal_angles(web.type, web.horizontal_deg));
+  const bool one_plane = web.type != PhotometricType::kC &&
+                         web.horizontal_deg == std::vector<double>{0} &&
+                         header.vertical <= kMostRevolved;
+  if (!one_plane)
+    numbers.check(horizontal_line, check_horizontal_angles(web.type, web.horizontal_deg));
   numbers.skip();
   const int candela_line = numbers.line();
   const auto candela_value = [](std::size_t i) { return fmt::format("candela value {}", i); };
@@ -198,8 +283,16 @@ absl::StatusOr<PhotometricType> read_candela(IesNumbers& numbers, const IesHeade
   }
   LUCERNA_RETURN_IF_ERROR(numbers.status);
   note_gap(vertical_line, vertical_gap(web.type, web.vertical_deg), file);
-  note_gap(horizontal_line, horizontal_gap(web.type, web.horizontal_deg), file);
+  if (one_plane)
+    file.notes.push_back({horizontal_line, "one horizontal angle, 0 degrees",
+                          "symmetric about the direction V = H = 0"});
+  else
+    note_gap(horizontal_line, horizontal_gap(web.type, web.horizontal_deg), file);
   LUCERNA_RETURN_IF_ERROR(noise.clear(web.intensity_cd, name, candela_value, file));
+  if (one_plane)
+    revolve(web);
+  else
+    join_poles(web, candela_line, file);
   for (double& cd : web.intensity_cd) cd *= header.factor;
   auto made = PhotometricWeb::create(web);
   if (!made.ok())

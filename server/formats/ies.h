@@ -20,8 +20,10 @@ namespace lucerna {
 ///
 /// The luminaire hangs in the position of the measurement, so the factor at angle 0 of a tilt table
 /// applies.  A tilt table in a separate file is not read; its factor counts as 1.  Text after the
-/// last intensity (a further luminaire in the edition of 1991) is left out.  A note reports each of
-/// these, angles that leave a part of the sphere open, and noise below zero.
+/// last intensity (a further luminaire in the edition of 1991) is left out.  Ballast factors of 0
+/// count as 1.  A pole of types A and B has the mean of all planes, and one plane of these types is
+/// symmetric about the beam.  A note reports each of these, angles that leave a part of the sphere
+/// open, and noise below zero.
 ///
 /// A comma separates numbers.  If the file then has an error or more numbers than it announces, and
 /// none with decimal commas, these are read, with a note.  If all of these may separate thousands

@@ -9,7 +9,8 @@
 namespace lucerna {
 
 bool IesNumbers::is_blank(char c) const {
-  constexpr std::string_view kBlanks = " \t;\f\v";
+  // The last two are a blank that does not break, in UTF-8 and in Latin-1.
+  constexpr std::string_view kBlanks = " \t;\f\v\xc2\xa0";
   return kBlanks.find(c) != std::string_view::npos || (c == ',' && comma_ == Comma::kSeparator);
 }
 
@@ -83,7 +84,7 @@ std::vector<double> IesNumbers::angles(std::string_view what, std::size_t count)
   result.reserve(count);
   for (std::size_t i = 0; i < count && status.ok(); ++i) {
     const double n =
-        number(fmt::format("{} {}", what, i + 1), -360, 360, "from -360 to 360 degrees");
+        number(fmt::format("{} {}", what, i + 1), -720, 720, "from -720 to 720 degrees");
     if (status.ok() && i > 0 && !(n > result.back()))
       fail(fmt::format("{} {} = {} degrees, allowed: more than the previous angle, {}", what, i + 1,
                        n, result.back()));

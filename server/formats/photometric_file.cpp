@@ -69,10 +69,10 @@ absl::Status NoiseBelowZero::clear(std::vector<double>& values, std::string_view
                                    PhotometricFile& file) const {
   if (count_ == 0) return absl::OkStatus();
   const double largest = *std::max_element(values.begin(), values.end());
-  if (least_ < -0.02 * largest)
+  if (least_ < -0.03 * largest)
     return photometric_error(name, line_,
                              fmt::format("{} = {}, allowed: finite, not negative, and noise down "
-                                         "to -2% of the largest",
+                                         "to -3% of the largest",
                                          what(number_), least_));
   for (double& value : values) value = std::max(value, 0.0);
   file.notes.push_back({line_,

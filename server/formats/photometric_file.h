@@ -49,7 +49,7 @@ class NoiseBelowZero {
  public:
   /// The `number`-th value of the list, from 1, and its line.
   void add(double value, std::size_t number, int line);
-  /// Sets them to 0, with a note.  Error (INVALID_ARGUMENT): one is below -2% of the largest.
+  /// Sets them to 0, with a note.  Error (INVALID_ARGUMENT): one is below -3% of the largest.
   /// `what` describes the list's value of a number.
   absl::Status clear(std::vector<double>& values, std::string_view name,
                      const std::function<std::string(std::size_t)>& what,

@@ -100,12 +100,44 @@ TEST(PhotometricAngles, WhatIsOutsideOfPartialRangesIsDark) {
   EXPECT_EQ(web->at({0.3, 0, 1}), 0);
 }
 
+// The standard ends at 90 degrees.
+TEST(PhotometricAngles, TypeAMayGoAllAround) {
+  EXPECT_EQ(across(kA, range(-180, 180, 90)),
+            "horizontal angles from -180 to 180 degrees -> all around, although the standard has "
+            "-90 to 90 only");
+  EXPECT_EQ(across(kA, range(0, 180, 90)),
+            "horizontal angles from 0 to 180 degrees -> all around, although the standard has -90 "
+            "to 90 only");
+  EXPECT_EQ(across(kA, {0, 120}),
+            "horizontal angles from 0 to 120 degrees -> symmetric about 0, and dark beyond 120");
+  EXPECT_EQ(planes(kA, {-90, 90}), "-90:0 90:1");
+  EXPECT_EQ(planes(kA, {0, 90, 180}), "-180:2 -90:1 0:0 90:1 180:2");
+  EXPECT_EQ(planes(kA, {0, 90, 180, 270}), "0:0 90:1 180:2 270:3 360:0");
+  EXPECT_EQ(planes(kA, {-180, -90, 0, 90, 180}), "-180:0 -90:1 0:2 90:3 180:4");
+  // 3 cd in front, 1 cd behind.
+  const auto web = *PhotometricWeb::create(
+      {kA, {-90, 0, 90}, {-180, -90, 0, 90, 180}, {1, 1, 1, 2, 2, 2, 3, 3, 3, 2, 2, 2, 1, 1, 1}});
+  EXPECT_NEAR(web->flux_lm(), 2 * 4 * kPi, 1e-12);
+  EXPECT_NEAR(web->at({-1, 1e-12, 0}), 1, 1e-9);
+  EXPECT_NEAR(web->at({-1, -1e-12, 0}), 1, 1e-9);
+  EXPECT_NEAR(web->at({0, 1, 0}), 2, 1e-9);
+  EXPECT_GE(web->cone().half_angle_rad, kPi);
+  EXPECT_NEAR(web->downward_flux_lm(), 4 * kPi, 1e-12);
+  // The grid of one side: the cone holds all of its light.
+  const auto side = *PhotometricWeb::create({kA, {-60, 0, 60}, {90, 135}, {1, 1, 1, 1, 1, 1}});
+  for (const double v : {-60., 0., 60.})
+    for (const double az : {90., 135.}) {
+      const double a = az * kPi / 180, e = v * kPi / 180;
+      const Vec3<double> w{std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), -std::sin(e)};
+      EXPECT_GE(dot(side->cone().axis, w), std::cos(side->cone().half_angle_rad) - 1e-9);
+    }
+}
+
 // Wherever the planes begin, a direction finds its two planes.
 TEST(PhotometricAngles, PlanesMayBeginAnywhere) {
-  for (const double first : {-360., -200., -7.5, 0., 7.5, 200., 355.}) {
+  for (const double first : {-360., -200., -7.5, 0., 7.5, 90., 200., 355.}) {
     PhotometricWebParams params{kC, {0, 180}, {}, {}};
     const double last = first + 350;
-    if (last > 360) continue;
     for (int i = 0; i < 36; ++i) {
       params.horizontal_deg.push_back(first + 10 * i);
       params.intensity_cd.insert(params.intensity_cd.end(), 2, i);
@@ -135,15 +167,14 @@ TEST(PhotometricAngles, ErrorsHaveTheAllowedAngles) {
             "vertical angles from -91 to 90 degrees, allowed for types A and B: "
             "from -90 to 90");
   EXPECT_EQ(v(kC, {0, 90, 80}),
-            "vertical angle[2] = 80 degrees, allowed: ascending, within 360 degrees of 0");
+            "vertical angle[2] = 80 degrees, allowed: ascending, within 720 degrees of 0");
   EXPECT_EQ(h(kC, {}), "0 horizontal angles, allowed: 1 or more");
   EXPECT_EQ(h(kC, {-10, 355}),
-            "horizontal angles from -10 to 355 degrees, allowed for type C: over 360 degrees at "
-            "most");
+            "horizontal angles from -10 to 355 degrees, allowed for types A and C: over 360 "
+            "degrees at most");
   EXPECT_EQ(h(kA, {0}), "1 horizontal angle, allowed: 2 or more for types A and B");
-  EXPECT_EQ(h(kA, {0, 100}),
-            "horizontal angles from 0 to 100 degrees, allowed for types A and B: "
-            "from -90 to 90");
+  EXPECT_EQ(h(kB, {0, 100}),
+            "horizontal angles from 0 to 100 degrees, allowed for type B: from -90 to 90");
 }
 
 }  // namespace

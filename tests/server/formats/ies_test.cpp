@@ -115,6 +115,16 @@ TEST(Ies, MultipliersApplyOnceEach) {
   EXPECT_NEAR(down(f.text()), 100 * 2.5 * 0.8, 1e-12);
 }
 
+TEST(Ies, BallastFactorsOfZeroCountAsOne) {
+  Ies f;
+  f.ballast = "0 0 10\n";
+  EXPECT_EQ(down(f.text()), 100);
+  EXPECT_EQ(notes(ies(f.text())), "6 the ballast factor is 0 -> 1\n");
+  f.header = "IESNA91\n";
+  EXPECT_EQ(notes(ies(f.text())),
+            "4 the ballast factor is 0 -> 1\n4 the ballast-lamp photometric factor is 0 -> 1\n");
+}
+
 TEST(Ies, UnitsOfLengthScaleNoCandela) {
   Ies f;
   f.units = "1 -0.5 -0.5 0\n";
@@ -167,6 +177,12 @@ TEST(Ies, EndsOfLinesOfEveryKind) {
   Ies semicolons;
   semicolons.candela = "100; 50;10";
   EXPECT_EQ(down(semicolons.text()), 100);
+  Ies blanks;
+  blanks.candela =
+      "100\xc2\xa0"
+      "50\xa0"
+      "10";
+  EXPECT_EQ(down(blanks.text()), 100);
   Ies commas;
   commas.candela = "100, 50,10";
   EXPECT_EQ(down(commas.text()), 100);
@@ -241,10 +257,12 @@ TEST(Ies, SmallNegativeIntensitiesAreNoiseAboutZero) {
   EXPECT_EQ(notes(file), "9 2 negative intensities, down to -1.5 -> 0\n");
   EXPECT_EQ(file.web->at({1, 0, 1}), 0);
   EXPECT_EQ(file.web->at({0, 0, 1}), 100);
-  f.candela = "100 -2.5 0\n";
+  f.candela = "100 -3 0\n";
+  EXPECT_EQ(ies(f.text()).web->at({1, 0, 1}), 0);
+  f.candela = "100 -3.5 0\n";
   EXPECT_EQ(ies_error(f.text()),
-            "lamp.ies:9: candela value 2 = -2.5, allowed: finite, not negative, and noise down to "
-            "-2% of the largest");
+            "lamp.ies:9: candela value 2 = -3.5, allowed: finite, not negative, and noise down to "
+            "-3% of the largest");
 }
 
 // Commas separate numbers in LM-63, so a file with decimal commas has more than it announces.
@@ -374,6 +392,72 @@ TEST(Ies, TypesAAndB) {
   EXPECT_THAT(ies_error(f.text()), HasSubstr("photometric type = 4, allowed: 1 (type C)"));
 }
 
+// All planes of type A meet at V = 90, and H = 90 of type B is one direction.
+TEST(Ies, PolesOfTypesAAndBAreOneDirection) {
+  Ies f;
+  f.counts = "3 3";
+  f.angles = "-90 0 90\n-90 0 90\n";
+  f.candela = "1 50 2\n1 50 3\n1 50 7\n";
+  f.type = "3";
+  EXPECT_EQ(notes(ies(f.text())),
+            "9 intensities from 2 to 7 at V = 90, which is one direction -> their mean, 4\n");
+  const auto at = [&](const Vec3<double>& w) { return ies(f.text()).web->at(w); };
+  // With any rounding.
+  for (const double x : {0., -0., 1e-17, -1e-17}) EXPECT_NEAR(at({x, 0, -1}), 4, 1e-12) << x;
+  EXPECT_NEAR(at({-0., -0., 1}), 1, 1e-12);
+  f.type = "2";
+  EXPECT_EQ(
+      notes(ies(f.text())),
+      "9 intensities from 1 to 50 at H = -90, which is one direction -> their mean, 17.6667\n"
+      "9 intensities from 1 to 50 at H = 90, which is one direction -> their mean, 19.3333\n");
+  for (const double z : {0., -0., -1e-17}) EXPECT_NEAR(at({0, 1, z}), 58 / 3., 1e-12) << z;
+}
+
+// As one plane of type C, about the beam: +x for type A, +z for type B.
+TEST(Ies, OnePlaneOfTypesAAndBIsSymmetricAboutTheBeam) {
+  Ies f;
+  f.counts = "10 1";
+  f.angles = "0 10 20 30 40 50 60 70 80 90\n0\n";
+  f.candela = "100 98 94 87 77 64 50 34 17 0\n";
+  const auto c = ies(f.text()).web;
+  for (const char* type : {"2", "3"}) {
+    f.type = type;
+    const PhotometricFile file = ies(f.text());
+    EXPECT_EQ(notes(file),
+              "7 vertical angles from 0 to 90 degrees -> dark outside of them\n"
+              "8 one horizontal angle, 0 degrees -> symmetric about the direction V = H = 0\n");
+    EXPECT_NEAR(file.web->flux_lm() / c->flux_lm(), 1, 1e-4);
+    for (int i = 0; i < 100; ++i) {
+      const double angle = 0.9 * i * kPi / 180, turn = 0.7 * i;
+      const double r = std::sin(angle), z = std::cos(angle);
+      const Vec3<double> about_z{r * std::cos(turn), r * std::sin(turn), z};
+      const Vec3<double> beam =
+          f.type == "2" ? about_z : Vec3<double>{z, r * std::cos(turn), r * std::sin(turn)};
+      EXPECT_NEAR(file.web->at(beam), c->at(about_z), 0.05) << type << " " << i;
+    }
+  }
+  // Both sides of the beam.
+  f.type = "2";
+  f.counts = "3 1";
+  f.angles = "-60 0 60\n0\n";
+  f.candela = "10 50 20\n";
+  EXPECT_NEAR(ies(f.text()).web->at({std::sqrt(3.) - 1e-9, 0, 1}), 15, 1e-6);
+  EXPECT_NEAR(ies(f.text()).web->at({0, std::sqrt(3.) - 1e-9, 1}), 15, 1e-6);
+  EXPECT_NEAR(ies(f.text()).web->at({1, 1, 1}), ies(f.text()).web->at({-1, 1, 1}), 1e-9);
+  f.angles = "-60 0 60\n90\n";
+  EXPECT_THAT(ies_error(f.text()), HasSubstr("1 horizontal angle, allowed: 2 or more"));
+}
+
+TEST(Ies, HorizontalAnglesMayGoBeyondACircle) {
+  Ies f;
+  f.counts = "2 5";
+  f.angles = "0 90\n90 180 270 360 450\n";
+  f.candela = "1 1\n2 2\n3 3\n4 4\n1 1\n";
+  EXPECT_EQ(notes(ies(f.text())), "");
+  EXPECT_NEAR(ies(f.text()).web->at({1, 0, 1e-9}), 4, 1e-6);   // H = 0
+  EXPECT_NEAR(ies(f.text()).web->at({0, -1, 1e-9}), 1, 1e-6);  // H = 90
+}
+
 // LM-63-1986 has the number 1 for types A and C.
 TEST(Ies, NegativeVerticalAnglesInTheFirstEditionAreTypeA) {
   Ies f;
@@ -424,9 +508,10 @@ TEST(Ies, ErrorsNameLineAndAllowedValues) {
   EXPECT_THAT(with(&Ies::counts, "2.5 1"), HasSubstr("the number of vertical angles = 2.5"));
   EXPECT_THAT(with(&Ies::units, "3 0 0 0\n"),
               HasSubstr("units = 3, allowed: 1 (feet), 2 (metres)"));
-  EXPECT_THAT(with(&Ies::ballast, "0 1 10\n"), StartsWith("lamp.ies:6: ballast factor = 0"));
-  EXPECT_THAT(with(&Ies::angles, "0 45 400\n0\n"),
-              StartsWith("lamp.ies:7: vertical angle 3 = 400, allowed: from -360 to 360"));
+  EXPECT_EQ(with(&Ies::ballast, "-1 1 10\n"),
+            "lamp.ies:6: ballast factor = -1, allowed: not negative; 0 counts as 1");
+  EXPECT_THAT(with(&Ies::angles, "0 45 800\n0\n"),
+              StartsWith("lamp.ies:7: vertical angle 3 = 800, allowed: from -720 to 720"));
   EXPECT_THAT(with(&Ies::lamps, "1 -1 1e299"),
               StartsWith("lamp.ies:9: intensity 0 at horizontal angle 0 and vertical angle 0 = "));
   EXPECT_THAT(
