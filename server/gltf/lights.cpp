@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "lights/spectra/level_validation.h"
-#include "server/formats/ies.h"
+#include "server/formats/read_luminaire.h"
 
 namespace lucerna::gltf {
 namespace {
@@ -120,7 +120,7 @@ void add_photometric(const Document& document, const PlacedNode& node, const Vie
   const View profile = light_of(document, "EXT_lights_ies", use);
   const AssetContent* content = document.read(profile);
   if (content == nullptr) return;
-  const auto file = parse_ies(content->bytes, content->name);
+  const auto file = read_luminaire(content->bytes, content->name);
   if (!file.ok()) profile.fail(file.status());
   const auto remark = [&](const PhotometricFile::Note& note) {
     document.context().remark(profile.pointer(),

@@ -5,8 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "server/formats/eulumdat.h"
-#include "server/formats/ies.h"
+#include "server/formats/read_luminaire.h"
 #include "server/pbrt/lights/image_lights.h"
 #include "server/pbrt/lights/levels.h"
 #include "server/pbrt/lights/scales.h"
@@ -14,16 +13,6 @@
 
 namespace lucerna::pbrt {
 namespace {
-
-bool ends_in(const std::string& name, std::string_view lower_case) {
-  if (name.size() < lower_case.size()) return false;
-  const std::string_view end = std::string_view(name).substr(name.size() - lower_case.size());
-  for (std::size_t i = 0; i < end.size(); ++i) {
-    const char c = end[i] >= 'A' && end[i] <= 'Z' ? static_cast<char>(end[i] + 32) : end[i];
-    if (c != lower_case[i]) return false;
-  }
-  return true;
-}
 
 void remark_note(Context& context, const Parameter& filename, const std::string& name,
                  const PhotometricFile::Note& note) {
@@ -69,8 +58,7 @@ NamedPhotometricFile read_photometric_file(Context& context, const ParameterSet&
   if (file.web == nullptr) {
     context.poll();
     const std::string shown = printable(content.name);
-    auto parsed = ends_in(content.name, ".ldt") ? parse_eulumdat(content.bytes, shown)
-                                                : parse_ies(content.bytes, shown);
+    auto parsed = read_luminaire(content.bytes, shown);
     if (!parsed.ok())
       fail(filename.place, absl::Status(parsed.status().code(),
                                         fmt::format("\"string {}\": {}", filename.name,
