@@ -173,9 +173,13 @@ void drain(const Settings& settings, Report& report) {
         }
       });
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    const auto wait_for_calls = [&](int more) {
+      for (const int until = succeeded + failed_calls + more; succeeded + failed_calls < until;)
+        std::this_thread::yield();
+    };
+    wait_for_calls(40);
     (i % 2 == 0 ? first : second)->server().stop();
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    wait_for_calls(40);
     for (std::jthread& sender : senders) sender.request_stop();
     senders.clear();
     good += succeeded;

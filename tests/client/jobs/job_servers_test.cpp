@@ -1,9 +1,11 @@
 // Jobs whose servers join, leave, lose the scene or do not match each other.
+#include <absl/strings/match.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <thread>
+#include <functional>
+#include <future>
 
 #include "job_fixture.h"
 
@@ -12,6 +14,13 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+
+/// Whether one of many attempts succeeds.  A machine that pauses may spoil some.
+bool one_succeeds(const std::function<bool()>& attempt) {
+  for (int i = 0; i < 100; ++i)
+    if (attempt()) return true;
+  return false;
+}
 
 TEST_F(JobTest, AServerThatLostTheSceneGetsItAgain) {
   std::atomic<int> loads = 0;
@@ -37,12 +46,14 @@ TEST_F(JobTest, AnAnswerMayComeWhileItsServerIsPreparedAgain) {
   // A piece from before that counts.
   listed_.pop_back();
   std::atomic<int> loads = 0;
+  std::promise<void> counts;
+  options_.on_progress = [&](const JobProgress& progress) {
+    if (progress.done == 1 && progress.servers == 0) counts.set_value();
+  };
   servers_[0].load_scene = [&](auto&, auto&, v1::LoadSceneResponse* response) {
     if (++loads == 2) {
       door_.open();
-      for (int i = 0; i < 600'000 && answers(0) == 0; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      EXPECT_EQ(counts.get_future().wait_for(std::chrono::minutes(10)), std::future_status::ready);
     }
     response->set_scene_id("scene");
     return grpc::Status::OK;
@@ -136,10 +147,11 @@ TEST_F(JobTest, EndsIfNoServerAnswersForItsPatience) {
   options_.patience = std::chrono::seconds(1);
   options_.call = {};
   Tiles work(3);
-  const auto never = run_job(work, options_);
-  EXPECT_TRUE(absl::IsUnavailable(never.status())) << never.status();
-  EXPECT_THAT(std::string(never.status().message()),
-              HasSubstr("no server answered for 1 s; 127.0.0.1:1: "));
+  EXPECT_TRUE(one_succeeds([&] {
+    const auto never = run_job(work, options_);
+    EXPECT_TRUE(absl::IsUnavailable(never.status())) << never.status();
+    return absl::StrContains(never.status().message(), "no server answered for 1 s; 127.0.0.1:1: ");
+  }));
   listed_ = {};
   EXPECT_THAT(std::string(run_job(work, options_).status().message()),
               HasSubstr("the list of servers is empty"));
@@ -154,15 +166,20 @@ TEST_F(JobTest, ADeadlineReplacesThePatience) {
 }
 
 TEST_F(JobTest, AServerThatLoadsTheSceneAnswers) {
-  // Longer than a busy machine takes for the other calls.
-  options_.patience = std::chrono::seconds(5);
+  options_.patience = std::chrono::seconds(1);
   options_.call = {};
   options_.load = [load = options_.load](const Client& client, const CallOptions& call) {
-    std::this_thread::sleep_for(std::chrono::seconds(6));
+    // Until a job without servers has lost the same patience.
+    Tiles nothing(1);
+    const auto lost = run_job(nothing, {.servers = [] { return std::vector<std::string>(); },
+                                        .patience = std::chrono::seconds(1)});
+    EXPECT_TRUE(absl::IsUnavailable(lost.status())) << lost.status();
     return load(client, call);
   };
-  Tiles work(3);
-  EXPECT_TRUE(run_job(work, options_).ok());
+  EXPECT_TRUE(one_succeeds([&] {
+    Tiles work(3);
+    return run_job(work, options_).ok();
+  }));
 }
 
 }  // namespace

@@ -89,13 +89,16 @@ TEST(Client, ServerThatCannotBeReachedIsUnavailable) {
 TEST(Client, EndsItsChannelItselfOnceItsLastCallIsAnswered) {
   std::optional<Client> client = *Client::connect({.target = "127.0.0.1:1", .retry = false});
   std::promise<absl::Status> answered;
-  std::atomic<bool> over = false;
+  std::atomic<bool> ends = false, over = false;
   client->get_scene({}, {}, [&](const auto& answer) {
     answered.set_value(answer.status());
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    ends.wait(false);
+    for (int i = 0; i < 10'000; ++i) std::this_thread::yield();
     over = true;
   });
   EXPECT_EQ(answered.get_future().get().code(), absl::StatusCode::kUnavailable);
+  ends = true;
+  ends.notify_one();
   client.reset();
   // The end of the last channel waits for gRPC's answering threads, so it must not run in one of
   // them.

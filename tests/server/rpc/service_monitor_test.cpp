@@ -233,7 +233,7 @@ TEST_F(Monitored, AMalformedPartOfAnUploadIsInvalid) {
 
 TEST_F(Monitored, ACallWithoutADeadlineEndsAtTheServersLimit) {
   rpc::ServerOptions limited = options();
-  limited.max_call_s = 0.05;
+  limited.max_call_s = 1e-6;
   Service service(limited);
   // A load may take longer than the limit, so it has a deadline.
   grpc::ClientContext of_load;
@@ -250,7 +250,7 @@ TEST_F(Monitored, ACallWithoutADeadlineEndsAtTheServersLimit) {
   v1::RenderTileResponse r;
   const grpc::Status s = status_of([&](auto* c) { return service.render.RenderTile(c, tile, &r); });
   EXPECT_EQ(s.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
-  EXPECT_THAT(s.error_message(), HasSubstr("the call computed for 0.05 s"));
+  EXPECT_THAT(s.error_message(), HasSubstr("the call computed for 1e-06 s"));
   v1::RenderImageRequest image;
   image.set_scene_id(scene);
   image.mutable_accuracy()->set_samples(1 << 20);
@@ -258,14 +258,13 @@ TEST_F(Monitored, ACallWithoutADeadlineEndsAtTheServersLimit) {
   const auto reader = service.render.RenderImage(&context, image);
   for (v1::RenderImageResponse part; reader->Read(&part);) {
   }
-  EXPECT_THAT(reader->Finish().error_message(), HasSubstr("the call computed for 0.05 s"));
+  EXPECT_THAT(reader->Finish().error_message(), HasSubstr("the call computed for 1e-06 s"));
   // A client that sets a deadline may compute longer.
   grpc::ClientContext patient;
-  patient.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(2));
-  EXPECT_EQ(service.render.RenderTile(&patient, tile, &r).error_code(),
-            grpc::StatusCode::DEADLINE_EXCEEDED);
-  while (service.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
-  EXPECT_GE(last().compute_s, 0.1);
+  patient.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(10));
+  tile.mutable_accuracy()->set_samples(64);
+  EXPECT_TRUE(service.render.RenderTile(&patient, tile, &r).ok());
+  EXPECT_GT(last().compute_s, limited.max_call_s);
 }
 
 TEST(TimeModel, RefusesOnlyWhatEvenTheEasiestSceneCannotDo) {
@@ -299,14 +298,17 @@ TEST_F(Monitored, WorkThatCannotMeetItsDeadlineIsNotStarted) {
   Service service(options());
   v1::RenderTileRequest tile;
   tile.set_scene_id(service.load("rectangle.pbrt"));
-  tile.mutable_accuracy()->set_samples(16);
+  tile.mutable_accuracy()->set_samples(256);
+  tile.mutable_rect()->set_x1(16);
+  tile.mutable_rect()->set_y1(16);
   v1::RenderTileResponse r;
   for (int i = 0; i < 8; ++i)
     ASSERT_TRUE(status_of([&](auto* c) { return service.render.RenderTile(c, tile, &r); }).ok());
-  // At the speed of these tiles, the next takes longer by a factor of 65536.
+  // These tiles take longer than a millisecond, and the next takes 300000 times as long.
+  tile.clear_rect();
   tile.mutable_accuracy()->set_samples(1 << 20);
   grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(2));
   const grpc::Status s = service.render.RenderTile(&context, tile, &r);
   EXPECT_EQ(s.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_THAT(s.error_message(), HasSubstr("the work was not started: it takes about"));

@@ -367,27 +367,32 @@ TEST_F(RenderAccuracyTest, CancelledTilesAndImagesEnd) {
   target->set_max_samples(1 << 20);
   *images[0].mutable_accuracy() = q.accuracy();
   images[1].mutable_accuracy()->set_time_budget_s(1e6);
+  const auto cancel_once_accepted = [&](grpc::ClientContext& context) {
+    return std::jthread([&] {
+      while (service_.server->lanes().pending(Lane::kBulk) == 0) std::this_thread::yield();
+      context.TryCancel();
+    });
+  };
+  // These loops end only when the work was abandoned.
+  const auto wait_for_the_end = [&] {
+    while (service_.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
+  };
+  wait_for_the_end();  // a load answers shortly before its job ends
   grpc::ClientContext tile_context;
-  std::jthread canceller([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    tile_context.TryCancel();
-  });
+  std::jthread canceller = cancel_once_accepted(tile_context);
   v1::RenderTileResponse r;
   EXPECT_EQ(service_.render.RenderTile(&tile_context, q, &r).error_code(),
             grpc::StatusCode::CANCELLED);
   for (const v1::RenderImageRequest& image : images) {
+    wait_for_the_end();
     grpc::ClientContext context;
     const auto reader = service_.render.RenderImage(&context, image);
-    std::jthread soon([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      context.TryCancel();
-    });
+    const std::jthread soon = cancel_once_accepted(context);
     for (v1::RenderImageResponse part; reader->Read(&part);) {
     }
     EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
   }
-  // This loop ends only when the work was abandoned.
-  while (service_.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
+  wait_for_the_end();
   q.mutable_accuracy()->set_samples(8);
   EXPECT_TRUE(render(q, &r).ok());
 }
