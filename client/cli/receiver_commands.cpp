@@ -129,6 +129,7 @@ Cell total_error_cell(const v1::EstimateIrradianceResponse& response, int i, boo
 /// The same for the share of one light.
 Cell share_error_cell(const v1::EstimateIrradianceResponse& response, const v1::LightShare& share,
                       int i, bool approximate) {
+  if (!has_answer(response.status(), i)) return {};
   const Cell cell = error_cell(share, i, 0, approximate);
   if (item_status(response.status(), i) != "MAY_MISS_LIGHT") return cell;
   return {cell.text() == "exact" ? "or more" : cell.text() + " or more", cell.values()};
@@ -189,6 +190,7 @@ void print_irradiance(const Session& session, const v1::EstimateIrradianceRespon
                {mixed ? "share" : fmt::format("share [{}]", units.sum)},
                interval_column(units.sum)};
     if (mixed) columns.push_back({"unit", true});
+    columns.push_back({"", true});
     Table shares(columns);
     for (const v1::LightShare& share : response.shares()) {
       for (int i = 0; i < share.illuminance_lx_size(); ++i) {
@@ -200,6 +202,7 @@ void print_irradiance(const Session& session, const v1::EstimateIrradianceRespon
                                  number_cell(share.illuminance_lx(i)),
                                  share_error_cell(response, share, i, approximate)};
         if (mixed) row.emplace_back(units.lights.at(share.light_id()));
+        row.emplace_back(item_status(response.status(), i));
         shares.add(std::move(row));
       }
     }

@@ -54,7 +54,7 @@ TABLES = {
                    ["x [m]", "y [m]", "z [m]", "illuminance [lx]", "lower [lx]", "upper [lx]", "R [lx]", "G [lx]",
                     "B [lx]", "status"]),
     "shares": (["irradiance", "point.pbrt", *POINT, "--samples", "16", "--per-light"],
-               ["light", "x [m]", "y [m]", "z [m]", "share [lx]", "lower [lx]", "upper [lx]"]),
+               ["light", "x [m]", "y [m]", "z [m]", "share [lx]", "lower [lx]", "upper [lx]", "status"]),
     "bench": (["bench", "empty", "--time", "100ms", "--warm-up", "10ms", "--window", "20ms"], ["in flight", "calls/s"]),
 }
 NO_TABLE = (["load", "point.pbrt"], ["edit", "point.pbrt", "--remove", "1"], ["lease", "point.pbrt", "--for", "9"],

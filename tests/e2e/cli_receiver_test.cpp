@@ -41,6 +41,13 @@ TEST_F(Cli, ItemWithoutAnswerIsShownInItsRowAndMakesTheStatusOne) {
               ContainsRegex("0\\.97656[23] .*\n.* INVALID_INPUT\n *nan .* INVALID_INPUT\n"));
 }
 
+TEST_F(Cli, SharesOfAnItemWithoutAnswerAreNotExact) {
+  const Outcome outcome = lucerna(
+      {"irradiance", "point.pbrt", "--per-light", "--point", "1.2,-1.5,0", "--normal", "0,0,0"});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("\nlight .*\n +1 +1\\.2 +-1\\.5 +0 +0 +INVALID_INPUT\n"));
+}
+
 TEST_F(Cli, IrradianceAndPicturesTakeSamplingMethods) {
   const auto irradiance = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"irradiance", "rectangle_near.pbrt", "--point", "-1.25,-0.75,1.25",
