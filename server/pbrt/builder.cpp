@@ -267,8 +267,7 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
                                    state_.world_from_object.start().swaps_handedness());
   }
   shape.alpha = alpha;
-  // pbrt-v4 makes an invisible light of it, which shines as if it had no alpha.
-  if (shape.emission && alpha.is_constant() && alpha.constant == 0) {
+  if (shape.emission && materials_.textures().hides_only(set)) {
     shape.emission->is_unseen = true;
     shape.alpha = {1};
   }

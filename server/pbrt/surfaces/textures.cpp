@@ -107,6 +107,17 @@ NumberValue TextureTable::alpha(const ParameterSet& params) const {
   return is_unreadable ? NumberValue{1} : value;
 }
 
+bool TextureTable::is_computed(const ParameterSet& params, const std::string& name) const {
+  const Parameter* given = params.find(name, {"float", "texture"});
+  return given != nullptr && given->type == "texture" &&
+         computed_.contains(given->strings().front());
+}
+
+bool TextureTable::hides_only(const ParameterSet& params) const {
+  const NumberValue value = alpha(params);
+  return value.is_constant() && value.constant == 0 && !is_computed(params, "alpha");
+}
+
 ColourValue TextureTable::reflectance(Context& context, const ParameterSet& params,
                                       const std::string& name, const ColourValue& otherwise) const {
   const Parameter* parameter = params.find(name, {"rgb", "spectrum", "texture", "float"});
@@ -188,6 +199,10 @@ void TextureTable::make(Context& context, const std::string& name, const std::st
     value = are_constant({tex.is_constant(), factor.is_constant()})
                 ? ColourValue{tex.constant * factor.constant}
                 : node(ScaleTexture{tex, factor});
+    // pbrt-v4 leaves out a factor of 1.
+    const bool is_kept = scale.constant != 1 && tex.constant.r != 1;
+    if (is_float && (is_kept || is_computed(params, "tex") || is_computed(params, "scale")))
+      computed_.insert(name);
   } else if (type == "mix") {
     const NumberValue amount = number(params, "amount", 0.5);
     const ColourValue a = part("tex1", 0), b = part("tex2", 1);
@@ -195,6 +210,7 @@ void TextureTable::make(Context& context, const std::string& name, const std::st
     value = are_constant({a.is_constant(), b.is_constant(), amount.is_constant()})
                 ? ColourValue{a.constant * (1 - t) + b.constant * t}
                 : node(MixTexture{{a, b}, amount});
+    if (is_float) computed_.insert(name);
   } else if (type == "directionmix") {
     const auto given = params.vectors("dir", "vector3");
     const Vec3<double> direction =

@@ -31,17 +31,23 @@ class TextureTable {
   /// The "alpha" of a shape, 1 if it is not given.  A texture whose picture cannot be decoded is
   /// grey, but as an alpha it hides nothing.
   NumberValue alpha(const ParameterSet& params) const;
+  /// Whether a shape that emits is invisible and shines: its "alpha" is 0, and a constant of
+  /// pbrt-v4.  It computes a "mix" or a "scale" of constants at each place, and they darken a
+  /// light.
+  bool hides_only(const ParameterSet& params) const;
   /// The value of a texture that `parameter` names.
   ColourValue texture(const Parameter& parameter) const;
 
  private:
   ColourValue colour(Context& context, const ParameterSet& params, const std::string& name,
                      bool is_float, double otherwise) const;
+  bool is_computed(const ParameterSet& params, const std::string& name) const;
   ImageTexture image(Context& context, const ParameterSet& params, const Place& place,
                      const TextureMapping& mapping) const;
 
   std::map<std::string, ColourValue> values_;  ///< by "kind name"
   std::set<std::string> unreadable_;           ///< those without their pictures
+  std::set<std::string> computed_;             ///< float constants that pbrt-v4 computes
 };
 
 }  // namespace lucerna::pbrt

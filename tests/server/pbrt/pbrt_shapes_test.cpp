@@ -333,6 +333,32 @@ TEST(PbrtShapes, PartsOfShapesThatAreNotModelledGetRemarks) {
   EXPECT_EQ(scene->shapes[1].alpha.constant, 1);
 }
 
+// pbrt-v4 takes any other alpha as a mask of the light.
+TEST(PbrtShapes, OnlyAConstantAlphaOfZeroHidesAShapeThatShines) {
+  const auto shape = [](const std::string& texture) {
+    const auto scene = load_world(
+        "Texture \"zero\" \"float\" \"constant\" \"float value\" 0\n"
+        "Texture \"mix\" \"float\" \"mix\" \"float tex1\" 0 \"float tex2\" 0\n"
+        "Texture \"a\" \"float\" " +
+        texture + "\nAreaLightSource \"diffuse\"\n" + kTriangle + "\"texture alpha\" \"a\"");
+    EXPECT_TRUE(scene.ok()) << scene.status();
+    return scene->shapes.at(0);
+  };
+  for (const char* hidden : {"\"constant\" \"float value\" 0", "\"scale\" \"float tex\" 0",
+                             "\"scale\" \"texture scale\" \"zero\""}) {
+    const ShapeDescription s = shape(hidden);
+    EXPECT_TRUE(s.emission->is_unseen) << hidden;
+    EXPECT_EQ(s.alpha.constant, 1) << hidden;
+  }
+  for (const char* dark :
+       {"\"mix\" \"texture tex1\" \"zero\" \"float amount\" 0",
+        "\"scale\" \"float tex\" 0 \"float scale\" .5", "\"scale\" \"texture tex\" \"mix\""}) {
+    const ShapeDescription s = shape(dark);
+    EXPECT_FALSE(s.emission->is_unseen) << dark;
+    EXPECT_TRUE(s.alpha.is_constant() && s.alpha.constant == 0) << dark;
+  }
+}
+
 TEST(PbrtShapes, PlyMeshesComeFromTheirFileAndItsErrorsNameBoth) {
   const SceneFiles files;
   files.write("scene.pbrt",
