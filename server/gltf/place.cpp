@@ -180,10 +180,7 @@ void Placer::add_shape(const Part& part, const MeshPlace* place) {
   shape.geometry =
       transformed(context_, node_pointer(place->node), part.mesh, place->world_from_mesh);
   shape.motion = place->motion;
-  const bool emits = part.use.emission != nullptr;
-  if (emits && !has_area(std::get<TriangleMeshData>(shape.geometry))) {
-    context_.remark(part.pointer, "an emissive mesh without area", "it gives no light");
-  } else if (emits) {
+  if (part.use.emission != nullptr && has_area(std::get<TriangleMeshData>(shape.geometry))) {
     ShapeDescription::Emission emission;
     emission.radiance_cd_m2 = part.use.emission->radiance_cd_m2;
     emission.picture = part.use.emission->picture;

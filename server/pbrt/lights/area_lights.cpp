@@ -201,12 +201,11 @@ std::size_t primitives_of(const Geometry& geometry) {
 double sides(const ShapeDescription::Emission& emission) { return emission.two_sided ? 2 : 1; }
 
 /// A shape without area emits nothing, so a "power" for it is an error.
-void remark_no_area(Context& context, const ParameterSet& params, const Place& shape_place) {
+void refuse_power_without_area(const ParameterSet& params, const Place& shape_place) {
   if (const Parameter* power = positive_parameter(params, "power"))
     fail(power->place,
          fmt::format("\"float power\" = {} lm for the shape at {}, which has no area{}",
                      power->numbers().front(), to_string(shape_place), kOnlyAsIfNotGiven));
-  context.remark(shape_place, "a light without area", "the shape emits nothing");
 }
 
 /// Luminous flux of a panel at level 1 [lm].  Adds a remark if its back, which does not emit, loses
@@ -302,7 +301,7 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
   const double area =
       std::visit([&](const auto& shape) { return area_of(shape_place, shape); }, geometry);
   if (!(area > 0)) {
-    remark_no_area(context, params, shape_place);
+    refuse_power_without_area(params, shape_place);
     return std::nullopt;
   }
   emission.panel = area_profile(context, params, geometry, shape_place, mirrored);

@@ -15,6 +15,7 @@ using testing::GltfFiles;
 using ::testing::HasSubstr;
 using testing::Json;
 using testing::message_of;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 std::string error_of_text(const std::string& text, const std::string& name = "scene.gltf") {
@@ -280,7 +281,7 @@ TEST(GltfBadFiles, EmissiveMeshesWithoutAreaGiveNoLight) {
   const auto scene = file.load();
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_FALSE(scene->shapes[0].emission.has_value());
-  EXPECT_THAT(testing::gltf_remarks(*scene), HasSubstr("an emissive mesh without area"));
+  EXPECT_THAT(testing::gltf_remarks(*scene), Not(HasSubstr("area")));
   EXPECT_TRUE(Scene::build(*scene).ok());
 }
 
