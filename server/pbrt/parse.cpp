@@ -268,7 +268,6 @@ void Parser::directive(const Token& word) {
   if (word.kind == Token::Kind::kWord &&
       (transform_directive(word) || settings_directive(word) || world_directive(word)))
     return;
-  if (word.text == "WorldEnd") fail(word.place, "WorldEnd does not exist in pbrt-v4; remove it");
   fail(word.place, fmt::format("expected a directive, found {}{}", described(word),
                                hint_of_older_pbrt("directive", word.text)));
 }

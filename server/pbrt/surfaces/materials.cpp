@@ -192,7 +192,10 @@ bool Materials::may_need_uv(std::uint32_t reference) const {
 
 MixParams Materials::mix_of(Context& context, const Entry& entry) {
   const Parameter* parts = entry.params.find("materials", {"string"});
-  if (parts == nullptr) fail(entry.place, "material \"mix\" lacks \"string materials\"");
+  if (parts == nullptr)
+    fail(entry.place,
+         fmt::format("material \"mix\" lacks \"string materials\"{}",
+                     entry.params.find("namedmaterial1", {"string"}) != nullptr ? kIsOfPbrt3 : ""));
   if (parts->strings().size() != 2)
     fail(parts->place,
          fmt::format("\"string materials\" has {} names, allowed: 2", parts->strings().size()));

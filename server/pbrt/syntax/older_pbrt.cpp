@@ -39,6 +39,9 @@ constexpr auto kVersion3 = std::to_array<Word>({
     {"Shape", "nurbs"},
     {"Shape", "paraboloid"},
     {"texture type", "color"},
+    {"directive", "WorldEnd"},
+    {"parameter", "rgb scale"},
+    {"parameter", "spectrum scale"},
     {"parameter type", "color"},
     {"parameter type", "xyz"},
 });
@@ -47,6 +50,26 @@ constexpr auto kVersion3 = std::to_array<Word>({
 constexpr std::array<std::string_view, 4> kVersion2{"Renderer", "SurfaceIntegrator", "Volume",
                                                     "VolumeIntegrator"};
 
+struct Renamed {
+  std::string_view old, now;
+};
+constexpr auto kRenamed = std::to_array<Renamed>({
+    {"Kd", "reflectance"},
+    {"bumpmap", "displacement"},
+    {"gamma", "encoding"},
+    {"index", "eta"},
+    {"lightsamplestrategy", "lightsampler"},
+    {"mapname", "filename"},
+    {"maxsampleluminance", "maxcomponentvalue"},
+    {"nlevels", "levels"},
+    {"nsamples", "samples"},
+    {"tex1", "tex"},  // of a "scale"
+    {"tex2", "scale"},
+    {"trilinear", "filter"},
+    {"xwidth", "xradius"},
+    {"ywidth", "yradius"},
+});
+
 }  // namespace
 
 std::string_view hint_of_older_pbrt(std::string_view kind, std::string_view word) {
@@ -54,16 +77,12 @@ std::string_view hint_of_older_pbrt(std::string_view kind, std::string_view word
     return "; this is a pbrt-v2 file, allowed: files of pbrt-v4";
   const bool is_of_3 = std::ranges::any_of(
       kVersion3, [&](const Word& w) { return w.kind == kind && w.word == word; });
-  return is_of_3 ? "; this is a pbrt-v3 file; pbrt-v4's --upgrade converts it" : "";
+  return is_of_3 ? kIsOfPbrt3 : "";
 }
 
 std::string_view name_in_pbrt_v4(std::string_view parameter) {
-  if (parameter == "mapname") return "filename";
-  if (parameter == "nsamples") return "samples";
-  if (parameter == "bumpmap") return "displacement";
-  if (parameter == "Kd") return "reflectance";
-  if (parameter == "index") return "eta";
-  return "";
+  const auto renamed = std::ranges::find(kRenamed, parameter, &Renamed::old);
+  return renamed == kRenamed.end() ? "" : renamed->now;
 }
 
 }  // namespace lucerna::pbrt

@@ -51,8 +51,11 @@ const Parameter* ParameterSet::find(std::string_view name,
     if (parameter.name != name) continue;
     if (std::find(types.begin(), types.end(), parameter.type) == types.end()) {
       if (entry.inherited) continue;
-      fail(parameter.place, fmt::format("parameter \"{}\" has type \"{}\", expected \"{}\"", name,
-                                        parameter.type, fmt::join(types, "\" or \"")));
+      fail(
+          parameter.place,
+          fmt::format("parameter \"{}\" has type \"{}\", expected \"{}\"{}", name, parameter.type,
+                      fmt::join(types, "\" or \""),
+                      hint_of_older_pbrt("parameter", fmt::format("{} {}", parameter.type, name))));
     }
     entry.used = true;
     return &parameter;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/formats/byte_order_mark.h"
+#include "server/pbrt/syntax/older_pbrt.h"
 
 namespace lucerna::pbrt {
 namespace {
@@ -81,9 +82,10 @@ std::string key_of(const Parameter& p) {
 std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter& p) {
   if (p.type == "blackbody") {
     if (p.numbers().size() != 1)
-      fail(p.place, fmt::format("\"blackbody {}\" has {} values, allowed: one temperature in "
-                                "[100, 1e7] K",
-                                p.name, p.numbers().size()));
+      fail(p.place,
+           fmt::format("\"blackbody {}\" has {} values, allowed: one temperature in "
+                       "[100, 1e7] K{}",
+                       p.name, p.numbers().size(), p.numbers().size() == 2 ? kIsOfPbrt3 : ""));
     return std::make_shared<Spectrum>(
         made(p.place, fmt::format("\"blackbody {}\"", p.name), BlackBody{p.numbers().front()}));
   }

@@ -7,10 +7,13 @@
 namespace lucerna {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::EndsWith;
 using testing::error_of;
 using ::testing::HasSubstr;
+using testing::load_text;
 using ::testing::Not;
+using testing::remarks_of;
 using testing::world_error_of;
 using testing::world_remarks_of;
 
@@ -30,7 +33,12 @@ TEST(OlderPbrt, WordsOfVersion3AreNamed) {
         "Sampler \"02sequence\"\nWorldBegin", "Integrator \"directlighting\"\nWorldBegin",
         "Camera \"environment\"\nWorldBegin", "WorldBegin Shape \"paraboloid\"",
         "WorldBegin Texture \"t\" \"color\" \"constant\"",
-        "WorldBegin LightSource \"point\" \"color I\" [1 1 1]"})
+        "WorldBegin LightSource \"point\" \"color I\" [1 1 1]",
+        "WorldBegin LightSource \"point\" \"rgb scale\" [1 1 1]",
+        "WorldBegin LightSource \"point\" \"spectrum scale\" [400 1 700 1]",
+        "WorldBegin LightSource \"point\" \"blackbody I\" [5000 10]",
+        "WorldBegin Material \"mix\" \"string namedmaterial1\" \"a\" Shape \"sphere\"",
+        "WorldBegin LightSource \"point\" WorldEnd"})
     EXPECT_THAT(error_of(text), EndsWith(kVersion3)) << text;
 }
 
@@ -55,6 +63,16 @@ TEST(OlderPbrt, RenamedParametersHaveTheirNewName) {
       world_remarks_of("\nLightSource \"infinite\" \"integer nsamples\" 4"),
       "2:24 parameter \"nsamples\" of LightSource \"infinite\" is not known; it is of pbrt-v2 "
       "and pbrt-v3, use \"samples\" -> it changes nothing\n");
+  EXPECT_THAT(
+      world_remarks_of("Texture \"t\" \"float\" \"scale\" \"float tex1\" 1 \"float tex2\" 1"),
+      AllOf(HasSubstr("use \"tex\""), HasSubstr("use \"scale\"")));
+  EXPECT_THAT(
+      world_remarks_of("Shape \"loopsubdiv\" \"integer nlevels\" 1 \"integer indices\" [0 1 2] "
+                       "\"point3 P\" [0 0 0 1 0 0 0 1 0]"),
+      HasSubstr("use \"levels\""));
+  EXPECT_THAT(remarks_of(*load_text(
+                  "PixelFilter \"box\" \"float xwidth\" 2 \"float ywidth\" 2\nWorldBegin")),
+              AllOf(HasSubstr("use \"xradius\""), HasSubstr("use \"yradius\"")));
 }
 
 }  // namespace

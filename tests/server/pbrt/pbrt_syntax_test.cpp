@@ -112,7 +112,9 @@ TEST(PbrtSyntax, ErrorsNamePlaceAndExpectedSyntax) {
       {"@\"Shape\"", "expected a directive, found \"Shape\""},
       {"@Sphere", "expected a directive, found \"Sphere\""},
       {"@]", "expected a directive, found ']'"},
-      {"@WorldEnd", "WorldEnd does not exist in pbrt-v4; remove it"},
+      {"@WorldEnd",
+       "expected a directive, found \"WorldEnd\"; this is a pbrt-v3 file; pbrt-v4's "
+       "--upgrade converts it"},
       {"Translate 1 2@", "expected a number for Translate, found the end of the file"},
       {"@Scale 1 0 1",
        "Scale 1 0 1 has no inverse, allowed: factors other than 0 whose reciprocals a double "
