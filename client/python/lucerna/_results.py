@@ -78,7 +78,7 @@ class Irradiance:
     high: Floats | None
     zero_bound: Floats  #: `high` if every sample was 0 but light may have been missed; else 0 [lx], shape (...)
     unsampled_bound: Floats  #: part of `high` for light that may be missing (MAY_MISS_LIGHT) [lx], shape (...)
-    missed_surfaces: list[str]  #: places of curved smooth surfaces by way of which light may be missing
+    missed_surfaces: list[str]  #: places of curved smooth surfaces and portals by way of which light may be missing
     samples: Ids  #: samples of each point, shape (...); with a target error 0 for exact answers
     status: Statuses  #: numbers of STATUS, shape (...)
     shares: Shares | None  #: with `per_light`

@@ -105,6 +105,9 @@ class IrradianceEstimator {
     const SurfaceHit receiver = surface_at(points_[p], settings_.time_s);
     const std::uint64_t samples = put_estimate(p, receiver, work);
     if (stopped_) return;
+    MissedLight& missed = result_.points[p].missed;
+    if (missed.kind == MissedLight::Kind::kNone && missed_.is_outdoors(points_[p], receiver.time_s))
+      missed.kind = MissedLight::Kind::kOutdoors;
     std::chrono::duration<double> took{};
     if (settings_.target) took = std::chrono::steady_clock::now() - start;
     result_.costs[p] = {samples, work.indirect_rays + work.shadow_rays - rays_before, took.count()};

@@ -57,6 +57,7 @@ struct MissedLight {
     kNone,
     kByWay,      ///< of lamps, by way of smooth surfaces for which paths are not computed
     kReflected,  ///< by rough surfaces
+    kOutdoors,   ///< of a sky that shines only through a portal
   };
   Kind kind = Kind::kNone;
   double bound_lx = 0;  ///< 0: none is known

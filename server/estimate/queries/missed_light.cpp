@@ -46,8 +46,15 @@ double most_luminance(const SceneLight& light) {
 
 }  // namespace
 
+std::vector<std::uint32_t> portal_lights(const Scene& scene) {
+  std::vector<std::uint32_t> portals;
+  for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
+    if (scene.lights()[l].light.get_if<PortalLight<double>>() != nullptr) portals.push_back(l);
+  return portals;
+}
+
 MissedLightRule::MissedLightRule(const Scene& scene, std::optional<std::uint32_t> bounces)
-    : scene_(scene), once_(bounces && *bounces == 1) {
+    : scene_(scene), portals_(portal_lights(scene)), once_(bounces && *bounces == 1) {
   if (bounces.value_or(1) == 0 || scene.empty() || scene.lights().empty()) return;
   surfaces_ = &smooth_surfaces(scene);
   // A direction that leaves the scene meets all lights at infinity.
@@ -61,6 +68,25 @@ MissedLightRule::MissedLightRule(const Scene& scene, std::optional<std::uint32_t
       beyond_cd_m2 += most_luminance(light);
   }
   most_cd_m2_ = std::fmax(most_cd_m2_, beyond_cd_m2);
+}
+
+bool MissedLightRule::is_outdoors(const IrradiancePoint& receiver, double time_s) const {
+  const bool is_behind = std::ranges::any_of(portals_, [&](std::uint32_t l) {
+    const LightAtTime portal(scene_.lights()[l], time_s);
+    return portal.sample_li(receiver.position, {0.5, 0.5}).reason == NoLight::kBehind;
+  });
+  if (!is_behind || scene_.empty()) return is_behind;
+  const SurfaceHit surface = surface_at(receiver, time_s);
+  const Frame<double> frame = Frame<double>::around(normalized(receiver.normal));
+  // Along the normal, and 60 degrees away from it.
+  constexpr int kAround = 8;
+  for (int i = 0; i <= kAround; ++i) {
+    const double phi = 2 * kPi * i / kAround, sine = i == kAround ? 0 : std::sqrt(0.75);
+    const Vec3<double> w = frame.s * (sine * std::cos(phi)) + frame.t * (sine * std::sin(phi)) +
+                           frame.n * (i == kAround ? 1 : 0.5);
+    if (!scene_.closest_hit(spawn_ray(surface, Vec3<float>(w)))) return true;
+  }
+  return false;
 }
 
 MissedLight MissedLightRule::at(const IrradiancePoint& receiver, const FoundLight& found,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "proto/common/confidence.h"
 #include "server/estimate/queries/irradiance.h"
@@ -10,6 +11,9 @@
 #include "server/smooth/smooth_surfaces.h"
 
 namespace lucerna {
+
+/// The lights that shine only through a portal.
+std::vector<std::uint32_t> portal_lights(const Scene& scene);
 
 /// What the samples of one answer found.
 struct FoundLight {
@@ -26,9 +30,13 @@ class MissedLightRule {
   /// `rule`: the interval rule of the answer's samples.
   MissedLight at(const IrradiancePoint& receiver, const FoundLight& found,
                  const IntervalRule& rule) const;
+  /// Whether the receiver is outdoors of a portal: on the side that its light comes from, and in
+  /// sight of the sky.
+  bool is_outdoors(const IrradiancePoint& receiver, double time_s) const;
 
  private:
   const Scene& scene_;
+  std::vector<std::uint32_t> portals_;
   const SmoothSurfaces* surfaces_ = nullptr;  ///< null: nothing is reflected
   bool once_ = false;                         ///< at most one reflection
   bool has_deltas_ = false;

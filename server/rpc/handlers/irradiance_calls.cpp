@@ -10,6 +10,7 @@
 #include "proto/common/status_macros.h"
 #include "server/estimate/queries/inside_solid.h"
 #include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/missed_light.h"
 #include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/spectral_values.h"
@@ -281,7 +282,7 @@ void IrradianceEncoder::put(std::size_t i, const IrradianceResult& result, std::
 void mark_missed_light(const IrradianceQuery& query, const std::vector<ReceiverRun>& runs,
                        const RunEstimates& estimates, v1::EstimateIrradianceResponse* response) {
   fill(response->mutable_unsampled_bound_lx(), query.receivers.size());
-  bool by_way = false;
+  bool by_way = false, outdoors = false;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     for (std::size_t k = 0; k < runs[r].points.size(); ++k) {
       const auto i = static_cast<int>(runs[r].begin + k);
@@ -292,10 +293,17 @@ void mark_missed_light(const IrradianceQuery& query, const std::vector<ReceiverR
       response->mutable_status()->Set(i, static_cast<int>(ItemResult::kMayMissLight));
       response->set_unsampled_bound_lx(i, held_as_float(missed.bound_lx));
       by_way |= missed.kind == MissedLight::Kind::kByWay;
+      outdoors |= missed.kind == MissedLight::Kind::kOutdoors;
     }
   }
-  if (!by_way) return;
   constexpr std::size_t kMostNamed = 3;
+  if (outdoors) {
+    const std::vector<std::uint32_t> portals = portal_lights(*query.scene);
+    for (std::size_t l = 0; l < std::min(kMostNamed, portals.size()); ++l)
+      response->add_missed_surfaces(
+          text_of(query.scene->source_of(query.scene->lights()[portals[l]])) + " (a portal)");
+  }
+  if (!by_way) return;
   const auto unsolved = smooth_surfaces(*query.scene).unsolved();
   for (std::size_t s = 0; s < std::min(kMostNamed, unsolved.size()); ++s)
     response->add_missed_surfaces(text_of(unsolved[s].where));

@@ -55,6 +55,25 @@ IrradianceSettings sampled(std::uint32_t samples = 16, std::uint32_t blocks = 16
   return settings;
 }
 
+TEST(Irradiance, OutdoorsOfAPortalMayMissTheSky) {
+  SceneDescription d = testing::description();
+  d.shapes = {testing::floor(9)};
+  d.lights = {
+      {.params = PortalLightParams{.radiance_cd_m2 = Rgb<double>(5),
+                                   .corners_m = {{{1, -1, 0}, {1, -1, 2}, {1, 1, 2}, {1, 1, 0}}}}}};
+  using Kind = MissedLight::Kind;
+  const auto open = build(d);
+  EXPECT_EQ(one(*open, at(3, 0, 0)).missed.kind, Kind::kOutdoors);
+  EXPECT_EQ(one(*open, at(1, 3, 1, {1, 0, 0})).missed.kind, Kind::kOutdoors) << "in its plane";
+  EXPECT_EQ(one(*open, at(-3, 0, 0)).missed.kind, Kind::kNone);
+  // In another room on that side of the portal.
+  d.shapes.push_back({.geometry = SphereParams{
+                          .radius_m = 1, .world_from_object = Transform::translate({5, 0, 3})}});
+  EXPECT_EQ(one(*build(d), at(5, 0, 3)).missed.kind, Kind::kNone);
+  d.shapes.clear();
+  EXPECT_EQ(one(*build(d), at(3, 0, 0)).missed.kind, Kind::kOutdoors) << "without surfaces";
+}
+
 TEST(Irradiance, UnderAUniformSkyIsPiTimesItsRadiance) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9)};
