@@ -43,9 +43,10 @@ auto PortalLight<Real>::rectangle(const Params& params, const Vec3<double>& orig
                                          params.map->brightest() * params.radiance_cd_m2, "cd/m2");
         !s.ok())
       return s;
-  if (!params.world_from_map.uniform_scale())
+  if (!params.rectified && !params.world_from_map.uniform_scale())
     return absl::InvalidArgumentError(
-        "infinite.world_from_map has unequal scale, allowed: equal scale on all axes");
+        "infinite.world_from_map has unequal scale, allowed: equal scale on all axes, or a "
+        "resampled map");
   if (auto s = check_corners<Real>(params.corners_m, origin_m); !s.ok()) return s;
 
   std::array<Vec3<double>, 4> c;
@@ -102,7 +103,14 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
   if (map == nullptr) {
     on_portal_ = {params.radiance_cd_m2 * kPi, 0, params.radiance_cd_m2 * (2 * kPi)};
   } else if (params.rectified) {
-    rectified_ = std::make_shared<const RectifiedMap>(*map, in_map(x_), in_map(y_), in_map(z_));
+    if (params.world_from_map.uniform_scale()) {
+      rectified_ = std::make_shared<const RectifiedMap>(*map, in_map(x_), in_map(y_), in_map(z_));
+    } else {
+      // Directions in the map's own space, as in pbrt-v4.
+      const Transform own = params.world_from_map.inverse();
+      rectified_ = std::make_shared<const RectifiedMap>(*map, own.vector(x_), own.vector(y_),
+                                                        own.vector(z_));
+    }
     on_portal_ = rectified_->illuminance(params.radiance_cd_m2);
   } else {
     on_portal_ = illuminance_of(*map, params.radiance_cd_m2, in_map(z_));

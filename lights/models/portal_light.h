@@ -25,7 +25,7 @@ struct PortalLightParams {
   std::string image_name{};                ///< reported by ListLights, else unused
   /// True: uses a RectifiedMap of the map, as pbrt-v4 does.  False: the map itself.
   bool rectified = false;
-  Transform world_from_map{};  ///< rotation, mirror and equal scale; its translation is not used
+  Transform world_from_map{};       ///< of equal scale, or `rectified`; its translation is not used
   Rgb<double> radiance_cd_m2{1.0};  ///< of a texel of value 1, per channel, finite, not negative
   /// World, in order around the rectangle.  Light comes from the side to which cross(corner 3 -
   /// corner 0, corner 1 - corner 0) points.
@@ -46,8 +46,8 @@ class PortalLight {
   static constexpr double kRectangleTolerance = 1e-3;
 
   /// Errors: corners that do not form a rectangle, have no extent, or do not fit `Real`; a
-  /// transform of unequal scale; a radiance that is negative or not finite; a brightest texel that
-  /// does not fit `Real`.
+  /// transform of unequal scale without `rectified`; a radiance that is negative or not finite; a
+  /// brightest texel that does not fit `Real`.
   static absl::StatusOr<PortalLight> create(const Params& params,
                                             const Vec3<double>& origin_m = {});
   /// Checks for the same errors without making the light's table.

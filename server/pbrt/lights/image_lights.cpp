@@ -151,24 +151,27 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
 PortalLightParams portal(Context& context, const ParameterSet& params, const Place& place,
                          const Transform& world_from_light) {
   const Parameter& given = *params.find("portal", {"point3"});
-  if (params.find("filename", {"string"}) != nullptr)
-    require_equal_scale(place, "a picture behind a portal", world_from_light);
+  const bool has_picture = params.find("filename", {"string"}) != nullptr;
+  // pbrt-v4 resamples the pictures that it can read.  If a filter is given, it applies to the
+  // picture itself.
+  const bool is_resampled = has_picture && params.find("filter", {"string"}) == nullptr &&
+                            sphere_mapping(params) == SphereMapping::kEqualArea;
+  if (has_picture && !is_resampled)
+    require_equal_scale(place, "a filtered or latitude-longitude picture behind a portal",
+                        world_from_light);
   const std::vector<Vec3<double>> corners = params.vectors("portal", "point3");
   PortalLightParams light;
   if (corners.size() != light.corners_m.size())
     fail(given.place, fmt::format("\"point3 portal\" of {} points, allowed: 4", corners.size()));
   std::copy(corners.begin(), corners.end(), light.corners_m.begin());
   light.world_from_map = world_from_light;
-  if (params.find("filename", {"string"}) != nullptr) {
+  if (has_picture) {
     ImageInfiniteLightParams infinite =
         picture(context, params, place, world_from_light, ImageFilter::kBilinear);
     light.map = std::move(infinite.map);
     light.image_name = std::move(infinite.image_name);
     light.radiance_cd_m2 = infinite.radiance_cd_m2;
-    // pbrt-v4 resamples the pictures that it can read.  If a filter is given, it applies to the
-    // picture itself.
-    light.rectified = params.find("filter", {"string"}) == nullptr &&
-                      light.map->mapping() == SphereMapping::kEqualArea;
+    light.rectified = is_resampled;
   } else {
     // The transform has no effect on a uniform sky.
     light.world_from_map = Transform();

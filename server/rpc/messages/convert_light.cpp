@@ -325,7 +325,8 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
         }
         if constexpr (requires { l.params().own_space; })
           if (l.params().own_space) set_lengths(*l.params().own_space, out->mutable_own_axes());
-        if constexpr (std::same_as<L, ImageInfiniteLight<double>>)
+        if constexpr (std::same_as<L, ImageInfiniteLight<double>> ||
+                      std::same_as<L, PortalLight<double>>)
           if (const Transform& t = l.params().world_from_map; !t.uniform_scale())
             set_lengths(axes_of(t), out->mutable_own_axes());
         if constexpr (requires { l.emission(); }) {

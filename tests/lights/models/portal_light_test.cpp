@@ -189,6 +189,32 @@ TEST(PortalLight, CreateNamesTheInvalidParameter) {
   p = good;
   p.world_from_map = *Transform::scale({1, 2, 1});
   EXPECT_THAT(error(p), ::testing::HasSubstr("unequal scale"));
+  p.radiance_cd_m2 = Rgb<double>(1);
+  p.rectified = true;
+  EXPECT_EQ(error(p), "");
+}
+
+// As in pbrt-v4: a direction shows the texel of its direction in the map's own space.
+TEST(PortalLight, AResampledMapMayBeStretched) {
+  // 32 x 32 texels, each with its own radiance; so much of it that one direction shows one texel.
+  std::vector<Rgb<float>> texels;
+  for (int i = 0; i < 32 * 32; ++i) texels.emplace_back(static_cast<float>(i % 32));
+  PortalLightParams p;
+  p.corners_m = window(2, 3, 1);
+  p.map = square_map(texels);
+  p.rectified = true;
+  const auto plain = PortalLight<double>::create(p);
+  p.world_from_map = *Transform::scale({1, 4, 2});
+  const auto stretched = PortalLight<double>::create(p);
+  ASSERT_TRUE(plain.ok() && stretched.ok());
+  const Vec3<double> inside{1, 1.5, 0};
+  for (const Vec2<double> at : {Vec2<double>{0.3, 0.2}, {1.7, 0.5}, {1.1, 2.8}, {0.1, 1.6}}) {
+    const Vec3<double> own = Vec3<double>{at.x, at.y, 1} - inside;
+    const Vec3<double> seen{own.x, 4 * own.y, 2 * own.z};
+    const Vec3<double> from = Vec3<double>{1, 1.5, 1} - seen / seen.z;
+    const double shown = stretched->le_escaped(from, normalized(seen)).g;
+    EXPECT_NEAR(shown, plain->le_escaped(inside, normalized(own)).g, 1.5) << at.x << " " << at.y;
+  }
 }
 
 TEST(PortalLight, NoSampleIsLostAtAGrazingAngle) {

@@ -223,7 +223,7 @@ TEST(PbrtLightExtremes, ConesUnderScales) {
 }
 
 TEST(PbrtLightExtremes, ScalesThatAreRefused) {
-  Sweep sweep(28, "sphere, cylinder, picture behind a portal, sun, beam",
+  Sweep sweep(28, "sphere, cylinder, filtered picture behind a portal, sun, beam",
               "unequal scales of 1e-6 ... 1e6, shears", "answer");
   SceneFiles files;
   files.write("sky.pfm", std::string("PF\n1 1\n-1.0\n") + std::string(12, '\0'));
@@ -239,9 +239,8 @@ TEST(PbrtLightExtremes, ScalesThatAreRefused) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> kRefused{
       {area + "Shape \"sphere\"", unequal},
       {area + "Shape \"cylinder\"", across},
-      {"LightSource \"infinite\" \"string filename\" \"sky.pfm\" \"point3 portal\" [0 0 3 0 1 3 2 "
-       "1 3 "
-       "2 0 3]",
+      {"LightSource \"infinite\" \"string filename\" \"sky.pfm\" \"string filter\" \"bilinear\" "
+       "\"point3 portal\" [0 0 3 0 1 3 2 1 3 2 0 3]",
        unequal},
       {"LightSource \"distant\" \"float angulardiameter\" 1", unequal},
       {"LightSource \"projection\" \"string projection\" \"orthographic\"", {shear, steep}}};

@@ -91,8 +91,11 @@ TEST(PbrtImageLights, InvalidInputIsAnErrorWithItsPlace) {
   EXPECT_THAT(error("\"string filter\" \"cubic\"", 4, 4), HasSubstr("nearest, bilinear"));
   EXPECT_THAT(error("\"float scale\" -1", 4, 4), HasSubstr("\"float scale\" = -1"));
   EXPECT_THAT(error("\"rgb L\" [1 1 1]", 4, 4), HasSubstr("\"L\" and \"filename\" are both given"));
-  EXPECT_THAT(error("\"point3 portal\" [0 0 3  0 1 3  2 1 3  2 0 3]", 4, 4, "Scale 1 2 1"),
-              HasSubstr("a picture behind a portal under a transform of unequal scale"));
+  const std::string opening = "\"point3 portal\" [0 0 3  0 1 3  2 1 3  2 0 3]";
+  EXPECT_EQ(error(opening, 4, 4, "Scale 1 2 1"), "");
+  for (const char* kept : {"\"string filter\" \"nearest\"", "\"string mapping\" \"latlong\""})
+    EXPECT_THAT(error(opening + kept, 4, 4, "Scale 1 2 1"),
+                HasSubstr("picture behind a portal under a transform of unequal scale"));
   EXPECT_THAT(message(load_infinite("\"float illuminance\" 5", 4, 4, 0).status()),
               HasSubstr("is black above the horizon"));
   const auto not_a_number = load_infinite("", 4, 4, NAN);

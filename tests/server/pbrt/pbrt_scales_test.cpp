@@ -31,10 +31,9 @@ TEST(PbrtScales, AreSingularValues) {
 
 TEST(PbrtScales, AreInTheErrorOfALightThatNeedsEqualOnes) {
   const std::pair<std::string, std::string> kLights[] = {
-      {"LightSource \"infinite\" \"string filename\" \"sky.pfm\" \"point3 portal\" [0 0 3 0 1 3 2 "
-       "1 3 "
-       "2 0 3]",
-       "2:1: a picture behind a portal"},
+      {"LightSource \"infinite\" \"string filename\" \"sky.pfm\" \"string filter\" \"bilinear\" "
+       "\"point3 portal\" [0 0 3 0 1 3 2 1 3 2 0 3]",
+       "2:1: a filtered or latitude-longitude picture behind a portal"},
       {"LightSource \"distant\" \"float angulardiameter\" 1", "2:23: \"float angulardiameter\""},
   };
   for (const auto& [light, what] : kLights) {
