@@ -141,9 +141,11 @@ TEST_F(Memory, ACancelledLoadStopsAndLeavesNothing) {
     const auto scenes = server_->client().list_scenes({});
     ASSERT_TRUE(scenes.ok()) << scenes.status();
     left = scenes->scenes_size() > 0;
-    v1::ReleaseSceneRequest release;
-    if (left) release.set_scene_id(scenes->scenes(0).scene_id());
-    if (left) ASSERT_TRUE(server_->client().release_scene(release).ok());
+    for (const v1::SceneSummary& scene : scenes->scenes()) {
+      v1::ReleaseSceneRequest release;
+      release.set_scene_id(scene.scene_id());
+      ASSERT_TRUE(server_->client().release_scene(release).ok());
+    }
   }
   EXPECT_FALSE(left);
 }

@@ -171,8 +171,10 @@ TEST_F(JobTest, AServerThatLoadsTheSceneAnswers) {
   options_.load = [load = options_.load](const Client& client, const CallOptions& call) {
     // Until a job without servers has lost the same patience.
     Tiles nothing(1);
-    const auto lost = run_job(nothing, {.servers = [] { return std::vector<std::string>(); },
-                                        .patience = std::chrono::seconds(1)});
+    JobOptions none;
+    none.servers = [] { return std::vector<std::string>(); };
+    none.patience = std::chrono::seconds(1);
+    const auto lost = run_job(nothing, none);
     EXPECT_TRUE(absl::IsUnavailable(lost.status())) << lost.status();
     return load(client, call);
   };
