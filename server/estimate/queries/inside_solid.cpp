@@ -195,12 +195,41 @@ class Surroundings {
   bool complete_ = false;  // false: the point is on a surface, outside, or not decided
 };
 
+/// Whether all rays above a point end close to a box, at surfaces that send no light back: the box
+/// and a rim around it, as of a panel in a housing, leave no opening.
+bool is_enclosed(const Scene& scene, const Vec3<double>& from, const Vec3<double>& normal,
+                 const LightBounds<double>& box, double margin_m, double time_s) {
+  constexpr int kDirections = 256;
+  const Frame<double> frame = Frame<double>::around(normal);
+  for (int i = 0; i < kDirections; ++i) {
+    // More of them graze, because light enters at the sides.
+    const double s = (i + 0.5) / kDirections, z = s * s, r = std::sqrt(1 - z * z);
+    const double phi = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const Vec3<double> w =
+        frame.s * (r * std::cos(phi)) + frame.t * (r * std::sin(phi)) + frame.n * z;
+    const auto hit = scene.closest_hit(
+        Ray{Vec3<float>(from), Vec3<float>(w), 0, std::numeric_limits<float>::infinity(), time_s});
+    if (!hit) return false;
+    for (int axis = 0; axis < 3; ++axis)
+      if (hit->position[axis] < box.lower[axis] - margin_m ||
+          hit->position[axis] > box.upper[axis] + margin_m)
+        return false;
+    if (hit->light < 0) continue;
+    const LightAtTime light(scene.lights()[static_cast<std::size_t>(hit->light)], time_s);
+    if (!light.le(hit->on_light(), -w).is_black()) return false;
+  }
+  return true;
+}
+
 /// Whether the back of a lamp covers a point with this normal: a ray along the normal meets it
-/// first, except for surfaces through the point itself.  `from`: just behind the point.
+/// first, except for surfaces through the point itself.  `from`, `before`: just behind the point,
+/// and just before it.
 bool is_covered(const Scene& scene, const IrradiancePoint& point, const Vec3<double>& from,
-                const Vec3<double>& normal, double error, double time_s) {
-  // The largest gap, relative to the diagonal of the lamp's box.  More light enters wider ones.
-  constexpr double kGap = 1.0 / 16;
+                const Vec3<double>& before, const Vec3<double>& normal, double error,
+                double time_s) {
+  // The largest gap, relative to the diagonal of the lamp's box.  More light enters wider ones,
+  // unless a rim closes them.
+  constexpr double kGap = 1.0 / 16, kClosedGap = 1.0 / 4;
   Ray ray{Vec3<float>(from), Vec3<float>(normal), 0, std::numeric_limits<float>::infinity(),
           time_s};
   for (int i = 0; i < kMostCrossings; ++i) {
@@ -210,8 +239,11 @@ bool is_covered(const Scene& scene, const IrradiancePoint& point, const Vec3<dou
       const LightAtTime light(scene.lights()[static_cast<std::size_t>(hit->light)], time_s);
       const auto bounds = light.bounds();
       const double gap = dot(hit->position - point.position, normal);
-      return bounds && light.le(hit->on_light(), -normal).is_black() &&
-             gap <= kGap * length(bounds->upper - bounds->lower);
+      if (!bounds || !light.le(hit->on_light(), -normal).is_black()) return false;
+      const double diagonal = length(bounds->upper - bounds->lower);
+      return gap <= kGap * diagonal ||
+             (gap <= kClosedGap * diagonal &&
+              is_enclosed(scene, before, normal, *bounds, 1.1 * gap, time_s));
     }
     if (!is_on(*hit, point.position, error)) return false;
     ray.t_min = next_up(hit->t);
@@ -232,7 +264,7 @@ bool is_inside_solid(const Scene& scene, const IrradiancePoint& point, double ti
   const auto surface = scene.closest_hit(
       Ray{Vec3<float>(before), Vec3<float>(-normal), 0, static_cast<float>(2 * distance), time_s});
   const bool is_on_surface = surface && is_on(*surface, point.position, error + rounding);
-  if (is_covered(scene, point, point.position - normal * distance, normal, error + rounding,
+  if (is_covered(scene, point, point.position - normal * distance, before, normal, error + rounding,
                  time_s))
     return true;
   return Surroundings(scene, is_on_surface ? before : point.position, error, time_s).are_solid();

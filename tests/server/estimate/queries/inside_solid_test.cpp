@@ -160,13 +160,14 @@ TEST(InsideSolid, ManyPointsGetTheSameAnswers) {
 }
 
 /// A panel of 0.6 m that shines down, `gap` below a ceiling at 2.8 m.
-std::shared_ptr<const Scene> under_a_ceiling(double gap) {
+std::shared_ptr<const Scene> under_a_ceiling(double gap, const ShapeList& more = {}) {
   const double z = 2.8 - gap;
   SceneDescription d = testing::description();
   d.shapes = {
       testing::floor(3, 2.8), testing::floor(3),
       testing::emissive(
           testing::patch({0.3, -0.3, z}, {-0.3, -0.3, z}, {0.3, 0.3, z}, {-0.3, 0.3, z}), 100)};
+  d.shapes.insert(d.shapes.end(), more.begin(), more.end());
   return build(std::move(d));
 }
 
@@ -185,6 +186,21 @@ TEST(InsideSolid, APointOfTheCeilingAboveAPanelIsFlagged) {
     EXPECT_FALSE(covered(*scene, {0.1, 0.1, 2.8}, 1)) << gap;
   }
   EXPECT_FALSE(covered(*under_a_ceiling(0.3), {0.1, 0.1, 2.8}));
+}
+
+TEST(InsideSolid, APointOfTheCeilingBehindAPanelWithARimIsFlagged) {
+  // Normals that point inwards make no solid of the rim.
+  const auto with_rim = [](double gap, std::uint32_t sides) {
+    return under_a_ceiling(gap,
+                           {turned(box({-0.301, -0.301, 2.8 - gap}, {0.301, 0.301, 2.8}, sides))});
+  };
+  constexpr std::uint32_t kAround = 0b001111, kThreeSides = 0b001110;
+  for (const double gap : {0.06, 0.1, 0.2})
+    for (const double x : {0.0, 0.1, 0.25})
+      EXPECT_TRUE(covered(*with_rim(gap, kAround), {x, 0.2, 2.8})) << gap << " " << x;
+  EXPECT_FALSE(covered(*with_rim(0.2, kThreeSides), {0.1, 0.2, 2.8}));
+  EXPECT_FALSE(covered(*with_rim(0.1, kAround), {0.4, 0.1, 2.8}));
+  EXPECT_FALSE(covered(*with_rim(0.1, kAround), {0.1, 0.1, 0}, 1));
 }
 
 }  // namespace
