@@ -13,6 +13,9 @@ constexpr double kRadPerDegree = kPi / 180;
 /// The angle by which rounding of angles and directions to float may turn a direction.
 constexpr double kSlack = 1e-6;
 
+/// The distance from a pole within which an azimuth is rounding.  Beams may be as narrow as 1e-9.
+constexpr double kAtPole = 1e-10;
+
 /// The axes of a type's grid in light space.
 struct Axes {
   Vec3<double> pole, zero, ninety;
@@ -227,12 +230,11 @@ PhotometricWeb::Place PhotometricWeb::find(const Vec3<double>& w) const {
   while (azimuth > azimuth_rad_.front() + 2 * kPi) azimuth -= 2 * kPi;
   // A full circle has no gap, even if rounding moved its ends.
   const bool around = azimuth_rad_.back() - azimuth_rad_.front() > 6.28;
-  // A pole has no azimuth.
-  const bool at_pole = std::min(polar, kPi - polar) < kSlack;
+  const bool at_pole = std::min(polar, kPi - polar) < kAtPole;
   const bool inside =
       polar >= polar_rad_.front() && polar <= polar_rad_.back() &&
       (around || at_pole || (azimuth >= azimuth_rad_.front() && azimuth <= azimuth_rad_.back()));
-  Place place{0, 0, 0, 0, inside};
+  Place place{0, 0, 0, 0, inside, at_pole};
   if (!inside) return place;
   const auto locate = [](const std::vector<double>& grid, double at, std::size_t& cell,
                          double& within) {
@@ -248,10 +250,22 @@ PhotometricWeb::Place PhotometricWeb::find(const Vec3<double>& w) const {
 double PhotometricWeb::at(const Vec3<double>& w) const {
   const Place p = find(w);
   if (!p.inside) return 0;
+  // A pole has no azimuth.
+  if (p.at_pole) return mean_of_column(p.column + (p.t > 0.5 ? 1 : 0));
   const double lower = value(p.row, p.column) * (1 - p.s) + value(p.row + 1, p.column) * p.s;
   const double upper =
       value(p.row, p.column + 1) * (1 - p.s) + value(p.row + 1, p.column + 1) * p.s;
   return lower * (1 - p.t) + upper * p.t;
+}
+
+double PhotometricWeb::mean_of_column(std::size_t column) const {
+  // Relative to one of them, so that equal values have this mean.
+  const double first = value(0, column);
+  double sum = 0;
+  for (std::size_t i = 0; i < rows(); ++i)
+    sum += (azimuth_rad_[i + 1] - azimuth_rad_[i]) *
+           (value(i, column) - first + value(i + 1, column) - first) / 2;
+  return std::clamp(first + sum / (azimuth_rad_.back() - azimuth_rad_.front()), 0.0, max_cd_);
 }
 
 double PhotometricWeb::solid_angle(std::size_t row, std::size_t column) const {

@@ -23,7 +23,8 @@ struct PhotometricWebParams {
   std::vector<double> intensity_cd;
 };
 
-/// Intensity, bilinear in the two angles between grid points.  Immutable, so lights share it.
+/// Intensity, bilinear in the two angles between grid points; at a pole the mean of all planes.
+/// Immutable, so lights share it.
 class PhotometricWeb {
  public:
   /// Errors: angles other than those of PhotometricWebParams; a number of intensities that does not
@@ -64,7 +65,7 @@ class PhotometricWeb {
   struct Place {
     std::size_t row, column;
     double s, t;
-    bool inside;
+    bool inside, at_pole;
   };
   explicit PhotometricWeb(const PhotometricWebParams& params);
   void write_out(const PhotometricWebParams& params);
@@ -74,6 +75,8 @@ class PhotometricWeb {
   double value(std::size_t row, std::size_t column) const {
     return cd_[row * polar_rad_.size() + column];
   }
+  /// The mean intensity of all azimuths at a polar angle [cd].
+  double mean_of_column(std::size_t column) const;
   /// The flux of a cell [lm] and its solid angle [sr].
   double cell_flux(std::size_t row, std::size_t column) const;
   double solid_angle(std::size_t row, std::size_t column) const;

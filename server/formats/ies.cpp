@@ -176,30 +176,25 @@ IesHeader read_header(IesNumbers& numbers, const Edition& edition, double tilt_f
   return header;
 }
 
-/// Gives the poles of types A and B one intensity in all planes, the mean, since each is one
-/// direction.  Adds a note if that changes any.
-void join_poles(PhotometricWebParams& web, int line, PhotometricFile& file) {
+/// Adds a note for each pole of types A and B at which planes differ, although it is one direction.
+void note_poles(const PhotometricWebParams& web, int line, PhotometricFile& file) {
   const bool across = web.type == PhotometricType::kB;  // the pole is H = 90; otherwise V = 90
   if (web.type == PhotometricType::kC) return;
   const std::size_t vertical = web.vertical_deg.size(), horizontal = web.horizontal_deg.size();
   const std::vector<double>& latitudes = across ? web.horizontal_deg : web.vertical_deg;
   for (std::size_t i = 0; i < latitudes.size(); ++i) {
     if (std::fabs(latitudes[i]) != 90) continue;
-    const std::size_t count = across ? vertical : horizontal;
-    const auto at = [&](std::size_t k) -> double& {
-      return web.intensity_cd[across ? i * vertical + k : k * vertical + i];
-    };
-    double sum = 0, least = at(0), most = at(0);
-    for (std::size_t k = 0; k < count; ++k)
-      sum += at(k), least = std::min(least, at(k)), most = std::max(most, at(k));
+    double least = kAny, most = 0;
+    for (std::size_t k = 0; k < (across ? vertical : horizontal); ++k) {
+      const double cd = web.intensity_cd[across ? i * vertical + k : k * vertical + i];
+      least = std::min(least, cd), most = std::max(most, cd);
+    }
     if (least == most) continue;
-    const double mean = sum / static_cast<double>(count);
-    for (std::size_t k = 0; k < count; ++k) at(k) = mean;
     file.notes.push_back({line,
                           fmt::format("intensities from {:.6g} to {:.6g} at {} = {}, which is one "
                                       "direction",
                                       least, most, across ? "H" : "V", latitudes[i]),
-                          fmt::format("their mean, {:.6g}", mean)});
+                          "their mean in this direction, and the file's beside it"});
   }
 }
 
@@ -292,7 +287,7 @@ absl::StatusOr<PhotometricType> read_candela(IesNumbers& numbers, const IesHeade
   if (one_plane)
     revolve(web);
   else
-    join_poles(web, candela_line, file);
+    note_poles(web, candela_line, file);
   for (double& cd : web.intensity_cd) cd *= header.factor;
   auto made = PhotometricWeb::create(web);
   if (!made.ok())

@@ -21,8 +21,8 @@ namespace lucerna {
 /// The luminaire hangs in the position of the measurement, so the factor at angle 0 of a tilt table
 /// applies.  A tilt table in a separate file is not read; its factor counts as 1.  Text after the
 /// last intensity (a further luminaire in the edition of 1991) is left out.  Ballast factors of 0
-/// count as 1.  A pole of types A and B has the mean of all planes, and one plane of these types is
-/// symmetric about the beam.  A note reports each of these, angles that leave a part of the sphere
+/// count as 1.  One plane of types A and B is symmetric about the beam.  Planes of these types may
+/// differ at a pole.  A note reports each of these, angles that leave a part of the sphere
 /// open, and noise below zero.
 ///
 /// A comma separates numbers.  If the file then has an error or more numbers than it announces, and

@@ -137,7 +137,6 @@ TEST(PhotometricAngles, TypeAMayGoAllAround) {
 TEST(PhotometricAngles, PlanesMayBeginAnywhere) {
   for (const double first : {-360., -200., -7.5, 0., 7.5, 90., 200., 355.}) {
     PhotometricWebParams params{kC, {0, 180}, {}, {}};
-    const double last = first + 350;
     for (int i = 0; i < 36; ++i) {
       params.horizontal_deg.push_back(first + 10 * i);
       params.intensity_cd.insert(params.intensity_cd.end(), 2, i);

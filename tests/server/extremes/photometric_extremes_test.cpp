@@ -358,10 +358,10 @@ TEST(PhotometricExtremes, FilesThatCannotBeRead) {
     ies([&](Ies& f) { f.counts = counts; });
   for (const char* angles :
        {"0 45 45\n0\n", "0 45 44\n0\n", "-1e-6 45 90\n0\n", "0 45 nan\n0\n", "-90 0 90\n0\n",
-        "0 45 180.000001\n0\n", "0 inf 90\n0\n", "0 45 90\n361\n", "0 45 90\n", ""})
+        "0 45 180.000001\n0\n", "0 inf 90\n0\n", "0 45 90\n721\n", "0 45 90\n", ""})
     ies([&](Ies& f) { f.angles = angles; });
   for (const char* candela :
-       {"-0.021 1 1\n", "nan 1 1\n", "inf 1 1\n", "1e999 1 1\n", "1e301 1 1\n", "1 1\n", ""})
+       {"-0.031 1 1\n", "nan 1 1\n", "inf 1 1\n", "1e999 1 1\n", "1e301 1 1\n", "1 1\n", ""})
     ies([&](Ies& f) { f.candela = candela; });
   for (const char* lamps : {"1 -2 1", "1 -1.5 1", "-1 1000 1", "1 1000 0", "1 1000 -1", "1 nan 1",
                             "1 1000 1e-301", "1 1000 1e301", "1e9 1000 1"})
@@ -392,11 +392,11 @@ TEST(PhotometricExtremes, FilesThatCannotBeRead) {
     answer("a.ldt", f.text());
   };
   for (const int count : {1'000'000, 1'000'000'000, 0, -1}) {
-    ldt([&](Ldt& f) { f.mc = count; });
+    ldt([&](Ldt& f) { f.symmetry = 0, f.mc = count; });
     ldt([&](Ldt& f) { f.ng = count; });
   }
   for (const int symmetry : {-1, 5}) ldt([&](Ldt& f) { f.symmetry = symmetry; });
-  for (const char* value : {"nan", "-3", "1e999", "1e301", "", "x"})
+  for (const char* value : {"nan", "-4", "1e999", "1e301", "", "x"})
     ldt([&](Ldt& f) { f.intensities[1] = value; });
   ldt([](Ldt& f) { f.gamma[1] = "0"; });
   ldt([](Ldt& f) { f.gamma[2] = "180.000001"; });
