@@ -384,10 +384,9 @@ Rgb<double> SmoothLight::share_along(const Vertex& v, const Sequence& sequence,
       }
       arrived = surfaces_.part_of(*next) == number;
       if (!arrived && !(passes_panes && scene_.is_pane(*next))) return {};
-      const SurfaceScattering scattering(scene_, *next);
       const bool passes = !arrived || step.passes;
-      share = share *
-              scattering.single(-Vector(towards), passes ? Side::kTransmitted : Side::kReflected);
+      share = share * mean_single(scene_, *next, -Vector(towards),
+                                  passes ? Side::kTransmitted : Side::kReflected);
       if (share.is_black()) return {};
       at = *next;
     }

@@ -1,5 +1,8 @@
 #include "server/estimate/lights/surface_scattering.h"
 
+#include <algorithm>
+#include <map>
+
 namespace lucerna {
 namespace {
 
@@ -68,8 +71,11 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
     footprint = footprint_of(*neighbours, hit, at);
     at.texture.footprint = &footprint;
   }
-  const std::uint32_t number =
-      chosen(scene.materials(), hit.material, scene.textures(), at.texture);
+  set(scene, hit, at, chosen(scene.materials(), hit.material, scene.textures(), at.texture));
+}
+
+void SurfaceScattering::set(const Scene& scene, SurfaceHit& hit, const Scene::ShadingPoint& at,
+                            std::uint32_t number) {
   const Material& material = scene.materials()[number];
   bsdf_ = bsdf_of(material, scene.textures(), at.texture);
   frame_ = frame_along(hit.ns, at, material.second_axis);
@@ -88,6 +94,30 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
   if (!(dot(n, hit.ng) > 0)) return;
   hit.ns = n;
   frame_ = frame_along(n, at, material.second_axis);
+}
+
+Rgb<double> mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3<double>& wo,
+                        Side side) {
+  const Scene::ShadingPoint at = scene.shading_point(hit);
+  Rgb<double> sum;
+  // Parts of a mix have smaller numbers.  So each is visited once, with all of its shares.
+  std::map<std::uint32_t, double> shares{{hit.material, 1}};
+  while (!shares.empty()) {
+    const auto [number, share] = *shares.rbegin();
+    shares.erase(number);
+    if (const auto* mix = std::get_if<MixParams>(&scene.materials()[number].params)) {
+      const double amount = std::clamp(scene.textures()(mix->amount, at.texture), 0.0, 1.0);
+      shares[mix->materials[0]] += share * (1 - amount);
+      shares[mix->materials[1]] += share * amount;
+      continue;
+    }
+    if (!(share > 0)) continue;
+    SurfaceHit own = hit;
+    SurfaceScattering scattering;
+    scattering.set(scene, own, at, number);
+    sum += scattering.single(wo, side) * share;
+  }
+  return sum;
 }
 
 std::optional<ScatterSample<double>> SurfaceScattering::sample(

@@ -57,11 +57,21 @@ class SurfaceScattering {
                                               const ScatterValues<double>& u) const;
 
  private:
+  SurfaceScattering() = default;
+  void set(const Scene& scene, SurfaceHit& hit, const Scene::ShadingPoint& at,
+           std::uint32_t material);
+  friend Rgb<double> mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3<double>& wo,
+                                 Side side);
   Vec3<double> local(const Vec3<double>& w) const { return frame_.local_from_world(w); }
 
   bool is_mirror_ = false;  ///< `bsdf_` is then not used
   Bsdf<double> bsdf_{Diffuse<double>(Rgb<double>(0))};
   Frame<double> frame_;
 };
+
+/// SurfaceScattering::single(), as the mean over the materials of a mix.  At one point, chance
+/// takes one of them.
+Rgb<double> mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3<double>& wo,
+                        Side side);
 
 }  // namespace lucerna

@@ -1,4 +1,4 @@
-// The shading normals of surfaces with bumps.
+// The shading normals of surfaces with bumps, and single directions of mixes.
 #include "server/estimate/lights/surface_scattering.h"
 
 #include <gtest/gtest.h>
@@ -124,6 +124,26 @@ TEST(Footprints, FollowTheDistanceOfTheCameraRay) {
   EXPECT_LT(contrast(100, 0), 0.03);  // 0.1 m, six texels
   EXPECT_GT(contrast(3, 0), 0.2);
   EXPECT_LT(contrast(3, 1.5), 0.1);  // 14 times as long on the ground
+}
+
+// At a point, chance takes one material.  A lamp's one mirror image would be whole or missing.
+TEST(MeanSingle, WeighsTheMaterialsOfMixes) {
+  const auto of = [](std::uint32_t material) {
+    SceneDescription d = description();
+    d.materials.push_back({.params = MetalParams{.reflectance = ColourValue{Rgb<double>(0.8)}}});
+    d.materials.push_back({.params = MixParams{{0, 1}, {0.25}}});
+    d.materials.push_back({.params = MixParams{{2, 1}, {0.5}}});
+    d.shapes = {floor(1)};
+    d.shapes[0].material = material;
+    const auto scene = build(std::move(d));
+    const auto hit =
+        scene->closest_hit({Vec3<float>(Vec3<double>{0, 0, 1} - scene->origin()), {0, 0, -1}});
+    return mean_single(*scene, *hit, {0, 0, 1}, Side::kReflected).g;
+  };
+  EXPECT_GT(of(1), 0.5);
+  EXPECT_EQ(of(0), 0);
+  EXPECT_NEAR(of(2), 0.25 * of(1), 1e-12);
+  EXPECT_NEAR(of(3), 0.625 * of(1), 1e-12);
 }
 
 }  // namespace
