@@ -46,8 +46,8 @@ struct SurfaceTable;
 enum class Meets : std::uint8_t {
   kSurfaces,       ///< all but interfaces, which only bound media
   kPanesByChance,  ///< the same, but a smooth thin pane only with the probability of a reflection
-  kOpaque,         ///< the same without smooth thin panes
-  kPanes,          ///< only smooth thin panes
+  kOpaque,         ///< the same without smooth thin panes and sheets with a constant alpha
+  kPanes,          ///< only these panes and sheets
   kBoundaries,     ///< only surfaces that bound media
 };
 

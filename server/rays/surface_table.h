@@ -25,6 +25,8 @@ struct Surface {
   bool is_interface = false;              ///< as in ShapeDescription
 
   bool is_cut_out() const { return !alpha.is_constant() || alpha.constant < 1; }
+  /// Whether the same share of rays passes everywhere.
+  bool is_sheet() const { return alpha.is_constant() && alpha.constant > 0 && alpha.constant < 1; }
   /// Whether some rays pass the surface.
   bool is_sheer() const { return is_cut_out() || pane_eta || media || is_interface; }
 };

@@ -231,7 +231,7 @@ class Scene {
     return placed_->accelerator->obstacle(ray, ends, meets);
   }
 
-  /// Whether it has smooth thin panes, and whether it has media.
+  /// Whether it has smooth thin panes or sheets with a constant alpha, and whether it has media.
   bool has_panes() const { return base_->has_panes_; }
   bool has_media() const { return !base_->media_.empty(); }
   /// Whether all media absorb each channel alike.
@@ -245,9 +245,9 @@ class Scene {
   double alpha(const SurfaceHit& hit) const {
     return base_->has_cut_lights_ ? alpha_of(surface_of(hit), hit) : 1;
   }
-  /// The share of light that the panes along the ray pass straight on.
+  /// The share of light that the panes and sheets along the ray pass straight on.
   double through_panes(const Ray& ray) const;
-  /// The share of light along `direction` that a pane passes where it was hit.
+  /// The share of light along `direction` that one of them passes where it was hit.
   double through_pane(const SurfaceHit& hit, const Vec3<float>& direction) const;
   /// The share of light that the media along the ray leave, by channel.  Surfaces that bound
   /// media define the medium on each side.  If none is ahead, the nearest one behind decides.  If

@@ -99,6 +99,7 @@ absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>&
     table.surfaces.back().pane_eta = pane->eta;
     scene_->has_panes_ = true;
   }
+  scene_->has_panes_ |= table.surfaces.back().is_sheet();
   return absl::OkStatus();
 }
 

@@ -89,9 +89,13 @@ double Scene::through_panes(const Ray& ray) const {
 }
 
 double Scene::through_pane(const SurfaceHit& hit, const Vec3<float>& direction) const {
+  const Surface& surface = surface_of(hit);
+  const double met = surface.is_sheet() ? surface.alpha.constant : 1;
+  if (!surface.pane_eta) return 1 - met;
   const double cosine = std::fabs(dot(hit.ng, normalized(Vec3<double>(direction))));
-  return pane_transmittance(*surface_of(hit).pane_eta, base_->textures_, shading_point(hit).texture,
-                            std::fmin(cosine, 1));
+  return 1 - met +
+         met * pane_transmittance(*surface.pane_eta, base_->textures_, shading_point(hit).texture,
+                                  std::fmin(cosine, 1));
 }
 
 Rgb<double> Scene::through_media(const Ray& ray) const {

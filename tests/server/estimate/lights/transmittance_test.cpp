@@ -393,5 +393,24 @@ TEST(ThinGlass, ShadowMapsAreNotUsedWhereLightArrivesInPart) {
   EXPECT_EQ(lux.work.through_panes, 1U);
 }
 
+// A hash of the ray would let all of a point light pass, or none.
+TEST(Sheets, WithAConstantAlphaPassTheRest) {
+  SceneDescription d = description();
+  d.shapes = {floor(1, 1), pane(d, 1.5)};
+  d.shapes[0].alpha = {0.25};
+  d.shapes[1].alpha = {0.5};
+  d.lights = {point_light({0, 0, 2}, 10)};
+  const auto scene = build(std::move(d));
+  for (const double x : {0.0, 0.1, 0.3}) {
+    const Vec3<double> to = Vec3<double>{-x, 0, 2};
+    const double cosine = normalized(to).z;
+    const double share = 0.75 * (0.5 + 0.5 * pane_share(cosine));
+    EXPECT_NEAR(luminance(light_at(*scene, {x, 0, 0}, {.bounces = 0}).points[0].irradiance_lx),
+                10 * share * cosine / dot(to, to), 1e-5);
+    expect_near(seen(*scene, {x, 0, 0}, {0, 0, 2}), Rgb<double>(share), 1e-6);
+  }
+  expect_near(seen(*scene, {0.1, 0, 0}, {0.1, 0, 1.2}), Rgb<double>(0.75), 1e-6);
+}
+
 }  // namespace
 }  // namespace lucerna::testing
