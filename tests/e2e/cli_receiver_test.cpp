@@ -42,8 +42,8 @@ TEST_F(Cli, ItemWithoutAnswerIsShownInItsRowAndMakesTheStatusOne) {
 }
 
 TEST_F(Cli, SharesOfAnItemWithoutAnswerAreNotExact) {
-  const Outcome outcome = lucerna(
-      {"irradiance", "point.pbrt", "--per-light", "--point", "1.2,-1.5,0", "--normal", "0,0,0"});
+  const Outcome outcome =
+      lucerna({"irradiance", "point.pbrt", "--per-light", "--points", "-"}, "1.2,-1.5,0,0,0,0\n");
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_THAT(outcome.out, ContainsRegex("\nlight .*\n +1 +1\\.2 +-1\\.5 +0 +0 +INVALID_INPUT\n"));
 }

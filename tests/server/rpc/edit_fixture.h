@@ -59,6 +59,8 @@ class Answers {
   void add(const std::string& name, Response response) {
     if constexpr (requires { response.clear_cost(); }) response.clear_cost();
     if constexpr (requires { response.clear_item_costs(); }) response.clear_item_costs();
+    // Places in files, of which the two scenes have their own.
+    if constexpr (requires { response.clear_missed_surfaces(); }) response.clear_missed_surfaces();
     bytes_[name] = response.SerializeAsString();
   }
   template <typename Response, typename Call>

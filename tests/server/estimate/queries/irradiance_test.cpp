@@ -58,9 +58,10 @@ IrradianceSettings sampled(std::uint32_t samples = 16, std::uint32_t blocks = 16
 TEST(Irradiance, OutdoorsOfAPortalMayMissTheSky) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9)};
-  d.lights = {
-      {.params = PortalLightParams{.radiance_cd_m2 = Rgb<double>(5),
-                                   .corners_m = {{{1, -1, 0}, {1, -1, 2}, {1, 1, 2}, {1, 1, 0}}}}}};
+  PortalLightParams portal;
+  portal.radiance_cd_m2 = Rgb<double>(5);
+  portal.corners_m = {{{1, -1, 0}, {1, -1, 2}, {1, 1, 2}, {1, 1, 0}}};
+  d.lights.emplace_back().params = portal;
   using Kind = MissedLight::Kind;
   const auto open = build(d);
   EXPECT_EQ(one(*open, at(3, 0, 0)).missed.kind, Kind::kOutdoors);
