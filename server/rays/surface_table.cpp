@@ -318,10 +318,12 @@ bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
   const Surface& surface = surfaces[run(kind, primitive).surface];
   // Holes of a surface do not let a medium flow out.
   if (meets == Meets::kBoundaries) return !surface.media;
-  if (surface.is_interface) return true;
-  if (meets == Meets::kPanes) return !surface.pane_eta && !surface.is_sheet();
+  if (surface.is_interface || (meets == Meets::kPanes && !surface.pane_eta && !surface.is_sheet()))
+    return true;
   if (!surface.is_sheer()) return false;
-  if (meets == Meets::kOpaque && surface.is_sheet()) return true;
+  // Direct light passes sheets in part.
+  if (surface.is_sheet() && (meets == Meets::kOpaque || meets == Meets::kPanes))
+    return meets == Meets::kOpaque;
   const Vec3<double>&p = ray.at.position, &o = ray.origin, &d = ray.direction;
   double u = hash_number({o.x, o.y, o.z, d.x, d.y, d.z, p.x, p.y, p.z, double(primitive)});
   TexturePoint at = ray.at;
@@ -331,7 +333,7 @@ bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
     if (!(alpha > 0) || u > alpha) return true;
     u /= alpha;  // again even in [0, 1)
   }
-  if (!surface.pane_eta || meets == Meets::kSurfaces) return false;
+  if (!surface.pane_eta || meets == Meets::kSurfaces || meets == Meets::kPanes) return false;
   if (meets == Meets::kOpaque) return true;
   return u < pane_transmittance(*surface.pane_eta, *textures, at, ray.cosine);
 }
