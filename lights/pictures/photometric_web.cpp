@@ -251,7 +251,7 @@ double PhotometricWeb::at(const Vec3<double>& w) const {
   const Place p = find(w);
   if (!p.inside) return 0;
   // A pole has no azimuth.
-  if (p.at_pole) return mean_of_column(p.column + (p.t > 0.5 ? 1 : 0));
+  if (p.at_pole) return mean_of_column(p.column) * (1 - p.t) + mean_of_column(p.column + 1) * p.t;
   const double lower = value(p.row, p.column) * (1 - p.s) + value(p.row + 1, p.column) * p.s;
   const double upper =
       value(p.row, p.column + 1) * (1 - p.s) + value(p.row + 1, p.column + 1) * p.s;
