@@ -154,7 +154,7 @@ LightParams infinite_light(const LightSource& source) {
 
 LightParams goniometric_light(const LightSource& source) {
   const auto& [context, params, place, world_from_light] = source;
-  GoniometricLightParams luminaire = goniometric(context, params, place, world_from_light);
+  GoniometricLightParams luminaire = goniometric(context, params, world_from_light);
   luminaire.intensity = source.level("I", {"power", "lm", flux_of_unit_intensity_lm(luminaire)});
   if (luminaire.web || luminaire.map)
     require_level(

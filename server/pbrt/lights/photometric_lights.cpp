@@ -75,7 +75,7 @@ NamedPhotometricFile read_photometric_file(Context& context, const ParameterSet&
   return named;
 }
 
-GoniometricLightParams goniometric(Context& context, const ParameterSet& params, const Place& place,
+GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
                                    const Transform& world_from_light) {
   GoniometricLightParams light;
   light.position_m = world_from_light.point({0, 0, 0});

@@ -33,9 +33,9 @@ struct NamedPhotometricFile {
 NamedPhotometricFile read_photometric_file(Context& context, const ParameterSet& params,
                                            const Parameter& filename);
 
-/// LightSource "goniometric" without its level: `intensity` is 1.  Fails on transforms of unequal
-/// scale, and on a picture that the mapping cannot use.
-GoniometricLightParams goniometric(Context& context, const ParameterSet& params, const Place& place,
+/// LightSource "goniometric" without its level: `intensity` is 1.  Fails on a picture that the
+/// mapping cannot use.
+GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
                                    const Transform& world_from_light);
 
 }  // namespace lucerna::pbrt
