@@ -53,8 +53,8 @@ std::optional<Remark> remark_on_smooth_surfaces(const Scene& scene) {
       remark.more.push_back(s.where);
   }
   remark.what =
-      "a smooth surface that is curved, moves, has a normal map or is nearly smooth, or the first "
-      "of many";
+      "a smooth surface that is curved, moves, has a normal map, is nearly smooth or has a lamp on "
+      "it, or the first of many";
   remark.instead = "by way of it, light may be missed";
   if (!deltas.empty()) {
     const std::size_t more = deltas.size() - std::min(deltas.size(), kMostNamed);

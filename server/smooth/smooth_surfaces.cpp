@@ -402,6 +402,22 @@ class SmoothSurfaces::Collector {
   mutable std::optional<Bounds> lights_m_;
 };
 
+namespace {
+
+/// Whether a lamp without a size lies on glass or on a plane that is nearly a mirror.  On a mirror,
+/// its image is in the same place.
+bool has_lamp_on(const Scene& scene, const SmoothPart& part) {
+  if (part.is_sphere || !(part.glossy_alpha > 0 || (part.refracts && part.eta != 1))) return false;
+  const double reach = max_abs(part.middle) + length(part.half_u) + length(part.half_v);
+  return std::ranges::any_of(scene.lights(), [&](const SceneLight& light) {
+    const auto bounds = LightAtTime(light, 0).bounds();
+    return is_delta(light) && bounds && part.may_contain(bounds->lower) &&
+           std::fabs(part.height(bounds->lower)) <= 4 * kFloatRoundoff * reach;
+  });
+}
+
+}  // namespace
+
 SmoothSurfaces::SmoothSurfaces(const Scene& scene) {
   Collector(scene, *this).collect();
   if (parts_.size() > kFewParts) tree_ = PartTree(parts_);
@@ -430,6 +446,8 @@ SmoothSurfaces::SmoothSurfaces(const Scene& scene) {
     add(Kind::kCrowd, is_any);
   else if (std::ranges::count_if(parts_, is_ball) > 1)
     add(Kind::kCrowd, is_ball);
+  const auto holds_lamp = [&](const SmoothPart& p) { return has_lamp_on(scene, p); };
+  if (std::ranges::any_of(parts_, holds_lamp)) add(Kind::kSmooth, holds_lamp);
   const auto nearly = static_cast<std::size_t>(std::ranges::count_if(parts_, is_nearly));
   if (nearly * scene.lights().size() > kMostGuidedPairs) add(Kind::kNearlySmooth, is_nearly);
 }

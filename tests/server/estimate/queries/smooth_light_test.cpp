@@ -263,6 +263,11 @@ TEST(SmoothLight, ByWayOfNearlySmoothSurfacesMayBeMissed) {
                      "AttributeBegin Translate 0 0 1 Shape \"sphere\" \"float radius\" 4 "
                      "AttributeEnd"))
       << "inside of a mirror ball";
+  const std::string above =
+      "Shape \"bilinearmesh\" \"point3 P\" [-3 -3 2.5 3 -3 2.5 -3 3 2.5 3 3 2.5]\n";
+  EXPECT_TRUE(missed(metal("\"float roughness\" 0.02") + above)) << "a lamp on such a plane";
+  EXPECT_TRUE(missed("Material \"dielectric\" " + above)) << "a lamp on glass";
+  EXPECT_FALSE(missed(metal("\"float roughness\" 0") + above)) << "a lamp on a mirror";
 }
 
 TEST(SmoothLight, BySeveralMirrorsOfManyMayBeMissed) {
