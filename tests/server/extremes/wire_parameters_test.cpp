@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 
@@ -142,6 +144,15 @@ std::string filled(std::string text, const std::string& value) {
   return text;
 }
 
+/// Whether a shape lets a constant part of direct light pass.
+bool has_sheet(const std::string& text) {
+  static const std::string kAlpha = "\"float alpha\" ";
+  const std::size_t at = text.find(kAlpha);
+  if (at == std::string::npos) return false;
+  const double alpha = std::strtod(text.c_str() + at + kAlpha.size(), nullptr);
+  return std::isnormal(alpha) && alpha > 0 && alpha < 1;
+}
+
 class WireParameters : public ::testing::Test {
  protected:
   rpc::ServerOptions options() const {
@@ -162,9 +173,12 @@ class WireParameters : public ::testing::Test {
   }
 
   /// Sends every query about the scene, or all but those for pictures.
-  void query(const std::string& id, bool with_pictures = true) {
+  void query(const std::string& id, bool with_pictures = true, bool has_panes = false) {
     constexpr int kBatch = 3;
-    WireQueries queries(service_, numbers_, {.id = id}, kBatch);
+    WireScene scene;
+    scene.id = id;
+    scene.has_panes = has_panes;
+    WireQueries queries(service_, numbers_, scene, kBatch);
     for (const v1::Light& light : queries.lights()) queries.query_light(light);
     with_pictures ? queries.query_scene() : queries.query_points();
     for (const std::string& failure : queries.failures()) ADD_FAILURE() << failure;
@@ -194,7 +208,7 @@ TEST_F(WireParameters, OfFilesAreRefusedOrAnsweredWithFiniteNumbers) {
       const grpc::Status s = load(text, &id);
       if (s.ok()) {
         ++answered;
-        query(id);
+        query(id, true, has_sheet(text));
       } else {
         ++refused;
         EXPECT_EQ(s.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << s.error_message();
