@@ -170,7 +170,10 @@ double InteriorTruth::arriving(const Eye& eye, const Lamp& lamp, std::size_t num
     const double sine2 = lamp.radius * lamp.radius / (left * left);
     const double height = s * sine2 / (1 + std::sqrt(1 - sine2));  // 1 - cosine
     const double sine = std::sqrt(height * (2 - height)), angle = 2 * kOnePi * t;
-    const auto [u, v] = axes_across(w);
+    // The highest point of the ball is a corner of the square, at which Simpson's rule looks.  So
+    // no sliver above the horizon is overlooked.
+    const Vector up = eye.n - w * dot(eye.n, w);
+    const Vector u = size(up) > 1e-6 ? unit(up) : axes_across(w).first, v = cross(w, u);
     const Vector middle = q;
     w = w * (1 - height) + u * (sine * std::cos(angle)) + v * (sine * std::sin(angle));
     bool edge = false;
