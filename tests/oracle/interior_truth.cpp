@@ -315,7 +315,7 @@ Amount InteriorTruth::by_one_wall(const Eye& eye, int bounces, Real enough) cons
       [&](double s, double t) {
         return kOnePi * gathered(eye.at, direction(eye.n, s, t), eye.on, bounces, at_wall);
       },
-      20, enough, 3e-4L, 4000);
+      20, enough, 3e-4L, 12000);
   // Four points stand for a lamp.
   for (const Lamp& lamp : interior_.lamps)
     if (lamp.has_size()) sum.bound += 1e-4L * sum.value / interior_.lamps.size();
