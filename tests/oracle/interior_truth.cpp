@@ -232,9 +232,13 @@ Amount InteriorTruth::by_images(std::size_t receiver, std::size_t number, int bo
   Amount sum;
   const std::vector<Chain> all = bounces == kAll ? chains(kLongestChain) : std::vector<Chain>();
   for (const Chain& chain : bounces == kAll ? all : few_[static_cast<std::size_t>(bounces)]) {
-    bool doubt = false;
+    bool doubt = false, all_doubtful = true;
     const auto at = [&](double s, double t) {
-      return arriving(eye, lamp, number, chain, s, t, doubt);
+      bool here = false;
+      const double value = arriving(eye, lamp, number, chain, s, t, here);
+      doubt |= here;
+      all_doubtful &= here || value == 0;
+      return value;
     };
     if (!lamp.has_size()) {
       const double value = at(0, 0);
@@ -242,7 +246,9 @@ Amount InteriorTruth::by_images(std::size_t receiver, std::size_t number, int bo
       if (doubt) sum.bound += value;
     } else {
       const bool is_far = chain.size() >= kFarChain;
-      const Amount one = integral(at, is_far ? 1 : 4, 2e-5L * sum.value, 2e-5L, is_far ? 1 : 4000);
+      Amount one = integral(at, is_far ? 1 : 4, 2e-5L * sum.value, 2e-5L, is_far ? 1 : 4000);
+      // Such as a lamp of which only a corner is above the horizon.
+      if (all_doubtful) one.bound = one.value;
       sum += one;
     }
   }
