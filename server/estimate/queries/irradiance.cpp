@@ -162,9 +162,10 @@ class IrradianceEstimator {
     if (gather_indirect_) {
       IrradianceEstimate& total = result_.points[p];
       total.missed = missed_.at(points_[p], {work.by_chance - by_chance, e.reflected}, rule);
-      // An interval with a width does not claim to be exact.
+      // An interval that ends above the answer has room for reflected light.
+      constexpr double kRounded = 1e-9;
       if (total.missed.kind == MissedLight::Kind::kReflected &&
-          total.illuminance_lx.upper > total.illuminance_lx.lower)
+          total.illuminance_lx.upper > luminance(total.irradiance_lx) * (1 + kRounded))
         total.missed = {};
       total.illuminance_lx.upper += total.missed.bound_lx;
       if (total.zero_bound_lx > 0) total.zero_bound_lx = total.illuminance_lx.upper;
