@@ -303,6 +303,16 @@ LightSource "spot" "point3 from" [0 0 1] "point3 to" [9 9 1.5] "float coneangle"
 Shape "bilinearmesh" "point3 P" [9 -99 -99  9 99 -99  9 -99 99  9 99 99]
 )";
   EXPECT_EQ(smooth_answer(*smooth_scene(spot + wall)).missed.kind, MissedLight::Kind::kReflected);
+  // The light of a mirror has an interval, which ends at the answer.
+  const std::string by_mirror = R"(
+LightSource "spot" "point3 from" [-1 0 1] "point3 to" [-3 0 0.6] "float coneangle" 5
+Material "conductor" "float roughness" 0
+Shape "bilinearmesh" "point3 P" [-3 -1 0  -3 1 0  -3 -1 1  -3 1 1]
+)";
+  const IrradianceEstimate mirrored = smooth_answer(*smooth_scene(spot + by_mirror + wall));
+  EXPECT_GT(luminance(mirrored.irradiance_lx), 0);
+  EXPECT_LT(mirrored.illuminance_lx.lower, mirrored.illuminance_lx.upper);
+  EXPECT_EQ(mirrored.missed.kind, MissedLight::Kind::kReflected);
   // A receiver that faces away sees no surface.
   EXPECT_EQ(smooth_answer(*smooth_scene(spot + wall), {-1, 0, 0}).missed.kind,
             MissedLight::Kind::kNone);
