@@ -9,6 +9,7 @@
 #include "server/materials/material.h"
 #include "server/scene/light_at_time.h"
 #include "server/smooth/face_plane.h"
+#include "server/smooth/primitive_faces.h"
 
 namespace lucerna {
 namespace {
@@ -174,7 +175,7 @@ class SmoothSurfaces::Collector {
                            (traits.has_roughness_texture && may_be_narrow(surface.material));
     if ((solved || !traits.is_smooth()) && !is_nearly) return;
     Bounds bounds;
-    for (const Run& run : runs) add_bounds(set, placed, run, bounds);
+    for (const Run& run : runs) add_bounds(set, placed, {run.kind, run.first, run.count}, bounds);
     using Kind = UnsolvedSurface::Kind;
     const Kind kind = traits.is_smooth() && !solved ? Kind::kSmooth : Kind::kNearlySmooth;
     if (to_.unsolved_.size() < kMostParts) return to_.unsolved_.push_back({s.where, bounds, kind});
@@ -232,10 +233,10 @@ class SmoothSurfaces::Collector {
         found.planes.push_back(*sphere);
         continue;
       }
-      Face face = corners(set, run.kind, i);
+      Face face = face_of(set, run.kind, i);
       if (face.empty() || has_other_normals(set, table, run.kind, i)) return false;
       for (Vector& p : face) p = placed ? placed->scene_from_object.point(p) : p;
-      Vector n = normal(set, run.kind, i);
+      Vector n = face_normal(set, run.kind, i);
       if (placed) n = placed->scene_from_object.normal(n);
       n = normalized(n);
       // No ray meets a face without area.
@@ -280,77 +281,6 @@ class SmoothSurfaces::Collector {
     }
     return *lights_m_;
   }
-  static std::optional<FacePlane> whole_sphere(const Sphere<double>& sphere,
-                                               const GeometryInstance* placed, SmoothPart part) {
-    const auto& p = sphere.params();
-    if (p.z_min_m > -p.radius_m || p.z_max_m < p.radius_m || p.phi_max_rad < 2 * kPi)
-      return std::nullopt;
-    const RoundEnclosure e = sphere.enclosure();
-    std::array<Vector, 3> axes{e.x, e.y, e.z};
-    part.middle = e.center;
-    if (placed) {
-      part.middle = placed->scene_from_object.point(e.center);
-      for (Vector& a : axes) a = placed->scene_from_object.vector(a);
-    }
-    part.is_sphere = true;
-    part.radius_m = length(axes[0]);
-    for (int i = 0; i < 3; ++i) {
-      const double across = std::fabs(dot(axes[i], axes[(i + 1) % 3]));
-      if (std::fabs(length(axes[i]) - part.radius_m) > 1e-6 * part.radius_m ||
-          across > 1e-6 * part.radius_m * part.radius_m)
-        return std::nullopt;
-    }
-    return FacePlane(part);
-  }
-
-  static Vector vertex(const GeometrySet& set, std::uint32_t triangle, int i) {
-    if (const WideTriangle* wide = set.wide.empty() ? nullptr : set.wide_triangle(triangle))
-      return wide->corners[i];
-    return Vector(set.vertices[set.triangles[3 * std::size_t{triangle} + i]]) * set.unit_m;
-  }
-
-  /// In the space of the set.  Empty if the primitive is curved.
-  static Face corners(const GeometrySet& set, HitKind kind, std::uint32_t i) {
-    if (kind == HitKind::kTriangle)
-      return {vertex(set, i, 0), vertex(set, i, 1), vertex(set, i, 2)};
-    if (kind == HitKind::kPatch) {
-      // Files with seven digits bend flat faces by their rounding.
-      constexpr double kNearlyFlat = 3e-5;  // of the face's size
-      const BilinearPatch<double>& p = set.patches[i];
-      const Vector across = p.p11 - p.p00, n = normal(set, kind, i);
-      if (!(std::fabs(dot(p.p10 - p.p00, n)) <= kNearlyFlat * length(across))) return {};
-      return {p.p00, p.p10, p.p11, p.p01};
-    }
-    if (kind != HitKind::kDisk) return {};
-    const RoundEnclosure e = set.of<Disk<double>>()[i].enclosure();
-    return {e.center - e.x - e.y, e.center + e.x - e.y, e.center + e.x + e.y, e.center - e.x + e.y};
-  }
-  static Vector normal(const GeometrySet& set, HitKind kind, std::uint32_t i) {
-    if (kind == HitKind::kDisk) return set.of<Disk<double>>()[i].normals().axis;
-    if (kind == HitKind::kPatch) {
-      const BilinearPatch<double>& p = set.patches[i];
-      return normalized(cross(p.p11 - p.p00, p.p01 - p.p10));  // of the diagonals
-    }
-    const Vector a = vertex(set, i, 0);
-    return normalized(cross(vertex(set, i, 1) - a, vertex(set, i, 2) - a));
-  }
-  /// Whether shading normals turn light away from the mirror direction of the face.
-  static bool has_other_normals(const GeometrySet& set, const SurfaceTable& table, HitKind kind,
-                                std::uint32_t i) {
-    if (kind == HitKind::kPatch)
-      return i < table.patch_normals.size() && table.patch_normals[i][0] != Vec3<float>{};
-    if (kind != HitKind::kTriangle || table.vertex_normals.empty()) return false;
-    const Vector n = normal(set, kind, i);
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t v = set.triangles[3 * std::size_t{i} + k];
-      if (v >= table.vertex_normals.size()) continue;
-      const Vector ns(table.vertex_normals[v]);
-      constexpr double kSame = 1e-5;  // of unit normals in floats
-      if (ns != Vector{} && !(length(cross(n, normalized(ns))) < kSame)) return true;
-    }
-    return false;
-  }
-
   /// Adds the planes of a surface to those of the scene.
   void join(const Found& found, std::uint64_t shape) {
     std::vector<std::int32_t> numbers;
@@ -369,28 +299,6 @@ class SmoothSurfaces::Collector {
       // Runs of one shape follow each other, except for those of other kinds between them.
       parts.parts.resize(of.first - parts.first, kNone);
       for (const std::int32_t p : of.planes) parts.parts.push_back(p < 0 ? kNone : numbers[p]);
-    }
-  }
-
-  static void add_bounds(const GeometrySet& set, const GeometryInstance* placed, const Run& run,
-                         Bounds& to) {
-    Bounds own;
-    for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
-      if (run.kind == HitKind::kTriangle) {
-        for (int k = 0; k < 3; ++k) own.add(vertex(set, i, k));
-      } else {
-        set.visit_surface(run.kind, i, [&](const auto& surface) {
-          const auto [lower, upper] = surface.bounds();
-          own.add(Vector(lower)), own.add(Vector(upper));
-        });
-      }
-    }
-    if (own.empty()) return;
-    for (int corner = 0; corner < 8; ++corner) {
-      Vector p{corner & 1 ? own.upper.x : own.lower.x, corner & 2 ? own.upper.y : own.lower.y,
-               corner & 4 ? own.upper.z : own.lower.z};
-      if (placed) p = placed->scene_from_object.point(p);
-      to.add(p);
     }
   }
 
