@@ -11,12 +11,12 @@
 #include <mutex>
 #include <numbers>
 
-#include "server/estimate/lights/lamp_rays.h"
 #include "server/estimate/lights/manifold_walks.h"
 #include "server/estimate/paths/path.h"
 #include "server/estimate/queries/delta_irradiance.h"
 #include "server/estimate/queries/irradiance_estimate.h"
 #include "server/estimate/queries/missed_light.h"
+#include "server/estimate/queries/settled_light.h"
 #include "server/estimate/queries/shadow_edges.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/statistics/pilots.h"
@@ -27,24 +27,10 @@ namespace lucerna {
 namespace {
 
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
-// Closed forms and shafts take as long as this many samples.
-constexpr std::uint64_t kSamplesPerShafts = 4;
 // A chunk takes 0.1 to 10 ms; a sample takes 0.5 to 40 us.
 constexpr std::uint64_t kSamplesPerChunk = 256;
 // A walk takes as long as 10 to 40 samples; so many find nearly every path.
 constexpr std::uint32_t kSamplesPerWalk = 2, kMostWalks = 32;
-
-/// The light of a point that does not need samples, and the light that remains to be sampled.
-struct Settled {
-  Rgb<double> exact;                // [lx]
-  LightSet lights{};                // their direct light is part of `exact`
-  std::vector<Rgb<double>> shares;  // of each light, with `per_light` [lx]
-  BySpectrum by_spectrum;           // of `exact`
-  Spending spending{};
-  bool needs_samples = false;
-  bool gathers = false;  // samples directions of the receiver too
-  GuidedDirections guided{};
-};
 
 /// Sums over all samples of one point.
 struct Sampled {
@@ -70,8 +56,7 @@ class IrradianceEstimator {
         direct_(tracer_.direct()),
         gather_indirect_(gathers_reflected_light(scene, settings)),
         by_way_(gather_indirect_ && tracer_.smooth().any()),
-        lamp_rays_(gather_indirect_ && direct_.finds_lights() ? lamp_rays(scene)
-                                                              : std::span<const LampRay>()),
+        settler_(scene, settings, tracer_, gather_indirect_),
         walks_(scene, direct_.visibility(), tracer_.smooth()),
         by_walks_(gather_indirect_ && walks_.any()),
         missed_(scene, settings.bounces),
@@ -88,8 +73,8 @@ class IrradianceEstimator {
 
   std::size_t points_per_chunk() const {
     if (settings_.target) return 1;
-    return std::max<std::size_t>(
-        1, kSamplesPerChunk / (samples_of(settings_.samples_per_block) + kSamplesPerShafts));
+    return std::max<std::size_t>(1, kSamplesPerChunk / (samples_of(settings_.samples_per_block) +
+                                                        LightSettler::kSamplesPerShafts));
   }
 
  private:
@@ -119,18 +104,19 @@ class IrradianceEstimator {
     const std::uint64_t expected = settings_.target
                                        ? std::min(kFirstPilotSamples, samples_of(most_per_block()))
                                        : samples_of(per_block);
-    Settled settled = settle(receiver, expected, work);
+    Settled settled = settler_.settle(receiver, expected, work);
     if (settings_.target && settled.needs_samples) {
       per_block = needed_per_block(p, receiver, settled, work);
       if (settled.spending == Spending::kDrawn &&
-          spending(samples_of(per_block)) != settled.spending) {
+          settler_.spending(samples_of(per_block)) != settled.spending) {
         // With this many samples, settling delta lights costs less.
-        settled = settle(receiver, samples_of(per_block), work);
+        settled = settler_.settle(receiver, samples_of(per_block), work);
         if (settled.needs_samples) per_block = needed_per_block(p, receiver, settled, work);
       }
       // A query with this sample count and no target must settle the same lights.  So the count is
       // raised to the least one that settles them.
-      if (spending(samples_of(per_block)) != settled.spending) per_block = settling_per_block();
+      if (settler_.spending(samples_of(per_block)) != settled.spending)
+        per_block = settling_per_block();
     }
     put_exact(p, settled);
     if (!settled.needs_samples || stopped_) return 0;
@@ -247,35 +233,14 @@ class IrradianceEstimator {
     return static_cast<std::uint32_t>((direct_.settling_samples() + settings_.block_count - 1) /
                                       settings_.block_count);
   }
-  Spending spending(std::uint64_t samples) const {
-    return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
-  }
-  /// Settles light of a point that will take this many samples.
-  Settled settle(const SurfaceHit& receiver, std::uint64_t samples, WorkCounts& work) const {
-    Settled s{.exact = {},
-              .shares = std::vector<Rgb<double>>(settings_.per_light ? scene_.lights().size() : 0),
-              .by_spectrum = no_spectra(settings_.wavelengths_nm.size()),
-              .spending = spending(samples)};
-    s.needs_samples = !settle_lights(receiver, samples, s, work) || gather_indirect_;
-    s.gathers = gather_indirect_ || (direct_.finds_lights() && s.needs_samples);
-    if (!lamp_rays_.empty())
-      s.guided = GuidedDirections(lamp_rays_, receiver.position, receiver.ns);
-    if (gather_indirect_ && direct_.finds_lights()) tracer_.smooth().guide(receiver, s.guided);
-    return s;
-  }
-
   Sampled no_samples(std::size_t shares, std::size_t wavelengths) const {
     const Estimate none{.may_be_hidden = !scene_.is_clear()};
     return {none,
             {},
             std::vector<Estimate>(shares, none),
-            no_spectra(wavelengths),
+            settler_.no_spectra(),
             std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0))};
   }
-  BySpectrum no_spectra(std::size_t wavelengths) const {
-    return BySpectrum(wavelengths > 0 ? scene_.spectra().size() + 1 : 0);
-  }
-
   void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these,
               const Settled& settled, Sampled& e, WorkCounts& work) {
     for (std::uint64_t b = 0; b < these.count; ++b) {
@@ -324,44 +289,6 @@ class IrradianceEstimator {
                                                std::ceil(needed.value_or(1) / replicates)));
   }
 
-  void add_to(BySpectrum& groups, std::uint32_t light, const Rgb<double>& lx) const {
-    if (!groups.wanted()) return;
-    const auto number = scene_.spectrum_number(light);
-    groups.add(number ? *number + 1 : 0, lx);
-  }
-
-  /// Closed forms do not pay if there are few samples and reflected light has an error anyway.
-  bool uses_closed_forms(std::uint64_t samples) const {
-    if (!direct_.uses_closed_forms(true)) return false;
-    return settings_.methods.closed_forms != ClosedForms::kAutomatic || !gather_indirect_ ||
-           samples >= kSamplesPerShafts;
-  }
-
-  /// Settles light that does not need samples: lights of one direction, if each light is visited,
-  /// and lights in closed form.  Returns false if lights remain.
-  bool settle_lights(const SurfaceHit& receiver, std::uint64_t samples, Settled& to,
-                     WorkCounts& work) const {
-    const Vec3<float> n(receiver.ns);
-    const bool closed_forms = uses_closed_forms(samples);
-    bool all_settled = true;
-    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
-      std::optional<Rgb<double>> all;
-      if (to.spending == Spending::kEach || to.spending == Spending::kAreasDrawn)
-        all = direct_.from_one_direction(receiver, n, l, work);
-      if (!all && closed_forms) all = direct_.in_closed_form(receiver, n, l);
-      if (all) {
-        const Rgb<double> lx = *all * std::numbers::pi;
-        to.lights.add(l);
-        to.exact += lx;
-        add_to(to.by_spectrum, l, lx);
-        if (!to.shares.empty()) to.shares[l] = lx;
-      } else {
-        all_settled = false;
-      }
-    }
-    return all_settled;
-  }
-
   /// One sample of the light that is not settled.
   void sample(const SurfaceHit& receiver, const PathSample& s, const Settled& settled, Sampled& to,
               WorkCounts& work) const {
@@ -389,7 +316,7 @@ class IrradianceEstimator {
                   tracer_.most_steps(0), s, work, [&](std::uint32_t light, const Rgb<double>& lx) {
                     to.total.add_to_block(lx, samples);
                     if (!to.shares.empty()) to.shares[light].add_to_block(lx, samples);
-                    add_to(to.by_spectrum, light, lx * static_cast<double>(samples));
+                    settler_.add_to(to.by_spectrum, light, lx * static_cast<double>(samples));
                   });
   }
 
@@ -399,7 +326,7 @@ class IrradianceEstimator {
     sum += lx;
     if (!lx.unshadowed.is_black()) to.found.add(light);
     if (!to.shares.empty()) to.shares[light].add(lx);
-    add_to(to.by_spectrum, light, lx.value);
+    settler_.add_to(to.by_spectrum, light, lx.value);
   }
 
   /// Adds light that surfaces reflect, of which `left` arrives.
@@ -469,7 +396,7 @@ class IrradianceEstimator {
   const DirectLight& direct_;
   const bool gather_indirect_;
   const bool by_way_;  // of smooth surfaces, light is sampled
-  const std::span<const LampRay> lamp_rays_;
+  const LightSettler settler_;
   const ManifoldWalks walks_;
   const bool by_walks_;  // of curved smooth surfaces, light of lamps without a size is sampled
   const MissedLightRule missed_;

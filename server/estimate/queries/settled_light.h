@@ -1,0 +1,68 @@
+// The light of a receiver that needs no samples.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/estimate/lights/lamp_rays.h"
+#include "server/estimate/paths/path.h"
+#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/irradiance_estimate.h"
+
+namespace lucerna {
+
+/// The light of a point that does not need samples, and the light that remains to be sampled.
+struct Settled {
+  Rgb<double> exact;                // [lx]
+  LightSet lights{};                // their direct light is part of `exact`
+  std::vector<Rgb<double>> shares;  // of each light, with `per_light` [lx]
+  BySpectrum by_spectrum;           // of `exact`
+  Spending spending{};
+  bool needs_samples = false;
+  bool gathers = false;  // samples directions of the receiver too
+  GuidedDirections guided{};
+};
+
+/// Immutable; may be called from any thread.
+class LightSettler {
+ public:
+  /// Closed forms and shafts take as long as this many samples.
+  static constexpr std::uint64_t kSamplesPerShafts = 4;
+
+  /// All must outlive it.  `gathers`: light that surfaces reflect is part of the answer.
+  LightSettler(const Scene& scene, const IrradianceSettings& settings, const PathTracer& tracer,
+               bool gathers);
+
+  /// Settles light of a point that will take this many samples: lights of one direction, if each
+  /// light is visited, and lights in closed form.
+  Settled settle(const SurfaceHit& receiver, std::uint64_t samples, WorkCounts& work) const;
+  Spending spending(std::uint64_t samples) const {
+    return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
+  }
+
+  /// Sums by the spectra of lights; unused without wavelengths.
+  BySpectrum no_spectra() const {
+    return BySpectrum(settings_.wavelengths_nm.empty() ? 0 : scene_.spectra().size() + 1);
+  }
+  void add_to(BySpectrum& groups, std::uint32_t light, const Rgb<double>& lx) const {
+    if (!groups.wanted()) return;
+    const auto number = scene_.spectrum_number(light);
+    groups.add(number ? *number + 1 : 0, lx);
+  }
+
+ private:
+  bool uses_closed_forms(std::uint64_t samples) const;
+  bool settle_lights(const SurfaceHit& receiver, std::uint64_t samples, Settled& to,
+                     WorkCounts& work) const;
+
+  const Scene& scene_;
+  const IrradianceSettings& settings_;
+  const PathTracer& tracer_;
+  const DirectLight& direct_;
+  const bool gathers_;
+  const std::span<const LampRay> lamp_rays_;
+};
+
+}  // namespace lucerna
