@@ -2,10 +2,12 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
+#include "server/formats/ies.h"
 #include "server/formats/photometric_file.h"
 
 namespace lucerna::testing {
@@ -86,6 +88,22 @@ inline std::string notes(const PhotometricFile& file) {
   for (const auto& n : file.notes)
     result += fmt::format("{} {} -> {}\n", n.line, n.what, n.instead);
   return result;
+}
+
+inline PhotometricFile ies(const std::string& text) {
+  auto file = parse_ies(text, "lamp.ies");
+  EXPECT_TRUE(file.ok()) << file.status();
+  return file.ok() ? *std::move(file) : PhotometricFile{};
+}
+
+inline std::string ies_error(const std::string& text) {
+  const auto file = parse_ies(text, "lamp.ies");
+  return file.ok() ? "" : std::string(file.status().message());
+}
+
+inline double down(const std::string& text) {
+  const PhotometricFile file = ies(text);
+  return file.web ? file.web->at({0, 0, 1}) : -1;
 }
 
 }  // namespace lucerna::testing

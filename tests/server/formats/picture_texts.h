@@ -2,9 +2,11 @@
 #pragma once
 
 #include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
 
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -68,6 +70,22 @@ inline std::string exr_parts(const std::vector<OIIO::ImageSpec>& specs,
   if (!ok || !file->close()) throw std::runtime_error(file ? file->geterror() : OIIO::geterror());
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline DecodedImage decoded_picture(const std::string& bytes, Encoding encoding = kSrgb) {
+  auto d = decode_image({"a.hdr", bytes}, {.encoding = encoding});
+  if (!d.ok()) throw std::runtime_error(message(d.status()));
+  return *std::move(d);
+}
+
+inline Rgb<float> first_texel(const std::string& bytes, Encoding encoding = kSrgb) {
+  return decoded_picture(bytes, encoding).image->texel(0, 0);
+}
+
+inline void expect_near(const Rgb<float>& c, const Rgb<double>& expected, double error) {
+  EXPECT_NEAR(c.r, expected.r, error);
+  EXPECT_NEAR(c.g, expected.g, error);
+  EXPECT_NEAR(c.b, expected.b, error);
 }
 
 }  // namespace lucerna::testing
