@@ -151,7 +151,7 @@ class SmoothSurfaces::Collector {
                     .refracts = traits.passes && !surface.pane_eta,
                     .glossy_alpha = traits.glossy_alpha,
                     .eta = traits.eta.value_or(1),
-                    .reflected = reflected(surface.material),
+                    .reflected = reflected(surface.material, traits.glossy_alpha),
                     .material = surface.material};
     const bool moves = placed != nullptr && placed->motion != nullptr;
     std::size_t faces = 0;
@@ -208,14 +208,19 @@ class SmoothSurfaces::Collector {
     return is_narrow;
   }
   /// The share that a material reflects along its normal.  Textures have other values elsewhere.
-  double reflected(std::uint32_t material) const {
+  double reflected(std::uint32_t material, double glossy_alpha) const {
+    constexpr Vector kNormal{0, 0, 1};
+    // GGX along the normal is 1 / (4 pi alpha^2) times this share.
+    const double facets = 4 * kPi * glossy_alpha * glossy_alpha;
     double most = 0;
-    for_each_of_mix(
-        [&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; }, material,
-        [&](const Material& m) {
-          const Bsdf<double> bsdf = bsdf_of(m, scene_.textures(), TexturePoint{});
-          most = std::max(most, bsdf.single({0, 0, 1}, Side::kReflected).max_component());
-        });
+    for_each_of_mix([&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; },
+                    material,
+                    [&](const Material& m) {
+                      const Bsdf<double> bsdf = bsdf_of(m, scene_.textures(), TexturePoint{});
+                      const Rgb<double> single = bsdf.single(kNormal, Side::kReflected);
+                      const Rgb<double> glossy = bsdf.value(kNormal, kNormal) * facets;
+                      most = std::max(most, (single + glossy).max_component());
+                    });
     return most;
   }
 

@@ -99,7 +99,8 @@ void SmoothLight::guide(const SurfaceHit& receiver, GuidedDirections& to) const 
 
 double SmoothLight::glossy_choice(bool is_receiver) const {
   const std::size_t pairs = glossy_.size() * deltas_.size();
-  return is_receiver && pairs <= kFewPairs ? 1 : 1 / static_cast<double>(pairs);
+  const double tried = is_receiver ? 1 : tried_on_paths_;
+  return is_receiver && pairs <= kFewPairs ? 1 : tried / static_cast<double>(pairs);
 }
 
 double SmoothLight::glossy_weight(const Before& before, const SurfaceHit& hit,
@@ -169,8 +170,8 @@ void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts
       visit(pair, s.pair(first + static_cast<std::uint32_t>(pair)));
     return;
   }
-  const double chosen = choosing_value(s.pair(first)) * static_cast<double>(pairs);
-  visit(std::min(static_cast<std::size_t>(chosen), pairs - 1), s.pair(first + 1));
+  const auto chosen = static_cast<std::size_t>(choosing_value(s.pair(first)) / probability);
+  if (chosen < pairs) visit(chosen, s.pair(first + 1));
 }
 
 }  // namespace lucerna

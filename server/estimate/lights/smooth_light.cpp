@@ -43,9 +43,11 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
       samples_sizes_(methods.combination != Combination::kSurfaces) {
   for (std::uint32_t i = 0; i < parts_.size(); ++i) {
     has_steps_ |= parts_[i].reflects || parts_[i].refracts;
+    tried_on_paths_ = parts_[i].refracts ? 1 : std::max(tried_on_paths_, parts_[i].reflected);
     bends_ |= parts_[i].is_sphere || (parts_[i].refracts && parts_[i].eta != 1);
     if (parts_[i].glossy_alpha > 0) glossy_.push_back(i);
   }
+  tried_on_paths_ = std::min(tried_on_paths_, 1.0);
   if (parts_.empty()) return;
   for (const SceneLight& light : scene.lights()) {
     const bool is_unsized = is_delta(light) || light.is_unseen;
@@ -166,6 +168,10 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
   if (!has_steps_ || v.most_steps == 0 || !(finds_sized || has_unsized_)) return;
   Choices choices(s, v.depth);
   Sequence root;
+  if (!v.is_receiver && tried_on_paths_ < 1) {
+    if (choices.uniform() >= tried_on_paths_) return;
+    root.weight = 1 / tried_on_paths_;
+  }
   root.image = v.hit.position;
   // Without a normal, light arrives from both sides.
   if (v.scattering == nullptr || !v.scattering->transmits())
@@ -196,7 +202,7 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
           static_cast<std::size_t>(std::ranges::upper_bound(sums, at) - sums.begin()),
           sums.size() - 1);
       open.push_back(extended(root, nexts[i]));
-      open.back().weight = sum / ((sums[i] - (i > 0 ? sums[i - 1] : 0)) * count);
+      open.back().weight *= sum / ((sums[i] - (i > 0 ? sums[i - 1] : 0)) * count);
     }
   }
   for (std::size_t i = 0; i < open.size(); ++i) {

@@ -189,6 +189,8 @@ class SmoothLight {
   std::vector<bool> is_everywhere_;
   bool has_sized_elsewhere_ = false;  ///< other lights that directions find
   bool samples_sizes_;
+  /// The share of vertices of paths that sample.  Where all parts reflect little, it is small.
+  double tried_on_paths_ = 0.25;
   bool has_steps_ = false;             ///< whether a part mirrors or refracts
   bool bends_ = false;                 ///< whether paths by way of a part are solved
   std::vector<std::uint32_t> glossy_;  ///< numbers of parts
