@@ -14,6 +14,9 @@ constexpr double kOnePi = std::numbers::pi;
 constexpr double kMoved = 1e-5;
 /// The least cosine at a receiver that the rounding of its normal hardly changes.
 constexpr double kGrazing = 1e-3;
+/// Of a lamp with a size, a part that is as low above the horizon is a sliver, and rounding decides
+/// its area.
+constexpr double kSliver = 0.03;
 /// From this number of mirrors on, a lamp with a size is far away.
 constexpr std::size_t kFarChain = 8;
 constexpr std::size_t kLongestChain = 200;
@@ -182,7 +185,7 @@ double InteriorTruth::arriving(const Eye& eye, const Lamp& lamp, std::size_t num
     factor = 2 * kOnePi * sine2 / (1 + std::sqrt(1 - sine2));
   }
   const double cosine = dot(eye.n, w);
-  if (!far && std::fabs(cosine) < kGrazing) doubt = true;
+  if (!far && std::fabs(cosine) < (lamp.has_size() ? kSliver : kGrazing)) doubt = true;
   if (!(cosine > 0)) return 0;
   factor *= cosine;
   const double distance = left;
