@@ -19,6 +19,8 @@ constexpr double kCommon = 0.25;
 constexpr double kSpread = 0.6, kTwoValues = 0.8;
 /// Samples are equal if their standard deviation is at most this share of their mean.
 constexpr double kEqual = 0x1p-10;
+/// Means of replicates are equal up to rounding.
+constexpr double kRounded = 1e-12;
 
 // Overflowed parameters are not an error; there is no interval then.
 using Quiet = boost::math::policies::policy<
@@ -53,6 +55,7 @@ double jump(const EstimateMoments& m) {
 IntervalRule::IntervalRule(double confidence, std::uint64_t replicates, std::uint64_t samples)
     : confidence_(confidence),
       samples_(static_cast<double>(samples)),
+      per_replicate_(samples_ / static_cast<double>(std::max<std::uint64_t>(replicates, 1))),
       student_(student_quantile(confidence, replicates)),
       rare_(-std::log1p(-confidence)) {}
 
@@ -105,18 +108,21 @@ ConfidenceInterval IntervalRule::interval(const EstimateMoments& m) const {
   if (std::isinf(student_)) return {0, student_};
   const double mean_square = m.sum_of_squares / samples_;
   const double scatter = student_ * m.standard_error;
-  const double unseen = std::max(m.partly_hidden ? mean_square / m.mean : 0, jump(m));
+  double unseen = std::max(m.partly_hidden ? mean_square / m.mean : 0, jump(m));
+  const double variance = mean_square - m.mean * m.mean;
+  // Without the shape: two values, one of them chosen at least once in each replicate.
+  if (m.kurtosis == 0 && m.standard_error <= kRounded * m.mean && variance > kRounded * mean_square)
+    unseen = std::max(unseen, std::sqrt(variance * per_replicate_));
   const double off = std::hypot(scatter, rare_ * unseen / samples_);
   ConfidenceInterval result{m.mean - off,
                             m.mean + std::max(off, scatter * (1 + skewed(m.skewness)))};
   const double counting = samples_ * (m.mean / mean_square * m.mean);
   if (counting < std::min(kMany, kCommon * samples_)) {
     const double tail = (1 - confidence_) / 2;
-    const double weight = m.largest / samples_, variance = mean_square / samples_;
-    result.lower = std::min(result.lower, weighted_counts_quantile(m.mean, variance, tail));
-    result.upper =
-        std::max(result.upper,
-                 weighted_counts_quantile(m.mean + weight, variance + weight * weight, 1 - tail));
+    const double weight = m.largest / samples_, spread = mean_square / samples_;
+    result.lower = std::min(result.lower, weighted_counts_quantile(m.mean, spread, tail));
+    result.upper = std::max(result.upper, weighted_counts_quantile(
+                                              m.mean + weight, spread + weight * weight, 1 - tail));
   }
   // Samples that come in parts have a smaller sum of squares than their mean allows.
   const double squared = m.mean * m.mean;

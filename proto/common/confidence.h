@@ -54,6 +54,9 @@ class IntervalRule {
   /// light.  The scatter of samples covers this, unless they are equal to kEqual: a light of almost
   /// one direction.  The lower end is then lower by this share.
   ///
+  /// Replicates that choose among mirrors may have equal means although their samples differ.  Then
+  /// the rule of three for one more sample of the rarest value adds to the width.
+  ///
   /// Beside an edge the samples have two values.  Each replicate then has nearly the same number of
   /// each, and the rule of three for one more of the other value is added in the same way.  The
   /// distance of the values is that of the two-point distribution with the samples' deviation and
@@ -82,7 +85,7 @@ class IntervalRule {
   double skewed(double skewness) const;
 
   double confidence_;
-  double samples_;
+  double samples_, per_replicate_;
   double student_;  ///< quantile for the number of replicates; infinite for one
   double rare_;     ///< largest expected number of events where none occurred
 };

@@ -44,6 +44,20 @@ TEST(Confidence, OfRareEqualSamplesIsPoissonsInterval) {
   }
 }
 
+// Each of 16 replicates has chosen a mirror in 2 of 8 samples, by a probability near 1/4.
+TEST(Confidence, OfEqualReplicatesHasRoomForOneMoreSample) {
+  constexpr double kFew = 1, kMany = 5;
+  const double mean = (6 * kFew + 2 * kMany) / 8, squares = 6 * kFew * kFew + 2 * kMany * kMany;
+  const ConfidenceInterval i =
+      IntervalRule(0.95, 16, 128).interval({mean, 0, 128 * squares / 8, kMany});
+  EXPECT_LE(i.lower, mean - 2.9957 * (kMany - kFew) / 128);
+  EXPECT_GE(i.upper, mean + 2.9957 * (kMany - kFew) / 128);
+  // Equal samples are exact.
+  const ConfidenceInterval same = IntervalRule(0.95, 16, 128).interval({0.3, 0, 128 * 0.09, 0.3});
+  EXPECT_DOUBLE_EQ(same.lower, 0.3);
+  EXPECT_DOUBLE_EQ(same.upper, 0.3);
+}
+
 // A pixel of which `p` is lit, by 64 samples in 8 blocks.  All blocks have the same mean.
 EstimateMoments edge(double p) {
   const double deviation = std::sqrt(p * (1 - p)), skewness = (1 - 2 * p) / deviation;
