@@ -15,6 +15,7 @@ struct WorkCounts {
   std::uint64_t map_disagreed = 0;  ///< compared look-ups that differed from the ray
   std::uint64_t through_panes = 0;  ///< shadow rays that passed thin panes straight on
   std::uint64_t by_chance = 0;      ///< lamps found by way of smooth or nearly smooth surfaces
+  std::uint64_t cut_short = 0;      ///< lamps by way of as many mirrors as paths may have
 
   WorkCounts& operator+=(const WorkCounts& w) {
     samples += w.samples;
@@ -26,6 +27,7 @@ struct WorkCounts {
     map_disagreed += w.map_disagreed;
     through_panes += w.through_panes;
     by_chance += w.by_chance;
+    cut_short += w.cut_short;
     return *this;
   }
 };

@@ -24,7 +24,7 @@ struct SmoothStep {
 };
 
 /// The most surfaces of one path.
-inline constexpr std::size_t kMostSteps = 16;
+inline constexpr std::size_t kMostSteps = 32;
 
 struct SpecularPath {
   std::array<Vec3<double>, kMostSteps> points;  ///< on the surfaces, in order from the start

@@ -14,8 +14,10 @@ using Vector = Vec3<double>;
 /// Longer sequences that leave less than this share of light are chosen at random.
 constexpr double kLeastShare = 1e-3;
 /// The most sequences that a receiver visits, all of those that go on in every way.
-constexpr std::size_t kMostVisited = 32;
+constexpr std::size_t kMostVisited = 64;
 static_assert(2 * SmoothSurfaces::kFewParts <= kMostVisited);
+/// Sequences of kMostSteps that leave less than this share of light are long enough.
+constexpr double kLongEnough = 5e-4;
 /// The most surfaces that a receiver visits as the first of a sequence if some bend light, and that
 /// a vertex of a path visits.
 constexpr std::size_t kMostBent = 48, kMostFirstOnPaths = 1;
@@ -164,7 +166,7 @@ auto SmoothLight::extended(const Sequence& parent, const Next& next) -> Sequence
 void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
                          const Found& found) const {
   const bool finds_sized =
-      samples_sizes_ && v.depth == 0 && (v.is_receiver || has_sized_elsewhere_);
+      samples_sizes_ && v.counts_sizes && (v.is_receiver || has_sized_elsewhere_);
   if (!has_steps_ || v.most_steps == 0 || !(finds_sized || has_unsized_)) return;
   Choices choices(s, v.depth);
   Sequence root;
@@ -278,7 +280,7 @@ void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::u
   const LightAtTime at(scene_.lights()[light], v.hit.time_s);
   // No direction finds delta lights and unseen ones.
   if (!at.is_delta() && !at.is_unseen() &&
-      (!counts_at(v.depth, v.scattering, v.wo) || (is_everywhere_[light] && !v.is_receiver)))
+      (!counts_at(v.counts_sizes, v.scattering, v.wo) || (is_everywhere_[light] && !v.is_receiver)))
     return;
   if (sequence.is_bent && is_portal(light)) return;
   const Vec2<double> point{u.x, u.y};
@@ -288,6 +290,8 @@ void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::u
   const Rgb<double> value = arriving->value * (sequence.weight / probability);
   if (value.is_black() || !is_finite(value)) return;
   const Rgb<double> share = share_along(v, sequence, *arriving, light, work);
+  work.cut_short += !share.is_black() && sequence.steps.size() == kMostSteps &&
+                    v.most_steps > kMostSteps && sequence.share > kLongEnough;
   if (share.is_black())
     found(light, {{}, value * sequence.share});
   else

@@ -46,6 +46,8 @@ class SmoothLight {
     bool is_receiver;     ///< whether a query asks for its light; else it is on a path
     /// The most surfaces between the vertex and the lamp.
     std::uint32_t most_steps;
+    /// Whether light of lamps with a size is sampled too (`counts_at`).
+    bool counts_sizes = true;
     /// Whether each light is sampled.  Else one is chosen if there are many.
     bool each_light = false;
   };
@@ -87,11 +89,10 @@ class SmoothLight {
   /// too.
   double glossy_weight(const Before& before, const SurfaceHit& hit, std::uint32_t light) const;
 
-  /// Whether `sample` counts lights with a size at this vertex.  Later on a path their samples cost
-  /// more than they gain: directions find them.
-  bool counts_at(std::uint32_t depth, const SurfaceScattering* scattering,
+  /// Whether `sample` counts lights with a size at a vertex with `counts_sizes`.
+  bool counts_at(bool counts_sizes, const SurfaceScattering* scattering,
                  const Vec3<float>& wo) const {
-    return depth == 0 && any() && samples_sizes_ &&
+    return counts_sizes && any() && samples_sizes_ &&
            (scattering == nullptr || scattering->is_wide(Vec3<double>(wo)));
   }
 

@@ -48,6 +48,8 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   Vec3<float> wo = first_wo;
   Rgb<double> throughput{1};
   LightSet settled;
+  // Later in a picture, samples of lamps with a size by way of mirrors cost more than they gain.
+  const bool is_of_receiver = depth > 0;
   // Most surfaces are diffuse without textures, and need no scattering function.  Outside of the
   // loop, because GCC clears all of it.
   std::optional<SurfaceScattering> scattering;
@@ -91,8 +93,13 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
 
     // Where a surface has both kinds of directions, paths come from its other ones too.
     if (smooth_.any() && (!scattering || !scattering->all_delta())) {
-      const SmoothLight::Vertex v{hit,   wo,    scattering ? &*scattering : nullptr,
-                                  depth, false, most_steps(depth)};
+      const SmoothLight::Vertex v{hit,
+                                  wo,
+                                  scattering ? &*scattering : nullptr,
+                                  depth,
+                                  false,
+                                  most_steps(depth),
+                                  is_of_receiver || depth == 0};
       const auto found = [&](std::uint32_t, const LightEstimate& e) {
         sum.value += throughput * e.value;
         sum.unshadowed += throughput * e.unshadowed;
@@ -112,8 +119,9 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       next_direction = {Vec3<float>(scattered->wi), scattered->pdf.per_sr, scattered->delta};
     }
     if (!next_direction.is_single)
-      before = {hit.position, next_direction.pdf, false,
-                smooth_.counts_at(depth, scattering ? &*scattering : nullptr, wo)};
+      before = {
+          hit.position, next_direction.pdf, false,
+          smooth_.counts_at(is_of_receiver || depth == 0, scattering ? &*scattering : nullptr, wo)};
     else
       before = smooth_.after_single(before, hit, Vec3<double>(wo), Vec3<double>(next_direction.wi));
     // Lights do not sample single directions, so these always find lights.

@@ -135,7 +135,7 @@ class IrradianceEstimator {
   void put_sampled(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
                    std::uint32_t per_block, WorkCounts& work) {
     Sampled e = no_samples(settled.shares.size(), settings_.wavelengths_nm.size());
-    const std::uint64_t by_chance = work.by_chance;
+    const std::uint64_t by_chance = work.by_chance, cut_short = work.cut_short;
     blocks(p, receiver, {0, settings_.block_count, per_block}, settled, e, work);
     if (stopped_) return;
     std::optional<IntervalRule> own;
@@ -147,7 +147,8 @@ class IrradianceEstimator {
     });
     if (gather_indirect_) {
       IrradianceEstimate& total = result_.points[p];
-      total.missed = missed_.at(points_[p], {work.by_chance - by_chance, e.reflected}, rule);
+      total.missed = missed_.at(
+          points_[p], {work.by_chance - by_chance, work.cut_short - cut_short, e.reflected}, rule);
       // An interval that ends above the answer has room for reflected light.
       constexpr double kRounded = 1e-9;
       if (total.missed.kind == MissedLight::Kind::kReflected &&
@@ -297,8 +298,8 @@ class IrradianceEstimator {
                    [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
     if (by_way_) {
       const Vec3<float> n(receiver.ns);
-      const SmoothLight::Vertex v{receiver,           n, nullptr, 0, true, tracer_.most_steps(0),
-                                  settings_.per_light};
+      const SmoothLight::Vertex v{
+          receiver, n, nullptr, 0, true, tracer_.most_steps(0), true, settings_.per_light};
       tracer_.smooth().sample(
           v, s, work, [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
       tracer_.smooth().sample_glossy(v, s, work, [&](std::uint32_t, const LightEstimate& e) {
@@ -382,7 +383,7 @@ class IrradianceEstimator {
     if (hit && gather_indirect_) {
       const LightEstimate e = tracer_.reflected(
           *hit, -wi, 1, s, work,
-          {receiver.position, pdf, true, tracer_.smooth().counts_at(0, nullptr, n)});
+          {receiver.position, pdf, true, tracer_.smooth().counts_at(true, nullptr, n)});
       add_reflected(e, left, sum, to);
     }
   }

@@ -92,6 +92,7 @@ bool MissedLightRule::is_outdoors(const IrradiancePoint& receiver, double time_s
 MissedLight MissedLightRule::at(const IrradiancePoint& receiver, const FoundLight& found,
                                 const IntervalRule& rule) const {
   if (surfaces_ == nullptr) return {};
+  if (found.cut_short > 0) return {MissedLight::Kind::kByWay, 0};
   using Kind = UnsolvedSurface::Kind;
   double projected_sr = 0;
   for (const UnsolvedSurface& s : surfaces_->unsolved())

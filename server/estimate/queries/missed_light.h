@@ -18,6 +18,7 @@ std::vector<std::uint32_t> portal_lights(const Scene& scene);
 /// What the samples of one answer found.
 struct FoundLight {
   std::uint64_t by_chance = 0;  ///< lamps, by way of smooth surfaces (WorkCounts)
+  std::uint64_t cut_short = 0;  ///< (WorkCounts)
   std::uint64_t reflected = 0;  ///< samples with light that surfaces reflect
 };
 

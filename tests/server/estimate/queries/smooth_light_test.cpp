@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -316,6 +317,45 @@ Shape "bilinearmesh" "point3 P" [-3 -1 0  -3 1 0  -3 -1 1  -3 1 1]
   // A receiver that faces away sees no surface.
   EXPECT_EQ(smooth_answer(*smooth_scene(spot + wall), {-1, 0, 0}).missed.kind,
             MissedLight::Kind::kNone);
+}
+
+/// The share that a conductor of index 1 with this reflectance along its normal reflects.
+double of_conductor(double reflectance, double cosine) {
+  const std::complex<double> eta(1, -2 * std::sqrt(reflectance / (1 - reflectance)));
+  const std::complex<double> inside = std::sqrt(1.0 - (1 - cosine * cosine) / (eta * eta));
+  return (std::norm((eta * cosine - inside) / (eta * cosine + inside)) +
+          std::norm((cosine - eta * inside) / (cosine + eta * inside))) /
+         2;
+}
+
+// A lamp and a receiver halfway between two mirrors: the images stand in a row.
+TEST(SmoothLight, LongChainsOfMirrorsCount) {
+  for (const double reflectance : {0.5, 0.75, 0.97}) {
+    const auto scene = smooth_scene(fmt::format(R"(WorldBegin
+LightSource "point" "rgb I" [1 1 1] "point3 from" [0.5 0 1]
+Material "conductor" "rgb reflectance" [{0} {0} {0}] "float roughness" 0
+Shape "bilinearmesh" "point3 P" [0 -50 -50  0 50 -50  0 -50 50  0 50 50]
+Shape "bilinearmesh" "point3 P" [1 -50 -50  1 50 -50  1 -50 50  1 50 50]
+)",
+                                                reflectance));
+    double right = 1;
+    for (int k = 1; k < 2000; ++k) {
+      const double distance = std::hypot(k, 1), cosine = k / distance;
+      right += 2 * std::pow(of_conductor(reflectance, cosine), k) / std::pow(distance, 3);
+    }
+    const IrradiancePoint at{Vec3<double>{0.5, 0, 0} - scene->origin(), {}, {0, 0, 1}};
+    const IrradianceEstimate e =
+        estimate_irradiance(*scene, {&at, 1}, {.samples_per_block = 16, .block_count = 16}, {})
+            .points[0];
+    constexpr double kOfFloats = 2e-4;
+    EXPECT_LE(e.illuminance_lx.lower, right * (1 + kOfFloats)) << reflectance;
+    // More mirrors than a path may have send on much of the light of good ones.
+    const bool is_good = reflectance > 0.9;
+    EXPECT_EQ(e.missed.kind, is_good ? MissedLight::Kind::kByWay : MissedLight::Kind::kNone);
+    if (!is_good) {
+      EXPECT_GE(e.illuminance_lx.upper, right * (1 - kOfFloats)) << reflectance;
+    }
+  }
 }
 
 }  // namespace
