@@ -30,7 +30,10 @@ LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
 /// UNIMPLEMENTED and no reason.
 class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_from_this<UnaryCall> {
  public:
-  void OnCancel() override { stop_.request_stop(); }
+  void OnCancel() override {
+    stop_.request_stop();
+    observed_.cancelled();
+  }
   void OnDone() override { const auto last = std::move(self_); }
 
  protected:

@@ -28,7 +28,10 @@ class ImageStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
                                                            grpc::CallbackServerContext* context,
                                                            const grpc::ByteBuffer* request);
 
-  void OnCancel() override { stop_.request_stop(); }
+  void OnCancel() override {
+    stop_.request_stop();
+    observed_.cancelled();
+  }
   void OnDone() override { const auto last = std::move(self_); }
   void OnWriteDone(bool ok) override;
 

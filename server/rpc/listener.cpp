@@ -34,6 +34,8 @@ constexpr int kPauseMs = 50;
 // How long a connection to the own port may wait until it is accepted.
 constexpr auto kOwnPatience = std::chrono::seconds(5);
 constexpr auto kLogInterval = std::chrono::seconds(10);
+// A connection may cancel this many calls at once, and then this many in a second.
+constexpr double kCancels = 1000, kCancelsPerSecond = 200;
 
 /// Raises the limit of open files as far as it goes.  Returns the limit.
 std::uint64_t raise_file_limit() {
@@ -69,6 +71,16 @@ std::string text_of(const sockaddr_storage& address) {
               sizeof text);
   }
   return text;
+}
+
+/// The address of a client as ServerContext::peer() names it.
+std::string name_of(const sockaddr_storage& address, int port) {
+  const std::string text = text_of(address);
+  constexpr std::string_view kMapped = "::ffff:";  // an IPv4 client of an IPv6 socket
+  if (text.starts_with(kMapped))
+    return fmt::format("ipv4:{}:{}", text.substr(kMapped.size()), port);
+  return address.ss_family == AF_INET6 ? fmt::format("ipv6:%5B{}%5D:{}", text, port)
+                                       : fmt::format("ipv4:{}:{}", text, port);
 }
 
 int port_of(const sockaddr_storage& address) {
@@ -132,13 +144,18 @@ absl::StatusOr<std::unique_ptr<Listener>> Listener::open(const std::string& addr
   return listener;
 }
 
-Listener::~Listener() {
+void Listener::stop() {
   if (thread_.joinable()) {
     const std::uint64_t one = 1;
     (void)!write(wake_, &one, sizeof one);
     thread_.join();
   }
   for (const int fd : listeners_) close(fd);
+  listeners_.clear();
+}
+
+Listener::~Listener() {
+  stop();
   if (wake_ >= 0) close(wake_);
   if (spare_ >= 0) close(spare_);
 }
@@ -196,6 +213,29 @@ bool Listener::accepts() const {
   }
   close(fd);
   return accepted;
+}
+
+void Listener::count_cancelled(const std::string& peer) {
+  const std::lock_guard lock(mutex_);
+  const auto found = descriptors_.find(peer);
+  if (found == descriptors_.end()) return;
+  const auto open = open_.find(found->second);
+  if (open == open_.end() || open->second.name != peer) {
+    descriptors_.erase(found);
+    return;
+  }
+  Connection& c = open->second;
+  const auto now = std::chrono::steady_clock::now();
+  const double gained = kCancelsPerSecond * std::chrono::duration<double>(now - c.counted).count();
+  c.cancels = std::min(kCancels, c.cancels + gained) - 1;
+  c.counted = now;
+  if (c.cancels >= 0 || inode_of(open->first) != c.inode) return;
+  shutdown(open->first, SHUT_RDWR);
+  descriptors_.erase(found);
+  spdlog::warn(
+      fmt::format("closed a connection of {}: more than {:g} calls were cancelled, and "
+                  "then more than {:g} in a second",
+                  c.peer, kCancels, kCancelsPerSecond));
 }
 
 void Listener::sweep() const {
@@ -265,7 +305,14 @@ void Listener::accept_one(int listener) {
   {
     const std::lock_guard lock(mutex_);
     reason = refusal(address);
-    if (reason.empty()) open_[fd] = {inode_of(fd), address};
+    if (reason.empty()) {
+      // Descriptors are used again, so this forgets closed connections.
+      if (const auto before = open_.find(fd); before != open_.end())
+        descriptors_.erase(before->second.name);
+      const std::string name = name_of(peer, port_of(peer));
+      open_[fd] = {inode_of(fd), address, name, kCancels, std::chrono::steady_clock::now()};
+      descriptors_[name] = fd;
+    }
   }
   if (reason.empty()) return take_(listener, fd);
   close(fd);

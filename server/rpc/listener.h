@@ -16,6 +16,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "server/rpc/doors.h"
@@ -45,13 +46,23 @@ class Listener {
   ConnectionLimits limits() const;
   /// Connects to its own port, and returns whether it accepts that within some seconds.
   bool accepts() const;
+  /// Stops accepting.  Connections stay.
+  void stop();
+  /// Counts a call that was cancelled; `peer` as gRPC names it.  Shuts the connection down if these
+  /// are too many in a short time: a call that a client resets at once costs the server a hundred
+  /// times as much as the client (CVE-2023-44487).
+  void count_cancelled(const std::string& peer);
   /// Connections that are open now.
   std::size_t connections() const;
 
  private:
   struct Connection {
     std::uint64_t inode;
-    std::string peer;
+    std::string peer;  ///< the address
+    std::string name;  ///< as gRPC names it
+    /// Calls that may still be cancelled at `counted`; they become more with time.
+    double cancels;
+    std::chrono::steady_clock::time_point counted;
   };
 
   Listener() = default;
@@ -75,8 +86,9 @@ class Listener {
   std::chrono::steady_clock::time_point next_line_;
 
   mutable std::mutex mutex_;
-  ConnectionLimits limits_;                 // guarded by mutex_
-  mutable std::map<int, Connection> open_;  // guarded by mutex_; by descriptor
+  ConnectionLimits limits_;                           // guarded by mutex_
+  mutable std::map<int, Connection> open_;            // guarded by mutex_; by descriptor
+  std::unordered_map<std::string, int> descriptors_;  // guarded by mutex_; by Connection::name
 };
 
 }  // namespace lucerna::rpc

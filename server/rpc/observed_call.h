@@ -38,6 +38,10 @@ class ObservedCall {
   std::string client() const;
   LaneJob::Clock::time_point deadline() const { return deadline_; }
 
+  /// Counts a call that was cancelled.  Call it in OnCancel().
+  void cancelled() const {
+    if (runtime_.on_cancelled) runtime_.on_cancelled(context_.peer());
+  }
   /// Counts and logs the call, and sends its id as trailing metadata.  Returns the status for
   /// gRPC.  Call it once, just before the call's Finish().
   grpc::Status end(const absl::Status& status);

@@ -57,6 +57,10 @@ class Recorder final : public grpc::experimental::Interceptor {
     if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
       record_.code = methods->GetSendStatus().error_code();
     }
+    if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_CLOSE) &&
+        context_ != nullptr && runtime_.on_cancelled && context_->IsCancelled()) {
+      runtime_.on_cancelled(context_->peer());
+    }
     methods->Proceed();
   }
 

@@ -94,6 +94,8 @@ struct Runtime {
   TimeModel times;
   /// Gets the record of each call that has ended; may be empty.
   std::function<void(const monitor::CallRecord&)> on_call;
+  /// Gets the peer of each call that was cancelled, as gRPC names it; may be empty.
+  std::function<void(const std::string&)> on_cancelled;
   /// Whether clients have certificates that were checked.
   bool client_certificates = false;
   /// The lines that the log left out; may be empty.

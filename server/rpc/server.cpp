@@ -6,6 +6,7 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -51,6 +52,12 @@ struct Server::State {
 
 namespace {
 
+// Headers of one call.
+constexpr std::uint64_t kMaxHeaderBytes = 16 << 10;
+// Messages that have not arrived in full, of all connections.
+constexpr std::size_t kLeastNetworkBytes = 128 << 20;
+// gRPC starts threads for the calls of its reflection only.
+constexpr int kMaxReflectionThreads = 64;
 // How long a client has to answer a ping.
 constexpr std::uint64_t kPingAnswerSeconds = 20;
 
@@ -181,6 +188,13 @@ absl::Status Server::State::listen(const ServerOptions& options) {
       std::min<std::uint64_t>(options.limits.max_message_bytes, std::numeric_limits<int>::max()));
   builder.SetMaxReceiveMessageSize(bytes);
   builder.SetMaxSendMessageSize(bytes);
+  // A message of 1 MB may unpack to 1 GB before gRPC looks at its size.
+  set(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, 1U << GRPC_COMPRESS_NONE);
+  set(GRPC_ARG_MAX_METADATA_SIZE, kMaxHeaderBytes);
+  grpc::ResourceQuota quota("lucernad");
+  quota.Resize(std::max<std::size_t>(kLeastNetworkBytes, 2ULL * options.limits.max_message_bytes));
+  quota.SetMaxThreads(kMaxReflectionThreads);
+  builder.SetResourceQuota(quota);
   acceptor = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
       tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials());
@@ -194,6 +208,7 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   for (const std::string& name : service_names()) {
     server->GetHealthCheckService()->SetServingStatus(name, true);
   }
+  runtime.on_cancelled = [this](const std::string& peer) { listener->count_cancelled(peer); };
   // gRPC has opened its descriptors by now, so they count.
   return listener->start([this](int from, int connection) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
@@ -218,7 +233,7 @@ absl::Status Server::State::serve_metrics(const std::string& address) {
 
 void Server::State::end(std::chrono::system_clock::time_point deadline) {
   if (std::exchange(ended, true) || server == nullptr) return;
-  listener.reset();
+  listener->stop();
   server->Shutdown(deadline);
   server->Wait();
   // A lane may still hold a call that gRPC has ended, and with it a pass of the gate.

@@ -27,7 +27,10 @@ class UploadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
                                                           grpc::CallbackServerContext* context,
                                                           grpc::ByteBuffer* response);
 
-  void OnCancel() override { stop_.request_stop(); }
+  void OnCancel() override {
+    stop_.request_stop();
+    observed_.cancelled();
+  }
   void OnDone() override { const auto last = std::move(self_); }
   void OnReadDone(bool ok) override;
 
