@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <variant>
 
@@ -12,6 +14,8 @@
 
 namespace lucerna {
 namespace {
+
+constexpr std::uint64_t kFirstAddedId = std::uint64_t{1} << 32U;
 
 /// The level of a light.  There is one overload for each kind, so a new kind does not compile until
 /// it can be dimmed.
@@ -131,15 +135,53 @@ absl::Status apply(const LightChange& change, LightDescription& light) {
   return absl::OkStatus();
 }
 
-std::uint64_t added_light_id(const std::string& content,
-                             const std::map<std::uint64_t, AddedLight>& taken) {
+AddedLightIds::AddedLightIds(const std::map<std::uint64_t, AddedLight>& taken) {
+  for (auto light = taken.lower_bound(kFirstAddedId); light != taken.end(); ++light)
+    add(light->first);
+}
+
+std::uint64_t AddedLightIds::take(const std::string& content) {
   const std::string digest = sha256(content);
   std::uint64_t number = 0;
   for (int i = 0; i < 4; ++i) number = number << 8U | static_cast<unsigned char>(digest[i]);
-  constexpr std::uint64_t kFirst = std::uint64_t{1} << 32U;
-  // Equal lights get the next numbers.
-  while (taken.contains(kFirst + number)) number = (number + 1) % kFirst;
-  return kFirst + number;
+  std::uint64_t id = kFirstAddedId + number;
+  const auto skip_taken = [&] {
+    const auto after = runs_.upper_bound(id);
+    if (after != runs_.begin()) id = std::max(id, std::prev(after)->second);
+  };
+  skip_taken();
+  if (id == 2 * kFirstAddedId) {
+    id = kFirstAddedId;
+    skip_taken();
+  }
+  add(id);
+  return id;
+}
+
+void AddedLightIds::add(std::uint64_t id) {
+  std::uint64_t end = id + 1;
+  auto after = runs_.upper_bound(id);
+  if (after != runs_.end() && after->first == end) {
+    end = after->second;
+    after = runs_.erase(after);
+  }
+  if (after != runs_.begin() && std::prev(after)->second == id)
+    std::prev(after)->second = end;
+  else
+    runs_.emplace(id, end);
+}
+
+void AddedLightIds::free(std::uint64_t id) {
+  const auto after = runs_.upper_bound(id);
+  if (after == runs_.begin()) return;
+  const auto run = std::prev(after);
+  const std::uint64_t end = run->second;
+  if (id >= end) return;
+  if (id + 1 < end) runs_.emplace(id + 1, end);
+  if (run->first == id)
+    runs_.erase(run);
+  else
+    run->second = id;
 }
 
 LightChange place_only(const LightChange& change) {

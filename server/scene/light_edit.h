@@ -84,9 +84,23 @@ absl::Status move_surface(std::uint64_t id, const LightChange& change, ShapeDesc
 /// The same for lights of a scene.  Errors: also a light without a surface.
 absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene);
 
-/// The id of an added light with this content: in [2^32, 2^33), and none of `taken`.
-std::uint64_t added_light_id(const std::string& content,
-                             const std::map<std::uint64_t, AddedLight>& taken);
+/// Chooses ids of added lights, in [2^32, 2^33).
+class AddedLightIds {
+ public:
+  explicit AddedLightIds(const std::map<std::uint64_t, AddedLight>& taken);
+
+  /// The first free id from the one that follows from the content; equal lights get the next ones.
+  std::uint64_t take(const std::string& content);
+  /// Ids of other lights have no effect.
+  void free(std::uint64_t id);
+
+ private:
+  void add(std::uint64_t id);
+
+  // The end of each run of taken ids, by its first.  Trying one id after another would take as many
+  // steps as there are equal lights.
+  std::map<std::uint64_t, std::uint64_t> runs_;
+};
 
 /// `level` with the change.
 Rgb<double> changed_level(const LightChange& change, const Rgb<double>& level);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
 #include "server/formats/printable.h"
 #include "server/rpc/messages/checks.h"
@@ -20,8 +21,8 @@ namespace {
 constexpr double kMostFactor = 1e9;
 // Lights that requests add have no place in a file.
 constexpr const char* kAddedSource = "(added)";
-// Time to make a revision: for each light of the scene, and for all of them [s].
-constexpr double kLightSeconds = 1e-6, kRevisionSeconds = 1e-3;
+// Time to make a revision: for each light of the scene, for each edit, and for all of them [s].
+constexpr double kLightSeconds = 1e-6, kEditSeconds = 10e-6, kRevisionSeconds = 1e-3;
 
 absl::Status check_factor(const std::string& field, double value) {
   if (value >= 0 && value <= kMostFactor) return absl::OkStatus();
@@ -116,6 +117,9 @@ absl::StatusOr<LightDescription> put_light(const std::string& field, const v1::L
   if (light.has_motion()) return bad_field(field + ".motion", "set", "unset");
   LUCERNA_ASSIGN_OR_RETURN(LightParams params, params_of(field, light));
   LightDescription described{.params = std::move(params), .where = {.file = kAddedSource}};
+  if (light.samples_per_light() > kMostSamplesPerLight)
+    return bad_field(field + ".samples_per_light", fmt::format("{}", light.samples_per_light()),
+                     fmt::format("[0, {}]", kMostSamplesPerLight));
   described.samples = std::max(light.samples_per_light(), 1U);
   described.name = light.name();
   // Reports bad values with the field of the request.
@@ -165,7 +169,7 @@ absl::Status check_surface(const ShapeDescription& shape, const std::deque<Mater
 class Editor {
  public:
   Editor(const Context& context, const Scene& scene, const std::stop_token& stop)
-      : context_(context), stop_(stop) {
+      : context_(context), stop_(stop), ids_(scene.edits().added) {
     result_.edits = scene.edits();
     const Scene& loaded = scene.loaded() != nullptr ? *scene.loaded() : scene;
     loaded_ids_ = loaded.lights().size();
@@ -199,6 +203,7 @@ class Editor {
   absl::Status remove(std::uint64_t id) {
     if (!exists(id)) return unknown_light(id);
     result_.edits.added.erase(id);
+    ids_.free(id);
     result_.edits.changes.erase(id);
     if (id <= loaded_ids_) result_.edits.changes[id].is_removed = true;
     return absl::OkStatus();
@@ -267,7 +272,7 @@ class Editor {
 
   void insert(std::uint64_t id, AddedLight light) {
     LightEdits& edits = result_.edits;
-    if (id == 0) id = added_light_id(light.content, edits.added);
+    if (id == 0) id = ids_.take(light.content);
     edits.changes.erase(id);
     edits.added[id] = std::move(light);
     result_.new_ids.push_back(id);
@@ -275,6 +280,7 @@ class Editor {
 
   const Context& context_;
   const std::stop_token& stop_;
+  AddedLightIds ids_;
   std::uint64_t loaded_ids_;
   EditedLights result_;
 };
@@ -304,6 +310,9 @@ absl::Status check_edits(const Context& context, const LightEditList& edits) {
         } else if (edit.add().path().empty()) {
           return bad_field(field + ".add.path", "\"\"",
                            "the name of a scene file under the server's scene root");
+        } else if (edit.add().path().size() > context.limits.max_name_bytes) {
+          return bad_field(field + ".add.path", fmt::format("{} bytes", edit.add().path().size()),
+                           fmt::format("at most {} bytes", context.limits.max_name_bytes));
         }
         break;
       default:
@@ -317,8 +326,10 @@ absl::StatusOr<EditedLights> edited_lights(const Context& context, const Scene& 
                                            const LightEditList& edits,
                                            const std::stop_token& stop) {
   Editor editor(context, scene, stop);
-  for (int i = 0; i < edits.size(); ++i)
+  for (int i = 0; i < edits.size(); ++i) {
+    if (stop.stop_requested()) return absl::CancelledError("the edit was cancelled");
     LUCERNA_RETURN_IF_ERROR(editor.apply(fmt::format("edits[{}]", i), edits.Get(i)));
+  }
   return std::move(editor).take();
 }
 
@@ -330,8 +341,9 @@ Prepared edit_lights(const Context& context, const v1::EditLightsRequest& reques
   if (!stored) return unknown_scene(request.scene_id());
   LUCERNA_RETURN_IF_ERROR(check_edits(context, request.edits()));
   Task task;
-  task.predicted_s =
-      kRevisionSeconds + kLightSeconds * static_cast<double>(stored->scene->lights().size());
+  task.predicted_s = kRevisionSeconds +
+                     kLightSeconds * static_cast<double>(stored->scene->lights().size()) +
+                     kEditSeconds * static_cast<double>(request.edits_size());
   // These read files, or may build the scene again.
   for (const v1::LightEdit& edit : request.edits())
     task.bulk |= edit.has_add() || edit.change().has_placement();

@@ -177,6 +177,22 @@ TEST_F(Edit, RevisionsShareMemoryAndOutliveTheirScene) {
             grpc::StatusCode::FAILED_PRECONDITION);
 }
 
+// Trying one id after another would take minutes.
+TEST_F(Edit, AsManyEqualLightsAsARequestMayHaveGetIdsOneAfterAnother) {
+  constexpr int kLights = 65536;
+  v1::EditLightsRequest request = request_for(load("placed.pbrt", placed("")));
+  for (int i = 0; i < kLights; ++i) *request.add_edits()->mutable_put() = point_light(2);
+  v1::EditLightsResponse response;
+  const grpc::Status s = status_of([&](auto* c) {
+    c->set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
+    return service_->scenes.EditLights(c, request, &response);
+  });
+  ASSERT_TRUE(s.ok()) << s.error_message();
+  ASSERT_EQ(response.light_ids_size(), kLights);
+  for (int i = 1; i < kLights; ++i)
+    ASSERT_EQ(response.light_ids(i) - response.light_ids(i - 1), 1U) << i;
+}
+
 TEST_F(Edit, WrongEditsNameTheirFieldAndMakeNothing) {
   const std::string scene = load("placed.pbrt", placed(""));
   const auto fails = [&](const std::function<void(v1::EditLightsRequest&)>& set) {
@@ -200,6 +216,17 @@ TEST_F(Edit, WrongEditsNameTheirFieldAndMakeNothing) {
   expect_bad_field(fails([](auto& r) { r.add_edits()->mutable_put()->mutable_beam(); }),
                    "edits[1].put.kind");
   expect_bad_field(fails([](auto& r) { r.add_edits()->mutable_add(); }), "edits[1].add.path");
+  // The limits of files and of other calls.
+  for (const std::uint32_t samples : {1025U, 4294967295U})
+    expect_bad_field(fails([&](auto& r) {
+                       *r.add_edits()->mutable_put() = point_light(2);
+                       r.mutable_edits(1)->mutable_put()->set_samples_per_light(samples);
+                     }),
+                     "edits[1].put.samples_per_light");
+  expect_bad_field(fails([](auto& r) {
+                     r.add_edits()->mutable_add()->set_path(std::string(std::size_t{1} << 20, 'a'));
+                   }),
+                   "edits[1].add.path");
   for (const std::uint64_t light : {0, 9, 1000}) {
     EXPECT_EQ(fails([&](auto& r) { change(r, light)->set_scale(1); }).error_code(),
               grpc::StatusCode::NOT_FOUND);
