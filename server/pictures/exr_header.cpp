@@ -82,9 +82,53 @@ bool has_whole_channel_lists(std::string_view bytes) {
   }
 }
 
+std::uint32_t number(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i-- > 0;)
+    value = value << 8U | (at + i < bytes.size() ? static_cast<unsigned char>(bytes[at + i]) : 0U);
+  return value;
+}
+
+/// The libraries take a time that grows with the square of these numbers, and cannot be stopped.
+/// Headers that end early are left to them.
+absl::Status check_counts(const AssetContent& content) {
+  constexpr std::size_t kMostAttributes = 2048, kMostChannels = 1024;
+  constexpr std::size_t kVersion = 4, kFirst = 8, kAfterName = 16;
+  constexpr std::uint32_t kHasParts = 0x1000;
+  const std::string_view bytes = content.bytes;
+  const auto end_of_text = [&](std::size_t at) { return bytes.find('\0', at); };
+  std::size_t attributes = 0, channels = 0;
+  for (std::size_t at = kFirst; at < bytes.size();) {
+    if (bytes[at] == '\0') {  // the end of a header
+      if ((number(bytes, kVersion) & kHasParts) == 0 || bytes.substr(at, 2).ends_with('\0')) break;
+      ++at;
+      continue;
+    }
+    const std::size_t name_end = end_of_text(at);
+    const std::size_t type_end = name_end < bytes.size() ? end_of_text(name_end + 1) : name_end;
+    if (type_end >= bytes.size()) break;
+    const std::string_view type = bytes.substr(name_end + 1, type_end - name_end - 1);
+    const std::uint32_t size = number(bytes, type_end + 1);
+    at = type_end + 1 + sizeof size;
+    ++attributes;
+    if (type == "chlist")
+      for (std::size_t i = at; i < at + size && i < bytes.size() && bytes[i] != '\0'; ++channels)
+        if ((i = end_of_text(i)) < bytes.size()) i += 1 + kAfterName;
+    at += size;
+  }
+  if (channels > kMostChannels)
+    return bad_picture(content,
+                       fmt::format("{} channels, allowed: at most {}", channels, kMostChannels));
+  if (attributes > kMostAttributes)
+    return bad_picture(
+        content, fmt::format("{} attributes, allowed: at most {}", attributes, kMostAttributes));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status check_exr_header(const AssetContent& content, std::uint64_t max_texels) {
+  LUCERNA_RETURN_IF_ERROR(check_counts(content));
   HeaderFile file{content.bytes, EXR_ERR_SUCCESS, ""};
   exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
   options.error_handler_fn = &keep_first_error;

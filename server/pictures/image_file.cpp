@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/pictures/decoding_limits.h"
 #include "server/pictures/exr_header.h"
 #include "server/pictures/picture_checks.h"
 #include "server/pictures/picture_colours.h"
@@ -57,20 +58,6 @@ const char* library_name(PictureFormat format) {
 bool is_interlaced_png(std::string_view bytes) {
   constexpr std::size_t kInterlace = 28;
   return bytes.size() > kInterlace && bytes[kInterlace] != 0;
-}
-
-/// Whether the coefficients of a JPEG file are stored in several passes.
-bool is_progressive_jpeg(std::string_view bytes) {
-  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
-  // Segments follow the first marker, up to the first frame header.  [JPEG, B.1.1]
-  for (std::size_t i = 2; i + 4 <= bytes.size() && at(i) == 0xff;
-       i += 2 + (std::size_t{at(i + 2)} << 8U) + at(i + 3)) {
-    const unsigned char marker = at(i + 1);
-    const bool is_frame =
-        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-    if (is_frame) return (marker & 3U) == 2;
-  }
-  return false;
 }
 
 }  // namespace
@@ -161,6 +148,8 @@ absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
 absl::StatusOr<bool> ImageFile::open_by_library() {
   if (format_ == PictureFormat::kExr)
     LUCERNA_RETURN_IF_ERROR(check_exr_header(*content_, options_.max_texels));
+  if (format_ == PictureFormat::kJpeg) LUCERNA_RETURN_IF_ERROR(check_jpeg_scans(*content_));
+  if (format_ == PictureFormat::kPng) LUCERNA_RETURN_IF_ERROR(check_png_texts(*content_));
   if (format_ == PictureFormat::kWebp) {
     // The library decodes the picture when it opens the file.
     const auto [width, height] = webp_size(content_->bytes);
@@ -222,7 +211,7 @@ std::uint64_t ImageFile::decoder_bytes() const {
   if (format_ == PictureFormat::kPng && is_interlaced_png(content_->bytes))
     return rows(spec_.height);
   // 16-bit coefficients of 8-bit codes.
-  if (format_ == PictureFormat::kJpeg && is_progressive_jpeg(content_->bytes))
+  if (format_ == PictureFormat::kJpeg && jpeg_scans(content_->bytes).keeps_coefficients())
     return 2 * rows(spec_.height);
   return rows(spec_.get_int_attribute("tiff:RowsPerStrip", 1));
 }

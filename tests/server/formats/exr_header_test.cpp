@@ -136,6 +136,38 @@ TEST(ExrHeader, TheNumberOfTexelsIsCheckedBeforeBuffersAreAllocated) {
               HasSubstr("Invalid data window (0, 0 - 2147483646, 2147483646)"));
 }
 
+TEST(ExrHeader, ManyAttributesAreRefusedBeforeTheyAreRead) {
+  // The libraries compare each attribute with all before it.
+  const auto with = [](int count) {
+    std::string attributes;
+    for (int i = 0; i < count; ++i)
+      attributes += attribute(fmt::format("a{}", i), "int", 4, ints({i}));
+    return decoded(exr_with(attributes));
+  };
+  EXPECT_TRUE(with(2000).ok()) << with(2000);
+  EXPECT_THAT(message(with(3000)), HasSubstr("attributes, allowed: at most 2048"));
+}
+
+TEST(ExrHeader, ManyChannelsAreRefusedBeforeTheyAreRead) {
+  // OpenEXR's C library inserts each channel into a sorted list.
+  const auto with = [](int count) {
+    std::string channels;
+    for (int i = 0; i < count; ++i)
+      channels += fmt::format("c{:05}", i) + '\0' + ints({2, 0, 1, 1});
+    const auto size = static_cast<std::int32_t>(channels.size() + 1);
+    return decoded(exr_with(attribute("b", "chlist", size, channels + '\0')));
+  };
+  EXPECT_TRUE(with(1000).ok()) << with(1000);
+  EXPECT_EQ(message(with(5000)), "a.exr: 5003 channels, allowed: at most 1024");
+}
+
+TEST(ExrHeader, ChannelsOfAllPicturesCount) {
+  const std::vector specs(400, OIIO::ImageSpec(1, 1, 3, OIIO::TypeDesc::FLOAT));
+  const std::vector values(400, std::vector<float>{1, 2, 3});
+  EXPECT_EQ(message(decoded(testing::exr_parts(specs, values))),
+            "a.exr: 1200 channels, allowed: at most 1024");
+}
+
 TEST(ExrHeader, EveryPictureOfTheFileIsChecked) {
   const OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeDesc::FLOAT);
   std::string bytes = testing::exr_parts({spec, spec}, {{1, 2, 3}, {1, 2, 3}});
