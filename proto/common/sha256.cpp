@@ -14,6 +14,12 @@ void Sha256::add(std::string_view bytes) {
   EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size());
 }
 
+Sha256 Sha256::copy() const {
+  Sha256 same;
+  EVP_MD_CTX_copy_ex(same.context_.get(), context_.get());
+  return same;
+}
+
 std::string Sha256::finish() {
   std::string digest(kSha256Bytes, '\0');
   EVP_DigestFinal_ex(context_.get(), reinterpret_cast<unsigned char*>(digest.data()), nullptr);

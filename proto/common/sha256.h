@@ -16,6 +16,8 @@ class Sha256 {
  public:
   Sha256();
   void add(std::string_view bytes);
+  /// The state of the same bytes.
+  Sha256 copy() const;
   /// The digest, 32 bytes.  Do not call add() after it.
   std::string finish();
 

@@ -21,8 +21,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+// The state of the digest is kept after each of these: a part continues without being read again.
+constexpr std::uint64_t kMarkBytes = std::uint64_t{4} << 20;
 
 bool is_full(int error) { return error == ENOSPC || error == EDQUOT; }
+
+absl::Status taken_over() {
+  return absl::FailedPreconditionError("another client took over the upload of this asset");
+}
 
 absl::Status disk_error(int error) {
   const std::string why = std::generic_category().message(error);
@@ -79,7 +85,8 @@ AssetStore::Held AssetStore::held(const std::string& digest) const {
 }
 
 absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::uint64_t size,
-                                               std::uint64_t offset, const AssetOwner& sender) {
+                                               std::uint64_t offset, const AssetOwner& sender,
+                                               const std::stop_token& stop) {
   if (size > state_->options.max_asset_bytes)
     return absl::ResourceExhaustedError(fmt::format("an asset of {} bytes, allowed: at most {}",
                                                     size, state_->options.max_asset_bytes));
@@ -124,15 +131,30 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
       *this, digest, size, writer,
       Descriptor(::open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)));
   if (upload.file_.get() < 0) return disk_error(errno);
+  {
+    const std::lock_guard lock(state_->mutex);
+    State::Entry* const entry = state_->entry_of(digest, writer);
+    if (entry == nullptr) return taken_over();
+    const std::uint64_t kept = std::min<std::uint64_t>(entry->marks.size(), offset / kMarkBytes);
+    entry->marks.resize(kept);
+    if (kept > 0) upload.sha_ = entry->marks.back().copy();
+    upload.bytes_ = kept * kMarkBytes;
+  }
+  ::lseek(upload.file_.get(), static_cast<off_t>(upload.bytes_), SEEK_SET);
   std::string chunk(kReadBytes, '\0');
-  while (upload.bytes_ < offset) {
+  while (upload.bytes_ < offset && !stop.stop_requested()) {
     const std::int64_t n = read_fully(
         upload.file_.get(), chunk.data(),
         static_cast<std::size_t>(std::min<std::uint64_t>(kReadBytes, offset - upload.bytes_)));
     if (n <= 0) return absl::InternalError("cannot read the uploaded part of an asset");
-    upload.sha_.add(std::string_view(chunk).substr(0, static_cast<std::size_t>(n)));
-    upload.bytes_ += static_cast<std::uint64_t>(n);
+    upload.hash(std::string_view(chunk).substr(0, static_cast<std::size_t>(n)));
   }
+  {
+    // Also of an upload that was stopped, so that the next one goes on from there.
+    const std::lock_guard lock(state_->mutex);
+    if (State::Entry* entry = state_->entry_of(digest, writer)) entry->take(upload.marks_);
+  }
+  if (upload.bytes_ < offset) return absl::CancelledError("the upload was cancelled");
   if (offset > 0 && ftruncate(upload.file_.get(), static_cast<off_t>(offset)) != 0)
     return disk_error(errno);
   const std::lock_guard lock(state_->mutex);
@@ -142,15 +164,13 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
 
 absl::Status AssetUpload::append(std::string_view chunk) {
   AssetStore::State& state = *store_->state_;
-  const auto taken_over = [] {
-    return absl::FailedPreconditionError("another client took over the upload of this asset");
-  };
   {
     const std::lock_guard lock(state.mutex);
     if (state.entry_of(digest_, writer_) == nullptr) return taken_over();
   }
   // Written without the lock.  If another writer takes over meanwhile, the digest will not match.
   const int error = write(chunk);
+  if (error == 0) hash(chunk);
   std::unique_lock lock(state.mutex);
   AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
   if (entry == nullptr) return taken_over();
@@ -160,11 +180,20 @@ absl::Status AssetUpload::append(std::string_view chunk) {
     if (is_full(error)) store_ = nullptr;
     return disk_error(error);
   }
-  sha_.add(chunk);
-  bytes_ += chunk.size();
+  entry->take(marks_);
   entry->bytes = bytes_;
   entry->written = AssetStore::State::Clock::now();
   return absl::OkStatus();
+}
+
+void AssetUpload::hash(std::string_view chunk) {
+  while (!chunk.empty()) {
+    const std::string_view piece = chunk.substr(0, kMarkBytes - bytes_ % kMarkBytes);
+    sha_.add(piece);
+    bytes_ += piece.size();
+    if (bytes_ % kMarkBytes == 0) marks_.push_back(sha_.copy());
+    chunk.remove_prefix(piece.size());
+  }
 }
 
 int AssetUpload::write(std::string_view chunk) {
@@ -193,12 +222,12 @@ absl::Status AssetUpload::finish() {
   }
   const std::lock_guard lock(state.mutex);
   AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
-  if (entry == nullptr)
-    return absl::FailedPreconditionError("another client took over the upload of this asset");
+  if (entry == nullptr) return taken_over();
   std::error_code error;
   fs::rename(state.part(digest_), state.whole(digest_), error);
   if (error) return disk_error(error.value());
   entry->whole = true;
+  entry->marks = std::vector<Sha256>();
   entry->reserved = entry->bytes;
   entry->writer = 0;
   store_ = nullptr;

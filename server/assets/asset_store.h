@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -42,7 +43,8 @@ class AssetUpload {
         writer_(other.writer_),
         bytes_(other.bytes_),
         file_(std::move(other.file_)),
-        sha_(std::move(other.sha_)) {}
+        sha_(std::move(other.sha_)),
+        marks_(std::move(other.marks_)) {}
   AssetUpload& operator=(AssetUpload&&) = delete;
   ~AssetUpload();
 
@@ -72,12 +74,14 @@ class AssetUpload {
 
   /// Writes all of the chunk; an error number, or 0.
   int write(std::string_view chunk);
+  void hash(std::string_view chunk);
 
   AssetStore* store_;  // null once moved from or ended
   std::string digest_;
   std::uint64_t size_, writer_, bytes_ = 0;
   Descriptor file_;
   Sha256 sha_;
+  std::vector<Sha256> marks_;  // states that the store does not have yet
 };
 
 /// Thread-safe.  Digests are 32 bytes.
@@ -95,15 +99,17 @@ class AssetStore {
   Held held(const std::string& digest) const;
 
   /// Starts an upload at `offset`, which is at most the number of bytes in the store.  Deletes the
-  /// bytes after `offset`, and reads those before it to hash them.
+  /// bytes after `offset`.  Reads at most 4 MiB of those before it to hash them, or all that
+  /// arrived before this server started, until `stop`.
   ///
   /// The file counts as the sender's, as long as the store has it.
   ///
   /// Errors: INVALID_ARGUMENT (offset), RESOURCE_EXHAUSTED (over the limit for one file; files in
   /// use leave no room; with kOverQuotaPayload, the sender's files leave no room in its quota),
-  /// FAILED_PRECONDITION (another client uploads it; the store already has it).
+  /// FAILED_PRECONDITION (another client uploads it; the store already has it), CANCELLED.
   absl::StatusOr<AssetUpload> upload(const std::string& digest, std::uint64_t size,
-                                     std::uint64_t offset, const AssetOwner& sender = {});
+                                     std::uint64_t offset, const AssetOwner& sender = {},
+                                     const std::stop_token& stop = {});
 
   /// The file.  It stays readable even if the store deletes it meanwhile.  NOT_FOUND if it is not
   /// complete.

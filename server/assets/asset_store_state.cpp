@@ -63,9 +63,9 @@ void AssetStore::State::find_files() {
     entry.touched = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
     if (!entry.whole) entry.written = entry.touched;
     // If both exist, the server ended between finish and removal.  The whole file is valid.
-    const auto [place, is_new] = entries.try_emplace(bytes_of(name), entry);
+    const auto [place, is_new] = entries.try_emplace(bytes_of(name), std::move(entry));
     if (is_new) continue;
-    if (entry.whole) place->second = entry;
+    if (entry.whole) place->second = std::move(entry);
     fs::remove(part(place->first), error);
   }
   for (const std::string& digest : owned) {

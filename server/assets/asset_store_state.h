@@ -2,13 +2,16 @@
 // files of the store.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "server/assets/asset_store.h"
 
@@ -27,6 +30,12 @@ struct AssetStore::State {
     std::uint64_t used = 0;       // larger: used later
     Clock::time_point touched{};  // when it was used
     std::string owner{};          // who sent it; empty: nobody in particular
+    std::vector<Sha256> marks{};  // of a part: states of its digest, one every few MiB
+
+    void take(std::vector<Sha256>& more) {
+      std::ranges::move(more, std::back_inserter(marks));
+      more.clear();
+    }
   };
 
   AssetStoreOptions options;

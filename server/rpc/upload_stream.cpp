@@ -125,9 +125,9 @@ absl::Status UploadStream::take_header(const v1::AssetHeader& header) {
     return bad_field("header.offset_bytes", fmt::format("{}", header.offset_bytes()),
                      fmt::format("[0, {}], the bytes that the server has", reach));
   }
-  absl::StatusOr<AssetUpload> upload =
-      assets.upload(header.sha256(), header.size_bytes(), header.offset_bytes(),
-                    {admission_.caller.name, admission_.caller.quota.asset_bytes});
+  absl::StatusOr<AssetUpload> upload = assets.upload(
+      header.sha256(), header.size_bytes(), header.offset_bytes(),
+      {admission_.caller.name, admission_.caller.quota.asset_bytes}, stop_.get_token());
   if (absl::IsFailedPrecondition(upload.status())) return being_uploaded(upload.status());
   if (!upload.ok()) return load_error(upload.status());
   upload_.emplace(*std::move(upload));

@@ -103,6 +103,60 @@ TEST_F(AssetStoreTest, ContinuesABrokenUpload) {
   EXPECT_EQ(get("abcdef"), "abcdef");
 }
 
+/// Bytes that this process has read, by any call.
+std::uint64_t bytes_read() {
+  std::ifstream file("/proc/self/io");
+  std::string name;
+  std::uint64_t bytes = 0;
+  file >> name >> bytes;
+  EXPECT_EQ(name, "rchar:");
+  return bytes;
+}
+
+TEST_F(AssetStoreTest, AnUploadThatContinuesDoesNotReadTheWholePartAgain) {
+  constexpr std::size_t kBytes = std::size_t{33} << 20, kPiece = 100;
+  std::string bytes(kBytes, 'a');
+  for (std::size_t i = 0; i < kBytes; i += 4096) bytes[i] = static_cast<char>(i >> 12U);
+  const std::string digest = sha256(bytes);
+  std::uint64_t at = kBytes - 32 * kPiece;
+  {
+    auto upload = store_->upload(digest, kBytes, 0);
+    ASSERT_TRUE(upload->append(std::string_view(bytes).substr(0, at)).ok());
+  }
+  const std::uint64_t before = bytes_read();
+  for (; at < kBytes; at += kPiece) {
+    // From the end, or from before it.
+    auto upload = store_->upload(digest, kBytes, at);
+    ASSERT_TRUE(upload.ok()) << upload.status();
+    ASSERT_TRUE(upload->append(std::string_view(bytes).substr(at, kPiece)).ok());
+    if (upload->complete()) {
+      EXPECT_TRUE(upload->finish().ok());
+    }
+  }
+  EXPECT_LT(bytes_read() - before, 32 * (std::size_t{5} << 20));
+  EXPECT_TRUE(store_->held(digest).whole);
+}
+
+TEST_F(AssetStoreTest, TheNextServerReadsAPartUntilItIsStopped) {
+  const std::string bytes(std::size_t{20} << 20, 'b');
+  const std::string digest = sha256(bytes);
+  {
+    auto upload = store_->upload(digest, bytes.size(), 0);
+    ASSERT_TRUE(upload->append(std::string_view(bytes).substr(1)).ok());
+  }
+  open({});
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(
+      store_->upload(digest, bytes.size(), bytes.size() - 1, {}, stop.get_token()).status().code(),
+      absl::StatusCode::kCancelled);
+  // Nothing is lost.
+  auto upload = store_->upload(digest, bytes.size(), bytes.size() - 1);
+  ASSERT_TRUE(upload.ok()) << upload.status();
+  ASSERT_TRUE(upload->append("b").ok());
+  EXPECT_TRUE(upload->finish().ok());
+}
+
 TEST_F(AssetStoreTest, AnUploadFromTheBeginningDiscardsTheBytesOfTheLast) {
   const std::string digest = sha256("abcdef");
   {
