@@ -36,7 +36,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
   simplify_media();
   scene_->contents_ = contents_of(in_);
   LUCERNA_RETURN_IF_ERROR(place());
-  report_portals();
+  LUCERNA_RETURN_IF_ERROR(report_portals());
   LUCERNA_RETURN_IF_ERROR(count_lights());
   LUCERNA_RETURN_IF_ERROR(build_lights());
   LUCERNA_RETURN_IF_ERROR(build_geometry(isa));

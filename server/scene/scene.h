@@ -97,8 +97,8 @@ class Scene {
   /// scene must be built with them: if they change the origin, the unit of rays or the number of
   /// triangles of a surface.  Also null if `loaded` was built with other moves.  Errors: edits that
   /// their light does not allow.
-  static absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> place(const Scene& loaded,
-                                                                     const SurfaceEdits& edits);
+  static absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> place(
+      const Scene& loaded, const SurfaceEdits& edits, const std::stop_token& stop = {});
 
   /// A scene with the files of `loaded` and other lights.  It shares everything but its lights with
   /// `loaded`, which must come from build() or build_moved().  `placed`: the surfaces, which are
@@ -108,7 +108,7 @@ class Scene {
   /// Errors: a change that its light does not allow; a level or a place out of range.
   static absl::StatusOr<std::shared_ptr<const Scene>> revise(
       std::shared_ptr<const Scene> loaded, std::shared_ptr<const PlacedSurfaces> placed,
-      LightEdits edits);
+      LightEdits edits, std::stop_token stop = {});
   /// The same with the surfaces of `loaded` or of place(), whichever the edits need.
   /// FAILED_PRECONDITION if they need build_moved().
   static absl::StatusOr<std::shared_ptr<const Scene>> revise(std::shared_ptr<const Scene> loaded,

@@ -42,9 +42,14 @@ class Scene::Builder {
                                                       LightEdits edits);
 
  private:
+  /// CANCELLED after a request to stop.  For every loop over the content of the scene.
+  absl::Status check_stop() const {
+    return stop_.stop_requested() ? absl::CancelledError("the build was cancelled")
+                                  : absl::OkStatus();
+  }
   absl::Status check_references() const;
   void report_halved_pictures();
-  void report_portals();
+  absl::Status report_portals();
 
   /// Computes bounds, origins and the scene's sphere.  Errors: shapes without bounds, motion out of
   /// the range of rays.

@@ -126,7 +126,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
       in_.shapes, [](const ShapeDescription& s) { return s.emission.has_value(); })));
   for (; !in_.shapes.empty(); in_.shapes.pop_front()) {
     ShapeDescription& s = in_.shapes.front();
-    if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
       LUCERNA_RETURN_IF_ERROR(append(s, scene_->origin_, emitter, set, placed_->surfaces));
@@ -148,11 +148,14 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
     reserve(in_.objects[i].shapes, true, objects[i]);
-    for (ShapeList& of_object = in_.objects[i].shapes; !of_object.empty(); of_object.pop_front())
+    for (ShapeList& of_object = in_.objects[i].shapes; !of_object.empty(); of_object.pop_front()) {
+      LUCERNA_RETURN_IF_ERROR(check_stop());
       LUCERNA_RETURN_IF_ERROR(append(of_object.front(), object_origins_[i], -1, objects[i],
                                      scene_->object_surfaces_[i]));
+    }
   }
   for (const auto& i : in_.instances) {
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     if (objects[i.object].empty()) continue;
     const Transform scene_from_object = Transform::translate(-scene_->origin_) *
                                         i.world_from_object *

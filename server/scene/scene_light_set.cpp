@@ -140,11 +140,13 @@ absl::Status Scene::Builder::build_lights() {
     return ++count;
   };
   for (const auto& l : in_.lights) {
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     LUCERNA_ASSIGN_OR_RETURN(SceneLight light, free_light(add(l), l));
     scene_->lights_.push_back(std::move(light));
   }
   std::size_t moving_shape = 0;
   for (auto& s : in_.shapes) {
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     if (s.emission && (!s.alpha.is_constant() || s.alpha.constant < 1)) {
       if (auto what = apply_alpha(s, in_.textures))
         in_.remarks.push_back({s.where, *std::move(what), "opaque"});

@@ -273,7 +273,8 @@ std::uint64_t MovableSurfaces::bytes() const {
 }
 
 absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& loaded,
-                                                                   const SurfaceEdits& edits) {
+                                                                   const SurfaceEdits& edits,
+                                                                   const std::stop_token& stop) {
   const DenormalsAreZero denormals;
   const Stopwatch watch;
   const MovableSurfaces& movable = loaded.movable_;
@@ -293,7 +294,10 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
   to->world_m = movable.others_m;
   double detail_m = movable.others_detail_m, old_detail_m = movable.others_detail_m;
   std::vector<EditedShape> shapes;
+  const auto stopped = [&] { return stop.stop_requested(); };
+  const auto cancelled = [] { return absl::CancelledError("the edit was cancelled"); };
   for (std::size_t i = 0; i < movable.size(); ++i) {
+    if (stopped()) return cancelled();
     const std::uint64_t id = first_id + i;
     const auto change = moved.find(id);
     const bool is_moved = change != moved.end();
@@ -313,11 +317,13 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
     return absl::InternalError("a surface to move that the scene does not have");
   std::int32_t number = count;
   for (const auto& [id, added] : edits.added) {
+    if (stopped()) return cancelled();
     shapes.push_back({id, added.surface->shape, number++, true});
     if (const auto change = edits.moved.find(id); change != edits.moved.end())
       LUCERNA_RETURN_IF_ERROR(move_surface(id, change->second, shapes.back().shape));
   }
   for (const EditedShape& edited : shapes) {
+    if (stopped()) return cancelled();
     LUCERNA_ASSIGN_OR_RETURN(const Bounds after, shape_bounds(edited.shape));
     add_shape(after, to->world_m, detail_m);
   }
@@ -333,6 +339,7 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
   to->materials = with_materials(from.materials, edits, shapes);
   EditedSet edited_set(from, *to);
   for (const EditedShape& edited : shapes) {
+    if (stopped()) return cancelled();
     if (edited.shape.emission->is_unseen) {
       // Rays do not meet it.
     } else if (edited.is_new) {

@@ -98,6 +98,7 @@ absl::Status Scene::Builder::place() {
     return absl::OkStatus();
   };
   for (const auto& s : in_.shapes) {
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     Bounds still;
     const bool can_be_moved = s.emission && !s.motion;
     LUCERNA_RETURN_IF_ERROR(grow(s.motion       ? still
@@ -110,6 +111,7 @@ absl::Status Scene::Builder::place() {
   }
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     for (const auto& s : in_.objects[i].shapes) {
+      LUCERNA_RETURN_IF_ERROR(check_stop());
       LUCERNA_RETURN_IF_ERROR(grow(object_bounds[i], s, others_detail_m));
     }
     object_origins_.push_back(origin_for(object_bounds[i]));
@@ -117,6 +119,7 @@ absl::Status Scene::Builder::place() {
     LUCERNA_RETURN_IF_ERROR(check_extent(object_bounds[i], in_.objects[i].shapes.front().where));
   }
   for (const auto& instance : in_.instances) {
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     const Bounds& b = object_bounds[instance.object];
     Bounds placed;
     for (int corner = 0; corner < 8 && !b.empty(); ++corner)
@@ -160,6 +163,7 @@ absl::Status Scene::Builder::place_lights() {
     return absl::OkStatus();
   };
   for (const auto& light : in_.lights) {
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     const LightPlace place = place_of(light);
     if (absl::Status s = hold(light, place.box_m, with_lights); !s.ok()) return s;
     if (absl::Status s = hold(light, place.portal_m, portals); !s.ok()) return s;
@@ -174,7 +178,7 @@ absl::Status Scene::Builder::place_lights() {
   return absl::OkStatus();
 }
 
-void Scene::Builder::report_portals() {
+absl::Status Scene::Builder::report_portals() {
   for (const LightDescription& light : in_.lights) {
     const auto* portal = std::get_if<PortalLightParams>(&light.params);
     if (portal == nullptr) continue;
@@ -195,13 +199,17 @@ void Scene::Builder::report_portals() {
       return shape_bounds(shape).value_or(Bounds{});
     };
     std::size_t shapes = in_.shapes.size(), outdoors = 0;
-    for (const ShapeDescription& shape : in_.shapes)
+    for (const ShapeDescription& shape : in_.shapes) {
+      LUCERNA_RETURN_IF_ERROR(check_stop());
       outdoors += is_outdoors(box_of(shape), Transform()) ? 1 : 0;
+    }
     for (const InstanceDescription& instance : in_.instances) {
       const ShapeList& own = in_.objects[instance.object].shapes;
       shapes += own.size();
-      for (const ShapeDescription& shape : own)
+      for (const ShapeDescription& shape : own) {
+        LUCERNA_RETURN_IF_ERROR(check_stop());
         outdoors += is_outdoors(box_of(shape), instance.world_from_object) ? 1 : 0;
+      }
     }
     if (outdoors == 0) continue;
     Remark& remark = in_.remarks.emplace_back();
@@ -215,6 +223,7 @@ void Scene::Builder::report_portals() {
         "the open, the mean over all directions of a surface",
         mean_lx(*portal));
   }
+  return absl::OkStatus();
 }
 
 }  // namespace lucerna

@@ -99,6 +99,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
       });
   std::vector<std::optional<LightDescription>> described(count);
   for (std::uint32_t i = 0; i < count; ++i) {
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     const SceneLight& of = loaded.lights_[i];
     if (changes[i].is_removed || (only_levels && changes[i] == LightChange())) continue;
     const auto replacement = edits.added.find(of.id);
@@ -113,6 +114,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   }
   std::vector<std::pair<std::uint64_t, LightDescription>> added;
   for (const auto& [id, a] : edits.added) {
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     if (id <= count) continue;
     added.emplace_back(id, a.light);
     if (a.surface != nullptr) continue;
@@ -146,6 +148,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
   if (!has_gaps) scene_->lights_ = loaded.lights_;
   std::uint32_t at = 0;  // of the next light
   for (std::uint32_t i = 0; i < count; ++i) {
+    LUCERNA_RETURN_IF_ERROR(check_stop());
     const SceneLight& of = loaded.lights_[i];
     const bool is_replaced = edits.added.contains(of.id);
     // The surface of a light that is gone stays and is dark.
@@ -259,10 +262,11 @@ absl::Status Scene::Builder::check_panes(const Scene& loaded, const LightEdits& 
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(
     std::shared_ptr<const Scene> loaded, std::shared_ptr<const PlacedSurfaces> placed,
-    LightEdits edits) {
+    LightEdits edits, std::stop_token stop) {
   if (edits.empty() && loaded->placed_->edits.empty()) return loaded;
   SceneDescription lights;
-  return Builder(lights, {}).revise(std::move(loaded), std::move(placed), std::move(edits));
+  return Builder(lights, std::move(stop))
+      .revise(std::move(loaded), std::move(placed), std::move(edits));
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(std::shared_ptr<const Scene> loaded,

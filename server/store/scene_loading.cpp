@@ -279,7 +279,7 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
     }
   }
   LUCERNA_ASSIGN_OR_RETURN(std::shared_ptr<const PlacedSurfaces> placed,
-                           Scene::place(*loaded, edits));
+                           Scene::place(*loaded, edits, stop));
   if (placed != nullptr) return Moved{std::move(loaded), std::move(placed)};
   const LoadOptions options{.stop = stop, .factors = of.factors};
   LUCERNA_ASSIGN_OR_RETURN(
@@ -298,7 +298,7 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
       *std::move(found.description), moves, state_->options.isa, stop, &memory.budget());
   if (!built.ok()) return memory.explained(built.status());
   if (edits.added.empty()) return Moved{*built, (*built)->placed()};
-  LUCERNA_ASSIGN_OR_RETURN(placed, Scene::place(**built, edits));
+  LUCERNA_ASSIGN_OR_RETURN(placed, Scene::place(**built, edits, stop));
   if (placed != nullptr) return Moved{*built, std::move(placed)};
   return absl::InvalidArgumentError(
       "an added surface lies outside of the scene, or its size would change the unit of rays, "
@@ -308,9 +308,9 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
 absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits edits,
                                                const LoadOptions& options) {
   LUCERNA_ASSIGN_OR_RETURN(Moved from, moved(of, of.scene->surface_edits(edits), options.stop));
-  LUCERNA_ASSIGN_OR_RETURN(
-      const std::shared_ptr<const Scene> scene,
-      Scene::revise(std::move(from.loaded), std::move(from.placed), std::move(edits)));
+  LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
+                           Scene::revise(std::move(from.loaded), std::move(from.placed),
+                                         std::move(edits), options.stop));
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
   const auto same = state_->scenes.find(scene->id());
