@@ -11,6 +11,7 @@
 
 #include "client/admin/commands.h"
 #include "client/rpc/security.h"
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 
@@ -42,7 +43,8 @@ class Report {
       nlohmann::ordered_json out{{"well", well()}, {"checks", nlohmann::ordered_json::array()}};
       for (const Check& c : checks_)
         out["checks"].push_back({{"name", c.name}, {"ok", c.ok}, {"text", c.text}});
-      fmt::print("{}\n", out.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+      shell::print_text(stdout, "{}\n",
+                        out.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
       return;
     }
     Table table({{"", true}, {"check", true}, {"result", true}});

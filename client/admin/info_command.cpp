@@ -5,6 +5,7 @@
 #include <string>
 
 #include "client/admin/commands.h"
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
@@ -16,7 +17,7 @@ void info(Session& session) {
   const auto response =
       session.value_or_fail(session.client().get_server_info({}, session.call_options()));
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    shell::print_text(stdout, "{}", to_json(response));
     return;
   }
   const v1::Limits& limits = response.limits();

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/admin/commands.h"
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
@@ -23,9 +24,9 @@ void lease(Session& session, const std::string& scene, double seconds, const std
   const auto response =
       session.value_or_fail(session.client().renew_lease(request, session.call_options()));
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    shell::print_text(stdout, "{}", to_json(response));
   } else {
-    fmt::print("lease {} for {:g} s\n", response.lease_id(), response.lease_s());
+    shell::print_text(stdout, "lease {} for {:g} s\n", response.lease_id(), response.lease_s());
   }
 }
 
@@ -41,7 +42,7 @@ void leases(Session& session) {
   } while (!request.page_token().empty());
   all.clear_next_page_token();
   if (session.json()) {
-    fmt::print("{}", to_json(all));
+    shell::print_text(stdout, "{}", to_json(all));
     return;
   }
   Table table({{"lease", true}, {"ends in [s]"}, {"owner", true}, {"scene", true}, {"path", true}});
@@ -63,10 +64,10 @@ void release(Session& session, const std::string& scene, const std::string& leas
   const auto response =
       session.value_or_fail(session.client().release_scene(request, session.call_options()));
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    shell::print_text(stdout, "{}", to_json(response));
   } else {
-    fmt::print("{}  {}\n", request.scene_id(),
-               response.still_loaded() ? "lease ended, others keep it" : "released");
+    shell::print_text(stdout, "{}  {}\n", request.scene_id(),
+                      response.still_loaded() ? "lease ended, others keep it" : "released");
   }
 }
 

@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "client/admin/commands.h"
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
@@ -109,15 +110,16 @@ void top(Session& session, double every_s, bool once) {
     v1::GetStatsResponse now =
         session.value_or_fail(session.client().get_stats({}, session.call_options()));
     if (session.json()) {
-      fmt::print("{}", to_json(now));
+      shell::print_text(stdout, "{}", to_json(now));
     } else if (session.csv()) {
       // Of the calls since the server started.
       session.show(calls_table(v1::GetStatsResponse::default_instance(), now, now.uptime_s()));
     } else {
       // Clears the terminal.
-      if (terminal && !once) fmt::print("\033[H\033[J");
-      fmt::print("lucernad at {}, {}", session.server(),
-                 top_text(before ? &*before : nullptr, now, shell::has_colours(STDOUT_FILENO)));
+      if (terminal && !once) shell::print_as_is(stdout, "\033[H\033[J");
+      shell::print_text(stdout, "lucernad at {}, ", session.server());
+      shell::print_as_is(
+          stdout, top_text(before ? &*before : nullptr, now, shell::has_colours(STDOUT_FILENO)));
     }
     std::fflush(stdout);
     before = std::move(now);

@@ -14,6 +14,7 @@
 #include "client/bench/report.h"
 #include "client/bench/server_target.h"
 #include "client/rpc/byte_calls.h"
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
@@ -135,7 +136,7 @@ class Bench {
       }
     }
     if (session_.json()) {
-      fmt::print("{}", bench::json_of(report_));
+      shell::print_text(stdout, "{}", bench::json_of(report_));
     } else {
       session_.show(bench::rows_of(report_), session_.csv() ? "" : bench::found_of(report_));
       session_.print_remarks();

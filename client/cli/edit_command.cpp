@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "client/cli/commands.h"
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
@@ -48,17 +49,17 @@ void edit(Session& session, const std::string& scene, double lease_s) {
   const v1::EditLightsResponse response =
       session.value_or_fail(session.client().edit_lights(request, session.call_options()));
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    shell::print_text(stdout, "{}", to_json(response));
     return;
   }
-  fmt::print("{}  {}\n", response.scene_id(),
-             response.already_loaded()
-                 ? std::string("was loaded already")
-                 : fmt::format("made in {:.3g} s", response.cost().wall_time_s()));
+  shell::print_text(stdout, "{}  {}\n", response.scene_id(),
+                    response.already_loaded()
+                        ? std::string("was loaded already")
+                        : fmt::format("made in {:.3g} s", response.cost().wall_time_s()));
   if (!response.light_ids().empty())
-    fmt::print("new lights: {}\n", fmt::join(response.light_ids(), ", "));
+    shell::print_text(stdout, "new lights: {}\n", fmt::join(response.light_ids(), ", "));
   if (!response.lease_id().empty())
-    fmt::print("lease {} for {:g} s\n", response.lease_id(), response.lease_s());
+    shell::print_text(stdout, "lease {} for {:g} s\n", response.lease_id(), response.lease_s());
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "client/files/write_picture.h"
+#include "client/shell/print.h"
 #include "client/terminal/validators.h"
 
 namespace lucerna::cli {
@@ -238,7 +239,7 @@ const Frame* FrameRun::next() {
     current_ = frames_[next_];
     if (skip_existing_ && is_there(current_)) {
       if (!session_.json()) {
-        fmt::print("{}: exists already\n", fmt::join(current_.files.pictures, ", "));
+        shell::print_text(stdout, "{}: exists already\n", fmt::join(current_.files.pictures, ", "));
         std::fflush(stdout);
       }
       continue;
@@ -268,7 +269,7 @@ v1::LoadSceneResponse FrameRun::load(const Frame& frame) {
     v1::LoadSceneResponse loaded = load_scene(session_, frame.scene, lease_s);
     if (!loaded.already_loaded()) {
       for (const v1::Remark& remark : loaded.remarks())
-        fmt::print(stderr, "{}\n", describe(remark));
+        shell::print_text(stderr, "{}\n", describe(remark));
     }
     return loaded;
   }

@@ -18,6 +18,7 @@
 #include "client/files/npy_file.h"
 #include "client/files/open_vectors.h"
 #include "client/jobs/irradiance_job.h"
+#include "client/shell/print.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/output.h"
 #include "client/terminal/progress.h"
@@ -225,7 +226,7 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
   if (!receivers.failed().ok()) wrong_use(std::string(receivers.failed().message()));
   if (!result.ok()) session.fail_here(result.status(), kServerRefused);
   const std::string mixed = describe_mixed(result->report);
-  if (!mixed.empty()) fmt::print(stderr, "{}\n", mixed);
+  if (!mixed.empty()) shell::print_text(stderr, "{}\n", mixed);
 
   const IrradianceOutput output{.output = output_,
                                 .results = part.path(),
@@ -250,18 +251,18 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
     std::string more = json_of_approximate(accuracy);
     if (accuracy.has_target_error())
       more += fmt::format(",\"pointsNotReached\":{}", target->missed());
-    fmt::print("{}", to_json(summary, more));
+    shell::print_text(stdout, "{}", to_json(summary, more));
   } else {
     const std::string before =
         result->from_journal > 0
             ? fmt::format(", {} of them from the journal", result->from_journal)
             : "";
-    fmt::print("{}: {} points{}{}; {}{}{}{}\n", output_, receivers.size(), before,
-               describe_statuses(*result),
-               describe_missed(result->statuses[v1::ITEM_STATUS_MAY_MISS_LIGHT], receivers.size(),
-                               result->missed_surfaces),
-               target->describe("points"), describe(summary.cost()),
-               describe_approximations(accuracy, summary.cost()));
+    shell::print_text(stdout, "{}: {} points{}{}; {}{}{}{}\n", output_, receivers.size(), before,
+                      describe_statuses(*result),
+                      describe_missed(result->statuses[v1::ITEM_STATUS_MAY_MISS_LIGHT],
+                                      receivers.size(), result->missed_surfaces),
+                      target->describe("points"), describe(summary.cost()),
+                      describe_approximations(accuracy, summary.cost()));
     session.print_remarks();
   }
   // A map has texels without a surface, whose status is INVALID_INPUT.

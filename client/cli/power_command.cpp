@@ -8,6 +8,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/light_table.h"
+#include "client/shell/print.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/light_option.h"
 #include "client/terminal/output.h"
@@ -85,7 +86,8 @@ void power(Session& session, const PowerOptions& options) {
                                   light.samples() + kReplicates));
   }
   if (session.json()) {
-    fmt::print("{}", to_json(response, reached.empty() ? "" : json_of("reached", reached)));
+    shell::print_text(stdout, "{}",
+                      to_json(response, reached.empty() ? "" : json_of("reached", reached)));
     return;
   }
   std::map<std::uint64_t, const v1::Light*> by_id;
@@ -128,14 +130,14 @@ void power(Session& session, const PowerOptions& options) {
   add("all", "", response.total(), any_from_infinity);
   session.show(table);
   if (session.csv()) return;
-  if (any_from_infinity) fmt::print("{}; \"all\" includes it\n", kFluxFromInfinity);
+  if (any_from_infinity) shell::print_text(stdout, "{}; \"all\" includes it\n", kFluxFromInfinity);
   if (sampled) {
     std::uint64_t most = 0;
     for (const v1::LightPower& light : response.lights()) most = std::max(most, light.samples());
-    fmt::print("± holds with {}% confidence; {}{}{}\n", percent(options.stop.confidence()),
-               check.describe("lights"),
-               describe_overrun(request.accuracy(), response.cost(), most, "light"),
-               describe(response.cost()));
+    shell::print_text(stdout, "± holds with {}% confidence; {}{}{}\n",
+                      percent(options.stop.confidence()), check.describe("lights"),
+                      describe_overrun(request.accuracy(), response.cost(), most, "light"),
+                      describe(response.cost()));
   }
   session.print_remarks();
 }

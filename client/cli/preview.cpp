@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/shell/print.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
 
@@ -83,7 +84,8 @@ class Preview::Redraw {
       const absl::Status status = file->write_preview(
           {.width = picture.width, .height = picture.height, .rgb = picture.pixels}, exposure_ev_);
       if (status.ok()) continue;
-      fmt::print(stderr, "--preview: {}; the preview stops\n", std::string(status.message()));
+      shell::print_text(stderr, "--preview: {}; the preview stops\n",
+                        std::string(status.message()));
       return false;
     }
     return true;
@@ -127,7 +129,7 @@ Preview::Preview(const PreviewOption& option, const std::vector<std::string>& ou
   }
   if (option.tev.empty()) return;
   auto sender = client::TevSender::create(
-      option.tev, [](const std::string& event) { fmt::print(stderr, "{}\n", event); });
+      option.tev, [](const std::string& event) { shell::print_text(stderr, "{}\n", event); });
   if (!sender.ok()) wrong_use("--tev: " + std::string(sender.status().message()));
   sender_ = *std::move(sender);
 }

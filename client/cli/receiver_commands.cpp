@@ -7,6 +7,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/irradiance_files.h"
 #include "client/rpc/batch_parts.h"
+#include "client/shell/print.h"
 #include "client/terminal/answer.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/method_options.h"
@@ -206,19 +207,19 @@ void print_irradiance(const Session& session, const v1::EstimateIrradianceRespon
         shares.add(std::move(row));
       }
     }
-    if (!session.csv()) fmt::print("\n");
+    if (!session.csv()) shell::print_text(stdout, "\n");
     session.show(shares);
   }
   if (session.csv()) return;
-  fmt::print("{}± and < hold with {}% confidence; {}{}{}{}{}\n",
-             by_target ? "" : samples_text(response) + "; ", percent(stop.confidence()),
-             describe_inside(response.status()) + describe_missed(response),
-             by_target
-                 ? check_target(response, response.item_costs().samples(), accuracy.target_error())
-                       .describe("points")
-                 : "",
-             describe_overrun(accuracy, response.cost(), response.samples(), "point"),
-             describe(response.cost()), describe_approximations(accuracy, response.cost()));
+  shell::print_text(
+      stdout, "{}± and < hold with {}% confidence; {}{}{}{}{}\n",
+      by_target ? "" : samples_text(response) + "; ", percent(stop.confidence()),
+      describe_inside(response.status()) + describe_missed(response),
+      by_target ? check_target(response, response.item_costs().samples(), accuracy.target_error())
+                      .describe("points")
+                : "",
+      describe_overrun(accuracy, response.cost(), response.samples(), "point"),
+      describe(response.cost()), describe_approximations(accuracy, response.cost()));
 }
 
 void irradiance(Session& session, const IrradianceOptions& options) {

@@ -16,6 +16,7 @@
 #include "client/cli/preview.h"
 #include "client/cli/render_servers.h"
 #include "client/jobs/picture.h"
+#include "client/shell/print.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/luminance.h"
 #include "client/terminal/method_options.h"
@@ -167,7 +168,7 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
     picture = std::move(result.picture);
     *last.mutable_cost() = result.cost;
     description = describe_mixed(result.report);
-    if (!description.empty()) fmt::print(stderr, "{}\n", description);
+    if (!description.empty()) shell::print_text(stderr, "{}\n", description);
   } else {
     request.set_scene_id(session.query_scene_id(options.scene));
     std::tie(picture, last) = render_picture(session, request, preview);
@@ -185,13 +186,13 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
     if (!picture.upper.empty())
       more += fmt::format(",\"pixelsWithoutLight\":{}", pixels_without_light(picture));
     if (picture.may_miss_light) more += ",\"mayMissLight\":true";
-    fmt::print("{}", to_json(last, more));
+    shell::print_text(stdout, "{}", to_json(last, more));
   } else {
     const std::string counts =
         options.stop.error || options.stop.budget_s ? describe_samples(picture.samples) + "; " : "";
     const auto most = std::max_element(picture.samples.begin(), picture.samples.end());
-    fmt::print(
-        "{}: {} x {} pixels; {}{}{}{}{}{}{}\n", fmt::join(options.files.pictures, ", "),
+    shell::print_text(
+        stdout, "{}: {} x {} pixels; {}{}{}{}{}{}{}\n", fmt::join(options.files.pictures, ", "),
         picture.width, picture.height, counts, files.summary(), target.describe("pixels"),
         describe_overrun(accuracy, last.cost(), most == picture.samples.end() ? 0 : *most, "pixel"),
         picture.may_miss_light ? "light by way of curved smooth surfaces may be missing; " : "",

@@ -6,6 +6,7 @@
 
 #include "client/rpc/server_list.h"
 #include "client/rpc/upload.h"
+#include "client/shell/print.h"
 #include "client/terminal/progress.h"
 #include "client/terminal/server_address.h"
 #include "client/terminal/validators.h"
@@ -76,7 +77,7 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
   job.allow_mixed = session.allow_mixed();
   job.security = session.security();
   job.call = session.call_options();
-  job.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
+  job.on_event = [](const std::string& event) { shell::print_text(stderr, "{}\n", event); };
   job.on_progress = [&bar](const client::JobProgress& p) { bar.update(p.done, p.pieces); };
   const auto lease_s = static_cast<double>(client::kJobLease.count());
   job.load = [this, id, scene, lease_s, &session](

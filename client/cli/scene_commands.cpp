@@ -12,6 +12,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/light_table.h"
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
@@ -23,8 +24,8 @@ namespace {
 
 void print_remarks(const google::protobuf::RepeatedPtrField<v1::Remark>& remarks) {
   if (remarks.empty()) return;
-  fmt::print("Not modelled:\n");
-  for (const v1::Remark& remark : remarks) fmt::print("  {}\n", describe(remark));
+  shell::print_text(stdout, "Not modelled:\n");
+  for (const v1::Remark& remark : remarks) shell::print_text(stdout, "  {}\n", describe(remark));
 }
 
 struct LoadFlags {
@@ -41,9 +42,10 @@ void check(const LoadFlags& flags) {
 
 /// Draws on one line of the terminal; the next text replaces it.
 void show(const client::UploadProgress& progress) {
-  fmt::print(stderr, "\r\033[K{}: {:.0f} of {:.0f} kB", progress.name,
-             static_cast<double>(progress.sent_bytes) / 1000,
-             static_cast<double>(progress.size_bytes) / 1000);
+  shell::print_as_is(stderr, "\r\033[K");
+  shell::print_text(stderr, "{}: {:.0f} of {:.0f} kB", progress.name,
+                    static_cast<double>(progress.sent_bytes) / 1000,
+                    static_cast<double>(progress.size_bytes) / 1000);
 }
 
 v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
@@ -55,7 +57,7 @@ v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
   if (terminal) options.progress = show;
   auto response =
       client::upload_scene(session.client(), flags.path, options, session.call_options());
-  if (terminal) fmt::print(stderr, "\r\033[K");
+  if (terminal) shell::print_as_is(stderr, "\r\033[K");
   // An error without details of the server is about the files here.
   if ((absl::IsNotFound(response.status()) || absl::IsInvalidArgument(response.status())) &&
       !response.status().GetPayload(client::kStatusPayloadUrl)) {
@@ -78,15 +80,15 @@ void load(Session& session, const LoadFlags& flags) {
   check(flags);
   const v1::LoadSceneResponse response = load_file(session, flags);
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    shell::print_text(stdout, "{}", to_json(response));
     return check_strict(session, response);
   }
-  fmt::print("{}  {}\n", response.scene_id(),
-             response.already_loaded()
-                 ? std::string("was loaded already")
-                 : fmt::format("loaded in {:.3g} s", response.cost().wall_time_s()));
+  shell::print_text(stdout, "{}  {}\n", response.scene_id(),
+                    response.already_loaded()
+                        ? std::string("was loaded already")
+                        : fmt::format("loaded in {:.3g} s", response.cost().wall_time_s()));
   if (!response.lease_id().empty()) {
-    fmt::print("lease {} for {:g} s\n", response.lease_id(), response.lease_s());
+    shell::print_text(stdout, "lease {} for {:g} s\n", response.lease_id(), response.lease_s());
   }
   print_remarks(response.remarks());
   check_strict(session, response);
@@ -96,7 +98,7 @@ void load(Session& session, const LoadFlags& flags) {
 void available_scenes(Session& session) {
   const v1::ListAvailableScenesResponse response = list_available_scenes(session);
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    shell::print_text(stdout, "{}", to_json(response));
     return;
   }
   if (session.csv()) {
@@ -104,9 +106,9 @@ void available_scenes(Session& session) {
     for (const std::string& path : response.paths()) table.add({path});
     return session.show(table);
   }
-  for (const std::string& path : response.paths()) fmt::print("{}\n", path);
-  fmt::print("{} files under {}{}\n", response.paths_size(), response.root(),
-             response.incomplete() ? "; the list is incomplete" : "");
+  for (const std::string& path : response.paths()) shell::print_text(stdout, "{}\n", path);
+  shell::print_text(stdout, "{} files under {}{}\n", response.paths_size(), response.root(),
+                    response.incomplete() ? "; the list is incomplete" : "");
 }
 
 std::string counted_lights(const v1::SceneSummary& scene) {
@@ -124,7 +126,7 @@ void scenes(Session& session, bool available) {
   if (available) return available_scenes(session);
   const v1::ListScenesResponse response = list_scenes(session);
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    shell::print_text(stdout, "{}", to_json(response));
     return;
   }
   Table table({{"id", true},
@@ -183,7 +185,7 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
   const auto response =
       session.value_or_fail(session.client().get_scene(request, session.call_options()));
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    shell::print_text(stdout, "{}", to_json(response));
     return;
   }
   if (session.csv()) {
@@ -196,17 +198,21 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
     return session.show(remarks);
   }
   if (remarks_only) {
-    for (const v1::Remark& remark : response.remarks()) fmt::print("{}\n", describe(remark));
+    for (const v1::Remark& remark : response.remarks())
+      shell::print_text(stdout, "{}\n", describe(remark));
     return;
   }
   const v1::SceneSummary& summary = response.summary();
-  fmt::print("{}  {}: {} lights, {} primitives, {:.0f} kB\n", summary.scene_id(), summary.path(),
-             summary.lights(), summary.primitives(), static_cast<double>(summary.bytes()) / 1000);
-  fmt::print("{}\n", describe_picture(summary));
+  shell::print_text(stdout, "{}  {}: {} lights, {} primitives, {:.0f} kB\n", summary.scene_id(),
+                    summary.path(), summary.lights(), summary.primitives(),
+                    static_cast<double>(summary.bytes()) / 1000);
+  shell::print_text(stdout, "{}\n", describe_picture(summary));
   if (summary.edited_lights() > 0)
-    fmt::print("revision of {}: {} edited, {:.0f} kB of its own\n", summary.loaded_scene_id(),
-               counted_lights(summary), static_cast<double>(summary.own_bytes()) / 1000);
-  if (summary.has_level_factors()) fmt::print("light levels: {}\n", describe_levels(summary));
+    shell::print_text(stdout, "revision of {}: {} edited, {:.0f} kB of its own\n",
+                      summary.loaded_scene_id(), counted_lights(summary),
+                      static_cast<double>(summary.own_bytes()) / 1000);
+  if (summary.has_level_factors())
+    shell::print_text(stdout, "light levels: {}\n", describe_levels(summary));
   session.show(parts_table(response));
   print_remarks(response.remarks());
 }
@@ -262,13 +268,14 @@ void inspect(Session& session, const LoadFlags& flags) {
   const auto scene =
       session.value_or_fail(session.client().get_scene(request, session.call_options()));
   if (session.json()) {
-    fmt::print("{}", to_json(scene));
+    shell::print_text(stdout, "{}", to_json(scene));
     return check_strict(session, loaded);
   }
   std::map<std::string, std::size_t> lights;
   const v1::ListLightsResponse listed = list_lights(session, loaded.scene_id());
   for (const v1::Light& light : listed.lights()) ++lights[type_of(light)];
-  if (!session.csv()) fmt::print("{}  {}\n", loaded.scene_id(), scene.summary().path());
+  if (!session.csv())
+    shell::print_text(stdout, "{}  {}\n", loaded.scene_id(), scene.summary().path());
   session.show(contents_table(scene, lights));
   if (!session.csv()) print_remarks(scene.remarks());
   check_strict(session, loaded);
@@ -277,7 +284,7 @@ void inspect(Session& session, const LoadFlags& flags) {
 void lights(Session& session, const std::string& scene) {
   const v1::ListLightsResponse response = list_lights(session, session.query_scene_id(scene));
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    shell::print_text(stdout, "{}", to_json(response));
     return;
   }
   session.show(light_table(response.lights()), light_notes(response.lights()));

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "client/conformance/pack.h"
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
@@ -65,7 +66,8 @@ void conformance(Session& session, std::string directory, const conformance::Pac
   conformance::write_overview(session, summaries, folder.path(), options);
   folder.finish();
   if (session.json()) {
-    fmt::print("{{\"directory\":\"{}\",\"cases\":{}}}\n", directory, summaries.size());
+    shell::print_text(stdout, "{{\"directory\":\"{}\",\"cases\":{}}}\n", directory,
+                      summaries.size());
     return;
   }
   Table table({{"case", true},

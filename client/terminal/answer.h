@@ -7,6 +7,7 @@
 #include <string>
 
 #include "client/rpc/batches.h"
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 
@@ -25,7 +26,7 @@ void send_and_print(Session& session, const Request& request,
     return in_batches(client, request, {.max_items = 0, .call = session.call_options()});
   });
   if (session.json()) {
-    fmt::print("{}", to_json(response, json_more ? json_more(response) : ""));
+    shell::print_text(stdout, "{}", to_json(response, json_more ? json_more(response) : ""));
   } else {
     print(response);
     session.print_remarks();

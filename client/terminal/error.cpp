@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/shell/colour.h"
+#include "client/shell/print.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "lucerna/client/client.h"
@@ -60,10 +61,11 @@ std::string to_json(const absl::Status& error) {
 }
 
 void print_error(const absl::Status& error, bool json) {
+  if (json) return shell::print_text(stderr, "{}", to_json(error));
   std::string name = "lucerna:";
   if (shell::has_colours(STDERR_FILENO)) name = shell::paint(name, shell::Colour::kBad);
-  fmt::print(stderr, "{}",
-             json ? to_json(error) : fmt::format("{} {}\n", name, std::string(error.message())));
+  shell::print_as_is(stderr, name);
+  shell::print_text(stderr, " {}\n", std::string(error.message()));
 }
 
 }  // namespace lucerna::cli

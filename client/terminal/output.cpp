@@ -46,10 +46,13 @@ Cell make_triple(Number a, Number b, Number c) {
 
 }  // namespace
 
-Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {
+  for (Column& column : columns_) column.header = shell::plain_line(column.header);
+}
 
 void Table::add(std::vector<Cell> row) {
   row.resize(columns_.size());
+  for (Cell& cell : row) cell.make_plain();
   rows_.push_back(std::move(row));
 }
 

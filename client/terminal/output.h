@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/shell/colour.h"
+#include "client/shell/plain_text.h"
 #include "lucerna/v1/lighting.pb.h"
 
 namespace lucerna::cli {
@@ -26,6 +27,13 @@ class Cell {
     Cell cell(std::move(text));
     cell.colour_ = colour;
     return cell;
+  }
+
+  /// A cell of a table is one line, whatever a server put into it.  Values keep new lines.
+  void make_plain() {
+    values_ = values();
+    for (std::string& value : values_) value = shell::plain_text(value);
+    text_ = shell::plain_line(text_);
   }
 
   const std::string& text() const { return text_; }

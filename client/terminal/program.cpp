@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/shell/completion.h"
+#include "client/shell/print.h"
 #include "client/terminal/suggestion.h"
 
 namespace lucerna::cli {
@@ -112,7 +113,7 @@ int run_program(CLI::App& app, Session& session, int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == shell::kCompleteWord) {
     const std::vector<std::string> words(argv + 2, argv + argc);
     const auto scenes = [&words] { return scene_names(words); };
-    fmt::print("{}", shell::to_lines(shell::complete(app, words, scenes)));
+    shell::print_text(stdout, "{}", shell::to_lines(shell::complete(app, words, scenes)));
     return kDone;
   }
   std::vector<std::string> words = words_of(argc, argv);

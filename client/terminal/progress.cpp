@@ -1,11 +1,13 @@
 #include "client/terminal/progress.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "client/shell/print.h"
 
 namespace lucerna::cli {
 
@@ -27,7 +29,7 @@ std::string progress_line(std::uint64_t done, std::uint64_t total,
 ProgressBar::ProgressBar() : visible_(::isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
 
 ProgressBar::~ProgressBar() {
-  if (visible_) fmt::print(stderr, "\r\033[K");
+  if (visible_) shell::print_as_is(stderr, "\r\033[K");
 }
 
 void ProgressBar::update(std::uint64_t done, std::uint64_t total) {
@@ -35,7 +37,7 @@ void ProgressBar::update(std::uint64_t done, std::uint64_t total) {
   const Clock::time_point now = Clock::now();
   if (now - drawn_ < std::chrono::milliseconds(100)) return;
   drawn_ = now;
-  fmt::print(stderr, "\r\033[K{}", progress_line(done, total, now - start_));
+  shell::print_as_is(stderr, "\r\033[K" + progress_line(done, total, now - start_));
   std::fflush(stderr);
 }
 

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "client/shell/print.h"
 #include "client/terminal/validators.h"
 #include "proto/common/status_macros.h"
 
@@ -73,7 +74,8 @@ absl::StatusOr<std::string> id_with_prefix(const client::Client& client, const s
 /// Prints the remarks of a scene that was loaded just now.
 void print_new_remarks(const v1::LoadSceneResponse& loaded) {
   if (loaded.already_loaded()) return;
-  for (const v1::Remark& remark : loaded.remarks()) fmt::print(stderr, "{}\n", describe(remark));
+  for (const v1::Remark& remark : loaded.remarks())
+    shell::print_text(stderr, "{}\n", describe(remark));
 }
 
 absl::StatusOr<v1::GetSceneResponse> get_scene(const client::Client& client, const std::string& id,
@@ -168,7 +170,7 @@ void Session::connect_to_all(const std::string& scene) {
   options.allow_mixed = allow_mixed_;
   options.security = security();
   options.call = call_options();
-  options.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
+  options.on_event = [](const std::string& event) { shell::print_text(stderr, "{}\n", event); };
   options.load = [scene, load = load_request(*this, scene, 0)](
                      const client::Client& client,
                      const client::CallOptions& call) -> absl::StatusOr<v1::LoadSceneResponse> {
@@ -182,8 +184,8 @@ void Session::connect_to_all(const std::string& scene) {
   servers_.emplace(*std::move(servers));
   const std::vector<std::string> fingerprints = servers_->fingerprints();
   if (fingerprints.size() > 1) {
-    fmt::print(stderr, "the servers have different numeric fingerprints: {}\n",
-               fmt::join(fingerprints, ", "));
+    shell::print_text(stderr, "the servers have different numeric fingerprints: {}\n",
+                      fmt::join(fingerprints, ", "));
   }
 }
 
@@ -316,14 +318,15 @@ absl::Status Session::note_remarks(const std::string& scene, const Remarks& rema
 
 void Session::print_remarks() const {
   const std::lock_guard lock(remarks_mutex_);
-  if (!remarks_line_.empty() && !csv()) fmt::print("{}\n", remarks_line_);
+  if (!remarks_line_.empty() && !csv()) shell::print_text(stdout, "{}\n", remarks_line_);
 }
 
 void Session::show(const Table& table, const std::string& notes) const {
   if (csv()) {
-    fmt::print("{}", table.to_csv());
+    shell::print_text(stdout, "{}", table.to_csv());
   } else {
-    fmt::print("{}{}", table.to_string(shell::has_colours(STDOUT_FILENO)), notes);
+    shell::print_as_is(stdout, table.to_string(shell::has_colours(STDOUT_FILENO)));
+    shell::print_text(stdout, "{}", notes);
   }
 }
 

@@ -16,6 +16,7 @@
 #include <optional>
 #include <utility>
 
+#include "client/shell/print.h"
 #include "client/terminal/point_options.h"
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
@@ -134,15 +135,15 @@ void report(const Options& options) {
   const std::string png = (fs::path(options.directory) / "errors.png").string();
   absl::Status written = write_file(html, *page);
   if (written.ok()) {
-    fmt::print("{}\n", html);
+    shell::print_text(stdout, "{}\n", html);
     written = draw_plot(html, png);
     if (absl::IsNotFound(written)) {
-      fmt::print(stderr, "{}: {} was not written\n", std::string(written.message()), png);
+      shell::print_text(stderr, "{}: {} was not written\n", std::string(written.message()), png);
       return;
     }
   }
   if (!written.ok()) throw cli::CommandError(cli::kServerRefused, std::string(written.message()));
-  fmt::print("{}\n", png);
+  shell::print_text(stdout, "{}\n", png);
 }
 
 void trade(const CLI::App& app, Session& session, const Options& options) {
@@ -168,7 +169,9 @@ void trade(const CLI::App& app, Session& session, const Options& options) {
                              .seed = options.seed};
   trade_options.clock = [&] { return watch.seconds(); };
   if (!options.quiet) {
-    trade_options.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
+    trade_options.on_event = [](const std::string& event) {
+      shell::print_text(stderr, "{}\n", event);
+    };
   }
   auto record = measure_trade(**question, trade_options);
   if (absl::IsDeadlineExceeded(record.status()) &&
@@ -197,9 +200,10 @@ void trade(const CLI::App& app, Session& session, const Options& options) {
   const absl::Status written = write(*record, options.directory);
   if (!written.ok()) session.fail_here(written, cli::kServerRefused);
   if (session.json()) {
-    fmt::print("{}\n", to_json(*record, false));
+    shell::print_text(stdout, "{}\n", to_json(*record, false));
   } else {
-    fmt::print("{}{}\n", to_text(*record), (fs::path(options.directory) / "report.html").string());
+    shell::print_text(stdout, "{}{}\n", to_text(*record),
+                      (fs::path(options.directory) / "report.html").string());
   }
 }
 

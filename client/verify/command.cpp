@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
@@ -184,7 +185,7 @@ void run(Session& session, const VerifyOptions& options) {
   std::vector<Finding>& findings = verification.findings();
   verify::decide(findings, options.strictness);
   if (session.json()) {
-    fmt::print("{}", verify::json_of(findings, truth, options.strictness));
+    shell::print_text(stdout, "{}", verify::json_of(findings, truth, options.strictness));
   } else {
     session.show(verify::rows_of(findings, truth),
                  verify::notes_of(findings, truth, options.strictness));

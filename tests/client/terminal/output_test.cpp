@@ -38,6 +38,14 @@ TEST(Csv, HasNamesWithUnitsAndEveryDigit) {
             "2,exact,,,,,,,,,,NO_LIGHT\n");
 }
 
+TEST(Table, IsPlainText) {
+  cli::Table table({{"na\033[1mme", true}, {"n"}});
+  table.add({"a\nb\033]0;title\007", "1"});
+  EXPECT_EQ(table.to_string(),
+            "na\\u001b[1mme                 n\n"
+            "a\\u000ab\\u001b]0;title\\u0007  1\n");
+}
+
 TEST(Csv, QuotesWhatRfc4180Quotes) {
   cli::Table table({{"a, b"}, {"c"}});
   table.add({"say \"x\"", "two\nlines"});
