@@ -30,8 +30,14 @@ grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& contex
   return {static_cast<grpc::StatusCode>(error.code), error.message, error.details};
 }
 
-LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context) {
-  return context.deadline();
+LaneJob::Clock::time_point deadline_of(gpr_timespec deadline) {
+  using Clock = LaneJob::Clock;
+  constexpr auto kLast =
+      std::chrono::duration_cast<std::chrono::seconds>(Clock::time_point::max().time_since_epoch());
+  const gpr_timespec time = gpr_convert_clock_type(deadline, GPR_CLOCK_REALTIME);
+  // gRPC's own conversion wraps.
+  if (time.tv_sec >= kLast.count()) return Clock::time_point::max();
+  return grpc::Timespec2Timepoint(time);
 }
 
 void UnaryCall::begin(const grpc::ByteBuffer& request) {

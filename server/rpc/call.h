@@ -21,7 +21,7 @@ namespace lucerna::rpc {
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context);
 
 /// gRPC's deadline; the largest time point if there is none.
-LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
+LaneJob::Clock::time_point deadline_of(gpr_timespec deadline);
 
 /// One unary call.  Small tasks run at once on gRPC's thread, others in a lane.  The call lives
 /// until both gRPC and the lane have released it.

@@ -46,7 +46,7 @@ thread_local std::string* parser_reason = nullptr;
 
 ObservedCall::ObservedCall(Runtime& runtime, grpc::CallbackServerContext& context,
                            monitor::Call call)
-    : runtime_(runtime), context_(context), deadline_(deadline_of(context)) {
+    : runtime_(runtime), context_(context), deadline_(deadline_of(context.raw_deadline())) {
   record_.call = call;
   const std::string_view id = header(context, "x-request-id");
   record_.request_id = monitor::is_request_id(id) ? std::string(id) : monitor::make_request_id();

@@ -1,6 +1,7 @@
 #include <map>
 #include <thread>
 
+#include "server/rpc/call.h"
 #include "service_fixture.h"
 #include "tests/paths.h"
 
@@ -200,6 +201,16 @@ TEST_F(RenderServiceTest, ADeadlineEndsWaitingAndWork) {
               grpc::StatusCode::DEADLINE_EXCEEDED);
   }
   while (service_.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
+}
+
+TEST(Deadline, BeyondTheClockIsNever) {
+  using Clock = LaneJob::Clock;
+  // Clock ends in 2262.  Clients may ask for the year 13 000, and a deadline that wraps has passed.
+  for (const std::int64_t s : {std::int64_t{9'223'372'036}, std::int64_t{360'000'000'000}})
+    EXPECT_EQ(rpc::deadline_of(gpr_timespec{s, 0, GPR_CLOCK_REALTIME}), Clock::time_point::max());
+  EXPECT_EQ(rpc::deadline_of(gpr_inf_future(GPR_CLOCK_REALTIME)), Clock::time_point::max());
+  EXPECT_EQ(rpc::deadline_of(gpr_timespec{9'223'372'035, 5, GPR_CLOCK_REALTIME}),
+            Clock::time_point(std::chrono::seconds(9'223'372'035) + std::chrono::nanoseconds(5)));
 }
 
 TEST_F(RenderServiceTest, AFullQueueRefusesRequests) {
