@@ -8,71 +8,17 @@
 #include <string>
 #include <utility>
 
+#include "client/rpc/answer_checks.h"
 #include "proto/common/luminance_moments.h"
 #include "proto/common/status_macros.h"
 #include "proto/common/tile_statistics.h"
 
 namespace lucerna::client {
-bool same_rect(const v1::PixelRect& a, const v1::PixelRect& b) {
-  return a.x0() == b.x0() && a.y0() == b.y0() && a.x1() == b.x1() && a.y1() == b.y1();
-}
 
 namespace {
 
 // Planes are copied byte by byte.
 static_assert(std::endian::native == std::endian::little);
-
-constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 30;
-
-std::string describe(const v1::PixelRect& rect) {
-  return "tile [" + std::to_string(rect.x0()) + ", " + std::to_string(rect.x1()) + ") x [" +
-         std::to_string(rect.y0()) + ", " + std::to_string(rect.y1()) + ")";
-}
-
-std::size_t pixel_count(const v1::PixelRect& rect) {
-  return std::size_t{rect.x1() - rect.x0()} * (rect.y1() - rect.y0());
-}
-
-/// Checks that the fields of a tile are consistent with each other.
-absl::Status check(const v1::Tile& tile) {
-  const v1::PixelRect& rect = tile.rect();
-  const std::string name = describe(rect);
-  if (std::uint64_t{tile.image_width()} * tile.image_height() > kMaxPixels) {
-    return absl::InvalidArgumentError(name + ": the picture has more than 2^30 pixels");
-  }
-  if (rect.x0() >= rect.x1() || rect.y0() >= rect.y1() || rect.x1() > tile.image_width() ||
-      rect.y1() > tile.image_height()) {
-    return absl::InvalidArgumentError(name + ": empty, or not within the picture of " +
-                                      std::to_string(tile.image_width()) + " x " +
-                                      std::to_string(tile.image_height()) + " pixels");
-  }
-  if (tile.block_count() == 0) return absl::InvalidArgumentError(name + ": block_count = 0");
-  const std::size_t bytes = pixel_count(rect) * 3 * sizeof(double);
-  if (tile.sum().size() != bytes || tile.deviation().size() != bytes) {
-    return absl::InvalidArgumentError(
-        name + ": sum and deviation have " + std::to_string(tile.sum().size()) + " and " +
-        std::to_string(tile.deviation().size()) + " bytes, must be " + std::to_string(bytes));
-  }
-  const std::size_t each = pixel_count(rect) * sizeof(std::uint32_t);
-  const bool target = !tile.samples().empty();
-  const bool intervals = target || !tile.lower().empty() || !tile.upper().empty();
-  if ((target && tile.samples().size() != each) ||
-      (intervals && (tile.lower().size() != each || tile.upper().size() != each)))
-    return absl::InvalidArgumentError(
-        name + ": samples, lower and upper have " + std::to_string(tile.samples().size()) + ", " +
-        std::to_string(tile.lower().size()) + " and " + std::to_string(tile.upper().size()) +
-        " bytes, must be 0 or " + std::to_string(each) + "; lower and upper belong together");
-  const std::size_t moments = intervals && !target ? pixel_count(rect) * kMomentBytes : 0;
-  if (tile.moments().size() != moments)
-    return absl::InvalidArgumentError(name + ": moments has " +
-                                      std::to_string(tile.moments().size()) + " bytes, must be " +
-                                      std::to_string(moments));
-  if (target && tile.first_block() != 0)
-    return absl::InvalidArgumentError(name +
-                                      ": first_block = " + std::to_string(tile.first_block()) +
-                                      ", allowed with a target error: 0");
-  return absl::OkStatus();
-}
 
 /// The numbers of a plane; empty if the tile has no such plane.
 template <typename Number>
@@ -236,7 +182,7 @@ PictureAssembler& PictureAssembler::operator=(PictureAssembler&&) noexcept = def
 PictureAssembler::~PictureAssembler() = default;
 
 absl::Status PictureAssembler::add(const v1::Tile& tile) {
-  LUCERNA_RETURN_IF_ERROR(check(tile));
+  LUCERNA_RETURN_IF_ERROR(check_tile(tile));
   State& state = *state_;
   const v1::PixelRect& rect = tile.rect();
   if (state.pieces.empty()) {

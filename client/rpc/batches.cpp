@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "client/rpc/answer_checks.h"
 #include "client/rpc/batch_parts.h"
 #include "proto/common/answer_size.h"
 #include "proto/common/defaults.h"
@@ -57,6 +58,8 @@ absl::StatusOr<Response> in_batches(
         (client.*method)(part(request, first, std::min(size, items - first)), options.call));
     append(next, &whole);
   }
+  // A batch without an array that the others have leaves a gap.
+  LUCERNA_RETURN_IF_ERROR(check_answer(request, whole));
   return whole;
 }
 

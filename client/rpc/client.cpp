@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "client/rpc/answer_checks.h"
 #include "client/rpc/call_context.h"
 #include "client/rpc/channel.h"
 #include "client/rpc/status.h"
@@ -16,6 +17,7 @@
 #include "lucerna/v1/lighting.grpc.pb.h"
 #include "lucerna/v1/render.grpc.pb.h"
 #include "lucerna/v1/scene.grpc.pb.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
@@ -30,6 +32,7 @@ absl::StatusOr<Response> call(const std::unique_ptr<Service>& service,
   Response response;
   const grpc::Status status = (*service.*method)(context.get(), request, &response);
   if (!status.ok()) return to_absl_status(status);
+  LUCERNA_RETURN_IF_ERROR(check_answer(request, response));
   return response;
 }
 
@@ -54,10 +57,13 @@ void begin(Async* service,
                        // gRPC destroys the channel.  gRPC 1.51 then joins the thread from within
                        // itself, and the process aborts.
                        state->context.reset();
-                       if (status.ok()) {
+                       const absl::Status checked =
+                           status.ok() ? check_answer(state->request, state->response)
+                                       : to_absl_status(status);
+                       if (checked.ok()) {
                          done(std::move(state->response));
                        } else {
-                         done(to_absl_status(status));
+                         done(checked);
                        }
                      });
 }
@@ -65,7 +71,11 @@ void begin(Async* service,
 }  // namespace
 
 CallOptions CallOptions::within(std::chrono::duration<double> time) {
-  return {.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(time), .stop = {}};
+  const Clock::time_point now = Clock::now();
+  // Beyond the end of the clock is never.
+  if (time >= Clock::time_point::max() - now) return {};
+  const std::chrono::duration<double> left = std::max(time, std::chrono::duration<double>(0));
+  return {.deadline = now + std::chrono::duration_cast<Clock::duration>(left), .stop = {}};
 }
 
 CallOptions CallOptions::at_most(std::chrono::duration<double> time) const {
@@ -282,13 +292,20 @@ absl::Status Client::render_image(
   } reader{context, connection_->render->RenderImage(context.get(), request)};
 
   v1::RenderImageResponse response;
+  ImageCheck check;
   while (reader.stream->Read(&response)) {
+    if (absl::Status s = check.add(response); !s.ok()) {
+      context.cancel();
+      reader.finish();
+      return s;
+    }
     if (on_response(response)) continue;
     context.cancel();
     reader.finish();
     return absl::CancelledError("the caller stopped the picture");
   }
-  return to_absl_status(reader.finish());
+  const grpc::Status status = reader.finish();
+  return status.ok() ? check.end() : to_absl_status(status);
 }
 
 absl::StatusOr<v1::FindSurfacesResponse> Client::find_surfaces(

@@ -9,12 +9,16 @@ import concurrent.futures
 import csv
 import importlib
 import io
+import itertools
 import json
+import math
 import os
 import pathlib
 import re
+import struct
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import grpc
@@ -139,6 +143,41 @@ class Text(unittest.TestCase):
                     self.assert_plain(ran.stdout + ran.stderr, f"{words} {form}")
                     if form == "json":
                         json.loads(ran.stderr or ran.stdout)
+
+
+def short_answers(name, request, response, context):
+    if name == "LoadScene":
+        response.scene_id = "0" * 64
+    return response
+
+
+def picture_of(values):
+    """A server whose pictures have one tile with these three doubles; it never stops sending it."""
+    def answer(name, request, response, context):
+        if name != "RenderImage":
+            return short_answers(name, request, response, context)
+        tile = response.tile
+        tile.rect.x1 = tile.rect.y1 = tile.image_width = tile.image_height = tile.block_count = 1
+        tile.sum, tile.deviation = struct.pack("3d", *values), bytes(24)
+        return itertools.chain([response], itertools.takewhile(lambda _: context.is_active(), itertools.repeat(response)))
+    return answer
+
+
+class Answers(unittest.TestCase):
+    def assert_broken(self, ran, what):
+        self.assertEqual(ran.returncode, 1, ran)
+        self.assertIn(b"the server broke the protocol: ", ran.stderr)
+        self.assertIn(what, ran.stderr)
+
+    def test_points_that_the_answer_lacks_are_an_error(self):
+        with Fake(short_answers) as fake:
+            self.assert_broken(fake.run("irradiance", "x.pbrt", *POINT), b"irradiance_lx: has 0 entries, must be 3")
+
+    def test_pictures_are_finite_and_end(self):
+        for values, what in (((1, math.nan, 1), b"not finite"), ((1, 1, 1), b"came again without more blocks")):
+            with Fake(picture_of(values)) as fake, tempfile.TemporaryDirectory() as folder:
+                self.assert_broken(fake.run("render", "x.pbrt", "-o", "x.pfm", cwd=folder), what)
+                self.assertEqual(os.listdir(folder), [])
 
 
 if __name__ == "__main__":

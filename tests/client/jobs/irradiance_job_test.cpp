@@ -195,7 +195,7 @@ TEST_F(IrradianceJobTest, ImpossibleJobsAreErrors) {
   options_.items_per_piece = 0;
   const auto result = run(10);
   EXPECT_EQ(result.status().code(), absl::StatusCode::kInternal);
-  EXPECT_THAT(result.status().message(), HasSubstr("another number of receivers"));
+  EXPECT_THAT(result.status().message(), HasSubstr("the server broke the protocol"));
 }
 
 TEST_F(IrradianceJobTest, UnreadableReceiversEndTheJob) {

@@ -228,6 +228,19 @@ TEST(Client, DeadlineEndsTheCall) {
   EXPECT_EQ(response.status().code(), absl::StatusCode::kDeadlineExceeded);
 }
 
+TEST(Client, DeadlinesBeyondTheClockAreNever) {
+  FakeServer server;
+  server.get_scene = [](auto&, const auto&, auto*) { return grpc::Status::OK; };
+  for (const double seconds : {1e10, 1e18, 1e300}) {
+    const CallOptions options = CallOptions::within(std::chrono::duration<double>(seconds));
+    EXPECT_EQ(options.deadline, CallOptions::Clock::time_point::max()) << seconds;
+    EXPECT_TRUE(server.client().get_scene({}, options).ok()) << seconds;
+  }
+  const auto passed = CallOptions::within(std::chrono::duration<double>(-1e300));
+  EXPECT_EQ(server.client().get_scene({}, passed).status().code(),
+            absl::StatusCode::kDeadlineExceeded);
+}
+
 TEST(Client, StopTokenEndsTheCallFromAnotherThread) {
   FakeServer server;
   std::promise<void> arrived;
@@ -264,12 +277,19 @@ TEST(Client, StoppedBeforeTheCallIsCancelledAtOnce) {
 TEST(Client, TakesMessagesOfMoreThanFourMebibytes) {
   FakeServer server;
   server.render_tile = [](auto&, const auto&, v1::RenderTileResponse* response) {
-    response->mutable_tile()->set_sum(std::string(9 << 20, 'x'));
+    v1::Tile& tile = *response->mutable_tile();
+    tile.mutable_rect()->set_x1(1 << 18);
+    tile.mutable_rect()->set_y1(1);
+    tile.set_image_width(1 << 18);
+    tile.set_image_height(1);
+    tile.set_block_count(1);
+    tile.set_sum(std::string(6 << 20, '\0'));
+    tile.set_deviation(tile.sum());
     return grpc::Status::OK;
   };
   const auto response = server.client().render_tile({});
   ASSERT_TRUE(response.ok()) << response.status();
-  EXPECT_EQ(response->tile().sum().size(), 9U << 20);
+  EXPECT_EQ(response->tile().sum().size(), 6U << 20);
 }
 
 grpc::Status endless_tiles(grpc::ServerContext& context,
@@ -287,8 +307,16 @@ TEST(Client, RenderImagePassesEachResponseInOrder) {
   FakeServer server;
   server.render_image = [](auto&, grpc::ServerWriter<v1::RenderImageResponse>& writer) {
     v1::RenderImageResponse response;
+    v1::Tile& tile = *response.mutable_tile();
+    tile.mutable_rect()->set_x1(1);
+    tile.mutable_rect()->set_y1(1);
+    tile.set_image_width(1);
+    tile.set_image_height(1);
+    tile.set_sum(std::string(24, '\0'));
+    tile.set_deviation(tile.sum());
     for (int i = 1; i <= 3; ++i) {
       response.set_samples_done(i);
+      tile.set_block_count(i);
       writer.Write(response);
     }
     return grpc::Status::OK;

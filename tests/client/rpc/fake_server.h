@@ -3,6 +3,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/rpc/batch_parts.h"
 #include "lucerna/client/client.h"
 #include "lucerna/v1/admin.grpc.pb.h"
 #include "lucerna/v1/lighting.grpc.pb.h"
@@ -41,6 +43,8 @@ class FakeServer : v1::LightingService::Service,
       upload_asset;
   std::function<grpc::Status(grpc::ServerContext&, grpc::ServerWriter<v1::RenderImageResponse>&)>
       render_image;
+  /// Fills arrays that a handler leaves empty with zeros, so that tests set only what they read.
+  bool completes_answers = true;
   std::uint32_t max_batch_items = 5;
   std::uint64_t max_message_bytes = 64 << 20;
   std::string fingerprint = "f";
@@ -64,16 +68,22 @@ class FakeServer : v1::LightingService::Service,
  private:
   grpc::Status SampleLi(grpc::ServerContext* context, const v1::SampleLiRequest* request,
                         v1::SampleLiResponse* response) override {
-    return sample_li(*context, *request, response);
+    const grpc::Status status = sample_li(*context, *request, response);
+    if (completes_answers && status.ok()) complete(*request, *response);
+    return status;
   }
   grpc::Status SampleLe(grpc::ServerContext* context, const v1::SampleLeRequest* request,
                         v1::SampleLeResponse* response) override {
-    return sample_le(*context, *request, response);
+    const grpc::Status status = sample_le(*context, *request, response);
+    if (completes_answers && status.ok()) complete(*request, *response);
+    return status;
   }
   grpc::Status EstimateIrradiance(grpc::ServerContext* context,
                                   const v1::EstimateIrradianceRequest* request,
                                   v1::EstimateIrradianceResponse* response) override {
-    return irradiance(*context, *request, response);
+    const grpc::Status status = irradiance(*context, *request, response);
+    if (completes_answers && status.ok()) complete(*request, *response);
+    return status;
   }
   grpc::Status GetScene(grpc::ServerContext* context, const v1::GetSceneRequest* request,
                         v1::GetSceneResponse* response) override {
@@ -102,7 +112,10 @@ class FakeServer : v1::LightingService::Service,
   }
   grpc::Status RenderTile(grpc::ServerContext* context, const v1::RenderTileRequest* request,
                           v1::RenderTileResponse* response) override {
-    return render_tile(*context, *request, response);
+    const grpc::Status status = render_tile(*context, *request, response);
+    if (completes_answers && status.ok() && !response->tile().has_rect())
+      complete(*request, *response->mutable_tile());
+    return status;
   }
   grpc::Status RenderImage(grpc::ServerContext* context, const v1::RenderImageRequest*,
                            grpc::ServerWriter<v1::RenderImageResponse>* writer) override {
@@ -116,6 +129,84 @@ class FakeServer : v1::LightingService::Service,
     response->mutable_limits()->set_max_message_bytes(max_message_bytes);
     response->mutable_fingerprint()->set_digest(fingerprint);
     return grpc::Status::OK;
+  }
+
+  /// A black tile.
+  static void complete(const v1::RenderTileRequest& request, v1::Tile& tile) {
+    *tile.mutable_rect() = request.rect();
+    if (!request.has_rect()) {
+      tile.mutable_rect()->set_x1(1);
+      tile.mutable_rect()->set_y1(1);
+    }
+    const v1::PixelRect& rect = tile.rect();
+    tile.set_image_width(rect.x1());
+    tile.set_image_height(rect.y1());
+    const std::uint32_t length = std::max(1U, request.samples_per_block());
+    tile.set_samples_per_block(length);
+    tile.set_first_block(request.first_sample() / length);
+    tile.set_block_count(std::max(1U, request.accuracy().samples() / length));
+    tile.set_sum(std::string(24UL * (rect.x1() - rect.x0()) * (rect.y1() - rect.y0()), '\0'));
+    tile.set_deviation(tile.sum());
+  }
+  template <class T>
+  static void fill(std::size_t count, google::protobuf::RepeatedField<T>* array) {
+    if (array->empty()) array->Resize(static_cast<int>(count), T{});
+  }
+  static void complete(const v1::SampleLiRequest& request, v1::SampleLiResponse& response) {
+    const std::size_t receivers = client::item_count(request);
+    std::size_t n = receivers * std::max(1U, request.accuracy().samples());
+    if (request.accuracy().has_target_error() || request.accuracy().has_time_budget_s()) {
+      v1::ReceiverEstimates& e = *response.mutable_estimates();
+      if (e.samples().empty()) e.mutable_samples()->Resize(static_cast<int>(receivers), 1);
+      for (auto* array : {e.mutable_illuminance_lx(), e.mutable_standard_error_lx(),
+                          e.mutable_lower_lx(), e.mutable_upper_lx()})
+        fill(receivers, array);
+      n = 0;
+      for (const std::uint32_t samples : e.samples()) n += samples;
+    }
+    for (auto* array : {response.mutable_value(), response.mutable_wi(),
+                        response.mutable_light_offsets_m(), response.mutable_light_normals()})
+      fill(3 * n, array);
+    for (auto* array : {response.mutable_distance_m(), response.mutable_pdf_per_sr()})
+      fill(n, array);
+    fill(n * request.wavelengths_nm_size(), response.mutable_spectral_value());
+    if (!request.has_light_id() && request.light_name().empty()) {
+      fill(n, response.mutable_light_ids());
+      fill(n, response.mutable_selection_probability());
+    }
+    if (request.test_visibility()) response.mutable_visible()->resize((n + 7) / 8);
+  }
+  static void complete(const v1::SampleLeRequest& request, v1::SampleLeResponse& response) {
+    const std::size_t n = request.count();
+    for (auto* array :
+         {response.mutable_points()->mutable_offsets_m(), response.mutable_directions(),
+          response.mutable_light_normals(), response.mutable_value()})
+      fill(3 * n, array);
+    fill(n, response.mutable_pdf_position_per_m2());
+    fill(n, response.mutable_pdf_direction_per_sr());
+    fill(n * request.wavelengths_nm_size(), response.mutable_spectral_value());
+    if (!request.has_light_id() && request.light_name().empty()) {
+      fill(n, response.mutable_light_ids());
+      fill(n, response.mutable_selection_probability());
+    }
+  }
+  static void complete(const v1::EstimateIrradianceRequest& request,
+                       v1::EstimateIrradianceResponse& response) {
+    const std::size_t n = client::item_count(request);
+    fill(3 * n, response.mutable_irradiance_lx());
+    fill(n, response.mutable_illuminance_lx());
+    fill(n, response.mutable_zero_bound_lx());
+    fill(response.lower_lx_size(), response.mutable_upper_lx());
+    fill(n * request.wavelengths_nm_size(), response.mutable_spectral_irradiance());
+    if (request.accuracy().has_target_error()) {
+      fill(n, response.mutable_lower_lx());
+      fill(n, response.mutable_upper_lx());
+      fill(n, response.mutable_item_costs()->mutable_samples());
+    }
+    for (v1::LightShare& share : *response.mutable_shares()) {
+      fill(n, share.mutable_illuminance_lx());
+      fill(share.lower_lx_size(), share.mutable_upper_lx());
+    }
   }
 
   int port_ = 0;

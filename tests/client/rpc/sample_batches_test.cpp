@@ -32,11 +32,15 @@ TEST(Batches, SamplesToATargetCountWithTheirMaximum) {
       e->add_spectral_irradiance(item);
       e->add_spectral_standard_error(item);
     }
-    if (first_items.size() == 2) e->add_status(v1::ITEM_STATUS_OUT_OF_RANGE);
+    if (first_items.size() == 2 && receivers == 2) {
+      e->add_status(v1::ITEM_STATUS_OUT_OF_RANGE);
+      e->add_status(v1::ITEM_STATUS_OK);
+    }
     return grpc::Status::OK;
   };
   v1::SampleLiRequest request;
   for (int i = 0; i < 15; ++i) request.mutable_receivers()->add_offsets_m(1);
+  request.add_wavelengths_nm(550);
   request.mutable_seed();
   request.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
   request.mutable_accuracy()->mutable_target_error()->set_max_samples(64);
