@@ -31,7 +31,8 @@ def check_timeout(seconds: float | None) -> float | None:
     """The time-out itself.  InvalidArgument for one that is not above 0."""
     if seconds is not None and not seconds > 0:
         raise invalid("timeout", f"is {seconds}, allowed: above 0 s")
-    return seconds
+    # The clocks of gRPC and of Python end; more than thirty years are no limit.
+    return None if seconds is None or seconds > 1e9 else seconds
 
 
 class Scene(Caller):

@@ -123,6 +123,11 @@ def invalid(field: str, description: str) -> InvalidArgument:
                            violations=(FieldViolation(field, description),))
 
 
+def broken(what: str) -> Error:
+    """The error of an answer that does not fit its request."""
+    return Error(f"the server broke the protocol: {what}", code=grpc.StatusCode.INTERNAL)
+
+
 def from_rpc(error: Any) -> Error:
     """The error of a failed call of gRPC."""
     message = error.details() or ""

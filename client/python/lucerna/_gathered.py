@@ -1,6 +1,7 @@
 """What the calls of LightingService share: fields of requests, and answers joined from batches."""
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -72,23 +73,32 @@ def points_at(path: tuple[int, ...], points: NDArray[np.float64],
     return b.ItemArray((*path, p.OFFSETS), rows, before)
 
 
+def next_page(request: Any, page: Any, entries: Any) -> bool:
+    """Sets the token of the next page; False after the last one."""
+    if page.next_page_token and (not entries or page.next_page_token == request.page_token):
+        raise _wire.Broken(f"{type(page).__name__}.next_page_token: the list has no end")
+    request.page_token = page.next_page_token
+    return bool(request.page_token)
+
+
 class Gathered:
     """The answers of all batches, with arrays joined and in the shape of the items."""
 
     def __init__(self, answered: b.Answered, message: Any, counts: Callable[[_wire.Answer, int], int] | None = None):
         self._parts = [_wire.Answer(data, message.DESCRIPTOR) for data in answered.parts]
-        self._counts = [counts(a, n) if counts else n for a, n in zip(self._parts, answered.counts)]
+        self._items = answered.counts
+        self._counts = [counts(a, n) if counts else n for a, n in zip(self._parts, self._items)]
 
     @property
     def parts(self) -> list[_wire.Answer]:
         """The answers, batch by batch."""
         return self._parts
 
-    def inside(self, name: str, counts: Callable[[_wire.Answer], int]) -> Gathered:
-        """The same for a message in each answer."""
+    def inside(self, name: str) -> Gathered:
+        """The same for a message in each answer, which has arrays with an entry for each item."""
         inner = object.__new__(Gathered)
         inner._parts = [a.message(name) for a in self._parts]
-        inner._counts = [counts(a) for a in inner._parts]
+        inner._items = inner._counts = self._items
         return inner
 
     @property
@@ -98,7 +108,7 @@ class Gathered:
 
     def floats(self, name: str, *shape: int) -> _wire.Floats:
         """A repeated float, in this shape."""
-        return _shaped(name, _wire.joined(a.floats(name) for a in self._parts), shape)
+        return self.of_items(name, [a.floats(name) for a in self._parts], shape)
 
     def floats_if_any(self, name: str, *shape: int) -> _wire.Floats | None:
         """The same; None if no batch has numbers."""
@@ -108,11 +118,11 @@ class Gathered:
         """A repeated double, in this shape; None if no batch has numbers."""
         if not any(a.has(name) for a in self._parts):
             return None
-        return _shaped(name, _wire.joined(a.doubles(name) for a in self._parts), shape)
+        return self.of_items(name, [a.doubles(name) for a in self._parts], shape)
 
     def varints(self, name: str, *shape: int) -> _wire.Ids:
         """Repeated whole numbers, in this shape."""
-        return _shaped(name, _wire.joined(a.varints(name) for a in self._parts), shape)
+        return self.of_items(name, [a.varints(name) for a in self._parts], shape)
 
     def varints_if_any(self, name: str, *shape: int) -> _wire.Ids | None:
         """The same; None if no batch has numbers."""
@@ -121,7 +131,7 @@ class Gathered:
     def bits(self, name: str, *shape: int) -> _wire.Bools:
         """An array of bits, in this shape."""
         bits = [a.bits(name, n) for a, n in zip(self._parts, self._counts)]
-        return _shaped(name, _wire.joined(bits), shape)
+        return self.of_items(name, bits, shape)
 
     def bits_if_any(self, name: str, *shape: int) -> _wire.Bools | None:
         """The same; None if no batch has bits."""
@@ -133,7 +143,21 @@ class Gathered:
             return np.full(shape, results.OK, np.uint8)
         pieces = [a.varints("status").astype(np.uint8) if a.has("status") else np.full(n, results.OK, np.uint8)
                   for a, n in zip(self._parts, self._counts)]
-        return _shaped("status", _wire.joined(pieces), shape)
+        return self.of_items("status", pieces, shape)
+
+    def of_items(self, name: str, parts: list[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
+        """One array, in this shape, of those of the batches, after their checks."""
+        # Each batch must have its own items: a longer one would hide that another one is too short.
+        each = math.prod(shape) // max(self.count, 1)
+        for part, n in zip(parts, self._counts):
+            if part.size != n * each:
+                raise _wire.Broken(f"{name} has {part.size} entries, expected {n * each}")
+            if part.dtype.kind == "f" and not np.isfinite(part).all():
+                raise _wire.Broken(f"{name} has a number that is not finite")
+        try:
+            return _wire.joined(parts).reshape(shape)
+        except ValueError:
+            raise _wire.Broken(f"{name} has {sum(part.size for part in parts)} entries, expected shape {shape}") from None
 
     def cost(self) -> accuracy_pb2.Cost:
         """The sum of all counts and times."""
@@ -141,10 +165,3 @@ class Gathered:
         for part in self._parts:
             add_cost(_wire.parsed(accuracy_pb2.Cost, part.data("cost")), whole)
         return whole
-
-
-def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    try:
-        return array.reshape(shape)
-    except ValueError:
-        raise ValueError(f"the answer has {array.size} numbers in {name}, expected shape {shape}") from None

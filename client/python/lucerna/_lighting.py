@@ -13,7 +13,7 @@ from lucerna import _results as results
 from lucerna import _wire
 from lucerna._accuracy import Accuracy, accuracy_of, enum_value
 from lucerna._errors import invalid
-from lucerna._gathered import (Gathered, Light, SceneLike, add_cost, name_light, number_of, points_at, seed_of,
+from lucerna._gathered import (Gathered, Light, SceneLike, add_cost, name_light, next_page, number_of, points_at, seed_of,
                                set_fields)
 from lucerna._steps import Steps, Unary
 from lucerna.v1 import accuracy_pb2, lighting_pb2, render_pb2, scene_pb2
@@ -60,8 +60,7 @@ def irradiance(scene: SceneLike, points: p.Places, normals: ArrayLike | None = N
         per_item=9 * b.FLOAT + b.STATUS + (2 * b.ID + b.FLOAT if target else 0) + lights * share
         + 2 * b.FLOAT * wavelengths.size)
     got = Gathered(answered, lighting_pb2.EstimateIrradianceResponse)
-    items = got.inside("item_costs", lambda a: a.varints("samples").size) if target else None
-    used = (items.varints("samples", *shape) if items is not None and items.count == where[..., 0].size
+    used = (got.inside("item_costs").varints("samples", *shape) if target
             else np.full(shape, max(a.number("samples") for a in got.parts), np.uint64))
     return results.Irradiance(
         points=where, normals=facing, illuminance=got.floats("illuminance_lx", *shape),
@@ -79,12 +78,14 @@ def _shares(got: Gathered, shape: tuple[int, ...]) -> results.Shares:
     # Every batch lists the same lights in the same order.
     batches = [a.messages("shares") for a in got.parts]
     ids = np.array([s.number("light_id") for s in batches[0]], np.uint64)
+    if any([s.number("light_id") for s in shares] != ids.tolist() for shares in batches):
+        raise _wire.Broken("shares: batches have different lights")
 
     def gathered(name: str) -> _wire.Floats | None:
         if not any(s.has(name) for shares in batches for s in shares):
             return None
-        rows = [_wire.joined(shares[i].floats(name) for shares in batches) for i in range(ids.size)]
-        array: _wire.Floats = np.stack(rows).reshape(ids.size, *shape)
+        rows = [got.of_items(name, [shares[i].floats(name) for shares in batches], shape) for i in range(ids.size)]
+        array: _wire.Floats = np.stack(rows)
         return array
 
     values = gathered("illuminance_lx")
@@ -179,7 +180,7 @@ def find_surfaces(scene: SceneLike, places: ArrayLike, *, time_s: float | None =
                              (b.ItemArray((number_of(head, "places"),), p.to_floats(where, 2)),))
     got = Gathered((yield from b.in_batches(request, per_item=6 * b.FLOAT + b.BIT + b.ID + b.STATUS,
                                             progress=progress)), render_pb2.FindSurfacesResponse)
-    points = got.inside("points", lambda a: a.floats("offsets_m").size // 3)
+    points = got.inside("points")
     # Every batch has the origin of the scene.
     at = _wire.parsed(accuracy_pb2.Vector3, points.parts[0].data("origin_m"))
     return results.Surfaces(
@@ -211,8 +212,7 @@ def power(scene: SceneLike, lights: Sequence[Light] = (), *, method: str = "exac
         page = _wire.parsed(lighting_pb2.EstimatePowerResponse, data)
         found += page.lights
         add_cost(page.cost, cost)
-        head.page_token = page.next_page_token
-        if not head.page_token:
+        if not next_page(head, page, page.lights):
             break
 
     def numbers(name: str) -> _wire.Doubles:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -86,10 +87,32 @@ class Picture:
 
 
 def _plane(data: bytes, dtype: str, *shape: int) -> NDArray[Any]:
-    return np.frombuffer(data, dtype).reshape(shape).copy()
+    plane = np.frombuffer(data, np.uint8)
+    if plane.size != math.prod(shape) * np.dtype(dtype).itemsize:
+        raise _wire.Broken(f"a plane of a tile has {plane.size} bytes, expected {dtype} in shape {shape}")
+    values: NDArray[Any] = plane.view(dtype).reshape(shape).copy()
+    if not np.isfinite(values).all():
+        raise _wire.Broken("a tile has a number that is not finite")
+    return values
+
+
+def _check(tile: render_pb2.Tile) -> None:
+    """As check_tile() in client/rpc/answer_checks.cpp."""
+    r = tile.rect
+    if not (r.x0 < r.x1 <= tile.image_width and r.y0 < r.y1 <= tile.image_height):
+        raise _wire.Broken(f"{_name(r)} is empty, or outside of its picture")
+    if tile.image_width * tile.image_height > 1 << 30 or tile.block_count == 0:
+        raise _wire.Broken(f"{_name(r)} is of a picture of more than 2^30 pixels, or has no blocks")
+    if bool(tile.lower) != bool(tile.upper):
+        raise _wire.Broken(f"{_name(r)} has one of lower and upper, must have both or none")
+
+
+def _name(r: render_pb2.PixelRect) -> str:
+    return f"tile [{r.x0}, {r.x1}) x [{r.y0}, {r.y1})"
 
 
 def _tile(tile: render_pb2.Tile, cost: accuracy_pb2.Cost) -> Tile:
+    _check(tile)
     rows, columns = tile.rect.y1 - tile.rect.y0, tile.rect.x1 - tile.rect.x0
     each = tile.samples_per_block * tile.block_count
     return Tile(
@@ -133,6 +156,8 @@ def tile(scene: SceneLike, rect: tuple[int, int, int, int] | None = None, *, sam
         set_fields(request.rect, **dict(zip(("x0", "y0", "x1", "y1"), rect, strict=True)))
     data = yield Unary("RenderService/RenderTile", request.SerializeToString())
     answer = _wire.parsed(render_pb2.RenderTileResponse, data)
+    if rect is not None and answer.tile.rect != request.rect:
+        raise _wire.Broken(f"{_name(answer.tile.rect)}: requested was {_name(request.rect)}")
     return _tile(answer.tile, answer.cost)
 
 
@@ -156,6 +181,7 @@ def render(scene: SceneLike, *, samples: int | None = None, error: float | None 
     planes: dict[str, NDArray[Any]] = {}
     cost = accuracy_pb2.Cost()
     missing = [False]
+    blocks: dict[tuple[int, int, int, int], int] = {}  # of each tile
 
     def receive(data: bytes) -> None:
         answer = _wire.parsed(render_pb2.RenderImageResponse, data)
@@ -164,12 +190,18 @@ def render(scene: SceneLike, *, samples: int | None = None, error: float | None 
             return
         part = _tile(answer.tile, answer.cost)
         missing[0] |= part.may_miss_light
+        r = answer.tile.rect
+        if part.blocks <= blocks.get((r.x0, r.y0, r.x1, r.y1), 0):
+            raise _wire.Broken(f"{_name(r)} came again without more blocks")
+        blocks[r.x0, r.y0, r.x1, r.y1] = part.blocks
         if not planes:
             size = (part.image_height, part.image_width)
             planes.update(pixels=np.zeros((*size, 3)), standard_error=np.full((*size, 3), np.nan),
                           samples=np.zeros(size, np.uint64))
             if part.low is not None:
                 planes.update(low=np.zeros(size, np.float32), high=np.zeros(size, np.float32))
+        if planes["samples"].shape != (part.image_height, part.image_width) or ("low" in planes) != (part.low is not None):
+            raise _wire.Broken(f"{_name(r)} is of another picture than the tiles before")
         rows, columns = part.samples.shape
         at = (slice(part.y0, part.y0 + rows), slice(part.x0, part.x0 + columns))
         for name, plane in planes.items():
@@ -179,5 +211,9 @@ def render(scene: SceneLike, *, samples: int | None = None, error: float | None 
             on_tile(part)
 
     yield Stream("RenderService/RenderImage", request.SerializeToString(), receive)
+    covered = sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in blocks)
+    if not planes or covered != planes["samples"].size:
+        raise _wire.Broken(f"the picture ended with {covered} pixels, of "
+                           f"{planes['samples'].size if planes else 'unknown size'}")
     return Picture(pixels=planes["pixels"], standard_error=planes["standard_error"], samples=planes["samples"],
                    low=planes.get("low"), high=planes.get("high"), may_miss_light=missing[0], cost=cost)

@@ -68,7 +68,8 @@ def sample_li(scene: SceneLike, points: p.Places, normals: ArrayLike | None = No
         weight = max(1, head.accuracy.target_error.max_samples)
         each += -(-_of_receiver(wavelengths) // weight)
     answered = yield from b.in_batches(request, per_item=each, weight=weight, whole=whole, progress=progress)
-    got = Gathered(answered, lighting_pb2.SampleLiResponse, lambda a, _: a.floats("pdf_per_sr").size)
+    got = Gathered(answered, lighting_pb2.SampleLiResponse, lambda a, n: (
+        int(a.message("estimates").varints("samples").sum()) if estimates else n * count))
     per = _estimates(got, shape, wavelengths) if estimates and items else None
     form = (got.count,) if estimates else (*shape, *per_point)
     counts: Any = count if per is None else per.samples.reshape(-1).astype(np.intp)
@@ -124,7 +125,7 @@ def _of_receiver(wavelengths: NDArray[Any]) -> int:
 
 
 def _estimates(got: Gathered, shape: tuple[int, ...], wavelengths: NDArray[Any]) -> results.Estimates:
-    per = got.inside("estimates", lambda a: a.floats("illuminance_lx").size)
+    per = got.inside("estimates")
     return results.Estimates(
         samples=per.varints("samples", *shape), illuminance=per.floats("illuminance_lx", *shape),
         standard_error=per.floats("standard_error_lx", *shape), low=per.floats("lower_lx", *shape),
@@ -178,7 +179,7 @@ def sample_le(scene: SceneLike, count: int, *, light: Light | None = None, u: Ar
                              number_of(head, "count"))
     each = (14 * b.FLOAT + b.STATUS + (b.CHOICE if light is None else 0) + b.FLOAT * int(wavelengths.size))
     got = Gathered((yield from b.in_batches(request, per_item=each, progress=progress)), lighting_pb2.SampleLeResponse)
-    points = got.inside("points", lambda a: a.floats("offsets_m").size // 3)
+    points = got.inside("points")
     offsets = points.floats("offsets_m", count, 3)
     # Every batch has the origin of the scene.
     at = _wire.parsed(accuracy_pb2.Vector3, points.parts[0].data("origin_m"))

@@ -13,8 +13,8 @@ import numpy as np
 from lucerna import _results as results
 from lucerna import _wire
 from lucerna.edits import Edit, resolved
-from lucerna._errors import Error, FailedPrecondition, InvalidArgument, NotFound, Unavailable, invalid
-from lucerna._gathered import SceneLike, set_fields
+from lucerna._errors import FailedPrecondition, InvalidArgument, NotFound, Unavailable, invalid
+from lucerna._gathered import SceneLike, next_page, set_fields
 from lucerna._steps import INFO, Pause, Steps, Unary, Upload, Work
 from lucerna._wire import Bools, Doubles, Ids
 from lucerna.v1 import admin_pb2, light_pb2, scene_pb2
@@ -70,10 +70,9 @@ def stats(_: Any) -> Steps[admin_pb2.GetStatsResponse]:
 def _pages(method: str, request: Any, response: Any, field: str) -> Steps[tuple[Any, ...]]:
     found: list[Any] = []
     while True:
-        page = response.FromString((yield Unary(method, request.SerializeToString())))
+        page = _wire.parsed(response, (yield Unary(method, request.SerializeToString())))
         found += getattr(page, field)
-        request.page_token = page.next_page_token
-        if not request.page_token:
+        if not next_page(request, page, getattr(page, field)):
             return tuple(found)
 
 
@@ -236,11 +235,11 @@ def upload(path: str | os.PathLike[str], root: str | os.PathLike[str] | None, re
                 wanted.setdefault(file.digest, asset.name)
         for digest, received in (yield from _missing(wanted)):
             if digest not in wanted:
-                raise Error("the server requests a file that is not in the manifest")
+                raise _wire.Broken("the server requests a file that is not in the manifest")
             file = files[wanted[digest]]
             assert file is not None
             yield from _send(wanted[digest], file, received, progress)
-    raise Error(f"the server still requests files after {_ROUNDS} rounds")
+    raise _wire.Broken(f"the server still requests files after {_ROUNDS} rounds")
 
 
 def _missing(digests: Iterable[bytes]) -> Steps[list[tuple[bytes, int]]]:
@@ -248,6 +247,8 @@ def _missing(digests: Iterable[bytes]) -> Steps[list[tuple[bytes, int]]]:
     request = scene_pb2.FindMissingAssetsRequest(sha256=digests)
     data = yield Unary("SceneService/FindMissingAssets", request.SerializeToString())
     answer = _wire.parsed(scene_pb2.FindMissingAssetsResponse, data)
+    if len(answer.received_bytes) != len(answer.missing_sha256) or not set(answer.missing_sha256) <= set(request.sha256):
+        raise _wire.Broken("FindMissingAssetsResponse has files that were not requested, or lacks their bytes")
     return list(zip(answer.missing_sha256, answer.received_bytes))
 
 

@@ -15,7 +15,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import grpc
 
-from lucerna import _errors
+from lucerna import _errors, _wire
 from lucerna._channel import Connection
 
 
@@ -118,6 +118,8 @@ class Transport:
         except StopIteration as finish:
             value: R = finish.value
             return value
+        except _wire.Broken as error:
+            raise _errors.broken(str(error)) from None
         finally:
             steps.close()
 

@@ -5,11 +5,13 @@ length and the numbers, so NumPy writes and reads its bytes directly.  Small fie
 """
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
+from google.protobuf.message import DecodeError
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float32]
@@ -17,6 +19,11 @@ Doubles = NDArray[np.float64]
 Ids = NDArray[np.uint64]
 Bools = NDArray[np.bool_]
 M = TypeVar("M")
+
+
+class Broken(ValueError):
+    """An answer that does not fit its request.  Transports turn it into an Error of the package."""
+
 
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
 
@@ -85,7 +92,7 @@ def unpack_varints(data: bytes | memoryview) -> Ids:
 class Answer:
     """The fields of one serialised message, by their names.  Arrays are views of its bytes.
 
-    Raises ValueError for bytes that are not a message.
+    Raises Broken for bytes that are not a message.
     """
 
     def __init__(self, data: bytes | memoryview, descriptor: Any) -> None:
@@ -112,7 +119,7 @@ class Answer:
                     raise ValueError
                 self._values.setdefault(tag >> 3, []).append(value)
         except (IndexError, ValueError, struct.error):
-            raise ValueError(f"the answer is no {descriptor.full_name}: wrong field near byte {at}") from None
+            raise Broken(f"the answer is no {descriptor.full_name}: wrong field near byte {at}") from None
 
     def _all(self, name: str) -> list[Any]:
         return self._values.get(self._numbers[name].number, [])
@@ -123,8 +130,11 @@ class Answer:
 
     def _array(self, name: str, dtype: str) -> NDArray[Any]:
         # Serialisers send one piece.  The format also allows several, and single numbers.
-        pieces = [np.frombuffer(v, dtype) if isinstance(v, memoryview) else np.array([v], dtype)
-                  for v in self._all(name)]
+        try:
+            pieces = [np.frombuffer(v, dtype) if isinstance(v, memoryview) else np.array([v], dtype)
+                      for v in self._all(name)]
+        except ValueError as error:
+            raise Broken(f"{name}: {error}") from None
         return pieces[0] if len(pieces) == 1 else np.concatenate([np.empty(0, dtype), *pieces])
 
     def floats(self, name: str) -> Floats:
@@ -149,6 +159,8 @@ class Answer:
     def bits(self, name: str, count: int) -> Bools:
         """The first `count` bits of an array of bits."""
         octets = np.frombuffer(self.data(name), np.uint8)
+        if octets.size != (count + 7) // 8:
+            raise Broken(f"{name} has {octets.size} bytes, expected {(count + 7) // 8}")
         return np.unpackbits(octets, count=count, bitorder="little").view(np.bool_)
 
     def number(self, name: str) -> int:
@@ -170,9 +182,23 @@ class Answer:
 
 
 def parsed(kind: type[M], data: Any) -> M:
-    """A small message from its bytes."""
-    message: M = getattr(kind, "FromString")(data)
+    """A small message from its bytes, with finite numbers."""
+    try:
+        message: M = getattr(kind, "FromString")(data)
+    except DecodeError as error:
+        raise Broken(str(error)) from None
+    _check_finite(message)
     return message
+
+
+def _check_finite(message: Any) -> None:
+    for field, value in message.ListFields():
+        values = value if field.label == field.LABEL_REPEATED else (value,)
+        if field.type == field.TYPE_MESSAGE:
+            for inner in values:
+                _check_finite(inner)
+        elif field.type in (field.TYPE_DOUBLE, field.TYPE_FLOAT) and not all(map(math.isfinite, values)):
+            raise Broken(f"{field.full_name} has a number that is not finite")
 
 
 def joined(parts: Iterable[NDArray[Any]]) -> NDArray[Any]:

@@ -20,7 +20,7 @@ from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 import grpc
 
-from lucerna import _channel, _errors, _lighting, _pictures, _sampling, _scenes
+from lucerna import _channel, _errors, _lighting, _pictures, _sampling, _scenes, _wire
 from lucerna._client import check_in_flight, check_timeout, load_request
 from lucerna.edits import Edit
 from lucerna._steps import (INFO, Pause, Pipeline, ServerInfo, Step, Steps, Stream, Unary, Upload, Work, describe,
@@ -62,6 +62,8 @@ class _Transport:
         except StopIteration as finish:
             value: R = finish.value
             return value
+        except _wire.Broken as error:
+            raise _errors.broken(str(error)) from None
         finally:
             steps.close()
 
