@@ -34,7 +34,8 @@ POINT = ["--point", "0,0,0", "--normal", "0,0,1"]
 COMMANDS = [["load", "x.pbrt"], ["inspect", "x.pbrt"], ["scenes"], ["scenes", "--available"], ["scene", "x.pbrt"],
             ["scene", "x.pbrt", "--remarks"], ["lights", "x.pbrt"], ["info"], ["top", "--once"], ["doctor"],
             ["leases"], ["lease", "x.pbrt", "--for", "9"], ["release", "x.pbrt"], ["power", "x.pbrt"],
-            ["edit", "x.pbrt", "--remove", "1"], ["irradiance", "x.pbrt", *POINT], ["__complete", "lucerna", "load", ""]]
+            ["edit", "x.pbrt", "--remove", "1"], ["irradiance", "x.pbrt", *POINT],
+            ["__complete", "lucerna", "load", ""]]
 
 
 def fill(message, depth=0):
@@ -159,7 +160,8 @@ def picture_of(values):
         tile = response.tile
         tile.rect.x1 = tile.rect.y1 = tile.image_width = tile.image_height = tile.block_count = 1
         tile.sum, tile.deviation = struct.pack("3d", *values), bytes(24)
-        return itertools.chain([response], itertools.takewhile(lambda _: context.is_active(), itertools.repeat(response)))
+        again = itertools.takewhile(lambda _: context.is_active(), itertools.repeat(response))
+        return itertools.chain([response], again)
     return answer
 
 

@@ -157,7 +157,8 @@ class Gathered:
         try:
             return _wire.joined(parts).reshape(shape)
         except ValueError:
-            raise _wire.Broken(f"{name} has {sum(part.size for part in parts)} entries, expected shape {shape}") from None
+            count = sum(part.size for part in parts)
+            raise _wire.Broken(f"{name} has {count} entries, expected shape {shape}") from None
 
     def cost(self) -> accuracy_pb2.Cost:
         """The sum of all counts and times."""

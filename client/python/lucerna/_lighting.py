@@ -13,8 +13,8 @@ from lucerna import _results as results
 from lucerna import _wire
 from lucerna._accuracy import Accuracy, accuracy_of, enum_value
 from lucerna._errors import invalid
-from lucerna._gathered import (Gathered, Light, SceneLike, add_cost, name_light, next_page, number_of, points_at, seed_of,
-                               set_fields)
+from lucerna._gathered import (Gathered, Light, SceneLike, add_cost, name_light, next_page, number_of, points_at,
+                               seed_of, set_fields)
 from lucerna._steps import Steps, Unary
 from lucerna.v1 import accuracy_pb2, lighting_pb2, render_pb2, scene_pb2
 

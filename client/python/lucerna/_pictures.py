@@ -200,7 +200,8 @@ def render(scene: SceneLike, *, samples: int | None = None, error: float | None 
                           samples=np.zeros(size, np.uint64))
             if part.low is not None:
                 planes.update(low=np.zeros(size, np.float32), high=np.zeros(size, np.float32))
-        if planes["samples"].shape != (part.image_height, part.image_width) or ("low" in planes) != (part.low is not None):
+        size = (part.image_height, part.image_width)
+        if planes["samples"].shape != size or ("low" in planes) != (part.low is not None):
             raise _wire.Broken(f"{_name(r)} is of another picture than the tiles before")
         rows, columns = part.samples.shape
         at = (slice(part.y0, part.y0 + rows), slice(part.x0, part.x0 + columns))

@@ -247,7 +247,8 @@ def _missing(digests: Iterable[bytes]) -> Steps[list[tuple[bytes, int]]]:
     request = scene_pb2.FindMissingAssetsRequest(sha256=digests)
     data = yield Unary("SceneService/FindMissingAssets", request.SerializeToString())
     answer = _wire.parsed(scene_pb2.FindMissingAssetsResponse, data)
-    if len(answer.received_bytes) != len(answer.missing_sha256) or not set(answer.missing_sha256) <= set(request.sha256):
+    asked, lacks = set(request.sha256), list(answer.missing_sha256)
+    if len(answer.received_bytes) != len(lacks) or not set(lacks) <= asked:
         raise _wire.Broken("FindMissingAssetsResponse has files that were not requested, or lacks their bytes")
     return list(zip(answer.missing_sha256, answer.received_bytes))
 
