@@ -1,7 +1,7 @@
 // lucernad: the server program.
 #include <fmt/core.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -23,6 +23,7 @@
 #include "server/monitor/call_log.h"
 #include "server/monitor/log_format.h"
 #include "server/monitor/log_limit.h"
+#include "server/monitor/unblocking_sink.h"
 #include "server/rpc/server.h"
 #include "server/runtime/scheduling.h"
 #include "server/runtime/service_manager.h"
@@ -57,8 +58,13 @@ void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::S
                            budget > 0 ? describe_bytes(budget) : "unlimited"));
 }
 
-/// Directs all lines to stderr in this form.  Returns the log of calls.
-std::shared_ptr<lucerna::monitor::CallLog> start_log(const lucerna::config::LogOptions& options) {
+struct Log {
+  std::shared_ptr<lucerna::monitor::CallLog> calls;
+  std::shared_ptr<lucerna::monitor::UnblockingSink> out;
+};
+
+/// Directs all lines to stderr in this form.
+Log start_log(const lucerna::config::LogOptions& options) {
   using lucerna::monitor::LogFormat;
   const LogFormat format = options.format == "json" ? LogFormat::kJson : LogFormat::kText;
   const spdlog::level::level_enum level = spdlog::level::from_str(options.level);
@@ -66,13 +72,13 @@ std::shared_ptr<lucerna::monitor::CallLog> start_log(const lucerna::config::LogO
   const auto limit = [&] {
     return std::make_shared<lucerna::monitor::LogLimit>(options.lines_per_second);
   };
-  const auto out = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  const auto out = std::make_shared<lucerna::monitor::UnblockingSink>(STDERR_FILENO);
   out->set_formatter(lucerna::monitor::make_formatter(format));
   const auto logger =
       std::make_shared<spdlog::logger>("lucernad", lucerna::monitor::limited(out, limit()));
   logger->set_level(level);
   spdlog::set_default_logger(logger);
-  return std::make_shared<lucerna::monitor::CallLog>(out, format, level, limit());
+  return {std::make_shared<lucerna::monitor::CallLog>(out, format, level, limit()), out};
 }
 
 /// One line for each error of the text.
@@ -216,12 +222,12 @@ int run(int argc, char** argv) {
     fmt::print("{}", lucerna::config::describe(configuration));
     return 0;
   }
-  const auto calls = start_log(configuration.options.log);
+  const Log log = start_log(configuration.options.log);
   lucerna::rpc::ServerOptions& options = configuration.options.server;
   // The level decides whether calls are logged; without them the server collects less.
   if (spdlog::should_log(spdlog::level::info)) {
-    options.on_call = [calls](const auto& record) { calls->write(record); };
-    options.log_lines_left_out = [calls] { return calls->left_out(); };
+    options.on_call = [log](const auto& record) { log.calls->write(record); };
+    options.log_lines_left_out = [log] { return log.calls->left_out() + log.out->left_out(); };
   }
   return serve(configuration, line.given);
 }
