@@ -50,6 +50,7 @@ void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::S
   spdlog::info(fmt::format("scene root {}: {} scene files{}, {} scenes loaded", serves.root,
                            serves.available_scenes, serves.listing_is_incomplete ? " or more" : "",
                            serves.loaded_scenes));
+  for (const std::string& warning : lucerna::rpc::door_warnings(options)) spdlog::warn(warning);
   const lucerna::rpc::DoorOptions& doors = options.doors;
   spdlog::info(fmt::format("{}, {}", doors.tls.given() ? "TLS" : "no TLS",
                            doors.token_file.empty() ? "no tokens: every caller may do everything"
@@ -149,6 +150,8 @@ class Control {
       spdlog::error(fmt::format("not reloaded: {}", std::string(status.message())));
       return;
     }
+    for (const std::string& warning : lucerna::rpc::door_warnings(now.options.server))
+      spdlog::warn(warning);
     for (std::size_t i = 0; i < now.held.size(); ++i) {
       if (now.held[i].value == held_[i].value) continue;
       if (now.held[i].reloads) {
@@ -219,6 +222,8 @@ int run(int argc, char** argv) {
       print_errors(std::string(doors.message()));
       return 2;
     }
+    for (const std::string& warning : lucerna::rpc::door_warnings(configuration.options.server))
+      fmt::print(stderr, "lucernad: warning: {}\n", warning);
     fmt::print("{}", lucerna::config::describe(configuration));
     return 0;
   }

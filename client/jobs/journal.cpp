@@ -6,7 +6,9 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <system_error>
 #include <utility>
 
 #include "proto/common/sha256.h"
@@ -59,6 +61,8 @@ absl::StatusOr<Journal> Journal::open(
 }
 
 bool Journal::has_records(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;  // a pipe would never end
   std::ifstream in(path, std::ios::binary);
   std::string line;
   return std::getline(in, line) && in.peek() != std::ifstream::traits_type::eof();

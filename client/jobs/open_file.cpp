@@ -14,8 +14,13 @@ namespace lucerna::client {
 
 absl::StatusOr<OpenFile> OpenFile::open(const std::string& path, const std::string& taken,
                                         int flags) {
-  OpenFile result(path, ::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | flags, 0666));
-  if (result.file_ < 0) return result.failed(std::strerror(errno));
+  OpenFile result(path,
+                  ::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NONBLOCK | flags, 0666));
+  struct stat found {};
+  if (result.file_ < 0 || ::fstat(result.file_, &found) != 0)
+    return result.failed(std::strerror(errno));
+  // Reading a pipe would never end.
+  if (!S_ISREG(found.st_mode)) return result.failed("is a pipe or a device, allowed: files");
   if (::flock(result.file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     return result.failed(taken);
   return result;

@@ -149,6 +149,10 @@ absl::Status check_doors(const ServerOptions& options) {
   return errors.empty() ? absl::OkStatus() : all();
 }
 
+std::vector<std::string> door_warnings(const ServerOptions& options) {
+  return certificate_warnings(options.doors.tls);
+}
+
 absl::Status Server::State::load(const std::string& path, const std::stop_token& stop) {
   std::promise<absl::Status> result;
   const absl::Status queued =

@@ -49,6 +49,9 @@ struct ServerOptions {
 /// addresses with their TLS, the certificates and the token file.  INVALID_ARGUMENT with all
 /// errors, one a line.
 absl::Status check_doors(const ServerOptions& options);
+/// What an operator should know of doors that check_doors() accepts: certificates that have
+/// expired.  One sentence each.
+std::vector<std::string> door_warnings(const ServerOptions& options);
 
 /// What a server serves, for its log.
 struct ServerSummary {

@@ -1,5 +1,6 @@
 #include "server/rpc/tls.h"
 
+#include <fmt/chrono.h>
 #include <fmt/core.h>
 #include <grpc/grpc.h>
 #include <grpc/grpc_security.h>
@@ -9,6 +10,7 @@
 #include <openssl/x509.h>
 
 #include <atomic>
+#include <ctime>
 #include <mutex>
 #include <utility>
 
@@ -41,17 +43,52 @@ absl::StatusOr<std::string> read(const char* setting, const std::string& path) {
       fmt::format("{}: {} {}", setting, path, std::string(text.status().message())));
 }
 
-/// The number of certificates in the text.  The first is stored in `first`.
-int certificates(const std::string& text, Certificate* first) {
+/// Calls `f` with each certificate in the text.
+template <typename F>
+void for_each_certificate(const std::string& text, const F& f) {
   const Bio bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
-  int count = 0;
-  for (;; ++count) {
+  for (;;) {
     Certificate next(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
     if (next == nullptr) break;
-    if (count == 0 && first != nullptr) *first = std::move(next);
+    f(std::move(next));
   }
   ERR_clear_error();
+}
+
+/// The number of certificates in the text.  The first is stored in `first`.
+int certificates(const std::string& text, Certificate* first) {
+  int count = 0;
+  for_each_certificate(text, [&](Certificate next) {
+    if (count++ == 0 && first != nullptr) *first = std::move(next);
+  });
   return count;
+}
+
+/// "2026-11-28 07:30:00 UTC".
+std::string describe(const ASN1_TIME* time) {
+  std::tm utc{};
+  ASN1_TIME_to_tm(time, &utc);
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", utc);
+}
+
+/// Adds a warning for each certificate of the file that is not valid now.
+void add_warnings(const char* setting, const std::string& path,
+                  std::vector<std::string>& warnings) {
+  if (path.empty()) return;
+  const absl::StatusOr<std::string> text = read_text_file(path);
+  if (!text.ok()) return;
+  for_each_certificate(*text, [&](const Certificate& certificate) {
+    const ASN1_TIME* const from = X509_get0_notBefore(certificate.get());
+    const ASN1_TIME* const until = X509_get0_notAfter(certificate.get());
+    // These return 0 for a time that cannot be read.
+    if (X509_cmp_current_time(until) <= 0) {
+      warnings.push_back(
+          fmt::format("{}: a certificate of {} expired on {}", setting, path, describe(until)));
+    } else if (X509_cmp_current_time(from) >= 0) {
+      warnings.push_back(fmt::format("{}: a certificate of {} is not valid before {}", setting,
+                                     path, describe(from)));
+    }
+  });
 }
 
 /// A key with a password would otherwise ask for it on the terminal.
@@ -167,6 +204,13 @@ std::shared_ptr<grpc::ServerCredentials> ReloadingTls::credentials() {
 }
 
 }  // namespace
+
+std::vector<std::string> certificate_warnings(const TlsFiles& files) {
+  std::vector<std::string> warnings;
+  add_warnings("tls-cert", files.certificate, warnings);
+  add_warnings("tls-client-ca", files.client_ca, warnings);
+  return warnings;
+}
 
 absl::StatusOr<std::shared_ptr<Tls>> Tls::open(const TlsFiles& files) {
   LUCERNA_ASSIGN_OR_RETURN(Material material, read_material(files));

@@ -6,10 +6,16 @@
 #include <grpcpp/security/server_credentials.h>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "server/rpc/doors.h"
 
 namespace lucerna::rpc {
+
+/// One sentence for each certificate of the files that has expired or is not valid yet.  Clients
+/// refuse a server with such a certificate.  None if the files cannot be read.
+std::vector<std::string> certificate_warnings(const TlsFiles& files);
 
 /// Credentials of the server.  Thread-safe.
 class Tls {

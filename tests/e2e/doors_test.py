@@ -86,6 +86,43 @@ def wrong_files_are_refused(files, directory):
         refuses_to_start(text, "--listen", "127.0.0.1:0", *options)
 
 
+def pipes_are_refused(files, directory):
+    certificate, key = files.issue("pipe")
+    pipe = directory / "pipe"
+    os.mkfifo(pipe)
+    text = f"{pipe} cannot be read: it is a pipe or a device, allowed: files"
+    for options in (["--tls-cert", pipe, "--tls-key", key], ["--tls-cert", certificate, "--tls-key", pipe],
+                    ["--tls-cert", certificate, "--tls-key", key, "--tls-client-ca", pipe]):
+        refuses_to_start(text, "--listen", "127.0.0.1:0", *options)
+    refuses_to_start(text.replace(" cannot", ": cannot"), "--listen", "127.0.0.1:0", "--token-file", pipe)
+    # The thread of signals must not wait for a pipe that replaces a file.
+    tokens = directory / "replaced.toml"
+    write_tokens(tokens, ["viewer"])
+    with Lucernad(LUCERNAD, "--token-file", tokens) as server:
+        tokens.unlink()
+        os.mkfifo(tokens)
+        server.process.send_signal(signal.SIGHUP)
+        server.wait_for_log("not reloaded", COMMAND_S)
+        server.process.send_signal(signal.SIGTERM)
+        expect(server.process.wait(COMMAND_S) == 0, "SIGTERM does not end the server")
+
+
+def expired_certificates_are_reported(files):
+    old, old_key = files.issue("old", days=-1)
+    new, new_key = files.issue("new")
+    text = f"tls-cert: a certificate of {old} expired on 20"
+    for options, warns in ((["--tls-cert", old, "--tls-key", old_key], True),
+                           (["--tls-cert", new, "--tls-key", new_key], False)):
+        run = subprocess.run([LUCERNAD, "--check-config", *options], capture_output=True, text=True,
+                             timeout=COMMAND_S, check=False)
+        expect(run.returncode == 0 and (f"lucernad: warning: {text}" in run.stderr) == warns, f"{run}")
+    with Lucernad(LUCERNAD, "--tls-cert", old, "--tls-key", old_key) as server:
+        server.wait_for_log(f"[warning] {text}", COMMAND_S)
+        server.process.send_signal(signal.SIGHUP)
+        server.wait_for_log("reloaded certificates", COMMAND_S)
+        server.wait_for_log(f"[warning] {text}", COMMAND_S, count=2)
+
+
 def doctor_finds(check, text, server, *arguments, token=None):
     """The doctor names the check that failed, and its reason.  Else all is well."""
     outcome = lucerna(server, "doctor", "--json", *arguments, token=token)
@@ -285,6 +322,8 @@ def main():
         files, strangers = Authority(directory, "authority"), Authority(directory, "strangers")
         only_loopback_is_open(files)
         wrong_files_are_refused(files, directory)
+        pipes_are_refused(files, directory)
+        expired_certificates_are_reported(files)
         client_reports_why_tls_fails(files, strangers)
         client_reports_why_mutual_tls_fails(files, strangers)
         certificates_are_reloaded(files, strangers, directory)

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -49,6 +50,12 @@ TEST_F(JournalTest, ReturnsItsRecords) {
   }
   ASSERT_TRUE(open().ok());
   EXPECT_EQ(records_.size(), 4U);
+}
+
+TEST_F(JournalTest, APipeIsRefused) {
+  ASSERT_EQ(mkfifo(path_.c_str(), 0600), 0);
+  EXPECT_THAT(std::string(open().status().message()), HasSubstr("is a pipe or a device"));
+  EXPECT_FALSE(Journal::has_records(path_));
 }
 
 TEST_F(JournalTest, ATruncatedRecordIsDroppedAtEveryLength) {
