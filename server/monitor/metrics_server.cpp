@@ -32,8 +32,9 @@ struct MetricsServer::State {
 
   State(const std::string& address, std::function<Figures()> figures)
       : source(std::make_shared<Source>(std::move(figures))),
-        // A client that sends nothing must not keep one of the few threads.
-        exposer(std::vector<std::string>{"listening_ports", address, "num_threads", "2",
+        // A client that sends half a request keeps a thread until the timeout.  A thread that
+        // waits costs little.
+        exposer(std::vector<std::string>{"listening_ports", address, "num_threads", "64",
                                          "request_timeout_ms", "5000", "enable_keep_alive", "no"}) {
     exposer.RegisterCollectable(source);
   }

@@ -4,12 +4,14 @@
     tests/server/lucernad_connections_test.py LUCERNAD
 """
 import resource
+import select
 import socket
 import struct
 import subprocess
 import sys
 import tempfile
 import time
+import urllib.request
 
 import grpc
 from lucernad import Lucernad, expect
@@ -130,6 +132,23 @@ def streams_have_a_limit(lucernad):
         connection.close()
 
 
+def metrics_answer_beside_half_requests(lucernad):
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with Lucernad(lucernad, "--metrics", f"127.0.0.1:{port}"):
+        halves = [socket.create_connection(("127.0.0.1", port), WAIT_S) for _ in range(20)]
+        for half in halves:
+            half.sendall(b"GET /metrics HTTP/1.1\r\n")
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=WAIT_S) as answer:
+            expect(b"lucerna_" in answer.read(), "no metrics")
+        # A scrape that waits is answered after the server has closed nearly all of them.
+        closed = select.select(halves, [], [], 0)[0]
+        expect(len(closed) < 10, f"the scrape waited until {len(closed)} half requests had ended")
+        for half in halves:
+            half.close()
+
+
 def main():
     lucernad = sys.argv[1]
     serves_after_many_connections(lucernad)
@@ -138,6 +157,7 @@ def main():
     peers_have_a_limit(lucernad)
     silent_and_idle_connections_end(lucernad)
     streams_have_a_limit(lucernad)
+    metrics_answer_beside_half_requests(lucernad)
 
 
 main()
