@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <map>
 #include <mutex>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include "server/assets/asset_store_state.h"
@@ -37,6 +39,44 @@ absl::Status disk_error(int error) {
   return absl::InternalError("cannot write an uploaded asset: " + why);
 }
 
+constexpr char kTemporaryName[] = "lucernad-assets-";
+
+/// The file whose lock says that a server uses the directory.
+Descriptor open_lock(const fs::path& directory, int flags) {
+  return Descriptor(::open((directory / "lock").c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0600));
+}
+bool take_lock(const Descriptor& lock) { return flock(lock.get(), LOCK_EX | LOCK_NB) == 0; }
+
+/// Removes what killed servers of this user left in `parent`.
+void remove_left_directories(const fs::path& parent) {
+  std::error_code error;
+  for (fs::directory_iterator at(parent, error), end; !error && at != end; at.increment(error)) {
+    if (!at->path().filename().string().starts_with(kTemporaryName)) continue;
+    struct stat found {};
+    if (lstat(at->path().c_str(), &found) != 0 || !S_ISDIR(found.st_mode) ||
+        found.st_uid != geteuid())
+      continue;
+    const Descriptor lock = open_lock(at->path(), O_RDWR);
+    std::error_code ignored;
+    if (lock.get() >= 0 && take_lock(lock)) fs::remove_all(at->path(), ignored);
+  }
+}
+
+/// A new directory in `parent` with its lock.  Empty if that is impossible.
+std::pair<fs::path, Descriptor> make_temporary_directory(const fs::path& parent) {
+  constexpr int kMostTries = 100;
+  for (int i = 0; i < kMostTries; ++i) {
+    std::string name = (parent / kTemporaryName).string() + "XXXXXX";
+    if (mkdtemp(name.data()) == nullptr) break;
+    Descriptor lock = open_lock(name, O_RDWR | O_CREAT);
+    struct stat found {};
+    // A server that starts now may have removed the directory before it was locked.
+    if (lock.get() >= 0 && take_lock(lock) && fstat(lock.get(), &found) == 0 && found.st_nlink > 0)
+      return {name, std::move(lock)};
+  }
+  return {fs::path(), Descriptor(-1)};
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOptions& options) {
@@ -44,23 +84,25 @@ absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOpt
   state->options = options;
   std::error_code error;
   if (options.directory.empty()) {
-    std::string name = (fs::temp_directory_path(error) / "lucernad-assets-XXXXXX").string();
-    if (error || mkdtemp(name.data()) == nullptr)
+    const fs::path parent = fs::temp_directory_path(error);
+    if (!error) {
+      remove_left_directories(parent);
+      std::tie(state->directory, state->lock) = make_temporary_directory(parent);
+    }
+    if (state->directory.empty())
       return absl::InvalidArgumentError("cannot make a temporary directory for uploaded assets");
-    state->directory = name;
     state->temporary = true;
   } else {
     state->directory = options.directory;
     fs::create_directories(state->directory, error);
+    state->lock = open_lock(state->directory, O_RDWR | O_CREAT);
+    if (state->lock.get() < 0)
+      return absl::InvalidArgumentError(
+          fmt::format("asset directory \"{}\" cannot be written to", options.directory));
+    if (!take_lock(state->lock))
+      return absl::FailedPreconditionError(
+          fmt::format("asset directory \"{}\" is in use by another server", options.directory));
   }
-  state->lock = Descriptor(
-      ::open((state->directory / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (state->lock.get() < 0)
-    return absl::InvalidArgumentError(
-        fmt::format("asset directory \"{}\" cannot be written to", options.directory));
-  if (flock(state->lock.get(), LOCK_EX | LOCK_NB) != 0)
-    return absl::FailedPreconditionError(
-        fmt::format("asset directory \"{}\" is in use by another server", options.directory));
   state->find_files();
   state->remove_old_parts();
   if (!state->free_space(0))
@@ -107,9 +149,11 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
     }
     entry.writer = writer = ++state_->writers;  // free_space() does not delete it
     entry.reserved = entry.bytes;
+    entry.coming = 0;
     const std::uint64_t more = size > entry.bytes ? size - entry.bytes : 0;
     absl::Status room = state_->free_quota(digest, entry.bytes + more, sender);
-    if (room.ok() && !state_->free_space(more)) {
+    // Only bytes that arrive delete files of others.
+    if (room.ok() && !state_->may_fit(more)) {
       room = absl::ResourceExhaustedError(
           fmt::format("no room for an asset of {} bytes: assets in use fill this server's {}", size,
                       state_->options.budget_bytes));
@@ -166,7 +210,14 @@ absl::Status AssetUpload::append(std::string_view chunk) {
   AssetStore::State& state = *store_->state_;
   {
     const std::lock_guard lock(state.mutex);
-    if (state.entry_of(digest_, writer_) == nullptr) return taken_over();
+    AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
+    if (entry == nullptr) return taken_over();
+    if (!state.free_space(chunk.size()))
+      return absl::ResourceExhaustedError(
+          fmt::format("no room for the next {} bytes of an asset: assets in use fill this "
+                      "server's {}",
+                      chunk.size(), state.options.budget_bytes));
+    entry->coming = chunk.size();  // other uploads must not take this room
   }
   // Written without the lock.  If another writer takes over meanwhile, the digest will not match.
   const int error = write(chunk);
@@ -174,6 +225,7 @@ absl::Status AssetUpload::append(std::string_view chunk) {
   std::unique_lock lock(state.mutex);
   AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
   if (entry == nullptr) return taken_over();
+  entry->coming = 0;
   if (error != 0) {
     // What arrived would keep smaller files from the disk.
     if (is_full(error)) state.remove(state.entries.find(digest_));

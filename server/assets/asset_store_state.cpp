@@ -118,18 +118,23 @@ void AssetStore::State::remove_old_parts() {
   }
 }
 
-bool AssetStore::State::free_space(std::uint64_t size) {
-  std::uint64_t sum = reserved(), needed = size;
+bool AssetStore::State::may_fit(std::uint64_t size) const {
+  std::uint64_t needed = size;
   for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
-  if (needed > options.budget_bytes)
-    return false;  // do not delete files if this cannot make enough room
-  while (sum + size > options.budget_bytes) {
+  return needed <= options.budget_bytes;
+}
+
+bool AssetStore::State::free_space(std::uint64_t size) {
+  std::uint64_t sum = size;
+  for (const auto& [digest, e] : entries) sum += e.bytes + e.coming;
+  while (sum > options.budget_bytes) {
     auto oldest = entries.end();
     for (auto e = entries.begin(); e != entries.end(); ++e) {
       if (!in_use(e->second) && (oldest == entries.end() || e->second.used < oldest->second.used))
         oldest = e;
     }
-    sum -= oldest->second.reserved;
+    if (oldest == entries.end()) return false;
+    sum -= oldest->second.bytes;
     remove(oldest);
   }
   return true;

@@ -22,6 +22,7 @@ struct AssetStore::State {
 
   struct Entry {
     std::uint64_t bytes = 0;     // on disk
+    std::uint64_t coming = 0;    // of the chunk that is being written
     std::uint64_t reserved = 0;  // the size that a writer announced, else `bytes`
     bool whole = false;
     std::size_t pins = 0;
@@ -67,8 +68,9 @@ struct AssetStore::State {
   bool remove_one();
   /// Deletes the parts of uploads that nobody continued.
   void remove_old_parts();
-  /// Makes room for `size` bytes within the budget.  If that is impossible, deletes nothing and
-  /// returns false.
+  /// Whether files in use leave `size` bytes of the budget.
+  bool may_fit(std::uint64_t size) const;
+  /// Makes room on the disk for `size` bytes more.  False if files in use fill the budget.
   bool free_space(std::uint64_t size);
   /// Makes room for `digest`, with `size` bytes, within the quota of its sender: the sender's files
   /// are deleted that nobody used for some time, the least recently used first.  If that is not

@@ -16,6 +16,9 @@ namespace {
 
 // Hashing larger chunks would delay small queries.
 constexpr std::size_t kMostChunkBytes = std::size_t{4} << 20;
+// An upload must send this much, or its end, within the time in which it may stall.  Empty or tiny
+// chunks would otherwise keep its place for ever.
+constexpr std::uint64_t kLeastProgressBytes = std::uint64_t{64} << 10;
 
 absl::Status being_uploaded(absl::Status status) {
   return retry_after(std::move(status), Reason::kAssetBeingUploaded,
@@ -28,7 +31,8 @@ UploadStream::UploadStream(Runtime& runtime, grpc::CallbackServerContext* contex
                            grpc::ByteBuffer* response)
     : runtime_(runtime),
       observed_(runtime, *context, monitor::Call::kUploadAsset),
-      bytes_out_(response) {}
+      bytes_out_(response),
+      patience_(runtime.assets->stall_time()) {}
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(Runtime& runtime,
                                                                grpc::CallbackServerContext* context,
@@ -52,8 +56,15 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(Runtime& runtime,
 
 void UploadStream::read_next() {
   reading_ = true;
+  const std::uint64_t bytes = upload_ ? upload_->bytes() : 0;
+  if (bytes >= renewed_at_bytes_ + kLeastProgressBytes) {
+    patience_ = runtime_.assets->stall_time();
+    renewed_at_bytes_ = bytes;
+  }
+  waits_since_ = std::chrono::steady_clock::now();
   stall_ = std::make_unique<grpc::Alarm>();
-  stall_->Set(std::chrono::system_clock::now() + runtime_.assets->stall_time(),
+  stall_->Set(std::chrono::system_clock::now() +
+                  std::chrono::duration_cast<std::chrono::system_clock::duration>(patience_),
               // The alarm keeps this function, and the stream keeps the alarm.
               [weak = weak_from_this()](bool is_over) {
                 const auto self = weak.lock();
@@ -64,13 +75,15 @@ void UploadStream::read_next() {
 
 void UploadStream::end_stalled() {
   if (!reading_.exchange(false)) return;
-  finish(absl::DeadlineExceededError(fmt::format("the upload sent nothing for {} s, the limit",
-                                                 runtime_.assets->stall_time().count())));
+  finish(absl::DeadlineExceededError(
+      fmt::format("the upload sent less than {} bytes in {} s, the limit", kLeastProgressBytes,
+                  runtime_.assets->stall_time().count())));
 }
 
 void UploadStream::OnReadDone(bool ok) {
   if (!reading_.exchange(false)) return;
   stall_->Cancel();
+  patience_ -= std::chrono::steady_clock::now() - waits_since_;
   if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cancelled"));
   if (!ok) return finish(guarded([&] { return end(); }));
   // A full lane refuses only new uploads.

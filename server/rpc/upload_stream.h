@@ -8,6 +8,8 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -44,7 +46,7 @@ class UploadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   /// Handles the end of the client's messages.
   absl::Status end();
   void finish(absl::Status status);
-  /// Reads the next message, and ends the call if it does not arrive in time.
+  /// Reads the next message, and ends the call if too few bytes arrive in time.
   void read_next();
   void end_stalled();
 
@@ -65,6 +67,10 @@ class UploadStream : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   grpc::ByteBuffer bytes_;
   v1::UploadAssetRequest request_;
   v1::AssetHeader header_;
+  // How long the stream may still wait for messages, and how many bytes it had when that was set.
+  std::chrono::steady_clock::duration patience_;
+  std::chrono::steady_clock::time_point waits_since_;
+  std::uint64_t renewed_at_bytes_ = 0;
   bool begun_ = false;
   bool held_ = false;  // the store has the whole asset: the rest of the stream is not read
   std::optional<AssetUpload> upload_;

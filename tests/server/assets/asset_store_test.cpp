@@ -242,9 +242,39 @@ TEST_F(AssetStoreTest, FilesInUseAreNotDeleted) {
     EXPECT_EQ(get("aaaa"), "aaaa");
   }
   EXPECT_TRUE(put("cccc").ok());
-  EXPECT_NE(get("aaaa"), "aaaa");
   ASSERT_TRUE(writer->append("bbbb").ok());
+  EXPECT_NE(get("aaaa"), "aaaa");
   EXPECT_TRUE(writer->finish().ok());
+}
+
+// A header without bytes must cost nobody a file.
+TEST_F(AssetStoreTest, OnlyBytesThatArriveDeleteFilesOfOthers) {
+  open({.budget_bytes = 10});
+  ASSERT_TRUE(put("aaaa").ok());
+  ASSERT_TRUE(put("bbbb").ok());
+  {
+    auto writer = store_->upload(sha256("cccccccc"), 8, 0);
+    ASSERT_TRUE(writer.ok());
+    EXPECT_EQ(store_->upload(sha256("ddd"), 3, 0).status().code(),
+              absl::StatusCode::kResourceExhausted);
+    ASSERT_TRUE(writer->append("cc").ok());
+    EXPECT_EQ(names().size(), 3U);
+    ASSERT_TRUE(writer->append("c").ok());
+    EXPECT_NE(get("aaaa"), "aaaa");
+    EXPECT_EQ(get("bbbb"), "bbbb");
+  }
+  EXPECT_EQ(store_->bytes(), 7U);
+}
+
+TEST_F(AssetStoreTest, AnUploadWhoseRoomIsTakenMeanwhileIsRefused) {
+  open({.budget_bytes = 10});
+  ASSERT_TRUE(put("aaaa").ok());
+  auto writer = store_->upload(sha256("cccccccc"), 8, 0);
+  ASSERT_TRUE(writer.ok());
+  const AssetStore::Pins pins(*store_, {sha256("aaaa")});
+  EXPECT_TRUE(writer->append("cccccc").ok());
+  EXPECT_EQ(writer->append("cc").code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(get("aaaa"), "aaaa");
 }
 
 TEST_F(AssetStoreTest, RefusesTooLargeFilesAtOnce) {
@@ -295,6 +325,33 @@ TEST_F(AssetStoreTest, RemovedFilesAreNotHeld) {
   EXPECT_EQ(store_->read(sha256("abc")).status().code(), absl::StatusCode::kNotFound);
   EXPECT_TRUE(put("abc").ok());
   EXPECT_EQ(get("abc"), "abc");
+}
+
+TEST(AssetStore, TemporaryDirectoriesOfKilledServersAreDeleted) {
+  const SceneFiles files;
+  const char* const before = std::getenv("TMPDIR");
+  const std::string old = before != nullptr ? before : "";
+  setenv("TMPDIR", files.path().c_str(), 1);
+  std::filesystem::create_directory(files.path() / "lucernad-assets-killed");
+  files.write("lucernad-assets-killed/lock", "");
+  files.write("lucernad-assets-killed/part", "bytes");
+  const auto count = [&] {
+    const std::filesystem::directory_iterator all(files.path());
+    return std::distance(begin(all), end(all));
+  };
+  {
+    const auto first = AssetStore::open({});
+    ASSERT_TRUE(first.ok()) << first.status();
+    EXPECT_EQ(count(), 1);
+    const auto second = AssetStore::open({});  // does not delete what a server uses
+    ASSERT_TRUE(second.ok()) << second.status();
+    EXPECT_EQ(count(), 2);
+  }
+  EXPECT_EQ(count(), 0);
+  if (old.empty())
+    unsetenv("TMPDIR");
+  else
+    setenv("TMPDIR", old.c_str(), 1);
 }
 
 TEST(AssetStore, ATemporaryDirectoryIsDeletedWithTheStore) {
