@@ -66,6 +66,11 @@ struct Admission {
     if (usage == nullptr) return std::chrono::milliseconds(0);
     return usage->items.take(items, caller.quota.items_per_second);
   }
+  /// Takes `items` that a call has computed.  Later calls wait until the rate has made up for them.
+  void owe_items(std::uint64_t items) const {
+    Usage* usage = in_flight.usage();
+    if (usage != nullptr && caller.quota.items_per_second > 0) usage->items.owe(items);
+  }
 };
 
 /// Thread-safe.

@@ -26,4 +26,9 @@ std::chrono::milliseconds ItemBucket::take(std::uint64_t items, std::uint64_t pe
   return std::chrono::milliseconds(0);
 }
 
+void ItemBucket::owe(std::uint64_t items) {
+  const std::lock_guard lock(mutex_);
+  missing_ += static_cast<double>(items);
+}
+
 }  // namespace lucerna::access

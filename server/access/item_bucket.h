@@ -20,6 +20,8 @@ class ItemBucket {
   /// to call; 0: no limit.
   std::chrono::milliseconds take(std::uint64_t items, std::uint64_t per_second,
                                  Clock::time_point now = Clock::now());
+  /// Takes `items` that were computed already, also if they are not there.
+  void owe(std::uint64_t items);
 
  private:
   std::mutex mutex_;

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -92,6 +93,8 @@ void UnaryCall::compute(const Task& task) {
   record.compute_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   record.cpu_s = meter.seconds();
+  std::uint64_t counted = task.items;
+  ObservedCall::count_work(admission_, record.cpu_s, counted);
   if (status.ok()) runtime_.times.learn(record.call, task.predicted_s, record.compute_s);
   if (task.cost != nullptr && status.ok()) {
     task.cost->set_cpu_time_s(record.cpu_s);

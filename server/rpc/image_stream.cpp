@@ -43,7 +43,8 @@ void ImageStream::begin(const grpc::ByteBuffer& request) {
       record_request(parsed, observed_.record());
       LUCERNA_ASSIGN_OR_RETURN(ImageRender render,
                                ImageRender::create(runtime_.context(admission_.caller), parsed));
-      LUCERNA_RETURN_IF_ERROR(ObservedCall::take_items(admission_, render.pixels()));
+      counted_items_ = render.pixels();
+      LUCERNA_RETURN_IF_ERROR(ObservedCall::take_items(admission_, counted_items_));
       render_.emplace(std::move(render));
       return absl::OkStatus();
     });
@@ -83,6 +84,7 @@ absl::Status ImageStream::render(grpc::ByteBuffer* bytes) {
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   record.cpu_s += meter.seconds();
   record.compute_s += wall.count();
+  ObservedCall::count_work(admission_, record.cpu_s, counted_items_);
   if (stop_.stop_requested()) return limit.stopped_status();
   if (!status.ok()) return status;
   record.items += area(response.tile().rect());

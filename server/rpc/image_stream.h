@@ -52,6 +52,7 @@ class ImageStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   std::stop_source stop_;
   CallGate::Pass pass_;
   access::Admission admission_;
+  std::uint64_t counted_items_ = 0;
   std::shared_ptr<ImageStream> self_;
 
   std::optional<ImageRender> render_;  // while a lane job runs, only the job uses it

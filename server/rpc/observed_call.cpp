@@ -39,6 +39,9 @@ std::string certificate_name(const grpc::ServerContextBase& context) {
 // A caller with too many requests in flight may try again after about one small request.
 constexpr std::chrono::milliseconds kQuotaDelay(50);
 
+// Processor time that an item may take without counting as more items.  Most take microseconds.
+constexpr double kItemSeconds = 0.01;
+
 // What the parser reported on this thread; null while no message is parsed.
 thread_local std::string* parser_reason = nullptr;
 
@@ -78,6 +81,13 @@ absl::Status ObservedCall::take_items(const access::Admission& admission, std::u
           "\"{}\" requested {} items, allowed: {} per second; retry in {:.3f} s", caller.name,
           items, caller.quota.items_per_second, 1e-3 * static_cast<double>(wait.count()))),
       Reason::kOverQuota, wait);
+}
+
+void ObservedCall::count_work(const access::Admission& admission, double cpu_s,
+                              std::uint64_t& counted) {
+  const auto work = static_cast<std::uint64_t>(cpu_s / kItemSeconds);
+  if (counted == 0 || work <= counted) return;
+  admission.owe_items(work - std::exchange(counted, work));
 }
 
 void ObservedCall::add_queue_time(Lane lane, double seconds) {
@@ -149,7 +159,11 @@ absl::Status parse_message(const grpc::ByteBuffer& bytes, google::protobuf::Mess
   }
   parser_reason = nullptr;
   buffer.Clear();
-  if (parsed) return absl::OkStatus();
+  if (parsed) {
+    // What is kept of a message, such as a light, must not keep bytes that nobody counts.
+    message.DiscardUnknownFields();
+    return absl::OkStatus();
+  }
   return malformed_message(message.GetTypeName(), size, why);
 }
 

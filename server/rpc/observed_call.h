@@ -29,6 +29,10 @@ class ObservedCall {
   /// Counts the items of the call against the caller's quota.  RESOURCE_EXHAUSTED with a RetryInfo
   /// if the caller has computed too many in the last time.
   static absl::Status take_items(const access::Admission& admission, std::uint64_t items);
+  /// Counts the work of a call as items, beyond `counted` items: one for each kItemSeconds of
+  /// processor time.  So a call of few items and many samples counts what it computes.  `counted`
+  /// of 0: the call has no items, and nothing is counted.
+  static void count_work(const access::Admission& admission, double cpu_s, std::uint64_t& counted);
 
   monitor::CallRecord& record() { return record_; }
   /// The job's time in the queue of `lane`.
@@ -77,8 +81,8 @@ class ComputeLimit {
   std::unique_ptr<Timer> timer_;
 };
 
-/// Parses the bytes, and frees them.  MALFORMED_MESSAGE with the parser's reason if they are not a
-/// message of this type.
+/// Parses the bytes, and frees them.  Drops unknown fields.  MALFORMED_MESSAGE with the parser's
+/// reason if they are not a message of this type.
 absl::Status parse_message(const grpc::ByteBuffer& bytes, google::protobuf::Message& message);
 /// INTERNAL if the message is too large for Protobuf.
 absl::Status encode_message(const google::protobuf::Message& message, grpc::ByteBuffer& bytes);

@@ -255,7 +255,7 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
   LUCERNA_ASSIGN_OR_RETURN(const PowerQuery query, parse(context, request));
   Task task;
   task.predicted_s = predicted_seconds(query);
-  task.items = std::min(query.page, query.lights - query.first);
+  task.items = query.lights;  // all of them are computed, for the total
   task.cost = response->mutable_cost();
   task.run = [query, &request, response](const std::stop_token& stop) {
     return answer(query, request, stop, response);

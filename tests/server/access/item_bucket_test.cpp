@@ -36,6 +36,14 @@ TEST(ItemBucket, DoesNotSaveMoreThanASecond) {
   EXPECT_EQ(bucket.take(1, 100, at(60'000)).count(), 10);
 }
 
+TEST(ItemBucket, WhatWasComputedIsMadeUpForByLaterRequests) {
+  ItemBucket bucket;
+  EXPECT_EQ(bucket.take(1, 100, at(0)).count(), 0);
+  bucket.owe(274);
+  EXPECT_EQ(bucket.take(25, 100, at(0)).count(), 2000);
+  EXPECT_EQ(bucket.take(25, 100, at(2000)).count(), 0);
+}
+
 TEST(ItemBucket, ARequestLargerThanTheBucketNeedsAFullOne) {
   ItemBucket bucket;
   EXPECT_EQ(bucket.take(1, 100, at(0)).count(), 0);

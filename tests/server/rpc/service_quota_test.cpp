@@ -169,6 +169,35 @@ TEST_F(Quotas, LightsAndPixelsAreItemsToo) {
   });
 }
 
+// Items of many samples count by the processor time that they took.
+TEST_F(Quotas, CallsCountWhatTheyCompute) {
+  add("farm", "roles = [\"query\"]\nmax-items-per-second = 10");
+  auto q = request<v1::EstimatePowerRequest>();
+  for (int i = 0; i < 9; ++i) q.add_light_ids(1);
+  q.set_method(v1::EstimatePowerRequest::METHOD_SAMPLED);
+  q.mutable_accuracy()->set_samples(1 << 20);
+  const auto estimate = [&] {
+    grpc::ClientContext context;
+    authorize(context, "farm");
+    v1::EstimatePowerResponse r;
+    return service_->lighting.EstimatePower(&context, q, &r);
+  };
+  const grpc::Status first = estimate();
+  EXPECT_TRUE(first.ok()) << first.error_message();
+  q.mutable_light_ids()->Truncate(1);
+  EXPECT_EQ(estimate().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+}
+
+TEST_F(Quotas, PowersCountAllLights) {
+  expect_counts("EstimatePower", [&](auto* c) {
+    auto q = request<v1::EstimatePowerRequest>();
+    for (int i = 0; i < 200; ++i) q.add_light_ids(1);
+    q.set_page_size(1);
+    v1::EstimatePowerResponse r;
+    return service_->lighting.EstimatePower(c, q, &r);
+  });
+}
+
 TEST_F(Quotas, ANewFileChangesTheRateAtOnce) {
   add("farm", "roles = [\"query\"]\nmax-items-per-second = 1");
   const auto sample = [&] {
