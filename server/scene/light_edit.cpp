@@ -16,6 +16,9 @@ namespace lucerna {
 namespace {
 
 constexpr std::uint64_t kFirstAddedId = std::uint64_t{1} << 32U;
+// What a map takes for each entry beside it: three pointers, a colour, and the allocator's
+// rounding.
+constexpr std::uint64_t kNodeBytes = 48;
 
 /// The level of a light.  There is one overload for each kind, so a new kind does not compile until
 /// it can be dimmed.
@@ -211,6 +214,18 @@ absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene) 
   }
   if (found == moved.size()) return absl::OkStatus();
   return absl::InternalError("a surface to move that the scene does not have");
+}
+
+std::uint64_t bytes_of(const std::map<std::uint64_t, AddedLight>& added) {
+  std::uint64_t sum = 0;
+  for (const auto& entry : added)
+    sum += kNodeBytes + sizeof entry + entry.second.content.capacity() +
+           entry.second.light.name.capacity();
+  return sum;
+}
+
+std::uint64_t LightEdits::bytes() const {
+  return bytes_of(added) + changes.size() * (kNodeBytes + sizeof(decltype(changes)::value_type));
 }
 
 std::string LightEdits::canonical() const {

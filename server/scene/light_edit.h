@@ -45,6 +45,9 @@ struct AddedLight {
   bool operator==(const AddedLight& other) const { return content == other.content; }
 };
 
+/// Memory of these, without their surfaces.
+std::uint64_t bytes_of(const std::map<std::uint64_t, AddedLight>& added);
+
 /// Changes of place, by the id of a light with a surface.
 using MovedSurfaces = std::map<std::uint64_t, LightChange>;
 
@@ -66,6 +69,8 @@ struct LightEdits {
   bool empty() const { return changes.empty() && added.empty(); }
   /// The same for edits with the same result.
   std::string canonical() const;
+  /// Memory of the lists, without the surfaces of added lights.
+  std::uint64_t bytes() const;
 };
 
 /// Changes level and place of a light without a surface.  Errors: a light that moves, and a shift

@@ -366,6 +366,9 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
   for (const auto& [id, edited] : to->lights)
     bytes += edited.light.bytes_beside() +
              visit([](const auto& m) { return m.own_bytes().all; }, edited.light);
+  bytes += bytes_of(to->edits.added);
+  for (const auto& [id, added] : to->edits.added)
+    bytes += sizeof(AddedSurface) + array_bytes(added.surface->shape);
   to->parts.push_back({"edited surfaces", bytes, watch.ms(),
                        fmt::format("{} {} of lights that edits moved or added", shapes.size(),
                                    shapes.size() == 1 ? "surface" : "surfaces")});

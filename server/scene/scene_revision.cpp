@@ -210,7 +210,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     bytes += light.bytes_beside() + visit([](const auto& m) { return m.own_bytes().all; }, light);
   }
   light_part("lights",
-             bytes + scene_->lights_.bytes_beside(loaded.lights_) +
+             bytes + edits.bytes() + scene_->lights_.bytes_beside(loaded.lights_) +
                  scene_->light_numbers_.capacity() * sizeof(std::int32_t),
              watch,
              fmt::format("{} lights, {} of them edited", scene_->lights_.size(),

@@ -124,10 +124,8 @@ absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const s
   return load_path(std::get<std::string>(source), key, known, options);
 }
 
-absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
-                                                  const LoadOptions& options) const {
-  LoadMemory memory(*state_);
-  return read(manifest, options, memory);
+std::shared_ptr<SceneStore::LoadMemory> SceneStore::start_counting() const {
+  return std::make_shared<LoadMemory>(*state_);
 }
 
 absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
@@ -154,8 +152,8 @@ absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
 }
 
 absl::StatusOr<SceneStore::Read> SceneStore::read(const std::string& path,
-                                                  const LoadOptions& options) const {
-  LoadMemory memory(*state_);
+                                                  const LoadOptions& options,
+                                                  LoadMemory& memory) const {
   const LoadLimits limits = state_->load_limits(memory.budget());
   LUCERNA_ASSIGN_OR_RETURN(
       AssetReader reader,
@@ -282,8 +280,10 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
                            Scene::place(*loaded, edits, stop));
   if (placed != nullptr) return Moved{std::move(loaded), std::move(placed)};
   const LoadOptions options{.stop = stop, .factors = of.factors};
+  LoadMemory memory(*state_);
   LUCERNA_ASSIGN_OR_RETURN(
-      Read found, std::visit([&](const auto& source) { return read(source, options); }, of.source));
+      Read found,
+      std::visit([&](const auto& source) { return read(source, options, memory); }, of.source));
   if (!found.description ||
       scene_id(found.description->assets, found.description->textures.halved(),
                found.description->level_factors) != loaded->id())
@@ -291,7 +291,6 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
         fmt::format("the files of \"{}\" have changed since the scene was loaded, and an edit that "
                     "moves a surface reads them again; load the scene again",
                     of.path));
-  LoadMemory memory(*state_);
   MovedSurfaces moves = edits.moved;
   std::erase_if(moves, [&](const auto& m) { return edits.added.contains(m.first); });
   absl::StatusOr<std::shared_ptr<const Scene>> built = Scene::build_moved(
@@ -306,13 +305,14 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
 }
 
 absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits edits,
-                                               const LoadOptions& options) {
+                                               const LoadOptions& options, LoadMemory* memory) {
   LUCERNA_ASSIGN_OR_RETURN(Moved from, moved(of, of.scene->surface_edits(edits), options.stop));
   LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
                            Scene::revise(std::move(from.loaded), std::move(from.placed),
                                          std::move(edits), options.stop));
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
+  if (memory != nullptr) memory->end();
   const auto same = state_->scenes.find(scene->id());
   const bool is_known = same != state_->scenes.end();
   if (options.lease_s > 0) LUCERNA_RETURN_IF_ERROR(state_->check_leases(options.owner));

@@ -103,22 +103,29 @@ class SceneStore {
   /// The same for uploaded files.  Returns the missing files if there are any.
   absl::StatusOr<LoadedScene> load(const Manifest& manifest, const LoadOptions& options = {});
 
+  /// Memory that counts against the budget until `revise` has stored the scene, or the last pointer
+  /// is gone.
+  class LoadMemory;
+  std::shared_ptr<LoadMemory> start_counting() const;
+
   /// Makes the revision of a scene, or of its revision, with these edits (all of them, not only
-  /// new ones).  Without edits it is the scene itself.  If edits move surfaces, the scene's files
-  /// are read again and its geometry is built again, unless a revision in memory has the same
-  /// moves.  Errors: those of Scene::revise; RESOURCE_EXHAUSTED as for load; FAILED_PRECONDITION if
-  /// the files have changed.
+  /// new ones).  Without edits it is the scene itself.  `memory`: of what was read for the edits.
+  /// If edits move surfaces, the scene's files are read again and its geometry is built again,
+  /// unless a revision in memory has the same moves.  Errors: those of Scene::revise;
+  /// RESOURCE_EXHAUSTED as for load; FAILED_PRECONDITION if the files have changed.
   absl::StatusOr<LoadedScene> revise(const StoredScene& of, LightEdits edits,
-                                     const LoadOptions& options = {});
+                                     const LoadOptions& options = {}, LoadMemory* memory = nullptr);
 
   /// What a scene file holds, without building it.
   struct Read {
     std::optional<SceneDescription> description;  ///< nothing if files are missing
     std::vector<MissingAsset> missing;
   };
-  /// Errors: those of load_scene_file.
-  absl::StatusOr<Read> read(const std::string& path, const LoadOptions& options) const;
-  absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options) const;
+  /// What is read counts in `memory`.  Errors: those of load_scene_file.
+  absl::StatusOr<Read> read(const std::string& path, const LoadOptions& options,
+                            LoadMemory& memory) const;
+  absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options,
+                            LoadMemory& memory) const;
 
   /// Marks the scene as used.  Null if it is not loaded.
   std::shared_ptr<const Scene> find(const std::string& id) const;
@@ -181,9 +188,6 @@ class SceneStore {
   /// from building the scene again.
   absl::StatusOr<Moved> moved(const StoredScene& of, const SurfaceEdits& edits,
                               const std::stop_token& stop);
-  class LoadMemory;
-  absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options,
-                            LoadMemory& memory) const;
   absl::StatusOr<LoadedScene> build_once(SceneDescription description, const std::string& key,
                                          const StoredScene& named, const LoadOptions& options,
                                          LoadMemory& memory);

@@ -165,12 +165,21 @@ absl::Status check_surface(const ShapeDescription& shape, const std::deque<Mater
   return absl::OkStatus();
 }
 
+/// The error of a file that does not fit beside those before it.
+absl::Status too_large(const std::string& field, const absl::Status& status) {
+  absl::Status named(status.code(), fmt::format("{}: {}", field, std::string(status.message())));
+  status.ForEachPayload(
+      [&](absl::string_view type, const absl::Cord& payload) { named.SetPayload(type, payload); });
+  return load_error(std::move(named));
+}
+
 /// Applies edits one after another.
 class Editor {
  public:
   Editor(const Context& context, const Scene& scene, const std::stop_token& stop)
       : context_(context), stop_(stop), ids_(scene.edits().added) {
     result_.edits = scene.edits();
+    result_.memory = context.scenes.start_counting();
     const Scene& loaded = scene.loaded() != nullptr ? *scene.loaded() : scene;
     loaded_ids_ = loaded.lights().size();
   }
@@ -242,10 +251,11 @@ class Editor {
     if (file.has_manifest()) {
       LUCERNA_ASSIGN_OR_RETURN(const Manifest manifest,
                                check_manifest(context_, field + ".manifest", file.manifest()));
-      read = context_.scenes.read(manifest, {.stop = stop_});
+      read = context_.scenes.read(manifest, {.stop = stop_}, *result_.memory);
     } else {
-      read = context_.scenes.read(file.path(), {.stop = stop_});
+      read = context_.scenes.read(file.path(), {.stop = stop_}, *result_.memory);
     }
+    if (absl::IsResourceExhausted(read.status())) return too_large(field, read.status());
     LUCERNA_RETURN_IF_ERROR(read.status());
     for (MissingAsset& asset : read->missing) result_.missing.push_back(std::move(asset));
     if (!read->description) return absl::OkStatus();
@@ -359,8 +369,9 @@ Prepared edit_lights(const Context& context, const v1::EditLightsRequest& reques
       missing->set_sha256(asset.digest);
     }
     if (!edited.missing.empty()) return absl::OkStatus();
-    const absl::StatusOr<LoadedScene> revision = context.scenes.revise(
-        stored, std::move(edited.edits), {request.lease_s(), stop, {}, context.caller});
+    const absl::StatusOr<LoadedScene> revision =
+        context.scenes.revise(stored, std::move(edited.edits),
+                              {request.lease_s(), stop, {}, context.caller}, edited.memory.get());
     if (!revision.ok()) return load_error(revision.status());
     response->set_scene_id(revision->stored.scene->id());
     response->set_already_loaded(revision->already_loaded);

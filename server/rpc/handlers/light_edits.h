@@ -1,6 +1,7 @@
 // EditLights, and the edits of LoadScene.
 #pragma once
 
+#include <memory>
 #include <stop_token>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct EditedLights {
   LightEdits edits;                    ///< all of the scene's, not only the new ones
   std::vector<std::uint64_t> new_ids;  ///< of added and replaced lights
   std::vector<MissingAsset> missing;   ///< of added files; if any, `edits` is incomplete
+  std::shared_ptr<SceneStore::LoadMemory> memory;  ///< of added files
 };
 
 /// Checks what can be checked without the scene, so that bad requests cost nothing.

@@ -200,7 +200,7 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
         loaded->missing = std::move(edited.missing);
       } else {
         loaded = context.scenes.revise(loaded->stored, std::move(edited.edits),
-                                       {lease_s, stop, {}, context.caller});
+                                       {lease_s, stop, {}, context.caller}, edited.memory.get());
         if (!loaded.ok()) return load_error(loaded.status());
       }
     }
