@@ -189,13 +189,18 @@ TEST_F(Quotas, CallsCountWhatTheyCompute) {
 }
 
 TEST_F(Quotas, PowersCountAllLights) {
-  expect_counts("EstimatePower", [&](auto* c) {
-    auto q = request<v1::EstimatePowerRequest>();
-    for (int i = 0; i < 200; ++i) q.add_light_ids(1);
-    q.set_page_size(1);
+  add("farm", "roles = [\"query\"]\nmax-items-per-second = 1");
+  auto q = request<v1::EstimatePowerRequest>();
+  for (int i = 0; i < 7; ++i) q.add_light_ids(1);
+  q.set_page_size(1);
+  grpc::Status status;
+  for (int i = 0; i < 2; ++i) {
+    grpc::ClientContext context;
+    authorize(context, "farm");
     v1::EstimatePowerResponse r;
-    return service_->lighting.EstimatePower(c, q, &r);
-  });
+    status = service_->lighting.EstimatePower(&context, q, &r);
+  }
+  EXPECT_THAT(status.error_message(), HasSubstr("requested 7 items"));
 }
 
 TEST_F(Quotas, ANewFileChangesTheRateAtOnce) {
