@@ -16,6 +16,7 @@ using testing::Ies;
 using testing::ies;
 using testing::ies_error;
 using testing::notes;
+using ::testing::StartsWith;
 
 TEST(Ies, MissingPlanesAreFilledBySymmetry) {
   Ies f;
