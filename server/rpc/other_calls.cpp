@@ -40,16 +40,12 @@ class Recorder final : public grpc::experimental::Interceptor {
     record_.call = call;
     record_.code = grpc::StatusCode::CANCELLED;  // unless a status is sent
     record_.request_id = monitor::make_request_id();
-    if (context != nullptr) record_.peer = context->peer();
     runtime_.statistics.begin(call);
   }
   ~Recorder() override {
     record_.total_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - arrived_).count();
     runtime_.statistics.end(record_);
-    // A reset has several codes here.  Clients that obey the rules rarely see an error.
-    if (record_.code != grpc::StatusCode::OK && runtime_.on_cancelled)
-      runtime_.on_cancelled(record_.peer);
     if (runtime_.on_call) runtime_.on_call(record_);
   }
 
