@@ -41,16 +41,17 @@ LaneJob::Clock::time_point deadline_of(gpr_timespec deadline) {
   return grpc::Timespec2Timepoint(time);
 }
 
-void UnaryCall::begin(const grpc::ByteBuffer& request) {
-  self_ = shared_from_this();
+void UnaryCall::take(bool ok) {
+  if (!ok) return finish(no_message());
+  observed_.request_complete();
   monitor::CallRecord& record = observed_.record();
-  record.request_bytes = request.Length();
+  record.request_bytes = bytes_.Length();
   pass_ = runtime_.gate.enter();
   if (!pass_) return finish(draining());
   Prepared task = absl::InternalError("not prepared");
   const absl::Status prepared = guarded([&]() -> absl::Status {
     LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
-    LUCERNA_RETURN_IF_ERROR(parse(request, record));
+    LUCERNA_RETURN_IF_ERROR(parse(bytes_, record));
     task = prepare(runtime_.context(admission_.caller));
     LUCERNA_RETURN_IF_ERROR(task.status());
     return ObservedCall::take_items(admission_, task->items);
@@ -65,7 +66,8 @@ void UnaryCall::begin(const grpc::ByteBuffer& request) {
               .kind = task->kind,
               .least_s = runtime_.times.least_seconds(record.call, task->predicted_s),
               .expected_s = runtime_.times.expected_seconds(record.call, task->predicted_s)};
-  job.run = [self = shared_from_this(), lane, task = *std::move(task)](const LaneJobStart& start) {
+  const auto self = std::static_pointer_cast<UnaryCall>(shared_from_this());
+  job.run = [self, lane, task = *std::move(task)](const LaneJobStart& start) {
     self->observed_.add_queue_time(lane, start.queue_time_s);
     if (start.status.ok()) {
       self->compute(task);
@@ -81,6 +83,7 @@ void UnaryCall::compute(const Task& task) {
   if (observed_.deadline() <= LaneJob::Clock::now()) {
     return finish(absl::DeadlineExceededError("the deadline passed before the work started"));
   }
+  if (const absl::Status room = observed_.room_for_answers(); !room.ok()) return finish(room);
   monitor::CallRecord& record = observed_.record();
   std::optional<ComputeLimit> limit;
   if (record.queued) limit.emplace(runtime_, observed_.deadline(), stop_);
@@ -106,10 +109,10 @@ void UnaryCall::compute(const Task& task) {
 
 void UnaryCall::finish(absl::Status status) {
   if (status.ok()) {
-    status = guarded([&] { return encode(*response_, observed_.record()); });
-    if (status.ok()) observed_.record().response_bytes = response_->Length();
+    bytes_.Clear();
+    status = guarded([&] { return encode(bytes_, observed_.record()); });
   }
-  Finish(observed_.end(status));
+  send_last(status);
 }
 
 }  // namespace lucerna::rpc

@@ -4,14 +4,13 @@
 #include <absl/status/status.h>
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/byte_buffer.h>
-#include <grpcpp/support/server_callback.h>
 
 #include <functional>
 #include <memory>
 #include <utility>
 
 #include "server/rpc/answer_record.h"
-#include "server/rpc/observed_call.h"
+#include "server/rpc/reactor.h"
 #include "server/rpc/runtime.h"
 
 namespace lucerna::rpc {
@@ -23,41 +22,20 @@ grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& contex
 /// gRPC's deadline; the largest time point if there is none.
 LaneJob::Clock::time_point deadline_of(gpr_timespec deadline);
 
-/// One unary call.  Small tasks run at once on gRPC's thread, others in a lane.  The call lives
-/// until both gRPC and the lane have released it.
-///
-/// The call gets the bytes of its request, because gRPC answers bytes that it cannot parse with
-/// UNIMPLEMENTED and no reason.
-class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_from_this<UnaryCall> {
+/// One unary call.  Small tasks run at once on gRPC's thread, others in a lane.
+class UnaryCall : public Reactor {
  public:
-  void OnCancel() override {
-    stop_.request_stop();
-    observed_.cancelled();
-  }
-  void OnDone() override { const auto last = std::move(self_); }
-
- protected:
-  UnaryCall(Runtime& runtime, grpc::CallbackServerContext* context, monitor::Call call,
-            grpc::ByteBuffer* response)
-      : runtime_(runtime), observed_(runtime, *context, call), response_(response) {}
-  /// Requires that a shared pointer owns the call.
-  void begin(const grpc::ByteBuffer& request);
+  using Reactor::Reactor;
 
  private:
+  void take(bool ok) final;
+  void finish(absl::Status status) final;
   virtual absl::Status parse(const grpc::ByteBuffer& request, monitor::CallRecord& record) = 0;
   virtual Prepared prepare(const Context& context) = 0;
-  virtual absl::Status encode(grpc::ByteBuffer& response, monitor::CallRecord& record) = 0;
+  /// Frees the request and the response.
+  virtual absl::Status encode(grpc::ByteBuffer& bytes, monitor::CallRecord& record) = 0;
 
   void compute(const Task& task);
-  void finish(absl::Status status);
-
-  Runtime& runtime_;
-  ObservedCall observed_;
-  grpc::ByteBuffer* response_;
-  std::stop_source stop_;
-  CallGate::Pass pass_;
-  access::Admission admission_;
-  std::shared_ptr<UnaryCall> self_;
 };
 
 template <typename Request, typename Response>
@@ -65,36 +43,33 @@ class TypedCall final : public UnaryCall {
  public:
   using Handler = std::function<Prepared(const Context&, const Request&, Response*)>;
 
-  static grpc::ServerUnaryReactor* start(Runtime& runtime, grpc::CallbackServerContext* context,
-                                         monitor::Call call, const grpc::ByteBuffer* request,
-                                         grpc::ByteBuffer* response, Handler handler) {
-    const auto made =
-        std::make_shared<TypedCall>(runtime, context, call, response, std::move(handler));
-    made->begin(*request);
-    return made.get();
-  }
-
-  TypedCall(Runtime& runtime, grpc::CallbackServerContext* context, monitor::Call call,
-            grpc::ByteBuffer* response, Handler handler)
-      : UnaryCall(runtime, context, call, response), handler_(std::move(handler)) {}
+  TypedCall(Runtime& runtime, grpc::CallbackServerContext& context, monitor::Call call,
+            Handler handler)
+      : UnaryCall(runtime, context, call), handler_(std::move(handler)) {}
 
  private:
   absl::Status parse(const grpc::ByteBuffer& bytes, monitor::CallRecord& record) override {
-    const absl::Status status = parse_message(bytes, request_);
-    if (status.ok()) record_request(request_, record);
+    const absl::Status status = parse_message(bytes, messages_->request);
+    if (status.ok()) record_request(messages_->request, record);
     return status;
   }
   Prepared prepare(const Context& context) override {
-    return handler_(context, request_, &response_);
+    return handler_(context, messages_->request, &messages_->response);
   }
   absl::Status encode(grpc::ByteBuffer& bytes, monitor::CallRecord& record) override {
-    record_answer(request_, response_, record);
-    return encode_message(response_, bytes);
+    record_answer(messages_->request, messages_->response, record);
+    const absl::Status status = encode_message(messages_->response, bytes);
+    // The client may take the bytes slowly.
+    messages_.reset();
+    return status;
   }
 
+  struct Messages {
+    Request request;
+    Response response;
+  };
   Handler handler_;
-  Request request_;
-  Response response_;
+  std::unique_ptr<Messages> messages_ = std::make_unique<Messages>();
 };
 
 }  // namespace lucerna::rpc

@@ -15,23 +15,14 @@ namespace {
 constexpr std::size_t kTilesAhead = 3;
 }  // namespace
 
-ImageStream::ImageStream(Runtime& runtime, grpc::CallbackServerContext* context)
-    : runtime_(runtime),
-      observed_(runtime, *context, monitor::Call::kRenderImage),
-      client_(observed_.client()) {}
+ImageStream::ImageStream(Runtime& runtime, grpc::CallbackServerContext& context, monitor::Call call)
+    : Reactor(runtime, context, call), client_(observed_.client()) {}
 
-grpc::ServerWriteReactor<grpc::ByteBuffer>* ImageStream::start(Runtime& runtime,
-                                                               grpc::CallbackServerContext* context,
-                                                               const grpc::ByteBuffer* request) {
-  const auto stream = std::make_shared<ImageStream>(runtime, context);
-  stream->self_ = stream;
-  stream->begin(*request);
-  return stream.get();
-}
-
-void ImageStream::begin(const grpc::ByteBuffer& request) {
+void ImageStream::take(bool ok) {
+  if (!ok) return finish(no_message());
+  observed_.request_complete();
   absl::Status status;
-  observed_.record().request_bytes = request.Length();
+  observed_.record().request_bytes = bytes_.Length();
   pass_ = runtime_.gate.enter();
   if (!pass_) {
     status = draining();
@@ -39,7 +30,7 @@ void ImageStream::begin(const grpc::ByteBuffer& request) {
     status = guarded([&]() -> absl::Status {
       LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
       v1::RenderImageRequest parsed;
-      LUCERNA_RETURN_IF_ERROR(parse_message(request, parsed));
+      LUCERNA_RETURN_IF_ERROR(parse_message(bytes_, parsed));
       record_request(parsed, observed_.record());
       LUCERNA_ASSIGN_OR_RETURN(ImageRender render,
                                ImageRender::create(runtime_.context(admission_.caller), parsed));
@@ -66,12 +57,12 @@ void ImageStream::begin(const grpc::ByteBuffer& request) {
 }
 
 LaneJob ImageStream::next_job() {
-  return {
-      .run = [self = shared_from_this()](const LaneJobStart& start) { self->render_next(start); },
-      .stop = stop_.get_token(),
-      .deadline = observed_.deadline(),
-      .client = client_,
-      .kind = JobKind::kStep};
+  const auto self = std::static_pointer_cast<ImageStream>(shared_from_this());
+  return {.run = [self](const LaneJobStart& start) { self->render_next(start); },
+          .stop = stop_.get_token(),
+          .deadline = observed_.deadline(),
+          .client = client_,
+          .kind = JobKind::kStep};
 }
 
 absl::Status ImageStream::render(grpc::ByteBuffer* bytes) {
@@ -107,7 +98,10 @@ void ImageStream::render_next(const LaneJobStart& start) {
     const std::lock_guard lock(mutex_);
     job_ = false;
     if (status.ok()) {
-      if (bytes.Length() > 0) ready_.push_back(std::move(bytes));
+      if (bytes.Length() > 0) {
+        observed_.answer_begun(bytes.Length());
+        ready_.push_back(std::move(bytes));
+      }
       complete_ = render_->done();
     } else {
       error_ = status;
@@ -120,6 +114,7 @@ void ImageStream::OnWriteDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
     writing_ = false;
+    observed_.answer_sent(ready_.front().Length());
     ready_.pop_front();
     // The stream is broken.
     if (!ok && error_.ok()) error_ = absl::CancelledError("the stream was closed");
@@ -140,7 +135,8 @@ void ImageStream::advance() {
         writing_ = true;
         write = &ready_.front();  // push_back does not move it
       }
-      if (!job_ && !complete_ && ready_.size() < kTilesAhead) render = job_ = true;
+      const std::size_t most = observed_.room_for_answers().ok() ? kTilesAhead : 1;
+      if (!job_ && !complete_ && ready_.size() < most) render = job_ = true;
       if (complete_ && ready_.empty()) end = absl::OkStatus();
     } else if (!job_ && !writing_) {
       end = error_;
@@ -150,7 +146,7 @@ void ImageStream::advance() {
   // Without the lock: each of these may call advance() on another thread.
   if (write != nullptr) StartWrite(write);
   if (render) runtime_.lanes.resume(Lane::kBulk, next_job());
-  if (end) Finish(observed_.end(*end));
+  if (end) finish(*end);
 }
 
 }  // namespace lucerna::rpc

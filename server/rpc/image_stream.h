@@ -2,43 +2,29 @@
 #pragma once
 
 #include <absl/status/status.h>
-#include <grpcpp/server_context.h>
 #include <grpcpp/support/byte_buffer.h>
-#include <grpcpp/support/server_callback.h>
 
 #include <deque>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "server/rpc/handlers/image_render.h"
-#include "server/rpc/observed_call.h"
-#include "server/rpc/runtime.h"
+#include "server/rpc/reactor.h"
 
 namespace lucerna::rpc {
 
 /// Renders at most one tile in each lane job, so that other renders can run between two tiles.
 /// Stays at most a few tiles ahead of what gRPC has taken over.  gRPC buffers more for a client
 /// that does not read, so such streams compute for a while; other calls take turns with them.
-class ImageStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
-                    public std::enable_shared_from_this<ImageStream> {
+class ImageStream final : public Reactor {
  public:
-  static grpc::ServerWriteReactor<grpc::ByteBuffer>* start(Runtime& runtime,
-                                                           grpc::CallbackServerContext* context,
-                                                           const grpc::ByteBuffer* request);
+  ImageStream(Runtime& runtime, grpc::CallbackServerContext& context, monitor::Call call);
 
-  void OnCancel() override {
-    stop_.request_stop();
-    observed_.cancelled();
-  }
-  void OnDone() override { const auto last = std::move(self_); }
   void OnWriteDone(bool ok) override;
 
-  ImageStream(Runtime& runtime, grpc::CallbackServerContext* context);
-
  private:
-  void begin(const grpc::ByteBuffer& request);
+  void take(bool ok) override;
   LaneJob next_job();
   void render_next(const LaneJobStart& start);
   /// Renders a tile, or a part of its samples.  `bytes` stays empty if no tile is ready to be sent.
@@ -46,15 +32,8 @@ class ImageStream : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   /// Starts the next step: a write, a lane job, or the end.
   void advance();
 
-  Runtime& runtime_;
-  ObservedCall observed_;
   const std::string client_;
-  std::stop_source stop_;
-  CallGate::Pass pass_;
-  access::Admission admission_;
   std::uint64_t counted_items_ = 0;
-  std::shared_ptr<ImageStream> self_;
-
   std::optional<ImageRender> render_;  // while a lane job runs, only the job uses it
 
   std::mutex mutex_;

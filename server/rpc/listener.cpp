@@ -33,9 +33,8 @@ constexpr int kBacklog = 1024;
 constexpr int kPauseMs = 50;
 // How long a connection to the own port may wait until it is accepted.
 constexpr auto kOwnPatience = std::chrono::seconds(5);
+constexpr int kWatchMs = 100;
 constexpr auto kLogInterval = std::chrono::seconds(10);
-// A connection may cancel this many calls at once, and then this many in a second.
-constexpr double kCancels = 1000, kCancelsPerSecond = 200;
 
 /// Raises the limit of open files as far as it goes.  Returns the limit.
 std::uint64_t raise_file_limit() {
@@ -55,13 +54,7 @@ std::uint64_t open_files() {
   return static_cast<std::uint64_t>(std::distance(files, std::filesystem::directory_iterator()));
 }
 
-/// The number of the socket behind a descriptor, which no other socket has; 0 if there is none.
-std::uint64_t inode_of(int descriptor) {
-  struct stat status {};
-  return fstat(descriptor, &status) == 0 ? status.st_ino : 0;
-}
-
-/// The address without the port.
+/// The address without the port, and without the interface of a link-local one.
 std::string text_of(const sockaddr_storage& address) {
   char text[INET6_ADDRSTRLEN] = "";
   if (address.ss_family == AF_INET) {
@@ -79,8 +72,9 @@ std::string name_of(const sockaddr_storage& address, int port) {
   constexpr std::string_view kMapped = "::ffff:";  // an IPv4 client of an IPv6 socket
   if (text.starts_with(kMapped))
     return fmt::format("ipv4:{}:{}", text.substr(kMapped.size()), port);
-  return address.ss_family == AF_INET6 ? fmt::format("ipv6:%5B{}%5D:{}", text, port)
-                                       : fmt::format("ipv4:{}:{}", text, port);
+  if (address.ss_family == AF_INET) return fmt::format("ipv4:{}:{}", text, port);
+  const std::uint32_t link = reinterpret_cast<const sockaddr_in6&>(address).sin6_scope_id;
+  return fmt::format("ipv6:%5B{}{}%5D:{}", text, link == 0 ? "" : fmt::format("%25{}", link), port);
 }
 
 int port_of(const sockaddr_storage& address) {
@@ -121,8 +115,7 @@ int listen_on(const addrinfo& address, int port) {
 
 absl::StatusOr<std::unique_ptr<Listener>> Listener::open(const std::string& address,
                                                          const ConnectionLimits& limits) {
-  std::unique_ptr<Listener> listener(new Listener);
-  listener->limits_ = limits;
+  std::unique_ptr<Listener> listener(new Listener(limits));
   LUCERNA_ASSIGN_OR_RETURN(const AddressList found, resolve(address));
   for (const addrinfo* a = found.get(); a != nullptr; a = a->ai_next) {
     const int fd = listen_on(*a, listener->port_);
@@ -160,40 +153,24 @@ Listener::~Listener() {
   if (spare_ >= 0) close(spare_);
 }
 
-absl::Status Listener::start(std::function<void(int, int)> take) {
+absl::Status Listener::start(std::function<void(int, int)> take, std::function<void()> watch) {
   const std::uint64_t files = raise_file_limit(), used = open_files() + kReserved;
   if (used >= files) {
     return absl::ResourceExhaustedError(fmt::format(
         "the limit of open files is {} (ulimit -n), allowed: at least {}", files, used + 1));
   }
-  most_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(files - used, UINT32_MAX));
-  if (most_ < limits_.connections) {
+  const auto most = static_cast<std::uint32_t>(std::min<std::uint64_t>(files - used, UINT32_MAX));
+  connections_.set_most(most);
+  if (most < limits_.connections) {
     spdlog::warn(
         fmt::format("max-connections = {}, but the limit of open files, {}, leaves room "
                     "for {} (ulimit -n)",
-                    limits_.connections, files, most_));
+                    limits_.connections, files, most));
   }
   take_ = std::move(take);
+  watch_ = std::move(watch);
   thread_ = std::thread([this] { run(); });
   return absl::OkStatus();
-}
-
-void Listener::set_limits(const ConnectionLimits& limits) {
-  const std::lock_guard lock(mutex_);
-  limits_ = limits;
-}
-
-ConnectionLimits Listener::limits() const {
-  const std::lock_guard lock(mutex_);
-  ConnectionLimits now = limits_;
-  now.connections = std::min(now.connections, most_);
-  return now;
-}
-
-std::size_t Listener::connections() const {
-  const std::lock_guard lock(mutex_);
-  sweep();
-  return open_.size();
 }
 
 bool Listener::accepts() const {
@@ -215,60 +192,19 @@ bool Listener::accepts() const {
   return accepted;
 }
 
-void Listener::count_cancelled(const std::string& peer) {
-  const std::lock_guard lock(mutex_);
-  const auto found = descriptors_.find(peer);
-  if (found == descriptors_.end()) return;
-  const auto open = open_.find(found->second);
-  if (open == open_.end() || open->second.name != peer) {
-    descriptors_.erase(found);
-    return;
-  }
-  Connection& c = open->second;
-  const auto now = std::chrono::steady_clock::now();
-  const double gained = kCancelsPerSecond * std::chrono::duration<double>(now - c.counted).count();
-  c.cancels = std::min(kCancels, c.cancels + gained) - 1;
-  c.counted = now;
-  if (c.cancels >= 0 || inode_of(open->first) != c.inode) return;
-  shutdown(open->first, SHUT_RDWR);
-  descriptors_.erase(found);
-  spdlog::warn(
-      fmt::format("closed a connection of {}: more than {:g} calls were cancelled, and "
-                  "then more than {:g} in a second",
-                  c.peer, kCancels, kCancelsPerSecond));
-}
-
-void Listener::sweep() const {
-  // gRPC does not report closed connections.  A descriptor that is closed, or used again, has
-  // another inode.
-  std::erase_if(open_, [](const auto& c) { return inode_of(c.first) != c.second.inode; });
-}
-
-std::string Listener::refusal(const std::string& peer) const {
-  const std::uint32_t most = std::min(limits_.connections, most_);
-  const auto of_peer = [&] {
-    return std::count_if(open_.begin(), open_.end(),
-                         [&](const auto& c) { return c.second.peer == peer; });
-  };
-  const auto full = [&] {
-    return open_.size() >= most ||
-           of_peer() >= static_cast<std::ptrdiff_t>(limits_.peer_connections);
-  };
-  if (!full()) return {};
-  sweep();
-  if (!full()) return {};
-  if (open_.size() >= most)
-    return fmt::format("{} connections are open, allowed: {}", open_.size(), most);
-  return fmt::format("{} connections of this peer are open, allowed: {}", of_peer(),
-                     limits_.peer_connections);
-}
-
 void Listener::run() {
   std::vector<pollfd> ready;
   for (const int fd : listeners_) ready.push_back({fd, POLLIN, 0});
   ready.push_back({wake_, POLLIN, 0});
+  auto watched = std::chrono::steady_clock::now();
   for (;;) {
-    if (poll(ready.data(), ready.size(), -1) < 0) continue;
+    const int count = poll(ready.data(), ready.size(), kWatchMs);
+    if (const auto now = std::chrono::steady_clock::now();
+        now - watched >= std::chrono::milliseconds(kWatchMs)) {
+      watch_();
+      watched = now;
+    }
+    if (count < 0) continue;
     if (ready.back().revents != 0) return;
     for (const pollfd& r : ready) {
       if (r.revents != 0) accept_one(r.fd);
@@ -301,19 +237,7 @@ void Listener::accept_one(int listener) {
     return;
   }
   const std::string address = text_of(peer);
-  std::string reason;
-  {
-    const std::lock_guard lock(mutex_);
-    reason = refusal(address);
-    if (reason.empty()) {
-      // Descriptors are used again, so this forgets closed connections.
-      if (const auto before = open_.find(fd); before != open_.end())
-        descriptors_.erase(before->second.name);
-      const std::string name = name_of(peer, port_of(peer));
-      open_[fd] = {inode_of(fd), address, name, kCancels, std::chrono::steady_clock::now()};
-      descriptors_[name] = fd;
-    }
-  }
+  const std::string reason = connections_.add(fd, address, name_of(peer, port_of(peer)));
   if (reason.empty()) return take_(listener, fd);
   close(fd);
   ++refused_;

@@ -39,6 +39,12 @@ std::string certificate_name(const grpc::ServerContextBase& context) {
 // A caller with too many requests in flight may try again after about one small request.
 constexpr std::chrono::milliseconds kQuotaDelay(50);
 
+// The same for a caller whose connection has many answers to take.
+constexpr std::chrono::milliseconds kUnsentDelay(1000);
+
+// Answers that may wait on a connection, whatever the largest message.
+constexpr std::uint64_t kLeastUnsentBytes = 16 << 20;
+
 // Processor time that an item may take without counting as more items.  Most take microseconds.
 constexpr double kItemSeconds = 0.01;
 
@@ -50,16 +56,66 @@ thread_local std::string* parser_reason = nullptr;
 ObservedCall::ObservedCall(Runtime& runtime, grpc::CallbackServerContext& context,
                            monitor::Call call)
     : runtime_(runtime), context_(context), deadline_(deadline_of(context.raw_deadline())) {
+  const std::string peer = context.peer();
+  if (runtime.connections != nullptr) connection_ = runtime.connections->find(peer);
+  if (connection_ != nullptr) connection_->call_begun();
   record_.call = call;
   const std::string_view id = header(context, "x-request-id");
   record_.request_id = monitor::is_request_id(id) ? std::string(id) : monitor::make_request_id();
   if (runtime_.on_call) {
     const std::string_view trace = header(context, "traceparent");
     if (monitor::is_traceparent(trace)) record_.traceparent = std::string(trace);
-    record_.peer = context.peer();
+    record_.peer = peer;
     if (runtime.client_certificates) record_.caller = certificate_name(context);
   }
   runtime_.statistics.begin(call);
+}
+
+ObservedCall::~ObservedCall() {
+  answer_sent(unsent_bytes_);
+  if (connection_ != nullptr && !request_complete_)
+    connection_->call_left(runtime_.limits.get().max_message_bytes);
+}
+
+void ObservedCall::cancelled() const {
+  if (connection_ != nullptr) runtime_.connections->count_cancelled(*connection_);
+}
+
+void ObservedCall::message_awaited() {
+  if (connection_ != nullptr) connection_->message_awaited();
+}
+
+void ObservedCall::message_taken(std::size_t bytes) {
+  if (connection_ != nullptr) connection_->message_taken(bytes);
+}
+
+absl::Status ObservedCall::room_for_answers(std::size_t bytes) const {
+  if (connection_ == nullptr) return absl::OkStatus();
+  const std::uint64_t most = std::max(runtime_.limits.get().max_message_bytes, kLeastUnsentBytes);
+  std::string why;
+  if (connection_->unsent_bytes() >= most) {
+    why = fmt::format("{} bytes of answers wait until this client takes them, allowed: {}",
+                      connection_->unsent_bytes(), most);
+  } else if (!runtime_.connections->has_room(bytes)) {
+    why =
+        fmt::format("the answer has {} bytes; too many wait until other clients take them", bytes);
+  }
+  if (why.empty()) return absl::OkStatus();
+  return retry_after(absl::ResourceExhaustedError(why), Reason::kQueueFull, kUnsentDelay);
+}
+
+void ObservedCall::answer_begun(std::size_t bytes) {
+  if (connection_ == nullptr) return;
+  unsent_bytes_ += bytes;
+  connection_->answer_begun(bytes);
+  runtime_.connections->answer_begun(bytes);
+}
+
+void ObservedCall::answer_sent(std::size_t bytes) {
+  if (connection_ == nullptr) return;
+  unsent_bytes_ -= bytes;
+  connection_->answer_sent(bytes);
+  runtime_.connections->answer_sent(bytes);
 }
 
 absl::StatusOr<access::Admission> ObservedCall::admit() {

@@ -22,6 +22,10 @@ namespace lucerna::rpc {
 class ObservedCall {
  public:
   ObservedCall(Runtime& runtime, grpc::CallbackServerContext& context, monitor::Call call);
+  /// Its answers have been sent.
+  ~ObservedCall();
+  ObservedCall(const ObservedCall&) = delete;
+  ObservedCall& operator=(const ObservedCall&) = delete;
 
   /// Lets the call in, by the header "authorization".  Errors: those of access::Access::admit.
   absl::StatusOr<access::Admission> admit();
@@ -43,9 +47,18 @@ class ObservedCall {
   LaneJob::Clock::time_point deadline() const { return deadline_; }
 
   /// Counts a call that was cancelled.  Call it in OnCancel().
-  void cancelled() const {
-    if (runtime_.on_cancelled) runtime_.on_cancelled(context_.peer());
-  }
+  void cancelled() const;
+  /// The client sends no more.
+  void request_complete() { request_complete_ = true; }
+  /// Counts a message that the call waits for, and then its bytes.
+  void message_awaited();
+  void message_taken(std::size_t bytes);
+  /// RESOURCE_EXHAUSTED with a RetryInfo if many bytes wait until the client takes them, or if
+  /// those of all clients leave no room for `bytes` more.
+  absl::Status room_for_answers(std::size_t bytes = 0) const;
+  /// Counts bytes from the moment that they are ready until gRPC has sent them.
+  void answer_begun(std::size_t bytes);
+  void answer_sent(std::size_t bytes);
   /// Counts and logs the call, and sends its id as trailing metadata.  Returns the status for
   /// gRPC.  Call it once, just before the call's Finish().
   grpc::Status end(const absl::Status& status);
@@ -56,7 +69,10 @@ class ObservedCall {
   LaneJob::Clock::time_point deadline_;
   std::chrono::steady_clock::time_point arrived_ = std::chrono::steady_clock::now();
   monitor::CallRecord record_;
-  std::string token_;  // its name, or empty
+  std::string token_;                       // its name, or empty
+  std::shared_ptr<Connection> connection_;  // null: not known
+  std::uint64_t unsent_bytes_ = 0;
+  bool request_complete_ = false;
 };
 
 /// Stops work that takes longer than a call without a deadline may.  Does nothing for a call with a

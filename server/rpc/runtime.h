@@ -15,8 +15,11 @@
 #include "lucerna/v1/admin.pb.h"
 #include "server/access/access.h"
 #include "server/monitor/call_statistics.h"
+#include "server/rpc/connections.h"
 #include "server/rpc/messages/task.h"
+#include "server/rpc/serving_state.h"
 #include "server/rpc/time_model.h"
+#include "server/rpc/waits.h"
 #include "server/runtime/lanes.h"
 #include "server/store/scene_store.h"
 
@@ -94,8 +97,14 @@ struct Runtime {
   TimeModel times;
   /// Gets the record of each call that has ended; may be empty.
   std::function<void(const monitor::CallRecord&)> on_call;
-  /// Gets the peer of each call that was cancelled, as gRPC names it; may be empty.
-  std::function<void(const std::string&)> on_cancelled;
+  /// Null: they are not watched.
+  Connections* connections = nullptr;
+  Waits waits;
+  ServingState serving;
+  /// Streams of the health and reflection services that may still begin.
+  std::atomic<std::int64_t> stream_places{4096};
+  /// How long a call may wait for its request [s]; 0: for ever.
+  std::uint32_t idle_s = 0;
   /// Whether clients have certificates that were checked.
   bool client_certificates = false;
   /// The lines that the log left out; may be empty.

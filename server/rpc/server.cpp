@@ -1,11 +1,8 @@
 #include "server/rpc/server.h"
 
 #include <fmt/format.h>
-#include <grpc/health/v1/health.pb.h>
 #include <grpc/support/log.h>
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
-#include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
 #include <spdlog/spdlog.h>
 
@@ -20,7 +17,6 @@
 #include "server/rpc/address.h"
 #include "server/rpc/listener.h"
 #include "server/rpc/observed_call.h"
-#include "server/rpc/other_calls.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stats.h"
 #include "server/rpc/tls.h"
@@ -35,7 +31,7 @@ struct Server::State {
   // Destroyed from last to first: calls, then services, then scenes, then lanes.
   Lanes lanes;
   Runtime runtime;
-  std::vector<std::unique_ptr<grpc::Service>> services;
+  std::unique_ptr<grpc::CallbackGenericService> service;
   std::shared_ptr<Tls> tls;  // null: none
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<monitor::MetricsServer> metrics;
@@ -55,9 +51,11 @@ namespace {
 // Headers of one call.
 constexpr std::uint64_t kMaxHeaderBytes = 16 << 10;
 // Messages that have not arrived in full, of all connections.
-constexpr std::size_t kLeastNetworkBytes = 128 << 20;
-// gRPC starts threads for the calls of its reflection only.
-constexpr int kMaxReflectionThreads = 64;
+constexpr std::uint64_t kLeastUnfinishedBytes = 192 << 20;
+// What gRPC reads at once.  After more, thousands of calls that were reset would be known too late.
+constexpr std::uint64_t kMaxReadBytes = 64 << 10;
+// Answers that their clients have not taken, without a memory budget.
+constexpr std::uint64_t kMostUnsentBytes = 1ULL << 30;
 // How long a client has to answer a ping.
 constexpr std::uint64_t kPingAnswerSeconds = 20;
 
@@ -103,10 +101,6 @@ void set_up_grpc() {
     // gRPC's messages repeat our errors and report each client that connects or disconnects.
     gpr_set_log_function(
         [](gpr_log_func_args* args) { spdlog::debug(fmt::format("grpc: {}", args->message)); });
-    grpc::EnableDefaultHealthCheckService(true);
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-    // Reflection needs the description of this message.  Using it here makes the linker include it.
-    (void)grpc::health::v1::HealthCheckRequest::descriptor();
     return true;
   }();
   (void)done;
@@ -170,7 +164,7 @@ absl::Status Server::State::load(const std::string& path, const std::stop_token&
 
 absl::Status Server::State::listen(const ServerOptions& options) {
   set_up_grpc();
-  services = make_services(runtime);
+  service = make_service(runtime);
   LUCERNA_ASSIGN_OR_RETURN(listener, Listener::open(options.listen, options.doors.limits));
   grpc::ServerBuilder builder;
   const DoorOptions& doors = options.doors;
@@ -195,31 +189,40 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   // A message of 1 MB may unpack to 1 GB before gRPC looks at its size.
   set(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, 1U << GRPC_COMPRESS_NONE);
   set(GRPC_ARG_MAX_METADATA_SIZE, kMaxHeaderBytes);
+  set(GRPC_ARG_TCP_READ_CHUNK_SIZE, kMaxReadBytes);
+  set(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE, kMaxReadBytes);
+  const std::uint64_t two_messages = 2ULL * options.limits.max_message_bytes;
+  const std::uint64_t budget = options.scenes.memory_budget_bytes;
+  const std::uint64_t unfinished = std::max(kLeastUnfinishedBytes, two_messages);
   grpc::ResourceQuota quota("lucernad");
-  quota.Resize(std::max<std::size_t>(kLeastNetworkBytes, 2ULL * options.limits.max_message_bytes));
-  quota.SetMaxThreads(kMaxReflectionThreads);
+  quota.Resize(unfinished);
   builder.SetResourceQuota(quota);
   acceptor = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
       tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials());
-  for (const auto& service : services) builder.RegisterService(service.get());
-  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
-  interceptors.push_back(std::make_unique<OtherCalls>(runtime));
-  builder.experimental().SetInterceptorCreators(std::move(interceptors));
+  builder.RegisterCallbackGenericService(service.get());
   server = builder.BuildAndStart();
   if (server == nullptr) return absl::UnavailableError("gRPC does not start");
   address = with_port(options.listen, listener->port());
-  for (const std::string& name : service_names()) {
-    server->GetHealthCheckService()->SetServingStatus(name, true);
-  }
-  runtime.on_cancelled = [this](const std::string& peer) { listener->count_cancelled(peer); };
-  // gRPC has opened its descriptors by now, so they count.
-  return listener->start([this](int from, int connection) {
+  listener->connections().set_patience(
+      {.message_bytes = options.limits.max_message_bytes,
+       .unfinished_bytes = unfinished,
+       .unsent_bytes = std::max(two_messages, budget == 0 ? kMostUnsentBytes : budget / 4),
+       .idle_s = doors.idle_s});
+  runtime.connections = &listener->connections();
+  runtime.idle_s = doors.idle_s;
+  const auto take = [this](int from, int connection) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
     parameters.listener_fd = from;
     parameters.fd = connection;
     acceptor->HandleNewConnection(&parameters);
-  });
+  };
+  const auto watch = [this] {
+    runtime.waits.watch();
+    listener->connections().watch();
+  };
+  // gRPC has opened its descriptors by now, so they count.
+  return listener->start(take, watch);
 }
 
 absl::Status Server::State::serve_metrics(const std::string& address) {
@@ -310,7 +313,7 @@ absl::Status Server::reload(const ServerOptions& options) {
   if (state_->tls != nullptr) LUCERNA_RETURN_IF_ERROR(state_->tls->reload(options.doors.tls));
   // No step below fails.
   if (!tokens.empty()) state_->runtime.access.set_tokens(std::move(tokens));
-  state_->listener->set_limits(options.doors.limits);
+  state_->listener->connections().set_limits(options.doors.limits);
   RequestLimits limits = state_->runtime.limits.get();
   limits.max_batch_items = options.limits.max_batch_items;
   limits.max_tile_pixels = options.limits.max_tile_pixels;
@@ -322,7 +325,7 @@ absl::Status Server::reload(const ServerOptions& options) {
 }
 
 void Server::begin_drain() {
-  state_->server->GetHealthCheckService()->Shutdown();
+  state_->runtime.serving.stop();
   state_->runtime.gate.close();
 }
 

@@ -1,191 +1,141 @@
 #include "server/rpc/services.h"
 
-#include "lucerna/v1/admin.grpc.pb.h"
-#include "lucerna/v1/lighting.grpc.pb.h"
-#include "lucerna/v1/render.grpc.pb.h"
-#include "lucerna/v1/scene.grpc.pb.h"
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <functional>
+#include <unordered_map>
+#include <utility>
+
+#include "lucerna/v1/admin.pb.h"
 #include "server/rpc/call.h"
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/handlers/lighting.h"
 #include "server/rpc/handlers/scenes.h"
 #include "server/rpc/handlers/surfaces.h"
 #include "server/rpc/handlers/tiles.h"
+#include "server/rpc/health.h"
 #include "server/rpc/image_stream.h"
 #include "server/rpc/messages/errors.h"
+#include "server/rpc/reflection.h"
 #include "server/rpc/stats.h"
 #include "server/rpc/upload_stream.h"
 
 namespace lucerna::rpc {
 namespace {
 
-using CallContext = grpc::CallbackServerContext;
-using Unary = grpc::ServerUnaryReactor;
-using Bytes = grpc::ByteBuffer;
 using monitor::Call;
+using Start = std::function<Reactor*(Runtime&, grpc::CallbackServerContext&, Call)>;
 
-/// Starts a call whose handler needs nothing but the context.
+/// A call whose handler needs nothing but the context.
 template <typename Request, typename Response>
-Unary* unary(Runtime& runtime, CallContext* context, Call call, const Bytes* request,
-             Bytes* response, Prepared (*handler)(const Context&, const Request&, Response*)) {
-  return TypedCall<Request, Response>::start(runtime, context, call, request, response, handler);
+Start unary(Prepared (*handler)(const Context&, const Request&, Response*)) {
+  return [handler](Runtime& runtime, grpc::CallbackServerContext& context, Call call) {
+    return Reactor::start<TypedCall<Request, Response>>(runtime, context, call, handler);
+  };
 }
 
-// gRPC's generated classes give a service the bytes of its calls.  One class for each call.
-
-using SceneBase = v1::SceneService::WithRawCallbackMethod_FindMissingAssets<
-    v1::SceneService::WithRawCallbackMethod_UploadAsset<
-        v1::SceneService::WithRawCallbackMethod_LoadScene<
-            v1::SceneService::WithRawCallbackMethod_GetScene<
-                v1::SceneService::WithRawCallbackMethod_ListScenes<
-                    v1::SceneService::WithRawCallbackMethod_ListAvailableScenes<
-                        v1::SceneService::WithRawCallbackMethod_ListLights<
-                            v1::SceneService::WithRawCallbackMethod_EditLights<
-                                v1::SceneService::WithRawCallbackMethod_RenewLease<
-                                    v1::SceneService::WithRawCallbackMethod_ReleaseScene<
-                                        v1::SceneService::Service>>>>>>>>>>;
-using LightingBase = v1::LightingService::WithRawCallbackMethod_SampleLi<
-    v1::LightingService::WithRawCallbackMethod_PdfLi<
-        v1::LightingService::WithRawCallbackMethod_SampleLe<
-            v1::LightingService::WithRawCallbackMethod_PdfLe<
-                v1::LightingService::WithRawCallbackMethod_Le<
-                    v1::LightingService::WithRawCallbackMethod_EstimatePower<
-                        v1::LightingService::WithRawCallbackMethod_TestVisibility<
-                            v1::LightingService::WithRawCallbackMethod_EstimateIrradiance<
-                                v1::LightingService::Service>>>>>>>>;
-using RenderBase = v1::RenderService::WithRawCallbackMethod_RenderTile<
-    v1::RenderService::WithRawCallbackMethod_RenderImage<
-        v1::RenderService::WithRawCallbackMethod_FindSurfaces<v1::RenderService::Service>>>;
-using AdminBase = v1::AdminService::WithRawCallbackMethod_GetServerInfo<
-    v1::AdminService::WithRawCallbackMethod_GetStats<
-        v1::AdminService::WithRawCallbackMethod_ListLeases<v1::AdminService::Service>>>;
-
-class SceneServiceImpl final : public SceneBase {
- public:
-  explicit SceneServiceImpl(Runtime& runtime) : runtime_(runtime) {}
-
-  Unary* FindMissingAssets(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kFindMissingAssets, request, response,
-                 &find_missing_assets);
-  }
-  grpc::ServerReadReactor<Bytes>* UploadAsset(CallContext* context, Bytes* response) override {
-    return UploadStream::start(runtime_, context, response);
-  }
-  Unary* LoadScene(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kLoadScene, request, response, &load_scene);
-  }
-  Unary* GetScene(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kGetScene, request, response, &get_scene);
-  }
-  Unary* ListScenes(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kListScenes, request, response, &list_scenes);
-  }
-  Unary* ListAvailableScenes(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kListAvailableScenes, request, response,
-                 &list_available_scenes);
-  }
-  Unary* ListLights(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kListLights, request, response, &list_lights);
-  }
-  Unary* EditLights(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kEditLights, request, response, &edit_lights);
-  }
-  Unary* RenewLease(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kRenewLease, request, response, &renew_lease);
-  }
-  Unary* ReleaseScene(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kReleaseScene, request, response, &release_scene);
-  }
-
- private:
-  Runtime& runtime_;
-};
-
-class LightingServiceImpl final : public LightingBase {
- public:
-  explicit LightingServiceImpl(Runtime& runtime) : runtime_(runtime) {}
-
-  Unary* SampleLi(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kSampleLi, request, response, &sample_li);
-  }
-  Unary* PdfLi(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kPdfLi, request, response, &pdf_li);
-  }
-  Unary* SampleLe(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kSampleLe, request, response, &sample_le);
-  }
-  Unary* PdfLe(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kPdfLe, request, response, &pdf_le);
-  }
-  Unary* Le(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kLe, request, response, &le);
-  }
-  Unary* EstimatePower(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kEstimatePower, request, response, &estimate_power);
-  }
-  Unary* TestVisibility(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kTestVisibility, request, response, &test_visibility);
-  }
-  Unary* EstimateIrradiance(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kEstimateIrradiance, request, response,
-                 &estimate_irradiance);
-  }
-
- private:
-  Runtime& runtime_;
-};
-
-class RenderServiceImpl final : public RenderBase {
- public:
-  explicit RenderServiceImpl(Runtime& runtime) : runtime_(runtime) {}
-
-  Unary* RenderTile(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kRenderTile, request, response, &render_tile);
-  }
-  grpc::ServerWriteReactor<Bytes>* RenderImage(CallContext* context,
-                                               const Bytes* request) override {
-    return ImageStream::start(runtime_, context, request);
-  }
-  Unary* FindSurfaces(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kFindSurfaces, request, response, &find_surfaces);
-  }
-
- private:
-  Runtime& runtime_;
-};
-
-class AdminServiceImpl final : public AdminBase {
- public:
-  explicit AdminServiceImpl(Runtime& runtime) : runtime_(runtime) {}
-
-  Unary* GetServerInfo(CallContext* context, const Bytes* request, Bytes* response) override {
-    return TypedCall<v1::GetServerInfoRequest, v1::GetServerInfoResponse>::start(
-        runtime_, context, Call::kGetServerInfo, request, response,
-        [&runtime = runtime_](const Context&, const v1::GetServerInfoRequest&,
-                              v1::GetServerInfoResponse* answer) -> Prepared {
+/// A call that computes its answer from the server's state.
+template <typename Request, typename Response>
+Start of_runtime(void (*answer)(Runtime&, Response*)) {
+  return [answer](Runtime& runtime, grpc::CallbackServerContext& context, Call call) {
+    return Reactor::start<TypedCall<Request, Response>>(
+        runtime, context, call,
+        [answer, &runtime](const Context&, const Request&, Response* response) -> Prepared {
           Task task;
-          task.run = [&runtime, answer](const std::stop_token&) {
-            const std::lock_guard lock(runtime.info_mutex);
-            *answer = runtime.info;
+          task.run = [answer, &runtime, response](const std::stop_token&) {
+            answer(runtime, response);
             return absl::OkStatus();
           };
           return task;
         });
-  }
-  Unary* GetStats(CallContext* context, const Bytes* request, Bytes* response) override {
-    return TypedCall<v1::GetStatsRequest, v1::GetStatsResponse>::start(
-        runtime_, context, Call::kGetStats, request, response,
-        [&runtime = runtime_](const Context&, const v1::GetStatsRequest&,
-                              v1::GetStatsResponse* answer) -> Prepared {
-          Task task;
-          task.run = [&runtime, answer](const std::stop_token&) {
-            set_stats(figures(runtime), answer);
-            return absl::OkStatus();
-          };
-          return task;
-        });
-  }
-  Unary* ListLeases(CallContext* context, const Bytes* request, Bytes* response) override {
-    return unary(runtime_, context, Call::kListLeases, request, response, &list_leases);
+  };
+}
+
+template <typename T>
+Start stream() {
+  return [](Runtime& runtime, grpc::CallbackServerContext& context, Call call) {
+    return Reactor::start<T>(runtime, context, call);
+  };
+}
+
+/// A call that does not exist.
+class UnknownCall final : public Reactor {
+ public:
+  using Reactor::Reactor;
+
+ private:
+  void begin() override { finish(no_such_call()); }
+  void take(bool) override {}
+};
+
+void get_server_info(Runtime& runtime, v1::GetServerInfoResponse* answer) {
+  const std::lock_guard lock(runtime.info_mutex);
+  *answer = runtime.info;
+}
+
+void get_stats(Runtime& runtime, v1::GetStatsResponse* answer) {
+  set_stats(figures(runtime), answer);
+}
+
+struct Entry {
+  Call call;
+  Start start;
+};
+
+/// All calls, by "/" and their full name.
+const std::unordered_map<std::string, Entry>& all_calls() {
+  static const auto all = [] {
+    std::unordered_map<std::string, Entry> calls;
+    const auto add = [&](Call call, Start start) {
+      calls[fmt::format("/{}", monitor::name_of(call))] = {call, std::move(start)};
+    };
+    add(Call::kFindMissingAssets, unary(&find_missing_assets));
+    add(Call::kLoadScene, unary(&load_scene));
+    add(Call::kGetScene, unary(&get_scene));
+    add(Call::kListScenes, unary(&list_scenes));
+    add(Call::kListAvailableScenes, unary(&list_available_scenes));
+    add(Call::kListLights, unary(&list_lights));
+    add(Call::kEditLights, unary(&edit_lights));
+    add(Call::kRenewLease, unary(&renew_lease));
+    add(Call::kReleaseScene, unary(&release_scene));
+    add(Call::kSampleLi, unary(&sample_li));
+    add(Call::kPdfLi, unary(&pdf_li));
+    add(Call::kSampleLe, unary(&sample_le));
+    add(Call::kPdfLe, unary(&pdf_le));
+    add(Call::kLe, unary(&le));
+    add(Call::kEstimatePower, unary(&estimate_power));
+    add(Call::kTestVisibility, unary(&test_visibility));
+    add(Call::kEstimateIrradiance, unary(&estimate_irradiance));
+    add(Call::kRenderTile, unary(&render_tile));
+    add(Call::kFindSurfaces, unary(&find_surfaces));
+    add(Call::kListLeases, unary(&list_leases));
+    add(Call::kGetServerInfo, of_runtime<v1::GetServerInfoRequest>(&get_server_info));
+    add(Call::kGetStats, of_runtime<v1::GetStatsRequest>(&get_stats));
+    add(Call::kUploadAsset, stream<UploadStream>());
+    add(Call::kRenderImage, stream<ImageStream>());
+    add(Call::kHealthCheck, stream<HealthCheck>());
+    add(Call::kHealthWatch, stream<HealthWatch>());
+    add(Call::kReflection, stream<Reflection>());
+    calls["/grpc.reflection.v1.ServerReflection/ServerReflectionInfo"] = {Call::kReflection,
+                                                                          stream<Reflection>()};
+    return calls;
+  }();
+  return all;
+}
+
+/// Generated services would begin a call when its message has arrived.  Nobody could count or end
+/// the calls that wait for theirs.
+class AllCalls final : public grpc::CallbackGenericService {
+ public:
+  explicit AllCalls(Runtime& runtime) : runtime_(runtime) {}
+
+  grpc::ServerGenericBidiReactor* CreateReactor(
+      grpc::GenericCallbackServerContext* context) override {
+    const auto found = all_calls().find(context->method());
+    if (found != all_calls().end())
+      return found->second.start(runtime_, *context, found->second.call);
+    return Reactor::start<UnknownCall>(runtime_, *context, Call::kUnknown);
   }
 
  private:
@@ -195,17 +145,17 @@ class AdminServiceImpl final : public AdminBase {
 }  // namespace
 
 std::vector<std::string> service_names() {
-  return {v1::SceneService::service_full_name(), v1::LightingService::service_full_name(),
-          v1::RenderService::service_full_name(), v1::AdminService::service_full_name()};
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(Call::kUnknown); ++i) {
+    const std::string call = monitor::name_of(static_cast<Call>(i));
+    std::string service = call.substr(0, call.rfind('/'));
+    if (std::ranges::count(names, service) == 0) names.push_back(std::move(service));
+  }
+  return names;
 }
 
-std::vector<std::unique_ptr<grpc::Service>> make_services(Runtime& runtime) {
-  std::vector<std::unique_ptr<grpc::Service>> services;
-  services.push_back(std::make_unique<SceneServiceImpl>(runtime));
-  services.push_back(std::make_unique<LightingServiceImpl>(runtime));
-  services.push_back(std::make_unique<RenderServiceImpl>(runtime));
-  services.push_back(std::make_unique<AdminServiceImpl>(runtime));
-  return services;
+std::unique_ptr<grpc::CallbackGenericService> make_service(Runtime& runtime) {
+  return std::make_unique<AllCalls>(runtime);
 }
 
 }  // namespace lucerna::rpc

@@ -1,7 +1,7 @@
-// The four services on gRPC's callback API.
+// All calls, on gRPC's callback API.
 #pragma once
 
-#include <grpcpp/impl/service_type.h>
+#include <grpcpp/generic/async_generic_service.h>
 
 #include <memory>
 #include <string>
@@ -11,10 +11,10 @@
 
 namespace lucerna::rpc {
 
-/// Full names of all services, e.g. "lucerna.v1.SceneService".
+/// Full names of all services, e.g. "lucerna.v1.SceneService", with those of health and reflection.
 std::vector<std::string> service_names();
 
-/// One object for each service.  `runtime` must outlive them.
-std::vector<std::unique_ptr<grpc::Service>> make_services(Runtime& runtime);
+/// Begins all calls.  `runtime` must outlive it.
+std::unique_ptr<grpc::CallbackGenericService> make_service(Runtime& runtime);
 
 }  // namespace lucerna::rpc

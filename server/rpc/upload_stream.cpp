@@ -27,74 +27,49 @@ absl::Status being_uploaded(absl::Status status) {
 
 }  // namespace
 
-UploadStream::UploadStream(Runtime& runtime, grpc::CallbackServerContext* context,
-                           grpc::ByteBuffer* response)
-    : runtime_(runtime),
-      observed_(runtime, *context, monitor::Call::kUploadAsset),
-      bytes_out_(response),
-      patience_(runtime.assets->stall_time()) {}
+UploadStream::UploadStream(Runtime& runtime, grpc::CallbackServerContext& context,
+                           monitor::Call call)
+    : Reactor(runtime, context, call), patience_(runtime.assets->stall_time()) {}
 
-grpc::ServerReadReactor<grpc::ByteBuffer>* UploadStream::start(Runtime& runtime,
-                                                               grpc::CallbackServerContext* context,
-                                                               grpc::ByteBuffer* response) {
-  const auto stream = std::make_shared<UploadStream>(runtime, context, response);
-  stream->self_ = stream;
-  stream->pass_ = runtime.gate.enter();
-  if (!stream->pass_) {
-    stream->finish(draining());
-    return stream.get();
-  }
-  absl::StatusOr<access::Admission> admission = stream->observed_.admit();
-  if (admission.ok()) {
-    stream->admission_ = *std::move(admission);
-    stream->read_next();
-  } else {
-    stream->finish(admission.status());
-  }
-  return stream.get();
+void UploadStream::begin() {
+  pass_ = runtime_.gate.enter();
+  if (!pass_) return finish(draining());
+  absl::StatusOr<access::Admission> admission = observed_.admit();
+  if (!admission.ok()) return finish(admission.status());
+  admission_ = *std::move(admission);
+  read_next();
 }
 
 void UploadStream::read_next() {
-  reading_ = true;
   const std::uint64_t bytes = upload_ ? upload_->bytes() : 0;
   if (bytes >= renewed_at_bytes_ + kLeastProgressBytes) {
     patience_ = runtime_.assets->stall_time();
     renewed_at_bytes_ = bytes;
   }
   waits_since_ = std::chrono::steady_clock::now();
-  stall_ = std::make_unique<grpc::Alarm>();
-  stall_->Set(std::chrono::system_clock::now() +
-                  std::chrono::duration_cast<std::chrono::system_clock::duration>(patience_),
-              // The alarm keeps this function, and the stream keeps the alarm.
-              [weak = weak_from_this()](bool is_over) {
-                const auto self = weak.lock();
-                if (is_over && self != nullptr) self->end_stalled();
-              });
-  StartRead(&bytes_);
+  read(patience_);
 }
 
-void UploadStream::end_stalled() {
-  if (!reading_.exchange(false)) return;
-  finish(absl::DeadlineExceededError(
+absl::Status UploadStream::stalled() const {
+  return absl::DeadlineExceededError(
       fmt::format("the upload sent less than {} bytes in {} s, the limit", kLeastProgressBytes,
-                  runtime_.assets->stall_time().count())));
+                  runtime_.assets->stall_time().count()));
 }
 
-void UploadStream::OnReadDone(bool ok) {
-  if (!reading_.exchange(false)) return;
-  stall_->Cancel();
+void UploadStream::take(bool ok) {
   patience_ -= std::chrono::steady_clock::now() - waits_since_;
   if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cancelled"));
   if (!ok) return finish(guarded([&] { return end(); }));
   // A full lane refuses only new uploads.
-  LaneJob job{.run = [self = shared_from_this()](const LaneJobStart& start) { self->take(start); },
+  const auto self = std::static_pointer_cast<UploadStream>(shared_from_this());
+  LaneJob job{.run = [self](const LaneJobStart& start) { self->take_message(start); },
               .stop = stop_.get_token()};
   if (begun_) return runtime_.lanes.resume(Lane::kInteractive, std::move(job));
   const absl::Status queued = runtime_.lanes.submit(Lane::kInteractive, std::move(job));
   if (!queued.ok()) finish(lane_error(queued, Lane::kInteractive));
 }
 
-void UploadStream::take(const LaneJobStart& start) {
+void UploadStream::take_message(const LaneJobStart& start) {
   monitor::CallRecord& record = observed_.record();
   observed_.add_queue_time(Lane::kInteractive, start.queue_time_s);
   if (!start.status.ok()) return finish(start.status);
@@ -176,11 +151,8 @@ absl::Status UploadStream::end() {
 
 void UploadStream::finish(absl::Status status) {
   upload_.reset();  // stores the received part before the client learns that the call has ended
-  if (status.ok()) {
-    status = guarded([&] { return encode_message(response_, *bytes_out_); });
-    if (status.ok()) observed_.record().response_bytes = bytes_out_->Length();
-  }
-  Finish(observed_.end(status));
+  if (status.ok()) status = guarded([&] { return encode_message(response_, bytes_); });
+  send_last(status);
 }
 
 }  // namespace lucerna::rpc

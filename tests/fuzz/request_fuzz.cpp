@@ -235,9 +235,9 @@ class World {
   /// channel within a process cannot be used: a client that writes after the answer waits for ever.
   void upload(std::string_view bytes) {
     if (server_ == nullptr) {
-      services_ = rpc::make_services(runtime_);
+      service_ = rpc::make_service(runtime_);
       grpc::ServerBuilder builder;
-      for (const auto& service : services_) builder.RegisterService(service.get());
+      builder.RegisterCallbackGenericService(service_.get());
       int port = 0;
       builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
       server_ = builder.BuildAndStart();
@@ -263,7 +263,7 @@ class World {
   Lanes lanes_;
   rpc::Runtime runtime_;
   std::string scene_, lease_;
-  std::vector<std::unique_ptr<grpc::Service>> services_;
+  std::unique_ptr<grpc::CallbackGenericService> service_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<v1::SceneService::Stub> stub_;
 };

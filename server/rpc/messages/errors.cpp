@@ -50,6 +50,7 @@ constexpr std::array kTable{
     Row{absl::StatusCode::kPermissionDenied, 7, Reason::kNotAllowed},
     Row{absl::StatusCode::kResourceExhausted, 8, Reason::kResourceExhausted},
     Row{absl::StatusCode::kFailedPrecondition, 9, Reason::kWrongState},
+    Row{absl::StatusCode::kUnimplemented, 12, Reason::kNoSuchCall},
     Row{absl::StatusCode::kInternal, 13, Reason::kInternal},
     Row{absl::StatusCode::kUnavailable, 14, Reason::kUnavailable},
     Row{absl::StatusCode::kUnauthenticated, 16, Reason::kUnauthenticated},
@@ -90,6 +91,15 @@ absl::Status malformed_message(const std::string& type, std::size_t bytes, const
                          fmt::format("{} bytes that are not a message of the type {}{}{}", bytes,
                                      type, why.empty() ? "" : ": ", shortened(why, kMostValue))),
                      Reason::kMalformedMessage);
+}
+
+absl::Status no_message() {
+  return with_reason(absl::InvalidArgumentError("the call has no message"),
+                     Reason::kMalformedMessage);
+}
+
+absl::Status no_such_call() {
+  return absl::UnimplementedError("the server has no such call");
 }
 
 absl::Status unknown_scene(const std::string& id) {

@@ -24,6 +24,7 @@ enum class Reason : std::uint8_t {
   kSceneNotLoaded,
   kNoSuchLight,
   kNotFound,
+  kNoSuchCall,
   kOverLimit,
   kQueueFull,
   kMemoryLeased,
@@ -61,11 +62,14 @@ inline constexpr std::array kErrorReasons{
     ErrorReason{Reason::kNoSuchLight, "NO_SUCH_LIGHT", "NOT_FOUND",
                 "The scene has no light with this id or name."},
     ErrorReason{Reason::kNotFound, "NOT_FOUND", "NOT_FOUND", "A file or a lease does not exist."},
+    ErrorReason{Reason::kNoSuchCall, "NO_SUCH_CALL", "UNIMPLEMENTED",
+                "The server has no such call. It may be older than the client."},
     ErrorReason{Reason::kOverLimit, "OVER_LIMIT", "RESOURCE_EXHAUSTED",
                 "The request exceeds a limit of the server. Send smaller requests; a retry does "
                 "not help. GetServerInfo lists the limits."},
     ErrorReason{Reason::kQueueFull, "QUEUE_FULL", "RESOURCE_EXHAUSTED",
-                "Too many requests wait. RetryInfo says when to retry."},
+                "Too many requests wait, or too many answers for clients that do not take them. "
+                "RetryInfo says when to retry."},
     ErrorReason{Reason::kMemoryLeased, "MEMORY_LEASED", "RESOURCE_EXHAUSTED",
                 "Leased scenes fill the memory. RetryInfo says when the first lease ends."},
     ErrorReason{Reason::kOverQuota, "OVER_QUOTA", "RESOURCE_EXHAUSTED",
@@ -110,6 +114,10 @@ absl::Status bad_length(const std::string& field, std::size_t length, std::size_
 /// INVALID_ARGUMENT for bytes that are not a message of this type.  `why`: the parser's words, or
 /// empty.
 absl::Status malformed_message(const std::string& type, std::size_t bytes, const std::string& why);
+/// The client sent no message where the call needs one.
+absl::Status no_message();
+/// UNIMPLEMENTED.
+absl::Status no_such_call();
 /// NOT_FOUND.
 absl::Status unknown_scene(const std::string& id);
 /// NOT_FOUND.

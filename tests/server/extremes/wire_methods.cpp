@@ -13,6 +13,7 @@ using google::protobuf::FieldDescriptor;
 std::vector<const google::protobuf::MethodDescriptor*> all_methods() {
   std::vector<const google::protobuf::MethodDescriptor*> methods;
   for (const std::string& name : rpc::service_names()) {
+    if (!name.starts_with("lucerna.")) continue;
     const auto* service =
         google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(name);
     if (service == nullptr) throw std::runtime_error("no description of " + name);

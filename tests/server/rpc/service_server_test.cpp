@@ -13,7 +13,8 @@ namespace {
 using HealthResponse = grpc::health::v1::HealthCheckResponse;
 
 /// The answer of server reflection to one request, as bytes.
-std::string reflect(Service& service, const std::string& request) {
+std::string reflect(Service& service, const std::string& request,
+                    const std::string& version = "v1alpha") {
   grpc::GenericStub stub(service.channel);
   grpc::ClientContext context;
   grpc::CompletionQueue queue;
@@ -23,7 +24,7 @@ std::string reflect(Service& service, const std::string& request) {
     return queue.Next(&tag, &ok) && ok;
   };
   auto stream = stub.PrepareCall(
-      &context, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", &queue);
+      &context, "/grpc.reflection." + version + ".ServerReflection/ServerReflectionInfo", &queue);
   stream->StartCall(nullptr);
   EXPECT_TRUE(next());
   const grpc::Slice slice(request);
@@ -107,6 +108,16 @@ TEST(ServerTest, ReflectionListsTheServicesAndDescribesHealth) {
   const std::string lighting =
       reflect(service, std::string("\x22\x1a") + "lucerna.v1.LightingService");
   EXPECT_NE(lighting.find("EstimateIrradiance"), std::string::npos);
+  EXPECT_EQ(reflect(service, std::string("\x22\x1a") + "lucerna.v1.LightingService", "v1"),
+            lighting);
+  // Its imports come with it.
+  EXPECT_NE(lighting.find("lucerna/v1/accuracy.proto"), std::string::npos);
+  // file_by_filename, file_containing_symbol, file_containing_extension, nothing
+  const std::string file = reflect(service, std::string("\x1a\x19") + "lucerna/v1/accuracy.proto");
+  EXPECT_NE(file.find("ItemStatus"), std::string::npos);
+  for (const std::string request : {"\x22\x06no.one", "\x2a\x02\x10\x01", "\x32\x06no.one", ""}) {
+    EXPECT_NE(reflect(service, request).find("not found"), std::string::npos) << request;
+  }
 }
 
 TEST(ServerTest, ABusyPortIsAnError) {

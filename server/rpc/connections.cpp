@@ -1,0 +1,199 @@
+#include "server/rpc/connections.h"
+
+#include <fmt/core.h>
+#include <linux/tcp.h>
+#include <netinet/in.h>
+#include <spdlog/spdlog.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+
+namespace lucerna::rpc {
+namespace {
+
+// A connection may cancel this many calls at once, and then this many in a second.
+constexpr double kCancels = 1000, kCancelsPerSecond = 200;
+// Bytes that need not belong to a call: the rest of a stream whose call ended before it, and in
+// each second pings and settings.
+constexpr double kSpareBytes = 32 << 20, kSpareBytesPerSecond = 1 << 10;
+// A client that takes answers opens windows for them, with a part of their bytes.
+constexpr double kWindowShare = 1.0 / 16;
+// How long a client may take nothing while others have no room for their answers.
+constexpr std::uint32_t kCrowdedSeconds = 10;
+// There is always room for smaller answers.
+constexpr std::uint64_t kSmallAnswerBytes = 64 << 10;
+// gRPC 1.51 reads a header of n bytes in a time of n^2.  If bytes wait to be read at so many looks
+// in a row, it must read this much.
+constexpr int kSlowLooks = 100;
+constexpr std::uint64_t kSlowBytes = 10 << 20;
+constexpr int kWaitingBytes = 64 << 10;
+// Answers to pings are less.
+constexpr std::uint64_t kLeastReadBytes = 4 << 10;
+
+/// The number of the socket behind a descriptor, which no other socket has; 0 if there is none.
+std::uint64_t inode_of(int descriptor) {
+  struct stat status {};
+  return fstat(descriptor, &status) == 0 ? status.st_ino : 0;
+}
+
+double seconds(std::chrono::steady_clock::duration d) {
+  return std::chrono::duration<double>(d).count();
+}
+
+}  // namespace
+
+void Connections::set_limits(const ConnectionLimits& limits) {
+  const std::lock_guard lock(mutex_);
+  limits_ = limits;
+}
+
+void Connections::set_most(std::uint32_t connections) {
+  const std::lock_guard lock(mutex_);
+  most_ = connections;
+}
+
+void Connections::set_patience(const ConnectionPatience& patience) {
+  const std::lock_guard lock(mutex_);
+  patience_ = patience;
+  most_unsent_ = patience.unsent_bytes;
+}
+
+bool Connections::has_room(std::uint64_t bytes) const {
+  return bytes <= kSmallAnswerBytes || unsent_ + bytes <= most_unsent_;
+}
+
+std::string Connections::add(int descriptor, const std::string& peer, const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  if (std::string reason = refusal(peer); !reason.empty()) return reason;
+  // Descriptors are used again.
+  if (const auto before = open_.find(descriptor); before != open_.end()) {
+    forget(*before->second);
+    open_.erase(before);
+  }
+  auto c = std::make_shared<Connection>();
+  c->descriptor_ = descriptor;
+  c->inode_ = inode_of(descriptor);
+  c->peer_ = peer;
+  c->name_ = name;
+  c->cancels_ = kCancels;
+  c->counted_ = c->seen_ = c->read_ = Connection::Clock::now();
+  names_.erase(name);
+  names_[c->name_] = c;
+  open_[descriptor] = std::move(c);
+  return {};
+}
+
+std::shared_ptr<Connection> Connections::find(std::string_view name) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = names_.find(name);
+  return found == names_.end() ? nullptr : found->second;
+}
+
+std::size_t Connections::size() const {
+  const std::lock_guard lock(mutex_);
+  sweep();
+  return open_.size();
+}
+
+void Connections::forget(const Connection& connection) const {
+  const auto found = names_.find(connection.name_);
+  if (found != names_.end() && found->second.get() == &connection) names_.erase(found);
+}
+
+void Connections::sweep() const {
+  // gRPC does not report closed connections.  A descriptor that is closed, or used again, has
+  // another inode.
+  std::erase_if(open_, [&](const auto& c) {
+    const bool closed = inode_of(c.first) != c.second->inode_;
+    if (closed) forget(*c.second);
+    return closed;
+  });
+}
+
+std::string Connections::refusal(const std::string& peer) const {
+  const std::uint32_t most = std::min(limits_.connections, most_);
+  const auto of_peer = [&] {
+    return std::count_if(open_.begin(), open_.end(),
+                         [&](const auto& c) { return c.second->peer_ == peer; });
+  };
+  const auto full = [&] {
+    return open_.size() >= most ||
+           of_peer() >= static_cast<std::ptrdiff_t>(limits_.peer_connections);
+  };
+  if (!full()) return {};
+  sweep();
+  if (!full()) return {};
+  if (open_.size() >= most)
+    return fmt::format("{} connections are open, allowed: {}", open_.size(), most);
+  return fmt::format("{} connections of this peer are open, allowed: {}", of_peer(),
+                     limits_.peer_connections);
+}
+
+void Connections::close(Connection& connection, const std::string& why) const {
+  if (inode_of(connection.descriptor_) != connection.inode_) return;
+  shutdown(connection.descriptor_, SHUT_RDWR);  // gRPC closes it
+  forget(connection);
+  spdlog::warn(fmt::format("closed a connection of {}: {}", connection.peer_, why));
+}
+
+void Connections::count_cancelled(Connection& c) {
+  const std::lock_guard lock(mutex_);
+  const auto now = Connection::Clock::now();
+  const bool closed = c.cancels_ < 0;
+  c.cancels_ = std::min(kCancels, c.cancels_ + kCancelsPerSecond * seconds(now - c.counted_)) - 1;
+  c.counted_ = now;
+  if (c.cancels_ >= 0 || closed) return;
+  close(c, fmt::format("more than {:g} calls were cancelled, and then more than {:g} in a second",
+                       kCancels, kCancelsPerSecond));
+}
+
+std::string Connections::complaint(Connection& c, Connection::Clock::time_point now) const {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (getsockopt(c.descriptor_, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
+  const std::uint64_t explained = c.explained_, acknowledged = info.tcpi_bytes_acked;
+  int waiting = 0;
+  ioctl(c.descriptor_, FIONREAD, &waiting);
+  const std::uint64_t read = info.tcpi_bytes_received - c.received_;
+  // Bytes arrive in bursts, so only many looks show the rate.
+  const bool waits = waiting > kWaitingBytes && c.looks_ < kSlowLooks;
+  c.looks_ = waits ? c.looks_ + 1 : 0;
+  c.looks_bytes_ = waits ? c.looks_bytes_ + read : 0;
+  const double allowed = static_cast<double>(explained - c.explained_before_) +
+                         kWindowShare * static_cast<double>(acknowledged - c.acknowledged_) +
+                         kSpareBytesPerSecond * seconds(now - c.seen_);
+  c.unexplained_ = std::max(0.0, c.unexplained_ + static_cast<double>(read) - allowed);
+  c.seen_ = now;
+  c.received_ = info.tcpi_bytes_received;
+  c.acknowledged_ = acknowledged;
+  c.explained_before_ = explained;
+  const double unfinished = static_cast<double>(
+      std::min<std::uint64_t>(c.awaited_ * patience_.message_bytes, patience_.unfinished_bytes));
+  if (c.unexplained_ > kSpareBytes + unfinished)
+    return fmt::format("it sent {:.0f} MB that belong to no call", 1e-6 * c.unexplained_);
+  if (c.looks_ == kSlowLooks && c.looks_bytes_ < kSlowBytes)
+    return "its headers take too much time to read";
+  if (c.unsent_ == 0 || acknowledged >= c.read_bytes_ + kLeastReadBytes) {
+    c.read_ = now;
+    c.read_bytes_ = acknowledged;
+  }
+  const bool crowded = !has_room(patience_.message_bytes);
+  const std::uint32_t idle_s = crowded ? kCrowdedSeconds : patience_.idle_s;
+  if (idle_s > 0 && now - c.read_ > std::chrono::seconds(idle_s))
+    return fmt::format("its client took no answer for {} s", idle_s);
+  return {};
+}
+
+void Connections::watch() {
+  const std::lock_guard lock(mutex_);
+  sweep();
+  const auto now = Connection::Clock::now();
+  for (auto& [descriptor, connection] : open_) {
+    const std::string why = complaint(*connection, now);
+    if (!why.empty()) close(*connection, why);
+  }
+}
+
+}  // namespace lucerna::rpc

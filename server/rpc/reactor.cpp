@@ -1,0 +1,71 @@
+#include "server/rpc/reactor.h"
+
+#include <fmt/core.h>
+
+#include "server/rpc/messages/errors.h"
+
+namespace lucerna::rpc {
+
+absl::Status StreamPlace::take(Runtime& runtime) {
+  if (places_ != nullptr) return absl::OkStatus();
+  if (--runtime.stream_places < 0) {
+    ++runtime.stream_places;
+    return retry_after(absl::ResourceExhaustedError("too many streams of health and reflection"),
+                       Reason::kQueueFull, std::chrono::seconds(1));
+  }
+  places_ = &runtime.stream_places;
+  return absl::OkStatus();
+}
+
+void Reactor::OnCancel() {
+  stop_.request_stop();
+  observed_.cancelled();
+}
+
+void Reactor::begin() { read(idle_time()); }
+
+void Reactor::read(std::chrono::steady_clock::duration patience) {
+  const Waits::Wait wait = wait_ =
+      runtime_.waits.until(patience == patience.max() ? Waits::Clock::time_point::max()
+                                                      : Waits::Clock::now() + patience);
+  reading_ = wait.id;
+  observed_.message_awaited();
+  const std::weak_ptr<Reactor> weak = weak_from_this();
+  StartRead(&bytes_);
+  // The message may have been taken by now.  Then nobody gives up this wait.
+  runtime_.waits.add(wait, [weak, id = wait.id] {
+    const auto self = weak.lock();
+    std::uint64_t expected = id;
+    if (self != nullptr && self->reading_.compare_exchange_strong(expected, 0))
+      self->finish(self->stalled());
+  });
+}
+
+void Reactor::OnReadDone(bool ok) {
+  const Waits::Wait wait = wait_;
+  observed_.message_taken(bytes_.Length());
+  if (reading_.exchange(0) == 0) return;
+  runtime_.waits.remove(wait);
+  take(ok);
+}
+
+std::chrono::steady_clock::duration Reactor::idle_time() const {
+  return runtime_.idle_s > 0 ? std::chrono::seconds(runtime_.idle_s)
+                             : std::chrono::steady_clock::duration::max();
+}
+
+absl::Status Reactor::stalled() const {
+  return absl::DeadlineExceededError(
+      fmt::format("the request did not arrive within {} s, the limit", runtime_.idle_s));
+}
+
+void Reactor::send_last(const absl::Status& status) {
+  absl::Status sent = status;
+  if (sent.ok()) sent = observed_.room_for_answers(bytes_.Length());
+  if (!sent.ok()) return Finish(observed_.end(sent));
+  observed_.answer_begun(bytes_.Length());
+  observed_.record().response_bytes = bytes_.Length();
+  StartWriteAndFinish(&bytes_, {}, observed_.end(sent));
+}
+
+}  // namespace lucerna::rpc
