@@ -27,7 +27,7 @@ export function call(address, method, message = {}, { headers = {}, ca } = {}) {
     path: `/lucerna.v1.${method}`,
     method: "POST",
     headers: { "Content-Type": "application/json", ...headers },
-    body: typeof message === "string" ? message : JSON.stringify(message),
+    body: typeof message === "string" || Buffer.isBuffer(message) ? message : JSON.stringify(message),
     ca,
   });
 }

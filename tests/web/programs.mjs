@@ -1,6 +1,6 @@
 // Programs for tests of the page: lucernad, the gateway, and a browser, all on the loopback interface.
 import { execFile, spawn } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { setTimeout as sleep } from "node:timers/promises";
@@ -97,6 +97,62 @@ export async function lucerna(server, ...given) {
   const { status, stdout, stderr } = await run(`${bin}lucerna`, `--server=${server}`, ...given);
   if (status !== 0) throw new Error(`lucerna ${given.join(" ")}: ${stderr}${stdout}`);
   return stdout;
+}
+
+/** Makes an authority in `folder`, and certificates that it signs. */
+export async function certificates(folder) {
+  const openssl = async (...given) => {
+    const { status, stderr } = await run("openssl", ...given);
+    if (status !== 0) throw new Error(`openssl ${given.join(" ")}: ${stderr}`);
+  };
+  const ec = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes"];
+  const path = (name) => `${folder}/${name}`;
+  for (const name of ["authority", "stranger"])
+    await openssl(
+      "req",
+      "-x509",
+      ...ec,
+      "-days",
+      "2",
+      "-subj",
+      `/CN=${name}`,
+      "-keyout",
+      path(`${name}.key`),
+      "-out",
+      path(`${name}.pem`),
+    );
+  writeFileSync(path("names"), "subjectAltName=DNS:localhost,IP:127.0.0.1\n");
+  for (const name of ["server", "gateway"]) {
+    await openssl(
+      "req",
+      "-new",
+      ...ec,
+      "-subj",
+      `/CN=${name}`,
+      "-keyout",
+      path(`${name}.key`),
+      "-out",
+      path(`${name}.csr`),
+    );
+    await openssl(
+      "x509",
+      "-req",
+      "-in",
+      path(`${name}.csr`),
+      "-CA",
+      path("authority.pem"),
+      "-CAkey",
+      path("authority.key"),
+      "-CAcreateserial",
+      "-days",
+      "2",
+      "-extfile",
+      path("names"),
+      "-out",
+      path(`${name}.pem`),
+    );
+  }
+  return path;
 }
 
 /** Debian's Chromium, without a window and with a profile of its own. */

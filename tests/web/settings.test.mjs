@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import test, { after, before } from "node:test";
 
 import { call, send } from "./calls.mjs";
-import { Program, root, run, startGateway, startServer, stopAll } from "./programs.mjs";
+import { certificates, Program, root, run, startGateway, startServer, stopAll } from "./programs.mjs";
 import { makeScenes } from "./scene.mjs";
 
 const limit = { timeout: 300_000 };
@@ -22,64 +22,8 @@ after(async () => {
   for (const made of [folder, scenes]) rmSync(made, { recursive: true });
 });
 
-/** Makes an authority, and certificates that it signs. */
-async function certificates() {
-  const openssl = async (...given) => {
-    const { status, stderr } = await run("openssl", ...given);
-    assert.equal(status, 0, stderr);
-  };
-  const ec = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes"];
-  const path = (name) => `${folder}/${name}`;
-  for (const name of ["authority", "stranger"])
-    await openssl(
-      "req",
-      "-x509",
-      ...ec,
-      "-days",
-      "2",
-      "-subj",
-      `/CN=${name}`,
-      "-keyout",
-      path(`${name}.key`),
-      "-out",
-      path(`${name}.pem`),
-    );
-  writeFileSync(path("names"), "subjectAltName=DNS:localhost,IP:127.0.0.1\n");
-  for (const name of ["server", "gateway"]) {
-    await openssl(
-      "req",
-      "-new",
-      ...ec,
-      "-subj",
-      `/CN=${name}`,
-      "-keyout",
-      path(`${name}.key`),
-      "-out",
-      path(`${name}.csr`),
-    );
-    await openssl(
-      "x509",
-      "-req",
-      "-in",
-      path(`${name}.csr`),
-      "-CA",
-      path("authority.pem"),
-      "-CAkey",
-      path("authority.key"),
-      "-CAcreateserial",
-      "-days",
-      "2",
-      "-extfile",
-      path("names"),
-      "-out",
-      path(`${name}.pem`),
-    );
-  }
-  return path;
-}
-
 test("TLS holds on both sides", limit, async () => {
-  const path = await certificates();
+  const path = await certificates(folder);
   const secure = await startServer({
     scenes,
     options: [
@@ -133,6 +77,7 @@ test("wrong settings are refused with their name and what is allowed", limit, as
     [["--server-name=a"], /need TLS to lucernad/],
     [["--max-calls=0"], /max-calls = 0, allowed: 1 to 65536/],
     [["--max-calls=many"], /max-calls = many, allowed: 1 to 65536/],
+    [["--max-body-bytes=200000", "--max-message-bytes=100001"], /allowed: at least 2 times max-message-bytes = 100001/],
     [["--no-such"], /--no-such: no such option/],
     [["--token-file=/none"], /token-file = \/none: ENOENT/],
     [["--listen"], /--listen needs a value: HOST:PORT/],

@@ -43,3 +43,11 @@ export function guard(names) {
     return undefined;
   };
 }
+
+/** The reason to refuse a compressed request, whose size is not known before it is unpacked; or undefined. */
+export function compressed(/** @type {import("node:http").IncomingHttpHeaders} */ headers) {
+  for (const name of ["content-encoding", "connect-content-encoding", "grpc-encoding"])
+    if ((headers[name] ?? "identity") !== "identity")
+      return { status: 415, text: `${name} = ${headers[name]}, allowed: identity` };
+  return undefined;
+}

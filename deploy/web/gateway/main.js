@@ -3,11 +3,12 @@ import { createServer } from "node:http";
 import { createSecureServer } from "node:http2";
 import { fileURLToPath } from "node:url";
 
-import { ConnectError } from "@connectrpc/connect";
+import { ConnectError, createContextValues } from "@connectrpc/connect";
 import { connectNodeAdapter } from "@connectrpc/connect-node";
 
-import { guard } from "./guard.js";
-import { proxy } from "./proxy.js";
+import { Connections } from "./connections.js";
+import { compressed, guard } from "./guard.js";
+import { proxy, takenKey } from "./proxy.js";
 import { address, content, help, readSettings, SettingError } from "./settings.js";
 import { answer, site } from "./site.js";
 
@@ -22,8 +23,9 @@ function log(/** @type {string} */ level, /** @type {string} */ text) {
  * The handler of all requests.
  * @param {Settings} settings
  * @param {AbortSignal} stop
+ * @param {Connections} connections
  */
-function handler(settings, stop) {
+function handler(settings, stop, connections) {
   const calls = proxy(settings, stop);
   const refusal = guard([address("listen", settings.listen).host, ...settings.name]);
   const page = site(fileURLToPath(new URL("site", import.meta.url)));
@@ -34,9 +36,10 @@ function handler(settings, stop) {
     writeMaxBytes: settings.maxMessageBytes,
     maxTimeoutMs: settings.callSeconds * 1000,
     shutdownSignal: stop,
+    contextValues: (request) => createContextValues().set(takenKey, () => connections.taken(request)),
   });
   return (/** @type {import("./site.js").Request} */ request, /** @type {import("./site.js").Response} */ response) => {
-    const refused = refusal(request.headers);
+    const refused = refusal(request.headers) ?? compressed(request.headers);
     if (refused) {
       answer(response, refused.status, refused.text);
     } else if (request.url === "/health") {
@@ -51,6 +54,7 @@ function handler(settings, stop) {
           ),
       );
     } else {
+      connections.open(request, response);
       connect(request, response);
     }
   };
@@ -59,22 +63,27 @@ function handler(settings, stop) {
 /** Starts the gateway. */
 function start(/** @type {Settings} */ settings) {
   const stop = new AbortController();
-  const handle = handler(settings, stop.signal);
+  const connections = new Connections(settings, log);
+  const handle = handler(settings, stop.signal, connections);
+  const idle = settings.idleSeconds * 1000;
   const limits = { requestTimeout: settings.callSeconds * 1000, headersTimeout: 20_000 };
   const server = settings.tlsCert
     ? createSecureServer(
-        { allowHTTP1: true, cert: content("tls-cert", settings.tlsCert), key: content("tls-key", settings.tlsKey) },
+        {
+          ...limits,
+          allowHTTP1: true,
+          handshakeTimeout: idle,
+          settings: { maxConcurrentStreams: 100 },
+          cert: content("tls-cert", settings.tlsCert),
+          key: content("tls-key", settings.tlsKey),
+        },
         handle,
       )
     : createServer(limits, handle);
-  server.maxConnections = settings.maxConnections;
-  /** @type {Set<import("node:net").Socket>} */
-  const sockets = new Set();
-  server.on(settings.tlsCert ? "secureConnection" : "connection", (socket) => {
-    sockets.add(socket);
-    socket.once("close", () => sockets.delete(socket));
-    socket.on("error", () => socket.destroy());
-  });
+  server.on("connection", (socket) => connections.accept(socket));
+  server.on("secureConnection", (socket) => socket.on("error", () => socket.destroy()));
+  server.setTimeout(idle);
+  server.on("timeout", (/** @type {import("./connections.js").Source} */ source) => connections.idle(source));
 
   const { host, port } = address("listen", settings.listen);
   server.once("error", (error) => {
@@ -99,7 +108,7 @@ function start(/** @type {Settings} */ settings) {
     const late = setTimeout(() => {
       stop.abort(new Error("the gateway is stopping"));
       // The aborted calls send their errors first.
-      setTimeout(() => sockets.forEach((socket) => socket.destroy()), 500).unref();
+      setTimeout(() => connections.closeAll(), 500).unref();
     }, settings.drainSeconds * 1000);
     server.close(() => {
       clearTimeout(late);

@@ -1,5 +1,5 @@
 // Passes every call of lucerna.v1 on to lucernad.
-import { Code, ConnectError, createClient } from "@connectrpc/connect";
+import { Code, ConnectError, createClient, createContextKey } from "@connectrpc/connect";
 import { createGrpcTransport } from "@connectrpc/connect-node";
 
 // The build generates these beside the sources.
@@ -12,6 +12,9 @@ import { content } from "./settings.js";
 
 /** @typedef {import("./settings.js").Settings} Settings */
 /** @typedef {import("@connectrpc/connect").HandlerContext} Context */
+
+/** What a call runs when it passes on a message of a stream of requests. */
+export const takenKey = createContextKey(() => {});
 
 /**
  * The connection to lucernad.
@@ -102,11 +105,16 @@ export function proxy(settings, stop) {
           running -= 1;
         }
       };
-    // The request of a client stream is an iterable, which the client takes as it is.
+    const passing = async function* (/** @type {any} */ requests, /** @type {Context} */ context) {
+      for await (const request of requests) {
+        context.values.get(takenKey)();
+        yield request;
+      }
+    };
     return async (/** @type {any} */ request, /** @type {Context} */ context) => {
       begin();
       try {
-        return await call(request, options(context));
+        return await call(method.methodKind === "unary" ? request : passing(request, context), options(context));
       } catch (error) {
         throw passedOn(error, settings.server, context.signal.aborted || stop.aborted);
       } finally {

@@ -17,8 +17,10 @@ import { isIP } from "node:net";
  * @property {string} serverName
  * @property {string} tokenFile
  * @property {number} maxMessageBytes
+ * @property {number} maxBodyBytes
  * @property {number} maxCalls
  * @property {number} maxConnections
+ * @property {number} idleSeconds
  * @property {number} callSeconds
  * @property {number} drainSeconds
  */
@@ -67,8 +69,22 @@ const schema = [
     range: [1 << 16, 2147483647],
     help: "Most bytes of one message",
   },
+  {
+    name: "max-body-bytes",
+    value: "N",
+    default: 1 << 28,
+    range: [1 << 17, 2 ** 40],
+    help: "Most bytes of all requests and unread answers; then the connection with most of them is closed",
+  },
   { name: "max-calls", value: "N", default: 256, range: [1, 65536], help: "Most calls at once" },
   { name: "max-connections", value: "N", default: 1024, range: [1, 65536], help: "Most open connections of browsers" },
+  {
+    name: "idle-seconds",
+    value: "N",
+    default: 60,
+    range: [1, 86400],
+    help: "Close a connection on which nothing happens for this time, unless a call runs",
+  },
   { name: "call-seconds", value: "N", default: 3600, range: [1, 86400], help: "Longest time of one call" },
   {
     name: "drain-seconds",
@@ -210,6 +226,10 @@ function check(/** @type {Settings} */ s) {
   const tls = s.serverTls || s.serverCa !== "";
   if ((s.serverCert || s.serverName) && !tls)
     throw new SettingError("server-cert and server-name need TLS to lucernad: server-tls or server-ca");
+  if (s.maxBodyBytes < 2 * s.maxMessageBytes)
+    throw new SettingError(
+      `max-body-bytes = ${s.maxBodyBytes}, allowed: at least 2 times max-message-bytes = ${s.maxMessageBytes}`,
+    );
   if (!isLoopback(address("listen", s.listen).host) && !s.tlsCert && !s.insecure)
     throw new SettingError(
       `listen = ${s.listen}, which other machines can reach; allowed: a loopback address, or tls-cert and tls-key, ` +
