@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "client/shell/plain_text.h"
+#include "proto/common/plain_text.h"
 
 namespace lucerna::shell {
 

@@ -47,7 +47,7 @@ Cell make_triple(Number a, Number b, Number c) {
 }  // namespace
 
 Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {
-  for (Column& column : columns_) column.header = shell::plain_line(column.header);
+  for (Column& column : columns_) column.header = plain_line(column.header);
 }
 
 void Table::add(std::vector<Cell> row) {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "client/shell/colour.h"
-#include "client/shell/plain_text.h"
 #include "lucerna/v1/lighting.pb.h"
+#include "proto/common/plain_text.h"
 
 namespace lucerna::cli {
 
@@ -32,8 +32,8 @@ class Cell {
   /// A cell of a table is one line, whatever a server put into it.  Values keep new lines.
   void make_plain() {
     values_ = values();
-    for (std::string& value : values_) value = shell::plain_text(value);
-    text_ = shell::plain_line(text_);
+    for (std::string& value : values_) value = plain_text(value);
+    text_ = plain_line(text_);
   }
 
   const std::string& text() const { return text_; }

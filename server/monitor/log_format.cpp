@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/common/plain_text.h"
+
 namespace lucerna::monitor {
 namespace {
 
@@ -17,6 +19,27 @@ constexpr char kTime[] = "%Y-%m-%dT%H:%M:%S.%e%z";
 void append(std::string_view text, spdlog::memory_buf_t& out) {
   out.append(text.data(), text.data() + text.size());
 }
+
+/// Texts of requests must not forge lines, nor move the terminal of a reader.
+void append_plain(std::string_view text, spdlog::memory_buf_t& out) {
+  append(plain_line(text), out);
+}
+
+class TextFormatter final : public spdlog::formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& out) override {
+    start_.format(message, out);
+    append_plain({message.payload.data(), message.payload.size()}, out);
+    append("\n", out);
+  }
+  std::unique_ptr<spdlog::formatter> clone() const override {
+    return std::make_unique<TextFormatter>();
+  }
+
+ private:
+  spdlog::pattern_formatter start_{std::string(kTime) + " [%l] ", spdlog::pattern_time_type::local,
+                                   ""};
+};
 
 class JsonFormatter final : public spdlog::formatter {
  public:
@@ -30,10 +53,10 @@ class JsonFormatter final : public spdlog::formatter {
     const std::string_view text(message.payload.data(), message.payload.size());
     if (std::string_view(message.logger_name.data(), message.logger_name.size()) ==
         kMembersLogger) {
-      append(text, out);
+      append_plain(text, out);
     } else {
       append("\"message\":", out);
-      append(json_string(std::string(text)), out);
+      append_plain(json_string(std::string(text)), out);
     }
     append("}\n", out);
   }
@@ -84,7 +107,7 @@ std::string describe_left_out(std::uint64_t lines) {
 
 std::unique_ptr<spdlog::formatter> make_formatter(LogFormat format) {
   if (format == LogFormat::kJson) return std::make_unique<JsonFormatter>();
-  return std::make_unique<spdlog::pattern_formatter>(std::string(kTime) + " [%l] %v");
+  return std::make_unique<TextFormatter>();
 }
 
 std::shared_ptr<spdlog::sinks::sink> limited(std::shared_ptr<spdlog::sinks::sink> out,

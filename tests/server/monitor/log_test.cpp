@@ -112,6 +112,22 @@ TEST(LogFormat, QuotesAnyTextInJson) {
   EXPECT_EQ(line["message"], "a \"quoted\" line\nand \xef\xbf\xbd bytes");
 }
 
+TEST(LogFormat, LetsNoTextForgeALineOrMoveTheTerminal) {
+  for (const LogFormat format : {LogFormat::kText, LogFormat::kJson}) {
+    Log log(format);
+    spdlog::logger logger("lucernad", log.sink);
+    logger.error(std::string_view("a\n[info] forged\r\x1b[2J\x7f\xc2\x9b\x9b\xe2\x80\xae\0b", 29));
+    CallRecord call = record();
+    call.caller = "a\nb\x1b\xc2\x9b";
+    log.calls.write(call);
+    const std::string text = log.text.str();
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;
+    for (const char* obeyed : {"\r", "\x1b", "\x7f", "\xc2\x9b", "\xe2\x80\xae"})
+      EXPECT_THAT(text, Not(HasSubstr(obeyed)));
+    EXPECT_THAT(text, HasSubstr("forged"));
+  }
+}
+
 TEST(LogLimit, OfTheOtherLinesReportsWhatItLeftOut) {
   std::ostringstream text;
   LogLimit::Clock::time_point now{};

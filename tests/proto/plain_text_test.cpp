@@ -1,8 +1,8 @@
-#include "client/shell/plain_text.h"
+#include "proto/common/plain_text.h"
 
 #include <gtest/gtest.h>
 
-namespace lucerna::shell {
+namespace lucerna {
 namespace {
 
 TEST(PlainText, KeepsLettersOfAllLanguages) {
@@ -36,4 +36,4 @@ TEST(PlainText, ReplacesWhatIsNoUtf8) {
 TEST(PlainText, OfALineHasNoNewLine) { EXPECT_EQ(plain_line("a\n\tb"), "a\\u000a\\u0009b"); }
 
 }  // namespace
-}  // namespace lucerna::shell
+}  // namespace lucerna

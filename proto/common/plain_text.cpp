@@ -1,10 +1,10 @@
-#include "client/shell/plain_text.h"
+#include "proto/common/plain_text.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 
-namespace lucerna::shell {
+namespace lucerna {
 namespace {
 
 constexpr std::uint32_t kNoCharacter = 0xfffd;
@@ -67,4 +67,4 @@ std::string plain(std::string_view text, bool keep_layout) {
 std::string plain_text(std::string_view text) { return plain(text, true); }
 std::string plain_line(std::string_view text) { return plain(text, false); }
 
-}  // namespace lucerna::shell
+}  // namespace lucerna
