@@ -2,11 +2,21 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import Any
 
 import grpc
 
 from lucerna import _wire
+
+
+# As in proto/common/plain_text.cpp: control characters, line separators, and those that turn text about.
+_OBEYED = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+
+
+def _plain(text: str) -> str:
+    """Text that a terminal shows and does not obey: servers may put escape sequences into errors."""
+    return _OBEYED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -20,7 +30,7 @@ class FieldViolation:
 class Error(Exception):
     """A call failed.  The subclasses name the codes that callers often handle.
 
-    The message names the field, the value and what is allowed.
+    The message names the field, the value and what is allowed.  In all texts control characters are escaped.
     """
 
     code: grpc.StatusCode  #: the code of gRPC
@@ -32,13 +42,13 @@ class Error(Exception):
     def __init__(self, message: str, *, code: grpc.StatusCode = grpc.StatusCode.UNKNOWN, reason: str = "",
                  violations: tuple[FieldViolation, ...] = (), retry_after_s: float | None = None,
                  request_id: str = "") -> None:
-        super().__init__(message)
-        self.message = message
+        self.message = _plain(message)
+        super().__init__(self.message)
         self.code = code
-        self.reason = reason
-        self.violations = violations
+        self.reason = _plain(reason)
+        self.violations = tuple(FieldViolation(_plain(v.field), _plain(v.description)) for v in violations)
         self.retry_after_s = retry_after_s
-        self.request_id = request_id
+        self.request_id = _plain(request_id)
 
     def __str__(self) -> str:
         return self.message
@@ -151,5 +161,7 @@ def from_rpc(error: Any) -> Error:
         if violation.field not in message or violation.description not in message:
             message += f"; {violation.field}: {violation.description}"
     kind_of_error = _CLASSES.get(error.code(), Error)
-    return kind_of_error(message, code=error.code(), reason=reason, violations=tuple(violations),
-                         retry_after_s=retry_after_s, request_id=str(trailers.get("x-request-id", "")))
+    failed = kind_of_error(message, code=error.code(), reason=reason, violations=tuple(violations),
+                           retry_after_s=retry_after_s, request_id=str(trailers.get("x-request-id", "")))
+    failed.__suppress_context__ = True  # a traceback would show gRPC's error, with the server's text as it came
+    return failed

@@ -1,5 +1,7 @@
 """Answers that do not fit their requests are errors of the package.  The server is a fake."""
 import asyncio
+import re
+import traceback
 
 import grpc
 import lucerna
@@ -109,6 +111,38 @@ def test_pictures_are_whole(stream, match):
 def test_a_tile_is_the_requested_one():
     raises(lambda scene: scene.tile((0, 0, 1, 1)), "requested was",
            RenderTile=render_pb2.RenderTileResponse(tile=tile(1)).SerializeToString())
+
+
+# As in tests/e2e/hostile_server_test.py.
+HOSTILE = "\x1b]0;owned\x07\x1b[2J \x9b31m \u202egnp.exe\u2066 \x7f\b\r \"quoted\", name"
+OBEYED = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+
+
+def test_errors_show_texts_of_the_server_as_plain_text():
+    def fail(request, context):
+        context.abort(grpc.StatusCode.NOT_FOUND, HOSTILE)
+
+    async def ask_too(target):
+        async with lucerna.aio.connect(target, timeout=WAIT_S) as server:
+            await server.load("x.pbrt")
+    with Fake(GetServerInfo=lambda *_: INFO, LoadScene=fail) as fake:
+        with lucerna.connect(fake.target, timeout=WAIT_S) as server, pytest.raises(lucerna.NotFound) as caught:
+            server.load("x.pbrt")
+        with pytest.raises(lucerna.NotFound) as caught_too:
+            asyncio.run(ask_too(fake.target))
+    for error in (caught.value, caught_too.value):
+        shown = "".join(traceback.format_exception(error))
+        assert "owned" in shown and not OBEYED.search(shown), repr(shown)
+        assert "\\u001b[2J \\u009b31m \\u202egnp.exe" in str(error)
+
+
+def test_all_texts_of_an_error_are_plain():
+    error = lucerna.Error(HOSTILE, reason=HOSTILE, request_id=HOSTILE,
+                          violations=(lucerna.FieldViolation(HOSTILE, HOSTILE),))
+    violation = error.violations[0]
+    for text in (str(error), error.message, error.reason, error.request_id, violation.field, violation.description):
+        assert "owned" in text and not OBEYED.search(text), repr(text)
+    assert str(lucerna.Error("two\n\tlines of \u00fcnicode \u6f22")) == "two\n\tlines of \u00fcnicode \u6f22"
 
 
 @pytest.mark.parametrize("seconds", [1e10, 1e18, 1e300, float("inf")])
