@@ -28,6 +28,9 @@ constexpr double kLongestRedraw_s = 86400;
 // A working viewer takes all bytes within milliseconds.
 constexpr std::chrono::milliseconds kTevPatience(1000);
 
+// A preview keeps the whole picture, and a server may name any size.
+constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
+
 }  // namespace
 
 /// Draws the newest picture into files, in its own thread with its own copy of the picture.  The
@@ -149,6 +152,11 @@ void Preview::begin(std::vector<PictureFile>& files, double exposure_ev) {
 
 void Preview::update(const v1::Tile& tile, const client::PictureAssembler& so_far) {
   if (!*this) return;
+  if (std::uint64_t{tile.image_width()} * tile.image_height() > kMostPixels) {
+    if (!std::exchange(begun_, true))
+      shell::print_text(stderr, "no preview: the picture has more than {} pixels\n", kMostPixels);
+    return;
+  }
   auto rgb = so_far.pixels(tile.rect());
   if (!rgb.ok()) return;
   // The sizes fit, as the tile is part of this picture already.

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -153,26 +155,38 @@ struct PictureAssembler::State {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::vector<Piece> pieces;
-  /// 1 + the index of each pixel's piece, or 0.
-  std::vector<std::uint32_t> owner;
+  /// The spans of each row that pieces cover, by their start.  They grow with the tiles that come:
+  /// a server may name any size of its picture.
+  struct Span {
+    std::uint32_t end;
+    std::size_t piece;
+  };
+  std::map<std::uint32_t, std::map<std::uint32_t, Span>> rows;
   std::size_t owned = 0;
   bool may_miss_light = false;
 
+  std::size_t pixels() const { return std::size_t{width} * height; }
+
   const Piece* find(const v1::PixelRect& rect) const {
-    if (rect.x0() >= width || rect.y0() >= height) return nullptr;
-    const std::uint32_t index = owner[std::size_t{rect.y0()} * width + rect.x0()];
-    if (index == 0 || !same_rect(pieces[index - 1].rect, rect)) return nullptr;
-    return &pieces[index - 1];
+    const auto row = rows.find(rect.y0());
+    if (row == rows.end()) return nullptr;
+    const auto span = row->second.find(rect.x0());
+    if (span == row->second.end()) return nullptr;
+    const Piece& piece = pieces[span->second.piece];
+    return same_rect(piece.rect, rect) ? &piece : nullptr;
   }
   Piece* find(const v1::PixelRect& rect) {
     return const_cast<Piece*>(std::as_const(*this).find(rect));
   }
 
-  template <class Visit>
-  void for_each_owner(const v1::PixelRect& rect, Visit visit) {
-    for (std::size_t y = rect.y0(); y < rect.y1(); ++y) {
-      for (std::size_t x = rect.x0(); x < rect.x1(); ++x) visit(owner[y * width + x]);
+  bool overlaps(const v1::PixelRect& rect) const {
+    for (auto row = rows.lower_bound(rect.y0()); row != rows.end() && row->first < rect.y1();
+         ++row) {
+      const auto next = row->second.lower_bound(rect.x0());
+      if (next != row->second.end() && next->first < rect.x1()) return true;
+      if (next != row->second.begin() && std::prev(next)->second.end > rect.x0()) return true;
     }
+    return false;
   }
 };
 
@@ -188,7 +202,6 @@ absl::Status PictureAssembler::add(const v1::Tile& tile) {
   if (state.pieces.empty()) {
     state.width = tile.image_width();
     state.height = tile.image_height();
-    state.owner.assign(std::size_t{state.width} * state.height, 0);
   } else if (tile.image_width() != state.width || tile.image_height() != state.height) {
     return absl::InvalidArgumentError(
         describe(rect) + ": of a picture of " + std::to_string(tile.image_width()) + " x " +
@@ -207,12 +220,11 @@ absl::Status PictureAssembler::add(const v1::Tile& tile) {
     }
     return absl::OkStatus();
   }
-  bool free = true;
-  state.for_each_owner(rect, [&](std::uint32_t owner) { free = free && owner == 0; });
-  if (!free) return absl::InvalidArgumentError(describe(rect) + ": partly overlaps another tile");
+  if (state.overlaps(rect))
+    return absl::InvalidArgumentError(describe(rect) + ": partly overlaps another tile");
+  for (std::uint32_t y = rect.y0(); y < rect.y1(); ++y)
+    state.rows[y].emplace(rect.x0(), State::Span{rect.x1(), state.pieces.size()});
   state.pieces.push_back(make_piece(tile));
-  const auto index = static_cast<std::uint32_t>(state.pieces.size());
-  state.for_each_owner(rect, [&](std::uint32_t& owner) { owner = index; });
   state.owned += pixel_count(rect);
   return absl::OkStatus();
 }
@@ -229,19 +241,19 @@ absl::StatusOr<std::vector<float>> PictureAssembler::pixels(const v1::PixelRect&
 
 absl::StatusOr<Picture> PictureAssembler::picture() const {
   const State& state = *state_;
-  if (state.owned == 0 || state.owned < state.owner.size()) {
+  if (state.owned == 0 || state.owned < state.pixels()) {
     return absl::FailedPreconditionError("the picture has " + std::to_string(state.owned) + " of " +
-                                         std::to_string(state.owner.size()) + " pixels");
+                                         std::to_string(state.pixels()) + " pixels");
   }
   Picture result;
   result.width = state.width;
   result.height = state.height;
   result.may_miss_light = state.may_miss_light;
-  result.pixels.resize(state.owner.size() * 3);
+  result.pixels.resize(state.pixels() * 3);
   result.standard_error.resize(result.pixels.size());
-  result.samples.resize(state.owner.size());
-  result.lower.resize(state.owner.size());
-  result.upper.resize(state.owner.size());
+  result.samples.resize(state.pixels());
+  result.lower.resize(state.pixels());
+  result.upper.resize(state.pixels());
   bool has_error = true, has_interval = true;
   for (const Piece& piece : state.pieces) {
     has_error = has_error && piece.blocks > 1;

@@ -15,6 +15,7 @@ import math
 import os
 import pathlib
 import re
+import resource
 import struct
 import subprocess
 import sys
@@ -179,6 +180,21 @@ class Answers(unittest.TestCase):
         for values, what in (((1, math.nan, 1), b"not finite"), ((1, 1, 1), b"came again without more blocks")):
             with Fake(picture_of(values)) as fake, tempfile.TemporaryDirectory() as folder:
                 self.assert_broken(fake.run("render", "x.pbrt", "-o", "x.pfm", cwd=folder), what)
+                self.assertEqual(os.listdir(folder), [])
+
+    def test_a_picture_takes_memory_for_the_pixels_that_came(self):
+        def huge(name, request, response, context):
+            picture_of((1, 1, 1))(name, request, response, context)
+            if name == "RenderImage":
+                response.tile.image_width = response.tile.image_height = 1 << 15
+                return iter([response])
+            return response
+        limit = 3 << 30  # a number for each pixel has 4 GiB
+        with Fake(huge) as fake, tempfile.TemporaryDirectory() as folder:
+            for more in ([], ["--preview=0.1"]):
+                ran = fake.run("render", "x.pbrt", "-o", "x.png", *more, cwd=folder,
+                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+                self.assert_broken(ran, b"the picture ended with 1 of 1073741824 pixels")
                 self.assertEqual(os.listdir(folder), [])
 
 

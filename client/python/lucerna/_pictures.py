@@ -126,6 +126,26 @@ def _tile(tile: render_pb2.Tile, cost: accuracy_pb2.Cost) -> Tile:
         cost=cost)
 
 
+def _assembled(parts: dict[tuple[int, int, int, int], Tile], size: tuple[int, int],
+               intervals: bool) -> dict[str, NDArray[Any]]:
+    """The planes of a picture, from tiles that have as many pixels.  Takes the tiles out of `parts`."""
+    planes: dict[str, NDArray[Any]] = {"pixels": np.zeros((*size, 3)), "standard_error": np.zeros((*size, 3)),
+                                       "samples": np.zeros(size, np.uint64)}
+    if intervals:
+        planes.update(low=np.zeros(size, np.float32), high=np.zeros(size, np.float32))
+    known = np.zeros(size, bool)
+    while parts:
+        (x0, y0, x1, y1), part = parts.popitem()
+        at = (slice(y0, y1), slice(x0, x1))
+        if known[at].any():
+            raise _wire.Broken(f"tile [{x0}, {x1}) x [{y0}, {y1}) overlaps other tiles")
+        known[at] = True
+        for name, plane in planes.items():
+            value = getattr(part, name)
+            plane[at] = np.nan if value is None else value
+    return planes
+
+
 def _shutter(offset_s: float | None, length_s: float | None) -> render_pb2.Shutter | None:
     if offset_s is None and length_s is None:
         return None
@@ -178,10 +198,10 @@ def render(scene: SceneLike, *, samples: int | None = None, error: float | None 
         intervals=intervals, one_sequence=one_sequence, shutter=_shutter(shutter_offset_s, shutter_length_s))
     set_fields(request, seed=seed, bounces=bounces, samples_per_block=samples_per_block, tile_size=tile_size,
                time_s=time_s)
-    planes: dict[str, NDArray[Any]] = {}
     cost = accuracy_pb2.Cost()
     missing = [False]
-    blocks: dict[tuple[int, int, int, int], int] = {}  # of each tile
+    # Planes are made when all tiles are there: a server may name any size of its picture.
+    parts: dict[tuple[int, int, int, int], Tile] = {}
 
     def receive(data: bytes) -> None:
         answer = _wire.parsed(render_pb2.RenderImageResponse, data)
@@ -191,30 +211,23 @@ def render(scene: SceneLike, *, samples: int | None = None, error: float | None 
         part = _tile(answer.tile, answer.cost)
         missing[0] |= part.may_miss_light
         r = answer.tile.rect
-        if part.blocks <= blocks.get((r.x0, r.y0, r.x1, r.y1), 0):
+        at = (r.x0, r.y0, r.x1, r.y1)
+        if at in parts and part.blocks <= parts[at].blocks:
             raise _wire.Broken(f"{_name(r)} came again without more blocks")
-        blocks[r.x0, r.y0, r.x1, r.y1] = part.blocks
-        if not planes:
-            size = (part.image_height, part.image_width)
-            planes.update(pixels=np.zeros((*size, 3)), standard_error=np.full((*size, 3), np.nan),
-                          samples=np.zeros(size, np.uint64))
-            if part.low is not None:
-                planes.update(low=np.zeros(size, np.float32), high=np.zeros(size, np.float32))
-        size = (part.image_height, part.image_width)
-        if planes["samples"].shape != size or ("low" in planes) != (part.low is not None):
+        first = next(iter(parts.values()), part)
+        if ((first.image_width, first.image_height) != (part.image_width, part.image_height)
+                or (first.low is None) != (part.low is None)):
             raise _wire.Broken(f"{_name(r)} is of another picture than the tiles before")
-        rows, columns = part.samples.shape
-        at = (slice(part.y0, part.y0 + rows), slice(part.x0, part.x0 + columns))
-        for name, plane in planes.items():
-            value = getattr(part, name)
-            plane[at] = np.nan if value is None else value
+        parts[at] = part
         if on_tile is not None:
             on_tile(part)
 
     yield Stream("RenderService/RenderImage", request.SerializeToString(), receive)
-    covered = sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in blocks)
-    if not planes or covered != planes["samples"].size:
+    covered = sum(part.samples.size for part in parts.values())
+    first = next(iter(parts.values()), None)
+    if first is None or covered != first.image_width * first.image_height:
         raise _wire.Broken(f"the picture ended with {covered} pixels, of "
-                           f"{planes['samples'].size if planes else 'unknown size'}")
+                           f"{first.image_width * first.image_height if first else 'unknown size'}")
+    planes = _assembled(parts, (first.image_height, first.image_width), first.low is not None)
     return Picture(pixels=planes["pixels"], standard_error=planes["standard_error"], samples=planes["samples"],
                    low=planes.get("low"), high=planes.get("high"), may_miss_light=missing[0], cost=cost)

@@ -74,6 +74,32 @@ TEST(PictureAssembler, PlacesTiles) {
   EXPECT_THAT(picture->standard_error, ElementsAre(2, 2, 2, 3, 3, 3, 0, 0, 0, 1, 1, 1));
 }
 
+TEST(PictureAssembler, RefusesTilesThatPartlyOverlap) {
+  const auto at = [](std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
+    const std::size_t pixels = std::size_t{x1 - x0} * (y1 - y0);
+    v1::Tile result = tile({.x0 = x0,
+                            .y0 = y0,
+                            .x1 = x1,
+                            .y1 = y1,
+                            .sum = std::vector<double>(pixels, 1),
+                            .deviation = std::vector<double>(pixels, 0)});
+    // The greatest picture: memory is taken for the tiles that came only.
+    result.set_image_width(1U << 15);
+    result.set_image_height(1U << 15);
+    return result;
+  };
+  PictureAssembler assembler;
+  ASSERT_TRUE(assembler.add(at(4, 4, 8, 8)).ok());
+  EXPECT_TRUE(assembler.add(at(4, 4, 8, 8)).ok());  // the same tile
+  for (const v1::Tile& other : {at(4, 4, 5, 5), at(7, 7, 9, 9), at(0, 0, 5, 5), at(5, 0, 6, 12),
+                                at(0, 5, 12, 6), at(0, 0, 12, 12), at(5, 5, 6, 6)})
+    EXPECT_EQ(assembler.add(other).code(), absl::StatusCode::kInvalidArgument)
+        << other.rect().ShortDebugString();
+  for (const v1::Tile& other :
+       {at(0, 4, 4, 8), at(8, 4, 12, 8), at(4, 0, 8, 4), at(4, 8, 8, 12), at(0, 0, 4, 4)})
+    EXPECT_TRUE(assembler.add(other).ok()) << other.rect().ShortDebugString();
+}
+
 TEST(PictureAssembler, CountsSamplesWithAndWithoutSamplePlanes) {
   PictureAssembler assembler;
   const TileParams explicit_samples{.sum = {2, 4},

@@ -1,6 +1,8 @@
 """Answers that do not fit their requests are errors of the package.  The server is a fake."""
 import asyncio
+import contextlib
 import re
+import resource
 import traceback
 
 import grpc
@@ -98,6 +100,8 @@ def picture(*tiles, for_ever=False):
     (picture(tile(0)), "the picture ended with 1 pixels, of 2"),
     (picture(tile(0), for_ever=True), "came again without more blocks"),
     (picture(tile(0), tile(2)), "outside of its picture"),
+    (picture(tile(0, image_width=3), tile(0, image_width=3, rect={"x1": 2, "y1": 1}, sum=bytes(48),
+                                          deviation=bytes(48))), "overlaps other tiles"),
     (picture(tile(0), tile(1, image_width=3)), "of another picture"),
     (picture(tile(0), tile(1, value=np.nan)), "not finite"),
     (picture(tile(0, sum=b"")), "a plane of a tile has 0 bytes"),
@@ -111,6 +115,25 @@ def test_pictures_are_whole(stream, match):
 def test_a_tile_is_the_requested_one():
     raises(lambda scene: scene.tile((0, 0, 1, 1)), "requested was",
            RenderTile=render_pb2.RenderTileResponse(tile=tile(1)).SerializeToString())
+
+
+@contextlib.contextmanager
+def memory_for(more_bytes):
+    """The process may take no more than these beside what it has."""
+    with open("/proc/self/statm", encoding="ascii") as file:
+        now = int(file.read().split()[0]) * resource.getpagesize()
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (now + more_bytes, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def test_a_picture_takes_memory_for_the_pixels_that_came():
+    with memory_for(2 << 30):
+        raises(lambda scene: scene.render(), "the picture ended with 1 pixels, of 1073741824",
+               RenderImage=picture(tile(0, image_width=1 << 15, image_height=1 << 15)))
 
 
 # As in tests/e2e/hostile_server_test.py.
