@@ -26,44 +26,6 @@ constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 30;
 
 enum class Need { kAlways, kMayBeEmpty };
 
-/// The checks of one answer; the first that fails counts.
-class Check {
- public:
-  explicit Check(const Message& answer) : name_(answer.GetDescriptor()->name()) {}
-
-  /// An array has this many entries, all finite.
-  template <class T>
-  Check& array(const char* field, const RepeatedField<T>& values, std::uint64_t count,
-               Need need = Need::kAlways) {
-    size(field, static_cast<std::uint64_t>(values.size()), count, need);
-    if constexpr (std::is_floating_point_v<T>) {
-      if (!std::all_of(values.begin(), values.end(), [](T v) { return std::isfinite(v); }))
-        fail(field, "has a number that is not finite");
-    }
-    return *this;
-  }
-  Check& bits(const char* field, const std::string& bits, std::uint64_t count,
-              Need need = Need::kAlways) {
-    return size(field, bits.size(), (count + 7) / 8, need);
-  }
-  Check& size(const char* field, std::uint64_t size, std::uint64_t must, Need need) {
-    if (size != must && (size > 0 || need == Need::kAlways))
-      fail(field, "has " + std::to_string(size) + " entries, must be " + std::to_string(must) +
-                      (need == Need::kMayBeEmpty ? " or 0" : ""));
-    return *this;
-  }
-  void fail(const std::string& field, const std::string& what) {
-    if (status_.ok()) status_ = broken_protocol(name_ + "." + field + ": " + what);
-  }
-  const absl::Status& status() const { return status_; }
-
- private:
-  std::string name_;
-  absl::Status status_;
-};
-
-Need if_set(bool needed) { return needed ? Need::kAlways : Need::kMayBeEmpty; }
-
 bool is_finite(const Message& message, const FieldDescriptor* field) {
   const Reflection& r = *message.GetReflection();
   const int count = field->is_repeated() ? r.FieldSize(message, field) : 1;
@@ -100,6 +62,48 @@ absl::Status check_finite(const Message& message) {
   }
   return absl::OkStatus();
 }
+
+/// The checks of one answer; the first that fails counts.
+class Check {
+ public:
+  explicit Check(const Message& answer) : name_(answer.GetDescriptor()->name()) {}
+
+  /// An array has this many entries, all finite.
+  template <class T>
+  Check& array(const char* field, const RepeatedField<T>& values, std::uint64_t count,
+               Need need = Need::kAlways) {
+    size(field, static_cast<std::uint64_t>(values.size()), count, need);
+    if constexpr (std::is_floating_point_v<T>) {
+      if (!std::all_of(values.begin(), values.end(), [](T v) { return std::isfinite(v); }))
+        fail(field, "has a number that is not finite");
+    }
+    return *this;
+  }
+  Check& bits(const char* field, const std::string& bits, std::uint64_t count,
+              Need need = Need::kAlways) {
+    return size(field, bits.size(), (count + 7) / 8, need);
+  }
+  Check& size(const char* field, std::uint64_t size, std::uint64_t must, Need need) {
+    if (size != must && (size > 0 || need == Need::kAlways))
+      fail(field, "has " + std::to_string(size) + " entries, must be " + std::to_string(must) +
+                      (need == Need::kMayBeEmpty ? " or 0" : ""));
+    return *this;
+  }
+  Check& finite(const Message& part) {
+    if (status_.ok()) status_ = check_finite(part);
+    return *this;
+  }
+  void fail(const std::string& field, const std::string& what) {
+    if (status_.ok()) status_ = broken_protocol(name_ + "." + field + ": " + what);
+  }
+  const absl::Status& status() const { return status_; }
+
+ private:
+  std::string name_;
+  absl::Status status_;
+};
+
+Need if_set(bool needed) { return needed ? Need::kAlways : Need::kMayBeEmpty; }
 
 std::string text_of(const Message& message, const char* field_name) {
   const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(field_name);
@@ -169,26 +173,25 @@ absl::Status check_answer(const v1::SampleLiRequest& request, const v1::SampleLi
       .array("status", answer.status(), n, Need::kMayBeEmpty)
       .array("spectral_value", answer.spectral_value(), n * waves)
       .array("transmittance", answer.transmittance(), 3 * n, Need::kMayBeEmpty);
-  LUCERNA_RETURN_IF_ERROR(check.status());
-  return check_finite(answer.cost());
+  return check.finite(answer.cost()).status();
 }
 
 absl::Status check_answer(const v1::PdfLiRequest& request, const v1::PdfLiResponse& answer) {
   const std::uint64_t n = item_count(request);
   if (n == 0 && request.receivers().offsets_m_size() > 0) return absl::OkStatus();
-  Check check(answer);
-  check.array("pdf_per_sr", answer.pdf_per_sr(), n)
-      .array("status", answer.status(), n, Need::kMayBeEmpty);
-  LUCERNA_RETURN_IF_ERROR(check.status());
-  return check_finite(answer.cost());
+  return Check(answer)
+      .array("pdf_per_sr", answer.pdf_per_sr(), n)
+      .array("status", answer.status(), n, Need::kMayBeEmpty)
+      .finite(answer.cost())
+      .status();
 }
 
 absl::Status check_answer(const v1::SampleLeRequest& request, const v1::SampleLeResponse& answer) {
   const std::uint64_t n = item_count(request), waves = request.wavelengths_nm_size();
   if (n == 0 && request.count() > 0) return absl::OkStatus();
   const Need chosen = if_set(!names_light(request));
-  Check check(answer);
-  check.array("points.offsets_m", answer.points().offsets_m(), 3 * n)
+  return Check(answer)
+      .array("points.offsets_m", answer.points().offsets_m(), 3 * n)
       .array("directions", answer.directions(), 3 * n)
       .array("light_normals", answer.light_normals(), 3 * n)
       .array("value", answer.value(), 3 * n)
@@ -197,33 +200,33 @@ absl::Status check_answer(const v1::SampleLeRequest& request, const v1::SampleLe
       .array("light_ids", answer.light_ids(), n, chosen)
       .array("selection_probability", answer.selection_probability(), n, chosen)
       .array("status", answer.status(), n, Need::kMayBeEmpty)
-      .array("spectral_value", answer.spectral_value(), n * waves);
-  LUCERNA_RETURN_IF_ERROR(check.status());
-  LUCERNA_RETURN_IF_ERROR(check_finite(answer.points().origin_m()));
-  return check_finite(answer.cost());
+      .array("spectral_value", answer.spectral_value(), n * waves)
+      .finite(answer.points().origin_m())
+      .finite(answer.cost())
+      .status();
 }
 
 absl::Status check_answer(const v1::PdfLeRequest& request, const v1::PdfLeResponse& answer) {
   const std::uint64_t n = item_count(request);
   if (n == 0 && request.points().offsets_m_size() > 0) return absl::OkStatus();
-  Check check(answer);
-  check.array("pdf_position_per_m2", answer.pdf_position_per_m2(), n)
+  return Check(answer)
+      .array("pdf_position_per_m2", answer.pdf_position_per_m2(), n)
       .array("pdf_direction_per_sr", answer.pdf_direction_per_sr(), n)
-      .array("status", answer.status(), n, Need::kMayBeEmpty);
-  LUCERNA_RETURN_IF_ERROR(check.status());
-  return check_finite(answer.cost());
+      .array("status", answer.status(), n, Need::kMayBeEmpty)
+      .finite(answer.cost())
+      .status();
 }
 
 absl::Status check_answer(const v1::LeRequest& request, const v1::LeResponse& answer) {
   const std::uint64_t n = item_count(request);
   if (n == 0 && request.points().offsets_m_size() > 0) return absl::OkStatus();
-  Check check(answer);
-  check.array("radiance_cd_m2", answer.radiance_cd_m2(), 3 * n)
+  return Check(answer)
+      .array("radiance_cd_m2", answer.radiance_cd_m2(), 3 * n)
       .array("light_ids", answer.light_ids(), n)
       .array("status", answer.status(), n, Need::kMayBeEmpty)
-      .array("spectral_radiance", answer.spectral_radiance(), n * request.wavelengths_nm_size());
-  LUCERNA_RETURN_IF_ERROR(check.status());
-  return check_finite(answer.cost());
+      .array("spectral_radiance", answer.spectral_radiance(), n * request.wavelengths_nm_size())
+      .finite(answer.cost())
+      .status();
 }
 
 absl::Status check_answer(const v1::TestVisibilityRequest& request,
@@ -238,8 +241,7 @@ absl::Status check_answer(const v1::TestVisibilityRequest& request,
   check.bits("visible", answer.visible(), n)
       .array("status", answer.status(), n, Need::kMayBeEmpty)
       .array("transmittance", answer.transmittance(), 3 * n, Need::kMayBeEmpty);
-  LUCERNA_RETURN_IF_ERROR(check.status());
-  return check_finite(answer.cost());
+  return check.finite(answer.cost()).status();
 }
 
 absl::Status check_answer(const v1::EstimateIrradianceRequest& request,
@@ -269,22 +271,21 @@ absl::Status check_answer(const v1::EstimateIrradianceRequest& request,
         .array("shares.lower_lx", share.lower_lx(), n, Need::kMayBeEmpty)
         .array("shares.upper_lx", share.upper_lx(), share.lower_lx_size());
   }
-  LUCERNA_RETURN_IF_ERROR(check.status());
-  return check_finite(answer.cost());
+  return check.finite(answer.cost()).status();
 }
 
 absl::Status check_answer(const v1::FindSurfacesRequest& request,
                           const v1::FindSurfacesResponse& answer) {
   const std::uint64_t n = request.places_size() / 2;
-  Check check(answer);
-  check.array("points.offsets_m", answer.points().offsets_m(), 3 * n)
+  return Check(answer)
+      .array("points.offsets_m", answer.points().offsets_m(), 3 * n)
       .array("normals", answer.normals(), 3 * n)
       .bits("found", answer.found(), n)
       .array("light_ids", answer.light_ids(), n)
-      .array("status", answer.status(), n, Need::kMayBeEmpty);
-  LUCERNA_RETURN_IF_ERROR(check.status());
-  LUCERNA_RETURN_IF_ERROR(check_finite(answer.points().origin_m()));
-  return check_finite(answer.cost());
+      .array("status", answer.status(), n, Need::kMayBeEmpty)
+      .finite(answer.points().origin_m())
+      .finite(answer.cost())
+      .status();
 }
 
 absl::Status check_answer(const v1::RenderTileRequest& request,
