@@ -177,6 +177,15 @@ test("an upload of many messages counts each message by itself", limit, async ()
   await gateway.stop();
 });
 
+test("silent uploads make place for other calls", limit, async () => {
+  const gateway = await startGateway(server.address, "--max-calls=2");
+  const upload = head(gateway, "SceneService/UploadAsset", 1000, "application/connect+json");
+  const silent = [await open(gateway, upload), await open(gateway, upload)];
+  await until(async () => (await call(gateway.address, method)).status === 200);
+  await until(() => gone(silent) > 0);
+  await gateway.stop();
+});
+
 test("answers that nobody reads hold a bounded number of bytes", limit, async () => {
   const gateway = await startGateway(server.address, "--max-body-bytes=33554432", "--max-message-bytes=16777216");
   // An answer of 12 MB is larger than what the kernel takes.

@@ -8,7 +8,8 @@
  * @typedef {Socket | import("node:http2").ServerHttp2Session} Source
  *
  * A request and its answer.  `waits`: for bytes of the browser, or for the browser to read; otherwise for lucernad.
- * @typedef {{waits: boolean, bytes: number}} Exchange
+ * `upload`: it is a stream of requests, and so a call from its first byte on.  `seen`: when it last showed life.
+ * @typedef {{waits: boolean, bytes: number, upload: boolean, seen: number}} Exchange
  * @typedef {{key: string, socket: Socket, exchanges: Set<Exchange>}} Connection
  */
 
@@ -25,8 +26,8 @@ const unfinished = (/** @type {Connection} */ { exchanges }) =>
 export class Connections {
   /** @type {Map<string, Connection>} by peer; first those that showed no life for longest */
   #all = new Map();
-  /** @type {WeakMap<Request, () => void>} */
-  #taken = new WeakMap();
+  /** @type {WeakMap<Request, {begun: () => void, taken: () => void}>} */
+  #uploads = new WeakMap();
   #bytes = 0;
   #logged = 0;
   #settings;
@@ -61,13 +62,14 @@ export class Connections {
       return;
     }
     /** @type {Exchange} */
-    const exchange = { waits: true, bytes: 0 };
+    const exchange = { waits: true, bytes: 0, upload: false, seen: Date.now() };
     const now = (/** @type {boolean} */ waiting, /** @type {number} */ bytes) => {
       if (!connection.exchanges.has(exchange)) return;
       // The connection shows life: it becomes the last one.
       this.#all.delete(connection.key);
       this.#all.set(connection.key, connection);
       this.#bytes += bytes - exchange.bytes;
+      exchange.seen = Date.now();
       exchange.waits = waiting;
       exchange.bytes = bytes;
       if (this.#bytes > this.#settings.maxBodyBytes) this.#relieve();
@@ -79,7 +81,10 @@ export class Connections {
       connection.exchanges.delete(exchange);
     });
 
-    this.#taken.set(request, () => now(exchange.waits, 0));
+    this.#uploads.set(request, {
+      begun: () => (exchange.upload = true),
+      taken: () => now(exchange.waits, 0),
+    });
     const body = request[Symbol.asyncIterator].bind(request);
     request[Symbol.asyncIterator] = async function* () {
       for await (const chunk of body()) {
@@ -98,9 +103,17 @@ export class Connections {
     };
   }
 
-  /** A message of a stream was passed on: the bytes of the request that came so far are no longer held. */
-  taken(/** @type {Request} */ request) {
-    this.#taken.get(request)?.();
+  /** `begun`: a stream of requests is a call now.  `taken`: a message was passed on, and its bytes are not held. */
+  upload(/** @type {Request} */ request) {
+    return this.#uploads.get(request);
+  }
+
+  /** Ends the upload that was silent for longest, and for a second.  False if there is none. */
+  endSilentUpload() {
+    const silent = (/** @type {Exchange} */ { upload, waits, seen }) => upload && waits && Date.now() - seen >= 1000;
+    const connection = [...this.#all.values()].find(({ exchanges }) => [...exchanges].some(silent));
+    if (connection) this.#end(connection, "had a silent upload, and another call came");
+    return connection !== undefined;
   }
 
   /** Closes a connection on which nothing happened for a while, unless a call runs. */

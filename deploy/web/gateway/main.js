@@ -8,7 +8,7 @@ import { connectNodeAdapter } from "@connectrpc/connect-node";
 
 import { Connections } from "./connections.js";
 import { compressed, guard } from "./guard.js";
-import { proxy, takenKey } from "./proxy.js";
+import { proxy, requestKey } from "./proxy.js";
 import { address, content, help, readSettings, SettingError } from "./settings.js";
 import { answer, site } from "./site.js";
 
@@ -26,7 +26,7 @@ function log(/** @type {string} */ level, /** @type {string} */ text) {
  * @param {Connections} connections
  */
 function handler(settings, stop, connections) {
-  const calls = proxy(settings, stop);
+  const calls = proxy(settings, stop, connections);
   const refusal = guard([address("listen", settings.listen).host, ...settings.name]);
   const page = site(fileURLToPath(new URL("site", import.meta.url)));
   const connect = connectNodeAdapter({
@@ -36,7 +36,7 @@ function handler(settings, stop, connections) {
     writeMaxBytes: settings.maxMessageBytes,
     maxTimeoutMs: settings.callSeconds * 1000,
     shutdownSignal: stop,
-    contextValues: (request) => createContextValues().set(takenKey, () => connections.taken(request)),
+    contextValues: (request) => createContextValues().set(requestKey, request),
   });
   return (/** @type {import("./site.js").Request} */ request, /** @type {import("./site.js").Response} */ response) => {
     const refused = refusal(request.headers) ?? compressed(request.headers);

@@ -13,8 +13,8 @@ import { content } from "./settings.js";
 /** @typedef {import("./settings.js").Settings} Settings */
 /** @typedef {import("@connectrpc/connect").HandlerContext} Context */
 
-/** What a call runs when it passes on a message of a stream of requests. */
-export const takenKey = createContextKey(() => {});
+/** The request of a call. */
+export const requestKey = createContextKey(/** @type {any} */ (undefined));
 
 /**
  * The connection to lucernad.
@@ -68,8 +68,9 @@ function passedOn(reason, server, ended) {
  * The calls of all services, and the health of lucernad.
  * @param {Settings} settings
  * @param {AbortSignal} stop ends all calls
+ * @param {import("./connections.js").Connections} connections
  */
-export function proxy(settings, stop) {
+export function proxy(settings, stop, connections) {
   const transport = connection(settings);
   const token = tokenOf(settings.tokenFile);
   const health = createClient(Health, transport);
@@ -86,7 +87,7 @@ export function proxy(settings, stop) {
 
   /** Counts a call, so that no more than allowed run at once. */
   const begin = () => {
-    if (running >= settings.maxCalls)
+    if (running >= settings.maxCalls && !connections.endSilentUpload())
       throw new ConnectError(`calls at once = ${running + 1}, allowed: ${settings.maxCalls}`, Code.ResourceExhausted);
     running += 1;
   };
@@ -106,8 +107,10 @@ export function proxy(settings, stop) {
         }
       };
     const passing = async function* (/** @type {any} */ requests, /** @type {Context} */ context) {
+      const upload = connections.upload(context.values.get(requestKey));
+      upload?.begun();
       for await (const request of requests) {
-        context.values.get(takenKey)();
+        upload?.taken();
         yield request;
       }
     };
