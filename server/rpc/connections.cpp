@@ -15,6 +15,7 @@ namespace {
 
 // A connection may cancel this many calls at once, and then this many in a second.
 constexpr double kCancels = 1000, kCancelsPerSecond = 200;
+constexpr const char* kResets = "its client cancels too many calls";
 // Bytes that need not belong to a call: the rest of a stream whose call ended before it, and in
 // each second pings and settings.
 constexpr double kSpareBytes = 32 << 20, kSpareBytesPerSecond = 1 << 10;
@@ -58,6 +59,7 @@ void Connections::set_patience(const ConnectionPatience& patience) {
   const std::lock_guard lock(mutex_);
   patience_ = patience;
   most_unsent_ = patience.unsent_bytes;
+  most_calls_ = patience.calls;
 }
 
 bool Connections::has_room(std::uint64_t bytes) const {
@@ -138,6 +140,13 @@ void Connections::close(Connection& connection, const std::string& why) const {
   spdlog::warn(fmt::format("closed a connection of {}: {}", connection.peer_, why));
 }
 
+void Connections::call_begun(Connection& c) {
+  c.explained_ += Connection::kHeaderBytes;
+  if (++c.calls_ != most_calls_) return;
+  const std::lock_guard lock(mutex_);
+  close(c, kResets);
+}
+
 void Connections::count_cancelled(Connection& c) {
   const std::lock_guard lock(mutex_);
   const auto now = Connection::Clock::now();
@@ -145,8 +154,7 @@ void Connections::count_cancelled(Connection& c) {
   c.cancels_ = std::min(kCancels, c.cancels_ + kCancelsPerSecond * seconds(now - c.counted_)) - 1;
   c.counted_ = now;
   if (c.cancels_ >= 0 || closed) return;
-  close(c, fmt::format("more than {:g} calls were cancelled, and then more than {:g} in a second",
-                       kCancels, kCancelsPerSecond));
+  close(c, kResets);
 }
 
 std::string Connections::complaint(Connection& c, Connection::Clock::time_point now) const {

@@ -19,7 +19,7 @@ namespace lucerna::rpc {
 /// The calls of one connection.  Thread-safe.
 class Connection {
  public:
-  void call_begun() { explained_ += kHeaderBytes; }
+  void call_ended() { --calls_; }
   /// A call ended before its client's messages did.  At most `bytes` of them are on their way.
   void call_left(std::size_t bytes) { explained_ += bytes; }
   /// A call waits for its next message.
@@ -40,7 +40,7 @@ class Connection {
   static constexpr std::uint64_t kHeaderBytes = 16 << 10, kMessageBytes = 1 << 10;
 
   std::atomic<std::uint64_t> explained_ = 0;  // bytes that belong to calls
-  std::atomic<std::uint32_t> awaited_ = 0;
+  std::atomic<std::uint32_t> calls_ = 0, awaited_ = 0;
   std::atomic<std::uint64_t> unsent_ = 0;
 
   // Guarded by Connections::mutex_.
@@ -64,6 +64,7 @@ class Connection {
 struct ConnectionPatience {
   std::uint64_t message_bytes = 0;     ///< of one message
   std::uint64_t unfinished_bytes = 0;  ///< of all messages that have not arrived in full
+  std::uint32_t calls = 0;             ///< of one connection, until gRPC has released them
   std::uint64_t unsent_bytes = 0;      ///< of all answers that their clients have not taken
   std::uint32_t idle_s = 0;            ///< without taking any of its answers; 0: for ever
 };
@@ -87,6 +88,9 @@ class Connections {
   /// Connections that are open now.
   std::size_t size() const;
 
+  /// Counts a call until it ends.  Closes the connection if it has more calls than streams may be
+  /// open: then calls are reset faster than gRPC can say so.
+  void call_begun(Connection& connection);
   /// Counts a call that was cancelled.  Closes the connection if these are too many in a short
   /// time: a call that a client resets at once costs the server a hundred times as much as the
   /// client (CVE-2023-44487).
@@ -113,6 +117,7 @@ class Connections {
   void close(Connection& connection, const std::string& why) const;
 
   std::atomic<std::uint64_t> unsent_ = 0, most_unsent_ = UINT64_MAX;
+  std::atomic<std::uint32_t> most_calls_ = UINT32_MAX;
   mutable std::mutex mutex_;
   // Guarded by mutex_.
   ConnectionLimits limits_;

@@ -58,7 +58,7 @@ ObservedCall::ObservedCall(Runtime& runtime, grpc::CallbackServerContext& contex
     : runtime_(runtime), context_(context), deadline_(deadline_of(context.raw_deadline())) {
   const std::string peer = context.peer();
   if (runtime.connections != nullptr) connection_ = runtime.connections->find(peer);
-  if (connection_ != nullptr) connection_->call_begun();
+  if (connection_ != nullptr) runtime.connections->call_begun(*connection_);
   record_.call = call;
   const std::string_view id = header(context, "x-request-id");
   record_.request_id = monitor::is_request_id(id) ? std::string(id) : monitor::make_request_id();
@@ -72,9 +72,10 @@ ObservedCall::ObservedCall(Runtime& runtime, grpc::CallbackServerContext& contex
 }
 
 ObservedCall::~ObservedCall() {
+  if (connection_ == nullptr) return;
+  connection_->call_ended();
   answer_sent(unsent_bytes_);
-  if (connection_ != nullptr && !request_complete_)
-    connection_->call_left(runtime_.limits.get().max_message_bytes);
+  if (!request_complete_) connection_->call_left(runtime_.limits.get().max_message_bytes);
 }
 
 void ObservedCall::cancelled() const {

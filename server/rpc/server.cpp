@@ -56,6 +56,8 @@ constexpr std::uint64_t kLeastUnfinishedBytes = 192 << 20;
 constexpr std::uint64_t kMaxReadBytes = 64 << 10;
 // Answers that their clients have not taken, without a memory budget.
 constexpr std::uint64_t kMostUnsentBytes = 1ULL << 30;
+// Calls that have ended for a client, but not yet for gRPC.
+constexpr std::uint32_t kSpareCalls = 1000;
 // How long a client has to answer a ping.
 constexpr std::uint64_t kPingAnswerSeconds = 20;
 
@@ -207,6 +209,7 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   listener->connections().set_patience(
       {.message_bytes = options.limits.max_message_bytes,
        .unfinished_bytes = unfinished,
+       .calls = 2 * doors.streams + kSpareCalls,
        .unsent_bytes = std::max(two_messages, budget == 0 ? kMostUnsentBytes : budget / 4),
        .idle_s = doors.idle_s});
   runtime.connections = &listener->connections();

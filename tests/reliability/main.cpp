@@ -16,9 +16,9 @@ int main(int argc, char** argv) {
   namespace r = lucerna::reliability;
   using Row = void (*)(const r::Settings&, r::Report&);
   const std::vector<std::pair<std::string, Row>> rows = {
-      {"overload", r::overload},       {"priority", r::priority}, {"stopping", r::stopping},
-      {"connections", r::connections}, {"churn", r::churn},       {"drain", r::drain},
-      {"monitoring", r::monitoring},   {"soak", r::soak}};
+      {"attacks", r::attacks},   {"overload", r::overload},       {"priority", r::priority},
+      {"stopping", r::stopping}, {"connections", r::connections}, {"churn", r::churn},
+      {"drain", r::drain},       {"monitoring", r::monitoring},   {"soak", r::soak}};
   r::Settings settings;
   std::vector<std::string> names, all;
   for (const auto& [name, row] : rows) all.push_back(name);

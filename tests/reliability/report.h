@@ -37,6 +37,7 @@ class Report {
 };
 
 // One function for each row.
+void attacks(const Settings& settings, Report& report);
 void overload(const Settings& settings, Report& report);
 void priority(const Settings& settings, Report& report);
 void stopping(const Settings& settings, Report& report);

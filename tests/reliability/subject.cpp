@@ -96,12 +96,28 @@ double Subject::resident_bytes() const {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
+double Subject::most_resident_bytes() const {
+  std::ifstream in("/proc/" + std::to_string(server_.process_id()) + "/status");
+  for (std::string word; in >> word;) {
+    double kib = 0;
+    if (word == "VmHWM:" && in >> kib) return 1024 * kib;
+  }
+  throw std::runtime_error("the server has no VmHWM");
+}
+
 v1::Points points_above(int count) {
   std::vector<client::Double3> points;
   points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
     points.push_back({0.5 + 0.01 * (i % 900), 0.5 + 0.01 * (i / 900 % 900), 1});
   return client::make_points(points);
+}
+
+Message Subject::thousand_samples() const {
+  v1::SampleLiRequest request;
+  request.set_scene_id(scene_);
+  *request.mutable_receivers() = points_above(1000);
+  return make_message("LightingService/SampleLi", request);
 }
 
 Message Subject::one_item() const { return irradiance(1, 1); }

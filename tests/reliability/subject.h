@@ -49,9 +49,12 @@ class Subject {
   /// Processor time of all threads so far, to the moment of the call.
   double cpu_s() const;
   double resident_bytes() const;
+  double most_resident_bytes() const;  ///< so far
 
   /// A query of one receiver that is computed at once.
   Message one_item() const;
+  /// SampleLi of 1000 points.
+  Message thousand_samples() const;
   /// Irradiance at `receivers` points with `samples` each.
   Message irradiance(int receivers, std::uint32_t samples) const;
   Message tile(std::uint32_t edge, std::uint32_t samples) const;
