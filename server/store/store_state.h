@@ -126,6 +126,22 @@ struct SceneStore::State {
 
   std::uint64_t loading = 0;  // bytes of running loads
 
+  // Loads take memory one after the other.  So none counts on what another gives back before the
+  // operating system has it.
+  std::mutex taking;
+  std::atomic<std::uint64_t> freed = 0;  // by loads and scenes since memory was last returned
+
+  /// The allocator keeps much of what is freed, in pieces between arrays that stay.  It must go
+  /// back to the system before a load counts on it.  Call it with `taking` held.
+  void return_if_much_was_freed() {
+    const std::uint64_t budget = options.memory_budget_bytes;
+    if (budget == 0 || freed.load() < std::max(kLeastFreed, budget / kFreedShare)) return;
+    freed = 0;
+    return_free_memory();
+  }
+  // This takes some milliseconds.
+  static constexpr std::uint64_t kLeastFreed = std::uint64_t{8} << 20, kFreedShare = 32;
+
   LoadLimits load_limits(LoadBudget& budget) const {
     LoadLimits limits;
     if (options.texture_bytes > 0) limits.texture_bytes = options.texture_bytes;
@@ -202,6 +218,7 @@ struct SceneStore::State {
   void remove(std::map<std::string, Entry>::iterator entry,
               std::vector<std::shared_ptr<const Scene>>& gone) {
     std::erase_if(by_source, [&](const auto& s) { return s.second == entry->first; });
+    const std::uint64_t before = held;
     held -= entry->second.bytes;
     for_each_shared(*entry->second.stored.scene, [&](const void* what, std::uint64_t) {
       const auto of = shared.find(what);
@@ -209,6 +226,7 @@ struct SceneStore::State {
       held -= of->second.bytes;
       shared.erase(of);
     });
+    freed += before - held;
     gone.push_back(std::move(entry->second.stored.scene));
     scenes.erase(entry);
   }
@@ -337,12 +355,15 @@ class SceneStore::LoadMemory final : public MemoryPool {
   }
 
   absl::Status take(std::uint64_t bytes) override {
-    return_if_much_was_freed();
-    std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
-    const std::lock_guard lock(state_.mutex);
-    LUCERNA_RETURN_IF_ERROR(state_.evict_for(bytes, own_, gone));
-    own_ += bytes;
-    state_.loading += bytes;
+    const std::lock_guard turn(state_.taking);
+    {
+      std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+      const std::lock_guard lock(state_.mutex);
+      LUCERNA_RETURN_IF_ERROR(state_.evict_for(bytes, own_, gone));
+      own_ += bytes;
+      state_.loading += bytes;
+    }
+    state_.return_if_much_was_freed();
     return absl::OkStatus();
   }
   void give_back(std::uint64_t bytes) override {
@@ -350,23 +371,11 @@ class SceneStore::LoadMemory final : public MemoryPool {
     const std::uint64_t rest = std::min(bytes, own_);
     own_ -= rest;
     state_.loading -= rest;
-    freed_ += rest;
+    state_.freed += rest;
   }
 
  private:
-  /// The allocator keeps much of what is freed, in pieces between arrays that stay.  It must go
-  /// back to the system before others count on it.
-  void return_if_much_was_freed() {
-    const std::uint64_t budget = state_.options.memory_budget_bytes;
-    if (budget == 0 || freed_.load() < std::max(kLeastFreed, budget / kFreedShare)) return;
-    freed_ = 0;
-    return_free_memory();
-  }
-  // This takes some milliseconds.
-  static constexpr std::uint64_t kLeastFreed = std::uint64_t{8} << 20, kFreedShare = 32;
-
   State& state_;
-  std::atomic<std::uint64_t> freed_ = 0;  // since memory was last returned
   std::uint64_t own_ = 0;
   LoadBudget budget_{this};  // last member: gives its bytes back first
 };

@@ -13,6 +13,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "lucerna/client/testing/local_server.h"
 #include "tests/temp_directory.h"
@@ -181,6 +182,33 @@ TEST_F(Memory, TwoLoadsShareTheBudget) {
   (void)server_->client().load_scene(other);
   first.join();
   EXPECT_LT(peak_bytes() - idle, 1.1 * kBudgetMib * kMiB);
+}
+
+// Loads that fail and scenes that are unloaded free memory, which others then take.
+TEST_F(Memory, ManyLoadsShareTheBudget) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers use additional memory";
+#endif
+  write_sheet(directory_ / "small.ply", 300);
+  constexpr int kLoads = 32;
+  constexpr double kBudgetMib = 40;  // a few of the loads fit at once
+  restart("40MiB");
+  const double idle = resident_bytes(server_->process_id());
+  std::vector<std::jthread> loads;
+  for (int i = 0; i < kLoads; ++i) {
+    const std::string name = "small" + std::to_string(i) + ".pbrt";
+    std::ofstream(directory_ / name)
+        << "WorldBegin Shape \"plymesh\" \"string filename\" \"small.ply\"\n"
+        << "Shape \"sphere\" \"float radius\" " << 1 + i;
+    loads.emplace_back([this, name] {
+      v1::LoadSceneRequest request;
+      request.set_path(name);
+      (void)server_->client().load_scene(request);
+    });
+  }
+  loads.clear();
+  // A server that has loaded a scene has 8 MiB more of code and buffers.
+  EXPECT_LT(peak_bytes() - idle, (1.1 * kBudgetMib + 8) * kMiB);
 }
 
 // The allocator keeps arrays of this size when they are freed, and a list that grows may copy them.
