@@ -128,6 +128,11 @@ std::shared_ptr<SceneStore::LoadMemory> SceneStore::start_counting() const {
   return std::make_shared<LoadMemory>(*state_);
 }
 
+std::shared_ptr<LoadBudget> SceneStore::count_call(const Scene& scene) const {
+  const auto memory = std::make_shared<LoadMemory>(*state_, scene.id());
+  return {memory, &memory->budget()};
+}
+
 absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
                                                   const LoadOptions& options,
                                                   LoadMemory& memory) const {

@@ -108,6 +108,11 @@ class SceneStore {
   class LoadMemory;
   std::shared_ptr<LoadMemory> start_counting() const;
 
+  /// Counts the buffers of a call against the budget until the last pointer is gone.  Until then
+  /// the scene that the call uses is not unloaded to make room.  Claims that do not fit are refused
+  /// as those of loads.
+  std::shared_ptr<LoadBudget> count_call(const Scene& scene) const;
+
   /// Makes the revision of a scene, or of its revision, with these edits (all of them, not only
   /// new ones).  Without edits it is the scene itself.  `memory`: of what was read for the edits.
   /// If edits move surfaces, the scene's files are read again and its geometry is built again,

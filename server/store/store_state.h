@@ -124,7 +124,8 @@ struct SceneStore::State {
   std::map<const void*, Shared> shared;
   std::uint64_t held = 0;  // bytes of all entries and of `shared`, each as last measured
 
-  std::uint64_t loading = 0;  // bytes of running loads
+  std::uint64_t loading = 0;          // bytes of running loads and calls
+  std::multiset<std::string> in_use;  // ids of the scenes of calls whose memory counts
 
   // Loads take memory one after the other.  So none counts on what another gives back before the
   // operating system has it.
@@ -252,6 +253,11 @@ struct SceneStore::State {
     for (auto& [id, entry] : scenes) measure(entry);
   }
 
+  /// Whether evictions leave the scene in memory.
+  bool stays(const std::string& id, Entry& entry) const {
+    return leased_until(entry) || in_use.contains(id);
+  }
+
   /// Unloads the least recently used scenes without a lease until all have at most `most` bytes.
   /// Never unloads `keep`.
   void shrink(std::uint64_t most, const std::string& keep,
@@ -259,7 +265,7 @@ struct SceneStore::State {
     while (held > most) {
       auto oldest = scenes.end();
       for (auto s = scenes.begin(); s != scenes.end(); ++s) {
-        if (s->first == keep || leased_until(s->second)) continue;
+        if (s->first == keep || stays(s->first, s->second)) continue;
         if (oldest == scenes.end() || s->second.used < oldest->second.used) oldest = s;
       }
       if (oldest == scenes.end()) return;
@@ -268,39 +274,43 @@ struct SceneStore::State {
   }
 
   /// Unloads scenes until there is room for `more` bytes of a scene that has `own` bytes already.
-  /// Unloads none if leases and other loads leave too little.
+  /// Unloads none if leases, other loads and calls leave too little.  With `call_of`, the bytes are
+  /// those of a call that uses this scene.
   absl::Status evict_for(std::uint64_t more, std::uint64_t own,
-                         std::vector<std::shared_ptr<const Scene>>& gone) {
+                         std::vector<std::shared_ptr<const Scene>>& gone,
+                         const std::string& call_of = "") {
     const std::uint64_t budget = options.memory_budget_bytes;
     if (budget == 0) return absl::OkStatus();
     const std::uint64_t needed = own + more;
+    const char* const what = call_of.empty() ? "scene" : "call";
     if (needed > budget)
       return absl::ResourceExhaustedError(
-          fmt::format("the scene needs {}{} bytes, allowed: at most {}", own > 0 ? "at least " : "",
-                      needed, budget));
+          fmt::format("the {} needs {}{} bytes, allowed: at most {}", what,
+                      own > 0 ? "at least " : "", needed, budget));
     if (own > 0 && held + loading + more <= budget) return absl::OkStatus();
     measure_all();
     std::uint64_t leased = 0;
     std::optional<TimePoint> soonest;
     std::set<const void*> counted;
     for (auto& [id, entry] : scenes) {
-      const std::optional<TimePoint> until = leased_until(entry);
-      if (!until) continue;
+      if (!stays(id, entry)) continue;
       leased += entry.bytes;
       for_each_shared(*entry.stored.scene, [&](const void* what, std::uint64_t) {
         if (counted.insert(what).second) leased += shared.at(what).bytes;
       });
-      soonest = std::min(soonest.value_or(*until), *until);
+      if (const auto until = leased_until(entry))
+        soonest = std::min(soonest.value_or(*until), *until);
     }
     if (leased + loading + more > budget) {
       const std::uint64_t others = loading - own;
-      absl::Status full = absl::ResourceExhaustedError(
-          fmt::format("the scene needs {}{} bytes, but leased scenes use {}{} of the server's {}",
-                      own > 0 ? "at least " : "", needed, leased,
-                      others > 0 ? fmt::format(" and other loads {}", others) : "", budget));
-      // A load may end at any time.
+      absl::Status full = absl::ResourceExhaustedError(fmt::format(
+          "the {} needs {}{} bytes, but {} {}{} of the server's {}", what,
+          own > 0 ? "at least " : "", needed,
+          in_use.empty() ? "leased scenes use" : "scenes that are leased or in use take", leased,
+          others > 0 ? fmt::format(" and other loads and calls {}", others) : "", budget));
+      // A load or a call may end at any time.
       auto wait = std::chrono::milliseconds(1000);
-      if (others == 0)
+      if (others == 0 && soonest)
         wait = std::chrono::ceil<std::chrono::milliseconds>(*soonest - options.now());
       full.SetPayload(kRetryAfterPayload,
                       absl::Cord(std::to_string(std::max<std::int64_t>(wait.count(), 1))));
@@ -335,10 +345,20 @@ struct SceneStore::State {
   }
 };
 
-/// The memory of one load, as a part of the store's budget.
+/// The memory of one load, or of one call, as a part of the store's budget.
 class SceneStore::LoadMemory final : public MemoryPool {
  public:
   explicit LoadMemory(State& state) : state_(state) {}
+  /// Of a call that uses this scene.
+  LoadMemory(State& state, std::string scene_id) : state_(state), call_of_(std::move(scene_id)) {
+    const std::lock_guard lock(state_.mutex);
+    state_.in_use.insert(call_of_);
+  }
+  ~LoadMemory() override {
+    if (call_of_.empty()) return;
+    const std::lock_guard lock(state_.mutex);
+    state_.in_use.erase(state_.in_use.find(call_of_));
+  }
 
   LoadBudget& budget() { return budget_; }
   /// An error of the load, which may be retried if the budget is to blame.
@@ -359,7 +379,7 @@ class SceneStore::LoadMemory final : public MemoryPool {
     {
       std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
       const std::lock_guard lock(state_.mutex);
-      LUCERNA_RETURN_IF_ERROR(state_.evict_for(bytes, own_, gone));
+      LUCERNA_RETURN_IF_ERROR(state_.evict_for(bytes, own_, gone, call_of_));
       own_ += bytes;
       state_.loading += bytes;
     }
@@ -376,6 +396,7 @@ class SceneStore::LoadMemory final : public MemoryPool {
 
  private:
   State& state_;
+  const std::string call_of_;
   std::uint64_t own_ = 0;
   LoadBudget budget_{this};  // last member: gives its bytes back first
 };

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "proto/common/sample_blocks.h"
 #include "proto/common/status_macros.h"
@@ -83,7 +84,29 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
       if (settings.intervals) render.moments_.emplace_back(0, area(rect));
     }
   }
+  render.memory_ = context.scenes.count_call(scene);
+  LUCERNA_RETURN_IF_ERROR(load_error(render.count(render.pass_end_)));
   return render;
+}
+
+absl::Status ImageRender::count(std::uint64_t pass_end) {
+  std::uint64_t runs = 0;  // of blocks, of each pixel, between two passes
+  if (is_timed()) {
+    runs = static_cast<std::uint64_t>(std::popcount(pass_end));
+  } else if (!query_.settings.target && pass_end < blocks_) {
+    runs = 1;  // passes but the last end at powers of two
+  }
+  // The tile in work has runs that are not merged yet.  Beside it there are its sum and its
+  // message, and tiles on their way to the client.
+  constexpr std::uint64_t kCopies = 5;
+  const std::uint64_t of_tile =
+      kCopies + (query_.settings.target ? 1 : static_cast<std::uint64_t>(std::popcount(blocks_)));
+  const std::uint64_t needed =
+      (runs * pixels() + of_tile * area(tiles_.front())) * pixel_bytes(query_.settings);
+  if (needed <= counted_) return absl::OkStatus();
+  LUCERNA_RETURN_IF_ERROR(memory_->claim(needed - counted_));
+  counted_ = needed;
+  return absl::OkStatus();
 }
 
 std::uint64_t ImageRender::pixels() const {
@@ -117,6 +140,11 @@ absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageRespo
       TileResult total{.channels = merged.total()};
       if (settings.intervals) total.moments = moments_[tile_].total();
       set_tile(*scene_, settings, 0, merged.blocks(), total, response->mutable_tile());
+    }
+    // Nobody needs the tile any more.
+    if (sending_ || (!is_timed() && pass_end_ == blocks_)) {
+      merged_[tile_] = BlockMerger<>(0, 0);
+      if (settings.intervals) moments_[tile_] = BlockMerger<LuminanceMoments>(0, 0);
     }
   }
   response->set_samples_done(samples_done_);
@@ -163,7 +191,8 @@ absl::StatusOr<bool> ImageRender::add_blocks(const std::stop_token& stop) {
 
 void ImageRender::end_pass() {
   const std::uint64_t more = next_pass();
-  if (more == 0) return end();
+  // Without memory for another pass, the picture is what it is.
+  if (more == 0 || !count(pass_end_ + more).ok()) return end();
   tile_ = 0;
   pass_begin_ = pass_end_;
   pass_end_ += more;

@@ -21,6 +21,8 @@ namespace lucerna::rpc {
 /// not reach in time keep their blocks.  Not thread-safe.
 class ImageRender {
  public:
+  /// Its memory counts against the budget of scenes.  Errors: those of the request;
+  /// RESOURCE_EXHAUSTED if the memory does not fit.
   static absl::StatusOr<ImageRender> create(const Context& context,
                                             const v1::RenderImageRequest& request);
 
@@ -39,6 +41,8 @@ class ImageRender {
   /// Renders blocks of the tile for a short time.  True: the tile has reached the end of the pass,
   /// or the time is over.  False: the next step continues with this tile.
   absl::StatusOr<bool> add_blocks(const std::stop_token& stop);
+  /// Counts the memory that is needed up to the end of this pass.
+  absl::Status count(std::uint64_t pass_end);
   void end_pass();
   void end();
   /// The number of blocks of the next pass; 0: there is none.
@@ -51,6 +55,8 @@ class ImageRender {
   std::shared_ptr<const Scene> scene_;
   RenderQuery query_;
   bool final_only_ = false;
+  std::shared_ptr<LoadBudget> memory_;
+  std::uint64_t counted_ = 0;  // in `memory_`
   std::vector<PixelRect> tiles_;
   std::vector<BlockMerger<>> merged_;                   // one for each tile
   std::vector<BlockMerger<LuminanceMoments>> moments_;  // with intervals, one for each tile

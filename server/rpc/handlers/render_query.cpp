@@ -173,6 +173,12 @@ std::uint64_t area(const PixelRect& rect) {
          static_cast<std::uint64_t>(rect.y1 - rect.y0);
 }
 
+std::uint64_t pixel_bytes(const TileSettings& settings) {
+  if (settings.target)
+    return 3 * sizeof(BlockStatistics) + sizeof(std::uint32_t) + sizeof(ConfidenceInterval);
+  return 3 * sizeof(BlockStatistics) + (settings.intervals ? sizeof(LuminanceMoments) : 0);
+}
+
 void set_tile(const Scene& scene, const TileSettings& settings, std::uint64_t first_block,
               std::uint64_t blocks, const TileResult& result, v1::Tile* out) {
   out->mutable_rect()->set_x0(static_cast<std::uint32_t>(settings.rect.x0));

@@ -38,6 +38,9 @@ std::uint32_t least_samples(const RenderQuery& query);
 
 std::uint64_t area(const PixelRect& rect);
 
+/// The memory of the statistics of a pixel, and nearly that of a pixel in a message.
+std::uint64_t pixel_bytes(const TileSettings& settings);
+
 /// Encodes the tile of blocks [first_block, first_block + blocks) with the statistics of `result`,
 /// and with the planes of a target error if it has them.
 void set_tile(const Scene& scene, const TileSettings& settings, std::uint64_t first_block,

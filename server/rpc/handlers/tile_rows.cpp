@@ -23,8 +23,15 @@ std::uint64_t fitting(double left_s, double unit_s, std::uint64_t most) {
   return static_cast<std::uint64_t>(std::clamp(left_s / unit_s, 1.0, static_cast<double>(most)));
 }
 
+/// `total`: the size at the end.
 template <typename T>
-void append_to(std::vector<T>& all, std::vector<T>&& more) {
+void append_to(std::vector<T>& all, std::vector<T>&& more, std::uint64_t total) {
+  if (more.empty()) return;
+  if (more.size() == total) {
+    all = std::move(more);
+    return;
+  }
+  all.reserve(total);
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
@@ -58,7 +65,8 @@ absl::StatusOr<bool> TileRows::step(const Scene& scene, const TileSettings& sett
     unit_s_ =
         (now_s - used_s) / (blocks * (part.rect.x1 - part.rect.x0) * (part.rect.y1 - part.rect.y0));
     used_s = now_s;
-    append(std::move(result));
+    append(std::move(result),
+           static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(tile.y1 - tile.y0));
     const bool end_of_row = part.rect.x1 == tile.x1;
     x_ = end_of_row ? tile.x0 : part.rect.x1;
     y_ = end_of_row ? part.rect.y1 : y_;
@@ -72,12 +80,12 @@ std::uint64_t TileRows::blocks_of_a_row(int width) const {
   return std::bit_floor(fitting(kStepSeconds, unit_s_ * width, std::uint64_t{1} << 30));
 }
 
-void TileRows::append(TileResult&& pixels) {
-  append_to(tile_.channels, std::move(pixels.channels));
-  append_to(tile_.samples, std::move(pixels.samples));
-  append_to(tile_.intervals, std::move(pixels.intervals));
-  append_to(tile_.moments, std::move(pixels.moments));
-  tile_.work += pixels.work;
+void TileRows::append(TileResult&& part, std::uint64_t pixels) {
+  append_to(tile_.channels, std::move(part.channels), 3 * pixels);
+  append_to(tile_.samples, std::move(part.samples), pixels);
+  append_to(tile_.intervals, std::move(part.intervals), pixels);
+  append_to(tile_.moments, std::move(part.moments), pixels);
+  tile_.work += part.work;
 }
 
 }  // namespace lucerna::rpc

@@ -30,7 +30,8 @@ class TileRows {
   std::uint64_t blocks_of_a_row(int width) const;
 
  private:
-  void append(TileResult&& pixels);
+  /// `pixels`: of the whole tile.
+  void append(TileResult&& part, std::uint64_t pixels);
 
   bool has_begun_ = false;
   int x_ = 0, y_ = 0;  // the next pixel

@@ -134,9 +134,18 @@ double predicted_seconds(const RenderQuery& query) {
          static_cast<double>(s.samples_per_block);
 }
 
-absl::Status answer(const TileQuery& query, const std::stop_token& stop,
+absl::Status answer(const TileQuery& query, SceneStore& scenes, const std::stop_token& stop,
                     v1::RenderTileResponse* response) {
   TileSettings settings = query.render.settings;
+  // Only a few calls run at once, so the memory of small tiles does not matter.
+  constexpr std::uint64_t kSmall = std::uint64_t{1} << 20;
+  constexpr std::uint64_t kCopies = 3;  // the result, the message and its bytes
+  std::shared_ptr<LoadBudget> memory;
+  if (const std::uint64_t bytes = kCopies * area(settings.rect) * pixel_bytes(settings);
+      bytes > kSmall) {
+    memory = scenes.count_call(*query.scene);
+    LUCERNA_RETURN_IF_ERROR(load_error(memory->claim(bytes)));
+  }
   const std::optional<TileResult> result = query.render.rule.time_budget_s
                                                ? render_in_time(query, stop, settings)
                                                : render(*query.scene, settings, stop);
@@ -157,8 +166,8 @@ Prepared render_tile(const Context& context, const v1::RenderTileRequest& reques
   task.predicted_s = predicted_seconds(query.render);
   task.items = area(query.render.settings.rect);
   task.cost = response->mutable_cost();
-  task.run = [query, response](const std::stop_token& stop) {
-    return answer(query, stop, response);
+  task.run = [query, &scenes = context.scenes, response](const std::stop_token& stop) {
+    return answer(query, scenes, stop, response);
   };
   return task;
 }

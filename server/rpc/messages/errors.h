@@ -70,8 +70,10 @@ inline constexpr std::array kErrorReasons{
     ErrorReason{Reason::kQueueFull, "QUEUE_FULL", "RESOURCE_EXHAUSTED",
                 "Too many requests wait, or too many answers for clients that do not take them. "
                 "RetryInfo says when to retry."},
-    ErrorReason{Reason::kMemoryLeased, "MEMORY_LEASED", "RESOURCE_EXHAUSTED",
-                "Leased scenes fill the memory. RetryInfo says when the first lease ends."},
+    ErrorReason{
+        Reason::kMemoryLeased, "MEMORY_LEASED", "RESOURCE_EXHAUSTED",
+        "Leased scenes, loads and calls fill the memory. RetryInfo says when to retry: when the "
+        "first lease ends, or soon."},
     ErrorReason{Reason::kOverQuota, "OVER_QUOTA", "RESOURCE_EXHAUSTED",
                 "The caller has used up its quota. RetryInfo says when to retry, if time helps."},
     ErrorReason{Reason::kResourceExhausted, "RESOURCE_EXHAUSTED", "RESOURCE_EXHAUSTED",

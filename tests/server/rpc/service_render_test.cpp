@@ -92,6 +92,80 @@ TEST_F(RenderServiceTest, AnyNumberOfSamplesMakesAnImage) {
   EXPECT_EQ(r.tile().block_count(), 11U);
 }
 
+// Each pixel of 160 x 120 takes 48 bytes in each of some copies.
+class RenderMemory : public ::testing::Test {
+ protected:
+  static rpc::ServerOptions with_budget(std::uint64_t bytes) {
+    rpc::ServerOptions options = service_options();
+    options.scenes.memory_budget_bytes = bytes;
+    return options;
+  }
+  static v1::RenderImageRequest picture(const std::string& scene, std::uint32_t tile_size) {
+    v1::RenderImageRequest q;
+    q.set_scene_id(scene);
+    q.mutable_accuracy()->set_samples(64);
+    q.set_tile_size(tile_size);
+    return q;
+  }
+  static grpc::Status render(Service& service, const v1::RenderImageRequest& q) {
+    return status_of([&](auto* c) {
+      const auto reader = service.render.RenderImage(c, q);
+      for (v1::RenderImageResponse r; reader->Read(&r);) {
+      }
+      return reader->Finish();
+    });
+  }
+};
+
+TEST_F(RenderMemory, APictureThatDoesNotFitIsRefusedBeforeItStarts) {
+  Service service(with_budget(2 << 20));
+  const std::string scene = service.load("rectangle.pbrt");
+  v1::RenderImageRequest q = picture(scene, 160);
+  const grpc::Status status = render(service, q);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(detail<google::rpc::ErrorInfo>(status).reason(), "RESOURCE_EXHAUSTED");
+  EXPECT_THAT(status.error_message(), HasSubstr("the call needs"));
+  // Smaller tiles, of which only the last are sent, fit.
+  q = picture(scene, 16);
+  q.set_final_only(true);
+  EXPECT_TRUE(render(service, q).ok());
+
+  v1::RenderTileRequest tile;
+  tile.set_scene_id(scene);
+  tile.mutable_accuracy()->set_samples(8);
+  v1::RenderTileResponse r;
+  const auto render_tile = [&] {
+    return status_of([&](auto* c) { return service.render.RenderTile(c, tile, &r); });
+  };
+  EXPECT_EQ(render_tile().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  tile.mutable_rect()->set_x1(64);
+  tile.mutable_rect()->set_y1(64);
+  EXPECT_TRUE(render_tile().ok());
+}
+
+TEST_F(RenderMemory, PicturesShareTheBudget) {
+  Service service(with_budget(10 << 20));
+  const v1::RenderImageRequest q = picture(service.load("rectangle.pbrt"), 160);
+  v1::RenderImageRequest endless = q;
+  endless.mutable_accuracy()->set_samples(1 << 20);
+  endless.set_samples_per_block(1);  // so that the first tile comes soon
+  grpc::ClientContext context;
+  const auto running = service.render.RenderImage(&context, endless);
+  v1::RenderImageResponse r;
+  ASSERT_TRUE(running->Read(&r));
+  const grpc::Status refused = render(service, q);
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(detail<google::rpc::ErrorInfo>(refused).reason(), "MEMORY_LEASED");
+  EXPECT_GT(detail<google::rpc::RetryInfo>(refused).retry_delay().seconds(), 0);
+  context.TryCancel();
+  while (running->Read(&r)) {
+  }
+  EXPECT_EQ(running->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  // The server drops the picture at its next step.
+  for (int i = 0; i < 1000 && !render(service, q).ok(); ++i) std::this_thread::yield();
+  EXPECT_TRUE(render(service, q).ok());
+}
+
 TEST_F(RenderServiceTest, BadTilesAreNamed) {
   v1::RenderTileResponse r;
   v1::RenderTileRequest q = tile_request(8);
