@@ -49,7 +49,8 @@ TEST(SmoothExtremes, MirrorsOfAnySize) {
 
 TEST(SmoothExtremes, BallsOfGlassOfAnySize) {
   Sweep sweep(43, "a point light behind a ball of glass; rays solved in double",
-              "sizes 1e-9 ... 1e9 m, radius 1e-4 ... 0.2 sizes", "illuminance in its shadow");
+              "sizes 1e-9 ... 1e9 m, radius 1e-4 ... 0.2 sizes, at and away from the middle",
+              "illuminance in its shadow");
   // tests/data/smooth/caustics.py: illuminance(Point(3, 100), GlassBall(1.5, radius, 1.5), radius,
   // 0, 0, 1).
   struct Ball {
@@ -58,22 +59,36 @@ TEST(SmoothExtremes, BallsOfGlassOfAnySize) {
   for (const double size_m : {1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9}) {
     for (const Ball& ball : {Ball{0.2, 3.49791752}, Ball{1e-2, 4.26472921e-3},
                              Ball{1e-3, 4.11330495e-5}, Ball{1e-4, 4.11658636e-7}}) {
-      const double s = size_m;
-      SceneDescription d = description();
-      d.materials = {{.params = DielectricParams{}}};
-      d.shapes = {shape(SphereParams{.radius_m = ball.radius * s,
-                                     .world_from_object = Transform::translate({0, 0, 1.5 * s})})};
-      d.lights = {point_light({0, 0, 3 * s}, 100 * s * s)};
-      const auto scene = build(std::move(d));
-      const auto error = static_cast<float>(1e-7 * s);
-      const std::vector<IrradiancePoint> points{
-          {Vec3<double>{ball.radius * s, 0, 0} - scene->origin(),
-           {error, error, error},
-           {0, 0, 1}}};
-      const IrradianceResult r =
-          estimate_irradiance(*scene, points, {.samples_per_block = 64, .block_count = 16}, {});
-      sweep.compare(luminance(r.points[0].irradiance_lx), ball.lux,
-                    fmt::format("size {} m, radius {} sizes", size_m, ball.radius));
+      for (const bool is_away : {false, true}) {
+        const double s = size_m;
+        // Away from the middle of the scene, floats round where rays meet the ball.
+        const Vec3<double> to =
+            is_away ? Vec3<double>{0.53 * s, 0.41 * s, 0.37 * s} : Vec3<double>{};
+        const auto at = [&](double x, double y, double z) {
+          return to + Vec3<double>{x * s, y * s, z * s};
+        };
+        SceneDescription d = description();
+        d.materials = {{.params = DielectricParams{}}, {}};
+        d.shapes = {shape(SphereParams{.radius_m = ball.radius * s,
+                                       .world_from_object = Transform::translate(at(0, 0, 1.5))})};
+        for (const double side : {-s, s}) {
+          if (!is_away) break;
+          const Vec3<double> p{7.1 * side, 3.3 * side, -5.7 * side}, dx{0.1 * s, 0, 0},
+              dy{0, 0.1 * s, 0};
+          d.shapes.push_back(patch(p, p + dx, p + dy, p + dx + dy));
+          d.shapes.back().material = 1;
+        }
+        d.lights = {point_light(at(0, 0, 3), 100 * s * s)};
+        const auto scene = build(std::move(d));
+        const auto error = static_cast<float>(1e-7 * s);
+        const std::vector<IrradiancePoint> points{
+            {at(ball.radius, 0, 0) - scene->origin(), {error, error, error}, {0, 0, 1}}};
+        const IrradianceResult r =
+            estimate_irradiance(*scene, points, {.samples_per_block = 64, .block_count = 16}, {});
+        sweep.compare(luminance(r.points[0].irradiance_lx), ball.lux,
+                      fmt::format("size {} m, radius {} sizes{}", size_m, ball.radius,
+                                  is_away ? ", away from the middle" : ""));
+      }
     }
   }
   sweep.expect_within(0.03);
