@@ -9,6 +9,7 @@
 
 #include "lights/choice/light_cluster.h"
 #include "lights/choice/light_tree.h"
+#include "lights/maths/stop_poll.h"
 #include "lights/shapes/shape.h"
 
 namespace lucerna {
@@ -80,7 +81,8 @@ absl::Status LightTree::Builder::check() const {
   if (items_.size() > kMaxLights)
     return absl::ResourceExhaustedError(
         fmt::format("light tree of {} lights, allowed: up to {}", items_.size(), kMaxLights));
-  for (std::size_t i = 0; i < items_.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < items_.size(); ++i, poll()) {
     const LightBounds<double>& b = items_[i].bounds;
     if (!is_finite(b.lower) || !is_finite(b.upper) || !is_finite(b.axis) ||
         !(b.cone_rad >= 0 && b.normals_rad >= 0))
@@ -95,11 +97,12 @@ absl::Status LightTree::Builder::check() const {
 
 void LightTree::Builder::take_lights(double scale) {
   double most = 0;
-  for (const Item& item : items_) most = std::max(most, item.power);
+  StopPoll poll;
+  for (const Item& item : items_) poll(), most = std::max(most, item.power);
   const bool all_black = !(most > 0);
   const int exponent = all_black ? 0 : -std::ilogb(most);
   lights_.resize(items_.size());
-  for (std::size_t i = 0; i < items_.size(); ++i) {
+  for (std::size_t i = 0; i < items_.size(); ++i, poll()) {
     if (!all_black && !(items_[i].power > 0)) continue;
     order_.push_back(static_cast<std::uint32_t>(i));
     const LightBounds<double>& b = items_[i].bounds;
@@ -125,7 +128,8 @@ void LightTree::Builder::take_lights(double scale) {
 
 LightCluster LightTree::Builder::cluster_of(std::span<const std::uint32_t> lights) const {
   LightCluster all;
-  for (const std::uint32_t i : lights) all.add(lights_[i]);
+  StopPoll poll;
+  for (const std::uint32_t i : lights) poll(), all.add(lights_[i]);
   return all;
 }
 
@@ -152,7 +156,8 @@ void LightTree::set(Place place, const LightCluster& cluster) {
 std::optional<LightTree::Builder::Binning> LightTree::Builder::fill_bins(int axis,
                                                                          const Task& task) {
   double from = LightCluster::kInfinity, to = -from;
-  for (std::uint32_t i = task.begin; i < task.end; ++i) {
+  StopPoll poll;
+  for (std::uint32_t i = task.begin; i < task.end; ++i, poll()) {
     const double at = middle(lights_[order_[i]], axis);
     from = std::min(from, at);
     to = std::max(to, at);
@@ -162,7 +167,7 @@ std::optional<LightTree::Builder::Binning> LightTree::Builder::fill_bins(int axi
   const int count = static_cast<int>(std::min<std::uint32_t>(kMostBins, task.end - task.begin));
   const Binning bin_of{axis, count, from, count / (to - from)};
   std::fill_n(bins_.begin(), count, LightCluster{});
-  for (std::uint32_t i = task.begin; i < task.end; ++i) {
+  for (std::uint32_t i = task.begin; i < task.end; ++i, poll()) {
     const LightCluster& light = lights_[order_[i]];
     bins_[bin_of(light)].add(light);
   }

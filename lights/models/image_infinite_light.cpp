@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/sampling/emission.h"
 #include "lights/spectra/level_validation.h"
 
@@ -17,8 +18,9 @@ bool is_positive_normal(Real x) {
 /// The integral of the map over the directions of the world [sr], from `n` times `n` of them.
 Rgb<double> integral_of(const SphereMap& map, const Deformation& deformation, int n) {
   Rgb<double> sum;
+  StopPoll poll;
   for (int y = 0; y < n; ++y)
-    for (int x = 0; x < n; ++x) {
+    for (int x = 0; x < n; ++x, poll()) {
       const Vec3<double> own =
           direction_from_square(SphereMapping::kEqualArea, {(x + 0.5) / n, (y + 0.5) / n});
       const Vec3<double> w = normalized(deformation.world_from_own(own));

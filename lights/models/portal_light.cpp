@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/maths/validation.h"
 #include "lights/models/irradiance.h"
 #include "lights/pictures/rectified_map.h"
@@ -127,8 +128,9 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
                      static_cast<int>(std::sqrt(static_cast<double>(rows) * map->image().width())));
   const int looks = std::max(std::clamp(1024 / n, 1, 4), (std::min(rows, most) + n - 1) / n);
   std::vector<double> weights(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
+  StopPoll poll;
   for (int j = 0; j < n * looks; ++j)
-    for (int i = 0; i < n * looks; ++i) {
+    for (int i = 0; i < n * looks; ++i, poll()) {
       const Vec2<double> p{(i + 0.5) / (n * looks), (j + 0.5) / (n * looks)};
       const Vec3<double> w = rectified_from_square(p);
       weights[static_cast<std::size_t>(j / looks) * static_cast<std::size_t>(n) +

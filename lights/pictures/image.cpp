@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 
 BetweenCentres between_centres(double coordinate, int n) {
@@ -45,7 +47,8 @@ absl::StatusOr<std::shared_ptr<const Image>> Image::create(int width, int height
   if (texels.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
     return absl::InvalidArgumentError(
         fmt::format("{} texels for an image of {} x {}", texels.size(), width, height));
-  for (std::size_t i = 0; i < texels.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < texels.size(); ++i, poll()) {
     const Rgb<float>& t = texels[i];
     if (is_finite(t) && t.r >= 0 && t.g >= 0 && t.b >= 0) continue;
     return absl::InvalidArgumentError(fmt::format(
@@ -79,9 +82,10 @@ Rgb<double> Image::lookup(Vec2<double> p, ImageFilter filter, ImageBorder border
 Rgb<double> Image::mean() const {
   // Row by row, so that rounding grows with the side and not with the area.
   Rgb<double> sum;
+  StopPoll poll;
   for (int y = 0; y < height_; ++y) {
     Rgb<double> row;
-    for (int x = 0; x < width_; ++x) row += Rgb<double>(texel(x, y));
+    for (int x = 0; x < width_; ++x, poll()) row += Rgb<double>(texel(x, y));
     sum += row;
   }
   return sum / (static_cast<double>(width_) * height_);

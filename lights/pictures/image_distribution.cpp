@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -39,8 +41,9 @@ std::vector<double> luminances(const Image& image) {
   std::vector<double> weights;
   weights.reserve(static_cast<std::size_t>(image.width()) *
                   static_cast<std::size_t>(image.height()));
+  StopPoll poll;
   for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x)
+    for (int x = 0; x < image.width(); ++x, poll())
       weights.push_back(luminance(Rgb<double>(image.texel(x, y))));
   return weights;
 }
@@ -94,13 +97,14 @@ ImageDistribution::ImageDistribution(int width, int height, std::vector<double> 
       rows_{0} {
   columns_.reserve(static_cast<std::size_t>(across_ + 1) * static_cast<std::size_t>(down_));
   rows_.reserve(static_cast<std::size_t>(down_) + 1);
+  StopPoll poll;
   for (int row = 0; row < down_; ++row) {
     const Span y = span(row, height_);
     const auto r = static_cast<std::size_t>(row);
     if (!row_measures.empty()) row_densities_[r] = row_measures[r] / (y.end - y.begin);
     double sum = 0;
     columns_.push_back(0);
-    for (int column = 0; column < across_; ++column) {
+    for (int column = 0; column < across_; ++column, poll()) {
       const Span x = span(column, width_);
       columns_.push_back(sum += corners(column, row).mean() * (x.end - x.begin));
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lights/maths/normal_cone.h"
+#include "lights/maths/stop_poll.h"
 
 namespace lucerna {
 namespace {
@@ -18,8 +19,9 @@ std::shared_ptr<const Image> grey(std::shared_ptr<const Image> image) {
   std::vector<Rgb<float>> texels;
   texels.reserve(static_cast<std::size_t>(image->width()) *
                  static_cast<std::size_t>(image->height()));
+  StopPoll poll;
   for (int y = 0; y < image->height(); ++y)
-    for (int x = 0; x < image->width(); ++x) {
+    for (int x = 0; x < image->width(); ++x, poll()) {
       const Rgb<double> t(image->texel(x, y));
       texels.emplace_back(static_cast<float>((t.r + t.g + t.b) / 3));
     }
@@ -45,8 +47,9 @@ double reach(const SphereMap& map) {
 }  // namespace
 
 bool is_grey(const Image& image) {
+  StopPoll poll;
   for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x)
+    for (int x = 0; x < image.width(); ++x, poll())
       if (const Rgb<float>& t = image.texel(x, y); t.r != t.g || t.g != t.b) return false;
   return true;
 }
@@ -67,8 +70,9 @@ IntensityMap::IntensityMap(std::shared_ptr<const SphereMap> map)
 void IntensityMap::bound() {
   const Image& image = map_->image();
   const auto for_each_lit = [&](auto&& f) {
+    StopPoll poll;
     for (int y = 0; y < image.height(); ++y)
-      for (int x = 0; x < image.width(); ++x)
+      for (int x = 0; x < image.width(); ++x, poll())
         if (const double cd = image.texel(x, y).r; cd > 0)
           f(cd, direction_from_square(map_->mapping(),
                                       {(x + 0.5) / image.width(), (y + 0.5) / image.height()}));

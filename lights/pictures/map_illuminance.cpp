@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -88,11 +90,12 @@ MapIlluminance illuminance_of(const SphereMap& map, const Rgb<double>& radiance,
   };
   MapIlluminance sum;
   std::vector<double> upper = corners(0), lower;
-  for (std::size_t j = 0; j + 1 < ys.size(); ++j, upper = std::move(lower)) {
+  StopPoll poll;
+  for (std::size_t j = 0; j + 1 < ys.size(); ++j, upper = std::move(lower), poll()) {
     const double y = (ys[j] + ys[j + 1]) / 2, half_y = (ys[j + 1] - ys[j]) / 2;
     lower = corners(ys[j + 1]);
     MapIlluminance row;
-    for (std::size_t i = 0; i + 1 < xs.size(); ++i) {
+    for (std::size_t i = 0; i + 1 < xs.size(); ++i, poll()) {
       const double x = (xs[i] + xs[i + 1]) / 2, half_x = (xs[i + 1] - xs[i]) / 2;
       const Cell cell = equal_area
                             ? equal_area_cell(2 * x - 1, 2 * y - 1, 2 * half_x, 2 * half_y)

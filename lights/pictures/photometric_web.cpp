@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -69,7 +71,8 @@ absl::StatusOr<std::shared_ptr<const PhotometricWeb>> PhotometricWeb::create(
     return absl::InvalidArgumentError(
         fmt::format("{} intensities, allowed: {}, one for each grid point",
                     params.intensity_cd.size(), points));
-  for (std::size_t i = 0; i < points; ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < points; ++i, poll()) {
     // With this bound, sums over the sphere do not overflow.
     if (!(params.intensity_cd[i] >= 0 && params.intensity_cd[i] <= 1e300))
       return absl::InvalidArgumentError(
@@ -126,14 +129,17 @@ double PhotometricWeb::cell_flux(std::size_t row, std::size_t column) const {
 
 void PhotometricWeb::integrate() {
   cumulative_.reserve(rows() * columns());
+  StopPoll poll;
   for (std::size_t i = 0; i < rows(); ++i)
-    for (std::size_t j = 0; j < columns(); ++j) cumulative_.push_back(flux_lm_ += cell_flux(i, j));
+    for (std::size_t j = 0; j < columns(); ++j, poll())
+      cumulative_.push_back(flux_lm_ += cell_flux(i, j));
 }
 
 double PhotometricWeb::flux_between(double from, double to) const {
   double sum = 0;
+  StopPoll poll;
   for (std::size_t i = 0; i < rows(); ++i)
-    for (std::size_t j = 0; j < columns(); ++j) {
+    for (std::size_t j = 0; j < columns(); ++j, poll()) {
       // The part of the cell between `from` and `to`.  It is linear in the angle, like the cell.
       const double p = polar_rad_[j], q = polar_rad_[j + 1];
       const double a = std::max(p, from), b = std::min(q, to);
@@ -173,8 +179,9 @@ double PhotometricWeb::horizon_flux_bound_lm(double width_rad) const {
     return std::acos(std::min(1.0, height / std::max(0.0, least_of_other)));
   };
   double largest = 0;
+  StopPoll poll;
   for (std::size_t i = 0; i < rows(); ++i)
-    for (std::size_t j = 0; j < columns(); ++j) {
+    for (std::size_t j = 0; j < columns(); ++j, poll()) {
       const double a = azimuth_rad_[i], b = azimuth_rad_[i + 1];
       const double p = polar_rad_[j], q = polar_rad_[j + 1];
       const double from_zero = least_off(std::min(std::sin(p), std::sin(q)));
@@ -197,8 +204,9 @@ void PhotometricWeb::bound() {
   const bool in_half = type_ != PhotometricType::kC && azimuth_rad_.front() > -kPi / 2 - kSlack &&
                        azimuth_rad_.back() < kPi / 2 + kSlack;
   double from_zero = in_half ? 0 : kPi;
+  StopPoll poll;
   for (std::size_t i = 0; i < rows(); ++i) {
-    for (std::size_t j = 0; j < columns(); ++j) {
+    for (std::size_t j = 0; j < columns(); ++j, poll()) {
       if (std::max({value(i, j), value(i + 1, j), value(i, j + 1), value(i + 1, j + 1)}) == 0)
         continue;
       from_pole = std::max(from_pole, polar_rad_[j + 1]);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/sampling/spherical_rectangle.h"
 #include "lights/sampling/spherical_triangle.h"
 
@@ -218,10 +219,11 @@ std::vector<double> ProjectedPicture::integrate_texels() {
   for (int x = 0; x < w; ++x) columns.push_back(stretch(x, w, half_.x));
   std::vector<double> weights;
   weights.reserve(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+  StopPoll poll;
   for (int y = 0; y < h; ++y) {
     const Stretch along_y = stretch(y, h, half_.y);
     Rgb<double> row;
-    for (int x = 0; x < w; ++x) {
+    for (int x = 0; x < w; ++x, poll()) {
       const Rgb<double> texel(image_->texel(x, y));
       const double sr =
           texel.is_black() ? 0 : solid_angle({columns[static_cast<std::size_t>(x)], along_y});
@@ -236,10 +238,11 @@ std::vector<double> ProjectedPicture::integrate_texels() {
 std::vector<double> ProjectedPicture::integrate_cells() {
   std::vector<double> weights;
   weights.reserve(static_cast<std::size_t>(across()) * static_cast<std::size_t>(down()));
+  StopPoll poll;
   for (int y = 0; y < down(); ++y) {
     const Stretch along_y = stretch(y, image_->height(), half_.y);
     Rgb<double> row;
-    for (int x = 0; x < across(); ++x) {
+    for (int x = 0; x < across(); ++x, poll()) {
       const Shares shares = integrate({stretch(x, image_->width(), half_.x), along_y});
       const Rgb<double> sum = corner(x - 1, y - 1) * shares.w00 + corner(x, y - 1) * shares.w10 +
                               corner(x - 1, y) * shares.w01 + corner(x, y) * shares.w11;
@@ -253,9 +256,10 @@ std::vector<double> ProjectedPicture::integrate_cells() {
 
 void ProjectedPicture::sum_by_centres() {
   const int w = image_->width(), h = image_->height();
+  StopPoll poll;
   for (int y = 0; y < h; ++y) {
     Rgb<double> row;
-    for (int x = 0; x < w; ++x) {
+    for (int x = 0; x < w; ++x, poll()) {
       const Rgb<double> texel(image_->texel(x, y));
       row +=
           texel * sr_per_area(half_.x * ((2 * x + 1.0) / w - 1), half_.y * ((2 * y + 1.0) / h - 1));

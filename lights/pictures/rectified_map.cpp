@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lights/maths/gauss.h"
+#include "lights/maths/stop_poll.h"
 
 namespace lucerna {
 namespace {
@@ -82,7 +83,8 @@ std::vector<double> RectifiedCells::row(int j) const {
   const int half = (n_ + 1) / 2, from_edge = std::min(j, n_ - 1 - j);
   const double* q2 = &squared_sine_[static_cast<std::size_t>(from_edge) * kNodes];
   std::vector<double> lx(static_cast<std::size_t>(n_));
-  for (int i = 0; i < half; ++i) {
+  StopPoll poll;
+  for (int i = 0; i < half; ++i, poll()) {
     double of_cell = 0;
     if (std::hypot(i, from_edge) < kFar) {
       constexpr int kHalvings = 26;
@@ -103,8 +105,9 @@ RectifiedMap::RectifiedMap(const SphereMap& map, const Vec3<double>& x, const Ve
                            const Vec3<double>& z)
     : n_(map.image().height()) {
   texels_.reserve(static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_));
+  StopPoll poll;
   for (int j = 0; j < n_; ++j)
-    for (int i = 0; i < n_; ++i) {
+    for (int i = 0; i < n_; ++i, poll()) {
       const Vec3<double> w = rectified_from_square({(i + 0.5) / n_, (j + 0.5) / n_});
       const Vec2<double> p =
           square_from_direction(map.mapping(), normalized(x * w.x + y * w.y + z * w.z));
@@ -122,10 +125,11 @@ Rgb<double> RectifiedMap::lookup(Vec2<double> p) const {
 MapIlluminance RectifiedMap::illuminance(const Rgb<double>& radiance) const {
   MapIlluminance sum;
   const RectifiedCells cells(n_);
+  StopPoll poll;
   for (int j = 0; j < n_; ++j) {
     const std::vector<double> lx = cells.row(j);
     MapIlluminance row;
-    for (int i = 0; i < n_; ++i) {
+    for (int i = 0; i < n_; ++i, poll()) {
       const Vec2<double> middle{(i + 0.5) / n_, (j + 0.5) / n_};
       const Rgb<double> l = lookup(middle) * radiance;
       row.lx += l * lx[static_cast<std::size_t>(i)];

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -65,7 +67,8 @@ Rgb<double> integrate_rows(const Image& image, ImageFilter filter) {
   const int height = image.height();
   std::vector<double> measures(static_cast<std::size_t>(height));
   if (filter == ImageFilter::kNearest) {
-    for (int y = 0; y < height; ++y)
+    StopPoll poll;
+    for (int y = 0; y < height; ++y, poll())
       measures[static_cast<std::size_t>(y)] =
           height_between(static_cast<double>(y) / height, (y + 1.0) / height);
   } else {
@@ -85,9 +88,10 @@ Rgb<double> integrate_rows(const Image& image, ImageFilter filter) {
     }
   }
   Rgb<double> sum;
+  StopPoll poll;
   for (int y = 0; y < height; ++y) {
     Rgb<double> row;
-    for (int x = 0; x < image.width(); ++x) row += Rgb<double>(image.texel(x, y));
+    for (int x = 0; x < image.width(); ++x, poll()) row += Rgb<double>(image.texel(x, y));
     sum += row * measures[static_cast<std::size_t>(y)];
   }
   return sum * (2 * kPi / image.width());
@@ -145,8 +149,9 @@ SphereMap::SphereMap(std::shared_ptr<const Image> image, SphereMapping mapping, 
   const double h = image_->height(), w = image_->width();
   // The bilinear filter extends a texel by half a texel on each side.
   const double spread = filter == ImageFilter::kNearest ? 0 : 0.5;
+  StopPoll poll;
   for (int y = 0; y < image_->height(); ++y)
-    for (int x = 0; x < image_->width(); ++x) {
+    for (int x = 0; x < image_->width(); ++x, poll()) {
       if (Rgb<double>(image_->texel(x, y)).is_black()) continue;
       const auto [low, high] = cosines_of(mapping, {(x - spread) / w, (y - spread) / h},
                                           {(x + 1 + spread) / w, (y + 1 + spread) / h});
@@ -178,8 +183,9 @@ double SphereMap::lit_height(const Vec3<double>& n) const {
 
 Rgb<double> SphereMap::brightest() const {
   Rgb<double> most;
+  StopPoll poll;
   for (int y = 0; y < image_->height(); ++y)
-    for (int x = 0; x < image_->width(); ++x) {
+    for (int x = 0; x < image_->width(); ++x, poll()) {
       const Rgb<double> t(image_->texel(x, y));
       most = {std::max(most.r, t.r), std::max(most.g, t.g), std::max(most.b, t.b)};
     }
@@ -202,8 +208,9 @@ ImageDistribution distribution_of(const SphereMap& map, double subtract) {
   std::vector<double> weights;
   weights.reserve(static_cast<std::size_t>(image.width()) *
                   static_cast<std::size_t>(image.height()));
+  StopPoll poll;
   for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x)
+    for (int x = 0; x < image.width(); ++x, poll())
       weights.push_back(std::max(0.0, luminance(Rgb<double>(image.texel(x, y))) - subtract));
   std::vector<double> measures;
   if (map.mapping() == SphereMapping::kLatitudeLongitude) {

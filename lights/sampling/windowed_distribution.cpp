@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -31,9 +33,10 @@ WindowedDistribution::WindowedDistribution(int n, const std::vector<double>& wei
     return sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(n_ + 1) +
                  static_cast<std::size_t>(x)];
   };
+  StopPoll poll;
   for (int y = 0; y < n; ++y) {
     std::uint64_t row = 0;
-    for (int x = 0; x < n; ++x) {
+    for (int x = 0; x < n; ++x, poll()) {
       const double weight = weights[static_cast<std::size_t>(y) * static_cast<std::size_t>(n) +
                                     static_cast<std::size_t>(x)];
       // Divided first: the product could overflow.

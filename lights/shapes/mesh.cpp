@@ -11,6 +11,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/sampling/projected_solid_angle.h"
 #include "lights/sampling/sobol.h"
 
@@ -63,7 +64,8 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
   cumulative.reserve(primitives.size());
   std::vector<bool> rectangles, flat;
   double sum = 0, error = 0;
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < primitives.size(); ++i, poll()) {
     double area = 0;
     if constexpr (kAlwaysHasWays) {
       area = primitives[i].area();
@@ -166,7 +168,9 @@ double Mesh<Real, Primitive>::height_above(const Vec3<double>& p, const Vec3<dou
 template <typename Real, template <typename> typename Primitive>
 std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::box() const {
   auto [lower, upper] = primitives_.front().bounds();
+  StopPoll poll;
   for (const auto& primitive : primitives_) {
+    poll();
     const auto [l, h] = primitive.bounds();
     lower = {std::min(lower.x, l.x), std::min(lower.y, l.y), std::min(lower.z, l.z)};
     upper = {std::max(upper.x, h.x), std::max(upper.y, h.y), std::max(upper.z, h.z)};
@@ -186,7 +190,8 @@ std::optional<double> Mesh<Real, Primitive>::projected_solid_angle_sr(const Vec3
                                                                       const Vec3<double>& normal,
                                                                       bool two_sided) const {
   double sum = 0;
-  for (std::size_t i = 0; i < primitives_.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < primitives_.size(); ++i, poll()) {
     if (!(share(i) > 0)) continue;
     if (!is_flat(i)) return std::nullopt;
     const double height = primitives_[i].height_of(position);
@@ -201,12 +206,13 @@ template <typename Real, template <typename> typename Primitive>
 bool Mesh<Real, Primitive>::hides_itself() const {
   // The largest primitive has the most exact plane.
   std::size_t largest = 0;
-  for (std::size_t i = 1; i < size(); ++i)
+  StopPoll poll;
+  for (std::size_t i = 1; i < size(); ++i, poll())
     if (share(i) > share(largest)) largest = i;
   const auto [lower, upper] = bounds();
   const double rounding = 8 * double{std::numeric_limits<Real>::epsilon()} *
                           (double{max_abs(lower)} + double{max_abs(upper)});
-  for (std::size_t i = 0; i < size(); ++i) {
+  for (std::size_t i = 0; i < size(); ++i, poll()) {
     if (!(share(i) > 0)) continue;
     if (!is_flat(i)) return true;
     for (const Vec3<double>& corner : around(primitives_[i]))
@@ -231,7 +237,8 @@ std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>
                                                                 double slack_m) const {
   double nearest = rounding_m<Real>(bounds()) + slack_m;
   std::optional<SurfacePoint<Real>> found;
-  for (std::size_t i = 0; i < primitives_.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < primitives_.size(); ++i, poll()) {
     // Primitives without area are not part of the light.
     if (cumulative_area_[i] == (i == 0 ? 0 : cumulative_area_[i - 1])) continue;
     const auto& primitive = primitives_[i];
@@ -257,7 +264,8 @@ NormalCone<Real> Mesh<Real, Primitive>::cone_of_normals() const {
   // The normals of a bilinear patch are sums of the normals at its corners with positive weights.
   // So a cone that contains those and is not wider than a hemisphere contains all normals.
   const auto for_each_normal = [this](const auto& f) {
-    for (std::size_t i = 0; i < primitives_.size(); ++i) {
+    StopPoll poll;
+    for (std::size_t i = 0; i < primitives_.size(); ++i, poll()) {
       const double area = cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1]);
       if (!(area > 0)) continue;
       if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {

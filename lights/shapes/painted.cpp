@@ -9,6 +9,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/shapes/shape.h"
 
 namespace lucerna {
@@ -73,7 +74,8 @@ absl::StatusOr<Painted<Real, Surface>> Painted<Real, Surface>::create(
     return absl::InvalidArgumentError(
         fmt::format("painted.corner_uv has {} entries, allowed: one for each of {} corners",
                     corner_uv.size(), corners));
-  for (std::size_t i = 0; i < corner_uv.size(); ++i)
+  StopPoll poll;
+  for (std::size_t i = 0; i < corner_uv.size(); ++i, poll())
     if (!std::isfinite(corner_uv[i].x) || !std::isfinite(corner_uv[i].y))
       return absl::InvalidArgumentError(
           fmt::format("painted.corner_uv[{}] = ({}, {}), allowed: "
@@ -161,7 +163,8 @@ PaintedArea Painted<Real, Surface>::measure() const {
   } else if constexpr (MeshOf<Surface<Real>>::kTriangles) {
     // Many primitives of a mesh have the same (u, v); without corner_uv, all have.
     std::map<std::array<float, 6>, Rgb<double>> known;
-    for (std::size_t i = 0; i < data_->surface.size(); ++i) {
+    StopPoll poll;
+    for (std::size_t i = 0; i < data_->surface.size(); ++i, poll()) {
       const Vec2<float>* uv = &data_->corner_uv[3 * i];
       const auto [entry, is_new] =
           known.try_emplace({uv[0].x, uv[0].y, uv[1].x, uv[1].y, uv[2].x, uv[2].y});
@@ -173,7 +176,8 @@ PaintedArea Painted<Real, Surface>::measure() const {
     }
   } else {
     std::optional<PictureMoments> moments;
-    for (std::size_t i = 0; i < data_->surface.size(); ++i) {
+    StopPoll poll;
+    for (std::size_t i = 0; i < data_->surface.size(); ++i, poll()) {
       const auto& patch = data_->surface.primitive(i);
       std::optional<PaintedArea> part;
       if (is_corner_to_corner(i) && patch.is_unfolded()) {
@@ -208,8 +212,9 @@ std::optional<ImageDistribution> Painted<Real, Surface>::distribution() const {
     std::vector<double> weights, measures;
     weights.reserve(static_cast<std::size_t>(image.width()) *
                     static_cast<std::size_t>(image.height()));
+    StopPoll poll;
     for (int y = 0; y < image.height(); ++y)
-      for (int x = 0; x < image.width(); ++x)
+      for (int x = 0; x < image.width(); ++x, poll())
         weights.push_back(luminance(Rgb<double>(image.texel(x, y))));
     for (const Band& row : rows_of_cells(data_->picture))
       measures.push_back(data_->surface.area_of(row).share);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lights/maths/gauss.h"
+#include "lights/maths/stop_poll.h"
 
 namespace lucerna {
 namespace {
@@ -59,7 +60,8 @@ using Polygon = std::vector<Vec3<double>>;
 /// distance of each corner from the line.  [Sutherland74]
 void clip(const Polygon& in, const Vec3<double>& off, double sign, Polygon& out) {
   out.clear();
-  for (std::size_t i = 0; i < in.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < in.size(); ++i, poll()) {
     const Vec3<double>& a = in[i];
     const Vec3<double>& b = in[(i + 1) % in.size()];
     const double da = sign * dot(a, off), db = sign * dot(b, off);
@@ -72,8 +74,9 @@ void clip(const Polygon& in, const Vec3<double>& off, double sign, Polygon& out)
 
 Rgb<double> Picture::brightest() const {
   Rgb<double> most;
+  StopPoll poll;
   for (int y = 0; y < image->height(); ++y)
-    for (int x = 0; x < image->width(); ++x) {
+    for (int x = 0; x < image->width(); ++x, poll()) {
       const Rgb<double> t(image->texel(x, y));
       most = {std::max(most.r, t.r), std::max(most.g, t.g), std::max(most.b, t.b)};
     }
@@ -96,14 +99,15 @@ Rgb<double> mean_over_rows(const Picture& picture,
                            const std::function<BandArea(const Band&)>& area_of) {
   const Image& image = *picture.image;
   std::vector<Rgb<double>> row_means;
+  StopPoll poll;
   for (int y = 0; y < image.height(); ++y) {
     Rgb<double> sum;
-    for (int x = 0; x < image.width(); ++x) sum += Rgb<double>(image.texel(x, y));
+    for (int x = 0; x < image.width(); ++x, poll()) sum += Rgb<double>(image.texel(x, y));
     row_means.push_back(sum / double(image.width()));
   }
   const Cells cells = rows(picture);
   Rgb<double> mean;
-  for (int cell = 0; cell < cells.count(); ++cell) {
+  for (int cell = 0; cell < cells.count(); ++cell, poll()) {
     const BandArea area = area_of(cells.band(cell));
     const auto upper = static_cast<std::size_t>(cells.first(cell));
     const auto lower = static_cast<std::size_t>(cells.second(cell));
@@ -153,6 +157,7 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
   const Polygon triangle{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   Rgb<double> sum;
   Polygon a, band, b, part;
+  StopPoll poll;
   for (int row = down.at(std::min({y.x, y.y, y.z})); row <= last_row; ++row) {
     // The cells at the border continue outside of it.
     a = triangle;
@@ -168,7 +173,8 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
     // Visit one more cell on either side, because these numbers are rounded.  But do not leave the
     // cells of the corners: that would count a triangle on the line between two cells twice.
     const int end = std::min(across.at(right) + 1, last_column);
-    for (int column = std::max(across.at(left) - 1, first_column); column <= end; ++column) {
+    for (int column = std::max(across.at(left) - 1, first_column); column <= end;
+         ++column, poll()) {
       b = band;
       if (column > 0) clip(band, beyond_column(column), 1, b);
       part = b;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/spectra/cie.h"
 #include "lights/spectra/rgb_basis.h"
 
@@ -76,7 +77,8 @@ double interpolate(std::span<const double> x, std::span<const double> y, double 
 /// The integral of a piecewise linear function.
 double total(std::span<const double> nm, std::span<const double> values) {
   double sum = 0;
-  for (std::size_t i = 1; i < nm.size(); ++i)
+  StopPoll poll;
+  for (std::size_t i = 1; i < nm.size(); ++i, poll())
     sum += (nm[i] - nm[i - 1]) * (0.5 * values[i - 1] + 0.5 * values[i]);
   return sum;
 }
@@ -89,7 +91,8 @@ absl::Status check_samples(const SampledSpectrum& s) {
     return absl::InvalidArgumentError(
         fmt::format("spectrum of {} wavelengths and {} values, allowed: equal numbers, at least 1",
                     nm.size(), s.values.size()));
-  for (std::size_t i = 0; i < nm.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < nm.size(); ++i, poll()) {
     if (!(nm[i] >= 0 && std::isfinite(nm[i])))
       return absl::InvalidArgumentError(
           fmt::format("wavelength {} nm, allowed: finite, not negative", nm[i]));
@@ -113,10 +116,13 @@ Vec3<double> integral(std::span<const Vec3<double>> observer,
   std::vector<double> nodes;
   for (std::size_t k = 0; k < kObserverSize; ++k) nodes.push_back(observer_nm(k));
   const double first = nodes.front(), last = nodes.back();
-  for (const double nm : wavelengths_nm)
+  StopPoll poll;
+  for (const double nm : wavelengths_nm) {
+    poll();
     if (nm > first && nm < last) nodes.push_back(nm);
-  std::ranges::sort(nodes);
-  for (std::size_t i = 1; i < nodes.size(); ++i) {
+  }
+  std::ranges::sort(nodes, [&](double a, double b) { return poll(), a < b; });
+  for (std::size_t i = 1; i < nodes.size(); ++i, poll()) {
     const double a = std::max(nodes[i - 1], wavelengths_nm.front());
     const double b = std::min(nodes[i], wavelengths_nm.back());
     if (!(b > a)) continue;

@@ -2,11 +2,14 @@
 
 #include <array>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 
 Census census_of(const TriangleMeshData& mesh) {
   Census census;
-  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
+  StopPoll poll;
+  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3, poll()) {
     const auto p = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
     if (max_abs(cross(p(1) - p(0), p(2) - p(0))) == 0) ++census.without_area;
   }
@@ -18,7 +21,8 @@ Census census_of(const TriangleMeshData& mesh) {
 /// corners turn one way and two the other.  With one different turn it is an arrowhead.
 Census census_of(const PatchMeshData& mesh) {
   Census census;
-  for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4) {
+  StopPoll poll;
+  for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4, poll()) {
     const auto p = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
     const std::array<Vec3<double>, 4> turns{
         cross(p(1) - p(0), p(2) - p(0)), cross(p(1) - p(0), p(3) - p(1)),

@@ -4,6 +4,7 @@
 #include <set>
 #include <string_view>
 
+#include "lights/maths/stop_poll.h"
 #include "server/description/mesh_census.h"
 
 namespace lucerna {
@@ -77,16 +78,17 @@ SceneContents contents_of(const SceneDescription& scene) {
     shapes.add(shape.geometry.index(), primitives_of(shape), without_area(shape));
     used.insert(shape.material);
   };
-  for (const ShapeDescription& shape : scene.shapes) add(shape);
+  StopPoll poll;
+  for (const ShapeDescription& shape : scene.shapes) poll(), add(shape);
   for (const ObjectDefinition& object : scene.objects)
-    for (const ShapeDescription& shape : object.shapes) add(shape);
+    for (const ShapeDescription& shape : object.shapes) poll(), add(shape);
   contents.shapes = shapes.by(kShapes);
   contents.objects = scene.objects.size();
   contents.instances = scene.instances.size();
 
   // Parts of a mix come before it, so one pass from the last to the first finds all.
   Kinds<kMaterials.size()> materials;
-  for (std::size_t i = scene.materials.size(); i-- > 0;) {
+  for (std::size_t i = scene.materials.size(); i-- > 0; poll()) {
     if (!used.contains(static_cast<std::uint32_t>(i))) continue;
     materials.add(scene.materials[i].params.index());
     if (const auto* mix = std::get_if<MixParams>(&scene.materials[i].params))

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/formats/byte_order_mark.h"
 
@@ -242,7 +243,8 @@ std::vector<double> plane_angles(const Sizes& sizes, const Planes& planes,
                                  const std::vector<double>& c) {
   std::vector<double> angles;
   angles.reserve(planes.count);
-  for (std::size_t i = 0; i < planes.count; ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < planes.count; ++i, poll()) {
     const double angle = c[(planes.first + i) % sizes.angles];
     angles.push_back(planes.lower < 0 && angle >= 180 ? angle - 360 : angle);
   }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/formats/byte_order_mark.h"
 #include "server/formats/ies_numbers.h"
@@ -223,7 +224,8 @@ void revolve(PhotometricWebParams& web) {
   for (const double v : web.vertical_deg) file.push_back(std::fabs(v));
   std::sort(file.begin(), file.end());
   // The web is bilinear in V and H, which steps of at most a degree make round.
-  for (std::size_t i = 1; i < file.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 1; i < file.size(); ++i, poll()) {
     const double step = file[i] - file[i - 1], parts = std::ceil(step);
     for (int k = 1; k < parts; ++k) distances.push_back(file[i - 1] + step * k / parts);
     if (step > 0) distances.push_back(file[i]);
@@ -234,6 +236,7 @@ void revolve(PhotometricWebParams& web) {
   constexpr double kDegree = kPi / 180;
   for (const double h : distances)
     for (const double v : vertical) {
+      poll();
       const double cos = std::cos(h * kDegree) * std::cos(v * kDegree);
       // Exact where one of the angles is the distance.
       cd.push_back(at(h == 0   ? std::fabs(v)

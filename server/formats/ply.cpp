@@ -9,6 +9,7 @@
 #include <cstring>
 #include <string>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/formats/ply_header.h"
 #include "server/formats/ply_numbers.h"
@@ -40,10 +41,13 @@ class Reader {
     if (!has_vertices) return error("no element \"vertex\"");
     if (!has_faces) return error("no element \"face\"");
     // Faces may precede the vertices that they use, so check again.
-    for (const std::uint32_t index : mesh_.indices)
+    StopPoll poll;
+    for (const std::uint32_t index : mesh_.indices) {
+      poll();
       if (index >= mesh_.positions.size())
         return error(fmt::format("a face uses vertex {}, but there are {} vertices", index,
                                  mesh_.positions.size()));
+    }
     LUCERNA_RETURN_IF_ERROR(mend_places());
     return std::move(mesh_);
   }
@@ -197,13 +201,18 @@ class Reader {
   /// Moves vertices that are not finite to another one.  Fails if a face uses one.
   absl::Status mend_places() {
     if (all_finite_) return absl::OkStatus();
-    for (const std::uint32_t index : mesh_.indices)
+    StopPoll poll;
+    for (const std::uint32_t index : mesh_.indices) {
+      poll();
       if (!is_finite(mesh_.positions[index]))
         return error(fmt::format("vertex {} is not finite", index));
+    }
     const Vec3<double> place =
         mesh_.indices.empty() ? Vec3<double>{} : mesh_.positions[mesh_.indices[0]];
-    for (Vec3<double>& p : mesh_.positions)
+    for (Vec3<double>& p : mesh_.positions) {
+      poll();
       if (!is_finite(p)) p = place;
+    }
     return absl::OkStatus();
   }
 

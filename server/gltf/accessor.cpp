@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna::gltf {
 namespace {
 
@@ -81,7 +83,8 @@ Elements elements(const Document& document, const std::string& pointer, std::siz
 
 void check_finite(const Document& document, const std::string& pointer,
                   const std::vector<double>& values, std::size_t components) {
-  for (std::size_t i = 0; i < values.size(); ++i)
+  StopPoll poll;
+  for (std::size_t i = 0; i < values.size(); ++i, poll())
     if (!std::isfinite(values[i]))
       document.context().fail(pointer, fmt::format("element {} has the value {}, allowed: finite",
                                                    i / components, values[i]));
@@ -101,7 +104,8 @@ void apply_sparse(const Document& document, const std::string& pointer,
   const Elements changed =
       elements(document, at + "/values", static_cast<std::size_t>(sparse.values.bufferView),
                static_cast<std::size_t>(sparse.values.byteOffset), count, components * size, false);
-  for (std::size_t i = 0; i < count; ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < count; ++i, poll()) {
     const auto place = static_cast<std::size_t>(
         number_at(places.first + i * places.stride, sparse.indices.componentType, false));
     if (place >= accessor.count)
@@ -141,7 +145,8 @@ std::vector<double> read_numbers(const Document& document, std::size_t index,
                                    accessor.byteOffset, accessor.count, components * size, true);
     context.claim(pointer, accessor.count, components * sizeof(double));
     values.reserve(accessor.count * components);
-    for (std::size_t i = 0; i < accessor.count; ++i)
+    StopPoll poll;
+    for (std::size_t i = 0; i < accessor.count; ++i, poll())
       for (std::size_t k = 0; k < components; ++k)
         values.push_back(number_at(from.first + i * from.stride + k * size, accessor.componentType,
                                    accessor.normalized));
@@ -171,7 +176,8 @@ std::vector<std::uint32_t> read_indices(const Document& document, std::size_t in
   const std::vector<double> values = read_numbers(document, index, 1);
   std::vector<std::uint32_t> result;
   result.reserve(values.size());
-  for (const double value : values) result.push_back(static_cast<std::uint32_t>(value));
+  StopPoll poll;
+  for (const double value : values) poll(), result.push_back(static_cast<std::uint32_t>(value));
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "lights/maths/stop_poll.h"
 #include "server/gltf/draco_mesh.h"
 
 namespace lucerna::gltf {
@@ -73,7 +74,8 @@ DracoMesh unpack_draco(const View& packed, std::string_view bytes) {
   const std::size_t faces = mesh->num_faces();
   packed.context().claim(packed.pointer(), faces, 3 * sizeof(std::uint32_t));
   result.indices.reserve(3 * faces);
-  for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f)
+  StopPoll poll;
+  for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f, poll())
     for (int k = 0; k < 3; ++k) result.indices.push_back(mesh->face(f)[k].value());
 
   const View attributes = packed.at("attributes");
@@ -92,7 +94,7 @@ DracoMesh unpack_draco(const View& packed, std::string_view bytes) {
     to.components = components;
     to.values.resize(result.points * components);
     std::array<float, 4> values{};
-    for (draco::PointIndex p(0); p < mesh->num_points(); ++p) {
+    for (draco::PointIndex p(0); p < mesh->num_points(); ++p, poll()) {
       // Normalised integers become their fractions.
       if (!from->ConvertValue<float>(from->mapped_index(p), static_cast<std::int8_t>(components),
                                      values.data()))

@@ -8,7 +8,9 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
+#include "lights/maths/stop_poll.h"
 #include "server/formats/image_reader.h"
 #include "server/gltf/compression.h"
 #include "server/gltf/structure.h"
@@ -85,6 +87,26 @@ class JsonLimits : public Json::json_sax_t {
   int level_ = 0;
 };
 
+/// A place in a text.  The parser calls nothing else that could poll.
+struct PolledChar {
+  using iterator_category = std::forward_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  const char& operator*() const { return *at; }
+  PolledChar& operator++() {
+    poll();
+    ++at;
+    return *this;
+  }
+  bool operator==(const PolledChar& other) const { return at == other.at; }
+
+  const char* at;
+  StopPoll poll{};
+};
+
 /// The message of an exception, without its number and its place.
 std::string reason_of(const Json::exception& error) {
   const std::string_view what = error.what();
@@ -96,7 +118,8 @@ std::string reason_of(const Json::exception& error) {
 /// A URI without its percent escapes.  [RFC3986, 2.1]
 std::string unescaped(std::string_view uri) {
   std::string result;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < uri.size(); ++i, poll()) {
     if (uri[i] == '%' && i + 2 < uri.size() &&
         std::isxdigit(static_cast<unsigned char>(uri[i + 1])) != 0 &&
         std::isxdigit(static_cast<unsigned char>(uri[i + 2])) != 0) {
@@ -181,7 +204,8 @@ void Document::parse(std::string_view text, std::size_t start) {
   JsonLimits limits(context_);
   Json::sax_parse(text.begin(), text.end(), &limits);
   try {
-    json_ = Json::parse(text.begin(), text.end());
+    const char* const end = text.data() + text.size();
+    json_ = Json::parse(PolledChar{text.data()}, PolledChar{end});
   } catch (const Json::parse_error& error) {
     if (start > 0)
       context_.fail(

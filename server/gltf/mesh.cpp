@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "lights/maths/stop_poll.h"
 #include "server/gltf/accessor.h"
 #include "server/gltf/compression.h"
 #include "server/meshes/raw_mesh.h"
@@ -47,9 +48,12 @@ class Attributes {
         document_.context().fail(
             at, fmt::format("found {} components, allowed: {}", packed.components, components));
       values = packed.values;
-      for (const double value : values)
+      StopPoll poll;
+      for (const double value : values) {
+        poll();
         if (!std::isfinite(value) && !is_mended(name))
           document_.context().fail(at, "a compressed value is not finite");
+      }
     } else {
       values = read_numbers(document_, static_cast<std::size_t>(primitive_.attributes.at(name)),
                             components, is_mended(name));
@@ -76,7 +80,8 @@ class Attributes {
 std::vector<Vec3<double>> vectors(const std::vector<double>& numbers) {
   std::vector<Vec3<double>> result;
   result.reserve(numbers.size() / 3);
-  for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3)
+  StopPoll poll;
+  for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3, poll())
     result.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
   return result;
 }
@@ -90,7 +95,8 @@ std::vector<std::uint32_t> triangles(int mode, const std::vector<std::uint32_t>&
   }
   if (corners.size() < 3) return result;
   result.reserve(3 * (corners.size() - 2));
-  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i, poll()) {
     const bool is_fan = mode == TINYGLTF_MODE_TRIANGLE_FAN;
     const std::size_t turned = is_fan ? 0 : i % 2;
     const std::uint32_t a = is_fan ? corners[i + 1] : corners[i];
@@ -105,6 +111,7 @@ std::vector<std::uint32_t> triangles(int mode, const std::vector<std::uint32_t>&
 void morph(const Document& document, const tinygltf::Primitive& primitive,
            const std::string& pointer, const std::vector<double>& weights,
            const std::string& attribute, std::vector<Vec3<double>>& values) {
+  StopPoll poll;
   for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
     const auto found = primitive.targets[t].find(attribute);
     if (weights[t] == 0 || found == primitive.targets[t].end()) continue;
@@ -114,7 +121,7 @@ void morph(const Document& document, const tinygltf::Primitive& primitive,
       document.context().fail(fmt::format("{}/targets/{}/{}", pointer, t, attribute),
                               fmt::format("found {} elements, but there are {} vertices",
                                           change.size(), values.size()));
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] += weights[t] * change[i];
+    for (std::size_t i = 0; i < values.size(); ++i, poll()) values[i] += weights[t] * change[i];
   }
 }
 
@@ -126,13 +133,14 @@ std::vector<Matrix> skinned(const Document& document, const Attributes& attribut
   context.claim(pointer, count, sizeof(Matrix));
   std::vector<Matrix> result(count, Matrix{});
   std::vector<double> total(count, 0.0);
+  StopPoll poll;
   for (std::size_t set = 0; attributes.has(fmt::format("JOINTS_{}", set)); ++set) {
     const std::string name = fmt::format("JOINTS_{}", set);
     if (!attributes.has(fmt::format("WEIGHTS_{}", set)))
       context.fail(pointer + "/attributes", fmt::format("{} without WEIGHTS_{}", name, set));
     const std::vector<double> of = attributes.numbers(name, 4, count);
     const std::vector<double> by = attributes.numbers(fmt::format("WEIGHTS_{}", set), 4, count);
-    for (std::size_t i = 0; i < of.size(); ++i) {
+    for (std::size_t i = 0; i < of.size(); ++i, poll()) {
       if (by[i] == 0) continue;
       if (!(of[i] >= 0 && of[i] < static_cast<double>(joints.size())))
         context.fail(fmt::format("{}/attributes/{}", pointer, name),
@@ -144,7 +152,7 @@ std::vector<Matrix> skinned(const Document& document, const Attributes& attribut
       total[i / 4] += by[i];
     }
   }
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < count; ++i, poll()) {
     if (!(total[i] > 0)) {
       result[i] = joints[0];  // a vertex without weights
       continue;
@@ -159,7 +167,9 @@ std::vector<Matrix> skinned(const Document& document, const Attributes& attribut
 /// Sets the unit normals.  Mends those without a direction, with a remark.
 void set_normals(Context& context, const std::vector<Vec3<double>>& normals, Part& part) {
   part.mesh.normals.reserve(normals.size());
+  StopPoll poll;
   for (const Vec3<double>& normal : normals) {
+    poll();
     const Vec3<double> n = normalized(normal);
     part.mesh.normals.emplace_back(is_finite(n) ? n : Vec3<double>{});
   }
@@ -179,7 +189,8 @@ std::vector<Vec2<float>> corner_uv(Context& context, const std::string& pointer,
                                    const std::vector<std::uint32_t>& indices) {
   std::vector<Vec2<float>> result;
   result.reserve(indices.size());
-  for (std::size_t i = 0; i + 3 <= indices.size(); i += 3) {
+  StopPoll poll;
+  for (std::size_t i = 0; i + 3 <= indices.size(); i += 3, poll()) {
     double at[2][3];
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t axis = 0; axis < 2; ++axis)
@@ -212,8 +223,10 @@ std::vector<Vec2<float>> texture_uv(const std::vector<double>& uv,
                                     const std::vector<std::uint32_t>& indices) {
   std::vector<Vec2<float>> result;
   result.reserve(indices.size());
+  StopPoll poll;
   for (const std::uint32_t i : indices)
-    result.push_back({static_cast<float>(uv[2 * i]), static_cast<float>(1 - uv[2 * i + 1])});
+    poll(),
+        result.push_back({static_cast<float>(uv[2 * i]), static_cast<float>(1 - uv[2 * i + 1])});
   return result;
 }
 
@@ -229,7 +242,8 @@ void set_uv(Context& context, const Attributes& attributes, std::size_t count, P
   if (attributes.has(set)) {
     uv = attributes.numbers(set, 2, count);
     std::size_t mended = 0;
-    for (std::size_t i = 0; i < uv.size(); i += 2) {
+    StopPoll poll;
+    for (std::size_t i = 0; i < uv.size(); i += 2, poll()) {
       if (std::isfinite(uv[i]) && std::isfinite(uv[i + 1])) continue;
       uv[i] = uv[i + 1] = 0;
       ++mended;
@@ -259,7 +273,8 @@ void set_colours(Context& context, const Attributes& attributes, std::size_t cou
   context.claim(part.pointer, count, sizeof(Rgb<float>));
   part.mesh.colours.reserve(count);
   bool is_opaque = true;
-  for (std::size_t i = 0; i < values.size(); i += components) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < values.size(); i += components, poll()) {
     for (std::size_t k = 0; k < components; ++k)
       if (!(values[i + k] >= 0 && values[i + k] <= 1))
         context.fail(at, fmt::format("element {} has the value {}, allowed: 0 to 1", i / components,
@@ -280,7 +295,8 @@ std::vector<VertexTangent> tangents(Context& context, const std::string& pointer
   context.claim(pointer, along.size(), sizeof(VertexTangent));
   result.reserve(along.size());
   std::size_t without = 0;
-  for (std::size_t i = 0; i < along.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < along.size(); ++i, poll()) {
     const Vec3<double> t = normalized(along[i]);
     without += !is_finite(t);
     result.push_back(
@@ -327,7 +343,8 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
   std::vector<Vec3<double>> along_u;
   if (part.use.needs_tangents && attributes.has("TANGENT") && !normals.empty()) {
     given_tangents = attributes.numbers("TANGENT", 4, count);
-    for (std::size_t i = 0; i < count; ++i)
+    StopPoll poll;
+    for (std::size_t i = 0; i < count; ++i, poll())
       along_u.emplace_back(given_tangents[4 * i], given_tangents[4 * i + 1],
                            given_tangents[4 * i + 2]);
   }
@@ -340,9 +357,11 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
   } else {
     context.claim(pointer, count, sizeof(std::uint32_t));
     corners.resize(count);
-    for (std::size_t i = 0; i < count; ++i) corners[i] = static_cast<std::uint32_t>(i);
+    StopPoll poll;
+    for (std::size_t i = 0; i < count; ++i, poll()) corners[i] = static_cast<std::uint32_t>(i);
   }
-  for (std::size_t i = 0; i < corners.size(); ++i)
+  StopPoll poll;
+  for (std::size_t i = 0; i < corners.size(); ++i, poll())
     if (corners[i] >= count)
       context.fail(
           pointer + "/indices",
@@ -364,7 +383,8 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
   if (!deformation.joints.empty()) {
     const std::vector<Matrix> moved =
         skinned(document, attributes, pointer, deformation.joints, count);
-    for (std::size_t i = 0; i < count; ++i) {
+    StopPoll poll;
+    for (std::size_t i = 0; i < count; ++i, poll()) {
       positions[i] = point(moved[i], positions[i]);
       if (!along_u.empty()) along_u[i] = vector(moved[i], along_u[i]);
       if (normals.empty()) continue;
@@ -372,7 +392,7 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
       normals[i] = transform ? transform->normal(normals[i]) : vector(moved[i], normals[i]);
     }
   }
-  for (std::size_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < count; ++i, poll())
     if (!is_finite(positions[i])) context.fail(pointer, fmt::format("vertex {} is not finite", i));
   part.mesh.positions = std::move(positions);
   set_normals(context, normals, part);
@@ -399,19 +419,21 @@ std::vector<Part> make_parts(const Document& document, Materials& materials, std
 
 TriangleMeshData transformed(const Context& context, const std::string& pointer,
                              TriangleMeshData mesh, const Transform& transform) {
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i, poll()) {
     mesh.positions[i] = transform.point(mesh.positions[i]);
     if (!is_finite(mesh.positions[i]))
       context.fail(pointer, fmt::format("vertex {} is not finite after its transform", i));
   }
   for (Vec3<float>& n : mesh.normals)
-    n = Vec3<float>(normalized(transform.normal(Vec3<double>(n))));
+    poll(), n = Vec3<float>(normalized(transform.normal(Vec3<double>(n))));
   for (VertexTangent& t : mesh.tangents) {
+    poll();
     t.along_u = Vec3<float>(normalized(transform.vector(Vec3<double>(t.along_u))));
     if (transform.swaps_handedness()) t.turn = -t.turn;
   }
   if (transform.swaps_handedness()) {
-    for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
+    for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3, poll()) {
       std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
       if (!mesh.corner_uv.empty()) std::swap(mesh.corner_uv[i + 1], mesh.corner_uv[i + 2]);
     }

@@ -2,9 +2,12 @@
 #define TINYGLTF_IMPLEMENTATION
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 
+#include "lights/maths/stop_poll.h"
 #include "server/gltf/model.h"
 
 namespace lucerna::gltf {
@@ -21,7 +24,8 @@ Json core_of(const Json& value) {
   }
   if (value.is_array()) {
     Json result = Json::array();
-    for (const Json& element : value) result.push_back(core_of(element));
+    StopPoll poll;
+    for (const Json& element : value) poll(), result.push_back(core_of(element));
     return result;
   }
   // tinygltf reads 3.0 as no integer.
@@ -33,11 +37,38 @@ Json core_of(const Json& value) {
   return value;
 }
 
+tinygltf::Model parsed(const View& root, const Json& core) {
+  const std::string text = core.dump();
+  tinygltf::Model model;
+  std::string error, warning;
+  tinygltf::TinyGLTF reader;
+  if (!reader.LoadASCIIFromString(&model, &error, &warning, text.data(),
+                                  static_cast<unsigned>(text.size()), "", 0))
+    root.fail(fmt::format("tinygltf: {}", printable(error)));
+  return model;
+}
+
+/// tinygltf cannot be stopped, so it gets some nodes at a time.
+void read_nodes(const View& root, const Json& asset, std::vector<tinygltf::Node>& nodes) {
+  const auto found = root.find("nodes");
+  if (!found) return;
+  constexpr std::size_t kAtOnce = 4096;
+  const Json& all = found->json();
+  nodes.reserve(all.size());
+  for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
+    root.context().poll();
+    Json some = {{"asset", asset}, {"nodes", Json::array()}};
+    for (std::size_t i = first; i < std::min(first + kAtOnce, all.size()); ++i)
+      some["nodes"].push_back(core_of(all[i]));
+    std::ranges::move(parsed(root, some).nodes, std::back_inserter(nodes));
+  }
+}
+
 }  // namespace
 
 tinygltf::Model parse_model(const View& root) {
-  constexpr const char* kParts[] = {"asset",  "accessors", "bufferViews", "meshes", "nodes",
-                                    "scenes", "scene",     "cameras",     "skins",  "animations"};
+  constexpr const char* kParts[] = {"asset", "accessors", "bufferViews", "meshes",    "scenes",
+                                    "scene", "cameras",   "skins",       "animations"};
   Json core = Json::object();
   for (const char* part : kParts)
     if (const auto found = root.find(part)) core[part] = core_of(found->json());
@@ -57,13 +88,8 @@ tinygltf::Model parse_model(const View& root) {
       }
     }
   }
-  const std::string text = core.dump();
-  tinygltf::Model model;
-  std::string error, warning;
-  tinygltf::TinyGLTF reader;
-  if (!reader.LoadASCIIFromString(&model, &error, &warning, text.data(),
-                                  static_cast<unsigned>(text.size()), "", 0))
-    root.fail(fmt::format("tinygltf: {}", printable(error)));
+  tinygltf::Model model = parsed(root, core);
+  read_nodes(root, core["asset"], model.nodes);
   return model;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "server/gltf/accessor.h"
 #include "server/gltf/mesh.h"
 
@@ -20,7 +21,8 @@ struct MeshPlace {
 };
 
 bool has_area(const TriangleMeshData& mesh) {
-  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
+  StopPoll poll;
+  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3, poll()) {
     const auto corner = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
     if (max_abs(cross(corner(1) - corner(0), corner(2) - corner(0))) > 0) return true;
   }
@@ -116,7 +118,8 @@ void Placer::find_instances(const PlacedNode& node, const View& instancing, std:
     return v.empty() ? Vec3<double>{otherwise, otherwise, otherwise}
                      : Vec3<double>{v[3 * i], v[3 * i + 1], v[3 * i + 2]};
   };
-  for (std::size_t i = 0; i < *count; ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < *count; ++i, poll()) {
     Quaternion turn{0, 0, 0, 1};
     if (!rotation.empty()) std::copy_n(&rotation[4 * i], 4, turn.begin());
     if (turn == Quaternion{})
@@ -226,9 +229,10 @@ void Placer::add_parts(std::size_t mesh, const std::vector<Part>& parts,
   }
   if (!has_object) return;
   const auto object = static_cast<std::uint32_t>(context_.scene.objects.size() - 1);
+  StopPoll poll;
   for (const MeshPlace& place : places)
-    context_.scene.instances.push_back(
-        {object, place.world_from_mesh, place.motion, context_.location(node_pointer(place.node))});
+    poll(), context_.scene.instances.push_back({object, place.world_from_mesh, place.motion,
+                                                context_.location(node_pointer(place.node))});
 }
 
 }  // namespace

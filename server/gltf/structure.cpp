@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "lights/maths/stop_poll.h"
 #include "server/gltf/materials.h"
 
 namespace lucerna::gltf {
@@ -31,7 +32,8 @@ void for_each(const View& parent, std::string_view key, F&& check) {
   const auto array = parent.find(key);
   if (!array) return;
   array->require_array();
-  for (std::size_t i = 0; i < array->size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < array->size(); ++i, poll()) {
     parent.context().poll();
     check((*array)[i]);
   }
@@ -150,7 +152,8 @@ void check_trees(const View& root) {
   });
   // Follows the parents of each node.  0: not seen, 1: on the present way, 2: leads to a root.
   std::vector<std::uint8_t> state(count, 0);
-  for (std::size_t first = 0; first < count; ++first) {
+  StopPoll poll;
+  for (std::size_t first = 0; first < count; ++first, poll()) {
     std::size_t i = first;
     for (; i != kNone && state[i] == 0; i = parent[i]) state[i] = 1;
     if (i != kNone && state[i] == 1)

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna::gltf {
 namespace {
 
@@ -19,7 +21,9 @@ void check_matrix(const Document& document, std::size_t node) {
 }  // namespace
 
 bool Tree::is_animated(std::size_t node) const {
-  for (auto n = static_cast<std::ptrdiff_t>(node); n >= 0; n = parent_[static_cast<std::size_t>(n)])
+  StopPoll poll;
+  for (auto n = static_cast<std::ptrdiff_t>(node); n >= 0;
+       n = parent_[static_cast<std::size_t>(n)], poll())
     if (animations_.animates(static_cast<std::size_t>(n))) return true;
   return false;
 }
@@ -30,7 +34,8 @@ Tree::Tree(const Document& document)
       parent_(document.model().nodes.size(), -1),
       is_followed_(document.model().nodes.size(), false) {
   const auto& nodes = document.model().nodes;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < nodes.size(); ++i, poll()) {
     check_matrix(document, i);
     for (const int child : nodes[i].children)
       parent_[static_cast<std::size_t>(child)] = static_cast<std::ptrdiff_t>(i);
@@ -39,7 +44,8 @@ Tree::Tree(const Document& document)
   // A list of open nodes instead of recursion, since trees may be deep.
   const std::vector<std::size_t> first = roots();
   std::vector<PlacedNode> open;
-  for (auto i = first.rbegin(); i != first.rend(); ++i) open.push_back({*i, kIdentity, nullptr});
+  for (auto i = first.rbegin(); i != first.rend(); ++i, poll())
+    open.push_back({*i, kIdentity, nullptr});
   while (!open.empty()) {
     document.context().poll();
     PlacedNode node = std::move(open.back());
@@ -62,7 +68,8 @@ Tree::Tree(const Document& document)
 void Tree::find_followed() {
   const auto& nodes = document_.model().nodes;
   const auto places = document_.root().find("nodes");
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < nodes.size(); ++i, poll()) {
     const View place = (*places)[i];
     if (nodes[i].camera < 0 && (nodes[i].mesh < 0 || nodes[i].skin >= 0) &&
         !place.extension("KHR_lights_punctual") && !place.extension("EXT_lights_ies"))
@@ -70,7 +77,7 @@ void Tree::find_followed() {
     // An animated node computes its motion from all nodes above it.
     for (auto n = static_cast<std::ptrdiff_t>(i);
          n >= 0 && !is_followed_[static_cast<std::size_t>(n)];
-         n = parent_[static_cast<std::size_t>(n)]) {
+         n = parent_[static_cast<std::size_t>(n)], poll()) {
       is_followed_[static_cast<std::size_t>(n)] = true;
       if (animations_.animates(static_cast<std::size_t>(n))) break;
     }
@@ -87,13 +94,16 @@ std::vector<std::size_t> Tree::roots() const {
   std::vector<std::size_t> result;
   const auto& model = document_.model();
   if (model.scenes.empty()) {
-    for (std::size_t i = 0; i < parent_.size(); ++i)
+    StopPoll poll;
+    for (std::size_t i = 0; i < parent_.size(); ++i, poll())
       if (parent_[i] < 0) result.push_back(i);
     document_.context().remark("", "the file has no scene", "all its nodes");
     return result;
   }
   const auto index = static_cast<std::size_t>(std::max(model.defaultScene, 0));
-  for (const int root : model.scenes[index].nodes) result.push_back(static_cast<std::size_t>(root));
+  StopPoll poll;
+  for (const int root : model.scenes[index].nodes)
+    poll(), result.push_back(static_cast<std::size_t>(root));
   if (model.scenes.size() > 1)
     document_.context().remark("/scenes", fmt::format("{} scenes", model.scenes.size()),
                                fmt::format("only scene {} is loaded", index));

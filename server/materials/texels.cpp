@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -78,7 +80,9 @@ Texels Texels::grey(int width, int height, std::vector<float> values) {
   Palette palette;
   std::vector<std::uint8_t> codes;
   codes.reserve(values.size());
+  StopPoll poll;
   for (const float value : values) {
+    poll();
     const auto code = palette.code(value);
     if (!code) return Texels(width, height, true, {}, std::move(values));
     codes.push_back(*code);

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna {
@@ -44,7 +45,8 @@ struct Neighbours {
 
 std::vector<Neighbours> neighbours_of(const Level& level) {
   std::vector<Neighbours> result(level.positions.size());
-  for (std::uint32_t h = 0; h < level.half_edges(); ++h) {
+  StopPoll poll;
+  for (std::uint32_t h = 0; h < level.half_edges(); ++h, poll()) {
     if (!level.leads(h)) continue;
     const std::uint32_t a = level.start(h), b = level.end(h);
     const bool boundary = level.twins[h] == kNone;
@@ -76,14 +78,15 @@ Level refined(const Level& level) {
   const std::vector<Neighbours> neighbours = neighbours_of(level);
   // An edge has at least one of six half-edges about a vertex; this is close for large meshes.
   next.positions.reserve(std::size_t{vertices} + level.half_edges() / 2 + vertices / 8);
-  for (std::uint32_t v = 0; v < vertices; ++v) {
+  StopPoll poll;
+  for (std::uint32_t v = 0; v < vertices; ++v, poll()) {
     const Neighbours& n = neighbours[v];
     next.positions.push_back(n.on_boundary
                                  ? mixed(level.positions[v], n.boundary_sum, 2, 1.0 / 8)
                                  : mixed(level.positions[v], n.sum, n.valence, beta(n.valence)));
   }
   std::vector<std::uint32_t> middle(level.half_edges());
-  for (std::uint32_t h = 0; h < level.half_edges(); ++h) {
+  for (std::uint32_t h = 0; h < level.half_edges(); ++h, poll()) {
     if (!level.leads(h)) {
       middle[h] = middle[level.twins[h]];
       continue;
@@ -107,7 +110,7 @@ Level refined(const Level& level) {
     return 3 * (4 * (h / 3) + h % 3) + k;
   };
   const auto at_centre = [](std::uint32_t h) { return 3 * (4 * (h / 3) + 3) + h % 3; };
-  for (std::uint32_t h = 0; h < level.half_edges(); ++h) {
+  for (std::uint32_t h = 0; h < level.half_edges(); ++h, poll()) {
     const std::uint32_t before = previous_in_face(h);
     // Corner child: the corner, the middle of its edge h, the middle of the edge before.
     next.indices[at_corner(h, 0)] = level.start(h);
@@ -161,16 +164,17 @@ LimitMesh limit_of(Level level) {
   // The half-edge where the ring of each vertex starts: on the boundary, the first one
   // counterclockwise.
   std::vector<std::uint32_t> first(level.positions.size(), kNone);
-  for (std::uint32_t h = 0; h < level.half_edges(); ++h)
+  StopPoll poll;
+  for (std::uint32_t h = 0; h < level.half_edges(); ++h, poll())
     if (level.twins[h] == kNone || first[level.start(h)] == kNone) first[level.start(h)] = h;
   limit.positions.reserve(level.positions.size());
   limit.normals.reserve(level.positions.size());
   std::vector<Vec3<double>> ring;
-  for (std::size_t v = 0; v < level.positions.size(); ++v) {
+  for (std::size_t v = 0; v < level.positions.size(); ++v, poll()) {
     const Neighbours& n = neighbours[v];
     const Vec3<double>& p = level.positions[v];
     ring.clear();
-    for (std::uint32_t h = first[v]; h != kNone;) {
+    for (std::uint32_t h = first[v]; h != kNone; poll()) {
       ring.push_back(level.positions[level.end(h)]);
       const std::uint32_t into = previous_in_face(h);
       h = level.twins[into];
@@ -197,7 +201,8 @@ absl::StatusOr<Level> connected(ControlMesh mesh) {
   };
   std::vector<Edge> edges;
   edges.reserve(level.indices.size());
-  for (std::uint32_t h = 0; h < level.half_edges(); ++h) {
+  StopPoll poll;
+  for (std::uint32_t h = 0; h < level.half_edges(); ++h, poll()) {
     if (level.start(h) >= level.positions.size())
       return invalid(fmt::format("index {} names vertex {}, but there are {} vertices", h,
                                  level.start(h), level.positions.size()));
@@ -206,10 +211,12 @@ absl::StatusOr<Level> connected(ControlMesh mesh) {
     edges.push_back(
         {std::min(level.start(h), level.end(h)), std::max(level.start(h), level.end(h)), h});
   }
-  std::ranges::sort(edges, {},
-                    [](const Edge& e) { return std::tuple(e.low, e.high, e.half_edge); });
+  std::ranges::sort(edges, {}, [&](const Edge& e) {
+    poll();
+    return std::tuple(e.low, e.high, e.half_edge);
+  });
   level.twins.assign(level.indices.size(), kNone);
-  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i, poll()) {
     const auto joins = [&](std::size_t a, std::size_t b) {
       return b < edges.size() && edges[a].low == edges[b].low && edges[a].high == edges[b].high;
     };
@@ -236,12 +243,13 @@ absl::Status check_fans(Level& level) {
   // Corners not yet reached from a first corner of their vertex.
   std::vector<bool> seen(level.indices.size());
   std::vector<bool> used(level.positions.size());
+  StopPoll poll;
   const auto walk = [&](std::uint32_t h) {
-    for (; h != kNone && !seen[h]; h = level.twins[previous_in_face(h)]) seen[h] = true;
+    for (; h != kNone && !seen[h]; h = level.twins[previous_in_face(h)], poll()) seen[h] = true;
   };
   // On a boundary the walk must start there, so that it reaches all triangles.
   for (const bool boundary : {true, false})
-    for (std::uint32_t h = 0; h < level.half_edges(); ++h) {
+    for (std::uint32_t h = 0; h < level.half_edges(); ++h, poll()) {
       if (seen[h] || (boundary && level.twins[h] != kNone)) continue;
       const std::uint32_t v = level.start(h);
       if (used[v])
@@ -252,13 +260,13 @@ absl::Status check_fans(Level& level) {
     }
   std::vector<std::uint32_t> number(level.positions.size());
   std::uint32_t count = 0;
-  for (std::size_t v = 0; v < number.size(); ++v) {
+  for (std::size_t v = 0; v < number.size(); ++v, poll()) {
     if (!used[v]) continue;
     level.positions[count] = level.positions[v];
     number[v] = count++;
   }
   level.positions.resize(count);
-  for (std::uint32_t& v : level.indices) v = number[v];
+  for (std::uint32_t& v : level.indices) poll(), v = number[v];
   return absl::OkStatus();
 }
 

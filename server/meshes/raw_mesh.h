@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/maths/vec.h"
 
 namespace lucerna {
@@ -25,7 +26,8 @@ struct RawMesh {
 /// `geometric_normal(corners)` has any length.
 template <std::size_t kCorners, typename Mesh, typename F>
 void resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
-  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
+  StopPoll poll;
+  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners, poll()) {
     std::uint32_t* corner = &mesh.indices[i];
     std::array<Vec3<double>, kCorners> p;
     Vec3<double> n{};
@@ -51,8 +53,9 @@ std::size_t mend_normals(Mesh& mesh, bool turned, F&& geometric_normal) {
   if (count == mesh.normals.size()) mesh.normals.clear();
   if (count == 0 || mesh.normals.empty()) return count;
   std::vector<bool> missing(mesh.normals.size());
-  for (std::size_t i = 0; i < missing.size(); ++i) missing[i] = is_missing(mesh.normals[i]);
-  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < missing.size(); ++i, poll()) missing[i] = is_missing(mesh.normals[i]);
+  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners, poll()) {
     const std::uint32_t* corner = &mesh.indices[i];
     std::array<Vec3<double>, kCorners> p;
     Vec3<double> others{};
@@ -69,7 +72,7 @@ std::size_t mend_normals(Mesh& mesh, bool turned, F&& geometric_normal) {
     for (std::size_t k = 0; k < kCorners; ++k)
       if (missing[corner[k]]) mesh.normals[corner[k]] += Vec3<float>(flips ? -n : n);
   }
-  for (std::size_t i = 0; i < missing.size(); ++i) {
+  for (std::size_t i = 0; i < missing.size(); ++i, poll()) {
     const Vec3<float> n = normalized(mesh.normals[i]);
     if (missing[i]) mesh.normals[i] = is_finite(n) ? n : Vec3<float>{};
   }
@@ -84,7 +87,8 @@ std::vector<Vec2<float>> corner_uvs(const RawMesh& raw) {
   static constexpr std::array<Vec2<float>, 4> kPatch{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
   std::vector<Vec2<float>> uv;
   uv.reserve(raw.indices.size());
-  for (std::size_t i = 0; i < raw.indices.size(); ++i)
+  StopPoll poll;
+  for (std::size_t i = 0; i < raw.indices.size(); ++i, poll())
     uv.push_back(raw.uv.empty() ? (kCorners == 3 ? kTriangle : kPatch)[i % kCorners]
                                 : raw.uv[raw.indices[i]]);
   return uv;
@@ -92,7 +96,8 @@ std::vector<Vec2<float>> corner_uvs(const RawMesh& raw) {
 
 /// Whether each patch shows the whole image, without a flip.
 inline bool shows_all_on_each(const std::vector<Vec2<float>>& corner_uv) {
-  for (std::size_t i = 0; i < corner_uv.size(); ++i)
+  StopPoll poll;
+  for (std::size_t i = 0; i < corner_uv.size(); ++i, poll())
     if (!(corner_uv[i] == Vec2<float>{float(i & 1), float(i >> 1 & 1)})) return false;
   return true;
 }

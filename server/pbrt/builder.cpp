@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "server/pbrt/syntax/images.h"
 
 namespace lucerna::pbrt {
@@ -350,7 +351,9 @@ void Builder::resolve_materials(ShapeList& shapes) {
     if (&shape != &*end) *end = std::move(shape);
     ++end;
   };
+  StopPoll poll;
   for (ShapeDescription& shape : shapes) {
+    poll();
     const Place place{&shape.where.file, shape.where.line, shape.where.column};
     if (const auto index = materials_.resolve(context_, shape.material)) {
       shape.material = *index;
@@ -376,7 +379,9 @@ void Builder::finish(const Place& end) {
   if (!opened_.empty())
     fail(opened_.back().place,
          fmt::format("{} is not closed", name_of_opener(static_cast<int>(opened_.back().kind))));
+  StopPoll poll;
   for (const Use& use : undefined_objects_) {
+    poll();
     const auto found = objects_.find(use.name);
     if (found == objects_.end())
       fail(use.place,

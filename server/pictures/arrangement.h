@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 
 /// From the stored rows of a file to the rows of its picture, from the top.  The picture is turned
@@ -49,8 +51,9 @@ template <typename Value>
 std::vector<Value> Arrangement::arranged(const std::vector<Value>& stored, std::size_t each) const {
   std::vector<Value> result(texels() * each);
   auto to = result.begin();
+  StopPoll poll;
   for (int y = 0; y < height(); ++y)
-    for (int x = 0; x < width(); ++x, to += static_cast<std::ptrdiff_t>(each)) {
+    for (int x = 0; x < width(); ++x, to += static_cast<std::ptrdiff_t>(each), poll()) {
       const Place from = stored_place(x, y);
       if (from.x < 0 || from.y < 0 || from.x >= stored_width_ || from.y >= stored_height_) continue;
       const auto texel = static_cast<std::size_t>(from.y * stored_width_ + from.x);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/rays/accelerator_state.h"
 #include "server/runtime/denormals.h"
@@ -43,10 +44,12 @@ Bounds box_of(const GeometrySet& set) {
 Bounds box_of(const GeometrySet& set, const std::vector<PrimitiveRange>& ranges) {
   Bounds box;
   const auto counts = set.counts();
+  StopPoll poll;
   for (const PrimitiveRange& range : ranges) {
     const auto end = static_cast<std::uint32_t>(std::min<std::size_t>(
         counts[static_cast<std::size_t>(range.kind)], std::size_t{range.first} + range.count));
-    for (std::uint32_t i = range.first; i < end; ++i) add_primitive(set, range.kind, i, box);
+    for (std::uint32_t i = range.first; i < end; ++i, poll())
+      add_primitive(set, range.kind, i, box);
   }
   return box;
 }
@@ -126,7 +129,9 @@ bool Accelerator::State::count(ssize_t bytes) {
 /// The box of the set and of all instances [m].
 Bounds Accelerator::State::whole(const GeometrySet& set) const {
   Bounds all = box_of(set);
+  StopPoll poll;
   for (const GeometryInstance& instance : instances) {
+    poll();
     const Bounds& box = object_boxes[instance.object];
     Bounds placed;
     for (int corner = 0; corner < 8 && !box.empty(); ++corner)
@@ -147,7 +152,8 @@ absl::Status Accelerator::State::measure() {
   const auto rescale = [](GeometrySet& set, const RaySpace& in) {
     set.unit_m = in.unit_m;
     if (in.unit_m == 1) return;
-    for (Vec3<float>& v : set.vertices) v = Vec3<float>(Vec3<double>(v) / in.unit_m);
+    StopPoll poll;
+    for (Vec3<float>& v : set.vertices) poll(), v = Vec3<float>(Vec3<double>(v) / in.unit_m);
   };
   for (GeometrySet& object : objects) {
     object_spaces.emplace_back(reach_of(object_boxes.emplace_back(box_of(object))));

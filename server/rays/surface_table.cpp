@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/sampling/hash_number.h"
 #include "proto/common/status_macros.h"
 #include "server/rays/error_bounds.h"
@@ -32,12 +33,15 @@ absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
   if (set.vertices.size() + positions.size() > kMaximum ||
       set.triangles.size() / 3 + indices.size() > kMaximum)
     return absl::ResourceExhaustedError("more than 2^32 - 1 vertices or triangles");
-  for (const std::uint32_t i : indices)
+  StopPoll poll;
+  for (const std::uint32_t i : indices) {
+    poll();
     if (i >= positions.size())
       return absl::InvalidArgumentError(
           fmt::format("vertex number {}, allowed: less than {}", i, positions.size()));
+  }
   make_room(set.vertices, positions.size() + 1);  // Embree reads beyond the last vertex
-  for (std::size_t i = 0; i < positions.size(); ++i) {
+  for (std::size_t i = 0; i < positions.size(); ++i, poll()) {
     const Vec3<float> p = about(positions[i], origin);
     if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate)
       return not_finite(i, positions[i]);
@@ -104,7 +108,8 @@ class Appender {
     begin_run(HitKind::kTriangle, set_.triangles.size() / 3, 0, 1);
     make_room(set_.triangles, mesh.indices.size());
     if (has_uv_) make_room(table_.triangle_uv, mesh.indices.size() / 3);
-    for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
+    StopPoll poll;
+    for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3, poll()) {
       append_triangle(mesh.positions, static_cast<std::uint32_t>(base),
                       {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]});
       auto uv = kTriangleUv;
@@ -123,7 +128,8 @@ class Appender {
     LUCERNA_RETURN_IF_ERROR(append_mesh(mesh.positions, mesh.indices, origin_, set_));
     HitKind kind = HitKind::kTriangle;
     bool any_flat = false;
-    for (std::size_t i = 0; i < mesh.indices.size(); i += 4) {
+    StopPoll poll;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 4, poll()) {
       const std::uint32_t* v = &mesh.indices[i];
       std::array<Vec3<double>, 4> c;
       for (int k = 0; k < 4; ++k) c[k] = Vec3<double>(set_.vertices[base + v[k]]);
@@ -156,7 +162,8 @@ class Appender {
   absl::Status operator()(const CurveData& data) {
     constexpr std::size_t kMaximum = std::numeric_limits<std::uint32_t>::max();
     begin_run(HitKind::kCurve, set_.curves.size(), 0, 1);
-    for (std::size_t i = 0; i < data.count(); ++i) {
+    StopPoll poll;
+    for (std::size_t i = 0; i < data.count(); ++i, poll()) {
       const auto pieces = pieces_of(cubic_curve(data, i), data.kind, origin_);
       if (set_.curves.size() + pieces.size() > kMaximum)
         return absl::ResourceExhaustedError("more than 2^32 - 1 pieces of curves");
@@ -231,7 +238,8 @@ class BoundsAdder {
   absl::Status operator()(const TriangleMeshData& mesh) { return add_vertices(mesh.positions); }
   absl::Status operator()(const PatchMeshData& mesh) { return add_vertices(mesh.positions); }
   absl::Status operator()(const CurveData& data) {
-    for (std::size_t i = 0; i < data.count(); ++i)
+    StopPoll poll;
+    for (std::size_t i = 0; i < data.count(); ++i, poll())
       for (const CurvePiece& piece : pieces_of(cubic_curve(data, i), data.kind, {})) {
         const auto [lower, upper] = piece.bounds();
         const double reach = std::max(max_abs(lower), max_abs(upper));
@@ -257,7 +265,8 @@ class BoundsAdder {
 
  private:
   absl::Status add_vertices(const std::vector<Vec3<double>>& positions) {
-    for (std::size_t i = 0; i < positions.size(); ++i) {
+    StopPoll poll;
+    for (std::size_t i = 0; i < positions.size(); ++i, poll()) {
       const Vec3<double>& p = positions[i];
       if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate) return not_finite(i, p);
       bounds_.add(p);

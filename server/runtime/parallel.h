@@ -11,6 +11,8 @@
 #include <cstdint>
 #include <stop_token>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 
 /// Processor time of this thread so far [ns].
@@ -71,19 +73,28 @@ class SharedProcessors {
 /// Calls `f(begin, end)` on chunks of [0, n), in any order and on any thread of the caller's arena.
 /// Uses only the caller's thread while SharedProcessors are busy.
 /// Chunks are at most `grain` long and start at multiples of `grain`.  Skips chunks that have not
-/// started when `stop` is requested.  A chunk should take 0.1 to 5 ms, so that threads can move to
-/// more urgent work between chunks.  Waiting threads do not run other tasks.
+/// started when `stop` is requested, and ends others at their next StopPoll.  A chunk should take
+/// 0.1 to 5 ms, so that threads can move to more urgent work between chunks.  Waiting threads do
+/// not run other tasks.
 template <typename F>
 void parallel_chunks(std::size_t n, std::size_t grain, const std::stop_token& stop, F&& f) {
+  // A thread may take a chunk of another job while it waits within a scope.
+  const auto chunk = [&](std::size_t begin, std::size_t end) {
+    const StopScope scope(stop);
+    try {
+      f(begin, end);
+    } catch (const Stopped&) {
+    }
+  };
   if (n <= grain) {
-    if (n > 0 && !stop.stop_requested()) f(std::size_t{0}, n);
+    if (n > 0 && !stop.stop_requested()) chunk(0, n);
     return;
   }
   CpuMeter* const meter = CpuMeter::current();
   const std::size_t chunks = (n + grain - 1) / grain;
   const auto run = [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c != last && !stop.stop_requested(); ++c)
-      f(c * grain, c + 1 == chunks ? n : (c + 1) * grain);
+      chunk(c * grain, c + 1 == chunks ? n : (c + 1) * grain);
   };
   std::size_t done = 0;
   for (; done < chunks && SharedProcessors::are_busy(); ++done) run(done, done + 1);

@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -41,8 +43,9 @@ Picture times_alpha(const std::optional<Picture>& picture, const NumberValue& al
   }
   std::vector<Rgb<float>> texels;
   texels.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  StopPoll poll;
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
+    for (int x = 0; x < width; ++x, poll()) {
       const Vec2<double> uv{(x + 0.5) / width, 1 - (y + 0.5) / height};
       const double share = std::clamp(textures(alpha, {.uv = uv}), 0.0, 1.0);
       texels.emplace_back((picture ? picture->at(uv) : Rgb<double>(1)) * share);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 
 LightDistribution::LightDistribution(std::span<const double> lumens) {
@@ -9,14 +11,16 @@ LightDistribution::LightDistribution(std::span<const double> lumens) {
   const double largest = lumens.empty() ? 0 : *std::ranges::max_element(lumens);
   double sum = 0;  // of powers divided by the largest, to avoid overflow
   double lit = 0;
+  StopPoll poll;
   for (const double l : lumens) {
+    poll();
     if (largest > 0) sum += l / largest;
     if (l > 0) lit += 1;
   }
   cumulative_.reserve(lumens.size());
   double running = 0;
   std::size_t last_lit = 0;
-  for (std::size_t i = 0; i < lumens.size(); ++i) {
+  for (std::size_t i = 0; i < lumens.size(); ++i, poll()) {
     if (largest <= 0)
       running = static_cast<double>(i + 1) / static_cast<double>(lumens.size());
     else if (lumens[i] > 0)

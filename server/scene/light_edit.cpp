@@ -7,6 +7,7 @@
 #include <optional>
 #include <variant>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/rays/surface_table.h"
@@ -76,12 +77,13 @@ class Mover {
  private:
   template <typename Mesh>
   void vertices(Mesh& mesh) const {
-    for (Vec3<double>& p : mesh.positions) point(p);
+    StopPoll poll;
+    for (Vec3<double>& p : mesh.positions) poll(), point(p);
     if (!turn_) return;
     const auto turn = [this](Vec3<float>& v) { v = Vec3<float>(turn_->vector(Vec3<double>(v))); };
-    for (Vec3<float>& n : mesh.normals) turn(n);
+    for (Vec3<float>& n : mesh.normals) poll(), turn(n);
     if constexpr (requires { mesh.tangents; })
-      for (VertexTangent& t : mesh.tangents) turn(t.along_u);
+      for (VertexTangent& t : mesh.tangents) poll(), turn(t.along_u);
   }
   Transform map() const {
     const Transform shift = Transform::translate(shift_);
@@ -218,9 +220,10 @@ absl::Status move_surfaces(const MovedSurfaces& moved, SceneDescription& scene) 
 
 std::uint64_t bytes_of(const std::map<std::uint64_t, AddedLight>& added) {
   std::uint64_t sum = 0;
+  StopPoll poll;
   for (const auto& entry : added)
-    sum += kNodeBytes + sizeof entry + entry.second.content.capacity() +
-           entry.second.light.name.capacity();
+    poll(), sum += kNodeBytes + sizeof entry + entry.second.content.capacity() +
+                   entry.second.light.name.capacity();
   return sum;
 }
 
@@ -230,7 +233,9 @@ std::uint64_t LightEdits::bytes() const {
 
 std::string LightEdits::canonical() const {
   std::string text;
+  StopPoll poll;
   for (const auto& [id, c] : changes) {
+    poll();
     text += fmt::format("light {}:", id);
     if (c.is_removed) {
       text += "removed:";
@@ -242,7 +247,7 @@ std::string LightEdits::canonical() const {
     append(text, c.turn_axis * c.turn_rad);
   }
   for (const auto& [id, a] : added)
-    text += fmt::format("added {}:{}:{}", id, a.content.size(), a.content);
+    poll(), text += fmt::format("added {}:{}:{}", id, a.content.size(), a.content);
   return text;
 }
 

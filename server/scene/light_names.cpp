@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -27,7 +29,9 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 LightNames::LightNames(std::vector<std::pair<std::uint32_t, std::string>> named) {
   // Stable, so that the lights of one name stay ascending.
   std::ranges::stable_sort(named, {}, &std::pair<std::uint32_t, std::string>::second);
+  StopPoll poll;
   for (auto& [light, name] : named) {
+    poll();
     if (names_.empty() || names_.back() != name) {
       begins_.push_back(static_cast<std::uint32_t>(lights_.size()));
       names_.push_back(std::move(name));
@@ -80,8 +84,11 @@ std::uint64_t LightNames::bytes() const {
                       (begins_.capacity() + lights_.capacity()) * sizeof(std::uint32_t) +
                       by_light_.capacity() * sizeof by_light_[0];
   // Short names are within the string itself.
-  for (const std::string& name : names_)
+  StopPoll poll;
+  for (const std::string& name : names_) {
+    poll();
     if (name.capacity() > std::string().capacity()) sum += name.capacity() + 1;
+  }
   return sum;
 }
 

@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <memory>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 
 LightSelector::LightSelector(std::vector<Item> items) {
   std::vector<double> all, lux, lumens;
+  StopPoll poll;
   for (const Item& item : items) {
+    poll();
     all.push_back(item.lumens);
     if (item.bounds) {
       local_.lights.push_back(item.light);

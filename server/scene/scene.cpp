@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/runtime/denormals.h"
@@ -80,13 +81,22 @@ absl::Status Scene::Builder::check_references() const {
                                                s.material, in_.materials.size())),
         s.where);
   };
-  for (const auto& s : in_.shapes) LUCERNA_RETURN_IF_ERROR(check(s));
+  StopPoll poll;
+  for (const auto& s : in_.shapes) {
+    poll();
+    LUCERNA_RETURN_IF_ERROR(check(s));
+  }
   for (const auto& o : in_.objects)
-    for (const auto& s : o.shapes) LUCERNA_RETURN_IF_ERROR(check(s));
-  for (const auto& i : in_.instances)
+    for (const auto& s : o.shapes) {
+      poll();
+      LUCERNA_RETURN_IF_ERROR(check(s));
+    }
+  for (const auto& i : in_.instances) {
+    poll();
     if (i.object >= in_.objects.size())
       return absl::InvalidArgumentError(
           fmt::format("object number {}, allowed: less than {}", i.object, in_.objects.size()));
+  }
   return absl::OkStatus();
 }
 

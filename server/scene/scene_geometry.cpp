@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/description/load_meter.h"
 #include "server/scene/scene_builder.h"
@@ -26,7 +27,9 @@ Transform rounded_to_float(const Transform& t) {
 /// them twice meanwhile.
 void reserve(const ShapeList& shapes, bool with_moving, GeometrySet& set) {
   std::size_t vertices = 0, numbers = 0;
+  StopPoll poll;
   for (const ShapeDescription& shape : shapes) {
+    poll();
     if (shape.motion && !with_moving) continue;
     if (const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry)) {
       vertices += mesh->positions.size();
@@ -144,7 +147,8 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     if (s.emission) scene_->movable_.add(std::move(s));
   }
   std::vector<bool> is_placed(in_.objects.size());
-  for (const auto& i : in_.instances) is_placed[i.object] = true;
+  StopPoll poll;
+  for (const auto& i : in_.instances) poll(), is_placed[i.object] = true;
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
     reserve(in_.objects[i].shapes, true, objects[i]);
@@ -237,7 +241,9 @@ void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instance
     ++lights;
     bytes += sizeof(LightMotion) + l.moving->motion.bytes();
   }
+  StopPoll poll;
   for (const GeometryInstance& i : instances) {
+    poll();
     if (!i.motion) continue;
     ++surfaces;
     bytes += sizeof(Motion) + i.motion->bytes();

@@ -10,6 +10,7 @@
 #include <set>
 #include <tuple>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/description/load_meter.h"
 #include "server/scene/emitter_alpha.h"
@@ -50,7 +51,8 @@ absl::StatusOr<SceneLight> Scene::Builder::scene_light(std::uint64_t id,
 }
 
 void Scene::Builder::note_visible_lights() {
-  for (std::uint32_t i = 0; i < scene_->lights_.size(); ++i)
+  StopPoll poll;
+  for (std::uint32_t i = 0; i < scene_->lights_.size(); ++i, poll())
     visit(
         [&]<typename L>(const L& l) {
           if constexpr (SeenBeyond<L>) scene_->infinite_lights_.push_back(i);
@@ -83,7 +85,9 @@ void Scene::Builder::keep_spectra(const std::vector<std::shared_ptr<const Spectr
   std::map<const Spectrum*, std::int32_t> numbers;
   std::uint64_t bytes = 0;
   scene_->light_spectra_.reserve(given.size());
+  StopPoll poll;
   for (const auto& spectrum : given) {
+    poll();
     if (spectrum == nullptr) {
       scene_->light_spectra_.push_back(-1);
       continue;
@@ -124,8 +128,11 @@ absl::Status Scene::Builder::count_lights() const {
   constexpr std::uint64_t kChoiceBytes = 256;
   std::uint64_t bytes = count * (sizeof(SceneLight) + (count > 1 ? kChoiceBytes : 0));
   // The triangles of an emitter, and a table to draw from them.
-  for (const ShapeDescription& s : in_.shapes)
+  StopPoll poll;
+  for (const ShapeDescription& s : in_.shapes) {
+    poll();
     if (s.emission) bytes += array_bytes(s);
+  }
   return budget_->claim(bytes);
 }
 
@@ -178,7 +185,9 @@ void Scene::Builder::report_lights(const Stopwatch& watch) {
   std::uint64_t bytes = scene_->lights_.bytes_beside({}), table_bytes = 0;
   for (const std::string& file : scene_->files_) bytes += sizeof file + file.size();
   std::size_t tables = 0;
+  StopPoll poll;
   for (const SceneLight& l : scene_->lights_) {
+    poll();
     const LightBytes own = visit([](const auto& m) { return m.own_bytes(); }, l.light);
     bytes += l.light.bytes_beside() + own.all - own.tables;
     table_bytes += own.tables;
@@ -208,7 +217,8 @@ struct SharedByLights {
 
 void Scene::Builder::report_shared_by_lights(std::size_t from, const Stopwatch& watch) {
   SharedByLights shared;
-  for (std::size_t i = from; i < scene_->lights_.size(); ++i)
+  StopPoll poll;
+  for (std::size_t i = from; i < scene_->lights_.size(); ++i, poll())
     visit([&](const auto& m) { m.for_each_shared(shared); }, scene_->lights_[i].light);
   std::uint64_t image_bytes = 0, web_bytes = 0, map_bytes = 0;
   for (const Image* image : shared.images) image_bytes += image->bytes();
@@ -242,7 +252,8 @@ std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_a
   SceneSphere sphere = scene.sphere();
   if (!(sphere.radius_m > 0)) sphere.radius_m = 1;
   std::vector<LightSelector::Item> items;
-  for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+  StopPoll poll;
+  for (std::uint32_t i = 0; i < scene.lights().size(); ++i, poll()) {
     const SceneLight& l = scene.lights()[i];
     const LightAtTime at_start(l, -std::numeric_limits<double>::infinity());
     if (areas_alone && at_start.is_delta()) continue;

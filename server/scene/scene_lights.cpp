@@ -5,6 +5,7 @@
 #include <concepts>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/maths/validation.h"
 #include "lights/spectra/level_validation.h"
 #include "proto/common/status_macros.h"
@@ -114,18 +115,22 @@ class AreaLightMaker {
 
   absl::StatusOr<Light<double>> operator()(const TriangleMeshData& mesh) const {
     const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
-    std::vector<Triangle<double>> triangles(mesh.indices.size() / 3);
-    for (std::size_t i = 0; i < triangles.size(); ++i)
-      triangles[i] = {vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)};
+    std::vector<Triangle<double>> triangles;
+    triangles.reserve(mesh.indices.size() / 3);
+    StopPoll poll;
+    for (std::size_t i = 0; i < mesh.indices.size() / 3; ++i, poll())
+      triangles.push_back({vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)});
     return as_flat_light<TriangleMesh, PaintedTriangleMesh, PanelTriangleMesh>(
         emission_, TriangleMesh<double>::create(std::move(triangles)), mesh.corner_uv);
   }
 
   absl::StatusOr<Light<double>> operator()(const PatchMeshData& mesh) const {
     const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
-    std::vector<BilinearPatch<double>> patches(mesh.indices.size() / 4);
-    for (std::size_t i = 0; i < patches.size(); ++i)
-      patches[i] = {vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)};
+    std::vector<BilinearPatch<double>> patches;
+    patches.reserve(mesh.indices.size() / 4);
+    StopPoll poll;
+    for (std::size_t i = 0; i < mesh.indices.size() / 4; ++i, poll())
+      patches.push_back({vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)});
     return as_flat_light<PatchMesh, PaintedPatchMesh, PanelPatchMesh>(
         emission_, PatchMesh<double>::create(std::move(patches)), mesh.corner_uv);
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "server/scene/scene_builder.h"
 
 namespace lucerna {
@@ -16,7 +17,9 @@ void Scene::Builder::simplify_media() {
                : medium;
   };
   const auto simplify = [&](ShapeList& shapes) {
+    StopPoll poll;
     for (ShapeDescription& s : shapes) {
+      poll();
       if (!s.media) continue;
       s.media = MediumSides{kept(s.media->inside), kept(s.media->outside)};
       if (s.media->inside == s.media->outside) s.media.reset();

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <variant>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
@@ -142,9 +143,16 @@ absl::Status Scene::Builder::place() {
         in_.shapes.empty() ? in_.instances.front().where : in_.shapes.front().where;
     LUCERNA_RETURN_IF_ERROR(check_extent(world, first));
   }
-  for (const auto& s : in_.shapes) LUCERNA_RETURN_IF_ERROR(check_size(s));
+  StopPoll poll;
+  for (const auto& s : in_.shapes) {
+    poll();
+    LUCERNA_RETURN_IF_ERROR(check_size(s));
+  }
   for (const auto& object : in_.objects)
-    for (const auto& s : object.shapes) LUCERNA_RETURN_IF_ERROR(check_size(s));
+    for (const auto& s : object.shapes) {
+      poll();
+      LUCERNA_RETURN_IF_ERROR(check_size(s));
+    }
   placed_->world_m = world;
   return place_lights();
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/spectra/level_validation.h"
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
@@ -200,12 +201,13 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     scene_->lights_.push_back(*std::move(made));
   }
   note_visible_lights();
-  for (const SceneLight& l : scene_->lights_) scene_->moves_ |= l.moving != nullptr;
+  StopPoll poll;
+  for (const SceneLight& l : scene_->lights_) poll(), scene_->moves_ |= l.moving != nullptr;
   scene_->others_move_ = loaded.others_move_;
   scene_->moves_ |= scene_->others_move_;
 
   const std::size_t added_from = scene_->lights_.size() - added.size();
-  for (std::size_t i = added_from; i < scene_->lights_.size(); ++i) {
+  for (std::size_t i = added_from; i < scene_->lights_.size(); ++i, poll()) {
     const Light<double>& light = scene_->lights_[i].light;
     bytes += light.bytes_beside() + visit([](const auto& m) { return m.own_bytes().all; }, light);
   }
@@ -226,9 +228,13 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
 
 SurfaceEdits Scene::surface_edits(const LightEdits& edits) const {
   SurfaceEdits of;
-  for (const auto& [id, light] : edits.added)
+  StopPoll poll;
+  for (const auto& [id, light] : edits.added) {
+    poll();
     if (light.surface != nullptr) of.added.emplace(id, light);
+  }
   for (const auto& [id, change] : edits.changes) {
+    poll();
     if (!change.has_place() || change.is_removed) continue;
     const bool is_of_file = id <= base_->lights_.size() && !edits.added.contains(id) &&
                             has_surface(base_->lights_[id - 1].light);

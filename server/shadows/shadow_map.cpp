@@ -6,6 +6,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "lights/maths/stop_poll.h"
 #include "server/rays/error_bounds.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
@@ -74,28 +75,31 @@ ShadowMap::ShadowMap(const Scene& scene, const ShadowMapView& view, std::uint32_
   rounding_m_ = 4 * kTraversalBound * (max_abs(view.from) + (view.is_distant ? view.half : 0));
   const std::size_t per_face = std::size_t{side} * side;
   depths_.resize(view.face_count * per_face);
-  parallel_chunks(depths_.size(), kRaysPerChunk, {}, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
-    for (std::size_t i = begin; i < end; ++i) {
-      const ShadowMapView::Face& f = view.faces[i / per_face];
-      const std::size_t in_face = i % per_face;
-      const auto centre = [&](std::size_t k) {
-        return view.half * ((2 * static_cast<double>(k) + 1) / side - 1);
-      };
-      const Vec3<double> across = f.right * centre(in_face % side) + f.up * centre(in_face / side);
-      Ray ray;
-      if (view.is_distant) {
-        ray.origin = Vec3<float>(view.from + across - f.forward * view.half);
-        ray.direction = Vec3<float>(f.forward);
-      } else {
-        // The direction has a step of 1 along `forward`, so that t is the depth.
-        ray.origin = Vec3<float>(view.from);
-        ray.direction = Vec3<float>(f.forward + across);
-      }
-      const auto hit = scene.accelerator().closest_hit(ray);
-      depths_[i] = hit ? hit->t : std::numeric_limits<float>::infinity();
-    }
-  });
+  parallel_chunks(depths_.size(), kRaysPerChunk, StopScope::token(),
+                  [&](std::size_t begin, std::size_t end) {
+                    const DenormalsAreZero denormals;
+                    for (std::size_t i = begin; i < end; ++i) {
+                      const ShadowMapView::Face& f = view.faces[i / per_face];
+                      const std::size_t in_face = i % per_face;
+                      const auto centre = [&](std::size_t k) {
+                        return view.half * ((2 * static_cast<double>(k) + 1) / side - 1);
+                      };
+                      const Vec3<double> across =
+                          f.right * centre(in_face % side) + f.up * centre(in_face / side);
+                      Ray ray;
+                      if (view.is_distant) {
+                        ray.origin = Vec3<float>(view.from + across - f.forward * view.half);
+                        ray.direction = Vec3<float>(f.forward);
+                      } else {
+                        // The direction has a step of 1 along `forward`, so that t is the depth.
+                        ray.origin = Vec3<float>(view.from);
+                        ray.direction = Vec3<float>(f.forward + across);
+                      }
+                      const auto hit = scene.accelerator().closest_hit(ray);
+                      depths_[i] = hit ? hit->t : std::numeric_limits<float>::infinity();
+                    }
+                  });
+  StopScope::check();  // else the map lacks chunks
 }
 
 std::optional<ShadowMap::Texel> ShadowMap::texel(std::uint32_t face, double x, double y) const {

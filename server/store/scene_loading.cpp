@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/assets/asset_reader.h"
@@ -47,6 +48,17 @@ AssetReaderOptions reader_options(const LoadLimits& limits, const std::stop_toke
 }
 
 absl::Status cancelled() { return absl::CancelledError("cancelled while the scene was loading"); }
+
+/// `work()`, whose loops end after a request of `stop`.
+template <typename Work>
+auto stoppable(const std::stop_token& stop, const Work& work) -> decltype(work()) {
+  const StopScope scope(stop);
+  try {
+    return work();
+  } catch (const Stopped&) {
+    return cancelled();
+  }
+}
 
 /// `path` relative to `root` if it is an absolute path under `root`; else empty.
 std::string path_under(const fs::path& root, const std::string& path) {
@@ -100,7 +112,8 @@ absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const st
   // A caller that waited looks again, because the other load may have failed or been cancelled.
   const auto turn = state_->sources.take(key, options.stop);
   if (turn == nullptr) return cancelled();
-  absl::StatusOr<LoadedScene> loaded = load_alone(source, key, options);
+  absl::StatusOr<LoadedScene> loaded =
+      stoppable(options.stop, [&] { return load_alone(source, key, options); });
   // The allocator would keep what a failed load has freed, beside the budget.
   if (!loaded.ok()) return_free_memory();
   return loaded;
@@ -140,8 +153,10 @@ absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
   const LoadLimits limits = state_->load_limits(memory.budget());
   AssetReader reader(std::make_unique<ManifestSource>(manifest, *state_->assets, result.missing),
                      reader_options(limits, options.stop));
-  absl::StatusOr<SceneDescription> description = load_scene_file(
-      reader, manifest.main, options.stop, limits, options.factors.value_or(LevelFactors()));
+  absl::StatusOr<SceneDescription> description = stoppable(options.stop, [&] {
+    return load_scene_file(reader, manifest.main, options.stop, limits,
+                           options.factors.value_or(LevelFactors()));
+  });
   if (absl::IsCancelled(description.status())) return description.status();
   if (!result.missing.empty()) return result;
   LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
@@ -163,8 +178,10 @@ absl::StatusOr<SceneStore::Read> SceneStore::read(const std::string& path,
   LUCERNA_ASSIGN_OR_RETURN(
       AssetReader reader,
       AssetReader::open(state_->options.root, reader_options(limits, options.stop)));
-  absl::StatusOr<SceneDescription> description =
-      load_scene_file(reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
+  absl::StatusOr<SceneDescription> description = stoppable(options.stop, [&] {
+    return load_scene_file(reader, path, options.stop, limits,
+                           options.factors.value_or(LevelFactors()));
+  });
   LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
   return Read{*std::move(description), {}};
 }
@@ -311,10 +328,14 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
 
 absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits edits,
                                                const LoadOptions& options, LoadMemory* memory) {
-  LUCERNA_ASSIGN_OR_RETURN(Moved from, moved(of, of.scene->surface_edits(edits), options.stop));
-  LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
-                           Scene::revise(std::move(from.loaded), std::move(from.placed),
-                                         std::move(edits), options.stop));
+  using Revised = absl::StatusOr<std::shared_ptr<const Scene>>;
+  LUCERNA_ASSIGN_OR_RETURN(
+      const std::shared_ptr<const Scene> scene, stoppable(options.stop, [&]() -> Revised {
+        LUCERNA_ASSIGN_OR_RETURN(Moved from,
+                                 moved(of, of.scene->surface_edits(edits), options.stop));
+        return Scene::revise(std::move(from.loaded), std::move(from.placed), std::move(edits),
+                             options.stop);
+      }));
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
   if (memory != nullptr) memory->end();

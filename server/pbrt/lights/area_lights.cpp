@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/shapes/bilinear_patch.h"
 #include "lights/shapes/triangle.h"
 #include "server/pbrt/lights/image_lights.h"
@@ -21,7 +22,8 @@ namespace {
 template <std::size_t kCorners, typename Mesh, typename F>
 Vec3<double> tangent_of(const Mesh& mesh, F&& normal) {
   static constexpr std::array<Vec2<float>, 4> kPatch{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
-  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
+  StopPoll poll;
+  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners, poll()) {
     std::array<Vec3<double>, kCorners> p;
     std::array<Vec2<float>, kCorners> uv;
     for (std::size_t k = 0; k < kCorners; ++k) {
@@ -80,7 +82,8 @@ absl::Status check_panel(const Geometry& geometry, const PanelProfile& profile) 
   };
   if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry)) {
     std::vector<Triangle<double>> triangles;
-    for (std::size_t i = 0; i + 3 <= mesh->indices.size(); i += 3)
+    StopPoll poll;
+    for (std::size_t i = 0; i + 3 <= mesh->indices.size(); i += 3, poll())
       triangles.push_back({mesh->positions[mesh->indices[i]], mesh->positions[mesh->indices[i + 1]],
                            mesh->positions[mesh->indices[i + 2]]});
     return made.template operator()<TriangleMesh>(
@@ -88,7 +91,8 @@ absl::Status check_panel(const Geometry& geometry, const PanelProfile& profile) 
   }
   if (const auto* mesh = std::get_if<PatchMeshData>(&geometry)) {
     std::vector<BilinearPatch<double>> patches;
-    for (std::size_t i = 0; i + 4 <= mesh->indices.size(); i += 4)
+    StopPoll poll;
+    for (std::size_t i = 0; i + 4 <= mesh->indices.size(); i += 4, poll())
       patches.push_back({mesh->positions[mesh->indices[i]], mesh->positions[mesh->indices[i + 1]],
                          mesh->positions[mesh->indices[i + 2]],
                          mesh->positions[mesh->indices[i + 3]]});
@@ -146,7 +150,8 @@ bool has_equal_texels(const Geometry& geometry) {
   if (std::holds_alternative<CylinderParams>(geometry)) return true;
   const auto* mesh = std::get_if<PatchMeshData>(&geometry);
   if (mesh == nullptr || !mesh->corner_uv.empty()) return false;
-  for (std::size_t i = 0; i + 4 <= mesh->indices.size(); i += 4) {
+  StopPoll poll;
+  for (std::size_t i = 0; i + 4 <= mesh->indices.size(); i += 4, poll()) {
     const auto corner = [&](std::size_t k) { return mesh->positions[mesh->indices[i + k]]; };
     const Vec3<double> along = corner(1) - corner(0), across = corner(2) - corner(0);
     const Vec3<double> opposite = corner(3) - corner(2);
@@ -162,7 +167,8 @@ double finite_area(const Place& place, double area) {
 
 double area_of(const Place& place, const TriangleMeshData& mesh) {
   double area = 0;
-  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3)
+  StopPoll poll;
+  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3, poll())
     area += Triangle<double>{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
                              mesh.positions[mesh.indices[i + 2]]}
                 .area();
@@ -171,7 +177,8 @@ double area_of(const Place& place, const TriangleMeshData& mesh) {
 
 double area_of(const Place& place, const PatchMeshData& mesh) {
   double area = 0;
-  for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4)
+  StopPoll poll;
+  for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4, poll())
     area +=
         BilinearPatch<double>{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
                               mesh.positions[mesh.indices[i + 2]],

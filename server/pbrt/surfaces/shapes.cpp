@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "server/description/mesh_census.h"
 #include "server/formats/ply.h"
 #include "server/meshes/loop_subdivision.h"
@@ -20,7 +21,8 @@ namespace lucerna::pbrt {
 
 std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
                                           std::vector<Vec3<double>> positions) {
-  for (std::size_t i = 0; i < positions.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < positions.size(); ++i, poll()) {
     positions[i] = shape.world_from_object.point(positions[i]);
     if (!is_finite(positions[i]))
       fail(shape.place,
@@ -36,7 +38,9 @@ std::vector<Vec3<float>> world_normals(const ShapeDirective& shape,
                                        const std::vector<Vec3<double>>& normals) {
   std::vector<Vec3<float>> result;
   result.reserve(normals.size());
+  StopPoll poll;
   for (const Vec3<double>& normal : normals) {
+    poll();
     const Vec3<double> n = normalized(shape.world_from_object.normal(normal));
     result.emplace_back(!is_finite(n) ? Vec3<double>{} : shape.reverse_orientation ? -n : n);
   }
@@ -69,7 +73,8 @@ void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
   if (raw.indices.size() % corners != 0)
     fail(shape.place, fmt::format("Shape \"{}\" has {} indices, expected a multiple of {}",
                                   shape.type, raw.indices.size(), corners));
-  for (std::size_t i = 0; i < raw.indices.size(); ++i)
+  StopPoll poll;
+  for (std::size_t i = 0; i < raw.indices.size(); ++i, poll())
     if (raw.indices[i] >= raw.positions.size())
       fail(shape.place,
            fmt::format("Shape \"{}\": index {} names vertex {}, but there are {} vertices",
@@ -120,8 +125,9 @@ RawMesh raw_mesh(const ShapeDirective& shape) {
               shape.params.take_vectors("N", "normal"),
               shape.params.take_indices("indices"),
               {}};
+  StopPoll poll;
   if (const Parameter* uv = shape.needs_uv ? shape.params.find("uv", {"point2"}) : nullptr)
-    for (std::size_t i = 0; i + 1 < uv->numbers().size(); i += 2)
+    for (std::size_t i = 0; i + 1 < uv->numbers().size(); i += 2, poll())
       raw.uv.push_back({float(uv->numbers()[i]), float(uv->numbers()[i + 1])});
   return raw;
 }
@@ -190,7 +196,8 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   raw.indices = std::move(ply->indices);
   if (shape.needs_uv) raw.uv = std::move(ply->uv);
   raw.normals.reserve(ply->normals.size());
-  for (const Vec3<float>& n : ply->normals) raw.normals.emplace_back(n);
+  StopPoll poll;
+  for (const Vec3<float>& n : ply->normals) poll(), raw.normals.emplace_back(n);
   if (raw.positions.empty() || raw.indices.empty()) {
     context.remark(file->place, fmt::format("mesh \"{}\" is empty", content.name), "left out");
     return {};

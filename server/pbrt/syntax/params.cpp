@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "server/pbrt/syntax/older_pbrt.h"
 
 namespace lucerna::pbrt {
@@ -108,8 +109,9 @@ std::vector<double> ParameterSet::numbers(std::string_view name) const {
   const Parameter* parameter = find(name, {"float", "integer"});
   if (parameter == nullptr) return {};
   std::vector<double> result = parameter->numbers();
+  StopPoll poll;
   for (const std::uint32_t value : parameter->integers())
-    result.push_back(static_cast<std::int32_t>(value));
+    poll(), result.push_back(static_cast<std::int32_t>(value));
   return result;
 }
 
@@ -135,10 +137,13 @@ Vectors ParameterSet::take_vectors(std::string_view name, std::string_view type)
 Integers ParameterSet::take_indices(std::string_view name) {
   const Parameter* parameter = find(name, {"integer"});
   Integers indices = take<Integers>(parameter);
-  for (const std::uint32_t index : indices)
+  StopPoll poll;
+  for (const std::uint32_t index : indices) {
+    poll();
     if (static_cast<std::int32_t>(index) < 0)
       fail(parameter->place, fmt::format("\"{}\" holds {}, allowed: not negative", name,
                                          static_cast<std::int32_t>(index)));
+  }
   return indices;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "server/formats/byte_order_mark.h"
 #include "server/pbrt/syntax/older_pbrt.h"
 
@@ -20,7 +21,8 @@ SampledSpectrum samples(const Place& place, const std::string& what,
     fail(place, fmt::format("{} has {} numbers, expected pairs of wavelength and value", what,
                             numbers.size()));
   SampledSpectrum result;
-  for (std::size_t i = 0; i < numbers.size(); i += 2) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < numbers.size(); i += 2, poll()) {
     result.wavelengths_nm.push_back(numbers[i]);
     result.values.push_back(numbers[i + 1]);
   }
