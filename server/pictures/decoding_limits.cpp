@@ -37,7 +37,7 @@ JpegScans jpeg_scans(std::string_view bytes) {
           std::max(found.texels, number(bytes, i + kHeight, 2) * number(bytes, i + kWidth, 2));
       found.is_progressive |= (marker & 3U) == 2;
     }
-    found.scans += marker == kScan ? 1 : 0;
+    if (marker == kScan) found.scans.push_back(i - 2);
     i += number(bytes, i, 2);
   }
   return found;
@@ -48,9 +48,9 @@ absl::Status check_jpeg_scans(const AssetContent& content) {
   constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 32U;  // of all scans
   const JpegScans found = jpeg_scans(content.bytes);
   const std::uint64_t most = std::min(kMostScans, kMostTexels / found.texels);
-  if (found.scans <= most) return absl::OkStatus();
+  if (found.scans.size() <= most) return absl::OkStatus();
   return bad_picture(content, fmt::format("{} scans of {} texels, allowed: at most {} scans",
-                                          found.scans, found.texels, most));
+                                          found.scans.size(), found.texels, most));
 }
 
 absl::Status check_png_texts(const AssetContent& content) {

@@ -13,6 +13,7 @@
 
 #include "server/pictures/decoding_limits.h"
 #include "server/pictures/exr_header.h"
+#include "server/pictures/jpeg_source.h"
 #include "server/pictures/picture_checks.h"
 #include "server/pictures/picture_colours.h"
 #include "server/pictures/webp_header.h"
@@ -128,6 +129,8 @@ absl::StatusOr<ImageFile> ImageFile::open(const AssetContent& content,
   } else {
     LUCERNA_ASSIGN_OR_RETURN(ok, file.open_by_library());
   }
+  // A decoder takes a stop for the end of the file.
+  if (options.stop.stop_requested()) return absl::CancelledError("loading was cancelled");
   if (!ok) return file.unreadable();
   file.find_colours();
   LUCERNA_RETURN_IF_ERROR(check_spec(content, file.spec_, options.max_texels));
@@ -166,7 +169,10 @@ absl::StatusOr<bool> ImageFile::open_by_library() {
   // Use the stored colours, not multiplied by alpha.
   config.attribute("oiio:UnassociatedAlpha", 1);
   if (input_->supports("ioproxy")) {
-    memory_ = std::make_unique<StoppableReader>(content_->bytes, options_.stop);
+    if (format_ == PictureFormat::kJpeg)
+      memory_ = std::make_unique<JpegSource>(content_->bytes, options_.stop);
+    else
+      memory_ = std::make_unique<StoppableReader>(content_->bytes, options_.stop);
     OIIO::Filesystem::IOProxy* proxy = memory_.get();
     config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, static_cast<void*>(&proxy));
     return input_->open("image." + name, spec_, config);

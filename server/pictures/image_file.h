@@ -88,7 +88,7 @@ class ImageFile {
   const AssetContent* content_;
   PictureFormat format_;
   ImageOptions options_;
-  std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;
+  std::unique_ptr<OIIO::Filesystem::IOProxy> memory_;
   std::shared_ptr<MemoryFile> file_;
   std::unique_ptr<OIIO::ImageInput> input_;  // last of these members: closed first
   std::uint64_t whole_bytes_ = 0;            ///< of a picture that is decoded as a whole

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "lights/spectra/rgb_primaries.h"
 #include "proto/common/status_macros.h"
 #include "server/pictures/image_file.h"
@@ -373,10 +374,23 @@ absl::StatusOr<DecodedAlpha> alpha_of(const AssetContent& content, const ImageOp
   return alpha;
 }
 
+/// `decode`, whose loops end after a request to stop.  The library has a scope of its own.
+template <auto decode>
+auto stoppable(const AssetContent& content, const ImageOptions& options)
+    -> decltype(decode(content, options)) {
+  const StopScope scope(options.stop);
+  try {
+    return decode(content, options);
+  } catch (const Stopped&) {
+    return absl::CancelledError("loading was cancelled");
+  }
+}
+
 }  // namespace
 
 /// The library hides all its other names.
 extern "C" [[gnu::visibility("default")]] const PictureDecoder lucerna_picture_decoder;
-const PictureDecoder lucerna_picture_decoder{&image_of, &surface_of, &alpha_of};
+const PictureDecoder lucerna_picture_decoder{&stoppable<&image_of>, &stoppable<&surface_of>,
+                                             &stoppable<&alpha_of>};
 
 }  // namespace lucerna

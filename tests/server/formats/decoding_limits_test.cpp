@@ -1,7 +1,14 @@
 // Small files for which the libraries of pictures would work or store far more than their size.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <zlib.h>
+
+#include <atomic>
+#include <chrono>
+#include <ctime>
+#include <stop_token>
+#include <thread>
 
 #include "server/formats/image_reader.h"
 #include "tests/server/formats/picture_texts.h"
@@ -55,6 +62,37 @@ TEST(DecodingLimits, ManyScansOfAJpegAreRefusedBeforeDecoding) {
 TEST(DecodingLimits, LargePicturesMayHaveFewerScans) {
   EXPECT_THAT(message(picture_status(progressive_jpeg(10240, 41))),
               HasSubstr("41 scans of 104857600 texels, allowed: at most 40"));
+}
+
+double cpu_s(clockid_t clock) {
+  timespec time{};
+  clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// Compares processor times, which other work of the machine does not change by a factor of 4.
+TEST(DecodingLimits, ManyScansStopBetweenScans) {
+  const AssetContent content{"a", progressive_jpeg(4096, 100)};
+  const double before_s = cpu_s(CLOCK_THREAD_CPUTIME_ID);
+  EXPECT_TRUE(decode_image(content).ok());
+  const double whole_s = cpu_s(CLOCK_THREAD_CPUTIME_ID) - before_s;
+  std::stop_source stop;
+  std::atomic<bool> is_over = false;
+  absl::Status status;
+  double stopped_s = 0;
+  std::thread decoder([&] {
+    status = decode_image(content, {.stop = stop.get_token()}).status();
+    stopped_s = cpu_s(CLOCK_THREAD_CPUTIME_ID);
+    is_over = true;
+  });
+  clockid_t clock{};
+  ASSERT_EQ(pthread_getcpuclockid(decoder.native_handle(), &clock), 0);
+  while (!is_over && cpu_s(clock) < whole_s / 10)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  stop.request_stop();
+  decoder.join();
+  EXPECT_TRUE(absl::IsCancelled(status)) << status;
+  EXPECT_LT(stopped_s, 0.35 * whole_s);
 }
 
 TEST(DecodingLimits, OtherBytesAreNoScans) {
