@@ -1,5 +1,8 @@
 #include "tests/reliability/long_calls.h"
 
+#include <fmt/core.h>
+
+#include <fstream>
 #include <memory>
 
 #include "lucerna/v1/lighting.pb.h"
@@ -21,6 +24,54 @@ void add_directions(google::protobuf::RepeatedField<float>* to) {
 
 Message made(const std::string& method, const google::protobuf::MessageLite& request) {
   return make_message(method, request);
+}
+
+/// Writes a file of the scene root.
+void write_file(const SceneFiles& files, const std::string& name, const std::string& text) {
+  std::ofstream(files.folder() + "/" + name, std::ios::binary) << text;
+}
+
+/// A light of 2 `edge`^2 triangles, and one with a power that differs.
+std::string mesh_light(int edge, std::uint64_t number) {
+  std::string positions, indices;
+  for (int i = 0; i <= edge; ++i)
+    for (int k = 0; k <= edge; ++k) {
+      positions += fmt::format("{} {} 0 ", i, k);
+      if (i == edge || k == edge) continue;
+      const int a = i * (edge + 1) + k, b = a + edge + 1;
+      indices += fmt::format("{} {} {} {} {} {} ", a, b, a + 1, a + 1, b, b + 1);
+    }
+  return fmt::format(
+      "WorldBegin\nLightSource \"point\" \"float scale\" {}\n"
+      "AreaLightSource \"diffuse\"\n"
+      "Shape \"trianglemesh\" \"point3 P\" [{}] \"integer indices\" [{}]\n",
+      number, positions, indices);
+}
+
+/// One triangle at many places.
+std::string gltf_nodes(int count, std::uint64_t number) {
+  std::string nodes, numbers;
+  for (int i = 0; i < count; ++i) {
+    const char* comma = i == 0 ? "" : ",";
+    nodes += fmt::format("{}{{\"mesh\":0,\"translation\":[{},0,{}]}}", comma, i, number);
+    numbers += fmt::format("{}{}", comma, i);
+  }
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)" + numbers +
+         R"(]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
+         R"("min":[0,0,0],"max":[1,1,0]}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+         R"("buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
+         R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],"nodes":[)" +
+         nodes + "]}";
+}
+
+/// A subdivision of `levels` steps that emits.
+std::string subdivision(int levels, std::uint64_t number) {
+  return fmt::format(
+      "WorldBegin\nLightSource \"point\" \"float scale\" {}\nAreaLightSource \"diffuse\"\n"
+      "Shape \"loopsubdiv\" \"integer levels\" {} \"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1]"
+      " \"integer indices\" [0 2 1 0 1 3 1 2 3 0 3 2]\n",
+      number, levels);
 }
 
 template <typename Request>
@@ -105,6 +156,20 @@ std::vector<LongCall> long_calls(const Subject& subject, const SceneFiles& files
                      request.set_path(files.write(++*next));
                      return made("SceneService/LoadScene", request);
                    }});
+  const auto add_load = [&](const std::string& what, const std::string& name, auto text) {
+    calls.push_back({"SceneService/LoadScene, " + what, [&files, next, name, text] {
+                       write_file(files, name, text(++*next));
+                       v1::LoadSceneRequest request;
+                       request.set_path(name);
+                       return made("SceneService/LoadScene", request);
+                     }});
+  };
+  add_load("a light of 500 000 triangles", "light.pbrt",
+           [](std::uint64_t number) { return mesh_light(500, number); });
+  add_load("a subdivision into 4 million triangles", "loop.pbrt",
+           [](std::uint64_t number) { return subdivision(10, number); });
+  add_load("100 000 nodes", "nodes.gltf",
+           [](std::uint64_t number) { return gltf_nodes(100'000, number); });
   calls.push_back({"SceneService/EditLights", [id = subject.scene(), disk, next] {
                      v1::EditLightsRequest request;
                      request.set_scene_id(id);

@@ -28,6 +28,13 @@ class Stopped : public Edit {
     }
   }
 
+  void expect_loads_stop(const v1::LoadSceneRequest& request) {
+    expect_stops([&](grpc::ClientContext* c) {
+      v1::LoadSceneResponse response;
+      return service_->scenes.LoadScene(c, request, &response);
+    });
+  }
+
  private:
   /// Waits for the lanes.  Work that nobody stops would take minutes.
   bool is_idle() {
@@ -75,10 +82,7 @@ TEST_F(Stopped, LoadsOfManyPortals) {
     text += "LightSource \"infinite\" \"point3 portal\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0]\n";
   v1::LoadSceneRequest request;
   request.set_path(write("portals.pbrt", text));
-  expect_stops([&](grpc::ClientContext* c) {
-    v1::LoadSceneResponse response;
-    return service_->scenes.LoadScene(c, request, &response);
-  });
+  expect_loads_stop(request);
 }
 
 TEST_F(Stopped, LoadsOfManyShapes) {
@@ -86,9 +90,90 @@ TEST_F(Stopped, LoadsOfManyShapes) {
   for (int i = 0; i < 200000; ++i) text += "Shape \"sphere\"\n";
   v1::LoadSceneRequest request;
   request.set_path(write("shapes.pbrt", text));
+  expect_loads_stop(request);
+}
+
+// Each of these is one long loop after another.
+TEST_F(Stopped, LoadsOfOneLargeLight) {
+  constexpr int kSide = 300;
+  std::string positions, indices;
+  for (int i = 0; i <= kSide; ++i)
+    for (int k = 0; k <= kSide; ++k) {
+      positions += std::to_string(i) + " " + std::to_string(k) + " 0 ";
+      if (i == kSide || k == kSide) continue;
+      const int at = i * (kSide + 1) + k;
+      for (const int corner : {at, at + 1, at + kSide + 1}) indices += std::to_string(corner) + " ";
+    }
+  v1::LoadSceneRequest request;
+  request.set_path(
+      write("light.pbrt",
+            "WorldBegin\nAreaLightSource \"diffuse\"\nShape \"trianglemesh\" \"point3 P\" [" +
+                positions + "] \"integer indices\" [" + indices + "]\n"));
+  expect_loads_stop(request);
+}
+
+TEST_F(Stopped, LoadsOfASubdivision) {
+  v1::LoadSceneRequest request;
+  request.set_path(write(
+      "loop.pbrt",
+      "WorldBegin\nAreaLightSource \"diffuse\"\nShape \"loopsubdiv\" \"integer levels\" 8"
+      " \"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1] \"integer indices\" [0 2 1 0 1 3 1 2 3 0 3 2]\n"));
+  expect_loads_stop(request);
+}
+
+TEST_F(Stopped, LoadsOfManyNodes) {
+  constexpr int kNodes = 50000;
+  std::string nodes, numbers;
+  for (int i = 0; i < kNodes; ++i) {
+    nodes += (i == 0 ? "" : ",") + std::string("{\"mesh\":0,\"translation\":[") +
+             std::to_string(i) + ",0,0]}";
+    numbers += (i == 0 ? "" : ",") + std::to_string(i);
+  }
+  v1::LoadSceneRequest request;
+  request.set_path(
+      write("nodes.gltf",
+            R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)" + numbers +
+                R"(]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+                R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
+                R"("min":[0,0,0],"max":[1,1,0]}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+                R"("buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
+                R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],"nodes":[)" +
+                nodes + "]}"));
+  expect_loads_stop(request);
+}
+
+TEST_F(Stopped, LoadsOfALongSpectrum) {
+  std::string samples;
+  for (int i = 0; i < 100000; ++i) samples += std::to_string(360 + 400.0 * i / 100000) + " 1 ";
+  v1::LoadSceneRequest request;
+  request.set_path(write("spectrum.pbrt",
+                         "WorldBegin\nLightSource \"point\" \"spectrum I\" [" + samples + "]\n"));
+  expect_loads_stop(request);
+}
+
+TEST_F(Stopped, Queries) {
+  const std::string scene = load("placed.pbrt", placed(""));
+  constexpr int kPoints = 60000;
+  v1::Points points;
+  for (int i = 0; i < 3 * kPoints; ++i) points.add_offsets_m(0.001F * static_cast<float>(i % 701));
+  v1::EstimateIrradianceRequest irradiance;
+  irradiance.set_scene_id(scene);
+  *irradiance.mutable_receivers() = points;
+  for (int i = 0; i < kPoints; ++i)
+    for (const float n : {0.0F, 0.0F, 1.0F}) irradiance.add_normals(n);
+  irradiance.mutable_accuracy()->set_samples(4096);
+  irradiance.mutable_accuracy()->set_closed_forms(v1::CLOSED_FORMS_OFF);
   expect_stops([&](grpc::ClientContext* c) {
-    v1::LoadSceneResponse response;
-    return service_->scenes.LoadScene(c, request, &response);
+    v1::EstimateIrradianceResponse response;
+    return service_->lighting.EstimateIrradiance(c, irradiance, &response);
+  });
+  v1::EstimatePowerRequest power;
+  power.set_scene_id(scene);
+  power.set_method(v1::EstimatePowerRequest::METHOD_SAMPLED);
+  power.mutable_accuracy()->set_samples(1 << 20);
+  expect_stops([&](grpc::ClientContext* c) {
+    v1::EstimatePowerResponse response;
+    return service_->lighting.EstimatePower(c, power, &response);
   });
 }
 
