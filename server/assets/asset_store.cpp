@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "server/assets/asset_store_state.h"
+#include "server/runtime/scheduling.h"
 
 namespace lucerna {
 namespace {
@@ -23,8 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
-// The state of the digest is kept after each of these: a part continues without being read again.
-constexpr std::uint64_t kMarkBytes = std::uint64_t{4} << 20;
+constexpr int kBulkNiceness = 10;  // as in the bulk lane
 
 bool is_full(int error) { return error == ENOSPC || error == EDQUOT; }
 
@@ -107,6 +107,10 @@ absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOpt
   state->remove_old_parts();
   if (!state->free_space(0))
     return absl::InternalError("deleting unused assets does not make enough room");
+  state->hashing = std::jthread([s = state.get()](const std::stop_token& stop) {
+    set_thread_niceness(kBulkNiceness);
+    s->hash_parts(stop);
+  });
   return std::unique_ptr<AssetStore>(new AssetStore(std::move(state)));
 }
 
@@ -147,6 +151,9 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
           fmt::format("header.offset_bytes = {}, allowed: [0, {}], the bytes that the server has",
                       offset, held));
     }
+    if (entry.unread && offset > 0)
+      return absl::FailedPreconditionError("the server still reads what it has of the asset");
+    entry.unread = false;
     entry.writer = writer = ++state_->writers;  // free_space() does not delete it
     entry.reserved = entry.bytes;
     entry.coming = 0;

@@ -99,14 +99,15 @@ class AssetStore {
   Held held(const std::string& digest) const;
 
   /// Starts an upload at `offset`, which is at most the number of bytes in the store.  Deletes the
-  /// bytes after `offset`.  Reads at most 4 MiB of those before it to hash them, or all that
-  /// arrived before this server started, until `stop`.
+  /// bytes after `offset`.  Reads at most 4 MiB of those before it to hash them, until `stop`.
+  /// After a start, the store reads the parts that it finds in a thread of its own.
   ///
   /// The file counts as the sender's, as long as the store has it.
   ///
   /// Errors: INVALID_ARGUMENT (offset), RESOURCE_EXHAUSTED (over the limit for one file; files in
   /// use leave no room; with kOverQuotaPayload, the sender's files leave no room in its quota),
-  /// FAILED_PRECONDITION (another client uploads it; the store already has it), CANCELLED.
+  /// FAILED_PRECONDITION (another client uploads it; its part is not read yet; the store already
+  /// has it), CANCELLED.
   absl::StatusOr<AssetUpload> upload(const std::string& digest, std::uint64_t size,
                                      std::uint64_t offset, const AssetOwner& sender = {},
                                      const std::stop_token& stop = {});

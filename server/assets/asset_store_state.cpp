@@ -1,5 +1,6 @@
 #include "server/assets/asset_store_state.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <fstream>
@@ -62,6 +63,7 @@ void AssetStore::State::find_files() {
     const auto age = fs::file_time_type::clock::now() - file.last_write_time(error);
     entry.touched = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
     if (!entry.whole) entry.written = entry.touched;
+    entry.unread = !entry.whole && entry.bytes >= kMarkBytes;
     // If both exist, the server ended between finish and removal.  The whole file is valid.
     const auto [place, is_new] = entries.try_emplace(bytes_of(name), std::move(entry));
     if (is_new) continue;
@@ -74,6 +76,31 @@ void AssetStore::State::find_files() {
       fs::remove(owner(digest), error);
     } else {
       found->second.owner = text_of(owner(digest));
+    }
+  }
+}
+
+void AssetStore::State::hash_parts(const std::stop_token& stop) {
+  std::vector<std::string> parts;
+  {
+    const std::lock_guard guard(mutex);
+    for (const auto& [digest, entry] : entries)
+      if (entry.unread) parts.push_back(digest);
+  }
+  std::string bytes(kMarkBytes, '\0');
+  for (const std::string& digest : parts) {
+    const Descriptor file(::open(part(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    Sha256 sha;
+    for (bool goes_on = true; goes_on && !stop.stop_requested();) {
+      goes_on = file.get() >= 0 && read_fully(file.get(), bytes.data(), bytes.size()) ==
+                                       static_cast<std::int64_t>(bytes.size());
+      if (goes_on) sha.add(bytes);
+      const std::lock_guard guard(mutex);
+      const auto found = entries.find(digest);
+      // Deleted, or sent again from the start.
+      if (found == entries.end() || !found->second.unread) break;
+      found->second.unread = goes_on;
+      if (goes_on) found->second.marks.push_back(sha.copy());
     }
   }
 }

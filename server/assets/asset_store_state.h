@@ -10,12 +10,17 @@
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/assets/asset_store.h"
 
 namespace lucerna {
+
+// The state of the digest is kept after each of these: a part continues without being read again.
+inline constexpr std::uint64_t kMarkBytes = std::uint64_t{4} << 20;
 
 struct AssetStore::State {
   using Clock = std::chrono::steady_clock;
@@ -32,6 +37,7 @@ struct AssetStore::State {
     Clock::time_point touched{};  // when it was used
     std::string owner{};          // who sent it; empty: nobody in particular
     std::vector<Sha256> marks{};  // of a part: states of its digest, one every few MiB
+    bool unread = false;          // a part without marks, which hash_parts() makes
 
     void take(std::vector<Sha256>& more) {
       std::ranges::move(more, std::back_inserter(marks));
@@ -55,6 +61,10 @@ struct AssetStore::State {
 
   /// Fills `entries` from the directory.  Before other threads use the state.
   void find_files();
+
+  /// Computes the states of the digests of parts that arrived before this server started, at the
+  /// priority of the bulk lane.  Until then uploads do not continue them.
+  void hash_parts(const std::stop_token& stop);
 
   // Call the functions below with the lock held.
 
@@ -81,6 +91,8 @@ struct AssetStore::State {
 
   /// The entry that `writer` writes; null if another writer took over or the entry was dropped.
   Entry* entry_of(const std::string& digest, std::uint64_t writer);
+
+  std::jthread hashing;  ///< last: ends first
 };
 
 }  // namespace lucerna
