@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -39,7 +41,8 @@ void BoxTree::build(std::span<const FloatBox> boxes, std::uint32_t begin, std::u
     return boxes[item].lower * 0.5F + boxes[item].upper * 0.5F;
   };
   Vec3<float> first = middle(order_[begin]), last = first;
-  for (std::uint32_t i = begin + 1; i < end; ++i) {
+  StopPoll poll;
+  for (std::uint32_t i = begin + 1; i < end; ++i, poll()) {
     const FloatBox& b = boxes[order_[i]];
     box = {smaller(box.lower, b.lower), larger(box.upper, b.upper)};
     first = smaller(first, middle(order_[i])), last = larger(last, middle(order_[i]));

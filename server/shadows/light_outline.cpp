@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/maths/stop_poll.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {
@@ -58,7 +59,8 @@ template <typename Mesh>
 LightOutline flat_mesh(const Mesh& mesh) {
   std::vector<Vector> points;
   std::size_t largest = 0;
-  for (std::size_t i = 0; i < mesh.size(); ++i) {
+  StopPoll poll;
+  for (std::size_t i = 0; i < mesh.size(); ++i, poll()) {
     const auto& p = mesh.primitive(i);
     if constexpr (requires { p.p11; })
       points.insert(points.end(), {p.p00, p.p10, p.p01, p.p11});

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "lights/maths/stop_poll.h"
 #include "server/rays/box_tree.h"
 #include "server/rays/error_bounds.h"
 #include "server/runtime/denormals.h"
@@ -171,13 +172,15 @@ class SetBoxes {
   }
 
   void add_to(std::vector<FloatBox>& boxes) const {
-    for (std::size_t t = 0; t < set_.triangles.size(); t += 3) {
+    StopPoll poll;
+    for (std::size_t t = 0; t < set_.triangles.size(); t += 3, poll()) {
       Bounds box;
       for (std::size_t k = 0; k < 3; ++k) box.add(vertex(t + k));
       boxes.push_back(FloatBox::around(box.lower, box.upper));
     }
     set_.for_each_kind_of_surface([&](const auto& surfaces) {
       for (const auto& surface : surfaces) {
+        poll();
         const auto [lower, upper] = surface.bounds();
         boxes.push_back(FloatBox::around(lower, upper));
       }

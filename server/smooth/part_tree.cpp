@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lights/maths/stop_poll.h"
 #include "server/rays/surface_table.h"
 
 namespace lucerna {
@@ -68,7 +69,8 @@ bool PartTree::Node::may_mirror_from(const Vec3<double>& to, const Vec3<double>&
 
 PartTree::PartTree(std::span<const SmoothPart> parts) {
   std::vector<std::uint32_t> numbers;
-  for (std::uint32_t i = 0; i < parts.size(); ++i)
+  StopPoll poll;
+  for (std::uint32_t i = 0; i < parts.size(); ++i, poll())
     if (parts[i].reflects || parts[i].refracts) numbers.push_back(i);
   nodes_.reserve(2 * numbers.size());
   if (!numbers.empty()) build(parts, numbers);
@@ -79,7 +81,9 @@ void PartTree::build(std::span<const SmoothPart> parts, std::span<std::uint32_t>
   Node node;
   Bounds middles;
   Vector sum{};
+  StopPoll poll;
   for (const std::uint32_t i : numbers) {
+    poll();
     const SmoothPart& part = parts[i];
     middles.add(part.middle);
     node.weight += weight_of(part);
@@ -89,6 +93,7 @@ void PartTree::build(std::span<const SmoothPart> parts, std::span<std::uint32_t>
   node.middle = middles.lower * 0.5 + middles.upper * 0.5;
   node.axis = length(sum) > 0 ? normalized(sum) : Vector{0, 0, 1};
   for (const std::uint32_t i : numbers) {
+    poll();
     const SmoothPart& part = parts[i];
     node.radius_m = std::fmax(node.radius_m, length(part.middle - node.middle) + radius_of(part));
     node.angle_rad =

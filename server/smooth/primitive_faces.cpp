@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "lights/maths/stop_poll.h"
+
 namespace lucerna {
 namespace {
 
@@ -83,7 +85,8 @@ bool has_other_normals(const GeometrySet& set, const SurfaceTable& table, HitKin
 void add_bounds(const GeometrySet& set, const GeometryInstance* placed, const PrimitiveRange& run,
                 Bounds& to) {
   Bounds own;
-  for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
+  StopPoll poll;
+  for (std::uint32_t i = run.first; i < run.first + run.count; ++i, poll()) {
     if (run.kind == HitKind::kTriangle) {
       for (int k = 0; k < 3; ++k) own.add(vertex(set, i, k));
     } else {

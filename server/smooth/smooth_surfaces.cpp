@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "lights/maths/stop_poll.h"
 #include "server/materials/material.h"
 #include "server/scene/light_at_time.h"
 #include "server/smooth/face_plane.h"
@@ -229,7 +230,8 @@ class SmoothSurfaces::Collector {
             const Run& run, const SmoothPart& like, Found& found) const {
     found.kinds.push_back({run.kind, run.first, {}});
     std::vector<std::int32_t>& planes = found.kinds.back().planes;
-    for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
+    StopPoll poll;
+    for (std::uint32_t i = run.first; i < run.first + run.count; ++i, poll()) {
       if (run.kind == HitKind::kSphere) {
         auto sphere = whole_sphere(set.of<Sphere<double>>()[i], placed, like);
         if (!sphere || like.refracts || !like.reflects || may_hold_light(sphere->part))
@@ -289,7 +291,9 @@ class SmoothSurfaces::Collector {
   /// Adds the planes of a surface to those of the scene.
   void join(const Found& found, std::uint64_t shape) {
     std::vector<std::int32_t> numbers;
+    StopPoll poll;
     for (const FacePlane& p : found.planes) {
+      poll();
       const auto same =
           std::ranges::find_if(planes_, [&](const FacePlane& q) { return q.joins(p); });
       numbers.push_back(static_cast<std::int32_t>(same - planes_.begin()));

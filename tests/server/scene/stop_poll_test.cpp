@@ -15,6 +15,8 @@
 #include "server/runtime/parallel.h"
 #include "server/scene/light_edit.h"
 #include "server/scene/scene_lights.h"
+#include "server/smooth/smooth_surfaces.h"
+#include "tests/server/scene/scenes.h"
 
 namespace lucerna {
 namespace {
@@ -132,6 +134,23 @@ TEST(StopPoll, EndsEachLoopOverContent) {
     const StopScope scope(stop);
     EXPECT_THROW(loop(), Stopped) << what;
   }
+}
+
+// Queries make parts of a scene at their first use.
+TEST(StopPoll, EndsTheBuildOfAPartThatTheNextCallBuildsAgain) {
+  SceneDescription of = testing::description();
+  of.materials.push_back({.params = MetalParams{.reflectance = ColourValue{Rgb<double>(0.9)}}});
+  ShapeDescription mirror = shape();
+  mirror.emission = {};
+  mirror.material = 1;
+  of.shapes.push_back(std::move(mirror));
+  const auto scene = testing::build(std::move(of));
+  const std::stop_token stop = requested();
+  {
+    const StopScope scope(stop);
+    EXPECT_THROW((void)smooth_surfaces(*scene), Stopped);
+  }
+  EXPECT_NO_THROW((void)smooth_surfaces(*scene));
 }
 
 }  // namespace
