@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/rpc/messages/errors.h"
 #include "server/runtime/parallel.h"
@@ -89,7 +90,11 @@ void UnaryCall::compute(const Task& task) {
   if (record.queued) limit.emplace(runtime_, observed_.deadline(), stop_);
   const auto begin = std::chrono::steady_clock::now();
   const CpuMeter meter;
-  absl::Status status = guarded([&] { return task.run(stop_.get_token()); });
+  const std::stop_token stop = stop_.get_token();
+  absl::Status status = guarded([&] {
+    const StopScope scope(stop);
+    return task.run(stop);
+  });
   // A stopped task may have left its answer incomplete.
   const bool stopped = stop_.stop_requested();
   if (stopped) status = limit ? limit->stopped_status() : stopped_status(observed_.deadline());

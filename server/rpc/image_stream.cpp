@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "lights/maths/stop_poll.h"
 #include "lucerna/v1/render.pb.h"
 #include "proto/common/status_macros.h"
 #include "server/rpc/answer_record.h"
@@ -71,7 +72,9 @@ absl::Status ImageStream::render(grpc::ByteBuffer* bytes) {
   const auto begin = std::chrono::steady_clock::now();
   const CpuMeter meter;
   v1::RenderImageResponse response;
-  const absl::Status status = render_->next(stop_.get_token(), &response);
+  const std::stop_token stop = stop_.get_token();
+  const StopScope scope(stop);
+  const absl::Status status = render_->next(stop, &response);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   record.cpu_s += meter.seconds();
   record.compute_s += wall.count();

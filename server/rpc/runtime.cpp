@@ -3,6 +3,7 @@
 #include <exception>
 #include <new>
 
+#include "lights/maths/stop_poll.h"
 #include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
@@ -53,6 +54,8 @@ absl::Status stopped_status(LaneJob::Clock::time_point deadline) {
 absl::Status guarded(const std::function<absl::Status()>& f) {
   try {
     return f();
+  } catch (const Stopped&) {
+    return absl::CancelledError("the work was stopped");
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError("not enough memory for this request");
   } catch (const std::exception& e) {

@@ -98,9 +98,7 @@ absl::Status no_message() {
                      Reason::kMalformedMessage);
 }
 
-absl::Status no_such_call() {
-  return absl::UnimplementedError("the server has no such call");
-}
+absl::Status no_such_call() { return absl::UnimplementedError("the server has no such call"); }
 
 absl::Status unknown_scene(const std::string& id) {
   return with_reason(absl::NotFoundError(fmt::format("scene_id = \"{}\", which is not loaded",
