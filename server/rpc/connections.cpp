@@ -16,9 +16,10 @@ namespace {
 // A connection may cancel this many calls at once, and then this many in a second.
 constexpr double kCancels = 1000, kCancelsPerSecond = 200;
 constexpr const char* kResets = "its client cancels too many calls";
-// Bytes that need not belong to a call: the rest of a stream whose call ended before it, and in
-// each second pings and settings.
-constexpr double kSpareBytes = 32 << 20, kSpareBytesPerSecond = 1 << 10;
+// Bytes that need not belong to a call, and in each second those of pings and settings.
+constexpr double kSpareBytes = 4 << 20, kSpareBytesPerSecond = 1 << 10;
+// How long the rest of a stream may arrive after its call has ended.
+constexpr auto kLateTime = std::chrono::seconds(10);
 // A client that takes answers opens windows for them, with a part of their bytes.
 constexpr double kWindowShare = 1.0 / 16;
 // How long a client may take nothing while others have no room for their answers.
@@ -26,10 +27,13 @@ constexpr std::uint32_t kCrowdedSeconds = 10;
 // There is always room for smaller answers.
 constexpr std::uint64_t kSmallAnswerBytes = 64 << 10;
 // gRPC 1.51 reads a header of n bytes in a time of n^2.  If bytes wait to be read at so many looks
-// in a row, it must read this much.
-constexpr int kSlowLooks = 100;
+// in a row, for so long, it must read this much.
+constexpr int kSlowLooks = 200;
+constexpr auto kSlowTime = std::chrono::seconds(10);
 constexpr std::uint64_t kSlowBytes = 10 << 20;
 constexpr int kWaitingBytes = 64 << 10;
+// When to look again: a client on this machine may send 50 MB in 50 ms.
+constexpr std::chrono::milliseconds kLater(50), kSoon(10);
 // Answers to pings are less.
 constexpr std::uint64_t kLeastReadBytes = 4 << 10;
 
@@ -166,9 +170,12 @@ std::string Connections::complaint(Connection& c, Connection::Clock::time_point 
   ioctl(c.descriptor_, FIONREAD, &waiting);
   const std::uint64_t read = info.tcpi_bytes_received - c.received_;
   // Bytes arrive in bursts, so only many looks show the rate.
-  const bool waits = waiting > kWaitingBytes && c.looks_ < kSlowLooks;
-  c.looks_ = waits ? c.looks_ + 1 : 0;
-  c.looks_bytes_ = waits ? c.looks_bytes_ + read : 0;
+  if (waiting <= kWaitingBytes) c.looks_ = 0;
+  if (c.looks_ == 0) c.looks_since_ = now, c.looks_bytes_ = 0;
+  c.looks_bytes_ += read;
+  // Looks count too, since the whole machine may have stood still.
+  const bool looked = ++c.looks_ > kSlowLooks && now - c.looks_since_ > kSlowTime;
+  if (looked) c.looks_ = 0;
   const double allowed = static_cast<double>(explained - c.explained_before_) +
                          kWindowShare * static_cast<double>(acknowledged - c.acknowledged_) +
                          kSpareBytesPerSecond * seconds(now - c.seen_);
@@ -177,12 +184,14 @@ std::string Connections::complaint(Connection& c, Connection::Clock::time_point 
   c.received_ = info.tcpi_bytes_received;
   c.acknowledged_ = acknowledged;
   c.explained_before_ = explained;
-  const double unfinished = static_cast<double>(
-      std::min<std::uint64_t>(c.awaited_ * patience_.message_bytes, patience_.unfinished_bytes));
+  if (c.left_.exchange(false)) c.left_at_ = now;
+  const std::uint64_t streams = c.awaited_ + (now - c.left_at_ < kLateTime ? 1 : 0);
+  const double unfinished =
+      static_cast<double>(std::min(streams * patience_.message_bytes, patience_.unfinished_bytes));
   if (c.unexplained_ > kSpareBytes + unfinished)
-    return fmt::format("it sent {:.0f} MB that belong to no call", 1e-6 * c.unexplained_);
-  if (c.looks_ == kSlowLooks && c.looks_bytes_ < kSlowBytes)
-    return "its headers take too much time to read";
+    return fmt::format("{:.0f} MB of its messages and headers are not complete",
+                       1e-6 * c.unexplained_);
+  if (looked && c.looks_bytes_ < kSlowBytes) return "its headers take too much time to read";
   if (c.unsent_ == 0 || acknowledged >= c.read_bytes_ + kLeastReadBytes) {
     c.read_ = now;
     c.read_bytes_ = acknowledged;
@@ -194,14 +203,17 @@ std::string Connections::complaint(Connection& c, Connection::Clock::time_point 
   return {};
 }
 
-void Connections::watch() {
+std::chrono::milliseconds Connections::watch() {
   const std::lock_guard lock(mutex_);
   sweep();
   const auto now = Connection::Clock::now();
+  bool suspect = false;
   for (auto& [descriptor, connection] : open_) {
     const std::string why = complaint(*connection, now);
     if (!why.empty()) close(*connection, why);
+    suspect |= connection->unexplained_ > kSpareBytes;
   }
+  return suspect ? kSoon : kLater;
 }
 
 }  // namespace lucerna::rpc

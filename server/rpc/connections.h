@@ -21,7 +21,10 @@ class Connection {
  public:
   void call_ended() { --calls_; }
   /// A call ended before its client's messages did.  At most `bytes` of them are on their way.
-  void call_left(std::size_t bytes) { explained_ += bytes; }
+  void call_left(std::size_t bytes) {
+    explained_ += bytes;
+    left_ = true;
+  }
   /// A call waits for its next message.
   void message_awaited() { ++awaited_; }
   void message_taken(std::size_t bytes) {
@@ -42,6 +45,7 @@ class Connection {
   std::atomic<std::uint64_t> explained_ = 0;  // bytes that belong to calls
   std::atomic<std::uint32_t> calls_ = 0, awaited_ = 0;
   std::atomic<std::uint64_t> unsent_ = 0;
+  std::atomic<bool> left_ = false;  // since the last look
 
   // Guarded by Connections::mutex_.
   int descriptor_ = -1;
@@ -53,8 +57,10 @@ class Connection {
   // When the connection was last looked at.
   Clock::time_point seen_;
   std::uint64_t received_ = 0, acknowledged_ = 0, explained_before_ = 0;
-  double unexplained_ = 0;         // bytes that belong to no call
-  int looks_ = 0;                  // in a row, at which bytes waited to be read
+  Clock::time_point left_at_;
+  double unexplained_ = 0;  // bytes that belong to no call
+  int looks_ = 0;           // in a row, at which bytes waited to be read
+  Clock::time_point looks_since_;
   std::uint64_t looks_bytes_ = 0;  // that arrived meanwhile
   Clock::time_point read_;         // when the client last took some of its answers
   std::uint64_t read_bytes_ = 0;
@@ -100,9 +106,9 @@ class Connections {
   void answer_begun(std::uint64_t bytes) { unsent_ += bytes; }
   void answer_sent(std::uint64_t bytes) { unsent_ -= bytes; }
   /// Closes connections that send much that belongs to no call, such as headers without end, that
-  /// take much time to be read, or that take none of their answers for a long time.  Call it ten
-  /// times a second.
-  void watch();
+  /// take much time to be read, or that take none of their answers for a long time.  Returns the
+  /// time until the next call.
+  std::chrono::milliseconds watch();
 
  private:
   using Map = std::map<int, std::shared_ptr<Connection>>;

@@ -33,7 +33,6 @@ constexpr int kBacklog = 1024;
 constexpr int kPauseMs = 50;
 // How long a connection to the own port may wait until it is accepted.
 constexpr auto kOwnPatience = std::chrono::seconds(5);
-constexpr int kWatchMs = 100;
 constexpr auto kLogInterval = std::chrono::seconds(10);
 
 /// Raises the limit of open files as far as it goes.  Returns the limit.
@@ -153,7 +152,8 @@ Listener::~Listener() {
   if (spare_ >= 0) close(spare_);
 }
 
-absl::Status Listener::start(std::function<void(int, int)> take, std::function<void()> watch) {
+absl::Status Listener::start(std::function<void(int, int)> take,
+                             std::function<std::chrono::milliseconds()> watch) {
   const std::uint64_t files = raise_file_limit(), used = open_files() + kReserved;
   if (used >= files) {
     return absl::ResourceExhaustedError(fmt::format(
@@ -196,14 +196,12 @@ void Listener::run() {
   std::vector<pollfd> ready;
   for (const int fd : listeners_) ready.push_back({fd, POLLIN, 0});
   ready.push_back({wake_, POLLIN, 0});
-  auto watched = std::chrono::steady_clock::now();
+  auto next = std::chrono::steady_clock::now();
   for (;;) {
-    const int count = poll(ready.data(), ready.size(), kWatchMs);
-    if (const auto now = std::chrono::steady_clock::now();
-        now - watched >= std::chrono::milliseconds(kWatchMs)) {
-      watch_();
-      watched = now;
-    }
+    const auto wait =
+        std::chrono::ceil<std::chrono::milliseconds>(next - std::chrono::steady_clock::now());
+    const int count = poll(ready.data(), ready.size(), std::max(0, static_cast<int>(wait.count())));
+    if (const auto now = std::chrono::steady_clock::now(); now >= next) next = now + watch_();
     if (count < 0) continue;
     if (ready.back().revents != 0) return;
     for (const pollfd& r : ready) {

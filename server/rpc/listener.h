@@ -34,12 +34,12 @@ class Listener {
   Listener& operator=(const Listener&) = delete;
 
   int port() const { return port_; }
-  /// Calls `take` with each new connection, and `watch` some times a second.  `take` owns the
-  /// descriptor.  Call this when the process has opened its other files.  RESOURCE_EXHAUSTED if the
-  /// limit of open files (ulimit -n) leaves no room for connections.  A smaller room than the limit
-  /// of connections lowers that limit.
+  /// Calls `take` with each new connection, and `watch` whenever the time that it returned has
+  /// passed.  `take` owns the descriptor.  Call this when the process has opened its other files.
+  /// RESOURCE_EXHAUSTED if the limit of open files (ulimit -n) leaves no room for connections.  A
+  /// smaller room than the limit of connections lowers that limit.
   absl::Status start(std::function<void(int listener, int connection)> take,
-                     std::function<void()> watch);
+                     std::function<std::chrono::milliseconds()> watch);
   Connections& connections() { return connections_; }
   /// Connects to its own port, and returns whether it accepts that within some seconds.
   bool accepts() const;
@@ -58,7 +58,7 @@ class Listener {
   const ConnectionLimits limits_;
   Connections connections_;
   std::function<void(int, int)> take_;
-  std::function<void()> watch_;
+  std::function<std::chrono::milliseconds()> watch_;
   std::thread thread_;
   std::atomic<std::uint64_t> accepted_{0};  // connections so far, and refused ones
   // Of the thread: connections refused since the last line of the log, and when the next may come.

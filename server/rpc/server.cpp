@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <grpc/support/log.h>
+#include <grpcpp/alarm.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/resource_quota.h>
 #include <spdlog/spdlog.h>
@@ -38,6 +39,7 @@ struct Server::State {
   std::string metrics_address;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<Listener> listener;
+  CallGate hand_overs;
   bool ended = false;
 
   absl::Status load(const std::string& path, const std::stop_token& stop);
@@ -50,8 +52,11 @@ namespace {
 
 // Headers of one call.
 constexpr std::uint64_t kMaxHeaderBytes = 16 << 10;
-// Messages that have not arrived in full, of all connections.
-constexpr std::uint64_t kLeastUnfinishedBytes = 192 << 20;
+// Smaller messages have room for as many bytes.
+constexpr std::uint64_t kLeastMessageBytes = 64 << 20;
+// Messages that have not arrived in full, of one connection and of all: so many of the largest.
+// Beyond the second gRPC ends calls of any connection.
+constexpr std::uint64_t kUnfinishedMessages = 3, kAllUnfinishedMessages = 6;
 // What gRPC reads at once.  After more, thousands of calls that were reset would be known too late.
 constexpr std::uint64_t kMaxReadBytes = 64 << 10;
 // Answers that their clients have not taken, without a memory budget.
@@ -195,9 +200,9 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   set(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE, kMaxReadBytes);
   const std::uint64_t two_messages = 2ULL * options.limits.max_message_bytes;
   const std::uint64_t budget = options.scenes.memory_budget_bytes;
-  const std::uint64_t unfinished = std::max(kLeastUnfinishedBytes, two_messages);
+  const std::uint64_t message = std::max(options.limits.max_message_bytes, kLeastMessageBytes);
   grpc::ResourceQuota quota("lucernad");
-  quota.Resize(unfinished);
+  quota.Resize(kAllUnfinishedMessages * message);
   builder.SetResourceQuota(quota);
   acceptor = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
@@ -208,21 +213,33 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   address = with_port(options.listen, listener->port());
   listener->connections().set_patience(
       {.message_bytes = options.limits.max_message_bytes,
-       .unfinished_bytes = unfinished,
+       .unfinished_bytes = kUnfinishedMessages * message,
        .calls = 2 * doors.streams + kSpareCalls,
        .unsent_bytes = std::max(two_messages, budget == 0 ? kMostUnsentBytes : budget / 4),
        .idle_s = doors.idle_s});
   runtime.connections = &listener->connections();
   runtime.idle_s = doors.idle_s;
   const auto take = [this](int from, int connection) {
-    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
-    parameters.listener_fd = from;
-    parameters.fd = connection;
-    acceptor->HandleNewConnection(&parameters);
+    // gRPC reads what arrives at once, on the thread that hands the connection over.  A client that
+    // sends without pause would keep the listener's thread, so this is one of gRPC's.
+    struct HandOver {
+      grpc::Alarm alarm;
+      CallGate::Pass pass;
+    };
+    auto hand_over = std::make_shared<HandOver>();
+    hand_over->pass = hand_overs.enter();
+    grpc::Alarm& alarm = hand_over->alarm;
+    alarm.Set(std::chrono::system_clock::now(), [this, from, connection, hand_over](bool) mutable {
+      grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+      parameters.listener_fd = from;
+      parameters.fd = connection;
+      acceptor->HandleNewConnection(&parameters);
+      hand_over.reset();
+    });
   };
   const auto watch = [this] {
     runtime.waits.watch();
-    listener->connections().watch();
+    return listener->connections().watch();
   };
   // gRPC has opened its descriptors by now, so they count.
   return listener->start(take, watch);
@@ -244,6 +261,7 @@ absl::Status Server::State::serve_metrics(const std::string& address) {
 void Server::State::end(std::chrono::system_clock::time_point deadline) {
   if (std::exchange(ended, true) || server == nullptr) return;
   listener->stop();
+  hand_overs.wait_until_empty();
   server->Shutdown(deadline);
   server->Wait();
   // A lane may still hold a call that gRPC has ended, and with it a pass of the gate.

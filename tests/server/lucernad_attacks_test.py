@@ -74,7 +74,7 @@ for path in ("", "_of_pictures", "_of_uploads", "_of_checks", "_of_watches", "_o
     with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
         attack_until_closed(lucernad, "resets" + path, "its client cancels too many calls")
 with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
-    attack_until_closed(lucernad, "empty_frames_of_headers", "belong to no call")
+    attack_until_closed(lucernad, "empty_frames_of_headers", "messages and headers are not complete")
 for test in (reflection_needs_no_threads, answers_that_nobody_takes_are_refused):
     with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
         test(lucernad)
