@@ -16,10 +16,13 @@ namespace {
 // A connection may cancel this many calls at once, and then this many in a second.
 constexpr double kCancels = 1000, kCancelsPerSecond = 200;
 constexpr const char* kResets = "its client cancels too many calls";
-// Bytes that need not belong to a call, and in each second those of pings and settings.
-constexpr double kSpareBytes = 4 << 20, kSpareBytesPerSecond = 1 << 10;
+// Bytes that need not belong to a call, such as those of calls that gRPC has not begun yet, and in
+// each second those of pings and settings.
+constexpr double kSpareBytes = 32 << 20, kSpareBytesPerSecond = 1 << 10;
 // How long the rest of a stream may arrive after its call has ended.
 constexpr auto kLateTime = std::chrono::seconds(10);
+// Of requests that are left again and again.
+constexpr double kLeftBytesPerSecond = 1 << 20;
 // A client that takes answers opens windows for them, with a part of their bytes.
 constexpr double kWindowShare = 1.0 / 16;
 // How long a client may take nothing while others have no room for their answers.
@@ -85,6 +88,7 @@ std::string Connections::add(int descriptor, const std::string& peer, const std:
   c->name_ = name;
   c->cancels_ = kCancels;
   c->counted_ = c->seen_ = c->read_ = Connection::Clock::now();
+  c->may_leave_ = static_cast<double>(patience_.unfinished_bytes);
   names_.erase(name);
   names_[c->name_] = c;
   open_[descriptor] = std::move(c);
@@ -138,9 +142,9 @@ std::string Connections::refusal(const std::string& peer) const {
 }
 
 void Connections::close(Connection& connection, const std::string& why) const {
-  if (inode_of(connection.descriptor_) != connection.inode_) return;
-  shutdown(connection.descriptor_, SHUT_RDWR);  // gRPC closes it
-  forget(connection);
+  if (connection.closed_ || inode_of(connection.descriptor_) != connection.inode_) return;
+  connection.closed_ = true;
+  shutdown(connection.descriptor_, SHUT_RDWR);  // gRPC closes it, when its calls have ended
   spdlog::warn(fmt::format("closed a connection of {}: {}", connection.peer_, why));
 }
 
@@ -154,18 +158,41 @@ void Connections::call_begun(Connection& c) {
 void Connections::count_cancelled(Connection& c) {
   const std::lock_guard lock(mutex_);
   const auto now = Connection::Clock::now();
-  const bool closed = c.cancels_ < 0;
   c.cancels_ = std::min(kCancels, c.cancels_ + kCancelsPerSecond * seconds(now - c.counted_)) - 1;
   c.counted_ = now;
-  if (c.cancels_ >= 0 || closed) return;
-  close(c, kResets);
+  if (c.cancels_ < 0) close(c, kResets);
+}
+
+void Connections::count_bytes(Connection& c, std::uint64_t received, std::uint64_t acknowledged,
+                              Connection::Clock::time_point now) const {
+  const std::uint64_t explained = c.explained_;
+  const double time = seconds(now - c.seen_);
+  const double more = static_cast<double>(received - c.received_) -
+                      static_cast<double>(explained - c.explained_before_) -
+                      kWindowShare * static_cast<double>(acknowledged - c.acknowledged_) -
+                      kSpareBytesPerSecond * time;
+  c.unexplained_ = std::max(0.0, c.unexplained_ + more);
+  c.seen_ = now;
+  c.received_ = received;
+  c.acknowledged_ = acknowledged;
+  c.explained_before_ = explained;
+  // A request that was left explains what has arrived of it, and what arrives soon.
+  c.may_leave_ = std::min(static_cast<double>(patience_.unfinished_bytes),
+                          c.may_leave_ + kLeftBytesPerSecond * time);
+  const double left = std::min(c.may_leave_, static_cast<double>(c.left_.exchange(0)));
+  c.may_leave_ -= left;
+  if (left > 0) c.left_at_ = now;
+  c.late_ = now - c.left_at_ < kLateTime ? c.late_ + left : 0;
+  const double late = std::min(c.late_, c.unexplained_);
+  c.late_ -= late;
+  c.unexplained_ -= late;
 }
 
 std::string Connections::complaint(Connection& c, Connection::Clock::time_point now) const {
   tcp_info info{};
   socklen_t size = sizeof info;
   if (getsockopt(c.descriptor_, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
-  const std::uint64_t explained = c.explained_, acknowledged = info.tcpi_bytes_acked;
+  const std::uint64_t acknowledged = info.tcpi_bytes_acked;
   int waiting = 0;
   ioctl(c.descriptor_, FIONREAD, &waiting);
   const std::uint64_t read = info.tcpi_bytes_received - c.received_;
@@ -176,18 +203,9 @@ std::string Connections::complaint(Connection& c, Connection::Clock::time_point 
   // Looks count too, since the whole machine may have stood still.
   const bool looked = ++c.looks_ > kSlowLooks && now - c.looks_since_ > kSlowTime;
   if (looked) c.looks_ = 0;
-  const double allowed = static_cast<double>(explained - c.explained_before_) +
-                         kWindowShare * static_cast<double>(acknowledged - c.acknowledged_) +
-                         kSpareBytesPerSecond * seconds(now - c.seen_);
-  c.unexplained_ = std::max(0.0, c.unexplained_ + static_cast<double>(read) - allowed);
-  c.seen_ = now;
-  c.received_ = info.tcpi_bytes_received;
-  c.acknowledged_ = acknowledged;
-  c.explained_before_ = explained;
-  if (c.left_.exchange(false)) c.left_at_ = now;
-  const std::uint64_t streams = c.awaited_ + (now - c.left_at_ < kLateTime ? 1 : 0);
-  const double unfinished =
-      static_cast<double>(std::min(streams * patience_.message_bytes, patience_.unfinished_bytes));
+  count_bytes(c, info.tcpi_bytes_received, acknowledged, now);
+  const double unfinished = static_cast<double>(
+      std::min(c.requests_ * patience_.message_bytes, patience_.unfinished_bytes));
   if (c.unexplained_ > kSpareBytes + unfinished)
     return fmt::format("{:.0f} MB of its messages and headers are not complete",
                        1e-6 * c.unexplained_);
@@ -209,6 +227,7 @@ std::chrono::milliseconds Connections::watch() {
   const auto now = Connection::Clock::now();
   bool suspect = false;
   for (auto& [descriptor, connection] : open_) {
+    if (connection->closed_) continue;
     const std::string why = complaint(*connection, now);
     if (!why.empty()) close(*connection, why);
     suspect |= connection->unexplained_ > kSpareBytes;

@@ -20,17 +20,15 @@ namespace lucerna::rpc {
 class Connection {
  public:
   void call_ended() { --calls_; }
-  /// A call ended before its client's messages did.  At most `bytes` of them are on their way.
-  void call_left(std::size_t bytes) {
-    explained_ += bytes;
-    left_ = true;
+  /// A call of the contract has begun, whose client may send messages until it is complete.
+  void request_begun() { ++requests_; }
+  void request_complete() { --requests_; }
+  /// A call ended before its request was complete.  At most `bytes` of it are on their way.
+  void request_left(std::size_t bytes) {
+    left_ += bytes;  // first, for a look between the two
+    --requests_;
   }
-  /// A call waits for its next message.
-  void message_awaited() { ++awaited_; }
-  void message_taken(std::size_t bytes) {
-    --awaited_;
-    explained_ += bytes + kMessageBytes;
-  }
+  void message_taken(std::size_t bytes) { explained_ += bytes + bytes / 256 + kMessageBytes; }
   /// Bytes that gRPC has got and not sent yet.
   void answer_begun(std::size_t bytes) { unsent_ += bytes; }
   void answer_sent(std::size_t bytes) { unsent_ -= bytes; }
@@ -39,13 +37,13 @@ class Connection {
  private:
   friend class Connections;
   using Clock = std::chrono::steady_clock;
-  // The headers of a call, and the frames around a message.
+  // The headers of a call, and the frames around a message; TLS adds a 256th.
   static constexpr std::uint64_t kHeaderBytes = 16 << 10, kMessageBytes = 1 << 10;
 
   std::atomic<std::uint64_t> explained_ = 0;  // bytes that belong to calls
-  std::atomic<std::uint32_t> calls_ = 0, awaited_ = 0;
+  std::atomic<std::uint32_t> calls_ = 0, requests_ = 0;
   std::atomic<std::uint64_t> unsent_ = 0;
-  std::atomic<bool> left_ = false;  // since the last look
+  std::atomic<std::uint64_t> left_ = 0;  // since the last look
 
   // Guarded by Connections::mutex_.
   int descriptor_ = -1;
@@ -57,9 +55,12 @@ class Connection {
   // When the connection was last looked at.
   Clock::time_point seen_;
   std::uint64_t received_ = 0, acknowledged_ = 0, explained_before_ = 0;
-  Clock::time_point left_at_;
   double unexplained_ = 0;  // bytes that belong to no call
-  int looks_ = 0;           // in a row, at which bytes waited to be read
+  // Bytes of requests that were left, which may still arrive, and how many more may be left.
+  double late_ = 0, may_leave_ = 0;
+  Clock::time_point left_at_;
+  bool closed_ = false;
+  int looks_ = 0;  // in a row, at which bytes waited to be read
   Clock::time_point looks_since_;
   std::uint64_t looks_bytes_ = 0;  // that arrived meanwhile
   Clock::time_point read_;         // when the client last took some of its answers
@@ -121,6 +122,9 @@ class Connections {
   /// Why the connection must be closed; empty: it may stay.
   std::string complaint(Connection& connection, Connection::Clock::time_point now) const;
   void close(Connection& connection, const std::string& why) const;
+  /// Counts what has arrived since the last look.
+  void count_bytes(Connection& connection, std::uint64_t received, std::uint64_t acknowledged,
+                   Connection::Clock::time_point now) const;
 
   std::atomic<std::uint64_t> unsent_ = 0, most_unsent_ = UINT64_MAX;
   std::atomic<std::uint32_t> most_calls_ = UINT32_MAX;

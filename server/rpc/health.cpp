@@ -50,11 +50,15 @@ void HealthWatch::finish(absl::Status status) {
   Reactor::finish(std::move(status));
 }
 
+void HealthWatch::begin() {
+  if (const absl::Status status = place_.take(runtime_); !status.ok()) return finish(status);
+  Reactor::begin();
+}
+
 void HealthWatch::take(bool ok) {
   if (!ok) return finish(no_message());
   HealthCheckRequest request;
   absl::Status status = parse_message(bytes_, request);
-  if (status.ok()) status = place_.take(runtime_);
   if (!status.ok()) return finish(status);
   {
     const std::lock_guard lock(mutex_);

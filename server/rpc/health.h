@@ -31,6 +31,7 @@ class HealthWatch final : public Reactor {
   void OnWriteDone(bool ok) override;
 
  private:
+  void begin() override;
   void take(bool ok) override;
   /// May be called again.
   void finish(absl::Status status) override;

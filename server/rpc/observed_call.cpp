@@ -58,7 +58,11 @@ ObservedCall::ObservedCall(Runtime& runtime, grpc::CallbackServerContext& contex
     : runtime_(runtime), context_(context), deadline_(deadline_of(context.raw_deadline())) {
   const std::string peer = context.peer();
   if (runtime.connections != nullptr) connection_ = runtime.connections->find(peer);
-  if (connection_ != nullptr) runtime.connections->call_begun(*connection_);
+  has_request_ = static_cast<std::size_t>(call) < monitor::kContractCalls;
+  if (connection_ != nullptr) {
+    runtime.connections->call_begun(*connection_);
+    if (has_request_) connection_->request_begun();
+  }
   record_.call = call;
   const std::string_view id = header(context, "x-request-id");
   record_.request_id = monitor::is_request_id(id) ? std::string(id) : monitor::make_request_id();
@@ -75,15 +79,15 @@ ObservedCall::~ObservedCall() {
   if (connection_ == nullptr) return;
   connection_->call_ended();
   answer_sent(unsent_bytes_);
-  if (!request_complete_) connection_->call_left(runtime_.limits.get().max_message_bytes);
+  if (has_request_) connection_->request_left(runtime_.limits.get().max_message_bytes);
 }
 
 void ObservedCall::cancelled() const {
   if (connection_ != nullptr) runtime_.connections->count_cancelled(*connection_);
 }
 
-void ObservedCall::message_awaited() {
-  if (connection_ != nullptr) connection_->message_awaited();
+void ObservedCall::request_complete() {
+  if (connection_ != nullptr && std::exchange(has_request_, false)) connection_->request_complete();
 }
 
 void ObservedCall::message_taken(std::size_t bytes) {
@@ -94,9 +98,10 @@ absl::Status ObservedCall::room_for_answers(std::size_t bytes) const {
   if (connection_ == nullptr) return absl::OkStatus();
   const std::uint64_t most = std::max(runtime_.limits.get().max_message_bytes, kLeastUnsentBytes);
   std::string why;
-  if (connection_->unsent_bytes() >= most) {
-    why = fmt::format("{} bytes of answers wait until this client takes them, allowed: {}",
-                      connection_->unsent_bytes(), most);
+  const std::uint64_t unsent = connection_->unsent_bytes();
+  if (unsent > 0 && unsent + bytes >= most) {
+    why = fmt::format("{} bytes of answers wait until this client takes them, allowed: {}", unsent,
+                      most);
   } else if (!runtime_.connections->has_room(bytes)) {
     why =
         fmt::format("the answer has {} bytes; too many wait until other clients take them", bytes);

@@ -48,11 +48,10 @@ class ObservedCall {
 
   /// Counts a call that was cancelled.  Call it in OnCancel().
   void cancelled() const;
-  /// The client sends no more.
-  void request_complete() { request_complete_ = true; }
-  /// Counts a message that the call waits for, and then its bytes.
-  void message_awaited();
+  /// Counts the bytes of a message.
   void message_taken(std::size_t bytes);
+  /// The client sends no more.
+  void request_complete();
   /// RESOURCE_EXHAUSTED with a RetryInfo if many bytes wait until the client takes them, or if
   /// those of all clients leave no room for `bytes` more.
   absl::Status room_for_answers(std::size_t bytes = 0) const;
@@ -72,7 +71,7 @@ class ObservedCall {
   std::string token_;                       // its name, or empty
   std::shared_ptr<Connection> connection_;  // null: not known
   std::uint64_t unsent_bytes_ = 0;
-  bool request_complete_ = false;
+  bool has_request_ = false;  // which is not complete
 };
 
 /// Stops work that takes longer than a call without a deadline may.  Does nothing for a call with a

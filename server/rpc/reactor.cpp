@@ -7,7 +7,6 @@
 namespace lucerna::rpc {
 
 absl::Status StreamPlace::take(Runtime& runtime) {
-  if (places_ != nullptr) return absl::OkStatus();
   if (--runtime.stream_places < 0) {
     ++runtime.stream_places;
     return retry_after(absl::ResourceExhaustedError("too many streams of health and reflection"),
@@ -29,21 +28,20 @@ void Reactor::read(std::chrono::steady_clock::duration patience) {
       runtime_.waits.until(patience == patience.max() ? Waits::Clock::time_point::max()
                                                       : Waits::Clock::now() + patience);
   reading_ = wait.id;
-  observed_.message_awaited();
   const std::weak_ptr<Reactor> weak = weak_from_this();
   StartRead(&bytes_);
-  // The message may have been taken by now.  Then nobody gives up this wait.
+  // The message may have been taken by now.
   runtime_.waits.add(wait, [weak, id = wait.id] {
     const auto self = weak.lock();
     std::uint64_t expected = id;
-    if (self != nullptr && self->reading_.compare_exchange_strong(expected, 0))
-      self->finish(self->stalled());
+    if (self != nullptr && self->reading_.compare_exchange_strong(expected, 0)) self->give_up();
   });
+  if (reading_ != wait.id) runtime_.waits.remove(wait);
 }
 
 void Reactor::OnReadDone(bool ok) {
   const Waits::Wait wait = wait_;
-  observed_.message_taken(bytes_.Length());
+  if (ok) observed_.message_taken(bytes_.Length());
   if (reading_.exchange(0) == 0) return;
   runtime_.waits.remove(wait);
   take(ok);

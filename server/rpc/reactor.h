@@ -29,7 +29,7 @@ class StreamPlace {
   }
   StreamPlace(const StreamPlace&) = delete;
   StreamPlace& operator=(const StreamPlace&) = delete;
-  /// RESOURCE_EXHAUSTED with a RetryInfo if none is free.  May be called again.
+  /// RESOURCE_EXHAUSTED with a RetryInfo if none is free.  Call it once.
   absl::Status take(Runtime& runtime);
 
  private:
@@ -68,7 +68,9 @@ class Reactor : public grpc::ServerGenericBidiReactor,
   virtual void finish(absl::Status status) { Finish(observed_.end(status)); }
   /// Ends the call with `bytes_` as its answer, or with an error.
   void send_last(const absl::Status& status);
-  /// The error of a call whose message did not arrive in time.
+  /// Ends the call, whose message did not arrive in time.  Must not wait.
+  virtual void give_up() { finish(stalled()); }
+  /// The error of such a call.
   virtual absl::Status stalled() const;
 
   /// Reads the next message into `bytes_`.  Gives up after `patience`.
@@ -78,12 +80,11 @@ class Reactor : public grpc::ServerGenericBidiReactor,
   std::chrono::steady_clock::duration idle_time() const;
 
   Runtime& runtime_;
+  CallGate::Pass pass_;  // of calls of the contract; the last to be destroyed
   ObservedCall observed_;
   std::stop_source stop_;
   grpc::ByteBuffer bytes_;
-  // Of calls of the contract.
-  CallGate::Pass pass_;
-  access::Admission admission_;
+  access::Admission admission_;  // of calls of the contract
 
  private:
   std::shared_ptr<Reactor> self_;

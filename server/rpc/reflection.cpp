@@ -66,11 +66,15 @@ ServerReflectionResponse answer(const ServerReflectionRequest& request,
 
 }  // namespace
 
+void Reflection::begin() {
+  if (const absl::Status status = place_.take(runtime_); !status.ok()) return finish(status);
+  read(idle_time());
+}
+
 void Reflection::take(bool ok) {
   if (!ok) return finish(stop_.stop_requested() ? cancelled() : absl::OkStatus());
   ServerReflectionRequest request;
-  absl::Status status = place_.take(runtime_);
-  if (status.ok()) status = parse_message(bytes_, request);
+  absl::Status status = parse_message(bytes_, request);
   if (status.ok()) status = encode_message(answer(request, sent_), bytes_);
   if (!status.ok()) return finish(status);
   StartWrite(&bytes_);

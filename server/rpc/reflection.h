@@ -16,6 +16,7 @@ class Reflection final : public Reactor {
   void OnWriteDone(bool ok) override;
 
  private:
+  void begin() override;
   void take(bool ok) override;
 
   StreamPlace place_;

@@ -261,7 +261,10 @@ absl::Status Server::State::serve_metrics(const std::string& address) {
 void Server::State::end(std::chrono::system_clock::time_point deadline) {
   if (std::exchange(ended, true) || server == nullptr) return;
   listener->stop();
-  hand_overs.wait_until_empty();
+  // A client that sends without pause keeps a hand-over until its connection is closed.
+  while (!hand_overs.wait_until_empty(std::chrono::steady_clock::now() +
+                                      std::chrono::milliseconds(50)))
+    listener->connections().watch();
   server->Shutdown(deadline);
   server->Wait();
   // A lane may still hold a call that gRPC has ended, and with it a pass of the gate.

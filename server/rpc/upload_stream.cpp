@@ -50,6 +50,13 @@ void UploadStream::read_next() {
   read(patience_);
 }
 
+void UploadStream::give_up() {
+  // The store may wait for the disk.
+  const auto self = std::static_pointer_cast<UploadStream>(shared_from_this());
+  runtime_.lanes.resume(Lane::kInteractive,
+                        {.run = [self](const LaneJobStart&) { self->finish(self->stalled()); }});
+}
+
 absl::Status UploadStream::stalled() const {
   return absl::DeadlineExceededError(
       fmt::format("the upload sent less than {} bytes in {} s, the limit", kLeastProgressBytes,
@@ -59,7 +66,10 @@ absl::Status UploadStream::stalled() const {
 void UploadStream::take(bool ok) {
   patience_ -= std::chrono::steady_clock::now() - waits_since_;
   if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cancelled"));
-  if (!ok) return finish(guarded([&] { return end(); }));
+  if (!ok) {
+    observed_.request_complete();
+    return finish(guarded([&] { return end(); }));
+  }
   // A full lane refuses only new uploads.
   const auto self = std::static_pointer_cast<UploadStream>(shared_from_this());
   LaneJob job{.run = [self](const LaneJobStart& start) { self->take_message(start); },

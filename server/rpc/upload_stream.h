@@ -23,6 +23,7 @@ class UploadStream final : public Reactor {
   void begin() override;
   void take(bool ok) override;
   void finish(absl::Status status) override;
+  void give_up() override;
   absl::Status stalled() const override;
   /// Handles the message that was read, on a thread of the lane.
   void take_message(const LaneJobStart& start);
