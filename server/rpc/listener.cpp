@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <condition_variable>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -137,11 +138,12 @@ absl::StatusOr<std::unique_ptr<Listener>> Listener::open(const std::string& addr
 }
 
 void Listener::stop() {
-  if (thread_.joinable()) {
-    const std::uint64_t one = 1;
-    (void)!write(wake_, &one, sizeof one);
-    thread_.join();
-  }
+  const std::uint64_t one = 1;
+  (void)!write(wake_, &one, sizeof one);
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+  // It closes the connections that keep a thread, so it ends last.
+  watch_ = {};
   for (const int fd : listeners_) close(fd);
   listeners_.clear();
 }
@@ -152,8 +154,8 @@ Listener::~Listener() {
   if (spare_ >= 0) close(spare_);
 }
 
-absl::Status Listener::start(std::function<void(int, int)> take,
-                             std::function<std::chrono::milliseconds()> watch) {
+absl::Status Listener::start(std::function<void(std::size_t, int, int)> take,
+                             const std::function<std::chrono::milliseconds()>& watch) {
   const std::uint64_t files = raise_file_limit(), used = open_files() + kReserved;
   if (used >= files) {
     return absl::ResourceExhaustedError(fmt::format(
@@ -168,8 +170,13 @@ absl::Status Listener::start(std::function<void(int, int)> take,
                     limits_.connections, files, most));
   }
   take_ = std::move(take);
-  watch_ = std::move(watch);
-  thread_ = std::thread([this] { run(); });
+  for (std::size_t i = 0; i < kThreads; ++i) threads_.emplace_back([this, i] { run(i); });
+  watch_ = std::jthread([watch](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any ended;
+    std::unique_lock lock(mutex);
+    while (!stop.stop_requested()) ended.wait_for(lock, stop, watch(), [] { return false; });
+  });
   return absl::OkStatus();
 }
 
@@ -192,30 +199,30 @@ bool Listener::accepts() const {
   return accepted;
 }
 
-void Listener::run() {
+void Listener::run(std::size_t thread) {
   std::vector<pollfd> ready;
   for (const int fd : listeners_) ready.push_back({fd, POLLIN, 0});
   ready.push_back({wake_, POLLIN, 0});
-  auto next = std::chrono::steady_clock::now();
   for (;;) {
-    const auto wait =
-        std::chrono::ceil<std::chrono::milliseconds>(next - std::chrono::steady_clock::now());
-    const int count = poll(ready.data(), ready.size(), std::max(0, static_cast<int>(wait.count())));
-    if (const auto now = std::chrono::steady_clock::now(); now >= next) next = now + watch_();
-    if (count < 0) continue;
+    if (poll(ready.data(), ready.size(), -1) < 0) continue;
     if (ready.back().revents != 0) return;
     for (const pollfd& r : ready) {
-      if (r.revents != 0) accept_one(r.fd);
+      if (r.revents != 0) accept_one(thread, r.fd);
     }
   }
 }
 
-void Listener::accept_one(int listener) {
+void Listener::accept_one(std::size_t thread, int listener) {
+  const int fd = accept_from(listener);
+  if (fd >= 0) take_(thread, listener, fd);
+}
+
+int Listener::accept_from(int listener) {
+  const std::lock_guard lock(mutex_);
   sockaddr_storage peer{};
   socklen_t size = sizeof peer;
   const int fd =
       accept4(listener, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
-  ++accepted_;
   if (fd < 0) {
     const int error = errno;
     if ((error == EMFILE || error == ENFILE) && spare_ >= 0) {
@@ -232,18 +239,20 @@ void Listener::accept_one(int listener) {
       pollfd wait{wake_, POLLIN, 0};
       poll(&wait, 1, kPauseMs);  // does not read it, so run() ends too
     }
-    return;
+    return -1;
   }
+  ++accepted_;
   const std::string address = text_of(peer);
   const std::string reason = connections_.add(fd, address, name_of(peer, port_of(peer)));
-  if (reason.empty()) return take_(listener, fd);
+  if (reason.empty()) return fd;
   close(fd);
   ++refused_;
   const auto now = std::chrono::steady_clock::now();
-  if (now < next_line_) return;
+  if (now < next_line_) return -1;
   spdlog::warn(fmt::format("refused {} connections; the last from {}: {}",
                            std::exchange(refused_, 0), address, reason));
   next_line_ = now + kLogInterval;
+  return -1;
 }
 
 }  // namespace lucerna::rpc

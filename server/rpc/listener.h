@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -33,13 +34,18 @@ class Listener {
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
+  /// The threads that accept.  gRPC reads what has arrived while it takes a connection over, and a
+  /// client that sends without pause keeps the thread.
+  static constexpr std::size_t kThreads = 8;
+
   int port() const { return port_; }
-  /// Calls `take` with each new connection, and `watch` whenever the time that it returned has
-  /// passed.  `take` owns the descriptor.  Call this when the process has opened its other files.
-  /// RESOURCE_EXHAUSTED if the limit of open files (ulimit -n) leaves no room for connections.  A
-  /// smaller room than the limit of connections lowers that limit.
-  absl::Status start(std::function<void(int listener, int connection)> take,
-                     std::function<std::chrono::milliseconds()> watch);
+  /// Calls `take` with each new connection on one of kThreads threads, and `watch` on another
+  /// whenever the time that it returned has passed.  `take` owns the descriptor.  Call this when
+  /// the process has opened its other files. RESOURCE_EXHAUSTED if the limit of open files (ulimit
+  /// -n) leaves no room for connections.  A smaller room than the limit of connections lowers that
+  /// limit.
+  absl::Status start(std::function<void(std::size_t thread, int listener, int connection)> take,
+                     const std::function<std::chrono::milliseconds()>& watch);
   Connections& connections() { return connections_; }
   /// Connects to its own port, and returns whether it accepts that within some seconds.
   bool accepts() const;
@@ -48,20 +54,24 @@ class Listener {
 
  private:
   explicit Listener(const ConnectionLimits& limits) : limits_(limits), connections_(limits) {}
-  void run();
-  void accept_one(int listener);
+  void run(std::size_t thread);
+  void accept_one(std::size_t thread, int listener);
+  /// -1 if there is none.
+  int accept_from(int listener);
 
   int port_ = 0;
   std::vector<int> listeners_;
-  int wake_ = -1;   // descriptor that ends the thread
+  int wake_ = -1;   // descriptor that ends the threads
   int spare_ = -1;  // given up to close a connection when no descriptor is left
   const ConnectionLimits limits_;
   Connections connections_;
-  std::function<void(int, int)> take_;
-  std::function<std::chrono::milliseconds()> watch_;
-  std::thread thread_;
+  std::function<void(std::size_t, int, int)> take_;
+  std::vector<std::thread> threads_;
+  std::jthread watch_;
   std::atomic<std::uint64_t> accepted_{0};  // connections so far, and refused ones
-  // Of the thread: connections refused since the last line of the log, and when the next may come.
+  std::mutex mutex_;
+  // Guarded by mutex_: connections refused since the last line of the log, and when the next may
+  // come.
   std::uint64_t refused_ = 0;
   std::chrono::steady_clock::time_point next_line_;
 };

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <grpc/support/log.h>
-#include <grpcpp/alarm.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/resource_quota.h>
 #include <spdlog/spdlog.h>
@@ -37,9 +36,9 @@ struct Server::State {
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<monitor::MetricsServer> metrics;
   std::string metrics_address;
-  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
+  // One for each thread of the listener, since an acceptor takes one connection at a time.
+  std::vector<std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>> acceptors;
   std::unique_ptr<Listener> listener;
-  CallGate hand_overs;
   bool ended = false;
 
   absl::Status load(const std::string& path, const std::stop_token& stop);
@@ -204,9 +203,11 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   grpc::ResourceQuota quota("lucernad");
   quota.Resize(kAllUnfinishedMessages * message);
   builder.SetResourceQuota(quota);
-  acceptor = builder.experimental().AddExternalConnectionAcceptor(
-      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-      tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials());
+  for (std::size_t i = 0; i < Listener::kThreads; ++i) {
+    acceptors.push_back(builder.experimental().AddExternalConnectionAcceptor(
+        grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+        tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials()));
+  }
   builder.RegisterCallbackGenericService(service.get());
   server = builder.BuildAndStart();
   if (server == nullptr) return absl::UnavailableError("gRPC does not start");
@@ -219,23 +220,11 @@ absl::Status Server::State::listen(const ServerOptions& options) {
        .idle_s = doors.idle_s});
   runtime.connections = &listener->connections();
   runtime.idle_s = doors.idle_s;
-  const auto take = [this](int from, int connection) {
-    // gRPC reads what arrives at once, on the thread that hands the connection over.  A client that
-    // sends without pause would keep the listener's thread, so this is one of gRPC's.
-    struct HandOver {
-      grpc::Alarm alarm;
-      CallGate::Pass pass;
-    };
-    auto hand_over = std::make_shared<HandOver>();
-    hand_over->pass = hand_overs.enter();
-    grpc::Alarm& alarm = hand_over->alarm;
-    alarm.Set(std::chrono::system_clock::now(), [this, from, connection, hand_over](bool) mutable {
-      grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
-      parameters.listener_fd = from;
-      parameters.fd = connection;
-      acceptor->HandleNewConnection(&parameters);
-      hand_over.reset();
-    });
+  const auto take = [this](std::size_t thread, int from, int connection) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+    parameters.listener_fd = from;
+    parameters.fd = connection;
+    acceptors[thread]->HandleNewConnection(&parameters);
   };
   const auto watch = [this] {
     runtime.waits.watch();
@@ -261,10 +250,6 @@ absl::Status Server::State::serve_metrics(const std::string& address) {
 void Server::State::end(std::chrono::system_clock::time_point deadline) {
   if (std::exchange(ended, true) || server == nullptr) return;
   listener->stop();
-  // A client that sends without pause keeps a hand-over until its connection is closed.
-  while (!hand_overs.wait_until_empty(std::chrono::steady_clock::now() +
-                                      std::chrono::milliseconds(50)))
-    listener->connections().watch();
   server->Shutdown(deadline);
   server->Wait();
   // A lane may still hold a call that gRPC has ended, and with it a pass of the gate.

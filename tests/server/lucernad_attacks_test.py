@@ -7,6 +7,8 @@ import os
 import pathlib
 import subprocess
 import sys
+import threading
+import time
 
 from http2_attacks import ATTACKS, IRRADIANCE, call
 from http2_frames import DATA, Connection, frame
@@ -67,6 +69,15 @@ def requests_that_never_arrive_end(server):
     server.wait_for_log("code=DEADLINE_EXCEEDED")
 
 
+def others_connect_during_a_long_header(server):
+    """The attack lasts until the server closes its connection."""
+    attacker = threading.Thread(target=ATTACKS["long_header"], args=(server.port,))
+    attacker.start()
+    time.sleep(1)
+    ask(server, "info")
+    expect(attacker.is_alive(), "a new connection waits for the header of another")
+
+
 OPTIONS = ("--scene-root", DATA_ROOT, "--memory-budget", "200MiB")
 with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
     attack(lucernad, "packed_message")
@@ -75,7 +86,8 @@ for path in ("", "_of_pictures", "_of_uploads", "_of_checks", "_of_watches", "_o
         attack_until_closed(lucernad, "resets" + path, "its client cancels too many calls")
 with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
     attack_until_closed(lucernad, "empty_frames_of_headers", "messages and headers are not complete")
-for test in (reflection_needs_no_threads, answers_that_nobody_takes_are_refused):
+for test in (reflection_needs_no_threads, answers_that_nobody_takes_are_refused,
+             others_connect_during_a_long_header):
     with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
         test(lucernad)
 with Lucernad(LUCERNAD, *OPTIONS, "--idle-seconds", 1) as lucernad:
