@@ -32,7 +32,8 @@ struct Server::State {
   Lanes lanes;
   Runtime runtime;
   std::unique_ptr<grpc::CallbackGenericService> service;
-  std::shared_ptr<Tls> tls;  // null: none
+  std::shared_ptr<Tls> tls;                                           // null: none
+  std::vector<std::shared_ptr<grpc::ServerCredentials>> credentials;  // gRPC refers to them
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<monitor::MetricsServer> metrics;
   std::string metrics_address;
@@ -204,9 +205,10 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   quota.Resize(kAllUnfinishedMessages * message);
   builder.SetResourceQuota(quota);
   for (std::size_t i = 0; i < Listener::kThreads; ++i) {
+    credentials.push_back(tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials());
     acceptors.push_back(builder.experimental().AddExternalConnectionAcceptor(
         grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-        tls != nullptr ? tls->credentials() : grpc::InsecureServerCredentials()));
+        credentials.back()));
   }
   builder.RegisterCallbackGenericService(service.get());
   server = builder.BuildAndStart();

@@ -141,7 +141,7 @@ class ReloadingTls final : public Tls, public std::enable_shared_from_this<Reloa
     LUCERNA_ASSIGN_OR_RETURN(Material material, read_material(files));
     const std::lock_guard lock(mutex_);
     material_ = std::move(material);
-    changed_ = true;
+    ++version_;
     return absl::OkStatus();
   }
 
@@ -149,25 +149,23 @@ class ReloadingTls final : public Tls, public std::enable_shared_from_this<Reloa
 
   bool needs_clients() const { return needs_clients_; }
 
-  /// gRPC calls this before each handshake.
-  static grpc_ssl_certificate_config_reload_status fetch(
-      void* self, grpc_ssl_server_certificate_config** config) {
-    auto& tls = *static_cast<ReloadingTls*>(self);
-    const std::lock_guard lock(tls.mutex_);
-    if (!std::exchange(tls.changed_, false)) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
-    const grpc_ssl_pem_key_cert_pair pair{tls.material_.key.c_str(),
-                                          tls.material_.certificate.c_str()};
+  /// The certificates, unless their version is `known`, which becomes theirs.
+  grpc_ssl_certificate_config_reload_status fetch(std::uint64_t& known,
+                                                  grpc_ssl_server_certificate_config** config) {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(known, version_) == version_)
+      return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
+    const grpc_ssl_pem_key_cert_pair pair{material_.key.c_str(), material_.certificate.c_str()};
     // gRPC wants roots even if it asks clients for no certificate.  Then it does not use them.
-    const std::string& roots =
-        tls.needs_clients_ ? tls.material_.client_ca : tls.material_.certificate;
+    const std::string& roots = needs_clients_ ? material_.client_ca : material_.certificate;
     *config = grpc_ssl_server_certificate_config_create(roots.c_str(), &pair, 1);
     return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
   }
 
  private:
   std::mutex mutex_;
-  Material material_;    // guarded by mutex_
-  bool changed_ = true;  // guarded by mutex_; gRPC has not fetched material_ yet
+  Material material_;          // guarded by mutex_
+  std::uint64_t version_ = 1;  // guarded by mutex_; of material_
   const bool needs_clients_;
 };
 
@@ -180,8 +178,8 @@ class Credentials final : public grpc::ServerCredentials {
                              ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
                              : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE;
     credentials_ = grpc_ssl_server_credentials_create_with_options(
-        grpc_ssl_server_credentials_create_options_using_config_fetcher(
-            request, &ReloadingTls::fetch, tls_.get()));
+        grpc_ssl_server_credentials_create_options_using_config_fetcher(request,
+                                                                        &Credentials::fetch, this));
   }
   ~Credentials() override { grpc_server_credentials_release(credentials_); }
   Credentials(const Credentials&) = delete;
@@ -191,11 +189,18 @@ class Credentials final : public grpc::ServerCredentials {
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
 
  private:
+  /// gRPC calls this before each handshake.
+  static grpc_ssl_certificate_config_reload_status fetch(
+      void* self, grpc_ssl_server_certificate_config** config) {
+    auto& credentials = *static_cast<Credentials*>(self);
+    return credentials.tls_->fetch(credentials.known_, config);
+  }
   int AddPortToServer(const std::string& address, grpc_server* server) override {
     return grpc_server_add_http2_port(server, address.c_str(), credentials_);
   }
 
   std::shared_ptr<ReloadingTls> tls_;
+  std::uint64_t known_ = 0;  // the version of the certificates that gRPC has
   grpc_server_credentials* credentials_;
 };
 
