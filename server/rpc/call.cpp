@@ -63,7 +63,8 @@ void UnaryCall::take(bool ok) {
       task->bulk || task->predicted_s > kBulkSeconds ? Lane::kBulk : Lane::kInteractive;
   LaneJob job{.stop = stop_.get_token(),
               .deadline = observed_.deadline(),
-              .client = lane == Lane::kBulk ? observed_.client() : std::string(),
+              .client = observed_.client(),
+              .connection = observed_.connection(),
               .kind = task->kind,
               .least_s = runtime_.times.least_seconds(record.call, task->predicted_s),
               .expected_s = runtime_.times.expected_seconds(record.call, task->predicted_s)};

@@ -63,6 +63,7 @@ LaneJob ImageStream::next_job() {
           .stop = stop_.get_token(),
           .deadline = observed_.deadline(),
           .client = client_,
+          .connection = observed_.connection(),
           .kind = JobKind::kStep};
 }
 

@@ -44,6 +44,8 @@ class ObservedCall {
   /// Who sends the call, for the turns of clients in a lane: the name of its token, or the address
   /// without its port.
   std::string client() const;
+  /// Names the connection, for the same.  Null: not known.
+  const void* connection() const { return connection_.get(); }
   LaneJob::Clock::time_point deadline() const { return deadline_; }
 
   /// Counts a call that was cancelled.  Call it in OnCancel().
@@ -71,7 +73,7 @@ class ObservedCall {
   std::string token_;                       // its name, or empty
   std::shared_ptr<Connection> connection_;  // null: not known
   std::uint64_t unsent_bytes_ = 0;
-  bool has_request_ = false;  // which is not complete
+  bool has_request_ = false;      // which is not complete
 };
 
 /// Stops work that takes longer than a call without a deadline may.  Does nothing for a call with a

@@ -94,15 +94,15 @@ struct QueueOptions {
   tbb::task_arena::priority priority;
   int niceness;  ///< in addition to that of the thread that makes the lanes
   TimeSlice slice;
-  bool fair;  ///< clients take turns, and each kind of job has its own places
+  bool kinds;  ///< each kind of job has its own places
 };
 
 class Queue {
  public:
   explicit Queue(const QueueOptions& options)
       : options_(options),
-        threads_count_(options.fair ? static_cast<int>(kPlaces) * (kJobsAtATime + kExtraJobs)
-                                    : kJobsAtATime),
+        threads_count_(options.kinds ? static_cast<int>(kPlaces) * (kJobsAtATime + kExtraJobs)
+                                     : kJobsAtATime),
         arena_(options.threads - 1 + threads_count_, static_cast<unsigned>(threads_count_),
                options.priority),
         scheduling_(arena_, thread_niceness() + options.niceness, options.slice) {
@@ -144,7 +144,7 @@ class Queue {
       if (bounded && load_.waiting >= options_.limit) sweep(swept);
       if (ended_) {
         status = absl::UnavailableError("the server is shutting down");
-        if (!bounded) swept.push_back({std::move(job), LaneJob::Clock::now()});
+        if (!bounded) swept.push_back({std::move(job), LaneJob::Clock::now(), 0});
       } else if (bounded && load_.waiting >= options_.limit) {
         status = absl::ResourceExhaustedError(fmt::format(
             "{} requests wait in the {} lane, its limit", options_.limit, options_.name));
@@ -169,11 +169,13 @@ class Queue {
   struct Waiting {
     LaneJob job;
     LaneJob::Clock::time_point since;
+    /// Each connection has one job in a round.  Lines are ordered by it.
+    std::uint64_t round;
   };
   using Line = std::deque<Waiting>;
   /// The jobs of one client.
   struct Client {
-    std::array<Line, 3> lines;  // by JobKind, each first come, first served
+    std::array<Line, 3> lines;  // by JobKind
     std::array<int, kPlaces> running{};
     /// The client with the least number is next.
     std::uint64_t turn = 0;
@@ -203,11 +205,18 @@ class Queue {
   static std::size_t place_of(std::size_t line) { return line == kLoads ? 0 : 1; }
 
   void append(LaneJob job) {
-    Client& client = clients_[options_.fair ? job.client : std::string()];
+    Client& client = clients_[job.client];
     // A client that was away gets no turns for that time.
     if (!client.waits()) client.turn = std::max(client.turn, turn_);
-    const std::size_t line = options_.fair ? static_cast<std::size_t>(job.kind) : kWhole;
-    client.lines[line].push_back({std::move(job), LaneJob::Clock::now()});
+    Line& line = client.lines[options_.kinds ? static_cast<std::size_t>(job.kind) : kWhole];
+    std::uint64_t round = line.empty() ? 0 : line.front().round;
+    const auto last = std::find_if(line.rbegin(), line.rend(), [&](const Waiting& w) {
+      return w.job.connection == job.connection;
+    });
+    if (last != line.rend()) round = last->round + 1;
+    const auto place = std::find_if(line.rbegin(), line.rend(),
+                                    [&](const Waiting& w) { return w.round <= round; });
+    line.insert(place.base(), {std::move(job), LaneJob::Clock::now(), round});
     ++load_.waiting;
   }
 
@@ -226,7 +235,7 @@ class Queue {
   }
 
   bool may_run(const Client& client, std::size_t place) const {
-    return running_[place] < kJobsAtATime || (options_.fair && client.running[place] == 0 &&
+    return running_[place] < kJobsAtATime || (options_.kinds && client.running[place] == 0 &&
                                               running_[place] < kJobsAtATime + kExtraJobs);
   }
 
@@ -323,14 +332,14 @@ struct Lanes::State {
                      .priority = tbb::task_arena::priority::high,
                      .niceness = 0,
                      .slice = TimeSlice::kShort,
-                     .fair = false}),
+                     .kinds = false}),
         bulk({.name = "bulk",
               .limit = o.bulk_queue,
               .threads = threads,
               .priority = tbb::task_arena::priority::low,
               .niceness = kBulkNiceness,
               .slice = TimeSlice::kDefault,
-              .fair = true}) {}
+              .kinds = true}) {}
   Queue& queue(Lane lane) { return lane == Lane::kInteractive ? interactive : bulk; }
 
   int threads;

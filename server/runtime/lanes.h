@@ -1,12 +1,12 @@
 // Two lanes with bounded queues compute requests.  So a query of a millisecond does not wait for a
 // render of an hour.
 //
-// Each lane has its own threads.  Jobs run first come, first served, except late ones.  In the bulk
-// lane, clients also take turns.  Each lane has an oneTBB arena, in which oneTBB's workers help
-// with the loops of these threads.  Workers prefer the interactive arena and move to it between two
-// chunks.  The operating system schedules the threads in an arena by its lane: those of the bulk
-// lane have a lower priority, those of the interactive lane run sooner when they wake.  So even a
-// job of one long chunk does not delay the other lane.
+// Each lane has its own threads.  Clients take turns, and so do the connections of a client.  Jobs
+// of a connection run first come, first served, except late ones.  Each lane has an oneTBB arena,
+// in which oneTBB's workers help with the loops of these threads.  Workers prefer the interactive
+// arena and move to it between two chunks.  The operating system schedules the threads in an arena
+// by its lane: those of the bulk lane have a lower priority, those of the interactive lane run
+// sooner when they wake.  So even a job of one long chunk does not delay the other lane.
 //
 // The bulk lane runs two jobs of each kind at a time.  Up to two further jobs may run, if their
 // clients have no running job of that kind.  So neither two endless loads nor two endless renders
@@ -52,8 +52,10 @@ struct LaneJob {
   std::function<void(const LaneJobStart&)> run{};
   std::stop_token stop{};
   Clock::time_point deadline = Clock::time_point::max();
-  /// Who sent the request, for the turns of clients in the bulk lane.
+  /// Who sent the request, for the turns of clients.
   std::string client{};
+  /// Names the connection of the client that takes its turns.
+  const void* connection = nullptr;
   JobKind kind = JobKind::kComputation;
   /// The least time that the job takes [s].  A job that cannot end before its deadline does not
   /// run: DEADLINE_EXCEEDED.
@@ -69,9 +71,9 @@ struct LaneLoad {
 
 /// Thread-safe.
 ///
-/// The jobs of a client run first come, first served, except those that will probably miss their
-/// deadline: later jobs that can still meet theirs run before them.  Otherwise an overloaded lane
-/// would only compute answers that come too late.
+/// The jobs of a connection run first come, first served, except those that will probably miss
+/// their deadline: later jobs that can still meet theirs run before them.  Otherwise an overloaded
+/// lane would only compute answers that come too late.
 class Lanes {
  public:
   explicit Lanes(const LaneOptions& options);

@@ -139,16 +139,16 @@ class Order {
 
 /// Runs a job of the client until `opened`.
 void keep_busy(Lanes& lanes, const char* client, JobKind kind,
-               const std::shared_future<void>& opened) {
+               const std::shared_future<void>& opened, Lane lane = Lane::kBulk) {
   std::promise<void> begun;
   EXPECT_TRUE(lanes
-                  .submit(Lane::kBulk, {.run =
-                                            [&begun, opened](const LaneJobStart&) {
-                                              begun.set_value();
-                                              opened.wait();
-                                            },
-                                        .client = client,
-                                        .kind = kind})
+                  .submit(lane, {.run =
+                                     [&begun, opened](const LaneJobStart&) {
+                                       begun.set_value();
+                                       opened.wait();
+                                     },
+                                 .client = client,
+                                 .kind = kind})
                   .ok());
   begun.get_future().wait();
 }
@@ -178,6 +178,36 @@ TEST(Lanes, ClientsTakeTurns) {
     while (order.names().size() < 5) std::this_thread::yield();
   }
   EXPECT_EQ(order.names(), (std::vector<std::string>{"a", "b", "c", "a", "a"}));
+}
+
+TEST(Lanes, ConnectionsOfAClientTakeTurnsInBothLanes) {
+  for (const Lane lane : {Lane::kInteractive, Lane::kBulk}) {
+    Lanes lanes({.threads = 1});
+    Order order;
+    std::promise<void> open, end;
+    const std::shared_future<void> opened = open.get_future().share(),
+                                   ended = end.get_future().share();
+    keep_busy(lanes, "v", JobKind::kComputation, ended, lane);
+    if (lane == Lane::kBulk) {
+      keep_busy(lanes, "x", JobKind::kComputation, ended);
+      keep_busy(lanes, "y", JobKind::kComputation, ended);
+    }
+    keep_busy(lanes, "w", JobKind::kComputation, opened, lane);  // the last place
+    const auto submit = [&](const char* name, const char* client, const void* connection) {
+      LaneJob job = order.job(name, client);
+      job.connection = connection;
+      ASSERT_TRUE(lanes.submit(lane, std::move(job)).ok());
+    };
+    const char first = 0, second = 0, third = 0;
+    for (const char* name : {"a", "b", "c"}) submit(name, "A", &first);
+    submit("d", "A", &second);
+    submit("e", "A", &second);
+    submit("f", "B", &third);
+    open.set_value();
+    while (order.names().size() < 6) std::this_thread::yield();
+    end.set_value();
+    EXPECT_EQ(order.names(), (std::vector<std::string>{"a", "f", "d", "b", "e", "c"}));
+  }
 }
 
 TEST(Lanes, JobsThatWillProbablyBeLateRunAfterTheOthers) {
