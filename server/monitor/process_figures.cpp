@@ -1,14 +1,14 @@
 #include "server/monitor/process_figures.h"
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <string>
 #include <system_error>
+
+#include "server/runtime/memory.h"
 
 namespace lucerna::monitor {
 namespace {
@@ -39,12 +39,7 @@ ProcessFigures process_figures() {
   }
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) == 0) figures.most_descriptors = limit.rlim_cur;
-  std::ifstream statm("/proc/self/statm");
-  std::uint64_t size_pages = 0, resident_pages = 0;
-  if (statm >> size_pages >> resident_pages) {
-    figures.resident_bytes = resident_pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-  }
-  statm.close();
+  figures.resident_bytes = resident_bytes();
   // The listing itself opens one descriptor.
   const std::uint64_t open = entries("/proc/self/fd");
   figures.open_descriptors = open - std::min<std::uint64_t>(open, 1);

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 
+#include "server/runtime/memory.h"
+
 namespace lucerna::rpc {
 namespace {
 
@@ -35,8 +37,15 @@ constexpr int kSlowLooks = 200;
 constexpr auto kSlowTime = std::chrono::seconds(10);
 constexpr std::uint64_t kSlowBytes = 10 << 20;
 constexpr int kWaitingBytes = 64 << 10;
-// When to look again: a client on this machine may send 50 MB in 50 ms.
+// When to look again: a client on this machine may send 50 MB in 50 ms.  Connections on which this
+// much is on its way, and more arrives, are looked at sooner.
 constexpr std::chrono::milliseconds kLater(50), kSoon(10);
+constexpr double kSuspectBytes = 256 << 10;
+// A header of 1 byte may take 160 bytes of gRPC's memory.  So if the process has so much memory
+// that nothing explains, the client with the longest headers probably fills it.
+constexpr double kUnexplainedMemory = 100e6;
+// Scenes, parsed messages and messages on their way may take more memory than is counted.
+constexpr double kPerCounted = 1.5, kPerMessageByte = 8, kPerByteOnItsWay = 1.25;
 // Answers to pings are less.
 constexpr std::uint64_t kLeastReadBytes = 4 << 10;
 
@@ -145,6 +154,9 @@ void Connections::close(Connection& connection, const std::string& why) const {
   if (connection.closed_ || inode_of(connection.descriptor_) != connection.inode_) return;
   connection.closed_ = true;
   shutdown(connection.descriptor_, SHUT_RDWR);  // gRPC closes it, when its calls have ended
+  // gRPC would read what has arrived.  TCP drops it.
+  constexpr std::size_t kAll = 1 << 30;
+  while (recv(connection.descriptor_, nullptr, kAll, MSG_TRUNC | MSG_DONTWAIT) > 0) continue;
   spdlog::warn(fmt::format("closed a connection of {}: {}", connection.peer_, why));
 }
 
@@ -172,6 +184,7 @@ void Connections::count_bytes(Connection& c, std::uint64_t received, std::uint64
                       kWindowShare * static_cast<double>(acknowledged - c.acknowledged_) -
                       kSpareBytesPerSecond * time;
   c.unexplained_ = std::max(0.0, c.unexplained_ + more);
+  c.grows_ = more > 0;
   c.seen_ = now;
   c.received_ = received;
   c.acknowledged_ = acknowledged;
@@ -221,17 +234,36 @@ std::string Connections::complaint(Connection& c, Connection::Clock::time_point 
   return {};
 }
 
+bool Connections::memory_is_short() const {
+  double on_their_way = 0;
+  for (const auto& [descriptor, c] : open_) on_their_way += c->unexplained_;
+  const double explained = kPerCounted * static_cast<double>(patience_.counted_bytes()) +
+                           kPerMessageByte * static_cast<double>(held_) +
+                           kPerByteOnItsWay * on_their_way + static_cast<double>(unsent_);
+  const auto most = static_cast<std::uint64_t>(explained + kUnexplainedMemory);
+  return resident_bytes() > most && allocated_bytes() > most;  // the second takes longer
+}
+
 std::chrono::milliseconds Connections::watch() {
   const std::lock_guard lock(mutex_);
-  sweep();
   const auto now = Connection::Clock::now();
+  const bool all = now >= next_look_;
+  if (all) {
+    sweep();
+    next_look_ = now + kLater;
+  }
   bool suspect = false;
+  Connection* longest = nullptr;
   for (auto& [descriptor, connection] : open_) {
-    if (connection->closed_) continue;
+    if (connection->closed_ || (!all && connection->unexplained_ <= kSuspectBytes)) continue;
     const std::string why = complaint(*connection, now);
     if (!why.empty()) close(*connection, why);
-    suspect |= connection->unexplained_ > kSpareBytes;
+    suspect |= connection->grows_ && connection->unexplained_ > kSuspectBytes;
+    if (longest == nullptr || connection->unexplained_ > longest->unexplained_)
+      longest = connection.get();
   }
+  if (longest != nullptr && longest->unexplained_ > Connection::kHeaderBytes && memory_is_short())
+    close(*longest, "memory is short, and its messages and headers are not complete");
   return suspect ? kSoon : kLater;
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -56,6 +57,7 @@ class Connection {
   Clock::time_point seen_;
   std::uint64_t received_ = 0, acknowledged_ = 0, explained_before_ = 0;
   double unexplained_ = 0;  // bytes that belong to no call
+  bool grows_ = false;      // that number, at the last look
   // Bytes of requests that were left, which may still arrive, and how many more may be left.
   double late_ = 0, may_leave_ = 0;
   Clock::time_point left_at_;
@@ -74,6 +76,8 @@ struct ConnectionPatience {
   std::uint32_t calls = 0;             ///< of one connection, until gRPC has released them
   std::uint64_t unsent_bytes = 0;      ///< of all answers that their clients have not taken
   std::uint32_t idle_s = 0;            ///< without taking any of its answers; 0: for ever
+  /// Memory that something counts, such as scenes [bytes].
+  std::function<std::uint64_t()> counted_bytes = [] { return 0; };
 };
 
 /// Thread-safe.
@@ -106,9 +110,12 @@ class Connections {
   bool has_room(std::uint64_t bytes) const;
   void answer_begun(std::uint64_t bytes) { unsent_ += bytes; }
   void answer_sent(std::uint64_t bytes) { unsent_ -= bytes; }
+  /// Counts the message that a call has taken last, instead of `before` bytes.
+  void message_held(std::uint64_t bytes, std::uint64_t before) { held_ += bytes - before; }
   /// Closes connections that send much that belongs to no call, such as headers without end, that
-  /// take much time to be read, or that take none of their answers for a long time.  Returns the
-  /// time until the next call.
+  /// take much time to be read, or that take none of their answers for a long time.  If memory is
+  /// short, closes the connection with the most bytes that belong to no call.  Returns the time
+  /// until the next call.
   std::chrono::milliseconds watch();
 
  private:
@@ -122,18 +129,22 @@ class Connections {
   /// Why the connection must be closed; empty: it may stay.
   std::string complaint(Connection& connection, Connection::Clock::time_point now) const;
   void close(Connection& connection, const std::string& why) const;
+  /// Whether the process has much more memory than scenes, messages and answers explain.
+  bool memory_is_short() const;
   /// Counts what has arrived since the last look.
   void count_bytes(Connection& connection, std::uint64_t received, std::uint64_t acknowledged,
                    Connection::Clock::time_point now) const;
 
   std::atomic<std::uint64_t> unsent_ = 0, most_unsent_ = UINT64_MAX;
+  std::atomic<std::uint64_t> held_ = 0;  // by messages of calls that have not ended
   std::atomic<std::uint32_t> most_calls_ = UINT32_MAX;
   mutable std::mutex mutex_;
   // Guarded by mutex_.
   ConnectionLimits limits_;
   std::uint32_t most_ = UINT32_MAX;
   ConnectionPatience patience_;
-  mutable Map open_;  // by descriptor
+  Connection::Clock::time_point next_look_;  // at all connections
+  mutable Map open_;                         // by descriptor
   mutable std::unordered_map<std::string_view, std::shared_ptr<Connection>> names_;
 };
 

@@ -79,6 +79,7 @@ ObservedCall::~ObservedCall() {
   if (connection_ == nullptr) return;
   connection_->call_ended();
   answer_sent(unsent_bytes_);
+  runtime_.connections->message_held(0, held_bytes_);
   if (has_request_) connection_->request_left(runtime_.limits.get().max_message_bytes);
 }
 
@@ -91,7 +92,9 @@ void ObservedCall::request_complete() {
 }
 
 void ObservedCall::message_taken(std::size_t bytes) {
-  if (connection_ != nullptr) connection_->message_taken(bytes);
+  if (connection_ == nullptr) return;
+  connection_->message_taken(bytes);
+  runtime_.connections->message_held(bytes, std::exchange(held_bytes_, bytes));
 }
 
 absl::Status ObservedCall::room_for_answers(std::size_t bytes) const {

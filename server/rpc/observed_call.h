@@ -73,6 +73,7 @@ class ObservedCall {
   std::string token_;                       // its name, or empty
   std::shared_ptr<Connection> connection_;  // null: not known
   std::uint64_t unsent_bytes_ = 0;
+  std::uint64_t held_bytes_ = 0;  // of the message that was taken last
   bool has_request_ = false;      // which is not complete
 };
 

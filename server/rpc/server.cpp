@@ -219,7 +219,8 @@ absl::Status Server::State::listen(const ServerOptions& options) {
        .unfinished_bytes = kUnfinishedMessages * message,
        .calls = 2 * doors.streams + kSpareCalls,
        .unsent_bytes = std::max(two_messages, budget == 0 ? kMostUnsentBytes : budget / 4),
-       .idle_s = doors.idle_s});
+       .idle_s = doors.idle_s,
+       .counted_bytes = [this] { return runtime.scenes->counted_bytes(); }});
   runtime.connections = &listener->connections();
   runtime.idle_s = doors.idle_s;
   const auto take = [this](std::size_t thread, int from, int connection) {

@@ -10,7 +10,7 @@
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/assets/asset_reader.h"
-#include "server/runtime/free_memory.h"
+#include "server/runtime/memory.h"
 #include "server/store/scene_file.h"
 #include "server/store/store_state.h"
 

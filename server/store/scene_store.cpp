@@ -162,6 +162,11 @@ std::uint64_t SceneStore::bytes() const {
   return state_->held;
 }
 
+std::uint64_t SceneStore::counted_bytes() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->held + state_->loading;
+}
+
 std::size_t SceneStore::leases() const {
   const std::lock_guard lock(state_->mutex);
   std::size_t n = 0;

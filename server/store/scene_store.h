@@ -165,7 +165,10 @@ class SceneStore {
   std::size_t size() const;
   /// The number of paths and manifests that are known to give a loaded scene.
   std::size_t sources() const;
+  /// Of all scenes.
   std::uint64_t bytes() const;
+  /// Of scenes as last measured, and of running loads and calls.
+  std::uint64_t counted_bytes() const;
   /// The number of leases of all scenes.
   std::size_t leases() const;
   /// The number of scenes built so far.

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "proto/common/status_macros.h"
-#include "server/runtime/free_memory.h"
+#include "server/runtime/memory.h"
 #include "server/store/scene_store.h"
 
 namespace lucerna {

