@@ -26,7 +26,7 @@ namespace {
 // A server that still computes after this time does not stop.
 constexpr Seconds kGiveUp(10);
 // The server is idle if it computes less than kNoise in kQuiet.  gRPC's timers and the log take
-// that.
+// that.  What the allocator returns later does not count.
 constexpr Seconds kQuiet(0.1);
 constexpr double kNoise = 0.001;
 // Calls are stopped at a random moment of at most their first second.
@@ -49,7 +49,7 @@ UntilIdle until_idle(const Subject& subject, Clock::time_point stop, StreamCall*
   std::vector<Reading> readings;
   const auto last = after(stop, kGiveUp);
   for (;;) {
-    readings.push_back({Clock::now(), subject.cpu_s()});
+    readings.push_back({Clock::now(), subject.cpu_s() - subject.allocator_cpu_s()});
     const Reading& now = readings.back();
     const double first_cpu_s = readings.front().cpu_s;
     if (now.at > last) return {kGiveUp.count(), now.cpu_s - first_cpu_s};

@@ -89,6 +89,27 @@ double Subject::cpu_s() const {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+double Subject::allocator_cpu_s() const {
+  // A thread for each arena starts when the arena is first used.
+  if (const auto now = std::chrono::steady_clock::now(); now - listed_ > std::chrono::seconds(1)) {
+    listed_ = now;
+    allocator_threads_.clear();
+    const std::string tasks = "/proc/" + std::to_string(server_.process_id()) + "/task";
+    for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+      std::string name;
+      std::ifstream(task.path() / "comm") >> name;
+      if (name.starts_with("jemalloc")) allocator_threads_.push_back(task.path().string());
+    }
+  }
+  double sum_ns = 0;
+  for (const std::string& thread : allocator_threads_) {
+    double ns = 0;
+    std::ifstream(thread + "/schedstat") >> ns;
+    sum_ns += ns;
+  }
+  return 1e-9 * sum_ns;
+}
+
 double Subject::resident_bytes() const {
   std::ifstream in("/proc/" + std::to_string(server_.process_id()) + "/statm");
   double total = 0, resident = 0;

@@ -1,6 +1,7 @@
 // The server that is measured, its scenes, and the requests that it gets.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -48,6 +49,9 @@ class Subject {
 
   /// Processor time of all threads so far, to the moment of the call.
   double cpu_s() const;
+  /// Processor time so far of the allocator's own threads, which return memory about a second after
+  /// it was freed.
+  double allocator_cpu_s() const;
   double resident_bytes() const;
   double most_resident_bytes() const;  ///< so far
 
@@ -62,6 +66,8 @@ class Subject {
  private:
   testing::LocalServer server_;
   std::string scene_;
+  mutable std::vector<std::string> allocator_threads_;  // their folders in /proc
+  mutable std::chrono::steady_clock::time_point listed_;
 };
 
 /// `count` points above the floor of the scene.
