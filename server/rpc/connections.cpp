@@ -234,6 +234,12 @@ std::string Connections::complaint(Connection& c, Connection::Clock::time_point 
   return {};
 }
 
+void Connections::close_all() const {
+  const std::lock_guard lock(mutex_);
+  sweep();
+  for (const auto& [descriptor, connection] : open_) shutdown(descriptor, SHUT_RDWR);
+}
+
 bool Connections::memory_is_short() const {
   double on_their_way = 0;
   for (const auto& [descriptor, c] : open_) on_their_way += c->unexplained_;

@@ -117,6 +117,8 @@ class Connections {
   /// short, closes the connection with the most bytes that belong to no call.  Returns the time
   /// until the next call.
   std::chrono::milliseconds watch();
+  /// Ends all connections.  Clients still get what gRPC has written.
+  void close_all() const;
 
  private:
   using Map = std::map<int, std::shared_ptr<Connection>>;

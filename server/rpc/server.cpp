@@ -253,6 +253,9 @@ absl::Status Server::State::serve_metrics(const std::string& address) {
 void Server::State::end(std::chrono::system_clock::time_point deadline) {
   if (std::exchange(ended, true) || server == nullptr) return;
   listener->stop();
+  // gRPC answers calls that arrive while it shuts down with CANCELLED, which clients do not repeat.
+  if (runtime.gate.wait_until_empty(std::chrono::steady_clock::now()))
+    listener->connections().close_all();
   server->Shutdown(deadline);
   server->Wait();
   // A lane may still hold a call that gRPC has ended, and with it a pass of the gate.

@@ -129,6 +129,36 @@ void one_server(const SceneFiles& files, std::vector<double>& not_serving_ms,
     ++ends[fmt::format("exit status {}", exit)];
 }
 
+/// Calls that go on until the server is gone.  Returns how many end with a code that clients do not
+/// repeat.
+int calls_that_clients_give_up(const SceneFiles& files) {
+  Subject subject(files);
+  Traffic traffic(subject.target());
+  const Message message = subject.one_item();
+  int given_up = 0;
+  bool gone = false;
+  const auto on_end = [&](const Ended& call) {
+    if (call.status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+      gone |= call.status.error_message().find("failed to connect") != std::string::npos;
+    } else if (!call.status.ok()) {
+      fmt::print("    {} {}\n", static_cast<int>(call.status.error_code()),
+                 call.status.error_message());
+      ++given_up;
+    }
+  };
+  const auto stop = after(Clock::now(), Seconds(0.2)), last = after(stop, kPatience);
+  bool told = false;
+  while (!gone && Clock::now() < last) {
+    while (traffic.running() < 64) traffic.begin(message, Clock::now(), kPatience);
+    traffic.poll(after(Clock::now(), Seconds(0.001)), on_end);
+    if (!told && Clock::now() >= stop) {
+      told = true;
+      ::kill(subject.server().process_id(), SIGTERM);
+    }
+  }
+  return given_up;
+}
+
 }  // namespace
 
 void drain(const Settings& settings, Report& report) {
@@ -149,6 +179,9 @@ void drain(const Settings& settings, Report& report) {
     failed += count;
   }
   report.at_most("accepted calls and servers that failed", failed, 0, "calls");
+  int given_up = 0;
+  for (int i = 0; i < 2 * repeats; ++i) given_up += calls_that_clients_give_up(files);
+  report.at_most("calls that end as if their client had cancelled them", given_up, 0, "calls");
 
   // Two servers.  Each in turn ends and starts again, and clients go on.
   int good = 0, bad = 0;
