@@ -43,9 +43,12 @@ constexpr std::chrono::milliseconds kLater(50), kSoon(10);
 constexpr double kSuspectBytes = 256 << 10;
 // A header of 1 byte may take 160 bytes of gRPC's memory.  So if the process has so much memory
 // that nothing explains, the client with the longest headers probably fills it.
-constexpr double kUnexplainedMemory = 100e6;
+constexpr double kUnexplainedMemory = 64e6;
+// gRPC releases the memory of a closed connection later.  That of one is not blamed on others.
+constexpr double kMostClosing = 200e6;
 // Scenes, parsed messages and messages on their way may take more memory than is counted.
 constexpr double kPerCounted = 1.5, kPerMessageByte = 8, kPerByteOnItsWay = 1.25;
+constexpr double kPerHeaderByte = 160, kPerCall = 64 << 10, kPerConnection = 100 << 10;
 // Answers to pings are less.
 constexpr std::uint64_t kLeastReadBytes = 4 << 10;
 
@@ -154,9 +157,11 @@ void Connections::close(Connection& connection, const std::string& why) const {
   if (connection.closed_ || inode_of(connection.descriptor_) != connection.inode_) return;
   connection.closed_ = true;
   shutdown(connection.descriptor_, SHUT_RDWR);  // gRPC closes it, when its calls have ended
-  // gRPC would read what has arrived.  TCP drops it.
+  // gRPC would read what has arrived.  TCP drops it.  gRPC may close the descriptor meanwhile.
   constexpr std::size_t kAll = 1 << 30;
-  while (recv(connection.descriptor_, nullptr, kAll, MSG_TRUNC | MSG_DONTWAIT) > 0) continue;
+  constexpr int kMostPieces = 64;
+  for (int i = 0; i < kMostPieces && inode_of(connection.descriptor_) == connection.inode_; ++i)
+    if (recv(connection.descriptor_, nullptr, kAll, MSG_TRUNC | MSG_DONTWAIT) <= 0) break;
   spdlog::warn(fmt::format("closed a connection of {}: {}", connection.peer_, why));
 }
 
@@ -195,10 +200,12 @@ void Connections::count_bytes(Connection& c, std::uint64_t received, std::uint64
   const double left = std::min(c.may_leave_, static_cast<double>(c.left_.exchange(0)));
   c.may_leave_ -= left;
   if (left > 0) c.left_at_ = now;
-  c.late_ = now - c.left_at_ < kLateTime ? c.late_ + left : 0;
+  const bool recent = now - c.left_at_ < kLateTime;
+  c.late_ = recent ? c.late_ + left : 0;
   const double late = std::min(c.late_, c.unexplained_);
   c.late_ -= late;
   c.unexplained_ -= late;
+  c.excused_ = recent ? c.excused_ + late : 0;
 }
 
 std::string Connections::complaint(Connection& c, Connection::Clock::time_point now) const {
@@ -240,36 +247,56 @@ void Connections::close_all() const {
   for (const auto& [descriptor, connection] : open_) shutdown(descriptor, SHUT_RDWR);
 }
 
-bool Connections::memory_is_short() const {
-  double on_their_way = 0;
-  for (const auto& [descriptor, c] : open_) on_their_way += c->unexplained_;
-  const double explained = kPerCounted * static_cast<double>(patience_.counted_bytes()) +
-                           kPerMessageByte * static_cast<double>(held_) +
-                           kPerByteOnItsWay * on_their_way + static_cast<double>(unsent_);
-  const auto most = static_cast<std::uint64_t>(explained + kUnexplainedMemory);
-  return resident_bytes() > most && allocated_bytes() > most;  // the second takes longer
+std::shared_ptr<Connection> Connections::filler() const {
+  std::shared_ptr<Connection> longest;
+  double explained = kUnexplainedMemory, headers = 0, closing = 0;
+  std::function<std::uint64_t()> counted_bytes;
+  {
+    const std::lock_guard lock(mutex_);
+    counted_bytes = patience_.counted_bytes;
+    for (const auto& [descriptor, c] : open_) {
+      explained += kPerConnection + kPerCall * c->calls_;
+      (c->closed_ ? closing : headers) += kPerHeaderByte * c->on_their_way();
+      if (c->closed_) continue;
+      explained += kPerByteOnItsWay * c->on_their_way();
+      if (longest == nullptr || c->on_their_way() > longest->on_their_way()) longest = c;
+    }
+    if (longest == nullptr || longest->on_their_way() <= Connection::kHeaderBytes) return nullptr;
+  }
+  explained += std::min(closing, kMostClosing);
+  explained += kPerCounted * static_cast<double>(counted_bytes()) +
+               kPerMessageByte * static_cast<double>(held_) + static_cast<double>(unsent_);
+  const auto unexplained = [&](std::uint64_t used) {
+    const double more = static_cast<double>(used) - explained;
+    return more > 0 && more < headers;
+  };
+  // The second takes longer.
+  return unexplained(resident_bytes()) && unexplained(allocated_bytes()) ? longest : nullptr;
 }
 
 std::chrono::milliseconds Connections::watch() {
-  const std::lock_guard lock(mutex_);
-  const auto now = Connection::Clock::now();
-  const bool all = now >= next_look_;
-  if (all) {
-    sweep();
-    next_look_ = now + kLater;
-  }
   bool suspect = false;
-  Connection* longest = nullptr;
-  for (auto& [descriptor, connection] : open_) {
-    if (connection->closed_ || (!all && connection->unexplained_ <= kSuspectBytes)) continue;
-    const std::string why = complaint(*connection, now);
-    if (!why.empty()) close(*connection, why);
-    suspect |= connection->grows_ && connection->unexplained_ > kSuspectBytes;
-    if (longest == nullptr || connection->unexplained_ > longest->unexplained_)
-      longest = connection.get();
+  {
+    const std::lock_guard lock(mutex_);
+    const auto now = Connection::Clock::now();
+    const bool all = now >= next_look_;
+    if (all) {
+      sweep();
+      next_look_ = now + kLater;
+    }
+    for (auto& [descriptor, c] : open_) {
+      if (c->closed_ || (!all && c->on_their_way() <= kSuspectBytes)) continue;
+      if (!all && inode_of(descriptor) != c->inode_) continue;
+      const std::string why = complaint(*c, now);
+      if (!why.empty()) close(*c, why);
+      suspect |= c->grows_ && c->on_their_way() > kSuspectBytes;
+    }
   }
-  if (longest != nullptr && longest->unexplained_ > Connection::kHeaderBytes && memory_is_short())
-    close(*longest, "memory is short, and its messages and headers are not complete");
+  // Not under the lock, which every call takes.
+  if (const std::shared_ptr<Connection> c = filler()) {
+    const std::lock_guard lock(mutex_);
+    close(*c, "its headers probably fill the memory");
+  }
   return suspect ? kSoon : kLater;
 }
 

@@ -37,6 +37,8 @@ class Connection {
 
  private:
   friend class Connections;
+  /// Bytes that gRPC may still keep.
+  double on_their_way() const { return unexplained_ + excused_; }
   using Clock = std::chrono::steady_clock;
   // The headers of a call, and the frames around a message; TLS adds a 256th.
   static constexpr std::uint64_t kHeaderBytes = 16 << 10, kMessageBytes = 1 << 10;
@@ -57,9 +59,10 @@ class Connection {
   Clock::time_point seen_;
   std::uint64_t received_ = 0, acknowledged_ = 0, explained_before_ = 0;
   double unexplained_ = 0;  // bytes that belong to no call
-  bool grows_ = false;      // that number, at the last look
+  bool grows_ = false;      // whether unexplained_ grew at the last look
   // Bytes of requests that were left, which may still arrive, and how many more may be left.
   double late_ = 0, may_leave_ = 0;
+  double excused_ = 0;  // bytes of requests that were left a short time ago
   Clock::time_point left_at_;
   bool closed_ = false;
   int looks_ = 0;  // in a row, at which bytes waited to be read
@@ -76,7 +79,7 @@ struct ConnectionPatience {
   std::uint32_t calls = 0;             ///< of one connection, until gRPC has released them
   std::uint64_t unsent_bytes = 0;      ///< of all answers that their clients have not taken
   std::uint32_t idle_s = 0;            ///< without taking any of its answers; 0: for ever
-  /// Memory that something counts, such as scenes [bytes].
+  /// Memory of scenes, loads and renders [bytes].
   std::function<std::uint64_t()> counted_bytes = [] { return 0; };
 };
 
@@ -110,14 +113,15 @@ class Connections {
   bool has_room(std::uint64_t bytes) const;
   void answer_begun(std::uint64_t bytes) { unsent_ += bytes; }
   void answer_sent(std::uint64_t bytes) { unsent_ -= bytes; }
-  /// Counts the message that a call has taken last, instead of `before` bytes.
+  /// Counts the message that a call has taken last, instead of `before` bytes, which this call
+  /// counted until now.
   void message_held(std::uint64_t bytes, std::uint64_t before) { held_ += bytes - before; }
   /// Closes connections that send much that belongs to no call, such as headers without end, that
-  /// take much time to be read, or that take none of their answers for a long time.  If memory is
-  /// short, closes the connection with the most bytes that belong to no call.  Returns the time
-  /// until the next call.
+  /// take much time to be read, or that take none of their answers for a long time.  If
+  /// headers seem to fill the memory, closes the connection with the most bytes that belong to no
+  /// call.  Returns the time until the next call.
   std::chrono::milliseconds watch();
-  /// Ends all connections.  Clients still get what gRPC has written.
+  /// Ends all connections.  Clients usually still get what gRPC has written.
   void close_all() const;
 
  private:
@@ -131,8 +135,8 @@ class Connections {
   /// Why the connection must be closed; empty: it may stay.
   std::string complaint(Connection& connection, Connection::Clock::time_point now) const;
   void close(Connection& connection, const std::string& why) const;
-  /// Whether the process has much more memory than scenes, messages and answers explain.
-  bool memory_is_short() const;
+  /// The connection that probably fills the memory with headers; null: nobody does.
+  std::shared_ptr<Connection> filler() const;
   /// Counts what has arrived since the last look.
   void count_bytes(Connection& connection, std::uint64_t received, std::uint64_t acknowledged,
                    Connection::Clock::time_point now) const;

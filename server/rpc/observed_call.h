@@ -44,7 +44,7 @@ class ObservedCall {
   /// Who sends the call, for the turns of clients in a lane: the name of its token, or the address
   /// without its port.
   std::string client() const;
-  /// Names the connection, for the same.  Null: not known.
+  /// The connection of the call, for turns within a client.  Only compared.  Null: not known.
   const void* connection() const { return connection_.get(); }
   LaneJob::Clock::time_point deadline() const { return deadline_; }
 

@@ -37,6 +37,7 @@ void UploadStream::begin() {
   absl::StatusOr<access::Admission> admission = observed_.admit();
   if (!admission.ok()) return finish(admission.status());
   admission_ = *std::move(admission);
+  client_ = observed_.client();
   read_next();
 }
 
@@ -54,7 +55,9 @@ void UploadStream::give_up() {
   // The store may wait for the disk.
   const auto self = std::static_pointer_cast<UploadStream>(shared_from_this());
   runtime_.lanes.resume(Lane::kInteractive,
-                        {.run = [self](const LaneJobStart&) { self->finish(self->stalled()); }});
+                        {.run = [self](const LaneJobStart&) { self->finish(self->stalled()); },
+                         .client = client_,
+                         .connection = observed_.connection()});
 }
 
 absl::Status UploadStream::stalled() const {
@@ -73,7 +76,9 @@ void UploadStream::take(bool ok) {
   // A full lane refuses only new uploads.
   const auto self = std::static_pointer_cast<UploadStream>(shared_from_this());
   LaneJob job{.run = [self](const LaneJobStart& start) { self->take_message(start); },
-              .stop = stop_.get_token()};
+              .stop = stop_.get_token(),
+              .client = client_,
+              .connection = observed_.connection()};
   if (begun_) return runtime_.lanes.resume(Lane::kInteractive, std::move(job));
   const absl::Status queued = runtime_.lanes.submit(Lane::kInteractive, std::move(job));
   if (!queued.ok()) finish(lane_error(queued, Lane::kInteractive));

@@ -43,7 +43,8 @@ class UploadStream final : public Reactor {
   std::chrono::steady_clock::time_point waits_since_;
   std::uint64_t renewed_at_bytes_ = 0;
   bool begun_ = false;
-  bool held_ = false;  // the store has the whole asset: the rest of the stream is not read
+  std::string client_;  // of observed_, which makes it anew each time
+  bool held_ = false;   // the store has the whole asset: the rest of the stream is not read
   std::optional<AssetUpload> upload_;
 };
 

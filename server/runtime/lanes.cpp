@@ -169,15 +169,18 @@ class Queue {
   struct Waiting {
     LaneJob job;
     LaneJob::Clock::time_point since;
-    /// Each connection has one job in a round.  Lines are ordered by it.
+    /// A connection has at most one waiting job in a round.
     std::uint64_t round;
   };
-  using Line = std::deque<Waiting>;
+  /// Ordered by round.
+  struct Line : std::deque<Waiting> {
+    std::uint64_t next_round = 0;  // after the one that was served last
+  };
   /// The jobs of one client.
   struct Client {
     std::array<Line, 3> lines;  // by JobKind
     std::array<int, kPlaces> running{};
-    /// The client with the least number is next.
+    /// The client with the least number is next.  It grows with each turn and each arrival.
     std::uint64_t turn = 0;
     /// The line of computations that is next.
     std::size_t next_line = kWhole;
@@ -207,13 +210,13 @@ class Queue {
   void append(LaneJob job) {
     Client& client = clients_[job.client];
     // A client that was away gets no turns for that time.
-    if (!client.waits()) client.turn = std::max(client.turn, turn_);
+    if (!client.waits()) client.turn = ++turn_;
     Line& line = client.lines[options_.kinds ? static_cast<std::size_t>(job.kind) : kWhole];
-    std::uint64_t round = line.empty() ? 0 : line.front().round;
+    std::uint64_t round = line.next_round;
     const auto last = std::find_if(line.rbegin(), line.rend(), [&](const Waiting& w) {
       return w.job.connection == job.connection;
     });
-    if (last != line.rend()) round = last->round + 1;
+    if (last != line.rend()) round = std::max(round, last->round + 1);
     const auto place = std::find_if(line.rbegin(), line.rend(),
                                     [&](const Waiting& w) { return w.round <= round; });
     line.insert(place.base(), {std::move(job), LaneJob::Clock::now(), round});
@@ -281,7 +284,8 @@ class Queue {
       const auto chosen = next_of(client.lines[line]);
       Waiting next = std::move(*chosen);
       client.lines[line].erase(chosen);
-      turn_ = client.turn++;
+      client.lines[line].next_round = std::max(client.lines[line].next_round, next.round + 1);
+      client.turn = ++turn_;
       if (line != kLoads) client.next_line = line == kWhole ? kSteps : kWhole;
       --load_.waiting;
       ++load_.running;
@@ -305,7 +309,7 @@ class Queue {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   Clients clients_;
-  std::uint64_t turn_ = 0;  // of the client that was served last
+  std::uint64_t turn_ = 0;  // the last that was given
   std::array<int, kPlaces> running_{};
   LaneLoad load_;
   std::atomic<int> busy_ = 0;  // load_.running, for loops

@@ -54,7 +54,7 @@ struct LaneJob {
   Clock::time_point deadline = Clock::time_point::max();
   /// Who sent the request, for the turns of clients.
   std::string client{};
-  /// Names the connection of the client that takes its turns.
+  /// The connection that sent the request, for the turns within a client.  Only compared.
   const void* connection = nullptr;
   JobKind kind = JobKind::kComputation;
   /// The least time that the job takes [s].  A job that cannot end before its deadline does not

@@ -164,7 +164,9 @@ std::uint64_t SceneStore::bytes() const {
 
 std::uint64_t SceneStore::counted_bytes() const {
   const std::lock_guard lock(state_->mutex);
-  return state_->held + state_->loading;
+  std::uint64_t bytes = state_->held + state_->loading;
+  for (const auto& [scene, own] : state_->removed) bytes += scene.expired() ? 0 : own;
+  return bytes;
 }
 
 std::size_t SceneStore::leases() const {

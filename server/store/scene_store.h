@@ -165,9 +165,10 @@ class SceneStore {
   std::size_t size() const;
   /// The number of paths and manifests that are known to give a loaded scene.
   std::size_t sources() const;
-  /// Of all scenes.
+  /// Bytes of all scenes, measured now.
   std::uint64_t bytes() const;
-  /// Of scenes as last measured, and of running loads and calls.
+  /// Bytes of scenes as last measured, of those that calls still use after their release, and of
+  /// running loads and calls.
   std::uint64_t counted_bytes() const;
   /// The number of leases of all scenes.
   std::size_t leases() const;

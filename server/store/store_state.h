@@ -124,6 +124,9 @@ struct SceneStore::State {
   std::map<const void*, Shared> shared;
   std::uint64_t held = 0;  // bytes of all entries and of `shared`, each as last measured
 
+  /// Scenes that are no longer held, with their bytes.  A call may still use them.
+  std::vector<std::pair<std::weak_ptr<const Scene>, std::uint64_t>> removed;
+
   std::uint64_t loading = 0;          // bytes of running loads and calls
   std::multiset<std::string> in_use;  // ids of the scenes of calls whose memory counts
 
@@ -228,6 +231,8 @@ struct SceneStore::State {
       shared.erase(of);
     });
     freed += before - held;
+    std::erase_if(removed, [](const auto& r) { return r.first.expired(); });
+    removed.emplace_back(entry->second.stored.scene, before - held);
     gone.push_back(std::move(entry->second.stored.scene));
     scenes.erase(entry);
   }

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <thread>
 
 #include "tests/reliability/report.h"
@@ -135,12 +136,14 @@ int calls_that_clients_give_up(const SceneFiles& files) {
   Subject subject(files);
   Traffic traffic(subject.target());
   const Message message = subject.one_item();
-  int given_up = 0;
+  int given_up = 0, good = 0;
   bool gone = false;
   const auto on_end = [&](const Ended& call) {
     if (call.status.error_code() == grpc::StatusCode::UNAVAILABLE) {
       gone |= call.status.error_message().find("failed to connect") != std::string::npos;
-    } else if (!call.status.ok()) {
+    } else if (call.status.ok()) {
+      ++good;
+    } else {
       fmt::print("    {} {}\n", static_cast<int>(call.status.error_code()),
                  call.status.error_message());
       ++given_up;
@@ -156,6 +159,8 @@ int calls_that_clients_give_up(const SceneFiles& files) {
       ::kill(subject.server().process_id(), SIGTERM);
     }
   }
+  while (traffic.running() > 0) traffic.poll(after(Clock::now(), Seconds(0.01)), on_end);
+  if (!gone || good == 0) throw std::runtime_error("the server did not end under calls");
   return given_up;
 }
 

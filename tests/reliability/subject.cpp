@@ -90,24 +90,26 @@ double Subject::cpu_s() const {
 }
 
 double Subject::allocator_cpu_s() const {
+  const auto time_s = [](const std::string& file) {
+    double ns = 0;
+    std::ifstream(file) >> ns;
+    return 1e-9 * ns;
+  };
   // A thread for each arena starts when the arena is first used.
   if (const auto now = std::chrono::steady_clock::now(); now - listed_ > std::chrono::seconds(1)) {
     listed_ = now;
-    allocator_threads_.clear();
     const std::string tasks = "/proc/" + std::to_string(server_.process_id()) + "/task";
     for (const auto& task : std::filesystem::directory_iterator(tasks)) {
       std::string name;
       std::ifstream(task.path() / "comm") >> name;
-      if (name.starts_with("jemalloc")) allocator_threads_.push_back(task.path().string());
+      const std::string file = task.path().string() + "/schedstat";
+      if (name.starts_with("jemalloc") && !allocator_threads_.contains(file))
+        allocator_threads_[file] = time_s(file);
     }
   }
-  double sum_ns = 0;
-  for (const std::string& thread : allocator_threads_) {
-    double ns = 0;
-    std::ifstream(thread + "/schedstat") >> ns;
-    sum_ns += ns;
-  }
-  return 1e-9 * sum_ns;
+  double sum_s = 0;
+  for (const auto& [file, before_s] : allocator_threads_) sum_s += time_s(file) - before_s;
+  return sum_s;
 }
 
 double Subject::resident_bytes() const {

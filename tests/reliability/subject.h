@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -66,7 +67,8 @@ class Subject {
  private:
   testing::LocalServer server_;
   std::string scene_;
-  mutable std::vector<std::string> allocator_threads_;  // their folders in /proc
+  // Their files in /proc, and their time before they were found.
+  mutable std::map<std::string, double> allocator_threads_;
   mutable std::chrono::steady_clock::time_point listed_;
 };
 

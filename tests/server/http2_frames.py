@@ -30,6 +30,7 @@ class Connection:
     def __init__(self, port, window=2**31 - 1):
         self.socket = socket.create_connection(("127.0.0.1", port))
         self.next, self.closed, self.received = 1, False, b""
+        self.replies = b""  # to the server's settings and pings
         self.stream_window, self.windows = 65535, {0: 65535}
         self.send(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(SETTINGS, 0, 0, struct.pack(">HI", 4, window)) +
                   frame(SETTINGS, ACK, 0))
@@ -41,7 +42,7 @@ class Connection:
 
     def send(self, data):
         """Sends all, and reads what comes.  Returns whether the connection is still open."""
-        view = memoryview(data)
+        view, self.replies = memoryview(self.replies + data), b""
         while view and not self.closed:
             readable, writable, _ = select.select([self.socket], [self.socket], [], PATIENCE_S)
             if readable:
@@ -69,7 +70,10 @@ class Connection:
             payload, self.received = self.received[9:9 + size], self.received[9 + size:]
             if kind == WINDOW_UPDATE:
                 self.windows[stream] = self.windows.get(stream, self.stream_window) + struct.unpack(">I", payload)[0]
+            if kind == PING and not flags & ACK:
+                self.replies += frame(PING, ACK, 0, payload)
             if kind == SETTINGS and not flags & ACK:
+                self.replies += frame(SETTINGS, ACK, 0)
                 for i in range(0, size, 6):
                     name, value = struct.unpack(">HI", payload[i:i + 6])
                     if name == 4:
@@ -95,4 +99,5 @@ class Connection:
                 sent, moved = sent + n, True
             if not moved and select.select([self.socket], [], [], 1)[0]:
                 self.read()
+                self.send(b"")
         return sent

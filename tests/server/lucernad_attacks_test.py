@@ -5,6 +5,7 @@
 """
 import os
 import pathlib
+import select
 import struct
 import subprocess
 import sys
@@ -69,8 +70,14 @@ def large_requests_may_arrive_together(server):
     client = Connection(server.port)
     for _ in range(3):
         client.send(call(client, IRRADIANCE) + frame(DATA, 0, client.next - 2, b"\0" + struct.pack(">I", 60 << 20)))
-    client.send_data(range(1, client.next, 2), 35 << 20)
+        for stream in (0, client.next - 2):
+            client.windows[stream] -= 5
+    sent = client.send_data(range(1, client.next, 2), 35 << 20)
     ask(server, "info")
+    time.sleep(SETTLE_S)
+    if select.select([client.socket], [], [], 0)[0]:
+        client.read()
+    expect(sent == 3 * 35 << 20, f"the server took {sent} bytes")
     expect(not client.closed, "the connection is closed")
 
 
@@ -86,7 +93,8 @@ def others_connect_during_a_long_header(server):
     attacker.start()
     time.sleep(1)
     ask(server, "info")
-    expect(attacker.is_alive(), "a new connection waits for the header of another")
+    expect(attacker.is_alive() or "its headers probably fill the memory" in server.log(),
+           "a new connection waits for the header of another")
 
 
 OPTIONS = ("--scene-root", DATA_ROOT, "--memory-budget", "200MiB")
@@ -96,7 +104,7 @@ for path in ("", "_of_pictures", "_of_uploads", "_of_checks", "_of_watches", "_o
     with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
         attack_until_closed(lucernad, "resets" + path, "its client cancels too many calls")
 with Lucernad(LUCERNAD, *OPTIONS) as lucernad:
-    attack_until_closed(lucernad, "referring_headers", "memory is short")
+    attack_until_closed(lucernad, "referring_headers", "its headers probably fill the memory")
     time.sleep(SETTLE_S)
     expect(most_megabytes(lucernad) < MOST_MEGABYTES, f"referring headers: {most_megabytes(lucernad):.0f} MB")
 with Lucernad(LUCERNAD, *OPTIONS) as lucernad:

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <future>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -207,6 +209,65 @@ TEST(Lanes, ConnectionsOfAClientTakeTurnsInBothLanes) {
     while (order.names().size() < 6) std::this_thread::yield();
     end.set_value();
     EXPECT_EQ(order.names(), (std::vector<std::string>{"a", "f", "d", "b", "e", "c"}));
+  }
+}
+
+/// Calls that are sent again as soon as they are answered, each by a client and a connection.
+class Again {
+ public:
+  explicit Again(Lanes& lanes) : lanes_(lanes) {}
+  ~Again() {
+    ended_ = true;
+    while (lanes_.pending(Lane::kInteractive) > 0) std::this_thread::yield();
+  }
+  void send(const std::string& client, const int& connection) {
+    const absl::Status sent =
+        lanes_.submit(Lane::kInteractive, {.run =
+                                               [this, client, &connection](const LaneJobStart&) {
+                                                 count(client, connection);
+                                                 if (!ended_) send(client, connection);
+                                               },
+                                           .client = client,
+                                           .connection = &connection});
+    EXPECT_TRUE(sent.ok()) << sent;
+  }
+  /// Waits for `all` answers.  Returns the least number that a connection got.
+  int least(int all) {
+    while (answers_ < all) std::this_thread::yield();
+    const std::lock_guard lock(mutex_);
+    return std::min_element(counts_.begin(), counts_.end(),
+                            [](auto& a, auto& b) { return a.second < b.second; })
+        ->second;
+  }
+  std::size_t served() {
+    const std::lock_guard lock(mutex_);
+    return counts_.size();
+  }
+
+ private:
+  void count(const std::string& client, const int& connection) {
+    const std::lock_guard lock(mutex_);
+    ++counts_[client + std::to_string(connection)];
+    ++answers_;
+  }
+  Lanes& lanes_;
+  std::mutex mutex_;
+  std::map<std::string, int> counts_;
+  std::atomic<int> answers_ = 0;
+  std::atomic<bool> ended_ = false;
+};
+
+TEST(Lanes, NobodyStarvesBesideOthersThatSendOneCallAfterTheOther) {
+  const std::vector<int> connections = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  constexpr int kAnswers = 12'000;
+  for (const bool clients : {true, false}) {
+    Lanes lanes({.threads = 1});
+    Again calls(lanes);
+    for (const int& c : connections) calls.send(clients ? std::to_string(c) : "one", c);
+    // One connection has two calls at once.
+    calls.send(clients ? "0" : "one", connections.front());
+    EXPECT_GT(calls.least(kAnswers), kAnswers / 12 / 4);
+    EXPECT_EQ(calls.served(), connections.size());
   }
 }
 
