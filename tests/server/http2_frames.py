@@ -30,7 +30,7 @@ class Connection:
     def __init__(self, port, window=2**31 - 1):
         self.socket = socket.create_connection(("127.0.0.1", port))
         self.next, self.closed, self.received = 1, False, b""
-        self.replies = b""  # to the server's settings and pings
+        self.replies = b""  # to the server's settings and pings; not allowed inside of a header
         self.stream_window, self.windows = 65535, {0: 65535}
         self.send(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(SETTINGS, 0, 0, struct.pack(">HI", 4, window)) +
                   frame(SETTINGS, ACK, 0))
@@ -42,7 +42,7 @@ class Connection:
 
     def send(self, data):
         """Sends all, and reads what comes.  Returns whether the connection is still open."""
-        view, self.replies = memoryview(self.replies + data), b""
+        view = memoryview(data)
         while view and not self.closed:
             readable, writable, _ = select.select([self.socket], [self.socket], [], PATIENCE_S)
             if readable:
@@ -99,5 +99,6 @@ class Connection:
                 sent, moved = sent + n, True
             if not moved and select.select([self.socket], [], [], 1)[0]:
                 self.read()
-                self.send(b"")
+                replies, self.replies = self.replies, b""
+                self.send(replies)
         return sent
