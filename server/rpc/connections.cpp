@@ -43,11 +43,11 @@ constexpr std::chrono::milliseconds kLater(50), kSoon(10);
 constexpr double kSuspectBytes = 256 << 10;
 // A header of 1 byte may take 160 bytes of gRPC's memory.  So if the process has so much memory
 // that nothing explains, the client with the longest headers probably fills it.
-constexpr double kUnexplainedMemory = 64e6;
+constexpr double kUnexplainedMemory = 80e6;
 // gRPC releases the memory of a closed connection later.  That of one is not blamed on others.
 constexpr double kMostClosing = 200e6;
 // Scenes, parsed messages and messages on their way may take more memory than is counted.
-constexpr double kPerCounted = 1.5, kPerMessageByte = 8, kPerByteOnItsWay = 1.25;
+constexpr double kPerCounted = 1.5, kPerMessageByte = 16, kPerByteOnItsWay = 1.25;
 constexpr double kPerHeaderByte = 160, kPerCall = 64 << 10, kPerConnection = 100 << 10;
 // Answers to pings are less.
 constexpr std::uint64_t kLeastReadBytes = 4 << 10;
