@@ -43,7 +43,6 @@ constexpr std::chrono::milliseconds kLater(50), kSoon(10);
 constexpr double kSuspectBytes = 256 << 10;
 // A header of 1 byte may take 160 bytes of gRPC's memory.  So if the process has so much memory
 // that nothing explains, the client with the longest headers probably fills it.
-constexpr double kUnexplainedMemory = 80e6;
 // gRPC releases the memory of a closed connection later.  That of one is not blamed on others.
 constexpr double kMostClosing = 200e6;
 // Scenes, parsed messages and messages on their way may take more memory than is counted.
@@ -249,11 +248,12 @@ void Connections::close_all() const {
 
 std::shared_ptr<Connection> Connections::filler() const {
   std::shared_ptr<Connection> longest;
-  double explained = kUnexplainedMemory, headers = 0, closing = 0;
+  double explained = 0, headers = 0, closing = 0;
   std::function<std::uint64_t()> counted_bytes;
   {
     const std::lock_guard lock(mutex_);
     counted_bytes = patience_.counted_bytes;
+    explained = static_cast<double>(patience_.uncounted_bytes);
     for (const auto& [descriptor, c] : open_) {
       explained += kPerConnection + kPerCall * c->calls_;
       (c->closed_ ? closing : headers) += kPerHeaderByte * c->on_their_way();

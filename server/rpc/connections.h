@@ -74,11 +74,12 @@ class Connection {
 
 /// What a client may do before its connection is closed.
 struct ConnectionPatience {
-  std::uint64_t message_bytes = 0;     ///< of one message
-  std::uint64_t unfinished_bytes = 0;  ///< of all messages that have not arrived in full
-  std::uint32_t calls = 0;             ///< of one connection, until gRPC has released them
-  std::uint64_t unsent_bytes = 0;      ///< of all answers that their clients have not taken
-  std::uint32_t idle_s = 0;            ///< without taking any of its answers; 0: for ever
+  std::uint64_t message_bytes = 0;             ///< of one message
+  std::uint64_t unfinished_bytes = 0;          ///< of all messages that have not arrived in full
+  std::uint32_t calls = 0;                     ///< of one connection, until gRPC has released them
+  std::uint64_t unsent_bytes = 0;              ///< of all answers that their clients have not taken
+  std::uint32_t idle_s = 0;                    ///< without taking any of its answers; 0: for ever
+  std::uint64_t uncounted_bytes = UINT64_MAX;  ///< of memory that nothing explains
   /// Memory of scenes, loads and renders [bytes].
   std::function<std::uint64_t()> counted_bytes = [] { return 0; };
 };

@@ -59,8 +59,11 @@ constexpr std::uint64_t kLeastMessageBytes = 64 << 20;
 constexpr std::uint64_t kUnfinishedMessages = 3, kAllUnfinishedMessages = 6;
 // What gRPC reads at once.  After more, thousands of calls that were reset would be known too late.
 constexpr std::uint64_t kMaxReadBytes = 64 << 10;
-// Answers that their clients have not taken, without a memory budget.
-constexpr std::uint64_t kMostUnsentBytes = 1ULL << 30;
+// Answers that their clients have not taken, and memory that nothing explains, without a memory
+// budget.
+constexpr std::uint64_t kMostUnsentBytes = 1ULL << 30, kMostUncountedBytes = 1ULL << 30;
+// Memory that nothing explains, and that is always allowed.
+constexpr std::uint64_t kUncountedBytes = 48 << 20;
 // Calls that have ended for a client, but not yet for gRPC.
 constexpr std::uint32_t kSpareCalls = 1000;
 // How long a client has to answer a ping.
@@ -220,6 +223,7 @@ absl::Status Server::State::listen(const ServerOptions& options) {
        .calls = 2 * doors.streams + kSpareCalls,
        .unsent_bytes = std::max(two_messages, budget == 0 ? kMostUnsentBytes : budget / 4),
        .idle_s = doors.idle_s,
+       .uncounted_bytes = kUncountedBytes + (budget == 0 ? kMostUncountedBytes : budget / 8),
        .counted_bytes = [this] { return runtime.scenes->counted_bytes(); }});
   runtime.connections = &listener->connections();
   runtime.idle_s = doors.idle_s;
