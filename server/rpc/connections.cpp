@@ -41,13 +41,15 @@ constexpr int kWaitingBytes = 64 << 10;
 // much is on its way, and more arrives, are looked at sooner.
 constexpr std::chrono::milliseconds kLater(50), kSoon(10);
 constexpr double kSuspectBytes = 256 << 10;
-// A header of 1 byte may take 160 bytes of gRPC's memory.  So if the process has so much memory
-// that nothing explains, the client with the longest headers probably fills it.
 // gRPC releases the memory of a closed connection later.  That of one is not blamed on others.
 constexpr double kMostClosing = 200e6;
 // Scenes, parsed messages and messages on their way may take more memory than is counted.
 constexpr double kPerCounted = 1.5, kPerMessageByte = 16, kPerByteOnItsWay = 1.25;
-constexpr double kPerHeaderByte = 160, kPerCall = 64 << 10, kPerConnection = 100 << 10;
+// A byte of a header may take 160 bytes of gRPC's memory.  So if the process has much memory that
+// nothing else explains, the client with the longest headers probably fills it.
+constexpr double kPerHeaderByte = 160;
+// What gRPC and we keep of calls and connections.
+constexpr double kPerCall = 64 << 10, kPerConnection = 100 << 10;
 // Answers to pings are less.
 constexpr std::uint64_t kLeastReadBytes = 4 << 10;
 

@@ -21,12 +21,6 @@ double resident_bytes_at_rest(const Subject& subject) {
   return least;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 }  // namespace
 
 void churn(const Settings& settings, Report& report) {
@@ -51,9 +45,10 @@ void churn(const Settings& settings, Report& report) {
     if (number <= first) early.push_back(resident_bytes_at_rest(subject));
     if (number > all - first) late.push_back(resident_bytes_at_rest(subject));
   }
-  report.note("resident memory at rest, before", 1e-6 * median(early), "MB");
-  report.note("after the last loads", 1e-6 * median(late), "MB");
-  report.at_most("growth after the first loads", 100 * (median(late) / median(early) - 1), 5, "%");
+  report.note("resident memory at rest, before", 1e-6 * quantile(early, 0.5), "MB");
+  report.note("after the last loads", 1e-6 * quantile(late, 0.5), "MB");
+  report.at_most("growth after the first loads",
+                 100 * (quantile(late, 0.5) / quantile(early, 0.5) - 1), 5, "%");
 }
 
 }  // namespace lucerna::reliability

@@ -262,12 +262,20 @@ TEST(Lanes, NobodyStarvesBesideOthersThatSendOneCallAfterTheOther) {
   constexpr int kAnswers = 12'000;
   for (const bool clients : {true, false}) {
     Lanes lanes({.threads = 1});
+    std::promise<void> open, end;
+    const std::shared_future<void> opened = open.get_future().share(),
+                                   ended = end.get_future().share();
     Again calls(lanes);
+    // One thread serves all, after all have been sent.
+    keep_busy(lanes, "v", JobKind::kComputation, ended, Lane::kInteractive);
+    keep_busy(lanes, "w", JobKind::kComputation, opened, Lane::kInteractive);
     for (const int& c : connections) calls.send(clients ? std::to_string(c) : "one", c);
     // One connection has two calls at once.
     calls.send(clients ? "0" : "one", connections.front());
+    open.set_value();
     EXPECT_GT(calls.least(kAnswers), kAnswers / 12 / 4);
     EXPECT_EQ(calls.served(), connections.size());
+    end.set_value();
   }
 }
 
@@ -364,84 +372,6 @@ TEST(Lanes, AnswerWaitingJobsAtTheirEnd) {
   EXPECT_EQ(waiting.get_future().get(), absl::StatusCode::kUnavailable);
   bulk->release();
   end.join();
-}
-
-TEST(ParallelChunks, VisitEveryItemOnceInAlignedChunks) {
-  Lanes lanes({.threads = 2});
-  std::vector<std::atomic<int>> visits(1001);
-  std::promise<void> done;
-  ASSERT_TRUE(lanes
-                  .submit(Lane::kInteractive,
-                          {.run =
-                               [&](const LaneJobStart&) {
-                                 parallel_chunks(visits.size(), 8, {}, [&](auto begin, auto end) {
-                                   EXPECT_EQ(begin % 8, 0U);
-                                   for (auto i = begin; i < end; ++i) ++visits[i];
-                                 });
-                                 done.set_value();
-                               }})
-                  .ok());
-  done.get_future().wait();
-  for (const auto& v : visits) EXPECT_EQ(v, 1);
-}
-
-TEST(ParallelChunks, LeaveOutChunksAfterAStop) {
-  std::stop_source stop;
-  std::atomic<int> chunks = 0;
-  parallel_chunks(1'000'000, 1, stop.get_token(), [&](auto, auto) {
-    ++chunks;
-    stop.request_stop();
-  });
-  EXPECT_GE(chunks, 1);
-  EXPECT_LT(chunks, 1000);  // at most one per thread
-}
-
-TEST(ParallelChunks, StayOnOneThreadWhileOtherJobsKeepTheProcessorsBusy) {
-  std::atomic<int> running = 2;
-  const SharedProcessors shared(running, 2);
-  EXPECT_TRUE(SharedProcessors::are_busy());
-  const auto self = std::this_thread::get_id();
-  std::size_t visited = 0;
-  parallel_chunks(64, 1, {}, [&](std::size_t begin, std::size_t end) {
-    EXPECT_EQ(std::this_thread::get_id(), self);
-    visited += end - begin;
-  });
-  EXPECT_EQ(visited, 64U);
-  // The other job ends within the loop, and the rest of the chunks may have help.
-  std::atomic<std::size_t> all = 0;
-  parallel_chunks(64, 1, {}, [&](std::size_t begin, std::size_t) {
-    if (begin < 8) {
-      EXPECT_EQ(std::this_thread::get_id(), self);
-    }
-    if (begin == 7) running = 1;
-    ++all;
-  });
-  EXPECT_EQ(all, 64U);
-  EXPECT_FALSE(SharedProcessors::are_busy());
-}
-
-TEST(CpuMeter, CountsTheTimeOfAllThreadsThatHelp) {
-  Lanes lanes({.threads = 2});
-  std::promise<double> seconds;
-  constexpr std::int64_t kChunkNs = 2'000'000;
-  std::atomic<std::int64_t> burnt_ns = 0;
-  ASSERT_TRUE(lanes
-                  .submit(Lane::kInteractive, {.run =
-                                                   [&](const LaneJobStart&) {
-                                                     const CpuMeter meter;
-                                                     parallel_chunks(16, 1, {}, [&](auto, auto) {
-                                                       const std::int64_t begin = thread_cpu_ns();
-                                                       while (thread_cpu_ns() - begin < kChunkNs) {
-                                                       }
-                                                       burnt_ns += thread_cpu_ns() - begin;
-                                                     });
-                                                     seconds.set_value(meter.seconds());
-                                                   }})
-                  .ok());
-  // Processor time, not wall time.  It includes the time of all threads and does not depend on
-  // other load.
-  EXPECT_GE(seconds.get_future().get(), 1e-9 * static_cast<double>(burnt_ns));
-  EXPECT_GE(burnt_ns, 16 * kChunkNs);
 }
 
 }  // namespace

@@ -166,12 +166,18 @@ TEST_F(SceneStoreTest, ConcurrentLoadsBuildOnce) {
 }
 
 TEST_F(SceneStoreTest, ReleasedScenesLiveAsLongAsTheyAreHeld) {
-  const LoadedScene held = load("a.pbrt");
+  LoadedScene held = load("a.pbrt");
   const std::string id = held.stored.scene->id();
+  const std::uint64_t bytes = store_->bytes();
+  EXPECT_GT(bytes, 0U);
   EXPECT_TRUE(store_->release(id).value());
+  EXPECT_EQ(store_->bytes(), 0U);
+  EXPECT_EQ(store_->counted_bytes(), bytes);
   EXPECT_EQ(store_->release(id).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(store_->find(id), nullptr);
   EXPECT_EQ(held.stored.scene->lights().size(), 1U);
+  held = {};
+  EXPECT_EQ(store_->counted_bytes(), 0U);
   EXPECT_FALSE(load("a.pbrt").already_loaded);
 }
 
