@@ -28,12 +28,12 @@ DEADLINE_S = 120  # of a call
 
 
 class Server:
-    def __init__(self, build):
+    def __init__(self, build, folder=ROOT / "tests/data/reference", threads=2):
         program = build / "bin/lucernad"
         if not program.is_file():
             sys.exit(f"compare_builds.py: {program} does not exist, allowed: a folder with bin/lucernad")
         self.process = subprocess.Popen(
-            [str(program), "--scene-root", str(ROOT / "tests/data/reference"), "--threads", "2", "--listen", "127.0.0.1:0"],
+            [str(program), "--scene-root", str(folder), "--threads", str(threads), "--listen", "127.0.0.1:0"],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         line = self.process.stdout.readline()
         match = re.match(r"listening on (\S+)", line)
@@ -43,8 +43,15 @@ class Server:
         self.channel = grpc.insecure_channel(match[1], options=[("grpc.max_receive_message_length", 1 << 28)])
 
     def call(self, method, request, response):
-        call = self.channel.unary_unary(f"/lucerna.v1.{method}", request_serializer=lambda m: m.SerializeToString(),
-                                        response_deserializer=response.FromString)
+        return self.start(self.channel.unary_unary, method, request, response)
+
+    def stream(self, method, request, response):
+        return self.start(self.channel.unary_stream, method, request, response)
+
+    @staticmethod
+    def start(kind, method, request, response):
+        call = kind(f"/lucerna.v1.{method}", request_serializer=lambda m: m.SerializeToString(),
+                    response_deserializer=response.FromString)
         return call(request, timeout=DEADLINE_S)
 
     def stop(self):
