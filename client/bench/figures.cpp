@@ -3,22 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
+
+#include "proto/common/quantile.h"
 
 namespace lucerna::bench {
 
 std::string quantile_name(double q) { return fmt::format("p{:g}", 100 * q); }
-
-double quantile(std::vector<float>& values, double q) {
-  if (values.empty()) return 0;
-  const auto n = static_cast<double>(values.size());
-  // 0.99 * 100 is a little more than 99 in double precision, which must not become rank 100.
-  const double rank = std::ceil(q * n * (1 - 1e-12));
-  const auto index = static_cast<std::ptrdiff_t>(std::clamp(rank, 1.0, n)) - 1;
-  std::nth_element(values.begin(), values.begin() + index, values.end());
-  return values[static_cast<std::size_t>(index)];
-}
 
 bool is_stable(const std::vector<double>& rates, std::size_t count, double share) {
   if (rates.size() < count || count == 0) return false;

@@ -26,10 +26,6 @@ inline constexpr double kQuantiles[] = {0.5, 0.9, 0.99, 0.999};
 /// "p50", "p99.9".
 std::string quantile_name(double q);
 
-/// The nearest-rank quantile: the smallest value such that at least the share `q` of all values is
-/// not larger.  `q` is in (0, 1].  Reorders `values`.  0 without values.
-double quantile(std::vector<float>& values, double q);
-
 /// Whether rates of equal windows differ by at most `share` of their mean.  False if they are all
 /// 0, or if there are fewer than `count`.  Only the last `count` matter.
 bool is_stable(const std::vector<double>& rates, std::size_t count, double share);
@@ -59,8 +55,8 @@ class Figures {
   bool overloaded = false;
 
  private:
-  // Floats: long runs have millions of calls.  Reordered by latency_s().
-  mutable std::vector<float> latencies_s_;
+  // Floats: long runs have millions of calls.
+  std::vector<float> latencies_s_;
 };
 
 }  // namespace lucerna::bench

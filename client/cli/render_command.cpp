@@ -26,6 +26,7 @@
 #include "client/terminal/stop_option.h"
 #include "client/terminal/time_option.h"
 #include "client/terminal/validators.h"
+#include "proto/common/quantile.h"
 
 namespace lucerna::cli {
 namespace {
@@ -103,13 +104,10 @@ std::pair<client::Picture, v1::RenderImageResponse> render_picture(
 }
 
 /// "samples per pixel: at least 64, median 256, at most 4096".
-std::string describe_samples(std::vector<std::uint32_t> samples) {
+std::string describe_samples(const std::vector<std::uint32_t>& samples) {
   const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
-  const std::string ends[] = {fmt::format("{}", *least), fmt::format("{}", *most)};
-  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>((samples.size() - 1) / 2);
-  std::nth_element(samples.begin(), middle, samples.end());
-  return fmt::format("samples per pixel: at least {}, median {}, at most {}", ends[0], *middle,
-                     ends[1]);
+  return fmt::format("samples per pixel: at least {}, median {}, at most {}", *least,
+                     quantile(samples, 0.5), *most);
 }
 
 /// Checks the luminance of each pixel; without a target error, nothing.

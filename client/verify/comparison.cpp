@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "client/verify/statistics.h"
+#include "proto/common/quantile.h"
 
 namespace lucerna::verify {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "client/verify/statistics.h"
+#include "proto/common/quantile.h"
 
 namespace lucerna::verify {
 namespace {

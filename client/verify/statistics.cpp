@@ -152,11 +152,4 @@ std::vector<double> holm(const std::vector<double>& p) {
   return adjusted;
 }
 
-double quantile(std::vector<double> values, double q) {
-  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(values.size())));
-  const auto at = values.begin() + static_cast<long>(rank == 0 ? 0 : rank - 1);
-  std::ranges::nth_element(values, at);
-  return *at;
-}
-
 }  // namespace lucerna::verify

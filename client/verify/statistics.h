@@ -53,8 +53,4 @@ double student_p(double deviations, double freedom);
 /// is at most the level.  Then the chance of any false rejection is at most the level.
 std::vector<double> holm(const std::vector<double>& p);
 
-/// The quantile `q` in [0, 1] of values, which must not be empty.  The smallest value with at least
-/// the share q of all values up to it.
-double quantile(std::vector<double> values, double q);
-
 }  // namespace lucerna::verify

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/testing/local_server.h"
+#include "proto/common/quantile.h"
 #include "tests/e2e/run_program.h"
 #include "tests/paths.h"
 #include "tests/temp_directory.h"
@@ -75,10 +76,6 @@ std::vector<double> sorted_lux(const std::string& scene) {
   for (const Reading& reading : direct_light(scene)) lux.push_back(reading.lux);
   std::sort(lux.begin(), lux.end());
   return lux.empty() ? std::vector<double>{std::nan("")} : lux;
-}
-
-double quantile(const std::vector<double>& sorted, double q) {
-  return sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))];
 }
 
 // The sun on level ground, 78000 lx times the sine of its 27 degrees, plus the sky's 11000 lx.

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "proto/common/quantile.h"
 #include "tests/paths.h"
 #include "tests/reliability/report.h"
 #include "tests/reliability/subject.h"

@@ -4,6 +4,7 @@
 #include <thread>
 #include <vector>
 
+#include "proto/common/quantile.h"
 #include "tests/reliability/report.h"
 #include "tests/reliability/subject.h"
 

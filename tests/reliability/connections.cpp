@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lucerna/v1/lighting.pb.h"
+#include "proto/common/quantile.h"
 #include "tests/reliability/report.h"
 #include "tests/reliability/subject.h"
 

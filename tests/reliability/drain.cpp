@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "proto/common/quantile.h"
 #include "tests/reliability/report.h"
 #include "tests/reliability/subject.h"
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "proto/common/quantile.h"
 #include "tests/reliability/report.h"
 #include "tests/reliability/subject.h"
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <thread>
 
+#include "proto/common/quantile.h"
 #include "tests/reliability/report.h"
 #include "tests/reliability/subject.h"
 

@@ -3,6 +3,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "proto/common/quantile.h"
 #include "tests/reliability/report.h"
 #include "tests/reliability/subject.h"
 

@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "proto/common/quantile.h"
 #include "tests/reliability/long_calls.h"
 #include "tests/reliability/report.h"
 #include "tests/reliability/stream_call.h"

@@ -1,8 +1,5 @@
 #include "tests/reliability/traffic.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace lucerna::reliability {
 namespace {
 
@@ -109,16 +106,6 @@ std::vector<Ended> closed_loop(Traffic& traffic, const std::vector<Message>& mes
   while (traffic.running() > 0 && Clock::now() < last)
     traffic.poll(after(Clock::now(), kStep), collect);
   return calls;
-}
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const auto rank =
-      static_cast<std::size_t>(std::clamp(std::ceil(q * static_cast<double>(values.size())) - 1,
-                                          0.0, static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank),
-                   values.end());
-  return values[rank];
 }
 
 std::vector<double> latencies(const std::vector<Ended>& calls, grpc::StatusCode code) {

@@ -75,8 +75,6 @@ std::vector<Ended> open_loop(Traffic& traffic, const std::vector<Message>& messa
 std::vector<Ended> closed_loop(Traffic& traffic, const std::vector<Message>& messages,
                                std::size_t at_once, Seconds duration, Seconds patience);
 
-/// The value below which a share `q` of the values lies; 0 if there are none.
-double quantile(std::vector<double> values, double q);
 std::vector<double> latencies(const std::vector<Ended>& calls, grpc::StatusCode code);
 
 }  // namespace lucerna::reliability

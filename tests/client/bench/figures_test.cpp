@@ -3,10 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <numeric>
-#include <random>
-
 #include "client/bench/report.h"
 
 namespace lucerna {
@@ -14,27 +10,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-TEST(Quantile, IsTheNearestRank) {
-  std::vector<float> values(1000);
-  std::iota(values.begin(), values.end(), 1.0F);
-  std::shuffle(values.begin(), values.end(), std::mt19937(1));
-  EXPECT_EQ(bench::quantile(values, 0.5), 500);
-  EXPECT_EQ(bench::quantile(values, 0.9), 900);
-  EXPECT_EQ(bench::quantile(values, 0.99), 990);
-  EXPECT_EQ(bench::quantile(values, 0.999), 999);
-  EXPECT_EQ(bench::quantile(values, 1), 1000);
-  EXPECT_EQ(bench::quantile(values, 1e-9), 1);
-}
-
-TEST(Quantile, OfFewValuesIsOneOfThem) {
-  std::vector<float> none, one = {3}, three = {3, 1, 2};
-  EXPECT_EQ(bench::quantile(none, 0.5), 0);
-  EXPECT_EQ(bench::quantile(one, 0.5), 3);
-  EXPECT_EQ(bench::quantile(one, 0.999), 3);
-  EXPECT_EQ(bench::quantile(three, 0.5), 2);
-  EXPECT_EQ(bench::quantile(three, 0.99), 3);
-}
 
 TEST(Stability, ComparesTheLastWindows) {
   EXPECT_FALSE(bench::is_stable({100, 100}, 3, 0.05));

@@ -158,12 +158,5 @@ TEST(VerifyStudent, AgreesWithTheTable) {
   EXPECT_THAT(student_p(-4.07277, 15), DoubleNear(0.001, 1e-7));
 }
 
-TEST(VerifyQuantile, IsTheSmallestValueWithItsShare) {
-  EXPECT_EQ(quantile({4, 1, 3, 2}, 0.5), 2);
-  EXPECT_EQ(quantile({4, 1, 3, 2}, 0.51), 3);
-  EXPECT_EQ(quantile({4, 1, 3, 2}, 1), 4);
-  EXPECT_EQ(quantile({4, 1, 3, 2}, 0), 1);
-}
-
 }  // namespace
 }  // namespace lucerna::verify
