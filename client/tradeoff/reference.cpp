@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "client/tradeoff/statistics.h"
+#include "proto/common/confidence.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::tradeoff {
@@ -44,9 +45,9 @@ void take_closed_form(const std::vector<double>& values, Reference& r) {
   const auto items =
       std::count_if(values.begin(), values.end(), [](double v) { return !std::isnan(v); });
   // Bonferroni correction: any of the items may be outside its interval.
-  const double allowed = student_quantile(
-      static_cast<double>(r.replicates) - 1,
-      1 - kRefusal / (2 * static_cast<double>(std::max<std::ptrdiff_t>(items, 1))));
+  const double allowed =
+      student_quantile(static_cast<double>(r.replicates) - 1,
+                       kRefusal / (2 * static_cast<double>(std::max<std::ptrdiff_t>(items, 1))));
   double farthest = 0;  // in multiples of the allowed difference
   std::size_t where = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -115,7 +116,7 @@ void compare(const Check& check, Reference& r) {
   for (const double d : differences) squares += (d / items - mean) * (d / items - mean);
   const double error = std::hypot(std::sqrt(squares / (n * (n - 1))), own / items);
   // Rounding of sums in single precision does not scatter, so it is added to the bound.
-  const double allowed = student_quantile(n - 1, 1 - kRefusal / 2) * error + 10 * kRounding;
+  const double allowed = student_quantile(n - 1, kRefusal / 2) * error + 10 * kRounding;
   const std::string difference =
       same_items ? fmt::format(
                        "differ from it by {:.2g} +- {:.2g}% (standard error) in the mean of "

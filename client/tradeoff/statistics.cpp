@@ -1,10 +1,11 @@
 #include "client/tradeoff/statistics.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "proto/common/confidence.h"
 
 namespace lucerna::tradeoff {
 namespace {
@@ -39,10 +40,6 @@ Quartiles quartiles(std::vector<double> numbers) {
           .upper = quantile(numbers, 0.75)};
 }
 
-double student_quantile(double freedom, double p) {
-  return quantile(boost::math::students_t(freedom), p);
-}
-
 Interval mean_interval(std::span<const double> numbers) {
   const auto n = static_cast<double>(numbers.size());
   const double mean = std::accumulate(numbers.begin(), numbers.end(), 0.0) / n;
@@ -51,7 +48,7 @@ Interval mean_interval(std::span<const double> numbers) {
   for (const double x : numbers) squares += (x - mean) * (x - mean);
   if (squares == 0) return {.mean = mean, .lower = mean, .upper = mean};
   const double standard_error = std::sqrt(squares / (n - 1) / n);
-  const double t = student_quantile(n - 1, 0.975);
+  const double t = student_quantile(n - 1, 0.025);
   const double factor = std::exp(t * standard_error / mean);
   return {.mean = mean, .lower = mean / factor, .upper = mean * factor};
 }

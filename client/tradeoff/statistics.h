@@ -19,9 +19,6 @@ struct Quartiles {
 /// numbers.  The first number is quantile 0, the last one quantile 1.  [Hyndman96, definition 7]
 Quartiles quartiles(std::vector<double> numbers);
 
-/// The quantile `p` in (0, 1) of Student's t distribution with `freedom` > 0 degrees of freedom.
-double student_quantile(double freedom, double p);
-
 /// A mean and its 95% confidence interval.
 struct Interval {
   double mean = 0;

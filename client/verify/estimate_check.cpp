@@ -8,7 +8,7 @@
 
 #include "client/verify/comparison.h"
 #include "client/verify/explain.h"
-#include "client/verify/statistics.h"
+#include "proto/common/confidence.h"
 #include "proto/common/quantile.h"
 
 namespace lucerna::verify {

@@ -1,10 +1,11 @@
 #include "client/verify/statistics.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <numeric>
+
+#include "proto/common/confidence.h"
 
 namespace lucerna::verify {
 namespace {
@@ -91,13 +92,6 @@ TestResult cells_have_probabilities(const Partition& partition,
   }
   result.p = boost::math::gamma_q(static_cast<double>(joined.size() - 1) / 2, statistic / 2);
   return result;
-}
-
-double student_p(double deviations, double freedom) {
-  if (std::isnan(deviations)) return 1;
-  if (std::isinf(deviations)) return 0;
-  return std::min(1.0,
-                  2 * cdf(complement(boost::math::students_t(freedom), std::fabs(deviations))));
 }
 
 MeanResult mean_is(const std::vector<double>& values, double expected, double tolerance,

@@ -46,9 +46,6 @@ struct MeanResult {
 MeanResult mean_is(const std::vector<double>& values, double expected, double tolerance,
                    double expected_error = 0);
 
-/// The two-sided p-value of `deviations` of Student's distribution with `freedom` degrees.
-double student_p(double deviations, double freedom);
-
 /// Adjusts p-values for their number [Holm79].  A test is rejected at a level if its adjusted value
 /// is at most the level.  Then the chance of any false rejection is at most the level.
 std::vector<double> holm(const std::vector<double>& p);

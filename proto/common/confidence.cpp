@@ -30,11 +30,6 @@ using Quiet = boost::math::policies::policy<
 using StudentsT = boost::math::students_t_distribution<double, Quiet>;
 using ChiSquared = boost::math::chi_squared_distribution<double, Quiet>;
 
-double student_quantile(double confidence, std::uint64_t replicates) {
-  if (replicates < 2) return std::numeric_limits<double>::infinity();
-  return quantile(complement(StudentsT(static_cast<double>(replicates - 1)), (1 - confidence) / 2));
-}
-
 /// The `below` quantile of a sum of weighted Poisson counts with this mean and variance.
 /// Approximated by a scaled chi-squared variable with the same mean and variance.
 double weighted_counts_quantile(double mean, double variance, double below) {
@@ -52,11 +47,23 @@ double jump(const EstimateMoments& m) {
 
 }  // namespace
 
+double student_quantile(double freedom, double tail) {
+  return quantile(complement(StudentsT(freedom), tail));
+}
+
+double student_p(double deviations, double freedom) {
+  if (std::isnan(deviations)) return 1;
+  if (std::isinf(deviations)) return 0;
+  return std::min(1.0, 2 * cdf(complement(StudentsT(freedom), std::fabs(deviations))));
+}
+
 IntervalRule::IntervalRule(double confidence, std::uint64_t replicates, std::uint64_t samples)
     : confidence_(confidence),
       samples_(static_cast<double>(samples)),
       per_replicate_(samples_ / static_cast<double>(std::max<std::uint64_t>(replicates, 1))),
-      student_(student_quantile(confidence, replicates)),
+      student_(replicates < 2
+                   ? std::numeric_limits<double>::infinity()
+                   : student_quantile(static_cast<double>(replicates - 1), (1 - confidence) / 2)),
       rare_(-std::log1p(-confidence)) {}
 
 double IntervalRule::skewed(double skewness) const {

@@ -31,6 +31,12 @@ struct EstimateMoments {
   bool may_be_negative = false;
 };
 
+/// The number that a variable of Student's t distribution with `freedom` > 0 degrees exceeds with
+/// probability `tail`.
+double student_quantile(double freedom, double tail);
+/// The two-sided p-value of `deviations` of this distribution.
+double student_p(double deviations, double freedom);
+
 /// Computes intervals of estimates with equal sample counts.  Immutable.
 class IntervalRule {
  public:

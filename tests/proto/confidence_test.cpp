@@ -19,6 +19,14 @@ TEST(Confidence, OfManySamplesIsStudentsInterval) {
   EXPECT_NEAR(two.upper, 10 + 1.27062, 1e-5);
 }
 
+// Two-sided 5% and 0.1% points for 15 degrees of freedom.
+TEST(Student, AgreesWithTheTable) {
+  EXPECT_NEAR(student_p(2.13145, 15), 0.05, 1e-6);
+  EXPECT_NEAR(student_p(-4.07277, 15), 0.001, 1e-7);
+  EXPECT_NEAR(student_quantile(15, 0.025), 2.13145, 1e-5);
+  EXPECT_NEAR(student_quantile(15, 0.0005), 4.07277, 1e-5);
+}
+
 TEST(Confidence, OfNoLightBoundsTheLightThatWasMissed) {
   const IntervalRule rule(0.95, 16, 1000);
   EXPECT_EQ(rule.interval({0, 0, 0, 0}).upper, 0);
