@@ -23,8 +23,8 @@
 #include "client/terminal/signals.h"
 #include "client/terminal/validators.h"
 #include "client/tradeoff/report.h"
-#include "client/tradeoff/stopwatch.h"
 #include "client/tradeoff/trade.h"
+#include "proto/common/stopwatch.h"
 
 namespace lucerna::tradeoff {
 namespace {

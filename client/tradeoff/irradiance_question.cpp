@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "client/tradeoff/estimate_question.h"
-#include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
 #include "proto/common/status_macros.h"
+#include "proto/common/stopwatch.h"
 
 namespace lucerna::tradeoff {
 namespace {

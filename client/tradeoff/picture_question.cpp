@@ -9,9 +9,9 @@
 
 #include "client/tradeoff/estimate_question.h"
 #include "client/tradeoff/flip.h"
-#include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/picture.h"
 #include "proto/common/status_macros.h"
+#include "proto/common/stopwatch.h"
 
 namespace lucerna::tradeoff {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "client/terminal/luminance.h"
 #include "client/tradeoff/question.h"
-#include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
 #include "proto/common/status_macros.h"
+#include "proto/common/stopwatch.h"
 
 namespace lucerna::tradeoff {
 namespace {

@@ -11,9 +11,9 @@
 #include "client/rpc/batch_parts.h"
 #include "client/terminal/luminance.h"
 #include "client/tradeoff/question.h"
-#include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
 #include "proto/common/status_macros.h"
+#include "proto/common/stopwatch.h"
 
 namespace lucerna::tradeoff {
 namespace {

@@ -108,7 +108,7 @@ class Scene::Builder {
         .motion = motion->about(from, scene_->origin_), .origin_m = from, .world = motion});
   }
   void part(std::string name, std::uint64_t bytes, const Stopwatch& watch, std::string why) {
-    scene_->parts_.push_back({std::move(name), bytes, watch.ms(), std::move(why)});
+    scene_->parts_.push_back({std::move(name), bytes, 1e3 * watch.seconds(), std::move(why)});
   }
   /// A part that depends on lights other than their pictures and webs.
   void light_part(std::string name, std::uint64_t bytes, const Stopwatch& watch, std::string why) {

@@ -277,7 +277,7 @@ absl::Status Scene::Builder::prepare_choice() {
   selector.build_tree_if_used();
   // The tree is listed as a separate part.
   const auto tree = selector.tree_part().report();
-  const double own_ms = watch.ms() - (tree ? tree->build_ms : 0);
+  const double own_ms = 1e3 * watch.seconds() - (tree ? tree->build_ms : 0);
   scene_->parts_.push_back({"light choice", selector.bytes() - selector.tree_part().bytes(), own_ms,
                             fmt::format("{} lights to choose from", scene_->lights_.size()), true});
   return absl::OkStatus();

@@ -369,7 +369,7 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
   bytes += bytes_of(to->edits.added);
   for (const auto& [id, added] : to->edits.added)
     bytes += sizeof(AddedSurface) + array_bytes(added.surface->shape);
-  to->parts.push_back({"edited surfaces", bytes, watch.ms(),
+  to->parts.push_back({"edited surfaces", bytes, 1e3 * watch.seconds(),
                        fmt::format("{} {} of lights that edits moved or added", shapes.size(),
                                    shapes.size() == 1 ? "surface" : "surfaces")});
   return to;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <concepts>
 #include <cstdint>
 #include <memory>
@@ -11,18 +10,9 @@
 #include <string>
 #include <utility>
 
+#include "proto/common/stopwatch.h"
+
 namespace lucerna {
-
-class Stopwatch {
- public:
-  double ms() const {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
 
 /// A part that is built, for GetScene.
 struct ScenePart {
@@ -119,7 +109,7 @@ class LazyPart {
     if (part_ == nullptr) {
       const Stopwatch watch;
       std::shared_ptr<const T> part = make();
-      report_ = {name_, part->bytes(), watch.ms(), why(*part)};
+      report_ = {name_, part->bytes(), 1e3 * watch.seconds(), why(*part)};
       part_ = std::move(part);
       bytes_.store(report_.bytes, std::memory_order_relaxed);
       made_.store(part_.get(), std::memory_order_release);

@@ -1,9 +1,9 @@
-// Measures the wall time of calls.
+// Measures wall time.
 #pragma once
 
 #include <chrono>
 
-namespace lucerna::tradeoff {
+namespace lucerna {
 
 class Stopwatch {
  public:
@@ -15,4 +15,4 @@ class Stopwatch {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace lucerna::tradeoff
+}  // namespace lucerna
