@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/rpc/server_error.h"
+#include "proto/common/host_port.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::client {
@@ -84,11 +85,10 @@ std::string target_of(const std::set<std::string>& addresses) {
   std::string target = v6 ? "ipv6:" : "ipv4:";
   for (const std::string& address : addresses) {
     if (target.size() > 5) target += ',';
-    const std::size_t colon = address.rfind(':');
+    HostPort at = *split_host_port(address);
     // A list has one kind of addresses.  IPv6 includes all of IPv4 [RFC4291, 2.5.5.2].
-    target += v6 && !address.starts_with('[')
-                  ? "[::ffff:" + address.substr(0, colon) + "]" + address.substr(colon)
-                  : address;
+    if (v6 && !address.starts_with('[')) at.host.insert(0, "::ffff:");
+    target += join_host_port(at);
   }
   return target;
 }

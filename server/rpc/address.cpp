@@ -20,7 +20,7 @@ absl::Status check_address(const std::string& setting, const std::string& addres
 }
 
 std::string with_port(const std::string& address, int port) {
-  return fmt::format("{}:{}", address.substr(0, address.rfind(':')), port);
+  return join_host_port({.host = split_host_port(address, 0)->host, .port = port});
 }
 
 absl::StatusOr<AddressList> resolve(const std::string& address) {

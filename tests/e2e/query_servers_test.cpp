@@ -11,6 +11,7 @@
 
 #include "lucerna/client/points.h"
 #include "lucerna/client/testing/local_server.h"
+#include "proto/common/host_port.h"
 #include "tests/client/rpc/fake_server.h"
 #include "tests/e2e/run_program.h"
 #include "tests/paths.h"
@@ -66,8 +67,7 @@ TEST_F(QueryServers, AKilledServerChangesNoAnswer) {
   for (int i = 0; i < 2000; ++i) {
     if (i == 500) ::kill(servers_[0]->process_id(), SIGKILL);
     if (i == 1000) {
-      const std::string target = servers_[0]->target();
-      const int port = std::stoi(target.substr(target.rfind(':') + 1));
+      const int port = split_host_port(servers_[0]->target())->port;
       servers_[0].reset();
       servers_[0] = start(port);  // without the scene
     }

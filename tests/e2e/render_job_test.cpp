@@ -11,6 +11,7 @@
 
 #include "lucerna/client/testing/local_server.h"
 #include "lucerna/client/upload.h"
+#include "proto/common/host_port.h"
 #include "tests/e2e/run_program.h"
 #include "tests/paths.h"
 #include "tests/temp_directory.h"
@@ -135,7 +136,7 @@ TEST_F(RenderJob, FinishesWithoutAServerThatHalts) {
 
 TEST_F(RenderJob, WaitsWhileNoServerAnswers) {
   options_.request.set_tile_size(16);
-  const int port = std::stoi(targets_[0].substr(targets_[0].rfind(':') + 1));
+  const int port = split_host_port(targets_[0])->port;
   when(20, [this] { ::kill(servers_[0]->process_id(), SIGKILL); });
   options_.job.on_event = [&](const std::string& event) {
     events_.push_back(event);

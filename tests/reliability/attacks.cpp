@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "proto/common/host_port.h"
 #include "proto/common/quantile.h"
 #include "tests/paths.h"
 #include "tests/reliability/report.h"
@@ -59,7 +60,7 @@ void attacks(const Settings& settings, Report& report) {
     const std::string command =
         fmt::format("exec timeout 120 /usr/bin/python3 {} {} {} {}",
                     source_path("tests/server/http2_attacks.py"), name,
-                    subject.target().substr(subject.target().rfind(':') + 1), subject.scene());
+                    split_host_port(subject.target())->port, subject.scene());
     auto attacker = std::async(std::launch::async, [&] { return std::system(command.c_str()); });
     const double attacked_ms = wait_ms();
     if (attacker.get() != 0) throw std::runtime_error(name + ": the attacker failed");

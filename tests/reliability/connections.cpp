@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lucerna/v1/lighting.pb.h"
+#include "proto/common/host_port.h"
 #include "proto/common/quantile.h"
 #include "tests/reliability/report.h"
 #include "tests/reliability/subject.h"
@@ -31,8 +32,7 @@ class Socket {
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    to.sin_port =
-        htons(static_cast<std::uint16_t>(std::stoi(target.substr(target.rfind(':') + 1))));
+    to.sin_port = htons(static_cast<std::uint16_t>(split_host_port(target)->port));
     if (fd_ < 0 || connect(fd_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
       throw std::runtime_error("cannot connect");
   }
