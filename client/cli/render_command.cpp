@@ -107,7 +107,7 @@ std::pair<client::Picture, v1::RenderImageResponse> render_picture(
 std::string describe_samples(const std::vector<std::uint32_t>& samples) {
   const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
   return fmt::format("samples per pixel: at least {}, median {}, at most {}", *least,
-                     quantile(samples, 0.5), *most);
+                     median(samples), *most);
 }
 
 /// Checks the luminance of each pixel; without a target error, nothing.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double quantile(const std::vector<double>& sorted, double p) {
+double interpolated(const std::vector<double>& sorted, double p) {
   const double at = p * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(at);
   const std::size_t above = std::min(below + 1, sorted.size() - 1);
@@ -35,9 +35,9 @@ Reached along(const Measured& a, const Measured& b, double t, Reached::How how) 
 
 Quartiles quartiles(std::vector<double> numbers) {
   std::sort(numbers.begin(), numbers.end());
-  return {.lower = quantile(numbers, 0.25),
-          .median = quantile(numbers, 0.5),
-          .upper = quantile(numbers, 0.75)};
+  return {.lower = interpolated(numbers, 0.25),
+          .median = interpolated(numbers, 0.5),
+          .upper = interpolated(numbers, 0.75)};
 }
 
 Interval mean_interval(std::span<const double> numbers) {

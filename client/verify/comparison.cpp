@@ -84,7 +84,7 @@ void compare(const std::vector<double>& theirs, const std::vector<double>& ours,
       error = std::min(error, relative_error(theirs[rows[suspects[i]]], ranges[i]));
     }
   }
-  finding->median = quantile(errors, 0.5);
+  finding->median = median(errors);
   const auto worst = std::ranges::max_element(errors);
   finding->worst = *worst;
   finding->off = static_cast<std::size_t>(

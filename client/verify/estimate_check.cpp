@@ -50,7 +50,7 @@ void compare_estimates(const std::vector<double>& theirs, const std::vector<doub
   finding->rows = errors.size();
   if (errors.empty()) return;
   finding->p = std::min(1.0, least * static_cast<double>(errors.size()));
-  finding->median = quantile(errors, 0.5);
+  finding->median = median(errors);
   finding->worst = *std::ranges::max_element(errors);
   finding->where =
       fmt::format("{}: {:.6g}, Lucerna: {:.6g}", place(worst), theirs[worst], ours.value[worst]);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace lucerna {
@@ -19,6 +20,11 @@ T quantile(std::vector<T> values, double q) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::clamp(rank, 1.0, n)) - 1;
   std::nth_element(values.begin(), at, values.end());
   return *at;
+}
+
+template <typename T>
+T median(std::vector<T> values) {
+  return quantile(std::move(values), 0.5);
 }
 
 }  // namespace lucerna

@@ -29,6 +29,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/common/quantile.h"
 #include "server/assets/asset_reader.h"
 #include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
@@ -53,11 +54,6 @@ double processor_s() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 /// Rays from just above a bumpy sheet to a plane above it.

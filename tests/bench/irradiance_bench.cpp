@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "proto/common/defaults.h"
+#include "proto/common/quantile.h"
 #include "server/estimate/queries/irradiance.h"
 #include "tests/bench/bench_program.h"
 
@@ -37,12 +38,6 @@ std::vector<IrradiancePoint> grid(const Scene& scene, const double (&corners)[5]
       points.push_back({at - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}});
     }
   return points;
-}
-
-template <typename T>
-T median(std::vector<T> of) {
-  std::ranges::sort(of);
-  return of[of.size() / 2];
 }
 
 void print_accuracy(const Scene& scene, const std::vector<IrradiancePoint>& points,

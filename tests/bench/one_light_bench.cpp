@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/common/quantile.h"
 #include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/runtime/denormals.h"
@@ -171,11 +172,6 @@ double nanoseconds(const std::function<void()>& f) {
   return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start)
              .count() /
          kReceivers;
-}
-
-double median(std::vector<double> v) {
-  std::ranges::sort(v);
-  return v[v.size() / 2];
 }
 
 void compare(const char* what, const std::function<void()>& bare,

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
-#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "proto/common/quantile.h"
 #include "server/estimate/lights/light_visibility.h"
 #include "server/estimate/paths/render.h"
 #include "server/estimate/queries/irradiance.h"
@@ -17,11 +17,6 @@
 
 namespace lucerna {
 namespace {
-
-double median(std::vector<double> v) {
-  std::ranges::sort(v);
-  return v[v.size() / 2];
-}
 
 double ms(const std::function<void()>& f) {
   const std::int64_t start = thread_cpu_ns();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lights/sampling/sobol.h"
+#include "proto/common/quantile.h"
 #include "server/runtime/denormals.h"
 #include "server/shadows/shaft.h"
 #include "tests/server/scene/scenes.h"
@@ -86,11 +87,6 @@ SceneDescription room(int boxes) {
                  1));
   }
   return d;
-}
-
-double median_ns(std::vector<double> v) {
-  std::ranges::nth_element(v, v.begin() + v.size() / 2);
-  return v[v.size() / 2];
 }
 
 void measure(const std::string& name, SceneDescription description, const Vector& lower,
@@ -178,9 +174,9 @@ void measure(const std::string& name, SceneDescription description, const Vector
       "{} "
       "samples {:.0f}\n",
       name, build_ms, shafts.bytes(), scene->primitive_count(), pairs, open, kSamples, empty,
-      100.0 * empty / std::max(1, open), wrong, median_ns(form),
-      empty_ns.empty() ? 0 : median_ns(empty_ns), full_ns.empty() ? 0 : median_ns(full_ns),
-      median_ns(ray_ns), kSamples, median_ns(samples_ns));
+      100.0 * empty / std::max(1, open), wrong, median(form),
+      empty_ns.empty() ? 0 : median(empty_ns), full_ns.empty() ? 0 : median(full_ns),
+      median(ray_ns), kSamples, median(samples_ns));
 }
 
 }  // namespace

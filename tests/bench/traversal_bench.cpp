@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "lights/maths/vec.h"
+#include "proto/common/quantile.h"
 
 namespace lucerna {
 namespace {
@@ -155,11 +156,6 @@ Found judge(const MeshOfBall& mesh, const Vec3<double>& centre, const std::vecto
     found.off = std::max(found.off, off_m / rounding);
   }
   return found;
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 std::string lost_of(const Found& f) {

@@ -9,7 +9,6 @@
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -29,6 +28,7 @@
 #include "client/testing/local_server.h"
 #include "lights/maths/vec.h"
 #include "lucerna/client/client.h"
+#include "proto/common/quantile.h"
 
 namespace lucerna {
 namespace {
@@ -187,11 +187,6 @@ class Bare {
   std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device_;
   std::unique_ptr<std::remove_pointer_t<RTCScene>, Release> scene_;
 };
-
-double median(std::vector<double> v) {
-  std::ranges::sort(v);
-  return v[v.size() / 2];
-}
 
 void measure(const client::Client& client, const std::string& scene, const Bare& bare,
              bool coherent, int rounds) {

@@ -27,6 +27,7 @@
 #include "client/bench/server_target.h"
 #include "client/rpc/byte_calls.h"
 #include "client/testing/local_server.h"
+#include "proto/common/quantile.h"
 #include "server/assets/asset_reader.h"
 #include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
@@ -50,11 +51,6 @@ template <typename T>
 T value(absl::StatusOr<T> result) {
   if (!result.ok()) throw std::runtime_error(result.status().ToString());
   return *std::move(result);
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 /// Runs both in turns and prints a row.  Both return a rate.
