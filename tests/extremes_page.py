@@ -168,8 +168,8 @@ def page(tests):
     by_row = sorted((t for t in tests if "row" in t), key=lambda t: (int(t["row"]), t["classname"], t["file"], t["line"]))
     for i, test in enumerate(by_row):
         first = i == 0 or by_row[i - 1]["row"] != test["row"]
-        patches = sorted(MUTANTS.glob(f"{int(test['row']):02}*.patch")) if first else []
-        links = "".join(f", [{p.stem}](../tests/mutants/{p.name})" for p in patches)
+        mutants = sorted(MUTANTS.glob(f"{int(test['row']):02}*.mutant")) if first else []
+        links = "".join(f", [{p.stem}](../tests/mutants/{p.name})" for p in mutants)
         lines.append(line(test, links and "; mutants" + links[1:]))
     head = ("| row | input | swept | figure | Lucerna | allowed | textbook, in float | test |\n"
             "|---|---|---|---|---|---|---|---|\n")

@@ -1,36 +1,31 @@
 #!/usr/bin/python3
 """Checks that tests can fail: removes one fix after another from a copy of the sources.
 
-    tests/mutants/run.py [NAME...]       applies each patch (all, or the named ones, such as 01), builds, and expects
+    tests/mutants/run.py [NAME...]       puts in each mutant (all, or the named ones, such as 01), builds, and expects
                                          its test to fail
     tests/mutants/run.py --oracle        only those that the oracle must find, with the oracle as the test
-    tests/mutants/run.py --apply-only    checks that all patches apply, and that each row of the page has one
+    tests/mutants/run.py --apply-only    checks that all mutants apply, and that each row of the page has one
 
-A patch NN.patch (or NNx.patch) belongs to row NN and begins with
+A mutant is a text file:
 
-    Row NN: what the changed code does.
+    Row 1: what the changed code does.
     Test: EXECUTABLE FILTER
     Fails by: crash                      (or timeout; only if it does not fail by an expectation)
     Found by the oracle.                 (only if it is)
 
-A patch mNN.patch belongs to the surfaces of scenes, and eNN.patch to edits of lights.  They begin with the same lines,
-but for
+    File: lights/shapes/shape.cpp
+     a line that stays
+    -the old line
+    +the new line
 
-    Surfaces: what the changed code does.
-    Edits: what the changed code does.
+- NN.mutant and NNx.mutant belong to row NN of docs/extremes.md.  Others begin with "Mutant:" instead of "Row NN:".
+- Without "Test:" the oracle (docs/oracle.md) is the test.  A test may be a script: "Test: tests/e2e/doors_test.py
+  lucernad,lucerna" names the script and the programs to build.
+- An empty line separates two changes of a file.  The lines that stay and the old lines of a change must occur exactly
+  once in the file.  White space, line ends and comments do not count, so a mutant survives a new layout.
 
-A patch dNN.patch belongs to the doors, limits, lanes and statistics of the server, and begins with
-
-    Doors: what the changed code does.
-
-Its test may be a script: "Test: tests/e2e/doors_test.py lucernad,lucerna" names the script and the programs to build.
-
-A patch oNN.patch is one for the oracle (docs/oracle.md) and begins with
-
-    Oracle: what the changed code does.
-
-Exits with 1 if a mutant survives, which means that no test of FILTER fails.  A patch that does not apply or build, and a
-filter that matches no test, are errors too.  The copy build/mutants is kept, so that the next run is quick.
+Exits with 1 if a mutant survives, which means that no test of FILTER fails.  A mutant that does not apply or build, and
+a filter that matches no test, are errors too.  The copy build/mutants is kept, so that the next run is quick.
 """
 import argparse
 import json
@@ -47,32 +42,64 @@ COPY = ROOT / "build/mutants"
 BUILD = COPY / "build/release"
 PRESET = "release"
 TIMEOUT_S = 300  # of a test
-# Git must not find a repository above the copy.  ccache must recognise the files of one tree in the other.
-ENVIRONMENT = os.environ | {"GIT_CEILING_DIRECTORIES": str(COPY.parent), "CCACHE_BASEDIR": str(COPY), "CCACHE_NOHASHDIR": "1"}
+# ccache must recognise the files of one tree in the other.
+ENVIRONMENT = os.environ | {"CCACHE_BASEDIR": str(COPY), "CCACHE_NOHASHDIR": "1"}
+ORACLE = "oracle_test", "Oracle.AgreesWithTheServer"
+
+HEAD = re.compile(r"(?:Row (\d+)|Mutant): (.+)\n"
+                  r"(?:Test: (\S+) (\S+)\n)?(?:Fails by: (crash|timeout)\n)?(Found by the oracle\.\n)?\n")
+# Comments, string literals (clang-format may split one in two), numbers, words, other characters.
+TOKEN = re.compile(r"//[^\n]*|/\*.*?\*/|" r'"(?:\\.|[^"\\])*"(?:\s*"(?:\\.|[^"\\])*")*|' r"'(?:\\.|[^'\\])+'|"
+                   r"\d[\w.']*|\w+|\S", re.S)
+
+
+def tokens(text):
+    """Returns the tokens of C++ text without comments, each with its place."""
+    return [(re.sub(r'"\s+"', "", m[0]), m.start(), m.end())
+            for m in TOKEN.finditer(text) if not m[0].startswith(("//", "/*"))]
+
+
+def places(text, old):
+    """Yields the start and end of each occurrence of the tokens of `old` in `text`."""
+    there, wanted = tokens(text), [t[0] for t in tokens(old)]
+    words = [t[0] for t in there]
+    for i in range(len(words) - len(wanted) + 1):
+        if words[i:i + len(wanted)] == wanted:
+            yield there[i][1], there[i + len(wanted) - 1][2]
 
 
 class Mutant:
     def __init__(self, path):
         self.path, self.name, text = path, path.stem, path.read_text()
-        if self.name.startswith("o"):
-            row = re.match(r"(Oracle): (.+)\n", text)
-        else:
-            row = re.match(r"(Row \d+|Surfaces|Edits|Doors): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?(Found by the oracle)?", text)
-            belongs_to = {"m": "Surfaces", "e": "Edits", "d": "Doors"}.get(self.name[0]) or f"Row {self.name[:2]}"
-            if row and row[1].replace("Row ", "Row 0" if len(row[1]) == 5 else "Row ") != belongs_to:
-                row = None
-        if not row:
+        head = HEAD.match(text)
+        if not head or head[1] != (str(int(self.name[:2])) if self.name[0].isdigit() else None):
             sys.exit(f"{path.relative_to(ROOT)}: does not begin with the lines that run.py describes")
-        self.about, self.fails_by = row[2], "expectation"
-        if self.name.startswith("o"):
-            self.is_for_oracle = True
-            self.use_oracle()
-        else:
-            self.executable, self.filter, self.fails_by = row[3], row[4], row[5] or self.fails_by
-            self.is_for_oracle = row[6] is not None
-        self.files = re.findall(r"^\+\+\+ b/(.+)$", text, re.M)
-        if not self.files or any(not f.startswith(("client/", "lights/", "server/", "proto/")) for f in self.files):
-            sys.exit(f"{path.relative_to(ROOT)}: changes {self.files}, not only client, lights, server and proto")
+        self.about, self.fails_by = head[2], head[5] or "expectation"
+        self.executable, self.filter = (head[3], head[4]) if head[3] else ORACLE
+        self.is_for_oracle = not head[3] or head[6] is not None
+        self.changes = []  # (file, old, new)
+        for file, changes in re.findall(r"^File: (.+)\n((?:[-+ ].*\n|\n)+)", text[head.end():], re.M):
+            for change in filter(None, re.split(r"\n\n+", changes.strip("\n"))):
+                lines = change.split("\n")
+                old, new = ("\n".join(line[1:] for line in lines if line[0] in signs) for signs in ("- ", "+ "))
+                self.changes.append((file, old, new.lstrip()))
+        if not self.changes or any(not f.startswith(("client/", "lights/", "server/", "proto/")) for f, *_ in self.changes):
+            sys.exit(f"{path.relative_to(ROOT)}: must change files of client, lights, server and proto")
+
+    def changed_files(self, root):
+        """Returns the changed text of each file below `root`.  Raises ValueError if the mutant does not apply."""
+        edits = {}
+        for file, old, new in self.changes:
+            text = (root / file).read_text() if (root / file).is_file() else ""
+            found = list(places(text, old))
+            if len(found) != 1:
+                raise ValueError(f"{file} has these lines {len(found)} times, not once:\n{old}")
+            edits.setdefault(file, (text, []))[1].append((*found[0], new))
+        for file, (text, replacements) in edits.items():
+            for start, end, new in sorted(replacements, reverse=True):
+                text = text[:start] + new + text[end:]
+            edits[file] = text
+        return edits
 
     @property
     def is_script(self):
@@ -83,7 +110,7 @@ class Mutant:
         return self.filter.split(",") if self.is_script else [self.executable]
 
     def use_oracle(self):
-        self.executable, self.filter, self.fails_by = "oracle_test", "Oracle.AgreesWithTheServer", "expectation"
+        (self.executable, self.filter), self.fails_by = ORACLE, "expectation"
 
 
 def run(*command, **options):
@@ -142,11 +169,15 @@ def outcome(mutant):
 
 
 def judge(mutant):
-    """Applies the patch, builds, runs the test, reverts; "killed", or an error."""
-    applied = run("git", "apply", mutant.path, cwd=COPY)
-    if applied.returncode != 0:
-        return "does not apply: " + applied.stdout
+    """Puts in the mutant, builds, runs the test, takes it out; "killed", or an error."""
     try:
+        changed = mutant.changed_files(COPY)
+    except ValueError as error:
+        return f"does not apply: {error}"
+    before = {file: (COPY / file).read_bytes() for file in changed}
+    try:
+        for file, text in changed.items():
+            (COPY / file).write_text(text)
         error = build(mutant.targets)
         if error:
             return "does not build: " + error
@@ -155,7 +186,8 @@ def judge(mutant):
             return "killed"
         return "SURVIVED" if now == "passes" else f"fails by {now}, not by {mutant.fails_by}"
     finally:
-        run("git", "apply", "--reverse", mutant.path, cwd=COPY, check=True)
+        for file, text in before.items():
+            (COPY / file).write_bytes(text)
 
 
 def run_mutants(mutants):
@@ -180,16 +212,17 @@ def run_mutants(mutants):
 
 
 def check(mutants):
-    """Checks without a build that all patches apply, and that each row of the page has one."""
+    """Checks without a build that all mutants apply, and that each row of the page has one."""
     good = True
     for m in mutants:
-        applied = run("git", "apply", "--check", m.path, cwd=ROOT)
-        if applied.returncode != 0:
+        try:
+            m.changed_files(ROOT)
+        except ValueError as error:
             good = False
-            print(f"{m.name} does not apply: {applied.stdout}")
+            print(f"{m.name} does not apply: {error}")
     page = ROOT / "docs/extremes.md"
     rows = set(re.findall(r"^\| (\d+) \|", page.read_text(), re.M))
-    for row in sorted(int(r) for r in rows if not list(HERE.glob(f"{int(r):02}*.patch"))):
+    for row in sorted(int(r) for r in rows if not list(HERE.glob(f"{int(r):02}*.mutant"))):
         good = False
         print(f"row {row} of docs/extremes.md has no mutant")
     return good
@@ -201,7 +234,7 @@ def main():
     parser.add_argument("--apply-only", action="store_true")
     parser.add_argument("--oracle", action="store_true")
     options = parser.parse_args()
-    mutants = [Mutant(p) for p in sorted(HERE.glob("*.patch")) if not options.names or p.stem in options.names]
+    mutants = [Mutant(p) for p in sorted(HERE.glob("*.mutant")) if not options.names or p.stem in options.names]
     if unknown := set(options.names) - {m.name for m in mutants}:
         sys.exit("no such mutants: " + ", ".join(sorted(unknown)))
     if options.oracle:
