@@ -60,7 +60,7 @@ oracle: release
 # What takes long: ten times the items, ten times the rays in the shadow tests, four times the repeats in the interval
 # tests, four times the samples of reference pictures, all mutants, and the figures of docs/reliability.md.
 soak: release
-	@cmake --build --preset release --target server_extremes_test coverage_test server_test reliability
+	@cmake --build --preset release --target server_extremes_test coverage_test paths_test reliability
 	@ctest --preset release -C Soak -L soak
 	@$(MAKE) --no-print-directory reliability
 	@$(MAKE) --no-print-directory wire ITEMS=10000000

@@ -9,17 +9,13 @@
 #include <cmath>
 
 #include "lights/pictures/photometric_web.h"
+#include "tests/lights/pictures/angle_range.h"
 
 namespace lucerna {
 namespace {
 
 using enum PhotometricType;
-
-std::vector<double> range(double first, double last, double step) {
-  std::vector<double> result;
-  for (int i = 0; first + i * step <= last + 1e-9; ++i) result.push_back(first + i * step);
-  return result;
-}
+using testing::range;
 
 /// "angle:plane ..." of all planes.
 std::string planes(PhotometricType type, const std::vector<double>& degrees) {

@@ -5,6 +5,7 @@
 
 #include "lights/maths/normal_cone.h"
 #include "lights/maths/vec.h"
+#include "tests/lights/pictures/angle_range.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna {
@@ -14,16 +15,10 @@ using testing::chi_square_p_value;
 using ::testing::HasSubstr;
 using testing::integrate;
 using testing::RandomU;
+using testing::range;
 using testing::Region;
 
 constexpr double kRad = kPi / 180;
-
-std::vector<double> range(double first, double last, double step) {
-  std::vector<double> result;
-  const int n = static_cast<int>(std::lround((last - first) / step));
-  for (int i = 0; i <= n; ++i) result.push_back(first + i * step);
-  return result;
-}
 
 /// A grid of random intensities with some dark patches.
 PhotometricWebParams random_grid(PhotometricType type, std::vector<double> v, std::vector<double> h,
