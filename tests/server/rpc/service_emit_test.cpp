@@ -47,25 +47,6 @@ std::string without_cost(Response r) {
   return r.SerializeAsString();
 }
 
-TEST_F(EveryLightTest, MeanOfRaysIsThePowerOfEachLight) {
-  constexpr int kRays = 20000;
-  RandomU random(0x1e);
-  std::vector<float> u(4 * kRays);
-  for (float& x : u) x = random.next();
-  ASSERT_GE(lights_.lights_size(), 34);
-  for (const v1::Light& light : lights_.lights()) {
-    v1::SampleLeRequest q = rays_of(light, kRays);
-    q.mutable_u()->mutable_u()->Add(u.begin(), u.end());
-    v1::SampleLeResponse r;
-    const grpc::Status status = sample(q, &r);
-    ASSERT_TRUE(status.ok()) << status.error_message();
-    ASSERT_EQ(r.pdf_direction_per_sr_size(), kRays);
-    EXPECT_EQ(r.light_ids_size(), 0);
-    EXPECT_EQ(r.cost().samples(), 1U * kRays);
-    expect_mean(r, light.power_lm(), light.ShortDebugString());
-  }
-}
-
 TEST_F(EveryLightTest, SeedsAreAsAccurateAsOwnSampleValues) {
   for (const v1::Light& light : lights_.lights()) {
     v1::SampleLeResponse r;
@@ -223,94 +204,6 @@ TEST_F(EveryLightTest, PdfLeReportsTheDensitiesOfSampledRays) {
       EXPECT_EQ(d.pdf_direction_per_sr(i), 0) << light.ShortDebugString();
     }
   }
-}
-
-/// Compares directions of `light`'s rays with the density that PdfLe reports at one of its points.
-class Directions : public EveryLightTest {
- protected:
-  void expect_follow(const v1::Light& light) {
-    constexpr int kRays = 65536, kColumns = 12, kSub = 20, kFine = kColumns * kSub;
-    v1::SampleLeResponse r;
-    ASSERT_TRUE(sample(rays_of(light, kRays, 9), &r).ok());
-    const Region sphere;
-    const auto cell = [](const Vec2<double>& at) {
-      const auto column = [](double x) { return std::clamp(int(x * kColumns), 0, kColumns - 1); };
-      return column(at.x) * kColumns + column(at.y);
-    };
-    std::vector<double> observed(kColumns * kColumns), expected(kColumns * kColumns);
-    for (int i = 0; i < kRays; ++i) {
-      if (r.status_size() > 0 && r.status(i) != v1::ITEM_STATUS_OK) continue;
-      ++observed[cell(sphere.where(normalized(
-          Vec3<double>(r.directions(3 * i), r.directions(3 * i + 1), r.directions(3 * i + 2)))))];
-    }
-    v1::PdfLeRequest q = density_of(light);
-    *q.mutable_points()->mutable_origin_m() = r.points().origin_m();
-    for (int i = 0; i < kFine * kFine; ++i) {
-      const Vec3<double> w = sphere.at((i / kFine + 0.5) / kFine, (i % kFine + 0.5) / kFine);
-      for (int c = 0; c < 3; ++c) q.mutable_points()->add_offsets_m(r.points().offsets_m(c));
-      for (const double x : {w.x, w.y, w.z}) q.add_directions(static_cast<float>(x));
-    }
-    v1::PdfLeResponse d;
-    ASSERT_TRUE(pdf(q, &d).ok());
-    for (int i = 0; i < kFine * kFine; ++i) {
-      expected[cell({(i / kFine + 0.5) / kFine, (i % kFine + 0.5) / kFine})] +=
-          kRays * d.pdf_direction_per_sr(i) * sphere.solid_angle_sr() / (kFine * kFine);
-    }
-    EXPECT_GT(chi_square_p_value(observed, expected), 1e-8) << light.ShortDebugString();
-  }
-};
-
-TEST_F(Directions, FollowPdfLe) {
-  expect_follow(first(v1::Light::kPoint));
-  expect_follow(first(v1::Light::kGoniometric));
-  expect_follow(first(v1::AREA_SHAPE_DISK));
-  expect_follow(first([](const v1::Light& l) { return l.diffuse_area().two_sided(); }));
-}
-
-TEST_F(EveryLightTest, PositionsFollowPdfLe) {
-  // On the sphere's surface, in cells of equal area of (z, longitude).
-  const v1::Light& light = first(v1::AREA_SHAPE_SPHERE);
-  const v1::Bounds& box = light.bounds();
-  const Vec3<double> centre{(box.lower_m().x() + box.upper_m().x()) / 2,
-                            (box.lower_m().y() + box.upper_m().y()) / 2,
-                            (box.lower_m().z() + box.upper_m().z()) / 2};
-  const double radius = (box.upper_m().z() - box.lower_m().z()) / 2;
-  constexpr int kRays = 65536, kColumns = 12, kSub = 6, kFine = kColumns * kSub;
-  v1::SampleLeResponse r;
-  ASSERT_TRUE(sample(rays_of(light, kRays, 11), &r).ok());
-  const Vec3<double> origin{r.points().origin_m().x(), r.points().origin_m().y(),
-                            r.points().origin_m().z()};
-  const Region sphere;
-  const auto cell = [](const Vec2<double>& at) {
-    const auto column = [](double x) { return std::clamp(int(x * kColumns), 0, kColumns - 1); };
-    return column(at.x) * kColumns + column(at.y);
-  };
-  std::vector<double> observed(kColumns * kColumns), expected(kColumns * kColumns);
-  for (int i = 0; i < kRays; ++i) {
-    const auto& o = r.points().offsets_m();
-    const Vec3<double> p = origin + Vec3<double>(o[3 * i], o[3 * i + 1], o[3 * i + 2]);
-    EXPECT_NEAR(length(p - centre), radius, 2e-5);
-    ++observed[cell(sphere.where(normalized(p - centre)))];
-  }
-  // The points have their own origin, the sphere's centre.
-  v1::PdfLeRequest q = density_of(light);
-  q.mutable_points()->mutable_origin_m()->set_x(centre.x);
-  q.mutable_points()->mutable_origin_m()->set_y(centre.y);
-  q.mutable_points()->mutable_origin_m()->set_z(centre.z);
-  for (int i = 0; i < kFine * kFine; ++i) {
-    const Vec3<double> n = sphere.at((i / kFine + 0.5) / kFine, (i % kFine + 0.5) / kFine);
-    for (const double x : {n.x, n.y, n.z}) {
-      q.mutable_points()->add_offsets_m(static_cast<float>(radius * x));
-      q.add_directions(static_cast<float>(x));
-    }
-  }
-  v1::PdfLeResponse d;
-  ASSERT_TRUE(pdf(q, &d).ok());
-  for (int i = 0; i < kFine * kFine; ++i) {
-    expected[cell({(i / kFine + 0.5) / kFine, (i % kFine + 0.5) / kFine})] +=
-        kRays * d.pdf_position_per_m2(i) * 4 * std::numbers::pi * radius * radius / (kFine * kFine);
-  }
-  EXPECT_GT(chi_square_p_value(observed, expected), 1e-8);
 }
 
 }  // namespace
