@@ -182,46 +182,6 @@ TEST_F(LightingServiceTest, DirectIrradianceOfAPointLightIsExact) {
   EXPECT_EQ(r.standard_error_lx_size(), 0);
 }
 
-TEST_F(LightingServiceTest, PowerIsExactAndSumsUp) {
-  v1::EstimatePowerRequest q;
-  q.set_scene_id(service_.load("many_points.pbrt"));
-  v1::EstimatePowerResponse all, page;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &all); }).ok());
-  ASSERT_GT(all.lights_size(), 2);
-  double sum = 0;
-  for (const auto& l : all.lights()) sum += l.power_lm();
-  EXPECT_NEAR(all.total().power_lm(), sum, 1e-9 * sum);
-  q.set_page_size(1);
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &page); }).ok());
-  EXPECT_EQ(page.lights_size(), 1);
-  EXPECT_EQ(page.total().power_lm(), all.total().power_lm());
-  EXPECT_FALSE(page.next_page_token().empty());
-  q.set_method(static_cast<v1::EstimatePowerRequest::Method>(9));
-  expect_bad_field(status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &page); }),
-                   "method");
-}
-
-TEST_F(LightingServiceTest, ApproximatePowerReportsItsError) {
-  const std::string files[] = {"spot.pbrt", "sphere.pbrt", "two_sided.pbrt", "infinite.pbrt"};
-  for (const std::string& file : files) {
-    v1::EstimatePowerRequest q;
-    q.set_scene_id(service_.load(file));
-    v1::EstimatePowerResponse exact, approximate;
-    ASSERT_TRUE(
-        status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &exact); }).ok());
-    q.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
-    ASSERT_TRUE(status_of([&](auto* c) {
-                  return service_.lighting.EstimatePower(c, q, &approximate);
-                }).ok());
-    ASSERT_EQ(approximate.lights_size(), exact.lights_size()) << file;
-    const v1::LightPower& a = approximate.total();
-    EXPECT_GT(a.power_lm(), 0) << file;
-    const double off = std::abs(a.power_lm() - exact.total().power_lm());
-    EXPECT_LE(off, a.error_lm() + exact.total().error_lm() + 1e-12 * a.power_lm()) << file;
-  }
-}
-
 TEST_F(LightingServiceTest, PdfLiOfADeltaLightIsZero) {
   v1::PdfLiRequest q;
   q.set_scene_id(point_);
