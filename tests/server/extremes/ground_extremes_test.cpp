@@ -12,6 +12,7 @@
 #include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
+#include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
@@ -216,31 +217,12 @@ TEST(GroundExtremes, VisibilityOfSamples) {
       const std::size_t n = points.size();
       const std::vector<float> offsets = floats(points);
       const std::vector<float> normals = floats(std::vector<Point>(n, plane.n));
-      std::vector<float> value(3 * n), wi(3 * n), distance(n), at(3 * n), of_light(3 * n), pdf(n);
-      std::vector<std::uint8_t> delta(n / 8 + 1), visible(n / 8 + 1);
-      std::vector<std::uint64_t> ids(n);
-      std::vector<double> chance(n);
-      std::vector<int> status(n);
-      sample_li(*scene,
-                {.receivers = {{}, offsets},
-                 .seed = SeedRange{},
-                 .test_visibility = true,
-                 .normals = normals},
-                {.value = value.data(),
-                 .wi = wi.data(),
-                 .distance_m = distance.data(),
-                 .light_offsets_m = at.data(),
-                 .light_normals = of_light.data(),
-                 .pdf_per_sr = pdf.data(),
-                 .delta = delta.data(),
-                 .visible = visible.data(),
-                 .light_ids = ids.data(),
-                 .selection_probability = chance.data(),
-                 .status = status.data()},
-                {});
+      const LiSamples s(*scene, {.receivers = {{}, offsets},
+                                 .seed = SeedRange{},
+                                 .test_visibility = true,
+                                 .normals = normals});
       for (std::size_t i = 0; i < n; ++i, ++cases) {
-        const bool seen = (visible[i / 8] >> (i % 8) & 1) != 0;
-        if (seen == (i >= shaded) && status[i] == static_cast<int>(ItemResult::kOk)) continue;
+        if (s.is_visible(i) == (i >= shaded) && s.is_ok(i)) continue;
         if (++wrong < 10) ADD_FAILURE() << what << ", " << height << " m, point " << i;
       }
     }

@@ -9,6 +9,7 @@
 #include "server/estimate/paths/render.h"
 #include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
+#include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/extremes/scaled_scene.h"
 #include "tests/server/scene/scenes.h"
@@ -59,26 +60,18 @@ Answers answers_of(const SceneDescription& description, double s, std::uint32_t 
     a.irradiance.insert(a.irradiance.end(),
                         {e.irradiance_lx.r, e.irradiance_lx.g, e.irradiance_lx.b});
 
-  const std::size_t n = points.size() * 8;
-  std::vector<float> value(3 * n), wi(3 * n), distance(n), at(3 * n), normals(3 * n), pdf(n);
-  std::vector<std::uint8_t> delta(n), visible(n);
-  std::vector<std::uint64_t> ids(n);
-  std::vector<double> probability(n);
-  std::vector<int> status(n);
-  sample_li(*scene,
-            {.receivers = {origin, offsets},
-             .samples = 8,
-             .seed = SeedRange{5, 0},
-             .test_visibility = true},
-            {value.data(), wi.data(), distance.data(), at.data(), normals.data(), pdf.data(),
-             delta.data(), visible.data(), ids.data(), probability.data(), status.data()},
-            {});
-  for (std::size_t i = 0; i < n; ++i) {
-    a.choices.insert(a.choices.end(), {double(ids[i]), probability[i]});
-    a.samples.insert(a.samples.end(), {double(status[i]), double(visible[i / 8]), pdf[i],
-                                       distance[i] / s, at[3 * i] / s, at[3 * i + 2] / s});
+  const LiSamples li(*scene, {.receivers = {origin, offsets},
+                              .samples = 8,
+                              .seed = SeedRange{5, 0},
+                              .test_visibility = true});
+  for (std::size_t i = 0; i < li.size(); ++i) {
+    a.choices.insert(a.choices.end(), {double(li.light_ids[i]), li.selection_probability[i]});
+    a.samples.insert(
+        a.samples.end(),
+        {double(li.status[i]), double(li.visible[i / 8]), li.pdf_per_sr[i], li.distance_m[i] / s,
+         li.light_offsets_m[3 * i] / s, li.light_offsets_m[3 * i + 2] / s});
     for (int k = 0; k < 3; ++k)
-      a.samples.insert(a.samples.end(), {value[3 * i + k], wi[3 * i + k]});
+      a.samples.insert(a.samples.end(), {li.value[3 * i + k], li.wi[3 * i + k]});
   }
   const Receiver<double> receiver(kEveryLightMiddle * s - scene->origin());
   for (std::uint32_t l = 0; l < scene->lights().size(); ++l)

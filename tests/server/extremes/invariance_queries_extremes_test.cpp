@@ -10,6 +10,7 @@
 #include "server/estimate/queries/emission_queries.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
+#include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/extremes/scaled_scene.h"
 #include "tests/server/scene/scenes.h"
@@ -69,30 +70,22 @@ class Queries {
   /// SampleLi, PdfLi of its samples, and the hit there.
   void arriving() {
     const std::size_t receivers = offsets_.size() / 3, n = 4 * receivers;
-    std::vector<float> value(3 * n), wi(3 * n), distance(n), at(3 * n), normals(3 * n), pdf(n);
-    std::vector<std::uint8_t> delta((n + 7) / 8), visible((n + 7) / 8);
-    std::vector<std::uint64_t> ids(n);
-    std::vector<double> probability(n);
-    std::vector<int> status(n);
-    sample_li(scene_,
-              {.receivers = points(offsets_),
-               .samples = 4,
-               .light = light_,
-               .seed = SeedRange{5, 0},
-               .test_visibility = true,
-               .normals = normals_},
-              {value.data(), wi.data(), distance.data(), at.data(), normals.data(), pdf.data(),
-               delta.data(), visible.data(), ids.data(), probability.data(), status.data()},
-              {});
-    record("SampleLi", value, 1), record("SampleLi", wi, 1), record("SampleLi", distance, s_);
-    record("SampleLi", at, s_), record("SampleLi", normals, 1), record("SampleLi", pdf, 1);
-    record("SampleLi", status), record_bits("SampleLi", delta, n),
-        record_bits("SampleLi", visible, n);
+    const LiSamples s(scene_, {.receivers = points(offsets_),
+                               .samples = 4,
+                               .light = light_,
+                               .seed = SeedRange{5, 0},
+                               .test_visibility = true,
+                               .normals = normals_});
+    record("SampleLi", s.value, 1), record("SampleLi", s.wi, 1);
+    record("SampleLi", s.distance_m, s_), record("SampleLi", s.light_offsets_m, s_);
+    record("SampleLi", s.light_normals, 1), record("SampleLi", s.pdf_per_sr, 1);
+    record("SampleLi", s.status), record_bits("SampleLi", s.delta, n);
+    record_bits("SampleLi", s.visible, n);
 
     // The first sample of each receiver, or straight up where it has none.
     std::vector<float> towards, to, densities(receivers);
     for (std::size_t r = 0; r < receivers; ++r) {
-      Vec3<float> w = triple(wi, 4 * r), end = triple(at, 4 * r);
+      Vec3<float> w = triple(s.wi, 4 * r), end = triple(s.light_offsets_m, 4 * r);
       if (w == Vec3<float>{}) w = {0, 0, 1};
       if (end == Vec3<float>{}) end = triple(offsets_, r) + Vec3<float>(Vec3<double>{1, 2, 3} * s_);
       put(towards, Vec3<double>(w)), put(to, Vec3<double>(end));

@@ -12,6 +12,7 @@
 #include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
+#include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
@@ -79,28 +80,13 @@ double seen(const Scene& scene, const Vec3<float>& from, const Vec3<float>& to,
 /// The transmittance of a sample of the scene's only light.
 double sampled(const Scene& scene, const Vec3<float>& from) {
   const std::array f{from.x, from.y, from.z};
-  std::array<float, 3> value{}, wi{}, offset{}, normal{}, share{};
-  float distance = 0, pdf = 0;
-  std::uint8_t delta = 0, visible = 0;
-  std::uint64_t id = 0;
-  double chance = 0;
-  int status = 0;
+  std::array<float, 3> share{};
+  LiSamples s(1);
+  SampleLiAnswer answer = s.answer();
+  answer.transmittance = share.data();
   sample_li(scene, {.receivers = {{}, f}, .light = 0, .seed = SeedRange{}, .test_visibility = true},
-            {.value = value.data(),
-             .wi = wi.data(),
-             .distance_m = &distance,
-             .light_offsets_m = offset.data(),
-             .light_normals = normal.data(),
-             .pdf_per_sr = &pdf,
-             .delta = &delta,
-             .visible = &visible,
-             .light_ids = &id,
-             .selection_probability = &chance,
-             .status = &status,
-             .transmittance = share.data()},
-            {});
-  EXPECT_EQ(status, static_cast<int>(ItemResult::kOk));
-  EXPECT_EQ(visible, 1);
+            answer, {});
+  EXPECT_TRUE(s.is_ok(0) && s.is_visible(0));
   return share[1];
 }
 

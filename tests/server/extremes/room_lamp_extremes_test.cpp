@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/estimate/queries/queries.h"
+#include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/extremes/file_scenes.h"
 #include "tests/server/extremes/quad.h"
 #include "tests/sweep.h"
@@ -58,26 +59,9 @@ struct Answer {
 /// Samples the only light of the scene, at a point in double.
 Answer sample_at(const Scene& scene, const Vec3<double>& p, AreaSampling way) {
   const std::vector<float> offset{0, 0, 0}, u{0.3F, 0.6F};
-  std::vector<float> value(3), wi(3), distance(1), points(3), normals(3), pdf(1);
-  std::vector<std::uint8_t> delta(1), visible(1);
-  std::vector<std::uint64_t> ids(1);
-  std::vector<double> chance(1);
-  std::vector<int> status(1);
-  sample_li(scene,
-            {.receivers = {p, offset}, .light = 0, .u = u, .methods = {.area_sampling = way}},
-            {.value = value.data(),
-             .wi = wi.data(),
-             .distance_m = distance.data(),
-             .light_offsets_m = points.data(),
-             .light_normals = normals.data(),
-             .pdf_per_sr = pdf.data(),
-             .delta = delta.data(),
-             .visible = visible.data(),
-             .light_ids = ids.data(),
-             .selection_probability = chance.data(),
-             .status = status.data()},
-            {});
-  return {pdf[0], static_cast<ItemResult>(status[0])};
+  const LiSamples s(
+      scene, {.receivers = {p, offset}, .light = 0, .u = u, .methods = {.area_sampling = way}});
+  return {s.pdf_per_sr[0], static_cast<ItemResult>(s.status[0])};
 }
 
 TEST(RoomLampExtremes, FluxOfNeedles) {

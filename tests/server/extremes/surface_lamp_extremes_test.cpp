@@ -15,6 +15,7 @@
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
 #include "server/materials/fresnel.h"
+#include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
@@ -195,27 +196,10 @@ TEST(SurfaceLampExtremes, SamplesOfLampsOnSurfaces) {
         SceneDescription d = room(s);
         d.lights = {lamp_at(Lamp::kPoint, s, mount.place)};
         const auto scene = build(std::move(d));
-        std::vector<float> value(3 * n), wi(3 * n), distance(n), at(3 * n), of_light(3 * n), pdf(n);
-        std::vector<std::uint8_t> delta(n / 8 + 1), visible(n / 8 + 1);
-        std::vector<std::uint64_t> ids(n);
-        std::vector<double> chance(n);
-        std::vector<int> status(n);
-        sample_li(*scene,
-                  {.receivers = {{}, offsets}, .seed = SeedRange{}, .test_visibility = true},
-                  {.value = value.data(),
-                   .wi = wi.data(),
-                   .distance_m = distance.data(),
-                   .light_offsets_m = at.data(),
-                   .light_normals = of_light.data(),
-                   .pdf_per_sr = pdf.data(),
-                   .delta = delta.data(),
-                   .visible = visible.data(),
-                   .light_ids = ids.data(),
-                   .selection_probability = chance.data(),
-                   .status = status.data()},
-                  {});
+        const LiSamples samples(
+            *scene, {.receivers = {{}, offsets}, .seed = SeedRange{}, .test_visibility = true});
         for (std::size_t i = 0; i < n; ++i, ++cases) {
-          if ((visible[i / 8] >> (i % 8) & 1) != 0) continue;
+          if (samples.is_visible(i)) continue;
           if (++wrong < 10)
             ADD_FAILURE() << s.text() << ", " << steps << " at the " << mount.name << ", point "
                           << i;

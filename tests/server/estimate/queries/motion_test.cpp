@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/paths/render.h"
 #include "server/estimate/queries/queries.h"
-#include "server/estimate/queries/visibility.h"
 #include "tests/server/estimate/moving_shapes.h"
+#include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 #include "tests/server/scene/scenes.h"
 
@@ -34,74 +34,24 @@ SceneDescription moving_point(bool moves = true) {
   return d;
 }
 
-struct OneSample {
-  std::array<float, 3> value{}, wi{}, point{}, normal{};
-  float distance{}, pdf{};
-  std::uint8_t delta{}, visible{};
-  std::uint64_t id{};
-  double probability{};
-  int status{};
-};
-
-OneSample sample_at(const Scene& scene, const std::array<float, 3>& receiver, double time_s) {
-  OneSample s;
+/// Whether the only light is visible from `receiver`.
+bool is_lit(const Scene& scene, const std::array<float, 3>& receiver, double time_s) {
   SampleLiQuery q;
   q.receivers = {{}, receiver};
   q.light = 0;
   q.seed = SeedRange{};
   q.test_visibility = true;
   q.time_s = time_s;
-  sample_li(scene, q,
-            {s.value.data(), s.wi.data(), &s.distance, s.point.data(), s.normal.data(), &s.pdf,
-             &s.delta, &s.visible, &s.id, &s.probability, &s.status},
-            {});
-  return s;
-}
-
-TEST(MovingLights, AreSampledAtTheirPlaceAtThatTime) {
-  const auto scene = build(moving_point());
-  // By hand: intensity over distance squared from (0, 0, 3), (2, 0, 3) and (4, 0, 3).
-  for (const auto& [t, x] :
-       {std::pair{-1.0, 0.0F}, {0.0, 0.0F}, {1.0, 2.0F}, {2.0, 4.0F}, {9.0, 4.0F}}) {
-    const OneSample s = sample_at(*scene, {0, 0, 0.5F}, t);
-    EXPECT_EQ(s.status, static_cast<int>(ItemResult::kOk));
-    const float d2 = x * x + 2.5F * 2.5F;
-    EXPECT_NEAR(s.value[0], 18 / d2, 1e-5F);
-    EXPECT_NEAR(s.distance, std::sqrt(d2), 1e-6F);
-    EXPECT_NEAR(s.point[0], x, 1e-6F);
-    EXPECT_NEAR(s.point[2], 3, 1e-6F);
-  }
+  return LiSamples(scene, q).is_visible(0);
 }
 
 TEST(MovingLights, ComeOutOfTheShadowAsTheyMove) {
   const auto scene = build(moving_point());
   // At 0 s the segment from (2.5, 0, 0.01) to (0, 0, 3) meets the wall 0.608 m above the floor.  At
   // 2 s the light is on the receiver's side of the wall.
-  EXPECT_EQ(sample_at(*scene, {2.5F, 0, 0.01F}, 0).visible, 0);
-  EXPECT_EQ(sample_at(*scene, {2.5F, 0, 0.01F}, 2).visible, 1);
-  EXPECT_EQ(sample_at(*scene, {1, 0, 0.01F}, 0).visible, 1);
-}
-
-TEST(MovingLights, GiveTheIrradianceOfAStillSceneAtEachTime) {
-  const auto scene = build(moving_point());
-  std::vector<IrradiancePoint> points;
-  for (const float x : {-3.0F, 0.0F, 1.5F, 2.5F, 5.0F})
-    points.push_back({{x, 0.5F, 0}, {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}});
-  for (const double t : {0.0, 0.6, 1.7, 2.0}) {
-    SceneDescription still = moving_point(false);
-    still.lights[0] = point_light({2 * t, 0, 3}, 18);
-    const auto there = build(still);
-    ASSERT_EQ(there->origin(), scene->origin());
-    const IrradianceSettings at{.bounces = 0, .time_s = t};
-    const auto a = estimate_irradiance(*scene, points, at, {});
-    const auto b = estimate_irradiance(*there, points, {.bounces = 0}, {});
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double e = b.points[i].irradiance_lx.g;
-      EXPECT_NEAR(a.points[i].irradiance_lx.g, e, 1e-6 * e) << "point " << i << " at " << t << " s";
-      EXPECT_TRUE(a.points[i].exact);
-    }
-    EXPECT_GT(b.points[0].irradiance_lx.g, 0);
-  }
+  EXPECT_FALSE(is_lit(*scene, {2.5F, 0, 0.01F}, 0));
+  EXPECT_TRUE(is_lit(*scene, {2.5F, 0, 0.01F}, 2));
+  EXPECT_TRUE(is_lit(*scene, {1, 0, 0.01F}, 0));
 }
 
 /// The camera is 4 m in front of a wall that a light passes.

@@ -12,6 +12,7 @@
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
 #include "tests/server/estimate/moving_shapes.h"
+#include "tests/server/estimate/queries/li_samples.h"
 
 namespace lucerna::testing {
 namespace {
@@ -129,10 +130,6 @@ TEST(MovingPrecision, PointsOnThemSeeLightsInFrontOfThem) {
   d.lights = {point_light(kTilt.point({4, 3, 1}), 5)};
   const auto scene = build(std::move(d));
   ASSERT_EQ(scene->origin(), Vec3<double>{});
-  std::vector<float> value(3 * kPoints), wi(3 * kPoints), point(3 * kPoints), normal(3 * kPoints),
-      distance(kPoints), pdf(kPoints);
-  std::vector<std::uint8_t> delta((kPoints + 7) / 8), visible((kPoints + 7) / 8);
-  std::vector<int> status(kPoints);
   SampleLiQuery q;
   q.receivers = {{}, points};
   q.light = 0;
@@ -140,11 +137,7 @@ TEST(MovingPrecision, PointsOnThemSeeLightsInFrontOfThem) {
   q.test_visibility = true;
   q.normals = normals;
   q.time_s = 1;
-  sample_li(*scene, q,
-            {value.data(), wi.data(), distance.data(), point.data(), normal.data(), pdf.data(),
-             delta.data(), visible.data(), nullptr, nullptr, status.data()},
-            {});
-  EXPECT_EQ(bits_of(visible), kPoints);
+  EXPECT_EQ(bits_of(LiSamples(*scene, q).visible), kPoints);
 }
 
 // A light far from its own zero must not shadow itself.  The receivers are a few centimetres in
@@ -156,32 +149,27 @@ TEST(MovingPrecision, LightsDoNotHideTheirOwnPoints) {
   const Vec3<float> up(normal_then() * 0.02);
   for (std::size_t i = 0; i < receivers.size(); i += 3)
     receivers[i] += up.x, receivers[i + 1] += up.y, receivers[i + 2] += up.z;
-  const auto scene = scene_of(emissive(plate(), 1, true));
-  ASSERT_EQ(scene->origin(), Vec3<double>{});
-  const std::size_t n = kReceivers * kSamples;
-  std::vector<float> value(3 * n), wi(3 * n), point(3 * n), normal(3 * n), distance(n), pdf(n);
-  std::vector<std::uint8_t> delta((n + 7) / 8), visible((n + 7) / 8);
-  std::vector<int> status(n);
-  SampleLiQuery q;
-  q.receivers = {{}, receivers};
-  q.samples = kSamples;
-  q.light = 0;
-  q.seed = SeedRange{};
-  q.test_visibility = true;
-  q.time_s = 1;
-  q.methods.area_sampling = AreaSampling::kSolidAngle;
-  sample_li(*scene, q,
-            {value.data(), wi.data(), distance.data(), point.data(), normal.data(), pdf.data(),
-             delta.data(), visible.data(), nullptr, nullptr, status.data()},
-            {});
-  int near = 0, hidden = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    ASSERT_EQ(status[i], static_cast<int>(ItemResult::kOk));
-    near += distance[i] < 0.1F ? 1 : 0;
-    hidden += (visible[i / 8] >> (i % 8) & 1) == 0 ? 1 : 0;
+  for (const ShapeDescription& shape : {plate(), plate_of_triangles()}) {
+    const auto scene = scene_of(emissive(shape, 1, true));
+    ASSERT_EQ(scene->origin(), Vec3<double>{});
+    SampleLiQuery q;
+    q.receivers = {{}, receivers};
+    q.samples = kSamples;
+    q.light = 0;
+    q.seed = SeedRange{};
+    q.test_visibility = true;
+    q.time_s = 1;
+    q.methods.area_sampling = AreaSampling::kSolidAngle;
+    const LiSamples s(*scene, q);
+    int near = 0, hidden = 0;
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      ASSERT_TRUE(s.is_ok(i));
+      near += s.distance_m[i] < 0.1F ? 1 : 0;
+      hidden += s.is_visible(i) ? 0 : 1;
+    }
+    EXPECT_GT(near, 500);
+    EXPECT_EQ(hidden, 0);
   }
-  EXPECT_GT(near, 500);
-  EXPECT_EQ(hidden, 0);
 }
 
 // Inside the object t has another unit.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {
@@ -14,42 +15,9 @@ namespace {
 
 using ::lucerna::testing::build;
 using ::lucerna::testing::description;
+using ::lucerna::testing::LiSamples;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
-/// Owns the arrays of a SampleLiAnswer.
-struct Arrays {
-  explicit Arrays(std::size_t n)
-      : value(3 * n),
-        wi(3 * n),
-        distance(n),
-        points(3 * n),
-        normals(3 * n),
-        pdf(n),
-        probability(n),
-        delta((n + 7) / 8),
-        visible((n + 7) / 8),
-        ids(n),
-        status(n) {}
-  SampleLiAnswer answer() {
-    return {value.data(),   wi.data(),          distance.data(), points.data(),
-            normals.data(), pdf.data(),         delta.data(),    visible.data(),
-            ids.data(),     probability.data(), status.data()};
-  }
-  bool operator==(const Arrays&) const = default;
-
-  std::vector<float> value, wi, distance, points, normals, pdf;
-  std::vector<double> probability;
-  std::vector<std::uint8_t> delta, visible;
-  std::vector<std::uint64_t> ids;
-  std::vector<int> status;
-};
-
-Arrays answer_to(const Scene& scene, const SampleLiQuery& query) {
-  Arrays arrays(query.receivers.size() * query.samples);
-  sample_li(scene, query, arrays.answer(), {});
-  return arrays;
-}
 
 SceneDescription one_point_light() {
   SceneDescription d = description();
@@ -62,14 +30,14 @@ TEST(SampleLi, OfAPointLightIsIntensityOverDistanceSquared) {
   const auto scene = build(one_point_light());
   const std::vector<float> points{0, 0, 0, 4, 0, 0};
   const std::vector<float> u(4, 0.5F);
-  const Arrays a = answer_to(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
+  const LiSamples a(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
   EXPECT_FLOAT_EQ(a.value[0], 2);      // 18 cd / (3 m)^2
   EXPECT_FLOAT_EQ(a.value[3], 0.72F);  // 18 / 25
-  EXPECT_FLOAT_EQ(a.distance[1], 5);
+  EXPECT_FLOAT_EQ(a.distance_m[1], 5);
   EXPECT_FLOAT_EQ(a.wi[3], -0.8F);
   EXPECT_FLOAT_EQ(a.wi[5], 0.6F);
   EXPECT_EQ(a.delta[0], 3);
-  EXPECT_EQ(a.pdf[0], 0);
+  EXPECT_EQ(a.pdf_per_sr[0], 0);
   EXPECT_EQ(a.status, (std::vector<int>{1, 1}));
 }
 
@@ -82,9 +50,9 @@ TEST(SampleLi, PlacesAreRelativeToTheOriginOfTheQuery) {
   const auto scene = build(d);
   const std::vector<float> points{0.25F, 0, 1};
   const std::vector<float> u(2, 0.5F);
-  const Arrays a = answer_to(*scene, {.receivers = {{far, 0, 0}, points}, .light = 0, .u = u});
-  EXPECT_EQ(a.points, (std::vector<float>{0.25F, 0, 3}));
-  EXPECT_EQ(a.distance[0], 2);
+  const LiSamples a(*scene, {.receivers = {{far, 0, 0}, points}, .light = 0, .u = u});
+  EXPECT_EQ(a.light_offsets_m, (std::vector<float>{0.25F, 0, 3}));
+  EXPECT_EQ(a.distance_m[0], 2);
   EXPECT_EQ(a.wi, (std::vector<float>{0, 0, 1}));
 }
 
@@ -93,7 +61,7 @@ TEST(SampleLi, ABadItemDoesNotFailItsBatch) {
   const std::vector<float> points{0, 0, 0, kNan, 0, 0, 0, 0, 3, 0, 0, 1, 0, 0, 1};
   std::vector<float> u(10, 0.5F);
   u[9] = kNan;
-  const Arrays a = answer_to(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
+  const LiSamples a(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
   EXPECT_EQ(a.status, (std::vector<int>{1, 7, 4, 1, 7}));  // invalid, on the light, ok, invalid u
   for (const float v : a.value) EXPECT_TRUE(std::isfinite(v));
   EXPECT_EQ(a.value[3], 0);
@@ -104,7 +72,7 @@ TEST(SampleLi, IsOutOfRangeWhereAPlaceDoesNotFitFloats) {
   const auto scene = build(one_point_light());
   const std::vector<float> points{0, 0, 0};
   const std::vector<float> u(2, 0.5F);
-  const Arrays a = answer_to(*scene, {.receivers = {{1e300, 0, 0}, points}, .light = 0, .u = u});
+  const LiSamples a(*scene, {.receivers = {{1e300, 0, 0}, points}, .light = 0, .u = u});
   EXPECT_EQ(a.status[0], static_cast<int>(ItemResult::kOutOfRange));
 }
 
@@ -118,26 +86,6 @@ SceneDescription many_lights() {
   return d;
 }
 
-TEST(SampleLi, SplittingABatchChangesNothing) {
-  const auto scene = build(many_lights());
-  std::vector<float> points;
-  for (int i = 0; i < 3000; ++i) {
-    points.insert(points.end(), {0.01F * float(i % 60), 0.01F * float(i / 60), 0.5F});
-  }
-  SampleLiQuery query{.receivers = {{}, points}, .samples = 2, .seed = SeedRange{7, 100}};
-  query.test_visibility = true;
-  const Arrays whole = answer_to(*scene, query);
-  const std::size_t cut = 1003;
-  query.receivers.offsets_m = std::span(points).subspan(3 * cut);
-  query.seed = SeedRange{7, 100 + cut};
-  const Arrays rest = answer_to(*scene, query);
-  EXPECT_TRUE(std::equal(rest.value.begin(), rest.value.end(), whole.value.begin() + 6 * cut));
-  EXPECT_TRUE(std::equal(rest.ids.begin(), rest.ids.end(), whole.ids.begin() + 2 * cut));
-  EXPECT_TRUE(std::equal(rest.wi.begin(), rest.wi.end(), whole.wi.begin() + 6 * cut));
-  query.seed = SeedRange{8, 100 + cut};  // and the seed is used
-  EXPECT_NE(answer_to(*scene, query).ids, rest.ids);
-}
-
 TEST(SampleLi, AChosenLightHasTheSamplesOfANamedLight) {
   const auto scene = build(many_lights());
   std::vector<float> points, u;
@@ -147,16 +95,16 @@ TEST(SampleLi, AChosenLightHasTheSamplesOfANamedLight) {
     u.insert(u.end(), {0.01F * float(i), 0.3F});
     u_light.push_back(0.01 * i);
   }
-  const Arrays chosen = answer_to(*scene, {.receivers = {{}, points}, .u = u, .u_light = u_light});
+  const LiSamples chosen(*scene, {.receivers = {{}, points}, .u = u, .u_light = u_light});
   for (std::uint32_t light = 0; light < scene->lights().size(); ++light) {
-    const Arrays named = answer_to(*scene, {.receivers = {{}, points}, .light = light, .u = u});
+    const LiSamples named(*scene, {.receivers = {{}, points}, .light = light, .u = u});
     int found = 0;
     for (std::size_t i = 0; i < 100; ++i) {
-      if (chosen.ids[i] != scene->lights()[light].id) continue;
+      if (chosen.light_ids[i] != scene->lights()[light].id) continue;
       ++found;
       EXPECT_EQ(chosen.value[3 * i], named.value[3 * i]);
       const Receiver<double> receiver(0.1F * float(i), 0, 0.5);
-      EXPECT_EQ(chosen.probability[i],
+      EXPECT_EQ(chosen.selection_probability[i],
                 scene->light_selector().probability(LightSelection::kAutomatic, receiver, light));
     }
     EXPECT_GT(found, 0) << light;
@@ -201,15 +149,16 @@ TEST(SampleLi, OfAPointLightIsTheSameByEveryPathOfTheCode) {
     const Receivers r(at);
     for (const Vec3<double>& origin : {Vec3<double>{}, {0.1, 0, -3e5}}) {
       SampleLiQuery query{.receivers = {origin, r.offsets}, .light = 0, .u = r.u};
-      const Arrays plain = answer_to(*scene, query);
+      const LiSamples plain(*scene, query);
       query.normals = r.normals;  // which need each whole sample
-      const Arrays whole = answer_to(*scene, query);
+      const LiSamples whole(*scene, query);
       EXPECT_EQ(plain, whole) << candela;
       query.normals = {};
       query.light = {};
       query.u_light = r.u_light;
-      Arrays chosen = answer_to(*scene, query);
-      chosen.ids = plain.ids, chosen.probability = plain.probability;
+      LiSamples chosen(*scene, query);
+      chosen.light_ids = plain.light_ids,
+      chosen.selection_probability = plain.selection_probability;
       EXPECT_EQ(plain, chosen) << candela;
       const auto ok = std::ranges::count(plain.status, static_cast<int>(ItemResult::kOk));
       if (candela == 18) {
@@ -232,15 +181,15 @@ TEST(SampleLi, TheOnlyLightIsChosenAsByAnyPathOfTheCode) {
     for (const std::uint32_t samples : {1U, 3U}) {
       SampleLiQuery query{
           .receivers = {{}, r.offsets}, .samples = samples, .seed = SeedRange{.seed = 4}};
-      const Arrays plain = answer_to(*scene, query);
+      const LiSamples plain(*scene, query);
       query.test_visibility = true;  // which chooses a light for each sample
-      Arrays chosen = answer_to(*scene, query);
+      LiSamples chosen(*scene, query);
       chosen.visible = plain.visible;
       EXPECT_EQ(plain, chosen) << samples;
       // Receivers without a place choose no light.
-      EXPECT_EQ(plain.ids.front(), scene->lights()[0].id);
-      EXPECT_GT(std::ranges::count(plain.ids, 0U), 0);
-      EXPECT_EQ(std::ranges::count(plain.probability, 1.0), std::ssize(plain.ids));
+      EXPECT_EQ(plain.light_ids.front(), scene->lights()[0].id);
+      EXPECT_GT(std::ranges::count(plain.light_ids, 0U), 0);
+      EXPECT_EQ(std::ranges::count(plain.selection_probability, 1.0), std::ssize(plain.light_ids));
     }
   }
 }
@@ -250,32 +199,9 @@ TEST(SampleLi, ASceneWithoutLightsIsBlack) {
   d.shapes.push_back(testing::floor(1));
   const auto scene = build(d);
   const std::vector<float> points{0, 0, 1};
-  const Arrays a = answer_to(*scene, {.receivers = {{}, points}, .seed = SeedRange{}});
+  const LiSamples a(*scene, {.receivers = {{}, points}, .seed = SeedRange{}});
   EXPECT_EQ(a.status[0], static_cast<int>(ItemResult::kBlack));
-  EXPECT_EQ(a.ids[0], 0U);
-}
-
-TEST(PdfLi, OfAnAreaLightIsTheDensityOfItsSamples) {
-  const auto scene = build(many_lights());
-  const auto light = static_cast<std::uint32_t>(scene->lights().size() - 1);
-  std::vector<float> points;
-  for (int i = 0; i < 64; ++i) points.insert(points.end(), {0.1F * float(i), 0.2F, 0.5F});
-  const Arrays a =
-      answer_to(*scene, {.receivers = {{}, points}, .light = light, .seed = SeedRange{1, 0}});
-  std::vector<float> pdf(64);
-  std::vector<int> status(64);
-  pdf_li(*scene, {light, {{}, points}, a.wi}, pdf.data(), status.data(), {});
-  for (std::size_t i = 0; i < 64; ++i) {
-    EXPECT_GT(pdf[i], 0);
-    // The direction was rounded to floats: 2^-24 over the smallest cosine to the light, 0.4.
-    EXPECT_NEAR(pdf[i], a.pdf[i], 4e-6 * a.pdf[i]);
-  }
-  std::vector<float> away(3 * 64, 0.0F);
-  for (std::size_t i = 0; i < 64; ++i) away[3 * i + 2] = i == 3 ? kNan : i == 4 ? 0.0F : -1.0F;
-  pdf_li(*scene, {light, {{}, points}, away}, pdf.data(), status.data(), {});
-  EXPECT_EQ(status[0], 1);
-  EXPECT_EQ(status[3], 7);
-  EXPECT_EQ(status[4], 7);
+  EXPECT_EQ(a.light_ids[0], 0U);
 }
 
 TEST(ToScene, DefaultErrorIsAFewUlpsOfTheCoordinates) {

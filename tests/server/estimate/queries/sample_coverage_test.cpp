@@ -9,7 +9,7 @@
 #include "server/estimate/queries/li_estimates.h"
 #include "tests/server/estimate/coverage.h"
 #include "tests/server/estimate/queries/irradiance_questions.h"
-#include "tests/server/estimate/queries/li_room.h"
+#include "tests/server/estimate/queries/li_samples.h"
 
 namespace lucerna::testing {
 namespace {
@@ -45,12 +45,12 @@ Answered answer(const Question& q, const Settings& settings, std::uint64_t i) {
       settings.target ? samples_needed(sampler, 1, *settings.target, kReplicates, {}, work).value()
                       : equally_many(sampler, 1, settings.samples_per_replicate);
   const LiLayout layout(each, kReplicates);
-  LiRoom room(layout.size());
+  LiSamples samples(layout.size());
   std::vector<LiShare> shares(layout.size());
-  fill_samples(sampler, layout, room.answer(), shares, {});
-  const LiEstimates e =
-      estimates_of(sampler, layout, 1, kReplicates,
-                   settings.target.value_or(TargetError{}).confidence, shares, room.status, {}, 0);
+  fill_samples(sampler, layout, samples.answer(), shares, {});
+  const LiEstimates e = estimates_of(sampler, layout, 1, kReplicates,
+                                     settings.target.value_or(TargetError{}).confidence, shares,
+                                     samples.status, {}, 0);
   EXPECT_EQ(e.results[0], ItemResult::kOk);
   return {e.points[0], layout.size()};
 }
