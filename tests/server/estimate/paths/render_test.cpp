@@ -213,13 +213,9 @@ Mean mean_of(const TileResult& tile, double blocks) {
 // It is L (1 + rho + ... + rho^(b+1)) where light is reflected up to b + 1 times.
 class Furnace : public ::testing::TestWithParam<double> {
  protected:
-  std::shared_ptr<const Scene> scene(bool shading_normals = false) const {
+  std::shared_ptr<const Scene> scene() const {
     SceneDescription d = testing::description(GetParam());
-    TriangleMeshData mesh = testing::room({1, 2, 3});
-    if (shading_normals)  // towards the middle, far from the geometric ones
-      for (const auto& p : mesh.positions)
-        mesh.normals.push_back(Vec3<float>(normalized(Vec3<double>{1, 2, 3} - p)));
-    d.shapes = {testing::emissive({mesh}, 2)};
+    d.shapes = {testing::emissive({testing::room({1, 2, 3})}, 2)};
     d.camera.world_from_camera = *Transform::look_at({1.2, 1.5, 2.6}, {2, 3, 3.3}, {0, 0, 1});
     return build(std::move(d));
   }
@@ -277,15 +273,6 @@ TEST(RenderTile, EndsBetweenWhiteWallsForAnyNumberOfBounces) {
   // Paths continue for 1 / (1 - 0.95) = 20 more reflections.
   EXPECT_GT(r.work.indirect_rays, 64 * 256U);
   EXPECT_LT(r.work.indirect_rays, 64 * 300U);
-}
-
-TEST(RenderTile, IsBlackWithoutLights) {
-  SceneDescription d = testing::description();
-  d.shapes = {{testing::room()}};
-  const auto scene = build(std::move(d));
-  const TileResult tile = render_tile(*scene, whole(*scene), {});
-  for (const BlockStatistics& s : tile.channels) EXPECT_EQ(s.sum, 0);
-  EXPECT_EQ(tile.work.shadow_rays, 0u);
 }
 
 struct PictureMean {

@@ -128,29 +128,6 @@ TEST(Irradiance, ClosedFormsAreUsedFromAFewSamplesOn) {
   EXPECT_EQ(estimate(1, 0, ClosedForms::kAutomatic), estimate(1, 0, ClosedForms::kEmptyShafts));
 }
 
-TEST(Irradiance, UnderADiskIsPiLSineSquared) {
-  // Radius 1, 2 m above: sin^2 of the half angle is 1/5.
-  SceneDescription d = testing::description();
-  d.shapes = {testing::emissive({DiskParams{.height_m = 2, .reverse_orientation = true}}, 5)};
-  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), direct(64));
-  EXPECT_NEAR(e.irradiance_lx.g, pi * 5 / 5, 5 * e.standard_error_lx.g + 1e-6);
-  EXPECT_LT(e.standard_error_lx.g, 0.01);
-}
-
-TEST(Irradiance, WithinAFurnaceCountsAllBounces) {
-  SceneDescription d = testing::description(0.6);
-  d.shapes = {testing::emissive({testing::room()}, 3)};
-  const auto scene = build(std::move(d));
-  IrradianceSettings settings = direct(64);
-  for (const auto& [bounces, factor] :
-       {std::pair{std::optional<std::uint32_t>(0), 1.0}, {1, 1.6}, {2, 1.96}, {{}, 2.5}}) {
-    settings.bounces = bounces;
-    const IrradianceEstimate e = one(*scene, at(0.2f, 0.1f, -1), settings);
-    EXPECT_NEAR(e.irradiance_lx.g, pi * 3 * factor, 5 * e.standard_error_lx.g) << factor;
-    EXPECT_LT(e.standard_error_lx.g, 0.02 * pi * 3 * factor);
-  }
-}
-
 // With nine lamps or more, each sample chooses among them.
 SceneDescription lamps(int n) {
   SceneDescription d = testing::description();
@@ -360,16 +337,6 @@ TEST(Irradiance, StopsOnRequest) {
   const IrradiancePoint p = at(0, 0, 0);
   EXPECT_TRUE(
       estimate_irradiance(*scene, std::span(&p, 1), direct(1u << 30), stop.get_token()).stopped);
-}
-
-TEST(Irradiance, IsZeroAndExactWithoutLights) {
-  SceneDescription d = testing::description();
-  d.shapes = {testing::floor(1)};
-  IrradianceSettings settings = direct();
-  settings.bounces.reset();
-  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), settings);
-  EXPECT_EQ(e.irradiance_lx.g, 0);
-  EXPECT_TRUE(e.exact);
 }
 
 }  // namespace
