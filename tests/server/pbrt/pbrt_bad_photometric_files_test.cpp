@@ -118,41 +118,5 @@ TEST(PbrtBadFiles, BrokenPhotometricFilesAreErrorsForEveryParameter) {
     }
 }
 
-TEST(PbrtBadFiles, UnusualPhotometricFilesAreReadForEveryParameter) {
-  const auto ies = [](auto change) { return changed<Ies>(change); };
-  const auto crlf = [](std::string text, const std::string& end) {
-    for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += end.size())
-      text.replace(at, 1, end);
-    return text;
-  };
-  const std::string whole = Ies().text();
-  const std::pair<const char*, std::string> kSame[] = {
-      {"crlf.ies", crlf(whole, "\r\n")},
-      {"cr.ies", crlf(whole, "\r")},
-      {"no_end.ies", whole.substr(0, whole.size() - 1)},
-      {"one_a_line.ies", ies([](Ies& f) { f.candela = "\n100\n\n50,\t10"; })},
-      {"marked.IES", "\xef\xbb\xbf" + whole},
-      {"absolute.ies", ies([](Ies& f) { f.lamps = "1 -1 1"; })},
-  };
-  for (const ProfileUser& user : profile_users()) {
-    const Outcome plain = load(user.source, user.parameter, "lamp.ies", whole);
-    ASSERT_TRUE(plain.status.ok()) << plain.status;
-    EXPECT_GT(plain.lumens, 0);
-    EXPECT_TRUE(plain.lit);
-    for (const auto& [name, bytes] : kSame) {
-      SCOPED_TRACE(name);
-      const Outcome o = load(user.source, user.parameter, name, bytes);
-      ASSERT_TRUE(o.status.ok()) << o.status;
-      EXPECT_EQ(o.lumens, plain.lumens);
-      EXPECT_TRUE(o.lit);
-    }
-    const Outcome black =
-        load(user.source, user.parameter, "black.ies", ies([](Ies& f) { f.candela = "0 0 0\n"; }));
-    ASSERT_TRUE(black.status.ok()) << black.status;
-    EXPECT_EQ(black.lumens, 0);
-    EXPECT_FALSE(black.lit);
-  }
-}
-
 }  // namespace
 }  // namespace lucerna
