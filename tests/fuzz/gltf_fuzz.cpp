@@ -1,6 +1,7 @@
 // Reads the input as a glTF file.  Its buffer may be a further file, or the file itself.
 #include "server/gltf/load.h"
 #include "tests/fuzz/input_files.h"
+#include "tests/fuzz/requirements.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lucerna;
@@ -8,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view input = fuzz::text_of(data, size);
   const std::string name = input.starts_with("glTF") ? "scene.glb" : "scene.gltf";
   AssetReader assets(std::make_unique<fuzz::InputFiles>(input, name));
-  static_cast<void>(
+  fuzz::require_sound(
       load_gltf(assets, name, {}, {.max_texels = kMostTexels, .max_primitives = kMostPrimitives}));
   return 0;
 }

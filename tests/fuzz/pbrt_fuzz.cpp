@@ -5,6 +5,7 @@
 #include "server/pbrt/load.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/input_files.h"
+#include "tests/fuzz/requirements.h"
 #include "tests/server/assets/limited_pool.h"
 
 namespace {
@@ -32,11 +33,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                 .max_primitives = kMostPrimitives,
                                 .max_tokens = kMostTokens,
                                 .budget = &budget});
+  const std::uint64_t peak = bound.peak_bytes();
+  fuzz::require_sound(scene);
   // OpenImageIO asks for 64 MiB at once, of which it uses what it needs.
   if (std::ranges::any_of(assets.assets(), [](const Asset& a) { return is_picture(a.name); }))
     return 0;
   // Short directives become objects that the memory budget counts.
-  bound.require_at_most(bound.peak_bytes(), fuzz::AllocationBound::kFactor * size +
-                                                fuzz::kPbrtFixedBytes + pool.most());
+  bound.require_at_most(
+      peak, fuzz::AllocationBound::kFactor * size + fuzz::kPbrtFixedBytes + pool.most());
   return 0;
 }

@@ -9,6 +9,7 @@
 #include "server/pbrt/load.h"
 #include "server/scene/emitter_alpha.h"
 #include "tests/fuzz/input_files.h"
+#include "tests/fuzz/requirements.h"
 
 namespace {
 
@@ -45,6 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   constexpr std::uint64_t kMostTexels = 1 << 12;
   lucerna::AssetReader assets(std::make_unique<lucerna::fuzz::InputFiles>(input, "scene.pbrt"));
   auto description = lucerna::load_pbrt(assets, "scene.pbrt", {}, {.max_texels = kMostTexels});
+  lucerna::fuzz::require_sound(description);
   if (!description.ok()) return 0;
   const lucerna::Textures& textures = description->textures;
   // A scene would also open an Embree device, which takes far longer than the picture.
