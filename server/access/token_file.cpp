@@ -127,14 +127,15 @@ class Reader {
     bool good = list != nullptr && !list->empty();
     for (std::size_t i = 0; good && i < list->size(); ++i) {
       const auto* text = (*list)[i].as_string();
-      const auto* role = text == nullptr
-                             ? kRoleNames.end()
-                             : std::find(kRoleNames.begin(), kRoleNames.end(), text->get());
-      good = role != kRoleNames.end();
-      if (good) token.roles.insert(static_cast<Role>(role - kRoleNames.begin()));
+      const auto* role = text == nullptr ? monitor::kRoleNames.end()
+                                         : std::find(monitor::kRoleNames.begin(),
+                                                     monitor::kRoleNames.end(), text->get());
+      good = role != monitor::kRoleNames.end();
+      if (good) token.roles.insert(static_cast<Role>(role - monitor::kRoleNames.begin()));
     }
     if (!good) {
-      error(key.source(), fmt::format("roles, allowed: a list of {}", fmt::join(kRoleNames, ", ")));
+      error(key.source(),
+            fmt::format("roles, allowed: a list of {}", fmt::join(monitor::kRoleNames, ", ")));
     }
   }
 

@@ -18,9 +18,12 @@
 #include <string>
 #include <vector>
 
-#include "server/access/calls.h"
+#include "server/monitor/calls.h"
 
 namespace lucerna::access {
+
+using monitor::Call;
+using monitor::Role;
 
 /// What one caller may use; 0: no limit.
 struct Quota {

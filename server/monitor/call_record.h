@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "server/monitor/call_names.h"
+#include "server/monitor/calls.h"
 #include "server/runtime/lanes.h"
 
 namespace lucerna::monitor {

@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "server/monitor/call_names.h"
+#include "server/monitor/calls.h"
 #include "server/monitor/process_figures.h"
 
 namespace lucerna::monitor {

@@ -53,7 +53,7 @@ void UnaryCall::take(bool ok) {
   const absl::Status prepared = guarded([&]() -> absl::Status {
     LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
     LUCERNA_RETURN_IF_ERROR(parse(bytes_, record));
-    task = prepare(runtime_.context(admission_.caller));
+    task = prepare();
     LUCERNA_RETURN_IF_ERROR(task.status());
     return ObservedCall::take_items(admission_, task->items);
   });

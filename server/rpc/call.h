@@ -5,9 +5,8 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/byte_buffer.h>
 
-#include <functional>
 #include <memory>
-#include <utility>
+#include <type_traits>
 
 #include "server/rpc/answer_record.h"
 #include "server/rpc/reactor.h"
@@ -31,21 +30,18 @@ class UnaryCall : public Reactor {
   void take(bool ok) final;
   void finish(absl::Status status) final;
   virtual absl::Status parse(const grpc::ByteBuffer& request, monitor::CallRecord& record) = 0;
-  virtual Prepared prepare(const Context& context) = 0;
+  virtual Prepared prepare() = 0;
   /// Frees the request and the response.
   virtual absl::Status encode(grpc::ByteBuffer& bytes, monitor::CallRecord& record) = 0;
 
   void compute(const Task& task);
 };
 
-template <typename Request, typename Response>
+/// `handler`: from the context of a request, or from the whole server, to its Task.
+template <typename Request, typename Response, auto handler>
 class TypedCall final : public UnaryCall {
  public:
-  using Handler = std::function<Prepared(const Context&, const Request&, Response*)>;
-
-  TypedCall(Runtime& runtime, grpc::CallbackServerContext& context, monitor::Call call,
-            Handler handler)
-      : UnaryCall(runtime, context, call), handler_(std::move(handler)) {}
+  using UnaryCall::UnaryCall;
 
  private:
   absl::Status parse(const grpc::ByteBuffer& bytes, monitor::CallRecord& record) override {
@@ -53,8 +49,13 @@ class TypedCall final : public UnaryCall {
     if (status.ok()) record_request(messages_->request, record);
     return status;
   }
-  Prepared prepare(const Context& context) override {
-    return handler_(context, messages_->request, &messages_->response);
+  Prepared prepare() override {
+    auto& [request, response] = *messages_;
+    if constexpr (std::is_invocable_v<decltype(handler), Runtime&, const Request&, Response*>) {
+      return handler(runtime_, request, &response);
+    } else {
+      return handler(runtime_.context(admission_.caller), request, &response);
+    }
   }
   absl::Status encode(grpc::ByteBuffer& bytes, monitor::CallRecord& record) override {
     record_answer(messages_->request, messages_->response, record);
@@ -68,7 +69,6 @@ class TypedCall final : public UnaryCall {
     Request request;
     Response response;
   };
-  Handler handler_;
   std::unique_ptr<Messages> messages_ = std::make_unique<Messages>();
 };
 

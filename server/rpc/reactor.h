@@ -44,9 +44,10 @@ class Reactor : public grpc::ServerGenericBidiReactor,
                 public std::enable_shared_from_this<Reactor> {
  public:
   /// Begins a call of the class T.
-  template <typename T, typename... Arguments>
-  static Reactor* start(Arguments&&... arguments) {
-    const auto made = std::make_shared<T>(std::forward<Arguments>(arguments)...);
+  template <typename T>
+  static Reactor* start(Runtime& runtime, grpc::CallbackServerContext& context,
+                        monitor::Call call) {
+    const auto made = std::make_shared<T>(runtime, context, call);
     made->self_ = made;
     static_cast<Reactor&>(*made).begin();
     return made.get();

@@ -3,11 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <functional>
+#include <iterator>
 #include <unordered_map>
 #include <utility>
 
-#include "lucerna/v1/admin.pb.h"
 #include "server/rpc/call.h"
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/handlers/lighting.h"
@@ -25,39 +24,6 @@ namespace lucerna::rpc {
 namespace {
 
 using monitor::Call;
-using Start = std::function<Reactor*(Runtime&, grpc::CallbackServerContext&, Call)>;
-
-/// A call whose handler needs nothing but the context.
-template <typename Request, typename Response>
-Start unary(Prepared (*handler)(const Context&, const Request&, Response*)) {
-  return [handler](Runtime& runtime, grpc::CallbackServerContext& context, Call call) {
-    return Reactor::start<TypedCall<Request, Response>>(runtime, context, call, handler);
-  };
-}
-
-/// A call that computes its answer from the server's state.
-template <typename Request, typename Response>
-Start of_runtime(void (*answer)(Runtime&, Response*)) {
-  return [answer](Runtime& runtime, grpc::CallbackServerContext& context, Call call) {
-    return Reactor::start<TypedCall<Request, Response>>(
-        runtime, context, call,
-        [answer, &runtime](const Context&, const Request&, Response* response) -> Prepared {
-          Task task;
-          task.run = [answer, &runtime, response](const std::stop_token&) {
-            answer(runtime, response);
-            return absl::OkStatus();
-          };
-          return task;
-        });
-  };
-}
-
-template <typename T>
-Start stream() {
-  return [](Runtime& runtime, grpc::CallbackServerContext& context, Call call) {
-    return Reactor::start<T>(runtime, context, call);
-  };
-}
 
 /// A call that does not exist.
 class UnknownCall final : public Reactor {
@@ -69,59 +35,72 @@ class UnknownCall final : public Reactor {
   void take(bool) override {}
 };
 
-void get_server_info(Runtime& runtime, v1::GetServerInfoResponse* answer) {
-  const std::lock_guard lock(runtime.info_mutex);
-  *answer = runtime.info;
-}
-
-void get_stats(Runtime& runtime, v1::GetStatsResponse* answer) {
-  set_stats(figures(runtime), answer);
-}
-
-struct Entry {
+struct CallHandler {
   Call call;
-  Start start;
+  Reactor* (*start)(Runtime&, grpc::CallbackServerContext&, Call);
 };
 
-/// All calls, by "/" and their full name.
-const std::unordered_map<std::string, Entry>& all_calls() {
+template <typename Request, typename Response, auto handler>
+constexpr auto unary = Reactor::start<TypedCall<Request, Response, handler>>;
+
+/// What answers each call, in the order of Call: a function from a request, or a class for a
+/// stream.  The function predicts the time of the work, which chooses its lane.
+constexpr CallHandler kHandlers[] = {
+    {Call::kFindMissingAssets,
+     unary<v1::FindMissingAssetsRequest, v1::FindMissingAssetsResponse, find_missing_assets>},
+    {Call::kUploadAsset, Reactor::start<UploadStream>},
+    {Call::kLoadScene, unary<v1::LoadSceneRequest, v1::LoadSceneResponse, load_scene>},
+    {Call::kGetScene, unary<v1::GetSceneRequest, v1::GetSceneResponse, get_scene>},
+    {Call::kListScenes, unary<v1::ListScenesRequest, v1::ListScenesResponse, list_scenes>},
+    {Call::kListAvailableScenes,
+     unary<v1::ListAvailableScenesRequest, v1::ListAvailableScenesResponse, list_available_scenes>},
+    {Call::kListLights, unary<v1::ListLightsRequest, v1::ListLightsResponse, list_lights>},
+    {Call::kEditLights, unary<v1::EditLightsRequest, v1::EditLightsResponse, edit_lights>},
+    {Call::kRenewLease, unary<v1::RenewLeaseRequest, v1::RenewLeaseResponse, renew_lease>},
+    {Call::kReleaseScene, unary<v1::ReleaseSceneRequest, v1::ReleaseSceneResponse, release_scene>},
+    {Call::kSampleLi, unary<v1::SampleLiRequest, v1::SampleLiResponse, sample_li>},
+    {Call::kPdfLi, unary<v1::PdfLiRequest, v1::PdfLiResponse, pdf_li>},
+    {Call::kSampleLe, unary<v1::SampleLeRequest, v1::SampleLeResponse, sample_le>},
+    {Call::kPdfLe, unary<v1::PdfLeRequest, v1::PdfLeResponse, pdf_le>},
+    {Call::kLe, unary<v1::LeRequest, v1::LeResponse, le>},
+    {Call::kEstimatePower,
+     unary<v1::EstimatePowerRequest, v1::EstimatePowerResponse, estimate_power>},
+    {Call::kTestVisibility,
+     unary<v1::TestVisibilityRequest, v1::TestVisibilityResponse, test_visibility>},
+    {Call::kEstimateIrradiance,
+     unary<v1::EstimateIrradianceRequest, v1::EstimateIrradianceResponse, estimate_irradiance>},
+    {Call::kRenderTile, unary<v1::RenderTileRequest, v1::RenderTileResponse, render_tile>},
+    {Call::kRenderImage, Reactor::start<ImageStream>},
+    {Call::kGetServerInfo,
+     unary<v1::GetServerInfoRequest, v1::GetServerInfoResponse, get_server_info>},
+    {Call::kGetStats, unary<v1::GetStatsRequest, v1::GetStatsResponse, get_stats>},
+    {Call::kListLeases, unary<v1::ListLeasesRequest, v1::ListLeasesResponse, list_leases>},
+    {Call::kFindSurfaces, unary<v1::FindSurfacesRequest, v1::FindSurfacesResponse, find_surfaces>},
+    {Call::kHealthCheck, Reactor::start<HealthCheck>},
+    {Call::kHealthWatch, Reactor::start<HealthWatch>},
+    {Call::kReflection, Reactor::start<Reflection>},
+    {Call::kUnknown, Reactor::start<UnknownCall>},
+};
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < monitor::kCalls; ++i)
+        if (kHandlers[i].call != static_cast<Call>(i)) return false;
+      return std::size(kHandlers) == monitor::kCalls;
+    }(),
+    "kHandlers has each call once, in the order of Call");
+
+/// The handler of a method of gRPC: "/" and the name of a call.
+const CallHandler& handler_of(const std::string& method) {
   static const auto all = [] {
-    std::unordered_map<std::string, Entry> calls;
-    const auto add = [&](Call call, Start start) {
-      calls[fmt::format("/{}", monitor::name_of(call))] = {call, std::move(start)};
-    };
-    add(Call::kFindMissingAssets, unary(&find_missing_assets));
-    add(Call::kLoadScene, unary(&load_scene));
-    add(Call::kGetScene, unary(&get_scene));
-    add(Call::kListScenes, unary(&list_scenes));
-    add(Call::kListAvailableScenes, unary(&list_available_scenes));
-    add(Call::kListLights, unary(&list_lights));
-    add(Call::kEditLights, unary(&edit_lights));
-    add(Call::kRenewLease, unary(&renew_lease));
-    add(Call::kReleaseScene, unary(&release_scene));
-    add(Call::kSampleLi, unary(&sample_li));
-    add(Call::kPdfLi, unary(&pdf_li));
-    add(Call::kSampleLe, unary(&sample_le));
-    add(Call::kPdfLe, unary(&pdf_le));
-    add(Call::kLe, unary(&le));
-    add(Call::kEstimatePower, unary(&estimate_power));
-    add(Call::kTestVisibility, unary(&test_visibility));
-    add(Call::kEstimateIrradiance, unary(&estimate_irradiance));
-    add(Call::kRenderTile, unary(&render_tile));
-    add(Call::kFindSurfaces, unary(&find_surfaces));
-    add(Call::kListLeases, unary(&list_leases));
-    add(Call::kGetServerInfo, of_runtime<v1::GetServerInfoRequest>(&get_server_info));
-    add(Call::kGetStats, of_runtime<v1::GetStatsRequest>(&get_stats));
-    add(Call::kUploadAsset, stream<UploadStream>());
-    add(Call::kRenderImage, stream<ImageStream>());
-    add(Call::kHealthCheck, stream<HealthCheck>());
-    add(Call::kHealthWatch, stream<HealthWatch>());
-    add(Call::kReflection, stream<Reflection>());
-    calls["/grpc.reflection.v1.ServerReflection/ServerReflectionInfo"] = {Call::kReflection,
-                                                                          stream<Reflection>()};
-    return calls;
+    std::unordered_map<std::string, const CallHandler*> handlers;
+    for (const CallHandler& handler : kHandlers)
+      handlers[fmt::format("/{}", monitor::name_of(handler.call))] = &handler;
+    handlers["/grpc.reflection.v1.ServerReflection/ServerReflectionInfo"] =
+        &kHandlers[static_cast<std::size_t>(Call::kReflection)];
+    return handlers;
   }();
-  return all;
+  const auto found = all.find(method);
+  return found == all.end() ? kHandlers[monitor::kCalls - 1] : *found->second;
 }
 
 /// Generated services would begin a call when its message has arrived.  Nobody could count or end
@@ -132,10 +111,8 @@ class AllCalls final : public grpc::CallbackGenericService {
 
   grpc::ServerGenericBidiReactor* CreateReactor(
       grpc::GenericCallbackServerContext* context) override {
-    const auto found = all_calls().find(context->method());
-    if (found != all_calls().end())
-      return found->second.start(runtime_, *context, found->second.call);
-    return Reactor::start<UnknownCall>(runtime_, *context, Call::kUnknown);
+    const CallHandler& handler = handler_of(context->method());
+    return handler.start(runtime_, *context, handler.call);
   }
 
  private:

@@ -75,35 +75,6 @@ void add_parts(const std::vector<StoredScene>& scenes,
   }
 }
 
-}  // namespace
-
-monitor::Figures figures(const Runtime& runtime) {
-  using std::chrono::duration;
-  monitor::Figures out;
-  out.version = runtime.info.version();
-  out.fingerprint = runtime.info.fingerprint().digest();
-  out.time_s = duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  out.uptime_s = duration<double>(std::chrono::steady_clock::now() - runtime.started).count();
-  runtime.statistics.read(out);
-  for (const Lane lane : {Lane::kInteractive, Lane::kBulk}) {
-    const LaneLoad load = runtime.lanes.load(lane);
-    out.lanes[static_cast<std::size_t>(lane)].waiting = load.waiting;
-    out.lanes[static_cast<std::size_t>(lane)].running = load.running;
-  }
-  const SceneStore& scenes = *runtime.scenes;
-  const auto loaded = scenes.list("", std::numeric_limits<std::size_t>::max() - 1);
-  out.scenes = loaded.size();
-  add_parts(loaded, out.scene_bytes);
-  out.leases = scenes.leases();
-  out.scenes_built = scenes.builds();
-  out.memory_budget_bytes = runtime.info.limits().memory_budget_bytes();
-  out.asset_bytes = runtime.assets->bytes();
-  out.asset_budget_bytes = runtime.info.limits().asset_budget_bytes();
-  if (runtime.log_lines_left_out) out.log_lines_left_out = runtime.log_lines_left_out();
-  out.process = monitor::process_figures();
-  return out;
-}
-
 void set_stats(const monitor::Figures& figures, v1::GetStatsResponse* out) {
   out->set_uptime_s(figures.uptime_s);
   out->set_time_s(figures.time_s);
@@ -137,6 +108,51 @@ void set_stats(const monitor::Figures& figures, v1::GetStatsResponse* out) {
   out->set_asset_bytes(figures.asset_bytes);
   out->set_log_lines_left_out(figures.log_lines_left_out);
   set_process(figures.process, out->mutable_process());
+}
+
+}  // namespace
+
+monitor::Figures figures(const Runtime& runtime) {
+  using std::chrono::duration;
+  monitor::Figures out;
+  out.version = runtime.info.version();
+  out.fingerprint = runtime.info.fingerprint().digest();
+  out.time_s = duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  out.uptime_s = duration<double>(std::chrono::steady_clock::now() - runtime.started).count();
+  runtime.statistics.read(out);
+  for (const Lane lane : {Lane::kInteractive, Lane::kBulk}) {
+    const LaneLoad load = runtime.lanes.load(lane);
+    out.lanes[static_cast<std::size_t>(lane)].waiting = load.waiting;
+    out.lanes[static_cast<std::size_t>(lane)].running = load.running;
+  }
+  const SceneStore& scenes = *runtime.scenes;
+  const auto loaded = scenes.list("", std::numeric_limits<std::size_t>::max() - 1);
+  out.scenes = loaded.size();
+  add_parts(loaded, out.scene_bytes);
+  out.leases = scenes.leases();
+  out.scenes_built = scenes.builds();
+  out.memory_budget_bytes = runtime.info.limits().memory_budget_bytes();
+  out.asset_bytes = runtime.assets->bytes();
+  out.asset_budget_bytes = runtime.info.limits().asset_budget_bytes();
+  if (runtime.log_lines_left_out) out.log_lines_left_out = runtime.log_lines_left_out();
+  out.process = monitor::process_figures();
+  return out;
+}
+
+Prepared get_stats(Runtime& runtime, const v1::GetStatsRequest&, v1::GetStatsResponse* response) {
+  return Task{.run = [&runtime, response](const std::stop_token&) {
+    set_stats(figures(runtime), response);
+    return absl::OkStatus();
+  }};
+}
+
+Prepared get_server_info(Runtime& runtime, const v1::GetServerInfoRequest&,
+                         v1::GetServerInfoResponse* response) {
+  return Task{.run = [&runtime, response](const std::stop_token&) {
+    const std::lock_guard lock(runtime.info_mutex);
+    *response = runtime.info;
+    return absl::OkStatus();
+  }};
 }
 
 }  // namespace lucerna::rpc

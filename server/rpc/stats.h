@@ -1,4 +1,4 @@
-// The statistics of a server, for its metrics and for GetStats.
+// What a server tells of itself: the figures of its metrics, GetStats and GetServerInfo.
 #pragma once
 
 #include "lucerna/v1/admin.pb.h"
@@ -10,6 +10,8 @@ namespace lucerna::rpc {
 /// All figures now.  Takes time in proportion to the number of loaded scenes.
 monitor::Figures figures(const Runtime& runtime);
 
-void set_stats(const monitor::Figures& figures, v1::GetStatsResponse* out);
+Prepared get_stats(Runtime& runtime, const v1::GetStatsRequest&, v1::GetStatsResponse* response);
+Prepared get_server_info(Runtime& runtime, const v1::GetServerInfoRequest&,
+                         v1::GetServerInfoResponse* response);
 
 }  // namespace lucerna::rpc

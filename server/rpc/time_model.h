@@ -6,7 +6,7 @@
 #include <array>
 #include <atomic>
 
-#include "server/monitor/call_names.h"
+#include "server/monitor/calls.h"
 
 namespace lucerna::rpc {
 

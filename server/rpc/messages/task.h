@@ -36,7 +36,7 @@ struct Task {
   /// caller's quota.
   std::uint64_t items = 0;
   /// Fills the response.  Stops soon after the token requests it; the response is then incomplete.
-  std::function<absl::Status(const std::stop_token&)> run;
+  std::function<absl::Status(const std::stop_token&)> run{};
   /// Gets the times of the work; null if the response has no such field.
   v1::Cost* cost = nullptr;
 };

@@ -1,5 +1,5 @@
 // Every call of the contract has a role.
-#include "server/access/calls.h"
+#include "server/monitor/calls.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "lucerna/v1/render.pb.h"
 #include "lucerna/v1/scene.pb.h"
 
-namespace lucerna::access {
+namespace lucerna::monitor {
 namespace {
 
 TEST(Calls, AreThoseOfTheContract) {
@@ -26,12 +26,12 @@ TEST(Calls, AreThoseOfTheContract) {
       }
     }
   }
-  for (const CallEntry& entry : kCallRoles) {
-    const std::string name = monitor::name_of(entry.call);
+  for (std::size_t i = 0; i < kContractCalls; ++i) {
+    const std::string name = kCallTable[i].name;
     EXPECT_TRUE(table.insert(name).second) << name << " twice";
   }
   EXPECT_EQ(table, contract);
 }
 
 }  // namespace
-}  // namespace lucerna::access
+}  // namespace lucerna::monitor
