@@ -33,8 +33,9 @@ void ImageStream::take(bool ok) {
       v1::RenderImageRequest parsed;
       LUCERNA_RETURN_IF_ERROR(parse_message(bytes_, parsed));
       record_request(parsed, observed_.record());
-      LUCERNA_ASSIGN_OR_RETURN(ImageRender render,
-                               ImageRender::create(runtime_.context(admission_.caller), parsed));
+      LUCERNA_ASSIGN_OR_RETURN(
+          RenderImageHandler render,
+          RenderImageHandler::create(runtime_.context(admission_.caller), parsed));
       counted_items_ = render.pixels();
       LUCERNA_RETURN_IF_ERROR(ObservedCall::take_items(admission_, counted_items_));
       render_.emplace(std::move(render));

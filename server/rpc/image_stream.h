@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "server/rpc/handlers/image_render.h"
+#include "server/rpc/handlers/render_image_handler.h"
 #include "server/rpc/reactor.h"
 
 namespace lucerna::rpc {
@@ -34,7 +34,7 @@ class ImageStream final : public Reactor {
 
   const std::string client_;
   std::uint64_t counted_items_ = 0;
-  std::optional<ImageRender> render_;  // while a lane job runs, only the job uses it
+  std::optional<RenderImageHandler> render_;  // while a lane job runs, only the job uses it
 
   std::mutex mutex_;
   std::deque<grpc::ByteBuffer> ready_;  // if writing_, the first is being written

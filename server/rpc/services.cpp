@@ -8,11 +8,21 @@
 #include <utility>
 
 #include "server/rpc/call.h"
-#include "server/rpc/handlers/light_edits.h"
-#include "server/rpc/handlers/lighting.h"
-#include "server/rpc/handlers/scenes.h"
-#include "server/rpc/handlers/surfaces.h"
-#include "server/rpc/handlers/tiles.h"
+#include "server/rpc/handlers/edit_lights_handler.h"
+#include "server/rpc/handlers/estimate_irradiance_handler.h"
+#include "server/rpc/handlers/estimate_power_handler.h"
+#include "server/rpc/handlers/find_missing_assets_handler.h"
+#include "server/rpc/handlers/find_surfaces_handler.h"
+#include "server/rpc/handlers/get_scene_handler.h"
+#include "server/rpc/handlers/le_handler.h"
+#include "server/rpc/handlers/lease_handlers.h"
+#include "server/rpc/handlers/list_handlers.h"
+#include "server/rpc/handlers/load_scene_handler.h"
+#include "server/rpc/handlers/pdf_handlers.h"
+#include "server/rpc/handlers/render_tile_handler.h"
+#include "server/rpc/handlers/sample_le_handler.h"
+#include "server/rpc/handlers/sample_li_handler.h"
+#include "server/rpc/handlers/test_visibility_handler.h"
 #include "server/rpc/health.h"
 #include "server/rpc/image_stream.h"
 #include "server/rpc/messages/errors.h"
@@ -46,36 +56,39 @@ constexpr auto unary = Reactor::start<TypedCall<Request, Response, handler>>;
 /// What answers each call, in the order of Call: a function from a request, or a class for a
 /// stream.  The function predicts the time of the work, which chooses its lane.
 constexpr CallHandler kHandlers[] = {
-    {Call::kFindMissingAssets,
-     unary<v1::FindMissingAssetsRequest, v1::FindMissingAssetsResponse, find_missing_assets>},
+    {Call::kFindMissingAssets, unary<v1::FindMissingAssetsRequest, v1::FindMissingAssetsResponse,
+                                     handle_find_missing_assets>},
     {Call::kUploadAsset, Reactor::start<UploadStream>},
-    {Call::kLoadScene, unary<v1::LoadSceneRequest, v1::LoadSceneResponse, load_scene>},
-    {Call::kGetScene, unary<v1::GetSceneRequest, v1::GetSceneResponse, get_scene>},
-    {Call::kListScenes, unary<v1::ListScenesRequest, v1::ListScenesResponse, list_scenes>},
+    {Call::kLoadScene, unary<v1::LoadSceneRequest, v1::LoadSceneResponse, handle_load_scene>},
+    {Call::kGetScene, unary<v1::GetSceneRequest, v1::GetSceneResponse, handle_get_scene>},
+    {Call::kListScenes, unary<v1::ListScenesRequest, v1::ListScenesResponse, handle_list_scenes>},
     {Call::kListAvailableScenes,
-     unary<v1::ListAvailableScenesRequest, v1::ListAvailableScenesResponse, list_available_scenes>},
-    {Call::kListLights, unary<v1::ListLightsRequest, v1::ListLightsResponse, list_lights>},
-    {Call::kEditLights, unary<v1::EditLightsRequest, v1::EditLightsResponse, edit_lights>},
-    {Call::kRenewLease, unary<v1::RenewLeaseRequest, v1::RenewLeaseResponse, renew_lease>},
-    {Call::kReleaseScene, unary<v1::ReleaseSceneRequest, v1::ReleaseSceneResponse, release_scene>},
-    {Call::kSampleLi, unary<v1::SampleLiRequest, v1::SampleLiResponse, sample_li>},
-    {Call::kPdfLi, unary<v1::PdfLiRequest, v1::PdfLiResponse, pdf_li>},
-    {Call::kSampleLe, unary<v1::SampleLeRequest, v1::SampleLeResponse, sample_le>},
-    {Call::kPdfLe, unary<v1::PdfLeRequest, v1::PdfLeResponse, pdf_le>},
-    {Call::kLe, unary<v1::LeRequest, v1::LeResponse, le>},
+     unary<v1::ListAvailableScenesRequest, v1::ListAvailableScenesResponse,
+           handle_list_available_scenes>},
+    {Call::kListLights, unary<v1::ListLightsRequest, v1::ListLightsResponse, handle_list_lights>},
+    {Call::kEditLights, unary<v1::EditLightsRequest, v1::EditLightsResponse, handle_edit_lights>},
+    {Call::kRenewLease, unary<v1::RenewLeaseRequest, v1::RenewLeaseResponse, handle_renew_lease>},
+    {Call::kReleaseScene,
+     unary<v1::ReleaseSceneRequest, v1::ReleaseSceneResponse, handle_release_scene>},
+    {Call::kSampleLi, unary<v1::SampleLiRequest, v1::SampleLiResponse, handle_sample_li>},
+    {Call::kPdfLi, unary<v1::PdfLiRequest, v1::PdfLiResponse, handle_pdf_li>},
+    {Call::kSampleLe, unary<v1::SampleLeRequest, v1::SampleLeResponse, handle_sample_le>},
+    {Call::kPdfLe, unary<v1::PdfLeRequest, v1::PdfLeResponse, handle_pdf_le>},
+    {Call::kLe, unary<v1::LeRequest, v1::LeResponse, handle_le>},
     {Call::kEstimatePower,
-     unary<v1::EstimatePowerRequest, v1::EstimatePowerResponse, estimate_power>},
+     unary<v1::EstimatePowerRequest, v1::EstimatePowerResponse, handle_estimate_power>},
     {Call::kTestVisibility,
-     unary<v1::TestVisibilityRequest, v1::TestVisibilityResponse, test_visibility>},
-    {Call::kEstimateIrradiance,
-     unary<v1::EstimateIrradianceRequest, v1::EstimateIrradianceResponse, estimate_irradiance>},
-    {Call::kRenderTile, unary<v1::RenderTileRequest, v1::RenderTileResponse, render_tile>},
+     unary<v1::TestVisibilityRequest, v1::TestVisibilityResponse, handle_test_visibility>},
+    {Call::kEstimateIrradiance, unary<v1::EstimateIrradianceRequest, v1::EstimateIrradianceResponse,
+                                      handle_estimate_irradiance>},
+    {Call::kRenderTile, unary<v1::RenderTileRequest, v1::RenderTileResponse, handle_render_tile>},
     {Call::kRenderImage, Reactor::start<ImageStream>},
     {Call::kGetServerInfo,
-     unary<v1::GetServerInfoRequest, v1::GetServerInfoResponse, get_server_info>},
-    {Call::kGetStats, unary<v1::GetStatsRequest, v1::GetStatsResponse, get_stats>},
-    {Call::kListLeases, unary<v1::ListLeasesRequest, v1::ListLeasesResponse, list_leases>},
-    {Call::kFindSurfaces, unary<v1::FindSurfacesRequest, v1::FindSurfacesResponse, find_surfaces>},
+     unary<v1::GetServerInfoRequest, v1::GetServerInfoResponse, handle_get_server_info>},
+    {Call::kGetStats, unary<v1::GetStatsRequest, v1::GetStatsResponse, handle_get_stats>},
+    {Call::kListLeases, unary<v1::ListLeasesRequest, v1::ListLeasesResponse, handle_list_leases>},
+    {Call::kFindSurfaces,
+     unary<v1::FindSurfacesRequest, v1::FindSurfacesResponse, handle_find_surfaces>},
     {Call::kHealthCheck, Reactor::start<HealthCheck>},
     {Call::kHealthWatch, Reactor::start<HealthWatch>},
     {Call::kReflection, Reactor::start<Reflection>},

@@ -139,15 +139,16 @@ monitor::Figures figures(const Runtime& runtime) {
   return out;
 }
 
-Prepared get_stats(Runtime& runtime, const v1::GetStatsRequest&, v1::GetStatsResponse* response) {
+Prepared handle_get_stats(Runtime& runtime, const v1::GetStatsRequest&,
+                          v1::GetStatsResponse* response) {
   return Task{.run = [&runtime, response](const std::stop_token&) {
     set_stats(figures(runtime), response);
     return absl::OkStatus();
   }};
 }
 
-Prepared get_server_info(Runtime& runtime, const v1::GetServerInfoRequest&,
-                         v1::GetServerInfoResponse* response) {
+Prepared handle_get_server_info(Runtime& runtime, const v1::GetServerInfoRequest&,
+                                v1::GetServerInfoResponse* response) {
   return Task{.run = [&runtime, response](const std::stop_token&) {
     const std::lock_guard lock(runtime.info_mutex);
     *response = runtime.info;

@@ -10,8 +10,9 @@ namespace lucerna::rpc {
 /// All figures now.  Takes time in proportion to the number of loaded scenes.
 monitor::Figures figures(const Runtime& runtime);
 
-Prepared get_stats(Runtime& runtime, const v1::GetStatsRequest&, v1::GetStatsResponse* response);
-Prepared get_server_info(Runtime& runtime, const v1::GetServerInfoRequest&,
-                         v1::GetServerInfoResponse* response);
+Prepared handle_get_stats(Runtime& runtime, const v1::GetStatsRequest&,
+                          v1::GetStatsResponse* response);
+Prepared handle_get_server_info(Runtime& runtime, const v1::GetServerInfoRequest&,
+                                v1::GetServerInfoResponse* response);
 
 }  // namespace lucerna::rpc

@@ -15,12 +15,22 @@
 #include "lucerna/v1/lighting.pb.h"
 #include "lucerna/v1/render.pb.h"
 #include "lucerna/v1/scene.grpc.pb.h"
-#include "server/rpc/handlers/image_render.h"
-#include "server/rpc/handlers/light_edits.h"
-#include "server/rpc/handlers/lighting.h"
-#include "server/rpc/handlers/scenes.h"
-#include "server/rpc/handlers/surfaces.h"
-#include "server/rpc/handlers/tiles.h"
+#include "server/rpc/handlers/edit_lights_handler.h"
+#include "server/rpc/handlers/estimate_irradiance_handler.h"
+#include "server/rpc/handlers/estimate_power_handler.h"
+#include "server/rpc/handlers/find_missing_assets_handler.h"
+#include "server/rpc/handlers/find_surfaces_handler.h"
+#include "server/rpc/handlers/get_scene_handler.h"
+#include "server/rpc/handlers/le_handler.h"
+#include "server/rpc/handlers/lease_handlers.h"
+#include "server/rpc/handlers/list_handlers.h"
+#include "server/rpc/handlers/load_scene_handler.h"
+#include "server/rpc/handlers/pdf_handlers.h"
+#include "server/rpc/handlers/render_image_handler.h"
+#include "server/rpc/handlers/render_tile_handler.h"
+#include "server/rpc/handlers/sample_le_handler.h"
+#include "server/rpc/handlers/sample_li_handler.h"
+#include "server/rpc/handlers/test_visibility_handler.h"
 #include "server/rpc/observed_call.h"
 #include "server/rpc/services.h"
 #include "tests/fuzz/input_files.h"
@@ -154,7 +164,7 @@ class World {
     constexpr int kSteps = 2;
     v1::RenderImageRequest request;
     if (!parse(bytes, request)) return;
-    auto render = rpc::ImageRender::create(runtime_.context({}), request);
+    auto render = rpc::RenderImageHandler::create(runtime_.context({}), request);
     check(render.status());
     for (int step = 0; render.ok() && step < kSteps && !render->done(); ++step) {
       v1::RenderImageResponse response;
@@ -168,47 +178,47 @@ class World {
     constexpr double kAny = std::numeric_limits<double>::infinity();
     switch (call) {
       case Call::kFindMissingAssets:
-        return run(bytes, &rpc::find_missing_assets);
+        return run(bytes, &rpc::handle_find_missing_assets);
       case Call::kLoadScene:
-        return run(bytes, &rpc::load_scene, kAny);
+        return run(bytes, &rpc::handle_load_scene, kAny);
       case Call::kGetScene:
-        return run(bytes, &rpc::get_scene);
+        return run(bytes, &rpc::handle_get_scene);
       case Call::kListScenes:
-        return run(bytes, &rpc::list_scenes);
+        return run(bytes, &rpc::handle_list_scenes);
       case Call::kListAvailableScenes:
-        return run(bytes, &rpc::list_available_scenes, kAny);
+        return run(bytes, &rpc::handle_list_available_scenes, kAny);
       case Call::kListLights:
-        return run(bytes, &rpc::list_lights);
+        return run(bytes, &rpc::handle_list_lights);
       case Call::kEditLights:
-        return run(bytes, &rpc::edit_lights, kAny);
+        return run(bytes, &rpc::handle_edit_lights, kAny);
       case Call::kRenewLease:
-        return run(bytes, &rpc::renew_lease);
+        return run(bytes, &rpc::handle_renew_lease);
       case Call::kReleaseScene:
-        return run(bytes, &rpc::release_scene, kAny);
+        return run(bytes, &rpc::handle_release_scene, kAny);
       case Call::kSampleLi:
-        return run(bytes, &rpc::sample_li);
+        return run(bytes, &rpc::handle_sample_li);
       case Call::kPdfLi:
-        return run(bytes, &rpc::pdf_li);
+        return run(bytes, &rpc::handle_pdf_li);
       case Call::kSampleLe:
-        return run(bytes, &rpc::sample_le);
+        return run(bytes, &rpc::handle_sample_le);
       case Call::kPdfLe:
-        return run(bytes, &rpc::pdf_le);
+        return run(bytes, &rpc::handle_pdf_le);
       case Call::kLe:
-        return run(bytes, &rpc::le);
+        return run(bytes, &rpc::handle_le);
       case Call::kEstimatePower:
-        return run(bytes, &rpc::estimate_power);
+        return run(bytes, &rpc::handle_estimate_power);
       case Call::kTestVisibility:
-        return run(bytes, &rpc::test_visibility);
+        return run(bytes, &rpc::handle_test_visibility);
       case Call::kEstimateIrradiance:
-        return run(bytes, &rpc::estimate_irradiance);
+        return run(bytes, &rpc::handle_estimate_irradiance);
       case Call::kRenderTile:
-        return run(bytes, &rpc::render_tile);
+        return run(bytes, &rpc::handle_render_tile);
       case Call::kRenderImage:
         return render_image(bytes);
       case Call::kListLeases:
-        return run(bytes, &rpc::list_leases);
+        return run(bytes, &rpc::handle_list_leases);
       case Call::kFindSurfaces:
-        return run(bytes, &rpc::find_surfaces);
+        return run(bytes, &rpc::handle_find_surfaces);
       // Their requests have no fields.
       case Call::kGetServerInfo: {
         v1::GetServerInfoRequest request;

@@ -13,6 +13,7 @@
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
+#include "server/rpc/messages/scene_manifest.h"
 #include "server/scene/scene_lights.h"
 
 namespace lucerna::rpc {
@@ -21,8 +22,6 @@ namespace {
 constexpr double kMostFactor = 1e9;
 // Lights that requests add have no place in a file.
 constexpr const char* kAddedSource = "(added)";
-// Time to make a revision: for each light of the scene, for each edit, and for all of them [s].
-constexpr double kLightSeconds = 1e-6, kEditSeconds = 10e-6, kRevisionSeconds = 1e-3;
 
 absl::Status check_factor(const std::string& field, double value) {
   if (value >= 0 && value <= kMostFactor) return absl::OkStatus();
@@ -341,46 +340,6 @@ absl::StatusOr<EditedLights> edited_lights(const Context& context, const Scene& 
     LUCERNA_RETURN_IF_ERROR(editor.apply(fmt::format("edits[{}]", i), edits.Get(i)));
   }
   return std::move(editor).take();
-}
-
-Prepared edit_lights(const Context& context, const v1::EditLightsRequest& request,
-                     v1::EditLightsResponse* response) {
-  if (request.has_lease_s()) LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
-  LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
-  const std::optional<StoredScene> stored = context.scenes.stored(request.scene_id());
-  if (!stored) return unknown_scene(request.scene_id());
-  LUCERNA_RETURN_IF_ERROR(check_edits(context, request.edits()));
-  Task task;
-  task.predicted_s = kRevisionSeconds +
-                     kLightSeconds * static_cast<double>(stored->scene->lights().size()) +
-                     kEditSeconds * static_cast<double>(request.edits_size());
-  // These read files, or may build the scene again.
-  for (const v1::LightEdit& edit : request.edits())
-    task.bulk |= edit.has_add() || edit.change().has_placement();
-  if (task.bulk) task.kind = JobKind::kLoad;
-  task.cost = response->mutable_cost();
-  task.run = [context, stored = *stored, &request,
-              response](const std::stop_token& stop) -> absl::Status {
-    LUCERNA_ASSIGN_OR_RETURN(EditedLights edited,
-                             edited_lights(context, *stored.scene, request.edits(), stop));
-    for (const MissingAsset& asset : edited.missing) {
-      v1::NamedAsset* missing = response->add_missing();
-      missing->set_name(asset.name);
-      missing->set_sha256(asset.digest);
-    }
-    if (!edited.missing.empty()) return absl::OkStatus();
-    const absl::StatusOr<LoadedScene> revision =
-        context.scenes.revise(stored, std::move(edited.edits),
-                              {request.lease_s(), stop, {}, context.caller}, edited.memory.get());
-    if (!revision.ok()) return load_error(revision.status());
-    response->set_scene_id(revision->stored.scene->id());
-    response->set_already_loaded(revision->already_loaded);
-    response->set_lease_id(revision->lease.id);
-    response->set_lease_s(revision->lease.seconds);
-    for (const std::uint64_t id : edited.new_ids) response->add_light_ids(id);
-    return absl::OkStatus();
-  };
-  return task;
 }
 
 }  // namespace lucerna::rpc

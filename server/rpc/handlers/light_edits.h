@@ -1,4 +1,4 @@
-// EditLights, and the edits of LoadScene.
+// The edits of EditLights and LoadScene.
 #pragma once
 
 #include <memory>
@@ -27,13 +27,5 @@ absl::Status check_edits(const Context& context, const LightEditList& edits);
 /// check_edits().  Errors: a light that the scene does not have; those of reading a file.
 absl::StatusOr<EditedLights> edited_lights(const Context& context, const Scene& scene,
                                            const LightEditList& edits, const std::stop_token& stop);
-
-Prepared edit_lights(const Context& context, const v1::EditLightsRequest& request,
-                     v1::EditLightsResponse* response);
-
-/// A manifest of a request.  `field`: its name, for errors.
-absl::StatusOr<Manifest> check_manifest(const Context& context, const std::string& field,
-                                        const v1::SceneManifest& given);
-absl::Status check_lease(double lease_s);
 
 }  // namespace lucerna::rpc

@@ -108,6 +108,11 @@ absl::Status check_time(bool has, double time_s) {
   return bad_field("time_s", fmt::format("{}", time_s), "finite");
 }
 
+absl::Status check_lease(double lease_s) {
+  if (lease_s >= 0 && std::isfinite(lease_s)) return absl::OkStatus();
+  return bad_field("lease_s", fmt::format("{}", lease_s), "[0, inf)");
+}
+
 absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m) {
   if (!has) return std::optional<float>();
   if (!std::isfinite(position_error_m) || position_error_m < 0) {

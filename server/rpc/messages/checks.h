@@ -57,6 +57,7 @@ absl::Status check_triples(const std::string& field,
                            const google::protobuf::RepeatedField<float>& v, std::size_t items,
                            const std::string& of, bool optional);
 absl::Status check_time(bool has, double time_s);
+absl::Status check_lease(double lease_s);
 /// Nothing if unset.  Requires a finite number that is not negative.
 absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m);
 /// At most kMostWavelengths, each in [100, 1e6] nm; in any order.  A view of the request.

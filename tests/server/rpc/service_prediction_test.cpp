@@ -3,7 +3,10 @@
 
 #include "proto/common/sample_blocks.h"
 #include "server/estimate/queries/predicted_time.h"
-#include "server/rpc/handlers/lighting.h"
+#include "server/rpc/handlers/estimate_irradiance_handler.h"
+#include "server/rpc/handlers/le_handler.h"
+#include "server/rpc/handlers/sample_le_handler.h"
+#include "server/rpc/handlers/sample_li_handler.h"
 #include "server/store/scene_store.h"
 #include "tests/paths.h"
 
@@ -46,20 +49,20 @@ TEST_F(Prediction, CountsWavelengthsOfEachCall) {
   v1::SampleLiRequest li;
   li.mutable_receivers()->mutable_offsets_m()->Resize(3 * kPredictedItems, 1);
   li.mutable_seed();
-  expect_counted(sample_li, li, kPredictedItems);
+  expect_counted(handle_sample_li, li, kPredictedItems);
   v1::LeRequest looking;
   looking.mutable_points()->mutable_offsets_m()->Resize(3 * kPredictedItems, 1);
   looking.mutable_directions()->Resize(3 * kPredictedItems, 1);
-  expect_counted(le, looking, kPredictedItems);
+  expect_counted(handle_le, looking, kPredictedItems);
   v1::SampleLeRequest rays;
   rays.set_count(kPredictedItems);
   rays.mutable_seed();
-  expect_counted(sample_le, rays, kPredictedItems);
+  expect_counted(handle_sample_le, rays, kPredictedItems);
   v1::EstimateIrradianceRequest meter;
   meter.mutable_receivers()->mutable_offsets_m()->Resize(3 * kPredictedItems, 1);
   meter.mutable_normals()->Resize(3 * kPredictedItems, 1);
   meter.set_bounces(0);
-  expect_counted(estimate_irradiance, meter, kPredictedItems);
+  expect_counted(handle_estimate_irradiance, meter, kPredictedItems);
 }
 
 TEST(SampleBlocks, AreLimitedByTheNumberingOfSamples) {

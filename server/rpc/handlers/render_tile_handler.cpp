@@ -1,4 +1,4 @@
-#include "server/rpc/handlers/tiles.h"
+#include "server/rpc/handlers/render_tile_handler.h"
 
 #include <fmt/core.h>
 
@@ -158,8 +158,8 @@ absl::Status answer(const TileQuery& query, SceneStore& scenes, const std::stop_
 
 }  // namespace
 
-Prepared render_tile(const Context& context, const v1::RenderTileRequest& request,
-                     v1::RenderTileResponse* response) {
+Prepared handle_render_tile(const Context& context, const v1::RenderTileRequest& request,
+                            v1::RenderTileResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const TileQuery query, parse(context, request));
   Task task;
   task.bulk = true;

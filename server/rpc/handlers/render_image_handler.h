@@ -19,12 +19,12 @@ namespace lucerna::rpc {
 /// there is one pass.  With a time budget, the first two passes run to their end.  Each further
 /// pass is planned for the rest of the time, by the speed of the previous pass.  Tiles that it does
 /// not reach in time keep their blocks.  Not thread-safe.
-class ImageRender {
+class RenderImageHandler {
  public:
   /// Its memory counts against the budget of scenes.  Errors: those of the request;
   /// RESOURCE_EXHAUSTED if the memory does not fit.
-  static absl::StatusOr<ImageRender> create(const Context& context,
-                                            const v1::RenderImageRequest& request);
+  static absl::StatusOr<RenderImageHandler> create(const Context& context,
+                                                   const v1::RenderImageRequest& request);
 
   bool done() const { return tile_ == tiles_.size(); }
   /// Of the picture.
@@ -37,7 +37,7 @@ class ImageRender {
  private:
   using Clock = std::chrono::steady_clock;
 
-  ImageRender() = default;
+  RenderImageHandler() = default;
   /// Renders blocks of the tile for a short time.  True: the tile has reached the end of the pass,
   /// or the time is over.  False: the next step continues with this tile.
   absl::StatusOr<bool> add_blocks(const std::stop_token& stop);

@@ -1,4 +1,5 @@
-// SampleLi and PdfLi.
+#include "server/rpc/handlers/sample_li_handler.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,7 +12,6 @@
 #include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/spectral_values.h"
-#include "server/rpc/handlers/lighting.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/estimate_arrays.h"
@@ -248,29 +248,10 @@ double predicted_seconds(const LiRequest& li) {
   return seconds;
 }
 
-absl::StatusOr<PdfLiQuery> parse(const Context& context, const Scene& scene,
-                                 const v1::PdfLiRequest& request) {
-  PdfLiQuery query;
-  LUCERNA_ASSIGN_OR_RETURN(query.receivers,
-                           check_points(context, "receivers", request.receivers()));
-  const std::size_t n = query.receivers.size();
-  LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "receivers", n, answer_size(request)));
-  LUCERNA_RETURN_IF_ERROR(check_triples("wi", request.wi(), n, "receivers", false));
-  query.wi = view(request.wi());
-  LUCERNA_ASSIGN_OR_RETURN(query.light, find_required_light(scene, request));
-  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
-  query.time_s = request.time_s();
-  LUCERNA_RETURN_IF_ERROR(check_triples("normals", request.normals(), n, "receivers", true));
-  query.normals = view(request.normals());
-  LUCERNA_ASSIGN_OR_RETURN(const Methods methods, check_methods(request.accuracy()));
-  query.area_sampling = methods.area_sampling;
-  return query;
-}
-
 }  // namespace
 
-Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
-                   v1::SampleLiResponse* response) {
+Prepared handle_sample_li(const Context& context, const v1::SampleLiRequest& request,
+                          v1::SampleLiResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const LiRequest li, parse(context, request));
   Task task;
   task.predicted_s = predicted_seconds(li);
@@ -279,24 +260,6 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
   task.run = [li, &request, response](const std::stop_token& stop) {
     return li.is_estimated() ? answer_estimated(li, stop, response)
                              : answer_plain(li, request, stop, response);
-  };
-  return task;
-}
-
-Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
-                v1::PdfLiResponse* response) {
-  LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
-  LUCERNA_ASSIGN_OR_RETURN(const PdfLiQuery query, parse(context, *scene, request));
-  const std::size_t n = query.receivers.size();
-  Task task;
-  task.predicted_s = pdf_seconds(scene->lights()[query.light].light, n);
-  task.items = n;
-  task.cost = response->mutable_cost();
-  task.run = [scene, query, n, response](const std::stop_token& stop) {
-    lucerna::pdf_li(*scene, query, fill(response->mutable_pdf_per_sr(), n),
-                    fill(response->mutable_status(), n), stop);
-    drop_if_all_ok(response->mutable_status());
-    return absl::OkStatus();
   };
   return task;
 }

@@ -1,4 +1,5 @@
-// EstimatePower.
+#include "server/rpc/handlers/estimate_power_handler.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,7 +16,6 @@
 #include "server/estimate/queries/sampled_power.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/statistics/sample_sum.h"
-#include "server/rpc/handlers/lighting.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
@@ -250,8 +250,8 @@ absl::Status answer(const PowerQuery& query, const v1::EstimatePowerRequest& req
 
 }  // namespace
 
-Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& request,
-                        v1::EstimatePowerResponse* response) {
+Prepared handle_estimate_power(const Context& context, const v1::EstimatePowerRequest& request,
+                               v1::EstimatePowerResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const PowerQuery query, parse(context, request));
   Task task;
   task.predicted_s = predicted_seconds(query);

@@ -1,4 +1,5 @@
-// EstimateIrradiance.
+#include "server/rpc/handlers/estimate_irradiance_handler.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,7 +16,6 @@
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/queries/visibility.h"
-#include "server/rpc/handlers/lighting.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/estimate_arrays.h"
@@ -354,8 +354,9 @@ absl::Status answer(const IrradianceQuery& query, const std::stop_token& stop,
 
 }  // namespace
 
-Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianceRequest& request,
-                             v1::EstimateIrradianceResponse* response) {
+Prepared handle_estimate_irradiance(const Context& context,
+                                    const v1::EstimateIrradianceRequest& request,
+                                    v1::EstimateIrradianceResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const IrradianceQuery query, parse(context, request));
   Task task;
   task.predicted_s = predicted_seconds(query);

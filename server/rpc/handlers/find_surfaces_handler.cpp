@@ -1,4 +1,4 @@
-#include "server/rpc/handlers/surfaces.h"
+#include "server/rpc/handlers/find_surfaces_handler.h"
 
 #include "proto/common/status_macros.h"
 #include "server/estimate/queries/predicted_time.h"
@@ -24,8 +24,8 @@ absl::StatusOr<SurfacesQuery> parse(const Context& context,
 
 }  // namespace
 
-Prepared find_surfaces(const Context& context, const v1::FindSurfacesRequest& request,
-                       v1::FindSurfacesResponse* response) {
+Prepared handle_find_surfaces(const Context& context, const v1::FindSurfacesRequest& request,
+                              v1::FindSurfacesResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const SurfacesQuery query, parse(context, request));
   const std::size_t n = query.size();

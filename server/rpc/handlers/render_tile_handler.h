@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared render_tile(const Context& context, const v1::RenderTileRequest& request,
-                     v1::RenderTileResponse* response);
+Prepared handle_render_tile(const Context& context, const v1::RenderTileRequest& request,
+                            v1::RenderTileResponse* response);
 
 }  // namespace lucerna::rpc

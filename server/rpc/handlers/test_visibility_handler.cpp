@@ -1,10 +1,10 @@
-// TestVisibility.
+#include "server/rpc/handlers/test_visibility_handler.h"
+
 #include <fmt/core.h>
 
 #include "proto/common/status_macros.h"
 #include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/visibility.h"
-#include "server/rpc/handlers/lighting.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/requested_methods.h"
@@ -73,8 +73,8 @@ absl::StatusOr<Parsed> parse(const Context& context, const Scene& scene,
 
 }  // namespace
 
-Prepared test_visibility(const Context& context, const v1::TestVisibilityRequest& request,
-                         v1::TestVisibilityResponse* response) {
+Prepared handle_test_visibility(const Context& context, const v1::TestVisibilityRequest& request,
+                                v1::TestVisibilityResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const Parsed parsed, parse(context, *scene, request));
   const std::size_t n = parsed.query.from.size();

@@ -1,4 +1,4 @@
-#include "server/rpc/handlers/image_render.h"
+#include "server/rpc/handlers/render_image_handler.h"
 
 #include <fmt/core.h>
 
@@ -53,9 +53,9 @@ absl::StatusOr<int> check_tiles(const Context& context, const Camera& camera,
 
 }  // namespace
 
-absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
-                                                const v1::RenderImageRequest& request) {
-  ImageRender render;
+absl::StatusOr<RenderImageHandler> RenderImageHandler::create(
+    const Context& context, const v1::RenderImageRequest& request) {
+  RenderImageHandler render;
   LUCERNA_ASSIGN_OR_RETURN(render.scene_, find_scene(context, request.scene_id()));
   const Scene& scene = *render.scene_;
   LUCERNA_ASSIGN_OR_RETURN(render.query_,
@@ -89,7 +89,7 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
   return render;
 }
 
-absl::Status ImageRender::count(std::uint64_t pass_end) {
+absl::Status RenderImageHandler::count(std::uint64_t pass_end) {
   std::uint64_t runs = 0;  // of blocks, of each pixel, between two passes
   if (is_timed()) {
     runs = static_cast<std::uint64_t>(std::popcount(pass_end));
@@ -109,11 +109,12 @@ absl::Status ImageRender::count(std::uint64_t pass_end) {
   return absl::OkStatus();
 }
 
-std::uint64_t ImageRender::pixels() const {
+std::uint64_t RenderImageHandler::pixels() const {
   return area({0, 0, scene_->camera().width(), scene_->camera().height()});
 }
 
-absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageResponse* response) {
+absl::Status RenderImageHandler::next(const std::stop_token& stop,
+                                      v1::RenderImageResponse* response) {
   TileSettings& settings = query_.settings;
   settings.rect = tiles_[tile_];
   if (!begin_) begin_ = pass_start_ = Clock::now();
@@ -160,7 +161,7 @@ absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageRespo
   return absl::OkStatus();
 }
 
-absl::StatusOr<bool> ImageRender::add_blocks(const std::stop_token& stop) {
+absl::StatusOr<bool> RenderImageHandler::add_blocks(const std::stop_token& stop) {
   TileSettings& settings = query_.settings;
   BlockMerger<>& merged = merged_[tile_];
   if (merged.blocks() >= pass_end_) return true;
@@ -189,7 +190,7 @@ absl::StatusOr<bool> ImageRender::add_blocks(const std::stop_token& stop) {
   return merged.blocks() >= pass_end_;
 }
 
-void ImageRender::end_pass() {
+void RenderImageHandler::end_pass() {
   const std::uint64_t more = next_pass();
   // Without memory for another pass, the picture is what it is.
   if (more == 0 || !count(pass_end_ + more).ok()) return end();
@@ -199,13 +200,13 @@ void ImageRender::end_pass() {
   pass_start_ = Clock::now();
 }
 
-void ImageRender::end() {
+void RenderImageHandler::end() {
   // Send the tiles that were held back so far.
   sending_ = is_timed() && final_only_;
   tile_ = sending_ ? 0 : tiles_.size();
 }
 
-std::uint64_t ImageRender::next_pass() const {
+std::uint64_t RenderImageHandler::next_pass() const {
   const std::uint64_t doubled = std::min(pass_end_, blocks_ - pass_end_);
   if (!is_timed() || pass_end_ < kWaitedForBlocks) return doubled;
   const std::chrono::duration<double> took = Clock::now() - pass_start_;
@@ -214,9 +215,11 @@ std::uint64_t ImageRender::next_pass() const {
   return static_cast<std::uint64_t>(std::clamp(fits, 0.0, static_cast<double>(doubled)));
 }
 
-bool ImageRender::is_waited_for() const { return !is_timed() || pass_begin_ < kWaitedForBlocks; }
+bool RenderImageHandler::is_waited_for() const {
+  return !is_timed() || pass_begin_ < kWaitedForBlocks;
+}
 
-double ImageRender::left_s() const {
+double RenderImageHandler::left_s() const {
   const std::chrono::duration<double> since = Clock::now() - *begin_;
   return std::min(*query_.rule.time_budget_s, kLongestBudgetS) - since.count();
 }

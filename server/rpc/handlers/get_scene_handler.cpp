@@ -1,0 +1,34 @@
+#include "server/rpc/handlers/get_scene_handler.h"
+
+#include "proto/common/status_macros.h"
+#include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/convert.h"
+#include "server/rpc/messages/errors.h"
+
+namespace lucerna::rpc {
+namespace {
+
+// Predicted processor time of one entry [s], rounded up.
+constexpr double kEntrySeconds = 2e-6;
+
+}  // namespace
+
+Prepared handle_get_scene(const Context& context, const v1::GetSceneRequest& request,
+                          v1::GetSceneResponse* response) {
+  LUCERNA_RETURN_IF_ERROR(check_scene_id(request.scene_id()));
+  const std::optional<StoredScene> stored = context.scenes.stored(request.scene_id());
+  if (!stored) return unknown_scene(request.scene_id());
+  Task task;
+  task.predicted_s = kEntrySeconds * static_cast<double>(1 + stored->scene->remarks().size() +
+                                                         stored->scene->assets().size());
+  task.run = [stored = *stored, response](const std::stop_token&) {
+    set_summary(stored, response->mutable_summary());
+    add_remarks(*stored.scene, response->mutable_remarks());
+    set_parts(*stored.scene, response);
+    set_contents(*stored.scene, response->mutable_contents());
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,57 @@
+#include "server/rpc/handlers/le_handler.h"
+
+#include "proto/common/status_macros.h"
+#include "server/estimate/queries/emission_queries.h"
+#include "server/estimate/queries/predicted_time.h"
+#include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/requested_methods.h"
+
+namespace lucerna::rpc {
+namespace {
+
+absl::StatusOr<LeQuery> parse(const Context& context, const Scene& scene,
+                              const v1::LeRequest& request) {
+  LeQuery query;
+  LUCERNA_ASSIGN_OR_RETURN(query.points, check_points(context, "points", request.points()));
+  const std::size_t n = query.points.size();
+  LUCERNA_RETURN_IF_ERROR(check_triples("directions", request.directions(), n, "points", false));
+  query.directions = view(request.directions());
+  LUCERNA_ASSIGN_OR_RETURN(query.light, find_light_if_named(scene, request));
+  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
+  query.time_s = request.time_s();
+  LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
+  LUCERNA_RETURN_IF_ERROR(check_grey_media(scene, query.wavelengths_nm));
+  LUCERNA_ASSIGN_OR_RETURN(const Methods methods, check_methods(request.accuracy()));
+  query.thin_glass = methods.thin_glass;
+  LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "points", n, answer_size(request)));
+  return query;
+}
+
+LeAnswer sized_arrays(const LeQuery& query, v1::LeResponse* r) {
+  const std::size_t n = query.points.size();
+  return {
+      .radiance_cd_m2 = fill(r->mutable_radiance_cd_m2(), 3 * n),
+      .light_ids = fill(r->mutable_light_ids(), n),
+      .status = fill(r->mutable_status(), n),
+      .spectral_radiance = fill(r->mutable_spectral_radiance(), n * query.wavelengths_nm.size())};
+}
+
+}  // namespace
+
+Prepared handle_le(const Context& context, const v1::LeRequest& request, v1::LeResponse* response) {
+  LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
+  LUCERNA_ASSIGN_OR_RETURN(const LeQuery query, parse(context, *scene, request));
+  Task task;
+  task.predicted_s = le_seconds(query.points.size(), query.wavelengths_nm.size());
+  task.items = query.points.size();
+  task.cost = response->mutable_cost();
+  task.run = [scene, query, response](const std::stop_token& stop) {
+    const LeAnswer answer = sized_arrays(query, response);
+    set_counts(response->mutable_cost(), lucerna::le(*scene, query, answer, stop));
+    drop_if_all_ok(response->mutable_status());
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+}  // namespace lucerna::rpc

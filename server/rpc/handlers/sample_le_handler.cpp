@@ -1,0 +1,74 @@
+#include "server/rpc/handlers/sample_le_handler.h"
+
+#include "proto/common/status_macros.h"
+#include "server/estimate/queries/emission_queries.h"
+#include "server/estimate/queries/predicted_time.h"
+#include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/convert.h"
+#include "server/rpc/messages/errors.h"
+#include "server/rpc/messages/randomness.h"
+#include "server/rpc/messages/requested_methods.h"
+
+namespace lucerna::rpc {
+namespace {
+
+absl::StatusOr<SampleLeQuery> parse(const Context& context, const Scene& scene,
+                                    const v1::SampleLeRequest& request) {
+  SampleLeQuery query;
+  query.rays = request.count();
+  if (query.rays > context.limits.max_batch_items) {
+    return over_limit("count", query.rays, context.limits.max_batch_items);
+  }
+  LUCERNA_ASSIGN_OR_RETURN(query.light, find_light_if_named(scene, request));
+  LUCERNA_ASSIGN_OR_RETURN(const Randomness randomness,
+                           check_randomness(request, {.samples = query.rays,
+                                                      .per_sample = 4,
+                                                      .light_named = names_light(request),
+                                                      .of = "rays"}));
+  query.seed = randomness.seed;
+  query.u = randomness.u;
+  query.u_light = randomness.u_light;
+  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
+  query.time_s = request.time_s();
+  LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
+  LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "count", query.rays, answer_size(request)));
+  return query;
+}
+
+SampleLeAnswer sized_arrays(const SampleLeQuery& query, v1::SampleLeResponse* r) {
+  const std::size_t n = query.rays;
+  const bool chosen = !query.light;
+  return {.offsets_m = fill(r->mutable_points()->mutable_offsets_m(), 3 * n),
+          .directions = fill(r->mutable_directions(), 3 * n),
+          .light_normals = fill(r->mutable_light_normals(), 3 * n),
+          .value = fill(r->mutable_value(), 3 * n),
+          .pdf_position_per_m2 = fill(r->mutable_pdf_position_per_m2(), n),
+          .pdf_direction_per_sr = fill(r->mutable_pdf_direction_per_sr(), n),
+          .light_ids = chosen ? fill(r->mutable_light_ids(), n) : nullptr,
+          .selection_probability = chosen ? fill(r->mutable_selection_probability(), n) : nullptr,
+          .status = fill(r->mutable_status(), n),
+          .spectral_value = fill(r->mutable_spectral_value(), n * query.wavelengths_nm.size())};
+}
+
+}  // namespace
+
+Prepared handle_sample_le(const Context& context, const v1::SampleLeRequest& request,
+                          v1::SampleLeResponse* response) {
+  LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
+  LUCERNA_ASSIGN_OR_RETURN(const SampleLeQuery query, parse(context, *scene, request));
+  Task task;
+  task.predicted_s = sample_le_seconds(query.rays, query.wavelengths_nm.size());
+  task.items = query.rays;
+  task.cost = response->mutable_cost();
+  task.run = [scene, query, &request, response](const std::stop_token& stop) -> absl::Status {
+    LUCERNA_RETURN_IF_ERROR(check_u(request.u()));
+    set(scene->origin(), response->mutable_points()->mutable_origin_m());
+    const SampleLeAnswer answer = sized_arrays(query, response);
+    set_counts(response->mutable_cost(), lucerna::sample_le(*scene, query, answer, stop));
+    drop_if_all_ok(response->mutable_status());
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,63 @@
+#include "server/rpc/messages/scene_manifest.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
+#include "server/rpc/messages/errors.h"
+
+namespace lucerna::rpc {
+namespace {
+
+/// Whether scene files may use this name for a file: relative, without `.` and `..`.
+bool is_plain(const std::string& name, std::size_t most_bytes) {
+  if (name.empty() || name.size() > most_bytes || name.find('\0') != std::string::npos)
+    return false;
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find('/', begin), name.size());
+    const std::string part = name.substr(begin, end - begin);
+    if (part.empty() || part == "." || part == "..") return false;
+    begin = end + 1;
+  }
+  return true;
+}
+
+}  // namespace
+
+absl::Status check_digest(const std::string& field, const std::string& digest) {
+  if (digest.size() == kSha256Bytes) return absl::OkStatus();
+  return bad_field(field, fmt::format("{} bytes", digest.size()), "the 32 bytes of a SHA-256");
+}
+
+absl::StatusOr<Manifest> check_manifest(const Context& context, const std::string& field,
+                                        const v1::SceneManifest& given) {
+  const auto n = static_cast<std::size_t>(given.assets_size());
+  if (n > context.limits.max_batch_items) {
+    return over_limit(field + ".assets", n, context.limits.max_batch_items);
+  }
+  Manifest manifest{given.main(), {}};
+  for (std::size_t i = 0; i < n; ++i) {
+    const v1::NamedAsset& asset = given.assets(static_cast<int>(i));
+    const std::string entry = fmt::format("{}.assets[{}]", field, i);
+    if (!is_plain(asset.name(), context.limits.max_name_bytes)) {
+      return bad_field(entry + ".name", fmt::format("\"{}\"", asset.name()),
+                       fmt::format("a relative name of at most {} bytes without . and ..",
+                                   context.limits.max_name_bytes));
+    }
+    if (!asset.sha256().empty()) {
+      LUCERNA_RETURN_IF_ERROR(check_digest(entry + ".sha256", asset.sha256()));
+    }
+    if (!manifest.assets.emplace(asset.name(), asset.sha256()).second) {
+      return bad_field(entry + ".name", fmt::format("\"{}\"", asset.name()), "each name once");
+    }
+  }
+  if (!manifest.assets.contains(manifest.main)) {
+    return bad_field(field + ".main", fmt::format("\"{}\"", manifest.main),
+                     fmt::format("a name among {}.assets", field));
+  }
+  return manifest;
+}
+
+}  // namespace lucerna::rpc
