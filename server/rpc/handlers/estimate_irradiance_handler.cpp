@@ -69,9 +69,9 @@ absl::StatusOr<IrradianceQuery> parse(const Context& context,
   LUCERNA_ASSIGN_OR_RETURN(query.receivers,
                            check_points(context, "receivers", request.receivers()));
   const std::size_t n = query.receivers.size();
-  LUCERNA_RETURN_IF_ERROR(check_triples("normals", request.normals(), n, "receivers", false));
-  query.normals = view(request.normals());
-  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
+  LUCERNA_ASSIGN_OR_RETURN(query.normals,
+                           check_triples("normals", request.normals(), n, "receivers", false));
+  LUCERNA_ASSIGN_OR_RETURN(query.settings.time_s, check_time(request.time_s()));
   LUCERNA_ASSIGN_OR_RETURN(query.settings.wavelengths_nm, parse_wavelengths(request));
   LUCERNA_RETURN_IF_ERROR(check_grey_media(*query.scene, query.settings.wavelengths_nm));
   LUCERNA_ASSIGN_OR_RETURN(
@@ -93,7 +93,6 @@ absl::StatusOr<IrradianceQuery> parse(const Context& context,
   settings.target = rule.target;
   if (request.has_bounces()) settings.bounces = request.bounces();
   settings.per_light = request.per_light();
-  settings.time_s = request.time_s();
   return query;
 }
 
@@ -347,9 +346,7 @@ absl::Status answer(const IrradianceQuery& query, const std::stop_token& stop,
   mark_inside_solids(query, runs, *estimates, stop, status);
   mark_missed_light(query, runs, *estimates, response);
   response->set_samples(encoder.most_samples());
-  set_counts(response->mutable_cost(), work);
-  drop_if_all_ok(response->mutable_status());
-  return absl::OkStatus();
+  return finish_batch(response, work);
 }
 
 }  // namespace
@@ -358,14 +355,9 @@ Prepared handle_estimate_irradiance(const Context& context,
                                     const v1::EstimateIrradianceRequest& request,
                                     v1::EstimateIrradianceResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const IrradianceQuery query, parse(context, request));
-  Task task;
-  task.predicted_s = predicted_seconds(query);
-  task.items = query.receivers.size();
-  task.cost = response->mutable_cost();
-  task.run = [query, response](const std::stop_token& stop) {
-    return answer(query, stop, response);
-  };
-  return task;
+  return batch_task(
+      predicted_seconds(query), query.receivers.size(), response,
+      [query, response](const std::stop_token& stop) { return answer(query, stop, response); });
 }
 
 }  // namespace lucerna::rpc

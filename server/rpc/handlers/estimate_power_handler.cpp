@@ -253,14 +253,11 @@ absl::Status answer(const PowerQuery& query, const v1::EstimatePowerRequest& req
 Prepared handle_estimate_power(const Context& context, const v1::EstimatePowerRequest& request,
                                v1::EstimatePowerResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const PowerQuery query, parse(context, request));
-  Task task;
-  task.predicted_s = predicted_seconds(query);
-  task.items = query.lights;  // all of them are computed, for the total
-  task.cost = response->mutable_cost();
-  task.run = [query, &request, response](const std::stop_token& stop) {
-    return answer(query, request, stop, response);
-  };
-  return task;
+  // All lights are computed, for the total.
+  return batch_task(predicted_seconds(query), query.lights, response,
+                    [query, &request, response](const std::stop_token& stop) {
+                      return answer(query, request, stop, response);
+                    });
 }
 
 }  // namespace lucerna::rpc

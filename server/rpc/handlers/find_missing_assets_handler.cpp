@@ -27,9 +27,7 @@ Prepared handle_find_missing_assets(const Context& context,
     const std::string& digest = request.sha256(static_cast<int>(i));
     LUCERNA_RETURN_IF_ERROR(check_digest(fmt::format("sha256[{}]", i), digest));
   }
-  Task task;
-  task.predicted_s = kAssetSeconds * static_cast<double>(n);
-  task.run = [&assets = context.assets, &request, response](const std::stop_token&) {
+  const auto run = [&assets = context.assets, &request, response](const std::stop_token&) {
     std::set<std::string> seen;
     for (const std::string& digest : request.sha256()) {
       if (!seen.insert(digest).second) continue;
@@ -40,7 +38,7 @@ Prepared handle_find_missing_assets(const Context& context,
     }
     return absl::OkStatus();
   };
-  return task;
+  return Task{.predicted_s = kAssetSeconds * static_cast<double>(n), .run = run};
 }
 
 }  // namespace lucerna::rpc

@@ -18,8 +18,8 @@ absl::StatusOr<SurfacesQuery> parse(const Context& context,
   if (numbers / 2 > context.limits.max_batch_items)
     return over_limit("places", numbers / 2, context.limits.max_batch_items);
   LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "places", numbers / 2, answer_size(request)));
-  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
-  return SurfacesQuery{.places = view(request.places()), .time_s = request.time_s()};
+  LUCERNA_ASSIGN_OR_RETURN(const double time_s, check_time(request.time_s()));
+  return SurfacesQuery{.places = view(request.places()), .time_s = time_s};
 }
 
 }  // namespace
@@ -29,11 +29,7 @@ Prepared handle_find_surfaces(const Context& context, const v1::FindSurfacesRequ
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const SurfacesQuery query, parse(context, request));
   const std::size_t n = query.size();
-  Task task;
-  task.predicted_s = visibility_seconds(n);
-  task.items = n;
-  task.cost = response->mutable_cost();
-  task.run = [scene, query, n, response](const std::stop_token& stop) {
+  const auto run = [scene, query, n, response](const std::stop_token& stop) {
     set(scene->origin(), response->mutable_points()->mutable_origin_m());
     const SurfacesAnswer answer{
         .offsets_m = fill(response->mutable_points()->mutable_offsets_m(), 3 * n),
@@ -41,11 +37,9 @@ Prepared handle_find_surfaces(const Context& context, const v1::FindSurfacesRequ
         .found = fill_bits(response->mutable_found(), n),
         .light_ids = fill(response->mutable_light_ids(), n),
         .status = fill(response->mutable_status(), n)};
-    set_counts(response->mutable_cost(), lucerna::find_surfaces(*scene, query, answer, stop));
-    drop_if_all_ok(response->mutable_status());
-    return absl::OkStatus();
+    return finish_batch(response, find_surfaces(*scene, query, answer, stop));
   };
-  return task;
+  return batch_task(visibility_seconds(n), n, response, run);
 }
 
 }  // namespace lucerna::rpc

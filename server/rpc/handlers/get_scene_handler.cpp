@@ -18,17 +18,15 @@ Prepared handle_get_scene(const Context& context, const v1::GetSceneRequest& req
   LUCERNA_RETURN_IF_ERROR(check_scene_id(request.scene_id()));
   const std::optional<StoredScene> stored = context.scenes.stored(request.scene_id());
   if (!stored) return unknown_scene(request.scene_id());
-  Task task;
-  task.predicted_s = kEntrySeconds * static_cast<double>(1 + stored->scene->remarks().size() +
-                                                         stored->scene->assets().size());
-  task.run = [stored = *stored, response](const std::stop_token&) {
+  const std::size_t entries = 1 + stored->scene->remarks().size() + stored->scene->assets().size();
+  const auto run = [stored = *stored, response](const std::stop_token&) {
     set_summary(stored, response->mutable_summary());
     add_remarks(*stored.scene, response->mutable_remarks());
     set_parts(*stored.scene, response);
     set_contents(*stored.scene, response->mutable_contents());
     return absl::OkStatus();
   };
-  return task;
+  return Task{.predicted_s = kEntrySeconds * static_cast<double>(entries), .run = run};
 }
 
 }  // namespace lucerna::rpc

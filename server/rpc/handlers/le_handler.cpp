@@ -14,11 +14,10 @@ absl::StatusOr<LeQuery> parse(const Context& context, const Scene& scene,
   LeQuery query;
   LUCERNA_ASSIGN_OR_RETURN(query.points, check_points(context, "points", request.points()));
   const std::size_t n = query.points.size();
-  LUCERNA_RETURN_IF_ERROR(check_triples("directions", request.directions(), n, "points", false));
-  query.directions = view(request.directions());
+  LUCERNA_ASSIGN_OR_RETURN(query.directions,
+                           check_triples("directions", request.directions(), n, "points", false));
   LUCERNA_ASSIGN_OR_RETURN(query.light, find_light_if_named(scene, request));
-  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
-  query.time_s = request.time_s();
+  LUCERNA_ASSIGN_OR_RETURN(query.time_s, check_time(request.time_s()));
   LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
   LUCERNA_RETURN_IF_ERROR(check_grey_media(scene, query.wavelengths_nm));
   LUCERNA_ASSIGN_OR_RETURN(const Methods methods, check_methods(request.accuracy()));
@@ -41,17 +40,12 @@ LeAnswer sized_arrays(const LeQuery& query, v1::LeResponse* r) {
 Prepared handle_le(const Context& context, const v1::LeRequest& request, v1::LeResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const LeQuery query, parse(context, *scene, request));
-  Task task;
-  task.predicted_s = le_seconds(query.points.size(), query.wavelengths_nm.size());
-  task.items = query.points.size();
-  task.cost = response->mutable_cost();
-  task.run = [scene, query, response](const std::stop_token& stop) {
-    const LeAnswer answer = sized_arrays(query, response);
-    set_counts(response->mutable_cost(), lucerna::le(*scene, query, answer, stop));
-    drop_if_all_ok(response->mutable_status());
-    return absl::OkStatus();
-  };
-  return task;
+  const std::size_t n = query.points.size();
+  return batch_task(le_seconds(n, query.wavelengths_nm.size()), n, response,
+                    [scene, query, response](const std::stop_token& stop) {
+                      return finish_batch(response,
+                                          le(*scene, query, sized_arrays(query, response), stop));
+                    });
 }
 
 }  // namespace lucerna::rpc

@@ -23,10 +23,8 @@ Prepared handle_renew_lease(const Context& context, const v1::RenewLeaseRequest&
     return bad_field("lease_s", fmt::format("{}", request.lease_s()), "(0, inf)");
   }
   LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
-  Task task;
-  task.predicted_s = kRenewSeconds;
-  task.run = [&scenes = context.scenes, &request, caller = context.caller,
-              response](const std::stop_token&) -> absl::Status {
+  const auto run = [&scenes = context.scenes, &request, caller = context.caller,
+                    response](const std::stop_token&) -> absl::Status {
     const absl::StatusOr<Lease> lease =
         scenes.lease(request.scene_id(), request.lease_id(), request.lease_s(), caller);
     if (!lease.ok()) return load_error(lease.status());
@@ -34,26 +32,24 @@ Prepared handle_renew_lease(const Context& context, const v1::RenewLeaseRequest&
     response->set_lease_s(lease->seconds);
     return absl::OkStatus();
   };
-  return task;
+  return Task{.predicted_s = kRenewSeconds, .run = run};
 }
 
 Prepared handle_release_scene(const Context& context, const v1::ReleaseSceneRequest& request,
                               v1::ReleaseSceneResponse* response) {
   LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
-  Task task;
   if (request.break_leases() && !context.caller.admin) {
     return absl::PermissionDeniedError("break_leases needs the role admin");
   }
-  task.predicted_s = kReleaseSeconds;
-  task.run = [&scenes = context.scenes, &request, caller = context.caller,
-              response](const std::stop_token&) -> absl::Status {
+  const auto run = [&scenes = context.scenes, &request, caller = context.caller,
+                    response](const std::stop_token&) -> absl::Status {
     if (request.break_leases()) return scenes.break_leases(request.scene_id());
     LUCERNA_ASSIGN_OR_RETURN(const bool gone,
                              scenes.release(request.scene_id(), request.lease_id(), caller));
     response->set_still_loaded(!gone);
     return absl::OkStatus();
   };
-  return task;
+  return Task{.predicted_s = kReleaseSeconds, .run = run};
 }
 
 }  // namespace lucerna::rpc

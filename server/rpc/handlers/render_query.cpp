@@ -111,7 +111,7 @@ template <typename Request>
 absl::StatusOr<RenderQuery> check(const Context& context, const Scene& scene,
                                   const Request& request, std::uint32_t proposed) {
   RenderQuery query;
-  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
+  LUCERNA_RETURN_IF_ERROR(check_time(request.time_s()).status());
   LUCERNA_ASSIGN_OR_RETURN(query.settings.shutter, check_shutter(scene, request));
   LUCERNA_ASSIGN_OR_RETURN(query.rule, check_stop_rule(context, request.accuracy(), proposed));
   query.most_samples = std::bit_floor(context.limits.max_samples);

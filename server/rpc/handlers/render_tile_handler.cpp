@@ -161,14 +161,12 @@ absl::Status answer(const TileQuery& query, SceneStore& scenes, const std::stop_
 Prepared handle_render_tile(const Context& context, const v1::RenderTileRequest& request,
                             v1::RenderTileResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const TileQuery query, parse(context, request));
-  Task task;
+  Task task =
+      batch_task(predicted_seconds(query.render), area(query.render.settings.rect), response,
+                 [query, &scenes = context.scenes, response](const std::stop_token& stop) {
+                   return answer(query, scenes, stop, response);
+                 });
   task.bulk = true;
-  task.predicted_s = predicted_seconds(query.render);
-  task.items = area(query.render.settings.rect);
-  task.cost = response->mutable_cost();
-  task.run = [query, &scenes = context.scenes, response](const std::stop_token& stop) {
-    return answer(query, scenes, stop, response);
-  };
   return task;
 }
 

@@ -20,16 +20,11 @@ absl::StatusOr<SampleLeQuery> parse(const Context& context, const Scene& scene,
     return over_limit("count", query.rays, context.limits.max_batch_items);
   }
   LUCERNA_ASSIGN_OR_RETURN(query.light, find_light_if_named(scene, request));
-  LUCERNA_ASSIGN_OR_RETURN(const Randomness randomness,
-                           check_randomness(request, {.samples = query.rays,
-                                                      .per_sample = 4,
-                                                      .light_named = names_light(request),
-                                                      .of = "rays"}));
-  query.seed = randomness.seed;
-  query.u = randomness.u;
-  query.u_light = randomness.u_light;
-  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
-  query.time_s = request.time_s();
+  LUCERNA_RETURN_IF_ERROR(put_randomness(
+      request,
+      {.samples = query.rays, .per_sample = 4, .light_named = names_light(request), .of = "rays"},
+      query));
+  LUCERNA_ASSIGN_OR_RETURN(query.time_s, check_time(request.time_s()));
   LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
   LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "count", query.rays, answer_size(request)));
   return query;
@@ -56,19 +51,13 @@ Prepared handle_sample_le(const Context& context, const v1::SampleLeRequest& req
                           v1::SampleLeResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const SampleLeQuery query, parse(context, *scene, request));
-  Task task;
-  task.predicted_s = sample_le_seconds(query.rays, query.wavelengths_nm.size());
-  task.items = query.rays;
-  task.cost = response->mutable_cost();
-  task.run = [scene, query, &request, response](const std::stop_token& stop) -> absl::Status {
+  const auto run = [scene, query, &request, response](const std::stop_token& stop) -> absl::Status {
     LUCERNA_RETURN_IF_ERROR(check_u(request.u()));
     set(scene->origin(), response->mutable_points()->mutable_origin_m());
-    const SampleLeAnswer answer = sized_arrays(query, response);
-    set_counts(response->mutable_cost(), lucerna::sample_le(*scene, query, answer, stop));
-    drop_if_all_ok(response->mutable_status());
-    return absl::OkStatus();
+    return finish_batch(response, sample_le(*scene, query, sized_arrays(query, response), stop));
   };
-  return task;
+  const double seconds = sample_le_seconds(query.rays, query.wavelengths_nm.size());
+  return batch_task(seconds, query.rays, response, run);
 }
 
 }  // namespace lucerna::rpc

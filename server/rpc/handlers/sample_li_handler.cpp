@@ -111,8 +111,7 @@ std::optional<v1::SampleLiResponse> estimate(const LiRequest& li, const LiSample
                    {answer.status, layout.size()},
                    {answer.spectral_value, layout.size() * wavelengths}, wavelengths);
   put_estimates(layout, estimates, wavelengths, response->mutable_estimates());
-  drop_if_all_ok(response->mutable_status());
-  set_counts(response->mutable_cost(), work);
+  static_cast<void>(finish_batch(&*response, work));
   return response;
 }
 
@@ -146,9 +145,7 @@ absl::Status answer_plain(const LiRequest& li, const v1::SampleLiRequest& reques
                           const std::stop_token& stop, v1::SampleLiResponse* response) {
   LUCERNA_RETURN_IF_ERROR(check_u(request.u()));
   const SampleLiAnswer answer = sized_arrays(*li.scene, li.query, li.samples(), response);
-  set_counts(response->mutable_cost(), lucerna::sample_li(*li.scene, li.query, answer, stop));
-  drop_if_all_ok(response->mutable_status());
-  return absl::OkStatus();
+  return finish_batch(response, sample_li(*li.scene, li.query, answer, stop));
 }
 
 /// The most samples that each receiver of an estimated request may have.
@@ -185,15 +182,12 @@ absl::Status parse_sample_values(const v1::SampleLiRequest& request, LiRequest& 
         "seed, since accuracy.target_error and accuracy.time_budget_s set the number of "
         "samples");
   }
-  LUCERNA_ASSIGN_OR_RETURN(const Randomness randomness,
-                           check_randomness(request, {.samples = li.samples(),
-                                                      .per_sample = 2,
-                                                      .light_named = names_light(request),
-                                                      .of = "samples"}));
-  li.query.seed = randomness.seed;
-  li.query.u = randomness.u;
-  li.query.u_light = randomness.u_light;
-  return absl::OkStatus();
+  return put_randomness(request,
+                        {.samples = li.samples(),
+                         .per_sample = 2,
+                         .light_named = names_light(request),
+                         .of = "samples"},
+                        li.query);
 }
 
 absl::StatusOr<LiRequest> parse(const Context& context, const v1::SampleLiRequest& request) {
@@ -210,8 +204,7 @@ absl::StatusOr<LiRequest> parse(const Context& context, const v1::SampleLiReques
     return over_limit(kItems, li.samples(), context.limits.max_batch_items);
   LUCERNA_ASSIGN_OR_RETURN(query.light, find_light_if_named(*li.scene, request));
   LUCERNA_RETURN_IF_ERROR(parse_sample_values(request, li));
-  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
-  query.time_s = request.time_s();
+  LUCERNA_ASSIGN_OR_RETURN(query.time_s, check_time(request.time_s()));
   LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
   if (!li.is_estimated()) {
     LUCERNA_RETURN_IF_ERROR(check_answer_size(context, kItems, li.samples(), answer_size(request)));
@@ -219,9 +212,8 @@ absl::StatusOr<LiRequest> parse(const Context& context, const v1::SampleLiReques
   query.test_visibility = request.test_visibility();
   if (query.test_visibility)
     LUCERNA_RETURN_IF_ERROR(check_grey_media(*li.scene, query.wavelengths_nm));
-  LUCERNA_RETURN_IF_ERROR(
-      check_triples("normals", request.normals(), query.receivers.size(), "receivers", true));
-  query.normals = view(request.normals());
+  LUCERNA_ASSIGN_OR_RETURN(query.normals, check_triples("normals", request.normals(),
+                                                        query.receivers.size(), "receivers", true));
   LUCERNA_ASSIGN_OR_RETURN(
       query.position_error_m,
       check_position_error(request.has_position_error_m(), request.position_error_m()));
@@ -253,15 +245,11 @@ double predicted_seconds(const LiRequest& li) {
 Prepared handle_sample_li(const Context& context, const v1::SampleLiRequest& request,
                           v1::SampleLiResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const LiRequest li, parse(context, request));
-  Task task;
-  task.predicted_s = predicted_seconds(li);
-  task.items = li.query.receivers.size();
-  task.cost = response->mutable_cost();
-  task.run = [li, &request, response](const std::stop_token& stop) {
-    return li.is_estimated() ? answer_estimated(li, stop, response)
-                             : answer_plain(li, request, stop, response);
-  };
-  return task;
+  return batch_task(predicted_seconds(li), li.query.receivers.size(), response,
+                    [li, &request, response](const std::stop_token& stop) {
+                      return li.is_estimated() ? answer_estimated(li, stop, response)
+                                               : answer_plain(li, request, stop, response);
+                    });
 }
 
 }  // namespace lucerna::rpc

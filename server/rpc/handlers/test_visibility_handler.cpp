@@ -26,13 +26,13 @@ absl::Status parse_segments(const Context& context, const v1::Segments& segments
 
 absl::Status parse_rays(const v1::Rays& rays, VisibilityQuery& query) {
   const std::size_t n = query.from.size();
-  LUCERNA_RETURN_IF_ERROR(check_triples("rays.directions", rays.directions(), n, "rays", false));
+  LUCERNA_ASSIGN_OR_RETURN(query.directions,
+                           check_triples("rays.directions", rays.directions(), n, "rays", false));
   const auto lengths = static_cast<std::size_t>(rays.lengths_m_size());
   if (lengths != 0 && lengths != n) {
     return bad_length("rays.lengths_m", lengths, n,
                       fmt::format("one for each of {} rays, or none", n));
   }
-  query.directions = view(rays.directions());
   query.lengths_m = view(rays.lengths_m());
   return absl::OkStatus();
 }
@@ -61,10 +61,9 @@ absl::StatusOr<Parsed> parse(const Context& context, const Scene& scene,
                                             answer_size(request, is_partial)));
   LUCERNA_RETURN_IF_ERROR(segments ? parse_segments(context, request.segments(), query)
                                    : parse_rays(request.rays(), query));
-  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
-  query.time_s = request.time_s();
-  LUCERNA_RETURN_IF_ERROR(check_triples("normals", request.normals(), n, "items", true));
-  query.normals = view(request.normals());
+  LUCERNA_ASSIGN_OR_RETURN(query.time_s, check_time(request.time_s()));
+  LUCERNA_ASSIGN_OR_RETURN(query.normals,
+                           check_triples("normals", request.normals(), n, "items", true));
   LUCERNA_ASSIGN_OR_RETURN(
       query.position_error_m,
       check_position_error(request.has_position_error_m(), request.position_error_m()));
@@ -78,23 +77,16 @@ Prepared handle_test_visibility(const Context& context, const v1::TestVisibility
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const Parsed parsed, parse(context, *scene, request));
   const std::size_t n = parsed.query.from.size();
-  Task task;
-  task.predicted_s = visibility_seconds(n);
-  task.items = n;
-  task.cost = response->mutable_cost();
-  task.run = [scene, parsed, n, response](const std::stop_token& stop) {
+  const auto run = [scene, parsed, n, response](const std::stop_token& stop) {
     response->set_count(static_cast<std::uint32_t>(n));
     const VisibilityAnswer answer{
         .visible = fill_bits(response->mutable_visible(), n),
         .transmittance =
             parsed.is_partial ? fill(response->mutable_transmittance(), 3 * n) : nullptr,
         .status = fill(response->mutable_status(), n)};
-    set_counts(response->mutable_cost(),
-               lucerna::test_visibility(*scene, parsed.query, answer, stop));
-    drop_if_all_ok(response->mutable_status());
-    return absl::OkStatus();
+    return finish_batch(response, test_visibility(*scene, parsed.query, answer, stop));
   };
-  return task;
+  return batch_task(visibility_seconds(n), n, response, run);
 }
 
 }  // namespace lucerna::rpc

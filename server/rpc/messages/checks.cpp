@@ -92,19 +92,18 @@ absl::StatusOr<PointArray> check_points(const Context& context, const std::strin
   return PointArray{{o.x(), o.y(), o.z()}, view(points.offsets_m())};
 }
 
-absl::Status check_triples(const std::string& field,
-                           const google::protobuf::RepeatedField<float>& v, std::size_t items,
-                           const std::string& of, bool optional) {
-  if (optional && v.empty()) return absl::OkStatus();
+absl::StatusOr<std::span<const float>> check_triples(
+    const std::string& field, const google::protobuf::RepeatedField<float>& v, std::size_t items,
+    const std::string& of, bool optional) {
   const auto length = static_cast<std::size_t>(v.size());
-  if (length == 3 * items) return absl::OkStatus();
+  if (length == 3 * items || (optional && v.empty())) return view(v);
   return bad_length(
       field, length, 3 * items,
       fmt::format("three for each of the {} {}{}", items, of, optional ? ", or none" : ""));
 }
 
-absl::Status check_time(bool has, double time_s) {
-  if (!has || std::isfinite(time_s)) return absl::OkStatus();
+absl::StatusOr<double> check_time(double time_s) {
+  if (std::isfinite(time_s)) return time_s;
   return bad_field("time_s", fmt::format("{}", time_s), "finite");
 }
 
@@ -123,8 +122,7 @@ absl::StatusOr<std::optional<float>> check_position_error(bool has, float positi
 
 absl::StatusOr<std::span<const double>> check_wavelengths(
     const google::protobuf::RepeatedField<double>& wavelengths_nm) {
-  const std::span<const double> nm(wavelengths_nm.data(),
-                                   static_cast<std::size_t>(wavelengths_nm.size()));
+  const std::span<const double> nm = view(wavelengths_nm);
   if (nm.size() > kMostWavelengths) {
     return bad_field("wavelengths_nm", fmt::format("{} numbers", nm.size()),
                      fmt::format("at most {} in one request", kMostWavelengths));

@@ -52,11 +52,12 @@ absl::StatusOr<std::optional<std::uint32_t>> find_light_if_named(const Scene& sc
 /// `field`: the name of the Points field.  Checks the number of offsets, not their values.
 absl::StatusOr<PointArray> check_points(const Context& context, const std::string& field,
                                         const v1::Points& points);
-/// Requires three numbers for each of `items`, or none if `optional`.
-absl::Status check_triples(const std::string& field,
-                           const google::protobuf::RepeatedField<float>& v, std::size_t items,
-                           const std::string& of, bool optional);
-absl::Status check_time(bool has, double time_s);
+/// A view of the field.  Requires three numbers for each of `items`, or none if `optional`.
+absl::StatusOr<std::span<const float>> check_triples(
+    const std::string& field, const google::protobuf::RepeatedField<float>& v, std::size_t items,
+    const std::string& of, bool optional);
+/// 0 if unset.
+absl::StatusOr<double> check_time(double time_s);
 absl::Status check_lease(double lease_s);
 /// Nothing if unset.  Requires a finite number that is not negative.
 absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m);
@@ -75,7 +76,8 @@ absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Ac
 absl::Status check_answer_size(const Context& context, const std::string& field,
                                std::uint64_t items, const AnswerSize& size);
 
-inline std::span<const float> view(const google::protobuf::RepeatedField<float>& v) {
+template <typename Number>
+std::span<const Number> view(const google::protobuf::RepeatedField<Number>& v) {
   return {v.data(), static_cast<std::size_t>(v.size())};
 }
 
@@ -94,5 +96,13 @@ void drop_if_all_ok(google::protobuf::RepeatedField<int>* status);
 
 /// Sets the counts of the work, not the times.
 void set_counts(v1::Cost* cost, const WorkCounts& work);
+
+/// Completes the answer to a batch.
+template <typename Response>
+absl::Status finish_batch(Response* response, const WorkCounts& work = {}) {
+  set_counts(response->mutable_cost(), work);
+  drop_if_all_ok(response->mutable_status());
+  return absl::OkStatus();
+}
 
 }  // namespace lucerna::rpc

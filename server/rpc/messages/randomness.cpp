@@ -4,13 +4,11 @@
 
 #include <cmath>
 
-#include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
 
-absl::StatusOr<Randomness> check_sample_values(const v1::SampleValues& values,
-                                               const SampleValuesWanted& wanted) {
+absl::Status check_sample_values(const v1::SampleValues& values, const SampleValuesWanted& wanted) {
   const std::size_t n = wanted.samples;
   const auto u_length = static_cast<std::size_t>(values.u_size());
   if (u_length != wanted.per_sample * n) {
@@ -25,24 +23,8 @@ absl::StatusOr<Randomness> check_sample_values(const v1::SampleValues& values,
                       wanted.light_named ? "since light_id is set"
                                          : fmt::format("one for each of {} {}", n, wanted.of));
   }
-  return Randomness{
-      .seed = std::nullopt, .u = view(values.u()), .u_light = {values.u_light().data(), u_light}};
+  return absl::OkStatus();
 }
-
-template <typename Request>
-absl::StatusOr<Randomness> check_randomness(const Request& request,
-                                            const SampleValuesWanted& wanted) {
-  if (request.has_u()) return check_sample_values(request.u(), wanted);
-  // An unset seed reads as seed 0, first item 0.
-  return Randomness{.seed = SeedRange{request.seed().seed(), request.seed().first_item()},
-                    .u = {},
-                    .u_light = {}};
-}
-
-template absl::StatusOr<Randomness> check_randomness(const v1::SampleLiRequest&,
-                                                     const SampleValuesWanted&);
-template absl::StatusOr<Randomness> check_randomness(const v1::SampleLeRequest&,
-                                                     const SampleValuesWanted&);
 
 absl::Status check_u(const v1::SampleValues& values) {
   for (int i = 0; i < values.u_size(); ++i) {

@@ -1,23 +1,16 @@
 // The sample values of a request.
 #pragma once
 
-#include <absl/status/statusor.h>
+#include <absl/status/status.h>
 
-#include <optional>
-#include <span>
 #include <string>
 
 #include "lucerna/v1/lighting.pb.h"
+#include "proto/common/status_macros.h"
 #include "server/estimate/queries/queries.h"
+#include "server/rpc/messages/checks.h"
 
 namespace lucerna::rpc {
-
-/// Either a seed, or views of the request's own values.
-struct Randomness {
-  std::optional<SeedRange> seed;
-  std::span<const float> u;
-  std::span<const double> u_light;
-};
 
 /// The sample values that a request needs.
 struct SampleValuesWanted {
@@ -28,21 +21,25 @@ struct SampleValuesWanted {
 };
 
 /// INVALID_ARGUMENT for wrong lengths.  Does not check the values.
-absl::StatusOr<Randomness> check_sample_values(const v1::SampleValues& values,
-                                               const SampleValuesWanted& wanted);
+absl::Status check_sample_values(const v1::SampleValues& values, const SampleValuesWanted& wanted);
 
-/// Seed 0 if neither values nor a seed are set.  Errors: as above.
-template <typename Request>
-absl::StatusOr<Randomness> check_randomness(const Request& request,
-                                            const SampleValuesWanted& wanted);
+/// Sets the seed of the query, or views of the request's own values.  Seed 0 if neither is set.
+/// Errors: as above.
+template <typename Request, typename Query>
+absl::Status put_randomness(const Request& request, const SampleValuesWanted& wanted,
+                            Query& query) {
+  if (!request.has_u()) {
+    query.seed = SeedRange{request.seed().seed(), request.seed().first_item()};
+    return absl::OkStatus();
+  }
+  LUCERNA_RETURN_IF_ERROR(check_sample_values(request.u(), wanted));
+  query.u = view(request.u().u());
+  query.u_light = view(request.u().u_light());
+  return absl::OkStatus();
+}
 
 /// INVALID_ARGUMENT for a value outside of [0, 1], or of [0, 1) for `u_light`.  Accepts values that
 /// are not finite: the query gives their items a status.
 absl::Status check_u(const v1::SampleValues& values);
-
-extern template absl::StatusOr<Randomness> check_randomness(const v1::SampleLiRequest&,
-                                                            const SampleValuesWanted&);
-extern template absl::StatusOr<Randomness> check_randomness(const v1::SampleLeRequest&,
-                                                            const SampleValuesWanted&);
 
 }  // namespace lucerna::rpc

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <stop_token>
+#include <utility>
 
 #include "lucerna/v1/accuracy.pb.h"
 #include "server/assets/asset_store.h"
@@ -20,7 +21,7 @@ namespace lucerna::rpc {
 struct Context {
   SceneStore& scenes;
   AssetStore& assets;
-  const RequestLimits& limits;
+  RequestLimits limits;
   Owner caller{};  ///< whose leases and scenes the request makes
 };
 
@@ -40,6 +41,15 @@ struct Task {
   /// Gets the times of the work; null if the response has no such field.
   v1::Cost* cost = nullptr;
 };
+
+/// The task of a call whose answer has its cost.
+template <typename Response, typename Run>
+Task batch_task(double predicted_s, std::uint64_t items, Response* response, Run run) {
+  return {.predicted_s = predicted_s,
+          .items = items,
+          .run = std::move(run),
+          .cost = response->mutable_cost()};
+}
 
 /// A task, or an error that is known before the work starts.
 using Prepared = absl::StatusOr<Task>;
