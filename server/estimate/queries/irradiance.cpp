@@ -244,9 +244,11 @@ class IrradianceEstimator {
   }
   void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these,
               const Settled& settled, Sampled& e, WorkCounts& work) {
+    const std::uint64_t item =
+        settings_.first_item + (settings_.numbers.empty() ? p : settings_.numbers[p]);
     for (std::uint64_t b = 0; b < these.count; ++b) {
-      const SampleSequence sequence(settings_.methods.sampler, settings_.seed,
-                                    settings_.first_item + p, these.first + b);
+      const SampleSequence sequence(settings_.methods.sampler, settings_.seed, item,
+                                    these.first + b);
       for (std::uint32_t i = 0; i < these.samples; ++i) {
         if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
           stopped_ = true;
@@ -413,6 +415,7 @@ class IrradianceEstimator {
 IrradianceResult estimate_irradiance(const Scene& scene, std::span<const IrradiancePoint> points,
                                      const IrradianceSettings& settings, std::stop_token stop) {
   IrradianceResult result;
+  if (points.empty()) return result;
   result.points.resize(points.size());
   if (settings.per_light) result.per_light.resize(points.size() * scene.lights().size());
   result.costs.resize(points.size());

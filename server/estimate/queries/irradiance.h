@@ -35,7 +35,9 @@ inline SurfaceHit surface_at(const IrradiancePoint& point, double time_s) {
 
 struct IrradianceSettings {
   std::uint64_t seed = 0;
-  std::uint64_t first_item = 0;         ///< number of points[0] in the caller's set
+  std::uint64_t first_item = 0;  ///< number of the caller's first point
+  /// Numbers of the points, counted from first_item; empty: 0, 1, 2, ...
+  std::span<const std::uint32_t> numbers{};
   std::uint32_t samples_per_block = 1;  ///< at most 2^28
   std::uint32_t block_count = 1;        ///< independent replicates; 1: no standard error
   /// If set, each point takes its own `samples_per_block`, as many as the target needs. The limit

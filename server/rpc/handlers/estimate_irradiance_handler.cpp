@@ -38,16 +38,10 @@ struct IrradianceQuery {
   IrradianceSettings settings;
 };
 
-/// Receivers with successive numbers.  They are estimated together.
-struct ReceiverRun {
-  std::size_t begin;
+/// The receivers of a request that are OK, with their numbers in it.
+struct Receivers {
+  std::vector<std::uint32_t> numbers;
   std::vector<IrradiancePoint> points;
-};
-
-/// The estimates of all runs.
-struct RunEstimates {
-  std::vector<IrradianceResult> runs;
-  std::uint32_t samples_per_block = 0;
 };
 
 absl::StatusOr<std::span<const double>> parse_wavelengths(
@@ -106,63 +100,25 @@ double predicted_seconds(const IrradianceQuery& query) {
               : irradiance_samples_seconds(*query.scene, query.settings, n, samples));
 }
 
-/// Sets the status of each receiver.  Returns runs of the receivers that are OK.
-std::vector<ReceiverRun> runs_of(const IrradianceQuery& query, int* status) {
+/// Sets the status of each receiver.  Returns those that are OK.
+Receivers receivers_of(const IrradianceQuery& query, int* status) {
   const Scene& scene = *query.scene;
   const ToScene to_scene(scene, query.receivers, query.position_error_m);
-  std::vector<ReceiverRun> runs;
-  bool joins = false;
+  Receivers receivers;
   for (std::size_t i = 0; i < query.receivers.size(); ++i) {
     ScenePoint p = to_scene(i);
     const Vec3<float> normal = triple(query.normals, i);
     ItemResult result = p.result;
     if (!is_direction(normal)) result = ItemResult::kInvalidInput;
-    if (result == ItemResult::kOk && !query.position_error_m)
-      p = on_surface(scene, p, normalized(normal), query.settings.time_s);
     status[i] = static_cast<int>(result);
-    if (result == ItemResult::kOk) {
-      if (!joins) runs.push_back({i, {}});
-      runs.back().points.push_back(
-          {p.position, {p.error, p.error, p.error}, normalized(Vec3<double>(normal))});
-    }
-    joins = result == ItemResult::kOk;
+    if (result != ItemResult::kOk) continue;
+    if (!query.position_error_m)
+      p = on_surface(scene, p, normalized(normal), query.settings.time_s);
+    receivers.numbers.push_back(static_cast<std::uint32_t>(i));
+    receivers.points.push_back(
+        {p.position, {p.error, p.error, p.error}, normalized(Vec3<double>(normal))});
   }
-  return runs;
-}
-
-/// The estimates of each run; nothing if `stop` was requested.
-std::optional<std::vector<IrradianceResult>> estimate(const IrradianceQuery& query,
-                                                      const std::vector<ReceiverRun>& runs,
-                                                      std::uint32_t samples_per_block,
-                                                      const std::stop_token& stop) {
-  std::vector<IrradianceResult> results;
-  for (const ReceiverRun& run : runs) {
-    IrradianceSettings settings = query.settings;
-    settings.first_item += run.begin;
-    settings.samples_per_block = samples_per_block;
-    results.push_back(lucerna::estimate_irradiance(*query.scene, run.points, settings, stop));
-    if (results.back().stopped) return std::nullopt;
-  }
-  return results;
-}
-
-/// The estimates by the query's stop rule; nothing if `stop` was requested.
-std::optional<RunEstimates> estimate(const IrradianceQuery& query,
-                                     const std::vector<ReceiverRun>& runs,
-                                     const std::stop_token& stop) {
-  std::uint32_t samples_per_block = query.settings.samples_per_block;
-  std::optional<std::vector<IrradianceResult>> results;
-  if (query.stop_rule.time_budget_s) {
-    std::tie(results, samples_per_block) =
-        within_time(*query.stop_rule.time_budget_s, query.most_samples / query.settings.block_count,
-                    stop, [&](std::uint32_t each, const std::stop_token& in_time) {
-                      return estimate(query, runs, each, in_time);
-                    });
-  } else {
-    results = estimate(query, runs, samples_per_block, stop);
-  }
-  if (!results) return std::nullopt;
-  return RunEstimates{*std::move(results), samples_per_block};
+  return receivers;
 }
 
 /// Writes estimates into the arrays of a response.
@@ -278,22 +234,21 @@ void IrradianceEncoder::put(std::size_t i, const IrradianceResult& result, std::
 }
 
 /// Sets MAY_MISS_LIGHT for receivers whose answers may miss light, with its bounds.
-void mark_missed_light(const IrradianceQuery& query, const std::vector<ReceiverRun>& runs,
-                       const RunEstimates& estimates, v1::EstimateIrradianceResponse* response) {
+void mark_missed_light(const IrradianceQuery& query, const Receivers& receivers,
+                       const IrradianceResult& estimates,
+                       v1::EstimateIrradianceResponse* response) {
   fill(response->mutable_unsampled_bound_lx(), query.receivers.size());
   bool by_way = false, outdoors = false;
-  for (std::size_t r = 0; r < runs.size(); ++r) {
-    for (std::size_t k = 0; k < runs[r].points.size(); ++k) {
-      const auto i = static_cast<int>(runs[r].begin + k);
-      const MissedLight& missed = estimates.runs[r].points[k].missed;
-      if (missed.kind == MissedLight::Kind::kNone ||
-          response->status(i) != static_cast<int>(ItemResult::kOk))
-        continue;
-      response->mutable_status()->Set(i, static_cast<int>(ItemResult::kMayMissLight));
-      response->set_unsampled_bound_lx(i, held_as_float(missed.bound_lx));
-      by_way |= missed.kind == MissedLight::Kind::kByWay;
-      outdoors |= missed.kind == MissedLight::Kind::kOutdoors;
-    }
+  for (std::size_t k = 0; k < receivers.numbers.size(); ++k) {
+    const auto i = static_cast<int>(receivers.numbers[k]);
+    const MissedLight& missed = estimates.points[k].missed;
+    if (missed.kind == MissedLight::Kind::kNone ||
+        response->status(i) != static_cast<int>(ItemResult::kOk))
+      continue;
+    response->mutable_status()->Set(i, static_cast<int>(ItemResult::kMayMissLight));
+    response->set_unsampled_bound_lx(i, held_as_float(missed.bound_lx));
+    by_way |= missed.kind == MissedLight::Kind::kByWay;
+    outdoors |= missed.kind == MissedLight::Kind::kOutdoors;
   }
   constexpr std::size_t kMostNamed = 3;
   if (outdoors) {
@@ -309,44 +264,54 @@ void mark_missed_light(const IrradianceQuery& query, const std::vector<ReceiverR
 }
 
 /// Sets INSIDE_SOLID for receivers that get no light and lie inside of a solid.
-void mark_inside_solids(const IrradianceQuery& query, const std::vector<ReceiverRun>& runs,
-                        const RunEstimates& estimates, const std::stop_token& stop, int* status) {
-  std::vector<IrradiancePoint> dark;
-  std::vector<std::size_t> items;
-  for (std::size_t r = 0; r < runs.size(); ++r) {
-    for (std::size_t k = 0; k < runs[r].points.size(); ++k) {
-      const std::size_t i = runs[r].begin + k;
-      const bool is_ok = status[i] == static_cast<int>(ItemResult::kOk);
-      if (!is_ok || !estimates.runs[r].points[k].irradiance_lx.is_black()) continue;
-      dark.push_back(runs[r].points[k]);
-      items.push_back(i);
-    }
+void mark_inside_solids(const IrradianceQuery& query, const Receivers& receivers,
+                        const IrradianceResult& estimates, const std::stop_token& stop,
+                        int* status) {
+  Receivers dark;
+  for (std::size_t k = 0; k < receivers.numbers.size(); ++k) {
+    const std::uint32_t i = receivers.numbers[k];
+    const bool is_ok = status[i] == static_cast<int>(ItemResult::kOk);
+    if (!is_ok || !estimates.points[k].irradiance_lx.is_black()) continue;
+    dark.points.push_back(receivers.points[k]);
+    dark.numbers.push_back(i);
   }
   const std::vector<std::uint8_t> inside =
-      inside_solids(*query.scene, dark, query.settings.time_s, stop);
-  for (std::size_t d = 0; d < items.size(); ++d)
-    if (inside[d] != 0) status[items[d]] = static_cast<int>(ItemResult::kInsideSolid);
+      inside_solids(*query.scene, dark.points, query.settings.time_s, stop);
+  for (std::size_t d = 0; d < inside.size(); ++d)
+    if (inside[d] != 0) status[dark.numbers[d]] = static_cast<int>(ItemResult::kInsideSolid);
 }
 
 absl::Status answer(const IrradianceQuery& query, const std::stop_token& stop,
                     v1::EstimateIrradianceResponse* response) {
   const DenormalsAreZero denormals;
   int* const status = fill(response->mutable_status(), query.receivers.size());
-  const std::vector<ReceiverRun> runs = runs_of(query, status);
-  const std::optional<RunEstimates> estimates = estimate(query, runs, stop);
+  const Receivers receivers = receivers_of(query, status);
+  const auto run = [&](std::uint32_t samples_per_block,
+                       const std::stop_token& s) -> std::optional<IrradianceResult> {
+    IrradianceSettings settings = query.settings;
+    settings.numbers = receivers.numbers;
+    settings.samples_per_block = samples_per_block;
+    IrradianceResult result = estimate_irradiance(*query.scene, receivers.points, settings, s);
+    if (result.stopped) return std::nullopt;
+    return result;
+  };
+  std::uint32_t samples_per_block = query.settings.samples_per_block;
+  std::optional<IrradianceResult> estimates;
+  if (const auto& budget_s = query.stop_rule.time_budget_s) {
+    std::tie(estimates, samples_per_block) =
+        within_time(*budget_s, query.most_samples / query.settings.block_count, stop, run);
+  } else {
+    estimates = run(samples_per_block, stop);
+  }
   if (!estimates) return absl::CancelledError("stopped");
 
-  IrradianceEncoder encoder(query, estimates->samples_per_block, response);
-  WorkCounts work;
-  for (std::size_t r = 0; r < runs.size(); ++r) {
-    work += estimates->runs[r].work;
-    for (std::size_t k = 0; k < runs[r].points.size(); ++k)
-      encoder.put(runs[r].begin + k, estimates->runs[r], k);
-  }
-  mark_inside_solids(query, runs, *estimates, stop, status);
-  mark_missed_light(query, runs, *estimates, response);
+  IrradianceEncoder encoder(query, samples_per_block, response);
+  for (std::size_t k = 0; k < receivers.numbers.size(); ++k)
+    encoder.put(receivers.numbers[k], *estimates, k);
+  mark_inside_solids(query, receivers, *estimates, stop, status);
+  mark_missed_light(query, receivers, *estimates, response);
   response->set_samples(encoder.most_samples());
-  return finish_batch(response, work);
+  return finish_batch(response, estimates->work);
 }
 
 }  // namespace
