@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/admin/commands.h"
+#include "client/rpc/pages.h"
 #include "client/shell/print.h"
 #include "client/terminal/output.h"
 #include "client/terminal/program.h"
@@ -32,15 +33,10 @@ void lease(Session& session, const std::string& scene, double seconds, const std
 
 void leases(Session& session) {
   session.need_one_server("each server has its own leases");
-  v1::ListLeasesResponse all;
-  v1::ListLeasesRequest request;
-  do {
-    const auto page =
-        session.value_or_fail(session.client().list_leases(request, session.call_options()));
-    request.set_page_token(page.next_page_token());
-    all.MergeFrom(page);
-  } while (!request.page_token().empty());
-  all.clear_next_page_token();
+  const v1::ListLeasesResponse all =
+      session.value_or_fail(client::all_pages(v1::ListLeasesRequest(), [&](const auto& request) {
+        return session.client().list_leases(request, session.call_options());
+      }));
   if (session.json()) {
     shell::print_text(stdout, "{}", to_json(all));
     return;

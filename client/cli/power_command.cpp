@@ -8,6 +8,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/light_table.h"
+#include "client/rpc/pages.h"
 #include "client/shell/print.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/light_option.h"
@@ -30,22 +31,18 @@ struct PowerOptions {
 };
 
 /// All pages.  The total of every page counts all lights.
-v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest request) {
-  v1::EstimatePowerResponse all;
-  do {
-    auto page = session.query_scene([&](const client::Client& client) {
-      return client.estimate_power(request, session.call_options());
+v1::EstimatePowerResponse all_powers(Session& session, const v1::EstimatePowerRequest& powers) {
+  return session.query_scene([&](const client::Client& client) {
+    return client::all_pages(powers, [&](v1::EstimatePowerRequest& request) {
+      auto page = client.estimate_power(request, session.call_options());
+      // The time budget is for the first page.  The other pages take as many samples, so all share
+      // one total.
+      if (page.ok() && request.accuracy().has_time_budget_s() && page->lights_size() > 0)
+        request.mutable_accuracy()->set_samples(
+            static_cast<std::uint32_t>(page->lights(0).samples()));
+      return page;
     });
-    request.set_page_token(page.next_page_token());
-    // The time budget is for the first page.  The other pages take as many samples, so all share
-    // one total.
-    if (request.accuracy().has_time_budget_s() && page.lights_size() > 0)
-      request.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(page.lights(0).samples()));
-    all.mutable_lights()->MergeFrom(page.lights());
-    all.mutable_total()->Swap(page.mutable_total());
-    all.mutable_cost()->Swap(page.mutable_cost());
-  } while (!request.page_token().empty());
-  return all;
+  });
 }
 
 /// Half the interval of a sampled flux.

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "client/rpc/pages.h"
 #include "client/shell/print.h"
 #include "client/terminal/validators.h"
 #include "proto/common/status_macros.h"
@@ -38,15 +39,8 @@ bool is_prefix(const std::string& scene) {
 
 absl::StatusOr<v1::ListScenesResponse> all_scenes(const client::Client& client,
                                                   const client::CallOptions& call) {
-  v1::ListScenesResponse all;
-  v1::ListScenesRequest request;
-  do {
-    LUCERNA_ASSIGN_OR_RETURN(const v1::ListScenesResponse page, client.list_scenes(request, call));
-    request.set_page_token(page.next_page_token());
-    all.MergeFrom(page);
-  } while (!request.page_token().empty());
-  all.clear_next_page_token();
-  return all;
+  return client::all_pages(v1::ListScenesRequest(),
+                           [&](const auto& request) { return client.list_scenes(request, call); });
 }
 
 /// The id of the only loaded scene whose id begins with `prefix`.  NOT_FOUND if there is none,
@@ -351,31 +345,20 @@ v1::ListScenesResponse list_scenes(Session& session) {
 }
 
 v1::ListAvailableScenesResponse list_available_scenes(Session& session) {
-  v1::ListAvailableScenesResponse all;
-  v1::ListAvailableScenesRequest request;
-  do {
-    const auto page = session.value_or_fail(
-        session.client().list_available_scenes(request, session.call_options()));
-    request.set_page_token(page.next_page_token());
-    all.MergeFrom(page);
-  } while (!request.page_token().empty());
-  all.clear_next_page_token();
-  return all;
+  return session.value_or_fail(
+      client::all_pages(v1::ListAvailableScenesRequest(), [&](const auto& request) {
+        return session.client().list_available_scenes(request, session.call_options());
+      }));
 }
 
 v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id) {
-  v1::ListLightsResponse all;
-  v1::ListLightsRequest request;
-  request.set_scene_id(scene_id);
-  do {
-    auto page = session.query_scene([&](const client::Client& client) {
+  v1::ListLightsRequest lights;
+  lights.set_scene_id(scene_id);
+  return session.query_scene([&](const client::Client& client) {
+    return client::all_pages(lights, [&](const auto& request) {
       return client.list_lights(request, session.call_options());
     });
-    request.set_page_token(page.next_page_token());
-    all.MergeFrom(page);
-  } while (!request.page_token().empty());
-  all.clear_next_page_token();
-  return all;
+  });
 }
 
 IlluminanceUnits illuminance_units(Session& session, const std::string& scene_id) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "client/rpc/pages.h"
 #include "client/terminal/luminance.h"
 #include "client/tradeoff/question.h"
 #include "lucerna/client/batches.h"
@@ -172,11 +173,10 @@ absl::StatusOr<std::unique_ptr<Question>> make_power_question(const client::Clie
   std::vector<std::uint64_t> all;
   v1::ListLightsRequest list;
   list.set_scene_id(options.scene_id);
-  do {
-    LUCERNA_ASSIGN_OR_RETURN(const auto page, client.list_lights(list, options.call));
-    for (const v1::Light& light : page.lights()) all.push_back(light.id());
-    list.set_page_token(page.next_page_token());
-  } while (!list.page_token().empty());
+  LUCERNA_ASSIGN_OR_RETURN(const auto lights, client::all_pages(list, [&](const auto& request) {
+                             return client.list_lights(request, options.call);
+                           }));
+  for (const v1::Light& light : lights.lights()) all.push_back(light.id());
   if (all.empty()) {
     return absl::InvalidArgumentError("--query power: the scene has no lights");
   }

@@ -6,6 +6,7 @@
 
 #include "client/rpc/batch_parts.h"
 #include "client/rpc/batches.h"
+#include "client/rpc/pages.h"
 #include "client/terminal/luminance.h"
 
 namespace lucerna::verify {
@@ -191,14 +192,11 @@ Estimates Truth::powers(const std::vector<std::uint64_t>& lights, const std::str
   request.set_scene_id(scene_id.empty() ? scene_id_ : scene_id);
   for (const std::uint64_t id : lights)
     if (by_id.emplace(id, std::pair(0.0, 0.0)).second) request.add_light_ids(id);
-  for (;;) {
-    const v1::EstimatePowerResponse page =
-        session_.value_or_fail(session_.client().estimate_power(request, session_.call_options()));
-    for (const v1::LightPower& p : page.lights())
-      by_id[p.light_id()] = {p.power_lm(), p.error_lm()};
-    if (page.next_page_token().empty()) break;
-    request.set_page_token(page.next_page_token());
-  }
+  const auto powers = session_.value_or_fail(client::all_pages(request, [&](const auto& page) {
+    return session_.client().estimate_power(page, session_.call_options());
+  }));
+  for (const v1::LightPower& p : powers.lights())
+    by_id[p.light_id()] = {p.power_lm(), p.error_lm()};
   Estimates result;
   for (const std::uint64_t id : lights) {
     result.value.push_back(by_id[id].first);

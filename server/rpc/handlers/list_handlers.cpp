@@ -1,6 +1,8 @@
 #include "server/rpc/handlers/list_handlers.h"
 
 #include <algorithm>
+#include <functional>
+#include <span>
 
 #include "proto/common/status_macros.h"
 #include "server/rpc/messages/checks.h"
@@ -26,46 +28,35 @@ std::string light_list(const Scene& scene) { return "lights of " + scene.id(); }
 
 Prepared handle_list_scenes(const Context& context, const v1::ListScenesRequest& request,
                             v1::ListScenesResponse* response) {
-  LUCERNA_ASSIGN_OR_RETURN(const std::size_t size,
-                           check_page_size(request.page_size(), context.limits.max_page_size));
-  LUCERNA_ASSIGN_OR_RETURN(const std::string after, page_position("scenes", request.page_token()));
-  Task task;
-  task.predicted_s =
-      kListedSceneSeconds * static_cast<double>(std::min(size, context.scenes.size()));
-  task.run = [&scenes = context.scenes, after, size, response](const std::stop_token&) {
-    const std::vector<StoredScene> found = scenes.list(after, size + 1);
-    for (std::size_t i = 0; i < found.size() && i < size; ++i) {
-      set_summary(found[i], response->add_scenes());
-    }
-    if (found.size() > size) {
-      response->set_next_page_token(page_token("scenes", found[size - 1].scene->id()));
-    }
+  LUCERNA_ASSIGN_OR_RETURN(const Page page,
+                           check_page(request, "scenes", context.limits.max_page_size));
+  const std::size_t most = std::min(page.size, context.scenes.size());
+  const auto run = [&scenes = context.scenes, page, response](const std::stop_token&) {
+    put_page(
+        page, scenes.list(page.after, page.size + 1),
+        [](const StoredScene& stored) { return stored.scene->id(); },
+        [&](const StoredScene& stored) { set_summary(stored, response->add_scenes()); }, response);
     return absl::OkStatus();
   };
-  return task;
+  return Task{.predicted_s = kListedSceneSeconds * static_cast<double>(most), .run = run};
 }
 
 Prepared handle_list_available_scenes(const Context& context,
                                       const v1::ListAvailableScenesRequest& request,
                                       v1::ListAvailableScenesResponse* response) {
-  LUCERNA_ASSIGN_OR_RETURN(const std::size_t size,
-                           check_page_size(request.page_size(), context.limits.max_page_size));
-  LUCERNA_ASSIGN_OR_RETURN(const std::string after,
-                           page_position("available", request.page_token()));
-  Task task;
-  task.predicted_s = kListingSeconds;
-  task.run = [&scenes = context.scenes, after, size, response](const std::stop_token&) {
+  LUCERNA_ASSIGN_OR_RETURN(const Page page,
+                           check_page(request, "available", context.limits.max_page_size));
+  const auto run = [&scenes = context.scenes, page, response](const std::stop_token&) {
     const FileListing files = scenes.available();
     response->set_root(scenes.root());
     response->set_incomplete(files.incomplete);
-    const auto begin = std::upper_bound(files.paths.begin(), files.paths.end(), after);
-    const auto left = static_cast<std::size_t>(files.paths.end() - begin);
-    const auto end = begin + static_cast<std::ptrdiff_t>(std::min(size, left));
-    response->mutable_paths()->Add(begin, end);
-    if (left > size) response->set_next_page_token(page_token("available", *std::prev(end)));
+    const auto begin = std::upper_bound(files.paths.begin(), files.paths.end(), page.after);
+    put_page(
+        page, std::span(begin, files.paths.end()), std::identity(),
+        [&](const std::string& path) { response->add_paths(path); }, response);
     return absl::OkStatus();
   };
-  return task;
+  return Task{.predicted_s = kListingSeconds, .run = run};
 }
 
 Prepared handle_list_lights(const Context& context, const v1::ListLightsRequest& request,
@@ -77,9 +68,7 @@ Prepared handle_list_lights(const Context& context, const v1::ListLightsRequest&
   LUCERNA_ASSIGN_OR_RETURN(const std::size_t start,
                            page_start(light_list(*scene), request.page_token(), n));
   const std::size_t end = std::min(n, start + page_size);
-  Task task;
-  task.predicted_s = kListedLightSeconds * static_cast<double>(end - start);
-  task.run = [scene, start, end, n, response](const std::stop_token&) {
+  const auto run = [scene, start, end, n, response](const std::stop_token&) {
     std::size_t i = start, bytes = 0;
     // Names and spectra of many samples make shorter pages.
     for (; i < end && bytes < kPageBytes; ++i) {
@@ -90,33 +79,30 @@ Prepared handle_list_lights(const Context& context, const v1::ListLightsRequest&
     if (i < n) response->set_next_page_token(page_token(light_list(*scene), i));
     return absl::OkStatus();
   };
-  return task;
+  return Task{.predicted_s = kListedLightSeconds * static_cast<double>(end - start), .run = run};
 }
 
 Prepared handle_list_leases(const Context& context, const v1::ListLeasesRequest& request,
                             v1::ListLeasesResponse* response) {
-  LUCERNA_ASSIGN_OR_RETURN(const std::size_t size,
-                           check_page_size(request.page_size(), context.limits.max_page_size));
-  LUCERNA_ASSIGN_OR_RETURN(const std::string after, page_position("leases", request.page_token()));
-  Task task;
-  task.predicted_s = kListedSceneSeconds * static_cast<double>(1 + context.scenes.size());
-  task.run = [&scenes = context.scenes, caller = context.caller, after, size,
-              response](const std::stop_token&) {
-    const std::vector<ListedLease> found = scenes.leases(caller, after, size + 1);
-    for (std::size_t i = 0; i < found.size() && i < size; ++i) {
-      v1::SceneLease* lease = response->add_leases();
-      lease->set_lease_id(found[i].id);
-      lease->set_scene_id(found[i].scene_id);
-      lease->set_path(found[i].path);
-      lease->set_owner(found[i].owner);
-      lease->set_left_s(found[i].left_s);
-    }
-    if (found.size() > size) {
-      response->set_next_page_token(page_token("leases", found[size - 1].id));
-    }
+  LUCERNA_ASSIGN_OR_RETURN(const Page page,
+                           check_page(request, "leases", context.limits.max_page_size));
+  const std::size_t scenes = context.scenes.size();
+  const auto add = [response](const ListedLease& listed) {
+    v1::SceneLease* lease = response->add_leases();
+    lease->set_lease_id(listed.id);
+    lease->set_scene_id(listed.scene_id);
+    lease->set_path(listed.path);
+    lease->set_owner(listed.owner);
+    lease->set_left_s(listed.left_s);
+  };
+  const auto run = [&store = context.scenes, caller = context.caller, page, add,
+                    response](const std::stop_token&) {
+    put_page(
+        page, store.leases(caller, page.after, page.size + 1),
+        [](const ListedLease& listed) { return listed.id; }, add, response);
     return absl::OkStatus();
   };
-  return task;
+  return Task{.predicted_s = kListedSceneSeconds * static_cast<double>(1 + scenes), .run = run};
 }
 
 }  // namespace lucerna::rpc
