@@ -3,6 +3,7 @@
 #include "proto/common/status_macros.h"
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
@@ -33,20 +34,17 @@ Prepared handle_edit_lights(const Context& context, const v1::EditLightsRequest&
               response](const std::stop_token& stop) -> absl::Status {
     LUCERNA_ASSIGN_OR_RETURN(EditedLights edited,
                              edited_lights(context, *stored.scene, request.edits(), stop));
-    for (const MissingAsset& asset : edited.missing) {
-      v1::NamedAsset* missing = response->add_missing();
-      missing->set_name(asset.name);
-      missing->set_sha256(asset.digest);
+    absl::StatusOr<LoadedScene> revision;
+    if (!edited.missing.empty()) {
+      revision.emplace().missing = std::move(edited.missing);
+      edited.new_ids.clear();
+    } else {
+      revision =
+          context.scenes.revise(stored, std::move(edited.edits),
+                                {request.lease_s(), stop, {}, context.caller}, edited.memory.get());
     }
-    if (!edited.missing.empty()) return absl::OkStatus();
-    const absl::StatusOr<LoadedScene> revision =
-        context.scenes.revise(stored, std::move(edited.edits),
-                              {request.lease_s(), stop, {}, context.caller}, edited.memory.get());
     if (!revision.ok()) return load_error(revision.status());
-    response->set_scene_id(revision->stored.scene->id());
-    response->set_already_loaded(revision->already_loaded);
-    response->set_lease_id(revision->lease.id);
-    response->set_lease_s(revision->lease.seconds);
+    set_loaded(*revision, response);
     for (const std::uint64_t id : edited.new_ids) response->add_light_ids(id);
     return absl::OkStatus();
   };

@@ -249,7 +249,7 @@ class Editor {
     absl::StatusOr<SceneStore::Read> read = absl::InternalError("");
     if (file.has_manifest()) {
       LUCERNA_ASSIGN_OR_RETURN(const Manifest manifest,
-                               check_manifest(context_, field + ".manifest", file.manifest()));
+                               check_scene_file(context_, field + ".", file));
       read = context_.scenes.read(manifest, {.stop = stop_}, *result_.memory);
     } else {
       read = context_.scenes.read(file.path(), {.stop = stop_}, *result_.memory);
@@ -313,16 +313,7 @@ absl::Status check_edits(const Context& context, const LightEditList& edits) {
         LUCERNA_RETURN_IF_ERROR(check_change(field + ".change", edit.change()));
         break;
       case v1::LightEdit::kAdd:
-        if (edit.add().has_manifest()) {
-          LUCERNA_RETURN_IF_ERROR(
-              check_manifest(context, field + ".add.manifest", edit.add().manifest()).status());
-        } else if (edit.add().path().empty()) {
-          return bad_field(field + ".add.path", "\"\"",
-                           "the name of a scene file under the server's scene root");
-        } else if (edit.add().path().size() > context.limits.max_name_bytes) {
-          return bad_field(field + ".add.path", fmt::format("{} bytes", edit.add().path().size()),
-                           fmt::format("at most {} bytes", context.limits.max_name_bytes));
-        }
+        LUCERNA_RETURN_IF_ERROR(check_scene_file(context, field + ".add.", edit.add()).status());
         break;
       default:
         return bad_field(field + ".edit", "none", "put, remove, change, add");

@@ -52,34 +52,12 @@ absl::StatusOr<LevelFactors> check_blender(const v1::BlenderLevels& blender,
   return gltf::blender_level_factors(mode, lumens_per_watt);
 }
 
-void set_loaded(const LoadedScene& loaded, v1::LoadSceneResponse* response) {
-  for (const MissingAsset& asset : loaded.missing) {
-    v1::NamedAsset* missing = response->add_missing();
-    missing->set_name(asset.name);
-    missing->set_sha256(asset.digest);
-  }
-  if (loaded.stored.scene == nullptr) return;
-  response->set_scene_id(loaded.stored.scene->id());
-  response->set_already_loaded(loaded.already_loaded);
-  response->set_lease_id(loaded.lease.id);
-  response->set_lease_s(loaded.lease.seconds);
-  add_remarks(*loaded.stored.scene, response->mutable_remarks());
-}
-
 }  // namespace
 
 Prepared handle_load_scene(const Context& context, const v1::LoadSceneRequest& request,
                            v1::LoadSceneResponse* response) {
   if (request.has_lease_s()) LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
-  Manifest manifest;
-  if (request.has_manifest()) {
-    LUCERNA_ASSIGN_OR_RETURN(manifest, check_manifest(context, "manifest", request.manifest()));
-  } else if (request.path().empty()) {
-    return bad_field("path", "\"\"", "the name of a scene file under the server's scene root");
-  } else if (request.path().size() > context.limits.max_name_bytes) {
-    return bad_field("path", fmt::format("{} bytes", request.path().size()),
-                     fmt::format("at most {} bytes", context.limits.max_name_bytes));
-  }
+  LUCERNA_ASSIGN_OR_RETURN(Manifest manifest, check_scene_file(context, "", request));
   std::optional<LevelFactors> factors;
   if (request.has_blender()) {
     LUCERNA_ASSIGN_OR_RETURN(
@@ -113,6 +91,8 @@ Prepared handle_load_scene(const Context& context, const v1::LoadSceneRequest& r
       }
     }
     set_loaded(*loaded, response);
+    if (loaded->stored.scene != nullptr)
+      add_remarks(*loaded->stored.scene, response->mutable_remarks());
     return absl::OkStatus();
   };
   return task;

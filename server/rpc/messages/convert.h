@@ -29,6 +29,20 @@ void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* 
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out);
 /// Unit of the light's flux where fields are in lm; empty: lm.
 std::string power_unit(const Scene& scene, std::uint32_t light);
+/// Of LoadScene or EditLights.
+template <typename Response>
+void set_loaded(const LoadedScene& loaded, Response* out) {
+  for (const MissingAsset& asset : loaded.missing) {
+    v1::NamedAsset* missing = out->add_missing();
+    missing->set_name(asset.name);
+    missing->set_sha256(asset.digest);
+  }
+  if (loaded.stored.scene == nullptr) return;
+  out->set_scene_id(loaded.stored.scene->id());
+  out->set_already_loaded(loaded.already_loaded);
+  out->set_lease_id(loaded.lease.id);
+  out->set_lease_s(loaded.lease.seconds);
+}
 void set_summary(const StoredScene& stored, v1::SceneSummary* out);
 void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Remark>* out);
 void set_parts(const Scene& scene, v1::GetSceneResponse* out);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lucerna/v1/scene.pb.h"
+#include "proto/common/status_macros.h"
 #include "server/rpc/messages/task.h"
 
 namespace lucerna::rpc {
@@ -13,8 +14,21 @@ namespace lucerna::rpc {
 /// INVALID_ARGUMENT unless it has the length of a SHA-256.
 absl::Status check_digest(const std::string& field, const std::string& digest);
 
-/// A manifest of a request.  `field`: its name, for errors.
+/// The name of a scene file under the scene root.  `field`: its name, for errors.
+absl::Status check_path(const Context& context, const std::string& field, const std::string& path);
+/// A manifest of a request.
 absl::StatusOr<Manifest> check_manifest(const Context& context, const std::string& field,
                                         const v1::SceneManifest& given);
+
+/// The manifest of a message that has either `manifest` or `path`; empty if it has a path.
+/// `prefix`: of the names of its fields.
+template <typename Message>
+absl::StatusOr<Manifest> check_scene_file(const Context& context, const std::string& prefix,
+                                          const Message& message) {
+  if (message.has_manifest())
+    return check_manifest(context, prefix + "manifest", message.manifest());
+  LUCERNA_RETURN_IF_ERROR(check_path(context, prefix + "path", message.path()));
+  return Manifest();
+}
 
 }  // namespace lucerna::rpc
