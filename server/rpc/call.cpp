@@ -4,14 +4,12 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <cstdint>
 #include <optional>
 #include <string>
 
 #include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/rpc/messages/errors.h"
-#include "server/runtime/parallel.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -47,15 +45,13 @@ void UnaryCall::take(bool ok) {
   observed_.request_complete();
   monitor::CallRecord& record = observed_.record();
   record.request_bytes = bytes_.Length();
-  pass_ = runtime_.gate.enter();
-  if (!pass_) return finish(draining());
   Prepared task = absl::InternalError("not prepared");
   const absl::Status prepared = guarded([&]() -> absl::Status {
-    LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
+    LUCERNA_RETURN_IF_ERROR(admit());
     LUCERNA_RETURN_IF_ERROR(parse(bytes_, record));
     task = prepare();
     LUCERNA_RETURN_IF_ERROR(task.status());
-    return ObservedCall::take_items(admission_, task->items);
+    return observed_.take_items(task->items);
   });
   if (!prepared.ok()) return finish(prepared);
   if (!task->bulk && task->predicted_s < kAtOnceSeconds) return compute(*task);
@@ -89,27 +85,21 @@ void UnaryCall::compute(const Task& task) {
   monitor::CallRecord& record = observed_.record();
   std::optional<ComputeLimit> limit;
   if (record.queued) limit.emplace(runtime_, observed_.deadline(), stop_);
-  const auto begin = std::chrono::steady_clock::now();
-  const CpuMeter meter;
   const std::stop_token stop = stop_.get_token();
-  absl::Status status = guarded([&] {
+  absl::Status status;
+  try {
+    const WorkTime time(record);
     const StopScope scope(stop);
-    return task.run(stop);
-  });
+    status = task.run(stop);
+  } catch (...) {
+    status = status_of_exception();
+  }
   // A stopped task may have left its answer incomplete.
   const bool stopped = stop_.stop_requested();
   if (stopped) status = limit ? limit->stopped_status() : stopped_status(observed_.deadline());
-  record.compute_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  record.cpu_s = meter.seconds();
-  std::uint64_t counted = task.items;
-  ObservedCall::count_work(admission_, record.cpu_s, counted);
+  observed_.count_work();
   if (status.ok()) runtime_.times.learn(record.call, task.predicted_s, record.compute_s);
-  if (task.cost != nullptr && status.ok()) {
-    task.cost->set_cpu_time_s(record.cpu_s);
-    task.cost->set_wall_time_s(record.compute_s);
-    task.cost->set_queue_time_s(record.queue_s);
-  }
+  if (task.cost != nullptr && status.ok()) set_times(record, task.cost);
   finish(status);
 }
 

@@ -54,7 +54,7 @@ class TypedCall final : public UnaryCall {
     if constexpr (std::is_invocable_v<decltype(handler), Runtime&, const Request&, Response*>) {
       return handler(runtime_, request, &response);
     } else {
-      return handler(runtime_.context(admission_.caller), request, &response);
+      return handler(runtime_.context(observed_.caller()), request, &response);
     }
   }
   absl::Status encode(grpc::ByteBuffer& bytes, monitor::CallRecord& record) override {

@@ -1,6 +1,5 @@
 #include "server/rpc/image_stream.h"
 
-#include <chrono>
 #include <utility>
 
 #include "lights/maths/stop_poll.h"
@@ -8,7 +7,6 @@
 #include "proto/common/status_macros.h"
 #include "server/rpc/answer_record.h"
 #include "server/rpc/messages/errors.h"
-#include "server/runtime/parallel.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -22,26 +20,19 @@ ImageStream::ImageStream(Runtime& runtime, grpc::CallbackServerContext& context,
 void ImageStream::take(bool ok) {
   if (!ok) return finish(no_message());
   observed_.request_complete();
-  absl::Status status;
   observed_.record().request_bytes = bytes_.Length();
-  pass_ = runtime_.gate.enter();
-  if (!pass_) {
-    status = draining();
-  } else {
-    status = guarded([&]() -> absl::Status {
-      LUCERNA_ASSIGN_OR_RETURN(admission_, observed_.admit());
-      v1::RenderImageRequest parsed;
-      LUCERNA_RETURN_IF_ERROR(parse_message(bytes_, parsed));
-      record_request(parsed, observed_.record());
-      LUCERNA_ASSIGN_OR_RETURN(
-          RenderImageHandler render,
-          RenderImageHandler::create(runtime_.context(admission_.caller), parsed));
-      counted_items_ = render.pixels();
-      LUCERNA_RETURN_IF_ERROR(ObservedCall::take_items(admission_, counted_items_));
-      render_.emplace(std::move(render));
-      return absl::OkStatus();
-    });
-  }
+  absl::Status status = guarded([&]() -> absl::Status {
+    LUCERNA_RETURN_IF_ERROR(admit());
+    v1::RenderImageRequest parsed;
+    LUCERNA_RETURN_IF_ERROR(parse_message(bytes_, parsed));
+    record_request(parsed, observed_.record());
+    LUCERNA_ASSIGN_OR_RETURN(
+        RenderImageHandler render,
+        RenderImageHandler::create(runtime_.context(observed_.caller()), parsed));
+    LUCERNA_RETURN_IF_ERROR(observed_.take_items(render.pixels()));
+    render_.emplace(std::move(render));
+    return absl::OkStatus();
+  });
   if (status.ok()) {
     {
       const std::lock_guard lock(mutex_);
@@ -71,24 +62,21 @@ LaneJob ImageStream::next_job() {
 absl::Status ImageStream::render(grpc::ByteBuffer* bytes) {
   monitor::CallRecord& record = observed_.record();
   const ComputeLimit limit(runtime_, observed_.deadline(), stop_, record.compute_s);
-  const auto begin = std::chrono::steady_clock::now();
-  const CpuMeter meter;
   v1::RenderImageResponse response;
   const std::stop_token stop = stop_.get_token();
-  const StopScope scope(stop);
-  const absl::Status status = render_->next(stop, &response);
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  record.cpu_s += meter.seconds();
-  record.compute_s += wall.count();
-  ObservedCall::count_work(admission_, record.cpu_s, counted_items_);
+  absl::Status status;
+  {
+    const WorkTime time(record);
+    const StopScope scope(stop);
+    status = render_->next(stop, &response);
+  }
+  observed_.count_work();
   if (stop_.stop_requested()) return limit.stopped_status();
   if (!status.ok()) return status;
   record.items += area(response.tile().rect());
   add_counts(response.cost(), record);  // the response counts the work of all tiles so far
   if (!response.has_tile()) return absl::OkStatus();
-  response.mutable_cost()->set_cpu_time_s(record.cpu_s);
-  response.mutable_cost()->set_wall_time_s(record.compute_s);
-  response.mutable_cost()->set_queue_time_s(record.queue_s);
+  set_times(record, response.mutable_cost());
   LUCERNA_RETURN_IF_ERROR(encode_message(response, *bytes));
   record.response_bytes += bytes->Length();
   return absl::OkStatus();

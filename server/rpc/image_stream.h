@@ -33,7 +33,6 @@ class ImageStream final : public Reactor {
   void advance();
 
   const std::string client_;
-  std::uint64_t counted_items_ = 0;
   std::optional<RenderImageHandler> render_;  // while a lane job runs, only the job uses it
 
   std::mutex mutex_;

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 #include <google/protobuf/stubs/logging.h>
-#include <grpcpp/alarm.h>
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/proto_buffer_reader.h>
 #include <grpcpp/support/proto_buffer_writer.h>
@@ -11,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/common/status_macros.h"
 #include "server/monitor/request_id.h"
 #include "server/rpc/call.h"
 #include "server/rpc/messages/errors.h"
@@ -127,32 +127,31 @@ void ObservedCall::answer_sent(std::size_t bytes) {
   runtime_.connections->answer_sent(bytes);
 }
 
-absl::StatusOr<access::Admission> ObservedCall::admit() {
+absl::Status ObservedCall::admit() {
   absl::StatusOr<access::Admission> admission =
       runtime_.access.admit(record_.call, header(context_, "authorization"), &token_);
   if (!token_.empty()) record_.caller = token_;
-  if (absl::IsResourceExhausted(admission.status())) {
+  if (absl::IsResourceExhausted(admission.status()))
     return retry_after(admission.status(), Reason::kOverQuota, kQuotaDelay);
-  }
-  return admission;
+  LUCERNA_ASSIGN_OR_RETURN(admission_, std::move(admission));
+  return absl::OkStatus();
 }
 
-absl::Status ObservedCall::take_items(const access::Admission& admission, std::uint64_t items) {
-  const std::chrono::milliseconds wait = admission.take_items(items);
+absl::Status ObservedCall::take_items(std::uint64_t items) {
+  items_ = items;
+  const std::chrono::milliseconds wait = admission_.take_items(items);
   if (wait.count() == 0) return absl::OkStatus();
-  const access::Caller& caller = admission.caller;
   return retry_after(
       absl::ResourceExhaustedError(fmt::format(
-          "\"{}\" requested {} items, allowed: {} per second; retry in {:.3f} s", caller.name,
-          items, caller.quota.items_per_second, 1e-3 * static_cast<double>(wait.count()))),
+          "\"{}\" requested {} items, allowed: {} per second; retry in {:.3f} s", caller().name,
+          items, caller().quota.items_per_second, 1e-3 * static_cast<double>(wait.count()))),
       Reason::kOverQuota, wait);
 }
 
-void ObservedCall::count_work(const access::Admission& admission, double cpu_s,
-                              std::uint64_t& counted) {
-  const auto work = static_cast<std::uint64_t>(cpu_s / kItemSeconds);
-  if (counted == 0 || work <= counted) return;
-  admission.owe_items(work - std::exchange(counted, work));
+void ObservedCall::count_work() {
+  const auto work = static_cast<std::uint64_t>(record_.cpu_s / kItemSeconds);
+  if (items_ == 0 || work <= items_) return;
+  admission_.owe_items(work - std::exchange(items_, work));
 }
 
 void ObservedCall::add_queue_time(Lane lane, double seconds) {
@@ -181,18 +180,13 @@ grpc::Status ObservedCall::end(const absl::Status& status) {
   return wire;
 }
 
-struct ComputeLimit::Timer {
-  grpc::Alarm alarm;
-};
-
 ComputeLimit::ComputeLimit(const Runtime& runtime, LaneJob::Clock::time_point deadline,
                            std::stop_source stop, double used_s)
     : limit_s_(runtime.max_call_s), deadline_(deadline) {
   if (limit_s_ == 0 || deadline != LaneJob::Clock::time_point::max()) return;
   passed_ = std::make_shared<std::atomic<bool>>(false);
-  timer_ = std::make_unique<Timer>();
   const auto left = std::chrono::duration<double>(std::max(0.0, limit_s_ - used_s));
-  timer_->alarm.Set(
+  alarm_.emplace().Set(
       LaneJob::Clock::now() + std::chrono::duration_cast<LaneJob::Clock::duration>(left),
       [passed = passed_, stop = std::move(stop)](bool rang) mutable {
         if (!rang) return;  // the work ended before
@@ -200,8 +194,6 @@ ComputeLimit::ComputeLimit(const Runtime& runtime, LaneJob::Clock::time_point de
         stop.request_stop();
       });
 }
-
-ComputeLimit::~ComputeLimit() = default;
 
 absl::Status ComputeLimit::stopped_status() const {
   if (passed_ == nullptr || !*passed_) return rpc::stopped_status(deadline_);
@@ -255,6 +247,12 @@ void set_up_protobuf_log() {
 void add_counts(const v1::Cost& cost, monitor::CallRecord& record) {
   record.samples = cost.samples();
   record.rays = cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays();
+}
+
+void set_times(const monitor::CallRecord& record, v1::Cost* cost) {
+  cost->set_cpu_time_s(record.cpu_s);
+  cost->set_wall_time_s(record.compute_s);
+  cost->set_queue_time_s(record.queue_s);
 }
 
 }  // namespace lucerna::rpc

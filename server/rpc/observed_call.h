@@ -3,18 +3,21 @@
 
 #include <absl/status/status.h>
 #include <google/protobuf/message.h>
+#include <grpcpp/alarm.h>
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/byte_buffer.h>
 
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
 #include "lucerna/v1/accuracy.pb.h"
 #include "server/monitor/call_record.h"
 #include "server/rpc/runtime.h"
+#include "server/runtime/parallel.h"
 
 namespace lucerna::rpc {
 
@@ -27,16 +30,18 @@ class ObservedCall {
   ObservedCall(const ObservedCall&) = delete;
   ObservedCall& operator=(const ObservedCall&) = delete;
 
-  /// Lets the call in, by the header "authorization".  Errors: those of access::Access::admit.
-  absl::StatusOr<access::Admission> admit();
+  /// Admits the call, by the header "authorization".  Errors: those of access::Access::admit.
+  absl::Status admit();
+  /// Anybody before the call is admitted.
+  const access::Caller& caller() const { return admission_.caller; }
 
   /// Counts the items of the call against the caller's quota.  RESOURCE_EXHAUSTED with a RetryInfo
   /// if the caller has computed too many in the last time.
-  static absl::Status take_items(const access::Admission& admission, std::uint64_t items);
-  /// Counts the work of a call as items, beyond `counted` items: one for each kItemSeconds of
-  /// processor time.  So a call of few items and many samples counts what it computes.  `counted`
-  /// of 0: the call has no items, and nothing is counted.
-  static void count_work(const access::Admission& admission, double cpu_s, std::uint64_t& counted);
+  absl::Status take_items(std::uint64_t items);
+  /// Counts the work so far as items, beyond those taken: one for each kItemSeconds of processor
+  /// time.  So a call of few items and many samples counts what it computes.  Nothing is counted
+  /// for a call without items.
+  void count_work();
 
   monitor::CallRecord& record() { return record_; }
   /// The job's time in the queue of `lane`.
@@ -75,6 +80,8 @@ class ObservedCall {
   std::uint64_t unsent_bytes_ = 0;
   std::uint64_t held_bytes_ = 0;  // of the message that was taken last
   bool has_request_ = false;      // which is not complete
+  access::Admission admission_;
+  std::uint64_t items_ = 0;  // that are counted against the quota
 };
 
 /// Stops work that takes longer than a call without a deadline may.  Does nothing for a call with a
@@ -84,19 +91,33 @@ class ComputeLimit {
   /// `used_s`: time that the call has computed before.
   ComputeLimit(const Runtime& runtime, LaneJob::Clock::time_point deadline, std::stop_source stop,
                double used_s = 0);
-  ~ComputeLimit();
-  ComputeLimit(const ComputeLimit&) = delete;
-  ComputeLimit& operator=(const ComputeLimit&) = delete;
 
   /// The status of work that was stopped: by this limit, by the deadline, or by the client.
   absl::Status stopped_status() const;
 
  private:
-  struct Timer;
   double limit_s_;
   LaneJob::Clock::time_point deadline_;
   std::shared_ptr<std::atomic<bool>> passed_;
-  std::unique_ptr<Timer> timer_;
+  std::optional<grpc::Alarm> alarm_;  // cancelled when the work ends
+};
+
+/// Adds the time of work on this thread to the record of its call, until it is destroyed.
+class WorkTime {
+ public:
+  explicit WorkTime(monitor::CallRecord& record) : record_(record) {}
+  ~WorkTime() {
+    record_.cpu_s += meter_.seconds();
+    record_.compute_s += std::chrono::duration<double>(Clock::now() - begin_).count();
+  }
+  WorkTime(const WorkTime&) = delete;
+  WorkTime& operator=(const WorkTime&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  monitor::CallRecord& record_;
+  const Clock::time_point begin_ = Clock::now();
+  const CpuMeter meter_;
 };
 
 /// Parses the bytes, and frees them.  Drops unknown fields.  MALFORMED_MESSAGE with the parser's
@@ -110,5 +131,6 @@ absl::Status encode_message(const google::protobuf::Message& message, grpc::Byte
 void set_up_protobuf_log();
 
 void add_counts(const v1::Cost& cost, monitor::CallRecord& record);
+void set_times(const monitor::CallRecord& record, v1::Cost* cost);
 
 }  // namespace lucerna::rpc

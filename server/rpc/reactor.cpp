@@ -23,6 +23,11 @@ void Reactor::OnCancel() {
 
 void Reactor::begin() { read(idle_time()); }
 
+absl::Status Reactor::admit() {
+  pass_ = runtime_.gate.enter();
+  return pass_ ? observed_.admit() : draining();
+}
+
 void Reactor::read(std::chrono::steady_clock::duration patience) {
   const Waits::Wait wait = wait_ =
       runtime_.waits.until(patience == patience.max() ? Waits::Clock::time_point::max()

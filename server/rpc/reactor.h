@@ -63,6 +63,8 @@ class Reactor : public grpc::ServerGenericBidiReactor,
  protected:
   /// Reads the first message.
   virtual void begin();
+  /// Admits a call of the contract.  Errors: the server shuts down; those of ObservedCall::admit.
+  absl::Status admit();
   /// Takes `bytes_`, the next message.  `ok` is false if the client sends no more.
   virtual void take(bool ok) = 0;
   /// Ends the call.
@@ -85,7 +87,6 @@ class Reactor : public grpc::ServerGenericBidiReactor,
   ObservedCall observed_;
   std::stop_source stop_;
   grpc::ByteBuffer bytes_;
-  access::Admission admission_;  // of calls of the contract
 
  private:
   std::shared_ptr<Reactor> self_;

@@ -51,9 +51,9 @@ absl::Status stopped_status(LaneJob::Clock::time_point deadline) {
   return absl::CancelledError("cancelled during the computation");
 }
 
-absl::Status guarded(const std::function<absl::Status()>& f) {
+absl::Status status_of_exception() {
   try {
-    return f();
+    throw;
   } catch (const Stopped&) {
     return absl::CancelledError("the work was stopped");
   } catch (const std::bad_alloc&) {

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -66,20 +65,18 @@ class CallGate {
 /// The limits of requests, which may change while calls run.  Thread-safe.
 class CurrentLimits {
  public:
-  CurrentLimits() { set({}); }
-  /// The reference stays valid.
-  const RequestLimits& get() const { return *now_.load(std::memory_order_acquire); }
+  RequestLimits get() const {
+    const std::lock_guard lock(mutex_);
+    return now_;
+  }
   void set(const RequestLimits& limits) {
     const std::lock_guard lock(mutex_);
-    // Earlier limits stay, since running calls refer to them.
-    all_.push_back(limits);
-    now_.store(&all_.back(), std::memory_order_release);
+    now_ = limits;
   }
 
  private:
-  std::mutex mutex_;
-  std::deque<RequestLimits> all_;
-  std::atomic<const RequestLimits*> now_{nullptr};
+  mutable std::mutex mutex_;
+  RequestLimits now_;
 };
 
 struct Runtime {
@@ -127,7 +124,16 @@ absl::Status lane_error(absl::Status status, Lane lane);
 /// The status of stopped work: DEADLINE_EXCEEDED or CANCELLED.
 absl::Status stopped_status(LaneJob::Clock::time_point deadline);
 
-/// `f()`, with exceptions as errors: RESOURCE_EXHAUSTED if memory ran out, else INTERNAL.
-absl::Status guarded(const std::function<absl::Status()>& f);
+/// The exception that is handled now: RESOURCE_EXHAUSTED if memory ran out, else INTERNAL.
+absl::Status status_of_exception();
+/// `f()`, with exceptions as errors.
+template <typename F>
+absl::Status guarded(const F& f) {
+  try {
+    return f();
+  } catch (...) {
+    return status_of_exception();
+  }
+}
 
 }  // namespace lucerna::rpc

@@ -9,7 +9,6 @@
 
 #include "proto/common/status_macros.h"
 #include "server/rpc/messages/errors.h"
-#include "server/runtime/parallel.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -32,11 +31,7 @@ UploadStream::UploadStream(Runtime& runtime, grpc::CallbackServerContext& contex
     : Reactor(runtime, context, call), patience_(runtime.assets->stall_time()) {}
 
 void UploadStream::begin() {
-  pass_ = runtime_.gate.enter();
-  if (!pass_) return finish(draining());
-  absl::StatusOr<access::Admission> admission = observed_.admit();
-  if (!admission.ok()) return finish(admission.status());
-  admission_ = *std::move(admission);
+  if (const absl::Status status = admit(); !status.ok()) return finish(status);
   client_ = observed_.client();
   read_next();
 }
@@ -88,10 +83,9 @@ void UploadStream::take_message(const LaneJobStart& start) {
   monitor::CallRecord& record = observed_.record();
   observed_.add_queue_time(Lane::kInteractive, start.queue_time_s);
   if (!start.status.ok()) return finish(start.status);
-  const auto begin = std::chrono::steady_clock::now();
-  const CpuMeter meter;
   record.request_bytes += bytes_.Length();
   const absl::Status status = guarded([&]() -> absl::Status {
+    const WorkTime time(record);
     LUCERNA_RETURN_IF_ERROR(parse_message(bytes_, request_));
     if (request_.has_header() != !begun_) {
       return bad_field("part", begun_ ? "header" : "chunk",
@@ -100,9 +94,6 @@ void UploadStream::take_message(const LaneJobStart& start) {
     return begun_ ? take_chunk(request_.chunk()) : take_header(request_.header());
   });
   begun_ = true;
-  record.cpu_s += meter.seconds();
-  record.compute_s +=
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!status.ok() || held_) return finish(status);
   read_next();
 }
@@ -130,7 +121,7 @@ absl::Status UploadStream::take_header(const v1::AssetHeader& header) {
   }
   absl::StatusOr<AssetUpload> upload = assets.upload(
       header.sha256(), header.size_bytes(), header.offset_bytes(),
-      {admission_.caller.name, admission_.caller.quota.asset_bytes}, stop_.get_token());
+      {observed_.caller().name, observed_.caller().quota.asset_bytes}, stop_.get_token());
   if (absl::IsFailedPrecondition(upload.status())) return being_uploaded(upload.status());
   if (!upload.ok()) return load_error(upload.status());
   upload_.emplace(*std::move(upload));
