@@ -50,11 +50,12 @@ void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::S
   spdlog::info(fmt::format("scene root {}: {} scene files{}, {} scenes loaded", serves.root,
                            serves.available_scenes, serves.listing_is_incomplete ? " or more" : "",
                            serves.loaded_scenes));
-  for (const std::string& warning : lucerna::rpc::door_warnings(options)) spdlog::warn(warning);
-  const lucerna::rpc::DoorOptions& doors = options.doors;
-  spdlog::info(fmt::format("{}, {}", doors.tls.given() ? "TLS" : "no TLS",
-                           doors.token_file.empty() ? "no tokens: every caller may do everything"
-                                                    : "callers need a token"));
+  for (const std::string& warning : lucerna::rpc::option_warnings(options)) spdlog::warn(warning);
+  const lucerna::rpc::ConnectionOptions& connections = options.connections;
+  spdlog::info(fmt::format("{}, {}", connections.tls.given() ? "TLS" : "no TLS",
+                           connections.token_file.empty()
+                               ? "no tokens: every caller may do everything"
+                               : "callers need a token"));
   spdlog::info(fmt::format("{} threads, memory budget {}", serves.threads,
                            budget > 0 ? describe_bytes(budget) : "unlimited"));
 }
@@ -150,7 +151,7 @@ class Control {
       spdlog::error(fmt::format("not reloaded: {}", std::string(status.message())));
       return;
     }
-    for (const std::string& warning : lucerna::rpc::door_warnings(now.options.server))
+    for (const std::string& warning : lucerna::rpc::option_warnings(now.options.server))
       spdlog::warn(warning);
     for (std::size_t i = 0; i < now.held.size(); ++i) {
       if (now.held[i].value == held_[i].value) continue;
@@ -217,12 +218,12 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "lucernad: warning: {}\n", warning);
   }
   if (line.check) {
-    const absl::Status doors = lucerna::rpc::check_doors(configuration.options.server);
-    if (!doors.ok()) {
-      print_errors(std::string(doors.message()));
+    const absl::Status checked = lucerna::rpc::check_options(configuration.options.server);
+    if (!checked.ok()) {
+      print_errors(std::string(checked.message()));
       return 2;
     }
-    for (const std::string& warning : lucerna::rpc::door_warnings(configuration.options.server))
+    for (const std::string& warning : lucerna::rpc::option_warnings(configuration.options.server))
       fmt::print(stderr, "lucernad: warning: {}\n", warning);
     fmt::print("{}", lucerna::config::describe(configuration));
     return 0;

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "server/rpc/doors.h"
+#include "server/rpc/connection_options.h"
 
 namespace lucerna::rpc {
 

@@ -17,8 +17,8 @@
 #include <thread>
 #include <vector>
 
+#include "server/rpc/connection_options.h"
 #include "server/rpc/connections.h"
-#include "server/rpc/doors.h"
 
 namespace lucerna::rpc {
 

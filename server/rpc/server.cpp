@@ -118,8 +118,8 @@ void set_up_grpc() {
 
 }  // namespace
 
-absl::Status check_doors(const ServerOptions& options) {
-  const DoorOptions& doors = options.doors;
+absl::Status check_options(const ServerOptions& options) {
+  const ConnectionOptions& connections = options.connections;
   std::vector<std::string> errors;
   const auto add = [&](const absl::Status& status) {
     if (!status.ok()) errors.emplace_back(status.message());
@@ -132,13 +132,13 @@ absl::Status check_doors(const ServerOptions& options) {
   if (!errors.empty()) return all();  // their hosts cannot be looked up
   const absl::StatusOr<bool> loopback = is_loopback(options.listen);
   if (!loopback.ok()) return loopback.status();
-  if (!*loopback && !doors.tls.given() && !doors.insecure) {
+  if (!*loopback && !connections.tls.given() && !connections.insecure) {
     errors.push_back(
         fmt::format("listen = {}, which other machines can reach; allowed: a loopback address, "
                     "or tls-cert and tls-key, or the option insecure",
                     options.listen));
   }
-  if (!options.metrics.empty() && !doors.insecure) {
+  if (!options.metrics.empty() && !connections.insecure) {
     const absl::StatusOr<bool> metrics_loopback = is_loopback(options.metrics);
     add(metrics_loopback.status());
     if (metrics_loopback.ok() && !*metrics_loopback) {
@@ -148,13 +148,14 @@ absl::Status check_doors(const ServerOptions& options) {
           options.metrics));
     }
   }
-  if (doors.tls.given()) add(Tls::open(doors.tls).status());
-  if (!doors.token_file.empty()) add(access::read_token_file(doors.token_file).status());
+  if (connections.tls.given()) add(Tls::open(connections.tls).status());
+  if (!connections.token_file.empty())
+    add(access::read_token_file(connections.token_file).status());
   return errors.empty() ? absl::OkStatus() : all();
 }
 
-std::vector<std::string> door_warnings(const ServerOptions& options) {
-  return certificate_warnings(options.doors.tls);
+std::vector<std::string> option_warnings(const ServerOptions& options) {
+  return certificate_warnings(options.connections.tls);
 }
 
 absl::Status Server::State::load(const std::string& path, const std::stop_token& stop) {
@@ -175,23 +176,24 @@ absl::Status Server::State::load(const std::string& path, const std::stop_token&
 absl::Status Server::State::listen(const ServerOptions& options) {
   set_up_grpc();
   service = make_service(runtime);
-  LUCERNA_ASSIGN_OR_RETURN(listener, Listener::open(options.listen, options.doors.limits));
+  LUCERNA_ASSIGN_OR_RETURN(listener, Listener::open(options.listen, options.connections.limits));
   grpc::ServerBuilder builder;
-  const DoorOptions& doors = options.doors;
+  const ConnectionOptions& connections = options.connections;
   const auto set = [&](const char* argument, std::uint64_t value) {
     builder.AddChannelArgument(argument, static_cast<int>(std::min<std::uint64_t>(
                                              value, std::numeric_limits<int>::max())));
   };
   // Clients send keepalive pings while a long call runs.
-  set(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 1000ULL * doors.least_ping_gap_s);
+  set(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
+      1000ULL * connections.least_ping_gap_s);
   set(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   // A client that is gone without a word answers no ping, and its connection is closed.
-  set(GRPC_ARG_KEEPALIVE_TIME_MS, 1000ULL * doors.ping_s);
+  set(GRPC_ARG_KEEPALIVE_TIME_MS, 1000ULL * connections.ping_s);
   set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 1000ULL * kPingAnswerSeconds);
   set(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  set(GRPC_ARG_MAX_CONCURRENT_STREAMS, doors.streams);
-  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 1000ULL * doors.handshake_s);
-  if (doors.idle_s > 0) set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 1000ULL * doors.idle_s);
+  set(GRPC_ARG_MAX_CONCURRENT_STREAMS, connections.streams);
+  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 1000ULL * connections.handshake_s);
+  if (connections.idle_s > 0) set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 1000ULL * connections.idle_s);
   const int bytes = static_cast<int>(
       std::min<std::uint64_t>(options.limits.max_message_bytes, std::numeric_limits<int>::max()));
   builder.SetMaxReceiveMessageSize(bytes);
@@ -220,13 +222,13 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   listener->connections().set_patience(
       {.message_bytes = options.limits.max_message_bytes,
        .unfinished_bytes = kUnfinishedMessages * message,
-       .calls = 2 * doors.streams + kSpareCalls,
+       .calls = 2 * connections.streams + kSpareCalls,
        .unsent_bytes = std::max(two_messages, budget == 0 ? kMostUnsentBytes : budget / 4),
-       .idle_s = doors.idle_s,
+       .idle_s = connections.idle_s,
        .uncounted_bytes = kUncountedBytes + (budget == 0 ? kMostUncountedBytes : budget / 8),
        .counted_bytes = [this] { return runtime.scenes->counted_bytes(); }});
   runtime.connections = &listener->connections();
-  runtime.idle_s = doors.idle_s;
+  runtime.idle_s = connections.idle_s;
   const auto take = [this](std::size_t thread, int from, int connection) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
     parameters.listener_fd = from;
@@ -268,18 +270,18 @@ void Server::State::end(std::chrono::system_clock::time_point deadline) {
 
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& options,
                                                       std::stop_token stop) {
-  LUCERNA_RETURN_IF_ERROR(check_doors(options));
+  LUCERNA_RETURN_IF_ERROR(check_options(options));
   LUCERNA_ASSIGN_OR_RETURN(auto assets, AssetStore::open(options.assets));
   LUCERNA_ASSIGN_OR_RETURN(auto scenes, SceneStore::open(options.scenes, assets.get()));
   LUCERNA_ASSIGN_OR_RETURN(const std::string embree, embree_kernels(options.scenes.isa));
   auto state = std::make_unique<State>(options.lanes);
   state->runtime.limits.set(options.limits);
-  if (options.doors.tls.given()) {
-    LUCERNA_ASSIGN_OR_RETURN(state->tls, Tls::open(options.doors.tls));
-    state->runtime.client_certificates = !options.doors.tls.client_ca.empty();
+  if (options.connections.tls.given()) {
+    LUCERNA_ASSIGN_OR_RETURN(state->tls, Tls::open(options.connections.tls));
+    state->runtime.client_certificates = !options.connections.tls.client_ca.empty();
   }
-  if (!options.doors.token_file.empty()) {
-    LUCERNA_ASSIGN_OR_RETURN(auto tokens, access::read_token_file(options.doors.token_file));
+  if (!options.connections.token_file.empty()) {
+    LUCERNA_ASSIGN_OR_RETURN(auto tokens, access::read_token_file(options.connections.token_file));
     state->runtime.access.set_tokens(std::move(tokens));
   }
   state->runtime.assets = std::move(assets);
@@ -318,21 +320,21 @@ ServerSummary Server::summary() const {
 }
 
 absl::Status Server::reload(const ServerOptions& options) {
-  if (options.doors.token_file.empty() != state_->runtime.access.open()) {
+  if (options.connections.token_file.empty() != state_->runtime.access.open()) {
     return absl::InvalidArgumentError(
         "token-file: whether callers need a token changes only at a restart");
   }
-  if (options.doors.tls.given() != (state_->tls != nullptr)) {
+  if (options.connections.tls.given() != (state_->tls != nullptr)) {
     return absl::InvalidArgumentError("tls-cert: TLS is switched on and off only at a restart");
   }
   std::vector<access::Token> tokens;
-  if (!options.doors.token_file.empty()) {
-    LUCERNA_ASSIGN_OR_RETURN(tokens, access::read_token_file(options.doors.token_file));
+  if (!options.connections.token_file.empty()) {
+    LUCERNA_ASSIGN_OR_RETURN(tokens, access::read_token_file(options.connections.token_file));
   }
-  if (state_->tls != nullptr) LUCERNA_RETURN_IF_ERROR(state_->tls->reload(options.doors.tls));
+  if (state_->tls != nullptr) LUCERNA_RETURN_IF_ERROR(state_->tls->reload(options.connections.tls));
   // No step below fails.
   if (!tokens.empty()) state_->runtime.access.set_tokens(std::move(tokens));
-  state_->listener->connections().set_limits(options.doors.limits);
+  state_->listener->connections().set_limits(options.connections.limits);
   RequestLimits limits = state_->runtime.limits.get();
   limits.max_batch_items = options.limits.max_batch_items;
   limits.max_tile_pixels = options.limits.max_tile_pixels;

@@ -14,7 +14,7 @@
 
 #include "server/assets/asset_store_options.h"
 #include "server/monitor/call_record.h"
-#include "server/rpc/doors.h"
+#include "server/rpc/connection_options.h"
 #include "server/rpc/messages/request_limits.h"
 #include "server/runtime/lanes.h"
 #include "server/store/scene_store_options.h"
@@ -42,16 +42,16 @@ struct ServerOptions {
   std::function<std::uint64_t()> log_lines_left_out;
   /// The longest that a call without a deadline may compute [s]; 0: no limit.
   double max_call_s = 0;
-  DoorOptions doors;
+  ConnectionOptions connections;
 };
 
 /// Checks what `Server::start` and `Server::reload` check before they change anything: the
 /// addresses with their TLS, the certificates and the token file.  INVALID_ARGUMENT with all
 /// errors, one a line.
-absl::Status check_doors(const ServerOptions& options);
-/// What an operator should know of doors that check_doors() accepts: certificates that have
+absl::Status check_options(const ServerOptions& options);
+/// What an operator should know of options that check_options() accepts: certificates that have
 /// expired.  One sentence each.
-std::vector<std::string> door_warnings(const ServerOptions& options);
+std::vector<std::string> option_warnings(const ServerOptions& options);
 
 /// What a server serves, for its log.
 struct ServerSummary {
@@ -64,7 +64,7 @@ struct ServerSummary {
 
 class Server {
  public:
-  /// The server is ready when this returns.  Errors: those of check_doors; an address that cannot
+  /// The server is ready when this returns.  Errors: those of check_options; an address that cannot
   /// be used (UNAVAILABLE), too few file descriptors (RESOURCE_EXHAUSTED),
   /// no such scene root, an unknown isa, a scene that cannot be loaded; CANCELLED by `stop`.
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options,

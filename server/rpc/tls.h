@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/rpc/doors.h"
+#include "server/rpc/connection_options.h"
 
 namespace lucerna::rpc {
 

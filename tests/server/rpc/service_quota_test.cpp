@@ -32,7 +32,7 @@ class Quotas : public ::testing::Test {
 
   rpc::ServerOptions options() {
     rpc::ServerOptions options = service_options();
-    options.doors.token_file = (directory_.path() / "tokens.toml").string();
+    options.connections.token_file = (directory_.path() / "tokens.toml").string();
     options.on_call = [this](const monitor::CallRecord& record) {
       const std::lock_guard lock(mutex_);
       callers_.push_back(record.caller);

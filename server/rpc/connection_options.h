@@ -1,4 +1,4 @@
-// Options of the doors of a server: who may connect, and how.
+// Options of connections: who may connect, and how.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct ConnectionLimits {
   std::uint32_t peer_connections = 1024;  ///< open at once from one address
 };
 
-struct DoorOptions {
+struct ConnectionOptions {
   TlsFiles tls;
   /// Allows an address that other machines reach, without TLS.
   bool insecure = false;
