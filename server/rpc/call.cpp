@@ -5,7 +5,6 @@
 
 #include <chrono>
 #include <optional>
-#include <string>
 
 #include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"

@@ -5,7 +5,6 @@
 
 #include <mutex>
 #include <optional>
-#include <string>
 
 #include "server/rpc/reactor.h"
 

@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <memory>
 #include <stop_token>
-#include <string>
 #include <utility>
 
 #include "server/rpc/observed_call.h"

@@ -5,8 +5,6 @@
 #include <grpc/health/v1/health.pb.h>
 #include <grpc/reflection/v1alpha/reflection.pb.h>
 
-#include <vector>
-
 #include "server/rpc/services.h"
 
 namespace lucerna::rpc {

@@ -9,7 +9,6 @@
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
-#include <atomic>
 #include <ctime>
 #include <mutex>
 #include <utility>

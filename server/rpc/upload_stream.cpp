@@ -88,8 +88,8 @@ void UploadStream::take_message(const LaneJobStart& start) {
     const WorkTime time(record);
     LUCERNA_RETURN_IF_ERROR(parse_message(bytes_, request_));
     if (request_.has_header() != !begun_) {
-      return bad_field("part", begun_ ? "header" : "chunk",
-                       begun_ ? "chunk, after the header" : "header, before all chunks");
+      return begun_ ? bad_field("part", "header", "chunk, after the header")
+                    : bad_field("part", "chunk", "header, before all chunks");
     }
     return begun_ ? take_chunk(request_.chunk()) : take_header(request_.header());
   });
@@ -111,13 +111,12 @@ absl::Status UploadStream::take_header(const v1::AssetHeader& header) {
     response_.set_received_bytes(held.bytes);
     return absl::OkStatus();
   }
-  if (header.size_bytes() > assets.max_asset_bytes()) {
-    return over_limit("header.size_bytes", header.size_bytes(), assets.max_asset_bytes());
-  }
+  LUCERNA_RETURN_IF_ERROR(
+      check_limit("header.size_bytes", header.size_bytes(), assets.max_asset_bytes()));
   const std::uint64_t reach = std::min<std::uint64_t>(held.bytes, header.size_bytes());
   if (header.offset_bytes() > reach) {
-    return bad_field("header.offset_bytes", fmt::format("{}", header.offset_bytes()),
-                     fmt::format("[0, {}], the bytes that the server has", reach));
+    return bad_field("header.offset_bytes", header.offset_bytes(),
+                     "[0, {}], the bytes that the server has", reach);
   }
   absl::StatusOr<AssetUpload> upload = assets.upload(
       header.sha256(), header.size_bytes(), header.offset_bytes(),
@@ -130,13 +129,13 @@ absl::Status UploadStream::take_header(const v1::AssetHeader& header) {
 
 absl::Status UploadStream::take_chunk(const std::string& chunk) {
   if (chunk.size() > kMostChunkBytes) {
-    return bad_field("chunk", fmt::format("{} bytes", chunk.size()),
-                     fmt::format("at most {} bytes", kMostChunkBytes));
+    return bad_field("chunk", fmt::format("{} bytes", chunk.size()), "at most {} bytes",
+                     kMostChunkBytes);
   }
   const std::uint64_t rest = upload_->size() - upload_->bytes();
   if (chunk.size() > rest) {
     return bad_field("chunk", fmt::format("{} bytes", chunk.size()),
-                     fmt::format("{} bytes, the rest of header.size_bytes", rest));
+                     "{} bytes, the rest of header.size_bytes", rest);
   }
   absl::Status status = upload_->append(chunk);
   return absl::IsFailedPrecondition(status) ? being_uploaded(std::move(status)) : status;
@@ -148,9 +147,8 @@ absl::Status UploadStream::end() {
   if (!upload_->complete()) return absl::OkStatus();
   absl::Status status = upload_->finish();
   if (absl::IsInvalidArgument(status)) {
-    return bad_field(
-        "header.sha256", hexadecimal(header_.sha256()),
-        fmt::format("{}, the SHA-256 of the received bytes", std::string(status.message())));
+    return bad_field("header.sha256", hexadecimal(header_.sha256()),
+                     "{}, the SHA-256 of the received bytes", std::string(status.message()));
   }
   return absl::IsFailedPrecondition(status) ? being_uploaded(std::move(status)) : status;
 }

@@ -136,7 +136,7 @@ absl::StatusOr<PowerQuery> parse(const Context& context, const v1::EstimatePower
   query.method = request.method();
   if (query.method < v1::EstimatePowerRequest::METHOD_UNSPECIFIED ||
       query.method > v1::EstimatePowerRequest::METHOD_SAMPLED) {
-    return bad_field("method", fmt::format("{}", static_cast<int>(query.method)),
+    return bad_field("method", static_cast<int>(query.method),
                      "METHOD_EXACT, METHOD_APPROXIMATE or METHOD_SAMPLED");
   }
   if (query.method == v1::EstimatePowerRequest::METHOD_SAMPLED) {
@@ -146,8 +146,8 @@ absl::StatusOr<PowerQuery> parse(const Context& context, const v1::EstimatePower
   LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
   const auto named = static_cast<std::uint64_t>(request.light_ids_size()) +
                      static_cast<std::uint64_t>(request.light_names_size());
-  if (named > context.limits.max_batch_items)
-    return over_limit("light_ids and light_names", named, context.limits.max_batch_items);
+  LUCERNA_RETURN_IF_ERROR(
+      check_limit("light_ids and light_names", named, context.limits.max_batch_items));
   LUCERNA_ASSIGN_OR_RETURN(const std::size_t page_size,
                            check_page_size(request.page_size(), context.limits.max_page_size));
   query.lights = named > 0 ? named : query.scene->lights().size();

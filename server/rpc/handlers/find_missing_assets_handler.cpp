@@ -20,9 +20,7 @@ Prepared handle_find_missing_assets(const Context& context,
                                     const v1::FindMissingAssetsRequest& request,
                                     v1::FindMissingAssetsResponse* response) {
   const auto n = static_cast<std::size_t>(request.sha256_size());
-  if (n > context.limits.max_batch_items) {
-    return over_limit("sha256", n, context.limits.max_batch_items);
-  }
+  LUCERNA_RETURN_IF_ERROR(check_limit("sha256", n, context.limits.max_batch_items));
   for (std::size_t i = 0; i < n; ++i) {
     const std::string& digest = request.sha256(static_cast<int>(i));
     LUCERNA_RETURN_IF_ERROR(check_digest(fmt::format("sha256[{}]", i), digest));

@@ -15,8 +15,7 @@ absl::StatusOr<SurfacesQuery> parse(const Context& context,
   const auto numbers = static_cast<std::size_t>(request.places_size());
   if (numbers % 2 != 0)
     return bad_length("places", numbers, numbers + 1, "two numbers for each place");
-  if (numbers / 2 > context.limits.max_batch_items)
-    return over_limit("places", numbers / 2, context.limits.max_batch_items);
+  LUCERNA_RETURN_IF_ERROR(check_limit("places", numbers / 2, context.limits.max_batch_items));
   LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "places", numbers / 2, answer_size(request)));
   LUCERNA_ASSIGN_OR_RETURN(const double time_s, check_time(request.time_s()));
   return SurfacesQuery{.places = view(request.places()), .time_s = time_s};

@@ -1,7 +1,5 @@
 #include "server/rpc/handlers/lease_handlers.h"
 
-#include <fmt/core.h>
-
 #include "proto/common/status_macros.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
@@ -20,7 +18,7 @@ Prepared handle_renew_lease(const Context& context, const v1::RenewLeaseRequest&
                             v1::RenewLeaseResponse* response) {
   LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
   if (!(request.lease_s() > 0)) {
-    return bad_field("lease_s", fmt::format("{}", request.lease_s()), "(0, inf)");
+    return bad_field("lease_s", request.lease_s(), "(0, inf)");
   }
   LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
   const auto run = [&scenes = context.scenes, &request, caller = context.caller,

@@ -25,12 +25,12 @@ constexpr const char* kAddedSource = "(added)";
 
 absl::Status check_factor(const std::string& field, double value) {
   if (value >= 0 && value <= kMostFactor) return absl::OkStatus();
-  return bad_field(field, fmt::format("{}", value), fmt::format("[0, {}]", kMostFactor));
+  return bad_field(field, value, "[0, {}]", kMostFactor);
 }
 
 absl::Status check_finite(const std::string& field, double value) {
   if (std::isfinite(value)) return absl::OkStatus();
-  return bad_field(field, fmt::format("{}", value), "a finite number");
+  return bad_field(field, value, "a finite number");
 }
 
 absl::Status check_finite(const std::string& field, const v1::Vector3& v) {
@@ -67,9 +67,8 @@ absl::StatusOr<SpotProfile> spot_profile(const std::string& field, v1::SpotProfi
     case v1::SPOT_PROFILE_QUADRATIC:
       return SpotProfile::kQuadratic;
     default:
-      return bad_field(field, fmt::format("{}", static_cast<int>(profile)),
-                       fmt::format("[0, {}], the numbers of SpotProfile",
-                                   static_cast<int>(v1::SpotProfile_MAX)));
+      return bad_field(field, static_cast<int>(profile), "[0, {}], the numbers of SpotProfile",
+                       static_cast<int>(v1::SpotProfile_MAX));
   }
 }
 
@@ -117,8 +116,8 @@ absl::StatusOr<LightDescription> put_light(const std::string& field, const v1::L
   LUCERNA_ASSIGN_OR_RETURN(LightParams params, params_of(field, light));
   LightDescription described{.params = std::move(params), .where = {.file = kAddedSource}};
   if (light.samples_per_light() > kMostSamplesPerLight)
-    return bad_field(field + ".samples_per_light", fmt::format("{}", light.samples_per_light()),
-                     fmt::format("[0, {}]", kMostSamplesPerLight));
+    return bad_field(field + ".samples_per_light", light.samples_per_light(), "[0, {}]",
+                     kMostSamplesPerLight);
   described.samples = std::max(light.samples_per_light(), 1U);
   described.name = light.name();
   // Reports bad values with the field of the request.
@@ -298,8 +297,7 @@ class Editor {
 
 absl::Status check_edits(const Context& context, const LightEditList& edits) {
   const auto n = static_cast<std::size_t>(edits.size());
-  if (n > context.limits.max_batch_items)
-    return over_limit("edits", n, context.limits.max_batch_items);
+  LUCERNA_RETURN_IF_ERROR(check_limit("edits", n, context.limits.max_batch_items));
   for (std::size_t i = 0; i < n; ++i) {
     const v1::LightEdit& edit = edits.Get(static_cast<int>(i));
     const std::string field = fmt::format("edits[{}]", i);

@@ -29,9 +29,9 @@ absl::StatusOr<gltf::BlenderLightingMode> check_mode(v1::BlenderLightingMode mod
     default:
       break;
   }
-  return bad_field("blender.mode", fmt::format("{}", static_cast<int>(mode)),
-                   fmt::format("[1, {}], the numbers of BlenderLightingMode",
-                               static_cast<int>(v1::BlenderLightingMode_MAX)));
+  return bad_field("blender.mode", static_cast<int>(mode),
+                   "[1, {}], the numbers of BlenderLightingMode",
+                   static_cast<int>(v1::BlenderLightingMode_MAX));
 }
 
 /// The factors for the scene file `name`.
@@ -41,8 +41,7 @@ absl::StatusOr<LevelFactors> check_blender(const v1::BlenderLevels& blender,
   const double lumens_per_watt =
       blender.has_lumens_per_watt() ? blender.lumens_per_watt() : gltf::kBlenderLumensPerWatt;
   if (!(lumens_per_watt > 0 && lumens_per_watt <= kMostLumensPerWatt)) {
-    return bad_field("blender.lumens_per_watt", fmt::format("{}", lumens_per_watt),
-                     fmt::format("(0, {}]", kMostLumensPerWatt));
+    return bad_field("blender.lumens_per_watt", lumens_per_watt, "(0, {}]", kMostLumensPerWatt);
   }
   if (!is_gltf_name(name)) {
     return bad_field(

@@ -1,7 +1,5 @@
 #include "server/rpc/handlers/render_image_handler.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <bit>
 
@@ -31,22 +29,20 @@ absl::StatusOr<int> check_tiles(const Context& context, const Camera& camera,
                                 const v1::RenderImageRequest& request) {
   const std::uint64_t edge = request.has_tile_size() ? request.tile_size() : kDefaultTileSize;
   if (edge == 0 || edge * edge > context.limits.max_tile_pixels) {
-    return bad_field(
-        "tile_size", fmt::format("{}", edge),
-        fmt::format("at least 1, its square at most {}", context.limits.max_tile_pixels));
+    return bad_field("tile_size", edge, "at least 1, its square at most {}",
+                     context.limits.max_tile_pixels);
   }
   const auto width = static_cast<std::uint64_t>(camera.width());
   const auto height = static_cast<std::uint64_t>(camera.height());
   const std::uint64_t most = request.intervals() ? kMostPixels / 2 : kMostPixels;
-  if (width * height > most) return over_limit("pixels of the picture", width * height, most);
+  LUCERNA_RETURN_IF_ERROR(check_limit("pixels of the picture", width * height, most));
   LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "pixels of a tile",
                                             std::min(edge, width) * std::min(edge, height),
                                             tile_size(request.accuracy(), request.intervals())));
   const auto across = [edge](std::uint64_t size) { return (size + edge - 1) / edge; };
   if (const std::uint64_t tiles = across(width) * across(height); tiles > kMostTiles) {
-    return bad_field(
-        "tile_size", fmt::format("{}", edge),
-        fmt::format("such that the picture has at most {} tiles, not {}", kMostTiles, tiles));
+    return bad_field("tile_size", edge, "such that the picture has at most {} tiles, not {}",
+                     kMostTiles, tiles);
   }
   return static_cast<int>(edge);
 }

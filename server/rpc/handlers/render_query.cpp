@@ -1,7 +1,5 @@
 #include "server/rpc/handlers/render_query.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -31,8 +29,7 @@ absl::Status check_block(const Request& request) {
   if (!request.has_samples_per_block() ||
       (std::has_single_bit(block) && block <= kMostSamplesPerBlock))
     return absl::OkStatus();
-  return bad_field("samples_per_block", fmt::format("{}", block),
-                   fmt::format("a power of two in [1, {}]", kMostSamplesPerBlock));
+  return bad_field("samples_per_block", block, "a power of two in [1, {}]", kMostSamplesPerBlock);
 }
 
 /// Sets the blocks of the query, except with a time budget.
@@ -43,7 +40,7 @@ absl::Status put_blocks(const Request& request, RenderQuery& query) {
   const std::uint32_t block = request.samples_per_block();
   if (query.rule.target) {
     if (request.has_samples_per_block())
-      return bad_field("samples_per_block", fmt::format("{}", block),
+      return bad_field("samples_per_block", block,
                        "unset with accuracy.target_error, where each pixel has its own");
     settings.target = query.rule.target;
     settings.block_count =
@@ -53,16 +50,15 @@ absl::Status put_blocks(const Request& request, RenderQuery& query) {
   if (query.rule.time_budget_s) {
     if (request.has_samples_per_block()) {
       if (block > query.most_samples)
-        return bad_field("samples_per_block", fmt::format("{}", block),
-                         fmt::format("at most {}, the most samples", query.most_samples));
+        return bad_field("samples_per_block", block, "at most {}, the most samples",
+                         query.most_samples);
       query.samples_per_block = block;
     }
     return absl::OkStatus();
   }
   const std::uint32_t samples = query.rule.samples;
   if (request.has_samples_per_block() && samples % block != 0)
-    return bad_field("accuracy.samples", fmt::format("{}", samples),
-                     fmt::format("a multiple of samples_per_block = {}", block));
+    return bad_field("accuracy.samples", samples, "a multiple of samples_per_block = {}", block);
   settings.samples_per_block =
       request.has_samples_per_block() ? block : default_samples_per_block(samples, kTileReplicates);
   settings.block_count = samples / settings.samples_per_block;
@@ -73,10 +69,9 @@ absl::Status put_blocks(const Request& request, RenderQuery& query) {
 template <typename Request>
 absl::Status check_sequence(const Request& request) {
   if (!request.one_sequence()) return absl::OkStatus();
-  constexpr char kAllowed[] =
-      "false with intervals and with accuracy.target_error, which need blocks";
   if (request.intervals() || request.accuracy().has_target_error())
-    return bad_field("one_sequence", "true", kAllowed);
+    return bad_field("one_sequence", "true",
+                     "false with intervals and with accuracy.target_error, which need blocks");
   return absl::OkStatus();
 }
 
@@ -91,40 +86,20 @@ absl::StatusOr<std::optional<Shutter>> check_shutter(const Scene& scene, const R
   const RenderHints& hints = scene.hints();
   Shutter shutter{hints.shutter_open_s + s.offset_s(), hints.shutter_close_s + s.offset_s()};
   if (!std::isfinite(shutter.open_s) || !std::isfinite(shutter.close_s)) {
-    return bad_field("shutter.offset_s", fmt::format("{}", s.offset_s()),
+    return bad_field("shutter.offset_s", s.offset_s(),
                      "such that the shutter opens and closes at finite times");
   }
   if (s.has_length_s()) {
     if (!(s.length_s() >= 0)) {
-      return bad_field("shutter.length_s", fmt::format("{}", s.length_s()), "[0, inf)");
+      return bad_field("shutter.length_s", s.length_s(), "[0, inf)");
     }
     shutter.close_s = shutter.open_s + s.length_s();
     if (!std::isfinite(shutter.close_s)) {
-      return bad_field("shutter.length_s", fmt::format("{}", s.length_s()),
+      return bad_field("shutter.length_s", s.length_s(),
                        "such that the shutter closes at a finite time");
     }
   }
   return std::optional<Shutter>(shutter);
-}
-
-template <typename Request>
-absl::StatusOr<RenderQuery> check(const Context& context, const Scene& scene,
-                                  const Request& request, std::uint32_t proposed) {
-  RenderQuery query;
-  LUCERNA_RETURN_IF_ERROR(check_time(request.time_s()).status());
-  LUCERNA_ASSIGN_OR_RETURN(query.settings.shutter, check_shutter(scene, request));
-  LUCERNA_ASSIGN_OR_RETURN(query.rule, check_stop_rule(context, request.accuracy(), proposed));
-  query.most_samples = std::bit_floor(context.limits.max_samples);
-  LUCERNA_RETURN_IF_ERROR(put_blocks(request, query));
-  LUCERNA_RETURN_IF_ERROR(check_sequence(request));
-  LUCERNA_ASSIGN_OR_RETURN(query.settings.methods, check_methods(request.accuracy()));
-  query.settings.seed = request.seed();
-  query.settings.intervals = request.intervals();
-  query.settings.one_sequence = request.one_sequence();
-  if (request.has_time_s()) query.settings.time_s = request.time_s();
-  query.settings.bounces =
-      request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(scene);
-  return query;
 }
 
 /// The bytes of a plane of n numbers, made by `number(i)`.
@@ -148,16 +123,30 @@ void set_intervals(const std::vector<FloatInterval>& intervals, v1::Tile* out) {
 
 }  // namespace
 
+template <typename Request>
 absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
-                                         const v1::RenderTileRequest& request,
-                                         std::uint32_t proposed) {
-  return check(context, scene, request, proposed);
+                                         const Request& request, std::uint32_t proposed) {
+  RenderQuery query;
+  LUCERNA_RETURN_IF_ERROR(check_time(request.time_s()).status());
+  LUCERNA_ASSIGN_OR_RETURN(query.settings.shutter, check_shutter(scene, request));
+  LUCERNA_ASSIGN_OR_RETURN(query.rule, check_stop_rule(context, request.accuracy(), proposed));
+  query.most_samples = std::bit_floor(context.limits.max_samples);
+  LUCERNA_RETURN_IF_ERROR(put_blocks(request, query));
+  LUCERNA_RETURN_IF_ERROR(check_sequence(request));
+  LUCERNA_ASSIGN_OR_RETURN(query.settings.methods, check_methods(request.accuracy()));
+  query.settings.seed = request.seed();
+  query.settings.intervals = request.intervals();
+  query.settings.one_sequence = request.one_sequence();
+  if (request.has_time_s()) query.settings.time_s = request.time_s();
+  query.settings.bounces =
+      request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(scene);
+  return query;
 }
-absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
-                                         const v1::RenderImageRequest& request,
-                                         std::uint32_t proposed) {
-  return check(context, scene, request, proposed);
-}
+
+template absl::StatusOr<RenderQuery> check_render(const Context&, const Scene&,
+                                                  const v1::RenderTileRequest&, std::uint32_t);
+template absl::StatusOr<RenderQuery> check_render(const Context&, const Scene&,
+                                                  const v1::RenderImageRequest&, std::uint32_t);
 
 std::uint32_t proposed_samples(const Context& context, const Scene& scene) {
   const auto hint = static_cast<std::uint32_t>(scene.hints().samples_per_pixel.value_or(0));

@@ -21,13 +21,11 @@ struct RenderQuery {
   std::uint32_t most_samples = 0;  ///< of a pixel, with a time budget; a power of two
 };
 
-/// `proposed`: the default number of samples.  INVALID_ARGUMENT for a field out of range.
+/// Of RenderTile or RenderImage.  `proposed`: the default number of samples.  INVALID_ARGUMENT for
+/// a field out of range.
+template <typename Request>
 absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
-                                         const v1::RenderTileRequest& request,
-                                         std::uint32_t proposed);
-absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
-                                         const v1::RenderImageRequest& request,
-                                         std::uint32_t proposed);
+                                         const Request& request, std::uint32_t proposed);
 
 /// The default number of samples: that of the scene file, else 64; at most the server's limit.
 std::uint32_t proposed_samples(const Context& context, const Scene& scene);

@@ -31,15 +31,13 @@ absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
     const v1::PixelRect& r = request.rect();
     if (r.x0() >= r.x1() || r.y0() >= r.y1() || r.x1() > static_cast<std::uint32_t>(width) ||
         r.y1() > static_cast<std::uint32_t>(height)) {
-      return bad_field("rect", text(r),
-                       fmt::format("not empty and within [0, {}) x [0, {})", width, height));
+      return bad_field("rect", text(r), "not empty and within [0, {}) x [0, {})", width, height);
     }
     rect = {static_cast<int>(r.x0()), static_cast<int>(r.y0()), static_cast<int>(r.x1()),
             static_cast<int>(r.y1())};
   }
-  if (area(rect) > context.limits.max_tile_pixels) {
-    return over_limit("pixels of rect", area(rect), context.limits.max_tile_pixels);
-  }
+  LUCERNA_RETURN_IF_ERROR(
+      check_limit("pixels of rect", area(rect), context.limits.max_tile_pixels));
   LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "pixels of rect", area(rect),
                                             tile_size(request.accuracy(), request.intervals())));
   return rect;
@@ -52,25 +50,24 @@ absl::Status put_run(const v1::RenderTileRequest& request, const RenderQuery& qu
   if (query.rule.samples == 0) {
     if (first == 0) return absl::OkStatus();
     return bad_field(
-        "first_sample", fmt::format("{}", first),
+        "first_sample", first,
         "0 with accuracy.target_error or accuracy.time_budget_s, which set the samples");
   }
   const std::uint32_t samples = query.rule.samples, block = settings.samples_per_block;
   if (!std::has_single_bit(samples / block)) {
-    return bad_field("accuracy.samples", fmt::format("{}", samples),
-                     fmt::format("a power of two times samples_per_block = {}; for other counts, "
-                                 "render and merge several tiles",
-                                 block));
+    return bad_field("accuracy.samples", samples,
+                     "a power of two times samples_per_block = {}; for other counts, "
+                     "render and merge several tiles",
+                     block);
   }
   if (first % samples != 0) {
-    return bad_field("first_sample", fmt::format("{}", first),
-                     fmt::format("a multiple of accuracy.samples = {}", samples));
+    return bad_field("first_sample", first, "a multiple of accuracy.samples = {}", samples);
   }
   // Samples are numbered in 32 bits within the sampler's sequences.
   const std::uint64_t most_first =
       settings.one_sequence ? kMostSamplesPerBlock - samples : std::uint64_t{1} << 40;
   if (first > most_first) {
-    return bad_field("first_sample", fmt::format("{}", first), fmt::format("[0, {}]", most_first));
+    return bad_field("first_sample", first, "[0, {}]", most_first);
   }
   settings.first_block = first / block;
   return absl::OkStatus();

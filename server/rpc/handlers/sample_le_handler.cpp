@@ -7,7 +7,6 @@
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/randomness.h"
-#include "server/rpc/messages/requested_methods.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -16,9 +15,7 @@ absl::StatusOr<SampleLeQuery> parse(const Context& context, const Scene& scene,
                                     const v1::SampleLeRequest& request) {
   SampleLeQuery query;
   query.rays = request.count();
-  if (query.rays > context.limits.max_batch_items) {
-    return over_limit("count", query.rays, context.limits.max_batch_items);
-  }
+  LUCERNA_RETURN_IF_ERROR(check_limit("count", query.rays, context.limits.max_batch_items));
   LUCERNA_ASSIGN_OR_RETURN(query.light, find_light_if_named(scene, request));
   LUCERNA_RETURN_IF_ERROR(put_randomness(
       request,

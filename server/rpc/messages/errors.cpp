@@ -82,8 +82,8 @@ absl::Status bad_field(const std::string& field, const std::string& value,
 
 absl::Status bad_length(const std::string& field, std::size_t length, std::size_t expected_length,
                         const std::string& expected) {
-  return bad_field(field, fmt::format("{} numbers", length),
-                   fmt::format("{} numbers, {}", expected_length, expected));
+  return bad_field(field, fmt::format("{} numbers", length), "{} numbers, {}", expected_length,
+                   expected);
 }
 
 absl::Status malformed_message(const std::string& type, std::size_t bytes, const std::string& why) {
@@ -123,6 +123,10 @@ absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint
   return with_reason(absl::ResourceExhaustedError(
                          fmt::format("{} = {}, limit of this server: {}", field, value, limit)),
                      Reason::kOverLimit);
+}
+
+absl::Status check_limit(const std::string& field, std::uint64_t value, std::uint64_t limit) {
+  return value > limit ? over_limit(field, value, limit) : absl::OkStatus();
 }
 
 absl::Status retry_after(absl::Status status, Reason reason, std::chrono::milliseconds delay) {

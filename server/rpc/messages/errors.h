@@ -6,6 +6,7 @@
 #pragma once
 
 #include <absl/status/status.h>
+#include <fmt/core.h>
 
 #include <array>
 #include <chrono>
@@ -13,6 +14,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace lucerna::rpc {
 
@@ -110,6 +112,13 @@ static_assert(
 /// INVALID_ARGUMENT "field = value, allowed: allowed", with a BadRequest field violation.
 absl::Status bad_field(const std::string& field, const std::string& value,
                        const std::string& allowed);
+/// The same with a number, and with a format for what is allowed.
+template <typename Value, typename... Arguments>
+absl::Status bad_field(const std::string& field, const Value& value,
+                       fmt::format_string<Arguments...> allowed, Arguments&&... arguments) {
+  return bad_field(field, fmt::format("{}", value),
+                   fmt::format(allowed, std::forward<Arguments>(arguments)...));
+}
 /// INVALID_ARGUMENT for an array of the wrong length.  `expected` explains the right length.
 absl::Status bad_length(const std::string& field, std::size_t length, std::size_t expected_length,
                         const std::string& expected);
@@ -129,6 +138,8 @@ absl::Status unknown_light_name(const std::string& field, const std::string& nam
                                 const std::string& names);
 /// RESOURCE_EXHAUSTED for a request over a limit of the server.  A retry does not help.
 absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit);
+/// over_limit() if the value is.
+absl::Status check_limit(const std::string& field, std::uint64_t value, std::uint64_t limit);
 /// The same error with a RetryInfo: a retry after `delay` may succeed.
 absl::Status retry_after(absl::Status status, Reason reason, std::chrono::milliseconds delay);
 /// The error of a load, a lease or an upload.  Gets a RetryInfo if it has kRetryAfterPayload, and

@@ -28,7 +28,7 @@ std::string seal(const std::string& list, const std::string& position) {
 
 absl::StatusOr<std::size_t> check_page_size(std::uint32_t page_size, std::uint32_t most) {
   if (page_size > most) {
-    return bad_field("page_size", fmt::format("{}", page_size), fmt::format("[0, {}]", most));
+    return bad_field("page_size", page_size, "[0, {}]", most);
   }
   return page_size == 0 ? most : page_size;
 }

@@ -30,13 +30,13 @@ absl::Status check_u(const v1::SampleValues& values) {
   for (int i = 0; i < values.u_size(); ++i) {
     const float u = values.u(i);
     if ((u < 0 || u > 1) && std::isfinite(u)) {
-      return bad_field(fmt::format("u.u[{}]", i), fmt::format("{}", u), "[0, 1]");
+      return bad_field(fmt::format("u.u[{}]", i), u, "[0, 1]");
     }
   }
   for (int i = 0; i < values.u_light_size(); ++i) {
     const double u = values.u_light(i);
     if ((u < 0 || u >= 1) && std::isfinite(u)) {
-      return bad_field(fmt::format("u.u_light[{}]", i), fmt::format("{}", u), "[0, 1)");
+      return bad_field(fmt::format("u.u_light[{}]", i), u, "[0, 1)");
     }
   }
   return absl::OkStatus();

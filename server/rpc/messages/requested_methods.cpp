@@ -18,8 +18,8 @@ template <typename Way, std::size_t n>
 absl::Status take(int number, std::string_view field, std::string_view type,
                   const std::array<Way, n>& ways, Way& to) {
   if (number < 0 || number >= static_cast<int>(n)) {
-    return bad_field(fmt::format("accuracy.{}", field), fmt::format("{}", number),
-                     fmt::format("[0, {}], the numbers of {}", n - 1, type));
+    return bad_field(fmt::format("accuracy.{}", field), number, "[0, {}], the numbers of {}", n - 1,
+                     type);
   }
   to = ways[static_cast<std::size_t>(number)];
   return absl::OkStatus();
@@ -74,15 +74,14 @@ absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy) {
       take(accuracy.thin_glass(), "thin_glass", "ThinGlass", kThinGlass, m.thin_glass));
   if (accuracy.has_samples_per_light()) {
     if (accuracy.samples_per_light() < 1 || accuracy.samples_per_light() > kMostSamplesPerLight) {
-      return bad_field("accuracy.samples_per_light",
-                       fmt::format("{}", accuracy.samples_per_light()),
-                       fmt::format("[1, {}]", kMostSamplesPerLight));
+      return bad_field("accuracy.samples_per_light", accuracy.samples_per_light(), "[1, {}]",
+                       kMostSamplesPerLight);
     }
     m.samples_per_light = accuracy.samples_per_light();
   }
   if (accuracy.has_far_light_radii()) {
     if (!(accuracy.far_light_radii() > 0) || !std::isfinite(accuracy.far_light_radii())) {
-      return bad_field("accuracy.far_light_radii", fmt::format("{}", accuracy.far_light_radii()),
+      return bad_field("accuracy.far_light_radii", accuracy.far_light_radii(),
                        "finite and more than 0");
     }
     m.far_light_radii = accuracy.far_light_radii();

@@ -35,24 +35,22 @@ absl::Status check_path(const Context& context, const std::string& field, const 
   if (path.empty())
     return bad_field(field, "\"\"", "the name of a scene file under the server's scene root");
   if (path.size() <= context.limits.max_name_bytes) return absl::OkStatus();
-  return bad_field(field, fmt::format("{} bytes", path.size()),
-                   fmt::format("at most {} bytes", context.limits.max_name_bytes));
+  return bad_field(field, fmt::format("{} bytes", path.size()), "at most {} bytes",
+                   context.limits.max_name_bytes);
 }
 
 absl::StatusOr<Manifest> check_manifest(const Context& context, const std::string& field,
                                         const v1::SceneManifest& given) {
   const auto n = static_cast<std::size_t>(given.assets_size());
-  if (n > context.limits.max_batch_items) {
-    return over_limit(field + ".assets", n, context.limits.max_batch_items);
-  }
+  LUCERNA_RETURN_IF_ERROR(check_limit(field + ".assets", n, context.limits.max_batch_items));
   Manifest manifest{given.main(), {}};
   for (std::size_t i = 0; i < n; ++i) {
     const v1::NamedAsset& asset = given.assets(static_cast<int>(i));
     const std::string entry = fmt::format("{}.assets[{}]", field, i);
     if (!is_plain(asset.name(), context.limits.max_name_bytes)) {
       return bad_field(entry + ".name", fmt::format("\"{}\"", asset.name()),
-                       fmt::format("a relative name of at most {} bytes without . and ..",
-                                   context.limits.max_name_bytes));
+                       "a relative name of at most {} bytes without . and ..",
+                       context.limits.max_name_bytes);
     }
     if (!asset.sha256().empty()) {
       LUCERNA_RETURN_IF_ERROR(check_digest(entry + ".sha256", asset.sha256()));
@@ -63,7 +61,7 @@ absl::StatusOr<Manifest> check_manifest(const Context& context, const std::strin
   }
   if (!manifest.assets.contains(manifest.main)) {
     return bad_field(field + ".main", fmt::format("\"{}\"", manifest.main),
-                     fmt::format("a name among {}.assets", field));
+                     "a name among {}.assets", field);
   }
   return manifest;
 }

@@ -14,8 +14,7 @@ namespace {
 
 absl::StatusOr<TargetError> check_target(const Context& context, const v1::TargetError& error) {
   const auto bad = [](const char* field, const auto& value, const std::string& allowed) {
-    return bad_field(fmt::format("accuracy.target_error.{}", field), fmt::format("{}", value),
-                     allowed);
+    return bad_field(fmt::format("accuracy.target_error.{}", field), value, "{}", allowed);
   };
   TargetError target;
   target.relative = error.relative();
@@ -59,8 +58,7 @@ absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accur
   } else if (accuracy.has_time_budget_s()) {
     const double budget = accuracy.time_budget_s();
     if (!(budget > 0) || !std::isfinite(budget))
-      return bad_field("accuracy.time_budget_s", fmt::format("{}", budget),
-                       "finite and more than 0 s");
+      return bad_field("accuracy.time_budget_s", budget, "finite and more than 0 s");
     rule.time_budget_s = budget;
   } else {
     LUCERNA_ASSIGN_OR_RETURN(rule.samples, check_samples(context, accuracy, fallback));
