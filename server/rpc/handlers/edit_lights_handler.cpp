@@ -18,20 +18,18 @@ Prepared handle_edit_lights(const Context& context, const v1::EditLightsRequest&
                             v1::EditLightsResponse* response) {
   if (request.has_lease_s()) LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
   LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
-  const std::optional<StoredScene> stored = context.scenes.stored(request.scene_id());
-  if (!stored) return unknown_scene(request.scene_id());
+  LUCERNA_ASSIGN_OR_RETURN(const StoredScene stored, find_stored(context, request.scene_id()));
   LUCERNA_RETURN_IF_ERROR(check_edits(context, request.edits()));
   Task task;
   task.predicted_s = kRevisionSeconds +
-                     kLightSeconds * static_cast<double>(stored->scene->lights().size()) +
+                     kLightSeconds * static_cast<double>(stored.scene->lights().size()) +
                      kEditSeconds * static_cast<double>(request.edits_size());
   // These read files, or may build the scene again.
   for (const v1::LightEdit& edit : request.edits())
     task.bulk |= edit.has_add() || edit.change().has_placement();
   if (task.bulk) task.kind = JobKind::kLoad;
   task.cost = response->mutable_cost();
-  task.run = [context, stored = *stored, &request,
-              response](const std::stop_token& stop) -> absl::Status {
+  task.run = [context, stored, &request, response](const std::stop_token& stop) -> absl::Status {
     LUCERNA_ASSIGN_OR_RETURN(EditedLights edited,
                              edited_lights(context, *stored.scene, request.edits(), stop));
     absl::StatusOr<LoadedScene> revision;

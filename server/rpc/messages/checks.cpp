@@ -12,20 +12,13 @@
 
 namespace lucerna::rpc {
 
-absl::Status check_scene_id(const std::string& scene_id) {
-  if (!scene_id.empty()) return absl::OkStatus();
+namespace {
+
+/// The error for an id that no scene has.
+absl::Status no_scene(const std::string& scene_id) {
+  if (!scene_id.empty()) return unknown_scene(scene_id);
   return bad_field("scene_id", "\"\"", "the scene_id of a LoadSceneResponse");
 }
-
-absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
-                                                        const std::string& scene_id) {
-  LUCERNA_RETURN_IF_ERROR(check_scene_id(scene_id));
-  auto scene = context.scenes.find(scene_id);
-  if (scene == nullptr) return unknown_scene(scene_id);
-  return scene;
-}
-
-namespace {
 
 /// The ids of lights with the same name, at most ten of them.
 std::string ids_of(const Scene& scene, std::span<const std::uint32_t> lights) {
@@ -37,6 +30,19 @@ std::string ids_of(const Scene& scene, std::span<const std::uint32_t> lights) {
 }
 
 }  // namespace
+
+absl::StatusOr<StoredScene> find_stored(const Context& context, const std::string& scene_id) {
+  std::optional<StoredScene> stored = context.scenes.stored(scene_id);
+  if (!stored) return no_scene(scene_id);
+  return *std::move(stored);
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
+                                                        const std::string& scene_id) {
+  auto scene = context.scenes.find(scene_id);
+  if (scene == nullptr) return no_scene(scene_id);
+  return scene;
+}
 
 absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id) {
   const std::optional<std::uint32_t> light = scene.find_light(light_id);
@@ -51,8 +57,8 @@ absl::StatusOr<std::uint32_t> find_named_light(const Scene& scene, const std::st
   if (found.size() == 1) return found[0];
   if (found.size() > 1)
     return bad_field(field, fmt::format("\"{}\"", printable(name)),
-                     fmt::format("the name of one light; {} lights have this name: use an id, {}",
-                                 found.size(), ids_of(scene, found)));
+                     "the name of one light; {} lights have this name: use an id, {}", found.size(),
+                     ids_of(scene, found));
   constexpr std::size_t kMostSimilar = 5;
   std::string similar;
   for (const std::string_view other : names.similar(name, kMostSimilar))
@@ -70,7 +76,7 @@ absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::optional<std::
   }
   if (light_id)
     return bad_field("light_name", fmt::format("\"{}\"", printable(light_name)),
-                     fmt::format("empty beside light_id = {}", *light_id));
+                     "empty beside light_id = {}", *light_id);
   return find_named_light(scene, light_name, "light_name");
 }
 
@@ -81,14 +87,12 @@ absl::StatusOr<PointArray> check_points(const Context& context, const std::strin
     return bad_field(field + ".offsets_m", fmt::format("{} numbers", n), "three for each point");
   }
   const auto items = static_cast<std::uint64_t>(n / 3);
-  if (items > context.limits.max_batch_items) {
-    return over_limit(field + " points", items, context.limits.max_batch_items);
-  }
+  LUCERNA_RETURN_IF_ERROR(check_limit(field + " points", items, context.limits.max_batch_items));
   const v1::Vector3& o = points.origin_m();
   const auto is_bad = [](double v) { return !std::isfinite(v); };
-  if (is_bad(o.x())) return bad_field(field + ".origin_m.x", fmt::format("{}", o.x()), "finite");
-  if (is_bad(o.y())) return bad_field(field + ".origin_m.y", fmt::format("{}", o.y()), "finite");
-  if (is_bad(o.z())) return bad_field(field + ".origin_m.z", fmt::format("{}", o.z()), "finite");
+  if (is_bad(o.x())) return bad_field(field + ".origin_m.x", o.x(), "finite");
+  if (is_bad(o.y())) return bad_field(field + ".origin_m.y", o.y(), "finite");
+  if (is_bad(o.z())) return bad_field(field + ".origin_m.z", o.z(), "finite");
   return PointArray{{o.x(), o.y(), o.z()}, view(points.offsets_m())};
 }
 
@@ -104,18 +108,18 @@ absl::StatusOr<std::span<const float>> check_triples(
 
 absl::StatusOr<double> check_time(double time_s) {
   if (std::isfinite(time_s)) return time_s;
-  return bad_field("time_s", fmt::format("{}", time_s), "finite");
+  return bad_field("time_s", time_s, "finite");
 }
 
 absl::Status check_lease(double lease_s) {
   if (lease_s >= 0 && std::isfinite(lease_s)) return absl::OkStatus();
-  return bad_field("lease_s", fmt::format("{}", lease_s), "[0, inf)");
+  return bad_field("lease_s", lease_s, "[0, inf)");
 }
 
 absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m) {
   if (!has) return std::optional<float>();
   if (!std::isfinite(position_error_m) || position_error_m < 0) {
-    return bad_field("position_error_m", fmt::format("{}", position_error_m), "[0, inf)");
+    return bad_field("position_error_m", position_error_m, "[0, inf)");
   }
   return std::optional<float>(position_error_m);
 }
@@ -125,12 +129,11 @@ absl::StatusOr<std::span<const double>> check_wavelengths(
   const std::span<const double> nm = view(wavelengths_nm);
   if (nm.size() > kMostWavelengths) {
     return bad_field("wavelengths_nm", fmt::format("{} numbers", nm.size()),
-                     fmt::format("at most {} in one request", kMostWavelengths));
+                     "at most {} in one request", kMostWavelengths);
   }
   for (std::size_t i = 0; i < nm.size(); ++i) {
     if (!(nm[i] >= 100 && nm[i] <= 1e6)) {
-      return bad_field(fmt::format("wavelengths_nm[{}]", i), fmt::format("{}", nm[i]),
-                       "[100, 1e6] nm");
+      return bad_field(fmt::format("wavelengths_nm[{}]", i), nm[i], "[100, 1e6] nm");
     }
   }
   return nm;
@@ -146,8 +149,7 @@ absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Ac
                                             std::uint32_t fallback) {
   if (!accuracy.has_samples()) return fallback;
   if (accuracy.samples() == 0 || accuracy.samples() > context.limits.max_samples) {
-    return bad_field("accuracy.samples", fmt::format("{}", accuracy.samples()),
-                     fmt::format("[1, {}]", context.limits.max_samples));
+    return bad_field("accuracy.samples", accuracy.samples(), "[1, {}]", context.limits.max_samples);
   }
   return accuracy.samples();
 }

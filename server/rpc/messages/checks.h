@@ -16,9 +16,9 @@
 
 namespace lucerna::rpc {
 
-/// INVALID_ARGUMENT if it is empty.
-absl::Status check_scene_id(const std::string& scene_id);
 /// INVALID_ARGUMENT if the id is empty, NOT_FOUND if the scene is not loaded.
+absl::StatusOr<StoredScene> find_stored(const Context& context, const std::string& scene_id);
+/// The same, and counts as a use of the scene.
 absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
                                                         const std::string& scene_id);
 /// The index of the light with this id.  NOT_FOUND if the scene does not have it.
