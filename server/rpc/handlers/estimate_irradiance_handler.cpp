@@ -14,7 +14,6 @@
 #include "server/estimate/queries/missed_light.h"
 #include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
-#include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/queries/visibility.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
@@ -121,116 +120,60 @@ Receivers receivers_of(const IrradianceQuery& query, int* status) {
   return receivers;
 }
 
-/// Writes estimates into the arrays of a response.
-class IrradianceEncoder {
- public:
-  IrradianceEncoder(const IrradianceQuery& query, std::uint32_t samples_per_block,
-                    v1::EstimateIrradianceResponse* response);
+/// Writes the estimates into the arrays of the response.
+void put_estimates(const IrradianceQuery& query, const Receivers& receivers,
+                   const IrradianceResult& estimates, v1::EstimateIrradianceResponse* response) {
+  const std::size_t n = query.receivers.size();
+  const bool has_errors = query.settings.block_count > 1;
+  EstimateArrays total = estimate_arrays(n, has_errors, response);
+  total.rgb = fill(response->mutable_irradiance_lx(), 3 * n);
+  total.zero_bound = fill(response->mutable_zero_bound_lx(), n);
+  std::vector<EstimateArrays> shares;
+  for (const SceneLight& light : query.scene->lights()) {
+    if (!query.settings.per_light) break;
+    v1::LightShare* share = response->add_shares();
+    share->set_light_id(light.id);
+    shares.push_back(estimate_arrays(n, has_errors, share));
+  }
+  const std::size_t wavelengths = query.settings.wavelengths_nm.size();
+  const SpectralArrays spectra{
+      wavelengths, fill(response->mutable_spectral_irradiance(), n * wavelengths),
+      has_errors ? fill(response->mutable_spectral_standard_error(), n * wavelengths) : nullptr};
+  for (std::size_t k = 0; k < receivers.numbers.size(); ++k) {
+    const std::uint32_t i = receivers.numbers[k];
+    bool fits = total.put(i, estimates.points[k]) &&
+                spectra.put(i, estimates.spectral, estimates.spectral_error, k);
+    for (std::size_t l = 0; l < shares.size(); ++l)
+      fits = fits && shares[l].put(i, estimates.per_light[k * shares.size() + l]);
+    if (fits) continue;
+    total.clear(i);
+    spectra.clear(i);
+    for (const EstimateArrays& share : shares) share.clear(i);
+    response->mutable_status()->Set(static_cast<int>(i), static_cast<int>(ItemResult::kOutOfRange));
+  }
+}
 
-  /// Writes point `k` of `result` as receiver `i`.
-  void put(std::size_t i, const IrradianceResult& result, std::size_t k);
-  /// The most samples of one receiver.
-  std::uint32_t most_samples() const { return static_cast<std::uint32_t>(most_samples_); }
-
- private:
-  template <typename Message>
-  EstimateArrays arrays(float* rgb, float* zero_bound, Message* to) const;
-  /// False if a number does not fit a float.
-  bool put_numbers(std::size_t i, const IrradianceResult& result, std::size_t k) const;
-  bool put_spectrum(std::size_t i, const std::vector<double>& values, std::size_t k,
-                    float* to) const;
-  void put_cost(std::size_t i, const PointCost& cost);
-  void clear(std::size_t i) const;
-
-  const IrradianceQuery& query_;
-  std::size_t receivers_, wavelengths_;
-  EstimateArrays total_;
-  std::vector<EstimateArrays> shares_;  // of each light, if requested
-  float *spectral_, *spectral_error_ = nullptr;
-  int* status_;
-  // With a target error.
-  std::uint32_t* samples_ = nullptr;
-  std::uint64_t* rays_ = nullptr;
-  float* time_s_ = nullptr;
-  std::uint64_t most_samples_ = 0;
-};
-
-IrradianceEncoder::IrradianceEncoder(const IrradianceQuery& query, std::uint32_t samples_per_block,
-                                     v1::EstimateIrradianceResponse* response)
-    : query_(query),
-      receivers_(query.receivers.size()),
-      wavelengths_(query.settings.wavelengths_nm.size()),
-      total_(arrays(fill(response->mutable_irradiance_lx(), 3 * receivers_),
-                    fill(response->mutable_zero_bound_lx(), receivers_), response)),
-      spectral_(fill(response->mutable_spectral_irradiance(), receivers_ * wavelengths_)),
-      status_(response->mutable_status()->mutable_data()) {
-  if (query.settings.per_light) {
-    for (const SceneLight& light : query.scene->lights()) {
-      v1::LightShare* share = response->add_shares();
-      share->set_light_id(light.id);
-      shares_.push_back(arrays(nullptr, nullptr, share));
+/// Sets the number of samples.  With a target error, sets the cost of each receiver.
+void put_samples(const IrradianceQuery& query, const Receivers& receivers,
+                 const IrradianceResult& estimates, std::uint32_t samples_per_block,
+                 v1::EstimateIrradianceResponse* response) {
+  std::uint64_t most = std::uint64_t{samples_per_block} * query.settings.block_count;
+  if (query.settings.target) {
+    most = 0;
+    const std::size_t n = query.receivers.size();
+    std::uint32_t* const samples = fill(response->mutable_item_costs()->mutable_samples(), n);
+    std::uint64_t* const rays = fill(response->mutable_item_costs()->mutable_rays(), n);
+    float* const time_s = fill(response->mutable_item_costs()->mutable_time_s(), n);
+    for (std::size_t k = 0; k < receivers.numbers.size(); ++k) {
+      const std::uint32_t i = receivers.numbers[k];
+      const PointCost& cost = estimates.costs[k];
+      most = std::max(most, cost.samples);
+      samples[i] = static_cast<std::uint32_t>(cost.samples);
+      rays[i] = cost.rays;
+      time_s[i] = static_cast<float>(cost.time_s);
     }
   }
-  if (query.settings.block_count > 1) {
-    spectral_error_ = fill(response->mutable_spectral_standard_error(), receivers_ * wavelengths_);
-  }
-  if (query.settings.target) {
-    v1::ItemCosts* costs = response->mutable_item_costs();
-    samples_ = fill(costs->mutable_samples(), receivers_);
-    rays_ = fill(costs->mutable_rays(), receivers_);
-    time_s_ = fill(costs->mutable_time_s(), receivers_);
-  } else {
-    most_samples_ = std::uint64_t{samples_per_block} * query.settings.block_count;
-  }
-}
-
-template <typename Message>
-EstimateArrays IrradianceEncoder::arrays(float* rgb, float* zero_bound, Message* to) const {
-  float* const illuminance = fill(to->mutable_illuminance_lx(), receivers_);
-  if (query_.settings.block_count == 1)
-    return {rgb, illuminance, nullptr, nullptr, nullptr, zero_bound};
-  return {rgb,
-          illuminance,
-          fill(to->mutable_standard_error_lx(), receivers_),
-          fill(to->mutable_lower_lx(), receivers_),
-          fill(to->mutable_upper_lx(), receivers_),
-          zero_bound};
-}
-
-bool IrradianceEncoder::put_spectrum(std::size_t i, const std::vector<double>& values,
-                                     std::size_t k, float* to) const {
-  return to == nullptr ||
-         store_spectral({values.data() + k * wavelengths_, wavelengths_}, to + i * wavelengths_);
-}
-
-bool IrradianceEncoder::put_numbers(std::size_t i, const IrradianceResult& result,
-                                    std::size_t k) const {
-  bool fits = total_.put(i, result.points[k]);
-  for (std::size_t l = 0; l < shares_.size(); ++l)
-    fits &= shares_[l].put(i, result.per_light[k * shares_.size() + l]);
-  return fits && put_spectrum(i, result.spectral, k, spectral_) &&
-         put_spectrum(i, result.spectral_error, k, spectral_error_);
-}
-
-void IrradianceEncoder::put_cost(std::size_t i, const PointCost& cost) {
-  most_samples_ = std::max(most_samples_, cost.samples);
-  samples_[i] = static_cast<std::uint32_t>(cost.samples);
-  rays_[i] = cost.rays;
-  time_s_[i] = static_cast<float>(cost.time_s);
-}
-
-void IrradianceEncoder::clear(std::size_t i) const {
-  total_.clear(i);
-  for (const EstimateArrays& share : shares_) share.clear(i);
-  for (float* const array : {spectral_, spectral_error_})
-    if (array != nullptr) std::fill_n(array + i * wavelengths_, wavelengths_, 0.0F);
-}
-
-void IrradianceEncoder::put(std::size_t i, const IrradianceResult& result, std::size_t k) {
-  if (query_.settings.target) put_cost(i, result.costs[k]);
-  if (put_numbers(i, result, k)) return;
-  clear(i);
-  status_[i] = static_cast<int>(ItemResult::kOutOfRange);
+  response->set_samples(static_cast<std::uint32_t>(most));
 }
 
 /// Sets MAY_MISS_LIGHT for receivers whose answers may miss light, with its bounds.
@@ -305,12 +248,10 @@ absl::Status answer(const IrradianceQuery& query, const std::stop_token& stop,
   }
   if (!estimates) return absl::CancelledError("stopped");
 
-  IrradianceEncoder encoder(query, samples_per_block, response);
-  for (std::size_t k = 0; k < receivers.numbers.size(); ++k)
-    encoder.put(receivers.numbers[k], *estimates, k);
+  put_estimates(query, receivers, *estimates, response);
+  put_samples(query, receivers, *estimates, samples_per_block, response);
   mark_inside_solids(query, receivers, *estimates, stop, status);
   mark_missed_light(query, receivers, *estimates, response);
-  response->set_samples(encoder.most_samples());
   return finish_batch(response, estimates->work);
 }
 

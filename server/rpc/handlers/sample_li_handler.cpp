@@ -11,7 +11,6 @@
 #include "server/estimate/queries/li_estimates.h"
 #include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
-#include "server/estimate/queries/spectral_values.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/estimate_arrays.h"
@@ -64,29 +63,18 @@ void put_estimates(const LiLayout& layout, const LiEstimates& estimates, std::si
   const std::size_t receivers = estimates.points.size();
   std::uint32_t* const samples = fill(to->mutable_samples(), receivers);
   int* const status = fill(to->mutable_status(), receivers);
-  const EstimateArrays arrays{.rgb = nullptr,
-                              .illuminance = fill(to->mutable_illuminance_lx(), receivers),
-                              .standard_error = fill(to->mutable_standard_error_lx(), receivers),
-                              .lower = fill(to->mutable_lower_lx(), receivers),
-                              .upper = fill(to->mutable_upper_lx(), receivers),
-                              .zero_bound = nullptr};
-  float* const spectral = fill(to->mutable_spectral_irradiance(), receivers * wavelengths);
-  float* const spectral_error =
-      fill(to->mutable_spectral_standard_error(), receivers * wavelengths);
+  const EstimateArrays arrays = estimate_arrays(receivers, true, to);
+  const SpectralArrays spectra{
+      wavelengths, fill(to->mutable_spectral_irradiance(), receivers * wavelengths),
+      fill(to->mutable_spectral_standard_error(), receivers * wavelengths)};
   for (std::size_t r = 0; r < receivers; ++r) {
     samples[r] = static_cast<std::uint32_t>(layout.begin(r + 1) - layout.begin(r));
     status[r] = static_cast<int>(estimates.results[r]);
-    const auto put_spectrum = [&](const std::vector<double>& values, float* array) {
-      return store_spectral({values.data() + r * wavelengths, wavelengths},
-                            array + r * wavelengths);
-    };
-    if (arrays.put(r, estimates.points[r]) && put_spectrum(estimates.spectral, spectral) &&
-        put_spectrum(estimates.spectral_error, spectral_error)) {
+    if (arrays.put(r, estimates.points[r]) &&
+        spectra.put(r, estimates.spectral, estimates.spectral_error, r))
       continue;
-    }
     arrays.clear(r);
-    for (float* const array : {spectral, spectral_error})
-      std::fill_n(array + r * wavelengths, wavelengths, 0.0F);
+    spectra.clear(r);
     status[r] = static_cast<int>(ItemResult::kOutOfRange);
   }
   drop_if_all_ok(to->mutable_status());
@@ -200,8 +188,7 @@ absl::StatusOr<LiRequest> parse(const Context& context, const v1::SampleLiReques
   LUCERNA_ASSIGN_OR_RETURN(li.stop_rule, check_stop_rule(context, request.accuracy(), 1));
   query.samples = li.stop_rule.samples;
   // An estimated request has no count yet; check_most_samples checks its limits.
-  if (li.samples() > context.limits.max_batch_items)
-    return over_limit(kItems, li.samples(), context.limits.max_batch_items);
+  LUCERNA_RETURN_IF_ERROR(check_limit(kItems, li.samples(), context.limits.max_batch_items));
   LUCERNA_ASSIGN_OR_RETURN(query.light, find_light_if_named(*li.scene, request));
   LUCERNA_RETURN_IF_ERROR(parse_sample_values(request, li));
   LUCERNA_ASSIGN_OR_RETURN(query.time_s, check_time(request.time_s()));

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <vector>
 
 #include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/spectral_values.h"
+#include "server/rpc/messages/checks.h"
 
 namespace lucerna::rpc {
 
@@ -19,11 +22,11 @@ inline float held_as_float(double v) {
 
 /// The arrays of estimates in a response.  Null: not requested, or unknown from a single sample.
 struct EstimateArrays {
-  float* rgb;
-  float* illuminance;
-  float* standard_error;
-  float *lower, *upper;
-  float* zero_bound;
+  float* rgb = nullptr;
+  float* illuminance = nullptr;
+  float* standard_error = nullptr;
+  float *lower = nullptr, *upper = nullptr;
+  float* zero_bound = nullptr;
 
   /// False if a number does not fit a float; nothing is written then.
   bool put(std::size_t i, const IrradianceEstimate& e) const {
@@ -52,6 +55,38 @@ struct EstimateArrays {
     for (float* const array : {illuminance, standard_error, lower, upper, zero_bound}) {
       if (array != nullptr) array[i] = 0;
     }
+  }
+};
+
+/// The arrays of `to` for n estimates, without colours and bounds of zeros.
+template <typename Message>
+EstimateArrays estimate_arrays(std::size_t n, bool has_errors, Message* to) {
+  EstimateArrays arrays{.illuminance = fill(to->mutable_illuminance_lx(), n)};
+  if (!has_errors) return arrays;
+  arrays.standard_error = fill(to->mutable_standard_error_lx(), n);
+  arrays.lower = fill(to->mutable_lower_lx(), n);
+  arrays.upper = fill(to->mutable_upper_lx(), n);
+  return arrays;
+}
+
+/// The arrays of estimates at wavelengths.
+struct SpectralArrays {
+  std::size_t wavelengths;
+  float* values;
+  float* errors;  ///< null: unknown from a single sample
+
+  /// Writes estimate `k` as item `i`.  False if a number does not fit a float.
+  bool put(std::size_t i, const std::vector<double>& all_values,
+           const std::vector<double>& all_errors, std::size_t k) const {
+    const auto store = [&](const std::vector<double>& from, float* to) {
+      return to == nullptr ||
+             store_spectral({from.data() + k * wavelengths, wavelengths}, to + i * wavelengths);
+    };
+    return store(all_values, values) && store(all_errors, errors);
+  }
+  void clear(std::size_t i) const {
+    for (float* const array : {values, errors})
+      if (array != nullptr) std::fill_n(array + i * wavelengths, wavelengths, 0.0F);
   }
 };
 
