@@ -51,7 +51,7 @@ void HealthWatch::finish(absl::Status status) {
 }
 
 void HealthWatch::begin() {
-  if (const absl::Status status = place_.take(runtime_); !status.ok()) return finish(status);
+  if (const absl::Status status = slot_.take(runtime_); !status.ok()) return finish(status);
   Reactor::begin();
 }
 

@@ -40,7 +40,7 @@ class HealthWatch final : public Reactor {
   std::mutex mutex_;
   std::optional<int> next_;  // the status to send
   bool writing_ = false, cancelled_ = false, finished_ = false;
-  StreamPlace place_;
+  StreamSlot slot_;
 };
 
 }  // namespace lucerna::rpc

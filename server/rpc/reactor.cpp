@@ -6,13 +6,13 @@
 
 namespace lucerna::rpc {
 
-absl::Status StreamPlace::take(Runtime& runtime) {
-  if (--runtime.stream_places < 0) {
-    ++runtime.stream_places;
+absl::Status StreamSlot::take(Runtime& runtime) {
+  if (--runtime.stream_slots < 0) {
+    ++runtime.stream_slots;
     return retry_after(absl::ResourceExhaustedError("too many streams of health and reflection"),
                        Reason::kQueueFull, std::chrono::seconds(1));
   }
-  places_ = &runtime.stream_places;
+  slots_ = &runtime.stream_slots;
   return absl::OkStatus();
 }
 

@@ -19,20 +19,20 @@
 
 namespace lucerna::rpc {
 
-/// A place for a stream of the health or reflection service, which need no token.
-class StreamPlace {
+/// A slot for a stream of the health or reflection service, which need no token.
+class StreamSlot {
  public:
-  StreamPlace() = default;
-  ~StreamPlace() {
-    if (places_ != nullptr) ++*places_;
+  StreamSlot() = default;
+  ~StreamSlot() {
+    if (slots_ != nullptr) ++*slots_;
   }
-  StreamPlace(const StreamPlace&) = delete;
-  StreamPlace& operator=(const StreamPlace&) = delete;
+  StreamSlot(const StreamSlot&) = delete;
+  StreamSlot& operator=(const StreamSlot&) = delete;
   /// RESOURCE_EXHAUSTED with a RetryInfo if none is free.  Call it once.
   absl::Status take(Runtime& runtime);
 
  private:
-  std::atomic<std::int64_t>* places_ = nullptr;
+  std::atomic<std::int64_t>* slots_ = nullptr;
 };
 
 /// One call.  Lives until gRPC and the lanes have released it.

@@ -65,7 +65,7 @@ ServerReflectionResponse answer(const ServerReflectionRequest& request,
 }  // namespace
 
 void Reflection::begin() {
-  if (const absl::Status status = place_.take(runtime_); !status.ok()) return finish(status);
+  if (const absl::Status status = slot_.take(runtime_); !status.ok()) return finish(status);
   read(idle_time());
 }
 

@@ -19,7 +19,7 @@ class Reflection final : public Reactor {
   void begin() override;
   void take(bool ok) override;
 
-  StreamPlace place_;
+  StreamSlot slot_;
   std::set<std::string> sent_;  // names of the files that the client has
 };
 

@@ -99,7 +99,7 @@ struct Runtime {
   Waits waits;
   ServingState serving;
   /// Streams of the health and reflection services that may still begin.
-  std::atomic<std::int64_t> stream_places{4096};
+  std::atomic<std::int64_t> stream_slots{4096};
   /// How long a call may wait for its request [s]; 0: for ever.
   std::uint32_t idle_s = 0;
   /// Whether clients have certificates that were checked.

@@ -160,16 +160,12 @@ std::vector<std::string> option_warnings(const ServerOptions& options) {
 
 absl::Status Server::State::load(const std::string& path, const std::stop_token& stop) {
   std::promise<absl::Status> result;
+  const auto run = [&](const LaneJobStart& start) {
+    const auto load = [&] { return runtime.scenes->load(path, {.stop = stop}).status(); };
+    result.set_value(start.status.ok() ? guarded(load) : start.status);
+  };
   const absl::Status queued =
-      lanes.submit(Lane::kBulk, {.run =
-                                     [&](const LaneJobStart& start) {
-                                       result.set_value(start.status.ok() ? guarded([&] {
-                                         return runtime.scenes->load(path, {.stop = stop}).status();
-                                       })
-                                                                          : start.status);
-                                     },
-                                 .stop = stop,
-                                 .kind = JobKind::kLoad});
+      lanes.submit(Lane::kBulk, {.run = run, .stop = stop, .kind = JobKind::kLoad});
   return queued.ok() ? result.get_future().get() : queued;
 }
 
