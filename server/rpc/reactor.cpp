@@ -24,8 +24,8 @@ void Reactor::OnCancel() {
 void Reactor::begin() { read(idle_time()); }
 
 absl::Status Reactor::admit() {
-  pass_ = runtime_.gate.enter();
-  return pass_ ? observed_.admit() : draining();
+  in_flight_ = runtime_.calls.begin();
+  return in_flight_ ? observed_.admit() : draining();
 }
 
 void Reactor::read(std::chrono::steady_clock::duration patience) {

@@ -82,7 +82,7 @@ class Reactor : public grpc::ServerGenericBidiReactor,
   std::chrono::steady_clock::duration idle_time() const;
 
   Runtime& runtime_;
-  CallGate::Pass pass_;  // of calls of the contract; the last to be destroyed
+  CallsInFlight::Counted in_flight_;  // of calls of the contract; the last to be destroyed
   ObservedCall observed_;
   std::stop_source stop_;
   grpc::ByteBuffer bytes_;

@@ -8,33 +8,33 @@
 
 namespace lucerna::rpc {
 
-CallGate::Pass CallGate::enter() {
+CallsInFlight::Counted CallsInFlight::begin() {
   const std::lock_guard lock(mutex_);
   if (closed_) return {};
-  ++inside_;
-  return Pass(this);
+  ++count_;
+  return Counted(this);
 }
 
-void CallGate::close() {
+void CallsInFlight::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
 }
 
-bool CallGate::wait_until_empty(std::chrono::steady_clock::time_point deadline,
-                                std::stop_token hurry) {
+bool CallsInFlight::wait_until_empty(std::chrono::steady_clock::time_point deadline,
+                                     std::stop_token hurry) {
   std::unique_lock lock(mutex_);
-  return left_.wait_until(lock, std::move(hurry), deadline, [this] { return inside_ == 0; });
+  return ended_.wait_until(lock, std::move(hurry), deadline, [this] { return count_ == 0; });
 }
 
-void CallGate::wait_until_empty() {
+void CallsInFlight::wait_until_empty() {
   std::unique_lock lock(mutex_);
-  left_.wait(lock, [this] { return inside_ == 0; });
+  ended_.wait(lock, [this] { return count_ == 0; });
 }
 
-void CallGate::leave() {
-  // Notified under the lock: a waiting thread may destroy the gate as soon as it is empty.
+void CallsInFlight::end() {
+  // Notified under the lock: a waiting thread may destroy this as soon as it is empty.
   const std::lock_guard lock(mutex_);
-  if (--inside_ == 0) left_.notify_all();
+  if (--count_ == 0) ended_.notify_all();
 }
 
 absl::Status lane_error(absl::Status status, Lane lane) {

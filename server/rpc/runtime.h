@@ -24,42 +24,29 @@
 
 namespace lucerna::rpc {
 
-/// Counts the running calls, and refuses new ones once it is closed.  Thread-safe.
-class CallGate {
+/// Counts the calls in flight, and refuses new ones once it is closed.  Thread-safe.
+class CallsInFlight {
  public:
-  /// Counts one call as running until it is destroyed.
-  class Pass {
-   public:
-    Pass() = default;
-    explicit Pass(CallGate* gate) : gate_(gate) {}
-    Pass(Pass&& other) noexcept : gate_(std::exchange(other.gate_, nullptr)) {}
-    Pass& operator=(Pass&& other) noexcept {
-      std::swap(gate_, other.gate_);
-      return *this;
-    }
-    ~Pass() {
-      if (gate_ != nullptr) gate_->leave();
-    }
-    explicit operator bool() const { return gate_ != nullptr; }
-
-   private:
-    CallGate* gate_ = nullptr;
+  struct End {
+    void operator()(CallsInFlight* calls) const { calls->end(); }
   };
+  /// Counts one call until it is destroyed.
+  using Counted = std::unique_ptr<CallsInFlight, End>;
 
-  /// An empty pass once the gate is closed.
-  Pass enter();
+  /// Null once it is closed.
+  Counted begin();
   void close();
   /// False if calls still ran at `deadline`, or when `hurry` was requested.
   bool wait_until_empty(std::chrono::steady_clock::time_point deadline, std::stop_token hurry = {});
-  /// Returns when no pass is left.
+  /// Returns when no call is left.
   void wait_until_empty();
 
  private:
-  void leave();
+  void end();
   std::mutex mutex_;
-  std::condition_variable_any left_;
+  std::condition_variable_any ended_;
   bool closed_ = false;
-  std::size_t inside_ = 0;
+  std::size_t count_ = 0;
 };
 
 /// The limits of requests, which may change while calls run.  Thread-safe.
@@ -88,7 +75,7 @@ struct Runtime {
   std::unique_ptr<SceneStore> scenes;
   std::mutex info_mutex;
   v1::GetServerInfoResponse info;  // guarded by info_mutex
-  CallGate gate;
+  CallsInFlight calls;
   Lanes& lanes;
   monitor::CallStatistics statistics;
   TimeModel times;

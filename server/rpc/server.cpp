@@ -256,12 +256,12 @@ void Server::State::end(std::chrono::system_clock::time_point deadline) {
   if (std::exchange(ended, true) || server == nullptr) return;
   listener->stop();
   // gRPC answers calls that arrive while it shuts down with CANCELLED, which clients do not repeat.
-  if (runtime.gate.wait_until_empty(std::chrono::steady_clock::now()))
+  if (runtime.calls.wait_until_empty(std::chrono::steady_clock::now()))
     listener->connections().close_all();
   server->Shutdown(deadline);
   server->Wait();
-  // A lane may still hold a call that gRPC has ended, and with it a pass of the gate.
-  runtime.gate.wait_until_empty();
+  // A lane may still hold a call that gRPC has ended, which counts as in flight.
+  runtime.calls.wait_until_empty();
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& options,
@@ -296,7 +296,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
 
 Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Server::~Server() {
-  state_->runtime.gate.close();
+  state_->runtime.calls.close();
   state_->end(std::chrono::system_clock::now());
 }
 
@@ -343,14 +343,14 @@ absl::Status Server::reload(const ServerOptions& options) {
 
 void Server::begin_drain() {
   state_->runtime.serving.stop();
-  state_->runtime.gate.close();
+  state_->runtime.calls.close();
 }
 
 void Server::drain(std::chrono::milliseconds patience, std::stop_token hurry) {
   begin_drain();
   // The port stays open meanwhile, so health checks and new calls are answered.
-  state_->runtime.gate.wait_until_empty(std::chrono::steady_clock::now() + patience,
-                                        std::move(hurry));
+  state_->runtime.calls.wait_until_empty(std::chrono::steady_clock::now() + patience,
+                                         std::move(hurry));
   state_->end(std::chrono::system_clock::now());
 }
 
