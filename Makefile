@@ -1,8 +1,8 @@
 # make demo | test | deb | test-deb | web | fuzz | soak | reliability | extremes | mutants | test-slurm | bench | parts
-#    | tradeoff | automatic | fit | distributed | precision | format
+#    | tradeoff | automatic | fit | distributed | format
 # Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test deb test-deb web fuzz wire oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed precision format
+.PHONY: deps release programs demo test deb test-deb web fuzz wire oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed format
 
 deps:
 	@deploy/install-deps.sh
@@ -122,11 +122,6 @@ distributed: release
 	@cmake --build --preset release --target lucernad lucerna client_test
 	@deploy/install-deps.sh slurm-wlm munge
 	@tests/bench/distributed.py build/release --page docs/distributed.md
-
-# Measures speed and error of single and double precision.  Requires an idle machine.
-precision: release
-	@cmake --build --preset release --target traversal_bench precision_bench tile_precision_bench
-	@tests/bench/precision_page.sh build/release > build/precision.md && mv build/precision.md docs/precision.md
 
 # Starts lucernad with the demo scene, and the page for browsers, until Ctrl-C.  LISTEN=HOST:PORT: where.
 LISTEN ?= 127.0.0.1:8080

@@ -18,9 +18,6 @@
 
 namespace lucerna::testing {
 
-/// The type that the server computes light in.
-using Served = double;
-
 /// |value - truth| / |truth|.  Infinite if the value is NaN, or if only the truth is 0.
 inline double relative_error(double value, double truth) {
   if (value == truth) return 0;

@@ -26,8 +26,8 @@ void LightCluster::add(const LightCluster& other) {
 // The smallest cone about both: its axis lies in the plane of theirs.  [Conty18, algorithm 1]
 void LightCluster::add_cone(const LightCluster& other) {
   const bool is_wider = theta_o_rad >= other.theta_o_rad;
-  const Vec3<double> wide = is_wider ? axis : other.axis;
-  Vec3<double> narrow = is_wider ? other.axis : axis;
+  const Vec3 wide = is_wider ? axis : other.axis;
+  Vec3 narrow = is_wider ? other.axis : axis;
   const double wide_rad = std::max(theta_o_rad, other.theta_o_rad);
   const double narrow_rad = std::min(theta_o_rad, other.theta_o_rad);
   axis = wide;
@@ -40,8 +40,8 @@ void LightCluster::add_cone(const LightCluster& other) {
   const double between = angle_between(wide, narrow);
   if (between + narrow_rad <= wide_rad) return;
   theta_o_rad = (wide_rad + between + narrow_rad) / 2;
-  const Vec3<double> across = normalized(narrow - wide * dot(wide, narrow));
-  if (theta_o_rad >= (two_sided ? kPi / 2 : kPi) || across == Vec3<double>{}) {
+  const Vec3 across = normalized(narrow - wide * dot(wide, narrow));
+  if (theta_o_rad >= (two_sided ? kPi / 2 : kPi) || across == Vec3{}) {
     theta_o_rad = kPi;
     return;
   }
@@ -63,7 +63,7 @@ double LightCluster::solid_angle_sr() const {
 
 double LightCluster::cost() const {
   if (empty()) return 0;
-  const Vec3<double> diagonal = upper - lower;
+  const Vec3 diagonal = upper - lower;
   return power * dot(diagonal, diagonal) * solid_angle_sr();
 }
 

@@ -14,9 +14,9 @@ namespace lucerna {
 struct LightCluster {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-  Vec3<double> lower{kInfinity, kInfinity, kInfinity};
-  Vec3<double> upper{-kInfinity, -kInfinity, -kInfinity};
-  Vec3<double> axis{0, 0, 1};  ///< unit
+  Vec3 lower{kInfinity, kInfinity, kInfinity};
+  Vec3 upper{-kInfinity, -kInfinity, -kInfinity};
+  Vec3 axis{0, 0, 1};       ///< unit
   double theta_o_rad = -1;  ///< half angle of the cone; negative: no light yet; pi: all directions
   bool has_cosine = false;  ///< intensity falls off outside of theta_o, and is not 0 there
   bool two_sided = false;   ///< normals lie about `axis` or about its opposite

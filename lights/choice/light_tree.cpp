@@ -39,7 +39,7 @@ struct TwoVecs {
   TwoVecs operator*(double s) const { return {x * s, y * s, z * s}; }
 };
 
-TwoVecs both_vecs(const Vec3<double>& v) { return {both(v.x), both(v.y), both(v.z)}; }
+TwoVecs both_vecs(const Vec3& v) { return {both(v.x), both(v.y), both(v.z)}; }
 template <typename T>
 TwoVecs both_vecs(const T (&v)[3][2]) {
   return {both(v[0]), both(v[1]), both(v[2])};
@@ -64,9 +64,9 @@ TwoDoubles reach_along(const TwoVecs& w, const TwoVecs& half) {
 
 }  // namespace
 
-std::optional<LightTree::Query> LightTree::query_from(const Receiver<double>& receiver) const {
+std::optional<LightTree::Query> LightTree::query_from(const Receiver& receiver) const {
   if (empty() || !is_finite(receiver.position) || !is_finite(receiver.normal)) return std::nullopt;
-  Query from{receiver.position * scale_, receiver.normal, receiver.normal != Vec3<double>{}};
+  Query from{receiver.position * scale_, receiver.normal, receiver.normal != Vec3{}};
   if (max_abs(from.position) > kFarthest)
     from.position = scaled(receiver.position, -std::ilogb(max_abs(receiver.position))) * kFarthest;
   return from;
@@ -138,7 +138,7 @@ TwoDoubles LightTree::importance(std::uint32_t pair, const Query& from) const {
   return is_dark ? zero : importance;
 }
 
-std::optional<LightChoice> LightTree::choose(const Receiver<double>& receiver, double u) const {
+std::optional<LightChoice> LightTree::choose(const Receiver& receiver, double u) const {
   const std::optional<Query> from = query_from(receiver);
   if (!from) return std::nullopt;
   if (size() == 1) {
@@ -168,7 +168,7 @@ std::optional<LightChoice> LightTree::choose(const Receiver<double>& receiver, d
   }
 }
 
-double LightTree::probability(const Receiver<double>& receiver, std::uint32_t light) const {
+double LightTree::probability(const Receiver& receiver, std::uint32_t light) const {
   const std::optional<Query> from = query_from(receiver);
   if (!from || leaf_of_[light] == kNoLeaf) return 0;
   if (size() == 1) return importance(0, *from)[0] > 0 ? 1 : 0;

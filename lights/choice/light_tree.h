@@ -37,7 +37,7 @@ struct LightChoice {
 class LightTree {
  public:
   struct Item {
-    LightBounds<double> bounds;
+    LightBounds bounds;
     double power;  ///< in any unit; its share of the sum weights this light
   };
   static constexpr std::size_t kMaxLights = std::size_t{1} << 28;
@@ -52,9 +52,9 @@ class LightTree {
   /// chosen node can reach the receiver, or where the receiver is not finite.  Choosing nothing has
   /// the probability 1 minus the sum over all lights.  Uses position and normal.  Without a normal
   /// (zero), light from all sides counts; with a normal, only light from above.
-  std::optional<LightChoice> choose(const Receiver<double>& receiver, double u) const;
+  std::optional<LightChoice> choose(const Receiver& receiver, double u) const;
   /// The probability with which `choose` returns `light`, with the same bits.
-  double probability(const Receiver<double>& receiver, std::uint32_t light) const;
+  double probability(const Receiver& receiver, std::uint32_t light) const;
 
   /// The number of lights that can be chosen.
   std::size_t size() const { return size_; }
@@ -89,12 +89,12 @@ class LightTree {
 
   /// A receiver in the tree's coordinates.
   struct Query {
-    Vec3<double> position, normal;
+    Vec3 position, normal;
     bool has_normal;
   };
 
   void set(Place place, const LightCluster& cluster);
-  std::optional<Query> query_from(const Receiver<double>& receiver) const;
+  std::optional<Query> query_from(const Receiver& receiver) const;
   /// Starts to load a pair into the cache.
   void prefetch(std::uint32_t pair) const;
   /// Of both children of a pair.

@@ -83,7 +83,7 @@ absl::Status LightTree::Builder::check() const {
         fmt::format("light tree of {} lights, allowed: up to {}", items_.size(), kMaxLights));
   StopPoll poll;
   for (std::size_t i = 0; i < items_.size(); ++i, poll()) {
-    const LightBounds<double>& b = items_[i].bounds;
+    const LightBounds& b = items_[i].bounds;
     if (!is_finite(b.lower) || !is_finite(b.upper) || !is_finite(b.axis) ||
         !(b.cone_rad >= 0 && b.normals_rad >= 0))
       return absl::InvalidArgumentError(
@@ -105,12 +105,12 @@ void LightTree::Builder::take_lights(double scale) {
   for (std::size_t i = 0; i < items_.size(); ++i, poll()) {
     if (!all_black && !(items_[i].power > 0)) continue;
     order_.push_back(static_cast<std::uint32_t>(i));
-    const LightBounds<double>& b = items_[i].bounds;
+    const LightBounds& b = items_[i].bounds;
     LightCluster& light = lights_[i];
-    const Vec3<double> lower = b.lower * scale, upper = b.upper * scale;
+    const Vec3 lower = b.lower * scale, upper = b.upper * scale;
     const double pad = std::max(kBoxSlack * std::max(max_abs(lower), max_abs(upper)), kLeastBox);
-    light.lower = lower - Vec3<double>{pad, pad, pad};
-    light.upper = upper + Vec3<double>{pad, pad, pad};
+    light.lower = lower - Vec3{pad, pad, pad};
+    light.upper = upper + Vec3{pad, pad, pad};
     light.axis = normalized(b.axis);
     light.has_cosine = b.two_sided || b.normals_rad < b.cone_rad;
     light.two_sided = b.two_sided;
@@ -120,8 +120,7 @@ void LightTree::Builder::take_lights(double scale) {
                                               : b.cone_rad;
     const double all = b.two_sided ? kPi / 2 : kPi;
     light.theta_o_rad = theta_o + kConeSlackRad;
-    if (light.theta_o_rad > all - kNearlyAllRad || light.axis == Vec3<double>{})
-      light.theta_o_rad = kPi;
+    if (light.theta_o_rad > all - kNearlyAllRad || light.axis == Vec3{}) light.theta_o_rad = kPi;
     light.power = all_black ? 1 : std::max(std::scalbn(items_[i].power, exponent), kLeastPower);
   }
 }
@@ -136,10 +135,10 @@ LightCluster LightTree::Builder::cluster_of(std::span<const std::uint32_t> light
 void LightTree::set(Place place, const LightCluster& cluster) {
   Pair& pair = pairs_[place / 2];
   const int side = static_cast<int>(place % 2);
-  const auto [lower, upper] = rounded_outwards<float>(cluster.lower, cluster.upper);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
-    pair.lower[axis][side] = lower[axis];
-    pair.upper[axis][side] = upper[axis];
+    pair.lower[axis][side] = std::nextafter(static_cast<float>(cluster.lower[axis]), -kInfinity);
+    pair.upper[axis][side] = std::nextafter(static_cast<float>(cluster.upper[axis]), kInfinity);
   }
   pair.intensity[side] = static_cast<float>(cluster.power / cluster.solid_angle_sr());
   Child& child = pair.child[side];
@@ -183,7 +182,7 @@ LightTree::Builder::Split LightTree::Builder::split_in_half(const Task& task) co
 
 LightTree::Builder::Split LightTree::Builder::split(const Task& task) {
   if (task.end - task.begin == 2) return split_in_half(task);
-  const Vec3<double> extent = task.cluster.upper - task.cluster.lower;
+  const Vec3 extent = task.cluster.upper - task.cluster.lower;
   double least = LightCluster::kInfinity;
   Binning best{};
   int first_right = 0;

@@ -6,10 +6,10 @@
 namespace lucerna {
 
 /// OK where the three are directions at right angles, of any lengths and either handedness.
-inline absl::Status check_right_angles(std::string_view field, const Frame<double>& axes) {
-  for (const Vec3<double>& axis : {axes.s, axes.t, axes.n})
+inline absl::Status check_right_angles(std::string_view field, const Frame& axes) {
+  for (const Vec3& axis : {axes.s, axes.t, axes.n})
     if (auto s = check_direction(field, axis); !s.ok()) return s;
-  const Vec3<double> s = normalized(axes.s), t = normalized(axes.t), n = normalized(axes.n);
+  const Vec3 s = normalized(axes.s), t = normalized(axes.t), n = normalized(axes.n);
   // Axes written with six digits have errors of this size.  Products of rotations in double have
   // far smaller ones.
   constexpr double kTolerance = 1e-5;
@@ -24,11 +24,11 @@ inline absl::Status check_right_angles(std::string_view field, const Frame<doubl
 
 /// Unit vectors exactly at right angles.  The last axis keeps its direction, and the frame keeps
 /// its handedness.
-inline Frame<double> orthonormal(const Frame<double>& axes) {
-  const Vec3<double> n = normalized(axes.n);
-  const Vec3<double> s0 = normalized(axes.s);
-  const Vec3<double> s = normalized(s0 - n * dot(s0, n));
-  const Vec3<double> t = cross(n, s);
+inline Frame orthonormal(const Frame& axes) {
+  const Vec3 n = normalized(axes.n);
+  const Vec3 s0 = normalized(axes.s);
+  const Vec3 s = normalized(s0 - n * dot(s0, n));
+  const Vec3 t = cross(n, s);
   return {s, dot(t, axes.t) < 0 ? -t : t, n};
 }
 

@@ -9,7 +9,7 @@
 namespace lucerna {
 namespace {
 
-Transform::Matrix columns(const Vec3<double>& x, const Vec3<double>& y, const Vec3<double>& z) {
+Transform::Matrix columns(const Vec3& x, const Vec3& y, const Vec3& z) {
   return {{{x.x, y.x, z.x, 0}, {x.y, y.y, z.y, 0}, {x.z, y.z, z.z, 0}}};
 }
 
@@ -28,8 +28,8 @@ absl::Status flat() {
 
 }  // namespace
 
-absl::StatusOr<Deformation> Deformation::create(const Frame<double>& axes) {
-  for (const Vec3<double>& axis : {axes.s, axes.t, axes.n})
+absl::StatusOr<Deformation> Deformation::create(const Frame& axes) {
+  for (const Vec3& axis : {axes.s, axes.t, axes.n})
     if (auto s = check_direction("light.own_space", axis); !s.ok()) return s;
   // Only ratios of lengths matter.
   const int exponent = -std::ilogb(std::max({max_abs(axes.s), max_abs(axes.t), max_abs(axes.n)}));
@@ -43,13 +43,13 @@ absl::StatusOr<Deformation> Deformation::create(const Frame<double>& axes) {
 
 Deformation::Deformation(const Transform& map)
     : map_(map), inverse_(map.inverse()), stretch_(norm(map) * norm(inverse_)) {
-  const Vec3<double> x = inverse_.vector({1, 0, 0}), y = inverse_.vector({0, 1, 0}),
-                     z = inverse_.vector({0, 0, 1});
+  const Vec3 x = inverse_.vector({1, 0, 0}), y = inverse_.vector({0, 1, 0}),
+             z = inverse_.vector({0, 0, 1});
   determinant_ = std::fabs(dot(cross(x, y), z));
   most_shrinking_ = std::pow(norm(inverse_), 3) / determinant_;
 }
 
-double Deformation::own_sr_per_world_sr(const Vec3<double>& w) const {
+double Deformation::own_sr_per_world_sr(const Vec3& w) const {
   const double length_own = length(own_from_world(w));
   return determinant_ / (length_own * length_own * length_own);
 }
@@ -61,13 +61,13 @@ EmissionCone Deformation::world_cone(const EmissionCone& own) const {
   constexpr double kWide = std::numbers::pi / 2 - 1e-3;  // a cone that is not convex, or nearly
   if (own.half_angle_rad > kWide) return all;
   constexpr int kDirections = 256;
-  const Vec3<double> axis = normalized(world_from_own(own.axis));
-  const auto frame = Frame<double>::around(own.axis);
+  const Vec3 axis = normalized(world_from_own(own.axis));
+  const auto frame = Frame::around(own.axis);
   const double sine = std::sin(own.half_angle_rad), cosine = std::cos(own.half_angle_rad);
   double widest = 0;
   for (int i = 0; i < kDirections; ++i) {
     const double phi = 2 * std::numbers::pi * i / kDirections;
-    const Vec3<double> w = normalized(world_from_own(
+    const Vec3 w = normalized(world_from_own(
         frame.world_from_local({sine * std::cos(phi), sine * std::sin(phi), cosine})));
     widest = std::max(widest, std::atan2(length(cross(axis, w)), dot(axis, w)));
   }

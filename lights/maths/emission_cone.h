@@ -8,7 +8,7 @@ namespace lucerna {
 /// All directions with light lie within `half_angle_rad` of `axis`, in the distribution's own axes.
 /// The cone may be slightly too large, never too small.
 struct EmissionCone {
-  Vec3<double> axis{0, 0, 1};  ///< unit
+  Vec3 axis{0, 0, 1};  ///< unit
   double half_angle_rad{};
 };
 

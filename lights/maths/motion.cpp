@@ -12,11 +12,11 @@ namespace {
 
 using Quaternion = std::array<double, 4>;
 
-Vec3<double> imaginary(const Quaternion& q) { return {q[1], q[2], q[3]}; }
+Vec3 imaginary(const Quaternion& q) { return {q[1], q[2], q[3]}; }
 
 Quaternion product(const Quaternion& a, const Quaternion& b) {
-  const Vec3<double> u = imaginary(a), v = imaginary(b);
-  const Vec3<double> w = v * a[0] + u * b[0] + cross(u, v);
+  const Vec3 u = imaginary(a), v = imaginary(b);
+  const Vec3 w = v * a[0] + u * b[0] + cross(u, v);
   return {a[0] * b[0] - dot(u, v), w.x, w.y, w.z};
 }
 
@@ -49,7 +49,7 @@ Quaternion quaternion_of(const Transform::Matrix& m) {
 /// Whether the linear part is a rotation to within 1e-6.
 bool is_rotation(const Transform::Matrix& m) {
   constexpr double kTolerance = 1e-6;
-  const auto column = [&](int j) { return Vec3<double>{m[0][j], m[1][j], m[2][j]}; };
+  const auto column = [&](int j) { return Vec3{m[0][j], m[1][j], m[2][j]}; };
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       if (!(std::fabs(dot(column(i), column(j)) - (i == j ? 1 : 0)) <= kTolerance)) return false;
@@ -57,8 +57,8 @@ bool is_rotation(const Transform::Matrix& m) {
 }
 
 /// The angle, in [0, 2 pi), and the axis.  Exact for small angles too, unlike an arc cosine.
-std::pair<double, Vec3<double>> angle_and_axis_of(const Quaternion& q) {
-  const Vec3<double> v = imaginary(q);
+std::pair<double, Vec3> angle_and_axis_of(const Quaternion& q) {
+  const Vec3 v = imaginary(q);
   const double sine = length(v);
   if (!(sine > 0)) return {0, {0, 0, 1}};
   return {2 * std::atan2(sine, q[0]), normalized(v)};
@@ -66,7 +66,7 @@ std::pair<double, Vec3<double>> angle_and_axis_of(const Quaternion& q) {
 
 }  // namespace
 
-std::pair<double, Vec3<double>> Motion::KeyFrame::angle_and_axis() const {
+std::pair<double, Vec3> Motion::KeyFrame::angle_and_axis() const {
   Quaternion q = turn;
   if (q[0] < 0) q = {-q[0], -q[1], -q[2], -q[3]};
   return angle_and_axis_of(q);
@@ -109,14 +109,14 @@ absl::StatusOr<Motion> Motion::create(std::span<const KeyTransform> frames) {
   return motion;
 }
 
-Motion Motion::about(const Vec3<double>& from_m, const Vec3<double>& to_m) const {
+Motion Motion::about(const Vec3& from_m, const Vec3& to_m) const {
   Motion moved = *this;
   moved.pivot_ = pivot_ - from_m;
   for (KeyFrame& f : moved.frames_) f.position_m = f.position_m - to_m;
   return moved;
 }
 
-Pose Motion::pose(const Quaternion& q, const Vec3<double>& position) const {
+Pose Motion::pose(const Quaternion& q, const Vec3& position) const {
   const double w = q[0], x = q[1], y = q[2], z = q[3];
   Pose p;
   p.r = {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
@@ -129,8 +129,8 @@ Pose Motion::pose(const Quaternion& q, const Vec3<double>& position) const {
 Pose Motion::between(std::size_t i, double part) const {
   const KeyFrame &a = frames_[i], &b = frames_[i + 1];
   const double half = turns_[i].angle_rad * part / 2;
-  const Vec3<double> v = turns_[i].axis * std::sin(half);
-  const Vec3<double> position = a.position_m * (1 - part) + b.position_m * part;
+  const Vec3 v = turns_[i].axis * std::sin(half);
+  const Vec3 position = a.position_m * (1 - part) + b.position_m * part;
   return pose(unit(product({std::cos(half), v.x, v.y, v.z}, a.turn)), position);
 }
 
@@ -147,20 +147,19 @@ Pose Motion::at(double time_s) const {
   return between(i, (time_s / 2 - a.time_s / 2) / (b.time_s / 2 - a.time_s / 2));
 }
 
-std::pair<Vec3<double>, Vec3<double>> Motion::bounds(const Vec3<double>& lower,
-                                                     const Vec3<double>& upper) const {
+std::pair<Vec3, Vec3> Motion::bounds(const Vec3& lower, const Vec3& upper) const {
   const auto corner = [&](int c) {
-    return Vec3<double>{(c & 1) != 0 ? upper.x : lower.x, (c & 2) != 0 ? upper.y : lower.y,
-                        (c & 4) != 0 ? upper.z : lower.z};
+    return Vec3{(c & 1) != 0 ? upper.x : lower.x, (c & 2) != 0 ? upper.y : lower.y,
+                (c & 4) != 0 ? upper.z : lower.z};
   };
   double reach = 0;  // from the pivot
   for (int c = 0; c < 8; ++c) reach = std::fmax(reach, length(corner(c) - pivot_));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec3<double> low{kInfinity, kInfinity, kInfinity}, high = -low;
+  Vec3 low{kInfinity, kInfinity, kInfinity}, high = -low;
   double pad = 0, largest = 0;
   const auto add = [&](const Pose& p) {
     for (int c = 0; c < 8; ++c) {
-      const Vec3<double> q = p.point(corner(c));
+      const Vec3 q = p.point(corner(c));
       largest = std::fmax(largest, max_abs(q));
       low = {std::fmin(low.x, q.x), std::fmin(low.y, q.y), std::fmin(low.z, q.z)};
       high = {std::fmax(high.x, q.x), std::fmax(high.y, q.y), std::fmax(high.z, q.z)};
@@ -177,7 +176,7 @@ std::pair<Vec3<double>, Vec3<double>> Motion::bounds(const Vec3<double>& lower,
   }
   // A few roundings in double of each number.
   pad += 64 * std::numeric_limits<double>::epsilon() * (largest + reach + max_abs(pivot_));
-  const Vec3<double> around{pad, pad, pad};
+  const Vec3 around{pad, pad, pad};
   return {low - around, high + around};
 }
 

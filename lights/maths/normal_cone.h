@@ -12,9 +12,8 @@
 namespace lucerna {
 
 /// All normals of a shape lie within `half_angle_rad` of `axis`.
-template <std::floating_point Real>
 struct NormalCone {
-  Vec3<Real> axis{0, 0, 1};  ///< unit
+  Vec3 axis{0, 0, 1};  ///< unit
   double half_angle_rad = std::numbers::pi;
 };
 
@@ -24,15 +23,13 @@ struct NormalCone {
 inline constexpr double kNormalSlackRad = 4e-6;
 
 /// The angle between vectors of any length but 0; exact for parallel ones too.
-inline double angle_between(const Vec3<double>& a, const Vec3<double>& b) {
+inline double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(length(cross(a, b)), dot(a, b));
 }
 
 /// The distance by which rounding to float may move a point off a shape within these bounds [m].
-template <std::floating_point Real>
-double rounding_m(const std::pair<Vec3<Real>, Vec3<Real>>& bounds) {
-  return 16 * kInputRounding *
-         std::fmax(max_abs(Vec3<double>(bounds.first)), max_abs(Vec3<double>(bounds.second)));
+inline double rounding_m(const std::pair<Vec3, Vec3>& bounds) {
+  return 16 * kInputRounding * std::fmax(max_abs(bounds.first), max_abs(bounds.second));
 }
 
 }  // namespace lucerna

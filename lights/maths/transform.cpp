@@ -22,14 +22,14 @@ struct Balanced {
 std::optional<Balanced> balance(const Matrix& m) {
   Balanced result;
   for (int i = 0; i < 3; ++i) {
-    const double largest = max_abs(Vec3<double>{m[i][0], m[i][1], m[i][2]});
+    const double largest = max_abs(Vec3{m[i][0], m[i][1], m[i][2]});
     if (!(largest > 0) || !std::isfinite(largest)) return std::nullopt;
     result.row[i] = std::ilogb(largest);
     for (int j = 0; j < 3; ++j) result.b[i][j] = std::scalbn(m[i][j], -result.row[i]);
   }
   for (int j = 0; j < 3; ++j) {
     auto& b = result.b;
-    const double largest = max_abs(Vec3<double>{b[0][j], b[1][j], b[2][j]});
+    const double largest = max_abs(Vec3{b[0][j], b[1][j], b[2][j]});
     if (!(largest > 0)) return std::nullopt;
     result.column[j] = std::ilogb(largest);
     for (int i = 0; i < 3; ++i) b[i][j] = std::scalbn(b[i][j], -result.column[j]);
@@ -96,7 +96,7 @@ Matrix product(const Matrix& a, const Matrix& b) {
   return c;
 }
 
-Vec3<double> column(const Matrix& m, int j) { return {m[0][j], m[1][j], m[2][j]}; }
+Vec3 column(const Matrix& m, int j) { return {m[0][j], m[1][j], m[2][j]}; }
 
 }  // namespace
 
@@ -108,21 +108,21 @@ std::optional<Transform> Transform::from_matrix(const Matrix& m) {
   return Transform(m, *inverse);
 }
 
-Transform Transform::translate(const Vec3<double>& t) {
+Transform Transform::translate(const Vec3& t) {
   return {{{{1, 0, 0, t.x}, {0, 1, 0, t.y}, {0, 0, 1, t.z}}},
           {{{1, 0, 0, -t.x}, {0, 1, 0, -t.y}, {0, 0, 1, -t.z}}}};
 }
 
-std::optional<Transform> Transform::scale(const Vec3<double>& s) {
+std::optional<Transform> Transform::scale(const Vec3& s) {
   return from_matrix({{{s.x, 0, 0, 0}, {0, s.y, 0, 0}, {0, 0, s.z, 0}}});
 }
 
-std::optional<Transform> Transform::rotate(double angle_rad, const Vec3<double>& axis) {
+std::optional<Transform> Transform::rotate(double angle_rad, const Vec3& axis) {
   const double axis_length = length(axis);
   if (!(axis_length > 0) || !std::isfinite(axis_length) || !std::isfinite(angle_rad)) {
     return std::nullopt;
   }
-  const Vec3<double> a = normalized(axis);
+  const Vec3 a = normalized(axis);
   const double sin = std::sin(angle_rad);
   const double cos = std::cos(angle_rad);
   const double half_sin = std::sin(angle_rad / 2);
@@ -139,15 +139,14 @@ std::optional<Transform> Transform::rotate(double angle_rad, const Vec3<double>&
   return Transform(m, transposed);
 }
 
-std::optional<Transform> Transform::look_at(const Vec3<double>& eye, const Vec3<double>& look,
-                                            const Vec3<double>& up) {
+std::optional<Transform> Transform::look_at(const Vec3& eye, const Vec3& look, const Vec3& up) {
   if (!is_finite(eye) || !is_finite(look) || !is_finite(up)) return std::nullopt;
-  const Vec3<double> forward = normalized(look - eye);
-  const Vec3<double> side = cross(normalized(up), forward);
+  const Vec3 forward = normalized(look - eye);
+  const Vec3 side = cross(normalized(up), forward);
   // A sine of a few roundings: the vectors are parallel, and their product has no direction.
   if (!(length(side) > 4 * kEpsilon)) return std::nullopt;
-  const Vec3<double> right = normalized(side);
-  const Vec3<double> above = cross(forward, right);
+  const Vec3 right = normalized(side);
+  const Vec3 above = cross(forward, right);
   return from_matrix({{{right.x, above.x, forward.x, eye.x},
                        {right.y, above.y, forward.y, eye.y},
                        {right.z, above.z, forward.z, eye.z}}});
@@ -159,20 +158,20 @@ Transform Transform::operator*(const Transform& b) const {
 
 Transform Transform::inverse() const { return {inverse_, m_}; }
 
-Transform Transform::about(const Vec3<double>& origin) const {
+Transform Transform::about(const Vec3& origin) const {
   const Transform product = translate(-origin) * *this;
   return from_matrix(product.m_).value_or(product);
 }
 
-Vec3<double> Transform::point(const Vec3<double>& p) const { return vector(p) + column(m_, 3); }
+Vec3 Transform::point(const Vec3& p) const { return vector(p) + column(m_, 3); }
 
-Vec3<double> Transform::vector(const Vec3<double>& v) const {
+Vec3 Transform::vector(const Vec3& v) const {
   return {m_[0][0] * v.x + m_[0][1] * v.y + m_[0][2] * v.z,
           m_[1][0] * v.x + m_[1][1] * v.y + m_[1][2] * v.z,
           m_[2][0] * v.x + m_[2][1] * v.y + m_[2][2] * v.z};
 }
 
-Vec3<double> Transform::normal(const Vec3<double>& n) const {
+Vec3 Transform::normal(const Vec3& n) const {
   return {dot(column(inverse_, 0), n), dot(column(inverse_, 1), n), dot(column(inverse_, 2), n)};
 }
 
@@ -183,7 +182,7 @@ bool Transform::swaps_handedness() const {
 
 std::optional<double> Transform::uniform_scale() const {
   constexpr double kTolerance = 1e-6;
-  const std::array<Vec3<double>, 3> axes{column(m_, 0), column(m_, 1), column(m_, 2)};
+  const std::array<Vec3, 3> axes{column(m_, 0), column(m_, 1), column(m_, 2)};
   std::array<double, 3> lengths{length(axes[0]), length(axes[1]), length(axes[2])};
   for (int i = 0; i < 3; ++i) {
     if (std::fabs(dot(normalized(axes[i]), normalized(axes[(i + 1) % 3]))) > kTolerance) {

@@ -17,27 +17,26 @@ class Transform {
   Transform();
   /// Nothing where `m` has no finite inverse.
   static std::optional<Transform> from_matrix(const Matrix& m);
-  static Transform translate(const Vec3<double>& t);
+  static Transform translate(const Vec3& t);
   /// No factor may be 0.
-  static std::optional<Transform> scale(const Vec3<double>& s);
+  static std::optional<Transform> scale(const Vec3& s);
   /// By `angle_rad` about `axis`, which is not zero; counter-clockwise seen against the axis.
-  static std::optional<Transform> rotate(double angle_rad, const Vec3<double>& axis);
+  static std::optional<Transform> rotate(double angle_rad, const Vec3& axis);
   /// World from camera: left-handed, +z towards `look`, +y up, as in .pbrt files.  Nothing where
   /// `eye` is `look` or `up` is parallel to their difference.
-  static std::optional<Transform> look_at(const Vec3<double>& eye, const Vec3<double>& look,
-                                          const Vec3<double>& up);
+  static std::optional<Transform> look_at(const Vec3& eye, const Vec3& look, const Vec3& up);
 
   /// `a * b` applies `b` first.
   Transform operator*(const Transform& b) const;
   Transform inverse() const;
   /// `translate(-origin) * *this`, with the inverse computed from the product.  The product of both
   /// inverses would have the rounding error of the distance to `origin`.
-  Transform about(const Vec3<double>& origin) const;
+  Transform about(const Vec3& origin) const;
 
-  Vec3<double> point(const Vec3<double>& p) const;
-  Vec3<double> vector(const Vec3<double>& v) const;
+  Vec3 point(const Vec3& p) const;
+  Vec3 vector(const Vec3& v) const;
   /// Normals transform by the inverse transpose; the length changes.
-  Vec3<double> normal(const Vec3<double>& n) const;
+  Vec3 normal(const Vec3& n) const;
 
   /// True if it turns a right-handed frame into a left-handed one (a mirror).
   bool swaps_handedness() const;
@@ -54,7 +53,7 @@ class Transform {
 };
 
 /// The images of the coordinate axes, of any lengths.
-inline Frame<double> axes_of(const Transform& map) {
+inline Frame axes_of(const Transform& map) {
   return {map.vector({1, 0, 0}), map.vector({0, 1, 0}), map.vector({0, 0, 1})};
 }
 

@@ -18,35 +18,32 @@
 namespace lucerna {
 namespace {
 
-template <typename Real>
-bool is_density(SolidAnglePdf<Real> pdf) {
-  return pdf.per_sr > 0 && std::isfinite(pdf.per_sr);
-}
+bool is_density(SolidAnglePdf pdf) { return pdf.per_sr > 0 && std::isfinite(pdf.per_sr); }
 
 }  // namespace
 
-template <std::floating_point Real, template <typename> typename Shape>
-AreaLight<Real, Shape>::AreaLight(const DiffuseEmission& emission, Shape<Real> shape)
+template <typename Shape>
+AreaLight<Shape>::AreaLight(const DiffuseEmission& emission, Shape shape)
     : emission_(emission),
       radiance_(emission.radiance_cd_m2),
       most_cd_m2_(luminance(emission.radiance_cd_m2)),
       shape_(std::move(shape)) {
   // Points are drawn by the luminance of the picture alone, without the colour of the radiance.
   if constexpr (kPainted)
-    most_cd_m2_ = emission.radiance_cd_m2.max_component() * luminance(shape_.picture().brightest());
+    most_cd_m2_ =
+        emission.radiance_cd_m2.max_component() * luminance(shape_.picture().image->brightest());
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
-    const DiffuseEmission& emission, Shape<Real> shape) {
-  if (absl::Status status =
-          check_light_value<Real>("area.radiance", emission.radiance_cd_m2, "cd/m2");
+template <typename Shape>
+absl::StatusOr<AreaLight<Shape>> AreaLight<Shape>::create(const DiffuseEmission& emission,
+                                                          Shape shape) {
+  if (absl::Status status = check_light_value("area.radiance", emission.radiance_cd_m2, "cd/m2");
       !status.ok())
     return status;
   if constexpr (kPainted) {
-    if (absl::Status status =
-            check_light_value<Real>("area.radiance of the brightest texel",
-                                    emission.radiance_cd_m2 * shape.picture().brightest(), "cd/m2");
+    if (absl::Status status = check_light_value(
+            "area.radiance of the brightest texel",
+            emission.radiance_cd_m2 * shape.picture().image->brightest(), "cd/m2");
         !status.ok())
       return status;
   }
@@ -57,68 +54,63 @@ absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
   return AreaLight(emission, std::move(shape));
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point,
-                                           const Vec3<double>& w) const {
-  return emits_to_side(dot(Vec3<double>(point.normal), w));
+template <typename Shape>
+bool AreaLight<Shape>::emits_towards(const SurfacePoint& point, const Vec3& w) const {
+  return emits_to_side(dot(point.normal, w));
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
-                                           const Vec3<Real>& receiver) const {
-  const double side = dot(Vec3<double>(point.normal), w);
+template <typename Shape>
+bool AreaLight<Shape>::emits_towards(const SurfacePoint& point, const Vec3& w,
+                                     const Vec3& receiver) const {
+  const double side = dot(point.normal, w);
   // Nearly along a flat surface, the rounding of point and normal decides the sign.
-  constexpr double kNearly = 8 * double{std::numeric_limits<Real>::epsilon()};
-  const double scale = std::fmax(max_abs(w), max_abs(Vec3<double>(point.position)));
+  constexpr double kNearly = 8 * std::numeric_limits<double>::epsilon();
+  const double scale = std::fmax(max_abs(w), max_abs(point.position));
   if (std::fabs(side) <= kNearly * scale)
     return emits_to_side(shape_.height_over(point, receiver).value_or(side));
   return emits_to_side(side);
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-bool AreaLight<Real, Shape>::is_black() const {
+template <typename Shape>
+bool AreaLight<Shape>::is_black() const {
   if constexpr (kPanel)
     if (!(shape_.flux_lm(true) > 0)) return true;
   return emission_.radiance_cd_m2.is_black();
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-Rgb<Real> AreaLight<Real, Shape>::radiance_at(const SurfacePoint<Real>& point,
-                                              const Vec3<double>& w) const {
+template <typename Shape>
+Rgb AreaLight<Shape>::radiance_at(const SurfacePoint& point, const Vec3& w) const {
   if constexpr (kPainted) {
-    return Rgb<Real>(emission_.radiance_cd_m2 * shape_.tint(point));
+    return Rgb(emission_.radiance_cd_m2 * shape_.tint(point));
   } else if constexpr (kPanel) {
-    const Rgb<Real> radiance(emission_.radiance_cd_m2 *
-                             shape_.radiance(normalized(w), Vec3<double>(point.normal)));
-    return is_finite(radiance) ? radiance : Rgb<Real>{};
+    const Rgb radiance(emission_.radiance_cd_m2 * shape_.radiance(normalized(w), point.normal));
+    return is_finite(radiance) ? radiance : Rgb{};
   } else {
     return radiance_;
   }
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-LightSample<Real> AreaLight<Real, Shape>::sample_li(const Receiver<Real>& receiver,
-                                                    Vec2<Real> u) const {
-  LightSample<Real> sample;
+template <typename Shape>
+LightSample AreaLight<Shape>::sample_li(const Receiver& receiver, Vec2 u) const {
+  LightSample sample;
   sample.pdf = {1};
   sample.reason = NoLight::kOutOfRange;
   if (!is_finite(receiver.position)) return sample;
 
-  const ShapeSample<Real> chosen = shape_.sample(receiver, u);
+  const ShapeSample chosen = shape_.sample(receiver, u);
   sample.point = chosen.point.position;
   sample.normal = chosen.point.normal;
   sample.primitive = chosen.point.primitive;
-  const Vec3<double> to_light = chosen.to_point != Vec3<double>{}
-                                    ? chosen.to_point
-                                    : Vec3<double>(sample.point) - Vec3<double>(receiver.position);
-  if (to_light == Vec3<double>{}) {
+  const Vec3 to_light =
+      chosen.to_point != Vec3{} ? chosen.to_point : sample.point - receiver.position;
+  if (to_light == Vec3{}) {
     sample.reason = NoLight::kDegenerate;
     return sample;
   }
-  const auto plain = plain_way<double>(to_light);
+  const auto plain = plain_way(to_light);
   const Way way = plain ? *plain : scaled_way(to_light);
-  sample.distance = static_cast<Real>(way.distance_m);
-  sample.wi = Vec3<Real>(way.wi);
+  sample.distance = way.distance_m;
+  sample.wi = way.wi;
   if (is_density(chosen.pdf)) sample.pdf = chosen.pdf;
 
   const bool emits = emits_towards(chosen.point, -to_light, receiver.position);
@@ -135,32 +127,29 @@ LightSample<Real> AreaLight<Real, Shape>::sample_li(const Receiver<Real>& receiv
   return sample;
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receiver,
-                                                   const Vec3<Real>& wi) const {
+template <typename Shape>
+SolidAnglePdf AreaLight<Shape>::pdf_li(const Receiver& receiver, const Vec3& wi) const {
   if (!is_finite(receiver.position) || !is_finite(wi)) return {0};
-  SolidAnglePdf<Real> sum;
-  shape_.for_each_hit(receiver.position, wi, [&](const SurfacePoint<Real>& point) {
+  SolidAnglePdf sum;
+  shape_.for_each_hit(receiver.position, wi, [&](const SurfacePoint& point) {
     sum.per_sr += pdf_li(receiver, point).per_sr;
   });
-  return is_density(sum) ? sum : SolidAnglePdf<Real>{0};
+  return is_density(sum) ? sum : SolidAnglePdf{0};
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receiver,
-                                                   const SurfacePoint<Real>& point) const {
+template <typename Shape>
+SolidAnglePdf AreaLight<Shape>::pdf_li(const Receiver& receiver, const SurfacePoint& point) const {
   if (!is_finite(receiver.position) ||
-      !emits_towards(point, Vec3<double>(receiver.position) - Vec3<double>(point.position),
-                     receiver.position))
+      !emits_towards(point, receiver.position - point.position, receiver.position))
     return {0};
-  const SolidAnglePdf<Real> pdf = shape_.pdf(receiver, point);
-  return is_density(pdf) ? pdf : SolidAnglePdf<Real>{0};
+  const SolidAnglePdf pdf = shape_.pdf(receiver, point);
+  return is_density(pdf) ? pdf : SolidAnglePdf{0};
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-std::optional<Rgb<Real>> AreaLight<Real, Shape>::irradiance(
-    const Receiver<Real>& receiver) const requires HasProjectedSolidAngle<Shape<Real>, Real> {
-  return irradiance_of(Rgb<double>(radiance_), receiver, [&](const Vec3<double>& normal) {
+template <typename Shape>
+std::optional<Rgb> AreaLight<Shape>::irradiance(const Receiver& receiver) const requires
+    HasProjectedSolidAngle<Shape> {
+  return irradiance_of(Rgb(radiance_), receiver, [&](const Vec3& normal) {
     return shape_.projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
   });
 }
@@ -168,12 +157,12 @@ std::optional<Rgb<Real>> AreaLight<Real, Shape>::irradiance(
 // A part dA of radiance L sends L cos(theta) cos(theta') dA / r^2.  The cosine at the receiver is
 // at most the part's height over r.  A panel sends at most I cos(theta') / r^2 for the file's
 // largest intensity I.
-template <std::floating_point Real, template <typename> typename Shape>
-MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& receiver) const {
+template <typename Shape>
+MostIrradiance AreaLight<Shape>::most_irradiance(const Receiver& receiver) const {
   if (!(most_cd_m2_ > 0) || is_black()) return {};
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const Vec3<double> p(receiver.position), n(receiver.normal);
-  const bool all_around = n == Vec3<double>{};
+  const Vec3 p(receiver.position), n(receiver.normal);
+  const bool all_around = n == Vec3{};
   const double height = all_around ? kInfinity : shape_.height_above(p, n);
   if (!(height > 0) || !bounds()->reaches(receiver.position)) return {};
   // The illuminance if this radiance came from all directions.
@@ -186,7 +175,7 @@ MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& rec
     // A sum over all primitives, which takes too long for large meshes.
     constexpr std::size_t kMany = 1024;
     if (shape_.size() <= kMany)
-      if (const auto known = irradiance(receiver)) lx = luminance(Rgb<double>(*known));
+      if (const auto known = irradiance(receiver)) lx = luminance(Rgb(*known));
     if (lx == 0) return {};
   }
   const auto [lower, upper] = shape_.bounds();
@@ -194,8 +183,8 @@ MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& rec
     return std::max({0.0, from - at, at - to});
   };
   const double distance =
-      length(Vec3<double>{outside(p.x, lower.x, upper.x), outside(p.y, lower.y, upper.y),
-                          outside(p.z, lower.z, upper.z)});
+      length(Vec3{outside(p.x, lower.x, upper.x), outside(p.y, lower.y, upper.y),
+                  outside(p.z, lower.z, upper.z)});
   if (!(distance > 0)) return {lx, kInfinity};
   double most_cd = most_cd_m2_;
   if constexpr (kPanel)
@@ -209,14 +198,14 @@ MostIrradiance AreaLight<Real, Shape>::most_irradiance(const Receiver<Real>& rec
   return {std::min(lx, sample_lx), sample_lx};
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-Rgb<Real> AreaLight<Real, Shape>::le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const {
-  const Vec3<double> v(w);
-  return emits_towards(point, v) ? radiance_at(point, v) : Rgb<Real>{};
+template <typename Shape>
+Rgb AreaLight<Shape>::le(const SurfacePoint& point, const Vec3& w) const {
+  const Vec3 v(w);
+  return emits_towards(point, v) ? radiance_at(point, v) : Rgb{};
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
+template <typename Shape>
+Power AreaLight<Shape>::power(const SceneSphere&) const {
   const double sides = emission_.two_sided ? 2 : 1;
   if constexpr (kPainted) {
     const PaintedArea& painted = shape_.painted_area();
@@ -224,7 +213,7 @@ Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
             luminance(emission_.radiance_cd_m2) * painted.error_m2 * (sides * std::numbers::pi)};
   } else if constexpr (kPanel) {
     // The radiance is the file's intensity over the area, and each point's true area multiplies it.
-    const Rgb<double> lumens = emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided);
+    const Rgb lumens = emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided);
     const double of_area = shape_.area_error_m2() / area_m2();
     const double of_bend =
         luminance(emission_.radiance_cd_m2) * shape_.flux_error_lm(emission_.two_sided);
@@ -236,42 +225,37 @@ Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
   }
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-Power AreaLight<Real, Shape>::power_approximate(const SceneSphere& scene) const {
+template <typename Shape>
+Power AreaLight<Shape>::power_approximate(const SceneSphere& scene) const {
   if constexpr (kPainted) {
     const double sides = emission_.two_sided ? 2 : 1;
-    const Rgb<double> mean = emission_.radiance_cd_m2 * shape_.picture().image->mean();
+    const Rgb mean = emission_.radiance_cd_m2 * shape_.picture().image->mean();
     return approximate_power(mean * (sides * std::numbers::pi * area_m2()), power(scene));
   } else {
     return power(scene);
   }
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-EmissionPdf<Real> AreaLight<Real, Shape>::emission_pdf(const SurfacePoint<Real>& point,
-                                                       const Vec3<Real>& direction) const {
-  const Vec3<double> w(direction);
+template <typename Shape>
+EmissionPdf AreaLight<Shape>::emission_pdf(const SurfacePoint& point, const Vec3& direction) const {
+  const Vec3 w(direction);
   if (!emits_towards(point, w)) return {};
-  if constexpr (kPanel)
-    return {{static_cast<Real>(shape_.pdf_area(point).per_m2)},
-            {static_cast<Real>(shape_.pdf_direction(w).per_sr)}};
-  const double cosine = std::fabs(dot(Vec3<double>(point.normal), w));
+  if constexpr (kPanel) return {{shape_.pdf_area(point).per_m2}, {shape_.pdf_direction(w).per_sr}};
+  const double cosine = std::fabs(dot(point.normal, w));
   const double sides = emission_.two_sided ? 2 : 1;
-  return {{static_cast<Real>(shape_.pdf_area(point).per_m2)},
-          {static_cast<Real>(cosine * std::numbers::inv_pi / sides)}};
+  return {{shape_.pdf_area(point).per_m2}, {cosine * std::numbers::inv_pi / sides}};
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>& point,
-                                                        Vec2<Real> u_direction) const {
-  Vec2<double> u{u_direction.x, u_direction.y};
+template <typename Shape>
+Vec3 AreaLight<Shape>::emission_direction(const SurfacePoint& point, Vec2 u_direction) const {
+  Vec2 u{u_direction.x, u_direction.y};
   if constexpr (kPanel) return shape_.sample_direction(u);
   double side = 1;
   if (emission_.two_sided) {
     side = u.x < 0.5 ? 1 : -1;
     u.x = u.x < 0.5 ? 2 * u.x : 2 * u.x - 1;
   }
-  const Vec2<double> d = sample_concentric_disk(u);
+  const Vec2 d = sample_concentric_disk(u);
   // Squares map to circles.  The point's distance to the disk's edge equals that of u to the
   // square's edge.  This value is 1 - d.x^2 - d.y^2, which cancels there.
   const double m = 2 * std::min({u.x, 1 - u.x, u.y, 1 - u.y});
@@ -279,86 +263,80 @@ Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>
   // still leaves on the same side and has a density.
   constexpr double kLeast = 16 * kInputRounding;
   const double cosine = std::sqrt(std::max(kLeast * kLeast, m * (2 - m)));
-  return Frame<double>::around(Vec3<double>(point.normal))
-      .world_from_local({d.x, d.y, side * cosine});
+  return Frame::around(point.normal).world_from_local({d.x, d.y, side * cosine});
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
-                                                       Vec2<Real> u_direction,
-                                                       const SceneSphere&) const {
+template <typename Shape>
+EmissionSample AreaLight<Shape>::sample_le(Vec2 u_position, Vec2 u_direction,
+                                           const SceneSphere&) const {
   // Sample by area.  The receiver that requests this is inside the shape: from there a sphere has
   // no cone of directions.
   const auto [lower, upper] = shape_.bounds();
-  Receiver<Real> by_area(Vec3<Real>((Vec3<double>(lower) + Vec3<double>(upper)) * 0.5));
+  Receiver by_area((lower + upper) * 0.5);
   by_area.area_sampling = AreaSampling::kLowDistortion;
-  const SurfacePoint<Real> point = shape_.sample(by_area, u_position).point;
-  return ray_from(point, Vec3<Real>(normalized(emission_direction(point, u_direction))));
+  const SurfacePoint point = shape_.sample(by_area, u_position).point;
+  return ray_from(point, normalized(emission_direction(point, u_direction)));
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-EmissionSample<Real> AreaLight<Real, Shape>::ray_from(SurfacePoint<Real> point,
-                                                      const Vec3<Real>& direction,
-                                                      double slack_m) const {
+template <typename Shape>
+EmissionSample AreaLight<Shape>::ray_from(SurfacePoint point, const Vec3& direction,
+                                          double slack_m) const {
   // The normal that pdf_le will use.  Along the surface, two normals that differ by a rounding give
   // completely different cosines.
   point.normal = shape_.located_normal(point, slack_m);
-  EmissionSample<Real> sample;
+  EmissionSample sample;
   sample.origin = point.position;
   sample.normal = point.normal;
   sample.primitive = point.primitive;
   sample.direction = direction;
-  const EmissionPdf<Real> pdf = emission_pdf(point, sample.direction);
+  const EmissionPdf pdf = emission_pdf(point, sample.direction);
   sample.pdf_position = pdf.position;
   sample.pdf_direction = pdf.direction;
   if (is_black()) {
     sample.reason = NoLight::kBlack;
-  } else if (!emits_towards(point, Vec3<double>(sample.direction))) {
+  } else if (!emits_towards(point, sample.direction)) {
     sample.reason = NoLight::kBehind;
   } else if (!is_density(pdf.direction) || !(pdf.position.per_m2 > 0) ||
              !std::isfinite(pdf.position.per_m2)) {
     sample.reason = NoLight::kOutOfRange;
   } else {
-    sample.value = radiance_at(point, Vec3<double>(sample.direction));
+    sample.value = radiance_at(point, sample.direction);
     if (sample.value.is_black()) sample.reason = kWithout;
   }
   if (!std::isfinite(pdf.position.per_m2)) sample.pdf_position = {};
   return sample;
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-EmissionPdf<Real> AreaLight<Real, Shape>::pdf_le(const Vec3<Real>& position,
-                                                 const Vec3<Real>& direction, const SceneSphere&,
-                                                 double slack_m) const {
+template <typename Shape>
+EmissionPdf AreaLight<Shape>::pdf_le(const Vec3& position, const Vec3& direction,
+                                     const SceneSphere&, double slack_m) const {
   if (!is_finite(position) || !is_finite(direction)) return {};
   const auto point = shape_.locate(position, slack_m);
   if (!point) return {};
-  const EmissionPdf<Real> pdf = emission_pdf(*point, direction);
+  const EmissionPdf pdf = emission_pdf(*point, direction);
   const bool good =
       is_density(pdf.direction) && pdf.position.per_m2 > 0 && std::isfinite(pdf.position.per_m2);
-  return good ? pdf : EmissionPdf<Real>{};
+  return good ? pdf : EmissionPdf{};
 }
 
-template <std::floating_point Real, template <typename> typename Shape>
-std::optional<LightBounds<Real>> AreaLight<Real, Shape>::bounds() const {
+template <typename Shape>
+std::optional<LightBounds> AreaLight<Shape>::bounds() const {
   const auto [lower, upper] = shape_.bounds();
-  const NormalCone<Real> normals = shape_.normals();
+  const NormalCone normals = shape_.normals();
   if constexpr (kPanel) {
-    const NormalCone<Real> cone = shape_.directions(emission_.two_sided);
-    return LightBounds<Real>{lower, upper, cone.axis, cone.half_angle_rad};
+    const NormalCone cone = shape_.directions(emission_.two_sided);
+    return LightBounds{lower, upper, cone.axis, cone.half_angle_rad};
   }
   const double cone = emission_.two_sided ? kPi : std::min(kPi, normals.half_angle_rad + kPi / 2);
-  return LightBounds<Real>{.lower = lower,
-                           .upper = upper,
-                           .axis = normals.axis,
-                           .cone_rad = cone,
-                           .normals_rad = normals.half_angle_rad,
-                           .two_sided = emission_.two_sided};
+  return LightBounds{.lower = lower,
+                     .upper = upper,
+                     .axis = normals.axis,
+                     .cone_rad = cone,
+                     .normals_rad = normals.half_angle_rad,
+                     .two_sided = emission_.two_sided};
 }
 
-#define LUCERNA_AREA_LIGHT(Shape)         \
-  template class AreaLight<float, Shape>; \
-  template class AreaLight<double, Shape>;
+#define LUCERNA_AREA_LIGHT(Shape) template class AreaLight<Shape>;
 #define LUCERNA_PAINTED_LIGHT(Shape) LUCERNA_AREA_LIGHT(Painted##Shape)
 #define LUCERNA_PANEL_LIGHT(Shape) LUCERNA_AREA_LIGHT(Panel##Shape)
 LUCERNA_AREA_SHAPES(LUCERNA_AREA_LIGHT)

@@ -20,24 +20,25 @@ namespace lucerna {
 struct DiffuseEmission {
   /// Per channel, finite, not negative.  With a picture: the radiance of its value 1.  For a panel:
   /// a factor of its radiance, without a unit.
-  Rgb<double> radiance_cd_m2;
+  Rgb radiance_cd_m2;
   bool two_sided = false;
 };
 
 /// `Shape` is an AreaShape (lights/shapes/area_shape.h).  A shape with a picture also has
 /// `tint(surface_point)`, `painted_area()` and `picture()`; see lights/shapes/painted.h.  A panel
 /// also has the members of lights/models/panel.h.  Immutable, so safe to share between threads.
-template <std::floating_point Real, template <typename> typename Shape>
+template <typename Shape>
 class AreaLight {
-  static_assert(AreaShape<Shape<Real>, Real>);
+  static_assert(AreaShape<Shape>);
 
  public:
   static constexpr bool kDelta = false;
-  static constexpr bool kHasIrradiance = Shape<Real>::kHasProjectedSolidAngle;
+  static constexpr bool kHasIrradiance = Shape::kHasProjectedSolidAngle;
 
-  /// Errors: radiance negative, not finite or beyond the range of `Real`; a shape that cannot emit
+  /// Errors: radiance negative, not finite or beyond the range of `double`; a shape that cannot
+  /// emit
   /// (`emissive_error`); area zero or not finite.
-  static absl::StatusOr<AreaLight> create(const DiffuseEmission& emission, Shape<Real> shape);
+  static absl::StatusOr<AreaLight> create(const DiffuseEmission& emission, Shape shape);
 
   /// A point of the shape seen from `receiver`, with its density with respect to solid angle.
   ///
@@ -46,39 +47,37 @@ class AreaLight {
   /// - kDegenerate: the receiver lies on the sampled point, or on the triangle, rectangle or disk
   ///   of the point.  On a sphere or a cylinder only if no light arrives from across.
   /// - kBlack: L is 0.
-  /// - kOutOfRange: the density or L is not a positive `Real`, or the receiver is not finite.
+  /// - kOutOfRange: the density or L is not a positive `double`, or the receiver is not finite.
   /// Parts of a closed mesh that face away from the receiver are sampled too.  They give kBehind,
   /// so the mean over all samples is exact.  Without a density `pdf.per_sr` is 1, so value / pdf is
   /// 0.  Without a direction `wi` is 0.
-  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
 
   /// The density with which sample_li chooses directions.  It sums over all points of the light
   /// along `wi` whose emitting side faces the receiver, including points hidden behind others.  Its
   /// integral is the probability that a sample is not kBehind or kDegenerate.
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
 
   /// The density with which sample_li chooses this point; 0 where its emitting side faces away.
   /// Rays that find the point are weighted by it.
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
+  SolidAnglePdf pdf_li(const Receiver& receiver, const SurfacePoint& point) const;
 
   /// The irradiance [lx] on the side that `receiver` faces, in closed form.  It equals the mean of
   /// samples without occlusion, even by parts of the light itself. Nothing for pictures, panels,
   /// shapes without such a form, and receivers without a normal or not finite.
-  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const requires
-      HasProjectedSolidAngle<Shape<Real>, Real>;
+  std::optional<Rgb> irradiance(const Receiver& receiver) const requires
+      HasProjectedSolidAngle<Shape>;
   /// Whether parts of it may occlude others: `irradiance` is then an upper bound.
-  bool hides_itself() const requires HasProjectedSolidAngle<Shape<Real>, Real> {
-    return shape_.hides_itself();
-  }
+  bool hides_itself() const requires HasProjectedSolidAngle<Shape> { return shape_.hides_itself(); }
 
   /// Upper bounds of the illuminance on the side that `receiver` faces, if the light's nearest part
   /// hides the parts behind it.  They come from the closed form, or from the distance to the
   /// shape's box.
-  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const;
+  MostIrradiance most_irradiance(const Receiver& receiver) const;
 
   /// Radiance [cd/m2] leaving `point` towards the vector `w` of any length; 0 on the dark side and
   /// along the surface.
-  Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const;
+  Rgb le(const SurfacePoint& point, const Vec3& w) const;
 
   /// pi L A, twice for a two-sided light.  For a panel: the flux of its file to one side or to
   /// both.  Exact except for bent or folded patches, pictures on patches that are not
@@ -89,24 +88,22 @@ class AreaLight {
   /// both emit. Directions lie off the surface by at least 16 roundings of floats. For a panel the
   /// direction follows the cells of its file; directions along the surface and behind a one-sided
   /// panel give kBehind.  The density belongs to the rounded direction.  kBlack where L is 0.
-  /// kOutOfRange where a density or L is not a positive `Real`.  [Pharr23, 14.1.2]
-  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
-                                 const SceneSphere& scene) const;
+  /// kOutOfRange where a density or L is not a positive `double`.  [Pharr23, 14.1.2]
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
   /// The ray that leaves `point`, which may be rounded, towards the unit vector `direction`, with
   /// its value and the density of sample_le.  `slack_m`: as in pdf_le.
-  EmissionSample<Real> ray_from(SurfacePoint<Real> point, const Vec3<Real>& direction,
-                                double slack_m = 0) const;
+  EmissionSample ray_from(SurfacePoint point, const Vec3& direction, double slack_m = 0) const;
   /// Both 0 where `position` is not on the light to within rounding and `slack_m`, or where
   /// `direction` leads to a side that does not emit.  Where parts of the light meet, the nearest
   /// part counts.
-  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& scene, double slack_m = 0) const;
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene,
+                     double slack_m = 0) const;
   /// pbrt's Phi, which is pi L A too.  With a picture, L is its mean texel, as if each texel
   /// covered the same area.
   Power power_approximate(const SceneSphere& scene) const;
   /// The shape's box, and the cone of its normals widened by a hemisphere.  All directions if both
   /// sides emit; for a panel, the cone of its file.
-  std::optional<LightBounds<Real>> bounds() const;
+  std::optional<LightBounds> bounds() const;
 
   /// None: illuminance falls off with distance.
   std::optional<double> cross_section_m2(const SceneSphere&) const { return std::nullopt; }
@@ -123,44 +120,38 @@ class AreaLight {
 
   double area_m2() const { return shape_.area(); }
   const DiffuseEmission& emission() const { return emission_; }
-  const Shape<Real>& shape() const { return shape_; }
+  const Shape& shape() const { return shape_; }
 
  private:
-  AreaLight(const DiffuseEmission& emission, Shape<Real> shape);
+  AreaLight(const DiffuseEmission& emission, Shape shape);
   /// The density of `sample_le` at unit vectors `direction` from `point`.
-  EmissionPdf<Real> emission_pdf(const SurfacePoint<Real>& point,
-                                 const Vec3<Real>& direction) const;
-  Vec3<double> emission_direction(const SurfacePoint<Real>& point, Vec2<Real> u_direction) const;
-  bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
+  EmissionPdf emission_pdf(const SurfacePoint& point, const Vec3& direction) const;
+  Vec3 emission_direction(const SurfacePoint& point, Vec2 u_direction) const;
+  bool emits_towards(const SurfacePoint& point, const Vec3& w) const;
   /// The same towards a receiver; `w` leads to it.  Samples and densities use this one test.
-  bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
-                     const Vec3<Real>& receiver) const;
+  bool emits_towards(const SurfacePoint& point, const Vec3& w, const Vec3& receiver) const;
   bool emits_to_side(double side) const { return side > 0 || (emission_.two_sided && side < 0); }
-  static constexpr bool kPainted = requires(const Shape<Real>& s, const SurfacePoint<Real>& p) {
-    s.tint(p);
-  };
-  static constexpr bool kPanel = requires(const Shape<Real>& s) { s.profile(); };
+  static constexpr bool kPainted = requires(const Shape& s, const SurfacePoint& p) { s.tint(p); };
+  static constexpr bool kPanel = requires(const Shape& s) { s.profile(); };
   /// The reason why a visible point emits nothing although the light is not black.
   static constexpr NoLight kWithout = kPainted ? NoLight::kBlack
                                       : kPanel ? NoLight::kOutsideCone
                                                : NoLight::kOutOfRange;
   bool is_black() const;
   /// Radiance towards `w` of any length but 0, on a side that emits [cd/m2].
-  Rgb<Real> radiance_at(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
+  Rgb radiance_at(const SurfacePoint& point, const Vec3& w) const;
 
   DiffuseEmission emission_;
-  Rgb<Real> radiance_;
+  Rgb radiance_;
   /// A bound of the luminance of its points; for a panel of the factor of its intensity.
   double most_cd_m2_;
-  Shape<Real> shape_;
+  Shape shape_;
 };
 
 // TriangleMeshLight, PaintedTriangleMeshLight, PanelTriangleMeshLight and so on.
-#define LUCERNA_AREA_LIGHT(Shape)                \
-  template <std::floating_point Real>            \
-  using Shape##Light = AreaLight<Real, Shape>;   \
-  extern template class AreaLight<float, Shape>; \
-  extern template class AreaLight<double, Shape>;
+#define LUCERNA_AREA_LIGHT(Shape)        \
+  using Shape##Light = AreaLight<Shape>; \
+  extern template class AreaLight<Shape>;
 #define LUCERNA_PAINTED_LIGHT(Shape) LUCERNA_AREA_LIGHT(Painted##Shape)
 #define LUCERNA_PANEL_LIGHT(Shape) LUCERNA_AREA_LIGHT(Panel##Shape)
 LUCERNA_AREA_SHAPES(LUCERNA_AREA_LIGHT)

@@ -17,12 +17,12 @@
 namespace lucerna {
 
 struct BeamLightParams {
-  Vec3<double> position_m{};  ///< the rectangle's middle, world
+  Vec3 position_m{};  ///< the rectangle's middle, world
   /// World directions, of any lengths but 0 and at right angles.  They point to the rectangle's
   /// right edge, to its upper edge, and where the light points.
-  Frame<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  Frame axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   double width_m{}, height_m{};                ///< positive
-  Rgb<double> illuminance_lx{};                ///< on a surface that faces it, where the picture's
+  Rgb illuminance_lx{};                        ///< on a surface that faces it, where the picture's
                                                ///< value is 1; finite, not negative
   std::shared_ptr<const Image> image{};        ///< null: value 1 all over
   ImageFilter filter = ImageFilter::kNearest;  ///< the border texels continue
@@ -30,36 +30,33 @@ struct BeamLightParams {
 };
 
 /// The smallest box around the rectangle: its corners {lower, upper}, world [m].
-std::pair<Vec3<double>, Vec3<double>> bounding_box(const BeamLightParams& params);
+std::pair<Vec3, Vec3> bounding_box(const BeamLightParams& params);
 
 /// The direction of its rays is certain.  Their start is not.
-template <std::floating_point Real>
 class BeamLight {
  public:
   using Params = BeamLightParams;
   static constexpr bool kDelta = true;
 
-  /// Errors: a field out of its domain; corners that `Real` cannot hold; the illuminance of the
+  /// Errors: a field out of its domain; corners that `double` cannot hold; the illuminance of the
   /// brightest texel out of its domain.
-  static absl::StatusOr<BeamLight> create(const Params& params, const Vec3<double>& origin_m = {});
+  static absl::StatusOr<BeamLight> create(const Params& params, const Vec3& origin_m = {});
 
   /// The illuminance at the receiver's place in the rectangle, at any distance along the beam.
   /// `point` is the ray's start in the rectangle.  kBehind behind the rectangle and in its plane.
   /// kOutsideCone beside the beam and where the picture is black.
-  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
   /// Delta: 0 everywhere.
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
 
   /// A position in the rectangle by luminance, with the exact density for the filter.  The
   /// direction is certain.
-  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
-                                 const SceneSphere& scene) const;
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
   /// Illuminance [lx] that a ray from `position` carries; 0 beside the rectangle, as in pdf_le.
-  Rgb<Real> le_leaving(const Vec3<Real>& position, const Vec3<Real>& direction,
-                       double slack_m = 0) const;
+  Rgb le_leaving(const Vec3& position, const Vec3& direction, double slack_m = 0) const;
   /// Both 0 where `position` is not in the rectangle, to within rounding and `slack_m`.
-  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& scene, double slack_m = 0) const;
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene,
+                     double slack_m = 0) const;
 
   /// Illuminance times area times the picture's mean; exact for either filter.
   Power power(const SceneSphere& scene) const;
@@ -67,7 +64,7 @@ class BeamLight {
   Power power_approximate(const SceneSphere& scene) const { return power(scene); }
 
   /// The rectangle's box and one direction, to within rounding.
-  std::optional<LightBounds<Real>> bounds() const;
+  std::optional<LightBounds> bounds() const;
 
   /// The rectangle's area.
   std::optional<double> cross_section_m2(const SceneSphere&) const {
@@ -88,26 +85,23 @@ class BeamLight {
   }
 
  private:
-  explicit BeamLight(const Params& params, const Vec3<double>& origin_m);
+  explicit BeamLight(const Params& params, const Vec3& origin_m);
   /// The point of the unit square at `x` and `y` [m] from the middle; (0, 0) is the upper left
   /// corner.  Nothing if it is more than `slack_m` outside of the rectangle.
-  std::optional<Vec2<double>> in_square(double x, double y, double slack_m) const;
+  std::optional<Vec2> in_square(double x, double y, double slack_m) const;
   /// The same for a position on the light, to within the rounding of its coordinates and `slack_m`.
-  std::optional<Vec2<double>> locate(const Vec3<Real>& position, double slack_m = 0) const;
-  Rgb<double> value_at(const Vec2<double>& p) const;
-  double per_m2(const Vec2<double>& p) const;
+  std::optional<Vec2> locate(const Vec3& position, double slack_m = 0) const;
+  Rgb value_at(const Vec2& p) const;
+  double per_m2(const Vec2& p) const;
   bool is_black() const { return params_.illuminance_lx.is_black() || !(mean_luminance_ > 0); }
 
   Params params_;
-  Vec3<double> middle_;  ///< about the scene's origin
-  Frame<double> axes_;   ///< of length 1
-  Vec3<Real> direction_;
-  Rgb<double> mean_;  ///< of the picture
+  Vec3 middle_;  ///< about the scene's origin
+  Frame axes_;   ///< of length 1
+  Vec3 direction_;
+  Rgb mean_;  ///< of the picture
   double mean_luminance_;
   std::shared_ptr<const ImageDistribution> distribution_;  ///< null without a picture
 };
-
-extern template class BeamLight<float>;
-extern template class BeamLight<double>;
 
 }  // namespace lucerna

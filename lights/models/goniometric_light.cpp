@@ -13,11 +13,11 @@
 namespace lucerna {
 namespace {
 
-absl::Status check_axes(const Frame<double>& axes) {
-  for (const Vec3<double>& axis : {axes.s, axes.t, axes.n})
+absl::Status check_axes(const Frame& axes) {
+  for (const Vec3& axis : {axes.s, axes.t, axes.n})
     if (auto s = check_direction("goniometric.axes", axis); !s.ok()) return s;
   const double longest = std::fmax(length(axes.s), std::fmax(length(axes.t), length(axes.n)));
-  const Vec3<double> s = axes.s / longest, t = axes.t / longest, n = axes.n / longest;
+  const Vec3 s = axes.s / longest, t = axes.t / longest, n = axes.n / longest;
   // Axes written with six digits have errors of this size.  Products of rotations in double have
   // far smaller ones.
   constexpr double kTolerance = 1e-5;
@@ -45,101 +45,84 @@ double flux_of_unit_intensity_lm(const GoniometricLightParams& params) {
   return 4 * std::numbers::pi;
 }
 
-template <typename Real>
-absl::Status GoniometricIntensity<Real>::check(const Params& params, const Vec3<double>& origin_m) {
-  if (auto s = check_position<Real>("goniometric.position", params.position_m, origin_m); !s.ok())
+absl::Status GoniometricIntensity::check(const Params& params, const Vec3& origin_m) {
+  if (auto s = check_position("goniometric.position", params.position_m, origin_m); !s.ok())
     return s;
   if (auto s = check_axes(params.axes); !s.ok()) return s;
   if (params.web && params.map)
     return absl::InvalidArgumentError("goniometric.web and goniometric.map, allowed: one of them");
   const std::string_view unit = params.web ? "" : "cd";
-  if (auto s = check_light_value<Real>("goniometric.intensity", params.intensity, unit); !s.ok())
+  if (auto s = check_light_value("goniometric.intensity", params.intensity, unit); !s.ok())
     return s;
   if (params.web || params.map) {
     const double max_cd = params.web ? params.web->max_cd() : params.map->max_cd();
-    const Rgb<double> largest = params.intensity * max_cd;
-    if (auto s = check_light_value<Real>("goniometric.intensity times the largest of the file",
-                                         largest, "cd");
+    const Rgb largest = params.intensity * max_cd;
+    if (auto s =
+            check_light_value("goniometric.intensity times the largest of the file", largest, "cd");
         !s.ok())
       return s;
   }
   return absl::OkStatus();
 }
 
-template <typename Real>
-GoniometricIntensity<Real>::GoniometricIntensity(const Params& params)
+GoniometricIntensity::GoniometricIntensity(const Params& params)
     : params_(params), axes_(orthonormal(params.axes)) {}
 
-template <typename Real>
-double GoniometricIntensity<Real>::share(const Vec3<double>& w) const {
+double GoniometricIntensity::share(const Vec3& w) const {
   return distribution(1.0, [&](const auto& d) { return d.at(axes_.local_from_world(w)); });
 }
 
-template <typename Real>
-bool GoniometricIntensity<Real>::is_black() const {
+bool GoniometricIntensity::is_black() const {
   return params_.intensity.is_black() || !(flux_of_unit_intensity_lm(params_) > 0);
 }
 
-template <typename Real>
-Rgb<Real> GoniometricIntensity<Real>::intensity(const Vec3<Real>& w) const {
-  if (!is_finite(w) || w == Vec3<Real>{}) return {};
-  return Rgb<Real>(params_.intensity * share(Vec3<double>(w)));
+Rgb GoniometricIntensity::intensity(const Vec3& w) const {
+  if (!is_finite(w) || w == Vec3{}) return {};
+  return Rgb(params_.intensity * share(w));
 }
 
-template <typename Real>
-std::optional<Rgb<double>> GoniometricIntensity<Real>::towards(const Vec3<double>& w,
-                                                               const Vec3<double>&) const {
+std::optional<Rgb> GoniometricIntensity::towards(const Vec3& w, const Vec3&) const {
   const double towards = share(w);
   if (!(towards > 0)) return std::nullopt;
   return params_.intensity * towards;
 }
 
-template <typename Real>
-SolidAnglePdf<double> GoniometricIntensity<Real>::direction_pdf(const Vec3<double>& w) const {
-  return distribution(uniform_sphere_pdf<double>(),
+SolidAnglePdf GoniometricIntensity::direction_pdf(const Vec3& w) const {
+  return distribution(uniform_sphere_pdf(),
                       [&](const auto& d) { return d.pdf(axes_.local_from_world(w)); });
 }
 
-template <typename Real>
-void GoniometricIntensity<Real>::sample(Vec2<Real> u_direction,
-                                        EmissionSample<Real>& sample) const {
-  const Vec2<double> u{u_direction.x, u_direction.y};
-  const Vec3<double> w = axes_.world_from_local(
+void GoniometricIntensity::sample(Vec2 u_direction, EmissionSample& sample) const {
+  const Vec2 u{u_direction.x, u_direction.y};
+  const Vec3 w = axes_.world_from_local(
       distribution(sample_uniform_sphere(u), [&](const auto& d) { return d.sample(u); }));
-  sample.direction = Vec3<Real>(w);
+  sample.direction = w;
   // Value and density belong to the rounded direction, as in per_sr.
-  const Vec3<double> rounded(sample.direction);
-  sample.pdf_direction = {static_cast<Real>(direction_pdf(rounded).per_sr)};
-  sample.value = Rgb<Real>(params_.intensity * share(rounded));
+  const Vec3 rounded(sample.direction);
+  sample.pdf_direction = {direction_pdf(rounded).per_sr};
+  sample.value = Rgb(params_.intensity * share(rounded));
   settle(sample.pdf_direction.per_sr, sample);
 }
 
-template <typename Real>
-Real GoniometricIntensity<Real>::per_sr(const Vec3<Real>& w) const {
-  if (w == Vec3<Real>{} || is_black()) return 0;
-  return static_cast<Real>(direction_pdf(Vec3<double>(w)).per_sr);
+double GoniometricIntensity::per_sr(const Vec3& w) const {
+  if (w == Vec3{} || is_black()) return 0;
+  return direction_pdf(w).per_sr;
 }
 
-template <typename Real>
-Power GoniometricIntensity<Real>::power() const {
+Power GoniometricIntensity::power() const {
   return {params_.intensity * flux_of_unit_intensity_lm(params_), 0};
 }
 
-template <typename Real>
-Power GoniometricIntensity<Real>::power_approximate() const {
+Power GoniometricIntensity::power_approximate() const {
   if (!params_.map) return power();
   return approximate_power(params_.intensity * (params_.map->mean_cd() * (4 * std::numbers::pi)),
                            power());
 }
 
-template <typename Real>
-EmissionCone GoniometricIntensity<Real>::cone() const {
+EmissionCone GoniometricIntensity::cone() const {
   const EmissionCone everywhere{.half_angle_rad = std::numbers::pi};
   const EmissionCone cone = distribution(everywhere, [](const auto& d) { return d.cone(); });
   return {axes_.world_from_local(cone.axis), cone.half_angle_rad};
 }
-
-template class GoniometricIntensity<float>;
-template class GoniometricIntensity<double>;
 
 }  // namespace lucerna

@@ -13,14 +13,14 @@
 namespace lucerna {
 
 struct GoniometricLightParams {
-  Vec3<double> position_m{};  ///< world
+  Vec3 position_m{};  ///< world
   /// World directions of light space's +x, +y and +z: at right angles, of equal length but 0.
   /// Left-handed for a mirrored light.  +z is straight down in the photometry of a luminaire, so a
   /// luminaire shines along +z, like a spot.  For a map they are the map's own axes.
-  Frame<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  Frame axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   /// Finite, not negative.  Without a file, and for a map's value 1: [cd].  With a web: the factor
   /// of its candela, without a unit.
-  Rgb<double> intensity{};
+  Rgb intensity{};
   /// At most one of them.  Without both: the same intensity in all directions.
   std::shared_ptr<const PhotometricWeb> web{};
   std::shared_ptr<const IntensityMap> map{};
@@ -29,7 +29,7 @@ struct GoniometricLightParams {
   /// Units of the flux of the web and of the light, such as "mW"; empty: lm.  They differ if the
   /// light's level comes from a flux in lm.
   std::string web_unit{}, flux_unit{};
-  std::shared_ptr<const Frame<double>> own_space{};  ///< see Deformable
+  std::shared_ptr<const Frame> own_space{};  ///< see Deformable
 };
 
 GoniometricLightParams in_space(GoniometricLightParams params, const Deformation& map);
@@ -37,7 +37,6 @@ GoniometricLightParams in_space(GoniometricLightParams params, const Deformation
 /// The luminous flux [lm] of a goniometric light whose `intensity` is 1.  Exact.
 double flux_of_unit_intensity_lm(const GoniometricLightParams& params);
 
-template <typename Real>
 class GoniometricIntensity {
  public:
   using Params = GoniometricLightParams;
@@ -45,17 +44,17 @@ class GoniometricIntensity {
   explicit GoniometricIntensity(const Params& params);
   /// Errors: a field out of its domain; the largest intensity of web or map times `intensity` out
   /// of its domain; web and map together.
-  static absl::Status check(const Params& params, const Vec3<double>& origin_m);
+  static absl::Status check(const Params& params, const Vec3& origin_m);
 
   /// Luminous intensity [cd] towards the unit vector `w`.  [Pharr23, 12.2.3]
-  Rgb<Real> intensity(const Vec3<Real>& w) const;
+  Rgb intensity(const Vec3& w) const;
 
   bool is_black() const;
-  std::optional<Rgb<double>> towards(const Vec3<double>& w, const Vec3<double>& v) const;
+  std::optional<Rgb> towards(const Vec3& w, const Vec3& v) const;
 
   /// Directions by the web's cells or the map's texels; uniform without both.
-  void sample(Vec2<Real> u, EmissionSample<Real>& ray) const;
-  Real per_sr(const Vec3<Real>& w) const;
+  void sample(Vec2 u, EmissionSample& ray) const;
+  double per_sr(const Vec3& w) const;
 
   /// The flux of web or map in closed form, or 4 pi I without both.  Exact.
   Power power() const;
@@ -84,17 +83,13 @@ class GoniometricIntensity {
     return otherwise;
   }
   /// The factor of `intensity` towards `w`, of any length but 0, world axes.
-  double share(const Vec3<double>& w) const;
-  SolidAnglePdf<double> direction_pdf(const Vec3<double>& w) const;
+  double share(const Vec3& w) const;
+  SolidAnglePdf direction_pdf(const Vec3& w) const;
 
   Params params_;
-  Frame<double> axes_;  ///< of length 1
+  Frame axes_;  ///< of length 1
 };
 
-template <std::floating_point Real>
-using GoniometricLight = IntensityLight<Real, GoniometricIntensity>;
-
-extern template class GoniometricIntensity<float>;
-extern template class GoniometricIntensity<double>;
+using GoniometricLight = IntensityLight<GoniometricIntensity>;
 
 }  // namespace lucerna

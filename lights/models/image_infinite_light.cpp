@@ -10,20 +10,19 @@ namespace lucerna {
 namespace {
 
 /// Whether `x` is a positive normal number.
-template <std::floating_point Real>
-bool is_positive_normal(Real x) {
-  return x >= std::numeric_limits<Real>::min() && std::isfinite(x);
+bool is_positive_normal(double x) {
+  return x >= std::numeric_limits<double>::min() && std::isfinite(x);
 }
 
 /// The integral of the map over the directions of the world [sr], from `n` times `n` of them.
-Rgb<double> integral_of(const SphereMap& map, const Deformation& deformation, int n) {
-  Rgb<double> sum;
+Rgb integral_of(const SphereMap& map, const Deformation& deformation, int n) {
+  Rgb sum;
   StopPoll poll;
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x, poll()) {
-      const Vec3<double> own =
+      const Vec3 own =
           direction_from_square(SphereMapping::kEqualArea, {(x + 0.5) / n, (y + 0.5) / n});
-      const Vec3<double> w = normalized(deformation.world_from_own(own));
+      const Vec3 w = normalized(deformation.world_from_own(own));
       sum += map.lookup(own) / deformation.own_sr_per_world_sr(w);
     }
   return sum * (4 * kPi / n / n);
@@ -31,30 +30,26 @@ Rgb<double> integral_of(const SphereMap& map, const Deformation& deformation, in
 
 }  // namespace
 
-template <std::floating_point Real>
-absl::StatusOr<ImageInfiniteLight<Real>> ImageInfiniteLight<Real>::create(const Params& params,
-                                                                          const Vec3<double>&) {
+absl::StatusOr<ImageInfiniteLight> ImageInfiniteLight::create(const Params& params, const Vec3&) {
   if (params.map == nullptr) return absl::InvalidArgumentError("infinite.map is missing");
-  if (auto s = check_light_value<Real>("infinite.radiance", params.radiance_cd_m2, "cd/m2");
-      !s.ok())
+  if (auto s = check_light_value("infinite.radiance", params.radiance_cd_m2, "cd/m2"); !s.ok())
     return s;
-  if (auto s = check_light_value<Real>("infinite.radiance of the brightest texel",
-                                       params.map->brightest() * params.radiance_cd_m2, "cd/m2");
+  if (auto s = check_light_value("infinite.radiance of the brightest texel",
+                                 params.map->brightest() * params.radiance_cd_m2, "cd/m2");
       !s.ok())
     return s;
   if (params.world_from_map.uniform_scale()) return ImageInfiniteLight(params, nullptr);
   const auto map = Deformation::create(axes_of(params.world_from_map));
   if (!map.ok()) return map.status();
   constexpr int kFine = 1024;
-  const Rgb<double> fine = integral_of(*params.map, *map, kFine);
-  const Rgb<double> coarse = integral_of(*params.map, *map, kFine / 2);
+  const Rgb fine = integral_of(*params.map, *map, kFine);
+  const Rgb coarse = integral_of(*params.map, *map, kFine / 2);
   const double error = std::fabs(luminance(fine) - luminance(coarse));
   return ImageInfiniteLight(params, std::make_shared<const Deformed>(Deformed{*map, fine, error}));
 }
 
-template <std::floating_point Real>
-ImageInfiniteLight<Real>::ImageInfiniteLight(const Params& params,
-                                             std::shared_ptr<const Deformed> deformed)
+ImageInfiniteLight::ImageInfiniteLight(const Params& params,
+                                       std::shared_ptr<const Deformed> deformed)
     : params_(params), axes_(params.world_from_map), deformed_(std::move(deformed)) {
   complete_ = std::make_shared<const SphereDistribution>(*params.map);
   const double mean = luminance(params.map->integral()) / (4 * kPi);
@@ -63,18 +58,15 @@ ImageInfiniteLight<Real>::ImageInfiniteLight(const Params& params,
 }
 
 // Not inlined: GCC 12 at -O2 keeps a direction in double where it has just been rounded to float.
-template <std::floating_point Real>
-[[gnu::noinline]] typename ImageInfiniteLight<Real>::Seen ImageInfiniteLight<Real>::look(
-    const SphereDistribution& distribution, const Vec3<Real>& w) const {
-  const Vec3<double> direction = map_from_world(Vec3<double>(w));
+[[gnu::noinline]] typename ImageInfiniteLight::Seen ImageInfiniteLight::look(
+    const SphereDistribution& distribution, const Vec3& w) const {
+  const Vec3 direction = map_from_world(w);
   return {params_.map->lookup(direction) * params_.radiance_cd_m2,
-          per_sr(distribution, Vec3<double>(w), direction)};
+          per_sr(distribution, w, direction)};
 }
 
-template <std::floating_point Real>
-LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& receiver,
-                                                      Vec2<Real> u) const {
-  LightSample<Real> sample;
+LightSample ImageInfiniteLight::sample_li(const Receiver& receiver, Vec2 u) const {
+  LightSample sample;
   if (!is_finite(receiver.position)) {
     sample.reason = NoLight::kOutOfRange;
     return sample;
@@ -84,12 +76,12 @@ LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& rece
     return sample;
   }
   const auto s = distribution(receiver).sample({double{u.x}, double{u.y}});
-  sample.wi = Vec3<Real>(deformed_ ? normalized(deformed_->map.world_from_own(s.direction))
-                                   : axes_.world_from_map(s.direction));
-  sample.distance = std::numeric_limits<Real>::infinity();
+  sample.wi = deformed_ ? normalized(deformed_->map.world_from_own(s.direction))
+                        : axes_.world_from_map(s.direction);
+  sample.distance = std::numeric_limits<double>::infinity();
   const Seen seen = look(distribution(receiver), sample.wi);
-  sample.pdf.per_sr = static_cast<Real>(seen.per_sr);
-  sample.value = Rgb<Real>(seen.radiance);
+  sample.pdf.per_sr = seen.per_sr;
+  sample.value = Rgb(seen.radiance);
   if (seen.radiance.is_black())
     sample.reason = NoLight::kOutsideCone;
   else if (!is_positive_normal(sample.pdf.per_sr) || !is_finite(sample.value) ||
@@ -102,24 +94,21 @@ LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& rece
   return sample;
 }
 
-template <std::floating_point Real>
-SolidAnglePdf<Real> ImageInfiniteLight<Real>::pdf_li(const Receiver<Real>& receiver,
-                                                     const Vec3<Real>& wi) const {
-  const Vec3<double> w = map_from_world(Vec3<double>(wi));
+SolidAnglePdf ImageInfiniteLight::pdf_li(const Receiver& receiver, const Vec3& wi) const {
+  const Vec3 w = map_from_world(wi);
   if (!is_finite(receiver.position) || !is_finite(w) || complete_->empty() ||
       params_.radiance_cd_m2.is_black())
     return {};
-  const Real density = static_cast<Real>(per_sr(distribution(receiver), Vec3<double>(wi), w));
+  const double density = per_sr(distribution(receiver), wi, w);
   return {is_positive_normal(density) ? density : 0};
 }
 
-template <std::floating_point Real>
-MostIrradiance ImageInfiniteLight<Real>::most_irradiance(const Receiver<Real>& receiver) const {
+MostIrradiance ImageInfiniteLight::most_irradiance(const Receiver& receiver) const {
   double all = luminance(params_.map->integral() * params_.radiance_cd_m2), height = 1;
   if (deformed_)
     all *= deformed_->map.most_world_sr_per_own_sr();
-  else if (receiver.normal != Vec3<Real>{})
-    height = params_.map->lit_height(axes_.map_from_world(Vec3<double>(receiver.normal)));
+  else if (receiver.normal != Vec3{})
+    height = params_.map->lit_height(axes_.map_from_world(receiver.normal));
   const double lx = all * height;
   // The density of a bilinear latitude-longitude map may be half of the proportional one.  Samples
   // of an `incomplete` receiver lie only on texels above the map's mean.  Directions of the
@@ -127,39 +116,33 @@ MostIrradiance ImageInfiniteLight<Real>::most_irradiance(const Receiver<Real>& r
   return {lx, lx * 2.5};
 }
 
-template <std::floating_point Real>
-Rgb<Real> ImageInfiniteLight<Real>::le_escaped(const Vec3<Real>&, const Vec3<Real>& w) const {
-  const Vec3<double> direction = map_from_world(Vec3<double>(w));
+Rgb ImageInfiniteLight::le_escaped(const Vec3&, const Vec3& w) const {
+  const Vec3 direction = map_from_world(w);
   if (!is_finite(direction)) return {};
-  return Rgb<Real>(params_.map->lookup(direction) * params_.radiance_cd_m2);
+  return Rgb(params_.map->lookup(direction) * params_.radiance_cd_m2);
 }
 
-template <std::floating_point Real>
-EmissionSample<Real> ImageInfiniteLight<Real>::sample_le(Vec2<Real> u_position,
-                                                         Vec2<Real> u_direction,
-                                                         const SceneSphere& scene) const {
-  EmissionSample<Real> sample;
-  const LightSample<Real> towards = sample_li(Vec3<Real>(), u_direction);
+EmissionSample ImageInfiniteLight::sample_le(Vec2 u_position, Vec2 u_direction,
+                                             const SceneSphere& scene) const {
+  EmissionSample sample;
+  const LightSample towards = sample_li(Vec3(), u_direction);
   sample.reason = towards.reason;
   if (sample.reason != NoLight::kNone) return sample;
-  start_on_scene_disk(u_position, -normalized(Vec3<double>(towards.wi)), scene, sample);
+  start_on_scene_disk(u_position, -normalized(towards.wi), scene, sample);
   sample.pdf_direction = towards.pdf;
   if (sample.reason == NoLight::kNone) sample.value = towards.value;
   return sample;
 }
 
-template <std::floating_point Real>
-EmissionPdf<Real> ImageInfiniteLight<Real>::pdf_le(const Vec3<Real>& position,
-                                                   const Vec3<Real>& direction,
-                                                   const SceneSphere& scene) const {
-  const AreaPdf<Real> at = scene_disk_pdf(position, direction, scene);
+EmissionPdf ImageInfiniteLight::pdf_le(const Vec3& position, const Vec3& direction,
+                                       const SceneSphere& scene) const {
+  const AreaPdf at = scene_disk_pdf(position, direction, scene);
   if (!(at.per_m2 > 0)) return {};
-  return {at, pdf_li(Vec3<Real>(), -direction)};
+  return {at, pdf_li(Vec3(), -direction)};
 }
 
-template <std::floating_point Real>
-Power ImageInfiniteLight<Real>::power(const SceneSphere& scene) const {
-  const Rgb<double> integral =
+Power ImageInfiniteLight::power(const SceneSphere& scene) const {
+  const Rgb integral =
       (deformed_ ? deformed_->integral : params_.map->integral()) * params_.radiance_cd_m2;
   if (integral.is_black()) return {};
   const double disk = kPi * scene.radius_m * scene.radius_m;
@@ -168,23 +151,18 @@ Power ImageInfiniteLight<Real>::power(const SceneSphere& scene) const {
   return {integral * disk, error};
 }
 
-template <std::floating_point Real>
-Power ImageInfiniteLight<Real>::power_approximate(const SceneSphere& scene) const {
+Power ImageInfiniteLight::power_approximate(const SceneSphere& scene) const {
   const Power exact = power(scene);
   if (params_.map->mapping() == SphereMapping::kEqualArea || exact.lumens.is_black()) return exact;
-  const Rgb<double> lumens = params_.map->image().mean() * params_.radiance_cd_m2 *
-                             (kPi * scene.radius_m * scene.radius_m);
+  const Rgb lumens = params_.map->image().mean() * params_.radiance_cd_m2 *
+                     (kPi * scene.radius_m * scene.radius_m);
   return approximate_power(lumens, exact);
 }
 
-template <std::floating_point Real>
-LightBytes ImageInfiniteLight<Real>::own_bytes() const {
+LightBytes ImageInfiniteLight::own_bytes() const {
   const std::uint64_t tables =
       complete_->bytes() + (compensated_ == complete_ ? 0 : compensated_->bytes());
   return {.all = tables, .tables = tables};
 }
-
-template class ImageInfiniteLight<float>;
-template class ImageInfiniteLight<double>;
 
 }  // namespace lucerna

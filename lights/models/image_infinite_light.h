@@ -17,12 +17,11 @@ namespace lucerna {
 
 struct ImageInfiniteLightParams {
   std::shared_ptr<const SphereMap> map;
-  std::string image_name{};         ///< reported by ListLights, else unused
-  Transform world_from_map{};       ///< its translation is not used
-  Rgb<double> radiance_cd_m2{1.0};  ///< of a texel of value 1, per channel, finite, not negative
+  std::string image_name{};    ///< reported by ListLights, else unused
+  Transform world_from_map{};  ///< its translation is not used
+  Rgb radiance_cd_m2{1.0};     ///< of a texel of value 1, per channel, finite, not negative
 };
 
-template <std::floating_point Real>
 class ImageInfiniteLight {
  public:
   using Params = ImageInfiniteLightParams;
@@ -30,9 +29,8 @@ class ImageInfiniteLight {
   static constexpr bool kHasIrradiance = false;
 
   /// Errors: no map; a transform that flattens directions; a radiance that is negative or not
-  /// finite; a brightest texel beyond the range of `Real`.
-  static absl::StatusOr<ImageInfiniteLight> create(const Params& params,
-                                                   const Vec3<double>& origin_m = {});
+  /// finite; a brightest texel beyond the range of `double`.
+  static absl::StatusOr<ImageInfiniteLight> create(const Params& params, const Vec3& origin_m = {});
 
   /// A direction by the map's luminance, with the density of SphereDistribution; distance infinite.
   /// For an `incomplete` receiver, by max(0, luminance - mean luminance).  This is 0 where the
@@ -41,26 +39,22 @@ class ImageInfiniteLight {
   ///
   /// Value and density belong to the rounded `wi`, which at a pole may show another texel. kBlack
   /// where the map or the radiance is black.  kOutsideCone if rounding leads into the dark.
-  /// kOutOfRange where value or density is not a positive normal `Real`.  [Karlik19]
-  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  /// kOutOfRange where value or density is not a positive normal `double`.  [Karlik19]
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
   /// Upper bounds of the illuminance on the side that `receiver` faces: the integral of the map,
   /// times the largest cosine.
-  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const;
+  MostIrradiance most_irradiance(const Receiver& receiver) const;
   /// Radiance [cd/m2] that a ray from anywhere meets when it leaves the scene towards the unit
   /// vector `w`.
-  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  Rgb le_escaped(const Vec3& origin, const Vec3& w) const;
   /// The same for a ray that enters the scene towards `w`.
-  Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const {
-    return le_escaped(origin, -w);
-  }
+  Rgb le_leaving(const Vec3& origin, const Vec3& w) const { return le_escaped(origin, -w); }
 
   /// From the disk of the scene's sphere that faces the sampled direction; kDegenerate where the
   /// sphere has no extent.
-  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
-                                 const SceneSphere& scene) const;
-  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& scene) const;
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene) const;
 
   /// Flux through the disk of the scene's sphere from all directions: pi R^2 times the integral of
   /// the radiance, exact.  Under unequal scale, a sum over directions with the difference to a
@@ -72,7 +66,7 @@ class ImageInfiniteLight {
   Power power_approximate(const SceneSphere& scene) const;
 
   /// Nothing: it is at infinity.
-  std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  std::optional<LightBounds> bounds() const { return std::nullopt; }
 
   std::optional<double> cross_section_m2(const SceneSphere& scene) const {
     return scene_disk_area_m2(scene);
@@ -90,28 +84,27 @@ class ImageInfiniteLight {
   /// Set under unequal scale.
   struct Deformed {
     Deformation map;
-    Rgb<double> integral;  ///< of the map over the directions of the world [sr]
-    double error;          ///< of its luminance
+    Rgb integral;  ///< of the map over the directions of the world [sr]
+    double error;  ///< of its luminance
   };
 
   ImageInfiniteLight(const Params& params, std::shared_ptr<const Deformed> deformed);
   /// The unit direction in the map's axes; NaN where `w` is not finite.
-  Vec3<double> map_from_world(const Vec3<double>& w) const {
+  Vec3 map_from_world(const Vec3& w) const {
     return deformed_ ? normalized(deformed_->map.own_from_world(w)) : axes_.map_from_world(w);
   }
   /// The density of a direction of the world whose direction in the map is `in_map`.
-  double per_sr(const SphereDistribution& distribution, const Vec3<double>& w,
-                const Vec3<double>& in_map) const {
+  double per_sr(const SphereDistribution& distribution, const Vec3& w, const Vec3& in_map) const {
     const double density = distribution.per_sr(in_map);
     return deformed_ ? density * deformed_->map.own_sr_per_world_sr(normalized(w)) : density;
   }
-  /// Values of a direction after rounding to `Real`.
+  /// Values of a direction after rounding to `double`.
   struct Seen {
-    Rgb<double> radiance;
+    Rgb radiance;
     double per_sr;
   };
-  Seen look(const SphereDistribution& distribution, const Vec3<Real>& w) const;
-  const SphereDistribution& distribution(const Receiver<Real>& receiver) const {
+  Seen look(const SphereDistribution& distribution, const Vec3& w) const;
+  const SphereDistribution& distribution(const Receiver& receiver) const {
     return receiver.incomplete ? *compensated_ : *complete_;
   }
 
@@ -120,8 +113,5 @@ class ImageInfiniteLight {
   std::shared_ptr<const Deformed> deformed_;
   std::shared_ptr<const SphereDistribution> complete_, compensated_;
 };
-
-extern template class ImageInfiniteLight<float>;
-extern template class ImageInfiniteLight<double>;
 
 }  // namespace lucerna

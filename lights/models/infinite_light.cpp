@@ -10,90 +10,69 @@
 
 namespace lucerna {
 
-template <std::floating_point Real>
-absl::StatusOr<UniformInfiniteLight<Real>> UniformInfiniteLight<Real>::create(const Params& params,
-                                                                              const Vec3<double>&) {
-  if (auto s = check_light_value<Real>("infinite.radiance", params.radiance_cd_m2, "cd/m2");
-      !s.ok()) {
+absl::StatusOr<UniformInfiniteLight> UniformInfiniteLight::create(const Params& params,
+                                                                  const Vec3&) {
+  if (auto s = check_light_value("infinite.radiance", params.radiance_cd_m2, "cd/m2"); !s.ok()) {
     return s;
   }
   return UniformInfiniteLight(params);
 }
 
-template <std::floating_point Real>
-UniformInfiniteLight<Real>::UniformInfiniteLight(const Params& params)
+UniformInfiniteLight::UniformInfiniteLight(const Params& params)
     : params_(params), radiance_(params.radiance_cd_m2) {}
 
-template <std::floating_point Real>
-LightSample<Real> UniformInfiniteLight<Real>::sample_li(const Receiver<Real>& receiver,
-                                                        Vec2<Real> u) const {
-  LightSample<Real> sample;
+LightSample UniformInfiniteLight::sample_li(const Receiver& receiver, Vec2 u) const {
+  LightSample sample;
   if (!is_finite(receiver.position)) {
     sample.reason = NoLight::kOutOfRange;
     return sample;
   }
   sample.wi = sample_uniform_sphere(u);
-  sample.distance = std::numeric_limits<Real>::infinity();
-  sample.pdf = uniform_sphere_pdf<Real>();
+  sample.distance = std::numeric_limits<double>::infinity();
+  sample.pdf = uniform_sphere_pdf();
   sample.value = radiance_;
   if (radiance_.is_black()) sample.reason = NoLight::kBlack;
   return sample;
 }
 
-template <std::floating_point Real>
-SolidAnglePdf<Real> UniformInfiniteLight<Real>::pdf_li(const Receiver<Real>& receiver,
-                                                       const Vec3<Real>& wi) const {
+SolidAnglePdf UniformInfiniteLight::pdf_li(const Receiver& receiver, const Vec3& wi) const {
   if (!is_finite(receiver.position) || !is_finite(wi) || radiance_.is_black()) return {};
-  return uniform_sphere_pdf<Real>();
+  return uniform_sphere_pdf();
 }
 
-template <std::floating_point Real>
-std::optional<Rgb<Real>> UniformInfiniteLight<Real>::irradiance(
-    const Receiver<Real>& receiver) const {
+std::optional<Rgb> UniformInfiniteLight::irradiance(const Receiver& receiver) const {
   return irradiance_of(params_.radiance_cd_m2, receiver,
-                       [](const Vec3<double>&) { return std::numbers::pi; });
+                       [](const Vec3&) { return std::numbers::pi; });
 }
 
-template <std::floating_point Real>
-Rgb<Real> UniformInfiniteLight<Real>::le_escaped(const Vec3<Real>&, const Vec3<Real>&) const {
-  return radiance_;
-}
+Rgb UniformInfiniteLight::le_escaped(const Vec3&, const Vec3&) const { return radiance_; }
 
-template <std::floating_point Real>
-Power UniformInfiniteLight<Real>::power(const SceneSphere& scene) const {
+Power UniformInfiniteLight::power(const SceneSphere& scene) const {
   if (params_.radiance_cd_m2.is_black()) return {};
   return {params_.radiance_cd_m2 * scene.radius_m * scene.radius_m * (4 * kPi * kPi), 0};
 }
 
-template <std::floating_point Real>
-Power UniformInfiniteLight<Real>::power_approximate(const SceneSphere& scene) const {
+Power UniformInfiniteLight::power_approximate(const SceneSphere& scene) const {
   return power(scene);
 }
 
-template <std::floating_point Real>
-EmissionSample<Real> UniformInfiniteLight<Real>::sample_le(Vec2<Real> u_position,
-                                                           Vec2<Real> u_direction,
-                                                           const SceneSphere& scene) const {
-  EmissionSample<Real> sample;
-  const Vec3<double> wi(sample_uniform_sphere(u_direction));
+EmissionSample UniformInfiniteLight::sample_le(Vec2 u_position, Vec2 u_direction,
+                                               const SceneSphere& scene) const {
+  EmissionSample sample;
+  const Vec3 wi(sample_uniform_sphere(u_direction));
   start_on_scene_disk(u_position, -normalized(wi), scene, sample);
-  sample.pdf_direction = uniform_sphere_pdf<Real>();
+  sample.pdf_direction = uniform_sphere_pdf();
   if (radiance_.is_black()) sample.reason = NoLight::kBlack;
   if (sample.reason == NoLight::kNone) sample.value = radiance_;
   return sample;
 }
 
-template <std::floating_point Real>
-EmissionPdf<Real> UniformInfiniteLight<Real>::pdf_le(const Vec3<Real>& position,
-                                                     const Vec3<Real>& direction,
-                                                     const SceneSphere& scene) const {
+EmissionPdf UniformInfiniteLight::pdf_le(const Vec3& position, const Vec3& direction,
+                                         const SceneSphere& scene) const {
   if (radiance_.is_black()) return {};
-  const AreaPdf<Real> at = scene_disk_pdf(position, direction, scene);
+  const AreaPdf at = scene_disk_pdf(position, direction, scene);
   if (!(at.per_m2 > 0)) return {};
-  return {at, uniform_sphere_pdf<Real>()};
+  return {at, uniform_sphere_pdf()};
 }
-
-template class UniformInfiniteLight<float>;
-template class UniformInfiniteLight<double>;
 
 }  // namespace lucerna

@@ -31,17 +31,17 @@ namespace lucerna {
 /// - `power()`, `power_approximate()`, `own_bytes()`, `for_each_shared(f)`: as in LightModel.
 /// - `cone()`: a cone with all directions of light.
 /// Where the value depends on direction, `intensity(w)` is the intensity along `w` [cd].
-template <typename P, typename Real>
+template <typename P>
 concept IntensityProfile = requires(const P& profile, const typename P::Params& params,
-                                    const Vec3<double>& v, const Vec3<Real>& w, const Vec2<Real>& u,
-                                    EmissionSample<Real>& ray) {
+                                    const Vec3& v, const Vec3& w, const Vec2& u,
+                                    EmissionSample& ray) {
   { P::check(params, v) } -> std::same_as<absl::Status>;
   P(params);
   { profile.params() } -> std::same_as<const typename P::Params&>;
   { profile.is_black() } -> std::same_as<bool>;
-  { profile.towards(v, v) } -> std::same_as<std::optional<Rgb<double>>>;
+  { profile.towards(v, v) } -> std::same_as<std::optional<Rgb>>;
   profile.sample(u, ray);
-  { profile.per_sr(w) } -> std::same_as<Real>;
+  { profile.per_sr(w) } -> std::same_as<double>;
   { profile.power() } -> std::same_as<Power>;
   { profile.power_approximate() } -> std::same_as<Power>;
   { profile.cone() } -> std::same_as<EmissionCone>;
@@ -59,56 +59,55 @@ concept Deformable = requires(const Params& params) {
 };
 
 /// A light at one point.  Immutable, so safe to share between threads.
-template <std::floating_point Real, template <typename> typename Profile>
+template <typename Profile>
 class IntensityLight {
-  static_assert(IntensityProfile<Profile<Real>, Real>);
+  static_assert(IntensityProfile<Profile>);
 
  public:
-  using Params = typename Profile<Real>::Params;
+  using Params = typename Profile::Params;
   static constexpr bool kDelta = true;
   /// Profiles that depend on direction have `intensity(w)`; the others have `intensity_cd()`.
-  static constexpr bool kSameForAllRays = requires(const Profile<Real>& p) { p.intensity_cd(); };
+  static constexpr bool kSameForAllRays = requires(const Profile& p) { p.intensity_cd(); };
 
   /// Positions are kept relative to `origin_m`.  Errors: a field out of its domain.
-  static absl::StatusOr<IntensityLight> create(const Params& params,
-                                               const Vec3<double>& origin_m = {}) {
+  static absl::StatusOr<IntensityLight> create(const Params& params, const Vec3& origin_m = {}) {
     if constexpr (Deformable<Params>) {
       if (params.own_space != nullptr) {
         const auto map = Deformation::create(*params.own_space);
         if (!map.ok()) return map.status();
-        const absl::Status status = Profile<Real>::check(in_space(params, *map), origin_m);
+        const absl::Status status = Profile::check(in_space(params, *map), origin_m);
         if (!status.ok()) return status;
         return IntensityLight(params, origin_m, *map);
       }
     }
-    if (absl::Status status = Profile<Real>::check(params, origin_m); !status.ok()) return status;
+    if (absl::Status status = Profile::check(params, origin_m); !status.ok()) return status;
     return IntensityLight(params, origin_m);
   }
 
   /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light).
-  Rgb<Real> intensity(const Vec3<Real>& w) const requires(!kSameForAllRays) {
-    return profile_.intensity(is_deformed() ? Vec3<Real>(own(Vec3<double>(w))) : w);
+  Rgb intensity(const Vec3& w) const requires(!kSameForAllRays) {
+    return profile_.intensity(is_deformed() ? own(w) : w);
   }
   /// The same, as the `value` of the ray that leaves the light towards `w`.
-  Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const requires(!kSameForAllRays) {
+  Rgb le_leaving(const Vec3&, const Vec3& w) const requires(!kSameForAllRays) {
     return intensity(w);
   }
 
   /// Intensity over distance squared.  kDegenerate where the receiver is at the light's position.
   /// kOutsideCone where the profile is dark.  kOutOfRange where the receiver or the quotient is not
   /// finite.  [Pharr23, 12.2]
-  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> /*u*/) const {
+  LightSample sample_li(const Receiver& receiver, Vec2 /*u*/) const {
     // Defined here for loops over receivers: a call takes longer than the point light's arithmetic.
-    LightSample<Real> sample;
+    LightSample sample;
     const Way way = find_way(position_, receiver.position, sample);
     if (sample.reason != NoLight::kNone) return sample;
     if (profile_.is_black()) {
       sample.reason = NoLight::kBlack;
       return sample;
     }
-    Vec3<double> w = -way.wi, v = Vec3<double>(receiver.position) - Vec3<double>(position_);
+    Vec3 w = -way.wi, v = receiver.position - position_;
     if (is_deformed()) w = own(w), v = deformed_->map.own_from_world(v);
-    const std::optional<Rgb<double>> intensity_cd = profile_.towards(w, v);
+    const std::optional<Rgb> intensity_cd = profile_.towards(w, v);
     if (intensity_cd)
       set_inverse_square(*intensity_cd, way, sample);
     else
@@ -118,32 +117,31 @@ class IntensityLight {
 
   /// The fields that most samples need.
   struct PlainSample {
-    Vec3<Real> wi;
-    Real distance;
-    Rgb<Real> value;
+    Vec3 wi;
+    double distance;
+    Rgb value;
   };
   /// The fields of sample_li with the same bits, in a fraction of the time.  Nothing if no light
   /// arrives, or if the squared distance or the value overflows or underflows.
-  std::optional<PlainSample> plain_sample_li(const Vec3<Real>& receiver) const requires
-      kSameForAllRays {
-    const auto way = plain_way<Real>(Vec3<double>(position_) - Vec3<double>(receiver));
+  std::optional<PlainSample> plain_sample_li(const Vec3& receiver) const requires kSameForAllRays {
+    const auto way = plain_way(position_ - receiver);
     if (!way) return std::nullopt;
-    const Rgb<Real> value(profile_.intensity_cd() / way->squared_m2);
-    const Real sum = value.r + value.g + value.b;
-    const auto distance = static_cast<Real>(way->distance_m);
+    const Rgb value(profile_.intensity_cd() / way->squared_m2);
+    const double sum = value.r + value.g + value.b;
+    const auto distance = way->distance_m;
     if (!(sum > 0) || !std::isfinite(sum) || !std::isfinite(distance)) return std::nullopt;
-    return PlainSample{Vec3<Real>(way->wi), distance, value};
+    return PlainSample{way->wi, distance, value};
   }
 
   /// Delta: 0 everywhere.
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>&, const Vec3<Real>&) const { return {}; }
+  SolidAnglePdf pdf_li(const Receiver&, const Vec3&) const { return {}; }
 
   /// The light's position and a direction of the profile.  kBlack where the light is black.
   /// kOutsideCone if rounding leads out of the light.  kOutOfRange where the density is not a
-  /// positive `Real`.
-  EmissionSample<Real> sample_le(Vec2<Real> /*u_position*/, Vec2<Real> u_direction,
-                                 const SceneSphere& /*scene*/) const {
-    EmissionSample<Real> sample;
+  /// positive `double`.
+  EmissionSample sample_le(Vec2 /*u_position*/, Vec2 u_direction,
+                           const SceneSphere& /*scene*/) const {
+    EmissionSample sample;
     sample.origin = position_;
     if (profile_.is_black())
       sample.reason = NoLight::kBlack;
@@ -152,8 +150,8 @@ class IntensityLight {
     return sample;
   }
   /// 0 at positions other than the light's and for directions that are not finite.
-  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& /*scene*/) const {
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction,
+                     const SceneSphere& /*scene*/) const {
     if (!same_float(position, position_) || !is_finite(direction)) return {};
     return {{}, {per_sr(direction)}};
   }
@@ -171,13 +169,11 @@ class IntensityLight {
   }
 
   /// A point, and the profile's cone.
-  std::optional<LightBounds<Real>> bounds() const {
+  std::optional<LightBounds> bounds() const {
     EmissionCone cone = profile_.cone();
     if (is_deformed()) cone = deformed_->map.world_cone(cone);
-    return LightBounds<Real>{.lower = position_,
-                             .upper = position_,
-                             .axis = Vec3<Real>(cone.axis),
-                             .cone_rad = cone.half_angle_rad};
+    return LightBounds{
+        .lower = position_, .upper = position_, .axis = cone.axis, .cone_rad = cone.half_angle_rad};
   }
   /// None: illuminance falls off with distance.
   std::optional<double> cross_section_m2(const SceneSphere& /*scene*/) const {
@@ -196,7 +192,7 @@ class IntensityLight {
     if (is_deformed()) return deformed_->params;
     return profile_.params();
   }
-  const Vec3<Real>& position() const { return position_; }
+  const Vec3& position() const { return position_; }
 
  private:
   struct Deformed {
@@ -208,15 +204,15 @@ class IntensityLight {
     const Deformed* operator->() const { return nullptr; }
   };
 
-  IntensityLight(const Params& params, const Vec3<double>& origin_m)
+  IntensityLight(const Params& params, const Vec3& origin_m)
       : profile_(params), position_(params.position_m - origin_m) {}
-  IntensityLight(const Params& params, const Vec3<double>& origin_m,
+  IntensityLight(const Params& params, const Vec3& origin_m,
                  const Deformation& map) requires Deformable<Params>
       : profile_(in_space(params, map)), position_(params.position_m - origin_m) {
     auto deformed = std::make_shared<Deformed>(Deformed{map, params});
     deformed_ = deformed;
     constexpr int kFine = 128;
-    const Rgb<double> fine = mean_flux(kFine), coarse = mean_flux(kFine / 2);
+    const Rgb fine = mean_flux(kFine), coarse = mean_flux(kFine / 2);
     deformed->power = {fine, std::fabs(luminance(fine) - luminance(coarse))};
   }
 
@@ -227,44 +223,39 @@ class IntensityLight {
       return false;
   }
   /// The unit vector of the profile's own space for a direction in the world.
-  Vec3<double> own(const Vec3<double>& w) const {
-    return normalized(deformed_->map.own_from_world(w));
-  }
-  Real per_sr(const Vec3<Real>& w) const {
+  Vec3 own(const Vec3& w) const { return normalized(deformed_->map.own_from_world(w)); }
+  double per_sr(const Vec3& w) const {
     if (!is_deformed()) return profile_.per_sr(w);
-    const Vec3<double> unit = normalized(Vec3<double>(w));
-    return static_cast<Real>(double{profile_.per_sr(Vec3<Real>(own(unit)))} *
-                             deformed_->map.own_sr_per_world_sr(unit));
+    const Vec3 unit = normalized(w);
+    return double{profile_.per_sr(own(unit))} * deformed_->map.own_sr_per_world_sr(unit);
   }
-  void sample_direction(Vec2<Real> u, EmissionSample<Real>& sample) const {
+  void sample_direction(Vec2 u, EmissionSample& sample) const {
     profile_.sample(u, sample);
     if (!is_deformed() || sample.reason != NoLight::kNone) return;
     // Value and density belong to the rounded direction.
-    sample.direction =
-        Vec3<Real>(normalized(deformed_->map.world_from_own(Vec3<double>(sample.direction))));
+    sample.direction = normalized(deformed_->map.world_from_own(sample.direction));
     if constexpr (!kSameForAllRays) sample.value = intensity(sample.direction);
     sample.pdf_direction = {per_sr(sample.direction)};
     settle(sample.pdf_direction.per_sr, sample);
   }
   /// The flux [lm] from `n` times `n` samples at the middles of cells.
-  Rgb<double> mean_flux(int n) const {
-    Rgb<double> sum;
+  Rgb mean_flux(int n) const {
+    Rgb sum;
     if (profile_.is_black()) return sum;
     for (int i = 0; i < n; ++i)
       for (int k = 0; k < n; ++k) {
-        EmissionSample<Real> ray;
-        profile_.sample({static_cast<Real>((i + 0.5) / n), static_cast<Real>((k + 0.5) / n)}, ray);
+        EmissionSample ray;
+        profile_.sample({(i + 0.5) / n, (k + 0.5) / n}, ray);
         if (ray.reason != NoLight::kNone) continue;
-        const Vec3<double> w =
-            normalized(deformed_->map.world_from_own(Vec3<double>(ray.direction)));
-        sum += Rgb<double>(ray.value) /
+        const Vec3 w = normalized(deformed_->map.world_from_own(ray.direction));
+        sum += Rgb(ray.value) /
                (double{ray.pdf_direction.per_sr} * deformed_->map.own_sr_per_world_sr(w) * n * n);
       }
     return sum;
   }
 
-  Profile<Real> profile_;
-  Vec3<Real> position_;
+  Profile profile_;
+  Vec3 position_;
   /// Null without a deformation.
   [[no_unique_address]] std::conditional_t<Deformable<Params>, std::shared_ptr<const Deformed>,
                                            Never>

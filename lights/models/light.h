@@ -25,24 +25,22 @@
 namespace lucerna {
 
 // One type for each shape of LUCERNA_AREA_SHAPES: plain, with a picture, and as a panel.
-#define LUCERNA_LIGHT(Shape) , Shape##Light<Real>
-#define LUCERNA_PAINTED_LIGHT(Shape) , Painted##Shape##Light<Real>
-#define LUCERNA_PANEL_LIGHT(Shape) , Panel##Shape##Light<Real>
+#define LUCERNA_LIGHT(Shape) , Shape##Light
+#define LUCERNA_PAINTED_LIGHT(Shape) , Painted##Shape##Light
+#define LUCERNA_PANEL_LIGHT(Shape) , Panel##Shape##Light
 /// The list of all of them.
-template <std::floating_point Real>
 using LightModels =
-    std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
-                 UniformInfiniteLight<Real>,
-                 ImageInfiniteLight<Real>  //
+    std::variant<PointLight, SpotLight, DistantLight, SunLight, UniformInfiniteLight,
+                 ImageInfiniteLight  //
                      LUCERNA_AREA_SHAPES(LUCERNA_LIGHT) LUCERNA_AREA_SHAPES(LUCERNA_PAINTED_LIGHT)
                          LUCERNA_FLAT_SHAPES(LUCERNA_PANEL_LIGHT),
-                 GoniometricLight<Real>, ProjectionLight<Real>, BeamLight<Real>, PortalLight<Real>>;
+                 GoniometricLight, ProjectionLight, BeamLight, PortalLight>;
 #undef LUCERNA_LIGHT
 #undef LUCERNA_PAINTED_LIGHT
 #undef LUCERNA_PANEL_LIGHT
 
 // A light that lacks a member does not compile here.  The message names the light and the member.
-template <typename Real, LightModel<Real>... Models>
+template <LightModel... Models>
 constexpr bool are_light_models(const std::variant<Models...>*) {
   return true;
 }
@@ -50,11 +48,10 @@ template <HasMembersOfItsKind... Models>
 constexpr bool have_members_of_their_kinds(const std::variant<Models...>*) {
   return true;
 }
-static_assert(are_light_models<double>(static_cast<const LightModels<double>*>(nullptr)) &&
-              are_light_models<float>(static_cast<const LightModels<float>*>(nullptr)) &&
-              have_members_of_their_kinds(static_cast<const LightModels<double>*>(nullptr)));
+static_assert(are_light_models(static_cast<const LightModels*>(nullptr)) &&
+              have_members_of_their_kinds(static_cast<const LightModels*>(nullptr)));
 // Without plain samples, point lights would still work but be slower.
-static_assert(HasPlainSamples<PointLight<double>>);
+static_assert(HasPlainSamples<PointLight>);
 
 namespace internal {
 template <typename Found, typename Models>
@@ -73,7 +70,7 @@ struct ParamsOf<std::variant<Found...>, std::variant<L, Rest...>>
 }  // namespace internal
 
 /// The parameters of each light without a surface, in the order of LightModels.
-using LightParams = internal::ParamsOf<std::variant<>, LightModels<double>>::type;
+using LightParams = internal::ParamsOf<std::variant<>, LightModels>::type;
 
 template <typename T, typename Types>
 inline constexpr bool kIsOneOf = false;
@@ -83,13 +80,10 @@ inline constexpr bool kIsOneOf<T, std::variant<Types...>> = (std::is_same_v<T, T
 /// A light of one of the models, immutable.  Models larger than a point light are stored outside of
 /// it, and copies share them.  So entries in a table of lights have the size of a point light.  The
 /// largest model is ten times larger.
-///
-/// Scenes hold lights in double.  docs/precision.md and the contract tests compare with float.
-template <std::floating_point Real>
 class Light {
  public:
   template <typename Model>
-  requires kIsOneOf<Model, LightModels<Real>>
+  requires kIsOneOf<Model, LightModels>
   // NOLINTNEXTLINE(google-explicit-constructor): a model is a light.
   Light(Model model) : stored_(stored(std::move(model))) {}
 
@@ -119,8 +113,8 @@ class Light {
 
  private:
   template <typename Model>
-  using Stored = std::conditional_t<sizeof(Model) <= sizeof(PointLight<Real>), Model,
-                                    std::shared_ptr<const Model>>;
+  using Stored =
+      std::conditional_t<sizeof(Model) <= sizeof(PointLight), Model, std::shared_ptr<const Model>>;
   template <typename Models>
   struct Storage;
   template <typename... Models>
@@ -144,7 +138,7 @@ class Light {
     return *model;
   }
 
-  typename Storage<LightModels<Real>>::type stored_;
+  typename Storage<LightModels>::type stored_;
 };
 
 }  // namespace lucerna

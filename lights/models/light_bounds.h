@@ -9,10 +9,9 @@ namespace lucerna {
 /// Bounds that contain all of a light.  Every point that emits lies in the box, and every direction
 /// of emission lies within `cone_rad` of `axis`. They may be slightly too large, never too small.
 /// [Conty18]
-template <std::floating_point Real>
 struct LightBounds {
-  Vec3<Real> lower, upper;   ///< about the scene's origin [m]
-  Vec3<Real> axis{0, 0, 1};  ///< unit
+  Vec3 lower, upper;   ///< about the scene's origin [m]
+  Vec3 axis{0, 0, 1};  ///< unit
   /// Half angle of the cone, in [0, pi]: the angle of the normals plus the angle of emission about
   /// a normal.
   double cone_rad{};
@@ -26,10 +25,7 @@ struct LightBounds {
 
   /// False only where no light arrives at `position`, because no ray from the box to it lies in the
   /// cone.
-  bool reaches(const Vec3<Real>& position) const;
+  bool reaches(const Vec3& position) const;
 };
-
-extern template struct LightBounds<float>;
-extern template struct LightBounds<double>;
 
 }  // namespace lucerna

@@ -30,7 +30,7 @@ struct PanelProfile {
   std::shared_ptr<const PhotometricWeb> web;  ///< not null
   /// The direction of photometric +x (the plane C0), world, of any length but 0 and not along the
   /// normal.  Its component along the normal is ignored.  Photometric +z is the normal.
-  Vec3<double> tangent{1, 0, 0};
+  Vec3 tangent{1, 0, 0};
   bool mirrored = false;  ///< +y is tangent x normal, else normal x tangent
   std::string file, format;
   std::string web_unit{}, flux_unit{};  ///< as GoniometricLightParams has them
@@ -38,32 +38,30 @@ struct PanelProfile {
 
 /// `Surface` is one of this library's shapes that can be flat.  Immutable, so safe to share between
 /// threads.  Copies share all data.
-template <typename Real, template <typename> typename Surface>
-class Panel : public Covered<Panel<Real, Surface>, Real, Surface<Real>> {
+template <typename Surface>
+class Panel : public Covered<Panel<Surface>, Surface> {
  public:
   /// Errors: normals more than 1e-3 rad from their mean; a tangent that is zero or along the
   /// normal.
-  static absl::StatusOr<Panel> create(Surface<Real> surface, PanelProfile profile);
+  static absl::StatusOr<Panel> create(Surface surface, PanelProfile profile);
 
-  ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const {
     return data_->surface.sample(receiver, u);
   }
-  SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const {
+  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const {
     return data_->surface.pdf(receiver, point);
   }
-  AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const {
-    return data_->surface.pdf_area(point);
-  }
+  AreaPdf pdf_area(const SurfacePoint& point) const { return data_->surface.pdf_area(point); }
   /// Memory without the photometric web, which lights share.
-  std::size_t bytes() const { return sizeof(Data) - sizeof(Surface<Real>) + surface().bytes(); }
+  std::size_t bytes() const { return sizeof(Data) - sizeof(Surface) + surface().bytes(); }
 
   /// Radiance [cd/m2] towards the unit vector `w`, world, from a point of unit normal `normal`. Not
   /// finite along the surface if the file has light in that direction.
-  double radiance(const Vec3<double>& w, const Vec3<double>& normal) const;
+  double radiance(const Vec3& w, const Vec3& normal) const;
   /// A direction chosen by the flux of the file's cells, to both sides of the panel, and its
   /// density.
-  Vec3<double> sample_direction(Vec2<double> u) const;
-  SolidAnglePdf<double> pdf_direction(const Vec3<double>& w) const;
+  Vec3 sample_direction(Vec2 u) const;
+  SolidAnglePdf pdf_direction(const Vec3& w) const;
   /// Flux of the front or of both sides [lm].  The front is above the mean plane.
   double flux_lm(bool two_sided) const;
   /// A bound on the error of the front's flux for a bent shape [lm].  It is the file's flux within
@@ -71,16 +69,16 @@ class Panel : public Covered<Panel<Real, Surface>, Real, Surface<Real>> {
   /// are flat up to the rounding of their normals.
   double flux_error_lm(bool two_sided) const;
   /// A cone with all directions of the front or of both sides.
-  NormalCone<Real> directions(bool two_sided) const;
+  NormalCone directions(bool two_sided) const;
 
-  const Surface<Real>& surface() const { return data_->surface; }
+  const Surface& surface() const { return data_->surface; }
   const PanelProfile& profile() const { return data_->profile; }
 
  private:
   struct Data {
-    Surface<Real> surface;
+    Surface surface;
     PanelProfile profile;
-    Frame<double> axes;  ///< photometric x, y, z
+    Frame axes;  ///< photometric x, y, z
   };
   explicit Panel(Data data) : data_(std::make_shared<const Data>(std::move(data))) {}
 
@@ -88,11 +86,9 @@ class Panel : public Covered<Panel<Real, Surface>, Real, Surface<Real>> {
 };
 
 // PanelTriangleMesh and so on.
-#define LUCERNA_PANEL(Shape)                 \
-  template <typename Real>                   \
-  using Panel##Shape = Panel<Real, Shape>;   \
-  extern template class Panel<float, Shape>; \
-  extern template class Panel<double, Shape>;
+#define LUCERNA_PANEL(Shape)         \
+  using Panel##Shape = Panel<Shape>; \
+  extern template class Panel<Shape>;
 LUCERNA_FLAT_SHAPES(LUCERNA_PANEL)
 #undef LUCERNA_PANEL
 

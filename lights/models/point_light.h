@@ -6,28 +6,25 @@
 namespace lucerna {
 
 struct PointLightParams {
-  Vec3<double> position_m{};   ///< world
-  Rgb<double> intensity_cd{};  ///< per channel, finite, not negative
+  Vec3 position_m{};   ///< world
+  Rgb intensity_cd{};  ///< per channel, finite, not negative
 };
 
 /// The same intensity in all directions.
-template <typename Real>
 class IsotropicProfile {
  public:
   using Params = PointLightParams;
 
   explicit IsotropicProfile(const Params& params) : params_(params) {}
-  static absl::Status check(const Params& params, const Vec3<double>& origin_m);
+  static absl::Status check(const Params& params, const Vec3& origin_m);
 
   bool is_black() const { return params_.intensity_cd.is_black(); }
-  std::optional<Rgb<double>> towards(const Vec3<double>&, const Vec3<double>&) const {
-    return params_.intensity_cd;
-  }
-  const Rgb<double>& intensity_cd() const { return params_.intensity_cd; }
+  std::optional<Rgb> towards(const Vec3&, const Vec3&) const { return params_.intensity_cd; }
+  const Rgb& intensity_cd() const { return params_.intensity_cd; }
 
   /// Uniform over the sphere of directions.
-  void sample(Vec2<Real> u, EmissionSample<Real>& ray) const;
-  Real per_sr(const Vec3<Real>& w) const;
+  void sample(Vec2 u, EmissionSample& ray) const;
+  double per_sr(const Vec3& w) const;
 
   /// 4 pi I, exact.
   Power power() const;
@@ -45,7 +42,6 @@ class IsotropicProfile {
   Params params_;
 };
 
-template <std::floating_point Real>
-using PointLight = IntensityLight<Real, IsotropicProfile>;
+using PointLight = IntensityLight<IsotropicProfile>;
 
 }  // namespace lucerna

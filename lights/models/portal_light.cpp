@@ -24,42 +24,39 @@ int table_size(const SphereMap* map) {
   return map == nullptr ? 64 : std::clamp(map->image().height(), 64, 1024);
 }
 
-template <std::floating_point Real>
-absl::Status check_corners(const std::array<Vec3<double>, 4>& c, const Vec3<double>& origin_m) {
-  for (const Vec3<double>& corner : c)
-    if (auto s = check_position<Real>("infinite.portal", corner, origin_m); !s.ok()) return s;
+absl::Status check_corners(const std::array<Vec3, 4>& c, const Vec3& origin_m) {
+  for (const Vec3& corner : c)
+    if (auto s = check_position("infinite.portal", corner, origin_m); !s.ok()) return s;
   return absl::OkStatus();
 }
 
 }  // namespace
 
-template <std::floating_point Real>
-auto PortalLight<Real>::rectangle(const Params& params, const Vec3<double>& origin_m)
+auto PortalLight::rectangle(const Params& params, const Vec3& origin_m)
     -> absl::StatusOr<Rectangle> {
-  if (auto s = check_light_value<Real>("infinite.radiance", params.radiance_cd_m2, "cd/m2");
-      !s.ok())
+  if (auto s = check_light_value("infinite.radiance", params.radiance_cd_m2, "cd/m2"); !s.ok())
     return s;
   if (params.map != nullptr)
-    if (auto s = check_light_value<Real>("infinite.radiance of the brightest texel",
-                                         params.map->brightest() * params.radiance_cd_m2, "cd/m2");
+    if (auto s = check_light_value("infinite.radiance of the brightest texel",
+                                   params.map->brightest() * params.radiance_cd_m2, "cd/m2");
         !s.ok())
       return s;
   if (!params.rectified && !params.world_from_map.uniform_scale())
     return absl::InvalidArgumentError(
         "infinite.world_from_map has unequal scale, allowed: equal scale on all axes, or a "
         "resampled map");
-  if (auto s = check_corners<Real>(params.corners_m, origin_m); !s.ok()) return s;
+  if (auto s = check_corners(params.corners_m, origin_m); !s.ok()) return s;
 
-  std::array<Vec3<double>, 4> c;
+  std::array<Vec3, 4> c;
   for (std::size_t i = 0; i < 4; ++i) c[i] = params.corners_m[i] - origin_m;
   // Halved before they are added, so that no sum overflows.
-  const Vec3<double> along_x = (c[3] * 0.5 - c[0] * 0.5) + (c[2] * 0.5 - c[1] * 0.5);
-  const Vec3<double> along_y = (c[1] * 0.5 - c[0] * 0.5) + (c[2] * 0.5 - c[3] * 0.5);
-  const Vec3<double> x = normalized(along_x);
-  const Vec3<double> y = normalized(along_y - x * dot(along_y, x));
+  const Vec3 along_x = (c[3] * 0.5 - c[0] * 0.5) + (c[2] * 0.5 - c[1] * 0.5);
+  const Vec3 along_y = (c[1] * 0.5 - c[0] * 0.5) + (c[2] * 0.5 - c[3] * 0.5);
+  const Vec3 x = normalized(along_x);
+  const Vec3 y = normalized(along_y - x * dot(along_y, x));
   const double width = length(along_x), height = dot(along_y, y);
-  const Vec3<double> centre = (c[0] * 0.5 + c[2] * 0.5) * 0.5 + (c[1] * 0.5 + c[3] * 0.5) * 0.5;
-  const Vec3<double> corner = centre - x * (width / 2) - y * (height / 2);
+  const Vec3 centre = (c[0] * 0.5 + c[2] * 0.5) * 0.5 + (c[1] * 0.5 + c[3] * 0.5) * 0.5;
+  const Vec3 corner = centre - x * (width / 2) - y * (height / 2);
   const auto off = [&](std::size_t i, double u, double v) {
     return length(c[i] - (corner + x * (u * width) + y * (v * height)));
   };
@@ -76,21 +73,17 @@ auto PortalLight<Real>::rectangle(const Params& params, const Vec3<double>& orig
   return Rectangle{corner, x, y, width, height};
 }
 
-template <std::floating_point Real>
-absl::Status PortalLight<Real>::check(const Params& params, const Vec3<double>& origin_m) {
+absl::Status PortalLight::check(const Params& params, const Vec3& origin_m) {
   return rectangle(params, origin_m).status();
 }
 
-template <std::floating_point Real>
-absl::StatusOr<PortalLight<Real>> PortalLight<Real>::create(const Params& params,
-                                                            const Vec3<double>& origin_m) {
+absl::StatusOr<PortalLight> PortalLight::create(const Params& params, const Vec3& origin_m) {
   const auto r = rectangle(params, origin_m);
   if (!r.ok()) return r.status();
   return PortalLight(params, *r);
 }
 
-template <std::floating_point Real>
-PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
+PortalLight::PortalLight(const Params& params, const Rectangle& r)
     : params_(params),
       map_axes_(params.world_from_map),
       corner_(r.corner),
@@ -100,7 +93,7 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
       width_(r.width),
       height_(r.height) {
   const SphereMap* map = params.map.get();
-  const auto in_map = [&](const Vec3<double>& v) { return map_axes_.map_from_world(v); };
+  const auto in_map = [&](const Vec3& v) { return map_axes_.map_from_world(v); };
   if (map == nullptr) {
     on_portal_ = {params.radiance_cd_m2 * kPi, 0, params.radiance_cd_m2 * (2 * kPi)};
   } else if (params.rectified) {
@@ -131,18 +124,17 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
   StopPoll poll;
   for (int j = 0; j < n * looks; ++j)
     for (int i = 0; i < n * looks; ++i, poll()) {
-      const Vec2<double> p{(i + 0.5) / (n * looks), (j + 0.5) / (n * looks)};
-      const Vec3<double> w = rectified_from_square(p);
+      const Vec2 p{(i + 0.5) / (n * looks), (j + 0.5) / (n * looks)};
+      const Vec3 w = rectified_from_square(p);
       weights[static_cast<std::size_t>(j / looks) * static_cast<std::size_t>(n) +
               static_cast<std::size_t>(i / looks)] += luminance(sky(w)) * sr_per_square(w);
     }
   table_ = std::make_shared<const WindowedDistribution>(n, weights);
 }
 
-template <std::floating_point Real>
-NoLight PortalLight<Real>::window(const Vec3<Real>& position, Window& window) const {
+NoLight PortalLight::window(const Vec3& position, Window& window) const {
   if (!is_finite(position)) return NoLight::kOutOfRange;
-  const Vec3<double> p = local(Vec3<double>(position) - corner_);
+  const Vec3 p = local(position - corner_);
   const double depth = -p.z;
   if (depth == 0 && p.x >= 0 && p.x <= width_ && p.y >= 0 && p.y <= height_)
     return NoLight::kDegenerate;
@@ -157,29 +149,26 @@ NoLight PortalLight<Real>::window(const Vec3<Real>& position, Window& window) co
   return window.width > 0 && window.height > 0 ? NoLight::kNone : NoLight::kOutOfRange;
 }
 
-template <std::floating_point Real>
-Rgb<double> PortalLight<Real>::sky(const Vec3<double>& l) const {
-  if (params_.map == nullptr) return Rgb<double>(1);
-  if (rectified_ != nullptr)
-    return l.z > 0 ? rectified_->lookup(square_from_rectified(l)) : Rgb<double>();
+Rgb PortalLight::sky(const Vec3& l) const {
+  if (params_.map == nullptr) return Rgb(1);
+  if (rectified_ != nullptr) return l.z > 0 ? rectified_->lookup(square_from_rectified(l)) : Rgb();
   return params_.map->lookup(map_axes_.map_from_world(x_ * l.x + y_ * l.y + z_ * l.z));
 }
 
-template <std::floating_point Real>
-Rgb<Real> PortalLight<Real>::radiance(const Vec3<Real>& w) const {
-  const Rgb<Real> value(sky(local(Vec3<double>(w))) * params_.radiance_cd_m2);
-  if (!is_finite(value) || !(value.max_component() >= std::numeric_limits<Real>::min())) return {};
+Rgb PortalLight::radiance(const Vec3& w) const {
+  const Rgb value(sky(local(w)) * params_.radiance_cd_m2);
+  if (!is_finite(value) || !(value.max_component() >= std::numeric_limits<double>::min()))
+    return {};
   return value;
 }
 
-template <std::floating_point Real>
-double PortalLight<Real>::density(const Window& window, const Vec3<Real>& w) const {
-  const Vec3<double> l = normalized(local(Vec3<double>(w)));
+double PortalLight::density(const Window& window, const Vec3& w) const {
+  const Vec3 l = normalized(local(w));
   if (!(l.z > 0)) return 0;
-  const Vec2<double> p = square_from_rectified(l);
-  // A direction and the window are rounded to `Real`.  The nearer a direction is to an axis, the
+  const Vec2 p = square_from_rectified(l);
+  // A direction and the window are rounded to `double`.  The nearer a direction is to an axis, the
   // more the rounding turns the angle about that axis.
-  constexpr double kRounding = 2 * double{std::numeric_limits<Real>::epsilon()};
+  constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon();
   const auto within = [&](double at, double begin, double extent, double from_axis) {
     const double slack = kRounding / from_axis;
     return at >= begin - slack && at <= begin + extent + slack;
@@ -195,35 +184,33 @@ double PortalLight<Real>::density(const Window& window, const Vec3<Real>& w) con
          sr_per_square(l);
 }
 
-template <std::floating_point Real>
-NoLight PortalLight<Real>::sample(const Window& window, Vec2<Real> u, Vec3<Real>& wi,
-                                  Rgb<Real>& value, SolidAnglePdf<Real>& pdf) const {
+NoLight PortalLight::sample(const Window& window, Vec2 u, Vec3& wi, Rgb& value,
+                            SolidAnglePdf& pdf) const {
   const auto s = table_->sample(window, {double{u.x}, double{u.y}});
   // Stay away from the edges, so that the rounded direction leads through the portal.
   const auto within = [](double at, double begin, double extent) {
-    const double slack = std::min(8 * double{std::numeric_limits<Real>::epsilon()}, extent * 0.5);
+    const double slack = std::min(8 * std::numeric_limits<double>::epsilon(), extent * 0.5);
     return std::clamp(at, begin + slack, std::max(begin + slack, begin + extent - slack));
   };
-  const Vec3<double> l = rectified_from_square({within(s.position.x, window.x, window.width),
-                                                within(s.position.y, window.y, window.height)});
-  wi = Vec3<Real>(x_ * l.x + y_ * l.y + z_ * l.z);
+  const Vec3 l = rectified_from_square({within(s.position.x, window.x, window.width),
+                                        within(s.position.y, window.y, window.height)});
+  wi = x_ * l.x + y_ * l.y + z_ * l.z;
   value = radiance(wi);
   if (value.is_black()) return NoLight::kBlack;
-  pdf.per_sr = static_cast<Real>(density(window, wi));
-  if (pdf.per_sr >= std::numeric_limits<Real>::min() && std::isfinite(pdf.per_sr))
+  pdf.per_sr = density(window, wi);
+  if (pdf.per_sr >= std::numeric_limits<double>::min() && std::isfinite(pdf.per_sr))
     return NoLight::kNone;
   value = {};
   return NoLight::kOutOfRange;
 }
 
-template <std::floating_point Real>
-LightSample<Real> PortalLight<Real>::sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const {
-  LightSample<Real> s;
+LightSample PortalLight::sample_li(const Receiver& receiver, Vec2 u) const {
+  LightSample s;
   s.pdf.per_sr = 1;
   Window seen;
   s.reason = window(receiver.position, seen);
   if (s.reason != NoLight::kNone) return s;
-  s.distance = std::numeric_limits<Real>::infinity();
+  s.distance = std::numeric_limits<double>::infinity();
   s.reason = sample(seen, u, s.wi, s.value, s.pdf);
   // The portal is narrower than the rounding of a direction.
   if (s.reason == NoLight::kNone && le_escaped(receiver.position, s.wi).is_black()) {
@@ -234,29 +221,25 @@ LightSample<Real> PortalLight<Real>::sample_li(const Receiver<Real>& receiver, V
   return s;
 }
 
-template <std::floating_point Real>
-SolidAnglePdf<Real> PortalLight<Real>::pdf_li(const Receiver<Real>& receiver,
-                                              const Vec3<Real>& wi) const {
+SolidAnglePdf PortalLight::pdf_li(const Receiver& receiver, const Vec3& wi) const {
   Window seen;
   if (!is_finite(wi) || window(receiver.position, seen) != NoLight::kNone) return {};
   if (radiance(wi).is_black()) return {};
-  const Real pdf = static_cast<Real>(density(seen, wi));
-  return {pdf >= std::numeric_limits<Real>::min() && std::isfinite(pdf) ? pdf : 0};
+  const double pdf = density(seen, wi);
+  return {pdf >= std::numeric_limits<double>::min() && std::isfinite(pdf) ? pdf : 0};
 }
 
-template <std::floating_point Real>
-std::optional<Rgb<Real>> PortalLight<Real>::irradiance(const Receiver<Real>& receiver) const {
+std::optional<Rgb> PortalLight::irradiance(const Receiver& receiver) const {
   if (params_.map != nullptr) return std::nullopt;
   return uniform_irradiance(params_.radiance_cd_m2, receiver);
 }
 
-template <std::floating_point Real>
-MostIrradiance PortalLight<Real>::most_irradiance(const Receiver<Real>& receiver) const {
+MostIrradiance PortalLight::most_irradiance(const Receiver& receiver) const {
   Window unused;
   if (window(receiver.position, unused) != NoLight::kNone) return {};
-  const Vec3<double> p(receiver.position), n(receiver.normal);
-  bool is_above = n == Vec3<double>{};
-  for (const Vec3<double>& corner : corners_m()) is_above |= dot(corner - p, n) > 0;
+  const Vec3 p(receiver.position), n(receiver.normal);
+  bool is_above = n == Vec3{};
+  for (const Vec3& corner : corners_m()) is_above |= dot(corner - p, n) > 0;
   const double all = luminance(on_portal_.without_cosine);
   if (!is_above || !(all > 0)) return {};
   if (params_.map == nullptr) return {all, all / (1 - WindowedDistribution::kUniformShare)};
@@ -265,20 +248,18 @@ MostIrradiance PortalLight<Real>::most_irradiance(const Receiver<Real>& receiver
   return {2 * all, std::numeric_limits<double>::infinity()};
 }
 
-template <std::floating_point Real>
-std::optional<Rgb<Real>> PortalLight<Real>::uniform_irradiance(
-    const Rgb<double>& radiance_cd_m2, const Receiver<Real>& receiver) const {
-  return irradiance_of(radiance_cd_m2, receiver, [&](const Vec3<double>& normal) {
-    const Vec3<double> p(receiver.position);
+std::optional<Rgb> PortalLight::uniform_irradiance(const Rgb& radiance_cd_m2,
+                                                   const Receiver& receiver) const {
+  return irradiance_of(radiance_cd_m2, receiver, [&](const Vec3& normal) {
+    const Vec3 p(receiver.position);
     const double depth = dot(corner_ - p, z_);
     return depth > 0 ? polygon_projected_solid_angle(corners_m(), p, normal, depth) : 0;
   });
 }
 
-template <std::floating_point Real>
-Rgb<Real> PortalLight<Real>::le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const {
-  const Vec3<double> p = local(Vec3<double>(origin) - corner_);
-  const Vec3<double> l = local(Vec3<double>(w));
+Rgb PortalLight::le_escaped(const Vec3& origin, const Vec3& w) const {
+  const Vec3 p = local(origin - corner_);
+  const Vec3 l = local(w);
   if (!is_finite(l) || !(p.z < 0) || !(l.z > 0)) return {};
   // Compare the crossing with the plane times l.z, which avoids the division.
   const auto crosses = [&](double at, double slope, double side) {
@@ -289,18 +270,15 @@ Rgb<Real> PortalLight<Real>::le_escaped(const Vec3<Real>& origin, const Vec3<Rea
   return radiance(w);
 }
 
-template <std::floating_point Real>
-EmissionSample<Real> PortalLight<Real>::sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
-                                                  const SceneSphere&) const {
-  EmissionSample<Real> s;
-  Vec3<Real> wi;
-  Rgb<Real> value;
+EmissionSample PortalLight::sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere&) const {
+  EmissionSample s;
+  Vec3 wi;
+  Rgb value;
   s.reason = sample({}, u_direction, wi, value, s.pdf_direction);
-  s.pdf_position.per_m2 = static_cast<Real>(1 / portal_area_m2());
-  s.origin = Vec3<Real>(corner_ + x_ * (double{u_position.x} * width_) +
-                        y_ * (double{u_position.y} * height_));
+  s.pdf_position.per_m2 = 1 / portal_area_m2();
+  s.origin = corner_ + x_ * (double{u_position.x} * width_) + y_ * (double{u_position.y} * height_);
   s.direction = -wi;
-  s.normal = Vec3<Real>(-z_);
+  s.normal = -z_;
   if (s.reason == NoLight::kNone &&
       !(is_finite(s.origin) && s.pdf_position.per_m2 > 0 && std::isfinite(s.pdf_position.per_m2)))
     s.reason = NoLight::kOutOfRange;
@@ -311,59 +289,48 @@ EmissionSample<Real> PortalLight<Real>::sample_le(Vec2<Real> u_position, Vec2<Re
   return s;
 }
 
-template <std::floating_point Real>
-EmissionPdf<Real> PortalLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                                            const SceneSphere&, double slack_m) const {
-  const Vec3<double> p = local(Vec3<double>(position) - corner_);
+EmissionPdf PortalLight::pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere&,
+                                double slack_m) const {
+  const Vec3 p = local(position - corner_);
   // Each coordinate of the position and of the portal is rounded once.
   const double slack =
-      slack_m +
-      8 * kInputRounding * (max_abs(Vec3<double>(position)) + max_abs(corner_) + width_ + height_);
+      slack_m + 8 * kInputRounding * (max_abs(position) + max_abs(corner_) + width_ + height_);
   const auto within = [&](double at, double side) { return at >= -slack && at <= side + slack; };
   if (!within(p.x, width_) || !within(p.y, height_) || !(std::fabs(p.z) <= slack)) return {};
   if (!is_finite(direction) || radiance(-direction).is_black()) return {};
-  const EmissionPdf<Real> pdf{{static_cast<Real>(1 / portal_area_m2())},
-                              {static_cast<Real>(density({}, -direction))}};
-  const auto usable = [](Real d) { return d > 0 && std::isfinite(d); };
+  const EmissionPdf pdf{{1 / portal_area_m2()}, {density({}, -direction)}};
+  const auto usable = [](double d) { return d > 0 && std::isfinite(d); };
   if (!usable(pdf.position.per_m2) || !usable(pdf.direction.per_sr)) return {};
   return pdf;
 }
 
-template <std::floating_point Real>
-Power PortalLight<Real>::power(const SceneSphere&) const {
+Power PortalLight::power(const SceneSphere&) const {
   return {on_portal_.lx * portal_area_m2(), on_portal_.error_lx * portal_area_m2()};
 }
 
-template <std::floating_point Real>
-Power PortalLight<Real>::power_approximate(const SceneSphere& scene) const {
+Power PortalLight::power_approximate(const SceneSphere& scene) const {
   return approximate_power(on_portal_.without_cosine * portal_area_m2(), power(scene));
 }
 
-template <std::floating_point Real>
-LightBytes PortalLight<Real>::own_bytes() const {
+LightBytes PortalLight::own_bytes() const {
   const std::uint64_t tables = table_->bytes() + (rectified_ == nullptr ? 0 : rectified_->bytes());
   return {.all = tables, .tables = tables};
 }
 
-template <std::floating_point Real>
-std::optional<double> PortalLight<Real>::cross_section_m2(const SceneSphere&) const {
+std::optional<double> PortalLight::cross_section_m2(const SceneSphere&) const {
   const auto corners = corners_m();
   return length(cross(corners[1] - corners[0], corners[3] - corners[0]));
 }
 
-template <std::floating_point Real>
-LightPlace PortalLight<Real>::place(const Params& params) {
+LightPlace PortalLight::place(const Params& params) {
   const auto& corners = params.corners_m;
   Box box{corners[0], corners[0]};
-  for (const Vec3<double>& p : corners) {
+  for (const Vec3& p : corners) {
     const auto& [lower, upper] = box;
     box = {{std::fmin(lower.x, p.x), std::fmin(lower.y, p.y), std::fmin(lower.z, p.z)},
            {std::fmax(upper.x, p.x), std::fmax(upper.y, p.y), std::fmax(upper.z, p.z)}};
   }
   return {.anchor_m = corners[0], .portal_m = box};
 }
-
-template class PortalLight<float>;
-template class PortalLight<double>;
 
 }  // namespace lucerna

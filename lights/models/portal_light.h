@@ -25,17 +25,16 @@ struct PortalLightParams {
   std::string image_name{};                ///< reported by ListLights, else unused
   /// True: uses a RectifiedMap of the map, as pbrt-v4 does.  False: the map itself.
   bool rectified = false;
-  Transform world_from_map{};       ///< of equal scale, or `rectified`; its translation is not used
-  Rgb<double> radiance_cd_m2{1.0};  ///< of a texel of value 1, per channel, finite, not negative
+  Transform world_from_map{};  ///< of equal scale, or `rectified`; its translation is not used
+  Rgb radiance_cd_m2{1.0};     ///< of a texel of value 1, per channel, finite, not negative
   /// World, in order around the rectangle.  Light comes from the side to which cross(corner 3 -
   /// corner 0, corner 1 - corner 0) points.
-  std::array<Vec3<double>, 4> corners_m{};
+  std::array<Vec3, 4> corners_m{};
 };
 
 /// A receiver sees a rectangle of the directions (tan alpha, tan beta, 1) in the portal's axes,
 /// with sides along alpha and beta.  It samples that window of a table over both angles.
 /// [Bitterli15]
-template <std::floating_point Real>
 class PortalLight {
  public:
   using Params = PortalLightParams;
@@ -45,13 +44,12 @@ class PortalLight {
   /// rectangle with the same centre and the mean of opposite edges.
   static constexpr double kRectangleTolerance = 1e-3;
 
-  /// Errors: corners that do not form a rectangle, have no extent, or do not fit `Real`; a
+  /// Errors: corners that do not form a rectangle, have no extent, or do not fit `double`; a
   /// transform of unequal scale without `rectified`; a radiance that is negative or not finite; a
-  /// brightest texel that does not fit `Real`.
-  static absl::StatusOr<PortalLight> create(const Params& params,
-                                            const Vec3<double>& origin_m = {});
+  /// brightest texel that does not fit `double`.
+  static absl::StatusOr<PortalLight> create(const Params& params, const Vec3& origin_m = {});
   /// Checks for the same errors without making the light's table.
-  static absl::Status check(const Params& params, const Vec3<double>& origin_m = {});
+  static absl::Status check(const Params& params, const Vec3& origin_m = {});
 
   /// A direction through the portal, distance infinite: surfaces behind the portal may still hide
   /// the sky.  Value and density belong to the rounded direction.
@@ -59,33 +57,32 @@ class PortalLight {
   /// Reasons without light:
   /// - kBehind: on the portal's other side, and in its plane beside it.
   /// - kDegenerate: on the portal.
-  /// - kBlack: map, radiance or the sampled part of the map is black, or below any normal `Real`.
-  /// - kOutOfRange: the density is not a positive normal `Real`, or the portal looks narrower than
-  /// the rounding of a direction.
-  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  /// - kBlack: map, radiance or the sampled part of the map is black, or below any normal `double`.
+  /// - kOutOfRange: the density is not a positive normal `double`, or the portal looks narrower
+  /// than the rounding of a direction.
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
   /// 0 outside of the portal's edges.
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
   /// Irradiance without occlusion on the side that `receiver` faces [lx].  Nothing with a map, or
   /// if the receiver has no normal or is not finite.
-  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
+  std::optional<Rgb> irradiance(const Receiver& receiver) const;
   bool hides_itself() const { return false; }
   /// Upper bounds of the illuminance on the side that `receiver` faces: the integral of the
   /// radiance over all directions that can pass through the portal.
-  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const;
+  MostIrradiance most_irradiance(const Receiver& receiver) const;
   /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets.  0 if the ray
   /// does not leave through the portal.
-  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  Rgb le_escaped(const Vec3& origin, const Vec3& w) const;
   /// The same for a ray that enters towards `w` and starts in the portal.
-  Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const { return radiance(-w); }
+  Rgb le_leaving(const Vec3&, const Vec3& w) const { return radiance(-w); }
 
   /// A ray that enters: a point of the portal by area, a direction by the whole table.  `normal` is
   /// that of the portal, towards the inside.  The scene's sphere is not used.
-  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
-                                 const SceneSphere& scene) const;
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
   /// `slack_m`: how far rounding may have moved `position` off the portal's plane, in addition to
-  /// the rounding to `Real`.
-  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& scene, double slack_m = 0) const;
+  /// the rounding to `double`.
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene,
+                     double slack_m = 0) const;
 
   /// Flux through the portal: its area times the illuminance of the sky on it.  Exact without a map
   /// and for a rectified map; else by quadrature with a bound on the error.
@@ -95,15 +92,15 @@ class PortalLight {
   Power power_approximate(const SceneSphere& scene) const;
 
   /// Nothing: it is at infinity.
-  std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  std::optional<LightBounds> bounds() const { return std::nullopt; }
 
   /// The rectangle that is used, relative to the scene's origin.
-  std::array<Vec3<double>, 4> corners_m() const {
-    const Vec3<double> x = x_ * width_, y = y_ * height_;
+  std::array<Vec3, 4> corners_m() const {
+    const Vec3 x = x_ * width_, y = y_ * height_;
     return {corner_, corner_ + x, corner_ + x + y, corner_ + y};
   }
   /// Unit, out through the portal.
-  const Vec3<double>& to_sky() const { return z_; }
+  const Vec3& to_sky() const { return z_; }
   double portal_area_m2() const { return width_ * height_; }
   /// The portal's area.
   std::optional<double> cross_section_m2(const SceneSphere& scene) const;
@@ -119,39 +116,34 @@ class PortalLight {
  private:
   using Window = WindowedDistribution::Window;
   struct Rectangle {
-    Vec3<double> corner;  ///< about the scene's origin [m]
-    Vec3<double> x, y;    ///< unit
+    Vec3 corner;  ///< about the scene's origin [m]
+    Vec3 x, y;    ///< unit
     double width, height;
   };
-  static absl::StatusOr<Rectangle> rectangle(const Params& params, const Vec3<double>& origin_m);
+  static absl::StatusOr<Rectangle> rectangle(const Params& params, const Vec3& origin_m);
   PortalLight(const Params& params, const Rectangle& r);
-  Vec3<double> local(const Vec3<double>& v) const { return {dot(x_, v), dot(y_, v), dot(z_, v)}; }
+  Vec3 local(const Vec3& v) const { return {dot(x_, v), dot(y_, v), dot(z_, v)}; }
   /// The window that `position` sees, or the reason why there is none.
-  NoLight window(const Vec3<Real>& position, Window& window) const;
+  NoLight window(const Vec3& position, Window& window) const;
   /// The map towards `l` in the portal's axes; 1 without a map.
-  Rgb<double> sky(const Vec3<double>& l) const;
+  Rgb sky(const Vec3& l) const;
   /// The irradiance of a sky of this radiance through the portal, or nothing.
-  std::optional<Rgb<Real>> uniform_irradiance(const Rgb<double>& radiance_cd_m2,
-                                              const Receiver<Real>& receiver) const;
-  /// Radiance from the unit vector `w`; 0 where it is not a positive normal `Real`.
-  Rgb<Real> radiance(const Vec3<Real>& w) const;
+  std::optional<Rgb> uniform_irradiance(const Rgb& radiance_cd_m2, const Receiver& receiver) const;
+  /// Radiance from the unit vector `w`; 0 where it is not a positive normal `double`.
+  Rgb radiance(const Vec3& w) const;
   /// Density with respect to solid angle at the unit vector `w` [1/sr]; 0 outside of the window.
-  double density(const Window& window, const Vec3<Real>& w) const;
+  double density(const Window& window, const Vec3& w) const;
   /// A direction of the window in `wi`, with value and density; or the reason why there is none.
-  NoLight sample(const Window& window, Vec2<Real> u, Vec3<Real>& wi, Rgb<Real>& value,
-                 SolidAnglePdf<Real>& pdf) const;
+  NoLight sample(const Window& window, Vec2 u, Vec3& wi, Rgb& value, SolidAnglePdf& pdf) const;
 
   Params params_;
   MapAxes map_axes_;
-  Vec3<double> corner_;       ///< about the scene's origin [m]
-  Vec3<double> x_, y_, z_;    ///< the portal's axes, unit; z to where light comes from
+  Vec3 corner_;               ///< about the scene's origin [m]
+  Vec3 x_, y_, z_;            ///< the portal's axes, unit; z to where light comes from
   double width_, height_;     ///< along x_ and y_ [m]
   MapIlluminance on_portal_;  ///< [lx]
   std::shared_ptr<const RectifiedMap> rectified_;  ///< null: the map itself, or none
   std::shared_ptr<const WindowedDistribution> table_;
 };
-
-extern template class PortalLight<float>;
-extern template class PortalLight<double>;
 
 }  // namespace lucerna

@@ -20,82 +20,77 @@ namespace lucerna {
 /// to the light's space, and `pose` takes samples back.  Each of the two rounds once.  Under the
 /// identity, all results but `bounds` have the bits of `L`.  It refers to the light, which must
 /// outlive it.
-template <std::floating_point Real, typename L>
+template <typename L>
 class Posed {
  public:
   static constexpr bool kDelta = L::kDelta;
 
   Posed(const L& light, const Pose& pose) : light_(light), pose_(pose) {}
 
-  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const {
-    LightSample<Real> s = light_.sample_li(to_light(receiver), u);
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const {
+    LightSample s = light_.sample_li(to_light(receiver), u);
     s.wi = vector(s.wi);
     if (std::isfinite(s.distance)) s.point = point(s.point);
     s.normal = vector(s.normal);
     return s;
   }
 
-  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const requires
-      requires(const L& l) {
+  std::optional<Rgb> irradiance(const Receiver& receiver) const requires requires(const L& l) {
     l.irradiance(receiver);
   }
   { return light_.irradiance(to_light(receiver)); }
   bool hides_itself() const requires requires(const L& l) { l.hides_itself(); }
   { return light_.hides_itself(); }
 
-  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const requires
-      requires(const L& l) {
+  MostIrradiance most_irradiance(const Receiver& receiver) const requires requires(const L& l) {
     l.most_irradiance(receiver);
   }
   { return light_.most_irradiance(to_light(receiver)); }
 
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const {
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const {
     return light_.pdf_li(to_light(receiver), inverse_vector(wi));
   }
 
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver,
-                             const SurfacePoint<Real>& point) const requires requires(const L& l) {
+  SolidAnglePdf pdf_li(const Receiver& receiver, const SurfacePoint& point) const requires
+      requires(const L& l) {
     l.pdf_li(receiver, point);
   }
   { return light_.pdf_li(to_light(receiver), to_light(point)); }
 
-  Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const requires
-      requires(const L& l) {
+  Rgb le(const SurfacePoint& point, const Vec3& w) const requires requires(const L& l) {
     l.le(point, w);
   }
   { return light_.le(to_light(point), inverse_vector(w)); }
 
-  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const requires
-      requires(const L& l) {
+  Rgb le_escaped(const Vec3& origin, const Vec3& w) const requires requires(const L& l) {
     l.le_escaped(origin, w);
   }
   { return light_.le_escaped(inverse_point(origin), inverse_vector(w)); }
 
-  Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const requires
-      requires(const L& l) {
+  Rgb le_leaving(const Vec3& origin, const Vec3& w) const requires requires(const L& l) {
     l.le_leaving(origin, w);
   }
   {
-    const Vec3<Real> o = inverse_point(origin), d = inverse_vector(w);
+    const Vec3 o = inverse_point(origin), d = inverse_vector(w);
     if constexpr (requires { light_.le_leaving(o, d, 0.0); })
       return light_.le_leaving(o, d, slack_m(origin));
     else
       return light_.le_leaving(o, d);
   }
 
-  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
-                                 const SceneSphere& scene) const requires requires(const L& l) {
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction,
+                           const SceneSphere& scene) const requires requires(const L& l) {
     l.sample_le(u_position, u_direction, scene);
   }
   { return from_light(light_.sample_le(u_position, u_direction, to_light(scene))); }
 
-  EmissionSample<Real> ray_from(const SurfacePoint<Real>& point,
-                                const Vec3<Real>& direction) const requires requires(const L& l) {
+  EmissionSample ray_from(const SurfacePoint& point, const Vec3& direction) const requires
+      requires(const L& l) {
     l.ray_from(point, direction);
   }
   {
-    const SurfacePoint<Real> p = to_light(point);
-    const Vec3<Real> w = inverse_vector(direction);
+    const SurfacePoint p = to_light(point);
+    const Vec3 w = inverse_vector(direction);
     if constexpr (requires { light_.ray_from(p, w, 0.0); })
       return from_light(light_.ray_from(p, w, slack_m(point.position)));
     else
@@ -105,12 +100,12 @@ class Posed {
   /// Positions count as on the light if they are within their own rounding of it.  This is the
   /// rounding at the light's present position.  It may be much larger than the rounding of the
   /// light about its own origin.
-  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& scene) const requires requires(const L& l) {
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction,
+                     const SceneSphere& scene) const requires requires(const L& l) {
     l.pdf_le(position, direction, scene);
   }
   {
-    const Vec3<Real> w = inverse_vector(direction), p = inverse_point(position);
+    const Vec3 w = inverse_vector(direction), p = inverse_point(position);
     const SceneSphere local = to_light(scene);
     if constexpr (requires { light_.pdf_le(p, w, local, 0.0); }) {
       return light_.pdf_le(p, w, local, slack_m(position));
@@ -119,7 +114,7 @@ class Posed {
       const auto own = light_.bounds();
       if (own && own->lower == own->upper)
         return same_float(position, point(own->lower)) ? light_.pdf_le(own->lower, w, local)
-                                                       : EmissionPdf<Real>{};
+                                                       : EmissionPdf{};
       return light_.pdf_le(p, w, local);
     }
   }
@@ -131,8 +126,8 @@ class Posed {
 
   /// The bounds of `L`.  The box turns with the light and is enclosed by a box along the axes.  Box
   /// and cone are larger by the possible rounding.
-  std::optional<LightBounds<Real>> bounds() const {
-    std::optional<LightBounds<Real>> b = light_.bounds();
+  std::optional<LightBounds> bounds() const {
+    std::optional<LightBounds> b = light_.bounds();
     if (!b) return b;
     b->axis = vector(b->axis);
     for (double* angle : {&b->cone_rad, &b->normals_rad})
@@ -142,47 +137,41 @@ class Posed {
       return b;
     }
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    Vec3<double> low{kInfinity, kInfinity, kInfinity}, high = -low;
+    Vec3 low{kInfinity, kInfinity, kInfinity}, high = -low;
     for (int c = 0; c < 8; ++c) {
-      const Vec3<double> p = pose_.point({(c & 1) != 0 ? b->upper.x : b->lower.x,
-                                          (c & 2) != 0 ? b->upper.y : b->lower.y,
-                                          (c & 4) != 0 ? b->upper.z : b->lower.z});
+      const Vec3 p = pose_.point({(c & 1) != 0 ? b->upper.x : b->lower.x,
+                                  (c & 2) != 0 ? b->upper.y : b->lower.y,
+                                  (c & 4) != 0 ? b->upper.z : b->lower.z});
       low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
       high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
     const double pad = 8 * std::numeric_limits<double>::epsilon() *
                        (std::max(max_abs(low), max_abs(high)) + max_abs(pose_.shift_m));
-    const Vec3<double> around{pad, pad, pad};
-    std::tie(b->lower, b->upper) = rounded_outwards<Real>(low - around, high + around);
+    const Vec3 around{pad, pad, pad};
+    std::tie(b->lower, b->upper) = rounded_outwards(low - around, high + around);
     return b;
   }
 
  private:
   /// How far rounding may move a position off the light at its present place [m].
-  static double slack_m(const Vec3<Real>& position) {
-    return 8 * kInputRounding * max_abs(position);
-  }
-  Vec3<Real> vector(const Vec3<Real>& v) const { return Vec3<Real>(pose_.vector(Vec3<double>(v))); }
-  Vec3<Real> point(const Vec3<Real>& p) const { return Vec3<Real>(pose_.point(Vec3<double>(p))); }
-  Vec3<Real> inverse_vector(const Vec3<Real>& v) const {
-    return Vec3<Real>(pose_.inverse_vector(Vec3<double>(v)));
-  }
-  Vec3<Real> inverse_point(const Vec3<Real>& p) const {
-    return Vec3<Real>(pose_.inverse_point(Vec3<double>(p)));
-  }
-  EmissionSample<Real> from_light(EmissionSample<Real> s) const {
+  static double slack_m(const Vec3& position) { return 8 * kInputRounding * max_abs(position); }
+  Vec3 vector(const Vec3& v) const { return pose_.vector(v); }
+  Vec3 point(const Vec3& p) const { return pose_.point(p); }
+  Vec3 inverse_vector(const Vec3& v) const { return pose_.inverse_vector(v); }
+  Vec3 inverse_point(const Vec3& p) const { return pose_.inverse_point(p); }
+  EmissionSample from_light(EmissionSample s) const {
     s.origin = point(s.origin);
     s.direction = vector(s.direction);
     s.normal = vector(s.normal);
     return s;
   }
-  Receiver<Real> to_light(const Receiver<Real>& receiver) const {
-    Receiver<Real> r = receiver;
+  Receiver to_light(const Receiver& receiver) const {
+    Receiver r = receiver;
     r.position = inverse_point(receiver.position);
     r.normal = inverse_vector(receiver.normal);
     return r;
   }
-  SurfacePoint<Real> to_light(const SurfacePoint<Real>& p) const {
+  SurfacePoint to_light(const SurfacePoint& p) const {
     return {inverse_point(p.position), inverse_vector(p.normal), p.primitive};
   }
   SceneSphere to_light(const SceneSphere& scene) const {

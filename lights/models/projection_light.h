@@ -12,19 +12,18 @@
 namespace lucerna {
 
 struct ProjectionLightParams {
-  Vec3<double> position_m{};  ///< world
+  Vec3 position_m{};  ///< world
   /// World directions, of any lengths but 0 and at right angles.  They point to the picture's right
   /// edge, to its upper edge, and where the light points.
-  Frame<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  Frame axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   std::shared_ptr<const ProjectedPicture> picture{};
-  Rgb<double> intensity_cd{};  ///< where the picture's value is 1, finite, not negative
-  std::string image_name{};    ///< reported by ListLights, else unused
-  std::shared_ptr<const Frame<double>> own_space{};  ///< see Deformable
+  Rgb intensity_cd{};        ///< where the picture's value is 1, finite, not negative
+  std::string image_name{};  ///< reported by ListLights, else unused
+  std::shared_ptr<const Frame> own_space{};  ///< see Deformable
 };
 
 ProjectionLightParams in_space(ProjectionLightParams params, const Deformation& map);
 
-template <typename Real>
 class ProjectionIntensity {
  public:
   using Params = ProjectionLightParams;
@@ -32,18 +31,18 @@ class ProjectionIntensity {
   explicit ProjectionIntensity(const Params& params);
   /// Errors: no picture; a field out of its domain; the intensity of the brightest texel out of its
   /// domain.
-  static absl::Status check(const Params& params, const Vec3<double>& origin_m);
+  static absl::Status check(const Params& params, const Vec3& origin_m);
 
   /// Luminous intensity [cd] towards the unit vector `w`: `intensity_cd` times the picture's value
   /// there, 0 beside it.  [Pharr23, 12.2.2]
-  Rgb<Real> intensity(const Vec3<Real>& w) const;
+  Rgb intensity(const Vec3& w) const;
 
   bool is_black() const { return params_.intensity_cd.is_black() || params_.picture->empty(); }
-  std::optional<Rgb<double>> towards(const Vec3<double>& w, const Vec3<double>& v) const;
+  std::optional<Rgb> towards(const Vec3& w, const Vec3& v) const;
 
   /// Directions as ProjectedPicture samples them.
-  void sample(Vec2<Real> u, EmissionSample<Real>& ray) const;
-  Real per_sr(const Vec3<Real>& w) const;
+  void sample(Vec2 u, EmissionSample& ray) const;
+  double per_sr(const Vec3& w) const;
 
   /// The integral of the picture over solid angle, texel by texel.  For the bilinear filter: cell
   /// by cell, to a relative error of 1e-14.
@@ -67,22 +66,18 @@ class ProjectionIntensity {
 
  private:
   /// The picture's value towards `w`, of any length but 0, world axes.
-  Rgb<double> value_at(const Vec3<double>& w) const;
-  /// Value and density of a direction after rounding to `Real`.
+  Rgb value_at(const Vec3& w) const;
+  /// Value and density of a direction after rounding to `double`.
   struct Rounded {
-    Rgb<double> value;
+    Rgb value;
     double per_sr;
   };
-  Rounded at_rounded(const Vec3<Real>& w) const;
+  Rounded at_rounded(const Vec3& w) const;
 
   Params params_;
-  Frame<double> axes_;  ///< of length 1
+  Frame axes_;  ///< of length 1
 };
 
-template <std::floating_point Real>
-using ProjectionLight = IntensityLight<Real, ProjectionIntensity>;
-
-extern template class ProjectionIntensity<float>;
-extern template class ProjectionIntensity<double>;
+using ProjectionLight = IntensityLight<ProjectionIntensity>;
 
 }  // namespace lucerna

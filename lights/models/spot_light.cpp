@@ -98,7 +98,7 @@ double difference_of_products(double a, double b, double c, double d) {
 }
 
 /// `v` scaled by a power of two to a largest component of 1 to 2.
-Vec3<double> of_size_one(const Vec3<double>& v) { return scaled(v, -std::ilogb(max_abs(v))); }
+Vec3 of_size_one(const Vec3& v) { return scaled(v, -std::ilogb(max_abs(v))); }
 
 /// The effective solid angle for a given mean of the profile [sr].
 double solid_angle_sr(const SpotLightParams& params, double mean) {
@@ -131,20 +131,18 @@ double effective_solid_angle_sr(const SpotLightParams& params) {
   return solid_angle_sr(params, profile_mean(params.profile));
 }
 
-template <typename Real>
-absl::Status SpotIntensity<Real>::check(const Params& params, const Vec3<double>& origin_m) {
-  if (auto s = check_position<Real>("spot.position", params.position_m, origin_m); !s.ok()) {
+absl::Status SpotIntensity::check(const Params& params, const Vec3& origin_m) {
+  if (auto s = check_position("spot.position", params.position_m, origin_m); !s.ok()) {
     return s;
   }
   if (auto s = check_direction("spot.axis", params.axis); !s.ok()) return s;
-  if (auto s = check_light_value<Real>("spot.intensity", params.intensity_cd, "cd"); !s.ok()) {
+  if (auto s = check_light_value("spot.intensity", params.intensity_cd, "cd"); !s.ok()) {
     return s;
   }
   return check_angles(params);
 }
 
-template <typename Real>
-SpotIntensity<Real>::SpotIntensity(const Params& params)
+SpotIntensity::SpotIntensity(const Params& params)
     : params_(params),
       axis_(normalized(params.axis)),
       is_wide_(is_wide(params)),
@@ -160,14 +158,13 @@ SpotIntensity<Real>::SpotIntensity(const Params& params)
   if (!std::isfinite(per_edge_)) edge_ = per_edge_ = 0;
 }
 
-template <typename Real>
-double SpotIntensity<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
+double SpotIntensity::one_minus_cos_to_pole(const Vec3& w) const {
   // The narrowest cones are not wider than 1e-16, the error of a unit vector.  The sine therefore
   // comes from the given vectors, and 1 - cos = sin^2 / (1 + cos).
-  const Vec3<double> a = pole_as_given_, v = of_size_one(w);
-  const Vec3<double> across{difference_of_products(v.y, a.z, v.z, a.y),
-                            difference_of_products(v.z, a.x, v.x, a.z),
-                            difference_of_products(v.x, a.y, v.y, a.x)};
+  const Vec3 a = pole_as_given_, v = of_size_one(w);
+  const Vec3 across{difference_of_products(v.y, a.z, v.z, a.y),
+                    difference_of_products(v.z, a.x, v.x, a.z),
+                    difference_of_products(v.x, a.y, v.y, a.x)};
   const double lengths = std::sqrt(dot(a, a) * dot(v, v));
   const double cos = dot(a, v) / lengths;
   if (cos < 0) return 1 - cos;
@@ -175,11 +172,10 @@ double SpotIntensity<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
   return sin / (1 + cos) * sin;
 }
 
-template <typename Real>
-double SpotIntensity<Real>::falloff(const Vec3<double>& w) const {
+double SpotIntensity::falloff(const Vec3& w) const {
   // 1 - cos of the angle between unit vectors is half the square of their chord, exact near the
   // pole.
-  const Vec3<double> chord = w - pole_;
+  const Vec3 chord = w - pole_;
   const double to_w = is_narrow_ ? one_minus_cos_to_pole(w) : std::min(2.0, dot(chord, chord) / 2);
   const double inside = is_wide_ ? to_w - to_cone_ : to_cone_ - to_w;
   if (edge_ <= 0) return inside >= 0 ? 1 : 0;
@@ -188,39 +184,30 @@ double SpotIntensity<Real>::falloff(const Vec3<double>& w) const {
 
 // Not inlined: GCC 12 at -O2 keeps the direction in double where it has just been rounded to float
 // (SLP vectorization).  The density in a sample then differs from the density of its direction.
-template <typename Real>
-[[gnu::noinline]] double SpotIntensity<Real>::falloff_as_rounded(const Vec3<Real>& w) const {
-  return falloff(falloff_direction(Vec3<double>(w)));
+[[gnu::noinline]] double SpotIntensity::falloff_as_rounded(const Vec3& w) const {
+  return falloff(falloff_direction(w));
 }
 
-template <typename Real>
-Rgb<Real> SpotIntensity<Real>::intensity(const Vec3<Real>& w) const {
+Rgb SpotIntensity::intensity(const Vec3& w) const {
   // Normalised in double: the narrowest cones are not wider than the error of length in float.
-  const Vec3<double> direction = falloff_direction(Vec3<double>(w));
-  if (!is_finite(direction) || direction == Vec3<double>{}) return {};
-  return Rgb<Real>(params_.intensity_cd * falloff(direction));
+  const Vec3 direction = falloff_direction(w);
+  if (!is_finite(direction) || direction == Vec3{}) return {};
+  return Rgb(params_.intensity_cd * falloff(direction));
 }
 
-template <typename Real>
-std::optional<Rgb<double>> SpotIntensity<Real>::towards(const Vec3<double>& w,
-                                                        const Vec3<double>& v) const {
+std::optional<Rgb> SpotIntensity::towards(const Vec3& w, const Vec3& v) const {
   const double share = falloff(is_narrow_ ? v : w);
   if (!(share > 0)) return std::nullopt;
   return params_.intensity_cd * share;
 }
 
-template <typename Real>
-Power SpotIntensity<Real>::power() const {
-  return {params_.intensity_cd * effective_sr_, 0};
-}
+Power SpotIntensity::power() const { return {params_.intensity_cd * effective_sr_, 0}; }
 
-template <typename Real>
-Power SpotIntensity<Real>::power_approximate() const {
+Power SpotIntensity::power_approximate() const {
   return approximate_power(params_.intensity_cd * solid_angle_sr(params_, 0.5), power());
 }
 
-template <typename Real>
-void SpotIntensity<Real>::sample(Vec2<Real> u_direction, EmissionSample<Real>& sample) const {
+void SpotIntensity::sample(Vec2 u_direction, EmissionSample& sample) const {
   // The first share of u covers the full light, the rest the edge, from the inside out.  The end of
   // a soft edge has no light and is left out.
   const double u = std::min(double{u_direction.x}, 1 - 0x1p-53);
@@ -236,23 +223,23 @@ void SpotIntensity<Real>::sample(Vec2<Real> u_direction, EmissionSample<Real>& s
   const double phi = 2 * std::numbers::pi * u_direction.y;
   const auto radius = [](double h) { return std::sqrt(std::max(0.0, h * (2 - h))); };
   const auto at = [&](double h) {
-    const Vec3<double> local{radius(h) * std::cos(phi), radius(h) * std::sin(phi), 1 - h};
-    return Vec3<Real>(Frame<double>::around(axis_).world_from_local(local));
+    const Vec3 local{radius(h) * std::cos(phi), radius(h) * std::sin(phi), 1 - h};
+    return Frame::around(axis_).world_from_local(local);
   };
   sample.direction = at(h);
   double rounded = falloff_as_rounded(sample.direction);
   // If rounding led out of the cone, move inwards by a few roundings, if the cone is that wide.
-  constexpr double kInwards = 8 * double{std::numeric_limits<Real>::epsilon()};
+  constexpr double kInwards = 8 * std::numeric_limits<double>::epsilon();
   if (share > 0 && !(rounded > 0) && radius(h) > kInwards) {
-    const Vec3<Real> within = at(h - kInwards * radius(h));
+    const Vec3 within = at(h - kInwards * radius(h));
     rounded = falloff_as_rounded(within);
     if (rounded > 0) sample.direction = within;
   }
   // The density belongs to the rounded direction, as in per_sr.  If the cone is so narrow that
   // rounding always leaves it, the sample keeps its value.
   if (rounded > 0) share = rounded;
-  sample.value = Rgb<Real>(params_.intensity_cd * share);
-  sample.pdf_direction = {static_cast<Real>(share / effective_sr_)};
+  sample.value = Rgb(params_.intensity_cd * share);
+  sample.pdf_direction = {share / effective_sr_};
   if (!(share > 0)) sample.reason = NoLight::kOutsideCone;
   if (!(sample.pdf_direction.per_sr > 0) || sample.value.is_black() ||
       !std::isfinite(sample.pdf_direction.per_sr)) {
@@ -261,15 +248,13 @@ void SpotIntensity<Real>::sample(Vec2<Real> u_direction, EmissionSample<Real>& s
   }
 }
 
-template <typename Real>
-Real SpotIntensity<Real>::per_sr(const Vec3<Real>& direction) const {
-  const Vec3<double> w = falloff_direction(Vec3<double>(direction));
-  if (!is_finite(w) || w == Vec3<double>{} || is_black()) return 0;
-  return static_cast<Real>(falloff(w) / effective_sr_);
+double SpotIntensity::per_sr(const Vec3& direction) const {
+  const Vec3 w = falloff_direction(direction);
+  if (!is_finite(w) || w == Vec3{} || is_black()) return 0;
+  return falloff(w) / effective_sr_;
 }
 
-template <typename Real>
-EmissionCone SpotIntensity<Real>::cone() const {
+EmissionCone SpotIntensity::cone() const {
   // Wider by the rounding of the axis and of a direction; near pi also by the error of cosines.
   double turned = 4 * kInputRounding;
   if (params_.cone_half_angle_rad > std::numbers::pi / 2)
@@ -277,8 +262,5 @@ EmissionCone SpotIntensity<Real>::cone() const {
               std::max(std::sin(params_.cone_half_angle_rad), 1e-8);
   return {axis_, std::min(params_.cone_half_angle_rad + turned, std::numbers::pi)};
 }
-
-template class SpotIntensity<float>;
-template class SpotIntensity<double>;
 
 }  // namespace lucerna

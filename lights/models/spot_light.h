@@ -17,13 +17,13 @@ enum class SpotProfile : std::uint8_t {
 };
 
 struct SpotLightParams {
-  Vec3<double> position_m{};     ///< world
-  Vec3<double> axis{0, 0, 1};    ///< world, any length but 0: where the light points
-  Rgb<double> intensity_cd{};    ///< on the axis, per channel, finite, not negative
+  Vec3 position_m{};             ///< world
+  Vec3 axis{0, 0, 1};            ///< world, any length but 0: where the light points
+  Rgb intensity_cd{};            ///< on the axis, per channel, finite, not negative
   double cone_half_angle_rad{};  ///< (0, pi]: no light outside
   double falloff_start_rad{};  ///< [0, cone_half_angle_rad]: full light inside; equal: a hard edge
   SpotProfile profile = SpotProfile::kSmoothstep;
-  std::shared_ptr<const Frame<double>> own_space{};  ///< see Deformable
+  std::shared_ptr<const Frame> own_space{};  ///< see Deformable
 };
 
 SpotLightParams in_space(SpotLightParams params, const Deformation& map);
@@ -33,24 +33,23 @@ SpotLightParams in_space(SpotLightParams params, const Deformation& map);
 /// smoothstep, 1/3 for x^2, 1/5 for x^4.  Exact.
 double effective_solid_angle_sr(const SpotLightParams& params);
 
-template <typename Real>
 class SpotIntensity {
  public:
   using Params = SpotLightParams;
 
   explicit SpotIntensity(const Params& params);
-  static absl::Status check(const Params& params, const Vec3<double>& origin_m);
+  static absl::Status check(const Params& params, const Vec3& origin_m);
 
   /// Luminous intensity [cd] towards the unit vector `w`.  Zero outside the cone, continuous at its
   /// edge unless the edge is hard.  [Pharr23, 12.2.1]
-  Rgb<Real> intensity(const Vec3<Real>& w) const;
+  Rgb intensity(const Vec3& w) const;
 
   bool is_black() const { return params_.intensity_cd.is_black(); }
-  std::optional<Rgb<double>> towards(const Vec3<double>& w, const Vec3<double>& v) const;
+  std::optional<Rgb> towards(const Vec3& w, const Vec3& v) const;
 
   /// Directions in proportion to intensity.
-  void sample(Vec2<Real> u, EmissionSample<Real>& ray) const;
-  Real per_sr(const Vec3<Real>& w) const;
+  void sample(Vec2 u, EmissionSample& ray) const;
+  double per_sr(const Vec3& w) const;
 
   /// I times effective_solid_angle_sr(), exact.
   Power power() const;
@@ -68,37 +67,31 @@ class SpotIntensity {
  private:
   /// The form of a direction that `falloff` takes: `w` unchanged if the cone, or the dark cone
   /// around the back, is narrow.  Else a unit vector.
-  Vec3<double> falloff_direction(const Vec3<double>& w) const {
-    return is_narrow_ ? w : normalized(w);
-  }
+  Vec3 falloff_direction(const Vec3& w) const { return is_narrow_ ? w : normalized(w); }
   /// Intensity towards `w` relative to the axis, in [0, 1].
-  double falloff(const Vec3<double>& w) const;
+  double falloff(const Vec3& w) const;
   /// 1 - cos of the angle between the pole and `w`, of any length but 0.  Exact to rounding.
-  double one_minus_cos_to_pole(const Vec3<double>& w) const;
-  /// `falloff` of a direction after rounding to `Real`.
-  double falloff_as_rounded(const Vec3<Real>& w) const;
+  double one_minus_cos_to_pole(const Vec3& w) const;
+  /// `falloff` of a direction after rounding to `double`.
+  double falloff_as_rounded(const Vec3& w) const;
 
   Params params_;
   // In double: the narrowest cones are not wider than the error of a direction in float.
-  Vec3<double> axis_;
+  Vec3 axis_;
   // The cone's edge is measured from the nearer end of the axis.
-  bool is_wide_;       ///< the cone is wider than a right angle: the nearer end is the back
-  Vec3<double> pole_;  ///< unit, the nearer end
-  double to_cone_;     ///< 1 - cos of the angle between the pole and the edge
+  bool is_wide_;    ///< the cone is wider than a right angle: the nearer end is the back
+  Vec3 pole_;       ///< unit, the nearer end
+  double to_cone_;  ///< 1 - cos of the angle between the pole and the edge
   /// Whether that angle is below a milliradian, so that the errors of unit vectors matter.  At a
   /// milliradian they are 1e-13 of the angle.
   bool is_narrow_;
-  Vec3<double> pole_as_given_;  ///< scaled by a power of two only
+  Vec3 pole_as_given_;  ///< scaled by a power of two only
   double one_minus_cos_start_;
   double effective_sr_;
   double edge_;      ///< cos(falloff_start) - cos(cone_half_angle); 0 for a hard edge
   double per_edge_;  ///< 1 / edge_; 0 for a hard edge
 };
 
-template <std::floating_point Real>
-using SpotLight = IntensityLight<Real, SpotIntensity>;
-
-extern template class SpotIntensity<float>;
-extern template class SpotIntensity<double>;
+using SpotLight = IntensityLight<SpotIntensity>;
 
 }  // namespace lucerna

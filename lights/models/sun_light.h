@@ -12,39 +12,36 @@
 namespace lucerna {
 
 struct SunLightParams {
-  Vec3<double> to_light{0, 0, 1};  ///< world, any length but 0: from the scene to its centre
-  double angular_diameter_rad{};   ///< (0, pi]
+  Vec3 to_light{0, 0, 1};         ///< world, any length but 0: from the scene to its centre
+  double angular_diameter_rad{};  ///< (0, pi]
   /// On a surface that faces its centre without occlusion, per channel, finite, not negative.
-  Rgb<double> illuminance_lx{};
+  Rgb illuminance_lx{};
 };
 
-template <std::floating_point Real>
 class SunLight {
  public:
   using Params = SunLightParams;
   static constexpr bool kDelta = false;
   static constexpr bool kHasIrradiance = true;
 
-  /// Errors: a field out of its domain; a radiance that does not fit `Real`.
-  static absl::StatusOr<SunLight> create(const Params& params, const Vec3<double>& origin_m = {});
+  /// Errors: a field out of its domain; a radiance that does not fit `double`.
+  static absl::StatusOr<SunLight> create(const Params& params, const Vec3& origin_m = {});
 
   /// Uniform over the disk's solid angle.  The radiance of a disk of half angle h that gives the
   /// illuminance E on a surface facing its centre is E / (pi sin^2 h).
-  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
   /// Irradiance without occlusion on the side that `receiver` faces [lx].  Nothing if the receiver
   /// has no normal or is not finite.
-  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
+  std::optional<Rgb> irradiance(const Receiver& receiver) const;
   bool hides_itself() const { return false; }
-  MostIrradiance most_irradiance(const Receiver<Real>& receiver) const {
+  MostIrradiance most_irradiance(const Receiver& receiver) const {
     return most_from_beyond(*this, receiver);
   }
   /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
-  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  Rgb le_escaped(const Vec3& origin, const Vec3& w) const;
   /// The same for a ray that enters the scene towards `w`.
-  Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const {
-    return le_escaped(origin, -w);
-  }
+  Rgb le_leaving(const Vec3& origin, const Vec3& w) const { return le_escaped(origin, -w); }
 
   /// Flux through the disk of the scene's sphere, which faces each of the sun's directions:
   /// radiance times solid angle times pi R^2.
@@ -52,12 +49,10 @@ class SunLight {
   /// The flux as if all light came from the centre, E pi R^2.  [Pharr23, 12.3]
   Power power_approximate(const SceneSphere& scene) const;
   /// From the disk of the scene's sphere that faces each direction.
-  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
-                                 const SceneSphere& scene) const;
-  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& scene) const;
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene) const;
   /// None: it is infinitely far.
-  std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  std::optional<LightBounds> bounds() const { return std::nullopt; }
   std::optional<double> cross_section_m2(const SceneSphere& scene) const {
     return scene_disk_area_m2(scene);
   }
@@ -68,18 +63,18 @@ class SunLight {
   const Params& params() const { return params_; }
 
  private:
-  explicit SunLight(const Params& params, const Rgb<double>& radiance_cd_m2);
+  explicit SunLight(const Params& params, const Rgb& radiance_cd_m2);
   /// Whether `w`, of any length but 0, meets the disk.
-  bool contains(const Vec3<Real>& w) const;
+  bool contains(const Vec3& w) const;
   /// Towards the disk.
-  Vec3<Real> sample_direction(Vec2<Real> u) const;
+  Vec3 sample_direction(Vec2 u) const;
 
   Params params_;
-  Vec3<Real> axis_;
-  Vec3<double> unit_axis_;  ///< of the axis rounded to `Real`, so that even the narrowest cone
-                            ///< contains the axis
+  Vec3 axis_;
+  Vec3 unit_axis_;  ///< of the axis rounded to `double`, so that even the narrowest cone
+                    ///< contains the axis
   double one_minus_cos_;
-  Rgb<double> radiance_cd_m2_;
+  Rgb radiance_cd_m2_;
 };
 
 }  // namespace lucerna

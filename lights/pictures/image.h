@@ -50,11 +50,11 @@ class Image {
   /// Errors: no texels; a number of texels other than width times height; a texel that is negative
   /// or not finite, with its place in the message.
   static absl::StatusOr<std::shared_ptr<const Image>> create(int width, int height,
-                                                             std::vector<Rgb<float>> texels);
+                                                             std::vector<Rgbf> texels);
 
   int width() const { return width_; }
   int height() const { return height_; }
-  const Rgb<float>& texel(int x, int y) const {
+  const Rgbf& texel(int x, int y) const {
     return texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                    static_cast<std::size_t>(x)];
   }
@@ -64,16 +64,18 @@ class Image {
   }
   /// The value at a point of the unit square, (0, 0) the upper left corner. Points outside count as
   /// the nearest point of its edge.
-  Rgb<double> lookup(Vec2<double> p, ImageFilter filter, ImageBorder border) const;
+  Rgb lookup(Vec2 p, ImageFilter filter, ImageBorder border) const;
   /// The mean of `lookup` over the square.  It does not depend on filter and border, because every
   /// texel has the same weight.
-  Rgb<double> mean() const;
-  std::size_t bytes() const { return sizeof(*this) + texels_.capacity() * sizeof(Rgb<float>); }
+  Rgb mean() const;
+  /// The largest value of each channel.
+  Rgb brightest() const;
+  std::size_t bytes() const { return sizeof(*this) + texels_.capacity() * sizeof(Rgbf); }
 
  private:
-  Image(int width, int height, std::vector<Rgb<float>> texels);
+  Image(int width, int height, std::vector<Rgbf> texels);
   int width_, height_;
-  std::vector<Rgb<float>> texels_;
+  std::vector<Rgbf> texels_;
 };
 
 }  // namespace lucerna

@@ -44,7 +44,7 @@ std::vector<double> luminances(const Image& image) {
   StopPoll poll;
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x, poll())
-      weights.push_back(luminance(Rgb<double>(image.texel(x, y))));
+      weights.push_back(luminance(Rgb(image.texel(x, y))));
   return weights;
 }
 
@@ -115,7 +115,7 @@ ImageDistribution::ImageDistribution(int width, int height, std::vector<double> 
 ImageDistribution::ImageDistribution(const Image& image, ImageFilter filter, ImageBorder border)
     : ImageDistribution(image.width(), image.height(), luminances(image), filter, border) {}
 
-ImageDistribution::Sample ImageDistribution::sample(Vec2<double> u) const {
+ImageDistribution::Sample ImageDistribution::sample(Vec2 u) const {
   if (!(integral() > 0)) return {{u.x, u.y}, 0};
   const Chosen row = choose(rows_.data(), down_, u.y);
   const Chosen column = choose(columns(row.index), across_, u.x);
@@ -136,7 +136,7 @@ ImageDistribution::Sample ImageDistribution::sample(Vec2<double> u) const {
           w * row_densities_[static_cast<std::size_t>(row.index)] / integral()};
 }
 
-double ImageDistribution::pdf(Vec2<double> position) const {
+double ImageDistribution::pdf(Vec2 position) const {
   if (!(integral() > 0)) return 0;
   if (nearest()) {
     const auto index = [](double c, int n) {

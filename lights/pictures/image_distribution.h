@@ -19,8 +19,8 @@ namespace lucerna {
 class ImageDistribution {
  public:
   struct Sample {
-    Vec2<double> position;  ///< in the closed unit square
-    double pdf;             ///< with respect to the square's area; 0: all weights are 0
+    Vec2 position;  ///< in the closed unit square
+    double pdf;     ///< with respect to the square's area; 0: all weights are 0
   };
 
   /// `weights`: width times height, rows from the top, finite, not negative.  `row_measures`: one
@@ -32,9 +32,9 @@ class ImageDistribution {
   ImageDistribution(const Image& image, ImageFilter filter, ImageBorder border);
 
   /// For any u of the closed unit square.
-  Sample sample(Vec2<double> u) const;
+  Sample sample(Vec2 u) const;
   /// The density with which `sample` gives points of the closed unit square, with respect to area.
-  double pdf(Vec2<double> position) const;
+  double pdf(Vec2 position) const;
   /// The integral over the square of the filtered weights, times the measure of each row relative
   /// to its height.  With the default measures it is the mean weight.
   double integral() const { return rows_.back(); }

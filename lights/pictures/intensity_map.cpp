@@ -16,13 +16,13 @@ namespace {
 /// already.
 std::shared_ptr<const Image> grey(std::shared_ptr<const Image> image) {
   if (is_grey(*image)) return image;
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   texels.reserve(static_cast<std::size_t>(image->width()) *
                  static_cast<std::size_t>(image->height()));
   StopPoll poll;
   for (int y = 0; y < image->height(); ++y)
     for (int x = 0; x < image->width(); ++x, poll()) {
-      const Rgb<double> t(image->texel(x, y));
+      const Rgb t(image->texel(x, y));
       texels.emplace_back(static_cast<float>((t.r + t.g + t.b) / 3));
     }
   // Means of valid texels are valid.
@@ -50,7 +50,7 @@ bool is_grey(const Image& image) {
   StopPoll poll;
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x, poll())
-      if (const Rgb<float>& t = image.texel(x, y); t.r != t.g || t.g != t.b) return false;
+      if (const Rgbf& t = image.texel(x, y); t.r != t.g || t.g != t.b) return false;
   return true;
 }
 
@@ -78,14 +78,13 @@ void IntensityMap::bound() {
                                       {(x + 0.5) / image.width(), (y + 0.5) / image.height()}));
   };
   // Any axis gives a valid cone, so the rows of a latitude-longitude map need no weights.
-  Vec3<double> mean;
-  for_each_lit([&](double cd, const Vec3<double>& w) {
+  Vec3 mean;
+  for_each_lit([&](double cd, const Vec3& w) {
     max_cd_ = std::max(max_cd_, cd);
     mean += w * cd;
   });
-  if (const Vec3<double> axis = normalized(mean); is_finite(axis) && axis != Vec3<double>{})
-    cone_.axis = axis;
-  for_each_lit([&](double, const Vec3<double>& w) {
+  if (const Vec3 axis = normalized(mean); is_finite(axis) && axis != Vec3{}) cone_.axis = axis;
+  for_each_lit([&](double, const Vec3& w) {
     cone_.half_angle_rad = std::max(cone_.half_angle_rad, angle_between(cone_.axis, w));
   });
   // The angle by which rounding to float may turn a direction.
@@ -93,9 +92,9 @@ void IntensityMap::bound() {
   cone_.half_angle_rad = std::min(kPi, cone_.half_angle_rad + reach(*map_) + kSlack);
 }
 
-double IntensityMap::at(const Vec3<double>& w) const { return map_->lookup(normalized(w)).r; }
+double IntensityMap::at(const Vec3& w) const { return map_->lookup(normalized(w)).r; }
 
-SolidAnglePdf<double> IntensityMap::pdf(const Vec3<double>& w) const {
+SolidAnglePdf IntensityMap::pdf(const Vec3& w) const {
   return {distribution_.per_sr(normalized(w))};
 }
 

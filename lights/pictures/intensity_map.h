@@ -25,7 +25,7 @@ class IntensityMap {
       std::shared_ptr<const Image> image, SphereMapping mapping, ImageFilter filter);
 
   /// Luminous intensity [cd] towards `w`, of any length but 0.
-  double at(const Vec3<double>& w) const;
+  double at(const Vec3& w) const;
 
   /// Luminous flux [lm]: the integral of `at` over the sphere, closed form.
   double flux_lm() const { return map_->integral().r; }
@@ -35,9 +35,9 @@ class IntensityMap {
   double mean_cd() const { return map_->image().mean().r; }
 
   /// A unit direction by the density of SphereDistribution.  Undefined where the flux is 0.
-  Vec3<double> sample(Vec2<double> u) const { return distribution_.sample(u).direction; }
+  Vec3 sample(Vec2 u) const { return distribution_.sample(u).direction; }
   /// The density of `sample`: positive wherever the intensity is.
-  SolidAnglePdf<double> pdf(const Vec3<double>& w) const;
+  SolidAnglePdf pdf(const Vec3& w) const;
 
   /// The cone around the mean direction of the flux that holds all light.
   const EmissionCone& cone() const { return cone_; }

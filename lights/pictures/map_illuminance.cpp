@@ -70,11 +70,10 @@ std::vector<double> edges(int texels, ImageFilter filter, int least) {
 
 }  // namespace
 
-MapIlluminance illuminance_of(const SphereMap& map, const Rgb<double>& radiance,
-                              const Vec3<double>& n) {
+MapIlluminance illuminance_of(const SphereMap& map, const Rgb& radiance, const Vec3& n) {
   const bool nearest = map.filter() == ImageFilter::kNearest;
   const bool equal_area = map.mapping() == SphereMapping::kEqualArea;
-  const auto value = [&](double x, double y) { return map.lookup(Vec2<double>{x, y}) * radiance; };
+  const auto value = [&](double x, double y) { return map.lookup(Vec2{x, y}) * radiance; };
   // Pictures of a few long rows or columns get fewer cells across, since 2^18 cells are enough.
   const auto least = [](int other) { return std::clamp(kLeast * kLeast / other, kFew, kLeast); };
   const int columns = map.image().width(), rows = map.image().height();
@@ -102,7 +101,7 @@ MapIlluminance illuminance_of(const SphereMap& map, const Rgb<double>& radiance,
                             : latitude_longitude_cell(kPi * y, kPi * half_y, 2 * kPi * half_x);
       const double cos = dot(n, direction_from_square(map.mapping(), {x, y}));
       if (cos < -cell.reach) continue;
-      const Rgb<double> at = value(x, y);
+      const Rgb at = value(x, y);
       row.lx += at * (std::max(0.0, cos) * cell.density * cell.measure);
       // Approximately the part of the cell above the plane.
       const double above = std::clamp(0.5 + cos / (2 * cell.reach), 0.0, 1.0);

@@ -6,9 +6,9 @@
 namespace lucerna {
 
 struct MapIlluminance {
-  Rgb<double> lx;     ///< integral of the map times the cosine, over the directions above the plane
+  Rgb lx;             ///< integral of the map times the cosine, over the directions above the plane
   double error_lx{};  ///< bound on the error of its luminance
-  Rgb<double> without_cosine;  ///< the integral of the map over those directions
+  Rgb without_cosine;  ///< the integral of the map over those directions
 };
 
 /// For a texel of value `radiance` [cd/m2] and the plane whose upper side faces `n`, a unit vector
@@ -18,7 +18,6 @@ struct MapIlluminance {
 /// are at least 2^18 cells unless the picture is a strip.  The error bound is a sum over cells of
 /// second derivatives of the direction over the picture.  Cells that cross the plane or a fold of
 /// the mapping use first derivatives.
-MapIlluminance illuminance_of(const SphereMap& map, const Rgb<double>& radiance,
-                              const Vec3<double>& n);
+MapIlluminance illuminance_of(const SphereMap& map, const Rgb& radiance, const Vec3& n);
 
 }  // namespace lucerna

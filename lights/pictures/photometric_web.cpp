@@ -20,7 +20,7 @@ constexpr double kAtPole = 1e-10;
 
 /// The axes of a type's grid in light space.
 struct Axes {
-  Vec3<double> pole, zero, ninety;
+  Vec3 pole, zero, ninety;
 };
 
 Axes axes_of(PhotometricType type) {
@@ -228,7 +228,7 @@ void PhotometricWeb::bound() {
   cone_.half_angle_rad = std::min(kPi, cone_.half_angle_rad + kSlack);
 }
 
-PhotometricWeb::Place PhotometricWeb::find(const Vec3<double>& w) const {
+PhotometricWeb::Place PhotometricWeb::find(const Vec3& w) const {
   const Axes axes = axes_of(type_);
   const double x = dot(w, axes.zero), y = dot(w, axes.ninety), z = dot(w, axes.pole);
   const double polar = std::atan2(std::hypot(x, y), z);
@@ -255,7 +255,7 @@ PhotometricWeb::Place PhotometricWeb::find(const Vec3<double>& w) const {
   return place;
 }
 
-double PhotometricWeb::at(const Vec3<double>& w) const {
+double PhotometricWeb::at(const Vec3& w) const {
   const Place p = find(w);
   if (!p.inside) return 0;
   // A pole has no azimuth.
@@ -282,7 +282,7 @@ double PhotometricWeb::solid_angle(std::size_t row, std::size_t column) const {
          std::sin((b - a) / 2);
 }
 
-Vec3<double> PhotometricWeb::sample(Vec2<double> u) const {
+Vec3 PhotometricWeb::sample(Vec2 u) const {
   // `u.x` chooses the row of cells, and its rest is the position in the row.  `u.y` chooses the
   // cell in the same way.  Cells without flux are never chosen, even for u = 1.
   const auto pick = [](std::size_t count, double from, double to, double u, auto&& end,
@@ -317,7 +317,7 @@ Vec3<double> PhotometricWeb::sample(Vec2<double> u) const {
                     axes.pole * (1 - 2 * h));
 }
 
-SolidAnglePdf<double> PhotometricWeb::pdf(const Vec3<double>& w) const {
+SolidAnglePdf PhotometricWeb::pdf(const Vec3& w) const {
   const Place p = find(w);
   if (!p.inside || !(flux_lm_ > 0)) return {};
   // Uses the flux of the cell.  A difference of sums would lose a faint cell beside bright ones.

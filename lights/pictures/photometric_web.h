@@ -33,7 +33,7 @@ class PhotometricWeb {
       const PhotometricWebParams& params);
 
   /// Luminous intensity [cd] towards `w`, of any length but 0, light space.
-  double at(const Vec3<double>& w) const;
+  double at(const Vec3& w) const;
 
   /// Luminous flux [lm]: the integral of `at` over the sphere, in closed form for each cell.
   double flux_lm() const { return flux_lm_; }
@@ -47,9 +47,9 @@ class PhotometricWeb {
 
   /// A direction, unit, light space: a cell by its flux, then uniform in solid angle within the
   /// cell.  Undefined if the flux is 0.
-  Vec3<double> sample(Vec2<double> u) const;
+  Vec3 sample(Vec2 u) const;
   /// The density of `sample`: positive wherever the intensity is.
-  SolidAnglePdf<double> pdf(const Vec3<double>& w) const;
+  SolidAnglePdf pdf(const Vec3& w) const;
 
   /// The narrowest cone of light around a pole of the grid or, for types A and B, around V = H = 0.
   const EmissionCone& cone() const { return cone_; }
@@ -71,7 +71,7 @@ class PhotometricWeb {
   void write_out(const PhotometricWebParams& params);
   void integrate();
   void bound();
-  Place find(const Vec3<double>& w) const;
+  Place find(const Vec3& w) const;
   double value(std::size_t row, std::size_t column) const {
     return cd_[row * polar_rad_.size() + column];
   }

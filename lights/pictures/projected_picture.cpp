@@ -116,8 +116,8 @@ double solid_angle(const Part& cell) {
       return for_each_node(p, kThree, [&sr](double weight, double, double) { sr += weight; });
     // Products of three coordinates above 1e102 overflow.
     const double unit = distance < 1e100 ? 1 : std::ldexp(1, -std::ilogb(distance));
-    const Vec3<double> across{2 * p.half_x * unit, 0, 0}, down{0, 2 * p.half_y * unit, 0};
-    const Vec3<double> first{(p.x - p.half_x) * unit, (p.y - p.half_y) * unit, unit},
+    const Vec3 across{2 * p.half_x * unit, 0, 0}, down{0, 2 * p.half_y * unit, 0};
+    const Vec3 first{(p.x - p.half_x) * unit, (p.y - p.half_y) * unit, unit},
         last{(p.x + p.half_x) * unit, (p.y + p.half_y) * unit, unit};
     sr += triangle_solid_angle(first, across, down) + triangle_solid_angle(last, -across, -down);
   });
@@ -150,8 +150,8 @@ absl::StatusOr<std::shared_ptr<const ProjectedPicture>> ProjectedPicture::create
     return absl::InvalidArgumentError(
         fmt::format("projection.aspect = {}, allowed: finite, positive", params.aspect));
   const double shorter = std::tan(params.fov_rad / 2);
-  const Vec2<double> half = params.aspect >= 1 ? Vec2<double>{shorter * params.aspect, shorter}
-                                               : Vec2<double>{shorter, shorter / params.aspect};
+  const Vec2 half = params.aspect >= 1 ? Vec2{shorter * params.aspect, shorter}
+                                       : Vec2{shorter, shorter / params.aspect};
   // Outside of this range, squares underflow or overflow.
   constexpr double kLeast = 1e-140, kMost = 1e140;
   if (!(std::min(half.x, half.y) >= kLeast && std::max(half.x, half.y) <= kMost))
@@ -162,7 +162,7 @@ absl::StatusOr<std::shared_ptr<const ProjectedPicture>> ProjectedPicture::create
   ProjectedPictureParams used = params;
   std::shared_ptr<const Image> image = params.image;
   if (image == nullptr) {
-    auto white = Image::create(1, 1, {Rgb<float>(1)});
+    auto white = Image::create(1, 1, {Rgbf(1)});
     if (!white.ok()) return white.status();
     image = *std::move(white);
     used.filter = ImageFilter::kNearest;
@@ -172,7 +172,7 @@ absl::StatusOr<std::shared_ptr<const ProjectedPicture>> ProjectedPicture::create
 }
 
 ProjectedPicture::ProjectedPicture(const ProjectedPictureParams& params,
-                                   std::shared_ptr<const Image> image, Vec2<double> half)
+                                   std::shared_ptr<const Image> image, Vec2 half)
     : params_(params),
       image_(std::move(image)),
       half_(half),
@@ -197,9 +197,9 @@ ProjectedPicture::Stretch ProjectedPicture::stretch(int i, int n, double half) c
   return {(begin + end) / 2, is_away ? half / n / (is_halved ? 2 : 1) : (end - begin) / 2};
 }
 
-Rgb<double> ProjectedPicture::corner(int column, int row) const {
-  return Rgb<double>(image_->texel(std::clamp(column, 0, image_->width() - 1),
-                                   std::clamp(row, 0, image_->height() - 1)));
+Rgb ProjectedPicture::corner(int column, int row) const {
+  return Rgb(image_->texel(std::clamp(column, 0, image_->width() - 1),
+                           std::clamp(row, 0, image_->height() - 1)));
 }
 
 ProjectedPicture::Cell ProjectedPicture::cell(int column, int row) const {
@@ -222,9 +222,9 @@ std::vector<double> ProjectedPicture::integrate_texels() {
   StopPoll poll;
   for (int y = 0; y < h; ++y) {
     const Stretch along_y = stretch(y, h, half_.y);
-    Rgb<double> row;
+    Rgb row;
     for (int x = 0; x < w; ++x, poll()) {
-      const Rgb<double> texel(image_->texel(x, y));
+      const Rgb texel(image_->texel(x, y));
       const double sr =
           texel.is_black() ? 0 : solid_angle({columns[static_cast<std::size_t>(x)], along_y});
       row += texel * sr;
@@ -241,11 +241,11 @@ std::vector<double> ProjectedPicture::integrate_cells() {
   StopPoll poll;
   for (int y = 0; y < down(); ++y) {
     const Stretch along_y = stretch(y, image_->height(), half_.y);
-    Rgb<double> row;
+    Rgb row;
     for (int x = 0; x < across(); ++x, poll()) {
       const Shares shares = integrate({stretch(x, image_->width(), half_.x), along_y});
-      const Rgb<double> sum = corner(x - 1, y - 1) * shares.w00 + corner(x, y - 1) * shares.w10 +
-                              corner(x - 1, y) * shares.w01 + corner(x, y) * shares.w11;
+      const Rgb sum = corner(x - 1, y - 1) * shares.w00 + corner(x, y - 1) * shares.w10 +
+                      corner(x - 1, y) * shares.w01 + corner(x, y) * shares.w11;
       row += sum;
       weights.push_back(luminance(sum));
     }
@@ -258,9 +258,9 @@ void ProjectedPicture::sum_by_centres() {
   const int w = image_->width(), h = image_->height();
   StopPoll poll;
   for (int y = 0; y < h; ++y) {
-    Rgb<double> row;
+    Rgb row;
     for (int x = 0; x < w; ++x, poll()) {
-      const Rgb<double> texel(image_->texel(x, y));
+      const Rgb texel(image_->texel(x, y));
       row +=
           texel * sr_per_area(half_.x * ((2 * x + 1.0) / w - 1), half_.y * ((2 * y + 1.0) / h - 1));
       brightest_ = {std::max(brightest_.r, texel.r), std::max(brightest_.g, texel.g),
@@ -271,19 +271,19 @@ void ProjectedPicture::sum_by_centres() {
   integral_by_centres_ = integral_by_centres_ * (2 * half_.x / w * (2 * half_.y / h));
 }
 
-std::optional<Vec2<double>> ProjectedPicture::find(const Vec3<double>& w) const {
+std::optional<Vec2> ProjectedPicture::find(const Vec3& w) const {
   if (!(w.z > 0)) return std::nullopt;
   const double x = w.x / w.z / half_.x, y = w.y / w.z / half_.y;
   if (!(std::fabs(x) <= 1 && std::fabs(y) <= 1)) return std::nullopt;
-  return Vec2<double>{(1 + x) / 2, (1 - y) / 2};
+  return Vec2{(1 + x) / 2, (1 - y) / 2};
 }
 
-Rgb<double> ProjectedPicture::lookup(Vec2<double> p) const {
+Rgb ProjectedPicture::lookup(Vec2 p) const {
   return image_->lookup(p, params_.filter, ImageBorder::kClamp);
 }
 
-Vec3<double> ProjectedPicture::sample(Vec2<double> u) const {
-  const Vec2<double> p = cells_.sample(u).position;
+Vec3 ProjectedPicture::sample(Vec2 u) const {
+  const Vec2 p = cells_.sample(u).position;
   const auto split = [](double at, int n) {
     const int i = std::clamp(static_cast<int>(at * n), 0, n - 1);
     return std::pair{i, at * n - i};
@@ -291,16 +291,16 @@ Vec3<double> ProjectedPicture::sample(Vec2<double> u) const {
   const auto [column, u_x] = split(p.x, across());
   const auto [row, u_y] = split(p.y, down());
   const Cell c = cell(column, row);
-  Vec2<double> share = c.luminance.sample({u_x, u_y});
+  Vec2 share = c.luminance.sample({u_x, u_y});
   if (const auto sr =
           SphericalRectangle::create({c.x0, c.y0, 1}, {c.x1 - c.x0, 0, 0}, {0, c.y1 - c.y0, 0}))
     share = sr->sample(share);
   const double x = c.x0 + (c.x1 - c.x0) * share.x, y = c.y0 + (c.y1 - c.y0) * share.y;
-  return normalized(Vec3<double>{x, -y, 1});
+  return normalized(Vec3{x, -y, 1});
 }
 
-double ProjectedPicture::per_sr(const Vec3<double>& w) const {
-  const std::optional<Vec2<double>> p = find(w);
+double ProjectedPicture::per_sr(const Vec3& w) const {
+  const std::optional<Vec2> p = find(w);
   if (!p || empty()) return 0;
   const auto index = [&](double at, int n) {
     if (nearest()) return std::min(static_cast<int>(at * n), n - 1);
@@ -311,8 +311,8 @@ double ProjectedPicture::per_sr(const Vec3<double>& w) const {
   const double chosen =
       cells_.pdf({(column + 0.5) / across(), (row + 0.5) / down()}) / across() / down();
   const double x = w.x / w.z, y = -w.y / w.z;
-  const Vec2<double> share{std::clamp((x - c.x0) / (c.x1 - c.x0), 0.0, 1.0),
-                           std::clamp((y - c.y0) / (c.y1 - c.y0), 0.0, 1.0)};
+  const Vec2 share{std::clamp((x - c.x0) / (c.x1 - c.x0), 0.0, 1.0),
+                   std::clamp((y - c.y0) / (c.y1 - c.y0), 0.0, 1.0)};
   if (!(chosen > 0)) return 0;
   if (const auto sr =
           SphericalRectangle::create({c.x0, c.y0, 1}, {c.x1 - c.x0, 0, 0}, {0, c.y1 - c.y0, 0}))

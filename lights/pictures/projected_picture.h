@@ -33,35 +33,35 @@ class ProjectedPicture {
 
   /// The point of the closed unit square, (0, 0) the upper left corner, in the direction `w` of any
   /// length but 0.  Nothing for directions beside the picture or behind it.
-  std::optional<Vec2<double>> find(const Vec3<double>& w) const;
+  std::optional<Vec2> find(const Vec3& w) const;
   /// The value at a point of the unit square.
-  Rgb<double> lookup(Vec2<double> p) const;
+  Rgb lookup(Vec2 p) const;
 
   /// The integral of the picture's value over directions [sr].  Nearest filter: the sum over texels
   /// of value times solid angle, exact to rounding.  Bilinear filter: cell by cell between centres
   /// by Gauss's rule, with a relative error below 1e-14.
-  Rgb<double> integral_sr() const { return integral_; }
+  Rgb integral_sr() const { return integral_; }
   /// A bound on the relative error of `integral_sr`, without roundings: 0 where it is exact.
   double relative_error() const;
   /// The same sum as in pbrt-v4: a texel's solid angle is its area in the plane times cos^3 at its
   /// centre.
-  Rgb<double> integral_by_centres_sr() const { return integral_by_centres_; }
+  Rgb integral_by_centres_sr() const { return integral_by_centres_; }
 
   /// A unit vector.  With the nearest filter, its density is proportional to the luminance in
   /// texels larger than 1e-5 sr; in smaller texels it varies with cos^-3.  With the bilinear
   /// filter, a cell is chosen by its share of the integral.  Within the cell, the density is
   /// bilinear in coordinates that preserve solid angle.
-  Vec3<double> sample(Vec2<double> u) const;
+  Vec3 sample(Vec2 u) const;
   /// Its density [1/sr] at a vector of any length but 0; 0 beside the picture.
-  double per_sr(const Vec3<double>& w) const;
+  double per_sr(const Vec3& w) const;
   /// Whether the picture is black everywhere.
   bool empty() const { return !(cells_.integral() > 0); }
 
   const ProjectedPictureParams& params() const { return params_; }
   /// Half sides in the plane.
-  Vec2<double> half() const { return half_; }
+  Vec2 half() const { return half_; }
   /// The largest value in each channel.
-  Rgb<double> brightest() const { return brightest_; }
+  Rgb brightest() const { return brightest_; }
   /// Memory without the image.
   std::size_t bytes() const { return sizeof(*this) + cells_.bytes(); }
 
@@ -73,7 +73,7 @@ class ProjectedPicture {
     BilinearWeights luminance;  ///< at its corners
   };
   ProjectedPicture(const ProjectedPictureParams& params, std::shared_ptr<const Image> image,
-                   Vec2<double> half);
+                   Vec2 half);
   bool nearest() const { return params_.filter == ImageFilter::kNearest; }
   int across() const { return image_->width() + (nearest() ? 0 : 1); }
   int down() const { return image_->height() + (nearest() ? 0 : 1); }
@@ -84,7 +84,7 @@ class ProjectedPicture {
     double middle, half;
   };
   Stretch stretch(int i, int n, double half) const;
-  Rgb<double> corner(int column, int row) const;
+  Rgb corner(int column, int row) const;
   Cell cell(int column, int row) const;
   std::vector<double> integrate_texels();
   std::vector<double> integrate_cells();
@@ -92,8 +92,8 @@ class ProjectedPicture {
 
   ProjectedPictureParams params_;
   std::shared_ptr<const Image> image_;  ///< one white texel if there is no image
-  Vec2<double> half_;
-  Rgb<double> integral_, integral_by_centres_, brightest_;
+  Vec2 half_;
+  Rgb integral_, integral_by_centres_, brightest_;
   ImageDistribution cells_;  ///< chooses a cell by its share of the integral of luminance
 };
 

@@ -51,18 +51,18 @@ double corner_lx(double p, double q, double size, int halvings) {
 
 }  // namespace
 
-Vec2<double> square_from_rectified(const Vec3<double>& w) {
+Vec2 square_from_rectified(const Vec3& w) {
   return {std::atan2(w.x, w.z) / kPi + 0.5, std::atan2(w.y, w.z) / kPi + 0.5};
 }
 
-Vec3<double> rectified_from_square(Vec2<double> p) {
+Vec3 rectified_from_square(Vec2 p) {
   const double a = angle(p.x), b = angle(p.y);
   // Avoids tangents, which overflow at the ends.
-  return normalized(Vec3<double>{std::sin(a) * std::cos(b), std::cos(a) * std::sin(b),
-                                 std::cos(a) * std::cos(b)});
+  return normalized(
+      Vec3{std::sin(a) * std::cos(b), std::cos(a) * std::sin(b), std::cos(a) * std::cos(b)});
 }
 
-double sr_per_square(const Vec3<double>& w) {
+double sr_per_square(const Vec3& w) {
   return kPi * kPi * (w.x * w.x + w.z * w.z) * (w.y * w.y + w.z * w.z) / w.z;
 }
 
@@ -101,28 +101,26 @@ std::vector<double> RectifiedCells::row(int j) const {
   return lx;
 }
 
-RectifiedMap::RectifiedMap(const SphereMap& map, const Vec3<double>& x, const Vec3<double>& y,
-                           const Vec3<double>& z)
+RectifiedMap::RectifiedMap(const SphereMap& map, const Vec3& x, const Vec3& y, const Vec3& z)
     : n_(map.image().height()) {
   texels_.reserve(static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_));
   StopPoll poll;
   for (int j = 0; j < n_; ++j)
     for (int i = 0; i < n_; ++i, poll()) {
-      const Vec3<double> w = rectified_from_square({(i + 0.5) / n_, (j + 0.5) / n_});
-      const Vec2<double> p =
-          square_from_direction(map.mapping(), normalized(x * w.x + y * w.y + z * w.z));
+      const Vec3 w = rectified_from_square({(i + 0.5) / n_, (j + 0.5) / n_});
+      const Vec2 p = square_from_direction(map.mapping(), normalized(x * w.x + y * w.y + z * w.z));
       texels_.emplace_back(map.image().lookup(p, ImageFilter::kBilinear, map.border()));
     }
 }
 
-Rgb<double> RectifiedMap::lookup(Vec2<double> p) const {
+Rgb RectifiedMap::lookup(Vec2 p) const {
   const auto cell = [&](double c) {
     return static_cast<std::size_t>(std::clamp(static_cast<int>(c * n_), 0, n_ - 1));
   };
-  return Rgb<double>(texels_[cell(p.y) * static_cast<std::size_t>(n_) + cell(p.x)]);
+  return Rgb(texels_[cell(p.y) * static_cast<std::size_t>(n_) + cell(p.x)]);
 }
 
-MapIlluminance RectifiedMap::illuminance(const Rgb<double>& radiance) const {
+MapIlluminance RectifiedMap::illuminance(const Rgb& radiance) const {
   MapIlluminance sum;
   const RectifiedCells cells(n_);
   StopPoll poll;
@@ -130,8 +128,8 @@ MapIlluminance RectifiedMap::illuminance(const Rgb<double>& radiance) const {
     const std::vector<double> lx = cells.row(j);
     MapIlluminance row;
     for (int i = 0; i < n_; ++i, poll()) {
-      const Vec2<double> middle{(i + 0.5) / n_, (j + 0.5) / n_};
-      const Rgb<double> l = lookup(middle) * radiance;
+      const Vec2 middle{(i + 0.5) / n_, (j + 0.5) / n_};
+      const Rgb l = lookup(middle) * radiance;
       row.lx += l * lx[static_cast<std::size_t>(i)];
       row.without_cosine += l * (sr_per_square(rectified_from_square(middle)) / n_ / n_);
     }

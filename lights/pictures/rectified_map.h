@@ -11,11 +11,11 @@ namespace lucerna {
 
 /// Directions w with w.z > 0 in a portal's axes, as points of the unit square: (alpha, beta) / pi +
 /// 1/2, where w is along (tan alpha, tan beta, 1).  [Bitterli15]
-Vec2<double> square_from_rectified(const Vec3<double>& w);
+Vec2 square_from_rectified(const Vec3& w);
 /// The unit vector of a point, which is clamped to the square.
-Vec3<double> rectified_from_square(Vec2<double> p);
+Vec3 rectified_from_square(Vec2 p);
 /// Solid angle per area of the square at the unit vector w.
-double sr_per_square(const Vec3<double>& w);
+double sr_per_square(const Vec3& w);
 
 /// The illuminance of each of n x n cells of the square on the portal.
 class RectifiedCells {
@@ -36,18 +36,17 @@ class RectifiedCells {
 class RectifiedMap {
  public:
   /// `x`, `y`, `z`: the portal's axes in the map's axes.
-  RectifiedMap(const SphereMap& map, const Vec3<double>& x, const Vec3<double>& y,
-               const Vec3<double>& z);
+  RectifiedMap(const SphereMap& map, const Vec3& x, const Vec3& y, const Vec3& z);
 
-  Rgb<double> lookup(Vec2<double> p) const;
+  Rgb lookup(Vec2 p) const;
   /// The illuminance on the portal, summed over RectifiedCells, exact to rounding.
   /// `without_cosine` is computed as in pbrt-v4, from the middles of cells.
-  MapIlluminance illuminance(const Rgb<double>& radiance) const;
+  MapIlluminance illuminance(const Rgb& radiance) const;
   std::size_t bytes() const { return sizeof(*this) + texels_.capacity() * sizeof texels_[0]; }
 
  private:
   int n_;
-  std::vector<Rgb<double>> texels_;
+  std::vector<Rgb> texels_;
 };
 
 }  // namespace lucerna

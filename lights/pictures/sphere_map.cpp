@@ -11,7 +11,7 @@
 namespace lucerna {
 namespace {
 
-Vec2<double> equal_area_square(const Vec3<double>& w) {
+Vec2 equal_area_square(const Vec3& w) {
   // Computes 1 - |z| without cancellation near the poles.
   const double r = std::sqrt((w.x * w.x + w.y * w.y) / (1 + std::fabs(w.z)));
   const double share = std::atan2(std::fabs(w.y), std::fabs(w.x)) * (2 / kPi);
@@ -27,7 +27,7 @@ Vec2<double> equal_area_square(const Vec3<double>& w) {
           std::clamp((std::copysign(v, w.y) + 1) / 2, 0.0, 1.0)};
 }
 
-Vec3<double> equal_area_direction(Vec2<double> p) {
+Vec3 equal_area_direction(Vec2 p) {
   const double u = 2 * p.x - 1;
   const double v = 2 * p.y - 1;
   const double inside = 1 - (std::fabs(u) + std::fabs(v));
@@ -38,13 +38,13 @@ Vec3<double> equal_area_direction(Vec2<double> p) {
           std::copysign(1 - r * r, inside)};
 }
 
-Vec2<double> latitude_longitude_square(const Vec3<double>& w) {
+Vec2 latitude_longitude_square(const Vec3& w) {
   double turn = std::atan2(w.z, w.x) / (2 * kPi);
   if (turn < 0) turn = std::min(turn + 1, 1.0);
   return {turn, std::atan2(std::sqrt(w.x * w.x + w.z * w.z), w.y) / kPi};
 }
 
-Vec3<double> from_longitude(double turn, double sin_theta, double cos_theta) {
+Vec3 from_longitude(double turn, double sin_theta, double cos_theta) {
   const double phi = 2 * kPi * turn;
   return {sin_theta * std::cos(phi), cos_theta, sin_theta * std::sin(phi)};
 }
@@ -63,7 +63,7 @@ double sin_less_d_cos(double d) {
 
 /// The integral over the sphere of a latitude-longitude picture.  The weight of each row of texels
 /// is the integral of its filter over latitudes.
-Rgb<double> integrate_rows(const Image& image, ImageFilter filter) {
+Rgb integrate_rows(const Image& image, ImageFilter filter) {
   const int height = image.height();
   std::vector<double> measures(static_cast<std::size_t>(height));
   if (filter == ImageFilter::kNearest) {
@@ -87,11 +87,11 @@ Rgb<double> integrate_rows(const Image& image, ImageFilter filter) {
       measures[static_cast<std::size_t>(std::max(strip - 1, 0))] += constant - below;
     }
   }
-  Rgb<double> sum;
+  Rgb sum;
   StopPoll poll;
   for (int y = 0; y < height; ++y) {
-    Rgb<double> row;
-    for (int x = 0; x < image.width(); ++x, poll()) row += Rgb<double>(image.texel(x, y));
+    Rgb row;
+    for (int x = 0; x < image.width(); ++x, poll()) row += Rgb(image.texel(x, y));
     sum += row * measures[static_cast<std::size_t>(y)];
   }
   return sum * (2 * kPi / image.width());
@@ -99,11 +99,11 @@ Rgb<double> integrate_rows(const Image& image, ImageFilter filter) {
 
 }  // namespace
 
-Vec2<double> square_from_direction(SphereMapping mapping, const Vec3<double>& w) {
+Vec2 square_from_direction(SphereMapping mapping, const Vec3& w) {
   return mapping == SphereMapping::kEqualArea ? equal_area_square(w) : latitude_longitude_square(w);
 }
 
-Vec3<double> direction_from_square(SphereMapping mapping, Vec2<double> p) {
+Vec3 direction_from_square(SphereMapping mapping, Vec2 p) {
   if (mapping == SphereMapping::kEqualArea) return equal_area_direction(p);
   return from_longitude(p.x, std::sin(kPi * p.y), std::cos(kPi * p.y));
 }
@@ -123,7 +123,7 @@ namespace {
 
 /// The range of cosines between the mapping's axis and the directions of a rectangle.  The axis is
 /// +z of an equal-area map, else +y.  The rectangle may extend beyond the square.
-std::pair<double, double> cosines_of(SphereMapping mapping, Vec2<double> from, Vec2<double> to) {
+std::pair<double, double> cosines_of(SphereMapping mapping, Vec2 from, Vec2 to) {
   if (mapping == SphereMapping::kLatitudeLongitude)
     return {std::cos(kPi * std::min(1.0, to.y)), std::cos(kPi * std::max(0.0, from.y))};
   // The cosine falls with r = |u| + |v|, from 1 in the middle to -1 in the corners.
@@ -134,7 +134,7 @@ std::pair<double, double> cosines_of(SphereMapping mapping, Vec2<double> from, V
   const auto cosine = [](double r) {
     return r < 1 ? 1 - r * r : (2 - std::min(r, 2.0)) * (2 - std::min(r, 2.0)) - 1;
   };
-  const Vec2<double> a{2 * from.x - 1, 2 * from.y - 1}, b{2 * to.x - 1, 2 * to.y - 1};
+  const Vec2 a{2 * from.x - 1, 2 * from.y - 1}, b{2 * to.x - 1, 2 * to.y - 1};
   return {cosine(most(a.x, b.x) + most(a.y, b.y)), cosine(least(a.x, b.x) + least(a.y, b.y))};
 }
 
@@ -152,7 +152,7 @@ SphereMap::SphereMap(std::shared_ptr<const Image> image, SphereMapping mapping, 
   StopPoll poll;
   for (int y = 0; y < image_->height(); ++y)
     for (int x = 0; x < image_->width(); ++x, poll()) {
-      if (Rgb<double>(image_->texel(x, y)).is_black()) continue;
+      if (Rgb(image_->texel(x, y)).is_black()) continue;
       const auto [low, high] = cosines_of(mapping, {(x - spread) / w, (y - spread) / h},
                                           {(x + 1 + spread) / w, (y + 1 + spread) / h});
       low_ = std::min(low_, low), high_ = std::max(high_, high);
@@ -165,11 +165,9 @@ ImageBorder SphereMap::border() const {
                                                : ImageBorder::kLatitudeLongitude;
 }
 
-Rgb<double> SphereMap::lookup(const Vec3<double>& w) const {
-  return lookup(square_from_direction(mapping_, w));
-}
+Rgb SphereMap::lookup(const Vec3& w) const { return lookup(square_from_direction(mapping_, w)); }
 
-double SphereMap::lit_height(const Vec3<double>& n) const {
+double SphereMap::lit_height(const Vec3& n) const {
   if (low_ > high_) return 0;
   const bool equal_area = mapping_ == SphereMapping::kEqualArea;
   const double along = equal_area ? n.z : n.y;
@@ -179,17 +177,6 @@ double SphereMap::lit_height(const Vec3<double>& n) const {
   const double c = std::clamp(along, low_, high_);
   const double height = along * c + across * std::sqrt(std::max(0.0, 1 - c * c));
   return height > 1e-12 ? std::min(1.0, height) : 0;
-}
-
-Rgb<double> SphereMap::brightest() const {
-  Rgb<double> most;
-  StopPoll poll;
-  for (int y = 0; y < image_->height(); ++y)
-    for (int x = 0; x < image_->width(); ++x, poll()) {
-      const Rgb<double> t(image_->texel(x, y));
-      most = {std::max(most.r, t.r), std::max(most.g, t.g), std::max(most.b, t.b)};
-    }
-  return most;
 }
 
 MapAxes::MapAxes(const Transform& world_from_map)
@@ -211,7 +198,7 @@ ImageDistribution distribution_of(const SphereMap& map, double subtract) {
   StopPoll poll;
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x, poll())
-      weights.push_back(std::max(0.0, luminance(Rgb<double>(image.texel(x, y))) - subtract));
+      weights.push_back(std::max(0.0, luminance(Rgb(image.texel(x, y))) - subtract));
   std::vector<double> measures;
   if (map.mapping() == SphereMapping::kLatitudeLongitude) {
     const double h = image.height();
@@ -257,7 +244,7 @@ SphereDistribution::Strip SphereDistribution::strip(int row) const {
   return {begin, end, height_between(begin, end)};
 }
 
-SphereDistribution::Sample SphereDistribution::sample(Vec2<double> u) const {
+SphereDistribution::Sample SphereDistribution::sample(Vec2 u) const {
   const ImageDistribution::Sample s = squares_.sample(u);
   if (mapping_ == SphereMapping::kEqualArea)
     return {equal_area_direction(s.position), s.position, s.pdf / (4 * kPi)};
@@ -277,8 +264,8 @@ SphereDistribution::Sample SphereDistribution::sample(Vec2<double> u) const {
           s.pdf * row.sr_from_square()};
 }
 
-double SphereDistribution::per_sr(const Vec3<double>& w) const {
-  Vec2<double> p = square_from_direction(mapping_, w);
+double SphereDistribution::per_sr(const Vec3& w) const {
+  Vec2 p = square_from_direction(mapping_, w);
   if (mapping_ == SphereMapping::kEqualArea) return squares_.pdf(p) / (4 * kPi);
   const Strip row = strip(row_of(p.y));
   const double share = std::clamp(height_between(row.begin, p.y) / row.height, 0.0, 1.0);

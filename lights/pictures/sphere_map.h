@@ -25,9 +25,9 @@ enum class SphereMapping : std::uint8_t {
 };
 
 /// The point of the closed unit square that shows the direction `w`, a unit vector.
-Vec2<double> square_from_direction(SphereMapping mapping, const Vec3<double>& w);
+Vec2 square_from_direction(SphereMapping mapping, const Vec3& w);
 /// The unit vector at a point of the closed unit square.
-Vec3<double> direction_from_square(SphereMapping mapping, Vec2<double> p);
+Vec3 direction_from_square(SphereMapping mapping, Vec2 p);
 
 /// Immutable, so lights share it.
 class SphereMap {
@@ -40,18 +40,18 @@ class SphereMap {
   /// The value towards the unit vector `w`.  Across seams and poles, the filter uses the texels
   /// that are neighbours on the sphere.  At the poles of a latitude-longitude picture of odd width,
   /// these are half a texel off.
-  Rgb<double> lookup(const Vec3<double>& w) const;
+  Rgb lookup(const Vec3& w) const;
   /// The value at a point of the square.
-  Rgb<double> lookup(Vec2<double> p) const { return image_->lookup(p, filter_, border()); }
+  Rgb lookup(Vec2 p) const { return image_->lookup(p, filter_, border()); }
 
   /// Integral of `lookup` over all directions [sr]: closed form, 4 pi for a picture of 1.
-  Rgb<double> integral() const { return integral_; }
+  Rgb integral() const { return integral_; }
   /// The largest value of each channel over all texels.
-  Rgb<double> brightest() const;
+  Rgb brightest() const { return image_->brightest(); }
 
   /// A bound of the height of lit directions over the plane with the unit normal `n`, in the map's
   /// axes.  0 only if the map is black above the plane, to within 1e-12 rad.
-  double lit_height(const Vec3<double>& n) const;
+  double lit_height(const Vec3& n) const;
 
   const Image& image() const { return *image_; }
   SphereMapping mapping() const { return mapping_; }
@@ -64,7 +64,7 @@ class SphereMap {
   std::shared_ptr<const Image> image_;
   SphereMapping mapping_;
   ImageFilter filter_;
-  Rgb<double> integral_;
+  Rgb integral_;
   /// The lowest and the highest cosine between the mapping's axis and a lit direction.
   double low_ = 1, high_ = -1;
 };
@@ -75,15 +75,13 @@ class MapAxes {
   /// Rotation, mirror and equal scale of `world_from_map`; its translation is not used.
   explicit MapAxes(const Transform& world_from_map);
   /// The unit direction in the map's axes; NaN where `w` is not finite.
-  Vec3<double> map_from_world(const Vec3<double>& w) const {
-    return normalized(Vec3<double>{dot(x_, w), dot(y_, w), dot(z_, w)});
+  Vec3 map_from_world(const Vec3& w) const {
+    return normalized(Vec3{dot(x_, w), dot(y_, w), dot(z_, w)});
   }
-  Vec3<double> world_from_map(const Vec3<double>& w) const {
-    return x_ * w.x + y_ * w.y + z_ * w.z;
-  }
+  Vec3 world_from_map(const Vec3& w) const { return x_ * w.x + y_ * w.y + z_ * w.z; }
 
  private:
-  Vec3<double> x_, y_, z_;
+  Vec3 x_, y_, z_;
 };
 
 /// Directions with a density that is positive wherever the map's luminance exceeds `subtract`.  For
@@ -94,16 +92,16 @@ class MapAxes {
 class SphereDistribution {
  public:
   struct Sample {
-    Vec3<double> direction;  ///< unit, in the map's axes
-    Vec2<double> position;   ///< the point of the square that shows it
-    double per_sr;           ///< density with respect to solid angle; 0: nothing to sample
+    Vec3 direction;  ///< unit, in the map's axes
+    Vec2 position;   ///< the point of the square that shows it
+    double per_sr;   ///< density with respect to solid angle; 0: nothing to sample
   };
 
   /// By the luminance minus `subtract`, where that is positive.
   explicit SphereDistribution(const SphereMap& map, double subtract = 0);
 
-  Sample sample(Vec2<double> u) const;
-  double per_sr(const Vec3<double>& w) const;
+  Sample sample(Vec2 u) const;
+  double per_sr(const Vec3& w) const;
   bool empty() const { return !(squares_.integral() > 0); }
   std::size_t bytes() const { return sizeof(*this) + squares_.bytes(); }
 

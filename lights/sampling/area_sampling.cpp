@@ -53,18 +53,18 @@ struct Range {
   void add(double v) { least = v < least ? v : least, most = v > most ? v : most; }
 };
 
-AreaSampling by_distances(std::span<const Vec3<double>> points, double far) {
-  Vec3<double> sum;
+AreaSampling by_distances(std::span<const Vec3> points, double far) {
+  Vec3 sum;
   for (const auto& p : points) sum += p;
-  const Vec3<double> middle = sum / static_cast<double>(points.size());
+  const Vec3 middle = sum / static_cast<double>(points.size());
   Range squares(dot(middle, middle));
   for (const auto& p : points) squares.add(dot(p, p));
   return squares.most > far * squares.least ? AreaSampling::kSolidAngle : kByArea;
 }
 
 /// Squares of the cosines to the points; negative below the horizon.
-Range squared_cosines(std::span<const Vec3<double>> points, const Vec3<double>& normal) {
-  const auto square = [&](const Vec3<double>& p) {
+Range squared_cosines(std::span<const Vec3> points, const Vec3& normal) {
+  const auto square = [&](const Vec3& p) {
     const double height = dot(p, normal);
     return height * std::fabs(height) / dot(p, p);
   };
@@ -75,9 +75,9 @@ Range squared_cosines(std::span<const Vec3<double>> points, const Vec3<double>& 
 
 }  // namespace
 
-AreaSampling way_for_corners(AreaSampling requested, std::span<const Vec3<double>> corners,
-                             const Vec3<double>& normal, bool incomplete) {
-  const bool has_normal = normal != Vec3<double>{};
+AreaSampling way_for_corners(AreaSampling requested, std::span<const Vec3> corners,
+                             const Vec3& normal, bool incomplete) {
+  const bool has_normal = normal != Vec3{};
   if (requested == AreaSampling::kCosineSolidAngle && !has_normal) return AreaSampling::kSolidAngle;
   if (requested != AreaSampling::kAutomatic) return requested;
   // The other directions of such receivers follow the cosine.
@@ -90,11 +90,11 @@ AreaSampling way_for_corners(AreaSampling requested, std::span<const Vec3<double
   return by_distances(corners, kFar);
 }
 
-AreaSampling way_for_disk(AreaSampling requested, const Vec3<double>& nearest,
-                          const Vec3<double>& farthest, bool incomplete) {
+AreaSampling way_for_disk(AreaSampling requested, const Vec3& nearest, const Vec3& farthest,
+                          bool incomplete) {
   if (requested == AreaSampling::kCosineSolidAngle) return AreaSampling::kSolidAngle;
   if (requested != AreaSampling::kAutomatic) return requested;
-  const Vec3<double> rim[] = {nearest, farthest};
+  const Vec3 rim[] = {nearest, farthest};
   return by_distances(rim, incomplete ? kFarBesideDirections : kFar);
 }
 

@@ -28,11 +28,11 @@ enum class AreaSampling : std::uint8_t {
 /// The way in which points of a triangle or rectangle are chosen for a request.  Replaces
 /// kAutomatic by the rule's choice, and kCosineSolidAngle if `normal` is zero.  `corners` are
 /// relative to the receiver, in any unit of length.  `incomplete` as in Receiver.
-AreaSampling way_for_corners(AreaSampling requested, std::span<const Vec3<double>> corners,
-                             const Vec3<double>& normal, bool incomplete = false);
+AreaSampling way_for_corners(AreaSampling requested, std::span<const Vec3> corners,
+                             const Vec3& normal, bool incomplete = false);
 /// The same for a disk, by the points of its rim nearest to the receiver and farthest from it.
-AreaSampling way_for_disk(AreaSampling requested, const Vec3<double>& nearest,
-                          const Vec3<double>& farthest, bool incomplete = false);
+AreaSampling way_for_disk(AreaSampling requested, const Vec3& nearest, const Vec3& farthest,
+                          bool incomplete = false);
 /// The same for a whole sphere.
 AreaSampling way_for_sphere(AreaSampling requested);
 

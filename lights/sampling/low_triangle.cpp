@@ -6,8 +6,8 @@
 
 namespace lucerna {
 
-std::optional<LowTriangle> LowTriangle::create(std::span<const Vec3<double>, 3> corners,
-                                               const Vec3<double>& normal, double height) {
+std::optional<LowTriangle> LowTriangle::create(std::span<const Vec3, 3> corners, const Vec3& normal,
+                                               double height) {
   constexpr double kNear = 1e-3;
   const double farthest = std::max({max_abs(corners[0]), max_abs(corners[1]), max_abs(corners[2])});
   if (!(std::fabs(height) < kNear * farthest)) return std::nullopt;
@@ -17,12 +17,12 @@ std::optional<LowTriangle> LowTriangle::create(std::span<const Vec3<double>, 3> 
 
   // Find the nearest of the edges that have the foot on their outer side.
   double least = std::numeric_limits<double>::infinity();
-  Vec3<double> from_foot;
+  Vec3 from_foot;
   int edge = -1;
   for (int i = 0; i < 3; ++i) {
-    const Vec3<double>&a = corners[i], &b = corners[(i + 1) % 3];
-    const Vec3<double> along = normalized(b - a);
-    const Vec3<double> outwards = cross(along, normal);
+    const Vec3 &a = corners[i], &b = corners[(i + 1) % 3];
+    const Vec3 along = normalized(b - a);
+    const Vec3 outwards = cross(along, normal);
     const double beyond = -dot(a, outwards);
     if (!(beyond > 0)) continue;
     const double from = dot(a, along), to = dot(b, along);
@@ -34,9 +34,9 @@ std::optional<LowTriangle> LowTriangle::create(std::span<const Vec3<double>, 3> 
   }
   if (edge < 0 || !(least < kNear * farthest)) return std::nullopt;
   low.nearest_ = normal * -height + from_foot;
-  const Vec3<double>&next = corners[(edge + 1) % 3], &across = corners[(edge + 2) % 3];
-  const auto part = [&](const Vec3<double>& a, const Vec3<double>& c) -> std::optional<Part> {
-    const Vec3<double> to_a = a - low.nearest_, to_c = c - low.nearest_;
+  const Vec3 &next = corners[(edge + 1) % 3], &across = corners[(edge + 2) % 3];
+  const auto part = [&](const Vec3& a, const Vec3& c) -> std::optional<Part> {
+    const Vec3 to_a = a - low.nearest_, to_c = c - low.nearest_;
     const double determinant = height * dot(cross(to_a, to_c), normal);
     const auto seen = SphericalTriangle::create_seen(a, low.nearest_, c, determinant);
     if (!seen) return std::nullopt;
@@ -55,14 +55,14 @@ double LowTriangle::solid_angle_sr() const {
   return sum;
 }
 
-Vec3<double> LowTriangle::sample(Vec2<double> u) const {
+Vec3 LowTriangle::sample(Vec2 u) const {
   if (fan_) return fan_->sample(u);
   double target = std::clamp(u.x, 0.0, 1.0) * solid_angle_sr();
   const double first = part_[0] ? part_[0]->seen.solid_angle_sr() : 0;
   const bool is_first = !part_[1] || (part_[0] && target <= first);
   const Part& part = is_first ? *part_[0] : *part_[1];
   if (!is_first) target -= first;
-  const Vec3<double> b = part.seen.sample({std::fmin(target / part.seen.solid_angle_sr(), 1), u.y});
+  const Vec3 b = part.seen.sample({std::fmin(target / part.seen.solid_angle_sr(), 1), u.y});
   return nearest_ + part.to_a * b.x + part.to_c * b.z;
 }
 

@@ -21,13 +21,13 @@ class LowTriangle {
   /// receiver is above the plane on the side of the normal, not 0.  All in one unit of length.
   /// Nothing if the receiver is farther away than a thousandth of the triangle's size.  There
   /// lights/sampling/spherical_triangle.h is as good.
-  static std::optional<LowTriangle> create(std::span<const Vec3<double>, 3> corners,
-                                           const Vec3<double>& normal, double height);
+  static std::optional<LowTriangle> create(std::span<const Vec3, 3> corners, const Vec3& normal,
+                                           double height);
 
   double solid_angle_sr() const;
 
   /// A point of the triangle, from the receiver; uniform in solid angle.  `u` in [0, 1]^2.
-  Vec3<double> sample(Vec2<double> u) const;
+  Vec3 sample(Vec2 u) const;
 
  private:
   LowTriangle() = default;
@@ -36,11 +36,11 @@ class LowTriangle {
   /// each part.
   struct Part {
     SphericalTriangle seen;
-    Vec3<double> to_a, to_c;  ///< from the nearest point
+    Vec3 to_a, to_c;  ///< from the nearest point
   };
   std::optional<SphericalFan> fan_;
   std::array<std::optional<Part>, 2> part_;
-  Vec3<double> nearest_;  ///< from the receiver
+  Vec3 nearest_;  ///< from the receiver
 };
 
 }  // namespace lucerna

@@ -51,9 +51,9 @@ double integral(const F& f, double a, double b) {
 /// corner. The edge is stored too, because differences of corners lose digits for a small distant
 /// polygon.
 struct Corner {
-  Vec3<double> v;
+  Vec3 v;
   double up;
-  Vec3<double> edge;
+  Vec3 edge;
 };
 
 /// A convex polygon of up to four corners, and its part above the horizon.  Rounding may cut a
@@ -63,7 +63,7 @@ struct Polygon {
   int count = 0;
 
   void add(const Corner& c) { corner[count++] = c; }
-  const Vec3<double>& next(int i) const { return corner[(i + 1) % count].v; }
+  const Vec3& next(int i) const { return corner[(i + 1) % count].v; }
 };
 
 /// The part above the horizon.  [Sutherland74]
@@ -78,12 +78,12 @@ Polygon above_horizon(const Polygon& whole) {
     if (a_is_up == b_is_up) continue;
     // Computed from the corner above the horizon, so that small parts stay exact.
     if (a_is_up) {
-      const Vec3<double> down = a.edge * (a.up / (a.up - b.up));
+      const Vec3 down = a.edge * (a.up / (a.up - b.up));
       kept.add({a.v, a.up, down});
       cut = kept.count;
       kept.add({a.v + down, 0, {}});
     } else {
-      const Vec3<double> risen = a.edge * (b.up / (b.up - a.up));
+      const Vec3 risen = a.edge * (b.up / (b.up - a.up));
       kept.add({b.v - risen, 0, risen});
     }
   }
@@ -101,13 +101,13 @@ struct EdgeSum {
 
 /// Each edge counts with the angle that it subtends, times the cosine between the normal of its
 /// plane and that of the receiver.
-EdgeSum edge_sum(const Polygon& polygon, const Vec3<double>& normal) {
+EdgeSum edge_sum(const Polygon& polygon, const Vec3& normal) {
   EdgeSum sum;
   for (int i = 0; i < polygon.count; ++i) {
-    const Vec3<double>&a = polygon.corner[i].v, &b = polygon.next(i);
-    const Vec3<double>& edge = polygon.corner[i].edge;
+    const Vec3 &a = polygon.corner[i].v, &b = polygon.next(i);
+    const Vec3& edge = polygon.corner[i].edge;
     const double aa = dot(a, a), bb = dot(b, b);
-    const Vec3<double> m = cross(aa < bb ? a : b, edge);
+    const Vec3 m = cross(aa < bb ? a : b, edge);
     const double sine = length(m);
     if (!(sine > 0)) continue;
     // atan2: the arccosine of a.b loses half of its digits for small angles.
@@ -120,7 +120,7 @@ EdgeSum edge_sum(const Polygon& polygon, const Vec3<double>& normal) {
 }
 
 struct Part {
-  std::array<Vec3<double>, 3> v;
+  std::array<Vec3, 3> v;
   std::array<double, 3> up;
 };
 
@@ -132,7 +132,7 @@ double by_rule(const Part& t) {
     for (std::size_t j = 0; j < 8; ++j) {
       const double b1 = rule.node[i] * (1 - rule.node[j]), b2 = rule.node[i] * rule.node[j];
       const double b0 = 1 - rule.node[i];
-      const Vec3<double> v = t.v[0] * b0 + t.v[1] * b1 + t.v[2] * b2;
+      const Vec3 v = t.v[0] * b0 + t.v[1] * b1 + t.v[2] * b2;
       const double vv = dot(v, v);
       sum += rule.weight[i] * rule.weight[j] * rule.node[i] *
              ((t.up[0] * b0 + t.up[1] * b1 + t.up[2] * b2) / vv / vv);
@@ -146,13 +146,13 @@ double by_rule(const Part& t) {
 /// `parts`: how many more halvings are allowed.  A receiver next to a side takes a few for each
 /// binary digit of its distance.
 double by_parts(const Part& t, int depth, int& parts) {
-  const Vec3<double> centre = (t.v[0] + t.v[1] + t.v[2]) / 3;
+  const Vec3 centre = (t.v[0] + t.v[1] + t.v[2]) / 3;
   const auto away = [&](int i) { return dot(t.v[i] - centre, t.v[i] - centre); };
   // At a distance of four times the radius, the rule of 8 by 8 nodes has an error of 1e-14.
   const double widest = 16 * std::max({away(0), away(1), away(2)});
   if (depth == 0 || !(widest > dot(centre, centre)) || --parts < 0) return by_rule(t);
   const auto side2 = [&](int i) {
-    const Vec3<double> side = t.v[(i + 1) % 3] - t.v[i];
+    const Vec3 side = t.v[(i + 1) % 3] - t.v[i];
     return dot(side, side);
   };
   const std::array<double, 3> sides = {side2(0), side2(1), side2(2)};
@@ -169,7 +169,7 @@ double by_area(const Polygon& polygon, double height) {
   constexpr int kDepth = 120, kMostParts = 32768;
   const Corner& first = polygon.corner[0];
   double sum = 0;
-  Vec3<double> to_b = first.edge;
+  Vec3 to_b = first.edge;
   for (int i = 1; i + 1 < polygon.count; ++i) {
     const Corner &b = polygon.corner[i], &c = polygon.corner[i + 1];
     int parts = kMostParts;
@@ -185,8 +185,7 @@ double by_area(const Polygon& polygon, double height) {
 /// horizon.
 class CutDisk {
  public:
-  CutDisk(const Vec3<double>& center, const Vec3<double>& x, const Vec3<double>& y,
-          const Vec3<double>& normal)
+  CutDisk(const Vec3& center, const Vec3& x, const Vec3& y, const Vec3& normal)
       : center_(center), x_(x), y_(y), normal_(normal), slope_(dot(x, normal)) {
     const double center_up = dot(center, normal);
     end_ = 2 * std::asin(std::sqrt(std::clamp((slope_ + center_up) / (2 * slope_), 0.0, 1.0)));
@@ -194,16 +193,16 @@ class CutDisk {
 
   /// Half the integral of n.(p x dp) / |p|^2 along its edge, the arc and the chord.
   EdgeSum edges() const {
-    const Vec3<double> across = cross(x_, y_), cx = cross(center_, x_), cy = cross(center_, y_);
+    const Vec3 across = cross(x_, y_), cx = cross(center_, x_), cy = cross(center_, y_);
     double terms = 0;
     const auto moved = [&](double t) {
       const double c = std::cos(t), s = std::sin(t);
-      const Vec3<double> p = rim(c, s);
+      const Vec3 p = rim(c, s);
       return dot(across + cy * c - cx * s, normal_) / dot(p, p);
     };
     const double arc = integral(moved, -end_, 0) + integral(moved, 0, end_);
-    const Vec3<double> from = rim(std::cos(end_), std::sin(end_));
-    const Vec3<double> to = rim(std::cos(end_), -std::sin(end_));
+    const Vec3 from = rim(std::cos(end_), std::sin(end_));
+    const Vec3 to = rim(std::cos(end_), -std::sin(end_));
     const double chord = std::atan2(dot(cross(from, to), normal_), dot(from, to));
     terms = std::fabs(arc) + std::fabs(chord);
     return {std::fabs(arc + chord) / 2, terms};
@@ -211,14 +210,14 @@ class CutDisk {
 
   /// height times the integral of up / |v|^4 over the part, in rays from the middle of the chord.
   double by_area(double height) const {
-    const Vec3<double> middle = center_ + x_ * std::cos(end_);
+    const Vec3 middle = center_ + x_ * std::cos(end_);
     const auto along = [&](double t) {
       const double before = std::sin((end_ - t) / 2), behind = std::sin((end_ + t) / 2);
       // Twice the area that is swept; the height above the horizon.
       const double swept = before * before + behind * behind, up = 2 * before * behind * slope_;
-      const Vec3<double> out = x_ * (2 * before * behind) + y_ * std::sin(t);
+      const Vec3 out = x_ * (2 * before * behind) + y_ * std::sin(t);
       const auto outwards = [&](double s) {
-        const Vec3<double> p = middle + out * s;
+        const Vec3 p = middle + out * s;
         const double pp = dot(p, p);
         return s * s / pp / pp;
       };
@@ -228,9 +227,9 @@ class CutDisk {
   }
 
  private:
-  Vec3<double> rim(double cos, double sin) const { return center_ + x_ * cos + y_ * sin; }
+  Vec3 rim(double cos, double sin) const { return center_ + x_ * cos + y_ * sin; }
 
-  Vec3<double> center_, x_, y_, normal_;
+  Vec3 center_, x_, y_, normal_;
   double slope_, end_;
 };
 
@@ -276,19 +275,18 @@ double peeking_cap(double sin_half, double cos_half, double sin_axis, double dep
 
 }  // namespace
 
-double polygon_projected_solid_angle(std::span<const Vec3<double>> corners,
-                                     const Vec3<double>& receiver, const Vec3<double>& normal,
-                                     double height) {
+double polygon_projected_solid_angle(std::span<const Vec3> corners, const Vec3& receiver,
+                                     const Vec3& normal, double height) {
   if (!(height != 0)) return 0;
   double farthest = 0;
-  for (const Vec3<double>& c : corners) farthest = std::fmax(farthest, max_abs(c - receiver));
+  for (const Vec3& c : corners) farthest = std::fmax(farthest, max_abs(c - receiver));
   if (!(farthest > 0) || !std::isfinite(farthest)) return 0;
   // Scales lengths by a power of two to about 1, so that no square overflows or underflows.
   const int exponent = -std::ilogb(farthest);
   Polygon whole;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3<double>& next = corners[(i + 1) % corners.size()];
-    const Vec3<double> v = scaled(corners[i] - receiver, exponent);
+    const Vec3& next = corners[(i + 1) % corners.size()];
+    const Vec3 v = scaled(corners[i] - receiver, exponent);
     whole.add({v, dot(v, normal), scaled(next - corners[i], exponent)});
   }
   const Polygon seen = above_horizon(whole);
@@ -298,19 +296,19 @@ double polygon_projected_solid_angle(std::span<const Vec3<double>> corners,
   return by_area(seen, std::scalbn(std::fabs(height), exponent));
 }
 
-double disk_projected_solid_angle(const Vec3<double>& to_center, const Vec3<double>& axis,
-                                  double radius, double height, const Vec3<double>& normal) {
+double disk_projected_solid_angle(const Vec3& to_center, const Vec3& axis, double radius,
+                                  double height, const Vec3& normal) {
   if (!(height != 0)) return 0;
   const double farthest = std::fmax(max_abs(to_center), radius);
   if (!(farthest > 0) || !std::isfinite(farthest)) return 0;
   const int exponent = -std::ilogb(farthest);
   const double r = std::scalbn(radius, exponent), h = std::scalbn(std::fabs(height), exponent);
-  const Vec3<double> down = dot(to_center, axis) < 0 ? -axis : axis;
-  const Vec3<double> c = scaled(to_center, exponent);
-  const Vec3<double> beside = c - down * dot(c, down);
-  const Vec3<double> center = down * h + beside;
+  const Vec3 down = dot(to_center, axis) < 0 ? -axis : axis;
+  const Vec3 c = scaled(to_center, exponent);
+  const Vec3 beside = c - down * dot(c, down);
+  const Vec3 center = down * h + beside;
 
-  const Vec3<double> rising = normal - down * dot(normal, down);  // within the plane
+  const Vec3 rising = normal - down * dot(normal, down);  // within the plane
   const double slope = r * length(rising), center_up = dot(center, normal);
   if (center_up + slope <= 0) return 0;
   if (center_up >= slope) {
@@ -319,15 +317,15 @@ double disk_projected_solid_angle(const Vec3<double>& to_center, const Vec3<doub
         dot(normal, down) * v.along_axis + dot(normal, normalized(beside)) * v.along_plane, 0.0,
         kPi);
   }
-  const Vec3<double> x = normalized(rising);
+  const Vec3 x = normalized(rising);
   const CutDisk cut(center, x * r, cross(down, x) * r, normal);
   const EdgeSum sum = cut.edges();
   if (sum.value >= kLeastShare * sum.terms) return std::fmin(sum.value, kPi);
   return cut.by_area(h);
 }
 
-double cap_projected_solid_angle(const Vec3<double>& axis, double sin_half, double cos_half,
-                                 const Vec3<double>& normal) {
+double cap_projected_solid_angle(const Vec3& axis, double sin_half, double cos_half,
+                                 const Vec3& normal) {
   const double cos_axis = dot(axis, normal), sin_axis = length(cross(axis, normal));
   const double all_above = kPi * sin_half * sin_half * cos_axis;
   if (cos_half * cos_axis >= sin_half * sin_axis) return std::fmax(all_above, 0);

@@ -18,18 +18,17 @@ namespace lucerna {
 /// is more exact than a height from the corners.  `normal` is unit.  Lengths may have any unit,
 /// from 1e-75 to 1e75. Corners may lie at very different distances.  Half of the digits remain for
 /// a receiver as near to an edge as 1e-8 of the polygon's size.  [Lambert60]
-double polygon_projected_solid_angle(std::span<const Vec3<double>> corners,
-                                     const Vec3<double>& receiver, const Vec3<double>& normal,
-                                     double height);
+double polygon_projected_solid_angle(std::span<const Vec3> corners, const Vec3& receiver,
+                                     const Vec3& normal, double height);
 
 /// For a circular disk [sr].  `to_center` starts at the receiver.  `axis` is unit, along the disk's
 /// normal to either side.  `height` as above.
-double disk_projected_solid_angle(const Vec3<double>& to_center, const Vec3<double>& axis,
-                                  double radius, double height, const Vec3<double>& normal);
+double disk_projected_solid_angle(const Vec3& to_center, const Vec3& axis, double radius,
+                                  double height, const Vec3& normal);
 
 /// For all directions within an angle, at most pi / 2, of the unit vector `axis` [sr], such as
 /// those of a sphere or a sun.  The angle is given by its sine and its cosine.  [Snyder96]
-double cap_projected_solid_angle(const Vec3<double>& axis, double sin_half, double cos_half,
-                                 const Vec3<double>& normal);
+double cap_projected_solid_angle(const Vec3& axis, double sin_half, double cos_half,
+                                 const Vec3& normal);
 
 }  // namespace lucerna

@@ -7,23 +7,23 @@
 
 namespace lucerna {
 
-Vec3<double> sample_triangle_square_root(Vec2<double> u) {
+Vec3 sample_triangle_square_root(Vec2 u) {
   const double root = std::sqrt(u.x);
   return {1 - root, root * (1 - u.y), root * u.y};
 }
 
-Vec3<double> sample_triangle_kraemer(Vec2<double> u) {
+Vec3 sample_triangle_kraemer(Vec2 u) {
   const double low = std::min(u.x, u.y);
   const double high = std::max(u.x, u.y);
   return {low, high - low, 1 - high};
 }
 
-Vec3<double> sample_triangle_parallelogram(Vec2<double> u) {
+Vec3 sample_triangle_parallelogram(Vec2 u) {
   const double beyond = u.x + u.y - 1;
-  return beyond > 0 ? Vec3<double>{beyond, 1 - u.x, 1 - u.y} : Vec3<double>{-beyond, u.x, u.y};
+  return beyond > 0 ? Vec3{beyond, 1 - u.x, 1 - u.y} : Vec3{-beyond, u.x, u.y};
 }
 
-Vec3<double> sample_triangle_rejection(Vec2<double> u) {
+Vec3 sample_triangle_rejection(Vec2 u) {
   // Half of the draws are in the far half.  The 64th draw has a chance of 2^-64; it is folded back.
   constexpr int kDraws = 64;
   // Hashes the values as floats, so that floats and doubles give the same draws.
@@ -37,7 +37,7 @@ Vec3<double> sample_triangle_rejection(Vec2<double> u) {
   return sample_triangle_parallelogram(u);
 }
 
-Vec3<double> sample_triangle(AreaSampling way, Vec2<double> u) {
+Vec3 sample_triangle(AreaSampling way, Vec2 u) {
   switch (way) {
     case AreaSampling::kSquareRoot:
       return sample_triangle_square_root(u);

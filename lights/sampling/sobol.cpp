@@ -49,7 +49,7 @@ float to_unit(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-
 
 }  // namespace
 
-Vec2<float> SobolSequence::pair(std::uint32_t index, std::uint32_t pair) const {
+Vec2f SobolSequence::pair(std::uint32_t index, std::uint32_t pair) const {
   const std::uint64_t order = mix_bits(key_ + (2 * std::uint64_t{pair} + 1) * kGolden);
   const std::uint64_t digits = mix_bits(key_ + (2 * std::uint64_t{pair} + 2) * kGolden);
   // Nested scrambling of the index keeps every aligned block of 2^m points together.  [Burley20]

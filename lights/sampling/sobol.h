@@ -29,7 +29,7 @@ class SobolSequence {
 
   /// Point `index` in dimensions (2 pair, 2 pair + 1), each in [0, 1) as multiples of 2^-24, so
   /// that no float rounds to 1.
-  Vec2<float> pair(std::uint32_t index, std::uint32_t pair) const;
+  Vec2f pair(std::uint32_t index, std::uint32_t pair) const;
 
  private:
   static constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15U;

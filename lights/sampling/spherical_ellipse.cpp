@@ -55,7 +55,7 @@ double SphericalEllipse::squared_edge(double x, double y) const {
   return (cos_alpha_ * cos_alpha_ * x * x + cos_beta_ * cos_beta_ * y * y) / rr;
 }
 
-SphericalEllipse::Point SphericalEllipse::choose(Vec2<double> u) const {
+SphericalEllipse::Point SphericalEllipse::choose(Vec2 u) const {
   // (x, y) = sqrt(s) (cos t, sin t), where s = (1 - cos) / (1 - n) and t are uniform.
   const auto [x, y] = sample_concentric_disk(u);
   const double n = std::sqrt(squared_edge(x, y));
@@ -69,14 +69,14 @@ SphericalEllipse::Point SphericalEllipse::choose(Vec2<double> u) const {
   const double climb = (1 - one_minus_cos) * cos_tilt_ - along * stretch * sin_tilt_;
   const double from_axis = to_axis_ * along * stretch / climb;
   const double aside = height_ * across * stretch / climb;
-  Vec2<double> p{axis_ + from_axis, aside};
+  Vec2 p{axis_ + from_axis, aside};
   const double distance = std::sqrt(p.x * p.x + p.y * p.y);
   if (!(distance <= radius_)) p = {p.x * (radius_ / distance), p.y * (radius_ / distance)};
   return {{std::scalbn(p.x, exponent_), std::scalbn(p.y, exponent_)},
           {std::scalbn(foot_axis_ + from_axis, exponent_), std::scalbn(aside, exponent_)}};
 }
 
-double SphericalEllipse::pdf(Vec2<double> point) const {
+double SphericalEllipse::pdf(Vec2 point) const {
   const double x = std::scalbn(point.y, -exponent_) / sin_alpha_;
   const double y = (std::scalbn(point.x, -exponent_) - axis_) * cos_tilt_ / sin_beta_;
   const double n = std::sqrt(squared_edge(x, y));

@@ -41,15 +41,15 @@ class SphericalEllipse {
 
   /// A point of the disk: x along the offset (away from the receiver), y across.
   struct Point {
-    Vec2<double> from_center;
-    Vec2<double> from_foot;  ///< from the point below the receiver; exact at any distance
+    Vec2 from_center;
+    Vec2 from_foot;  ///< from the point below the receiver; exact at any distance
   };
-  Point choose(Vec2<double> u) const;
+  Point choose(Vec2 u) const;
   /// The point from the centre only.
-  Vec2<double> sample(Vec2<double> u) const { return choose(u).from_center; }
+  Vec2 sample(Vec2 u) const { return choose(u).from_center; }
 
   /// Density with respect to solid angle at a point of the disk [1/sr].
-  double pdf(Vec2<double> point) const;
+  double pdf(Vec2 point) const;
 
  private:
   SphericalEllipse() = default;

@@ -17,8 +17,8 @@ double covered(double distance, double y, double height) {
 
 }  // namespace
 
-std::optional<SphericalFan> SphericalFan::create(std::span<const Vec3<double>> corners,
-                                                 const Vec3<double>& normal, double height) {
+std::optional<SphericalFan> SphericalFan::create(std::span<const Vec3> corners, const Vec3& normal,
+                                                 double height) {
   if (!is_low(corners, height)) return std::nullopt;
   SphericalFan fan;
   fan.height_ = std::fabs(height);
@@ -26,7 +26,7 @@ std::optional<SphericalFan> SphericalFan::create(std::span<const Vec3<double>> c
 
   double sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3<double>&a = corners[i], &b = corners[(i + 1) % corners.size()];
+    const Vec3 &a = corners[i], &b = corners[(i + 1) % corners.size()];
     Edge edge;
     edge.along = normalized(b - a);
     // The distance within the plane does not depend on the height.
@@ -45,7 +45,7 @@ std::optional<SphericalFan> SphericalFan::create(std::span<const Vec3<double>> c
   return fan;
 }
 
-Vec3<double> SphericalFan::sample(Vec2<double> u) const {
+Vec3 SphericalFan::sample(Vec2 u) const {
   const double target = std::clamp(u.x, 0.0, 1.0) * up_to_[count_ - 1];
   int i = 0;
   while (i + 1 < count_ && target > up_to_[i]) ++i;

@@ -29,14 +29,14 @@ class SphericalFan {
   /// one unit of length.  Nothing if the foot is outside the polygon.  Nothing if the height
   /// exceeds a thousandth of the distance to the farthest corner, because other ways are as good
   /// there.
-  static std::optional<SphericalFan> create(std::span<const Vec3<double>> corners,
-                                            const Vec3<double>& normal, double height);
+  static std::optional<SphericalFan> create(std::span<const Vec3> corners, const Vec3& normal,
+                                            double height);
 
   /// Whether the height is that low; a fast test of what `create` requires.
-  static bool is_low(std::span<const Vec3<double>> corners, double height) {
+  static bool is_low(std::span<const Vec3> corners, double height) {
     constexpr double kLow = 1e-3;
     double farthest = 0;
-    for (const Vec3<double>& c : corners) {
+    for (const Vec3& c : corners) {
       const double most = max_abs(c);
       farthest = most > farthest ? most : farthest;
     }
@@ -47,20 +47,20 @@ class SphericalFan {
 
   /// A point of the polygon, from the receiver; uniform in solid angle.  u.y = 0 is the foot,
   /// u.y = 1 the edge, u.x leads around it.  `u` in [0, 1]^2.
-  Vec3<double> sample(Vec2<double> u) const;
+  Vec3 sample(Vec2 u) const;
 
  private:
   SphericalFan() = default;
 
   /// An edge, relative to the foot.
   struct Edge {
-    Vec3<double> outwards, along;  ///< unit, within the plane
-    double distance, from, to;     ///< from the foot; y at either end
-    double covered_from;           ///< G(from)
+    Vec3 outwards, along;       ///< unit, within the plane
+    double distance, from, to;  ///< from the foot; y at either end
+    double covered_from;        ///< G(from)
   };
 
   double height_;
-  Vec3<double> to_foot_;
+  Vec3 to_foot_;
   int count_ = 0;
   std::array<Edge, 4> edge_;
   std::array<double, 4> up_to_;  ///< running sum of what the edges cover [sr]

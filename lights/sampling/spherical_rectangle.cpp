@@ -33,22 +33,19 @@ double unit(double v) { return between(v, 0, 1); }
 
 }  // namespace
 
-std::optional<SphericalRectangle> SphericalRectangle::create(const Vec3<double>& corner,
-                                                             const Vec3<double>& edge_x,
-                                                             const Vec3<double>& edge_y) {
+std::optional<SphericalRectangle> SphericalRectangle::create(const Vec3& corner, const Vec3& edge_x,
+                                                             const Vec3& edge_y) {
   return create(corner, edge_x, edge_y, dot(corner, cross(normalized(edge_x), normalized(edge_y))));
 }
 
-std::optional<SphericalRectangle> SphericalRectangle::create(const Vec3<double>& corner,
-                                                             const Vec3<double>& edge_x,
-                                                             const Vec3<double>& edge_y,
-                                                             double height) {
+std::optional<SphericalRectangle> SphericalRectangle::create(const Vec3& corner, const Vec3& edge_x,
+                                                             const Vec3& edge_y, double height) {
   const double largest = std::max({max_abs(corner), max_abs(edge_x), max_abs(edge_y)});
   if (!(largest > 0) || !std::isfinite(largest)) return std::nullopt;
   const int exponent = -exponent_of(largest);
-  const Vec3<double> p = scaled(corner, exponent);
-  const Vec3<double> ex = scaled(edge_x, exponent);
-  const Vec3<double> ey = scaled(edge_y, exponent);
+  const Vec3 p = scaled(corner, exponent);
+  const Vec3 ex = scaled(edge_x, exponent);
+  const Vec3 ey = scaled(edge_y, exponent);
   const double dx = length(ex), dy = length(ey);
 
   SphericalRectangle r;
@@ -84,7 +81,7 @@ double SphericalRectangle::strip(double x) const {
   return corner(y1_) - corner(y0_);
 }
 
-Vec2<double> SphericalRectangle::sample(Vec2<double> u) const {
+Vec2 SphericalRectangle::sample(Vec2 u) const {
   // The strip between 0 and x covers d = asin(k1 s) - asin(k0 s).  Here s = sin phi, tan phi = x /
   // z, and k0 and k1 are the sines of the elevations of the edges.  The law of cosines then gives
   // s^2 (k1^2 + k0^2 - 2 k1 k0 cos d) = sin^2 d.
@@ -119,7 +116,7 @@ Vec2<double> SphericalRectangle::sample(Vec2<double> u) const {
   return {unit((x - x0_) * (1 / (x1_ - x0_))), unit((y - y0_) * (1 / (y1_ - y0_)))};
 }
 
-Vec2<double> SphericalRectangle::invert(Vec2<double> shares) const {
+Vec2 SphericalRectangle::invert(Vec2 shares) const {
   const double x = x0_ + shares.x * (x1_ - x0_);
   const double y = y0_ + shares.y * (y1_ - y0_);
   const double r = std::sqrt(x * x + z_ * z_);

@@ -16,13 +16,11 @@ class SphericalRectangle {
   /// sampling and density use the same thresholds.  Most smaller rectangles are so far away that
   /// all ways are equal.  The others are nearly edge-on: samples lose digits, about five of sixteen
   /// at 1e-5 sr.
-  static std::optional<SphericalRectangle> create(const Vec3<double>& corner,
-                                                  const Vec3<double>& edge_x,
-                                                  const Vec3<double>& edge_y);
+  static std::optional<SphericalRectangle> create(const Vec3& corner, const Vec3& edge_x,
+                                                  const Vec3& edge_y);
   /// The same with a more exact height of the receiver above the plane, to either side.
-  static std::optional<SphericalRectangle> create(const Vec3<double>& corner,
-                                                  const Vec3<double>& edge_x,
-                                                  const Vec3<double>& edge_y, double height);
+  static std::optional<SphericalRectangle> create(const Vec3& corner, const Vec3& edge_x,
+                                                  const Vec3& edge_y, double height);
 
   /// Computed by two triangles, because a sum of four angles cancels.  [Oosterom83]  They share a
   /// diagonal, so one arctangent gives the sum of both.
@@ -30,10 +28,10 @@ class SphericalRectangle {
 
   /// The position along both edges as fractions in [0, 1]^2, uniform in solid angle. u = (0, 0) is
   /// the corner, u.x runs along edge_x, u.y along edge_y.  [Urena13]
-  Vec2<double> sample(Vec2<double> u) const;
+  Vec2 sample(Vec2 u) const;
 
   /// The `u` that `sample` maps to these fractions.
-  Vec2<double> invert(Vec2<double> shares) const;
+  Vec2 invert(Vec2 shares) const;
 
  private:
   SphericalRectangle() = default;

@@ -10,11 +10,11 @@ namespace lucerna {
 
 namespace {
 
-double norm(const Vec3<double>& v) { return std::sqrt(dot(v, v)); }
+double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
 
 /// The power of two that scales the longest of three vectors to about 1, exactly. 0 where all are 0
 /// or one is not finite.
-double unit_for(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
+double unit_for(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double largest = std::max({max_abs(a), max_abs(b), max_abs(c)});
   if (!(largest > 0) || !is_finite(a + b + c)) return 0;
   return std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1022, 1022));
@@ -22,8 +22,7 @@ double unit_for(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>
 
 }  // namespace
 
-double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c,
-                            double determinant) {
+double triangle_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c, double determinant) {
   const double la = norm(a);
   const double lb = norm(b);
   const double lc = norm(c);
@@ -31,39 +30,34 @@ double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const 
                         la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
 }
 
-double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac) {
+double triangle_solid_angle(const Vec3& a, const Vec3& ab, const Vec3& ac) {
   // Computed from the edges.  The corners of small triangles are nearly parallel, so their triple
   // product cancels.
   return triangle_solid_angle(a, a + ab, a + ac, dot(a, cross(ab, ac)));
 }
 
-std::optional<SphericalTriangle> SphericalTriangle::create(const Vec3<double>& world_a,
-                                                           const Vec3<double>& world_b,
-                                                           const Vec3<double>& world_c,
-                                                           const Vec3<double>& receiver) {
+std::optional<SphericalTriangle> SphericalTriangle::create(const Vec3& world_a, const Vec3& world_b,
+                                                           const Vec3& world_c,
+                                                           const Vec3& receiver) {
   const double unit = unit_for(world_a - receiver, world_b - receiver, world_c - receiver);
   if (!(unit > 0)) return std::nullopt;
-  const auto to_unit = [unit](const Vec3<double>& v) { return v * unit; };
+  const auto to_unit = [unit](const Vec3& v) { return v * unit; };
   return create(to_unit(world_a - receiver), to_unit(world_b - receiver),
                 to_unit(world_b - world_a), to_unit(world_c - world_a),
                 triple_product_of_corners(to_unit(receiver), to_unit(world_a), to_unit(world_b),
                                           to_unit(world_c)));
 }
 
-std::optional<SphericalTriangle> SphericalTriangle::create_seen(const Vec3<double>& a,
-                                                                const Vec3<double>& b,
-                                                                const Vec3<double>& c,
-                                                                double determinant) {
+std::optional<SphericalTriangle> SphericalTriangle::create_seen(const Vec3& a, const Vec3& b,
+                                                                const Vec3& c, double determinant) {
   const double unit = unit_for(a, b, c);
   if (!(unit > 0)) return std::nullopt;
   return create(a * unit, b * unit, (b - a) * unit, (c - a) * unit,
                 determinant * unit * unit * unit);
 }
 
-std::optional<SphericalTriangle> SphericalTriangle::create(const Vec3<double>& a,
-                                                           const Vec3<double>& b,
-                                                           const Vec3<double>& ab,
-                                                           const Vec3<double>& ac,
+std::optional<SphericalTriangle> SphericalTriangle::create(const Vec3& a, const Vec3& b,
+                                                           const Vec3& ab, const Vec3& ac,
                                                            double determinant) {
   const double la = norm(a);
   const double lb = norm(b);
@@ -92,11 +86,11 @@ double SphericalTriangle::Arc::one_minus_cos(double s) const {
 }
 
 SphericalTriangle::Arc SphericalTriangle::arc_to(double t) const {
-  const Vec3<double> m = ba_ + ac_ * (t * a_by_b_);
+  const Vec3 m = ba_ + ac_ * (t * a_by_b_);
   return {norm(cross(unit_b_, m)), dot(unit_b_, m)};
 }
 
-Vec3<double> SphericalTriangle::sample(Vec2<double> u) const {
+Vec3 SphericalTriangle::sample(Vec2 u) const {
   // c' = a + t (c - a) cuts off a triangle (a, b, c') of solid angle u.x times the whole.  Lengths
   // are in units of |a|, A and B are unit vectors, E = (c - a) / |a|, and w is half of that solid
   // angle.  [Oosterom83] gives
@@ -118,7 +112,7 @@ Vec3<double> SphericalTriangle::sample(Vec2<double> u) const {
   return {s * (1 - t), 1 - s, s * t};
 }
 
-Vec2<double> SphericalTriangle::invert(const Vec3<double>& barycentric) const {
+Vec2 SphericalTriangle::invert(const Vec3& barycentric) const {
   const double s = clamp_unit(barycentric.x + barycentric.z);
   const double t = s > 0 ? clamp_unit(barycentric.z / s) : 0;
   const double one_plus_cos = dot(bisector_, bisector_) / 2;

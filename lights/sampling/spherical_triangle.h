@@ -22,11 +22,10 @@ inline double clamp_unit(double x) { return std::fmin(std::fmax(x, 0), 1); }
 /// The solid angle [sr] of the triangle with a corner at `a` and edges `ab`, `ac` from it, seen
 /// from the origin; in [0, 2 pi].  0 if the origin is in its plane.  Any unit of length.
 /// [Oosterom83]
-double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac);
+double triangle_solid_angle(const Vec3& a, const Vec3& ab, const Vec3& ac);
 /// The same from three corners, with a `determinant` dot(a, cross(b, c)) that is more exact than
 /// one computed from the corners.
-double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c,
-                            double determinant);
+double triangle_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c, double determinant);
 
 /// A value; no call allocates.
 class SphericalTriangle {
@@ -35,29 +34,27 @@ class SphericalTriangle {
   /// given corners, so a small distant triangle loses precision only in its direction.  Nothing if
   /// there is no density by solid angle.  Then the receiver is in the plane or on a corner, the
   /// triangle covers the hemisphere to within 1e-6 sr, or a value is not finite.
-  static std::optional<SphericalTriangle> create(const Vec3<double>& a, const Vec3<double>& b,
-                                                 const Vec3<double>& c,
-                                                 const Vec3<double>& receiver = {});
+  static std::optional<SphericalTriangle> create(const Vec3& a, const Vec3& b, const Vec3& c,
+                                                 const Vec3& receiver = {});
 
   /// The same from corners relative to the receiver, with a `determinant` dot(a, cross(b - a, c -
   /// a)) that is more exact than one computed from them.
-  static std::optional<SphericalTriangle> create_seen(const Vec3<double>& a, const Vec3<double>& b,
-                                                      const Vec3<double>& c, double determinant);
+  static std::optional<SphericalTriangle> create_seen(const Vec3& a, const Vec3& b, const Vec3& c,
+                                                      double determinant);
 
   double solid_angle_sr() const { return solid_angle_; }
 
   /// Barycentric coordinates (of a, b, c) of a point, uniform in solid angle; not negative, sum 1.
   /// `u` in [0, 1]^2: u.y = 0 is b; u.y = 1 is the edge from a (u.x = 0) to c (u.x = 1).  [Arvo95]
-  Vec3<double> sample(Vec2<double> u) const;
+  Vec3 sample(Vec2 u) const;
 
   /// The `u` that `sample` maps to these barycentric coordinates.
-  Vec2<double> invert(const Vec3<double>& barycentric) const;
+  Vec2 invert(const Vec3& barycentric) const;
 
  private:
   SphericalTriangle() = default;
-  static std::optional<SphericalTriangle> create(const Vec3<double>& a, const Vec3<double>& b,
-                                                 const Vec3<double>& ab, const Vec3<double>& ac,
-                                                 double determinant);
+  static std::optional<SphericalTriangle> create(const Vec3& a, const Vec3& b, const Vec3& ab,
+                                                 const Vec3& ac, double determinant);
 
   /// The arc from b to the point c' of the edge ac at `t`: in units of |b|, b + s m.
   struct Arc {
@@ -68,10 +65,10 @@ class SphericalTriangle {
   };
   Arc arc_to(double t) const;
 
-  Vec3<double> unit_a_, unit_b_, ac_, ba_;  // ac_ in units of |a|; ba_ in units of |b|
-  Vec3<double> bisector_;                   // unit_a_ + unit_b_
-  double a_by_b_;                           // |a| / |b|
-  double determinant_;                      // of unit_a_, unit_b_, ac_; positive
+  Vec3 unit_a_, unit_b_, ac_, ba_;  // ac_ in units of |a|; ba_ in units of |b|
+  Vec3 bisector_;                   // unit_a_ + unit_b_
+  double a_by_b_;                   // |a| / |b|
+  double determinant_;              // of unit_a_, unit_b_, ac_; positive
   double solid_angle_;
 };
 

@@ -84,12 +84,11 @@ double WindowedDistribution::down(const Span& x, const Span& y, int to) const {
   return sum;
 }
 
-WindowedDistribution::Sample WindowedDistribution::sample(const Window& window,
-                                                          Vec2<double> u) const {
+WindowedDistribution::Sample WindowedDistribution::sample(const Window& window, Vec2 u) const {
   const Span x = span(window.x, window.width);
   const Span y = span(window.y, window.height);
   const double total = down(x, y, y.last);
-  Vec2<double> at;
+  Vec2 at;
   if (u.x < kUniformShare || !(total > 0)) {
     const double ux = total > 0 ? u.x / kUniformShare : u.x;
     at = {window.x + ux * window.width, window.y + u.y * window.height};
@@ -117,14 +116,13 @@ WindowedDistribution::Sample WindowedDistribution::sample(const Window& window,
   return {at, density(window, total, at)};
 }
 
-double WindowedDistribution::pdf(const Window& window, Vec2<double> position) const {
+double WindowedDistribution::pdf(const Window& window, Vec2 position) const {
   const Span x = span(window.x, window.width);
   const Span y = span(window.y, window.height);
   return density(window, down(x, y, y.last), position);
 }
 
-double WindowedDistribution::density(const Window& window, double total,
-                                     Vec2<double> position) const {
+double WindowedDistribution::density(const Window& window, double total, Vec2 position) const {
   const double uniform = 1 / (window.width * window.height);
   if (!(total > 0)) return uniform;
   const auto cell = [&](double c) { return std::clamp(static_cast<int>(c * n_), 0, n_ - 1); };

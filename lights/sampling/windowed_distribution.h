@@ -27,7 +27,7 @@ class WindowedDistribution {
     double x = 0, y = 0, width = 1, height = 1;
   };
   struct Sample {
-    Vec2<double> position;
+    Vec2 position;
     double pdf;  ///< with respect to the square's area
   };
 
@@ -36,10 +36,10 @@ class WindowedDistribution {
   WindowedDistribution(int n, const std::vector<double>& weights);
 
   /// For any u of the closed unit square and a window of positive extents.
-  Sample sample(const Window& window, Vec2<double> u) const;
+  Sample sample(const Window& window, Vec2 u) const;
   /// The density with which `sample` gives points of the window. Not finite if the window is too
   /// small for doubles.
-  double pdf(const Window& window, Vec2<double> position) const;
+  double pdf(const Window& window, Vec2 position) const;
 
   int size() const { return n_; }
   std::size_t bytes() const { return sizeof(*this) + sums_.capacity() * sizeof(std::uint64_t); }
@@ -59,7 +59,7 @@ class WindowedDistribution {
   double across(const Span& x, int to, int y0, int y1) const;
   /// The weight within the window's columns, and its rows up to and including `to`.
   double down(const Span& x, const Span& y, int to) const;
-  double density(const Window& window, double total, Vec2<double> position) const;
+  double density(const Window& window, double total, Vec2 position) const;
 
   int n_;
   std::vector<std::uint64_t> sums_;  ///< (n + 1) x (n + 1)

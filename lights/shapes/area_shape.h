@@ -31,9 +31,8 @@
 namespace lucerna {
 
 /// Shapes whose projected solid angle at a receiver has a closed form.
-template <typename Shape, typename Real>
-concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3<Real>& p,
-                                          const Vec3<double>& n) {
+template <typename Shape>
+concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3& p, const Vec3& n) {
   { shape.projected_solid_angle_sr(p, n, true) } -> std::same_as<std::optional<double>>;
   { shape.hides_itself() } -> std::same_as<bool>;
 };
@@ -54,28 +53,27 @@ concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3<Real>& 
 /// - `size`: how many primitives it has.
 /// - `bytes`: its memory.
 /// - `kHasProjectedSolidAngle`: whether it has `projected_solid_angle_sr` and `hides_itself`.
-template <typename Shape, typename Real>
-concept AreaShape = requires(const Shape& shape, const Receiver<Real>& receiver,
-                             const SurfacePoint<Real>& point, const Vec3<Real>& v,
-                             const Vec3<double>& p, const Vec2<Real>& u,
-                             void (&f)(const SurfacePoint<Real>&)) {
+template <typename Shape>
+concept AreaShape = requires(const Shape& shape, const Receiver& receiver,
+                             const SurfacePoint& point, const Vec3& v, const Vec3& p, const Vec2& u,
+                             void (&f)(const SurfacePoint&)) {
   { shape.area() } -> std::same_as<double>;
   { shape.area_error_m2() } -> std::same_as<double>;
   { shape.emissive_error() } -> std::same_as<absl::Status>;
-  { shape.sample(receiver, u) } -> std::same_as<ShapeSample<Real>>;
-  { shape.pdf(receiver, point) } -> std::same_as<SolidAnglePdf<Real>>;
+  { shape.sample(receiver, u) } -> std::same_as<ShapeSample>;
+  { shape.pdf(receiver, point) } -> std::same_as<SolidAnglePdf>;
   shape.for_each_hit(v, v, f);
   { shape.touches(v, 0) } -> std::same_as<bool>;
   { shape.height_over(point, v) } -> std::same_as<std::optional<double>>;
   { shape.height_above(p, p) } -> std::same_as<double>;
-  { shape.pdf_area(point) } -> std::same_as<AreaPdf<double>>;
-  { shape.locate(v, 0.0) } -> std::same_as<std::optional<SurfacePoint<Real>>>;
-  { shape.located_normal(point, 0.0) } -> std::same_as<Vec3<Real>>;
-  { shape.normals() } -> std::same_as<NormalCone<Real>>;
-  { shape.bounds() } -> std::same_as<std::pair<Vec3<Real>, Vec3<Real>>>;
+  { shape.pdf_area(point) } -> std::same_as<AreaPdf>;
+  { shape.locate(v, 0.0) } -> std::same_as<std::optional<SurfacePoint>>;
+  { shape.located_normal(point, 0.0) } -> std::same_as<Vec3>;
+  { shape.normals() } -> std::same_as<NormalCone>;
+  { shape.bounds() } -> std::same_as<std::pair<Vec3, Vec3>>;
   { shape.size() } -> std::same_as<std::size_t>;
   { shape.bytes() } -> std::same_as<std::size_t>;
-  requires Shape::kHasProjectedSolidAngle == HasProjectedSolidAngle<Shape, Real>;
+  requires Shape::kHasProjectedSolidAngle == HasProjectedSolidAngle<Shape>;
 };
 
 /// The further members of a shape that is one surface with parameters:
@@ -85,24 +83,24 @@ concept AreaShape = requires(const Shape& shape, const Receiver<Real>& receiver,
 /// - `intersect(origin, direction, t_min, t_max)`: the first point along a ray.
 /// - `enclosure()`: a convex body that contains it.
 template <typename Shape>
-concept QuadricShape = AreaShape<Shape, double> &&
-    requires(const Shape& shape, const typename Shape::Params& params, const Vec3<double>& v) {
+concept QuadricShape = AreaShape<Shape> &&
+    requires(const Shape& shape, const typename Shape::Params& params, const Vec3& v) {
   { Shape::create(params, v) } -> std::same_as<absl::StatusOr<Shape>>;
   { Shape::kName } -> std::convertible_to<std::string_view>;
-  { shape.intersect(v, v, 0.0, 1.0) } -> std::same_as<std::optional<ShapeHit<double>>>;
+  { shape.intersect(v, v, 0.0, 1.0) } -> std::same_as<std::optional<ShapeHit>>;
   { shape.enclosure() } -> std::same_as<RoundEnclosure>;
 };
-#define LUCERNA_QUADRIC(Shape) static_assert(QuadricShape<Shape<double>>);
+#define LUCERNA_QUADRIC(Shape) static_assert(QuadricShape<Shape>);
 LUCERNA_QUADRICS(LUCERNA_QUADRIC)
 #undef LUCERNA_QUADRIC
 
 /// Quadrics that lie in a plane.
 template <typename Shape>
-concept IsFlat = requires(const Shape& shape, const Vec3<double>& p) {
+concept IsFlat = requires(const Shape& shape, const Vec3& p) {
   shape.height_of(p);
 };
-#define LUCERNA_FLAT(Shape) static_assert(IsFlat<Shape<double>>);
-#define LUCERNA_CURVED(Shape) static_assert(!IsFlat<Shape<double>>);
+#define LUCERNA_FLAT(Shape) static_assert(IsFlat<Shape>);
+#define LUCERNA_CURVED(Shape) static_assert(!IsFlat<Shape>);
 LUCERNA_FLAT_QUADRICS(LUCERNA_FLAT)
 LUCERNA_CURVED_QUADRICS(LUCERNA_CURVED)
 #undef LUCERNA_FLAT
@@ -113,11 +111,11 @@ struct QuadricOfParams;
 #define LUCERNA_QUADRIC(Shape)            \
   template <>                             \
   struct QuadricOfParams<Shape##Params> { \
-    using type = Shape<double>;           \
+    using type = Shape;                   \
   };
 LUCERNA_QUADRICS(LUCERNA_QUADRIC)
 #undef LUCERNA_QUADRIC
-/// The shape in double that is made from `Params`.
+/// The shape that is made from `Params`.
 template <typename Params>
 using QuadricOf = typename QuadricOfParams<Params>::type;
 

@@ -40,11 +40,11 @@ BilinearPatchArea by_gauss(const BilinearForm& p, const Square& at) {
       mean += rule.weight[i] * rule.weight[j] *
               length(p.area_vector(at.u + at.size * rule.node[i], at.v + at.size * rule.node[j]));
 
-  const Vec3<double> middle = p.area_vector(at.u + at.size / 2, at.v + at.size / 2);
-  const Vec3<double> side = normalized(middle);
+  const Vec3 middle = p.area_vector(at.u + at.size / 2, at.v + at.size / 2);
+  const Vec3 side = normalized(middle);
   double least = std::numeric_limits<double>::infinity(), most = 0, sum = 0;
   for (int i = 0; i < 4; ++i) {
-    const Vec3<double> n = p.area_vector(at.u + at.size * (i & 1), at.v + at.size * (i >> 1));
+    const Vec3 n = p.area_vector(at.u + at.size * (i & 1), at.v + at.size * (i >> 1));
     const double size = length(n);
     least = std::fmin(least, dot(n, side)), most = std::fmax(most, size), sum += size;
   }

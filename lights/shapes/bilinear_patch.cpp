@@ -21,48 +21,46 @@ struct CornerWeights : BilinearWeights {
   bool flat_convex;
 
   explicit CornerWeights(const BilinearForm& p) {
-    if (p.g == Vec3<double>{}) {  // a parallelogram, as most are
+    if (p.g == Vec3{}) {  // a parallelogram, as most are
       w00 = w10 = w01 = w11 = length(cross(p.e, p.f));
       flat_convex = w00 > 0;
       return;
     }
-    const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
-                               p.area_vector(1, 1)};
+    const Vec3 n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
+                       p.area_vector(1, 1)};
     w00 = length(n[0]), w10 = length(n[1]), w01 = length(n[2]), w11 = length(n[3]);
     // Normals that differ by an angle a change the area by a^2 / 2.  Rounding corners to float
     // turns normals by 1e-7.
     constexpr double kFlat = 1e-6;
-    const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
+    const Vec3 sum = (n[0] + n[1]) + (n[2] + n[3]);
     // Scaled to length 1 first, because squares of areas leave double's range.  If the halves of a
     // patch cancel, the sum is 0 and gives NaN, which counts as not flat.
     const double to_unit = 1 / length(sum);
-    const Vec3<double> side = sum * to_unit;
+    const Vec3 side = sum * to_unit;
     flat_convex = true;
     for (const auto& corner : n) {
-      const Vec3<double> c = corner * to_unit, off = cross(c, side);
+      const Vec3 c = corner * to_unit, off = cross(c, side);
       flat_convex = flat_convex && dot(c, side) >= -kFlat && dot(off, off) <= kFlat * kFlat;
     }
   }
 };
 
 // Not inlined: GCC 12 at -O2 keeps a point in double where it has just been rounded to float.
-template <typename Real>
-[[gnu::noinline]] SurfacePoint<Real> sample_area(const BilinearForm& p,
-                                                 const CornerWeights& weights, Vec2<Real> u) {
+[[gnu::noinline]] SurfacePoint sample_area(const BilinearForm& p, const CornerWeights& weights,
+                                           Vec2 u) {
   const auto [s, t] = weights.sample({u.x, u.y});
-  return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+  return {p.at(s, t), normalized(p.area_vector(s, t))};
 }
 
-template <typename Real>
-AreaPdf<double> pdf_area(const BilinearPatch<Real>& patch, const BilinearForm& p,
-                         const CornerWeights& weights, const Vec3<Real>& position) {
+AreaPdf pdf_area(const BilinearPatch& patch, const BilinearForm& p, const CornerWeights& weights,
+                 const Vec3& position) {
   const double uniform = 1 / weights.mean();
   if (weights.flat_convex) return {uniform};
   const auto [lower, upper] = patch.bounds();
   const double tolerance_m =
       8 * kInputRounding * (static_cast<double>(max_abs(lower)) + max_abs(upper));
-  Vec2<double> uv[2];
-  const int count = invert(p, Vec3<double>(position), tolerance_m, uv);
+  Vec2 uv[2];
+  const int count = invert(p, position, tolerance_m, uv);
   double sum = 0;
   for (int i = 0; i < count; ++i)
     sum += weights.at(uv[i].x, uv[i].y) / length(p.area_vector(uv[i].x, uv[i].y));
@@ -70,19 +68,17 @@ AreaPdf<double> pdf_area(const BilinearPatch<Real>& patch, const BilinearForm& p
 }
 
 /// The corners' weights are computed once for a point and its density.
-template <typename Real>
-ChosenPoint<Real> sample_area_from(const BilinearPatch<Real>& patch, const BilinearForm& p,
-                                   const Receiver<Real>& receiver, Vec2<Real> u) {
+ChosenPoint sample_area_from(const BilinearPatch& patch, const BilinearForm& p,
+                             const Receiver& receiver, Vec2 u) {
   const CornerWeights weights(p);
-  const SurfacePoint<Real> point = sample_area(p, weights, u);
+  const SurfacePoint point = sample_area(p, weights, u);
   return {point,
           pdf_seen_from(receiver.position, point, pdf_area(patch, p, weights, point.position))};
 }
 
 }  // namespace
 
-template <typename Real>
-BilinearPatchArea BilinearPatch<Real>::measure() const {
+BilinearPatchArea BilinearPatch::measure() const {
   const BilinearForm p(*this);
   const CornerWeights weights(p);
   if (weights.flat_convex) return {weights.mean(), 0};
@@ -90,44 +86,36 @@ BilinearPatchArea BilinearPatch<Real>::measure() const {
   return integrate_area(p, kRelative * weights.mean());
 }
 
-template <typename Real>
-Vec3<Real> BilinearPatch<Real>::at(Vec2<Real> uv) const {
-  return Vec3<Real>(BilinearForm(*this).at(uv.x, uv.y));
+Vec3 BilinearPatch::at(Vec2 uv) const { return BilinearForm(*this).at(uv.x, uv.y); }
+
+Vec3 BilinearPatch::normal(Vec2 uv) const {
+  return normalized(BilinearForm(*this).area_vector(uv.x, uv.y));
 }
 
-template <typename Real>
-Vec3<Real> BilinearPatch<Real>::normal(Vec2<Real> uv) const {
-  return Vec3<Real>(normalized(BilinearForm(*this).area_vector(uv.x, uv.y)));
-}
-
-template <typename Real>
-SurfacePoint<Real> BilinearPatch<Real>::sample_area(Vec2<Real> u) const {
+SurfacePoint BilinearPatch::sample_area(Vec2 u) const {
   const BilinearForm p(*this);
   return lucerna::sample_area(p, CornerWeights(p), u);
 }
 
-template <typename Real>
-double BilinearPatch<Real>::area_element(Vec2<double> uv) const {
+double BilinearPatch::area_element(Vec2 uv) const {
   return length(BilinearForm(*this).area_vector(uv.x, uv.y));
 }
 
-template <typename Real>
-double BilinearPatch<Real>::least_area_element() const {
+double BilinearPatch::least_area_element() const {
   const BilinearForm p(*this);
-  const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
-                             p.area_vector(1, 1)};
-  const Vec3<double> side = normalized((n[0] + n[1]) + (n[2] + n[3]));
+  const Vec3 n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
+                     p.area_vector(1, 1)};
+  const Vec3 side = normalized((n[0] + n[1]) + (n[2] + n[3]));
   return std::max(0.0,
                   std::min({dot(n[0], side), dot(n[1], side), dot(n[2], side), dot(n[3], side)}));
 }
 
-template <typename Real>
-bool BilinearPatch<Real>::is_unfolded() const {
+bool BilinearPatch::is_unfolded() const {
   const BilinearForm p(*this);
-  const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
-                             p.area_vector(1, 1)};
-  const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
-  const Vec3<double> side = normalized(sum);
+  const Vec3 n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
+                     p.area_vector(1, 1)};
+  const Vec3 sum = (n[0] + n[1]) + (n[2] + n[3]);
+  const Vec3 side = normalized(sum);
   // A corner without area, as in a triangle, is not a fold, but it has no density.
   constexpr double kLeast = 1e-6;
   for (const auto& corner : n)
@@ -135,8 +123,7 @@ bool BilinearPatch<Real>::is_unfolded() const {
   return true;
 }
 
-template <typename Real>
-bool BilinearPatch<Real>::is_rectangle() const {
+bool BilinearPatch::is_rectangle() const {
   const BilinearForm p(*this);
   const double x = length(p.e);
   const double y = length(p.f);
@@ -151,21 +138,20 @@ namespace {
 
 /// A rectangle seen by a receiver, and how its points are chosen.
 struct Seen {
-  Vec3<double> corner[4];  // 00, 10, 01, 11; from the receiver
-  Vec3<double> normal;     // the receiver's
-  double height;           // of the receiver
+  Vec3 corner[4];  // 00, 10, 01, 11; from the receiver
+  Vec3 normal;     // the receiver's
+  double height;   // of the receiver
   AreaSampling way;
   std::optional<SphericalFan> fan;  // comes first
   std::optional<SphericalRectangle> spherical;
 
-  template <typename Real>
-  Seen(const BilinearPatch<Real>& patch, const BilinearForm& p, const Receiver<Real>& receiver)
+  Seen(const BilinearPatch& patch, const BilinearForm& p, const Receiver& receiver)
       : normal(receiver.normal), height(patch.height_of(receiver.position)) {
-    const Vec3<double> r(receiver.position);
+    const Vec3 r(receiver.position);
     for (int i = 0; i < 4; ++i) corner[i] = p.at(i & 1, i >> 1) - r;
     way = way_for_corners(receiver.area_sampling, corner, normal, receiver.incomplete);
     if (is_by_area(way) || height == 0) return;
-    const Vec3<double> around[] = {corner[0], corner[1], corner[3], corner[2]};
+    const Vec3 around[] = {corner[0], corner[1], corner[3], corner[2]};
     if (SphericalFan::is_low(around, height))
       fan = SphericalFan::create(around, normalized(cross(p.e, p.f)), height);
     if (!fan) spherical = SphericalRectangle::create(corner[0], p.e, p.f, height);
@@ -177,113 +163,97 @@ struct Seen {
   }
 };
 
-template <typename Real>
-SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const BilinearForm& p,
-                             const Seen& seen, const Receiver<Real>& receiver,
-                             const SurfacePoint<Real>& point) {
+SolidAnglePdf pdf_of(const BilinearPatch& patch, const BilinearForm& p, const Seen& seen,
+                     const Receiver& receiver, const SurfacePoint& point) {
   if (seen.fan) return {1 / seen.fan->solid_angle_sr()};
   if (!seen.spherical)
     return pdf_seen_from(receiver.position, point, patch.pdf_area(point.position), seen.height);
   const double uniform = 1 / seen.spherical->solid_angle_sr();
   if (seen.way != AreaSampling::kCosineSolidAngle) return {uniform};
-  const Vec3<double> q = Vec3<double>(point.position) - p.p00;
-  const Vec2<double> shares{dot(q, p.e) / dot(p.e, p.e), dot(q, p.f) / dot(p.f, p.f)};
+  const Vec3 q = point.position - p.p00;
+  const Vec2 shares{dot(q, p.e) / dot(p.e, p.e), dot(q, p.f) / dot(p.f, p.f)};
   return {uniform * seen.cosines().pdf(seen.spherical->invert(shares))};
 }
 
 }  // namespace
 
-template <typename Real>
-bool BilinearPatch<Real>::is_flat() const {
+bool BilinearPatch::is_flat() const {
   const BilinearForm form(*this);
   if (!CornerWeights(form).flat_convex || !(length(cross(form.e, form.f)) > 0)) return false;
   // One rounding of each coordinate of each corner.
   const auto [lower, upper] = bounds();
   const double rounding =
-      4 * double{std::numeric_limits<Real>::epsilon()} * (double{max_abs(lower)} + max_abs(upper));
-  return std::fabs(height_over(Vec3<double>(p11), Vec3<double>(p00), Vec3<double>(p10),
-                               Vec3<double>(p01))) <= rounding;
+      4 * std::numeric_limits<double>::epsilon() * (double{max_abs(lower)} + max_abs(upper));
+  return std::fabs(height_over(p11, p00, p10, p01)) <= rounding;
 }
 
-template <typename Real>
-double BilinearPatch<Real>::height_of(const Vec3<Real>& p) const {
+double BilinearPatch::height_of(const Vec3& p) const {
   if (p == p11) return 0;  // rounding may have moved it off the plane of the others
-  return height_over(Vec3<double>(p), Vec3<double>(p00), Vec3<double>(p10), Vec3<double>(p01));
+  return height_over(p, p00, p10, p01);
 }
 
-template <typename Real>
-bool BilinearPatch<Real>::touches(const Vec3<Real>& p) const {
+bool BilinearPatch::touches(const Vec3& p) const {
   if (height_of(p) != 0) return false;
   if (p == p10 || p == p01 || p == p11) return true;
   const BilinearForm form(*this);
-  const Vec3<double> side = normalized(cross(form.e, form.f));
-  const Vec3<double> around[] = {Vec3<double>(p00), Vec3<double>(p10), Vec3<double>(p11),
-                                 Vec3<double>(p01)};
+  const Vec3 side = normalized(cross(form.e, form.f));
+  const Vec3 around[] = {p00, p10, p11, p01};
   const double edge = 1e-14 * (length(form.e) + length(form.f));
   for (int i = 0; i < 4; ++i) {
-    const Vec3<double> way = around[(i + 1) % 4] - around[i];
-    if (way == Vec3<double>{}) continue;
-    if (dot(cross(normalized(way), Vec3<double>(p) - around[i]), side) < -edge) return false;
+    const Vec3 way = around[(i + 1) % 4] - around[i];
+    if (way == Vec3{}) continue;
+    if (dot(cross(normalized(way), p - around[i]), side) < -edge) return false;
   }
   return true;
 }
 
-template <typename Real>
-ChosenPoint<Real> BilinearPatch<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
+ChosenPoint BilinearPatch::sample(const Receiver& receiver, Vec2 u) const {
   const BilinearForm p(*this);
   const Seen seen(*this, p, receiver);
-  SurfacePoint<Real> point;
-  Vec3<double> to_point;
+  SurfacePoint point;
+  Vec3 to_point;
   if (seen.fan) {
     to_point = seen.fan->sample({u.x, u.y});
-    point = {Vec3<Real>(Vec3<double>(receiver.position) + to_point),
-             Vec3<Real>(normalized(cross(p.e, p.f)))};
+    point = {receiver.position + to_point, normalized(cross(p.e, p.f))};
   } else if (seen.spherical) {
-    Vec2<double> v{u.x, u.y};
+    Vec2 v{u.x, u.y};
     if (seen.way == AreaSampling::kCosineSolidAngle) v = seen.cosines().sample(v);
     const auto [s, t] = seen.spherical->sample(v);
-    point = {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+    point = {p.at(s, t), normalized(p.area_vector(s, t))};
   } else {
     point = lucerna::sample_area(p, CornerWeights(p), u);
   }
   return {point, pdf_of(*this, p, seen, receiver, point), to_point};
 }
 
-template <typename Real>
-ChosenPoint<Real> BilinearPatch<Real>::sample_area(const Receiver<Real>& receiver,
-                                                   Vec2<Real> u) const {
+ChosenPoint BilinearPatch::sample_area(const Receiver& receiver, Vec2 u) const {
   return sample_area_from(*this, BilinearForm(*this), receiver, u);
 }
 
-template <typename Real>
-SolidAnglePdf<double> BilinearPatch<Real>::pdf(const Receiver<Real>& receiver,
-                                               const SurfacePoint<Real>& point) const {
+SolidAnglePdf BilinearPatch::pdf(const Receiver& receiver, const SurfacePoint& point) const {
   const BilinearForm p(*this);
   return pdf_of(*this, p, Seen(*this, p, receiver), receiver, point);
 }
 
-template <typename Real>
-AreaPdf<double> BilinearPatch<Real>::pdf_area(const Vec3<Real>& position) const {
+AreaPdf BilinearPatch::pdf_area(const Vec3& position) const {
   const BilinearForm p(*this);
   return lucerna::pdf_area(*this, p, CornerWeights(p), position);
 }
 
-template <typename Real>
-ShapeHits<Real> BilinearPatch<Real>::hits(const Vec3<Real>& origin, const Vec3<Real>& direction,
-                                          Real t_min, Real t_max,
-                                          std::array<Vec2<Real>, 2>* uv_hits) const {
+ShapeHits BilinearPatch::hits(const Vec3& origin, const Vec3& direction, double t_min, double t_max,
+                              std::array<Vec2, 2>* uv_hits) const {
   const BilinearForm p(*this);
-  const Vec3<double> d(direction);
+  const Vec3 d(direction);
   const double dd = dot(d, d);
-  ShapeHits<Real> found;
+  ShapeHits found;
   if (!(dd > 0)) return found;
   // Start from the point of the ray nearest to a corner, so that far origins do not cancel below.
-  const double t_near = dot(p.p00 - Vec3<double>(origin), d) / dd;
-  const Vec3<double> a = p.p00 - (Vec3<double>(origin) + d * t_near);
+  const double t_near = dot(p.p00 - origin, d) / dd;
+  const Vec3 a = p.p00 - (origin + d * t_near);
 
   // The line of constant u meets the ray's line where a + u e, f + u g and d lie in one plane.
-  const Vec3<double> fd = cross(p.f, d);
-  const Vec3<double> gd = cross(p.g, d);
+  const Vec3 fd = cross(p.f, d);
+  const Vec3 gd = cross(p.g, d);
   double root[2];
   const int count = solve_quadratic(dot(p.e, gd), dot(p.e, fd) + dot(a, gd), dot(a, fd), root);
 
@@ -294,20 +264,19 @@ ShapeHits<Real> BilinearPatch<Real>::hits(const Vec3<Real>& origin, const Vec3<R
   for (int i = 0; i < count; ++i) {
     if (!on_patch(root[i])) continue;
     const double u = std::clamp(root[i], 0.0, 1.0);
-    const Vec3<double> line = p.f + p.g * u;
-    const Vec3<double> w = a + p.e * u;  // t d - v line = w
-    const Vec3<double> n = cross(d, line);
+    const Vec3 line = p.f + p.g * u;
+    const Vec3 w = a + p.e * u;  // t d - v line = w
+    const Vec3 n = cross(d, line);
     const double nn = dot(n, n);
     if (!(nn > 0)) continue;
     const double v = dot(cross(w, d), n) / nn;
     const double t = t_near + dot(cross(w, line), n) / nn;
     if (!on_patch(v) || !(t > t_min && t < t_max)) continue;
-    const Vec2<Real> uv{static_cast<Real>(u), static_cast<Real>(std::clamp(v, 0.0, 1.0))};
-    const SurfacePoint<Real> point{Vec3<Real>(p.at(u, std::clamp(v, 0.0, 1.0))),
-                                   Vec3<Real>(normalized(p.area_vector(u, v)))};
+    const Vec2 uv{u, std::clamp(v, 0.0, 1.0)};
+    const SurfacePoint point{p.at(u, std::clamp(v, 0.0, 1.0)), normalized(p.area_vector(u, v))};
     t_of[found.count] = t;
     if (uv_hits) (*uv_hits)[found.count] = uv;
-    found.add(static_cast<Real>(t), point);
+    found.add(t, point);
   }
   if (found.count == 2 && t_of[1] < t_of[0]) {
     std::swap(found.hit[0], found.hit[1]);
@@ -316,33 +285,25 @@ ShapeHits<Real> BilinearPatch<Real>::hits(const Vec3<Real>& origin, const Vec3<R
   return found;
 }
 
-template <typename Real>
-std::optional<ShapeHit<Real>> BilinearPatch<Real>::intersect(const Vec3<Real>& origin,
-                                                             const Vec3<Real>& direction,
-                                                             Real t_min, Real t_max,
-                                                             Vec2<Real>* uv_hit) const {
-  std::array<Vec2<Real>, 2> uv;
+std::optional<ShapeHit> BilinearPatch::intersect(const Vec3& origin, const Vec3& direction,
+                                                 double t_min, double t_max, Vec2* uv_hit) const {
+  std::array<Vec2, 2> uv;
   const auto found = hits(origin, direction, t_min, t_max, &uv);
   if (found.count == 0) return std::nullopt;
   if (uv_hit) *uv_hit = uv[0];
   return found.hit[0];
 }
 
-template <typename Real>
-std::pair<Vec3<Real>, Vec3<Real>> BilinearPatch<Real>::bounds() const {
+std::pair<Vec3, Vec3> BilinearPatch::bounds() const {
   return {{std::min({p00.x, p10.x, p01.x, p11.x}), std::min({p00.y, p10.y, p01.y, p11.y}),
            std::min({p00.z, p10.z, p01.z, p11.z})},
           {std::max({p00.x, p10.x, p01.x, p11.x}), std::max({p00.y, p10.y, p01.y, p11.y}),
            std::max({p00.z, p10.z, p01.z, p11.z})}};
 }
 
-template <typename Real>
-Vec2<Real> BilinearPatch<Real>::locate(const Vec3<Real>& position) const {
-  const Vec2<double> uv = nearest(BilinearForm(*this), Vec3<double>(position));
-  return {static_cast<Real>(uv.x), static_cast<Real>(uv.y)};
+Vec2 BilinearPatch::locate(const Vec3& position) const {
+  const Vec2 uv = nearest(BilinearForm(*this), position);
+  return {uv.x, uv.y};
 }
-
-template struct BilinearPatch<float>;
-template struct BilinearPatch<double>;
 
 }  // namespace lucerna

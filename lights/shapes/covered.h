@@ -13,8 +13,8 @@
 
 namespace lucerna {
 
-/// `Shape` has `surface()`, a `Surface` of `Real`.
-template <typename Shape, typename Real, typename Surface>
+/// `Shape` has `surface()`, a `Surface` of `double`.
+template <typename Shape, typename Surface>
 class Covered {
  public:
   static constexpr bool kHasProjectedSolidAngle = false;
@@ -23,26 +23,24 @@ class Covered {
   double area_error_m2() const { return under().area_error_m2(); }
   absl::Status emissive_error() const { return under().emissive_error(); }
   template <typename F>
-  void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
+  void for_each_hit(const Vec3& receiver, const Vec3& wi, F&& f) const {
     under().for_each_hit(receiver, wi, std::forward<F>(f));
   }
-  std::optional<double> height_over(const SurfacePoint<Real>& point, const Vec3<Real>& p) const {
+  std::optional<double> height_over(const SurfacePoint& point, const Vec3& p) const {
     return under().height_over(point, p);
   }
-  double height_above(const Vec3<double>& p, const Vec3<double>& n) const {
-    return under().height_above(p, n);
-  }
-  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
+  double height_above(const Vec3& p, const Vec3& n) const { return under().height_above(p, n); }
+  std::optional<SurfacePoint> locate(const Vec3& position, double slack_m = 0) const {
     return under().locate(position, slack_m);
   }
-  Vec3<Real> located_normal(const SurfacePoint<Real>& p, double slack_m) const {
+  Vec3 located_normal(const SurfacePoint& p, double slack_m) const {
     return under().located_normal(p, slack_m);
   }
-  bool touches(const Vec3<Real>& p, std::uint32_t primitive) const {
+  bool touches(const Vec3& p, std::uint32_t primitive) const {
     return under().touches(p, primitive);
   }
-  NormalCone<Real> normals() const { return under().normals(); }
-  std::pair<Vec3<Real>, Vec3<Real>> bounds() const { return under().bounds(); }
+  NormalCone normals() const { return under().normals(); }
+  std::pair<Vec3, Vec3> bounds() const { return under().bounds(); }
   std::size_t size() const { return under().size(); }
 
  private:

@@ -31,44 +31,40 @@ struct CylinderParams {
 /// Normals are geometric.  They point away from the axis, also under mirrors, unless
 /// `reverse_orientation` is set.  Immutable, so safe to share between threads.  Calls allocate only
 /// for error messages.
-template <typename Real>
-class Cylinder : public Quadric<Cylinder<Real>, Real, CylinderParams> {
+class Cylinder : public Quadric<Cylinder, CylinderParams> {
  public:
   static constexpr bool kHasProjectedSolidAngle = false;
   static constexpr std::string_view kName = "cylinder";
 
-  /// Errors: a field out of its domain; bounds that `Real` cannot hold.
-  static absl::StatusOr<Cylinder> create(const CylinderParams& params,
-                                         const Vec3<double>& origin_m = {});
+  /// Errors: a field out of its domain; bounds that `double` cannot hold.
+  static absl::StatusOr<Cylinder> create(const CylinderParams& params, const Vec3& origin_m = {});
 
   /// OK where this shape can carry a light: equal factors across the axis, any factor along it, no
   /// shear.  Else InvalidArgument with the factors.
   absl::Status emissive_error() const;
 
   /// Uniform by area.  [Pharr23, 6.3.3]
-  ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const;
   /// The density of `sample` at a point of the surface.
-  SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
+  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const;
 
   /// Whether `p` lies on it, to within the rounding of doubles.
-  bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
+  bool touches(const Vec3& p, std::uint32_t primitive = 0) const;
 
   /// All directions for a whole cylinder; for a part a cone around its middle.
-  NormalCone<Real> normals() const;
+  NormalCone normals() const;
 
   /// The mapping of pictures: u is the share of the sweep, v runs from the lower end (0) to the
   /// upper end (1).  [Pharr23, 6.3.2]
-  Vec2<double> uv(const Vec3<Real>& position) const;
+  Vec2 uv(const Vec3& position) const;
   BandArea area_of(const Band& band) const;
   /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
-  SurfacePoint<Real> at_shares(Vec2<double> shares) const;
+  SurfacePoint at_shares(Vec2 shares) const;
 
   /// World bounds about the origin, {lower, upper}. A part has the bounds of the whole cylinder.
-  std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
+  std::pair<Vec3, Vec3> bounds() const;
   /// None: the cylinder is not flat.
-  std::optional<double> height_over(const SurfacePoint<Real>&, const Vec3<Real>&) const {
-    return std::nullopt;
-  }
+  std::optional<double> height_over(const SurfacePoint&, const Vec3&) const { return std::nullopt; }
 
   /// The whole cylinder, with its ends.
   RoundEnclosure enclosure() const {
@@ -79,21 +75,18 @@ class Cylinder : public Quadric<Cylinder<Real>, Real, CylinderParams> {
   }
 
  private:
-  Cylinder(const CylinderParams& params, const Vec3<double>& origin_m);
+  Cylinder(const CylinderParams& params, const Vec3& origin_m);
   /// The ends are open.  Rays along the axis do not hit.
-  int roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min, Real t_max,
+  int roots(const Vec3& origin, const Vec3& direction, double t_min, double t_max,
             QuadricRoots& out) const;
-  bool is_cut_away(const Vec3<double>& p) const;
-  std::optional<Vec3<double>> nearest(const Vec3<double>& q) const;
-  Vec3<Real> normal_at(const Vec3<double>& p) const { return this->oriented({p.x, p.y, 0}); }
+  bool is_cut_away(const Vec3& p) const;
+  std::optional<Vec3> nearest(const Vec3& q) const;
+  Vec3 normal_at(const Vec3& p) const { return this->oriented({p.x, p.y, 0}); }
 
-  using Base = Quadric<Cylinder<Real>, Real, CylinderParams>;
+  using Base = Quadric<Cylinder, CylinderParams>;
   friend Base;
   using Base::area_m2_, Base::object_from_world_, Base::params_, Base::world_from_object_;
   using Base::on_ring, Base::pdf_by_area, Base::surface_point;
 };
-
-extern template class Cylinder<float>;
-extern template class Cylinder<double>;
 
 }  // namespace lucerna

@@ -26,8 +26,7 @@ absl::Status check(const DiskParams& p) {
 
 }  // namespace
 
-template <typename Real>
-Disk<Real>::Disk(const DiskParams& params, const Vec3<double>& origin_m)
+Disk::Disk(const DiskParams& params, const Vec3& origin_m)
     : Base(params, origin_m),
       normal_(
           normalized(world_from_object_.normal({0, 0, params.reverse_orientation ? -1.0 : 1.0}))) {
@@ -40,64 +39,56 @@ Disk<Real>::Disk(const DiskParams& params, const Vec3<double>& origin_m)
                params.world_from_object.uniform_scale().has_value();
 }
 
-template <typename Real>
-absl::StatusOr<Disk<Real>> Disk<Real>::create(const DiskParams& params,
-                                              const Vec3<double>& origin_m) {
+absl::StatusOr<Disk> Disk::create(const DiskParams& params, const Vec3& origin_m) {
   if (absl::Status status = check(params); !status.ok()) return status;
   return Base::with_finite_bounds(Disk(params, origin_m), "disk", "the disk",
                                   {0, 0, params.height_m});
 }
 
-template <typename Real>
-double Disk<Real>::height_of(const Vec3<Real>& p) const {
-  const Vec3<double> x = world_from_object_.vector({1, 0, 0});
-  const Vec3<double> y = world_from_object_.vector({0, 1, 0});
+double Disk::height_of(const Vec3& p) const {
+  const Vec3 x = world_from_object_.vector({1, 0, 0});
+  const Vec3 y = world_from_object_.vector({0, 1, 0});
   const double height =
-      height_over_edges(Vec3<double>(p), world_from_object_.point({0, 0, params_.height_m}), x, y);
-  return dot(cross(x, y), Vec3<double>(normal_)) < 0 ? -height : height;
+      height_over_edges(p, world_from_object_.point({0, 0, params_.height_m}), x, y);
+  return dot(cross(x, y), normal_) < 0 ? -height : height;
 }
 
-template <typename Real>
-bool Disk<Real>::touches(const Vec3<Real>& p, std::uint32_t) const {
+bool Disk::touches(const Vec3& p, std::uint32_t) const {
   if (height_of(p) != 0) return false;
   // About the middle, so coordinates far from the origin lose no precision.
-  const Vec3<double> middle = world_from_object_.point({0, 0, params_.height_m});
-  const Vec3<double> q = object_from_world_.vector(Vec3<double>(p) - middle);
+  const Vec3 middle = world_from_object_.point({0, 0, params_.height_m});
+  const Vec3 q = object_from_world_.vector(p - middle);
   constexpr double kEdge = 1e-14;
   const double r = std::hypot(q.x, q.y);
   return r >= params_.inner_radius_m * (1 - kEdge) && r <= params_.radius_m * (1 + kEdge) &&
          (r == 0 || is_swept(q, params_.phi_max_rad));
 }
 
-template <typename Real>
-std::optional<double> Disk<Real>::projected_solid_angle_sr(const Vec3<Real>& position,
-                                                           const Vec3<double>& normal,
-                                                           bool two_sided) const {
+std::optional<double> Disk::projected_solid_angle_sr(const Vec3& position, const Vec3& normal,
+                                                     bool two_sided) const {
   if (!is_circle_) return std::nullopt;
   const double height = height_of(position);
   if (!two_sided && !(height > 0)) return 0;
-  const Vec3<double> middle = world_from_object_.point({0, 0, params_.height_m});
+  const Vec3 middle = world_from_object_.point({0, 0, params_.height_m});
   const double scale = length(world_from_object_.vector({1, 0, 0}));
-  return disk_projected_solid_angle(middle - Vec3<double>(position),
+  return disk_projected_solid_angle(middle - position,
                                     normalized(world_from_object_.normal({0, 0, 1})),
                                     params_.radius_m * scale, height, normal);
 }
 
 /// A disk seen by a receiver.  For whole disks, (x, y) is a unit vector in object space: from the
 /// point of the plane below the receiver to the centre.
-template <typename Real>
-struct Disk<Real>::Seen {
+struct Disk::Seen {
   double height_m = 0;                      // of the receiver, in the world
   std::optional<SphericalEllipse> ellipse;  // nothing: sample by area
   double x = 1, y = 0;
 };
 
-template <typename Real>
-auto Disk<Real>::seen_from(const Receiver<Real>& receiver) const -> Seen {
+auto Disk::seen_from(const Receiver& receiver) const -> Seen {
   Seen seen;
   seen.height_m = height_of(receiver.position);
   if (!is_circle_ || is_by_area(receiver.area_sampling)) return seen;
-  const Vec3<double> r = object_from_world_.point(Vec3<double>(receiver.position));
+  const Vec3 r = object_from_world_.point(receiver.position);
   const double height = std::fabs(seen.height_m) / length(world_from_object_.vector({1, 0, 0}));
   const double offset = std::hypot(r.x, r.y);
   if (offset > 0) seen.x = -r.x / offset, seen.y = -r.y / offset;
@@ -108,14 +99,13 @@ auto Disk<Real>::seen_from(const Receiver<Real>& receiver) const -> Seen {
   return seen;
 }
 
-template <typename Real>
-ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
+ShapeSample Disk::sample(const Receiver& receiver, Vec2 u) const {
   const Seen seen = seen_from(receiver);
-  ShapeSample<Real> s;
-  Vec3<double> p;
+  ShapeSample s;
+  Vec3 p;
   if (seen.ellipse) {
-    const auto turned = [&seen](const Vec2<double>& q) {
-      return Vec3<double>{q.x * seen.x - q.y * seen.y, q.x * seen.y + q.y * seen.x, 0};
+    const auto turned = [&seen](const Vec2& q) {
+      return Vec3{q.x * seen.x - q.y * seen.y, q.x * seen.y + q.y * seen.x, 0};
     };
     const SphericalEllipse::Point chosen = seen.ellipse->choose({u.x, u.y});
     p = turned(chosen.from_center);
@@ -124,8 +114,8 @@ ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> 
     constexpr double kLow = 1e-3;
     const double scale = length(world_from_object_.vector({1, 0, 0}));
     if (std::fabs(seen.height_m) < kLow * params_.radius_m * scale)
-      s.to_point = world_from_object_.vector(turned(chosen.from_foot)) -
-                   normalized(Vec3<double>(normal_)) * seen.height_m;
+      s.to_point =
+          world_from_object_.vector(turned(chosen.from_foot)) - normalized(normal_) * seen.height_m;
   } else {
     // Equal shares of r^2 have equal areas.  A concentric map would distort less, but does not fit
     // an annulus or a sector.
@@ -140,27 +130,23 @@ ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> 
   return s;
 }
 
-template <typename Real>
-SolidAnglePdf<Real> Disk<Real>::pdf(const Seen& seen, const Receiver<Real>& receiver,
-                                    const SurfacePoint<Real>& point) const {
+SolidAnglePdf Disk::pdf(const Seen& seen, const Receiver& receiver,
+                        const SurfacePoint& point) const {
   if (!seen.ellipse)
-    return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_}, seen.height_m);
-  const Vec3<double> p = object_from_world_.point(Vec3<double>(point.position));
-  const Vec2<double> q{p.x * seen.x + p.y * seen.y, p.y * seen.x - p.x * seen.y};
-  return {static_cast<Real>(seen.ellipse->pdf(q))};
+    return as_seen_from(receiver.position, point, AreaPdf{1 / area_m2_}, seen.height_m);
+  const Vec3 p = object_from_world_.point(point.position);
+  const Vec2 q{p.x * seen.x + p.y * seen.y, p.y * seen.x - p.x * seen.y};
+  return {seen.ellipse->pdf(q)};
 }
 
-template <typename Real>
-SolidAnglePdf<Real> Disk<Real>::pdf(const Receiver<Real>& receiver,
-                                    const SurfacePoint<Real>& point) const {
+SolidAnglePdf Disk::pdf(const Receiver& receiver, const SurfacePoint& point) const {
   return pdf(seen_from(receiver), receiver, point);
 }
 
-template <typename Real>
-int Disk<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min, Real t_max,
-                      QuadricRoots& out) const {
-  const Vec3<double> o = object_from_world_.point(Vec3<double>(origin));
-  const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
+int Disk::roots(const Vec3& origin, const Vec3& direction, double t_min, double t_max,
+                QuadricRoots& out) const {
+  const Vec3 o = object_from_world_.point(origin);
+  const Vec3 d = object_from_world_.vector(direction);
   if (d.z == 0) return 0;
   const double t = (params_.height_m - o.z) / d.z;
   if (!(t > t_min && t < t_max)) return 0;
@@ -169,27 +155,25 @@ int Disk<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Rea
   const double r2 = x * x + y * y;
   if (!(r2 <= params_.radius_m * params_.radius_m)) return 0;
   if (r2 < params_.inner_radius_m * params_.inner_radius_m) return 0;
-  const Vec3<double> p{x, y, params_.height_m};
+  const Vec3 p{x, y, params_.height_m};
   if (!is_swept(p, params_.phi_max_rad)) return 0;
   out[0] = {t, p};
   return 1;
 }
 
-template <typename Real>
-std::pair<Vec3<Real>, Vec3<Real>> Disk<Real>::bounds() const {
+std::pair<Vec3, Vec3> Disk::bounds() const {
   const auto& m = world_from_object_.matrix();
-  const Vec3<double> center = world_from_object_.point({0, 0, params_.height_m});
+  const Vec3 center = world_from_object_.point({0, 0, params_.height_m});
   // The extent of an ellipse along an axis is the length of that row of the map.
   const auto extent = [&](int row) {
-    return params_.radius_m * length(Vec3<double>{m[row][0], m[row][1], 0});
+    return params_.radius_m * length(Vec3{m[row][0], m[row][1], 0});
   };
-  const Vec3<double> half{extent(0), extent(1), extent(2)};
-  return rounded_outwards<Real>(center - half, center + half);
+  const Vec3 half{extent(0), extent(1), extent(2)};
+  return rounded_outwards(center - half, center + half);
 }
 
-template <typename Real>
-std::optional<Vec3<double>> Disk<Real>::nearest(const Vec3<double>& p) const {
-  Vec3<double> q{p.x, p.y, params_.height_m};
+std::optional<Vec3> Disk::nearest(const Vec3& p) const {
+  Vec3 q{p.x, p.y, params_.height_m};
   const double r = std::hypot(q.x, q.y);
   const double ring = std::clamp(r, params_.inner_radius_m, params_.radius_m);
   if (!is_finite(q) || (r == 0 && ring > 0)) return std::nullopt;
@@ -197,21 +181,16 @@ std::optional<Vec3<double>> Disk<Real>::nearest(const Vec3<double>& p) const {
   return q;
 }
 
-template <typename Real>
-NormalCone<Real> Disk<Real>::normals() const {
-  return {normal_, 0};
-}
+NormalCone Disk::normals() const { return {normal_, 0}; }
 
-template <typename Real>
-Vec2<double> Disk<Real>::uv(const Vec3<Real>& position) const {
-  const Vec3<double> p = object_from_world_.point(Vec3<double>(position));
+Vec2 Disk::uv(const Vec3& position) const {
+  const Vec3 p = object_from_world_.point(position);
   const double v =
       (params_.radius_m - std::hypot(p.x, p.y)) / (params_.radius_m - params_.inner_radius_m);
   return {share_of_sweep(p, params_.phi_max_rad), std::clamp(v, 0.0, 1.0)};
 }
 
-template <typename Real>
-BandArea Disk<Real>::area_of(const Band& band) const {
+BandArea Disk::area_of(const Band& band) const {
   // The radius grows downwards, from the inner edge, and area with its square.
   const double inner = params_.inner_radius_m, ring = params_.radius_m - inner;
   const double middle = inner + ring * (band.above + band.height / 2);
@@ -219,16 +198,12 @@ BandArea Disk<Real>::area_of(const Band& band) const {
   return {middle * per_whole, ring * band.height / 6 * per_whole};
 }
 
-template <typename Real>
-SurfacePoint<Real> Disk<Real>::at_shares(Vec2<double> shares) const {
+SurfacePoint Disk::at_shares(Vec2 shares) const {
   const double inner = params_.inner_radius_m;
   const double r = std::sqrt(
       inner * inner + (1 - shares.y) * ((params_.radius_m - inner) * (params_.radius_m + inner)));
   const double phi = params_.phi_max_rad * shares.x;
   return surface_point(on_ring(r, phi, params_.height_m));
 }
-
-template class Disk<float>;
-template class Disk<double>;
 
 }  // namespace lucerna

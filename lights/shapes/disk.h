@@ -31,14 +31,13 @@ struct DiskParams {
 /// The normal stays on the side of object space's +z, also under mirrors, unless
 /// `reverse_orientation` is set.  Immutable, so safe to share between threads.  Calls allocate only
 /// for error messages.
-template <typename Real>
-class Disk : public Quadric<Disk<Real>, Real, DiskParams> {
+class Disk : public Quadric<Disk, DiskParams> {
  public:
   static constexpr bool kHasProjectedSolidAngle = true;
   static constexpr std::string_view kName = "disk";
 
-  /// Errors: a field out of its domain; bounds that `Real` cannot hold.
-  static absl::StatusOr<Disk> create(const DiskParams& params, const Vec3<double>& origin_m = {});
+  /// Errors: a field out of its domain; bounds that `double` cannot hold.
+  static absl::StatusOr<Disk> create(const DiskParams& params, const Vec3& origin_m = {});
 
   /// Always OK.
   absl::Status emissive_error() const { return absl::OkStatus(); }
@@ -46,36 +45,36 @@ class Disk : public Quadric<Disk<Real>, Real, DiskParams> {
   /// A point chosen in the way that `receiver` requests.  kSolidAngle applies to a whole disk under
   /// a map of equal scale, if lights/sampling/spherical_ellipse.h has a density at the receiver.
   /// All other cases are uniform by area.  [Pharr23, 6.4.3; Guillen17]
-  ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const;
   /// The density of `sample` at a point of the surface.
-  SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
+  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const;
 
   /// How far `p` is above the plane, on the side of the normal [m]; as in Triangle.
-  double height_of(const Vec3<Real>& p) const;
-  std::optional<double> height_over(const SurfacePoint<Real>&, const Vec3<Real>& p) const {
+  double height_of(const Vec3& p) const;
+  std::optional<double> height_over(const SurfacePoint&, const Vec3& p) const {
     return height_of(p);
   }
   /// Whether `p`, which is in the plane, is within the disk or on its edges to 1e-14.
-  bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
+  bool touches(const Vec3& p, std::uint32_t primitive = 0) const;
 
   /// The projected solid angle [sr] of the sides that emit towards `position`, above the horizon of
   /// the unit vector `normal`.  Nothing for shapes that are not a whole circle.
-  std::optional<double> projected_solid_angle_sr(const Vec3<Real>& position,
-                                                 const Vec3<double>& normal, bool two_sided) const;
+  std::optional<double> projected_solid_angle_sr(const Vec3& position, const Vec3& normal,
+                                                 bool two_sided) const;
   bool hides_itself() const { return false; }
 
   /// The single normal.
-  NormalCone<Real> normals() const;
+  NormalCone normals() const;
 
   /// The mapping of pictures: u is the share of the sweep, v runs from the rim (0) to the inner
   /// edge (1).  [Pharr23, 6.4.2]
-  Vec2<double> uv(const Vec3<Real>& position) const;
+  Vec2 uv(const Vec3& position) const;
   BandArea area_of(const Band& band) const;
   /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
-  SurfacePoint<Real> at_shares(Vec2<double> shares) const;
+  SurfacePoint at_shares(Vec2 shares) const;
 
   /// World bounds about the origin, {lower, upper}. A sector has the bounds of the whole disk.
-  std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
+  std::pair<Vec3, Vec3> bounds() const;
 
   /// The whole ellipse, as a prism of height 0.
   RoundEnclosure enclosure() const {
@@ -89,28 +88,24 @@ class Disk : public Quadric<Disk<Real>, Real, DiskParams> {
   }
 
  private:
-  Disk(const DiskParams& params, const Vec3<double>& origin_m);
+  Disk(const DiskParams& params, const Vec3& origin_m);
   /// Rays within the plane do not hit.
-  int roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min, Real t_max,
+  int roots(const Vec3& origin, const Vec3& direction, double t_min, double t_max,
             QuadricRoots& out) const;
   struct Seen;
-  Seen seen_from(const Receiver<Real>& receiver) const;
-  SolidAnglePdf<Real> pdf(const Seen& seen, const Receiver<Real>& receiver,
-                          const SurfacePoint<Real>& point) const;
+  Seen seen_from(const Receiver& receiver) const;
+  SolidAnglePdf pdf(const Seen& seen, const Receiver& receiver, const SurfacePoint& point) const;
 
-  std::optional<Vec3<double>> nearest(const Vec3<double>& q) const;
-  Vec3<Real> normal_at(const Vec3<double>&) const { return normal_; }
+  std::optional<Vec3> nearest(const Vec3& q) const;
+  Vec3 normal_at(const Vec3&) const { return normal_; }
 
-  using Base = Quadric<Disk<Real>, Real, DiskParams>;
+  using Base = Quadric<Disk, DiskParams>;
   friend Base;
   using Base::area_m2_, Base::object_from_world_, Base::params_, Base::world_from_object_;
   using Base::on_ring, Base::surface_point;
 
-  Vec3<Real> normal_;
+  Vec3 normal_;
   bool is_circle_;  // whole, and a circle in the world
 };
-
-extern template class Disk<float>;
-extern template class Disk<double>;
 
 }  // namespace lucerna

@@ -22,28 +22,20 @@ namespace {
 /// u.x with additional digits from u.y below its 24 bits.  A float has too few digits to choose
 /// among millions of primitives and a place within one.  A hash scatters the digits of u.y, so they
 /// are nearly independent of u.y.  All u.x with the same u.y shift equally, so u.x stays uniform.
-template <typename Real>
-double refined(Vec2<Real> u) {
+double refined(Vec2 u) {
   const auto bits = std::bit_cast<std::uint64_t>(static_cast<double>(u.y));
   return u.x + std::ldexp(static_cast<double>(mix_bits(bits) >> 40), -48);
 }
 
 /// The corners in order around the primitive.
-template <typename Real>
-std::array<Vec3<double>, 3> around(const Triangle<Real>& t) {
-  return {Vec3<double>(t.a), Vec3<double>(t.b), Vec3<double>(t.c)};
-}
-template <typename Real>
-std::array<Vec3<double>, 4> around(const BilinearPatch<Real>& p) {
-  return {Vec3<double>(p.p00), Vec3<double>(p.p10), Vec3<double>(p.p11), Vec3<double>(p.p01)};
-}
+std::array<Vec3, 3> around(const Triangle& t) { return {t.a, t.b, t.c}; }
+std::array<Vec3, 4> around(const BilinearPatch& p) { return {p.p00, p.p10, p.p11, p.p01}; }
 
 }  // namespace
 
-template <typename Real, template <typename> typename Primitive>
-Mesh<Real, Primitive>::Mesh(std::vector<Primitive<Real>> primitives,
-                            std::vector<double> cumulative_area, double area_error_m2,
-                            std::vector<bool> rectangles, std::vector<bool> flat)
+template <typename Primitive>
+Mesh<Primitive>::Mesh(std::vector<Primitive> primitives, std::vector<double> cumulative_area,
+                      double area_error_m2, std::vector<bool> rectangles, std::vector<bool> flat)
     : primitives_(std::move(primitives)),
       cumulative_area_(std::move(cumulative_area)),
       area_error_m2_(area_error_m2),
@@ -52,9 +44,8 @@ Mesh<Real, Primitive>::Mesh(std::vector<Primitive<Real>> primitives,
       normals_(cone_of_normals()),
       bounds_(box()) {}
 
-template <typename Real, template <typename> typename Primitive>
-absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
-    std::vector<Primitive<Real>> primitives) {
+template <typename Primitive>
+absl::StatusOr<Mesh<Primitive>> Mesh<Primitive>::create(std::vector<Primitive> primitives) {
   if (primitives.empty())
     return absl::InvalidArgumentError("mesh.primitives has 0 entries, allowed: at least 1");
   if (primitives.size() > std::numeric_limits<std::uint32_t>::max())
@@ -93,8 +84,8 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
               std::move(flat));
 }
 
-template <typename Real, template <typename> typename Primitive>
-typename Mesh<Real, Primitive>::Choice Mesh<Real, Primitive>::choose(Vec2<Real> u) const {
+template <typename Primitive>
+typename Mesh<Primitive>::Choice Mesh<Primitive>::choose(Vec2 u) const {
   if (primitives_.size() == 1) return {0, u};
   const double wide = refined(u);
   const double target = (wide < 1 ? wide : wide - std::floor(wide)) * area();
@@ -104,52 +95,48 @@ typename Mesh<Real, Primitive>::Choice Mesh<Real, Primitive>::choose(Vec2<Real> 
     chosen = std::lower_bound(cumulative_area_.begin(), cumulative_area_.end(), area());
   const auto i = static_cast<std::size_t>(chosen - cumulative_area_.begin());
   const double before = i == 0 ? 0 : cumulative_area_[i - 1];
-  u.x = static_cast<Real>(std::clamp((target - before) / (*chosen - before), 0.0, 1.0));
+  u.x = std::clamp((target - before) / (*chosen - before), 0.0, 1.0);
   return {i, u};
 }
 
-template <typename Real, template <typename> typename Primitive>
-ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
-                                                Vec2<Real> u) const {
+template <typename Primitive>
+ShapeSample Mesh<Primitive>::sample(const Receiver& receiver, Vec2 u) const {
   const auto [i, within] = choose(u);
   const auto choose_point = [&, i = i, within = within] {
     if constexpr (!kAlwaysHasWays)
       if (!has_ways(i)) {
-        ChosenPoint<Real> by_area = primitives_[i].sample_area(receiver, within);
+        ChosenPoint by_area = primitives_[i].sample_area(receiver, within);
         by_area.point.primitive = static_cast<std::uint32_t>(i);
         if (is_flat(i)) by_area.pdf = {pdf_by_area(receiver, by_area.point)};
         return by_area;
       }
     return primitives_[i].sample(receiver, within);
   };
-  const ChosenPoint<Real> chosen = choose_point();
-  ShapeSample<Real> s{
-      chosen.point, {static_cast<Real>(share(i) * chosen.pdf.per_sr)}, chosen.to_point};
+  const ChosenPoint chosen = choose_point();
+  ShapeSample s{chosen.point, {share(i) * chosen.pdf.per_sr}, chosen.to_point};
   s.point.primitive = static_cast<std::uint32_t>(i);
   return s;
 }
 
-template <typename Real, template <typename> typename Primitive>
-double Mesh<Real, Primitive>::pdf_by_area(const Receiver<Real>& receiver,
-                                          const SurfacePoint<Real>& point) const {
-  const AreaPdf<double> by_area = primitives_[point.primitive].pdf_area(point.position);
+template <typename Primitive>
+double Mesh<Primitive>::pdf_by_area(const Receiver& receiver, const SurfacePoint& point) const {
+  const AreaPdf by_area = primitives_[point.primitive].pdf_area(point.position);
   if (const auto height = height_over(point, receiver.position))
     return pdf_seen_from(receiver.position, point, by_area, *height).per_sr;
   return pdf_seen_from(receiver.position, point, by_area).per_sr;
 }
 
-template <typename Real, template <typename> typename Primitive>
-SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Receiver<Real>& receiver,
-                                               const SurfacePoint<Real>& point) const {
+template <typename Primitive>
+SolidAnglePdf Mesh<Primitive>::pdf(const Receiver& receiver, const SurfacePoint& point) const {
   if (point.primitive >= primitives_.size()) return {0};
   const std::size_t i = point.primitive;
   const double pdf =
       has_ways(i) ? primitives_[i].pdf(receiver, point).per_sr : pdf_by_area(receiver, point);
-  return {static_cast<Real>(share(i) * pdf)};
+  return {share(i) * pdf};
 }
 
-template <typename Real, template <typename> typename Primitive>
-double Mesh<Real, Primitive>::height_above(const Vec3<double>& p, const Vec3<double>& n) const {
+template <typename Primitive>
+double Mesh<Primitive>::height_above(const Vec3& p, const Vec3& n) const {
   const auto upmost = [](double at, double low, double high, double along) {
     return std::max((low - at) * along, (high - at) * along);
   };
@@ -160,13 +147,12 @@ double Mesh<Real, Primitive>::height_above(const Vec3<double>& p, const Vec3<dou
   if (of_box <= 0 || primitives_.size() > kMany) return of_box;
   double highest = -std::numeric_limits<double>::infinity();
   for (const auto& primitive : primitives_)
-    for (const Vec3<double>& corner : around(primitive))
-      highest = std::max(highest, dot(corner - p, n));
+    for (const Vec3& corner : around(primitive)) highest = std::max(highest, dot(corner - p, n));
   return highest;
 }
 
-template <typename Real, template <typename> typename Primitive>
-std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::box() const {
+template <typename Primitive>
+std::pair<Vec3, Vec3> Mesh<Primitive>::box() const {
   auto [lower, upper] = primitives_.front().bounds();
   StopPoll poll;
   for (const auto& primitive : primitives_) {
@@ -178,17 +164,17 @@ std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::box() const {
   return {lower, upper};
 }
 
-template <typename Real, template <typename> typename Primitive>
-std::size_t Mesh<Real, Primitive>::bytes() const {
-  return sizeof(*this) + primitives_.capacity() * sizeof(Primitive<Real>) +
+template <typename Primitive>
+std::size_t Mesh<Primitive>::bytes() const {
+  return sizeof(*this) + primitives_.capacity() * sizeof(Primitive) +
          cumulative_area_.capacity() * sizeof(double) +
          (rectangles_.capacity() + flat_.capacity()) / 8;
 }
 
-template <typename Real, template <typename> typename Primitive>
-std::optional<double> Mesh<Real, Primitive>::projected_solid_angle_sr(const Vec3<Real>& position,
-                                                                      const Vec3<double>& normal,
-                                                                      bool two_sided) const {
+template <typename Primitive>
+std::optional<double> Mesh<Primitive>::projected_solid_angle_sr(const Vec3& position,
+                                                                const Vec3& normal,
+                                                                bool two_sided) const {
   double sum = 0;
   StopPoll poll;
   for (std::size_t i = 0; i < primitives_.size(); ++i, poll()) {
@@ -196,47 +182,45 @@ std::optional<double> Mesh<Real, Primitive>::projected_solid_angle_sr(const Vec3
     if (!is_flat(i)) return std::nullopt;
     const double height = primitives_[i].height_of(position);
     if (two_sided || height > 0)
-      sum += polygon_projected_solid_angle(around(primitives_[i]), Vec3<double>(position), normal,
-                                           height);
+      sum += polygon_projected_solid_angle(around(primitives_[i]), position, normal, height);
   }
   return sum;
 }
 
-template <typename Real, template <typename> typename Primitive>
-bool Mesh<Real, Primitive>::hides_itself() const {
+template <typename Primitive>
+bool Mesh<Primitive>::hides_itself() const {
   // The largest primitive has the most exact plane.
   std::size_t largest = 0;
   StopPoll poll;
   for (std::size_t i = 1; i < size(); ++i, poll())
     if (share(i) > share(largest)) largest = i;
   const auto [lower, upper] = bounds();
-  const double rounding = 8 * double{std::numeric_limits<Real>::epsilon()} *
+  const double rounding = 8 * std::numeric_limits<double>::epsilon() *
                           (double{max_abs(lower)} + double{max_abs(upper)});
   for (std::size_t i = 0; i < size(); ++i, poll()) {
     if (!(share(i) > 0)) continue;
     if (!is_flat(i)) return true;
-    for (const Vec3<double>& corner : around(primitives_[i]))
-      if (!(std::fabs(primitives_[largest].height_of(Vec3<Real>(corner))) <= rounding)) return true;
+    for (const Vec3& corner : around(primitives_[i]))
+      if (!(std::fabs(primitives_[largest].height_of(corner)) <= rounding)) return true;
   }
   return false;
 }
 
-template <typename Real, template <typename> typename Primitive>
-AreaPdf<double> Mesh<Real, Primitive>::pdf_area(const SurfacePoint<Real>& point) const {
+template <typename Primitive>
+AreaPdf Mesh<Primitive>::pdf_area(const SurfacePoint& point) const {
   const std::size_t i = point.primitive;
   if (i >= primitives_.size()) return {0};
-  if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
+  if constexpr (std::is_same_v<Primitive, Triangle>) {
     return {1 / area()};
   } else {
     return {share(i) * primitives_[i].pdf_area(point.position).per_m2};
   }
 }
 
-template <typename Real, template <typename> typename Primitive>
-std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>& position,
-                                                                double slack_m) const {
-  double nearest = rounding_m<Real>(bounds()) + slack_m;
-  std::optional<SurfacePoint<Real>> found;
+template <typename Primitive>
+std::optional<SurfacePoint> Mesh<Primitive>::locate(const Vec3& position, double slack_m) const {
+  double nearest = rounding_m(bounds()) + slack_m;
+  std::optional<SurfacePoint> found;
   StopPoll poll;
   for (std::size_t i = 0; i < primitives_.size(); ++i, poll()) {
     // Primitives without area are not part of the light.
@@ -246,21 +230,20 @@ std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>
     const auto keep = [&](double distance, const auto& normal) {
       if (!(found ? distance < nearest : distance <= nearest)) return;
       nearest = distance;
-      found = SurfacePoint<Real>{position, normal(), index};
+      found = SurfacePoint{position, normal(), index};
     };
-    if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
+    if constexpr (std::is_same_v<Primitive, Triangle>) {
       keep(primitive.distance_to(position), [&] { return primitive.normal(); });
     } else {
-      const Vec2<Real> uv = primitive.locate(position);
-      keep(length(Vec3<double>(primitive.at(uv)) - Vec3<double>(position)),
-           [&] { return primitive.normal(uv); });
+      const Vec2 uv = primitive.locate(position);
+      keep(length(primitive.at(uv) - position), [&] { return primitive.normal(uv); });
     }
   }
   return found;
 }
 
-template <typename Real, template <typename> typename Primitive>
-NormalCone<Real> Mesh<Real, Primitive>::cone_of_normals() const {
+template <typename Primitive>
+NormalCone Mesh<Primitive>::cone_of_normals() const {
   // The normals of a bilinear patch are sums of the normals at its corners with positive weights.
   // So a cone that contains those and is not wider than a hemisphere contains all normals.
   const auto for_each_normal = [this](const auto& f) {
@@ -268,25 +251,24 @@ NormalCone<Real> Mesh<Real, Primitive>::cone_of_normals() const {
     for (std::size_t i = 0; i < primitives_.size(); ++i, poll()) {
       const double area = cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1]);
       if (!(area > 0)) continue;
-      if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
-        f(Vec3<double>(primitives_[i].normal()), area);
+      if constexpr (std::is_same_v<Primitive, Triangle>) {
+        f(primitives_[i].normal(), area);
       } else {
-        for (const Vec2<Real> uv : {Vec2<Real>{0, 0}, Vec2<Real>{1, 0}, Vec2<Real>{0, 1},
-                                    Vec2<Real>{1, 1}, Vec2<Real>{Real(0.5), Real(0.5)}})
-          f(Vec3<double>(primitives_[i].normal(uv)), area);
+        for (const Vec2 uv : {Vec2{0, 0}, Vec2{1, 0}, Vec2{0, 1}, Vec2{1, 1}, Vec2{0.5, 0.5}})
+          f(primitives_[i].normal(uv), area);
       }
     }
   };
-  Vec3<double> mean;
-  for_each_normal([&](const Vec3<double>& n, double a) { mean = mean + n * (a / area()); });
-  NormalCone<Real> cone;
-  const Vec3<Real> axis(normalized(mean));
+  Vec3 mean;
+  for_each_normal([&](const Vec3& n, double a) { mean = mean + n * (a / area()); });
+  NormalCone cone;
+  const Vec3 axis(normalized(mean));
   if (!(length(mean) > 1e-6)) return cone;
   double widest = 0;
-  for_each_normal([&](const Vec3<double>& n, double) {
-    if (n != Vec3<double>{}) widest = std::max(widest, angle_between(Vec3<double>(axis), n));
+  for_each_normal([&](const Vec3& n, double) {
+    if (n != Vec3{}) widest = std::max(widest, angle_between(axis, n));
   });
-  constexpr bool kTriangles = std::is_same_v<Primitive<Real>, Triangle<Real>>;
+  constexpr bool kTriangles = std::is_same_v<Primitive, Triangle>;
   if (!kTriangles && widest > 0) widest += 4 * kInputRounding;
   if (!kTriangles && widest > std::numbers::pi / 2) return cone;
   cone.axis = axis;
@@ -294,9 +276,7 @@ NormalCone<Real> Mesh<Real, Primitive>::cone_of_normals() const {
   return cone;
 }
 
-template class Mesh<float, Triangle>;
-template class Mesh<double, Triangle>;
-template class Mesh<float, BilinearPatch>;
-template class Mesh<double, BilinearPatch>;
+template class Mesh<Triangle>;
+template class Mesh<BilinearPatch>;
 
 }  // namespace lucerna

@@ -31,22 +31,22 @@ namespace lucerna {
 ///
 /// The density is exact in every case.  Immutable, so safe to share between threads.  Copies share
 /// all data, so lights without pictures stay small.
-template <typename Real, template <typename> typename Surface>
-class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
+template <typename Surface>
+class Painted : public Covered<Painted<Surface>, Surface> {
  public:
   /// `corner_uv` has the (u, v) of each primitive's corners, in order. Triangles of a mesh need it.
   /// Patches without it have (0,0), (1,0), (0,1), (1,1). Errors: a number of entries other than the
   /// number of corners; an entry that is not finite.
-  static absl::StatusOr<Painted> create(Surface<Real> surface, Picture picture,
-                                        std::vector<Vec2<float>> corner_uv = {});
+  static absl::StatusOr<Painted> create(Surface surface, Picture picture,
+                                        std::vector<Vec2f> corner_uv = {});
 
   /// A point chosen by the picture if is_by_picture(), else as `surface()` samples.
-  ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const;
   /// The density of `sample` at a point of the surface.
-  SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
+  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const;
 
   /// Density of points chosen without a receiver.
-  AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const;
+  AreaPdf pdf_area(const SurfacePoint& point) const;
   /// Memory without the picture, which lights share.
   std::size_t bytes() const;
   /// The part of `bytes` from which points are drawn; 0 where they are chosen without the picture.
@@ -55,22 +55,22 @@ class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
   }
 
   /// The picture's value at a point of the surface.
-  Rgb<double> tint(const SurfacePoint<Real>& point) const { return data_->picture.at(uv(point)); }
+  Rgb tint(const SurfacePoint& point) const { return data_->picture.at(uv(point)); }
   /// The integral of the picture over the surface.
   const PaintedArea& painted_area() const { return data_->painted_area; }
   /// The picture's (u, v) at a point of the surface.
-  Vec2<double> uv(const SurfacePoint<Real>& point) const;
+  Vec2 uv(const SurfacePoint& point) const;
 
-  const Surface<Real>& surface() const { return data_->surface; }
+  const Surface& surface() const { return data_->surface; }
   const Picture& picture() const { return data_->picture; }
   /// Whether points are chosen by the picture.
   bool is_by_picture() const { return data_->distribution.has_value(); }
 
  private:
   struct Data {
-    Surface<Real> surface;
+    Surface surface;
     Picture picture;
-    std::vector<Vec2<float>> corner_uv;
+    std::vector<Vec2f> corner_uv;
     std::optional<ImageDistribution> distribution;  ///< none: chosen without the picture
     PaintedArea painted_area;
   };
@@ -80,22 +80,20 @@ class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
   std::optional<ImageDistribution> distribution() const;
   /// The (u, v) of a patch's corner, and the patch coordinates of a (u, v).  `on_patch` requires a
   /// picture that covers the patch corner to corner.
-  Vec2<double> corner(std::size_t patch, std::size_t corner) const;
-  Vec2<double> on_patch(std::size_t patch, Vec2<double> uv) const;
+  Vec2 corner(std::size_t patch, std::size_t corner) const;
+  Vec2 on_patch(std::size_t patch, Vec2 uv) const;
   bool is_corner_to_corner(std::size_t patch) const;
   /// For two triangles that show the whole picture together: the picture's corner that the first
   /// triangle does not have.
-  std::optional<Vec2<double>> missing_in_first() const;
+  std::optional<Vec2> missing_in_first() const;
 
   std::shared_ptr<const Data> data_;
 };
 
 // PaintedTriangleMesh, PaintedSphere and so on.
-#define LUCERNA_PAINTED(Shape)                 \
-  template <typename Real>                     \
-  using Painted##Shape = Painted<Real, Shape>; \
-  extern template class Painted<float, Shape>; \
-  extern template class Painted<double, Shape>;
+#define LUCERNA_PAINTED(Shape)           \
+  using Painted##Shape = Painted<Shape>; \
+  extern template class Painted<Shape>;
 LUCERNA_AREA_SHAPES(LUCERNA_PAINTED)
 #undef LUCERNA_PAINTED
 

@@ -54,16 +54,16 @@ Cells rows(const Picture& p) { return {p.image->height(), p.filter == ImageFilte
 
 /// Points of a triangle in barycentric coordinates.  In these coordinates no triangle is thin, and
 /// points on an edge have a coordinate of exactly 0.
-using Polygon = std::vector<Vec3<double>>;
+using Polygon = std::vector<Vec3>;
 
 /// The part of `in` on the upper side (`sign` 1) or the lower side (-1) of a line.  `off` is the
 /// distance of each corner from the line.  [Sutherland74]
-void clip(const Polygon& in, const Vec3<double>& off, double sign, Polygon& out) {
+void clip(const Polygon& in, const Vec3& off, double sign, Polygon& out) {
   out.clear();
   StopPoll poll;
   for (std::size_t i = 0; i < in.size(); ++i, poll()) {
-    const Vec3<double>& a = in[i];
-    const Vec3<double>& b = in[(i + 1) % in.size()];
+    const Vec3& a = in[i];
+    const Vec3& b = in[(i + 1) % in.size()];
     const double da = sign * dot(a, off), db = sign * dot(b, off);
     if (da >= 0) out.push_back(a);
     if ((da > 0 && db < 0) || (da < 0 && db > 0)) out.push_back(a + (b - a) * (da / (da - db)));
@@ -71,17 +71,6 @@ void clip(const Polygon& in, const Vec3<double>& off, double sign, Polygon& out)
 }
 
 }  // namespace
-
-Rgb<double> Picture::brightest() const {
-  Rgb<double> most;
-  StopPoll poll;
-  for (int y = 0; y < image->height(); ++y)
-    for (int x = 0; x < image->width(); ++x, poll()) {
-      const Rgb<double> t(image->texel(x, y));
-      most = {std::max(most.r, t.r), std::max(most.g, t.g), std::max(most.b, t.b)};
-    }
-  return most;
-}
 
 std::vector<Band> rows_of_cells(const Picture& picture) {
   const Cells cells = rows(picture);
@@ -95,18 +84,17 @@ Band row_of_cells(const Picture& picture, double y) {
   return cells.band(cells.at(y));
 }
 
-Rgb<double> mean_over_rows(const Picture& picture,
-                           const std::function<BandArea(const Band&)>& area_of) {
+Rgb mean_over_rows(const Picture& picture, const std::function<BandArea(const Band&)>& area_of) {
   const Image& image = *picture.image;
-  std::vector<Rgb<double>> row_means;
+  std::vector<Rgb> row_means;
   StopPoll poll;
   for (int y = 0; y < image.height(); ++y) {
-    Rgb<double> sum;
-    for (int x = 0; x < image.width(); ++x, poll()) sum += Rgb<double>(image.texel(x, y));
+    Rgb sum;
+    for (int x = 0; x < image.width(); ++x, poll()) sum += Rgb(image.texel(x, y));
     row_means.push_back(sum / double(image.width()));
   }
   const Cells cells = rows(picture);
-  Rgb<double> mean;
+  Rgb mean;
   for (int cell = 0; cell < cells.count(); ++cell, poll()) {
     const BandArea area = area_of(cells.band(cell));
     const auto upper = static_cast<std::size_t>(cells.first(cell));
@@ -122,40 +110,40 @@ Rgb<double> mean_over_rows(const Picture& picture,
   return mean;
 }
 
-Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<double>, 3>& uv) {
+Rgb mean_over_triangle(const Picture& picture, const std::array<Vec2, 3>& uv) {
   // In the picture's own coordinates, y downwards.
-  const Vec3<double> x{uv[0].x, uv[1].x, uv[2].x}, v{uv[0].y, uv[1].y, uv[2].y};
-  const Vec3<double> y{1 - v.x, 1 - v.y, 1 - v.z};
+  const Vec3 x{uv[0].x, uv[1].x, uv[2].x}, v{uv[0].y, uv[1].y, uv[2].y};
+  const Vec3 y{1 - v.x, 1 - v.y, 1 - v.z};
   const Cells across = columns(picture), down = rows(picture);
   // The signed distance of the corners from the line where a cell begins.  The product of (u, v) in
   // float and a number of texels is exact, so there is only one rounding.
   const auto beyond_column = [&](int cell) {
     const double at = across.line(cell), n = across.texels;
-    return Vec3<double>{x.x * n - at, x.y * n - at, x.z * n - at};
+    return Vec3{x.x * n - at, x.y * n - at, x.z * n - at};
   };
   const auto below_row = [&](int cell) {
     const double from_below = down.texels - down.line(cell), n = down.texels;
-    return Vec3<double>{from_below - v.x * n, from_below - v.y * n, from_below - v.z * n};
+    return Vec3{from_below - v.x * n, from_below - v.y * n, from_below - v.z * n};
   };
   // The bilinear function of a cell has degree 2, so the mean over the middles of a triangle's
   // edges is exact.
-  const auto value = [&](int column, int row, const Vec3<double>& p) {
+  const auto value = [&](int column, int row, const Vec3& p) {
     const double sx = across.share(column, dot(p, x)), sy = down.share(row, dot(p, y));
-    const auto texel = [&](int i, int j) { return Rgb<double>(picture.image->texel(i, j)); };
+    const auto texel = [&](int i, int j) { return Rgb(picture.image->texel(i, j)); };
     const auto line = [&](int j) {
       return texel(across.first(column), j) * (1 - sx) + texel(across.second(column), j) * sx;
     };
     return line(down.first(row)) * (1 - sy) + line(down.second(row)) * sy;
   };
   // Twice the area in barycentric coordinates: 1 for the whole triangle.
-  const auto twice_area = [](const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
+  const auto twice_area = [](const Vec3& a, const Vec3& b, const Vec3& c) {
     return (b.y - a.y) * (c.z - a.z) - (c.y - a.y) * (b.z - a.z);
   };
   const int last_row = down.at(std::max({y.x, y.y, y.z}));
   const int first_column = across.at(std::min({x.x, x.y, x.z}));
   const int last_column = across.at(std::max({x.x, x.y, x.z}));
   const Polygon triangle{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  Rgb<double> sum;
+  Rgb sum;
   Polygon a, band, b, part;
   StopPoll poll;
   for (int row = down.at(std::min({y.x, y.y, y.z})); row <= last_row; ++row) {
@@ -166,7 +154,7 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
     if (row + 1 < down.count()) clip(a, below_row(row + 1), -1, band);
     if (band.size() < 3) continue;
     double left = dot(band[0], x), right = left;
-    for (const Vec3<double>& p : band) {
+    for (const Vec3& p : band) {
       left = std::min(left, dot(p, x));
       right = std::max(right, dot(p, x));
     }
@@ -180,10 +168,9 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
       part = b;
       if (column + 1 < across.count()) clip(b, beyond_column(column + 1), -1, part);
       for (std::size_t i = 2; i < part.size(); ++i) {
-        const Vec3<double>&p = part[0], &q = part[i - 1], &r = part[i];
-        const Rgb<double> values = value(column, row, (p + q) * 0.5) +
-                                   value(column, row, (q + r) * 0.5) +
-                                   value(column, row, (r + p) * 0.5);
+        const Vec3 &p = part[0], &q = part[i - 1], &r = part[i];
+        const Rgb values = value(column, row, (p + q) * 0.5) + value(column, row, (q + r) * 0.5) +
+                           value(column, row, (r + p) * 0.5);
         sum += values * (twice_area(p, q, r) / 3);
       }
     }
@@ -210,7 +197,7 @@ using Coefficients = std::array<std::array<double, kTerms>, kTerms>;
 /// The moments of `f` over the square by Legendre polynomials, [degree in u][degree in v].  Exact
 /// for polynomials of these degrees.
 template <std::size_t kTerms>
-Coefficients<kTerms> expand(const std::function<double(Vec2<double>)>& f) {
+Coefficients<kTerms> expand(const std::function<double(Vec2)>& f) {
   const Gauss<kTerms>& rule = gauss<kTerms>();
   Coefficients<kTerms> c{};
   for (std::size_t b = 0; b < kTerms; ++b) {
@@ -253,9 +240,9 @@ PictureMoments::PictureMoments(const Picture& picture) : moments_{} {
   const auto across = texel_moments(columns(picture), false);
   const auto down = texel_moments(rows(picture), true);
   for (std::size_t y = 0; y < down.size(); ++y) {
-    std::array<Rgb<double>, kTerms> row{};
+    std::array<Rgb, kTerms> row{};
     for (std::size_t x = 0; x < across.size(); ++x) {
-      const Rgb<double> texel(picture.image->texel(static_cast<int>(x), static_cast<int>(y)));
+      const Rgb texel(picture.image->texel(static_cast<int>(x), static_cast<int>(y)));
       for (std::size_t i = 0; i < kTerms; ++i) row[i] += texel * across[x][i];
     }
     for (std::size_t i = 0; i < kTerms; ++i)
@@ -263,10 +250,10 @@ PictureMoments::PictureMoments(const Picture& picture) : moments_{} {
   }
 }
 
-std::optional<PaintedArea> PictureMoments::times(const std::function<double(Vec2<double>)>& f,
+std::optional<PaintedArea> PictureMoments::times(const std::function<double(Vec2)>& f,
                                                  double least) const {
   const Coefficients<kTerms> c = expand<kTerms>(f);
-  const auto polynomial = [&c](Vec2<double> at) {
+  const auto polynomial = [&c](Vec2 at) {
     const auto p = legendre<kTerms>(at.x), q = legendre<kTerms>(at.y);
     double sum = 0;
     for (std::size_t i = 0; i < kTerms; ++i)
@@ -279,7 +266,7 @@ std::optional<PaintedArea> PictureMoments::times(const std::function<double(Vec2
   // f^2 - P^2 is a polynomial too.  Legendre polynomials do not exceed 1, so the sum of its
   // coefficients bounds it.
   double farthest = 0;
-  const auto residual = expand<2 * kTerms - 1>([&](Vec2<double> at) {
+  const auto residual = expand<2 * kTerms - 1>([&](Vec2 at) {
     const double y = f(at), p = polynomial(at);
     farthest = std::max(farthest, std::fabs(y - p));
     return (y - p) * (y + p);
@@ -310,33 +297,32 @@ void put_stops(double from, double to, int texels, std::vector<double>& stops) {
 
 }  // namespace
 
-PaintedArea sum_over_points(const Picture& picture,
-                            const std::function<Vec2<double>(Vec2<double>)>& uv,
-                            const std::function<double(Vec2<double>)>& factor) {
+PaintedArea sum_over_points(const Picture& picture, const std::function<Vec2(Vec2)>& uv,
+                            const std::function<double(Vec2)>& factor) {
   constexpr int kPoints = 256;
   constexpr double kCell = 1.0 / kPoints;
-  Rgb<double> below, above;
+  Rgb below, above;
   std::vector<double> us, downs;
   for (int j = 0; j < kPoints; ++j)
     for (int i = 0; i < kPoints; ++i) {
-      const Vec2<double> middle{(i + 0.5) * kCell, (j + 0.5) * kCell};
-      Vec2<double> lower = uv(middle), upper = lower;
+      const Vec2 middle{(i + 0.5) * kCell, (j + 0.5) * kCell};
+      Vec2 lower = uv(middle), upper = lower;
       double most = 0;
       for (int k = 0; k < 4; ++k) {
-        const Vec2<double> corner{(i + (k & 1)) * kCell, (j + (k >> 1)) * kCell};
-        const Vec2<double> at = uv(corner);
+        const Vec2 corner{(i + (k & 1)) * kCell, (j + (k >> 1)) * kCell};
+        const Vec2 at = uv(corner);
         lower = {std::min(lower.x, at.x), std::min(lower.y, at.y)};
         upper = {std::max(upper.x, at.x), std::max(upper.y, at.y)};
         most = std::max(most, factor(corner));
       }
       // The factor is convex: the mean of opposite points is not below the value at the middle.
       const double least = std::max(0.0, 2 * factor(middle) - most);
-      Rgb<double> dark(std::numeric_limits<double>::infinity()), bright;
+      Rgb dark(std::numeric_limits<double>::infinity()), bright;
       put_stops(lower.x, upper.x, picture.image->width(), us);
       put_stops(1 - upper.y, 1 - lower.y, picture.image->height(), downs);
       for (double u : us)
         for (double down : downs) {
-          const Rgb<double> at = picture.at({u, 1 - down});
+          const Rgb at = picture.at({u, 1 - down});
           dark = {std::min(dark.r, at.r), std::min(dark.g, at.g), std::min(dark.b, at.b)};
           bright = {std::max(bright.r, at.r), std::max(bright.g, at.g), std::max(bright.b, at.b)};
         }

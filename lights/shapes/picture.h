@@ -20,22 +20,17 @@ struct Picture {
   ImageFilter filter = ImageFilter::kBilinear;
   std::string name;  ///< name that ListLights reports
 
-  Rgb<double> at(Vec2<double> uv) const {
-    return image->lookup({uv.x, 1 - uv.y}, filter, ImageBorder::kClamp);
-  }
-  /// The largest value of each channel.
-  Rgb<double> brightest() const;
+  Rgb at(Vec2 uv) const { return image->lookup({uv.x, 1 - uv.y}, filter, ImageBorder::kClamp); }
 };
 
 /// A picture integrated over a surface's area.
 struct PaintedArea {
-  Rgb<double> m2;
+  Rgb m2;
   double error_m2{};  ///< bound on the error of each channel of `m2`; 0 where it is exact
 };
 
 /// The mean of the picture over a surface.  `area_of` returns the area that a band covers.  Exact.
-Rgb<double> mean_over_rows(const Picture& picture,
-                           const std::function<BandArea(const Band&)>& area_of);
+Rgb mean_over_rows(const Picture& picture, const std::function<BandArea(const Band&)>& area_of);
 /// The rows of cells, from the top, in which a picture is linear from the upper edge to the lower
 /// edge.  For the nearest filter they are the texels.  Otherwise they are the spaces between
 /// centres of texels, and halves at the borders.
@@ -46,14 +41,13 @@ Band row_of_cells(const Picture& picture, double y);
 /// The mean over the points of a triangle whose corners have these (u, v).  Exact: the triangle is
 /// cut into polygons on which the picture is bilinear.  It is also exact for triangles that are
 /// thin in (u, v), or that lie on a line or in one point.
-Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<double>, 3>& uv);
+Rgb mean_over_triangle(const Picture& picture, const std::array<Vec2, 3>& uv);
 
 /// The integral of `factor`(s, t) times the picture at `uv`(s, t) over the square of (s, t).  It is
 /// the middle between a lower and an upper bound.  The bounds are sums over 256 by 256 cells, from
 /// the range of picture and factor in each cell.  `uv` is bilinear and `factor` convex along lines.
-PaintedArea sum_over_points(const Picture& picture,
-                            const std::function<Vec2<double>(Vec2<double>)>& uv,
-                            const std::function<double(Vec2<double>)>& factor);
+PaintedArea sum_over_points(const Picture& picture, const std::function<Vec2(Vec2)>& uv,
+                            const std::function<double(Vec2)>& factor);
 
 /// The picture's moments with the Legendre polynomials up to degree 8 in each coordinate, exact.
 /// They give integrals against smooth functions of (u, v).
@@ -64,12 +58,11 @@ class PictureMoments {
   /// a polynomial of degree 16 or less in each coordinate, like the square of an area element.
   /// Exact if `f` is a polynomial of degree 8.  Nothing if `f` varies so much that the error has no
   /// bound.
-  std::optional<PaintedArea> times(const std::function<double(Vec2<double>)>& f,
-                                   double least) const;
+  std::optional<PaintedArea> times(const std::function<double(Vec2)>& f, double least) const;
 
  private:
   static constexpr int kTerms = 9;
-  std::array<std::array<Rgb<double>, kTerms>, kTerms> moments_;  ///< [degree in u][degree in v]
+  std::array<std::array<Rgb, kTerms>, kTerms> moments_;  ///< [degree in u][degree in v]
 };
 
 }  // namespace lucerna

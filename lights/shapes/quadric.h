@@ -45,15 +45,15 @@ absl::Status check_sweep(std::string_view shape, const Params& p) {
 
 /// Where a ray meets a quadric, in object space.
 struct QuadricRoot {
-  double t;        ///< along the ray, in units of its direction
-  Vec3<double> p;  ///< on the surface
+  double t;  ///< along the ray, in units of its direction
+  Vec3 p;    ///< on the surface
 };
 using QuadricRoots = std::array<QuadricRoot, 2>;
 
 /// A convex body around a shape: the centre and half-axes of an ellipsoid or an ellipse in world
 /// space about the origin [m].  For a prism the last axis is that of the prism.
 struct RoundEnclosure {
-  Vec3<double> center, x, y, z;
+  Vec3 center, x, y, z;
   bool is_prism;
 };
 
@@ -64,7 +64,7 @@ struct RoundEnclosure {
 ///   `q` has no nearest point.
 /// - `normal_at(p)`: the world normal at a point of the surface.
 /// and the public member `bounds`.
-template <typename Shape, typename Real, typename ShapeParams>
+template <typename Shape, typename ShapeParams>
 class Quadric {
  public:
   using Params = ShapeParams;
@@ -79,51 +79,47 @@ class Quadric {
 
   /// First hit with t in (t_min, t_max), `direction` of any length.  Rays pass through the part
   /// that is cut away.  The hit is moved onto the surface, which removes rounding.
-  std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
-                                          Real t_min, Real t_max) const {
+  std::optional<ShapeHit> intersect(const Vec3& origin, const Vec3& direction, double t_min,
+                                    double t_max) const {
     QuadricRoots root;
     if (self().roots(origin, direction, t_min, t_max, root) == 0) return std::nullopt;
-    return ShapeHit<Real>{static_cast<Real>(root[0].t), surface_point(root[0].p)};
+    return ShapeHit{root[0].t, surface_point(root[0].p)};
   }
   /// All hits with t in (t_min, t_max).
-  ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
-                       Real t_max) const {
-    ShapeHits<Real> found;
+  ShapeHits hits(const Vec3& origin, const Vec3& direction, double t_min, double t_max) const {
+    ShapeHits found;
     QuadricRoots root;
     const int count = self().roots(origin, direction, t_min, t_max, root);
-    for (int i = 0; i < count; ++i)
-      found.add(static_cast<Real>(root[i].t), surface_point(root[i].p));
+    for (int i = 0; i < count; ++i) found.add(root[i].t, surface_point(root[i].p));
     return found;
   }
   /// Calls `f(surface_point)` for every point of the surface along the unit vector `wi`.
   template <typename F>
-  void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
-    const auto found = hits(receiver, wi, 0, std::numeric_limits<Real>::infinity());
+  void for_each_hit(const Vec3& receiver, const Vec3& wi, F&& f) const {
+    const auto found = hits(receiver, wi, 0, std::numeric_limits<double>::infinity());
     for (int i = 0; i < found.count; ++i) f(found.hit[i].point);
   }
 
   /// Density of points chosen by area: 1 / area.
-  AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
+  AreaPdf pdf_area(const SurfacePoint&) const { return {1 / area_m2_}; }
   /// The point of the surface at `position`, if there is one to within rounding and `slack_m`.
-  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
-    std::optional<Vec3<double>> q =
-        self().nearest(object_from_world_.point(Vec3<double>(position)));
+  std::optional<SurfacePoint> locate(const Vec3& position, double slack_m = 0) const {
+    std::optional<Vec3> q = self().nearest(object_from_world_.point(position));
     if (!q) return std::nullopt;
     q = nearest_swept(*q, params_.phi_max_rad);
-    const Vec3<double> nearest = world_from_object_.point(*q);
-    if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(self().bounds()) + slack_m))
-      return std::nullopt;
-    return SurfacePoint<Real>{position, self().normal_at(*q)};
+    const Vec3 nearest = world_from_object_.point(*q);
+    if (!(length(nearest - position) <= rounding_m(self().bounds()) + slack_m)) return std::nullopt;
+    return SurfacePoint{position, self().normal_at(*q)};
   }
   /// The normal that `locate` finds at the position of `p`.
-  Vec3<Real> located_normal(const SurfacePoint<Real>& p, double slack_m) const {
+  Vec3 located_normal(const SurfacePoint& p, double slack_m) const {
     const auto found = locate(p.position, slack_m);
     return found ? found->normal : p.normal;
   }
 
   /// A bound on the height of its points over the plane through `p` with the unit normal `n` [m]:
   /// the height of the enclosure.
-  double height_above(const Vec3<double>& p, const Vec3<double>& n) const {
+  double height_above(const Vec3& p, const Vec3& n) const {
     const RoundEnclosure e = self().enclosure();
     const double x = dot(e.x, n), y = dot(e.y, n), z = dot(e.z, n);
     return dot(e.center - p, n) +
@@ -135,29 +131,29 @@ class Quadric {
   const Transform& world_from_object() const { return world_from_object_; }
 
  protected:
-  Quadric(const ShapeParams& params, const Vec3<double>& origin_m)
+  Quadric(const ShapeParams& params, const Vec3& origin_m)
       : params_(params),
         world_from_object_(params.world_from_object.about(origin_m)),
         object_from_world_(world_from_object_.inverse()) {}
 
-  /// `shape` if its bounds fit `Real`.  Else InvalidArgument with the world position of `what`,
+  /// `shape` if its bounds fit `double`.  Else InvalidArgument with the world position of `what`,
   /// such as "the disk", which is `at` in object space.
   static absl::StatusOr<Shape> with_finite_bounds(Shape shape, std::string_view name,
-                                                  std::string_view what, const Vec3<double>& at) {
+                                                  std::string_view what, const Vec3& at) {
     const auto [lower, upper] = shape.bounds();
     if (is_finite(lower) && is_finite(upper)) return shape;
-    const Vec3<double> p = shape.world_from_object_.point(at);
+    const Vec3 p = shape.world_from_object_.point(at);
     return absl::InvalidArgumentError(
         fmt::format("{}.world_from_object puts {} about ({}, {}, {}), "
                     "allowed: finite bounds, in {} bits",
-                    name, what, p.x, p.y, p.z, 8 * sizeof(Real)));
+                    name, what, p.x, p.y, p.z, 8 * sizeof(double)));
   }
 
   /// InvalidArgument for a map that an emissive shape must not have.
   absl::Status refuse_map(std::string_view name, std::string_view allowed) const {
     const auto& m = params_.world_from_object.matrix();
     const auto factor = [&m](int column) {
-      return length(Vec3<double>{m[0][column], m[1][column], m[2][column]});
+      return length(Vec3{m[0][column], m[1][column], m[2][column]});
     };
     return absl::InvalidArgumentError(fmt::format(
         "{}.world_from_object scales x, y, z by ({}, {}, {}), allowed for an emissive {}: {}", name,
@@ -165,22 +161,21 @@ class Quadric {
   }
 
   /// The point of radius `r` about the axis at height `z` and angle `phi`.
-  static Vec3<double> on_ring(double r, double phi, double z) {
+  static Vec3 on_ring(double r, double phi, double z) {
     return {r * std::cos(phi), r * std::sin(phi), z};
   }
   /// The world point of a surface point in object space.
-  SurfacePoint<Real> surface_point(const Vec3<double>& p) const {
-    return {Vec3<Real>(world_from_object_.point(p)), self().normal_at(p)};
+  SurfacePoint surface_point(const Vec3& p) const {
+    return {world_from_object_.point(p), self().normal_at(p)};
   }
   /// A world normal from an object space vector along the outward normal.
-  Vec3<Real> oriented(const Vec3<double>& outward) const {
-    const Vec3<double> n = normalized(world_from_object_.normal(outward));
-    return Vec3<Real>(params_.reverse_orientation ? -n : n);
+  Vec3 oriented(const Vec3& outward) const {
+    const Vec3 n = normalized(world_from_object_.normal(outward));
+    return params_.reverse_orientation ? -n : n;
   }
   /// The density of points chosen uniformly by area, seen from a receiver.
-  SolidAnglePdf<Real> pdf_by_area(const Receiver<Real>& receiver,
-                                  const SurfacePoint<Real>& point) const {
-    return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
+  SolidAnglePdf pdf_by_area(const Receiver& receiver, const SurfacePoint& point) const {
+    return as_seen_from(receiver.position, point, AreaPdf{1 / area_m2_});
   }
 
   /// The two parameters at which a line meets a circle or sphere of radius `r`, the smaller first.

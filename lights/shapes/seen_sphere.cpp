@@ -31,7 +31,7 @@ struct Cone {
 
 double SeenSphere::pdf_from_outside() const { return Cone(*this).pdf_per_sr; }
 
-SeenSphere::Point SeenSphere::from_outside(Vec2<double> u) const {
+SeenSphere::Point SeenSphere::from_outside(Vec2 u) const {
   const double r = radius_m;
   const double d = distance;
   const double a = std::clamp(u.x, 0.0, 1.0);
@@ -64,8 +64,8 @@ SeenSphere::Point SeenSphere::from_outside(Vec2<double> u) const {
   const double sin_alpha = height * to_unit;
   const double cos_alpha = along * to_unit;
 
-  const auto frame = Frame<double>::around(to_center * (-1 / d));
-  const Vec3<double> outward =
+  const auto frame = Frame::around(to_center * (-1 / d));
+  const Vec3 outward =
       frame.world_from_local({sin_alpha * phi.cos, sin_alpha * phi.sin, cos_alpha});
   Point p{.from_center = outward * r, .normal = outward, .pdf_per_sr = cone.pdf_per_sr};
   // Just above the surface, rounding moves points by more than their distance.
@@ -76,17 +76,17 @@ SeenSphere::Point SeenSphere::from_outside(Vec2<double> u) const {
   return p;
 }
 
-SeenSphere::Point SeenSphere::from_within(Vec2<double> u) const {
+SeenSphere::Point SeenSphere::from_within(Vec2 u) const {
   const double r = radius_m;
-  const Vec3<double> w = sample_uniform_sphere(u);
+  const Vec3 w = sample_uniform_sphere(u);
   // The roots of t^2 - 2 t (w.c) - (r - d)(r + d) have different signs.  This is the positive one,
   // computed as a quotient where it would cancel.
   const double along = dot(w, to_center);
   const double product = (r - distance) * (r + distance);
   const double root = std::sqrt(along * along + product);
   const double t = along > 0 ? along + root : product / (root - along);
-  const Vec3<double> outward = (w * t - to_center) / r;
-  return {outward * r, normalized(outward), uniform_sphere_pdf<double>().per_sr};
+  const Vec3 outward = (w * t - to_center) / r;
+  return {outward * r, normalized(outward), uniform_sphere_pdf().per_sr};
 }
 
 }  // namespace lucerna

@@ -1,8 +1,8 @@
 // Types and functions that the shapes of area lights share, including the conversion of densities
 // from area to solid angle.
 //
-// Shapes store their numbers in `Real` or double and compute in double.  A point is rounded to
-// `Real` first, and its density belongs to the rounded point.  So a sample's density has the same
+// Shapes store their numbers in `double` or double and compute in double.  A point is rounded to
+// `double` first, and its density belongs to the rounded point.  So a sample's density has the same
 // bits as a later call of `pdf` for its point.
 #pragma once
 
@@ -17,86 +17,76 @@
 namespace lucerna {
 
 /// A sampled point and the density of its direction from the receiver.
-template <std::floating_point Real>
 struct ShapeSample {
-  SurfacePoint<Real> point;
-  SolidAnglePdf<Real> pdf;  ///< not positive or not finite: no direction exists for this point
+  SurfacePoint point;
+  SolidAnglePdf pdf;  ///< not positive or not finite: no direction exists for this point
   /// From the receiver to the point before rounding.  Zero: the difference of the positions is as
   /// exact.  Close to the light, rounding moves the point by more than its distance.
-  Vec3<double> to_point{};
+  Vec3 to_point{};
 };
 
 /// The same for a primitive of a mesh.
-template <std::floating_point Real>
 struct ChosenPoint {
-  SurfacePoint<Real> point;
-  SolidAnglePdf<double> pdf;
-  Vec3<double> to_point{};
+  SurfacePoint point;
+  SolidAnglePdf pdf;
+  Vec3 to_point{};
 };
 
 /// Where a ray meets a shape.
-template <std::floating_point Real>
 struct ShapeHit {
-  Real t{};  ///< along the ray, in units of its direction
-  SurfacePoint<Real> point;
+  double t{};  ///< along the ray, in units of its direction
+  SurfacePoint point;
 };
 
 /// All the places where a ray meets a surface of second order, by increasing t.
-template <std::floating_point Real>
 struct ShapeHits {
-  std::array<ShapeHit<Real>, 2> hit;
+  std::array<ShapeHit, 2> hit;
   int count = 0;
 
-  void add(Real t, const SurfacePoint<Real>& point) { hit[count++] = {t, point}; }
+  void add(double t, const SurfacePoint& point) { hit[count++] = {t, point}; }
 };
 
 /// The density by solid angle at `receiver` for a `point` with the density `pdf` by area. Infinite
 /// if the receiver is in the plane of the point.  0 if the receiver is the point or not finite.
-template <std::floating_point Real>
-SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
-                                    AreaPdf<double> pdf) {
-  const Vec3<double> to_receiver = Vec3<double>(receiver) - Vec3<double>(point.position);
+inline SolidAnglePdf pdf_seen_from(const Vec3& receiver, const SurfacePoint& point, AreaPdf pdf) {
+  const Vec3 to_receiver = receiver - point.position;
   const double distance = length(to_receiver);
   if (!(distance > 0) || !std::isfinite(distance)) return {0};
-  const double cos_light = std::fabs(dot(Vec3<double>(point.normal), to_receiver)) / distance;
+  const double cos_light = std::fabs(dot(point.normal, to_receiver)) / distance;
   return to_solid_angle(pdf, distance, cos_light);
 }
 /// The same for a flat shape with the receiver at `height` above its plane, to either side.  Close
 /// to the plane, a height from the rounded point would not be exact enough.
-template <std::floating_point Real>
-SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
-                                    AreaPdf<double> pdf, double height) {
-  const double distance = length(Vec3<double>(receiver) - Vec3<double>(point.position));
+inline SolidAnglePdf pdf_seen_from(const Vec3& receiver, const SurfacePoint& point, AreaPdf pdf,
+                                   double height) {
+  const double distance = length(receiver - point.position);
   if (!(distance > 0) || !std::isfinite(distance)) return {0};
   return to_solid_angle(pdf, distance, std::fabs(height) / distance);
 }
-/// The same in `Real`.
-template <std::floating_point Real>
-SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
-                                 AreaPdf<double> pdf) {
-  return {static_cast<Real>(pdf_seen_from(receiver, point, pdf).per_sr)};
+/// The same in `double`.
+inline SolidAnglePdf as_seen_from(const Vec3& receiver, const SurfacePoint& point, AreaPdf pdf) {
+  return {pdf_seen_from(receiver, point, pdf).per_sr};
 }
-template <std::floating_point Real>
-SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
-                                 AreaPdf<double> pdf, double height) {
-  return {static_cast<Real>(pdf_seen_from(receiver, point, pdf, height).per_sr)};
+inline SolidAnglePdf as_seen_from(const Vec3& receiver, const SurfacePoint& point, AreaPdf pdf,
+                                  double height) {
+  return {pdf_seen_from(receiver, point, pdf, height).per_sr};
 }
 
 /// The weight of a light's corner in kCosineSolidAngle.  `to_corner` starts at a receiver with
 /// `normal`.
-inline double cosine_weight(const Vec3<double>& normal, const Vec3<double>& to_corner) {
+inline double cosine_weight(const Vec3& normal, const Vec3& to_corner) {
   return std::fmax(kCosineFloor, dot(normalized(to_corner), normal));
 }
 
 inline constexpr double kTurnRad = 2 * std::numbers::pi;
 
 /// The angle of `p` about +z from +x, in [0, 2 pi].
-inline double azimuth(const Vec3<double>& p) {
+inline double azimuth(const Vec3& p) {
   const double phi = std::atan2(p.y, p.x);
   return phi < 0 ? phi + kTurnRad : phi;
 }
 /// Whether a sweep of `phi_max_rad` about +z from +x contains `p`.
-inline bool is_swept(const Vec3<double>& p, double phi_max_rad) {
+inline bool is_swept(const Vec3& p, double phi_max_rad) {
   return !(phi_max_rad < kTurnRad) || azimuth(p) <= phi_max_rad;
 }
 /// Whether an angle outside of the sweep is nearer to its last edge than to its first.
@@ -105,7 +95,7 @@ inline bool is_nearer_to_last(double azimuth_rad, double phi_max_rad) {
 }
 /// `p` if the sweep contains it.  Else the point of the nearer edge at the same height and distance
 /// from the axis.
-inline Vec3<double> nearest_swept(const Vec3<double>& p, double phi_max_rad) {
+inline Vec3 nearest_swept(const Vec3& p, double phi_max_rad) {
   if (is_swept(p, phi_max_rad)) return p;
   const double edge = is_nearer_to_last(azimuth(p), phi_max_rad) ? phi_max_rad : 0;
   const double across = std::hypot(p.x, p.y);
@@ -113,7 +103,7 @@ inline Vec3<double> nearest_swept(const Vec3<double>& p, double phi_max_rad) {
 }
 /// The angle of `p` as a share of a sweep.  If rounding leads out of the sweep: the share of the
 /// nearer edge.
-inline double share_of_sweep(const Vec3<double>& p, double phi_max_rad) {
+inline double share_of_sweep(const Vec3& p, double phi_max_rad) {
   const double phi = azimuth(p);
   if (phi <= phi_max_rad) return phi / phi_max_rad;
   return is_nearer_to_last(phi, phi_max_rad) ? 1 : 0;
@@ -132,13 +122,11 @@ struct BandArea {
                  ///< bottom
 };
 
-/// The box {lower, upper} in `Real`, widened so that it contains the given box.
-template <std::floating_point Real>
-std::pair<Vec3<Real>, Vec3<Real>> rounded_outwards(const Vec3<double>& lower,
-                                                   const Vec3<double>& upper) {
-  constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
-  const auto down = [](double v) { return std::nextafter(static_cast<Real>(v), -kInfinity); };
-  const auto up = [](double v) { return std::nextafter(static_cast<Real>(v), kInfinity); };
+/// The box {lower, upper}, wider by a rounding on each side.
+inline std::pair<Vec3, Vec3> rounded_outwards(const Vec3& lower, const Vec3& upper) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto down = [](double v) { return std::nextafter(v, -kInfinity); };
+  const auto up = [](double v) { return std::nextafter(v, kInfinity); };
   return {{down(lower.x), down(lower.y), down(lower.z)}, {up(upper.x), up(upper.y), up(upper.z)}};
 }
 

@@ -48,8 +48,7 @@ double sinc_minus_cos(double h) {
 
 }  // namespace
 
-template <typename Real>
-Sphere<Real>::Sphere(const SphereParams& params, const Vec3<double>& origin_m)
+Sphere::Sphere(const SphereParams& params, const Vec3& origin_m)
     : Base(params, origin_m),
       z_min_m_(std::max(params.z_min_m, -params.radius_m)),
       z_max_m_(std::min(params.z_max_m, params.radius_m)),
@@ -63,22 +62,17 @@ Sphere<Real>::Sphere(const SphereParams& params, const Vec3<double>& origin_m)
   }
 }
 
-template <typename Real>
-absl::StatusOr<Sphere<Real>> Sphere<Real>::create(const SphereParams& params,
-                                                  const Vec3<double>& origin_m) {
+absl::StatusOr<Sphere> Sphere::create(const SphereParams& params, const Vec3& origin_m) {
   if (absl::Status status = check(params); !status.ok()) return status;
   return Base::with_finite_bounds(Sphere(params, origin_m), "sphere", "the sphere", {0, 0, 0});
 }
 
-template <typename Real>
-absl::Status Sphere<Real>::emissive_error() const {
+absl::Status Sphere::emissive_error() const {
   if (world_radius_m_ > 0) return absl::OkStatus();
   return this->refuse_map("sphere", "equal factors, no shear");
 }
 
-template <typename Real>
-typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
-                                                const Receiver<Real>& receiver) const {
+typename Sphere::Way Sphere::way_at(double distance, const Receiver& receiver) const {
   if (!is_whole_) return Way::kArea;
   if (is_by_area(way_for_sphere(receiver.area_sampling))) return Way::kArea;
   if (distance > world_radius_m_) return Way::kCone;
@@ -87,19 +81,18 @@ typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
   return distance < (1 - kDepth) * world_radius_m_ ? Way::kInside : Way::kArea;
 }
 
-template <typename Real>
-ShapeSample<Real> Sphere<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
-  const Vec3<double> to_center = center_m_ - Vec3<double>(receiver.position);
+ShapeSample Sphere::sample(const Receiver& receiver, Vec2 u) const {
+  const Vec3 to_center = center_m_ - receiver.position;
   const SeenSphere seen{to_center, length(to_center), world_radius_m_};
   const Way way = way_at(seen.distance, receiver);
   if (way != Way::kArea) {
     const bool is_outside = way == Way::kCone;
-    const Vec2<double> v{u.x, u.y};
+    const Vec2 v{u.x, u.y};
     const SeenSphere::Point p = is_outside ? seen.from_outside(v) : seen.from_within(v);
-    ShapeSample<Real> s;
-    s.point.position = Vec3<Real>(center_m_ + p.from_center);
-    s.point.normal = Vec3<Real>(params_.reverse_orientation ? -p.normal : p.normal);
-    s.pdf = {static_cast<Real>(p.pdf_per_sr)};
+    ShapeSample s;
+    s.point.position = center_m_ + p.from_center;
+    s.point.normal = params_.reverse_orientation ? -p.normal : p.normal;
+    s.pdf = {p.pdf_per_sr};
     s.to_point = p.to_point;
     return s;
   }
@@ -108,53 +101,49 @@ ShapeSample<Real> Sphere<Real>::sample(const Receiver<Real>& receiver, Vec2<Real
   const double z = std::min(z_min_m_ + (z_max_m_ - z_min_m_) * u.x, z_max_m_);
   const double phi = params_.phi_max_rad * u.y;
   const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
-  ShapeSample<Real> s;
+  ShapeSample s;
   s.point = surface_point(on_ring(ring, phi, z));
   s.pdf = pdf_by_area(receiver, s.point);
   return s;
 }
 
-template <typename Real>
-SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
-                                      const SurfacePoint<Real>& point) const {
-  const Vec3<double> to_receiver = Vec3<double>(receiver.position) - center_m_;
+SolidAnglePdf Sphere::pdf(const Receiver& receiver, const SurfacePoint& point) const {
+  const Vec3 to_receiver = receiver.position - center_m_;
   const double distance = length(to_receiver);
   const Way way = way_at(distance, receiver);
   if (way == Way::kArea) return pdf_by_area(receiver, point);
-  if (way == Way::kInside) return uniform_sphere_pdf<Real>();
+  if (way == Way::kInside) return uniform_sphere_pdf();
   // The normal decides whether the point is on the near side.  It gives the place on the sphere
   // exactly, even far from the origin.  The bound is lowered by the rounding of both vectors, so
   // that no sample at the rim is lost.
   constexpr double kRounding = 4 * kInputRounding;
-  const Vec3<double> n(point.normal);
+  const Vec3 n(point.normal);
   const double cos_alpha = dot(params_.reverse_orientation ? -n : n, to_receiver) / distance;
   if (!(cos_alpha >= world_radius_m_ / distance - kRounding)) return {0};
-  return {
-      static_cast<Real>(SeenSphere{-to_receiver, distance, world_radius_m_}.pdf_from_outside())};
+  return {SeenSphere{-to_receiver, distance, world_radius_m_}.pdf_from_outside()};
 }
 
-template <typename Real>
-int Sphere<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
-                        Real t_max, QuadricRoots& out) const {
+int Sphere::roots(const Vec3& origin, const Vec3& direction, double t_min, double t_max,
+                  QuadricRoots& out) const {
   const double r = params_.radius_m;
-  const Vec3<double> o = object_from_world_.point(Vec3<double>(origin));
-  const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
+  const Vec3 o = object_from_world_.point(origin);
+  const Vec3 d = object_from_world_.vector(direction);
   const double dd = dot(d, d);
   if (!(dd > 0)) return 0;
   // Computes the discriminant from the point of closest approach.  b^2 - 4 a c would cancel for far
   // origins and small spheres.  [Haines19]
   const double closest = -dot(o, d) / dd;
-  const Vec3<double> approach = o + d * closest;
+  const Vec3 approach = o + d * closest;
   const double approach_distance = std::sqrt(dot(approach, approach));
   if (!(approach_distance <= r)) return 0;
   const double half_chord = std::sqrt((r - approach_distance) * (r + approach_distance) / dd);
   const auto [first, second] = Base::roots_of(closest, half_chord, std::sqrt(dot(o, o)), r, dd);
 
-  const Vec3<double> step = d * half_chord;
+  const Vec3 step = d * half_chord;
   int count = 0;
-  const auto add = [&](double t, const Vec3<double>& near_surface) {
+  const auto add = [&](double t, const Vec3& near_surface) {
     if (!(t > t_min && t < t_max)) return;
-    const Vec3<double> p = near_surface * (r / std::sqrt(dot(near_surface, near_surface)));
+    const Vec3 p = near_surface * (r / std::sqrt(dot(near_surface, near_surface)));
     if (!is_cut_away(p)) out[count++] = {t, p};
   };
   add(first, approach - step);
@@ -162,14 +151,12 @@ int Sphere<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction, R
   return count;
 }
 
-template <typename Real>
-bool Sphere<Real>::is_cut_away(const Vec3<double>& p) const {
+bool Sphere::is_cut_away(const Vec3& p) const {
   if (is_cut_in_z_ && (p.z < z_min_m_ || p.z > z_max_m_)) return true;
   return !is_swept(p, params_.phi_max_rad);
 }
 
-template <typename Real>
-std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
+std::pair<Vec3, Vec3> Sphere::bounds() const {
   const auto& m = world_from_object_.matrix();
   // The widest ring of a cut sphere, for its box.
   const double r = params_.radius_m;
@@ -180,7 +167,7 @@ std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
   const auto extent = [&](int row) {
     // Two bounds are valid: the whole ellipsoid, and the image of the box around the remaining
     // part.
-    const double ellipsoid = r * length(Vec3<double>{m[row][0], m[row][1], m[row][2]});
+    const double ellipsoid = r * length(Vec3{m[row][0], m[row][1], m[row][2]});
     const double box =
         ring * (std::fabs(m[row][0]) + std::fabs(m[row][1])) + z_half * std::fabs(m[row][2]);
     const double middle = m[row][3] + m[row][2] * z_middle;
@@ -190,13 +177,12 @@ std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
   const auto x = extent(0);
   const auto y = extent(1);
   const auto w = extent(2);
-  return rounded_outwards<Real>({x.first, y.first, w.first}, {x.second, y.second, w.second});
+  return rounded_outwards({x.first, y.first, w.first}, {x.second, y.second, w.second});
 }
 
-template <typename Real>
-std::optional<Vec3<double>> Sphere<Real>::nearest(const Vec3<double>& p) const {
+std::optional<Vec3> Sphere::nearest(const Vec3& p) const {
   const double r = params_.radius_m;
-  Vec3<double> q = normalized(p) * r;
+  Vec3 q = normalized(p) * r;
   if (!is_finite(q)) return std::nullopt;
   if (q.z < z_min_m_ || q.z > z_max_m_) {
     const double z = std::clamp(q.z, z_min_m_, z_max_m_);
@@ -206,21 +192,19 @@ std::optional<Vec3<double>> Sphere<Real>::nearest(const Vec3<double>& p) const {
   return q;
 }
 
-template <typename Real>
-NormalCone<Real> Sphere<Real>::normals() const {
+NormalCone Sphere::normals() const {
   if (!is_cut_in_z_) return {};
   // A cone about +z from the lower cut, or about -z from the upper cut; use the narrower one.
   const double up = polar_angle(z_min_m_, params_.radius_m);
   const double down = polar_angle(-z_max_m_, params_.radius_m);
   const bool is_up = up <= down;
-  const Vec3<double> axis = world_from_object_.normal({0, 0, is_up ? 1.0 : -1.0});
-  return {Vec3<Real>(normalized(params_.reverse_orientation ? -axis : axis)),
+  const Vec3 axis = world_from_object_.normal({0, 0, is_up ? 1.0 : -1.0});
+  return {normalized(params_.reverse_orientation ? -axis : axis),
           std::min(std::min(up, down) + kNormalSlackRad, std::numbers::pi)};
 }
 
-template <typename Real>
-Vec2<double> Sphere<Real>::uv(const Vec3<Real>& position) const {
-  const Vec3<double> p = object_from_world_.point(Vec3<double>(position));
+Vec2 Sphere::uv(const Vec3& position) const {
+  const Vec3 p = object_from_world_.point(position);
   // atan2: the arccosine of z loses half of its digits near the poles.
   const double theta = std::atan2(std::hypot(p.x, p.y), p.z);
   const double bottom = polar_angle(z_min_m_, params_.radius_m);
@@ -229,8 +213,7 @@ Vec2<double> Sphere<Real>::uv(const Vec3<Real>& position) const {
   return {share_of_sweep(p, params_.phi_max_rad), v};
 }
 
-template <typename Real>
-BandArea Sphere<Real>::area_of(const Band& band) const {
+BandArea Sphere::area_of(const Band& band) const {
   // Polar angles are from the pole nearer to the middle.  Differences of cosines are products:
   // cos(m - h) - cos(m + h) = 2 sin m sin h.
   const double r = params_.radius_m;
@@ -256,20 +239,17 @@ BandArea Sphere<Real>::area_of(const Band& band) const {
   return {middle.sin * std::sin(half) / whole, middle.cos * sinc_minus_cos(half) / whole};
 }
 
-template <typename Real>
-SurfacePoint<Real> Sphere<Real>::at_shares(Vec2<double> shares) const {
+SurfacePoint Sphere::at_shares(Vec2 shares) const {
   const double z = std::clamp(std::lerp(z_min_m_, z_max_m_, shares.y), z_min_m_, z_max_m_);
   const double phi = params_.phi_max_rad * shares.x;
   const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
   return surface_point(on_ring(ring, phi, z));
 }
 
-template <typename Real>
-std::optional<double> Sphere<Real>::projected_solid_angle_sr(const Vec3<Real>& position,
-                                                             const Vec3<double>& normal,
-                                                             bool two_sided) const {
+std::optional<double> Sphere::projected_solid_angle_sr(const Vec3& position, const Vec3& normal,
+                                                       bool two_sided) const {
   if (!is_whole_ || touches(position)) return std::nullopt;
-  const Vec3<double> to_center = center_m_ - Vec3<double>(position);
+  const Vec3 to_center = center_m_ - position;
   const double r = world_radius_m_, d = length(to_center);
   const bool is_inside = d < r;
   if (!two_sided && is_inside != params_.reverse_orientation) return 0;
@@ -278,15 +258,11 @@ std::optional<double> Sphere<Real>::projected_solid_angle_sr(const Vec3<Real>& p
                                    std::sqrt((d - r) / d) * std::sqrt((d + r) / d), normal);
 }
 
-template <typename Real>
-bool Sphere<Real>::touches(const Vec3<Real>& p, std::uint32_t) const {
+bool Sphere::touches(const Vec3& p, std::uint32_t) const {
   constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
-  const Vec3<double> from_center = Vec3<double>(p) - center_m_;
+  const Vec3 from_center = p - center_m_;
   return std::fabs(length(from_center) - world_radius_m_) <= kRounding * world_radius_m_ &&
          (is_whole_ || !is_cut_away(object_from_world_.vector(from_center)));
 }
-
-template class Sphere<float>;
-template class Sphere<double>;
 
 }  // namespace lucerna

@@ -30,15 +30,14 @@ struct SphereParams {
 
 /// Normals are geometric.  They point outwards, also under mirrors, unless `reverse_orientation` is
 /// set.  Immutable, so safe to share between threads.  Calls allocate only for error messages.
-template <typename Real>
-class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
+class Sphere : public Quadric<Sphere, SphereParams> {
  public:
   static constexpr bool kHasProjectedSolidAngle = true;
   static constexpr std::string_view kName = "sphere";
 
-  /// Errors: a field out of its domain; nothing left of the sphere; bounds that `Real` cannot hold.
-  static absl::StatusOr<Sphere> create(const SphereParams& params,
-                                       const Vec3<double>& origin_m = {});
+  /// Errors: a field out of its domain; nothing left of the sphere; bounds that `double` cannot
+  /// hold.
+  static absl::StatusOr<Sphere> create(const SphereParams& params, const Vec3& origin_m = {});
 
   /// OK where this shape can carry a light.  Else InvalidArgument with the unequal factors.
   absl::Status emissive_error() const;
@@ -47,38 +46,36 @@ class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
   /// sphere is sampled uniformly in its cone from outside, and uniformly over all directions from
   /// inside.  Cut spheres, and receivers within a thousandth of the radius below the surface, use
   /// area sampling.  [Pharr23, 6.2.4]
-  ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const;
   /// The density of `sample` at a point of the surface.  For a whole sphere seen from outside, 0 on
   /// the far side, which is never sampled.
-  SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
+  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const;
 
   /// Whether `p` lies on it, to within the rounding of doubles.
-  bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
+  bool touches(const Vec3& p, std::uint32_t primitive = 0) const;
 
   /// The projected solid angle [sr] of the sides that emit towards `position`, above the horizon of
   /// the unit vector `normal`. From outside, the near side counts; from inside, all.  Nothing for
   /// cut spheres, and for positions on the surface to within the rounding of doubles.
-  std::optional<double> projected_solid_angle_sr(const Vec3<Real>& position,
-                                                 const Vec3<double>& normal, bool two_sided) const;
+  std::optional<double> projected_solid_angle_sr(const Vec3& position, const Vec3& normal,
+                                                 bool two_sided) const;
   /// No part of its near side occludes another.
   bool hides_itself() const { return false; }
 
   /// All directions for a whole sphere; for a part a cone that contains its normals.
-  NormalCone<Real> normals() const;
+  NormalCone normals() const;
 
   /// The mapping of pictures: u is the share of the sweep, v runs from the lower end (0) to the
   /// upper end (1).  [Pharr23, 6.2.2]
-  Vec2<double> uv(const Vec3<Real>& position) const;
+  Vec2 uv(const Vec3& position) const;
   BandArea area_of(const Band& band) const;
   /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
-  SurfacePoint<Real> at_shares(Vec2<double> shares) const;
+  SurfacePoint at_shares(Vec2 shares) const;
 
   /// World bounds about the origin, {lower, upper}.
-  std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
+  std::pair<Vec3, Vec3> bounds() const;
   /// None: the sphere is not flat.
-  std::optional<double> height_over(const SurfacePoint<Real>&, const Vec3<Real>&) const {
-    return std::nullopt;
-  }
+  std::optional<double> height_over(const SurfacePoint&, const Vec3&) const { return std::nullopt; }
 
   /// The ellipsoid that it is a part of.
   RoundEnclosure enclosure() const {
@@ -89,28 +86,25 @@ class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
   }
 
  private:
-  Sphere(const SphereParams& params, const Vec3<double>& origin_m);
-  int roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min, Real t_max,
+  Sphere(const SphereParams& params, const Vec3& origin_m);
+  int roots(const Vec3& origin, const Vec3& direction, double t_min, double t_max,
             QuadricRoots& out) const;
-  bool is_cut_away(const Vec3<double>& p) const;
-  std::optional<Vec3<double>> nearest(const Vec3<double>& q) const;
-  Vec3<Real> normal_at(const Vec3<double>& p) const { return this->oriented(p); }
+  bool is_cut_away(const Vec3& p) const;
+  std::optional<Vec3> nearest(const Vec3& q) const;
+  Vec3 normal_at(const Vec3& p) const { return this->oriented(p); }
   enum class Way { kArea, kCone, kInside };
   /// The single test of inside and outside, for sampling and density.
-  Way way_at(double distance, const Receiver<Real>& receiver) const;
+  Way way_at(double distance, const Receiver& receiver) const;
 
-  using Base = Quadric<Sphere<Real>, Real, SphereParams>;
+  using Base = Quadric<Sphere, SphereParams>;
   friend Base;
   using Base::area_m2_, Base::object_from_world_, Base::params_, Base::world_from_object_;
   using Base::on_ring, Base::pdf_by_area, Base::surface_point;
 
   double z_min_m_, z_max_m_;  // within the radius
   bool is_cut_in_z_, is_cut_in_phi_, is_whole_;
-  Vec3<double> center_m_;
+  Vec3 center_m_;
   double world_radius_m_ = 0;  // 0 if the scale is unequal
 };
-
-extern template class Sphere<float>;
-extern template class Sphere<double>;
 
 }  // namespace lucerna

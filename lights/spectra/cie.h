@@ -18,7 +18,7 @@ inline constexpr std::size_t kObserverSize = 95;
 
 /// Colour matching functions of the 1931 standard observer (2 degrees), entry k at 360 + 5 k nm,
 /// to 830 nm.  [CIE15]
-std::span<const Vec3<double>, kObserverSize> observer();
+std::span<const Vec3, kObserverSize> observer();
 
 /// Relative spectral power of an illuminant, equally spaced.  [CIE15]
 struct Illuminant {

@@ -11,16 +11,18 @@
 
 namespace lucerna {
 
-/// OK where each channel lies in [0, the largest `Real`].
-template <std::floating_point Real>
-absl::Status check_light_value(std::string_view field, const Rgb<double>& value,
-                               std::string_view unit) {
-  constexpr double kLargest = std::numeric_limits<Real>::max();
-  const auto good = [](double c) { return c >= 0 && c <= kLargest; };
+/// The largest value that answers can hold, whose values are floats.
+inline constexpr double kMostInAnswers = std::numeric_limits<float>::max();
+
+/// OK where each channel lies in [0, most].
+inline absl::Status check_light_value(std::string_view field, const Rgb& value,
+                                      std::string_view unit,
+                                      double most = std::numeric_limits<double>::max()) {
+  const auto good = [most](double c) { return c >= 0 && c <= most; };
   if (good(value.r) && good(value.g) && good(value.b)) return absl::OkStatus();
   return absl::InvalidArgumentError(
       fmt::format("{} = ({}, {}, {}) {}, allowed: each channel finite, from 0 to {:.3g}", field,
-                  value.r, value.g, value.b, unit, kLargest));
+                  value.r, value.g, value.b, unit, most));
 }
 
 }  // namespace lucerna

@@ -9,7 +9,7 @@ namespace lucerna {
 
 /// Smooth reflectances at 360 + 5 k nm.  Under D65, reflectance i has the colour of channel i.
 // clang-format off
-inline constexpr std::array<Rgb<double>, 95> kRgbBasis{{
+inline constexpr std::array<Rgb, 95> kRgbBasis{{
     {0.024938331640410236, 0, 0.97506166835959029},
     {0.024938110183489876, 0, 0.97506188981651054},
     {0.024937483079769063, 0, 0.97506251692022983},

@@ -7,15 +7,13 @@
 namespace lucerna {
 namespace {
 
-using Rows = std::array<Vec3<double>, 3>;
+using Rows = std::array<Vec3, 3>;
 
 Rows transposed(const Rows& m) {
   return {{{m[0].x, m[1].x, m[2].x}, {m[0].y, m[1].y, m[2].y}, {m[0].z, m[1].z, m[2].z}}};
 }
 
-Vec3<double> times(const Rows& m, const Vec3<double>& v) {
-  return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
-}
+Vec3 times(const Rows& m, const Vec3& v) { return {dot(m[0], v), dot(m[1], v), dot(m[2], v)}; }
 
 Rows times(const Rows& a, const Rows& b) {
   const Rows columns = transposed(b);
@@ -24,37 +22,37 @@ Rows times(const Rows& a, const Rows& b) {
 
 /// Nothing if the determinant is 0 or not finite.
 std::optional<Rows> inverse(const Rows& m) {
-  const Vec3<double> a = cross(m[1], m[2]), b = cross(m[2], m[0]), c = cross(m[0], m[1]);
+  const Vec3 a = cross(m[1], m[2]), b = cross(m[2], m[0]), c = cross(m[0], m[1]);
   const double determinant = dot(m[0], a);
   if (!(std::fabs(determinant) > 1e-9) || !std::isfinite(determinant)) return std::nullopt;
   return transposed({a / determinant, b / determinant, c / determinant});
 }
 
 /// X, Y and Z of a chromaticity.  Their sum is 1.
-Vec3<double> xyz_of(const Vec2<double>& xy) { return {xy.x, xy.y, 1 - xy.x - xy.y}; }
+Vec3 xyz_of(const Vec2& xy) { return {xy.x, xy.y, 1 - xy.x - xy.y}; }
 
 /// X, Y and Z of a white of luminance 1.
-Vec3<double> white_of(const RgbPrimaries& p) { return xyz_of(p.white) / p.white.y; }
+Vec3 white_of(const RgbPrimaries& p) { return xyz_of(p.white) / p.white.y; }
 
 /// The amounts of the primaries are such that their sum is the white.
 std::optional<Rows> xyz_from_rgb(const RgbPrimaries& p) {
   const Rows primaries = transposed({xyz_of(p.red), xyz_of(p.green), xyz_of(p.blue)});
   const auto amounts_from_xyz = inverse(primaries);
   if (!amounts_from_xyz || !(p.white.y > 1e-6)) return std::nullopt;
-  const Vec3<double> amounts = times(*amounts_from_xyz, white_of(p));
+  const Vec3 amounts = times(*amounts_from_xyz, white_of(p));
   if (!(std::min({amounts.x, amounts.y, amounts.z}) > 0) || !is_finite(amounts))
     return std::nullopt;
-  const auto scaled = [&](const Vec3<double>& row) {
-    return Vec3<double>{row.x * amounts.x, row.y * amounts.y, row.z * amounts.z};
+  const auto scaled = [&](const Vec3& row) {
+    return Vec3{row.x * amounts.x, row.y * amounts.y, row.z * amounts.z};
   };
   return Rows{{scaled(primaries[0]), scaled(primaries[1]), scaled(primaries[2])}};
 }
 
 /// [Lam85]
-std::optional<Rows> bradford(const Vec3<double>& from, const Vec3<double>& to) {
+std::optional<Rows> bradford(const Vec3& from, const Vec3& to) {
   constexpr Rows kCones{
       {{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}}};
-  const Vec3<double> before = times(kCones, from), after = times(kCones, to);
+  const Vec3 before = times(kCones, from), after = times(kCones, to);
   if (!(std::min({before.x, before.y, before.z}) > 0)) return std::nullopt;
   const Rows scaled{{kCones[0] * (after.x / before.x), kCones[1] * (after.y / before.y),
                      kCones[2] * (after.z / before.z)}};
@@ -91,15 +89,15 @@ std::optional<RgbConversion> RgbConversion::to_rec709(const RgbPrimaries& from, 
   return RgbConversion(times(rgb_from_xyz, *xyz));
 }
 
-bool is_outside_rec709(const Rgb<double>& c) {
+bool is_outside_rec709(const Rgb& c) {
   return std::min({c.r, c.g, c.b}) < -1e-6 * std::fabs(c.max_component());
 }
 
-Rgb<double> at_edge_of_rec709(const Rgb<double>& c) {
+Rgb at_edge_of_rec709(const Rgb& c) {
   if (std::min({c.r, c.g, c.b}) >= 0) return c;
   const double wanted = luminance(c);
-  const Rgb<double> rest{std::max(c.r, 0.0), std::max(c.g, 0.0), std::max(c.b, 0.0)};
-  return wanted > 0 ? rest * (wanted / luminance(rest)) : Rgb<double>();
+  const Rgb rest{std::max(c.r, 0.0), std::max(c.g, 0.0), std::max(c.b, 0.0)};
+  return wanted > 0 ? rest * (wanted / luminance(rest)) : Rgb();
 }
 
 }  // namespace lucerna

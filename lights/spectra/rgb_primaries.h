@@ -12,7 +12,7 @@ namespace lucerna {
 
 /// CIE chromaticities (x, y) of the primaries and of RGB (1, 1, 1).
 struct RgbPrimaries {
-  Vec2<double> red, green, blue, white;
+  Vec2 red, green, blue, white;
   bool operator==(const RgbPrimaries&) const = default;
 };
 
@@ -37,20 +37,20 @@ class RgbConversion {
   static std::optional<RgbConversion> to_rec709(const RgbPrimaries& from, White white);
 
   /// A colour outside of Rec. 709 has channels below 0.
-  Rgb<double> operator()(const Rgb<double>& c) const {
-    const Vec3<double> v{c.r, c.g, c.b};
+  Rgb operator()(const Rgb& c) const {
+    const Vec3 v{c.r, c.g, c.b};
     return {dot(rows_[0], v), dot(rows_[1], v), dot(rows_[2], v)};
   }
 
  private:
-  explicit RgbConversion(const std::array<Vec3<double>, 3>& rows) : rows_(rows) {}
-  std::array<Vec3<double>, 3> rows_;
+  explicit RgbConversion(const std::array<Vec3, 3>& rows) : rows_(rows) {}
+  std::array<Vec3, 3> rows_;
 };
 
 /// Whether a channel is below 0 by more than the rounding of a conversion.
-bool is_outside_rec709(const Rgb<double>& c);
+bool is_outside_rec709(const Rgb& c);
 /// The colour with its channels below 0 set to 0, at the same luminance.  Black if the luminance is
 /// not positive.
-Rgb<double> at_edge_of_rec709(const Rgb<double>& c);
+Rgb at_edge_of_rec709(const Rgb& c);
 
 }  // namespace lucerna

@@ -34,8 +34,8 @@ T between(std::span<const T> table, double nm) {
 
 /// The sum over the table's wavelengths, times their distance.
 template <typename F>
-Vec3<double> table_sum(F&& value) {
-  Vec3<double> xyz{};
+Vec3 table_sum(F&& value) {
+  Vec3 xyz{};
   for (std::size_t k = 0; k < kObserverSize; ++k) xyz += cie::observer()[k] * value(observer_nm(k));
   return xyz * kObserverStepNm;
 }
@@ -61,8 +61,8 @@ const cie::Illuminant& d65() {
   return table;
 }
 
-Vec3<double> d65_xyz() {
-  static const Vec3<double> xyz = table_sum([](double nm) { return cie::value_at(d65(), nm); });
+Vec3 d65_xyz() {
+  static const Vec3 xyz = table_sum([](double nm) { return cie::value_at(d65(), nm); });
   return xyz;
 }
 
@@ -109,9 +109,9 @@ absl::Status check_samples(const SampledSpectrum& s) {
 namespace {
 
 /// The integral of samples against a table at the observer's wavelengths.
-Vec3<double> integral(std::span<const Vec3<double>> observer,
-                      std::span<const double> wavelengths_nm, std::span<const double> values) {
-  Vec3<double> xyz{};
+Vec3 integral(std::span<const Vec3> observer, std::span<const double> wavelengths_nm,
+              std::span<const double> values) {
+  Vec3 xyz{};
   if (wavelengths_nm.empty()) return xyz;
   std::vector<double> nodes;
   for (std::size_t k = 0; k < kObserverSize; ++k) nodes.push_back(observer_nm(k));
@@ -138,47 +138,47 @@ Vec3<double> integral(std::span<const Vec3<double>> observer,
 
 }  // namespace
 
-Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const double> values) {
+Vec3 tristimulus(std::span<const double> wavelengths_nm, std::span<const double> values) {
   return integral(cie::observer(), wavelengths_nm, values);
 }
 
-Rgb<double> reflected_rgb(std::span<const double> wavelengths_nm, std::span<const double> values) {
-  static const std::vector<Vec3<double>> weights = [] {
-    std::vector<Vec3<double>> under_d65;
+Rgb reflected_rgb(std::span<const double> wavelengths_nm, std::span<const double> values) {
+  static const std::vector<Vec3> weights = [] {
+    std::vector<Vec3> under_d65;
     for (std::size_t k = 0; k < kObserverSize; ++k)
       under_d65.push_back(cie::observer()[k] * cie::value_at(d65(), observer_nm(k)));
     return under_d65;
   }();
-  static const Vec3<double> white = [] {
+  static const Vec3 white = [] {
     constexpr double kAll[] = {0, 1e4}, kOne[] = {1, 1};
     return integral(weights, kAll, kOne);
   }();
-  const Vec3<double> xyz = integral(weights, wavelengths_nm, values);
+  const Vec3 xyz = integral(weights, wavelengths_nm, values);
   // The white of this integral and of the table's sum differ in the seventh digit.
-  const Vec3<double> d65_white = d65_xyz() / d65_xyz().y;
+  const Vec3 d65_white = d65_xyz() / d65_xyz().y;
   return rgb_from_xyz({xyz.x / white.x * d65_white.x, xyz.y / white.y * d65_white.y,
                        xyz.z / white.z * d65_white.z});
 }
 
-Rgb<double> rgb_from_xyz(const Vec3<double>& xyz) {
+Rgb rgb_from_xyz(const Vec3& xyz) {
   // X and Z of (1, 1, 1), the sums of the inverse's first and last row.
   constexpr double kX = 0.9504559270516718, kZ = 1.0890577507598784;
-  const Vec3<double> white = d65_xyz();
-  const Vec3<double> c{xyz.x * (kX * white.y / white.x), xyz.y, xyz.z * (kZ * white.y / white.z)};
+  const Vec3 white = d65_xyz();
+  const Vec3 c{xyz.x * (kX * white.y / white.x), xyz.y, xyz.z * (kZ * white.y / white.z)};
   return {3.2409699419045213 * c.x - 1.5373831775700935 * c.y - 0.4986107602930033 * c.z,
           -0.9692436362808798 * c.x + 1.8759675015077206 * c.y + 0.0415550574071756 * c.z,
           0.0556300796969936 * c.x - 0.2039769588889765 * c.y + 1.0569715142428786 * c.z};
 }
 
-Rgb<double> rgb_basis_per_lumen(double nm) {
+Rgb rgb_basis_per_lumen(double nm) {
   // Outside of the observer's table, the reflectances are constant.
   const double light = cie::value_at(d65(), nm);
-  return between(std::span<const Rgb<double>>(kRgbBasis), nm) *
+  return between(std::span<const Rgb>(kRgbBasis), nm) *
          (light / (cie::kLumensPerWatt * d65_xyz().y));
 }
 
-Spectrum::Spectrum(Source source, const Vec3<double>& xyz) : source_(std::move(source)) {
-  const Rgb<double> raw = rgb_from_xyz(xyz / xyz.y);
+Spectrum::Spectrum(Source source, const Vec3& xyz) : source_(std::move(source)) {
+  const Rgb raw = rgb_from_xyz(xyz / xyz.y);
   // A channel below zero by rounding is not a colour outside of RGB.
   clipped_ = std::min({raw.r, raw.g, raw.b}) < -1e-9;
   rgb_ = {std::max(raw.r, 0.0), std::max(raw.g, 0.0), std::max(raw.b, 0.0)};
@@ -191,7 +191,7 @@ absl::StatusOr<Spectrum> Spectrum::create(const BlackBody& source) {
         fmt::format("black body of {} K, allowed: [100, 1e7] K", source.kelvin));
   // Relative to the red end: for low temperatures the largest visible values are there.
   const double reference = log_planck(observer_nm(kObserverSize - 1), source.kelvin);
-  const Vec3<double> xyz =
+  const Vec3 xyz =
       table_sum([&](double nm) { return std::exp(log_planck(nm, source.kelvin) - reference); });
   Spectrum s(source, xyz);
   s.log_per_lumen_ = -reference - std::log(cie::kLumensPerWatt * xyz.y);
@@ -207,7 +207,7 @@ absl::StatusOr<Spectrum> Spectrum::create(const CieIlluminant& source) {
     return absl::InvalidArgumentError(
         fmt::format("unknown illuminant \"{}\", allowed:{}", source.name, names));
   }
-  const Vec3<double> xyz = table_sum([&](double nm) { return cie::value_at(*table, nm); });
+  const Vec3 xyz = table_sum([&](double nm) { return cie::value_at(*table, nm); });
   Spectrum s(source, xyz);
   s.scale_ = 1 / (cie::kLumensPerWatt * xyz.y);
   double sum = 0;
@@ -223,7 +223,7 @@ absl::StatusOr<Spectrum> Spectrum::create(SampledSpectrum source) {
   const double largest = *std::ranges::max_element(source.values);
   std::vector<double> relative = source.values;
   for (double& v : relative) v /= largest > 0 ? largest : 1;
-  const Vec3<double> xyz = tristimulus(source.wavelengths_nm, relative);
+  const Vec3 xyz = tristimulus(source.wavelengths_nm, relative);
   const double per_lumen = 1 / (cie::kLumensPerWatt * xyz.y);
   const double watts = total(source.wavelengths_nm, relative) * per_lumen;
   if (!(xyz.y > 0) || !(per_lumen <= kMostWattsPerLumen) || !(watts <= kMostWattsPerLumen))

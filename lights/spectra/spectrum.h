@@ -65,42 +65,42 @@ class Spectrum {
   /// [W per lm].
   double watts_per_lumen() const { return watts_per_lumen_; }
   /// Its colour at luminance 1, no channel negative.
-  const Rgb<double>& rgb() const { return rgb_; }
+  const Rgb& rgb() const { return rgb_; }
   /// True if the colour is outside of RGB: negative channels were set to 0.
   bool clipped() const { return clipped_; }
   /// Memory, with the object itself.
   std::uint64_t bytes() const;
 
  private:
-  Spectrum(Source source, const Vec3<double>& xyz);
+  Spectrum(Source source, const Vec3& xyz);
 
   Source source_;
   double log_per_lumen_ = 0;  // of black bodies: ln s(nm) - log_planck(nm)
   double largest_ = 1;        // of samples
   double scale_ = 1;          // of the others: W/nm per lm for each unit of value / largest
   double watts_per_lumen_ = 0;
-  Rgb<double> rgb_;
+  Rgb rgb_;
   bool clipped_ = false;
 };
 
 /// X, Y and Z of samples: the integral against the observer [nm times the unit of the values].  The
 /// samples are linear between wavelengths and 0 outside; wavelengths ascend.
-Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const double> values);
+Vec3 tristimulus(std::span<const double> wavelengths_nm, std::span<const double> values);
 
 /// Linear RGB of a colour in XYZ, with the primaries of Rec. 709 and the white of the D65 table.
 /// Its chromaticity (0.31271, 0.32901) differs from that of Rec. 709 in the fifth digit.  So X and
 /// Z are scaled first, by less than 3e-4, and D65 is (1, 1, 1).  [BT709]
-Rgb<double> rgb_from_xyz(const Vec3<double>& xyz);
+Rgb rgb_from_xyz(const Vec3& xyz);
 
 /// Linear RGB of a surface under D65, from samples of its reflectance: linear between wavelengths
 /// and 0 outside; wavelengths ascend.  The product with D65 times the observer is integrated
 /// exactly, with both factors linear between entries.  A reflectance of c from 360 to 830 nm gives
 /// (c, c, c) to rounding.  Saturated colours have channels below 0 or above 1.  [CIE15]
-Rgb<double> reflected_rgb(std::span<const double> wavelengths_nm, std::span<const double> values);
+Rgb reflected_rgb(std::span<const double> wavelengths_nm, std::span<const double> values);
 
 /// For RGB lights: the light of RGB c has at `nm` the spectral value c.r b.r + c.g b.g + c.b b.b
 /// [W/nm per lm].  The three spectra are smooth: D65 times reflectances that add up to 1.  White is
 /// D65, and the sum over the observer's table gives c to 1e-9.  [Mallett19]
-Rgb<double> rgb_basis_per_lumen(double nm);
+Rgb rgb_basis_per_lumen(double nm);
 
 }  // namespace lucerna

@@ -24,22 +24,22 @@ Census census_of(const PatchMeshData& mesh) {
   StopPoll poll;
   for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4, poll()) {
     const auto p = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
-    const std::array<Vec3<double>, 4> turns{
+    const std::array<Vec3, 4> turns{
         cross(p(1) - p(0), p(2) - p(0)), cross(p(1) - p(0), p(3) - p(1)),
         cross(p(3) - p(2), p(2) - p(0)), cross(p(3) - p(2), p(3) - p(1))};
-    Vec3<double> largest{};
-    for (const Vec3<double>& turn : turns)
+    Vec3 largest{};
+    for (const Vec3& turn : turns)
       if (max_abs(turn) > max_abs(largest)) largest = turn;
     if (max_abs(largest) == 0) {
       ++census.without_area;
       continue;
     }
     constexpr double kRounded = 1e-6;  // relative to the largest, from rounding of corners
-    const Vec3<double> axis = normalized(largest);
+    const Vec3 axis = normalized(largest);
     const double unit = length(largest);
     int left = 0, right = 0;
-    for (const Vec3<double>& turn : turns) {
-      const Vec3<double> t = turn / unit;
+    for (const Vec3& turn : turns) {
+      const Vec3 t = turn / unit;
       if (max_abs(cross(axis, t)) > kRounded) break;
       left += dot(axis, t) > kRounded;
       right += dot(axis, t) < -kRounded;

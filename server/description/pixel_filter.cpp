@@ -162,7 +162,7 @@ absl::StatusOr<std::shared_ptr<const PixelFilter>> PixelFilter::create(
   return filter;
 }
 
-PixelFilter::Sample PixelFilter::sample(Vec2<float> u) const {
+PixelFilter::Sample PixelFilter::sample(Vec2f u) const {
   const Axis::Offset x = x_.sample(u.x), y = y_.sample(u.y);
   return {{static_cast<float>(0.5 + x.offset_px), static_cast<float>(0.5 + y.offset_px)},
           x.is_negative != y.is_negative ? -weight_ : weight_};

@@ -30,7 +30,7 @@ struct SincFilter {
 };
 
 struct PixelFilterParams {
-  Vec2<double> radius_px{0.5, 0.5};  ///< each in [0.001, 64]; the filter is 0 beyond
+  Vec2 radius_px{0.5, 0.5};  ///< each in [0.001, 64]; the filter is 0 beyond
   std::variant<BoxFilter, TriangleFilter, GaussianFilter, MitchellFilter, SincFilter> shape{};
 };
 
@@ -42,7 +42,7 @@ struct PixelFilterParams {
 class PixelFilter {
  public:
   struct Sample {
-    Vec2<float> position_px;  ///< from the pixel's upper left corner, +y downwards
+    Vec2f position_px;  ///< from the pixel's upper left corner, +y downwards
     /// 1 for filters without negative values.  Otherwise a constant with the filter's sign there.
     /// Its mean over all positions is 1.
     double weight;
@@ -52,7 +52,7 @@ class PixelFilter {
   static absl::StatusOr<std::shared_ptr<const PixelFilter>> create(const PixelFilterParams& params);
 
   /// `u` in the closed unit square.  Nearby values give nearby positions.
-  Sample sample(Vec2<float> u) const;
+  Sample sample(Vec2f u) const;
 
   /// Whether weights, and so the values of pixels, may be negative.
   bool has_negative_weights() const { return x_.is_signed() || y_.is_signed(); }

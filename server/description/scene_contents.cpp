@@ -22,7 +22,7 @@ static_assert(kTextures.size() == std::variant_size_v<TextureNode>);
 constexpr std::array<std::string_view, 4> kCameras{"perspective", "orthographic",
                                                    "spherical, equal area", "spherical"};
 
-#define LUCERNA_NAME(Shape) , Shape<double>::kName
+#define LUCERNA_NAME(Shape) , Shape::kName
 constexpr std::array<std::string_view, std::variant_size_v<decltype(ShapeDescription::geometry)>>
     kShapes{"triangle mesh", "bilinear mesh", "curve" LUCERNA_QUADRICS(LUCERNA_NAME)};
 #undef LUCERNA_NAME

@@ -48,7 +48,7 @@ struct Remark {
 /// A medium that absorbs light and does not scatter it.  After d metres, exp(-absorption d) of each
 /// channel is left.
 struct Medium {
-  Rgb<double> absorption_per_m;  ///< at least 0
+  Rgb absorption_per_m;  ///< at least 0
 };
 
 /// The media on both sides of a surface: indices into SceneDescription::media, -1 for none.
@@ -60,7 +60,7 @@ struct MediumSides {
 /// The direction in which u grows, unit or zero, and that of v: cross(normal, along_u) times
 /// `turn`, which is 1 or -1.
 struct VertexTangent {
-  Vec3<float> along_u;
+  Vec3f along_u;
   float turn = 1;
 };
 
@@ -68,13 +68,13 @@ struct VertexTangent {
 /// p0) points to the outside.  The loader sets this winding from ReverseOrientation, mirrors and
 /// vertex normals.
 struct TriangleMeshData {
-  std::vector<Vec3<double>> positions;
-  std::vector<Vec3<float>> normals;    ///< shading normals, unit, one for each vertex; empty: flat
+  std::vector<Vec3> positions;
+  std::vector<Vec3f> normals;          ///< shading normals, unit, one for each vertex; empty: flat
   std::vector<std::uint32_t> indices;  ///< three per triangle, all < positions.size()
   /// (u, v) of each triangle's corners, for an emission image or textures; empty if there is none.
-  std::vector<Vec2<float>> corner_uv{};
+  std::vector<Vec2f> corner_uv{};
   /// For VertexColourTexture, one for each vertex; empty if there is none.
-  std::vector<Rgb<float>> colours{};
+  std::vector<Rgbf> colours{};
   /// For materials with FrameAlong::kV, one for each vertex; empty: from (u, v).
   std::vector<VertexTangent> tangents{};
 };
@@ -82,11 +82,11 @@ struct TriangleMeshData {
 /// Bilinear patches with four corners each: (0,0), (1,0), (0,1), (1,1).  cross(dp/du, dp/dv) points
 /// to the outside.
 struct PatchMeshData {
-  std::vector<Vec3<double>> positions;
-  std::vector<Vec3<float>> normals;    ///< shading normals, unit, per vertex; empty: geometric
+  std::vector<Vec3> positions;
+  std::vector<Vec3f> normals;          ///< shading normals, unit, per vertex; empty: geometric
   std::vector<std::uint32_t> indices;  ///< four per patch
   /// The same as for triangles; also empty if each patch shows the whole image.
-  std::vector<Vec2<float>> corner_uv{};
+  std::vector<Vec2f> corner_uv{};
 };
 
 /// What rays meet along a curve (server/rays/curve.h).
@@ -96,11 +96,11 @@ enum class CurveKind : std::uint8_t { kFlat, kCylinder, kRibbon };
 /// last.  They do not emit.
 struct CurveData {
   CurveKind kind{};
-  std::vector<Vec3<double>> points{};
+  std::vector<Vec3> points{};
   int degree = 3;                             ///< 2 or 3
   bool is_b_spline = false;                   ///< with even knots; else Bezier curves
   double start_width_m = 1, end_width_m = 1;  ///< at least 0
-  std::vector<Vec3<double>> normals{};        ///< of a ribbon: unit, count() + 1; else empty
+  std::vector<Vec3> normals{};                ///< of a ribbon: unit, count() + 1; else empty
 
   /// Requires as many points as check_curves() allows (server/meshes/curve_pieces.h).
   std::size_t count() const {
@@ -126,7 +126,7 @@ struct ShapeDescription {
   bool is_interface = false;
   /// Set if the shape is an area light.  The level is final: `scale` and `power` are applied.
   struct Emission {
-    Rgb<double> radiance_cd_m2;
+    Rgb radiance_cd_m2;
     bool two_sided = false;
     SourceLocation where;
     std::shared_ptr<const Spectrum> spectrum{};  ///< null for a light given in RGB
@@ -190,7 +190,7 @@ struct CameraDescription {
   /// x from screen_min.x (left) to screen_max.x, y from screen_min.y (bottom) to screen_max.y.
   /// Perspective: on the plane z = 1, tangents of half angles.  Orthographic: on the plane z = 0,
   /// in units of camera space.  Not used by the other two.
-  Vec2<double> screen_min{-1, -1}, screen_max{1, 1};
+  Vec2 screen_min{-1, -1}, screen_max{1, 1};
   /// Of a thin lens around the camera's position, in units of camera space; 0: a pinhole.  In
   /// [0, 1e6].  Not used by cameras that see all directions.
   double lens_radius = 0;

@@ -100,9 +100,9 @@ class Reader {
       return error(fmt::format("{} elements \"{}\" announced, but the data are too short",
                                element.count, element.name));
     if (element.name == "vertex") {
-      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(
-          element.count * (sizeof(Vec3<double>) + (has_normals_ ? sizeof(Vec3<float>) : 0) +
-                           (has_uv_ ? sizeof(Vec2<float>) : 0))));
+      LUCERNA_RETURN_IF_ERROR(
+          mesh_.share.grow(element.count * (sizeof(Vec3) + (has_normals_ ? sizeof(Vec3f) : 0) +
+                                            (has_uv_ ? sizeof(Vec2f) : 0))));
       mesh_.positions.reserve(element.count);
       if (has_normals_) mesh_.normals.reserve(element.count);
       if (has_uv_) mesh_.uv.reserve(element.count);
@@ -158,28 +158,28 @@ class Reader {
         };
         switch (role[p]) {
           case kX:
-            into(mesh_.positions, &Vec3<double>::x);
+            into(mesh_.positions, &Vec3::x);
             break;
           case kY:
-            into(mesh_.positions, &Vec3<double>::y);
+            into(mesh_.positions, &Vec3::y);
             break;
           case kZ:
-            into(mesh_.positions, &Vec3<double>::z);
+            into(mesh_.positions, &Vec3::z);
             break;
           case kNx:
-            if (has_normals_) into(mesh_.normals, &Vec3<float>::x);
+            if (has_normals_) into(mesh_.normals, &Vec3f::x);
             break;
           case kNy:
-            if (has_normals_) into(mesh_.normals, &Vec3<float>::y);
+            if (has_normals_) into(mesh_.normals, &Vec3f::y);
             break;
           case kNz:
-            if (has_normals_) into(mesh_.normals, &Vec3<float>::z);
+            if (has_normals_) into(mesh_.normals, &Vec3f::z);
             break;
           case kU:
-            into(mesh_.uv, &Vec2<float>::x);
+            into(mesh_.uv, &Vec2f::x);
             break;
           case kV:
-            into(mesh_.uv, &Vec2<float>::y);
+            into(mesh_.uv, &Vec2f::y);
             break;
           default:
             break;
@@ -207,9 +207,8 @@ class Reader {
       if (!is_finite(mesh_.positions[index]))
         return error(fmt::format("vertex {} is not finite", index));
     }
-    const Vec3<double> place =
-        mesh_.indices.empty() ? Vec3<double>{} : mesh_.positions[mesh_.indices[0]];
-    for (Vec3<double>& p : mesh_.positions) {
+    const Vec3 place = mesh_.indices.empty() ? Vec3{} : mesh_.positions[mesh_.indices[0]];
+    for (Vec3& p : mesh_.positions) {
       poll();
       if (!is_finite(p)) p = place;
     }
@@ -266,10 +265,10 @@ class Reader {
       if (role[p] < kCorners) value[role[p]] = n;
     }
     if (element.name != "vertex") return absl::OkStatus();
-    const Vec3<double> position{value[kX], value[kY], value[kZ]};
+    const Vec3 position{value[kX], value[kY], value[kZ]};
     mesh_.positions.push_back(position);
     if (has_uv_) mesh_.uv.push_back({static_cast<float>(value[kU]), static_cast<float>(value[kV])});
-    if (has_normals_) mesh_.normals.emplace_back(Vec3<double>{value[kNx], value[kNy], value[kNz]});
+    if (has_normals_) mesh_.normals.emplace_back(Vec3{value[kNx], value[kNy], value[kNz]});
     check_vertex(i);
     return absl::OkStatus();
   }

@@ -15,10 +15,10 @@
 namespace lucerna {
 
 struct PlyMesh {
-  std::vector<Vec3<double>> positions;  ///< finite
-  std::vector<Vec3<float>> normals;     ///< any length or not finite, per vertex; empty: none
-  std::vector<Vec2<float>> uv;          ///< finite, per vertex; empty: none
-  std::vector<std::uint32_t> indices;   ///< three per triangle, all < positions.size()
+  std::vector<Vec3> positions;         ///< finite
+  std::vector<Vec3f> normals;          ///< any length or not finite, per vertex; empty: none
+  std::vector<Vec2f> uv;               ///< finite, per vertex; empty: none
+  std::vector<std::uint32_t> indices;  ///< three per triangle, all < positions.size()
   /// Quadrilaterals are split along their first diagonal: the first triangle of each.
   std::vector<std::uint32_t> quads;
   std::uint64_t short_faces = 0;  ///< of fewer than three corners, which are left out

@@ -38,8 +38,8 @@ void normalize(Value& q) {
   for (double& x : q) x /= size;
 }
 
-Vec3<double> vec(const std::vector<double>& v, const Vec3<double>& otherwise) {
-  return v.size() == 3 ? Vec3<double>{v[0], v[1], v[2]} : otherwise;
+Vec3 vec(const std::vector<double>& v, const Vec3& otherwise) {
+  return v.size() == 3 ? Vec3{v[0], v[1], v[2]} : otherwise;
 }
 
 }  // namespace
@@ -139,7 +139,7 @@ void Animations::add(const View& channel, const tinygltf::Animation& animation,
 Matrix Animations::local(std::size_t node, std::optional<double> time_s) const {
   const tinygltf::Node& n = document_.model().nodes[node];
   if (!n.matrix.empty()) return from_columns(n.matrix.data());
-  Vec3<double> translation = vec(n.translation, {0, 0, 0});
+  Vec3 translation = vec(n.translation, {0, 0, 0});
   Quaternion rotation{0, 0, 0, 1};
   if (n.rotation.size() == 4) std::copy(n.rotation.begin(), n.rotation.end(), rotation.begin());
   const auto found = nodes_.find(node);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "lights/pictures/sphere_map.h"
+#include "lights/spectra/level_validation.h"
 #include "server/formats/image_reader.h"
 #include "server/gltf/matrix.h"
 
@@ -20,11 +21,11 @@ constexpr int kMostFaceTexels = 4096;
 /// The six faces in the order of the extension: +x, -x, +y, -y, +z, -z.
 struct Cube {
   int size = 0;  ///< texels along an edge
-  std::array<std::vector<Rgb<float>>, 6> faces;
+  std::array<std::vector<Rgbf>, 6> faces;
 
   /// The texel that a direction meets.  Seen from the inside, the faces are upright and not
   /// mirrored: the extension flips the faces of the usual cube maps.
-  const Rgb<float>& texel(const Vec3<double>& w) const {
+  const Rgbf& texel(const Vec3& w) const {
     const double x = std::abs(w.x), y = std::abs(w.y), z = std::abs(w.z);
     const double largest = std::max({x, y, z});
     std::size_t face = 0;
@@ -61,7 +62,7 @@ View faces_of(const View& light) {
 }
 
 /// The texels of a face; empty if it cannot be decoded.
-std::vector<Rgb<float>> face_texels(const Document& document, const View& face, int size) {
+std::vector<Rgbf> face_texels(const Document& document, const View& face, int size) {
   const std::size_t index = face.index(document.count("images"), "image");
   const std::shared_ptr<const Image> image = document.image(index);
   if (image == nullptr) return {};
@@ -73,7 +74,7 @@ std::vector<Rgb<float>> face_texels(const Document& document, const View& face, 
   const auto alpha = decode_alpha(*document.read(document.root().at("images")[index]),
                                   document.context().image_options(kLinear));
   if (!alpha.ok()) face.fail(alpha.status());
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x) texels.push_back(image->texel(x, y));
   for (std::size_t i = 0; i < alpha->values.size() && i < texels.size(); ++i) {
@@ -89,19 +90,18 @@ std::shared_ptr<const Image> panorama(const Document& document, const Cube& cube
   constexpr int kLeast = 16;
   const int height = 2 * std::max(cube.size, kLeast), width = 2 * height;
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  document.context().claim(light.pointer(), count, sizeof(Rgb<float>));
-  std::vector<Rgb<float>> texels;
+  document.context().claim(light.pointer(), count, sizeof(Rgbf));
+  std::vector<Rgbf> texels;
   texels.reserve(count);
   constexpr int kParts = 4;  // places along each side of a texel
   for (int y = 0; y < height; ++y) {
     document.context().poll();
     for (int x = 0; x < width; ++x) {
-      Rgb<double> sum;
+      Rgb sum;
       for (int i = 0; i < kParts * kParts; ++i) {
         const double u = (x + (i % kParts + 0.5) / kParts) / width;
         const double v = (y + (i / kParts + 0.5) / kParts) / height;
-        sum += Rgb<double>(
-            cube.texel(direction_from_square(SphereMapping::kLatitudeLongitude, {u, v})));
+        sum += Rgb(cube.texel(direction_from_square(SphereMapping::kLatitudeLongitude, {u, v})));
       }
       texels.emplace_back(sum / double{kParts * kParts});
     }
@@ -150,10 +150,13 @@ void add_environment(const Document& document, const Tree& tree) {
   const std::vector<double> rotation = light.numbers("rotation", {0, 0, 0, 1}, {-1e9, 1e9});
   params.world_from_map = *Transform::from_matrix(
       from_parts({0, 0, 0}, {rotation[0], rotation[1], rotation[2], rotation[3]}, {1, 1, 1}));
-  params.radiance_cd_m2 = Rgb<double>(light.number("intensity", 1, kNotNegative) *
-                                      document.context().scene.level_factors.emission);
-  if (const auto made = ImageInfiniteLight<float>::create(params); !made.ok())
-    light.fail(made.status());
+  params.radiance_cd_m2 = Rgb(light.number("intensity", 1, kNotNegative) *
+                              document.context().scene.level_factors.emission);
+  if (const auto status = check_light_value("infinite.radiance of the brightest texel",
+                                            params.map->brightest() * params.radiance_cd_m2,
+                                            "cd/m2", kMostInAnswers);
+      !status.ok())
+    light.fail(status);
   LightDescription result;
   result.params = std::move(params);
   result.where = document.context().location(light.pointer());

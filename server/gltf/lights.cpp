@@ -12,20 +12,20 @@
 namespace lucerna::gltf {
 namespace {
 
-Vec3<double> column(const Matrix& m, std::size_t j) { return {m[0][j], m[1][j], m[2][j]}; }
+Vec3 column(const Matrix& m, std::size_t j) { return {m[0][j], m[1][j], m[2][j]}; }
 
-Rgb<double> level_of(const View& light, std::string_view unit, double factor) {
+Rgb level_of(const View& light, std::string_view unit, double factor) {
   constexpr std::string_view kIntensity = "intensity";
   const std::vector<double> colour = light.numbers("color", {1, 1, 1}, kNotNegative);
-  const Rgb<double> level = Rgb<double>(colour[0], colour[1], colour[2]) *
-                            light.number(kIntensity, 1, kNotNegative) * factor;
-  if (const auto status = check_light_value<float>(kIntensity, level, unit); !status.ok())
+  const Rgb level =
+      Rgb(colour[0], colour[1], colour[2]) * light.number(kIntensity, 1, kNotNegative) * factor;
+  if (const auto status = check_light_value(kIntensity, level, unit, kMostInAnswers); !status.ok())
     light.fail(status);
   return level;
 }
 
 /// Of a point light or a spot.
-Rgb<double> intensity_cd(const View& light) {
+Rgb intensity_cd(const View& light) {
   return level_of(light, "cd", light.context().scene.level_factors.lamps);
 }
 
@@ -51,8 +51,7 @@ double angle_of(const View& angles, std::string_view key, double otherwise, doub
   return std::clamp(angle, least, most);
 }
 
-SpotLightParams spot_light(const View& light, const Vec3<double>& position,
-                           const Vec3<double>& axis) {
+SpotLightParams spot_light(const View& light, const Vec3& position, const Vec3& axis) {
   SpotLightParams spot;
   spot.position_m = position;
   spot.axis = axis;
@@ -84,7 +83,7 @@ void set_place(const Document& document, const PlacedNode& node, const View& def
 void add_punctual(const Document& document, const PlacedNode& node, const View& use) {
   const View light = light_of(document, "KHR_lights_punctual", use);
   const Matrix frame = without_scale(node.world_from_node);
-  const Vec3<double> position = column(frame, 3), back = column(frame, 2);
+  const Vec3 position = column(frame, 3), back = column(frame, 2);
   const std::string& type = light.at("type").text();
   LightDescription result;
   if (type == "point") {
@@ -111,9 +110,9 @@ void add_punctual(const Document& document, const PlacedNode& node, const View& 
 /// type C are counter-clockwise seen from above, which is from +z of the node, those of type B
 /// clockwise.  For type A the zero is ahead, light space's +x; V = 90 is +x of the node here too.
 /// [Blut22]
-Frame<double> luminaire_axes(const Matrix& frame, PhotometricType type) {
-  const Vec3<double> x = column(frame, 0), y = column(frame, 1), z = column(frame, 2);
-  return type == PhotometricType::kA ? Frame<double>{-z, -y, -x} : Frame<double>{x, -y, -z};
+Frame luminaire_axes(const Matrix& frame, PhotometricType type) {
+  const Vec3 x = column(frame, 0), y = column(frame, 1), z = column(frame, 2);
+  return type == PhotometricType::kA ? Frame{-z, -y, -x} : Frame{x, -y, -z};
 }
 
 void add_photometric(const Document& document, const PlacedNode& node, const View& use) {
@@ -136,12 +135,15 @@ void add_photometric(const Document& document, const PlacedNode& node, const Vie
   light.axes = luminaire_axes(frame, file->web->type());
   const std::vector<double> colour = use.numbers("color", {1, 1, 1}, kUnit);
   light.intensity =
-      Rgb<double>(colour[0], colour[1], colour[2]) * use.number("multiplier", 1, kNotNegative);
+      Rgb(colour[0], colour[1], colour[2]) * use.number("multiplier", 1, kNotNegative);
   light.web = file->web;
   light.file = content->name;
   light.format = file->format;
   light.web_unit = light.flux_unit = file->flux_unit;
-  if (const auto status = GoniometricIntensity<float>::check(light, {}); !status.ok())
+  if (const auto status =
+          check_light_value("goniometric.intensity times the largest of the file",
+                            light.intensity * light.web->max_cd(), "cd", kMostInAnswers);
+      !status.ok())
     use.fail(status);
   LightDescription result;
   result.params = std::move(light);

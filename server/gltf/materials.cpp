@@ -93,7 +93,7 @@ bool is_pane(const GltfSurfaceParams& s) {
   const auto is = [](const auto& value, const auto& constant) {
     return value.is_constant() && value.constant == constant;
   };
-  const Rgb<double> white(1);
+  const Rgb white(1);
   return is(s.transmission, 1.0) && is(s.base, white) && s.surface.is_constant() &&
          s.surface.constant.g == 0 && s.surface.constant.b == 0 && is(s.specular, 1.0) &&
          is(s.specular_colour, white) && is(s.coat, 0.0) && s.ior >= 1;
@@ -166,10 +166,11 @@ std::shared_ptr<const MaterialEmission> Materials::emission(const View& material
   if (const auto given = material.extension(kStrength))
     strength = given->number("emissiveStrength", 1, kNotNegative);
   MaterialEmission emission;
-  emission.radiance_cd_m2 = Rgb<double>(factor[0], factor[1], factor[2]) * strength *
+  emission.radiance_cd_m2 = Rgb(factor[0], factor[1], factor[2]) * strength *
                             material.context().scene.level_factors.emission;
   if (emission.radiance_cd_m2.is_black()) return nullptr;
-  if (const auto status = check_light_value<float>("emission", emission.radiance_cd_m2, "cd/m2");
+  if (const auto status =
+          check_light_value("emission", emission.radiance_cd_m2, "cd/m2", kMostInAnswers);
       !status.ok())
     material.fail(status);
   if (const auto texture = material.find("emissiveTexture");
@@ -208,7 +209,7 @@ NumberValue Materials::alpha(const View& material, TextureSet& textures) {
 }
 
 /// [glTF2, 3.9, appendix B]
-Material Materials::scattering(const View& material, TextureSet& textures, const Rgb<double>& base,
+Material Materials::scattering(const View& material, TextureSet& textures, const Rgb& base,
                                bool has_colours) {
   const auto pbr = material.find(kPbr);
   const auto coat = material.extension(kCoat), specular = material.extension(kSpecular),
@@ -228,17 +229,17 @@ Material Materials::scattering(const View& material, TextureSet& textures, const
     roughness = 1 - colour.parent->number("glossinessFactor", 1, kUnit);
     // Without an index of refraction, the reflectance along the normal is 0.04 of this colour.
     const auto f = colour.parent->numbers("specularFactor", {1, 1, 1}, kUnit);
-    s.specular_colour = {Rgb<double>(f[0], f[1], f[2]) / 0.04};
+    s.specular_colour = {Rgb(f[0], f[1], f[2]) / 0.04};
   }
   Material result{.params = DiffuseParams{s.base}, .second_axis = FrameAlong::kV};
   if (const auto normal = material.find("normalTexture")) {
     result.normal_map =
-        textures.colour(material, "normalTexture", PictureKind::kNormal, Rgb<double>(1)).texture;
+        textures.colour(material, "normalTexture", PictureKind::kNormal, Rgb(1)).texture;
     result.normal_scale = normal->number("scale", 1);
   }
   if (material.extension(kUnlit)) return result;
   s.surface = textures.colour(pbr, "metallicRoughnessTexture", PictureKind::kData,
-                              Rgb<double>(1, roughness, metallic));
+                              Rgb(1, roughness, metallic));
   if (const auto ior = material.extension(kIor)) {
     s.ior = ior->number("ior", 1.5, kNotNegative);
     if (s.ior != 0 && s.ior < 1)
@@ -257,9 +258,8 @@ Material Materials::scattering(const View& material, TextureSet& textures, const
   if (coat) {
     s.coat = textures.number(coat, "clearcoatTexture", PictureKind::kData,
                              coat->number("clearcoatFactor", 0, kUnit));
-    s.coat_roughness =
-        textures.colour(coat, "clearcoatRoughnessTexture", PictureKind::kData,
-                        Rgb<double>(coat->number("clearcoatRoughnessFactor", 0, kUnit)));
+    s.coat_roughness = textures.colour(coat, "clearcoatRoughnessTexture", PictureKind::kData,
+                                       Rgb(coat->number("clearcoatRoughnessFactor", 0, kUnit)));
   }
   if (const auto anisotropy = material.extension(kAnisotropy)) {
     s.anisotropy = anisotropy->number("anisotropyStrength", 0, kUnit);

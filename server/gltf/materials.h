@@ -18,7 +18,7 @@ bool is_material_extension(std::string_view name);
 
 /// How a surface with a material emits.
 struct MaterialEmission {
-  Rgb<double> radiance_cd_m2;
+  Rgb radiance_cd_m2;
   std::optional<Picture> picture;
   int uv_set = 0;  ///< of the picture: TEXCOORD_0 and so on
   /// From the (u, v) of a vertex, v downwards as in the file, to the (u, v) of the picture, v
@@ -51,7 +51,7 @@ class Materials {
  private:
   Use make(const View& material, bool has_colours);
   std::shared_ptr<const MaterialEmission> emission(const View& material);
-  Material scattering(const View& material, TextureSet& textures, const Rgb<double>& base,
+  Material scattering(const View& material, TextureSet& textures, const Rgb& base,
                       bool has_colours);
   NumberValue alpha(const View& material, TextureSet& textures);
   void note_left_out(const View& material);

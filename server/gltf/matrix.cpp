@@ -15,17 +15,16 @@ Matrix multiply(const Matrix& a, const Matrix& b) {
   return result;
 }
 
-Vec3<double> vector(const Matrix& m, const Vec3<double>& v) {
+Vec3 vector(const Matrix& m, const Vec3& v) {
   const auto row = [&](std::size_t i) { return m[i][0] * v.x + m[i][1] * v.y + m[i][2] * v.z; };
   return {row(0), row(1), row(2)};
 }
 
-Vec3<double> point(const Matrix& m, const Vec3<double>& p) {
-  return vector(m, p) + Vec3<double>{m[0][3], m[1][3], m[2][3]};
+Vec3 point(const Matrix& m, const Vec3& p) {
+  return vector(m, p) + Vec3{m[0][3], m[1][3], m[2][3]};
 }
 
-Matrix from_parts(const Vec3<double>& translation, const Quaternion& rotation,
-                  const Vec3<double>& scale) {
+Matrix from_parts(const Vec3& translation, const Quaternion& rotation, const Vec3& scale) {
   const double size = std::sqrt(rotation[0] * rotation[0] + rotation[1] * rotation[1] +
                                 rotation[2] * rotation[2] + rotation[3] * rotation[3]);
   const double x = rotation[0] / size, y = rotation[1] / size, z = rotation[2] / size,
@@ -49,15 +48,15 @@ Matrix from_columns(const double* columns) {
 }
 
 Matrix without_scale(const Matrix& m) {
-  const auto column = [&](std::size_t j) { return Vec3<double>{m[0][j], m[1][j], m[2][j]}; };
-  const auto has_direction = [](const Vec3<double>& v) { return is_finite(v) && max_abs(v) > 0; };
-  Vec3<double> z = normalized(column(2));
-  Vec3<double> x = normalized(cross(column(1), z));
+  const auto column = [&](std::size_t j) { return Vec3{m[0][j], m[1][j], m[2][j]}; };
+  const auto has_direction = [](const Vec3& v) { return is_finite(v) && max_abs(v) > 0; };
+  Vec3 z = normalized(column(2));
+  Vec3 x = normalized(cross(column(1), z));
   if (!has_direction(z) || !has_direction(x)) {
     x = {1, 0, 0};
     z = {0, 0, 1};
   }
-  const Vec3<double> y = cross(z, x);
+  const Vec3 y = cross(z, x);
   return {{{x.x, y.x, z.x, m[0][3]}, {x.y, y.y, z.y, m[1][3]}, {x.z, y.z, z.z, m[2][3]}}};
 }
 

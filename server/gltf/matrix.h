@@ -14,15 +14,14 @@ inline constexpr Matrix kIdentity{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 
 /// `a * b` applies `b` first.
 Matrix multiply(const Matrix& a, const Matrix& b);
-Vec3<double> point(const Matrix& m, const Vec3<double>& p);
-Vec3<double> vector(const Matrix& m, const Vec3<double>& v);
+Vec3 point(const Matrix& m, const Vec3& p);
+Vec3 vector(const Matrix& m, const Vec3& v);
 
 using Quaternion = std::array<double, 4>;  ///< x, y, z, w, as in glTF
 
 /// Translation, rotation and scale, in this order from the left.  The quaternion has any length
 /// but 0.
-Matrix from_parts(const Vec3<double>& translation, const Quaternion& rotation,
-                  const Vec3<double>& scale);
+Matrix from_parts(const Vec3& translation, const Quaternion& rotation, const Vec3& scale);
 
 /// The first 12 of 16 numbers by columns, without the row (0, 0, 0, 1).
 Matrix from_columns(const double* columns);

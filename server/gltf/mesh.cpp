@@ -77,8 +77,8 @@ class Attributes {
   std::optional<DracoMesh> draco_;
 };
 
-std::vector<Vec3<double>> vectors(const std::vector<double>& numbers) {
-  std::vector<Vec3<double>> result;
+std::vector<Vec3> vectors(const std::vector<double>& numbers) {
+  std::vector<Vec3> result;
   result.reserve(numbers.size() / 3);
   StopPoll poll;
   for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3, poll())
@@ -110,7 +110,7 @@ std::vector<std::uint32_t> triangles(int mode, const std::vector<std::uint32_t>&
 /// Adds the weighted differences of morph targets.  [glTF2, 3.7.2.2]
 void morph(const Document& document, const tinygltf::Primitive& primitive,
            const std::string& pointer, const std::vector<double>& weights,
-           const std::string& attribute, std::vector<Vec3<double>>& values) {
+           const std::string& attribute, std::vector<Vec3>& values) {
   StopPoll poll;
   for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
     const auto found = primitive.targets[t].find(attribute);
@@ -165,13 +165,13 @@ std::vector<Matrix> skinned(const Document& document, const Attributes& attribut
 }
 
 /// Sets the unit normals.  Mends those without a direction, with a remark.
-void set_normals(Context& context, const std::vector<Vec3<double>>& normals, Part& part) {
+void set_normals(Context& context, const std::vector<Vec3>& normals, Part& part) {
   part.mesh.normals.reserve(normals.size());
   StopPoll poll;
-  for (const Vec3<double>& normal : normals) {
+  for (const Vec3& normal : normals) {
     poll();
-    const Vec3<double> n = normalized(normal);
-    part.mesh.normals.emplace_back(is_finite(n) ? n : Vec3<double>{});
+    const Vec3 n = normalized(normal);
+    part.mesh.normals.emplace_back(is_finite(n) ? n : Vec3{});
   }
   const std::size_t mended = mend_normals<3>(
       part.mesh, false, [](const auto& p) { return cross(p[1] - p[0], p[2] - p[0]); });
@@ -184,10 +184,10 @@ void set_normals(Context& context, const std::vector<Vec3<double>>& normals, Par
 
 /// The (u, v) of the corners in the picture.  Triangles within one repetition of the picture are
 /// moved to it.
-std::vector<Vec2<float>> corner_uv(Context& context, const std::string& pointer,
-                                   const MaterialEmission& emission, const std::vector<double>& uv,
-                                   const std::vector<std::uint32_t>& indices) {
-  std::vector<Vec2<float>> result;
+std::vector<Vec2f> corner_uv(Context& context, const std::string& pointer,
+                             const MaterialEmission& emission, const std::vector<double>& uv,
+                             const std::vector<std::uint32_t>& indices) {
+  std::vector<Vec2f> result;
   result.reserve(indices.size());
   StopPoll poll;
   for (std::size_t i = 0; i + 3 <= indices.size(); i += 3, poll()) {
@@ -219,9 +219,9 @@ std::vector<Vec2<float>> corner_uv(Context& context, const std::string& pointer,
 }
 
 /// The (u, v) of the corners for textures, v upwards.
-std::vector<Vec2<float>> texture_uv(const std::vector<double>& uv,
-                                    const std::vector<std::uint32_t>& indices) {
-  std::vector<Vec2<float>> result;
+std::vector<Vec2f> texture_uv(const std::vector<double>& uv,
+                              const std::vector<std::uint32_t>& indices) {
+  std::vector<Vec2f> result;
   result.reserve(indices.size());
   StopPoll poll;
   for (const std::uint32_t i : indices)
@@ -257,7 +257,7 @@ void set_uv(Context& context, const Attributes& attributes, std::size_t count, P
                    fmt::format("{}, which a texture of the material needs, is missing", set),
                    "every point has the (u, v) 0, 0");
   }
-  context.claim(part.pointer, part.mesh.indices.size(), sizeof(Vec2<float>));
+  context.claim(part.pointer, part.mesh.indices.size(), sizeof(Vec2f));
   part.mesh.corner_uv = emission != nullptr
                             ? corner_uv(context, part.pointer, *emission, uv, part.mesh.indices)
                             : texture_uv(uv, part.mesh.indices);
@@ -270,7 +270,7 @@ void set_colours(Context& context, const Attributes& attributes, std::size_t cou
   if (components != 3 && components != 4)
     context.fail(at, fmt::format("found {} components, allowed: 3 or 4", components));
   const std::vector<double> values = attributes.numbers("COLOR_0", components, count);
-  context.claim(part.pointer, count, sizeof(Rgb<float>));
+  context.claim(part.pointer, count, sizeof(Rgbf));
   part.mesh.colours.reserve(count);
   bool is_opaque = true;
   StopPoll poll;
@@ -279,7 +279,7 @@ void set_colours(Context& context, const Attributes& attributes, std::size_t cou
       if (!(values[i + k] >= 0 && values[i + k] <= 1))
         context.fail(at, fmt::format("element {} has the value {}, allowed: 0 to 1", i / components,
                                      values[i + k]));
-    part.mesh.colours.push_back(Rgb<float>(Rgb<double>(values[i], values[i + 1], values[i + 2])));
+    part.mesh.colours.push_back(Rgbf(Rgb(values[i], values[i + 1], values[i + 2])));
     is_opaque = is_opaque && (components == 3 || values[i + 3] == 1);
   }
   const NumberValue& alpha = part.use.alpha;
@@ -289,7 +289,7 @@ void set_colours(Context& context, const Attributes& attributes, std::size_t cou
 
 /// The tangents of the vertices.  Without them the frame follows (u, v).  [glTF2, 3.7.2.1]
 std::vector<VertexTangent> tangents(Context& context, const std::string& pointer,
-                                    const std::vector<Vec3<double>>& along,
+                                    const std::vector<Vec3>& along,
                                     const std::vector<double>& given) {
   std::vector<VertexTangent> result;
   context.claim(pointer, along.size(), sizeof(VertexTangent));
@@ -297,10 +297,9 @@ std::vector<VertexTangent> tangents(Context& context, const std::string& pointer
   std::size_t without = 0;
   StopPoll poll;
   for (std::size_t i = 0; i < along.size(); ++i, poll()) {
-    const Vec3<double> t = normalized(along[i]);
+    const Vec3 t = normalized(along[i]);
     without += !is_finite(t);
-    result.push_back(
-        {is_finite(t) ? Vec3<float>(t) : Vec3<float>{}, given[4 * i + 3] < 0 ? -1.0F : 1.0F});
+    result.push_back({is_finite(t) ? Vec3f(t) : Vec3f{}, given[4 * i + 3] < 0 ? -1.0F : 1.0F});
   }
   if (without > 0)
     context.remark(pointer + "/attributes/TANGENT",
@@ -334,13 +333,13 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
                                ? std::nullopt
                                : std::optional(static_cast<std::size_t>(primitive.material)),
                            attributes.has("COLOR_0"));
-  std::vector<Vec3<double>> positions = vectors(attributes.numbers("POSITION", 3, std::nullopt));
-  std::vector<Vec3<double>> normals;
+  std::vector<Vec3> positions = vectors(attributes.numbers("POSITION", 3, std::nullopt));
+  std::vector<Vec3> normals;
   const std::size_t count = positions.size();
   if (attributes.has("NORMAL")) normals = vectors(attributes.numbers("NORMAL", 3, count));
   // Tangents count only with normals.  [glTF2, 3.7.2.1]
   std::vector<double> given_tangents;
-  std::vector<Vec3<double>> along_u;
+  std::vector<Vec3> along_u;
   if (part.use.needs_tangents && attributes.has("TANGENT") && !normals.empty()) {
     given_tangents = attributes.numbers("TANGENT", 4, count);
     StopPoll poll;
@@ -425,11 +424,10 @@ TriangleMeshData transformed(const Context& context, const std::string& pointer,
     if (!is_finite(mesh.positions[i]))
       context.fail(pointer, fmt::format("vertex {} is not finite after its transform", i));
   }
-  for (Vec3<float>& n : mesh.normals)
-    poll(), n = Vec3<float>(normalized(transform.normal(Vec3<double>(n))));
+  for (Vec3f& n : mesh.normals) poll(), n = Vec3f(normalized(transform.normal(Vec3(n))));
   for (VertexTangent& t : mesh.tangents) {
     poll();
-    t.along_u = Vec3<float>(normalized(transform.vector(Vec3<double>(t.along_u))));
+    t.along_u = Vec3f(normalized(transform.vector(Vec3(t.along_u))));
     if (transform.swaps_handedness()) t.turn = -t.turn;
   }
   if (transform.swaps_handedness()) {

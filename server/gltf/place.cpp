@@ -115,8 +115,8 @@ void Placer::find_instances(const PlacedNode& node, const View& instancing, std:
     return;
   }
   const auto vec = [](const std::vector<double>& v, std::size_t i, double otherwise) {
-    return v.empty() ? Vec3<double>{otherwise, otherwise, otherwise}
-                     : Vec3<double>{v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+    return v.empty() ? Vec3{otherwise, otherwise, otherwise}
+                     : Vec3{v[3 * i], v[3 * i + 1], v[3 * i + 2]};
   };
   StopPoll poll;
   for (std::size_t i = 0; i < *count; ++i, poll()) {
@@ -168,8 +168,7 @@ void Placer::add_deformed(const PlacedNode& node, std::size_t mesh) {
 void Placer::add_shape(const Part& part, const MeshPlace* place) {
   ShapeDescription shape;
   context_.poll();
-  context_.claim(part.pointer, part.mesh.positions.size(),
-                 sizeof(Vec3<double>) + sizeof(Vec3<float>));
+  context_.claim(part.pointer, part.mesh.positions.size(), sizeof(Vec3) + sizeof(Vec3f));
   shape.material = part.use.material;
   shape.where = context_.location(part.pointer);
   shape.has_uv = part.use.uv_set.has_value();

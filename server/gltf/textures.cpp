@@ -107,17 +107,17 @@ std::int32_t TextureSet::image(const View& info, PictureKind kind) {
 }
 
 ColourValue TextureSet::colour(const std::optional<View>& parent, std::string_view key,
-                               PictureKind kind, const Rgb<double>& factor) {
+                               PictureKind kind, const Rgb& factor) {
   const auto info = parent ? parent->find(key) : std::nullopt;
   const std::int32_t node = info ? image(*info, kind) : -1;
   if (node < 0) return {factor};
-  if (factor == Rgb<double>(1)) return {{}, node};
+  if (factor == Rgb(1)) return {{}, node};
   return {{}, document_.context().scene.textures.add(ScaleTexture{{{}, node}, {factor}})};
 }
 
 NumberValue TextureSet::number(const std::optional<View>& parent, std::string_view key,
                                PictureKind kind, double factor) {
-  const ColourValue value = colour(parent, key, kind, Rgb<double>(factor));
+  const ColourValue value = colour(parent, key, kind, Rgb(factor));
   return {factor, value.texture};
 }
 

@@ -35,7 +35,7 @@ class TextureSet {
 
   /// `factor` times the texture `key` of `parent`, or `factor` if there is none.
   ColourValue colour(const std::optional<View>& parent, std::string_view key, PictureKind kind,
-                     const Rgb<double>& factor);
+                     const Rgb& factor);
   /// The same for the red channel.
   NumberValue number(const std::optional<View>& parent, std::string_view key, PictureKind kind,
                      double factor);

@@ -15,35 +15,32 @@ namespace lucerna {
 
 namespace detail {
 /// Checks what every kind must have.
-template <std::floating_point Real, typename... Kinds>
-requires(Scattering<Kinds, Real>&&...) using ScatteringSet = std::variant<Kinds...>;
+template <typename... Kinds>
+requires(Scattering<Kinds>&&...) using ScatteringSet = std::variant<Kinds...>;
 }  // namespace detail
 
 /// One scattering function.  The members are those of the concept Scattering.
-template <std::floating_point Real>
 class Bsdf {
  public:
-  using Set = detail::ScatteringSet<Real, Diffuse<Real>, DiffuseTransmission<Real>, Conductor<Real>,
-                                    Dielectric<Real>, ThinDielectric<Real>, CoatedDiffuse<Real>,
-                                    CoatedConductor<Real>, MetallicRoughness<Real>,
-                                    ThinMetallicRoughness<Real>>;
+  using Set = detail::ScatteringSet<Diffuse, DiffuseTransmission, Conductor, Dielectric,
+                                    ThinDielectric, CoatedDiffuse, CoatedConductor,
+                                    MetallicRoughness, ThinMetallicRoughness>;
 
   template <typename Kind>
   requires std::is_constructible_v<Set, Kind>
   // NOLINTNEXTLINE(google-explicit-constructor): any member of the set is one.
   Bsdf(Kind kind) : set_(std::move(kind)) {}
 
-  Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
+  Rgb value(const Vec3& wo, const Vec3& wi) const {
     return std::visit([&](const auto& s) { return s.value(wo, wi); }, set_);
   }
-  SolidAnglePdf<Real> pdf(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
+  SolidAnglePdf pdf(const Vec3& wo, const Vec3& wi) const {
     return std::visit([&](const auto& s) { return s.pdf(wo, wi); }, set_);
   }
-  std::optional<ScatterSample<Real>> sample(const Vec3<Real>& wo,
-                                            const ScatterValues<Real>& u) const {
+  std::optional<ScatterSample> sample(const Vec3& wo, const ScatterValues& u) const {
     return std::visit([&](const auto& s) { return s.sample(wo, u); }, set_);
   }
-  Rgb<Real> single(const Vec3<Real>& wo, Side side) const {
+  Rgb single(const Vec3& wo, Side side) const {
     return std::visit([&](const auto& s) { return s.single(wo, side); }, set_);
   }
   bool all_delta() const {

@@ -17,46 +17,43 @@ namespace lucerna {
 
 /// `Base`: Diffuse or Conductor.  Its index is relative to the coat.  Light from behind meets the
 /// same layers.
-template <std::floating_point Real, typename Base>
+template <typename Base>
 class Coated {
  public:
   static constexpr Side kSides = Side::kReflected;
 
   /// `thickness`: the coat's optical depth; light along the normal keeps exp(-thickness).
   struct Params {
-    Dielectric<Real> boundary;
+    Dielectric boundary;
     Base base;
-    Real thickness{};
+    double thickness{};
   };
   explicit Coated(const Params& params);
 
   bool all_delta() const { return boundary_.all_delta() && base_.all_delta(); }
-  Rgb<Real> single(const Vec3<Real>& wo, Side side) const;
-  Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
-  SolidAnglePdf<Real> pdf(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
-  std::optional<ScatterSample<Real>> sample(const Vec3<Real>& wo,
-                                            const ScatterValues<Real>& u) const;
+  Rgb single(const Vec3& wo, Side side) const;
+  Rgb value(const Vec3& wo, const Vec3& wi) const;
+  SolidAnglePdf pdf(const Vec3& wo, const Vec3& wi) const;
+  std::optional<ScatterSample> sample(const Vec3& wo, const ScatterValues& u) const;
 
  private:
-  static constexpr bool kMetal = std::is_same_v<Base, Conductor<Real>>;
+  static constexpr bool kMetal = std::is_same_v<Base, Conductor>;
 
   /// Probability of a reflection at the boundary.
-  Real at_boundary(const Vec3<Real>& wo) const;
+  double at_boundary(const Vec3& wo) const;
   /// Density of the directions near those of the base.
-  Real base_pdf(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
-  Rgb<Real> walk(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
-  Real passes(Real cosine) const { return std::exp(-thickness_ / std::fabs(cosine)); }
-  ScatterSample<Real> mirror(const Vec3<Real>& wo) const;
+  double base_pdf(const Vec3& wo, const Vec3& wi) const;
+  Rgb walk(const Vec3& wo, const Vec3& wi) const;
+  double passes(double cosine) const { return std::exp(-thickness_ / std::fabs(cosine)); }
+  ScatterSample mirror(const Vec3& wo) const;
 
-  Dielectric<Real> boundary_;
+  Dielectric boundary_;
   Base base_;
-  Conductor<Real> guide_;  ///< its directions are near those of a coated metal
-  Real thickness_;
+  Conductor guide_;  ///< its directions are near those of a coated metal
+  double thickness_;
 };
 
-template <std::floating_point Real>
-using CoatedDiffuse = Coated<Real, Diffuse<Real>>;
-template <std::floating_point Real>
-using CoatedConductor = Coated<Real, Conductor<Real>>;
+using CoatedDiffuse = Coated<Diffuse>;
+using CoatedConductor = Coated<Conductor>;
 
 }  // namespace lucerna

@@ -6,20 +6,18 @@ namespace lucerna {
 namespace {
 
 /// The facet normal that scatters `wi` to `wo`.
-template <std::floating_point Real>
 struct Facet {
-  Vec3<Real> m;  ///< on the side of +z; zero if there is none
+  Vec3 m;  ///< on the side of +z; zero if there is none
   bool reflects{};
-  Real eta = 1;  ///< index on the side of `wi` over that on the side of `wo`
+  double eta = 1;  ///< index on the side of `wi` over that on the side of `wo`
 };
 
-template <std::floating_point Real>
-Facet<Real> facet_between(const Vec3<Real>& wo, const Vec3<Real>& wi, Real eta) {
-  Facet<Real> f;
+Facet facet_between(const Vec3& wo, const Vec3& wi, double eta) {
+  Facet f;
   if (wo.z == 0 || wi.z == 0) return f;
   f.reflects = same_side(wo, wi);
   if (!f.reflects) f.eta = wo.z > 0 ? eta : 1 / eta;
-  Vec3<Real> m = normalized(wi * f.eta + wo);
+  Vec3 m = normalized(wi * f.eta + wo);
   if (m.z < 0) m = -m;
   // Facets that face away scatter nothing.
   if (dot(m, wi) * wi.z > 0 && dot(m, wo) * wo.z > 0) f.m = m;
@@ -28,60 +26,56 @@ Facet<Real> facet_between(const Vec3<Real>& wo, const Vec3<Real>& wi, Real eta) 
 
 }  // namespace
 
-template <std::floating_point Real>
-Real Dielectric<Real>::value(const Vec3<Real>& wo, const Vec3<Real>& wi, Carries carries) const {
+double Dielectric::value(const Vec3& wo, const Vec3& wi, Carries carries) const {
   if (smooth_) return 0;
-  const Facet<Real> f = facet_between(wo, wi, eta_);
+  const Facet f = facet_between(wo, wi, eta_);
   if (!(f.m.z > 0)) return 0;
-  const Real fresnel = fresnel_dielectric(dot(wo, f.m), eta_);
-  const Real of_facets =
+  const double fresnel = fresnel_dielectric(dot(wo, f.m), eta_);
+  const double of_facets =
       facets_.seen_per_cosine(wo) * facets_.density(f.m) * facets_.also_seen(wo, wi);
   if (f.reflects) return of_facets * fresnel / 4;
-  const Real root = dot(wi, f.m) + dot(wo, f.m) / f.eta;
-  const Real stretch = std::fabs(dot(wi, f.m) * dot(wo, f.m)) / (root * root);
-  const Real value = of_facets * (1 - fresnel) * stretch;
+  const double root = dot(wi, f.m) + dot(wo, f.m) / f.eta;
+  const double stretch = std::fabs(dot(wi, f.m) * dot(wo, f.m)) / (root * root);
+  const double value = of_facets * (1 - fresnel) * stretch;
   return carries == Carries::kRadiance ? value / (f.eta * f.eta) : value;
 }
 
-template <std::floating_point Real>
-Real Dielectric<Real>::pdf(const Vec3<Real>& wo, const Vec3<Real>& wi, Side sides) const {
+double Dielectric::pdf(const Vec3& wo, const Vec3& wi, Side sides) const {
   if (smooth_) return 0;
-  const Facet<Real> f = facet_between(wo, wi, eta_);
+  const Facet f = facet_between(wo, wi, eta_);
   if (!(f.m.z > 0) || !has(sides, f.reflects ? Side::kReflected : Side::kTransmitted)) return 0;
-  const Real fresnel = fresnel_dielectric(dot(wo, f.m), eta_);
-  const Real reflected = has(sides, Side::kReflected) ? fresnel : 0,
-             passed = has(sides, Side::kTransmitted) ? 1 - fresnel : 0;
-  const Real share = (f.reflects ? reflected : passed) / (reflected + passed);
-  const Real of_facets = facets_.seen_per_cosine(wo) * facets_.density(f.m);
+  const double fresnel = fresnel_dielectric(dot(wo, f.m), eta_);
+  const double reflected = has(sides, Side::kReflected) ? fresnel : 0,
+               passed = has(sides, Side::kTransmitted) ? 1 - fresnel : 0;
+  const double share = (f.reflects ? reflected : passed) / (reflected + passed);
+  const double of_facets = facets_.seen_per_cosine(wo) * facets_.density(f.m);
   if (f.reflects) return share * of_facets / 4;
-  const Real root = dot(wi, f.m) + dot(wo, f.m) / f.eta;
+  const double root = dot(wi, f.m) + dot(wo, f.m) / f.eta;
   return share * of_facets * std::fabs(dot(wi, f.m) * dot(wo, f.m)) / (root * root);
 }
 
-template <std::floating_point Real>
-Rgb<Real> Dielectric<Real>::single(const Vec3<Real>& wo, Side side) const {
+Rgb Dielectric::single(const Vec3& wo, Side side) const {
   if (!smooth_ || wo.z == 0) return {};
-  const Real reflected = fresnel_dielectric(wo.z, eta_);
-  if (side == Side::kReflected) return Rgb<Real>(reflected);
-  const Real eta = wo.z > 0 ? eta_ : 1 / eta_;
-  return Rgb<Real>((1 - reflected) / (eta * eta));
+  const double reflected = fresnel_dielectric(wo.z, eta_);
+  if (side == Side::kReflected) return Rgb(reflected);
+  const double eta = wo.z > 0 ? eta_ : 1 / eta_;
+  return Rgb((1 - reflected) / (eta * eta));
 }
 
-template <std::floating_point Real>
-auto Dielectric<Real>::sample(const Vec3<Real>& wo, const ScatterValues<Real>& u, Side sides,
-                              Carries carries) const -> std::optional<Sample> {
+auto Dielectric::sample(const Vec3& wo, const ScatterValues& u, Side sides, Carries carries) const
+    -> std::optional<Sample> {
   if (wo.z == 0) return std::nullopt;
-  const Vec3<Real> up = wo.z < 0 ? -wo : wo;
-  const Vec3<Real> m = smooth_ ? Vec3<Real>{0, 0, 1} : facets_.sample(up, u.direction);
-  const Vec3<Real> n = wo.z < 0 ? -m : m;  // the facet's normal on the side of wo
-  const Real fresnel = fresnel_dielectric(dot(wo, m), eta_);
-  const Real reflected = has(sides, Side::kReflected) ? fresnel : 0,
-             passed = has(sides, Side::kTransmitted) ? 1 - fresnel : 0;
-  const Real all = reflected + passed;
+  const Vec3 up = wo.z < 0 ? -wo : wo;
+  const Vec3 m = smooth_ ? Vec3{0, 0, 1} : facets_.sample(up, u.direction);
+  const Vec3 n = wo.z < 0 ? -m : m;  // the facet's normal on the side of wo
+  const double fresnel = fresnel_dielectric(dot(wo, m), eta_);
+  const double reflected = has(sides, Side::kReflected) ? fresnel : 0,
+               passed = has(sides, Side::kTransmitted) ? 1 - fresnel : 0;
+  const double all = reflected + passed;
   if (!(all > 0)) return std::nullopt;
   const bool reflects = u.choice * all < reflected;
   Sample s;
-  Real eta = 1;
+  double eta = 1;
   if (reflects) {
     s.wi = n * (2 * dot(wo, n)) - wo;
     if (!same_side(wo, s.wi)) return std::nullopt;  // hits another facet, which is not modelled
@@ -102,34 +96,22 @@ auto Dielectric<Real>::sample(const Vec3<Real>& wo, const ScatterValues<Real>& u
   return s;
 }
 
-template <std::floating_point Real>
-std::optional<ScatterSample<Real>> Dielectric<Real>::sample(const Vec3<Real>& wo,
-                                                            const ScatterValues<Real>& u) const {
+std::optional<ScatterSample> Dielectric::sample(const Vec3& wo, const ScatterValues& u) const {
   const auto s = sample(wo, u, Side::kBoth, Carries::kRadiance);
   if (!s) return std::nullopt;
-  return ScatterSample<Real>{
-      .wi = s->wi, .weight = Rgb<Real>(s->weight), .pdf = {s->pdf}, .delta = s->delta};
+  return ScatterSample{.wi = s->wi, .weight = Rgb(s->weight), .pdf = {s->pdf}, .delta = s->delta};
 }
 
-template <std::floating_point Real>
-Real ThinDielectric<Real>::passed(Real cosine) const {
-  const Real once = fresnel_dielectric(std::fabs(cosine), eta_);
+double ThinDielectric::passed(double cosine) const {
+  const double once = fresnel_dielectric(std::fabs(cosine), eta_);
   // The series of reflections within the pane.
-  return once < 1 ? (1 - once) / (1 + once) : Real(0);
+  return once < 1 ? (1 - once) / (1 + once) : 0.0;
 }
 
-template <std::floating_point Real>
-std::optional<ScatterSample<Real>> ThinDielectric<Real>::sample(
-    const Vec3<Real>& wo, const ScatterValues<Real>& u) const {
+std::optional<ScatterSample> ThinDielectric::sample(const Vec3& wo, const ScatterValues& u) const {
   if (wo.z == 0) return std::nullopt;
   const bool passes = u.choice < passed(wo.z);
-  return ScatterSample<Real>{
-      .wi = passes ? -wo : mirrored(wo), .weight = Rgb<Real>(1), .delta = true};
+  return ScatterSample{.wi = passes ? -wo : mirrored(wo), .weight = Rgb(1), .delta = true};
 }
-
-template class Dielectric<float>;
-template class Dielectric<double>;
-template class ThinDielectric<float>;
-template class ThinDielectric<double>;
 
 }  // namespace lucerna

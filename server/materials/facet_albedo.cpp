@@ -20,22 +20,22 @@ double schlick_weight(double cosine) {
 }
 
 /// The mean over visible normals, by a Fibonacci lattice.  [Sloan94]
-FacetAlbedo<double> integral(double cosine, double alpha) {
+FacetAlbedo integral(double cosine, double alpha) {
   constexpr int kPoints = 987, kStep = 610;
-  const Microfacets<double> facets(alpha, alpha);
-  const Vec3<double> wo{std::sqrt(1 - cosine * cosine), 0, cosine};
+  const Microfacets facets(alpha, alpha);
+  const Vec3 wo{std::sqrt(1 - cosine * cosine), 0, cosine};
   // Points are closer near 0 and 1, which give the steepest facets.
   const auto place = [](double x) { return x * x * (3 - 2 * x); };
   const auto width = [](double x) { return 6 * x * (1 - x); };
-  FacetAlbedo<double> sum;
+  FacetAlbedo sum;
   double total = 0;
   for (int i = 0; i < kPoints; ++i) {
     const double x = (i + 0.5) / kPoints, y = (i * kStep % kPoints + 0.5) / kPoints;
     const double area = width(x) * width(y);
     total += area;
-    const Vec3<double> m = facets.sample(wo, {place(x), place(y)});
+    const Vec3 m = facets.sample(wo, {place(x), place(y)});
     const double cos_m = dot(wo, m);
-    const Vec3<double> wi = m * (2 * cos_m) - wo;
+    const Vec3 wi = m * (2 * cos_m) - wo;
     if (!(wi.z > 0)) continue;
     const double seen = facets.also_seen(wo, wi) * area;
     sum.all += seen;
@@ -52,19 +52,19 @@ class Table {
       const double root = a / double{kAlphas - 1};
       for (int c = 0; c < kCosines; ++c) {
         const double t = c / double{kCosines - 1};
-        at(a, c) = a == 0 ? FacetAlbedo<double>{1, schlick_weight(t * t)}
+        at(a, c) = a == 0 ? FacetAlbedo{1, schlick_weight(t * t)}
                           : integral(std::max(kLeastCosine, t * t), std::pow(root, 4));
       }
       means_[static_cast<std::size_t>(a)] = mean(a);
     }
   }
 
-  FacetAlbedo<double> lookup(double cosine, double alpha) const {
+  FacetAlbedo lookup(double cosine, double alpha) const {
     const auto [c, u] = place(std::sqrt(cosine), kCosines);
     const auto [a, v] = alpha_place(alpha);
     return mix(mix(at(a, c), at(a, c + 1), u), mix(at(a + 1, c), at(a + 1, c + 1), u), v);
   }
-  FacetAlbedo<double> mean_lookup(double alpha) const {
+  FacetAlbedo mean_lookup(double alpha) const {
     const auto [a, v] = alpha_place(alpha);
     return mix(means_[static_cast<std::size_t>(a)], means_[static_cast<std::size_t>(a) + 1], v);
   }
@@ -80,19 +80,16 @@ class Table {
     const int first = std::min(static_cast<int>(at), n - 2);
     return {first, at - first};
   }
-  static FacetAlbedo<double> mix(const FacetAlbedo<double>& a, const FacetAlbedo<double>& b,
-                                 double share) {
+  static FacetAlbedo mix(const FacetAlbedo& a, const FacetAlbedo& b, double share) {
     return {a.all + (b.all - a.all) * share, a.schlick + (b.schlick - a.schlick) * share};
   }
-  const FacetAlbedo<double>& at(int a, int c) const {
+  const FacetAlbedo& at(int a, int c) const {
     return values_[static_cast<std::size_t>(a * kCosines + c)];
   }
-  FacetAlbedo<double>& at(int a, int c) {
-    return values_[static_cast<std::size_t>(a * kCosines + c)];
-  }
+  FacetAlbedo& at(int a, int c) { return values_[static_cast<std::size_t>(a * kCosines + c)]; }
   /// The integral of 2 cos d cos = 4 t^3 dt, with t the root of the cosine and values linear in t.
-  FacetAlbedo<double> mean(int a) const {
-    FacetAlbedo<double> sum;
+  FacetAlbedo mean(int a) const {
+    FacetAlbedo sum;
     for (int c = 0; c + 1 < kCosines; ++c) {
       const double h = 1.0 / (kCosines - 1), from = c * h, to = from + h;
       const double all = std::pow(to, 4) - std::pow(from, 4);
@@ -104,8 +101,8 @@ class Table {
     return sum;
   }
 
-  std::array<FacetAlbedo<double>, kAlphas * kCosines> values_;
-  std::array<FacetAlbedo<double>, kAlphas> means_;
+  std::array<FacetAlbedo, kAlphas * kCosines> values_;
+  std::array<FacetAlbedo, kAlphas> means_;
 };
 
 const Table& table() {
@@ -115,21 +112,14 @@ const Table& table() {
 
 }  // namespace
 
-template <std::floating_point Real>
-FacetAlbedo<Real> facet_albedo(Real cosine, Real alpha) {
+FacetAlbedo facet_albedo(double cosine, double alpha) {
   const auto [all, schlick] = table().lookup(cosine, alpha);
-  return {static_cast<Real>(all), static_cast<Real>(schlick)};
+  return {all, schlick};
 }
 
-template <std::floating_point Real>
-FacetAlbedo<Real> mean_facet_albedo(Real alpha) {
+FacetAlbedo mean_facet_albedo(double alpha) {
   const auto [all, schlick] = table().mean_lookup(alpha);
-  return {static_cast<Real>(all), static_cast<Real>(schlick)};
+  return {all, schlick};
 }
-
-template FacetAlbedo<float> facet_albedo(float, float);
-template FacetAlbedo<double> facet_albedo(double, double);
-template FacetAlbedo<float> mean_facet_albedo(float);
-template FacetAlbedo<double> mean_facet_albedo(double);
 
 }  // namespace lucerna

@@ -43,25 +43,25 @@ class Level {
   int width() const { return image_.width(); }
   int height() const { return image_.height(); }
   /// Texel coordinates, y downwards.
-  Vec2<double> position(const Vec2<double>& st) const {
+  Vec2 position(const Vec2& st) const {
     return {texel_coordinate(st.x, width(), t_.wrap_s),
             texel_coordinate(1 - st.y, height(), t_.wrap_t)};
   }
-  Rgb<double> texel(int x, int y) const {
+  Rgb texel(int x, int y) const {
     if (t_.wrap_s == TextureWrap::kOctahedral) {
       const auto [ix, iy] = at_border(ImageBorder::kOctahedral, std::clamp(x, -1, width()),
                                       std::clamp(y, -1, height()), width(), height());
       return image_.texel(ix, iy);
     }
     const auto i = wrapped(x, width(), t_.wrap_s), j = wrapped(y, height(), t_.wrap_t);
-    return i && j ? image_.texel(*i, *j) : Rgb<double>{};
+    return i && j ? image_.texel(*i, *j) : Rgb{};
   }
-  Rgb<double> nearest(const Vec2<double>& st) const {
-    const Vec2<double> p = position(st);
+  Rgb nearest(const Vec2& st) const {
+    const Vec2 p = position(st);
     return texel(static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)));
   }
-  Rgb<double> bilinear(const Vec2<double>& st) const {
-    const Vec2<double> p = position(st);
+  Rgb bilinear(const Vec2& st) const {
+    const Vec2 p = position(st);
     const double left = std::floor(p.x - 0.5), top = std::floor(p.y - 0.5);
     const double u = p.x - 0.5 - left, v = p.y - 0.5 - top;
     const int i = static_cast<int>(left), j = static_cast<int>(top);
@@ -70,8 +70,8 @@ class Level {
   }
   /// A Gaussian over the ellipse whose half axes follow from `steps`, and over at least one texel.
   /// [Heckbert89, 3.5.8]
-  Rgb<double> gaussian(const Vec2<double>& st, const CoordinateSteps& steps) const {
-    const Vec2<double> p = position(st);
+  Rgb gaussian(const Vec2& st, const CoordinateSteps& steps) const {
+    const Vec2 p = position(st);
     const double w = width(), h = height();
     const double ax = steps.x.x * w, ay = -steps.x.y * h, bx = steps.y.x * w, by = -steps.y.y * h;
     // The ellipse is e x^2 + f x y + g y^2 = e g - f^2 / 4.
@@ -85,7 +85,7 @@ class Level {
     const int x0 = texel_at(std::ceil(cx - half_width)), x1 = texel_at(std::floor(cx + half_width));
     const int y0 = texel_at(std::ceil(cy - half_height)),
               y1 = texel_at(std::floor(cy + half_height));
-    Rgb<double> sum;
+    Rgb sum;
     double weights = 0;
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
@@ -108,7 +108,7 @@ class Level {
 
 /// `of(level)` between two copies of the picture.  `number` 0: the picture.
 template <typename Of>
-Rgb<double> between_levels(const ImageTexture& t, double number, const Of& of) {
+Rgb between_levels(const ImageTexture& t, double number, const Of& of) {
   const std::size_t last = t.image->levels() - 1;
   if (!(number < static_cast<double>(last))) return Level(t, last).texel(0, 0);
   if (!(number > 0)) return of(Level(t, 0));
@@ -122,13 +122,13 @@ double level_of(const ImageTexture& t, double width) {
   return std::log2(width * std::max(t.image->width(), t.image->height()));
 }
 
-Rgb<double> trilinear(const ImageTexture& t, const Vec2<double>& st, const CoordinateSteps& d) {
+Rgb trilinear(const ImageTexture& t, const Vec2& st, const CoordinateSteps& d) {
   const double width =
       2 * std::max({std::fabs(d.x.x), std::fabs(d.x.y), std::fabs(d.y.x), std::fabs(d.y.y)});
   return between_levels(t, level_of(t, width), [&](const Level& l) { return l.bilinear(st); });
 }
 
-Rgb<double> elliptical(const ImageTexture& t, const Vec2<double>& st, CoordinateSteps d) {
+Rgb elliptical(const ImageTexture& t, const Vec2& st, CoordinateSteps d) {
   double longer = std::hypot(d.x.x, d.x.y), shorter = std::hypot(d.y.x, d.y.y);
   if (longer < shorter) std::swap(longer, shorter), std::swap(d.x, d.y);
   // A long ellipse is made wider, so that it has few texels.
@@ -141,12 +141,11 @@ Rgb<double> elliptical(const ImageTexture& t, const Vec2<double>& st, Coordinate
   return between_levels(t, level_of(t, shorter), [&](const Level& l) { return l.gaussian(st, d); });
 }
 
-bool is_finite(const Vec2<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y); }
+bool is_finite(const Vec2& v) { return std::isfinite(v.x) && std::isfinite(v.y); }
 
 }  // namespace
 
-Rgb<double> look_up(const ImageTexture& texture, const Vec2<double>& st,
-                    const CoordinateSteps* steps) {
+Rgb look_up(const ImageTexture& texture, const Vec2& st, const CoordinateSteps* steps) {
   if (!is_finite(st)) return {};
   if (texture.filter == TextureFilter::kNearest) return Level(texture, 0).nearest(st);
   if (!uses_levels(texture.filter) || steps == nullptr || !is_finite(steps->x) ||

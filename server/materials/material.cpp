@@ -10,7 +10,7 @@
 namespace lucerna {
 namespace {
 
-Rgb<double> clamped(const Rgb<double>& c, double low, double high) {
+Rgb clamped(const Rgb& c, double low, double high) {
   return {std::clamp(c.r, low, high), std::clamp(c.g, low, high), std::clamp(c.b, low, high)};
 }
 
@@ -21,54 +21,50 @@ class Maker {
  public:
   Maker(const Textures& textures, const TexturePoint& p) : textures_(textures), p_(p) {}
 
-  Bsdf<double> operator()(const DiffuseParams& m) const {
-    return Diffuse<double>(share(m.reflectance));
-  }
-  Bsdf<double> operator()(const DiffuseTransmissionParams& m) const {
-    Rgb<double> r = share(m.reflectance) * m.scale, t = share(m.transmittance) * m.scale;
+  Bsdf operator()(const DiffuseParams& m) const { return Diffuse(share(m.reflectance)); }
+  Bsdf operator()(const DiffuseTransmissionParams& m) const {
+    Rgb r = share(m.reflectance) * m.scale, t = share(m.transmittance) * m.scale;
     // No more than all light.
     const double most = (r + t).max_component();
     if (most > 1) r = r / most, t = t / most;
-    return DiffuseTransmission<double>(r, t);
+    return DiffuseTransmission(r, t);
   }
-  Bsdf<double> operator()(const MetalParams& m) const {
+  Bsdf operator()(const MetalParams& m) const {
     const auto [x, y] = alpha(m.roughness);
     return metal(m, 1, x, y);
   }
-  Bsdf<double> operator()(const DielectricParams& m) const {
+  Bsdf operator()(const DielectricParams& m) const {
     const auto [x, y] = alpha(m.roughness);
-    return Dielectric<double>(eta(m.eta), x, y);
+    return Dielectric(eta(m.eta), x, y);
   }
-  Bsdf<double> operator()(const ThinDielectricParams& m) const {
-    return ThinDielectric<double>(eta(m.eta));
-  }
-  Bsdf<double> operator()(const CoatedDiffuseParams& m) const {
+  Bsdf operator()(const ThinDielectricParams& m) const { return ThinDielectric(eta(m.eta)); }
+  Bsdf operator()(const CoatedDiffuseParams& m) const {
     const auto [x, y] = alpha(m.coat.roughness);
-    return CoatedDiffuse<double>({.boundary = {eta(m.coat.eta), x, y},
-                                  .base = Diffuse<double>(share(m.reflectance)),
-                                  .thickness = thickness(m.coat)});
+    return CoatedDiffuse({.boundary = {eta(m.coat.eta), x, y},
+                          .base = Diffuse(share(m.reflectance)),
+                          .thickness = thickness(m.coat)});
   }
-  Bsdf<double> operator()(const CoatedMetalParams& m) const {
+  Bsdf operator()(const CoatedMetalParams& m) const {
     const auto [x, y] = alpha(m.coat.roughness);
     const auto [base_x, base_y] = alpha(m.metal.roughness);
     const double of_coat = eta(m.coat.eta);
-    return CoatedConductor<double>({.boundary = {of_coat, x, y},
-                                    .base = metal(m.metal, of_coat, base_x, base_y),
-                                    .thickness = thickness(m.coat)});
+    return CoatedConductor({.boundary = {of_coat, x, y},
+                            .base = metal(m.metal, of_coat, base_x, base_y),
+                            .thickness = thickness(m.coat)});
   }
-  Bsdf<double> operator()(const GltfSurfaceParams& m) const {
+  Bsdf operator()(const GltfSurfaceParams& m) const {
     const auto params = surface(m);
-    if (m.transmits()) return ThinMetallicRoughness<double>(params);
-    return MetallicRoughness<double>(params);
+    if (m.transmits()) return ThinMetallicRoughness(params);
+    return MetallicRoughness(params);
   }
-  Bsdf<double> operator()(const MixParams&) const { return Diffuse<double>(Rgb<double>(0)); }
+  Bsdf operator()(const MixParams&) const { return Diffuse(Rgb(0)); }
 
  private:
-  Rgb<double> share(const ColourValue& value) const { return clamped(textures_(value, p_), 0, 1); }
+  Rgb share(const ColourValue& value) const { return clamped(textures_(value, p_), 0, 1); }
   double unit(const NumberValue& value) const { return std::clamp(textures_(value, p_), 0.0, 1.0); }
   /// [glTF2, appendix B, KHR_materials_specular, _ior, _anisotropy, _clearcoat]
-  MetallicRoughnessParams<double> surface(const GltfSurfaceParams& m) const {
-    const Rgb<double> surface = share(m.surface);
+  MetallicRoughnessParams surface(const GltfSurfaceParams& m) const {
+    const Rgb surface = share(m.surface);
     const double alpha = surface.g * surface.g, root = (1 - m.ior) / (1 + m.ior);
     const double along = alpha + (1 - alpha) * m.anisotropy * m.anisotropy;
     const double coat_roughness = share(m.coat_roughness).g, specular = unit(m.specular);
@@ -88,7 +84,7 @@ class Maker {
   double thickness(const CoatParams& coat) const {
     return std::fmax(0, textures_(coat.thickness, p_));
   }
-  Vec2<double> alpha(const Roughness& r) const {
+  Vec2 alpha(const Roughness& r) const {
     const auto one = [&](const NumberValue& value) {
       const double given = std::clamp(textures_(value, p_), 0.0, 1.0);
       return r.remap ? std::sqrt(given) : given;
@@ -96,14 +92,13 @@ class Maker {
     return {one(r.u), one(r.v)};
   }
   /// `outside`: the index around the metal.
-  Conductor<double> metal(const MetalParams& m, double outside, double alpha_x,
-                          double alpha_y) const {
-    Rgb<double> n, k;
+  Conductor metal(const MetalParams& m, double outside, double alpha_x, double alpha_y) const {
+    Rgb n, k;
     if (m.reflectance) {
       // The k of an index with eta 1 and this reflectance at normal incidence.
-      const Rgb<double> r = clamped(textures_(*m.reflectance, p_), 0, 0.9999);
+      const Rgb r = clamped(textures_(*m.reflectance, p_), 0, 0.9999);
       const auto k_of = [](double x) { return 2 * std::sqrt(x) / std::sqrt(1 - x); };
-      n = Rgb<double>(1);
+      n = Rgb(1);
       k = {k_of(r.r), k_of(r.g), k_of(r.b)};
     } else {
       constexpr double kMost = 1e6;
@@ -119,7 +114,7 @@ class Maker {
 
 }  // namespace
 
-Bsdf<double> bsdf_of(const Material& material, const Textures& textures, const TexturePoint& p) {
+Bsdf bsdf_of(const Material& material, const Textures& textures, const TexturePoint& p) {
   return std::visit(Maker(textures, p), material.params);
 }
 
@@ -182,7 +177,7 @@ struct TraitsOf {
 
  private:
   static double square(double x) { return x * x; }
-  static bool is_smooth(double alpha) { return Microfacets<double>::is_smooth(alpha, alpha); }
+  static bool is_smooth(double alpha) { return Microfacets::is_smooth(alpha, alpha); }
   static std::optional<double> constant(const NumberValue& eta) {
     if (!eta.is_constant()) return std::nullopt;
     return std::clamp(eta.constant, kLeastEta, kMostEta);
@@ -208,7 +203,7 @@ struct TraitsOf {
   }
   static bool is_constant(const Roughness& r) { return r.u.is_constant() && r.v.is_constant(); }
   static bool is_smooth(const Roughness& r) {
-    return Microfacets<double>::is_smooth(alpha(r, r.u), alpha(r, r.v));
+    return Microfacets::is_smooth(alpha(r, r.u), alpha(r, r.v));
   }
   static bool may_be_smooth(const Roughness& r) { return !is_constant(r) || is_smooth(r); }
   static bool may_be_rough(const Roughness& r) { return !is_constant(r) || !is_smooth(r); }
@@ -254,7 +249,7 @@ SmoothTraits smooth_traits(Materials materials, std::uint32_t number) {
 
 double pane_transmittance(const NumberValue& eta, const Textures& textures, const TexturePoint& p,
                           double cosine) {
-  return ThinDielectric<double>(std::clamp(textures(eta, p), kLeastEta, kMostEta))
+  return ThinDielectric(std::clamp(textures(eta, p), kLeastEta, kMostEta))
       .passed(std::fmin(cosine, 1));
 }
 

@@ -21,16 +21,16 @@ struct Roughness {
 };
 
 struct DiffuseParams {
-  ColourValue reflectance{Rgb<double>(0.5)};
+  ColourValue reflectance{Rgb(0.5)};
 };
 struct DiffuseTransmissionParams {
-  ColourValue reflectance{Rgb<double>(0.25)}, transmittance{Rgb<double>(0.25)};
+  ColourValue reflectance{Rgb(0.25)}, transmittance{Rgb(0.25)};
   double scale = 1;  ///< of both
 };
 /// A metal's complex index, relative to the outside.  Or a reflectance at normal incidence, from
 /// which an index with eta 1 follows.
 struct MetalParams {
-  ColourValue eta{Rgb<double>(1)}, k{};
+  ColourValue eta{Rgb(1)}, k{};
   std::optional<ColourValue> reflectance{};
   Roughness roughness{};
 };
@@ -47,7 +47,7 @@ struct CoatParams {
   Roughness roughness{};
 };
 struct CoatedDiffuseParams {
-  ColourValue reflectance{Rgb<double>(0.5)};
+  ColourValue reflectance{Rgb(0.5)};
   CoatParams coat{};
 };
 struct CoatedMetalParams {
@@ -56,13 +56,13 @@ struct CoatedMetalParams {
 };
 /// A surface of a glTF file.  Factors of textures are applied.
 struct GltfSurfaceParams {
-  ColourValue base{Rgb<double>(1)};
+  ColourValue base{Rgb(1)};
   /// Green: roughness, the square root of alpha.  Blue: metallic.  As in glTF's pictures.
-  ColourValue surface{Rgb<double>(1)};
+  ColourValue surface{Rgb(1)};
   double ior = 1.5;  ///< 0, or at least 1
   /// Factors of what a dielectric's facets reflect: at all angles, and along the normal.
   NumberValue specular{1};
-  ColourValue specular_colour{Rgb<double>(1)};
+  ColourValue specular_colour{Rgb(1)};
   NumberValue transmission{0};
   NumberValue coat{0};
   ColourValue coat_roughness{};  ///< green
@@ -99,7 +99,7 @@ struct Material {
   std::int32_t bumps = -1;
 
   /// The reflectance of a diffuse material without textures; null for all others.
-  const Rgb<double>* plain_diffuse() const {
+  const Rgb* plain_diffuse() const {
     const auto* diffuse = std::get_if<DiffuseParams>(&params);
     return diffuse != nullptr && diffuse->reflectance.is_constant() && normal_map < 0 && bumps < 0
                ? &diffuse->reflectance.constant
@@ -135,13 +135,13 @@ void for_each_of_mix(absl::FunctionRef<const Material&(std::uint32_t)> materials
 SmoothTraits smooth_traits(absl::FunctionRef<const Material&(std::uint32_t)> materials,
                            std::uint32_t number);
 
-inline Material diffuse_material(const Rgb<double>& reflectance) {
+inline Material diffuse_material(const Rgb& reflectance) {
   return {.params = DiffuseParams{{reflectance}}};
 }
 
 /// The scattering function of `material` at a place.  Values of textures are clamped to their
 /// domain.  Not for mixes; see `chosen`.
-Bsdf<double> bsdf_of(const Material& material, const Textures& textures, const TexturePoint& p);
+Bsdf bsdf_of(const Material& material, const Textures& textures, const TexturePoint& p);
 
 /// The share of light that passes a smooth thin pane straight on, at an angle of this cosine to its
 /// normal, at least 0.  `eta`: as in ThinDielectricParams.

@@ -12,43 +12,33 @@ constexpr double kCoatF0 = 0.04;
 /// The mean of (1 - cos)^5 over directions, weighted by their cosine.
 constexpr double kMeanSchlick = 1.0 / 21;
 
-template <std::floating_point Real>
-Real schlick_weight(Real cosine) {
-  const Real x = std::clamp(1 - cosine, Real(0), Real(1));
+double schlick_weight(double cosine) {
+  const double x = std::clamp(1 - cosine, 0.0, 1.0);
   return x * x * x * x * x;
 }
 
-template <std::floating_point Real>
-Real mean_of(const Rgb<Real>& c) {
-  return (c.r + c.g + c.b) / 3;
-}
+double mean_of(const Rgb& c) { return (c.r + c.g + c.b) / 3; }
 
-template <std::floating_point Real>
-Real coat_reflected(Real schlick) {
-  return Real(kCoatF0) + Real(1 - kCoatF0) * schlick;
-}
+double coat_reflected(double schlick) { return double(kCoatF0) + double(1 - kCoatF0) * schlick; }
 
-template <std::floating_point Real>
-Vec3<Real> below(const Vec3<Real>& w) {
-  return {w.x, w.y, -w.z};
-}
+Vec3 below(const Vec3& w) { return {w.x, w.y, -w.z}; }
 
 }  // namespace
 
-template <std::floating_point Real, Side kSide>
-MetallicRoughnessOn<Real, kSide>::MetallicRoughnessOn(const MetallicRoughnessParams<Real>& p)
+template <Side kSide>
+MetallicRoughnessOn<kSide>::MetallicRoughnessOn(const MetallicRoughnessParams& p)
     : f0_(p.base * p.metallic + p.f0 * (1 - p.metallic)),
-      f90_(Rgb<Real>(p.metallic + p.f90 * (1 - p.metallic))),
+      f90_(Rgb(p.metallic + p.f90 * (1 - p.metallic))),
       diffuse_(p.base * (1 - p.metallic)),
       left_f0_(p.f0.max_component()),
       left_f90_(p.f90),
-      facets_(Microfacets<Real>::rough(p.alpha.x), Microfacets<Real>::rough(p.alpha.y)),
-      cos_turn_(p.turn_rad == 0 ? Real(1) : std::cos(p.turn_rad)),
-      sin_turn_(p.turn_rad == 0 ? Real(0) : std::sin(p.turn_rad)),
+      facets_(Microfacets::rough(p.alpha.x), Microfacets::rough(p.alpha.y)),
+      cos_turn_(p.turn_rad == 0 ? 1.0 : std::cos(p.turn_rad)),
+      sin_turn_(p.turn_rad == 0 ? 0.0 : std::sin(p.turn_rad)),
       coat_(p.coat),
-      coat_facets_(Microfacets<Real>::rough(p.coat_alpha), Microfacets<Real>::rough(p.coat_alpha)),
-      smooth_(Microfacets<Real>::is_smooth(p.alpha.x, p.alpha.y)),
-      coat_smooth_(Microfacets<Real>::is_smooth(p.coat_alpha, p.coat_alpha)) {
+      coat_facets_(Microfacets::rough(p.coat_alpha), Microfacets::rough(p.coat_alpha)),
+      smooth_(Microfacets::is_smooth(p.alpha.x, p.alpha.y)),
+      coat_smooth_(Microfacets::is_smooth(p.coat_alpha, p.coat_alpha)) {
   if constexpr (kTransmits) {
     passed_ = diffuse_ * p.transmission;
     diffuse_ = diffuse_ * (1 - p.transmission);
@@ -56,55 +46,55 @@ MetallicRoughnessOn<Real, kSide>::MetallicRoughnessOn(const MetallicRoughnessPar
   if (diffuse_.is_black()) return;
   // The diffuse part between two directions is the product of what facets leave on both ways,
   // over its mean.  The mean is not below the true one, also if the axes differ in roughness.
-  const auto mean_left = [&](Real alpha) {
-    if (smooth_) return left(Real(kMeanSchlick));
+  const auto mean_left = [&](double alpha) {
+    if (smooth_) return left(double(kMeanSchlick));
     return 1 - mean_facet_albedo(alpha).of(left_f0_, left_f90_);
   };
-  const Vec2<Real> alpha = facets_.alpha();
-  const Real mean =
+  const Vec2 alpha = facets_.alpha();
+  const double mean =
       alpha.x == alpha.y ? mean_left(alpha.x) : std::max(mean_left(alpha.x), mean_left(alpha.y));
-  diffuse_ = mean > 0 ? diffuse_ / mean : Rgb<Real>{};
+  diffuse_ = mean > 0 ? diffuse_ / mean : Rgb{};
 }
 
-template <std::floating_point Real, Side kSide>
-Vec3<Real> MetallicRoughnessOn<Real, kSide>::turned(const Vec3<Real>& w) const {
+template <Side kSide>
+Vec3 MetallicRoughnessOn<kSide>::turned(const Vec3& w) const {
   return {w.x * cos_turn_ + w.y * sin_turn_, w.y * cos_turn_ - w.x * sin_turn_, w.z};
 }
 
-template <std::floating_point Real, Side kSide>
-Vec3<Real> MetallicRoughnessOn<Real, kSide>::turned_back(const Vec3<Real>& w) const {
+template <Side kSide>
+Vec3 MetallicRoughnessOn<kSide>::turned_back(const Vec3& w) const {
   return {w.x * cos_turn_ - w.y * sin_turn_, w.y * cos_turn_ + w.x * sin_turn_, w.z};
 }
 
-template <std::floating_point Real, Side kSide>
-Real MetallicRoughnessOn<Real, kSide>::left_in_all(const Vec3<Real>& w) const {
+template <Side kSide>
+double MetallicRoughnessOn<kSide>::left_in_all(const Vec3& w) const {
   if (left_f90_ == 0) return 1;
   if (smooth_) return left(schlick_weight(std::fabs(w.z)));
-  const Vec2<Real> a = facets_.alpha();
+  const Vec2 a = facets_.alpha();
   // Roughness as `w` sees it, and the mean of both axes along the normal.
-  const Real alpha = a.x == a.y ? a.x
-                                : std::sqrt(a.x * a.x * (w.x * w.x + w.z * w.z / 2) +
-                                            a.y * a.y * (w.y * w.y + w.z * w.z / 2));
+  const double alpha = a.x == a.y ? a.x
+                                  : std::sqrt(a.x * a.x * (w.x * w.x + w.z * w.z / 2) +
+                                              a.y * a.y * (w.y * w.y + w.z * w.z / 2));
   return 1 - facet_albedo(std::fabs(w.z), alpha).of(left_f0_, left_f90_);
 }
 
-template <std::floating_point Real, Side kSide>
-Real MetallicRoughnessOn<Real, kSide>::below_coat(Real cosine) const {
+template <Side kSide>
+double MetallicRoughnessOn<kSide>::below_coat(double cosine) const {
   if (coat_smooth_) return 1 - coat_ * coat_reflected(schlick_weight(cosine));
-  return 1 - coat_ * facet_albedo(cosine, coat_facets_.alpha().x).of(Real(kCoatF0), Real(1));
+  return 1 - coat_ * facet_albedo(cosine, coat_facets_.alpha().x).of(double(kCoatF0), 1.0);
 }
 
-template <std::floating_point Real, Side kSide>
-auto MetallicRoughnessOn<Real, kSide>::shares(Real cosine) const -> Shares {
-  const Real schlick = schlick_weight(cosine);
+template <Side kSide>
+auto MetallicRoughnessOn<kSide>::shares(double cosine) const -> Shares {
+  const double schlick = schlick_weight(cosine);
   // Facets that face away from the normal reflect more than those along it.
-  const Real of_facets = std::max(schlick, Real(kMeanSchlick));
+  const double of_facets = std::max(schlick, double(kMeanSchlick));
   Shares s{.coat = coat_ * coat_reflected(of_facets),
            .reflected = mean_of(reflected(of_facets)),
            .passed = mean_of(passed_) * left(schlick),
            .diffuse = mean_of(diffuse_) * left(schlick)};
-  const Real below = 1 - s.coat, sum = s.reflected + s.passed + s.diffuse;
-  const Real all = s.coat + below * sum;
+  const double below = 1 - s.coat, sum = s.reflected + s.passed + s.diffuse;
+  const double all = s.coat + below * sum;
   if (!(all > 0)) return {};
   s.coat /= all;
   s.reflected *= below / all;
@@ -113,25 +103,24 @@ auto MetallicRoughnessOn<Real, kSide>::shares(Real cosine) const -> Shares {
   return s;
 }
 
-template <std::floating_point Real, Side kSide>
-auto MetallicRoughnessOn<Real, kSide>::facets_between(const Microfacets<Real>& facets,
-                                                      const Vec3<Real>& wo, const Vec3<Real>& wi)
-    -> Facets {
-  const Vec3<Real> m = normalized(wo + wi);
+template <Side kSide>
+auto MetallicRoughnessOn<kSide>::facets_between(const Microfacets& facets, const Vec3& wo,
+                                                const Vec3& wi) -> Facets {
+  const Vec3 m = normalized(wo + wi);
   // The reflection stretches solid angles by 4 cos, and the density of visible normals has a cos.
-  const Real pdf = facets.seen_per_cosine(wo) * facets.density(m) / 4;
+  const double pdf = facets.seen_per_cosine(wo) * facets.density(m) / 4;
   return {pdf * facets.also_seen(wo, wi), pdf, schlick_weight(dot(wo, m))};
 }
 
-template <std::floating_point Real, Side kSide>
-auto MetallicRoughnessOn<Real, kSide>::evaluate(const Vec3<Real>& given_wo,
-                                                const Vec3<Real>& given_wi) const -> Evaluation {
+template <Side kSide>
+auto MetallicRoughnessOn<kSide>::evaluate(const Vec3& given_wo, const Vec3& given_wi) const
+    -> Evaluation {
   Evaluation e;
   if (given_wo.z * given_wi.z == 0) return e;
   const bool reflects = same_side(given_wo, given_wi);
   if (!reflects && !kTransmits) return e;
-  const Vec3<Real> wo = turned(given_wo.z < 0 ? -given_wo : given_wo);
-  Vec3<Real> wi = turned(given_wo.z < 0 ? -given_wi : given_wi);
+  const Vec3 wo = turned(given_wo.z < 0 ? -given_wo : given_wo);
+  Vec3 wi = turned(given_wo.z < 0 ? -given_wi : given_wi);
   // Light through a sheet is that of a reflection, on the other side.
   if (!reflects) wi = below(wi);
   const Shares share = shares(wo.z);
@@ -141,7 +130,7 @@ auto MetallicRoughnessOn<Real, kSide>::evaluate(const Vec3<Real>& given_wo,
     e.pdf = (reflects ? share.reflected : share.passed) * f.pdf;
   }
   if (reflects && !diffuse_.is_black()) {
-    const Real even = wi.z * std::numbers::inv_pi_v<Real>;
+    const double even = wi.z * std::numbers::inv_pi;
     e.value += diffuse_ * (left_in_all(wo) * left_in_all(wi) * even);
     e.pdf += share.diffuse * even;
   }
@@ -150,21 +139,21 @@ auto MetallicRoughnessOn<Real, kSide>::evaluate(const Vec3<Real>& given_wo,
   e.value = e.value * std::min(below_coat(wo.z), below_coat(wi.z));
   if (reflects && !coat_smooth_) {
     const Facets f = facets_between(coat_facets_, wo, wi);
-    e.value += Rgb<Real>(coat_ * coat_reflected(f.schlick) * f.value);
+    e.value += Rgb(coat_ * coat_reflected(f.schlick) * f.value);
     e.pdf += share.coat * f.pdf;
   }
   return e;
 }
 
-template <std::floating_point Real, Side kSide>
-bool MetallicRoughnessOn<Real, kSide>::is_single(Lobe lobe) const {
+template <Side kSide>
+bool MetallicRoughnessOn<kSide>::is_single(Lobe lobe) const {
   return lobe == Lobe::kCoat ? coat_smooth_ : smooth_ && lobe != Lobe::kDiffuse;
 }
 
-template <std::floating_point Real, Side kSide>
-Rgb<Real> MetallicRoughnessOn<Real, kSide>::single(Lobe lobe, const Vec3<Real>& wo) const {
-  const Real cosine = std::fabs(wo.z), schlick = schlick_weight(cosine);
-  Rgb<Real> light(coat_ * coat_reflected(schlick));
+template <Side kSide>
+Rgb MetallicRoughnessOn<kSide>::single(Lobe lobe, const Vec3& wo) const {
+  const double cosine = std::fabs(wo.z), schlick = schlick_weight(cosine);
+  Rgb light(coat_ * coat_reflected(schlick));
   if (lobe != Lobe::kCoat) {
     light = lobe == Lobe::kReflected ? reflected(schlick) : passed_ * left(schlick);
     if (coat_ > 0) light = light * below_coat(cosine);
@@ -172,9 +161,9 @@ Rgb<Real> MetallicRoughnessOn<Real, kSide>::single(Lobe lobe, const Vec3<Real>& 
   return light;
 }
 
-template <std::floating_point Real, Side kSide>
-Rgb<Real> MetallicRoughnessOn<Real, kSide>::single(const Vec3<Real>& wo, Side side) const {
-  Rgb<Real> sum;
+template <Side kSide>
+Rgb MetallicRoughnessOn<kSide>::single(const Vec3& wo, Side side) const {
+  Rgb sum;
   const auto add = [&](Lobe lobe) {
     if (is_single(lobe)) sum += single(lobe, wo);
   };
@@ -188,15 +177,15 @@ Rgb<Real> MetallicRoughnessOn<Real, kSide>::single(const Vec3<Real>& wo, Side si
   return sum;
 }
 
-template <std::floating_point Real, Side kSide>
-std::optional<ScatterSample<Real>> MetallicRoughnessOn<Real, kSide>::sample(
-    const Vec3<Real>& wo, const ScatterValues<Real>& u) const {
+template <Side kSide>
+std::optional<ScatterSample> MetallicRoughnessOn<kSide>::sample(const Vec3& wo,
+                                                                const ScatterValues& u) const {
   if (wo.z == 0) return std::nullopt;
-  const Vec3<Real> up = turned(wo.z < 0 ? -wo : wo);
+  const Vec3 up = turned(wo.z < 0 ? -wo : wo);
   const Shares all = shares(up.z);
   // Choose a lobe.  The last one takes what rounding leaves.
   Lobe lobe = Lobe::kDiffuse;
-  Real share = all.diffuse, before = 0;
+  double share = all.diffuse, before = 0;
   for (const auto& [l, s] : {std::pair(Lobe::kCoat, all.coat),
                              {Lobe::kReflected, all.reflected},
                              {Lobe::kPassed, all.passed}}) {
@@ -208,14 +197,14 @@ std::optional<ScatterSample<Real>> MetallicRoughnessOn<Real, kSide>::sample(
   }
   if (!(share > 0)) return std::nullopt;
   if (is_single(lobe))
-    return ScatterSample<Real>{.wi = lobe == Lobe::kPassed ? -wo : mirrored(wo),
-                               .weight = single(lobe, wo) / share,
-                               .delta = true};
-  ScatterSample<Real> s;
+    return ScatterSample{.wi = lobe == Lobe::kPassed ? -wo : mirrored(wo),
+                         .weight = single(lobe, wo) / share,
+                         .delta = true};
+  ScatterSample s;
   if (lobe == Lobe::kDiffuse) {
     s.wi = sample_cosine_hemisphere(u.direction);
   } else {
-    const Vec3<Real> m = (lobe == Lobe::kCoat ? coat_facets_ : facets_).sample(up, u.direction);
+    const Vec3 m = (lobe == Lobe::kCoat ? coat_facets_ : facets_).sample(up, u.direction);
     s.wi = m * (2 * dot(up, m)) - up;
     if (!(s.wi.z > 0)) return std::nullopt;  // hits another facet, which is not modelled
     if (lobe == Lobe::kPassed) s.wi = below(s.wi);
@@ -229,9 +218,7 @@ std::optional<ScatterSample<Real>> MetallicRoughnessOn<Real, kSide>::sample(
   return s;
 }
 
-template class MetallicRoughnessOn<float, Side::kReflected>;
-template class MetallicRoughnessOn<double, Side::kReflected>;
-template class MetallicRoughnessOn<float, Side::kBoth>;
-template class MetallicRoughnessOn<double, Side::kBoth>;
+template class MetallicRoughnessOn<Side::kReflected>;
+template class MetallicRoughnessOn<Side::kBoth>;
 
 }  // namespace lucerna

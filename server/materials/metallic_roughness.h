@@ -17,38 +17,33 @@
 
 namespace lucerna {
 
-template <std::floating_point Real>
 struct MetallicRoughnessParams {
-  Rgb<Real> base{Real(1)};  ///< the metal's reflectance at f0; the diffuse or transmitted share
-  Real metallic = 0;        ///< 0: a dielectric, 1: a metal
-  Vec2<Real> alpha{};       ///< roughness along x and y, as in Conductor
-  Real turn_rad = 0;        ///< from the surface's u to x, counter-clockwise
+  Rgb base{1.0};        ///< the metal's reflectance at f0; the diffuse or transmitted share
+  double metallic = 0;  ///< 0: a dielectric, 1: a metal
+  Vec2 alpha{};         ///< roughness along x and y, as in Conductor
+  double turn_rad = 0;  ///< from the surface's u to x, counter-clockwise
   /// What a dielectric's facets reflect along their normal, and at grazing angles.  f0 <= f90.
-  Rgb<Real> f0{Real(0.04)};
-  Real f90 = 1;
-  Real transmission = 0;  ///< share of the light beyond the facets that passes; the rest is diffuse
-  Real coat = 0;          ///< share of the surface with a clear coat of index 1.5
-  Real coat_alpha = 0;
+  Rgb f0{0.04};
+  double f90 = 1;
+  double transmission =
+      0;            ///< share of the light beyond the facets that passes; the rest is diffuse
+  double coat = 0;  ///< share of the surface with a clear coat of index 1.5
+  double coat_alpha = 0;
 };
 
 /// All numbers of the parameters are in [0, 1], except the turn.  Without kTransmitted in `kSide`,
 /// `transmission` is not used.
-template <std::floating_point Real, Side kSide>
+template <Side kSide>
 class MetallicRoughnessOn {
  public:
   static constexpr Side kSides = kSide;
-  explicit MetallicRoughnessOn(const MetallicRoughnessParams<Real>& params);
+  explicit MetallicRoughnessOn(const MetallicRoughnessParams& params);
 
   bool all_delta() const { return smooth_ && diffuse_.is_black() && (coat_ == 0 || coat_smooth_); }
-  Rgb<Real> single(const Vec3<Real>& wo, Side side) const;
-  Rgb<Real> value(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
-    return evaluate(wo, wi).value;
-  }
-  SolidAnglePdf<Real> pdf(const Vec3<Real>& wo, const Vec3<Real>& wi) const {
-    return {evaluate(wo, wi).pdf};
-  }
-  std::optional<ScatterSample<Real>> sample(const Vec3<Real>& wo,
-                                            const ScatterValues<Real>& u) const;
+  Rgb single(const Vec3& wo, Side side) const;
+  Rgb value(const Vec3& wo, const Vec3& wi) const { return evaluate(wo, wi).value; }
+  SolidAnglePdf pdf(const Vec3& wo, const Vec3& wi) const { return {evaluate(wo, wi).pdf}; }
+  std::optional<ScatterSample> sample(const Vec3& wo, const ScatterValues& u) const;
 
  private:
   static constexpr bool kTransmits = has(kSide, Side::kTransmitted);
@@ -56,48 +51,45 @@ class MetallicRoughnessOn {
   enum class Lobe : std::uint8_t { kCoat, kReflected, kPassed, kDiffuse };
   /// Probabilities of the lobes.
   struct Shares {
-    Real coat{}, reflected{}, passed{}, diffuse{};
+    double coat{}, reflected{}, passed{}, diffuse{};
   };
   struct Evaluation {
-    Rgb<Real> value{};
-    Real pdf{};
+    Rgb value{};
+    double pdf{};
   };
   /// What facets send from one direction to another, without their Fresnel factor.
   struct Facets {
-    Real value{}, pdf{}, schlick{};
+    double value{}, pdf{}, schlick{};
   };
 
-  Vec3<Real> turned(const Vec3<Real>& w) const;
-  Vec3<Real> turned_back(const Vec3<Real>& w) const;
-  Shares shares(Real cosine) const;
-  Evaluation evaluate(const Vec3<Real>& wo, const Vec3<Real>& wi) const;
+  Vec3 turned(const Vec3& w) const;
+  Vec3 turned_back(const Vec3& w) const;
+  Shares shares(double cosine) const;
+  Evaluation evaluate(const Vec3& wo, const Vec3& wi) const;
   bool is_single(Lobe lobe) const;
   /// The share of light that a lobe of one direction sends to `wo`.
-  Rgb<Real> single(Lobe lobe, const Vec3<Real>& wo) const;
-  static Facets facets_between(const Microfacets<Real>& facets, const Vec3<Real>& wo,
-                               const Vec3<Real>& wi);
-  Rgb<Real> reflected(Real schlick) const { return f0_ * (1 - schlick) + f90_ * schlick; }
+  Rgb single(Lobe lobe, const Vec3& wo) const;
+  static Facets facets_between(const Microfacets& facets, const Vec3& wo, const Vec3& wi);
+  Rgb reflected(double schlick) const { return f0_ * (1 - schlick) + f90_ * schlick; }
   /// The share that a dielectric's facets leave, the least of the channels.
-  Real left(Real schlick) const { return 1 - left_f0_ * (1 - schlick) - left_f90_ * schlick; }
+  double left(double schlick) const { return 1 - left_f0_ * (1 - schlick) - left_f90_ * schlick; }
   /// The share that all facets leave of light along `w`.
-  Real left_in_all(const Vec3<Real>& w) const;
+  double left_in_all(const Vec3& w) const;
   /// The share of light along a direction of this cosine that the coat leaves.
-  Real below_coat(Real cosine) const;
+  double below_coat(double cosine) const;
 
-  Rgb<Real> f0_, f90_;  // of metal and dielectric together
-  Rgb<Real> diffuse_, passed_;
-  Real left_f0_, left_f90_;
-  Microfacets<Real> facets_;
-  Real cos_turn_, sin_turn_;
-  Real coat_;
-  Microfacets<Real> coat_facets_;
+  Rgb f0_, f90_;  // of metal and dielectric together
+  Rgb diffuse_, passed_;
+  double left_f0_, left_f90_;
+  Microfacets facets_;
+  double cos_turn_, sin_turn_;
+  double coat_;
+  Microfacets coat_facets_;
   bool smooth_, coat_smooth_;
 };
 
-template <std::floating_point Real>
-using MetallicRoughness = MetallicRoughnessOn<Real, Side::kReflected>;
+using MetallicRoughness = MetallicRoughnessOn<Side::kReflected>;
 /// A sheet: light that passes goes on in its direction, spread by the roughness.
-template <std::floating_point Real>
-using ThinMetallicRoughness = MetallicRoughnessOn<Real, Side::kBoth>;
+using ThinMetallicRoughness = MetallicRoughnessOn<Side::kBoth>;
 
 }  // namespace lucerna

@@ -16,21 +16,19 @@
 namespace lucerna {
 
 /// Sample values of one decision, in [0, 1).
-template <std::floating_point Real>
 struct ScatterValues {
-  Real choice{};  ///< between lobes
-  Vec2<Real> direction{};
+  double choice{};  ///< between lobes
+  Vec2 direction{};
 };
 
 /// A direction of light, chosen for a direction `wo`.
-template <std::floating_point Real>
 struct ScatterSample {
-  Vec3<Real> wi;
+  Vec3 wi;
   /// f |cos| / density.  With `delta`, the share of light that goes there over the probability of
   /// this choice.
-  Rgb<Real> weight;
+  Rgb weight;
   /// Density of `wi`; 0 with `delta`, since no other direction is possible.
-  SolidAnglePdf<Real> pdf{};
+  SolidAnglePdf pdf{};
   bool delta = false;
 };
 
@@ -58,25 +56,19 @@ enum class Carries : std::uint8_t { kRadiance, kImportance };
 ///   of indices.  0 without such a lobe.
 /// - `kSides`: where light may come from.  `all_delta()`: whether all lobes are single directions.
 /// No call has an error, and none allocates.
-template <typename S, typename Real>
-concept Scattering = requires(const S& s, const Vec3<Real>& w, const ScatterValues<Real>& u) {
-  { s.value(w, w) } -> std::same_as<Rgb<Real>>;
-  { s.pdf(w, w) } -> std::same_as<SolidAnglePdf<Real>>;
-  { s.sample(w, u) } -> std::same_as<std::optional<ScatterSample<Real>>>;
-  { s.single(w, Side{}) } -> std::same_as<Rgb<Real>>;
+template <typename S>
+concept Scattering = requires(const S& s, const Vec3& w, const ScatterValues& u) {
+  { s.value(w, w) } -> std::same_as<Rgb>;
+  { s.pdf(w, w) } -> std::same_as<SolidAnglePdf>;
+  { s.sample(w, u) } -> std::same_as<std::optional<ScatterSample>>;
+  { s.single(w, Side{}) } -> std::same_as<Rgb>;
   { s.all_delta() } -> std::same_as<bool>;
   { S::kSides } -> std::convertible_to<Side>;
 };
 
 /// The mirror direction at the normal +z.
-template <std::floating_point Real>
-Vec3<Real> mirrored(const Vec3<Real>& w) {
-  return {-w.x, -w.y, w.z};
-}
+inline Vec3 mirrored(const Vec3& w) { return {-w.x, -w.y, w.z}; }
 
-template <std::floating_point Real>
-bool same_side(const Vec3<Real>& a, const Vec3<Real>& b) {
-  return a.z * b.z > 0;
-}
+inline bool same_side(const Vec3& a, const Vec3& b) { return a.z * b.z > 0; }
 
 }  // namespace lucerna

@@ -44,11 +44,11 @@ Texels::Texels(const Image& image) : width_(image.width()), height_(image.height
         if (!f(image.texel(x, y))) return false;
     return true;
   };
-  is_grey_ = for_each([](const Rgb<float>& c) { return c.r == c.g && c.g == c.b; });
+  is_grey_ = for_each([](const Rgbf& c) { return c.r == c.g && c.g == c.b; });
   const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   Palette palette;
   codes_.reserve(count * (is_grey_ ? 1 : 3));
-  const bool is_coded = for_each([&](const Rgb<float>& c) {
+  const bool is_coded = for_each([&](const Rgbf& c) {
     const auto r = palette.code(c.r), g = palette.code(c.g), b = palette.code(c.b);
     if (!r || !g || !b) return false;
     codes_.push_back(*r);
@@ -61,7 +61,7 @@ Texels::Texels(const Image& image) : width_(image.width()), height_(image.height
   }
   codes_ = std::vector<std::uint8_t>();  // = {} would keep the memory
   values_.reserve(count * (is_grey_ ? 1 : 3));
-  for_each([&](const Rgb<float>& c) {
+  for_each([&](const Rgbf& c) {
     values_.push_back(c.r);
     if (!is_grey_) values_.push_back(c.g), values_.push_back(c.b);
     return true;
@@ -105,7 +105,7 @@ template <typename F>
 void Texels::for_each_mean(const std::stop_token& stop, F&& f) const {
   for (int y = 0; y < height_ && !stop.stop_requested(); y += 2)
     for (int x = 0; x < width_; x += 2) {
-      Rgb<double> sum;
+      Rgb sum;
       int count = 0;
       for (int j = y; j < std::min(y + 2, height_); ++j)
         for (int i = x; i < std::min(x + 2, width_); ++i) sum += texel(i, j), ++count;
@@ -131,7 +131,7 @@ Texels Texels::halved(const std::stop_token& stop) const {
   // The means are computed twice, since those of a large picture as floats are as large as its
   // codes.
   float largest = 0;
-  for_each_mean(stop, [&](const Rgb<double>& mean) {
+  for_each_mean(stop, [&](const Rgb& mean) {
     largest = std::max(largest, static_cast<float>(mean.max_component()));
   });
   constexpr double kMostSteps = 65535;
@@ -143,7 +143,7 @@ Texels Texels::halved(const std::stop_token& stop) const {
     half.wide_codes_.push_back(static_cast<std::uint16_t>(
         std::min(static_cast<float>(value) * per_step + 0.5, kMostSteps)));
   };
-  for_each_mean(stop, [&](const Rgb<double>& mean) {
+  for_each_mean(stop, [&](const Rgb& mean) {
     add(mean.r);
     if (!is_grey_) add(mean.g), add(mean.b);
   });

@@ -27,10 +27,10 @@ class Texels {
   int width() const { return width_; }
   int height() const { return height_; }
   /// 0 <= x < width(), 0 <= y < height().
-  Rgb<double> texel(int x, int y) const {
+  Rgb texel(int x, int y) const {
     const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                           static_cast<std::size_t>(x);
-    if (is_grey_) return Rgb<double>(value(i));
+    if (is_grey_) return Rgb(value(i));
     return {value(3 * i), value(3 * i + 1), value(3 * i + 2)};
   }
   std::size_t bytes() const {

@@ -12,15 +12,14 @@ namespace lucerna {
 namespace {
 
 /// How the coordinates of a mapping grow over the footprint of `p`.
-CoordinateSteps steps_of(const TextureMapping& mapping, const TexturePoint& p,
-                         const Vec2<double>& st) {
+CoordinateSteps steps_of(const TextureMapping& mapping, const TexturePoint& p, const Vec2& st) {
   const Footprint& f = *p.footprint;
-  const auto step = [&](const Vec2<double>& uv, const Vec3<double>& position) {
+  const auto step = [&](const Vec2& uv, const Vec3& position) {
     TexturePoint next = p;
     next.uv = {p.uv.x + uv.x, p.uv.y + uv.y};
     next.position += position;
-    const Vec2<double> to = mapping(next);
-    Vec2<double> d{to.x - st.x, to.y - st.y};
+    const Vec2 to = mapping(next);
+    Vec2 d{to.x - st.x, to.y - st.y};
     // Past the seam of a turn.
     if (mapping.kind == TextureMapping::Kind::kSpherical) d.y -= std::round(d.y);
     if (mapping.kind == TextureMapping::Kind::kCylindrical) d.x -= std::round(d.x);
@@ -36,45 +35,45 @@ class Evaluation {
  public:
   Evaluation(const Textures& textures, const TexturePoint& p) : textures_(textures), p_(p) {}
 
-  Rgb<double> operator()(const ImageTexture& t) const {
-    const Vec2<double> st = t.mapping(p_);
+  Rgb operator()(const ImageTexture& t) const {
+    const Vec2 st = t.mapping(p_);
     std::optional<CoordinateSteps> steps;
     if (uses_levels(t.filter) && p_.footprint != nullptr) steps = steps_of(t.mapping, p_, st);
-    const Rgb<double> value = look_up(t, st, steps ? &*steps : nullptr) * t.scale;
+    const Rgb value = look_up(t, st, steps ? &*steps : nullptr) * t.scale;
     if (!t.invert) return value;
     const auto inverse = [](double x) { return std::max(0.0, 1 - x); };
     return {inverse(value.r), inverse(value.g), inverse(value.b)};
   }
-  Rgb<double> operator()(const CheckerboardTexture& t) const {
+  Rgb operator()(const CheckerboardTexture& t) const {
     if (t.dimension == 3) {
-      const Vec3<double> q = t.mapping.texture_from_world.point(p_.position);
+      const Vec3 q = t.mapping.texture_from_world.point(p_.position);
       return textures_(t.parts[is_odd(std::floor(q.x) + std::floor(q.y) + std::floor(q.z))], p_);
     }
-    const Vec2<double> st = t.mapping(p_);
+    const Vec2 st = t.mapping(p_);
     return textures_(t.parts[is_odd(std::floor(st.x) + std::floor(st.y))], p_);
   }
-  Rgb<double> operator()(const ScaleTexture& t) const {
+  Rgb operator()(const ScaleTexture& t) const {
     return textures_(t.part, p_) * textures_(t.factor, p_);
   }
-  Rgb<double> operator()(const CutOffTexture& t) const {
-    return Rgb<double>(textures_(t.part, p_).r >= t.least ? 1.0 : 0.0);
+  Rgb operator()(const CutOffTexture& t) const {
+    return Rgb(textures_(t.part, p_).r >= t.least ? 1.0 : 0.0);
   }
-  Rgb<double> operator()(const MixTexture& t) const {
+  Rgb operator()(const MixTexture& t) const {
     const double amount = textures_(t.amount, p_);
     return textures_(t.parts[0], p_) * (1 - amount) + textures_(t.parts[1], p_) * amount;
   }
-  Rgb<double> operator()(const DirectionMixTexture& t) const {
+  Rgb operator()(const DirectionMixTexture& t) const {
     const double along = std::fabs(dot(p_.normal, t.direction));
     return textures_(t.parts[0], p_) * along + textures_(t.parts[1], p_) * (1 - along);
   }
-  Rgb<double> operator()(const BilerpTexture& t) const {
-    const Vec2<double> st = t.mapping(p_);
+  Rgb operator()(const BilerpTexture& t) const {
+    const Vec2 st = t.mapping(p_);
     return (t.corners[0] * (1 - st.y) + t.corners[1] * st.y) * (1 - st.x) +
            (t.corners[2] * (1 - st.y) + t.corners[3] * st.y) * st.x;
   }
-  Rgb<double> operator()(const VertexColourTexture&) const { return p_.colour; }
-  Rgb<double> operator()(const DotsTexture& t) const {
-    const Vec2<double> st = t.mapping(p_);
+  Rgb operator()(const VertexColourTexture&) const { return p_.colour; }
+  Rgb operator()(const DotsTexture& t) const {
+    const Vec2 st = t.mapping(p_);
     const double s = std::floor(st.x + 0.5), v = std::floor(st.y + 0.5);
     if (hash_number({s, v, 0}) < 0.5) return textures_(t.outside, p_);
     constexpr double kRadius = 0.35, kMostShift = 0.5 - kRadius;
@@ -90,13 +89,13 @@ class Evaluation {
 
 }  // namespace
 
-Vec2<double> TextureMapping::operator()(const TexturePoint& p) const {
+Vec2 TextureMapping::operator()(const TexturePoint& p) const {
   if (kind == Kind::kUv) return {scale.x * p.uv.x + shift.x, scale.y * p.uv.y + shift.y};
   if (kind == Kind::kAffine) {
-    const Vec3<double> uv{p.uv.x, p.uv.y, 1};
+    const Vec3 uv{p.uv.x, p.uv.y, 1};
     return {dot(uv, axis_s), dot(uv, axis_t)};
   }
-  const Vec3<double> q = texture_from_world.point(p.position);
+  const Vec3 q = texture_from_world.point(p.position);
   constexpr double kTurn = 2 * std::numbers::pi;
   const auto around = [&] {
     const double angle = std::atan2(q.y, q.x);
@@ -126,7 +125,7 @@ std::int32_t Textures::add(TextureNode node, const std::stop_token& stop) {
   return static_cast<std::int32_t>(nodes_.size() - 1);
 }
 
-Rgb<double> Textures::at(std::int32_t texture, const TexturePoint& p) const {
+Rgb Textures::at(std::int32_t texture, const TexturePoint& p) const {
   return std::visit(Evaluation(*this, p), nodes_[static_cast<std::size_t>(texture)]);
 }
 

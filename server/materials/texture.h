@@ -25,7 +25,7 @@ namespace lucerna {
 
 /// A constant, or a texture by its number.
 struct ColourValue {
-  Rgb<double> constant{};
+  Rgb constant{};
   std::int32_t texture = -1;  ///< -1: the constant
   bool is_constant() const { return texture < 0; }
 };
@@ -38,16 +38,16 @@ struct NumberValue {
 
 /// How a place moves on a surface from one position of a camera's film to the next, in x and in y.
 struct Footprint {
-  Vec3<double> position_x, position_y;  ///< world [m]
-  Vec2<double> uv_x, uv_y;
+  Vec3 position_x, position_y;  ///< world [m]
+  Vec2 uv_x, uv_y;
 };
 
 /// A place on a surface.
 struct TexturePoint {
-  Vec2<double> uv{};        ///< surface coordinates
-  Vec3<double> position{};  ///< world [m]
-  Vec3<double> normal{};    ///< world, unit: the shading normal
-  Rgb<double> colour{};     ///< of the vertices around it
+  Vec2 uv{};        ///< surface coordinates
+  Vec3 position{};  ///< world [m]
+  Vec3 normal{};    ///< world, unit: the shading normal
+  Rgb colour{};     ///< of the vertices around it
   /// The area that textures with kTrilinear and kEwa average over; null: none.
   const Footprint* footprint = nullptr;
 };
@@ -58,11 +58,11 @@ struct TextureMapping {
   Kind kind = Kind::kUv;
   /// kUv: s = scale.x u + shift.x, and so for t.  kAffine: s = (u, v, 1) . axis_s, and so for t.
   /// kPlanar: s = position . axis_s + shift.x.
-  Vec2<double> scale{1, 1}, shift{};
-  Vec3<double> axis_s{1, 0, 0}, axis_t{0, 1, 0};
+  Vec2 scale{1, 1}, shift{};
+  Vec3 axis_s{1, 0, 0}, axis_t{0, 1, 0};
   Transform texture_from_world{};  ///< for all kinds but kUv and kAffine
 
-  Vec2<double> operator()(const TexturePoint& p) const;
+  Vec2 operator()(const TexturePoint& p) const;
 };
 
 /// How a picture continues beyond its border.  kMirror: each repetition mirrors the one before.
@@ -109,12 +109,12 @@ struct MixTexture {
 /// cosine.
 struct DirectionMixTexture {
   std::array<ColourValue, 2> parts{};
-  Vec3<double> direction{0, 1, 0};  ///< world, unit
+  Vec3 direction{0, 1, 0};  ///< world, unit
 };
 /// Linear between four values at (s, t) = (0, 0), (0, 1), (1, 0) and (1, 1).
 struct BilerpTexture {
   TextureMapping mapping{};
-  std::array<Rgb<double>, 4> corners{};
+  std::array<Rgb, 4> corners{};
 };
 /// A dot of `inside` in about half of the unit squares of (s, t).
 struct DotsTexture {
@@ -168,7 +168,7 @@ class Textures {
   std::size_t size() const { return nodes_.size(); }
   std::span<const TextureNode> nodes() const { return nodes_; }
 
-  Rgb<double> operator()(const ColourValue& value, const TexturePoint& p) const {
+  Rgb operator()(const ColourValue& value, const TexturePoint& p) const {
     return value.is_constant() ? value.constant : at(value.texture, p);
   }
   double operator()(const NumberValue& value, const TexturePoint& p) const {
@@ -186,7 +186,7 @@ class Textures {
   bool needs_only_uv(std::int32_t texture) const;
 
  private:
-  Rgb<double> at(std::int32_t texture, const TexturePoint& p) const;
+  Rgb at(std::int32_t texture, const TexturePoint& p) const;
   void fit(const std::stop_token& stop);
   std::size_t limit_bytes_;
   bool uses_footprints_ = false;

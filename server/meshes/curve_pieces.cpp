@@ -8,7 +8,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// The same curve with one degree more.
 std::array<Vector, 4> raised(const Vector& a, const Vector& b, const Vector& c) {

@@ -12,9 +12,9 @@ namespace lucerna {
 
 /// A cubic Bezier curve.  Its width changes evenly.
 struct CubicCurve {
-  std::array<Vec3<double>, 4> points;
+  std::array<Vec3, 4> points;
   double start_width_m = 0, end_width_m = 0;  ///< at least 0
-  std::array<Vec3<double>, 2> normals{};      ///< of a ribbon: unit, at its start and its end
+  std::array<Vec3, 2> normals{};              ///< of a ribbon: unit, at its start and its end
 };
 
 /// The most curves of one CurveData.

@@ -24,7 +24,7 @@ std::uint32_t previous_in_face(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h 
 
 /// A mesh whose triangles know their neighbours.
 struct Level {
-  std::vector<Vec3<double>> positions;
+  std::vector<Vec3> positions;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint32_t> twins;  ///< of each half-edge, kNone on the boundary
 
@@ -37,8 +37,8 @@ struct Level {
 
 /// The neighbours of each vertex.
 struct Neighbours {
-  Vec3<double> sum;           ///< of all
-  Vec3<double> boundary_sum;  ///< of the two on the boundary
+  Vec3 sum;           ///< of all
+  Vec3 boundary_sum;  ///< of the two on the boundary
   std::uint32_t valence = 0;
   bool on_boundary = false;
 };
@@ -65,8 +65,7 @@ std::vector<Neighbours> neighbours_of(const Level& level) {
 /// The weight of each neighbour of a vertex inside.  [Warren95]
 double beta(std::uint32_t valence) { return valence == 3 ? 3.0 / 16 : 3.0 / (8.0 * valence); }
 
-Vec3<double> mixed(const Vec3<double>& p, const Vec3<double>& sum, std::uint32_t count,
-                   double weight) {
+Vec3 mixed(const Vec3& p, const Vec3& sum, std::uint32_t count, double weight) {
   return p * (1 - count * weight) + sum * weight;
 }
 
@@ -92,7 +91,7 @@ Level refined(const Level& level) {
       continue;
     }
     middle[h] = static_cast<std::uint32_t>(next.positions.size());
-    const Vec3<double> ends = level.positions[level.start(h)] + level.positions[level.end(h)];
+    const Vec3 ends = level.positions[level.start(h)] + level.positions[level.end(h)];
     if (level.twins[h] == kNone) {
       next.positions.push_back(ends * 0.5);
       continue;
@@ -129,11 +128,9 @@ Level refined(const Level& level) {
 /// Two tangents of the limit surface from the ring of neighbours, counterclockwise about the
 /// winding's normal.  On the boundary, the ring runs from one boundary edge to the other.
 /// [Pharr16, 3.8]
-std::pair<Vec3<double>, Vec3<double>> tangents(const Vec3<double>& p,
-                                               const std::vector<Vec3<double>>& ring,
-                                               bool on_boundary) {
+std::pair<Vec3, Vec3> tangents(const Vec3& p, const std::vector<Vec3>& ring, bool on_boundary) {
   const std::size_t n = ring.size();
-  Vec3<double> s{}, t{};
+  Vec3 s{}, t{};
   if (!on_boundary) {
     for (std::size_t k = 0; k < n; ++k) {
       const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
@@ -169,10 +166,10 @@ LimitMesh limit_of(Level level) {
     if (level.twins[h] == kNone || first[level.start(h)] == kNone) first[level.start(h)] = h;
   limit.positions.reserve(level.positions.size());
   limit.normals.reserve(level.positions.size());
-  std::vector<Vec3<double>> ring;
+  std::vector<Vec3> ring;
   for (std::size_t v = 0; v < level.positions.size(); ++v, poll()) {
     const Neighbours& n = neighbours[v];
-    const Vec3<double>& p = level.positions[v];
+    const Vec3& p = level.positions[v];
     ring.clear();
     for (std::uint32_t h = first[v]; h != kNone; poll()) {
       ring.push_back(level.positions[level.end(h)]);

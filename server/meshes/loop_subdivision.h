@@ -12,13 +12,13 @@
 namespace lucerna {
 
 struct ControlMesh {
-  std::vector<Vec3<double>> positions;
+  std::vector<Vec3> positions;
   std::vector<std::uint32_t> indices;  ///< three per triangle
 };
 
 struct LimitMesh {
-  std::vector<Vec3<double>> positions;  ///< on the limit surface
-  std::vector<Vec3<double>> normals;    ///< of the limit surface, any length, one per vertex
+  std::vector<Vec3> positions;         ///< on the limit surface
+  std::vector<Vec3> normals;           ///< of the limit surface, any length, one per vertex
   std::vector<std::uint32_t> indices;  ///< three per triangle, with the winding of the control mesh
 };
 

@@ -96,8 +96,7 @@ void apply_filter(Context& context, const Settings& settings) {
   check_type(setting, "PixelFilter", {"box", "gaussian", "mitchell", "sinc", "triangle"});
   const PixelFilterParams params = filter_params(setting);
   setting.params.remark_unused(context, fmt::format("PixelFilter \"{}\"", setting.type));
-  if (std::holds_alternative<BoxFilter>(params.shape) && params.radius_px == Vec2<double>{0.5, 0.5})
-    return;
+  if (std::holds_alternative<BoxFilter>(params.shape) && params.radius_px == Vec2{0.5, 0.5}) return;
   auto filter = PixelFilter::create(params);
   if (!filter.ok())
     fail(setting.place, fmt::format("PixelFilter \"{}\": {}", setting.type,

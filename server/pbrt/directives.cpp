@@ -35,7 +35,7 @@ bool Parser::transform_directive(const Token& word) {
   } else if (name == "Rotate") {
     std::array<double, 4> n;
     numbers(n);
-    const Vec3<double> axis{n[1], n[2], n[3]};
+    const Vec3 axis{n[1], n[2], n[3]};
     if (max_abs(axis) == 0) fail(word.place, "Rotate about the axis 0 0 0, which has no direction");
     concatenate(Transform::rotate(n[0] * std::numbers::pi / 180, axis), name, word.place);
   } else if (name == "LookAt") {

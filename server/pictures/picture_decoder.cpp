@@ -124,31 +124,31 @@ class FloatReader {
         const float v = texel[offset_[c]];
         return coded_[c] ? decoded_texel(v, encoding_) : v;
       };
-      const Rgb<float> stored{value(0), value(1), value(2)};
+      const Rgbf stored{value(0), value(1), value(2)};
       texels_.push_back(colours_.conversion ? converted(stored) : not_negative(stored));
     });
   }
 
-  std::vector<Rgb<float>>& texels() { return texels_; }
+  std::vector<Rgbf>& texels() { return texels_; }
   /// Texels with a value below 0, and those whose colours are outside of Rec. 709.
   std::size_t negative() const { return negative_; }
   std::size_t outside() const { return outside_; }
 
  private:
   /// NaN and infinities are kept, so that Image::create rejects them.
-  Rgb<float> not_negative(const Rgb<float>& c) {
+  Rgbf not_negative(const Rgbf& c) {
     const auto value = [](float v) { return !(v < 0) || std::isinf(v) ? v : 0.0F; };
-    const Rgb<float> result{value(c.r), value(c.g), value(c.b)};
+    const Rgbf result{value(c.r), value(c.g), value(c.b)};
     negative_ += result.r > c.r || result.g > c.g || result.b > c.b;
     const auto scale = static_cast<float>(colours_.scale);
     return scale == 1 ? result : result * scale;
   }
 
-  Rgb<float> converted(const Rgb<float>& c) {
+  Rgbf converted(const Rgbf& c) {
     if (!is_finite(c)) return c;
-    const Rgb<double> rgb = (*colours_.conversion)(Rgb<double>(c)) * colours_.scale;
+    const Rgb rgb = (*colours_.conversion)(Rgb(c)) * colours_.scale;
     outside_ += is_outside_rec709(rgb);
-    return Rgb<float>(at_edge_of_rec709(rgb));
+    return Rgbf(at_edge_of_rec709(rgb));
   }
 
   template <typename Code, typename Decode>
@@ -176,7 +176,7 @@ class FloatReader {
   int low_, high_;
   std::array<std::size_t, 3> offset_{};
   std::array<bool, 3> coded_{};
-  std::vector<Rgb<float>> texels_;
+  std::vector<Rgbf> texels_;
   std::size_t negative_ = 0, outside_ = 0;
 };
 
@@ -229,7 +229,7 @@ absl::StatusOr<DecodedImage> read_image(const AssetContent& content, ImageFile& 
                                         const Channels& channels, const ImageOptions& options,
                                         RgbConversion::White white) {
   DecodedImage decoded{nullptr, file.remarks(), LoadBudget::Share(options.budget)};
-  LUCERNA_RETURN_IF_ERROR(decoded.share.resize(file.texels() * sizeof(Rgb<float>)));
+  LUCERNA_RETURN_IF_ERROR(decoded.share.resize(file.texels() * sizeof(Rgbf)));
   FloatReader reader(file, channels, colours_of(content, file, options, white, decoded.remarks));
   const absl::Status read = all_are(file, channels, OIIO::TypeDesc::UINT8)
                                 ? reader.read_codes<std::uint8_t>(OIIO::TypeDesc::UINT8)

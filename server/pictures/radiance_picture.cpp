@@ -114,7 +114,7 @@ absl::Status RadiancePicture::read_line(std::string_view line) {
   }
   if (!ok || std::ranges::any_of(factors, [](double f) { return !(f > 0); }))
     return bad_line(line, "numbers above 0");
-  exposure_ = exposure_ * Rgb<double>{factors[0], factors[1], factors[2]};
+  exposure_ = exposure_ * Rgb{factors[0], factors[1], factors[2]};
   return absl::OkStatus();
 }
 

@@ -30,7 +30,7 @@ class RadiancePicture final : public WholePicture {
   std::string_view next_line();
 
   std::size_t at_ = 0;
-  Rgb<double> exposure_{1, 1, 1};
+  Rgb exposure_{1, 1, 1};
   std::string_view primaries_, gamma_line_;
   bool is_xyz_ = false;
 };

@@ -15,8 +15,7 @@ namespace lucerna {
 namespace {
 
 std::optional<UnitRay> unit_ray(const Ray& ray, const RaySpace& space) {
-  return lucerna::unit_ray(Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.t_min,
-                           ray.t_max, space);
+  return lucerna::unit_ray(Vec3(ray.origin), Vec3(ray.direction), ray.t_min, ray.t_max, space);
 }
 
 /// Embree reads four floats at once.  Reading bytes that were just stored in parts waits until all
@@ -38,17 +37,17 @@ void set_ray(RTCRay& ray, const UnitRay& r) {
 /// A query for surfaces near a point.
 struct NearQuery {
   const GeometrySet* set;  ///< with the numbers of Embree's primitives; null: boxes decide
-  Vec3<double> point_m;
+  Vec3 point_m;
   double radius_m;
   bool found = false;
 
-  bool touches(const std::array<Vec3<double>, 3>& corners) const {
+  bool touches(const std::array<Vec3, 3>& corners) const {
     for (int axis = 0; axis < 3; ++axis) {
       const auto [least, most] =
           std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
       if (point_m[axis] < least - radius_m || point_m[axis] > most + radius_m) return false;
     }
-    const Vec3<double> n = cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const Vec3 n = cross(corners[1] - corners[0], corners[2] - corners[0]);
     return !(std::fabs(dot(n, point_m - corners[0])) > radius_m * length(n));
   }
 };
@@ -59,11 +58,10 @@ bool check_near(RTCPointQueryFunctionArguments* args) {
   const GeometrySet* set = args->context->instStackSize == 0 ? query.set : nullptr;
   bool touches = true;
   if (set != nullptr && args->geomID == static_cast<unsigned>(HitKind::kTriangle)) {
-    std::array<Vec3<double>, 3> corners;
+    std::array<Vec3, 3> corners;
     for (std::size_t k = 0; k < 3; ++k)
       corners.at(k) =
-          Vec3<double>(set->vertices[set->triangles[3 * std::size_t{args->primID} + k]]) *
-          set->unit_m;
+          Vec3(set->vertices[set->triangles[3 * std::size_t{args->primID} + k]]) * set->unit_m;
     touches = query.touches(corners);
   } else if (set != nullptr && args->geomID == kWide) {
     touches = query.touches(set->wide[args->primID].corners);
@@ -167,11 +165,11 @@ Obstacle Accelerator::obstacle(const Ray& ray, const LooseEnds& ends, Meets meet
   return context.may_be_own ? Obstacle::kPerhapsOwn : Obstacle::kNone;
 }
 
-bool Accelerator::may_touch(const Vec3<double>& point, double radius_m) const {
+bool Accelerator::may_touch(const Vec3& point, double radius_m) const {
   const State& state = *state_;
   NearQuery near{&state.shared().scene, point, radius_m};
   const auto search = [&](RTCScene scene) {
-    const Vec3<float> at(point * state.space.per_unit);
+    const Vec3f at(point * state.space.per_unit);
     // The point is rounded.
     const double radius = radius_m * state.space.per_unit + 0x1p-22 * max_abs(at);
     RTCPointQuery query{at.x, at.y, at.z, 0, static_cast<float>(radius)};

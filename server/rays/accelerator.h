@@ -30,7 +30,7 @@ namespace lucerna {
 /// A vector for each kind of quadric.  The list begins with a comma, so the first type is ignored.
 template <typename, typename... Shapes>
 using VectorsOf = std::tuple<std::vector<Shapes>...>;
-#define LUCERNA_SHAPE(Shape) , Shape<double>
+#define LUCERNA_SHAPE(Shape) , Shape
 using Quadrics = VectorsOf<void LUCERNA_QUADRICS(LUCERNA_SHAPE)>;
 #undef LUCERNA_SHAPE
 
@@ -54,9 +54,9 @@ enum class Meets : std::uint8_t {
 /// Everything that rays can hit in one space (the scene's or an object's).  Each kind has its
 /// own numbers, in order.
 struct GeometrySet {
-  std::vector<Vec3<float>> vertices{};     ///< [m]; within an Accelerator in units of `unit_m`
+  std::vector<Vec3f> vertices{};           ///< [m]; within an Accelerator in units of `unit_m`
   std::vector<std::uint32_t> triangles{};  ///< three vertex numbers for each triangle
-  std::vector<BilinearPatch<double>> patches{};
+  std::vector<BilinearPatch> patches{};
   std::vector<CurvePiece> curves{};
   Quadrics quadrics{};
   std::vector<WideTriangle> wide{};  ///< of `triangles`, in ascending order
@@ -72,7 +72,7 @@ struct GeometrySet {
     return at != wide.end() && at->triangle == number ? &*at : nullptr;
   }
 
-  /// The quadrics of one type, such as Sphere<double>.
+  /// The quadrics of one type, such as Sphere.
   template <typename Shape>
   std::vector<Shape>& of() {
     return std::get<std::vector<Shape>>(quadrics);
@@ -95,7 +95,7 @@ struct GeometrySet {
     switch (kind) {
 #define LUCERNA_CASE(Shape) \
   case HitKind::k##Shape:   \
-    return f(of<Shape<double>>()[primitive]);
+    return f(of<Shape>()[primitive]);
       LUCERNA_QUADRICS(LUCERNA_CASE)
 #undef LUCERNA_CASE
       case HitKind::kCurve:
@@ -137,10 +137,10 @@ struct RawHit {
   HitKind kind{};
   std::uint32_t primitive{};   ///< within its kind, within its GeometrySet
   std::int32_t instance = -1;  ///< index of the instance; -1: the scene's own geometry
-  Vec2<float> uv;              ///< triangle: barycentrics of vertices 1 and 2; patch, curve: (u, v)
+  Vec2f uv;                    ///< triangle: barycentrics of vertices 1 and 2; patch, curve: (u, v)
   /// Except for triangles: the point hit and its unit normal, in the space of the
   /// GeometrySet.
-  Vec3<double> position, normal;
+  Vec3 position, normal;
 };
 
 /// What a ray meets, if its ends may lie on surfaces.
@@ -200,7 +200,7 @@ class Accelerator {
 
   /// Whether a surface may be within `radius_m` of the point.  Triangles are tested by their planes
   /// and boxes, other surfaces by their boxes.
-  bool may_touch(const Vec3<double>& point, double radius_m) const;
+  bool may_touch(const Vec3& point, double radius_m) const;
 
   const GeometrySet& scene() const;
   const GeometrySet& object(std::uint32_t i) const;

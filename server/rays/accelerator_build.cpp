@@ -21,11 +21,11 @@ void add_primitive(const GeometrySet& set, HitKind kind, std::uint32_t number, B
   if (kind == HitKind::kTriangle) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = set.triangles[3 * std::size_t{number} + k];
-      box.add(Vec3<double>(set.vertices[v]) * set.unit_m);
+      box.add(Vec3(set.vertices[v]) * set.unit_m);
     }
     return;
   }
-  const std::pair<Vec3<double>, Vec3<double>> own =
+  const std::pair<Vec3, Vec3> own =
       set.visit_surface(kind, number, [](const auto& surface) { return surface.bounds(); });
   box.add(own.first), box.add(own.second);
 }
@@ -153,7 +153,7 @@ absl::Status Accelerator::State::measure() {
     set.unit_m = in.unit_m;
     if (in.unit_m == 1) return;
     StopPoll poll;
-    for (Vec3<float>& v : set.vertices) poll(), v = Vec3<float>(Vec3<double>(v) / in.unit_m);
+    for (Vec3f& v : set.vertices) poll(), v = Vec3f(Vec3(v) / in.unit_m);
   };
   for (GeometrySet& object : objects) {
     object_spaces.emplace_back(reach_of(object_boxes.emplace_back(box_of(object))));
@@ -205,7 +205,7 @@ SceneHandle Accelerator::State::commit(GeometrySet& set, Primitives& primitives,
     set.vertices.reserve(set.vertices.size() + 1);
     RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, set.vertices.data(),
-                               0, sizeof(Vec3<float>), set.vertices.size());
+                               0, sizeof(Vec3f), set.vertices.size());
     if (set.wide.empty()) {
       rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                  set.triangles.data(), 0, 3 * sizeof(std::uint32_t),
@@ -340,8 +340,7 @@ SceneHandle Accelerator::State::commit_moved() {
     }
     RTCGeometry g = rtcNewGeometry(of, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               scene.vertices.data(), 0, sizeof(Vec3<float>),
-                               scene.vertices.size());
+                               scene.vertices.data(), 0, sizeof(Vec3f), scene.vertices.size());
     auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
         g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), range.count));
     if (indices != nullptr) {  // else Embree has no memory, which status() reports

@@ -11,16 +11,16 @@ namespace {
 
 constexpr std::uint32_t kMostInLeaf = 4;
 
-Vec3<float> smaller(const Vec3<float>& a, const Vec3<float>& b) {
+Vec3f smaller(const Vec3f& a, const Vec3f& b) {
   return {std::fmin(a.x, b.x), std::fmin(a.y, b.y), std::fmin(a.z, b.z)};
 }
-Vec3<float> larger(const Vec3<float>& a, const Vec3<float>& b) {
+Vec3f larger(const Vec3f& a, const Vec3f& b) {
   return {std::fmax(a.x, b.x), std::fmax(a.y, b.y), std::fmax(a.z, b.z)};
 }
 
 }  // namespace
 
-FloatBox FloatBox::around(const Vec3<double>& lower, const Vec3<double>& upper) {
+FloatBox FloatBox::around(const Vec3& lower, const Vec3& upper) {
   const auto down = [](double v) { return std::nextafter(static_cast<float>(v), -INFINITY); };
   const auto up = [](double v) { return std::nextafter(static_cast<float>(v), INFINITY); };
   return {{down(lower.x), down(lower.y), down(lower.z)}, {up(upper.x), up(upper.y), up(upper.z)}};
@@ -40,7 +40,7 @@ void BoxTree::build(std::span<const FloatBox> boxes, std::uint32_t begin, std::u
   const auto middle = [&](std::uint32_t item) {
     return boxes[item].lower * 0.5F + boxes[item].upper * 0.5F;
   };
-  Vec3<float> first = middle(order_[begin]), last = first;
+  Vec3f first = middle(order_[begin]), last = first;
   StopPoll poll;
   for (std::uint32_t i = begin + 1; i < end; ++i, poll()) {
     const FloatBox& b = boxes[order_[i]];
@@ -49,7 +49,7 @@ void BoxTree::build(std::span<const FloatBox> boxes, std::uint32_t begin, std::u
   }
   nodes_.push_back({box, begin, end - begin});
   if (end - begin <= kMostInLeaf) return;
-  const Vec3<float> extent = last - first;
+  const Vec3f extent = last - first;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
   const std::uint32_t half = begin + (end - begin) / 2;
   std::nth_element(

@@ -14,10 +14,10 @@ namespace lucerna {
 
 /// A box in floats that contains its item.
 struct FloatBox {
-  Vec3<float> lower, upper;
+  Vec3f lower, upper;
 
   /// Rounded outwards.
-  static FloatBox around(const Vec3<double>& lower, const Vec3<double>& upper);
+  static FloatBox around(const Vec3& lower, const Vec3& upper);
 };
 
 /// Immutable once built; may be called from any thread.

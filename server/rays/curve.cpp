@@ -7,7 +7,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 using Controls = std::array<Vector, 4>;
 
 /// Neighbouring pieces overlap by this, so that no ray passes between them.
@@ -178,34 +178,33 @@ class Search {
 
 }  // namespace
 
-Vec3<double> CurvePiece::at(double u) const {
+Vec3 CurvePiece::at(double u) const {
   const Vector a = mix(points[0], points[1], u), b = mix(points[1], points[2], u),
                c = mix(points[2], points[3], u);
   return mix(mix(a, b, u), mix(b, c, u), u);
 }
 
-Vec3<double> CurvePiece::derivative(double u) const {
+Vec3 CurvePiece::derivative(double u) const {
   const Vector a = points[1] - points[0], b = points[2] - points[1], c = points[3] - points[2];
   const Vector tangent = mix(mix(a, b, u), mix(b, c, u), u) * 3.0;
   // Control points that coincide at an end: the direction to the next one.
   return tangent == Vector{} ? points[3] - points[0] : tangent;
 }
 
-std::optional<ShapeHit<double>> CurvePiece::intersect(const Vec3<double>& origin,
-                                                      const Vec3<double>& direction, double t_min,
-                                                      double t_max, Vec2<double>* uv_hit) const {
+std::optional<ShapeHit> CurvePiece::intersect(const Vec3& origin, const Vec3& direction,
+                                              double t_min, double t_max, Vec2* uv_hit) const {
   const double metres = length(direction);
   const auto hit = Search(*this, origin, direction / metres, t_min * metres, t_max * metres).run();
   if (!hit) return std::nullopt;
   if (uv_hit != nullptr) *uv_hit = {hit->u, (1 + hit->aside) / 2};
-  ShapeHit<double> result;
+  ShapeHit result;
   result.t = hit->along / metres;
   result.point.position = hit->position;
   result.point.normal = hit->normal;
   return result;
 }
 
-std::pair<Vec3<double>, Vec3<double>> CurvePiece::bounds() const {
+std::pair<Vec3, Vec3> CurvePiece::bounds() const {
   const double r = std::max(start_radius_m, end_radius_m);
   Vector lower = points[0], upper = points[0];
   for (const Vector& p : points) {
@@ -220,13 +219,12 @@ double CurvePiece::hit_error_m(double u) const {
   return radius_m(u) * (kind == CurveKind::kRibbon ? 1e-8 : 1);
 }
 
-std::vector<CurvePiece> pieces_of(const CubicCurve& curve, CurveKind kind,
-                                  const Vec3<double>& origin) {
+std::vector<CurvePiece> pieces_of(const CubicCurve& curve, CurveKind kind, const Vec3& origin) {
   CurvePiece whole;
   for (std::size_t i = 0; i < 4; ++i) whole.points[i] = curve.points[i] - origin;
   whole.start_radius_m = curve.start_width_m / 2, whole.end_radius_m = curve.end_width_m / 2;
   whole.kind = kind;
-  for (std::size_t i = 0; i < 2; ++i) whole.normals[i] = Vec3<float>(curve.normals[i]);
+  for (std::size_t i = 0; i < 2; ++i) whole.normals[i] = Vec3f(curve.normals[i]);
   double reach = 0;
   for (std::size_t i = 0; i < 3; ++i) reach += length(whole.points[i + 1] - whole.points[i]);
   if (reach <= 8 * std::max(whole.start_radius_m, whole.end_radius_m)) return {whole};
@@ -238,8 +236,8 @@ std::vector<CurvePiece> pieces_of(const CubicCurve& curve, CurveKind kind,
     const double u0 = double(i) / 4, u1 = double(i + 1) / 4;
     pieces[i].start_radius_m = whole.radius_m(u0), pieces[i].end_radius_m = whole.radius_m(u1);
     if (kind == CurveKind::kRibbon)
-      pieces[i].normals = {Vec3<float>(turned(curve.normals[0], curve.normals[1], u0)),
-                           Vec3<float>(turned(curve.normals[0], curve.normals[1], u1))};
+      pieces[i].normals = {Vec3f(turned(curve.normals[0], curve.normals[1], u0)),
+                           Vec3f(turned(curve.normals[0], curve.normals[1], u1))};
   }
   return pieces;
 }

@@ -25,23 +25,22 @@ namespace lucerna {
 ///   As in pbrt-v4, it turns inwards: the curve looks like the inside of half a pipe.
 /// - Ribbon: a strip across the axis and the normal, which turns evenly between its ends.
 struct CurvePiece {
-  std::array<Vec3<double>, 4> points;  ///< of a cubic Bezier curve [m]
+  std::array<Vec3, 4> points;  ///< of a cubic Bezier curve [m]
   double start_radius_m = 0, end_radius_m = 0;
-  std::array<Vec3<float>, 2> normals{};  ///< of a ribbon: unit, at both ends
+  std::array<Vec3f, 2> normals{};  ///< of a ribbon: unit, at both ends
   CurveKind kind = CurveKind::kFlat;
 
-  Vec3<double> at(double u) const;
-  Vec3<double> derivative(double u) const;
+  Vec3 at(double u) const;
+  Vec3 derivative(double u) const;
   double radius_m(double u) const { return start_radius_m + (end_radius_m - start_radius_m) * u; }
 
   /// Nearest hit in (t_min, t_max).  Its normal faces the ray.  For a ribbon it follows the
   /// ribbon's own normals.  u along the piece and v across it, both in [0, 1], go to
   /// `*uv_hit` if that is not null.
-  std::optional<ShapeHit<double>> intersect(const Vec3<double>& origin,
-                                            const Vec3<double>& direction, double t_min,
-                                            double t_max, Vec2<double>* uv_hit = nullptr) const;
+  std::optional<ShapeHit> intersect(const Vec3& origin, const Vec3& direction, double t_min,
+                                    double t_max, Vec2* uv_hit = nullptr) const;
   /// {lower, upper}
-  std::pair<Vec3<double>, Vec3<double>> bounds() const;
+  std::pair<Vec3, Vec3> bounds() const;
 
   /// How far from a hit other rays may find the surface, without roundings [m].  A curve that turns
   /// with each ray is found within its radius of the axis.  So rays that leave a flat curve or a
@@ -52,7 +51,6 @@ struct CurvePiece {
 
 /// The pieces of a curve, about `origin`.  Long curves have four, so that boxes around them are
 /// small.
-std::vector<CurvePiece> pieces_of(const CubicCurve& curve, CurveKind kind,
-                                  const Vec3<double>& origin);
+std::vector<CurvePiece> pieces_of(const CubicCurve& curve, CurveKind kind, const Vec3& origin);
 
 }  // namespace lucerna

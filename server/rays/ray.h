@@ -16,8 +16,8 @@ namespace lucerna {
 enum class HitKind : std::uint8_t;  // accelerator.h
 
 struct Ray {
-  Vec3<float> origin;
-  Vec3<float> direction;  ///< any length except 0; its length is the unit of t
+  Vec3f origin;
+  Vec3f direction;  ///< any length except 0; its length is the unit of t
   float t_min = 0;
   float t_max = std::numeric_limits<float>::infinity();
   double time_s = 0;  ///< has no effect if nothing moves
@@ -25,7 +25,7 @@ struct Ray {
 
 /// The end of a ray at a point that may lie on a surface with an unknown normal.
 struct LooseEnd {
-  Vec3<double> position;
+  Vec3 position;
   float error = -1;  ///< below 0: not such an end
 };
 
@@ -40,17 +40,17 @@ struct LooseEnds {
 /// A point on a surface with all data for shading.
 struct SurfaceHit {
   float t{};
-  Vec3<double> position;
+  Vec3 position;
   /// Half edges of a box around `position` rounded to floats [m].  The surface passes through it,
   /// and rays find the surface within it.  For a triangle the box is narrow across the plane: the
   /// position itself is as accurate as the double precision in which the ray meets the plane.
-  Vec3<float> position_error;
+  Vec3f position_error;
   /// Geometric normal, unit, on the outside.  In double, because floats cannot resolve on which
   /// side a grazing ray leaves the surface.
-  Vec3<double> ng;
+  Vec3 ng;
   /// Shading normal, unit, on the side of ng.  In double, because the error of a float would be
   /// large against the cosine of grazing light.
-  Vec3<double> ns;
+  Vec3 ns;
   std::uint32_t material{};         ///< index into Scene::materials()
   std::int32_t light = -1;          ///< index into Scene::lights() if the surface emits
   std::uint32_t light_primitive{};  ///< the primitive of that light's shape
@@ -59,9 +59,9 @@ struct SurfaceHit {
   // Which primitive was hit, for textures: as in RawHit.
   HitKind kind{};
   std::uint32_t primitive{};
-  Vec2<float> uv{};
+  Vec2f uv{};
 
-  SurfacePoint<double> on_light() const { return {position, ng, light_primitive}; }
+  SurfacePoint on_light() const { return {position, ng, light_primitive}; }
 };
 
 /// Rays through film positions beside that of a camera ray: one in x, one in y.
@@ -80,8 +80,8 @@ inline float next_up(float x) {
 /// `position` moved along `normal` to the side of `direction`.  The distance is just enough
 /// that the ray cannot hit anything within `position_error` of the surface again.  [Pharr23,
 /// 6.8.6]
-inline Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>& position_error,
-                                 const Vec3<double>& normal, const Vec3<double>& direction) {
+inline Vec3f offset_origin(const Vec3f& position, const Vec3f& position_error, const Vec3& normal,
+                           const Vec3& direction) {
   const auto moved_outwards = [](float p, float offset) {
     const float q = p + offset;
     const auto bits = std::bit_cast<std::uint32_t>(q);
@@ -93,7 +93,7 @@ inline Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>&
     const std::uint32_t moves = offset != 0 ? 1 : 0;
     return std::bit_cast<float>(bits + moves - 2 * (moves & towards_zero));
   };
-  const Vec3<float> n(normal);
+  const Vec3f n(normal);
   // The extent of the error box along the normal.
   const float distance = std::fabs(n.x) * position_error.x + std::fabs(n.y) * position_error.y +
                          std::fabs(n.z) * position_error.z;
@@ -104,9 +104,8 @@ inline Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>&
 }
 
 /// The ray that leaves a surface point towards `direction`.
-inline Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
-  Ray ray{offset_origin(Vec3<float>(from.position), from.position_error, from.ng,
-                        Vec3<double>(direction)),
+inline Ray spawn_ray(const SurfaceHit& from, const Vec3f& direction) {
+  Ray ray{offset_origin(Vec3f(from.position), from.position_error, from.ng, Vec3(direction)),
           direction};
   ray.time_s = from.time_s;
   return ray;
@@ -114,18 +113,15 @@ inline Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
 
 /// The ray whose t in (0, 1) is the open segment from a surface point to `end`, which is not on a
 /// surface. `direction`: towards `end`.
-inline Ray ray_to_point(const SurfaceHit& from, const Vec3<double>& direction,
-                        const Vec3<float>& end) {
-  const Vec3<float> origin =
-      offset_origin(Vec3<float>(from.position), from.position_error, from.ng, direction);
+inline Ray ray_to_point(const SurfaceHit& from, const Vec3& direction, const Vec3f& end) {
+  const Vec3f origin = offset_origin(Vec3f(from.position), from.position_error, from.ng, direction);
   return {origin, end - origin, 0, 1, from.time_s};
 }
 
 /// The end of a shadow ray at a sampled point of a light's surface, off that surface by `error_m`
 /// along each axis.  It lies on the way to the point, so that the ray keeps its direction: moved
 /// along the normal, the points of a small sphere would spread.  `wi`: towards the point.
-inline Vec3<double> before_light(const LightSample<double>& to, const Vec3<double>& wi,
-                                 double error_m) {
+inline Vec3 before_light(const LightSample& to, const Vec3& wi, double error_m) {
   // A grazing ray would end far before the point.  It is lifted off the surface instead.
   constexpr double kLongest = 16;
   const double side = dot(to.normal, wi) < 0 ? 1 : -1;
@@ -139,20 +135,18 @@ inline Vec3<double> before_light(const LightSample<double>& to, const Vec3<doubl
 /// The ray whose t in (0, 1) is the open segment from a surface point to a sampled point of a
 /// light. It goes to infinity if the light is infinitely far.  Both ends are moved off their
 /// surfaces. `light_reach_m`: LightMotion::reach_m.
-inline Ray shadow_ray(const SurfaceHit& from, const LightSample<double>& to,
-                      float light_reach_m = 0) {
-  if (!std::isfinite(to.distance)) return spawn_ray(from, Vec3<float>(to.wi));
-  if (to.normal == Vec3<double>{}) return ray_to_point(from, to.wi, Vec3<float>(to.point));
+inline Ray shadow_ray(const SurfaceHit& from, const LightSample& to, float light_reach_m = 0) {
+  if (!std::isfinite(to.distance)) return spawn_ray(from, Vec3f(to.wi));
+  if (to.normal == Vec3{}) return ray_to_point(from, to.wi, Vec3f(to.point));
   // The ray is rounded.  So is its test with the light's surface, whose vertices are `distance`
   // away.  For a moving light the test is in the light's own coordinates.
   const double error_m =
       kTraversalBound * (max_abs(to.point) + to.distance + double{light_reach_m}) +
       double{kLeastError};
-  const Vec3<float> origin =
-      offset_origin(Vec3<float>(from.position), from.position_error, from.ng, to.wi);
+  const Vec3f origin = offset_origin(Vec3f(from.position), from.position_error, from.ng, to.wi);
   // In double, because the rounding of a far place is large against a small light.
-  const Vec3<double> end = before_light(to, to.wi, error_m);
-  return {origin, Vec3<float>(end - Vec3<double>(origin)), 0, 1, from.time_s};
+  const Vec3 end = before_light(to, to.wi, error_m);
+  return {origin, Vec3f(end - Vec3(origin)), 0, 1, from.time_s};
 }
 
 }  // namespace lucerna

@@ -5,12 +5,11 @@
 
 namespace lucerna {
 
-std::optional<Entry> entry_from_afar(const Vec3<double>& origin_m, const Vec3<double>& direction,
-                                     double reach_m) {
+std::optional<Entry> entry_from_afar(const Vec3& origin_m, const Vec3& direction, double reach_m) {
   const double largest = max_abs(origin_m);
-  const Vec3<double> from = origin_m / largest, w = normalized(direction);
+  const Vec3 from = origin_m / largest, w = normalized(direction);
   const double along = -dot(from, w), radius = 2 * (reach_m / largest);
-  const Vec3<double> off = from + w * along;
+  const Vec3 off = from + w * along;
   if (!(along > 0) || !(dot(off, off) < radius * radius)) return std::nullopt;
   const double entry = along - std::sqrt(radius * radius - dot(off, off));
   return Entry{(off + w * (entry - along)) * largest, entry * largest / length(direction)};

@@ -36,7 +36,7 @@ struct RaySpace {
 
 /// A ray in the space of Embree.
 struct UnitRay {
-  Vec3<float> origin, direction;
+  Vec3f origin, direction;
   float t_min, t_max;
   /// t of the original ray is t of this ray times `units`, plus `start`.
   double units, start;
@@ -44,19 +44,18 @@ struct UnitRay {
 
 /// The point where a ray enters a sphere about zero that contains the geometry.
 struct Entry {
-  Vec3<double> origin_m;
+  Vec3 origin_m;
   double t;
 };
 
 /// Nothing if the ray misses the sphere.  The origin must be farther away than twice the reach.
-std::optional<Entry> entry_from_afar(const Vec3<double>& origin_m, const Vec3<double>& direction,
-                                     double reach_m);
+std::optional<Entry> entry_from_afar(const Vec3& origin_m, const Vec3& direction, double reach_m);
 
 /// Nothing for an invalid ray, and for a ray that misses all geometry.  A ray from far away starts
 /// near the geometry, at a point computed in double.  Floats resolve points only to 2^-24 of their
 /// distance from a ray's origin.
-inline std::optional<UnitRay> unit_ray(Vec3<double> origin_m, const Vec3<double>& direction,
-                                       double t_min, double t_max, const RaySpace& space) {
+inline std::optional<UnitRay> unit_ray(Vec3 origin_m, const Vec3& direction, double t_min,
+                                       double t_max, const RaySpace& space) {
   // Inline, because every ray needs it.
   constexpr double kFar =
       16;  // farther than this multiple of the reach, the start of a ray is moved
@@ -74,8 +73,8 @@ inline std::optional<UnitRay> unit_ray(Vec3<double> origin_m, const Vec3<double>
   const int exponent = space.direction_exponent - exponent_of(longest);
   // Multiplying by a power of two has the same result as dividing, in a fraction of the time.
   const double per_t = scaled(space.per_unit, -exponent);
-  const UnitRay ray{Vec3<float>(origin_m * space.per_unit),
-                    Vec3<float>(scaled(direction, exponent)),
+  const UnitRay ray{Vec3f(origin_m * space.per_unit),
+                    Vec3f(scaled(direction, exponent)),
                     static_cast<float>((t_min - start) * per_t),
                     static_cast<float>((t_max - start) * per_t),
                     scaled(space.unit_m, exponent),

@@ -13,7 +13,7 @@
 namespace lucerna {
 namespace {
 
-absl::Status not_finite(std::size_t i, const Vec3<double>& p) {
+absl::Status not_finite(std::size_t i, const Vec3& p) {
   return absl::InvalidArgumentError(fmt::format(
       "vertex {} at ({}, {}, {}) m, allowed: coordinates up to 1e30", i, p.x, p.y, p.z));
 }
@@ -26,8 +26,8 @@ void make_room(std::vector<T>& values, std::size_t more) {
   if (size > values.capacity()) values.reserve(std::max(size, 2 * values.capacity()));
 }
 
-absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
-                         const std::vector<std::uint32_t>& indices, const Vec3<double>& origin,
+absl::Status append_mesh(const std::vector<Vec3>& positions,
+                         const std::vector<std::uint32_t>& indices, const Vec3& origin,
                          GeometrySet& set) {
   constexpr std::size_t kMaximum = std::numeric_limits<std::uint32_t>::max();
   if (set.vertices.size() + positions.size() > kMaximum ||
@@ -42,7 +42,7 @@ absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
   }
   make_room(set.vertices, positions.size() + 1);  // Embree reads beyond the last vertex
   for (std::size_t i = 0; i < positions.size(); ++i, poll()) {
-    const Vec3<float> p = about(positions[i], origin);
+    const Vec3f p = about(positions[i], origin);
     if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate)
       return not_finite(i, positions[i]);
     set.vertices.push_back(p);
@@ -50,8 +50,8 @@ absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
   return absl::OkStatus();
 }
 
-void append_normals(const std::vector<Vec3<float>>& normals, std::size_t base, std::size_t count,
-                    std::vector<Vec3<float>>& out) {
+void append_normals(const std::vector<Vec3f>& normals, std::size_t base, std::size_t count,
+                    std::vector<Vec3f>& out) {
   if (normals.empty() && out.empty()) return;
   out.resize(base);  // earlier meshes have no normals
   if (normals.empty())
@@ -78,13 +78,13 @@ template <typename Shape>
 constexpr HitKind kind_of = HitKind::kTriangle;
 #define LUCERNA_KIND(Shape) \
   template <>               \
-  constexpr HitKind kind_of<Shape<double>> = HitKind::k##Shape;
+  constexpr HitKind kind_of<Shape> = HitKind::k##Shape;
 LUCERNA_QUADRICS(LUCERNA_KIND)
 #undef LUCERNA_KIND
 
 class Appender {
  public:
-  Appender(const Vec3<double>& origin, double detail_m, std::uint32_t surface, GeometrySet& set,
+  Appender(const Vec3& origin, double detail_m, std::uint32_t surface, GeometrySet& set,
            bool has_uv, SurfaceTable& table)
       : origin_(origin),
         detail_m_(detail_m),
@@ -131,8 +131,8 @@ class Appender {
     StopPoll poll;
     for (std::size_t i = 0; i < mesh.indices.size(); i += 4, poll()) {
       const std::uint32_t* v = &mesh.indices[i];
-      std::array<Vec3<double>, 4> c;
-      for (int k = 0; k < 4; ++k) c[k] = Vec3<double>(set_.vertices[base + v[k]]);
+      std::array<Vec3, 4> c;
+      for (int k = 0; k < 4; ++k) c[k] = Vec3(set_.vertices[base + v[k]]);
       const bool flat = mesh.normals.empty() && is_flat_and_convex(c);
       any_flat |= flat;
       const HitKind this_kind = flat ? HitKind::kTriangle : HitKind::kPatch;
@@ -195,12 +195,11 @@ class Appender {
 
   /// Stores the (u, v) of the next primitive of the run, if the shape needs them.
   template <std::size_t n>
-  void keep_uv(const std::array<Vec2<float>, n>& uv,
-               std::vector<std::array<Vec2<float>, n>>& out) const {
+  void keep_uv(const std::array<Vec2f, n>& uv, std::vector<std::array<Vec2f, n>>& out) const {
     if (has_uv_) out.push_back(uv);
   }
 
-  void append_triangle(const std::vector<Vec3<double>>& positions, std::uint32_t base,
+  void append_triangle(const std::vector<Vec3>& positions, std::uint32_t base,
                        const std::array<std::uint32_t, 3>& v) {
     const std::array corners{positions[v[0]] - origin_, positions[v[1]] - origin_,
                              positions[v[2]] - origin_};
@@ -213,7 +212,7 @@ class Appender {
   }
 
   void append_patch(const PatchMeshData& mesh, const std::uint32_t* v,
-                    const std::array<Vec3<double>, 4>& c) {
+                    const std::array<Vec3, 4>& c) {
     if (!mesh.normals.empty() || !table_.patch_normals.empty()) {
       table_.patch_normals.resize(set_.patches.size() + 1);
       for (int k = 0; k < 4 && !mesh.normals.empty(); ++k)
@@ -222,7 +221,7 @@ class Appender {
     set_.patches.push_back({c[0], c[1], c[2], c[3]});
   }
 
-  const Vec3<double>& origin_;
+  const Vec3& origin_;
   double detail_m_;
   std::uint32_t surface_;
   GeometrySet& set_;
@@ -264,10 +263,10 @@ class BoundsAdder {
   }
 
  private:
-  absl::Status add_vertices(const std::vector<Vec3<double>>& positions) {
+  absl::Status add_vertices(const std::vector<Vec3>& positions) {
     StopPoll poll;
     for (std::size_t i = 0; i < positions.size(); ++i, poll()) {
-      const Vec3<double>& p = positions[i];
+      const Vec3& p = positions[i];
       if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate) return not_finite(i, p);
       bounds_.add(p);
     }
@@ -294,32 +293,32 @@ const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) con
 
 bool SurfaceTable::has_sheer() const { return std::ranges::any_of(surfaces, &Surface::is_sheer); }
 
-const std::array<Vec2<float>, 3>& SurfaceTable::uv_of_triangle(std::uint32_t triangle) const {
+const std::array<Vec2f, 3>& SurfaceTable::uv_of_triangle(std::uint32_t triangle) const {
   if (triangle_uv.empty()) return kTriangleUv;
   const PrimitiveRun& r = run(HitKind::kTriangle, triangle);
   return r.first_uv == PrimitiveRun::kNoUv ? kTriangleUv
                                            : triangle_uv[r.first_uv + (triangle - r.first)];
 }
 
-const std::array<Vec2<float>, 4>& SurfaceTable::uv_of_patch(std::uint32_t patch) const {
+const std::array<Vec2f, 4>& SurfaceTable::uv_of_patch(std::uint32_t patch) const {
   if (patch_uv.empty()) return kPatchUv;
   const PrimitiveRun& r = run(HitKind::kPatch, patch);
   return r.first_uv == PrimitiveRun::kNoUv ? kPatchUv : patch_uv[r.first_uv + (patch - r.first)];
 }
 
-Vec2<double> SurfaceTable::triangle_uv_at(std::uint32_t triangle, double b, double c) const {
+Vec2 SurfaceTable::triangle_uv_at(std::uint32_t triangle, double b, double c) const {
   const auto& uv = uv_of_triangle(triangle);
   const double a = 1 - b - c;
   return {uv[0].x * a + uv[1].x * b + uv[2].x * c, uv[0].y * a + uv[1].y * b + uv[2].y * c};
 }
 
-Vec2<double> SurfaceTable::patch_uv_at(std::uint32_t patch, double s, double t) const {
+Vec2 SurfaceTable::patch_uv_at(std::uint32_t patch, double s, double t) const {
   const auto& uv = uv_of_patch(patch);
   const auto mix = [&](auto member) {
     return (uv[0].*member * (1 - s) + uv[1].*member * s) * (1 - t) +
            (uv[2].*member * (1 - s) + uv[3].*member * s) * t;
   };
-  return {mix(&Vec2<float>::x), mix(&Vec2<float>::y)};
+  return {mix(&Vec2f::x), mix(&Vec2f::y)};
 }
 
 bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
@@ -333,7 +332,7 @@ bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
   // Direct light passes sheets in part.
   if (surface.is_sheet() && (meets == Meets::kOpaque || meets == Meets::kPanes))
     return meets == Meets::kOpaque;
-  const Vec3<double>&p = ray.at.position, &o = ray.origin, &d = ray.direction;
+  const Vec3 &p = ray.at.position, &o = ray.origin, &d = ray.direction;
   double u = hash_number({o.x, o.y, o.z, d.x, d.y, d.z, p.x, p.y, p.z, double(primitive)});
   TexturePoint at = ray.at;
   at.position += origin_m;
@@ -348,14 +347,13 @@ bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
 }
 
 std::size_t SurfaceTable::bytes() const {
-  std::size_t sum = surfaces.capacity() * sizeof(Surface) +
-                    smooth.capacity() * sizeof(SmoothSurface) +
-                    vertex_normals.capacity() * sizeof(Vec3<float>) +
-                    vertex_colours.capacity() * sizeof(Rgb<float>) +
-                    vertex_tangents.capacity() * sizeof(VertexTangent) +
-                    patch_normals.capacity() * sizeof(std::array<Vec3<float>, 4>) +
-                    triangle_uv.capacity() * sizeof(std::array<Vec2<float>, 3>) +
-                    patch_uv.capacity() * sizeof(std::array<Vec2<float>, 4>);
+  std::size_t sum =
+      surfaces.capacity() * sizeof(Surface) + smooth.capacity() * sizeof(SmoothSurface) +
+      vertex_normals.capacity() * sizeof(Vec3f) + vertex_colours.capacity() * sizeof(Rgbf) +
+      vertex_tangents.capacity() * sizeof(VertexTangent) +
+      patch_normals.capacity() * sizeof(std::array<Vec3f, 4>) +
+      triangle_uv.capacity() * sizeof(std::array<Vec2f, 3>) +
+      patch_uv.capacity() * sizeof(std::array<Vec2f, 4>);
   for (const auto& r : runs) sum += r.capacity() * sizeof(PrimitiveRun);
   return sum;
 }
@@ -367,9 +365,9 @@ absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape) {
   return bounds;
 }
 
-bool is_flat_and_convex(const std::array<Vec3<double>, 4>& c) {
-  const std::array<Vec3<double>, 4> around{c[0], c[1], c[3], c[2]};
-  const Vec3<double> n = cross(c[3] - c[0], c[2] - c[1]);  // of the diagonals
+bool is_flat_and_convex(const std::array<Vec3, 4>& c) {
+  const std::array<Vec3, 4> around{c[0], c[1], c[3], c[2]};
+  const Vec3 n = cross(c[3] - c[0], c[2] - c[1]);  // of the diagonals
   const double size = length(n);
   if (!(size > 0)) return false;
   double largest = 0;
@@ -378,16 +376,15 @@ bool is_flat_and_convex(const std::array<Vec3<double>, 4>& c) {
   // a plane.
   if (std::fabs(dot(c[1] - c[0], n)) > 2 * kFloatRoundoff * largest * size) return false;
   for (int i = 0; i < 4; ++i) {
-    const Vec3<double> turn =
+    const Vec3 turn =
         cross(around[(i + 1) % 4] - around[i], around[(i + 2) % 4] - around[(i + 1) % 4]);
     if (!(dot(turn, n) > 1e-6 * size * size)) return false;
   }
   return true;
 }
 
-absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& origin,
-                          double detail_m, std::int32_t light, GeometrySet& set,
-                          SurfaceTable& table) {
+absl::Status append_shape(const ShapeDescription& shape, const Vec3& origin, double detail_m,
+                          std::int32_t light, GeometrySet& set, SurfaceTable& table) {
   const auto surface = static_cast<std::uint32_t>(table.surfaces.size());
   table.surfaces.push_back({.material = shape.material,
                             .light = light,

@@ -33,14 +33,14 @@ struct Surface {
 
 /// A ray at a surface that some rays pass.
 struct RayAtSurface {
-  TexturePoint at;                 ///< in the space of the set
-  Vec3<double> origin, direction;  ///< in Embree's space
-  double cosine;                   ///< to the normal in the scene, at least 0
+  TexturePoint at;         ///< in the space of the set
+  Vec3 origin, direction;  ///< in Embree's space
+  double cosine;           ///< to the normal in the scene, at least 0
 };
 
 /// The default (u, v) of a triangle's and a patch's corners.
-inline constexpr std::array<Vec2<float>, 3> kTriangleUv{{{0, 0}, {1, 0}, {1, 1}}};
-inline constexpr std::array<Vec2<float>, 4> kPatchUv{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+inline constexpr std::array<Vec2f, 3> kTriangleUv{{{0, 0}, {1, 0}, {1, 1}}};
+inline constexpr std::array<Vec2f, 4> kPatchUv{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
 
 /// Consecutive primitives of one kind that belong to one shape.
 struct PrimitiveRun {
@@ -65,34 +65,34 @@ struct SurfaceTable {
   /// By HitKind, in ascending order of `first`.
   std::array<std::vector<PrimitiveRun>, kHitKinds> runs;
   /// Shading normals, one for each vertex, zero without one.  Empty if no mesh has any.
-  std::vector<Vec3<float>> vertex_normals;
+  std::vector<Vec3f> vertex_normals;
   /// Shading normals at the corners of each patch.  Empty if no patch has any.
-  std::vector<std::array<Vec3<float>, 4>> patch_normals;
+  std::vector<std::array<Vec3f, 4>> patch_normals;
 
   /// Colours and tangents of each vertex, up to the last mesh that has them.  Black and zero
   /// without them.
-  std::vector<Rgb<float>> vertex_colours;
+  std::vector<Rgbf> vertex_colours;
   std::vector<VertexTangent> vertex_tangents;
 
   /// (u, v) at the corners of triangles and of patches, for the runs with a `first_uv`.
-  std::vector<std::array<Vec2<float>, 3>> triangle_uv;
-  std::vector<std::array<Vec2<float>, 4>> patch_uv;
+  std::vector<std::array<Vec2f, 3>> triangle_uv;
+  std::vector<std::array<Vec2f, 4>> patch_uv;
 
   /// Where the values of alpha textures are; null if no surface is sheer.
   const Textures* textures = nullptr;
   /// World position of the zero of the set's coordinates, for textures of sheer surfaces.  For
   /// objects it is in the space of their definition, where pbrt-v4 evaluates alpha too.
-  Vec3<double> origin_m{};
+  Vec3 origin_m{};
 
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;
   std::size_t bytes() const;
   bool has_sheer() const;
   /// (u, v) at the corners; those of kTriangleUv and kPatchUv if they are not stored.
-  const std::array<Vec2<float>, 3>& uv_of_triangle(std::uint32_t triangle) const;
-  const std::array<Vec2<float>, 4>& uv_of_patch(std::uint32_t patch) const;
+  const std::array<Vec2f, 3>& uv_of_triangle(std::uint32_t triangle) const;
+  const std::array<Vec2f, 4>& uv_of_patch(std::uint32_t patch) const;
   /// (u, v) of a triangle at these barycentric coordinates, and of a patch at its parameters.
-  Vec2<double> triangle_uv_at(std::uint32_t triangle, double b, double c) const;
-  Vec2<double> patch_uv_at(std::uint32_t patch, double s, double t) const;
+  Vec2 triangle_uv_at(std::uint32_t triangle, double b, double c) const;
+  Vec2 patch_uv_at(std::uint32_t patch, double s, double t) const;
   /// Whether a ray that meets only `meets` passes through the surface at a hit.  Where chance
   /// decides, the bits of the ray and of the hit choose, so that a ray has one answer.
   bool lets_pass(HitKind kind, std::uint32_t primitive, Meets meets, const RayAtSurface& ray) const;
@@ -100,9 +100,9 @@ struct SurfaceTable {
 
 struct Bounds {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec3<double> lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
+  Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
   bool empty() const { return lower.x > upper.x; }
-  void add(const Vec3<double>& p) {
+  void add(const Vec3& p) {
     // Compiles to x86's own minimum and maximum; std::fmin is a call.
     const auto lesser = [](double a, double least) { return a < least ? a : least; };
     const auto larger = [](double a, double most) { return a > most ? a : most; };
@@ -116,19 +116,16 @@ struct Bounds {
 absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape);
 
 /// A position as floats about an origin, as in Embree's geometry.
-inline Vec3<float> about(const Vec3<double>& position, const Vec3<double>& origin) {
-  return Vec3<float>(position - origin);
-}
+inline Vec3f about(const Vec3& position, const Vec3& origin) { return Vec3f(position - origin); }
 
 /// Whether four corners (in patch order) form a convex quadrangle that is flat to within the
 /// rounding of its coordinates.  Two triangles are then the same surface, and faster to hit.
-bool is_flat_and_convex(const std::array<Vec3<double>, 4>& corners);
+bool is_flat_and_convex(const std::array<Vec3, 4>& corners);
 
 /// Adds one shape to `set` and `table`, with positions about `origin`.  Triangles that Embree finds
 /// with an error of more than a thousandth of `detail_m` become wide, up to 4096 in a set.
-absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& origin,
-                          double detail_m, std::int32_t light, GeometrySet& set,
-                          SurfaceTable& table);
+absl::Status append_shape(const ShapeDescription& shape, const Vec3& origin, double detail_m,
+                          std::int32_t light, GeometrySet& set, SurfaceTable& table);
 
 /// "file:line:column".  Files without lines have their place in the name.
 std::string text_of(const SourceLocation& where);

@@ -11,22 +11,22 @@
 namespace lucerna {
 namespace {
 
-Vec3<double> origin_of(const RTCRay& ray) { return {ray.org_x, ray.org_y, ray.org_z}; }
-Vec3<double> direction_of(const RTCRay& ray) { return {ray.dir_x, ray.dir_y, ray.dir_z}; }
+Vec3 origin_of(const RTCRay& ray) { return {ray.org_x, ray.org_y, ray.org_z}; }
+Vec3 direction_of(const RTCRay& ray) { return {ray.dir_x, ray.dir_y, ray.dir_z}; }
 
 struct AnalyticHit {
-  ShapeHit<double> hit;
-  Vec2<double> uv;
+  ShapeHit hit;
+  Vec2 uv;
 };
 
 std::optional<AnalyticHit> intersect(const PrimitivesOfSet& shapes, unsigned primitive,
                                      const RTCRay& ray, double t_min, double t_max) {
   const double unit_m = shapes.set->unit_m;
-  const Vec3<double> o = origin_of(ray) * unit_m;
-  const Vec3<double> d = direction_of(ray) * unit_m;
+  const Vec3 o = origin_of(ray) * unit_m;
+  const Vec3 d = direction_of(ray) * unit_m;
   AnalyticHit found;
   const auto hit = shapes.set->visit_surface(
-      shapes.kind, primitive, [&](const auto& surface) -> std::optional<ShapeHit<double>> {
+      shapes.kind, primitive, [&](const auto& surface) -> std::optional<ShapeHit> {
         if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
           return surface.intersect(o, d, t_min, t_max);
         else
@@ -42,9 +42,9 @@ const QueryContext& query_of(const RTCIntersectContext* context) {
 }
 
 /// Cosine of the angle between a ray and a normal of an object, in the scene; at least 0.
-double cosine_in_scene(const RTCIntersectContext* context, const Vec3<double>& normal,
-                       const Vec3<double>& direction) {
-  Vec3<double> n = normal, d = direction;
+double cosine_in_scene(const RTCIntersectContext* context, const Vec3& normal,
+                       const Vec3& direction) {
+  Vec3 n = normal, d = direction;
   if (context->instID[0] != RTC_INVALID_GEOMETRY_ID) {
     // The motion of an instance keeps angles.
     const Transform& to_scene =
@@ -79,21 +79,20 @@ bool passes(const PrimitivesOfSet& shapes, unsigned primitive, const RTCRay& ray
   const SurfaceTable* table = shapes.set->sheer;
   if (table == nullptr) return true;
   TexturePoint at{.uv = {}, .position = found.hit.point.position, .normal = found.hit.point.normal};
-  at.uv =
-      shapes.set->visit_surface(shapes.kind, primitive, [&](const auto& surface) -> Vec2<double> {
-        if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
-          return surface.uv(at.position);
-        else
-          return table->patch_uv_at(primitive, found.uv.x, found.uv.y);
-      });
-  const Vec3<double> d = direction_of(ray);
+  at.uv = shapes.set->visit_surface(shapes.kind, primitive, [&](const auto& surface) -> Vec2 {
+    if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
+      return surface.uv(at.position);
+    else
+      return table->patch_uv_at(primitive, found.uv.x, found.uv.y);
+  });
+  const Vec3 d = direction_of(ray);
   return table->lets_pass(shapes.kind, primitive, meets,
                           {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
 }
 
 /// Whether the query wants all hits.  Then it has taken this one, and the ray goes on.
 bool keeps(const RTCIntersectContext* context, HitKind kind, std::uint32_t primitive,
-           const Vec2<double>& uv, const SurfacePoint<double>& point = {}) {
+           const Vec2& uv, const SurfacePoint& point = {}) {
   std::vector<RawHit>* kept = query_of(context).kept;
   if (kept == nullptr) return false;
   RawHit hit{.kind = kind,
@@ -109,8 +108,8 @@ bool keeps(const RTCIntersectContext* context, HitKind kind, std::uint32_t primi
 
 /// Whether an end of the ray may lie on the surface with this plane [m], which then does not stop
 /// the ray.  `size`: bounds its coordinates, its extent and those of the ray [m].
-bool may_be_own(RTCIntersectContext* context, const Vec3<double>& normal,
-                const Vec3<double>& position, double size) {
+bool may_be_own(RTCIntersectContext* context, const Vec3& normal, const Vec3& position,
+                double size) {
   auto& query = *reinterpret_cast<QueryContext*>(context);
   if (query.ends == nullptr) [[likely]]
     return false;
@@ -148,7 +147,7 @@ std::optional<AnalyticHit> first_hit(const PrimitivesOfSet& shapes, unsigned pri
 }
 
 /// The box in units of `unit_m`, rounded outwards.
-RTCBounds rounded(const std::pair<Vec3<double>, Vec3<double>>& box, double unit_m) {
+RTCBounds rounded(const std::pair<Vec3, Vec3>& box, double unit_m) {
   const auto down = [&](double v) {
     return std::nextafter(static_cast<float>(v / unit_m), -INFINITY);
   };
@@ -163,7 +162,7 @@ RTCBounds rounded(const std::pair<Vec3<double>, Vec3<double>>& box, double unit_
 
 void analytic_bounds(const RTCBoundsFunctionArguments* args) {
   const auto& shapes = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
-  const std::pair<Vec3<double>, Vec3<double>> box =
+  const std::pair<Vec3, Vec3> box =
       shapes.set->visit_surface(shapes.kind, shapes.first + args->primID,
                                 [](const auto& surface) { return surface.bounds(); });
   *args->bounds_o = rounded(box, shapes.set->unit_m);
@@ -204,26 +203,26 @@ void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
 }
 
 /// The same for a triangle with these barycentric coordinates.
-bool passes(const GeometrySet& set, std::uint32_t triangle, const Vec2<double>& uv,
-            const RTCRay& ray, const RTCIntersectContext* context) {
+bool passes(const GeometrySet& set, std::uint32_t triangle, const Vec2& uv, const RTCRay& ray,
+            const RTCIntersectContext* context) {
   const Meets meets = query_of(context).meets;
   if (!may_pass(set, meets)) return false;
   if (set.sheer == nullptr) return true;
   const auto vertex = [&](std::size_t k) {
-    return Vec3<double>(set.vertices[set.triangles[3 * std::size_t{triangle} + k]]) * set.unit_m;
+    return Vec3(set.vertices[set.triangles[3 * std::size_t{triangle} + k]]) * set.unit_m;
   };
-  const Vec3<double> a = vertex(0), ab = vertex(1) - a, ac = vertex(2) - a;
+  const Vec3 a = vertex(0), ab = vertex(1) - a, ac = vertex(2) - a;
   const TexturePoint at{.uv = set.sheer->triangle_uv_at(triangle, uv.x, uv.y),
                         .position = a + ab * uv.x + ac * uv.y,
                         .normal = normalized(cross(ab, ac))};
-  const Vec3<double> d = direction_of(ray);
+  const Vec3 d = direction_of(ray);
   return set.sheer->lets_pass(HitKind::kTriangle, triangle, meets,
                               {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
 }
 
 /// The same for a triangle [m].
-bool plane_may_be_own(RTCIntersectContext* context, const std::array<Vec3<double>, 3>& corners) {
-  const Vec3<double> ab = corners[1] - corners[0], ac = corners[2] - corners[0];
+bool plane_may_be_own(RTCIntersectContext* context, const std::array<Vec3, 3>& corners) {
+  const Vec3 ab = corners[1] - corners[0], ac = corners[2] - corners[0];
   return may_be_own(context, cross(ab, ac), corners[0],
                     max_abs(corners[0]) + max_abs(ab) + max_abs(ac));
 }
@@ -242,7 +241,7 @@ std::optional<WideHit> intersect_wide(const GeometrySet& set, const WideTriangle
 void wide_bounds(const RTCBoundsFunctionArguments* args) {
   const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
   Bounds box;
-  for (const Vec3<double>& corner : of.set->wide[of.first + args->primID].corners) box.add(corner);
+  for (const Vec3& corner : of.set->wide[of.first + args->primID].corners) box.add(corner);
   *args->bounds_o = rounded({box.lower, box.upper}, of.set->unit_m);
 }
 
@@ -273,7 +272,7 @@ void occluded_wide(const RTCOccludedFunctionNArguments* args) {
 
 /// Whether the ray runs along the triangle that it hits.
 bool is_along(const RTCRay& ray, const RTCHit& hit) {
-  const Vec3<float> n{hit.Ng_x, hit.Ng_y, hit.Ng_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
+  const Vec3f n{hit.Ng_x, hit.Ng_y, hit.Ng_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
   // A cosine.  Above it, the error of the hit is below 2^-10 of the triangle's size.
   constexpr float kAlong = 0x1p-12F;
   const float cosine = dot(n, d);
@@ -295,7 +294,7 @@ bool is_along(const RTCRay& ray, const RTCHit& hit) {
   if (is_along(ray, hit)) [[unlikely]] {
     WideTriangle triangle;
     for (std::size_t k = 0; k < 3; ++k)
-      triangle.corners[k] = Vec3<double>(set.vertices[set.triangles[3 * std::size_t{number} + k]]);
+      triangle.corners[k] = Vec3(set.vertices[set.triangles[3 * std::size_t{number} + k]]);
     if (!intersect(triangle, origin_of(ray), direction_of(ray), ray.tnear,
                    query_of(args->context).t_max)) {
       args->valid[0] = 0;
@@ -305,10 +304,9 @@ bool is_along(const RTCRay& ray, const RTCHit& hit) {
   if (keeps(args->context, HitKind::kTriangle, number, {hit.u, hit.v})) [[unlikely]]
     args->valid[0] = 0;
   if (query_of(args->context).ends != nullptr) {
-    std::array<Vec3<double>, 3> corners;
+    std::array<Vec3, 3> corners;
     for (std::size_t k = 0; k < 3; ++k)
-      corners.at(k) =
-          Vec3<double>(set.vertices[set.triangles[3 * std::size_t{number} + k]]) * set.unit_m;
+      corners.at(k) = Vec3(set.vertices[set.triangles[3 * std::size_t{number} + k]]) * set.unit_m;
     if (plane_may_be_own(args->context, corners)) args->valid[0] = 0;
   }
 }
@@ -336,8 +334,8 @@ std::optional<ObjectRay> to_object(const MovingInstance& instance,
                                    const RTCIntersectContext* context, const RTCRay& ray) {
   const Pose pose = instance.motion->at(query_of(context).time_s);
   const double unit_m = instance.scene_unit_m;
-  const Vec3<double> o = origin_of(ray) * unit_m;
-  const Vec3<double> d = direction_of(ray) * unit_m;
+  const Vec3 o = origin_of(ray) * unit_m;
+  const Vec3 d = direction_of(ray) * unit_m;
   const std::optional<UnitRay> there =
       unit_ray(instance.object_from_start.point(pose.inverse_point(o)),
                instance.object_from_start.vector(pose.inverse_vector(d)), ray.tnear, ray.tfar,

@@ -39,7 +39,7 @@ struct QueryContext {
   /// end may lie, and sets `may_be_own`.
   const LooseEnds* ends = nullptr;
   bool may_be_own = false;
-  Vec3<double> position, normal;
+  Vec3 position, normal;
 };
 
 /// The primitives of one kind within a set, from `first` on.

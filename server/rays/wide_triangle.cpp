@@ -7,7 +7,7 @@
 
 namespace lucerna {
 
-double ray_error_of(const std::array<Vec3<double>, 3>& corners) {
+double ray_error_of(const std::array<Vec3, 3>& corners) {
   const auto& [a, b, c] = corners;
   const auto extent = [](double x, double y, double z) {
     return std::max({x, y, z}) - std::min({x, y, z});
@@ -21,15 +21,15 @@ double ray_error_of(const std::array<Vec3<double>, 3>& corners) {
 // The ray passes all edges on one side: the triple products of the ray with each edge have one
 // sign.  Swapping the ends of an edge only changes the sign of its product, so triangles with a
 // common edge agree on its side.
-std::optional<WideHit> intersect(const WideTriangle& triangle, const Vec3<double>& origin,
-                                 const Vec3<double>& direction, double t_min, double t_max) {
-  const Vec3<double> a = triangle.corners[0] - origin, b = triangle.corners[1] - origin,
-                     c = triangle.corners[2] - origin;
+std::optional<WideHit> intersect(const WideTriangle& triangle, const Vec3& origin,
+                                 const Vec3& direction, double t_min, double t_max) {
+  const Vec3 a = triangle.corners[0] - origin, b = triangle.corners[1] - origin,
+             c = triangle.corners[2] - origin;
   const double of_a = dot(direction, cross(b, c)), of_b = dot(direction, cross(c, a)),
                of_c = dot(direction, cross(a, b));
   if (std::min({of_a, of_b, of_c}) < 0 && std::max({of_a, of_b, of_c}) > 0) return std::nullopt;
   const double sum = of_a + of_b + of_c;
-  const Vec3<double> normal =
+  const Vec3 normal =
       cross(triangle.corners[1] - triangle.corners[0], triangle.corners[2] - triangle.corners[0]);
   const double t = dot(normal, a) / dot(normal, direction);
   if (sum == 0 || !(t > t_min && t < t_max)) return std::nullopt;

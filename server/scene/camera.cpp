@@ -10,7 +10,7 @@ namespace {
 
 /// Goes on beyond the edges of the unit square that shows the sphere by equal areas.  Each edge is
 /// folded about its middle.
-Vec2<double> within_equal_area_square(Vec2<double> p) {
+Vec2 within_equal_area_square(Vec2 p) {
   const auto fold = [](double& along, double& across) {
     const double whole = std::floor(along);
     along -= whole;
@@ -25,7 +25,7 @@ Vec2<double> within_equal_area_square(Vec2<double> p) {
 
 }  // namespace
 
-Camera::Camera(const CameraDescription& camera, const Film& film, const Vec3<double>& origin_m)
+Camera::Camera(const CameraDescription& camera, const Film& film, const Vec3& origin_m)
     : film_width_(film.width),
       film_height_(film.height),
       crop_(film.crop.value_or(FilmCrop{0, 0, film.width, film.height})),
@@ -59,29 +59,28 @@ bool Camera::has_lens() const {
           optics_->projection == Projection::kOrthographic);
 }
 
-Vec3<double> Camera::on_sphere(double x, double y) const {
-  const Vec2<double> p{x / film_width_, y / film_height_};
-  Vec3<double> w;
+Vec3 Camera::on_sphere(double x, double y) const {
+  const Vec2 p{x / film_width_, y / film_height_};
+  Vec3 w;
   if (optics_->projection == Projection::kEquirectangular) {
     // Above the top edge, the colatitude is negative: the direction is beyond the pole.
     w = direction_from_square(SphereMapping::kLatitudeLongitude, p);
   } else {
     // The map's +z is in its middle; the camera's +y is.
-    const Vec3<double> map =
-        direction_from_square(SphereMapping::kEqualArea, within_equal_area_square(p));
+    const Vec3 map = direction_from_square(SphereMapping::kEqualArea, within_equal_area_square(p));
     w = {map.x, map.z, map.y};
   }
   return optics_->right * w.x + optics_->up * w.y + optics_->forward * w.z;
 }
 
-Camera::Line Camera::from_lens(Vec2<float> lens, const Vec3<double>& focus) const {
-  const auto p = sample_concentric_disk(Vec2<double>{lens.x, lens.y});
-  const Vec3<double> from = (optics_->right * p.x + optics_->up * p.y) * optics_->lens_radius;
+Camera::Line Camera::from_lens(Vec2f lens, const Vec3& focus) const {
+  const auto p = sample_concentric_disk(Vec2{lens.x, lens.y});
+  const Vec3 from = (optics_->right * p.x + optics_->up * p.y) * optics_->lens_radius;
   return {from, focus - from};
 }
 
-Camera::Line Camera::line(double x, double y, Vec2<float> lens) const {
-  const Vec3<double> screen = corner_ + step_x_ * x + step_y_ * y;
+Camera::Line Camera::line(double x, double y, Vec2f lens) const {
+  const Vec3 screen = corner_ + step_x_ * x + step_y_ * y;
   if (optics_ == nullptr) return {{}, screen};
   switch (optics_->projection) {
     case Projection::kPerspective:
@@ -98,18 +97,18 @@ Camera::Line Camera::line(double x, double y, Vec2<float> lens) const {
   return {{}, on_sphere(x, y)};
 }
 
-Ray Camera::ray(float x, float y, double time_s, Vec2<float> lens) const {
+Ray Camera::ray(float x, float y, double time_s, Vec2f lens) const {
   const Line l = line(double(x), double(y), lens);
-  const Vec3<double> direction = l.direction / std::sqrt(dot(l.direction, l.direction));
+  const Vec3 direction = l.direction / std::sqrt(dot(l.direction, l.direction));
   Ray ray;
   ray.time_s = time_s;
   if (motion_ == nullptr) {
-    ray.origin = optics_ == nullptr ? position_ : Vec3<float>(optics_->position + l.from);
-    ray.direction = Vec3<float>(direction);
+    ray.origin = optics_ == nullptr ? position_ : Vec3f(optics_->position + l.from);
+    ray.direction = Vec3f(direction);
   } else {
     const Pose pose = motion_->at(time_s);
-    ray.origin = Vec3<float>(optics_ == nullptr ? pose.shift_m : pose.point(l.from));
-    ray.direction = Vec3<float>(pose.vector(direction));
+    ray.origin = Vec3f(optics_ == nullptr ? pose.shift_m : pose.point(l.from));
+    ray.direction = Vec3f(pose.vector(direction));
   }
   return ray;
 }

@@ -13,7 +13,7 @@ class Camera {
  public:
   Camera() = default;
   /// `origin_m`: the scene's origin.
-  Camera(const CameraDescription& camera, const Film& film, const Vec3<double>& origin_m);
+  Camera(const CameraDescription& camera, const Film& film, const Vec3& origin_m);
 
   /// Of the picture [pixels]: the crop of the film, if there is one.
   int width() const { return crop_.x1 - crop_.x0; }
@@ -41,7 +41,7 @@ class Camera {
   /// At a key frame of a motion, this is the ray of a camera that rests there.  At the first key
   /// frame it has the same bits.  At others it has the same origin, and the direction differs by at
   /// most an ulp of 1.
-  Ray ray(float x, float y, double time_s = 0, Vec2<float> lens = {0.5F, 0.5F}) const;
+  Ray ray(float x, float y, double time_s = 0, Vec2f lens = {0.5F, 0.5F}) const;
   /// Positions are about the scene's origin; null if the camera does not move.
   const Motion* motion() const { return motion_.get(); }
 
@@ -49,24 +49,24 @@ class Camera {
   /// What a pinhole camera does not have.
   struct Optics {
     Projection projection;
-    Vec3<double> position;            // about the scene's origin
-    Vec3<double> right, up, forward;  // a unit of camera space
+    Vec3 position;            // about the scene's origin
+    Vec3 right, up, forward;  // a unit of camera space
     double lens_radius, focal_distance;
   };
   /// A ray at the first key frame, from a point about the camera's position.
   struct Line {
-    Vec3<double> from, direction;
+    Vec3 from, direction;
   };
-  Line line(double x, double y, Vec2<float> lens) const;
-  Line from_lens(Vec2<float> lens, const Vec3<double>& focus) const;
-  Vec3<double> on_sphere(double x, double y) const;
+  Line line(double x, double y, Vec2f lens) const;
+  Line from_lens(Vec2f lens, const Vec3& focus) const;
+  Vec3 on_sphere(double x, double y) const;
 
   int film_width_ = 0, film_height_ = 0;
   FilmCrop crop_{};
   double film_scale_ = 1;
-  Vec3<float> position_;
+  Vec3f position_;
   // Perspective: direction = corner + x step_x + y step_y.  Orthographic: the same for the origin.
-  Vec3<double> corner_, step_x_, step_y_;
+  Vec3 corner_, step_x_, step_y_;
   // Maps directions, and the camera's own position as zero, to the scene's coordinates.
   std::shared_ptr<const Motion> motion_;
   std::shared_ptr<const Optics> optics_;  // null for a pinhole

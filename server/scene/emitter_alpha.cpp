@@ -18,7 +18,7 @@ constexpr int kSide = 512;
 /// Whether all (u, v) of the corners are within the picture.
 bool is_within_picture(const ShapeDescription& shape) {
   constexpr float kRounded = 1e-5F;
-  const auto is_within = [](const Vec2<float>& uv) {
+  const auto is_within = [](const Vec2f& uv) {
     return std::min(uv.x, uv.y) >= -kRounded && std::max(uv.x, uv.y) <= 1 + kRounded;
   };
   return std::visit(
@@ -41,14 +41,14 @@ Picture times_alpha(const std::optional<Picture>& picture, const NumberValue& al
     width = std::max(width, picture->image->width());
     height = std::max(height, picture->image->height());
   }
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   texels.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   StopPoll poll;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x, poll()) {
-      const Vec2<double> uv{(x + 0.5) / width, 1 - (y + 0.5) / height};
+      const Vec2 uv{(x + 0.5) / width, 1 - (y + 0.5) / height};
       const double share = std::clamp(textures(alpha, {.uv = uv}), 0.0, 1.0);
-      texels.emplace_back((picture ? picture->at(uv) : Rgb<double>(1)) * share);
+      texels.emplace_back((picture ? picture->at(uv) : Rgb(1)) * share);
     }
   Picture result;
   result.image = *Image::create(width, height, std::move(texels));

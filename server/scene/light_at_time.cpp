@@ -11,12 +11,12 @@ const L& as(const void* light) {
 }
 
 template <typename L>
-concept TakesSlack = requires(const L& l, const Vec3<double>& v, const SceneSphere& scene) {
+concept TakesSlack = requires(const L& l, const Vec3& v, const SceneSphere& scene) {
   l.pdf_le(v, v, scene, 0.0);
 };
 
 template <typename L>
-concept LeavesWithSlack = requires(const L& l, const Vec3<double>& v) {
+concept LeavesWithSlack = requires(const L& l, const Vec3& v) {
   l.le_leaving(v, v, 0.0);
 };
 
@@ -26,19 +26,18 @@ constexpr LightTraits kTraits{L::kDelta, SeenOnSurface<L>, SeenBeyond<L>, Leaves
 
 template <typename L>
 constexpr LightCalls kCalls{
-    .sample_li = [](const void* light, const Receiver<double>& receiver,
-                    Vec2<double> u) { return as<L>(light).sample_li(receiver, u); },
-    .pdf_li = [](const void* light, const Receiver<double>& receiver,
-                 const Vec3<double>& wi) { return as<L>(light).pdf_li(receiver, wi); },
-    .pdf_li_point = [](const void* light, const Receiver<double>& receiver,
-                       const SurfacePoint<double>& point) -> SolidAnglePdf<double> {
+    .sample_li = [](const void* light, const Receiver& receiver,
+                    Vec2 u) { return as<L>(light).sample_li(receiver, u); },
+    .pdf_li = [](const void* light, const Receiver& receiver,
+                 const Vec3& wi) { return as<L>(light).pdf_li(receiver, wi); },
+    .pdf_li_point = [](const void* light, const Receiver& receiver,
+                       const SurfacePoint& point) -> SolidAnglePdf {
       if constexpr (SeenOnSurface<L>)
         return as<L>(light).pdf_li(receiver, point);
       else
         return {};
     },
-    .irradiance = [](const void* light,
-                     const Receiver<double>& receiver) -> std::optional<Rgb<double>> {
+    .irradiance = [](const void* light, const Receiver& receiver) -> std::optional<Rgb> {
       if constexpr (HasIrradiance<L>)
         return as<L>(light).irradiance(receiver);
       else
@@ -51,33 +50,30 @@ constexpr LightCalls kCalls{
           else
             return false;
         },
-    .most_irradiance = [](const void* light, const Receiver<double>& receiver) -> MostIrradiance {
+    .most_irradiance = [](const void* light, const Receiver& receiver) -> MostIrradiance {
       if constexpr (requires { as<L>(light).most_irradiance(receiver); }) {
         return as<L>(light).most_irradiance(receiver);
       } else {
-        const LightSample<double> s = as<L>(light).sample_li(receiver, {0.5, 0.5});
-        const bool all_around = receiver.normal == Vec3<double>{};
+        const LightSample s = as<L>(light).sample_li(receiver, {0.5, 0.5});
+        const bool all_around = receiver.normal == Vec3{};
         const double lx =
             luminance(s.value) * (all_around ? 1 : std::max(0.0, dot(receiver.normal, s.wi)));
         return {lx, lx};
       }
     },
-    .le = [](const void* light, const SurfacePoint<double>& point,
-             const Vec3<double>& w) -> Rgb<double> {
+    .le = [](const void* light, const SurfacePoint& point, const Vec3& w) -> Rgb {
       if constexpr (SeenOnSurface<L>)
         return as<L>(light).le(point, w);
       else
         return {};
     },
-    .le_escaped = [](const void* light, const Vec3<double>& origin,
-                     const Vec3<double>& w) -> Rgb<double> {
+    .le_escaped = [](const void* light, const Vec3& origin, const Vec3& w) -> Rgb {
       if constexpr (SeenBeyond<L>)
         return as<L>(light).le_escaped(origin, w);
       else
         return {};
     },
-    .le_leaving = [](const void* light, const Vec3<double>& origin, const Vec3<double>& w,
-                     double slack_m) -> Rgb<double> {
+    .le_leaving = [](const void* light, const Vec3& origin, const Vec3& w, double slack_m) -> Rgb {
       if constexpr (LeavesWithSlack<L>)
         return as<L>(light).le_leaving(origin, w, slack_m);
       else if constexpr (LeavesFreely<L>)
@@ -86,12 +82,11 @@ constexpr LightCalls kCalls{
         return {};
     },
     .sample_le =
-        [](const void* light, Vec2<double> u_position, Vec2<double> u_direction,
-           const SceneSphere& scene) {
+        [](const void* light, Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) {
           return as<L>(light).sample_le(u_position, u_direction, scene);
         },
-    .ray_from = [](const void* light, const SurfacePoint<double>& point, const Vec3<double>& w,
-                   double slack_m) -> EmissionSample<double> {
+    .ray_from = [](const void* light, const SurfacePoint& point, const Vec3& w,
+                   double slack_m) -> EmissionSample {
       if constexpr (requires { as<L>(light).ray_from(point, w, slack_m); })
         return as<L>(light).ray_from(point, w, slack_m);
       else if constexpr (SeenOnSurface<L>)
@@ -100,8 +95,8 @@ constexpr LightCalls kCalls{
         return {};
     },
     .pdf_le =
-        [](const void* light, const Vec3<double>& position, const Vec3<double>& w,
-           const SceneSphere& scene, double slack_m) {
+        [](const void* light, const Vec3& position, const Vec3& w, const SceneSphere& scene,
+           double slack_m) {
           if constexpr (TakesSlack<L>)
             return as<L>(light).pdf_le(position, w, scene, slack_m);
           else
@@ -144,7 +139,7 @@ LightAtTime::LightAtTime(const SceneLight& light, double time_s) : is_unseen_(li
 template <bool kSlack>
 void LightAtTime::move(const Pose& pose) {
   const auto& moved = moved_.emplace<Moved<kSlack>>(*calls_, light_, pose);
-  calls_ = &kCalls<Posed<double, AnyModel<kSlack>>>;
+  calls_ = &kCalls<Posed<AnyModel<kSlack>>>;
   light_ = &moved.posed;
 }
 

@@ -33,26 +33,22 @@ struct LightTraits {
 /// the model lacks returns black, a density of 0 or nothing.  `slack_m` has no effect on a model
 /// without that argument.
 struct LightCalls {
-  LightSample<double> (*sample_li)(const void*, const Receiver<double>&, Vec2<double> u);
-  SolidAnglePdf<double> (*pdf_li)(const void*, const Receiver<double>&, const Vec3<double>& wi);
-  SolidAnglePdf<double> (*pdf_li_point)(const void*, const Receiver<double>&,
-                                        const SurfacePoint<double>&);
-  std::optional<Rgb<double>> (*irradiance)(const void*, const Receiver<double>&);
+  LightSample (*sample_li)(const void*, const Receiver&, Vec2 u);
+  SolidAnglePdf (*pdf_li)(const void*, const Receiver&, const Vec3& wi);
+  SolidAnglePdf (*pdf_li_point)(const void*, const Receiver&, const SurfacePoint&);
+  std::optional<Rgb> (*irradiance)(const void*, const Receiver&);
   bool (*hides_itself)(const void*);
-  MostIrradiance (*most_irradiance)(const void*, const Receiver<double>&);
-  Rgb<double> (*le)(const void*, const SurfacePoint<double>&, const Vec3<double>& w);
-  Rgb<double> (*le_escaped)(const void*, const Vec3<double>& origin, const Vec3<double>& w);
-  Rgb<double> (*le_leaving)(const void*, const Vec3<double>& origin, const Vec3<double>& w,
-                            double slack_m);
-  EmissionSample<double> (*sample_le)(const void*, Vec2<double> u_position,
-                                      Vec2<double> u_direction, const SceneSphere&);
-  EmissionSample<double> (*ray_from)(const void*, const SurfacePoint<double>&,
-                                     const Vec3<double>& w, double slack_m);
-  EmissionPdf<double> (*pdf_le)(const void*, const Vec3<double>& position, const Vec3<double>& w,
-                                const SceneSphere&, double slack_m);
+  MostIrradiance (*most_irradiance)(const void*, const Receiver&);
+  Rgb (*le)(const void*, const SurfacePoint&, const Vec3& w);
+  Rgb (*le_escaped)(const void*, const Vec3& origin, const Vec3& w);
+  Rgb (*le_leaving)(const void*, const Vec3& origin, const Vec3& w, double slack_m);
+  EmissionSample (*sample_le)(const void*, Vec2 u_position, Vec2 u_direction, const SceneSphere&);
+  EmissionSample (*ray_from)(const void*, const SurfacePoint&, const Vec3& w, double slack_m);
+  EmissionPdf (*pdf_le)(const void*, const Vec3& position, const Vec3& w, const SceneSphere&,
+                        double slack_m);
   Power (*power)(const void*, const SceneSphere&);
   Power (*power_approximate)(const void*, const SceneSphere&);
-  std::optional<LightBounds<double>> (*bounds)(const void*);
+  std::optional<LightBounds> (*bounds)(const void*);
 };
 
 /// A light of any model, with the members that Posed calls, so that one Posed serves all
@@ -66,60 +62,54 @@ class AnyModel {
 
   AnyModel(const LightCalls& calls, const void* light) : calls_(calls), light_(light) {}
 
-  LightSample<double> sample_li(const Receiver<double>& receiver, Vec2<double> u) const {
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const {
     return calls_.sample_li(light_, receiver, u);
   }
-  SolidAnglePdf<double> pdf_li(const Receiver<double>& receiver, const Vec3<double>& wi) const {
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const {
     return calls_.pdf_li(light_, receiver, wi);
   }
-  SolidAnglePdf<double> pdf_li(const Receiver<double>& receiver,
-                               const SurfacePoint<double>& point) const {
+  SolidAnglePdf pdf_li(const Receiver& receiver, const SurfacePoint& point) const {
     return calls_.pdf_li_point(light_, receiver, point);
   }
-  std::optional<Rgb<double>> irradiance(const Receiver<double>& receiver) const {
+  std::optional<Rgb> irradiance(const Receiver& receiver) const {
     return calls_.irradiance(light_, receiver);
   }
   bool hides_itself() const { return calls_.hides_itself(light_); }
-  MostIrradiance most_irradiance(const Receiver<double>& receiver) const {
+  MostIrradiance most_irradiance(const Receiver& receiver) const {
     return calls_.most_irradiance(light_, receiver);
   }
-  Rgb<double> le(const SurfacePoint<double>& point, const Vec3<double>& w) const {
-    return calls_.le(light_, point, w);
-  }
-  Rgb<double> le_escaped(const Vec3<double>& origin, const Vec3<double>& w) const {
+  Rgb le(const SurfacePoint& point, const Vec3& w) const { return calls_.le(light_, point, w); }
+  Rgb le_escaped(const Vec3& origin, const Vec3& w) const {
     return calls_.le_escaped(light_, origin, w);
   }
-  Rgb<double> le_leaving(const Vec3<double>& origin, const Vec3<double>& w) const {
+  Rgb le_leaving(const Vec3& origin, const Vec3& w) const {
     return calls_.le_leaving(light_, origin, w, 0);
   }
-  Rgb<double> le_leaving(const Vec3<double>& origin, const Vec3<double>& w, double slack_m) const
-      requires(kSlack) {
+  Rgb le_leaving(const Vec3& origin, const Vec3& w, double slack_m) const requires(kSlack) {
     return calls_.le_leaving(light_, origin, w, slack_m);
   }
-  EmissionSample<double> sample_le(Vec2<double> u_position, Vec2<double> u_direction,
-                                   const SceneSphere& scene) const {
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const {
     return calls_.sample_le(light_, u_position, u_direction, scene);
   }
-  EmissionSample<double> ray_from(const SurfacePoint<double>& point, const Vec3<double>& w) const {
+  EmissionSample ray_from(const SurfacePoint& point, const Vec3& w) const {
     return calls_.ray_from(light_, point, w, 0);
   }
-  EmissionSample<double> ray_from(const SurfacePoint<double>& point, const Vec3<double>& w,
-                                  double slack_m) const requires(kSlack) {
+  EmissionSample ray_from(const SurfacePoint& point, const Vec3& w, double slack_m) const
+      requires(kSlack) {
     return calls_.ray_from(light_, point, w, slack_m);
   }
-  EmissionPdf<double> pdf_le(const Vec3<double>& position, const Vec3<double>& w,
-                             const SceneSphere& scene) const {
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& w, const SceneSphere& scene) const {
     return calls_.pdf_le(light_, position, w, scene, 0);
   }
-  EmissionPdf<double> pdf_le(const Vec3<double>& position, const Vec3<double>& w,
-                             const SceneSphere& scene, double slack_m) const requires(kSlack) {
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& w, const SceneSphere& scene,
+                     double slack_m) const requires(kSlack) {
     return calls_.pdf_le(light_, position, w, scene, slack_m);
   }
   Power power(const SceneSphere& scene) const { return calls_.power(light_, scene); }
   Power power_approximate(const SceneSphere& scene) const {
     return calls_.power_approximate(light_, scene);
   }
-  std::optional<LightBounds<double>> bounds() const { return calls_.bounds(light_); }
+  std::optional<LightBounds> bounds() const { return calls_.bounds(light_); }
 
  private:
   const LightCalls& calls_;
@@ -142,48 +132,43 @@ class LightAtTime {
   bool leaves_freely() const { return traits_->leaves_freely; }
   bool has_irradiance() const { return traits_->has_irradiance; }
 
-  LightSample<double> sample_li(const Receiver<double>& receiver, Vec2<double> u) const {
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const {
     return calls_->sample_li(light_, receiver, u);
   }
-  SolidAnglePdf<double> pdf_li(const Receiver<double>& receiver, const Vec3<double>& wi) const {
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const {
     return calls_->pdf_li(light_, receiver, wi);
   }
-  SolidAnglePdf<double> pdf_li(const Receiver<double>& receiver,
-                               const SurfacePoint<double>& point) const {
+  SolidAnglePdf pdf_li(const Receiver& receiver, const SurfacePoint& point) const {
     return calls_->pdf_li_point(light_, receiver, point);
   }
-  std::optional<Rgb<double>> irradiance(const Receiver<double>& receiver) const {
+  std::optional<Rgb> irradiance(const Receiver& receiver) const {
     return calls_->irradiance(light_, receiver);
   }
   bool hides_itself() const { return calls_->hides_itself(light_); }
-  MostIrradiance most_irradiance(const Receiver<double>& receiver) const {
+  MostIrradiance most_irradiance(const Receiver& receiver) const {
     return calls_->most_irradiance(light_, receiver);
   }
-  Rgb<double> le(const SurfacePoint<double>& point, const Vec3<double>& w) const {
-    return calls_->le(light_, point, w);
-  }
-  Rgb<double> le_escaped(const Vec3<double>& origin, const Vec3<double>& w) const {
+  Rgb le(const SurfacePoint& point, const Vec3& w) const { return calls_->le(light_, point, w); }
+  Rgb le_escaped(const Vec3& origin, const Vec3& w) const {
     return calls_->le_escaped(light_, origin, w);
   }
-  Rgb<double> le_leaving(const Vec3<double>& origin, const Vec3<double>& w) const {
+  Rgb le_leaving(const Vec3& origin, const Vec3& w) const {
     return calls_->le_leaving(light_, origin, w, 0);
   }
-  EmissionSample<double> sample_le(Vec2<double> u_position, Vec2<double> u_direction,
-                                   const SceneSphere& scene) const {
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const {
     return calls_->sample_le(light_, u_position, u_direction, scene);
   }
-  EmissionSample<double> ray_from(const SurfacePoint<double>& point, const Vec3<double>& w) const {
+  EmissionSample ray_from(const SurfacePoint& point, const Vec3& w) const {
     return calls_->ray_from(light_, point, w, 0);
   }
-  EmissionPdf<double> pdf_le(const Vec3<double>& position, const Vec3<double>& w,
-                             const SceneSphere& scene) const {
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& w, const SceneSphere& scene) const {
     return calls_->pdf_le(light_, position, w, scene, 0);
   }
   Power power(const SceneSphere& scene) const { return calls_->power(light_, scene); }
   Power power_approximate(const SceneSphere& scene) const {
     return calls_->power_approximate(light_, scene);
   }
-  std::optional<LightBounds<double>> bounds() const { return calls_->bounds(light_); }
+  std::optional<LightBounds> bounds() const { return calls_->bounds(light_); }
 
  private:
   template <bool kSlack>
@@ -191,7 +176,7 @@ class LightAtTime {
     Moved(const LightCalls& calls, const void* light, const Pose& pose)
         : model(calls, light), posed(model, pose) {}
     AnyModel<kSlack> model;
-    Posed<double, AnyModel<kSlack>> posed;
+    Posed<AnyModel<kSlack>> posed;
   };
   template <bool kSlack>
   void move(const Pose& pose);
@@ -212,7 +197,7 @@ bool is_delta(const SceneLight& light);
 template <typename F>
 void with_fast_light(const SceneLight& light, double time_s, F&& f) {
   if (light.moving == nullptr)
-    if (const auto* point = light.light.template get_if<PointLight<double>>()) return f(*point);
+    if (const auto* point = light.light.template get_if<PointLight>()) return f(*point);
   f(LightAtTime(light, time_s));
 }
 

@@ -12,7 +12,7 @@ namespace lucerna {
 
 /// A number in [0, 1) that chooses a light, from the 48 bits of a pair.  24 bits would leave
 /// some of more than 2^24 lights without a sample.
-inline double choosing_value(const Vec2<float>& u) { return double{u.x} + double{u.y} * 0x1p-24; }
+inline double choosing_value(const Vec2f& u) { return double{u.x} + double{u.y} * 0x1p-24; }
 
 /// The discrete distribution over n lights.  Nine tenths are proportional to power, and one tenth
 /// is equal for all lights with power above 0.  The equal part is needed because a weak light may

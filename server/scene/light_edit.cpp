@@ -23,22 +23,21 @@ constexpr std::uint64_t kNodeBytes = 48;
 
 /// The level of a light.  There is one overload for each kind, so a new kind does not compile until
 /// it can be dimmed.
-Rgb<double>& level_of(PointLightParams& p) { return p.intensity_cd; }
-Rgb<double>& level_of(SpotLightParams& p) { return p.intensity_cd; }
-Rgb<double>& level_of(DistantLightParams& p) { return p.illuminance_lx; }
-Rgb<double>& level_of(SunLightParams& p) { return p.illuminance_lx; }
-Rgb<double>& level_of(UniformInfiniteLightParams& p) { return p.radiance_cd_m2; }
-Rgb<double>& level_of(ImageInfiniteLightParams& p) { return p.radiance_cd_m2; }
-Rgb<double>& level_of(GoniometricLightParams& p) { return p.intensity; }
-Rgb<double>& level_of(ProjectionLightParams& p) { return p.intensity_cd; }
-Rgb<double>& level_of(BeamLightParams& p) { return p.illuminance_lx; }
-Rgb<double>& level_of(PortalLightParams& p) { return p.radiance_cd_m2; }
+Rgb& level_of(PointLightParams& p) { return p.intensity_cd; }
+Rgb& level_of(SpotLightParams& p) { return p.intensity_cd; }
+Rgb& level_of(DistantLightParams& p) { return p.illuminance_lx; }
+Rgb& level_of(SunLightParams& p) { return p.illuminance_lx; }
+Rgb& level_of(UniformInfiniteLightParams& p) { return p.radiance_cd_m2; }
+Rgb& level_of(ImageInfiniteLightParams& p) { return p.radiance_cd_m2; }
+Rgb& level_of(GoniometricLightParams& p) { return p.intensity; }
+Rgb& level_of(ProjectionLightParams& p) { return p.intensity_cd; }
+Rgb& level_of(BeamLightParams& p) { return p.illuminance_lx; }
+Rgb& level_of(PortalLightParams& p) { return p.radiance_cd_m2; }
 
 /// Turns directions of a light, and moves points about the one that does not turn.
 class Mover {
  public:
-  Mover(const LightChange& change, const Vec3<double>& anchor)
-      : anchor_(anchor), shift_(change.shift_m) {
+  Mover(const LightChange& change, const Vec3& anchor) : anchor_(anchor), shift_(change.shift_m) {
     if (change.turn_rad != 0)
       turn_ = Transform::rotate(change.turn_rad, change.turn_axis).value_or(Transform());
   }
@@ -50,7 +49,7 @@ class Mover {
   void operator()(Shape##Params& p) const { p.world_from_object = map() * p.world_from_object; }
   LUCERNA_QUADRICS(LUCERNA_MOVE)
 #undef LUCERNA_MOVE
-  void direction(Vec3<double>& w) const {
+  void direction(Vec3& w) const {
     if (turn_) w = turn_->vector(w);
   }
 
@@ -70,7 +69,7 @@ class Mover {
   }
   void operator()(BeamLightParams& p) const { point(p.position_m), frame(p.axes); }
   void operator()(PortalLightParams& p) const {
-    for (Vec3<double>& corner : p.corners_m) point(corner);
+    for (Vec3& corner : p.corners_m) point(corner);
     turn_map(p.world_from_map);
   }
 
@@ -78,10 +77,10 @@ class Mover {
   template <typename Mesh>
   void vertices(Mesh& mesh) const {
     StopPoll poll;
-    for (Vec3<double>& p : mesh.positions) poll(), point(p);
+    for (Vec3& p : mesh.positions) poll(), point(p);
     if (!turn_) return;
-    const auto turn = [this](Vec3<float>& v) { v = Vec3<float>(turn_->vector(Vec3<double>(v))); };
-    for (Vec3<float>& n : mesh.normals) poll(), turn(n);
+    const auto turn = [this](Vec3f& v) { v = Vec3f(turn_->vector(Vec3(v))); };
+    for (Vec3f& n : mesh.normals) poll(), turn(n);
     if constexpr (requires { mesh.tangents; })
       for (VertexTangent& t : mesh.tangents) poll(), turn(t.along_u);
   }
@@ -90,14 +89,14 @@ class Mover {
     if (!turn_) return shift;
     return Transform::translate(anchor_ + shift_) * *turn_ * Transform::translate(-anchor_);
   }
-  void point(Vec3<double>& p) const {
+  void point(Vec3& p) const {
     // Exact without a turn, as a file with the new position is.
     p = (turn_ ? anchor_ + turn_->vector(p - anchor_) : p) + shift_;
   }
-  void frame(Frame<double>& axes) const { direction(axes.s), direction(axes.t), direction(axes.n); }
-  void space(std::shared_ptr<const Frame<double>>& axes) const {
+  void frame(Frame& axes) const { direction(axes.s), direction(axes.t), direction(axes.n); }
+  void space(std::shared_ptr<const Frame>& axes) const {
     if (axes == nullptr) return;
-    auto turned = std::make_shared<Frame<double>>(*axes);
+    auto turned = std::make_shared<Frame>(*axes);
     frame(*turned);
     axes = std::move(turned);
   }
@@ -105,28 +104,28 @@ class Mover {
     if (turn_) world_from_map = *turn_ * world_from_map;
   }
 
-  Vec3<double> anchor_, shift_;
+  Vec3 anchor_, shift_;
   std::optional<Transform> turn_;
 };
 
 void append(std::string& out, double value) { out += fmt::format("{}:", value); }
-void append(std::string& out, const Vec3<double>& v) {
+void append(std::string& out, const Vec3& v) {
   append(out, v.x), append(out, v.y), append(out, v.z);
 }
 
 }  // namespace
 
-Rgb<double> changed_level(const LightChange& change, const Rgb<double>& level) {
-  return change.is_off ? Rgb<double>() : level * change.scale * change.tint;
+Rgb changed_level(const LightChange& change, const Rgb& level) {
+  return change.is_off ? Rgb() : level * change.scale * change.tint;
 }
 
-Rgb<double>& level_of(LightParams& params) {
-  return std::visit([](auto& p) -> Rgb<double>& { return level_of(p); }, params);
+Rgb& level_of(LightParams& params) {
+  return std::visit([](auto& p) -> Rgb& { return level_of(p); }, params);
 }
 
 absl::Status apply(const LightChange& change, LightDescription& light) {
   if (change.has_level()) {
-    Rgb<double>& level = level_of(light.params);
+    Rgb& level = level_of(light.params);
     level = changed_level(change, level);
     if (!change.keeps_spectrum()) light.spectrum = nullptr;
   }
@@ -134,9 +133,9 @@ absl::Status apply(const LightChange& change, LightDescription& light) {
   if (light.motion)
     return absl::InvalidArgumentError("the light moves by itself, allowed: lights without motion");
   const LightPlace place = place_of(light);
-  if (!place.anchor_m && !(change.shift_m == Vec3<double>()))
+  if (!place.anchor_m && !(change.shift_m == Vec3()))
     return absl::InvalidArgumentError("the light is at infinity, allowed: turns");
-  std::visit(Mover(change, place.anchor_m.value_or(Vec3<double>())), light.params);
+  std::visit(Mover(change, place.anchor_m.value_or(Vec3())), light.params);
   return absl::OkStatus();
 }
 
@@ -241,8 +240,8 @@ std::string LightEdits::canonical() const {
       text += "removed:";
       continue;
     }
-    const Rgb<double> level = changed_level(c, Rgb<double>(1));
-    append(text, Vec3<double>(level.r, level.g, level.b));
+    const Rgb level = changed_level(c, Rgb(1));
+    append(text, Vec3(level.r, level.g, level.b));
     append(text, c.shift_m);
     append(text, c.turn_axis * c.turn_rad);
   }

@@ -16,14 +16,14 @@ namespace lucerna {
 struct LightChange {
   bool is_removed = false;
   bool is_off = false;
-  double scale = 1;          ///< factor of the level: finite, at least 0
-  Rgb<double> tint{1};       ///< factors of its channels: finite, at least 0
-  Vec3<double> shift_m{};    ///< world
-  Vec3<double> turn_axis{};  ///< world, unit; zero without a turn
-  double turn_rad = 0;       ///< about its own position, counter-clockwise seen against the axis
+  double scale = 1;     ///< factor of the level: finite, at least 0
+  Rgb tint{1};          ///< factors of its channels: finite, at least 0
+  Vec3 shift_m{};       ///< world
+  Vec3 turn_axis{};     ///< world, unit; zero without a turn
+  double turn_rad = 0;  ///< about its own position, counter-clockwise seen against the axis
 
-  bool has_level() const { return is_off || scale != 1 || !(tint == Rgb<double>(1)); }
-  bool has_place() const { return turn_rad != 0 || !(shift_m == Vec3<double>()); }
+  bool has_level() const { return is_off || scale != 1 || !(tint == Rgb(1)); }
+  bool has_place() const { return turn_rad != 0 || !(shift_m == Vec3()); }
   /// A tint removes the spectrum, since RGB does not determine one.
   bool keeps_spectrum() const { return tint.r == tint.g && tint.g == tint.b; }
   bool operator==(const LightChange&) const = default;
@@ -32,7 +32,7 @@ struct LightChange {
 /// A shape that emits and does not move by itself.  Its material is diffuse, without textures.
 struct AddedSurface {
   ShapeDescription shape;
-  Rgb<double> reflectance;
+  Rgb reflectance;
 };
 
 /// A light that the scene's file does not have.
@@ -77,7 +77,7 @@ struct LightEdits {
 /// of a light at infinity.
 absl::Status apply(const LightChange& change, LightDescription& light);
 /// The intensity, illuminance or radiance that `change` multiplies.
-Rgb<double>& level_of(LightParams& params);
+Rgb& level_of(LightParams& params);
 
 /// The part of a change that says where the light is.
 LightChange place_only(const LightChange& change);
@@ -108,6 +108,6 @@ class AddedLightIds {
 };
 
 /// `level` with the change.
-Rgb<double> changed_level(const LightChange& change, const Rgb<double>& level);
+Rgb changed_level(const LightChange& change, const Rgb& level);
 
 }  // namespace lucerna

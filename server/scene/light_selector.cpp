@@ -69,8 +69,8 @@ LightSelection LightSelector::automatic() const {
   return local_.lights.size() >= kTreeFrom ? LightSelection::kBvh : LightSelection::kPower;
 }
 
-std::optional<LightChoice> LightSelector::choose(LightSelection how,
-                                                 const Receiver<double>& receiver, double u) const {
+std::optional<LightChoice> LightSelector::choose(LightSelection how, const Receiver& receiver,
+                                                 double u) const {
   if (how == LightSelection::kAutomatic) how = automatic();
   const std::size_t count = beside_.lights.size() + local_.lights.size();
   if (how == LightSelection::kUniform) {
@@ -96,7 +96,7 @@ std::optional<LightChoice> LightSelector::choose(LightSelection how,
   return choice;
 }
 
-double LightSelector::probability(LightSelection how, const Receiver<double>& receiver,
+double LightSelector::probability(LightSelection how, const Receiver& receiver,
                                   std::uint32_t light) const {
   if (how == LightSelection::kAutomatic) how = automatic();
   if (how == LightSelection::kUniform)

@@ -34,7 +34,7 @@ class LightSelector {
     double lumens;        ///< largest channel of the flux, finite
     double lux;           ///< largest channel of the illuminance, for lights without bounds
     /// For lights that fall off with distance; over all of their motion.
-    std::optional<LightBounds<double>> bounds;
+    std::optional<LightBounds> bounds;
   };
 
   /// With at least this many local lights, the tree is the default.
@@ -46,11 +46,9 @@ class LightSelector {
   /// 2^24. Nothing if none of the lights that remain for `u` can reach the receiver.
   /// The probability of that is 1 minus the sum of all lights' probabilities.  `how` is not
   /// kAll.
-  std::optional<LightChoice> choose(LightSelection how, const Receiver<double>& receiver,
-                                    double u) const;
+  std::optional<LightChoice> choose(LightSelection how, const Receiver& receiver, double u) const;
   /// The probability with which `choose` returns `light`, with the same bits.
-  double probability(LightSelection how, const Receiver<double>& receiver,
-                     std::uint32_t light) const;
+  double probability(LightSelection how, const Receiver& receiver, std::uint32_t light) const;
 
   /// The method of kAutomatic.
   LightSelection automatic() const;

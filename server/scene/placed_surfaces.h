@@ -28,7 +28,7 @@ struct SurfaceMaterials {
   std::vector<Material> all;  ///< empty if all are plain
   // By material: whether it is diffuse without textures, and then its reflectance.
   std::vector<bool> plain;
-  std::vector<Rgb<double>> reflectances;
+  std::vector<Rgb> reflectances;
 };
 
 /// The surfaces of a scene, for rays.  Immutable once built.  It refers to the textures of the
@@ -41,7 +41,7 @@ struct PlacedSurfaces {
   std::shared_ptr<const SurfaceMaterials> materials;
   /// A light whose surface was moved or added.
   struct EditedLight {
-    Light<double> light;  ///< with the level of the file
+    Light light;          ///< with the level of the file
     std::int32_t number;  ///< Surface::light
   };
   /// By id.  Empty if the whole scene was built with them at their places.
@@ -91,7 +91,7 @@ class MovableSurfaces {
   /// A mesh of triangles without anything rare.  The scene's light has its emission.  It takes a
   /// fifth of the memory of a description.
   struct PlainMesh {
-    std::vector<Vec3<double>> positions;
+    std::vector<Vec3> positions;
     std::vector<std::uint32_t> indices;
   };
   using Kept = std::variant<PlainMesh, std::unique_ptr<const ShapeDescription>>;

@@ -234,12 +234,12 @@ LightSelection selection_of_one(LightSelection how) {
 }  // namespace
 
 std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
-                                        const Receiver<double>& receiver, double u) {
+                                        const Receiver& receiver, double u) {
   if (scene.lights().size() == 1) return LightChoice{0, 1};
   return scene.light_selector().choose(selection_of_one(how), receiver, u);
 }
 
-double choice_probability(const Scene& scene, LightSelection how, const Receiver<double>& receiver,
+double choice_probability(const Scene& scene, LightSelection how, const Receiver& receiver,
                           std::uint32_t light) {
   if (scene.lights().size() == 1) return 1;
   return scene.light_selector().probability(selection_of_one(how), receiver, light);

@@ -27,8 +27,8 @@ namespace lucerna {
 
 /// The motion of a light.
 struct LightMotion {
-  Motion motion;          ///< from its own coordinates at its first key frame to the scene's
-  Vec3<double> origin_m;  ///< world position of the zero of its own coordinates
+  Motion motion;  ///< from its own coordinates at its first key frame to the scene's
+  Vec3 origin_m;  ///< world position of the zero of its own coordinates
   /// Largest coordinate of the light's surface about its own zero [m].  Rays find the surface only
   /// to the rounding of floats of this size.  0 for lights without a surface.
   float reach_m = 0;
@@ -47,8 +47,8 @@ struct LightMotion {
 
 /// One light of the scene.
 struct SceneLight {
-  std::uint64_t id;     ///< stable, from 1, never reused
-  Light<double> light;  ///< about the scene's origin; about its own if it moves
+  std::uint64_t id;  ///< stable, from 1, never reused
+  Light light;       ///< about the scene's origin; about its own if it moves
   std::shared_ptr<const LightMotion> moving;  ///< null if it does not move
   std::uint32_t samples = 1;  ///< points of each sample on it; the default of queries
   bool is_unseen = false;     ///< as in ShapeDescription::Emission
@@ -71,7 +71,7 @@ auto visit_light(const SceneLight& light, double time_s, F&& f) {
         if (light.moving == nullptr) [[likely]]
           return f(model);
         using Model = std::decay_t<decltype(model)>;
-        return f(Posed<double, Model>(model, light.moving->at(time_s)));
+        return f(Posed<Model>(model, light.moving->at(time_s)));
       },
       light.light);
 }
@@ -128,7 +128,7 @@ class Scene {
   bool has_own_surfaces() const { return loaded_ == nullptr || placed_ != loaded_->placed_; }
   /// World position of the zero of scene coordinates [m].  It is a multiple of a power of two that
   /// is at least the scene's extent.  So scenes near zero keep their coordinates unchanged.
-  const Vec3<double>& origin() const { return origin_; }
+  const Vec3& origin() const { return origin_; }
   /// Contains geometry and local lights; radius 0 if there are none.
   const SceneSphere& sphere() const { return sphere_; }
 
@@ -137,7 +137,7 @@ class Scene {
     return {files_[light.file], light.line, light.column};
   }
   /// World position of the zero of the light's coordinates.
-  const Vec3<double>& origin_of(const SceneLight& light) const {
+  const Vec3& origin_of(const SceneLight& light) const {
     return light.moving != nullptr ? light.moving->origin_m : origin_;
   }
   /// The spectrum of the light with this index; null for a light with RGB values.
@@ -176,7 +176,7 @@ class Scene {
   std::span<const Material> materials() const { return placed_->materials->all; }
   const Textures& textures() const { return base_->textures_; }
   /// The reflectance of a diffuse material without textures; null for all others.
-  const Rgb<double>* plain_diffuse(std::uint32_t material) const {
+  const Rgb* plain_diffuse(std::uint32_t material) const {
     const SurfaceMaterials& materials = *placed_->materials;
     return materials.plain[material] ? &materials.reflectances[material] : nullptr;
   }
@@ -184,7 +184,7 @@ class Scene {
   struct ShadingPoint {
     TexturePoint texture;
     /// Scene [m]: how the point moves as u and v grow.  0 where (u, v) do not span the surface.
-    Vec3<double> dpdu, dpdv;
+    Vec3 dpdu, dpdv;
   };
   ShadingPoint shading_point(const SurfaceHit& hit) const;
   const Camera& camera() const { return camera_; }
@@ -248,11 +248,11 @@ class Scene {
   /// The share of light that the panes and sheets along the ray pass straight on.
   double through_panes(const Ray& ray) const;
   /// The share of light along `direction` that one of them passes where it was hit.
-  double through_pane(const SurfaceHit& hit, const Vec3<float>& direction) const;
+  double through_pane(const SurfaceHit& hit, const Vec3f& direction) const;
   /// The share of light that the media along the ray leave, by channel.  Surfaces that bound
   /// media define the medium on each side.  If none is ahead, the nearest one behind decides.  If
   /// there is none at all, the ray is in the surrounding medium.
-  Rgb<double> through_media(const Ray& ray) const;
+  Rgb through_media(const Ray& ray) const;
 
   /// The part of type `T` that other code keeps with this scene.  Made by `T(scene)` at its
   /// first use.
@@ -290,7 +290,7 @@ class Scene {
   std::vector<std::int32_t> light_numbers_;
   CameraDescription camera_description_;
   Film film_;
-  Vec3<double> origin_;
+  Vec3 origin_;
   SceneSphere sphere_;
   SharedBlocks<SceneLight> lights_;
   std::vector<std::string> files_;  // the files of the lights' source locations
@@ -333,9 +333,9 @@ std::string scene_id(const std::vector<Asset>& assets,
 /// `u` in [0, 1).  Nothing if none of the lights that remain for `u` reaches the receiver.
 /// Requires at least one light.
 std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
-                                        const Receiver<double>& receiver, double u);
+                                        const Receiver& receiver, double u);
 /// The probability with which `choose_light` chooses this light.
-double choice_probability(const Scene& scene, LightSelection how, const Receiver<double>& receiver,
+double choice_probability(const Scene& scene, LightSelection how, const Receiver& receiver,
                           std::uint32_t light);
 /// Chooses a light by flux, for a ray that leaves it.
 LightChoice choose_emitter(const Scene& scene, double u);

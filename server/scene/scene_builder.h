@@ -20,7 +20,7 @@ namespace lucerna {
 
 /// The origin of a scene or an object with these bounds: the centre rounded to a multiple of the
 /// smallest power of two that is not below the extent.
-Vec3<double> origin_for(const Bounds& bounds);
+Vec3 origin_for(const Bounds& bounds);
 
 /// Adds the bounds of a shape to those of all, and to the extent of the smallest shape.
 void add_shape(const Bounds& shape, Bounds& all, double& detail_m);
@@ -61,7 +61,7 @@ class Scene::Builder {
   absl::Status count_lights() const;
   absl::Status build_lights();
   /// `moving`: null if the light does not move; its reach is set from the light.
-  absl::StatusOr<SceneLight> scene_light(std::uint64_t id, absl::StatusOr<Light<double>> light,
+  absl::StatusOr<SceneLight> scene_light(std::uint64_t id, absl::StatusOr<Light> light,
                                          const SourceLocation& where, std::uint32_t samples,
                                          std::unique_ptr<LightMotion> moving);
   absl::StatusOr<SceneLight> free_light(std::uint64_t id, const LightDescription& light);
@@ -87,7 +87,7 @@ class Scene::Builder {
   absl::Status build_geometry(const std::string& isa);
   /// Leaves out media that absorb nothing, and interfaces between equal media.
   void simplify_media();
-  absl::Status append(ShapeDescription& shape, const Vec3<double>& origin, std::int32_t light,
+  absl::Status append(ShapeDescription& shape, const Vec3& origin, std::int32_t light,
                       GeometrySet& set, SurfaceTable& table);
   /// Frees the arrays of a shape that was appended.
   void drop(ShapeDescription& shape);
@@ -98,12 +98,12 @@ class Scene::Builder {
   void report_geometry(const GeometrySet& set, const std::vector<GeometrySet>& objects,
                        const Stopwatch& watch);
 
-  std::shared_ptr<const Motion> about_scene(const Motion& motion, const Vec3<double>& from) const {
+  std::shared_ptr<const Motion> about_scene(const Motion& motion, const Vec3& from) const {
     return std::make_shared<const Motion>(motion.about(from, scene_->origin_));
   }
   /// The motion of a light about `from`.
   std::unique_ptr<LightMotion> light_motion(const std::shared_ptr<const Motion>& motion,
-                                            const Vec3<double>& from) const {
+                                            const Vec3& from) const {
     return std::make_unique<LightMotion>(LightMotion{
         .motion = motion->about(from, scene_->origin_), .origin_m = from, .world = motion});
   }
@@ -122,9 +122,9 @@ class Scene::Builder {
   std::shared_ptr<Scene> scene_;
   std::shared_ptr<PlacedSurfaces> placed_ = std::make_shared<PlacedSurfaces>();
   std::unordered_map<std::string, std::uint32_t> file_numbers_;
-  std::vector<Vec3<double>> object_origins_;
-  double detail_m_ = Bounds::kInfinity;       ///< the extent of the smallest shape
-  std::vector<Vec3<double>> moving_origins_;  ///< of each moving shape
+  std::vector<Vec3> object_origins_;
+  double detail_m_ = Bounds::kInfinity;  ///< the extent of the smallest shape
+  std::vector<Vec3> moving_origins_;     ///< of each moving shape
   std::vector<HalvedPicture> halved_;
   std::uint64_t read_by_embree_ = 0;  ///< bytes of geometry that Embree reads and also counts
 };

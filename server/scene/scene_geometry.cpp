@@ -70,8 +70,8 @@ std::uint64_t unused_bytes(const GeometrySet& set) {
 }  // namespace
 
 /// Appends the shape and frees its arrays.  Leaves out a light that rays do not meet.
-absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3<double>& origin,
-                                    std::int32_t light, GeometrySet& set, SurfaceTable& table) {
+absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3& origin, std::int32_t light,
+                                    GeometrySet& set, SurfaceTable& table) {
   if (shape.emission && shape.emission->is_unseen) {
     if (shape.motion) drop(shape);
     return absl::OkStatus();
@@ -137,7 +137,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
       continue;
     }
     // A moving shape is an object about its own origin with one instance.
-    const Vec3<double>& origin = moving_origins_[moving_shape];
+    const Vec3& origin = moving_origins_[moving_shape];
     const std::size_t object = in_.objects.size() + moving_shape++;
     LUCERNA_RETURN_IF_ERROR(
         append(s, origin, emitter, objects[object], scene_->object_surfaces_[object]));
@@ -206,9 +206,9 @@ void Scene::Builder::keep_movable(std::uint64_t geometry_bytes) {
 void Scene::Builder::keep_materials() {
   auto materials = std::make_shared<SurfaceMaterials>();
   for (const Material& m : in_.materials) {
-    const Rgb<double>* reflectance = m.plain_diffuse();
+    const Rgb* reflectance = m.plain_diffuse();
     materials->plain.push_back(reflectance != nullptr);
-    materials->reflectances.push_back(reflectance != nullptr ? *reflectance : Rgb<double>());
+    materials->reflectances.push_back(reflectance != nullptr ? *reflectance : Rgb());
   }
   if (std::ranges::find(materials->plain, false) != materials->plain.end()) {
     materials->all.assign(std::make_move_iterator(in_.materials.begin()),
@@ -220,7 +220,7 @@ void Scene::Builder::keep_materials() {
 
 /// Textures of sheer surfaces are needed even if all materials are plain.
 void Scene::Builder::keep_textures(GeometrySet& set, std::vector<GeometrySet>& objects) {
-  const auto connect = [&](GeometrySet& of, SurfaceTable& table, const Vec3<double>& origin) {
+  const auto connect = [&](GeometrySet& of, SurfaceTable& table, const Vec3& origin) {
     if (!table.has_sheer()) return;
     if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
     table.textures = &scene_->textures_;
@@ -280,7 +280,7 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
     std::string one, many;
   };
 #define LUCERNA_NAME(Shape) \
-  , Name { std::string(Shape<double>::kName), fmt::format("{}s", Shape<double>::kName) }
+  , Name { std::string(Shape::kName), fmt::format("{}s", Shape::kName) }
   const std::array names{
       Name{"vertex", "vertices"}, Name{"triangle", "triangles"}, Name{"patch", "patches"},
       Name{"piece of a curve", "pieces of curves"} LUCERNA_QUADRICS(LUCERNA_NAME)};
@@ -300,7 +300,7 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
     part("surfaces", surface_bytes, watch, "materials, shading normals and lights of surfaces");
   if (const SurfaceMaterials& materials = *placed_->materials; !materials.reflectances.empty())
     part("materials",
-         materials.reflectances.capacity() * sizeof(Rgb<double>) + materials.plain.capacity() / 8 +
+         materials.reflectances.capacity() * sizeof(Rgb) + materials.plain.capacity() / 8 +
              materials.all.capacity() * sizeof(Material),
          watch,
          materials.all.empty()

@@ -10,7 +10,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 Vector absolute(const Vector& v) { return {std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}; }
 
@@ -207,7 +207,7 @@ SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
   error += absolute(local.position) * (kFloatRoundoff * (1 + 1e-6));
   error += Vector{kLeastError, kLeastError, kLeastError};
   // Rounded up, so that it stays a bound.
-  hit.position_error = Vec3<float>(error * (1 + 1e-6));
+  hit.position_error = Vec3f(error * (1 + 1e-6));
   hit.ng = local.ng;
   hit.ns = local.ng;
   if (local.ns != Vector{}) {

@@ -28,7 +28,7 @@ std::uint32_t Scene::Builder::file_number(const std::string& file) {
 }
 
 absl::StatusOr<SceneLight> Scene::Builder::scene_light(std::uint64_t id,
-                                                       absl::StatusOr<Light<double>> light,
+                                                       absl::StatusOr<Light> light,
                                                        const SourceLocation& where,
                                                        std::uint32_t samples,
                                                        std::unique_ptr<LightMotion> moving) {
@@ -63,10 +63,10 @@ void Scene::Builder::note_visible_lights() {
 
 absl::StatusOr<SceneLight> Scene::Builder::free_light(std::uint64_t id,
                                                       const LightDescription& light) {
-  Vec3<double> origin = scene_->origin_;
+  Vec3 origin = scene_->origin_;
   std::unique_ptr<LightMotion> moving;
   if (light.motion) {
-    const std::optional<Vec3<double>> anchor = place_of(light).anchor_m;
+    const std::optional<Vec3> anchor = place_of(light).anchor_m;
     // Relative to its own anchor: its coordinates are then exact for every motion.
     if (anchor) origin = *anchor;
     moving = light_motion(light.motion, origin);
@@ -159,7 +159,7 @@ absl::Status Scene::Builder::build_lights() {
         in_.remarks.push_back({s.where, *std::move(what), "opaque"});
       scene_->has_cut_lights_ = true;
     }
-    Vec3<double> origin = scene_->origin_;
+    Vec3 origin = scene_->origin_;
     // The same origin as that of the surface that rays hit.
     if (s.motion) origin = moving_origins_[moving_shape++];
     if (!s.emission) continue;
@@ -236,10 +236,10 @@ void Scene::Builder::report_shared_by_lights(std::size_t from, const Stopwatch& 
 namespace {
 
 /// Bounds of the light's place and directions over all time; nothing for lights at infinity.
-std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
+std::optional<LightBounds> bounds_of(const SceneLight& light) {
   auto bounds = visit([](const auto& l) { return l.bounds(); }, light.light);
   if (!bounds || light.moving == nullptr) return bounds;
-  LightBounds<double> swept = *bounds;
+  LightBounds swept = *bounds;
   swept.cone_rad = swept.normals_rad = std::numbers::pi;
   std::tie(swept.lower, swept.upper) = light.moving->motion.bounds(bounds->lower, bounds->upper);
   return swept;

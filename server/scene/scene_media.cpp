@@ -39,7 +39,7 @@ void Scene::Builder::simplify_media() {
 
 bool Scene::media_are_grey() const {
   return std::ranges::all_of(base_->media_, [](const Medium& m) {
-    const Rgb<double>& a = m.absorption_per_m;
+    const Rgb& a = m.absorption_per_m;
     return a.r == a.g && a.g == a.b;
   });
 }
@@ -58,7 +58,7 @@ double Scene::alpha_of(const Surface& surface, const SurfaceHit& hit) const {
 }
 
 std::vector<Scene::Crossing> Scene::crossings(const Ray& ray, Meets meets) const {
-  const Vec3<double> origin(ray.origin), direction(ray.direction);
+  const Vec3 origin(ray.origin), direction(ray.direction);
   const double metres_per_t = length(direction);
   std::vector<Crossing> all;
   for (const RawHit& raw : placed_->accelerator->all_hits(ray, meets)) {
@@ -91,35 +91,34 @@ double Scene::through_panes(const Ray& ray) const {
   return share;
 }
 
-double Scene::through_pane(const SurfaceHit& hit, const Vec3<float>& direction) const {
+double Scene::through_pane(const SurfaceHit& hit, const Vec3f& direction) const {
   const Surface& surface = surface_of(hit);
   const double met = surface.is_sheet() ? surface.alpha.constant : 1;
   if (!surface.pane_eta) return 1 - met;
-  const double cosine = std::fabs(dot(hit.ng, normalized(Vec3<double>(direction))));
+  const double cosine = std::fabs(dot(hit.ng, normalized(Vec3(direction))));
   return 1 - met +
          met * pane_transmittance(*surface.pane_eta, base_->textures_, shading_point(hit).texture,
                                   std::fmin(cosine, 1));
 }
 
-Rgb<double> Scene::through_media(const Ray& ray) const {
-  if (!has_media()) return Rgb<double>(1);
-  const double metres_per_t = length(Vec3<double>(ray.direction));
+Rgb Scene::through_media(const Ray& ray) const {
+  if (!has_media()) return Rgb(1);
+  const double metres_per_t = length(Vec3(ray.direction));
   // The medium from which a ray meets the surface, and the one beyond it.
   const auto sides = [&](const Crossing& c) {
     const MediumSides& media = *surface_of(c.hit).media;
     return c.is_front ? std::pair{media.outside, media.inside}
                       : std::pair{media.inside, media.outside};
   };
-  Rgb<double> depth;
+  Rgb depth;
   const auto add = [&](std::int32_t medium, double t_from, double t_to) {
     if (medium < 0 || !(t_from < t_to)) return;
-    const Rgb<double>& absorption =
-        base_->media_[static_cast<std::size_t>(medium)].absorption_per_m;
+    const Rgb& absorption = base_->media_[static_cast<std::size_t>(medium)].absorption_per_m;
     // Without absorption, nothing is lost on an endless way either.
     const auto lost = [&](double per_m) {
       return per_m > 0 ? per_m * ((t_to - t_from) * metres_per_t) : 0;
     };
-    depth += Rgb<double>(lost(absorption.r), lost(absorption.g), lost(absorption.b));
+    depth += Rgb(lost(absorption.r), lost(absorption.g), lost(absorption.b));
   };
   Ray line = ray;
   line.t_max = INFINITY;  // what lies beyond the end tells the medium before it

@@ -87,8 +87,8 @@ class EditedSet {
   }
 
   /// Puts a moved shape in its own place.  False if it has other primitives now.
-  absl::StatusOr<bool> put(const ShapeDescription& shape, const Vec3<double>& origin,
-                           double detail_m, std::int32_t light) {
+  absl::StatusOr<bool> put(const ShapeDescription& shape, const Vec3& origin, double detail_m,
+                           std::int32_t light) {
     GeometrySet piece;
     SurfaceTable alone;
     LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m, light, piece, alone));
@@ -109,14 +109,14 @@ class EditedSet {
   }
 
   /// Adds a shape after all others.
-  absl::Status add(const ShapeDescription& shape, const Vec3<double>& origin, double detail_m,
+  absl::Status add(const ShapeDescription& shape, const Vec3& origin, double detail_m,
                    std::int32_t light) {
     const auto before = set_.counts();
     const std::size_t vertices = set_.vertices.size();
     LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m, light, set_, to_.surfaces));
     if (set_.unit_m != 1)
       for (std::size_t i = vertices; i < set_.vertices.size(); ++i)
-        set_.vertices[i] = Vec3<float>(Vec3<double>(set_.vertices[i]) / set_.unit_m);
+        set_.vertices[i] = Vec3f(Vec3(set_.vertices[i]) / set_.unit_m);
     const auto after = set_.counts();
     for (std::size_t kind = 0; kind < kHitKinds; ++kind)
       if (after[kind] > before[kind])
@@ -134,9 +134,8 @@ class EditedSet {
     // The vertices of a shape follow each other.
     const std::size_t vertex = set_.triangles[3 * std::size_t{first}] - piece.triangles[0];
     for (std::size_t i = 0; i < piece.vertices.size(); ++i)
-      set_.vertices[vertex + i] = set_.unit_m == 1
-                                      ? piece.vertices[i]
-                                      : Vec3<float>(Vec3<double>(piece.vertices[i]) / set_.unit_m);
+      set_.vertices[vertex + i] =
+          set_.unit_m == 1 ? piece.vertices[i] : Vec3f(Vec3(piece.vertices[i]) / set_.unit_m);
     replace(to_.surfaces.vertex_normals, vertex, alone.vertex_normals);
     replace(to_.surfaces.vertex_tangents, vertex, alone.vertex_tangents);
     const auto count = static_cast<std::uint32_t>(piece.triangles.size() / 3);
@@ -191,7 +190,7 @@ std::shared_ptr<const SurfaceMaterials> with_materials(
   auto materials = std::make_shared<SurfaceMaterials>(*from);
   for (EditedShape& edited : shapes) {
     if (!edited.is_new) continue;
-    const Rgb<double>& reflectance = edits.added.at(edited.id).surface->reflectance;
+    const Rgb& reflectance = edits.added.at(edited.id).surface->reflectance;
     edited.shape.material = static_cast<std::uint32_t>(materials->plain.size());
     if (!materials->all.empty()) materials->all.push_back(diffuse_material(reflectance));
     materials->plain.push_back(true);
@@ -266,7 +265,7 @@ std::uint64_t MovableSurfaces::bytes() const {
     if (const auto* whole = std::get_if<std::unique_ptr<const ShapeDescription>>(&kept))
       sum += sizeof(ShapeDescription) + array_bytes(**whole);
     else
-      sum += std::get<PlainMesh>(kept).positions.capacity() * sizeof(Vec3<double>) +
+      sum += std::get<PlainMesh>(kept).positions.capacity() * sizeof(Vec3) +
              std::get<PlainMesh>(kept).indices.capacity() * sizeof(std::uint32_t);
   }
   return sum;
@@ -350,7 +349,7 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
                                                                   detail_m, edited.number));
       if (!is_same) return std::shared_ptr<const PlacedSurfaces>();
     }
-    absl::StatusOr<Light<double>> light = create_area_light(edited.shape, loaded.origin_);
+    absl::StatusOr<Light> light = create_area_light(edited.shape, loaded.origin_);
     if (!light.ok()) return located(light.status(), edited.shape.emission->where);
     to->lights.emplace(edited.id, PlacedSurfaces::EditedLight{*std::move(light), edited.number});
   }

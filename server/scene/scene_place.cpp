@@ -63,17 +63,17 @@ absl::Status sweep(const Bounds& still, const Motion& motion, const SourceLocati
 /// Illuminance of a surface in the open, the mean over all its directions [lx].
 double mean_lx(const PortalLightParams& light) {
   // The mean of the cosine, 0 on the other side, is a quarter.
-  const Rgb<double> sr = light.map ? light.map->integral() : Rgb<double>(4 * std::numbers::pi);
+  const Rgb sr = light.map ? light.map->integral() : Rgb(4 * std::numbers::pi);
   return luminance(light.radiance_cd_m2 * sr) / 4;
 }
 
 }  // namespace
 
-Vec3<double> origin_for(const Bounds& bounds) {
+Vec3 origin_for(const Bounds& bounds) {
   if (bounds.empty()) return {};
   const double extent = max_abs(bounds.upper - bounds.lower);
   if (!std::isfinite(extent)) return {};
-  const Vec3<double> centre = bounds.lower * 0.5 + bounds.upper * 0.5;
+  const Vec3 centre = bounds.lower * 0.5 + bounds.upper * 0.5;
   // A single point has no extent; its coordinate is rounded to a metre.
   const double step = extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
   const auto snap = [&](double c) { return std::nearbyint(c / step) * step + 0.0; };
@@ -180,7 +180,7 @@ absl::Status Scene::Builder::place_lights() {
   const Bounds& world = scene_->placed_->world_m;
   scene_->origin_ = origin_for(world.empty() ? of_lights : world);
   if (!with_lights.empty()) {
-    const Vec3<double> centre = with_lights.lower * 0.5 + with_lights.upper * 0.5;
+    const Vec3 centre = with_lights.lower * 0.5 + with_lights.upper * 0.5;
     scene_->sphere_ = {centre - scene_->origin_, length(with_lights.upper - centre)};
   }
   return absl::OkStatus();
@@ -191,14 +191,14 @@ absl::Status Scene::Builder::report_portals() {
     const auto* portal = std::get_if<PortalLightParams>(&light.params);
     if (portal == nullptr) continue;
     const auto& c = portal->corners_m;
-    const Vec3<double> outwards = normalized(cross(c[3] - c[0], c[1] - c[0]));
+    const Vec3 outwards = normalized(cross(c[3] - c[0], c[1] - c[0]));
     // A pane or a frame in the opening is no surface outdoors.
     const double beyond_m = std::fmin(length(c[3] - c[0]), length(c[1] - c[0])) / 2;
     const auto is_outdoors = [&](const Bounds& box, const Transform& world_from_box) {
       for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
-        const Vec3<double> p = world_from_box.point({corner & 1 ? box.upper.x : box.lower.x,
-                                                     corner & 2 ? box.upper.y : box.lower.y,
-                                                     corner & 4 ? box.upper.z : box.lower.z});
+        const Vec3 p = world_from_box.point({corner & 1 ? box.upper.x : box.lower.x,
+                                             corner & 2 ? box.upper.y : box.lower.y,
+                                             corner & 4 ? box.upper.z : box.lower.z});
         if (dot(outwards, p - c[0]) > beyond_m) return true;
       }
       return false;

@@ -20,7 +20,7 @@ absl::Status about_light(std::uint64_t id, const absl::Status& status) {
   return {status.code(), fmt::format("light {}: {}", id, std::string(status.message()))};
 }
 
-bool has_surface(const Light<double>& light) {
+bool has_surface(const Light& light) {
   return visit(
       [](const auto& l) {
         return requires { l.shape(); };
@@ -30,13 +30,13 @@ bool has_surface(const Light<double>& light) {
 
 /// The light with another level.
 template <typename Model>
-absl::StatusOr<Light<double>> with_level(const Model& light, const LightChange& change) {
+absl::StatusOr<Light> with_level(const Model& light, const LightChange& change) {
   DiffuseEmission emission = light.emission();
   emission.radiance_cd_m2 = changed_level(change, emission.radiance_cd_m2);
   LUCERNA_RETURN_IF_ERROR(
-      check_light_value<float>("light.level", emission.radiance_cd_m2, "cd/m2"));
+      check_light_value("light.level", emission.radiance_cd_m2, "cd/m2", kMostInAnswers));
   LUCERNA_ASSIGN_OR_RETURN(auto changed, Model::create(emission, light.shape()));
-  return Light<double>(std::move(changed));
+  return Light(std::move(changed));
 }
 
 }  // namespace
@@ -62,8 +62,8 @@ LightDescription Scene::Builder::describe(const Scene& loaded, std::uint32_t lig
 absl::StatusOr<SceneLight> Scene::Builder::revised_light(SceneLight next,
                                                          const LightChange& change) {
   if (change.has_level()) {
-    absl::StatusOr<Light<double>> changed = visit(
-        [&]<typename Model>(const Model& model) -> absl::StatusOr<Light<double>> {
+    absl::StatusOr<Light> changed = visit(
+        [&]<typename Model>(const Model& model) -> absl::StatusOr<Light> {
           if constexpr (requires { model.shape(); })
             return with_level(model, change);
           else
@@ -208,7 +208,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
 
   const std::size_t added_from = scene_->lights_.size() - added.size();
   for (std::size_t i = added_from; i < scene_->lights_.size(); ++i, poll()) {
-    const Light<double>& light = scene_->lights_[i].light;
+    const Light& light = scene_->lights_[i].light;
     bytes += light.bytes_beside() + visit([](const auto& m) { return m.own_bytes().all; }, light);
   }
   light_part("lights",

@@ -9,13 +9,13 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// (u, v), and how the point moves as they grow, in the space of the GeometrySet.
 struct Coordinates {
-  Vec2<double> uv;
+  Vec2 uv;
   Vector dpdu, dpdv;
-  Rgb<double> colour{};
+  Rgb colour{};
 };
 
 /// The value at barycentric coordinates (b, c); nothing if the mesh has no values.
@@ -38,8 +38,8 @@ Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const
   const double determinant = ub * vc - uc * vb, scale = determinant != 0 ? 1 / determinant : 0;
   Coordinates r{table.triangle_uv_at(hit.primitive, b, c), (ab * vc - ac * vb) * scale,
                 (ac * ub - ab * uc) * scale};
-  if (const auto colour = at_vertices(table.vertex_colours, v, b, c,
-                                      [](const Rgb<float>& x) { return Rgb<double>(x); }))
+  if (const auto colour =
+          at_vertices(table.vertex_colours, v, b, c, [](const Rgbf& x) { return Rgb(x); }))
     r.colour = *colour;
   const auto along = [](const VertexTangent& t) { return Vector(t.along_u); };
   if (const auto u = at_vertices(table.vertex_tangents, v, b, c, along); u && *u != Vector{}) {
@@ -53,7 +53,7 @@ Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const
 
 Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const SurfaceHit& hit) {
   const auto& uv = table.uv_of_patch(hit.primitive);
-  const BilinearPatch<double>& p = set.patches[hit.primitive];
+  const BilinearPatch& p = set.patches[hit.primitive];
   const double s = hit.uv.x, t = hit.uv.y;
   const Vector dpds = (p.p10 - p.p00) * (1 - t) + (p.p11 - p.p01) * t,
                dpdt = (p.p01 - p.p00) * (1 - s) + (p.p11 - p.p10) * s;
@@ -65,7 +65,7 @@ Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const Su
     return (double{uv[2].*member} - uv[0].*member) * (1 - s) +
            (double{uv[3].*member} - uv[1].*member) * s;
   };
-  constexpr auto kU = &Vec2<float>::x, kV = &Vec2<float>::y;
+  constexpr auto kU = &Vec2f::x, kV = &Vec2f::y;
   const double us = along_s(kU), ut = along_t(kU), vs = along_s(kV), vt = along_t(kV);
   const double determinant = us * vt - ut * vs, scale = determinant != 0 ? 1 / determinant : 0;
   return {table.patch_uv_at(hit.primitive, s, t), (dpds * vt - dpdt * vs) * scale,
@@ -86,11 +86,11 @@ Coordinates on_quadric(const Quadric& quadric, const Vector& position, const Vec
   const Vector across = normalized(cross(normal, along));
   const double step = 1e-4 * length(turn);
   const auto change = [&](const Vector& w) {
-    const Vec2<double> a = quadric.uv(position - w * step), b = quadric.uv(position + w * step);
+    const Vec2 a = quadric.uv(position - w * step), b = quadric.uv(position + w * step);
     const auto per_m = [&](double x) { return (x - std::round(x)) / (2 * step); };  // past the seam
-    return Vec2<double>{per_m(b.x - a.x), per_m(b.y - a.y)};
+    return Vec2{per_m(b.x - a.x), per_m(b.y - a.y)};
   };
-  const Vec2<double> s = change(along), t = change(across);
+  const Vec2 s = change(along), t = change(across);
   const double determinant = s.x * t.y - t.x * s.y;
   if (!(determinant != 0)) return c;
   c.dpdu = (along * t.y - across * s.y) * (1 / determinant);

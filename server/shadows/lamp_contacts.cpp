@@ -16,9 +16,9 @@ namespace {
 constexpr double kNear = 8 * kTraversalBound;
 
 /// The place of a light without a size, in its own coordinates.
-std::optional<Vec3<double>> place_of(const SceneLight& light) {
+std::optional<Vec3> place_of(const SceneLight& light) {
   return visit(
-      [](const auto& l) -> std::optional<Vec3<double>> {
+      [](const auto& l) -> std::optional<Vec3> {
         if (!std::decay_t<decltype(l)>::kDelta) return std::nullopt;
         const auto bounds = l.bounds();
         if (!bounds || bounds->lower != bounds->upper) return std::nullopt;
@@ -43,7 +43,7 @@ LampContacts::Contact LampContacts::find(std::uint32_t light) const {
       const auto [lower, upper] = of.moving->motion.bounds(*place, *place);
       places.add(lower), places.add(upper);
     }
-    const Vec3<double> middle = places.lower * 0.5 + places.upper * 0.5;
+    const Vec3 middle = places.lower * 0.5 + places.upper * 0.5;
     const double reach = max_abs(middle) + 2 * largest_coordinate(scene_);
     touches = scene_.accelerator().may_touch(
         middle, length(places.upper - middle) + kNear * reach + double{kLeastError});
@@ -53,12 +53,12 @@ LampContacts::Contact LampContacts::find(std::uint32_t light) const {
   return contact;
 }
 
-bool LampContacts::is_hidden(std::uint32_t light, const Vec3<double>& receiver, Ray ray,
-                             Meets blocking, float error_m) const {
+bool LampContacts::is_hidden(std::uint32_t light, const Vec3& receiver, Ray ray, Meets blocking,
+                             float error_m) const {
   return between(light, receiver, ray, blocking, error_m).has_value();
 }
 
-double LampContacts::through_panes(std::uint32_t light, const Vec3<double>& receiver, Ray ray,
+double LampContacts::through_panes(std::uint32_t light, const Vec3& receiver, Ray ray,
                                    float error_m) const {
   double share = 1;
   if (!scene_.has_panes()) return share;
@@ -71,10 +71,10 @@ double LampContacts::through_panes(std::uint32_t light, const Vec3<double>& rece
   return share;
 }
 
-std::optional<SurfaceHit> LampContacts::between(std::uint32_t light, const Vec3<double>& receiver,
-                                                Ray ray, Meets meets, float error_m) const {
+std::optional<SurfaceHit> LampContacts::between(std::uint32_t light, const Vec3& receiver, Ray ray,
+                                                Meets meets, float error_m) const {
   const SceneLight& of = scene_.lights()[light];
-  Vec3<double> lamp = *place_of(of);
+  Vec3 lamp = *place_of(of);
   if (of.moving != nullptr) lamp = of.moving->at(ray.time_s).point(lamp);
   // The rounded ray may end before a surface that it should meet.
   constexpr float kBeyond = 1 + 0x1p-12F;

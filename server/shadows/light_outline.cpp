@@ -10,12 +10,12 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// The convex hull of points in a plane of unit normal `n`, in order.  A rectangle around it if the
 /// hull has too many corners.  [Andrew79]
 std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
-  const auto frame = Frame<double>::around(n);
+  const auto frame = Frame::around(n);
   struct Point {
     double x, y;
     std::size_t number;
@@ -50,7 +50,7 @@ std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
   double low = chain[0].y, high = low;
   for (const Point& p : chain) low = std::min(low, p.y), high = std::max(high, p.y);
   const double left = sorted.back().x, right = sorted.front().x;
-  for (const Vec2<double>& c : {Vec2<double>{left, low}, {right, low}, {right, high}, {left, high}})
+  for (const Vec2& c : {Vec2{left, low}, {right, low}, {right, high}, {left, high}})
     corners.push_back(points[0] + frame.s * c.x + frame.t * c.y);
   return corners;
 }
@@ -78,9 +78,9 @@ LightOutline flat_mesh(const Mesh& mesh) {
   return outline;
 }
 
-LightOutline of_light(const TriangleMeshLight<double>& l) { return flat_mesh(l.shape()); }
-LightOutline of_light(const PatchMeshLight<double>& l) { return flat_mesh(l.shape()); }
-LightOutline of_light(const DiskLight<double>& l) {
+LightOutline of_light(const TriangleMeshLight& l) { return flat_mesh(l.shape()); }
+LightOutline of_light(const PatchMeshLight& l) { return flat_mesh(l.shape()); }
+LightOutline of_light(const DiskLight& l) {
   const DiskParams& params = l.shape().params();
   const Transform& t = l.shape().world_from_object();
   LightOutline outline{LightOutline::Kind::kFlat};
@@ -91,7 +91,7 @@ LightOutline of_light(const DiskLight<double>& l) {
   outline.corners.assign(corners.begin(), corners.end());
   return outline;
 }
-LightOutline of_light(const SphereLight<double>& l) {
+LightOutline of_light(const SphereLight& l) {
   const SphereParams& params = l.shape().params();
   const Transform& t = l.shape().world_from_object();
   LightOutline outline{LightOutline::Kind::kSphere};
@@ -99,20 +99,20 @@ LightOutline of_light(const SphereLight<double>& l) {
   outline.radius = params.radius_m * params.world_from_object.uniform_scale().value_or(0);
   return outline;
 }
-LightOutline of_light(const SunLight<double>& l) {
+LightOutline of_light(const SunLight& l) {
   LightOutline outline{LightOutline::Kind::kSun};
   outline.axis = normalized(l.params().to_light);
   outline.half_angle_rad = l.params().angular_diameter_rad / 2;
   return outline;
 }
-LightOutline of_light(const PortalLight<double>& l) {
+LightOutline of_light(const PortalLight& l) {
   LightOutline outline{LightOutline::Kind::kPortal};
   const auto corners = l.corners_m();
   outline.corners.assign(corners.begin(), corners.end());
   outline.axis = l.to_sky();
   return outline;
 }
-LightOutline of_light(const UniformInfiniteLight<double>&) { return {LightOutline::Kind::kSky}; }
+LightOutline of_light(const UniformInfiniteLight&) { return {LightOutline::Kind::kSky}; }
 
 }  // namespace
 
@@ -122,7 +122,7 @@ LightOutline outline_of(const SceneLight& light) {
       []<typename L>(const L& l) -> LightOutline {
         if constexpr (HasIrradiance<L>) {
           // A light without a closed form at one place has none at any place.
-          Receiver<double> anywhere(0x1p40, 0x1p41, 0x1p42);
+          Receiver anywhere(0x1p40, 0x1p41, 0x1p42);
           anywhere.normal = {0, 0, 1};
           if (!l.hides_itself() && l.irradiance(anywhere)) return of_light(l);
         }
@@ -136,7 +136,7 @@ std::array<Vector, kOutlineCorners> polygon_around(const Vector& center, const V
   static const auto kUnit = [] {
     constexpr double kStep = 2 * std::numbers::pi / kOutlineCorners;
     const double outside = 1 / std::cos(kStep / 2);
-    std::array<Vec2<double>, kOutlineCorners> corners;
+    std::array<Vec2, kOutlineCorners> corners;
     for (int i = 0; i < kOutlineCorners; ++i)
       corners[i] = {outside * std::cos(i * kStep), outside * std::sin(i * kStep)};
     return corners;

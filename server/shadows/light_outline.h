@@ -26,9 +26,9 @@ struct LightOutline {
   };
 
   Kind kind = Kind::kNone;
-  std::vector<Vec3<double>> corners{};
-  Vec3<double> axis{};  ///< unit; the normal of kFlat and kPortal
-  Vec3<double> center{};
+  std::vector<Vec3> corners{};
+  Vec3 axis{};  ///< unit; the normal of kFlat and kPortal
+  Vec3 center{};
   double radius = 0, half_angle_rad = 0;
 };
 
@@ -38,8 +38,6 @@ LightOutline outline_of(const SceneLight& light);
 
 /// A regular polygon around a circle or an ellipse with centre `center` and half-axes `x` and
 /// `y`.
-std::array<Vec3<double>, kOutlineCorners> polygon_around(const Vec3<double>& center,
-                                                         const Vec3<double>& x,
-                                                         const Vec3<double>& y);
+std::array<Vec3, kOutlineCorners> polygon_around(const Vec3& center, const Vec3& x, const Vec3& y);
 
 }  // namespace lucerna

@@ -18,7 +18,7 @@ double rounding_of(const SurfaceHit& hit) {
 
 /// Whether the plane of `hit` passes `point` at a distance of at most twice the sum of `error` and
 /// its own rounding.
-bool plane_passes(const SurfaceHit& hit, const Vec3<double>& point, double error) {
+bool plane_passes(const SurfaceHit& hit, const Vec3& point, double error) {
   return std::fabs(dot(hit.ng, hit.position - point)) <= 2 * (error + rounding_of(hit));
 }
 
@@ -30,12 +30,12 @@ bool continues(const SurfaceHit& a, const SurfaceHit& b) {
 }
 
 /// Whether the surface of `hit` is found at `place` too, within `reach` along its normal.
-bool is_found_at(const Scene& scene, const Vec3<double>& place, double reach, const LooseEnd& end,
+bool is_found_at(const Scene& scene, const Vec3& place, double reach, const LooseEnd& end,
                  const SurfaceHit& hit) {
   // Other surfaces may be equally near, such as a carpet or a sheet of paper.
   constexpr int kMostSurfaces = 16;
-  Ray ray{Vec3<float>(place + hit.ng * reach), -Vec3<float>(hit.ng), 0,
-          static_cast<float>(2 * reach), hit.time_s};
+  Ray ray{Vec3f(place + hit.ng * reach), -Vec3f(hit.ng), 0, static_cast<float>(2 * reach),
+          hit.time_s};
   for (int i = 0; i < kMostSurfaces; ++i) {
     const auto found = scene.closest_hit(ray);
     if (!found) return false;
@@ -51,11 +51,11 @@ bool is_found_at(const Scene& scene, const Vec3<double>& place, double reach, co
 /// surface, even if the point's error is large.
 bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
   if (!(end.error >= 0) || !plane_passes(hit, end.position, end.error)) return false;
-  const Vec3<double> apart = hit.position - end.position;
+  const Vec3 apart = hit.position - end.position;
   const double near = kStartWithoutNormal * (end.error + max_abs(hit.position_error));
   if (length(apart) <= near) return true;
   // A point at the rim of its surface may be rounded off it.  The direction to the hit leads back.
-  const Vec3<double> inwards = normalized(apart) * near;
+  const Vec3 inwards = normalized(apart) * near;
   return is_found_at(scene, end.position, near, end, hit) ||
          is_found_at(scene, end.position + inwards, near, end, hit);
 }
@@ -70,7 +70,7 @@ bool separates(const SurfaceHit& hit, const LooseEnds& ends) {
 
 }  // namespace
 
-bool lies_in_plane(const Vec3<double>& exact, const SurfaceHit& hit) {
+bool lies_in_plane(const Vec3& exact, const SurfaceHit& hit) {
   // Its rounding is that of the surface, which is at the same place.
   return plane_passes(hit, exact, rounding_of(hit));
 }

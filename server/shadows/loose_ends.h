@@ -29,7 +29,7 @@ inline double normal_error_of(const SurfaceHit& hit) {
 
 /// Whether a point with exact coordinates lies in the plane of a hit, up to the rounding of its
 /// vertices.  The ends of `first_other_surface` that are exact count alike.
-bool lies_in_plane(const Vec3<double>& exact, const SurfaceHit& hit);
+bool lies_in_plane(const Vec3& exact, const SurfaceHit& hit);
 
 /// The first surface that `ray` meets, except those that its ends lie on.
 std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends,

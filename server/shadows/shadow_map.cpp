@@ -31,8 +31,8 @@ constexpr double kBiasTexelsWithoutNormal = 4;
 
 constexpr std::size_t kRaysPerChunk = 2048;
 
-ShadowMapView::Face face_about(const Vec3<double>& forward) {
-  const auto frame = Frame<double>::around(forward);
+ShadowMapView::Face face_about(const Vec3& forward) {
+  const auto frame = Frame::around(forward);
   return {frame.s, frame.t, forward};
 }
 
@@ -43,7 +43,7 @@ std::optional<ShadowMapView> shadow_map_view(const SceneLight& light, const Scen
   return visit(
       [&]<typename L>(const L& l) -> std::optional<ShadowMapView> {
         ShadowMapView view{};
-        if constexpr (std::is_same_v<L, DistantLight<double>>) {
+        if constexpr (std::is_same_v<L, DistantLight>) {
           if (!(sphere.radius_m > 0)) return std::nullopt;
           view.from = sphere.center_m;
           view.faces[0] = face_about(-normalized(l.params().to_light));
@@ -61,8 +61,8 @@ std::optional<ShadowMapView> shadow_map_view(const SceneLight& light, const Scen
           view.half = std::tan(bounds->cone_rad) * kMargin;
           return view;
         }
-        for (const Vec3<double>& forward :
-             {Vec3<double>{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
+        for (const Vec3& forward :
+             {Vec3{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
           view.faces[view.face_count++] = face_about(forward);
         view.half = kMargin;
         return view;
@@ -75,30 +75,29 @@ ShadowMap::ShadowMap(const Scene& scene, const ShadowMapView& view, std::uint32_
   rounding_m_ = 4 * kTraversalBound * (max_abs(view.from) + (view.is_distant ? view.half : 0));
   const std::size_t per_face = std::size_t{side} * side;
   depths_.resize(view.face_count * per_face);
-  parallel_chunks(depths_.size(), kRaysPerChunk, StopScope::token(),
-                  [&](std::size_t begin, std::size_t end) {
-                    const DenormalsAreZero denormals;
-                    for (std::size_t i = begin; i < end; ++i) {
-                      const ShadowMapView::Face& f = view.faces[i / per_face];
-                      const std::size_t in_face = i % per_face;
-                      const auto centre = [&](std::size_t k) {
-                        return view.half * ((2 * static_cast<double>(k) + 1) / side - 1);
-                      };
-                      const Vec3<double> across =
-                          f.right * centre(in_face % side) + f.up * centre(in_face / side);
-                      Ray ray;
-                      if (view.is_distant) {
-                        ray.origin = Vec3<float>(view.from + across - f.forward * view.half);
-                        ray.direction = Vec3<float>(f.forward);
-                      } else {
-                        // The direction has a step of 1 along `forward`, so that t is the depth.
-                        ray.origin = Vec3<float>(view.from);
-                        ray.direction = Vec3<float>(f.forward + across);
-                      }
-                      const auto hit = scene.accelerator().closest_hit(ray);
-                      depths_[i] = hit ? hit->t : std::numeric_limits<float>::infinity();
-                    }
-                  });
+  parallel_chunks(
+      depths_.size(), kRaysPerChunk, StopScope::token(), [&](std::size_t begin, std::size_t end) {
+        const DenormalsAreZero denormals;
+        for (std::size_t i = begin; i < end; ++i) {
+          const ShadowMapView::Face& f = view.faces[i / per_face];
+          const std::size_t in_face = i % per_face;
+          const auto centre = [&](std::size_t k) {
+            return view.half * ((2 * static_cast<double>(k) + 1) / side - 1);
+          };
+          const Vec3 across = f.right * centre(in_face % side) + f.up * centre(in_face / side);
+          Ray ray;
+          if (view.is_distant) {
+            ray.origin = Vec3f(view.from + across - f.forward * view.half);
+            ray.direction = Vec3f(f.forward);
+          } else {
+            // The direction has a step of 1 along `forward`, so that t is the depth.
+            ray.origin = Vec3f(view.from);
+            ray.direction = Vec3f(f.forward + across);
+          }
+          const auto hit = scene.accelerator().closest_hit(ray);
+          depths_[i] = hit ? hit->t : std::numeric_limits<float>::infinity();
+        }
+      });
   StopScope::check();  // else the map lacks chunks
 }
 
@@ -112,10 +111,9 @@ std::optional<ShadowMap::Texel> ShadowMap::texel(std::uint32_t face, double x, d
   return Texel{(std::size_t{face} * side_ + j) * side_ + i, centre(i), centre(j)};
 }
 
-std::optional<bool> ShadowMap::is_occluded(const Vec3<double>& position,
-                                           const Vec3<double>& normal) const {
-  const Vec3<double> w = position - view_.from;
-  const bool has_normal = normal != Vec3<double>{};
+std::optional<bool> ShadowMap::is_occluded(const Vec3& position, const Vec3& normal) const {
+  const Vec3 w = position - view_.from;
+  const bool has_normal = normal != Vec3{};
   // `plane`: the depth at which the ray of the texel meets the plane of the surface.  The map has
   // this depth if the surface is a plane without obstacles.  If it is farther away than the
   // receiver, or the ray is parallel to the plane, obstacles in front of the receiver count.
@@ -148,7 +146,7 @@ std::optional<bool> ShadowMap::is_occluded(const Vec3<double>& position,
   const double scale = 1 / (depth * view_.half);
   const auto at = texel(face, dot(w, f.right) * scale, dot(w, f.up) * scale);
   if (!at) return std::nullopt;
-  const Vec3<double> ray = f.forward + f.right * (at->x * view_.half) + f.up * (at->y * view_.half);
+  const Vec3 ray = f.forward + f.right * (at->x * view_.half) + f.up * (at->y * view_.half);
   const double facing = dot(normal, ray);
   // Below 0 if the ray of the texel does not meet the plane.
   const double plane = facing != 0 ? dot(normal, w) / facing : depth;

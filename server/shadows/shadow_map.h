@@ -18,9 +18,9 @@ namespace lucerna {
 /// The image planes of a light, about the scene's origin.
 struct ShadowMapView {
   /// Position of the light [m]; of a distant light the centre of the scene's sphere [m].
-  Vec3<double> from;
+  Vec3 from;
   struct Face {
-    Vec3<double> right, up, forward;  ///< unit, at right angles to each other
+    Vec3 right, up, forward;  ///< unit, at right angles to each other
   };
   std::array<Face, 6> faces;
   std::uint32_t face_count;
@@ -42,7 +42,7 @@ class ShadowMap {
 
   /// Whether the map has an obstacle between the light and `position`.  `normal`: of the surface
   /// there, or zero without a surface.  Nothing if `position` is outside of the image planes.
-  std::optional<bool> is_occluded(const Vec3<double>& position, const Vec3<double>& normal) const;
+  std::optional<bool> is_occluded(const Vec3& position, const Vec3& normal) const;
 
   std::uint64_t bytes() const { return sizeof *this + depths_.capacity() * sizeof depths_[0]; }
 

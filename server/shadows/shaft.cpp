@@ -17,7 +17,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// The least sine of a ray over a horizon that floats can resolve.
 constexpr double kLeastRise = 4 * kFloatRoundoff;
@@ -98,7 +98,7 @@ bool is_outside(const RoundEnclosure& e, std::span<const HalfSpace> planes) {
 }
 
 /// Whether a patch, which lies within the hull of its corners, is beyond a plane.
-bool is_outside(const BilinearPatch<double>& p, std::span<const HalfSpace> planes) {
+bool is_outside(const BilinearPatch& p, std::span<const HalfSpace> planes) {
   return std::ranges::any_of(planes, [&](const HalfSpace& h) {
     return std::min({dot(h.n, p.p00), dot(h.n, p.p10), dot(h.n, p.p01), dot(h.n, p.p11)}) > h.at;
   });
@@ -310,8 +310,7 @@ bool Shafts::has_outline(std::uint32_t light) const {
   return state_->outlines[light].kind != LightOutline::Kind::kNone;
 }
 
-bool Shafts::is_empty(const SurfaceHit& receiver, const Vec3<float>& normal,
-                      std::uint32_t light) const {
+bool Shafts::is_empty(const SurfaceHit& receiver, const Vec3f& normal, std::uint32_t light) const {
   const Boxes& boxes = *state_->boxes;
   const auto region = shaft_region(state_->outlines[light], receiver, normal, boxes.hittable);
   return region && !boxes.meets(*region, state_->light_surfaces[light]);

@@ -41,7 +41,7 @@ class Shafts {
   /// sphere light.
   /// Also false if the shading normal differs from the geometric normal and the horizon cuts the
   /// light.
-  bool is_empty(const SurfaceHit& receiver, const Vec3<float>& normal, std::uint32_t light) const;
+  bool is_empty(const SurfaceHit& receiver, const Vec3f& normal, std::uint32_t light) const;
 
   /// Whether the light with this index does not move and has an outline: a flat one, a whole
   /// sphere, a sun, a portal or the whole sky.

@@ -9,7 +9,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 using Kind = LightOutline::Kind;
 
 /// Surfaces so near before a flat light count as its plane, for each metre of coordinate or ray: a
@@ -111,7 +111,7 @@ bool add_sphere(const LightOutline& light, ShaftRegion& shaft) {
   // The circle in which the cone from the receiver touches the sphere.  No ray ends behind it.
   const Vector axis = to_center / d;
   const double along = (d - r) / d * (d + r), radius = r * std::sqrt((d - r) / d * (d + r) / d);
-  const auto frame = Frame<double>::around(axis);
+  const auto frame = Frame::around(axis);
   const auto corners =
       polygon_around(shaft.apex + axis * along, frame.s * radius, frame.t * radius);
   add_sides(corners, slack, shaft);
@@ -124,7 +124,7 @@ bool add_sun(const LightOutline& light, const Bounds& hittable, double slack, Sh
   // Wider suns may be anywhere above the horizon.
   constexpr double kWide = 1.3, kRounded = 1e-6;
   if (light.half_angle_rad > kWide) return true;
-  const auto frame = Frame<double>::around(light.axis);
+  const auto frame = Frame::around(light.axis);
   const double t = std::tan(light.half_angle_rad + kRounded);
   // As directions about zero, so that the apex's coordinates do not lose digits.
   const Vector apex = std::exchange(shaft.apex, {});
@@ -166,13 +166,13 @@ ShaftRegion in_object(const ShaftRegion& shaft, const Transform& scene_from_obje
 }
 
 std::optional<ShaftRegion> shaft_region(const LightOutline& light, const SurfaceHit& receiver,
-                                        const Vec3<float>& normal, const Bounds& hittable) {
+                                        const Vec3f& normal, const Bounds& hittable) {
   ShaftRegion shaft;
   shaft.normal = Vector(normal);
   shaft.up = dot(receiver.ng, Vector(normal)) < 0 ? -receiver.ng : receiver.ng;
   // The start of shadow rays, for either normal.
-  shaft.apex = Vector(offset_origin(Vec3<float>(receiver.position), receiver.position_error,
-                                    receiver.ng, shaft.up));
+  shaft.apex = Vector(
+      offset_origin(Vec3f(receiver.position), receiver.position_error, receiver.ng, shaft.up));
   if (!is_finite(shaft.apex) || shaft.up == Vector{}) return std::nullopt;
   const double reach_m =
       hittable.empty() ? 0 : std::fmax(max_abs(hittable.lower), max_abs(hittable.upper));
@@ -205,7 +205,7 @@ std::optional<ShaftRegion> shaft_region(const LightOutline& light, const Surface
   }
   if (!is_known) return std::nullopt;
   // Light that is below only one of the two horizons is not handled.
-  if (Vec3<float>(shaft.up) != normal && !(shaft.lowest > kOff)) return std::nullopt;
+  if (Vec3f(shaft.up) != normal && !(shaft.lowest > kOff)) return std::nullopt;
   shaft.add(-shaft.up, -dot(shaft.up, shaft.apex));
   return shaft;
 }

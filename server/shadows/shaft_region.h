@@ -14,7 +14,7 @@ namespace lucerna {
 
 /// The points x with dot(n, x) <= at.
 struct HalfSpace {
-  Vec3<double> n;
+  Vec3 n;
   double at;
   bool is_side = false;  ///< false for the horizon and the end
 };
@@ -23,16 +23,14 @@ struct ShaftRegion {
   /// At most a dozen sides, the horizon and the end.
   std::array<HalfSpace, 16> planes;
   int count = 0;
-  Vec3<double> apex;  ///< the start of the shadow rays
+  Vec3 apex;  ///< the start of the shadow rays
   /// The receiver's geometric normal, and the normal of the side on which light counts; unit.
-  Vec3<double> up, normal;
+  Vec3 up, normal;
   double lowest = -1;    ///< smallest sine of a corner over either horizon
   Bounds box;            ///< of the part that may contain surfaces; empty: unknown
   double largest_m = 0;  ///< largest coordinate within
 
-  void add(const Vec3<double>& n, double at, bool is_side = false) {
-    planes[count++] = {n, at, is_side};
-  }
+  void add(const Vec3& n, double at, bool is_side = false) { planes[count++] = {n, at, is_side}; }
   std::span<const HalfSpace> half_spaces() const {
     return {planes.data(), static_cast<std::size_t>(count)};
   }
@@ -42,7 +40,7 @@ struct ShaftRegion {
 /// that can be hit; empty if there is nothing.  Nothing if the region is unknown, as in
 /// Shafts::is_empty.
 std::optional<ShaftRegion> shaft_region(const LightOutline& light, const SurfaceHit& receiver,
-                                        const Vec3<float>& normal, const Bounds& hittable);
+                                        const Vec3f& normal, const Bounds& hittable);
 
 /// The region in the space of an instance's object, except apex, normals and box.
 ShaftRegion in_object(const ShaftRegion& region, const Transform& scene_from_object);

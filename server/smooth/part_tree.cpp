@@ -9,7 +9,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 double radius_of(const SmoothPart& part) {
   return part.is_sphere ? part.radius_m : length(part.half_u) + length(part.half_v);
@@ -43,13 +43,12 @@ double half_angle(double radius_m, double distance_m) {
 
 }  // namespace
 
-double PartTree::Node::weight_from(const Vec3<double>& from) const {
+double PartTree::Node::weight_from(const Vec3& from) const {
   const Vector to = middle - from;
   return weight / std::fmax(dot(to, to), radius_m * radius_m);
 }
 
-bool PartTree::Node::may_mirror(const Vec3<double>& to, const Vec3<double>& light,
-                                double light_radius_m) const {
+bool PartTree::Node::may_mirror(const Vec3& to, const Vec3& light, double light_radius_m) const {
   if (has_others) return true;
   const Vector a = to - middle, b = light - middle;
   const double a_m = length(a), b_m = length(b);
@@ -59,8 +58,7 @@ bool PartTree::Node::may_mirror(const Vec3<double>& to, const Vec3<double>& ligh
   return may_halve(*this, a / a_m, a_off, b / b_m, b_off);
 }
 
-bool PartTree::Node::may_mirror_from(const Vec3<double>& to, const Vec3<double>& from,
-                                     double within_rad) const {
+bool PartTree::Node::may_mirror_from(const Vec3& to, const Vec3& from, double within_rad) const {
   if (has_others) return true;
   const Vector a = to - middle;
   const double a_m = length(a), a_off = half_angle(radius_m, a_m);

@@ -20,10 +20,10 @@ class PartTree {
 
   struct Node {
     // A sphere that contains the parts [m].
-    Vec3<double> middle;
+    Vec3 middle;
     double radius_m = 0;
     // A cone that contains the normals of all parts, up to their signs.
-    Vec3<double> axis;
+    Vec3 axis;
     double angle_rad = 0;
     /// Whether light may leave a part in other ways than a flat mirror's.
     bool has_others = false;
@@ -32,12 +32,12 @@ class PartTree {
     std::uint32_t part = 0;  ///< of a leaf, whose size is 1
 
     /// The weight of a choice at a point.
-    double weight_from(const Vec3<double>& from) const;
+    double weight_from(const Vec3& from) const;
     /// Whether a flat mirror of this node may send light from the sphere about `light` to `to`.
     /// It may if its normal halves the angle between both ways.
-    bool may_mirror(const Vec3<double>& to, const Vec3<double>& light, double light_radius_m) const;
+    bool may_mirror(const Vec3& to, const Vec3& light, double light_radius_m) const;
     /// The same for light from directions within an angle of `from`.
-    bool may_mirror_from(const Vec3<double>& to, const Vec3<double>& from, double within_rad) const;
+    bool may_mirror_from(const Vec3& to, const Vec3& from, double within_rad) const;
   };
 
   /// Calls `f(part)` for each part whose nodes `may(node)` holds for.
@@ -58,7 +58,7 @@ class PartTree {
   /// A part whose nodes `may(node)` holds for, by its area, reflected share and distance from a
   /// point.  `u` in [0, 1).
   template <typename May>
-  std::optional<Choice> choose(const Vec3<double>& from, double u, const May& may) const {
+  std::optional<Choice> choose(const Vec3& from, double u, const May& may) const {
     if (nodes_.empty()) return std::nullopt;
     double probability = 1;
     std::size_t i = 0;

@@ -8,7 +8,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 Vector vertex(const GeometrySet& set, std::uint32_t triangle, int i) {
   if (const WideTriangle* wide = set.wide.empty() ? nullptr : set.wide_triangle(triangle))
@@ -18,7 +18,7 @@ Vector vertex(const GeometrySet& set, std::uint32_t triangle, int i) {
 
 }  // namespace
 
-std::optional<FacePlane> whole_sphere(const Sphere<double>& sphere, const GeometryInstance* placed,
+std::optional<FacePlane> whole_sphere(const Sphere& sphere, const GeometryInstance* placed,
                                       SmoothPart part) {
   const auto& p = sphere.params();
   if (p.z_min_m > -p.radius_m || p.z_max_m < p.radius_m || p.phi_max_rad < 2 * kPi)
@@ -46,20 +46,20 @@ Face face_of(const GeometrySet& set, HitKind kind, std::uint32_t i) {
   if (kind == HitKind::kPatch) {
     // Files with seven digits bend flat faces by their rounding.
     constexpr double kNearlyFlat = 3e-5;  // of the face's size
-    const BilinearPatch<double>& p = set.patches[i];
+    const BilinearPatch& p = set.patches[i];
     const Vector across = p.p11 - p.p00, n = face_normal(set, kind, i);
     if (!(std::fabs(dot(p.p10 - p.p00, n)) <= kNearlyFlat * length(across))) return {};
     return {p.p00, p.p10, p.p11, p.p01};
   }
   if (kind != HitKind::kDisk) return {};
-  const RoundEnclosure e = set.of<Disk<double>>()[i].enclosure();
+  const RoundEnclosure e = set.of<Disk>()[i].enclosure();
   return {e.center - e.x - e.y, e.center + e.x - e.y, e.center + e.x + e.y, e.center - e.x + e.y};
 }
 
 Vector face_normal(const GeometrySet& set, HitKind kind, std::uint32_t i) {
-  if (kind == HitKind::kDisk) return set.of<Disk<double>>()[i].normals().axis;
+  if (kind == HitKind::kDisk) return set.of<Disk>()[i].normals().axis;
   if (kind == HitKind::kPatch) {
-    const BilinearPatch<double>& p = set.patches[i];
+    const BilinearPatch& p = set.patches[i];
     return normalized(cross(p.p11 - p.p00, p.p01 - p.p10));  // of the diagonals
   }
   const Vector a = vertex(set, i, 0);
@@ -69,7 +69,7 @@ Vector face_normal(const GeometrySet& set, HitKind kind, std::uint32_t i) {
 bool has_other_normals(const GeometrySet& set, const SurfaceTable& table, HitKind kind,
                        std::uint32_t i) {
   if (kind == HitKind::kPatch)
-    return i < table.patch_normals.size() && table.patch_normals[i][0] != Vec3<float>{};
+    return i < table.patch_normals.size() && table.patch_normals[i][0] != Vec3f{};
   if (kind != HitKind::kTriangle || table.vertex_normals.empty()) return false;
   const Vector n = face_normal(set, kind, i);
   for (int k = 0; k < 3; ++k) {

@@ -22,18 +22,18 @@ struct SmoothPart {
   double reflected = 0;
   std::uint32_t material = 0;
   /// Of a plane: unit, on the outside.
-  Vec3<double> n{};
+  Vec3 n{};
   /// Of a plane: the middle of a rectangle that contains the faces, and half its edges.  Of a
   /// sphere: its centre.
-  Vec3<double> middle{}, half_u{}, half_v{};
+  Vec3 middle{}, half_u{}, half_v{};
   double radius_m = 0;  ///< of a sphere
 
   /// The height of `p` over the plane, on the side of n [m].
-  double height(const Vec3<double>& p) const { return dot(n, p - middle); }
+  double height(const Vec3& p) const { return dot(n, p - middle); }
   /// The lowest and the highest corner of this rectangle over the plane of `other` [m].
   std::pair<double, double> heights_over(const SmoothPart& other) const;
   /// Whether a point of the plane lies within the rectangle, or within a thousandth of it.
-  bool may_contain(const Vec3<double>& p) const;
+  bool may_contain(const Vec3& p) const;
 };
 
 }  // namespace lucerna

@@ -15,7 +15,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// A shape with faces in more planes than this counts as curved.  In a scene with more planes that
 /// refract, all of these do: their sequences are many, and each path must be solved.
@@ -62,7 +62,7 @@ std::pair<double, double> SmoothPart::heights_over(const SmoothPart& other) cons
   return {middle_m - reach, middle_m + reach};
 }
 
-bool SmoothPart::may_contain(const Vec3<double>& p) const {
+bool SmoothPart::may_contain(const Vec3& p) const {
   constexpr double kMargin = 1.001;
   const auto within = [&](const Vector& half) {
     const double size2 = dot(half, half);
@@ -202,7 +202,7 @@ class SmoothSurfaces::Collector {
                       for (int i = 0; i < kLooks * kLooks && !is_narrow; ++i) {
                         TexturePoint p;
                         p.uv = {(i % kLooks + 0.5) / kLooks, (i / kLooks + 0.5) / kLooks};
-                        const Bsdf<double> bsdf = bsdf_of(m, scene_.textures(), p);
+                        const Bsdf bsdf = bsdf_of(m, scene_.textures(), p);
                         is_narrow = !bsdf.all_delta() && bsdf.pdf(w, mirrored(w)).per_sr > kNarrow;
                       }
                     });
@@ -217,9 +217,9 @@ class SmoothSurfaces::Collector {
     for_each_of_mix([&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; },
                     material,
                     [&](const Material& m) {
-                      const Bsdf<double> bsdf = bsdf_of(m, scene_.textures(), TexturePoint{});
-                      const Rgb<double> single = bsdf.single(kNormal, Side::kReflected);
-                      const Rgb<double> glossy = bsdf.value(kNormal, kNormal) * facets;
+                      const Bsdf bsdf = bsdf_of(m, scene_.textures(), TexturePoint{});
+                      const Rgb single = bsdf.single(kNormal, Side::kReflected);
+                      const Rgb glossy = bsdf.value(kNormal, kNormal) * facets;
                       most = std::max(most, (single + glossy).max_component());
                     });
     return most;
@@ -233,7 +233,7 @@ class SmoothSurfaces::Collector {
     StopPoll poll;
     for (std::uint32_t i = run.first; i < run.first + run.count; ++i, poll()) {
       if (run.kind == HitKind::kSphere) {
-        auto sphere = whole_sphere(set.of<Sphere<double>>()[i], placed, like);
+        auto sphere = whole_sphere(set.of<Sphere>()[i], placed, like);
         if (!sphere || like.refracts || !like.reflects || may_hold_light(sphere->part))
           return false;
         planes.push_back(static_cast<std::int32_t>(found.planes.size()));

@@ -5,7 +5,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// A ray with its derivatives by two parameters of its start.
 struct Differential {
@@ -82,7 +82,7 @@ struct Traced {
 std::optional<Traced> trace(const Vector& from, const Vector& start,
                             std::span<const SmoothStep> steps) {
   Traced t;
-  const Frame<double> frame = Frame<double>::around(start);
+  const Frame frame = Frame::around(start);
   t.end = {from, start, {}, {frame.s, frame.t}};
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const std::optional<Vector> n = meet(*steps[i].part, t.end, t.is_ahead);
@@ -127,7 +127,7 @@ std::optional<SpecularPath> solve(const Vector& from, Vector start,
     };
     if (squared(*m) <= kClose * kClose * m->size * m->size) return found();
     const double x = -(m->bb * m->a - m->ab * m->b) / det, y = -(m->aa * m->b - m->ba * m->a) / det;
-    const Frame<double> frame = Frame<double>::around(start);
+    const Frame frame = Frame::around(start);
     // Halves the step while it does not lead closer.
     double share = 1;
     bool moved = false;
@@ -173,15 +173,14 @@ Vector first_direction(const Vector& from, std::span<const SmoothStep> steps, Ve
 
 }  // namespace
 
-std::optional<SpecularPath> path_to_point(const Vec3<double>& from,
-                                          std::span<const SmoothStep> steps,
-                                          const Vec3<double>& to) {
+std::optional<SpecularPath> path_to_point(const Vec3& from, std::span<const SmoothStep> steps,
+                                          const Vec3& to) {
   return solve(from, first_direction(from, steps, to, false), steps,
                [&](const Traced& traced) -> std::optional<Miss> {
                  Differential ray = traced.end;
                  const double t = dot(to - ray.p, ray.w);
                  ray.transfer(t, ray.w);
-                 const Frame<double> across = Frame<double>::around(ray.w);
+                 const Frame across = Frame::around(ray.w);
                  const Vector off = ray.p - to;
                  return Miss{dot(off, across.s),       dot(off, across.t),
                              dot(ray.dp[0], across.s), dot(ray.dp[1], across.s),
@@ -190,14 +189,13 @@ std::optional<SpecularPath> path_to_point(const Vec3<double>& from,
                });
 }
 
-std::optional<SpecularPath> path_to_direction(const Vec3<double>& from,
-                                              std::span<const SmoothStep> steps,
-                                              const Vec3<double>& w) {
+std::optional<SpecularPath> path_to_direction(const Vec3& from, std::span<const SmoothStep> steps,
+                                              const Vec3& w) {
   return solve(from, first_direction(from, steps, w, true), steps,
                [&](const Traced& traced) -> std::optional<Miss> {
                  const Differential& ray = traced.end;
                  if (!(dot(ray.w, w) > 0)) return std::nullopt;
-                 const Frame<double> across = Frame<double>::around(w);
+                 const Frame across = Frame::around(w);
                  return Miss{dot(ray.w, across.s),
                              dot(ray.w, across.t),
                              dot(ray.dw[0], across.s),

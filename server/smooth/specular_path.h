@@ -27,9 +27,9 @@ struct SmoothStep {
 inline constexpr std::size_t kMostSteps = 32;
 
 struct SpecularPath {
-  std::array<Vec3<double>, kMostSteps> points;  ///< on the surfaces, in order from the start
-  Vec3<double> start;                           ///< unit, from the start to points[0]
-  Vec3<double> end;                             ///< unit, along the last leg to the target
+  std::array<Vec3, kMostSteps> points;  ///< on the surfaces, in order from the start
+  Vec3 start;                           ///< unit, from the start to points[0]
+  Vec3 end;                             ///< unit, along the last leg to the target
   /// Solid angle at the start of the rays to a unit of area around the target, across the last leg
   /// [sr/m2].  For a direction as the target: the same for a unit of its solid angle.
   double spread = 0;
@@ -37,20 +37,18 @@ struct SpecularPath {
 
 /// The path from `from` by `steps` to the point `to`.  Nothing if there is none: the surfaces are
 /// taken as whole planes, of which a path must pass the rectangles.
-std::optional<SpecularPath> path_to_point(const Vec3<double>& from,
-                                          std::span<const SmoothStep> steps,
-                                          const Vec3<double>& to);
+std::optional<SpecularPath> path_to_point(const Vec3& from, std::span<const SmoothStep> steps,
+                                          const Vec3& to);
 /// The path whose last leg has the direction `w`, unit.
-std::optional<SpecularPath> path_to_direction(const Vec3<double>& from,
-                                              std::span<const SmoothStep> steps,
-                                              const Vec3<double>& w);
+std::optional<SpecularPath> path_to_direction(const Vec3& from, std::span<const SmoothStep> steps,
+                                              const Vec3& w);
 
 /// `p` mirrored by a plane.
-inline Vec3<double> mirror_image(const SmoothPart& plane, const Vec3<double>& p) {
+inline Vec3 mirror_image(const SmoothPart& plane, const Vec3& p) {
   return p - plane.n * (2 * plane.height(p));
 }
 /// The vector `v` mirrored by a plane.
-inline Vec3<double> mirror_vector(const SmoothPart& plane, const Vec3<double>& v) {
+inline Vec3 mirror_vector(const SmoothPart& plane, const Vec3& v) {
   return v - plane.n * (2 * dot(plane.n, v));
 }
 

@@ -27,7 +27,7 @@ constexpr double kRestOfASample = 600;
 
 struct Place {
   std::string name;
-  Vec3<double> receiver, normal;
+  Vec3 receiver, normal;
 };
 
 /// The light is centred on the origin in the plane z = 0, has size 1 and emits to -z.
@@ -37,12 +37,12 @@ std::vector<Place> places() {
     all.push_back({fmt::format("facing, {} away", d), {0.1 * d, 0.05 * d, -d}, {0, 0, 1}});
     all.push_back({fmt::format("cut by the horizon, {} away", d),
                    {0.1 * d, 0.05 * d, -d},
-                   normalized(Vec3<double>{1, 0.2, 0.1})});
+                   normalized(Vec3{1, 0.2, 0.1})});
     all.push_back(
         {fmt::format("beside it, {} away", d), {0.7 + 0.8 * d, 0.1, -0.6 * d}, {0, 0, 1}});
     all.push_back({fmt::format("grazing, {} away", d),
                    {0.7 + d, 0.2, -0.05 * d},
-                   normalized(Vec3<double>{-1, 0.2, 0.4})});
+                   normalized(Vec3{-1, 0.2, 0.4})});
   }
   return all;
 }
@@ -75,9 +75,9 @@ struct Moments {
 
 template <typename L>
 Measured measure(const L& light, const Place& place, const Way& way) {
-  Receiver<float> r{Vec3<float>(place.receiver)};
+  Receiver r{Vec3f(place.receiver)};
   r.area_sampling = way.way;
-  if (way.normal) r.normal = Vec3<float>(place.normal);
+  if (way.normal) r.normal = Vec3f(place.normal);
   Measured m{};
   for (int k = 0; k < 2; ++k) {
     const int n = k == 0 ? 1 : 16, replicates = k == 0 ? 16384 : 2048;
@@ -89,7 +89,7 @@ Measured measure(const L& light, const Place& place, const Way& way) {
         const auto s = light.sample_li(r, sequence.pair(j, 0));
         if (s.reason != NoLight::kNone) continue;
         const double one =
-            s.value.g * std::fmax(0, dot(place.normal, Vec3<double>(s.wi))) / s.pdf.per_sr / n;
+            s.value.g * std::fmax(0, dot(place.normal, Vec3(s.wi))) / s.pdf.per_sr / n;
         e += one;
         for (int a = 0; a < kEdges; ++a) {
           const double angle = 2 * std::numbers::pi * (a + 0.3) / kEdges;
@@ -108,7 +108,7 @@ Measured measure(const L& light, const Place& place, const Way& way) {
   for (int repeat = 0; repeat < 5; ++repeat) {
     constexpr int kTimed = 2000;
     const SobolSequence sequence(1, 3);
-    std::vector<Vec2<float>> u;
+    std::vector<Vec2f> u;
     for (std::uint32_t i = 0; i < kTimed; ++i) u.push_back(sequence.pair(i, 0));
     float sink = 0;
     const double start = now_ns();
@@ -134,7 +134,7 @@ void table(const std::string& name, const L& light, const std::vector<Way>& ways
   int seen = 0;
   for (const Place& place : at) {
     double first = 0;
-    if (light.sample_li(Vec3<float>(place.receiver), {0.5F, 0.5F}).reason != NoLight::kNone)
+    if (light.sample_li(Vec3f(place.receiver), {0.5F, 0.5F}).reason != NoLight::kNone)
       continue;  // inside of a sphere
     ++seen;
     for (std::size_t w = 0; w < ways.size(); ++w) {
@@ -168,10 +168,10 @@ const Way kAutomatic{"automatic", AreaSampling::kAutomatic, true};
 const Way kAutomaticBlind{"automatic, no normal", AreaSampling::kAutomatic, false};
 
 void run() {
-  const Rgb<double> level(1);
-  using V = Vec3<float>;
+  const Rgb level(1);
+  using V = Vec3f;
   const auto triangle = [&](const V& a, const V& b, const V& c) {
-    return *TriangleMeshLight<float>::create({level}, *TriangleMesh<float>::create({{a, b, c}}));
+    return *TriangleMeshLight::create({level}, *TriangleMesh::create({{a, b, c}}));
   };
   const std::vector<Way> triangle_ways{kLowDistortion,
                                        {"square-root", AreaSampling::kSquareRoot, false},
@@ -188,21 +188,20 @@ void run() {
   table("slim triangle", triangle({0.5F, 0.1F, 0}, {-0.5F, -0.05F, 0}, {-0.5F, 0.05F, 0}),
         triangle_ways);
   const auto rectangle = [&](float x, float y) {
-    return *PatchMeshLight<float>::create(
-        {level}, *PatchMesh<float>::create({{V{-x, -y, 0}, V{-x, y, 0}, V{x, -y, 0}, V{x, y, 0}}}));
+    return *PatchMeshLight::create(
+        {level}, *PatchMesh::create({{V{-x, -y, 0}, V{-x, y, 0}, V{x, -y, 0}, V{x, y, 0}}}));
   };
   const std::vector<Way> ways{kLowDistortion, kSolidAngle, kCosine, kAutomaticBlind, kAutomatic};
   table("square", rectangle(0.5F, 0.5F), ways);
   table("strip 5 : 1", rectangle(0.5F, 0.1F), ways);
-  table("sphere", *SphereLight<float>::create({level}, *Sphere<float>::create({.radius_m = 0.5})),
+  table("sphere", *SphereLight::create({level}, *Sphere::create({.radius_m = 0.5})),
         {kLowDistortion, kSolidAngle, kAutomatic});
   table("sphere from within",
-        *SphereLight<float>::create(
-            {level}, *Sphere<float>::create({.radius_m = 0.5, .reverse_orientation = true})),
+        *SphereLight::create({level},
+                             *Sphere::create({.radius_m = 0.5, .reverse_orientation = true})),
         {kLowDistortion, kSolidAngle, kAutomatic}, places_within());
   table("disk",
-        *DiskLight<float>::create(
-            {level}, *Disk<float>::create({.radius_m = 0.5, .reverse_orientation = true})),
+        *DiskLight::create({level}, *Disk::create({.radius_m = 0.5, .reverse_orientation = true})),
         {kLowDistortion, kSolidAngle, kAutomatic});
 }
 

@@ -38,8 +38,7 @@ class Pair {
     receiver_.normal = hit.ns;
     visit([&]<typename L>(const L& l) {
       if constexpr (HasIrradiance<L> && SeenOnSurface<L>) {
-        if (!l.hides_itself())
-          unshadowed_lx_ = luminance(l.irradiance(receiver_).value_or(Rgb<double>()));
+        if (!l.hides_itself()) unshadowed_lx_ = luminance(l.irradiance(receiver_).value_or(Rgb()));
       }
     });
   }
@@ -49,11 +48,11 @@ class Pair {
 
   Estimates estimate(AreaSampling way, std::uint64_t seed, std::uint32_t samples) const {
     const SobolSequence sequence(seed, 0, 0);
-    Receiver<double> receiver = receiver_;
+    Receiver receiver = receiver_;
     receiver.area_sampling = way;
     double all = 0, visible = 0, weighed = 0;
     for (std::uint32_t i = 0; i < samples; ++i) {
-      const Vec2<float> u = sequence.pair(i, 0);
+      const Vec2f u = sequence.pair(i, 0);
       const auto s = visit([&](const auto& l) {
         return l.sample_li(receiver, {double{u.x}, double{u.y}});
       });
@@ -80,16 +79,15 @@ class Pair {
     return 1 / (1 + ratio * ratio);
   }
   /// Contribution of a cosine-distributed direction that hits the light.
-  double found(const Receiver<double>& receiver, const Vec2<float>& u) const {
-    const Vec3<float> wi =
-        PathTracer::cosine_direction(Vec3<float>(hit_.ns), Vec3<float>(hit_.ns), u);
+  double found(const Receiver& receiver, const Vec2f& u) const {
+    const Vec3f wi = PathTracer::cosine_direction(Vec3f(hit_.ns), Vec3f(hit_.ns), u);
     const auto hit = scene_.closest_hit(spawn_ray(hit_, wi));
     if (!hit || hit->light != static_cast<std::int32_t>(light_)) return 0;
     return visit([&]<typename L>(const L& l) {
       if constexpr (SeenOnSurface<L>) {
         const double light_pdf = l.pdf_li(receiver, hit->on_light()).per_sr;
-        return std::numbers::pi * luminance(l.le(hit->on_light(), Vec3<double>(-wi))) *
-               (1 - weight(light_pdf, dot(hit_.ns, Vec3<double>(wi))));
+        return std::numbers::pi * luminance(l.le(hit->on_light(), Vec3(-wi))) *
+               (1 - weight(light_pdf, dot(hit_.ns, Vec3(wi))));
       } else {
         return 0.0;
       }
@@ -99,7 +97,7 @@ class Pair {
   const Scene& scene_;
   const SurfaceHit& hit_;
   std::uint32_t light_;
-  Receiver<double> receiver_;
+  Receiver receiver_;
   double unshadowed_lx_ = 0;
 };
 
@@ -116,7 +114,7 @@ void measure(const std::string& name) {
     hit.position = point.position;
     hit.position_error = point.position_error;
     hit.ns = point.normal;
-    hit.ng = Vec3<double>(point.normal);
+    hit.ng = Vec3(point.normal);
     for (std::uint32_t l = 0; l < scene->lights().size() && pairs < kMostPairs; ++l) {
       const Pair pair(*scene, hit, l);
       const double all = pair.unshadowed_lx();

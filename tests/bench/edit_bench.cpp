@@ -22,13 +22,13 @@ namespace lucerna {
 namespace {
 
 /// A bumpy sheet of 2 n^2 triangles.
-TriangleMeshData sheet(std::uint32_t n, double size_m, const Vec3<double>& corner) {
+TriangleMeshData sheet(std::uint32_t n, double size_m, const Vec3& corner) {
   TriangleMeshData mesh;
   for (std::uint32_t i = 0; i <= n; ++i)
     for (std::uint32_t j = 0; j <= n; ++j) {
       const double u = double(i) / n, v = double(j) / n;
-      mesh.positions.push_back(corner + Vec3<double>{u * size_m, v * size_m,
-                                                     0.03 * std::sin(40 * u) * std::cos(37 * v)});
+      mesh.positions.push_back(
+          corner + Vec3{u * size_m, v * size_m, 0.03 * std::sin(40 * u) * std::cos(37 * v)});
     }
   for (std::uint32_t i = 0; i < n; ++i)
     for (std::uint32_t j = 0; j < n; ++j) {

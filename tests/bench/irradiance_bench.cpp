@@ -33,8 +33,8 @@ std::vector<IrradiancePoint> grid(const Scene& scene, const double (&corners)[5]
     for (int i = 0; i < kColumns; ++i) {
       const double x = static_cast<double>(i) / (kColumns - 1),
                    y = static_cast<double>(j) / (kRows - 1);
-      const Vec3<double> at(corners[0] + x * (corners[2] - corners[0]),
-                            corners[1] + y * (corners[3] - corners[1]), corners[4]);
+      const Vec3 at(corners[0] + x * (corners[2] - corners[0]),
+                    corners[1] + y * (corners[3] - corners[1]), corners[4]);
       points.push_back({at - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}});
     }
   return points;

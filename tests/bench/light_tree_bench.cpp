@@ -19,14 +19,14 @@ std::vector<LightTree::Item> lights(std::uint32_t count) {
   const double side = std::sqrt(count);
   std::vector<LightTree::Item> all;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Vec2<float> u = sequence.pair(i, 0), v = sequence.pair(i, 1), w = sequence.pair(i, 2);
-    const Vec3<double> at{side * u.x, side * u.y, 4.0 * v.x};
+    const Vec2f u = sequence.pair(i, 0), v = sequence.pair(i, 1), w = sequence.pair(i, 2);
+    const Vec3 at{side * u.x, side * u.y, 4.0 * v.x};
     const double phi = 2 * kPi * w.x, z = 2.0 * w.y - 1, r = std::sqrt(1 - z * z);
     LightTree::Item item{{.lower = at, .upper = at, .cone_rad = kPi}, 0.5 + v.y};
     if (i % 3 != 0) item.bounds.axis = {r * std::cos(phi), r * std::sin(phi), z};
     if (i % 3 == 1) item.bounds.cone_rad = item.bounds.normals_rad = 0.6;
     if (i % 3 == 2) {
-      item.bounds.upper += Vec3<double>{0.3, 0.3, 0.3};
+      item.bounds.upper += Vec3{0.3, 0.3, 0.3};
       item.bounds.cone_rad = kPi / 2;
       item.bounds.normals_rad = 0;
     }
@@ -41,11 +41,11 @@ void BM_LightTreeChoose(benchmark::State& state) {
   const double side = std::sqrt(count);
   const SobolSequence sequence(4, 0);
   constexpr std::uint32_t kBatch = 4096;
-  std::vector<Receiver<double>> receivers;
+  std::vector<Receiver> receivers;
   std::vector<double> u;
   for (std::uint32_t i = 0; i < kBatch; ++i) {
-    const Vec2<float> at = sequence.pair(i, 0);
-    receivers.emplace_back(Vec3<double>{side * at.x, side * at.y, 0});
+    const Vec2f at = sequence.pair(i, 0);
+    receivers.emplace_back(Vec3{side * at.x, side * at.y, 0});
     receivers.back().normal = {0, 0, 1};
     u.push_back(sequence.pair(i, 1).x);
   }

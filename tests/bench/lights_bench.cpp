@@ -15,11 +15,11 @@ namespace {
 
 constexpr int kBatch = 1024;
 
-std::vector<Vec3<float>> receivers() {
-  std::vector<Vec3<float>> points;
+std::vector<Vec3f> receivers() {
+  std::vector<Vec3f> points;
   const SobolSequence sequence(1, 0);
   for (std::uint32_t i = 0; i < kBatch; ++i) {
-    const Vec2<float> u = sequence.pair(i, 0);
+    const Vec2f u = sequence.pair(i, 0);
     points.emplace_back(4 * u.x - 2, 4 * u.y - 2, 0.0f);
   }
   return points;
@@ -27,7 +27,7 @@ std::vector<Vec3<float>> receivers() {
 
 template <typename L>
 void sample_li(benchmark::State& state, const L& light) {
-  const std::vector<Vec3<float>> points = receivers();
+  const std::vector<Vec3f> points = receivers();
   const SobolSequence sequence(2, 0);
   for (auto _ : state) {
     float sum = 0;
@@ -50,12 +50,12 @@ void BM_Sobol(benchmark::State& state) {
 BENCHMARK(BM_Sobol);
 
 void BM_SampleLiPoint(benchmark::State& state) {
-  sample_li(state, *PointLight<float>::create({{0, 0, 2}, Rgb<double>(1)}));
+  sample_li(state, *PointLight::create({{0, 0, 2}, Rgb(1)}));
 }
 BENCHMARK(BM_SampleLiPoint);
 
 void BM_SampleLiSpot(benchmark::State& state) {
-  sample_li(state, *SpotLight<float>::create({{0, 0, 2}, {0, 0, -1}, Rgb<double>(1), 0.7, 0.5}));
+  sample_li(state, *SpotLight::create({{0, 0, 2}, {0, 0, -1}, Rgb(1), 0.7, 0.5}));
 }
 BENCHMARK(BM_SampleLiSpot);
 
@@ -64,18 +64,18 @@ BENCHMARK(BM_SampleLiSpot);
 /// so that no branch is mispredicted.
 template <typename Share>
 void spot_with_edge(benchmark::State& state, const Share& share) {
-  const std::vector<Vec3<float>> points = receivers();
+  const std::vector<Vec3f> points = receivers();
   double one_minus_cos_cone = 1 - std::cos(1.2);
   benchmark::DoNotOptimize(one_minus_cos_cone);
   for (auto _ : state) {
     float sum = 0;
-    for (const Vec3<float>& point : points) {
-      LightSample<float> sample;
+    for (const Vec3f& point : points) {
+      LightSample sample;
       const Way way = find_way({0, 0, 2}, point, sample);
-      const Vec3<double> chord = -way.wi - Vec3<double>{0, 0, -1};
+      const Vec3 chord = -way.wi - Vec3{0, 0, -1};
       const double inside = one_minus_cos_cone - dot(chord, chord) / 2;
       const double x = std::clamp(share(inside), 0.0, 1.0);
-      if (x > 0) set_inverse_square(Rgb<double>(1) * (x * x * (3 - 2 * x)), way, sample);
+      if (x > 0) set_inverse_square(Rgb(1) * (x * x * (3 - 2 * x)), way, sample);
       sum += sample.value.g;
     }
     benchmark::DoNotOptimize(sum);
@@ -101,35 +101,32 @@ void BM_SampleLiProjection(benchmark::State& state) {
   ProjectionLightParams params;
   params.position_m = {0, 0, 2};
   params.axes = {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}};
-  params.intensity_cd = Rgb<double>(1);
+  params.intensity_cd = Rgb(1);
   params.picture = *ProjectedPicture::create(
-      {*Image::create(64, 64, std::vector<Rgb<float>>(64 * 64, Rgb<float>(1))),
-       ImageFilter::kNearest, 1.5});
-  sample_li(state, *ProjectionLight<float>::create(params));
+      {*Image::create(64, 64, std::vector<Rgbf>(64 * 64, Rgbf(1))), ImageFilter::kNearest, 1.5});
+  sample_li(state, *ProjectionLight::create(params));
 }
 BENCHMARK(BM_SampleLiProjection);
 
 void BM_SampleLiDistant(benchmark::State& state) {
-  sample_li(state, *DistantLight<float>::create({{0, 0.6, 0.8}, Rgb<double>(1)}));
+  sample_li(state, *DistantLight::create({{0, 0.6, 0.8}, Rgb(1)}));
 }
 BENCHMARK(BM_SampleLiDistant);
 
 void BM_SampleLiUniformInfinite(benchmark::State& state) {
-  sample_li(state, *UniformInfiniteLight<float>::create({Rgb<double>(1)}));
+  sample_li(state, *UniformInfiniteLight::create({Rgb(1)}));
 }
 BENCHMARK(BM_SampleLiUniformInfinite);
 
 void BM_SampleLiTriangle(benchmark::State& state) {
-  std::vector<Triangle<float>> triangle = {{{0, 0, 2}, {0, 1, 2}, {1, 0, 2}}};
-  sample_li(state, *TriangleMeshLight<float>::create({Rgb<double>(1), true},
-                                                     *TriangleMesh<float>::create(triangle)));
+  std::vector<Triangle> triangle = {{{0, 0, 2}, {0, 1, 2}, {1, 0, 2}}};
+  sample_li(state, *TriangleMeshLight::create({Rgb(1), true}, *TriangleMesh::create(triangle)));
 }
 BENCHMARK(BM_SampleLiTriangle);
 
 void BM_SampleLiPatch(benchmark::State& state) {
-  std::vector<BilinearPatch<float>> patch = {{{0, 0, 2}, {0, 1, 2}, {1, 0, 2}, {1, 1, 2}}};
-  sample_li(state, *PatchMeshLight<float>::create({Rgb<double>(1), true},
-                                                  *PatchMesh<float>::create(patch)));
+  std::vector<BilinearPatch> patch = {{{0, 0, 2}, {0, 1, 2}, {1, 0, 2}, {1, 1, 2}}};
+  sample_li(state, *PatchMeshLight::create({Rgb(1), true}, *PatchMesh::create(patch)));
 }
 BENCHMARK(BM_SampleLiPatch);
 
@@ -137,7 +134,7 @@ void BM_SampleLiSphere(benchmark::State& state) {
   SphereParams params;
   params.radius_m = 0.5;
   params.world_from_object = Transform::translate({0, 0, 2});
-  sample_li(state, *SphereLight<float>::create({Rgb<double>(1)}, *Sphere<float>::create(params)));
+  sample_li(state, *SphereLight::create({Rgb(1)}, *Sphere::create(params)));
 }
 BENCHMARK(BM_SampleLiSphere);
 
@@ -145,7 +142,7 @@ void BM_SampleLiDisk(benchmark::State& state) {
   DiskParams params;
   params.height_m = 2;
   params.reverse_orientation = true;
-  sample_li(state, *DiskLight<float>::create({Rgb<double>(1)}, *Disk<float>::create(params)));
+  sample_li(state, *DiskLight::create({Rgb(1)}, *Disk::create(params)));
 }
 BENCHMARK(BM_SampleLiDisk);
 

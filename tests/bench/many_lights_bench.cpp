@@ -31,7 +31,7 @@ constexpr std::uint32_t kReceivers = 64;
 constexpr std::uint32_t kSamples = 512;
 
 struct Lamp {
-  Vec3<double> at;
+  Vec3 at;
   double intensity_cd;
 };
 
@@ -48,14 +48,14 @@ std::vector<Lamp> lamps(std::uint32_t count) {
 
 std::shared_ptr<const Scene> scene_of(const std::vector<Lamp>& lamps) {
   SceneDescription d;
-  d.materials = {diffuse_material(Rgb<double>(0.5))};
+  d.materials = {diffuse_material(Rgb(0.5))};
   const double side = std::sqrt(static_cast<double>(lamps.size()));
   ShapeDescription floor;
   floor.geometry = PatchMeshData{
       {{-side, -side, 0}, {side, -side, 0}, {-side, side, 0}, {side, side, 0}}, {}, {0, 1, 2, 3}};
   d.shapes = {std::move(floor)};
   for (const Lamp& lamp : lamps)
-    d.lights.push_back({PointLightParams{lamp.at, Rgb<double>(lamp.intensity_cd)}, {}});
+    d.lights.push_back({PointLightParams{lamp.at, Rgb(lamp.intensity_cd)}, {}});
   auto scene = Scene::build(std::move(d));
   if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
   return *scene;
@@ -114,10 +114,10 @@ class Study {
   }
 
  private:
-  double exact(const Vec3<double>& at) const {
+  double exact(const Vec3& at) const {
     double sum = 0;
     for (const Lamp& lamp : lamps_) {
-      const Vec3<double> to = lamp.at - at;
+      const Vec3 to = lamp.at - at;
       const double square = dot(to, to);
       sum += lamp.intensity_cd * to.z / (square * std::sqrt(square));
     }

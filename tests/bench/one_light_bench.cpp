@@ -25,13 +25,13 @@ namespace {
 
 constexpr std::size_t kReceivers = 1 << 16;
 constexpr int kRuns = 41;
-constexpr Vec3<double> kLamp{0.5, -0.25, 3};
+constexpr Vec3 kLamp{0.5, -0.25, 3};
 constexpr double kCandela = 100;
 
 /// The parameters of the light.
 struct Lamp {
-  Vec3<double> position;
-  Rgb<double> intensity;
+  Vec3 position;
+  Rgb intensity;
 };
 
 struct Arrays {
@@ -52,13 +52,12 @@ struct Arrays {
 /// SampleLi for one point light without checks: the same numbers up to rounding.
 void sample_bare(const Lamp& lamp, const std::vector<float>& receivers, Arrays& a) {
   for (std::size_t i = 0; i < kReceivers; ++i) {
-    const Vec3<double> to = lamp.position - Vec3<double>(triple(receivers, i));
+    const Vec3 to = lamp.position - Vec3(triple(receivers, i));
     const double squared = dot(to, to), distance = std::sqrt(squared), inverse = 1 / squared;
-    store(a.wi.data(), i, Vec3<float>(to * (1 / distance)));
-    store(
-        a.value.data(), i,
-        Vec3<float>(Vec3<double>(lamp.intensity.r, lamp.intensity.g, lamp.intensity.b) * inverse));
-    store(a.offsets.data(), i, Vec3<float>(lamp.position));
+    store(a.wi.data(), i, Vec3f(to * (1 / distance)));
+    store(a.value.data(), i,
+          Vec3f(Vec3(lamp.intensity.r, lamp.intensity.g, lamp.intensity.b) * inverse));
+    store(a.offsets.data(), i, Vec3f(lamp.position));
     a.distance[i] = static_cast<float>(distance);
     a.pdf[i] = 1;
     a.delta[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
@@ -66,43 +65,43 @@ void sample_bare(const Lamp& lamp, const std::vector<float>& receivers, Arrays& 
   }
 }
 
-bool is_float(const Vec3<double>& v) { return is_finite(Vec3<float>(v)); }
+bool is_float(const Vec3& v) { return is_finite(Vec3f(v)); }
 
 /// The same with everything that SampleLi guarantees for any input.
-void sample_whole(const Lamp& lamp, const PointArray& receivers, const Vec3<double>& scene_origin,
+void sample_whole(const Lamp& lamp, const PointArray& receivers, const Vec3& scene_origin,
                   const std::vector<float>& u, Arrays& a) {
-  const Vec3<double> shift = receivers.origin_m - scene_origin;
+  const Vec3 shift = receivers.origin_m - scene_origin;
   const bool is_black = lamp.intensity.is_black();
   for (std::size_t i = 0; i < kReceivers; ++i) {
     const auto put = [&](ItemResult result) { a.status[i] = static_cast<int>(result); };
     a.pdf[i] = 1;
-    const Vec3<float> offset = triple(receivers.offsets_m, i);
+    const Vec3f offset = triple(receivers.offsets_m, i);
     if (!is_finite(offset) || !std::isfinite(u[2 * i]) || !std::isfinite(u[2 * i + 1])) {
       put(ItemResult::kInvalidInput);
       continue;
     }
-    const Vec3<double> position = shift + Vec3<double>(offset);
+    const Vec3 position = shift + Vec3(offset);
     if (!is_float(position)) {
       put(ItemResult::kOutOfRange);
       continue;
     }
     a.delta[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
-    const Vec3<double> to = lamp.position - position;
-    if (to == Vec3<double>{}) {
+    const Vec3 to = lamp.position - position;
+    if (to == Vec3{}) {
       put(ItemResult::kDegenerate);
       continue;
     }
     const double squared = dot(to, to);
     const double distance = is_safe_square(squared) ? std::sqrt(squared) : length(to);
-    store(a.wi.data(), i, Vec3<float>(to / distance));
-    const Vec3<float> point(lamp.position - shift);
+    store(a.wi.data(), i, Vec3f(to / distance));
+    const Vec3f point(lamp.position - shift);
     const auto reported_distance = static_cast<float>(distance);
     const bool has_place = std::isfinite(reported_distance) && is_finite(point);
     if (std::isfinite(reported_distance)) a.distance[i] = reported_distance;
     if (has_place) store(a.offsets.data(), i, point);
-    const Rgb<double> lux =
+    const Rgb lux =
         is_safe_square(squared) ? lamp.intensity / squared : lamp.intensity / distance / distance;
-    const Vec3<float> value(Vec3<double>(lux.r, lux.g, lux.b));
+    const Vec3f value(Vec3(lux.r, lux.g, lux.b));
     if (is_black) {
       put(ItemResult::kBlack);
     } else if (!is_finite(value) || !has_place) {
@@ -116,18 +115,17 @@ void sample_whole(const Lamp& lamp, const PointArray& receivers, const Vec3<doub
 
 /// EstimateIrradiance for one point light, with a shadow ray if there is a scene.
 void irradiance_bare(const Lamp& lamp, const std::vector<IrradiancePoint>& points,
-                     const Scene* scene, std::vector<Rgb<double>>& answer) {
+                     const Scene* scene, std::vector<Rgb>& answer) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const IrradiancePoint& p = points[i];
-    const Vec3<double> to = lamp.position - p.position;
+    const Vec3 to = lamp.position - p.position;
     const double squared = dot(to, to), distance = std::sqrt(squared);
-    const double cosine = dot(Vec3<double>(p.normal), to) / distance;
+    const double cosine = dot(Vec3(p.normal), to) / distance;
     answer[i] = {};
     if (!(cosine > 0)) continue;
     if (scene != nullptr) {
-      const Vec3<float> start =
-          offset_origin(Vec3<float>(p.position), p.position_error, Vec3<double>(p.normal), to);
-      if (scene->occluded({start, Vec3<float>(lamp.position) - start, 0, 1})) continue;
+      const Vec3f start = offset_origin(Vec3f(p.position), p.position_error, Vec3(p.normal), to);
+      if (scene->occluded({start, Vec3f(lamp.position) - start, 0, 1})) continue;
     }
     answer[i] = lamp.intensity * (cosine / squared);
   }
@@ -143,20 +141,19 @@ IrradianceResult irradiance_whole(const Lamp& lamp, const std::vector<Irradiance
     const IrradiancePoint& p = points[i];
     IrradianceEstimate& e = answer.points[i];
     e.exact = true;
-    const Vec3<double> to = lamp.position - p.position;
+    const Vec3 to = lamp.position - p.position;
     const double squared = dot(to, to);
     if (!(squared > 0)) continue;
     const double distance = is_safe_square(squared) ? std::sqrt(squared) : length(to);
-    const double cosine = dot(Vec3<double>(p.normal), to / distance);
+    const double cosine = dot(Vec3(p.normal), to / distance);
     if (!(cosine > 0)) continue;
     if (scene != nullptr) {
       ++answer.work.shadow_rays;
       answer.costs[i].rays = 1;
-      const Vec3<float> start =
-          offset_origin(Vec3<float>(p.position), p.position_error, Vec3<double>(p.normal), to);
-      if (scene->occluded({start, Vec3<float>(lamp.position) - start, 0, 1})) continue;
+      const Vec3f start = offset_origin(Vec3f(p.position), p.position_error, Vec3(p.normal), to);
+      if (scene->occluded({start, Vec3f(lamp.position) - start, 0, 1})) continue;
     }
-    const Rgb<double> lux =
+    const Rgb lux =
         is_safe_square(squared) ? lamp.intensity / squared : lamp.intensity / distance / distance;
     if (!is_finite(lux)) continue;
     e.irradiance_lx = lux * cosine;
@@ -195,7 +192,7 @@ void run() {
   d.shapes = {testing::floor(10)};
   const auto with_floor = testing::build(d);
   const auto lamp_in = [](const Scene& scene) {
-    return Lamp{kLamp - scene.origin(), Rgb<double>(kCandela)};
+    return Lamp{kLamp - scene.origin(), Rgb(kCandela)};
   };
 
   std::mt19937 random(1);
@@ -203,11 +200,11 @@ void run() {
   std::vector<float> receivers;
   std::vector<IrradiancePoint> points, floor_points;
   for (std::size_t i = 0; i < kReceivers; ++i) {
-    const Vec3<float> p{u(random), u(random), 0};
+    const Vec3f p{u(random), u(random), 0};
     receivers.insert(receivers.end(), {p.x, p.y, p.z});
     const float e = 0x1p-19f;
-    points.push_back({Vec3<double>(p) - bare->origin(), {e, e, e}, {0, 0, 1}});
-    floor_points.push_back({Vec3<double>(p) - with_floor->origin(), {e, e, e}, {0, 0, 1}});
+    points.push_back({Vec3(p) - bare->origin(), {e, e, e}, {0, 0, 1}});
+    floor_points.push_back({Vec3(p) - with_floor->origin(), {e, e, e}, {0, 0, 1}});
   }
 
   fmt::print("bytes: the light {}, the scene {}", sizeof(Lamp), bare->bytes());
@@ -227,7 +224,7 @@ void run() {
       "SampleLi", [&] { sample_bare(of_bare, receivers, by_hand); },
       [&] { sample_whole(of_bare, query.receivers, bare->origin(), numbers, by_hand); },
       [&] { sample_li(*bare, query, by_scene.answer(), {}); });
-  std::vector<Rgb<double>> answer(kReceivers);
+  std::vector<Rgb> answer(kReceivers);
   IrradianceResult whole, estimate;
   IrradianceSettings settings{.block_count = 16, .bounces = 0};
   compare(

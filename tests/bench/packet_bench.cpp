@@ -55,30 +55,30 @@ class Recorder {
         last_depth_(static_cast<std::uint32_t>(scene.hints().max_depth.value_or(1) - 1)) {
     if (scene.lights().size() != 1 || scene.lights()[0].moving != nullptr)
       throw std::runtime_error("the scene must have one light that does not move");
-    light_ = scene.lights()[0].light.get_if<PointLight<double>>();
+    light_ = scene.lights()[0].light.get_if<PointLight>();
     if (light_ == nullptr) throw std::runtime_error("the light must be a point light");
   }
 
   /// Records one path through the pixel (x, y).
   void path(int x, int y, std::uint32_t pixel, const PathSample& sample) {
-    const Vec2<float> film = sample.pair(PathSample::kFilm);
+    const Vec2f film = sample.pair(PathSample::kFilm);
     Ray ray = scene_.camera().ray(static_cast<float>(x) + film.x, static_cast<float>(y) + film.y, 0,
                                   {0.5F, 0.5F});
-    Rgb<double> throughput{1};
+    Rgb throughput{1};
     for (std::uint32_t depth = 0;; ++depth) {
       add(ray, pixel, 2 * depth);
       const auto hit = scene_.closest_hit(ray);
       if (!hit) return;
-      const Vec3<float> wo = -ray.direction;
-      const Rgb<double>* reflectance = scene_.plain_diffuse(hit->material);
+      const Vec3f wo = -ray.direction;
+      const Rgb* reflectance = scene_.plain_diffuse(hit->material);
       if (reflectance == nullptr) throw std::runtime_error("a surface is not plain and diffuse");
       throughput = throughput * *reflectance;
       if (throughput.is_black()) return;
-      const LightSample<double> to = light_->sample_li({hit->position}, {});
-      if (dot(hit->ns, to.wi) * dot(hit->ns, Vec3<double>(wo)) > 0)
+      const LightSample to = light_->sample_li({hit->position}, {});
+      if (dot(hit->ns, to.wi) * dot(hit->ns, Vec3(wo)) > 0)
         add(shadow_ray(*hit, to), pixel, 2 * depth + 1);
       if (depth >= last_depth_) return;
-      ray = spawn_ray(*hit, PathTracer::cosine_direction(Vec3<float>(hit->ns), wo,
+      ray = spawn_ray(*hit, PathTracer::cosine_direction(Vec3f(hit->ns), wo,
                                                          sample.at(depth, PathSample::kDirection)));
     }
   }
@@ -87,8 +87,7 @@ class Recorder {
 
  private:
   void add(const Ray& ray, std::uint32_t pixel, std::uint32_t wave) {
-    const auto unit = unit_ray(Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.t_min,
-                               ray.t_max, space_);
+    const auto unit = unit_ray(Vec3(ray.origin), Vec3(ray.direction), ray.t_min, ray.t_max, space_);
     if (!unit) return;
     Traced t{{}, pixel, wave};
     t.ray.org_x = unit->origin.x, t.ray.org_y = unit->origin.y, t.ray.org_z = unit->origin.z;
@@ -102,17 +101,17 @@ class Recorder {
   const Scene& scene_;
   RaySpace space_;
   std::uint32_t last_depth_;
-  const PointLight<double>* light_ = nullptr;
+  const PointLight* light_ = nullptr;
 };
 
 /// As the filter of the server's triangles: looks at the cosine of each hit.
 void check_hits(const RTCFilterFunctionNArguments* args) {
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] == 0) continue;
-    const Vec3<float> n{RTCHitN_Ng_x(args->hit, args->N, i), RTCHitN_Ng_y(args->hit, args->N, i),
-                        RTCHitN_Ng_z(args->hit, args->N, i)};
-    const Vec3<float> d{RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
-                        RTCRayN_dir_z(args->ray, args->N, i)};
+    const Vec3f n{RTCHitN_Ng_x(args->hit, args->N, i), RTCHitN_Ng_y(args->hit, args->N, i),
+                  RTCHitN_Ng_z(args->hit, args->N, i)};
+    const Vec3f d{RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
+                  RTCRayN_dir_z(args->ray, args->N, i)};
     const float cosine = dot(n, d);
     if (cosine * cosine < 0x1p-24F * dot(n, n) * dot(d, d)) args->valid[i] = 0;
   }
@@ -127,8 +126,8 @@ class Triangles {
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
     const RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     void* v = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                      sizeof(Vec3<float>), set.vertices.size());
-    std::ranges::copy(set.vertices, static_cast<Vec3<float>*>(v));
+                                      sizeof(Vec3f), set.vertices.size());
+    std::ranges::copy(set.vertices, static_cast<Vec3f*>(v));
     void* t = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                       3 * sizeof(std::uint32_t), set.triangles.size() / 3);
     std::ranges::copy(set.triangles, static_cast<std::uint32_t*>(t));
@@ -306,7 +305,7 @@ int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
   const auto scene = load_scene(file);
   const GeometrySet& set = scene->accelerator().scene();
   double reach = 0;
-  for (const Vec3<float>& v : set.vertices) reach = std::max(reach, double{max_abs(v)});
+  for (const Vec3f& v : set.vertices) reach = std::max(reach, double{max_abs(v)});
   const RaySpace space(reach * set.unit_m);
   Recorder recorder(*scene, space);
   constexpr int kRowsApart = 16;

@@ -33,9 +33,9 @@ std::vector<float> receivers(const SceneSphere& sphere) {
   std::uniform_real_distribution<double> u(-1, 1);
   std::vector<float> offsets_m;
   while (offsets_m.size() < 3 * kReceivers) {
-    const Vec3<double> v{u(random), u(random), u(random)};
+    const Vec3 v{u(random), u(random), u(random)};
     if (dot(v, v) > 1) continue;
-    const Vec3<float> at(sphere.center_m + v * sphere.radius_m);
+    const Vec3f at(sphere.center_m + v * sphere.radius_m);
     offsets_m.insert(offsets_m.end(), {at.x, at.y, at.z});
   }
   return offsets_m;

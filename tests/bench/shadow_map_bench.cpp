@@ -47,7 +47,7 @@ void compare(const std::string& scene, const char* what, int runs,
 std::string by_itself(const Scene& scene, const std::vector<IrradiancePoint>& receivers, int runs) {
   struct Item {
     std::uint32_t light;
-    Vec3<double> position, normal;
+    Vec3 position, normal;
     Ray ray;
   };
   std::vector<Item> items;
@@ -58,7 +58,7 @@ std::string by_itself(const Scene& scene, const std::vector<IrradiancePoint>& re
     for (std::uint32_t l = 0; l < scene.lights().size(); ++l) {
       if (shadow_maps(scene).map(l) == nullptr) continue;
       const auto sample = visit_light(scene.lights()[l], 0, [&](const auto& light) {
-        return light.sample_li(Receiver<double>(p.position), {0.5, 0.5});
+        return light.sample_li(Receiver(p.position), {0.5, 0.5});
       });
       if (sample.reason != NoLight::kNone || !(dot(hit.ng, sample.wi) > 0)) continue;
       items.push_back({l, hit.position, hit.ng, shadow_ray(hit, sample)});

@@ -20,7 +20,7 @@ namespace {
 
 using testing::emissive;
 using testing::patch;
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// A quadrilateral from its corners in ring order.
 ShapeDescription around(const Vector& a, const Vector& b, const Vector& c, const Vector& d) {
@@ -110,12 +110,12 @@ void measure(const std::string& name, SceneDescription description, const Vector
         lower + Vector{u(random) * (upper.x - lower.x), u(random) * (upper.y - lower.y),
                        u(random) * (upper.z - lower.z)};
     const Vector w = normalized(Vector{u(random) - 0.5, u(random) - 0.5, u(random) - 0.5});
-    const auto hit = scene->closest_hit({Vec3<float>(from), Vec3<float>(w)});
+    const auto hit = scene->closest_hit({Vec3f(from), Vec3f(w)});
     if (!hit || hit->light >= 0) continue;
     SurfaceHit r = *hit;
     if (dot(r.ng, w) > 0) r.ng = -r.ng;
     r.ns = r.ng;
-    Receiver<double> receiver(r.position);
+    Receiver receiver(r.position);
     receiver.normal = r.ns;
     for (std::uint32_t l = 0; l < scene->lights().size(); ++l) {
       const auto timed = [&](int repeats, const auto& f) {
@@ -127,21 +127,20 @@ void measure(const std::string& name, SceneDescription description, const Vector
       const double form_ns = timed(kRepeats, [&] {
         visit_light(scene->lights()[l], 0, [&](const auto& model) {
           if constexpr (requires { model.irradiance(receiver); })
-            lx = model.irradiance(receiver).value_or(Rgb<double>()).g;
+            lx = model.irradiance(receiver).value_or(Rgb()).g;
         });
       });
       if (!(lx > 0)) continue;
       form.push_back(form_ns);
       bool is_empty = false;
-      const double ns =
-          timed(kRepeats, [&] { is_empty = shafts.is_empty(r, Vec3<float>(r.ns), l); });
+      const double ns = timed(kRepeats, [&] { is_empty = shafts.is_empty(r, Vec3f(r.ns), l); });
       (is_empty ? empty_ns : full_ns).push_back(ns);
       std::uint32_t lit = 0, blocked = 0;
       double sum = 0, one_ray = 0;
       samples_ns.push_back(timed(1, [&] {
         const SobolSequence sequence(1, static_cast<std::uint64_t>(i), l);
         for (std::uint32_t k = 0; k < kSamples; ++k) {
-          const Vec2<float> v = sequence.pair(k, 0);
+          const Vec2f v = sequence.pair(k, 0);
           const auto s = visit_light(scene->lights()[l], 0, [&](const auto& model) {
             return model.sample_li(receiver, {v.x, v.y});
           });

@@ -28,10 +28,10 @@ inline std::vector<IrradiancePoint> shipped_points(const Scene& scene, const std
   for (std::string line; std::getline(file, line);) {
     std::ranges::replace(line, ',', ' ');
     std::istringstream in(line);
-    Vec3<double> p, n{0, 0, 1};
+    Vec3 p, n{0, 0, 1};
     if (!(in >> p.x >> p.y >> p.z)) continue;  // the header
     in >> n.x >> n.y >> n.z;
-    const Vec3<double> at = p - scene.origin();
+    const Vec3 at = p - scene.origin();
     const auto error = static_cast<float>(max_abs(at) * 0x1p-21);
     out.push_back({at, {error, error, error}, normalized(n)});
   }

@@ -26,14 +26,14 @@ namespace lucerna {
 namespace {
 
 struct MeshOfBall {
-  std::vector<Vec3<float>> vertices;
+  std::vector<Vec3f> vertices;
   std::vector<std::uint32_t> indices;
 };
 
 /// An octahedron whose triangles are split in four `times` times, on a ball of radius 1 about
 /// `centre`.
-MeshOfBall ball(int times, const Vec3<double>& centre) {
-  std::vector<Vec3<double>> v{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+MeshOfBall ball(int times, const Vec3& centre) {
+  std::vector<Vec3> v{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<std::uint32_t> t{0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4,
                                2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
   for (int k = 0; k < times; ++k) {
@@ -59,23 +59,23 @@ MeshOfBall ball(int times, const Vec3<double>& centre) {
 }
 
 struct Aim {
-  Vec3<float> origin, direction;
+  Vec3f origin, direction;
 };
 
-std::vector<Aim> aims(const MeshOfBall& mesh, const Vec3<double>& centre, std::size_t count) {
+std::vector<Aim> aims(const MeshOfBall& mesh, const Vec3& centre, std::size_t count) {
   std::mt19937_64 random(5);
   const auto u = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   std::vector<Aim> all;
   all.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double z = 2 * u() - 1, phi = 2 * std::numbers::pi * u(), r = std::sqrt(1 - z * z);
-    const Vec3<float> origin(centre + Vec3<double>{u() - 0.5, u() - 0.5, u() - 0.5} * 0.8);
-    Vec3<double> target = centre + Vec3<double>{r * std::cos(phi), r * std::sin(phi), z};
+    const Vec3f origin(centre + Vec3{u() - 0.5, u() - 0.5, u() - 0.5} * 0.8);
+    Vec3 target = centre + Vec3{r * std::cos(phi), r * std::sin(phi), z};
     const std::size_t t = 3 * (random() % (mesh.indices.size() / 3));
-    const Vec3<double> a(mesh.vertices[mesh.indices[t]]), b(mesh.vertices[mesh.indices[t + 1]]);
+    const Vec3 a(mesh.vertices[mesh.indices[t]]), b(mesh.vertices[mesh.indices[t + 1]]);
     if (i % 3 == 1) target = a;
     if (i % 3 == 2) target = (a + b) * 0.5;
-    all.push_back({origin, Vec3<float>(target - Vec3<double>(origin))});
+    all.push_back({origin, Vec3f(target - Vec3(origin))});
   }
   return all;
 }
@@ -83,10 +83,10 @@ std::vector<Aim> aims(const MeshOfBall& mesh, const Vec3<double>& centre, std::s
 /// t of a triangle's plane, in double.
 double t_of(const MeshOfBall& mesh, std::uint32_t triangle, const Aim& aim) {
   const auto corner = [&](int k) {
-    return Vec3<double>(mesh.vertices[mesh.indices[3 * std::size_t{triangle} + k]]);
+    return Vec3(mesh.vertices[mesh.indices[3 * std::size_t{triangle} + k]]);
   };
-  const Vec3<double> n = cross(corner(1) - corner(0), corner(2) - corner(0));
-  return dot(n, corner(0) - Vec3<double>(aim.origin)) / dot(n, Vec3<double>(aim.direction));
+  const Vec3 n = cross(corner(1) - corner(0), corner(2) - corner(0));
+  return dot(n, corner(0) - Vec3(aim.origin)) / dot(n, Vec3(aim.direction));
 }
 
 struct Found {
@@ -103,7 +103,7 @@ class Traversal {
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               mesh.vertices.data(), 0, sizeof(Vec3<float>), mesh.vertices.size());
+                               mesh.vertices.data(), 0, sizeof(Vec3f), mesh.vertices.size());
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(),
                                0, 3 * sizeof(std::uint32_t), mesh.indices.size() / 3);
     rtcCommitGeometry(g);
@@ -142,7 +142,7 @@ class Traversal {
   RTCScene scene_;
 };
 
-Found judge(const MeshOfBall& mesh, const Vec3<double>& centre, const std::vector<Aim>& aims,
+Found judge(const MeshOfBall& mesh, const Vec3& centre, const std::vector<Aim>& aims,
             const std::vector<RTCRayHit>& hits) {
   Found found;
   const double rounding = 0x1p-24 * (max_abs(centre) + 1);
@@ -152,7 +152,7 @@ Found judge(const MeshOfBall& mesh, const Vec3<double>& centre, const std::vecto
       continue;
     }
     const double t = t_of(mesh, hits[i].hit.primID, aims[i]);
-    const double off_m = std::fabs(hits[i].ray.tfar - t) * length(Vec3<double>(aims[i].direction));
+    const double off_m = std::fabs(hits[i].ray.tfar - t) * length(Vec3(aims[i].direction));
     found.off = std::max(found.off, off_m / rounding);
   }
   return found;
@@ -168,7 +168,7 @@ struct Summary {
   double least_ratio = INFINITY, most_ratio = 0;
 };
 
-void compare(RTCDevice device, int times, const Vec3<double>& centre, const std::string& where,
+void compare(RTCDevice device, int times, const Vec3& centre, const std::string& where,
              Summary& all) {
   constexpr std::size_t kRays = 600000;
   constexpr int kRepeats = 9;

@@ -37,7 +37,7 @@ constexpr std::size_t kBatches = 64, kBatch = 16'384, kInFlight = 4, kThreads = 
 constexpr float kSize = 10;  // of the box [m]
 
 struct Mesh {
-  std::vector<Vec3<float>> vertices;
+  std::vector<Vec3f> vertices;
   std::vector<std::uint32_t> triangles;
 };
 
@@ -47,8 +47,7 @@ Mesh balls() {
   std::uniform_real_distribution<float> uniform(0, 1);
   Mesh mesh;
   for (std::uint32_t b = 0; b < kBalls; ++b) {
-    const Vec3<float> middle{kSize * uniform(random), kSize * uniform(random),
-                             kSize * uniform(random)};
+    const Vec3f middle{kSize * uniform(random), kSize * uniform(random), kSize * uniform(random)};
     const float radius = 0.1F + 0.4F * uniform(random);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (std::uint32_t i = 0; i <= kAcross; ++i) {
@@ -56,9 +55,8 @@ Mesh balls() {
         const float theta = std::numbers::pi_v<float> * static_cast<float>(i) / kAcross;
         const float phi = 2 * std::numbers::pi_v<float> * static_cast<float>(j) / kAcross;
         const float r = radius * (1 + 0.05F * std::sin(9 * theta) * std::cos(7 * phi));
-        mesh.vertices.push_back(middle + Vec3<float>{std::sin(theta) * std::cos(phi),
-                                                     std::sin(theta) * std::sin(phi),
-                                                     std::cos(theta)} *
+        mesh.vertices.push_back(middle + Vec3f{std::sin(theta) * std::cos(phi),
+                                               std::sin(theta) * std::sin(phi), std::cos(theta)} *
                                              r);
       }
     }
@@ -77,14 +75,12 @@ Mesh leaves() {
   constexpr std::uint32_t kLeaves = 1'000'000;
   std::mt19937 random(1);
   std::uniform_real_distribution<float> uniform(0, 1);
-  const auto anywhere = [&] {
-    return Vec3<float>{uniform(random), uniform(random), uniform(random)};
-  };
+  const auto anywhere = [&] { return Vec3f{uniform(random), uniform(random), uniform(random)}; };
   Mesh mesh;
   for (std::uint32_t i = 0; i < kLeaves; ++i) {
-    const Vec3<float> middle = anywhere() * kSize;
+    const Vec3f middle = anywhere() * kSize;
     for (std::uint32_t k = 0; k < 3; ++k) {
-      mesh.vertices.push_back(middle + (anywhere() - Vec3<float>{0.5F, 0.5F, 0.5F}) * 0.05F);
+      mesh.vertices.push_back(middle + (anywhere() - Vec3f{0.5F, 0.5F, 0.5F}) * 0.05F);
       mesh.triangles.push_back(3 * i + k);
     }
   }
@@ -97,7 +93,7 @@ void write_scene(const Mesh& mesh, const std::filesystem::path& folder) {
       << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
       << mesh.triangles.size() / 3 << "\nproperty list uchar int vertex_indices\nend_header\n";
   ply.write(reinterpret_cast<const char*>(mesh.vertices.data()),
-            static_cast<std::streamsize>(mesh.vertices.size() * sizeof(Vec3<float>)));
+            static_cast<std::streamsize>(mesh.vertices.size() * sizeof(Vec3f)));
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
     ply.put(3);
     ply.write(reinterpret_cast<const char*>(&mesh.triangles[i]), 12);
@@ -158,7 +154,7 @@ class Bare {
     RTCGeometry g = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     void* v = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
                                       mesh.vertices.size());
-    std::copy_n(mesh.vertices.data(), mesh.vertices.size(), static_cast<Vec3<float>*>(v));
+    std::copy_n(mesh.vertices.data(), mesh.vertices.size(), static_cast<Vec3f*>(v));
     void* i = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
                                       mesh.triangles.size() / 3);
     std::copy_n(mesh.triangles.data(), mesh.triangles.size(), static_cast<std::uint32_t*>(i));

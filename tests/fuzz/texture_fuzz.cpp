@@ -60,7 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (std::int32_t t = 0; t < static_cast<std::int32_t>(textures.size()); ++t)
     for (const double u : {-1e300, -0.3, 0.0, 0.5, 1.0, 7.25, 1e300})
       for (const double v : {-1e300, 0.0, 0.75, 1.0, 1e300}) {
-        const lucerna::Vec3<double> p{u, v, 0.5};
+        const lucerna::Vec3 p{u, v, 0.5};
         for (const lucerna::Footprint* f :
              std::initializer_list<const lucerna::Footprint*>{nullptr, &round, &slim, &endless}) {
           const lucerna::TexturePoint at{

@@ -15,12 +15,11 @@ namespace lucerna::testing {
 
 /// The part of a polygon on the side of `n` of the plane through the origin.  Clips corner by
 /// corner (Sutherland and Hodgman).
-inline std::vector<Vec3<double>> above_horizon(const std::vector<Vec3<double>>& corners,
-                                               const Vec3<double>& n) {
-  std::vector<Vec3<double>> kept;
+inline std::vector<Vec3> above_horizon(const std::vector<Vec3>& corners, const Vec3& n) {
+  std::vector<Vec3> kept;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3<double>& a = corners[i];
-    const Vec3<double>& b = corners[(i + 1) % corners.size()];
+    const Vec3& a = corners[i];
+    const Vec3& b = corners[(i + 1) % corners.size()];
     const double ha = dot(a, n), hb = dot(b, n);
     if (ha >= 0) kept.push_back(a);
     if ((ha >= 0) != (hb >= 0)) kept.push_back(a + (b - a) * (ha / (ha - hb)));
@@ -32,15 +31,14 @@ inline std::vector<Vec3<double>> above_horizon(const std::vector<Vec3<double>>& 
 /// horizon is clipped.  Along an edge the unit vector w moves in the plane of edge and receiver.
 /// So w x dw is that plane's normal m times the angle that w moves.  The area is half the sum of
 /// the edges' angles times m.n.  (Lambert, Photometria, 1760)
-inline double polygon_irradiance(std::vector<Vec3<double>> corners, const Vec3<double>& receiver,
-                                 const Vec3<double>& n) {
-  for (Vec3<double>& corner : corners) corner = corner - receiver;
+inline double polygon_irradiance(std::vector<Vec3> corners, const Vec3& receiver, const Vec3& n) {
+  for (Vec3& corner : corners) corner = corner - receiver;
   corners = above_horizon(corners, n);
   double sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3<double>& a = corners[i];
-    const Vec3<double>& b = corners[(i + 1) % corners.size()];
-    const Vec3<double> m = cross(a, b);
+    const Vec3& a = corners[i];
+    const Vec3& b = corners[(i + 1) % corners.size()];
+    const Vec3 m = cross(a, b);
     sum += std::atan2(length(m), dot(a, b)) * dot(normalized(m), n);
   }
   return std::fabs(sum) / 2;
@@ -61,10 +59,10 @@ inline double polygon_irradiance(std::vector<Vec3<double>> corners, const Vec3<d
 ///   its ends (cos s / sin w, +- sin s sin T).  Its half integral is half its angle:
 ///   atan2(sin s sin T, cos s / sin w).
 /// [Snyder96] has the same formula.
-inline double sphere_irradiance(const Vec3<double>& centre, double radius,
-                                const Vec3<double>& receiver, const Vec3<double>& n) {
+inline double sphere_irradiance(const Vec3& centre, double radius, const Vec3& receiver,
+                                const Vec3& n) {
   constexpr double kPi = std::numbers::pi;
-  const Vec3<double> to_centre = centre - receiver;
+  const Vec3 to_centre = centre - receiver;
   const double sin_s = radius / length(to_centre);
   const double cos_s = std::sqrt((1 - sin_s) * (1 + sin_s));
   const double cos_w = dot(normalized(to_centre), n);
@@ -97,13 +95,13 @@ inline double disk_irradiance(double radius, double height, double offset) {
 /// A disk about `centre` with the unit normal (0, 0, 1), for receivers at any angle.  It is a
 /// polygon of 4096 corners with the disk's own area.  Its irradiance is within 1e-6 of the disk's:
 /// an edge deviates by R (pi / 4096)^2 / 2 to either side.
-inline std::vector<Vec3<double>> disk_as_polygon(const Vec3<double>& centre, double radius) {
+inline std::vector<Vec3> disk_as_polygon(const Vec3& centre, double radius) {
   constexpr int kCorners = 4096;
   const double step = 2 * std::numbers::pi / kCorners;
   const double r = radius * std::sqrt(step / std::sin(step));
-  std::vector<Vec3<double>> corners;
+  std::vector<Vec3> corners;
   for (int i = 0; i < kCorners; ++i)
-    corners.push_back(centre + Vec3<double>{r * std::cos(i * step), r * std::sin(i * step), 0});
+    corners.push_back(centre + Vec3{r * std::cos(i * step), r * std::sin(i * step), 0});
   return corners;
 }
 

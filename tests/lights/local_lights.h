@@ -16,7 +16,7 @@ namespace lucerna::testing {
 
 struct LocalLight {
   std::string name;
-  Light<double> light;
+  Light light;
 };
 
 /// About 30 lights.  Their sizes are about that of the map; the map keeps angles.
@@ -30,9 +30,9 @@ class LocalLights {
   std::vector<LocalLight> take() { return std::move(lights_); }
 
  private:
-  Vec3<double> point(double x, double y, double z) const { return at_.point({x, y, z}); }
+  Vec3 point(double x, double y, double z) const { return at_.point({x, y, z}); }
   double size() const { return *at_.uniform_scale(); }
-  Frame<double> axes() const {
+  Frame axes() const {
     return {at_.vector({1, 0, 0}), at_.vector({0, 1, 0}), at_.vector({0, 0, 1})};
   }
   template <typename L>
@@ -42,22 +42,21 @@ class LocalLights {
   }
 
   void add_points() {
-    const Rgb<double> cd(3);
-    add("point", PointLight<double>::create({point(1, 2, 3), cd}));
+    const Rgb cd(3);
+    add("point", PointLight::create({point(1, 2, 3), cd}));
     for (const double half : {1e-6, 0.01, 0.5, 1.5, 3.0})
       for (const double start : {1.0, 0.5})
         add(fmt::format("spot of {}, from {}", half, half * start),
-            SpotLight<double>::create(
-                {point(1, 2, 3), at_.vector({0, 0, 1}), cd, half, half * start}));
+            SpotLight::create({point(1, 2, 3), at_.vector({0, 0, 1}), cd, half, half * start}));
     const auto goniometric = [&](const char* name, std::vector<double> vertical_deg,
                                  std::vector<double> candela) {
       GoniometricLightParams params;
       params.position_m = point(-1, 0, 2);
       params.axes = axes();
-      params.intensity = Rgb<double>(1);
+      params.intensity = Rgb(1);
       params.web = *PhotometricWeb::create(
           {PhotometricType::kC, std::move(vertical_deg), {0}, std::move(candela)});
-      add(name, GoniometricLight<double>::create(params));
+      add(name, GoniometricLight::create(params));
     };
     goniometric("luminaire that shines down", {0, 30, 60, 65, 90}, {9, 5, 1, 0, 0});
     goniometric("luminaire that shines up and down", {0, 60, 90, 150, 180}, {9, 0, 0, 0, 3});
@@ -66,34 +65,33 @@ class LocalLights {
     projection.axes = axes();
     projection.intensity_cd = cd;
     projection.picture = *ProjectedPicture::create({.fov_rad = 1.1, .aspect = 1.5});
-    add("projection", ProjectionLight<double>::create(projection));
+    add("projection", ProjectionLight::create(projection));
     BeamLightParams beam;
     beam.position_m = point(0, 2, 0);
     beam.axes = axes();
     beam.width_m = 2 * size();
     beam.height_m = size();
-    beam.illuminance_lx = Rgb<double>(2);
-    add("beam", BeamLight<double>::create(beam));
+    beam.illuminance_lx = Rgb(2);
+    add("beam", BeamLight::create(beam));
   }
 
   void add_shapes(bool two_sided) {
-    const DiffuseEmission emission{Rgb<double>(2), two_sided};
+    const DiffuseEmission emission{Rgb(2), two_sided};
     const auto named = [&](const char* shape) {
       return fmt::format("{}{}", shape, two_sided ? ", two-sided" : "");
     };
-    const auto triangle = *TriangleMesh<double>::create(
-        {{point(0, 0, 0), point(1, 0.25, 0.5), point(0.5, 1, -0.25)}});
-    const auto bent =
-        *TriangleMesh<double>::create({{point(0, 0, 0), point(1, 0, 0), point(0, 1, 0)},
-                                       {point(1, 0, 0), point(1, 1, 0.5), point(0, 1, 0)}});
-    const auto rectangle = *PatchMesh<double>::create(
-        {{point(0, 0, 0), point(2, 0, 0), point(0, 1, 0), point(2, 1, 0)}});
-    const auto saddle = *PatchMesh<double>::create(
-        {{point(0, 0, 0), point(1, 0, 0.25), point(0, 1, 0.5), point(1, 1, 0)}});
+    const auto triangle =
+        *TriangleMesh::create({{point(0, 0, 0), point(1, 0.25, 0.5), point(0.5, 1, -0.25)}});
+    const auto bent = *TriangleMesh::create({{point(0, 0, 0), point(1, 0, 0), point(0, 1, 0)},
+                                             {point(1, 0, 0), point(1, 1, 0.5), point(0, 1, 0)}});
+    const auto rectangle =
+        *PatchMesh::create({{point(0, 0, 0), point(2, 0, 0), point(0, 1, 0), point(2, 1, 0)}});
+    const auto saddle =
+        *PatchMesh::create({{point(0, 0, 0), point(1, 0, 0.25), point(0, 1, 0.5), point(1, 1, 0)}});
     DiskParams disk_params;
     disk_params.radius_m = 0.75;
     disk_params.world_from_object = at_;
-    const auto disk = *Disk<double>::create(disk_params);
+    const auto disk = *Disk::create(disk_params);
     SphereParams ball;
     ball.radius_m = 0.5;
     ball.world_from_object = at_;
@@ -103,46 +101,42 @@ class LocalLights {
     tube.radius_m = 0.25;
     tube.phi_max_rad = 2;
     tube.world_from_object = at_;
-    const auto sphere = *Sphere<double>::create(ball);
-    const auto cylinder = *Cylinder<double>::create(tube);
-    add(named("triangle"), TriangleMeshLight<double>::create(emission, triangle));
-    add(named("bent mesh"), TriangleMeshLight<double>::create(emission, bent));
-    add(named("rectangle"), PatchMeshLight<double>::create(emission, rectangle));
-    add(named("saddle"), PatchMeshLight<double>::create(emission, saddle));
-    add(named("disk"), DiskLight<double>::create(emission, disk));
-    add(named("sphere"), SphereLight<double>::create(emission, sphere));
-    add(named("cap"), SphereLight<double>::create(emission, *Sphere<double>::create(cap)));
-    add(named("cylinder"), CylinderLight<double>::create(emission, cylinder));
+    const auto sphere = *Sphere::create(ball);
+    const auto cylinder = *Cylinder::create(tube);
+    add(named("triangle"), TriangleMeshLight::create(emission, triangle));
+    add(named("bent mesh"), TriangleMeshLight::create(emission, bent));
+    add(named("rectangle"), PatchMeshLight::create(emission, rectangle));
+    add(named("saddle"), PatchMeshLight::create(emission, saddle));
+    add(named("disk"), DiskLight::create(emission, disk));
+    add(named("sphere"), SphereLight::create(emission, sphere));
+    add(named("cap"), SphereLight::create(emission, *Sphere::create(cap)));
+    add(named("cylinder"), CylinderLight::create(emission, cylinder));
 
     PanelProfile profile;
     profile.web =
         *PhotometricWeb::create({PhotometricType::kC, {0, 40, 80, 90}, {0}, {9, 6, 1, 0}});
     profile.tangent = at_.vector({1, 0.5, 0});
-    add(named("panel"), PanelPatchMeshLight<double>::create(
-                            emission, *PanelPatchMesh<double>::create(rectangle, profile)));
-    add(named("round panel"),
-        PanelDiskLight<double>::create(emission, *PanelDisk<double>::create(disk, profile)));
-    const Picture picture{
-        *Image::create(2, 2, {Rgb<float>(1), Rgb<float>(0), Rgb<float>(2), Rgb<float>(0.5F)}),
-        ImageFilter::kNearest, "partly black"};
+    add(named("panel"),
+        PanelPatchMeshLight::create(emission, *PanelPatchMesh::create(rectangle, profile)));
+    add(named("round panel"), PanelDiskLight::create(emission, *PanelDisk::create(disk, profile)));
+    const Picture picture{*Image::create(2, 2, {Rgbf(1), Rgbf(0), Rgbf(2), Rgbf(0.5F)}),
+                          ImageFilter::kNearest, "partly black"};
     add(named("painted rectangle"),
-        PaintedPatchMeshLight<double>::create(
-            emission, *PaintedPatchMesh<double>::create(rectangle, picture)));
-    add(named("painted sphere"), PaintedSphereLight<double>::create(
-                                     emission, *PaintedSphere<double>::create(sphere, picture)));
+        PaintedPatchMeshLight::create(emission, *PaintedPatchMesh::create(rectangle, picture)));
+    add(named("painted sphere"),
+        PaintedSphereLight::create(emission, *PaintedSphere::create(sphere, picture)));
     add(named("painted cylinder"),
-        PaintedCylinderLight<double>::create(emission,
-                                             *PaintedCylinder<double>::create(cylinder, picture)));
+        PaintedCylinderLight::create(emission, *PaintedCylinder::create(cylinder, picture)));
   }
 
   Transform at_;
   std::vector<LocalLight> lights_;
 };
 
-inline LightBounds<double> bounds_of(const Light<double>& light) {
+inline LightBounds bounds_of(const Light& light) {
   return visit([](const auto& l) { return *l.bounds(); }, light);
 }
-inline double power_of(const Light<double>& light) {
+inline double power_of(const Light& light) {
   return visit([](const auto& l) { return l.power({}).lumens.max_component(); }, light);
 }
 inline LightTree tree_of(const std::vector<LocalLight>& lights) {
@@ -150,8 +144,7 @@ inline LightTree tree_of(const std::vector<LocalLight>& lights) {
   for (const LocalLight& l : lights) items.push_back({bounds_of(l.light), power_of(l.light)});
   return *LightTree::create(items);
 }
-inline LightSample<double> sample_of(const Light<double>& light, const Receiver<double>& receiver,
-                                     Vec2<double> u) {
+inline LightSample sample_of(const Light& light, const Receiver& receiver, Vec2 u) {
   return visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
 }
 
@@ -159,7 +152,7 @@ inline LightSample<double> sample_of(const Light<double>& light, const Receiver<
 /// zero.
 inline Transform random_place(RandomU& random, double size, double spread) {
   const auto number = [&] { return 2.0 * random.next() - 1; };
-  const Vec3<double> shift{number(), number(), number()};
+  const Vec3 shift{number(), number(), number()};
   return Transform::translate(shift * (size * spread)) *
          *Transform::rotate(3 * number(), {number(), number(), 1.5}) *
          *Transform::scale({size, size, size});

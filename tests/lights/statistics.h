@@ -25,10 +25,9 @@ class RandomU {
  public:
   explicit RandomU(std::uint64_t seed) : engine_(seed) {}
   float next() { return static_cast<float>(engine_() >> 40) * 0x1p-24F; }
-  template <typename Real = float>
-  Vec2<Real> pair() {
-    const Real x = next();
-    return {x, static_cast<Real>(next())};
+  Vec2 pair() {
+    const double x = next();
+    return {x, next()};
   }
 
  private:
@@ -95,7 +94,7 @@ inline double chi_square_p_value(const std::vector<double>& observed,
 /// A part of the sphere of directions: all within `half_angle` of the unit vector `axis`, cut into
 /// cells of equal solid angle.
 struct Region {
-  Vec3<double> axis{0, 0, 1};
+  Vec3 axis{0, 0, 1};
   double half_angle_rad = std::numbers::pi;
 
   double one_minus_cos() const {
@@ -105,18 +104,17 @@ struct Region {
   double solid_angle_sr() const { return 2 * std::numbers::pi * one_minus_cos(); }
 
   /// The direction at (x, y) of the unit square, uniform in solid angle.
-  Vec3<double> at(double x, double y) const {
+  Vec3 at(double x, double y) const {
     const double h = x * one_minus_cos();
     const double r = std::sqrt(std::fmax(0, h * (2 - h)));
     const double phi = 2 * std::numbers::pi * y;
-    return Frame<double>::around(axis).world_from_local(
-        {r * std::cos(phi), r * std::sin(phi), 1 - h});
+    return Frame::around(axis).world_from_local({r * std::cos(phi), r * std::sin(phi), 1 - h});
   }
 
   /// The inverse of `at`; x above 1 is outside of the region.
-  Vec2<double> where(const Vec3<double>& w) const {
-    const Vec3<double> chord = w - axis;
-    const Vec3<double> local = Frame<double>::around(axis).local_from_world(w);
+  Vec2 where(const Vec3& w) const {
+    const Vec3 chord = w - axis;
+    const Vec3 local = Frame::around(axis).local_from_world(w);
     const double y = std::atan2(local.y, local.x) / (2 * std::numbers::pi);
     return {dot(chord, chord) / 2 / one_minus_cos(), y < 0 ? y + 1 : y};
   }

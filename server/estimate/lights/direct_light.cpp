@@ -16,25 +16,25 @@ constexpr double kInvPi = std::numbers::inv_pi;
 
 /// The sample of an area light that counts as a point.  Nothing if the distance is below `radii`
 /// times the light's radius, or if the light has no closed form.
-std::optional<LightSample<double>> far_sample(const LightAtTime& light,
-                                              const Receiver<double>& receiver, double radii) {
+std::optional<LightSample> far_sample(const LightAtTime& light, const Receiver& receiver,
+                                      double radii) {
   if (!light.has_surface() || !light.has_irradiance()) return std::nullopt;
   const auto bounds = light.bounds();
   if (!bounds || light.hides_itself()) return std::nullopt;
-  const Vec3<double> middle = bounds->lower * 0.5 + bounds->upper * 0.5;
-  const Vec3<double> away = receiver.position - middle;
+  const Vec3 middle = bounds->lower * 0.5 + bounds->upper * 0.5;
+  const Vec3 away = receiver.position - middle;
   const double distance = length(away);
   if (!(distance > std::fmax(radii, 1) * length(bounds->upper - middle))) return std::nullopt;
   // At 2^10 times the distance, the light's size changes the value by less than a millionth.
   // The squared factor is applied again below.
   constexpr double kFarther = 1024;
-  Receiver<double> from = receiver;
+  Receiver from = receiver;
   from.position = middle + away * kFarther;
   from.normal = away * (-1 / distance);
   const auto lx = light.irradiance(from);
   if (!lx) return std::nullopt;
   // The shadow ray ends at this point of the light.
-  LightSample<double> s = light.sample_li(receiver, {0.5, 0.5});
+  LightSample s = light.sample_li(receiver, {0.5, 0.5});
   s.delta = true;
   s.pdf = {};
   s.wi = from.normal;
@@ -45,8 +45,7 @@ std::optional<LightSample<double>> far_sample(const LightAtTime& light,
 
 /// The share of a sample's light that a surface of reflectance 1 sends towards `wo`; 0 without
 /// light.
-double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
-                       const LightSample<double>& sample) {
+double reflected_share(const SurfaceHit& hit, const Vec3f& wo, const LightSample& sample) {
   return sample.reason == NoLight::kNone ? reflected_share(hit, wo, sample.wi) : 0;
 }
 
@@ -71,8 +70,7 @@ bool is_even_lamp(const SceneLight& light) {
 
 }  // namespace
 
-MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receiver,
-                       double probability) {
+MostIrradiance most_of(const LightAtTime& light, const Receiver& receiver, double probability) {
   // The probability is 0 only if the bounds of the light's cluster exclude light.
   if (!(probability > 0)) return {};
   MostIrradiance most = light.most_irradiance(receiver);
@@ -111,12 +109,12 @@ double DirectLight::weight(double a, double b) const {
   return 1 / (1 + (methods_.combination == Combination::kBalanceHeuristic ? ratio : ratio * ratio));
 }
 
-Receiver<double> DirectLight::receiver(const SurfaceHit& hit, const Vec3<float>& wo,
-                                       const SurfaceScattering* scattering) const {
-  Receiver<double> r(hit.position);
+Receiver DirectLight::receiver(const SurfaceHit& hit, const Vec3f& wo,
+                               const SurfaceScattering* scattering) const {
+  Receiver r(hit.position);
   // Without a normal, light arrives from both sides.
   if (scattering == nullptr || !scattering->transmits())
-    r.normal = dot(hit.ns, Vec3<double>(wo)) < 0 ? -hit.ns : hit.ns;
+    r.normal = dot(hit.ns, Vec3(wo)) < 0 ? -hit.ns : hit.ns;
   r.area_sampling = methods_.area_sampling;
   // Each vertex samples lights and a direction of the surface, and weights both.
   r.incomplete = methods_.combination != Combination::kLights;
@@ -151,15 +149,15 @@ Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
   return scene_.lights().size() - deltas_ <= kFewAreas ? Spending::kEach : Spending::kAreasDrawn;
 }
 
-LightSample<double> DirectLight::light_sample(const Vertex& v, std::uint32_t light,
-                                              const PathSample& at, std::uint32_t dimension) const {
+LightSample DirectLight::light_sample(const Vertex& v, std::uint32_t light, const PathSample& at,
+                                      std::uint32_t dimension) const {
   const LightAtTime l(scene_.lights()[light], v.hit.time_s);
-  Receiver<double> r = receiver(v.hit, v.wo, v.scattering);
+  Receiver r = receiver(v.hit, v.wo, v.scattering);
   r.incomplete = r.incomplete && !l.is_unseen();
   if (methods_.far_light_radii)
     if (const auto s = far_sample(l, r, *methods_.far_light_radii)) return *s;
   if (l.is_delta()) return l.sample_li(r, {});  // has one sample, so it needs no random numbers
-  const Vec2<float> u = at.pair(dimension);
+  const Vec2f u = at.pair(dimension);
   return l.sample_li(r, {u.x, u.y});
 }
 
@@ -167,7 +165,7 @@ DirectLight::Candidate DirectLight::candidate(const Vertex& v, const LightChoice
                                               std::uint32_t points, const PathSample& at,
                                               std::uint32_t dimension) const {
   Candidate c{light_sample(v, choice.light, at, dimension), {}, {}};
-  const LightSample<double>& s = c.sample;
+  const LightSample& s = c.sample;
   if (v.scattering != nullptr) {
     scatter(v, choice, points, c);
     return c;
@@ -194,10 +192,10 @@ DirectLight::Candidate DirectLight::candidate(const Vertex& v, const LightChoice
 
 void DirectLight::scatter(const Vertex& v, const LightChoice& choice, std::uint32_t points,
                           Candidate& c) const {
-  const LightSample<double>& s = c.sample;
+  const LightSample& s = c.sample;
   if (s.reason != NoLight::kNone) return;
-  const Vec3<double> wo(v.wo);
-  const Rgb<double> f = v.scattering->value(wo, s.wi);
+  const Vec3 wo(v.wo);
+  const Rgb f = v.scattering->value(wo, s.wi);
   if (f.is_black()) return;
   if (s.delta) {
     c.value = s.value * f * (1 / choice.probability);
@@ -218,7 +216,7 @@ void DirectLight::scatter(const Vertex& v, const LightChoice& choice, std::uint3
 }
 
 LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
-                                    const LightSample<double>& sample, const Rgb<double>& value,
+                                    const LightSample& sample, const Rgb& value,
                                     WorkCounts& work) const {
   if (value.is_black()) return {};
   if (scene_.is_clear()) return {value, value};  // no ray is needed, and none is counted
@@ -226,14 +224,12 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
   return {value * visibility_.visible(light, hit.position, hit.ng, ray, work), value};
 }
 
-std::optional<Rgb<double>> DirectLight::from_one_direction(const SurfaceHit& hit,
-                                                           const Vec3<float>& wo,
-                                                           std::uint32_t light,
-                                                           WorkCounts& work) const {
+std::optional<Rgb> DirectLight::from_one_direction(const SurfaceHit& hit, const Vec3f& wo,
+                                                   std::uint32_t light, WorkCounts& work) const {
   const LightAtTime l(scene_.lights()[light], hit.time_s);
-  const auto arriving = [&](const LightSample<double>& s) {
+  const auto arriving = [&](const LightSample& s) {
     const double share = reflected_share(hit, wo, s);
-    return share > 0 ? shadowed(hit, light, s, s.value * share, work).value : Rgb<double>{};
+    return share > 0 ? shadowed(hit, light, s, s.value * share, work).value : Rgb{};
   };
   if (methods_.far_light_radii)
     if (const auto s = far_sample(l, receiver(hit, wo), *methods_.far_light_radii))
@@ -248,20 +244,20 @@ bool DirectLight::uses_closed_forms(bool at_receiver) const {
   return at_receiver && scene_.lights().size() - deltas_ <= kFewAreas;
 }
 
-std::optional<Rgb<double>> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3<float>& wo,
-                                                       std::uint32_t light) const {
+std::optional<Rgb> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3f& wo,
+                                               std::uint32_t light) const {
   const SceneLight& of = scene_.lights()[light];
   if (of.moving != nullptr || scene_.has_media()) return std::nullopt;
   const LightAtTime l(of, hit.time_s);
   if (!l.has_irradiance() || l.hides_itself()) return std::nullopt;
-  const Receiver<double> r = receiver(hit, wo);
-  if (!shafts(scene_).is_empty(hit, Vec3<float>(r.normal), light)) return std::nullopt;
-  const std::optional<Rgb<double>> lx = l.irradiance(r);
+  const Receiver r = receiver(hit, wo);
+  if (!shafts(scene_).is_empty(hit, Vec3f(r.normal), light)) return std::nullopt;
+  const std::optional<Rgb> lx = l.irradiance(r);
   if (!lx) return std::nullopt;
   return *lx * kInvPi;
 }
 
-void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
+void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3f& wo,
                          std::uint32_t depth, const PathSample& s, const LightSet& settled,
                          WorkCounts& work, const Found& found,
                          const SurfaceScattering* scattering) const {
@@ -300,18 +296,18 @@ void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<fl
 void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, const PathSample& s,
                                 std::uint32_t dimension) const {
   const SceneLight& light = scene_.lights()[choice.light];
-  const auto* point = light.light.get_if<PointLight<double>>();
+  const auto* point = light.light.get_if<PointLight>();
   if (point != nullptr && light.moving == nullptr && v.scattering == nullptr) {
     // As below, with the same bits.  A LightAtTime and its samples would take longer than the rest.
     if (const auto plain = point->plain_sample_li(v.hit.position)) {
       const double f = reflected_share(v.hit, v.wo, plain->wi);
       if (!(f > 0)) return v.found(choice.light, {});
-      const Rgb<double> value = plain->value * (f / choice.probability);
-      Rgb<double> visible(1);
+      const Rgb value = plain->value * (f / choice.probability);
+      Rgb visible(1);
       if (!value.is_black() && !scene_.is_clear())
-        visible = visibility_.visible(
-            choice.light, v.hit.position, v.hit.ng,
-            ray_to_point(v.hit, plain->wi, Vec3<float>(point->position())), v.work);
+        visible =
+            visibility_.visible(choice.light, v.hit.position, v.hit.ng,
+                                ray_to_point(v.hit, plain->wi, Vec3f(point->position())), v.work);
       return v.found(choice.light, {value * visible, value});
     }
   }
@@ -348,7 +344,7 @@ void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSa
       u = (u - part) / (1 - part);
     }
   };
-  const Receiver<double> from = receiver(v.hit, v.wo, v.scattering);
+  const Receiver from = receiver(v.hit, v.wo, v.scattering);
   const LightSelector& lights = selector(spending);
   for (std::uint32_t j = 0; j < candidates_; ++j) {
     const PathSample part = s.part(j, candidates_);
@@ -364,27 +360,27 @@ void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSa
   v.found(light, shadowed(v.hit, light, kept.sample, kept.value * scale, v.work));
 }
 
-MostIrradiance DirectLight::most(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
+MostIrradiance DirectLight::most(Spending spending, const SurfaceHit& hit, const Vec3f& wo,
                                  std::uint32_t light) const {
-  const Receiver<double> r = receiver(hit, wo);
+  const Receiver r = receiver(hit, wo);
   double probability = 1;
   if (spending == Spending::kDrawn || spending == Spending::kAreasDrawn)
     probability = selector(spending).probability(methods_.light_selection, r, light);
   return most_of(LightAtTime(scene_.lights()[light], hit.time_s), r, probability);
 }
 
-double DirectLight::found_weight(Spending spending, const SurfaceHit& from, const Vec3<float>& wo,
+double DirectLight::found_weight(Spending spending, const SurfaceHit& from, const Vec3f& wo,
                                  const Ray& ray, const std::optional<SurfaceHit>& hit,
                                  std::uint32_t light, double direction_pdf,
                                  const SurfaceScattering* scattering) const {
   if (methods_.combination == Combination::kSurfaces && !methods_.far_light_radii) return 1;
-  const Receiver<double> r = receiver(from, wo, scattering);
+  const Receiver r = receiver(from, wo, scattering);
   const LightAtTime l(scene_.lights()[light], ray.time_s);
   // Directions do not find a light that counts as a point.
   if (methods_.far_light_radii && far_sample(l, r, *methods_.far_light_radii)) return 0;
-  SolidAnglePdf<double> pdf{};
+  SolidAnglePdf pdf{};
   if (!l.has_surface())
-    pdf = l.pdf_li(r, Vec3<double>(ray.direction));
+    pdf = l.pdf_li(r, Vec3(ray.direction));
   else if (hit)
     pdf = l.pdf_li(r, hit->on_light());
   // A density of infinity marks a light that directions cannot find.

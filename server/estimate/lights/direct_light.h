@@ -20,8 +20,8 @@ namespace lucerna {
 
 /// Light of one sample, with and without shadows.
 struct LightEstimate {
-  Rgb<double> value;
-  Rgb<double> unshadowed;
+  Rgb value;
+  Rgb unshadowed;
 
   LightEstimate& operator+=(const LightEstimate& e) {
     value += e.value;
@@ -62,8 +62,7 @@ enum class Spending {
 };
 
 /// Upper bounds of a light's illuminance, if samples choose the light with this probability.
-MostIrradiance most_of(const LightAtTime& light, const Receiver<double>& receiver,
-                       double probability);
+MostIrradiance most_of(const LightAtTime& light, const Receiver& receiver, double probability);
 
 /// Estimates the radiance [cd/m2] that a surface at `hit` sends towards `wo`.  Without a
 /// SurfaceScattering the surface is diffuse with reflectance 1: 1/pi of the irradiance on the side
@@ -115,14 +114,14 @@ class DirectLight {
   /// an estimate of all light.
   using Found = absl::FunctionRef<void(std::uint32_t light, const LightEstimate&)>;
   /// Samples the lights that are not in `settled`.
-  void sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
+  void sample(Spending spending, const SurfaceHit& hit, const Vec3f& wo, std::uint32_t depth,
               const PathSample& s, const LightSet& settled, WorkCounts& work, const Found& found,
               const SurfaceScattering* scattering = nullptr) const;
 
   /// All light of a light that is seen in one direction from `hit`: a delta light, or a light so
   /// far away that it counts as a point.  Nothing for other lights.
-  std::optional<Rgb<double>> from_one_direction(const SurfaceHit& hit, const Vec3<float>& wo,
-                                                std::uint32_t light, WorkCounts& work) const;
+  std::optional<Rgb> from_one_direction(const SurfaceHit& hit, const Vec3f& wo, std::uint32_t light,
+                                        WorkCounts& work) const;
 
   /// Whether `from_one_direction` returns all light of every light, at any receiver.
   bool settles_all() const {
@@ -131,13 +130,13 @@ class DirectLight {
 
   /// All light of a light in closed form, if certainly nothing is in the way.  Uses no samples and
   /// no rays.  Nothing for other lights.  Requires `uses_closed_forms`.
-  std::optional<Rgb<double>> in_closed_form(const SurfaceHit& hit, const Vec3<float>& wo,
-                                            std::uint32_t light) const;
+  std::optional<Rgb> in_closed_form(const SurfaceHit& hit, const Vec3f& wo,
+                                    std::uint32_t light) const;
   /// Whether closed forms are used: at receivers, or at the first vertex of paths.
   bool uses_closed_forms(bool at_receiver) const;
 
   /// Upper bounds of a light's illuminance at `hit`, on the side of `wo`.
-  MostIrradiance most(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
+  MostIrradiance most(Spending spending, const SurfaceHit& hit, const Vec3f& wo,
                       std::uint32_t light) const;
 
   const Transmittance& transmittance() const { return visibility_.transmittance(); }
@@ -149,23 +148,23 @@ class DirectLight {
   }
   /// The weight of light that a direction with density `direction_pdf` found from `from`.
   /// `sample` with the same `spending` and `wo` may choose the same light.
-  double found_weight(Spending spending, const SurfaceHit& from, const Vec3<float>& wo,
-                      const Ray& ray, const std::optional<SurfaceHit>& hit, std::uint32_t light,
+  double found_weight(Spending spending, const SurfaceHit& from, const Vec3f& wo, const Ray& ray,
+                      const std::optional<SurfaceHit>& hit, std::uint32_t light,
                       double direction_pdf, const SurfaceScattering* scattering = nullptr) const;
 
  private:
   /// A weighted light sample, scattered by the surface, without shadows.
   struct Candidate {
-    LightSample<double> sample;
-    Rgb<double> value;
+    LightSample sample;
+    Rgb value;
     /// Upper limit of the light that a direction of the surface finds, if only directions are used.
-    Rgb<double> found;
+    Rgb found;
   };
 
   /// The arguments of `sample` at one vertex.
   struct Vertex {
     const SurfaceHit& hit;
-    const Vec3<float>& wo;
+    const Vec3f& wo;
     std::uint32_t depth;
     const LightSet& settled;
     WorkCounts& work;
@@ -177,16 +176,15 @@ class DirectLight {
   void sample_one_of(const Vertex& v, Spending spending, const PathSample& s, double share) const;
 
   /// `at`, `dimension`: the random numbers of the light's point.
-  LightSample<double> light_sample(const Vertex& v, std::uint32_t light, const PathSample& at,
-                                   std::uint32_t dimension) const;
+  LightSample light_sample(const Vertex& v, std::uint32_t light, const PathSample& at,
+                           std::uint32_t dimension) const;
   Candidate candidate(const Vertex& v, const LightChoice& choice, std::uint32_t points,
                       const PathSample& at, std::uint32_t dimension) const;
   /// Sets the values of a candidate at a vertex with a SurfaceScattering.
   void scatter(const Vertex& v, const LightChoice& choice, std::uint32_t points,
                Candidate& c) const;
-  LightEstimate shadowed(const SurfaceHit& hit, std::uint32_t light,
-                         const LightSample<double>& sample, const Rgb<double>& value,
-                         WorkCounts& work) const;
+  LightEstimate shadowed(const SurfaceHit& hit, std::uint32_t light, const LightSample& sample,
+                         const Rgb& value, WorkCounts& work) const;
   bool is_delta(std::uint32_t light) const;
   /// What finds this light: only its samples, if rays do not meet it.
   Combination combination(std::uint32_t light) const;
@@ -196,8 +194,8 @@ class DirectLight {
   double weight(double a, double b) const;
 
   /// The receiver at `hit` for lights.  Samples and weights use the same receiver.
-  Receiver<double> receiver(const SurfaceHit& hit, const Vec3<float>& wo,
-                            const SurfaceScattering* scattering = nullptr) const;
+  Receiver receiver(const SurfaceHit& hit, const Vec3f& wo,
+                    const SurfaceScattering* scattering = nullptr) const;
 
   const Scene& scene_;
   Methods methods_;

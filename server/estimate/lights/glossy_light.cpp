@@ -10,7 +10,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// With at most this many pairs of a plane and a light, a receiver visits each.
 constexpr std::size_t kFewPairs = 16;
@@ -28,7 +28,7 @@ struct SmoothLight::GlossySpot {
   double alpha;
 
   /// GGX of slopes: alpha^2 / (pi (alpha^2 + slope^2)^2).
-  Vector point(const Vec2<float>& u) const {
+  Vector point(const Vec2f& u) const {
     const double r = alpha * std::sqrt(double{u.x} / (1 - double{u.x})), turn = 2 * kPi * u.y;
     return middle + along * (r * std::cos(turn) / per_along) +
            across * (r * std::sin(turn) / per_across);
@@ -41,7 +41,7 @@ struct SmoothLight::GlossySpot {
   }
 };
 
-auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3<double>& from, std::uint32_t light,
+auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3& from, std::uint32_t light,
                               double time_s) const -> std::optional<GlossySpot> {
   const LightAtTime at(scene_.lights()[light], time_s);
   const double height = part.height(from);
@@ -55,7 +55,7 @@ auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3<double>& from, 
     distance = length(away);
     w = away / distance;
   } else {
-    w = at.sample_li(Receiver<double>(image), {}).wi;
+    w = at.sample_li(Receiver(image), {}).wi;
   }
   const double towards = dot(part.n, w), t = height / towards;
   if (!(t > 0 && t < distance)) return std::nullopt;
@@ -63,7 +63,7 @@ auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3<double>& from, 
   const double curvature = 1 / t + 1 / (distance - t), cosine = std::fabs(towards);
   GlossySpot spot{.middle = image + w * t, .alpha = part.glossy_alpha};
   const Vector in_plane = w - part.n * towards;
-  spot.along = length(in_plane) > 1e-6 ? normalized(in_plane) : Frame<double>::around(part.n).s;
+  spot.along = length(in_plane) > 1e-6 ? normalized(in_plane) : Frame::around(part.n).s;
   spot.across = cross(part.n, spot.along);
   spot.per_along = curvature * cosine / 2;
   spot.per_across = curvature / (2 * cosine);
@@ -126,7 +126,7 @@ void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts
   const std::size_t pairs = glossy_.size() * deltas_.size();
   const double probability = glossy_choice(v.is_receiver);
   const std::uint32_t first = kFirstGlossyPair + v.depth * kGlossyPairsOfVertex;
-  const auto visit = [&](std::size_t pair, const Vec2<float>& u) {
+  const auto visit = [&](std::size_t pair, const Vec2f& u) {
     const std::uint32_t number = glossy_[pair / deltas_.size()];
     const std::uint32_t light = deltas_[pair % deltas_.size()];
     const SmoothPart& part = parts_[number];
@@ -138,24 +138,24 @@ void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts
     const Vector away = p - v.hit.position;
     const double distance = length(away);
     const Vector w = away / distance;
-    const Rgb<double> f = scattered(v, w);
+    const Rgb f = scattered(v, w);
     if (f.is_black()) return;
-    const Ray ray = spawn_ray(v.hit, Vec3<float>(w));
+    const Ray ray = spawn_ray(v.hit, Vec3f(w));
     ++work.indirect_rays;
     auto hit = scene_.closest_hit(ray, visibility_.transmittance().met());
     if (!hit || surfaces_.part_of(*hit) != static_cast<std::int32_t>(number)) return;
     const SurfaceScattering scattering(scene_, *hit);
     const LightAtTime at(scene_.lights()[light], v.hit.time_s);
-    const LightSample<double> sample = at.sample_li(Receiver<double>(hit->position), {});
+    const LightSample sample = at.sample_li(Receiver(hit->position), {});
     if (sample.reason != NoLight::kNone) return;
     const double per_area = std::fabs(dot(part.n, w)) / (distance * distance);
     const double direction_pdf = v.scattering != nullptr
                                      ? v.scattering->pdf(Vector(v.wo), w)
                                      : std::fabs(dot(v.hit.ns, w)) * std::numbers::inv_pi;
-    const Rgb<double> value = f * scattering.value(-w, sample.wi) * sample.value *
-                              (per_area / (density + direction_pdf * per_area));
+    const Rgb value = f * scattering.value(-w, sample.wi) * sample.value *
+                      (per_area / (density + direction_pdf * per_area));
     if (value.is_black() || !is_finite(value)) return;
-    Rgb<double> share(1);
+    Rgb share(1);
     if (scene_.has_media()) {
       Ray way = ray;
       way.t_max = hit->t;

@@ -17,25 +17,25 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// Rays are followed until so many were kept or tried.
 constexpr std::size_t kMostKept = 8192, kMostTried = 32768;
 constexpr int kMostSurfaces = 16;
 
 /// The start of a ray from a light towards a sphere.  Nothing if no light leaves there.
-std::optional<Ray> start_of(const LightAtTime& light, const Vector& middle, double radius,
-                            Vec2<double> u, Vec2<double> v, const Scene& scene) {
+std::optional<Ray> start_of(const LightAtTime& light, const Vector& middle, double radius, Vec2 u,
+                            Vec2 v, const Scene& scene) {
   const bool is_near = light.bounds().has_value();
-  const EmissionSample<double> e = is_near ? light.sample_le(u, {0.5, 0.5}, scene.sphere())
-                                           : light.sample_le(u, v, SceneSphere{middle, radius});
+  const EmissionSample e = is_near ? light.sample_le(u, {0.5, 0.5}, scene.sphere())
+                                   : light.sample_le(u, v, SceneSphere{middle, radius});
   if (!is_near) {
     if (e.value.is_black()) return std::nullopt;
-    return Ray{Vec3<float>(e.origin), Vec3<float>(e.direction)};
+    return Ray{Vec3f(e.origin), Vec3f(e.direction)};
   }
   const Vector to = middle - e.origin;
   const double distance = length(to), sine = radius / distance;
-  const Vector w = sine < 1 ? Frame<double>::around(to / distance)
+  const Vector w = sine < 1 ? Frame::around(to / distance)
                                   .world_from_local(sample_uniform_cone(
                                       v, sine * sine / (1 + std::sqrt(1 - sine * sine))))
                             : sample_uniform_sphere(v);
@@ -43,7 +43,7 @@ std::optional<Ray> start_of(const LightAtTime& light, const Vector& middle, doub
     return std::nullopt;
   // The ray must not meet the light's own surface.
   constexpr double kOff = 1e-5;
-  return Ray{Vec3<float>(e.origin + w * (kOff * distance)), Vec3<float>(w)};
+  return Ray{Vec3f(e.origin + w * (kOff * distance)), Vec3f(w)};
 }
 
 /// Follows a ray to where it leaves the last smooth surface.  Nothing if it meets none without
@@ -67,7 +67,7 @@ std::optional<LampRay> follow(const Scene& scene, const SmoothSurfaces& surfaces
     met_unsolved |= part == SmoothSurfaces::kNone || (is_ball && met_ball) ||
                     (k > 0 && !surfaces.tree().empty());
     met_ball |= is_ball;
-    last = {Vec3<float>(hit->position), Vec3<float>(on->wi)};
+    last = {Vec3f(hit->position), Vec3f(on->wi)};
     ray = spawn_ray(*hit, last.along);
   }
   if (!met_unsolved) return std::nullopt;
@@ -108,12 +108,12 @@ LampRays::LampRays(const Scene& scene) {
   const SampleSequence sequence(Sampler::kIndependent, 0, 0, 0);
   for (std::uint32_t i = 0; i < kMostTried && rays_.size() < kMostKept; ++i) {
     const PathSample s{sequence, i};
-    const Vec2<float> choice = s.pair(PathSample::kFilm);
+    const Vec2f choice = s.pair(PathSample::kFilm);
     const Bounds& box = unsolved[chosen(choice.x, unsolved.size())].bounds_m;
     if (box.empty()) continue;
     const Vector middle = box.lower * 0.5 + box.upper * 0.5;
     const LightAtTime light(scene.lights()[lights[chosen(choice.y, lights.size())]], 0);
-    const Vec2<float> u = s.at(0, PathSample::kLight), v = s.at(0, PathSample::kLightPoint);
+    const Vec2f u = s.at(0, PathSample::kLight), v = s.at(0, PathSample::kLightPoint);
     const auto start =
         start_of(light, middle, length(box.upper - middle), {u.x, u.y}, {v.x, v.y}, scene);
     if (!start) continue;
@@ -126,65 +126,64 @@ std::span<const LampRay> lamp_rays(const Scene& scene) {
   return scene.attached<AttachedLampRays>().get().rays();
 }
 
-GuidedDirections::GuidedDirections(std::span<const LampRay> rays, const Vec3<double>& receiver,
-                                   const Vec3<double>& n) {
+GuidedDirections::GuidedDirections(std::span<const LampRay> rays, const Vec3& receiver,
+                                   const Vec3& n) {
   // The squared distances at which rays pass the receiver.
   std::vector<std::pair<float, const LampRay*>> passing;
-  const Vec3<float> x(receiver), up(n);
+  const Vec3f x(receiver), up(n);
   for (const LampRay& ray : rays) {
-    const Vec3<float> to = x - ray.from;
+    const Vec3f to = x - ray.from;
     const float t = dot(to, ray.along);
     if (!(t > 0) || !(dot(to, up) < 0)) continue;
-    const Vec3<float> off = to - ray.along * t;
+    const Vec3f off = to - ray.along * t;
     passing.emplace_back(dot(off, off), &ray);
   }
   const std::size_t n_cones = std::min(kCones, passing.size());
   std::ranges::nth_element(passing, passing.begin() + static_cast<std::ptrdiff_t>(n_cones), {},
                            &std::pair<float, const LampRay*>::first);
-  std::vector<Vec3<float>> axes;
+  std::vector<Vec3f> axes;
   for (std::size_t i = 0; i < n_cones; ++i) {
-    const Vec3<float> to = passing[i].second->from - x;
+    const Vec3f to = passing[i].second->from - x;
     if (length(to) > 0) axes.push_back(normalized(to));
   }
   // Each cone reaches to the fourth neighbour of its axis; one holds all.
   constexpr std::size_t kNeighbour = 4;
   constexpr float kLeast2 = 1e-6F, kMost2 = 2;  // squared chords
-  const auto add = [&](const Vec3<float>& axis, float chord2) {
+  const auto add = [&](const Vec3f& axis, float chord2) {
     cones_.push_back({axis, std::clamp(chord2, kLeast2, kMost2) / 2});
   };
-  Vec3<float> sum{};
-  for (const Vec3<float>& axis : axes) {
+  Vec3f sum{};
+  for (const Vec3f& axis : axes) {
     std::vector<float> chords2;
-    for (const Vec3<float>& other : axes) chords2.push_back(dot(other - axis, other - axis));
+    for (const Vec3f& other : axes) chords2.push_back(dot(other - axis, other - axis));
     std::ranges::sort(chords2);
     add(axis, chords2[std::min(kNeighbour, chords2.size() - 1)]);
     sum += axis;
   }
   if (!(length(sum) > 0)) return;
-  const Vec3<float> middle = normalized(sum);
+  const Vec3f middle = normalized(sum);
   float widest2 = 0;
-  for (const Vec3<float>& axis : axes)
-    widest2 = std::max(widest2, dot(axis - middle, axis - middle));
+  for (const Vec3f& axis : axes) widest2 = std::max(widest2, dot(axis - middle, axis - middle));
   add(middle, widest2);
 }
 
-void GuidedDirections::add(const Vec3<double>& axis, double angle_rad) {
+void GuidedDirections::add(const Vec3& axis, double angle_rad) {
   const double sine = std::sin(angle_rad / 2);
-  cones_.push_back({Vec3<float>(axis), static_cast<float>(2 * sine * sine)});
+  cones_.push_back({Vec3f(axis), static_cast<float>(2 * sine * sine)});
 }
 
-Vec3<float> GuidedDirections::sample(Vec2<float> u) const {
+Vec3f GuidedDirections::sample(Vec2f u) const {
   const float at = u.x * static_cast<float>(cones_.size());
   const std::size_t k = std::min(static_cast<std::size_t>(at), cones_.size() - 1);
-  const Vec2<float> within{at - static_cast<float>(k), u.y};
-  return Frame<float>::around(cones_[k].axis)
+  const Vec2f within{at - static_cast<float>(k), u.y};
+  return Framef::around(cones_[k].axis)
       .world_from_local(sample_uniform_cone(within, cones_[k].one_minus_cos));
 }
 
-double GuidedDirections::pdf(const Vec3<float>& w) const {
+double GuidedDirections::pdf(const Vec3f& w) const {
   double sum = 0;
   for (const Cone& cone : cones_) {
-    const Vec3<float> off = w - cone.axis;
+    const Vec3f off = w - cone.axis;
     if (dot(off, off) <= 2 * cone.one_minus_cos)
       sum += uniform_cone_pdf(double{cone.one_minus_cos}).per_sr;
   }

@@ -19,8 +19,8 @@ namespace lucerna {
 
 /// A ray of light as it leaves the last smooth surface.
 struct LampRay {
-  Vec3<float> from;  ///< on the surface, about the scene's origin [m]
-  Vec3<float> along;
+  Vec3f from;  ///< on the surface, about the scene's origin [m]
+  Vec3f along;
 };
 
 /// Rays from all lights with a size.  Immutable.
@@ -44,19 +44,18 @@ class GuidedDirections {
  public:
   GuidedDirections() = default;
   /// `n`: unit; directions below the horizon are left out.
-  GuidedDirections(std::span<const LampRay> rays, const Vec3<double>& receiver,
-                   const Vec3<double>& n);
+  GuidedDirections(std::span<const LampRay> rays, const Vec3& receiver, const Vec3& n);
 
   bool any() const { return !cones_.empty(); }
   /// Adds directions within an angle of `axis`, unit.
-  void add(const Vec3<double>& axis, double angle_rad);
+  void add(const Vec3& axis, double angle_rad);
   /// Unit.  `u` in [0, 1)^2.  Only if there are any.
-  Vec3<float> sample(Vec2<float> u) const;
-  double pdf(const Vec3<float>& w) const;  ///< [1/sr]
+  Vec3f sample(Vec2f u) const;
+  double pdf(const Vec3f& w) const;  ///< [1/sr]
 
  private:
   struct Cone {
-    Vec3<float> axis;
+    Vec3f axis;
     float one_minus_cos;
   };
   static constexpr std::size_t kCones = 32;

@@ -36,18 +36,18 @@ class LightVisibility {
 
   /// The share of light, by channel, that arrives at a position from the light, by map or by ray.
   /// `ray`: from the surface to the light.
-  Rgb<double> visible(std::uint32_t light, const Vec3<double>& position, const Vec3<double>& normal,
-                      const Ray& ray, WorkCounts& work) const {
+  Rgb visible(std::uint32_t light, const Vec3& position, const Vec3& normal, const Ray& ray,
+              WorkCounts& work) const {
     if (!transmittance_.is_partial()) [[likely]]
-      return Rgb<double>(is_occluded(light, position, normal, ray, work) ? 0 : 1);
+      return Rgb(is_occluded(light, position, normal, ray, work) ? 0 : 1);
     ++work.shadow_rays;
     if (is_occluded_by_ray(light, position, ray)) return {};
     return passed(light, position, ray, work);
   }
   /// The share of light that panes and media pass along a ray to the light that no surface blocks.
   /// `error_m`: as for LampContacts::is_hidden.
-  Rgb<double> passed(std::uint32_t light, const Vec3<double>& position, const Ray& ray,
-                     WorkCounts& work, float error_m = 0) const {
+  Rgb passed(std::uint32_t light, const Vec3& position, const Ray& ray, WorkCounts& work,
+             float error_m = 0) const {
     if (!transmittance_.through_panes() || !contacts_.touches(light)) [[likely]]
       return transmittance_.along(ray, work);
     return transmittance_.along(ray, ray.t_max,
@@ -56,8 +56,7 @@ class LightVisibility {
 
   /// Whether the light's map has an obstacle before a position.  Nothing if there is no map or the
   /// position is outside of it: then a ray is needed.  `normal`: of the surface, unit, or zero.
-  std::optional<bool> by_map(std::uint32_t light, const Vec3<double>& position,
-                             const Vec3<double>& normal) const {
+  std::optional<bool> by_map(std::uint32_t light, const Vec3& position, const Vec3& normal) const {
     if (maps_ == nullptr || contacts_.touches(light)) return std::nullopt;
     const ShadowMap* map = maps_->map(light);
     return map == nullptr ? std::nullopt : map->is_occluded(position, normal);
@@ -65,8 +64,8 @@ class LightVisibility {
 
   /// Whether an obstacle is between a position and the light.  As `visible`, where light arrives
   /// wholly or not at all.
-  bool is_occluded(std::uint32_t light, const Vec3<double>& position, const Vec3<double>& normal,
-                   const Ray& ray, WorkCounts& work) const {
+  bool is_occluded(std::uint32_t light, const Vec3& position, const Vec3& normal, const Ray& ray,
+                   WorkCounts& work) const {
     const auto occluded = by_map(light, position, normal);
     if (!occluded) {
       ++work.shadow_rays;
@@ -91,7 +90,7 @@ class LightVisibility {
     const auto both = [](float a, float b) {
       return std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b);
     };
-    const Vec3<float>&o = ray.origin, &d = ray.direction;
+    const Vec3f &o = ray.origin, &d = ray.direction;
     const std::uint64_t bits =
         mix_bits(mix_bits(mix_bits(both(o.x, o.y)) + both(o.z, d.x)) + both(d.y, d.z));
     return bits % kComparedOneIn == 0;
@@ -103,7 +102,7 @@ class LightVisibility {
   }
 
  private:
-  bool is_occluded_by_ray(std::uint32_t light, const Vec3<double>& position, const Ray& ray) const {
+  bool is_occluded_by_ray(std::uint32_t light, const Vec3& position, const Ray& ray) const {
     if (contacts_.touches(light)) [[unlikely]]
       return contacts_.is_hidden(light, position, ray, transmittance_.blocking());
     return scene_.occluded(ray, transmittance_.blocking());

@@ -11,7 +11,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// With more lights than this, each set of walks is for one of them.
 constexpr std::size_t kMostLamps = 4;
@@ -31,7 +31,7 @@ struct Aim {
 Aim aim_of(const LightAtTime& light) {
   const auto bounds = light.bounds();
   if (bounds) return {false, bounds->lower * 0.5 + bounds->upper * 0.5};
-  return {true, light.sample_li(Receiver<double>(Vector{}), {}).wi};
+  return {true, light.sample_li(Receiver(Vector{}), {}).wi};
 }
 
 /// The single direction of a surface on a side.
@@ -50,7 +50,7 @@ std::optional<Vector> single_direction(const SurfaceScattering& scattering, cons
 class ManifoldWalks::Numbers {
  public:
   explicit Numbers(const PathSample& s) {
-    const Vec2<float> u = s.pair(PathSample::kWalks);
+    const Vec2f u = s.pair(PathSample::kWalks);
     state_ = hash_of({u.x, u.y});
   }
   double uniform() { return static_cast<double>(mix_bits(state_ += kGolden) >> 11) * 0x1p-53; }
@@ -95,7 +95,7 @@ void ManifoldWalks::sample(const SurfaceHit& receiver, std::uint32_t walks,
       if (path && std::ranges::none_of(paths, [&](const Path& p) { return is_same(p, *path); }))
         paths.push_back(*path);
     }
-    Rgb<double> sum;
+    Rgb sum;
     for (const Path& path : paths) {
       std::uint32_t sets = 0;
       for (bool is_found = false; !is_found && sets < kMostSets; ++sets)
@@ -110,11 +110,11 @@ void ManifoldWalks::sample(const SurfaceHit& receiver, std::uint32_t walks,
 }
 
 std::optional<SurfaceHit> ManifoldWalks::next_surface(const SurfaceHit& from, const Vector& along,
-                                                      Rgb<double>& share, WorkCounts& work) const {
+                                                      Rgb& share, WorkCounts& work) const {
   const bool passes_panes = visibility_.transmittance().blocking() == Meets::kOpaque;
   SurfaceHit at = from;
   for (;;) {
-    Ray ray = spawn_ray(at, Vec3<float>(along));
+    Ray ray = spawn_ray(at, Vec3f(along));
     ++work.indirect_rays;
     std::optional<SurfaceHit> next = scene_.closest_hit(ray);
     if (!next) return std::nullopt;
@@ -134,7 +134,7 @@ auto ManifoldWalks::choose_links(const SurfaceHit& receiver, const Vector& start
   Links links;
   SurfaceHit at = receiver;
   Vector along = start;
-  Rgb<double> share(1);
+  Rgb share(1);
   while (links.size() < most_steps) {
     std::optional<SurfaceHit> next = next_surface(at, along, share, work);
     if (!next || scene_.plain_diffuse(next->material) != nullptr) break;
@@ -200,27 +200,26 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
     if (!end || turn == kMostTurns) return std::nullopt;
     // The last leg has to have the direction `wanted`.
     const Vector wanted = aim.direction_from(end->hit.position);
-    const Frame<double> across = Frame<double>::around(wanted),
-                        around = Frame<double>::around(path.start);
+    const Frame across = Frame::around(wanted), around = Frame::around(path.start);
     const auto off = [&](const End& e) {
       const Vector d = e.along - aim.direction_from(e.hit.position);
-      return Vec2<double>{dot(d, across.s), dot(d, across.t)};
+      return Vec2{dot(d, across.s), dot(d, across.t)};
     };
     const auto turned = [&](double a, double b) {
       return normalized(path.start + around.s * a + around.t * b);
     };
     // The square of the step is about its error by rounding.
     const double h = std::cbrt(blur) * size;
-    Vec2<double> columns[2];
+    Vec2 columns[2];
     for (int k = 0; k < 2; ++k) {
       const double a = k == 0 ? h : 0, b = h - a;
       const auto more = follow(receiver, turned(a, b), path.links, work),
                  less = follow(receiver, turned(-a, -b), path.links, work);
       if (!more || !less) return std::nullopt;
-      const Vec2<double> p = off(*more), m = off(*less);
+      const Vec2 p = off(*more), m = off(*less);
       columns[k] = {(p.x - m.x) / (2 * h), (p.y - m.y) / (2 * h)};
     }
-    const Vec2<double> f = off(*end);
+    const Vec2 f = off(*end);
     const double determinant = columns[0].x * columns[1].y - columns[1].x * columns[0].y;
     double a = (columns[1].x * f.y - columns[1].y * f.x) / determinant,
            b = (columns[0].y * f.x - columns[0].x * f.y) / determinant;
@@ -254,8 +253,7 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
   if (!(cosine > 0)) return std::nullopt;
   // A receiver 1 m before a light without a size gets its intensity as illuminance.
   const Vector last = end->hit.position, along = aim.direction_from(last);
-  LightSample<double> sample =
-      at.sample_li(Receiver<double>(aim.is_far ? last : aim.place - along), {});
+  LightSample sample = at.sample_li(Receiver(aim.is_far ? last : aim.place - along), {});
   if (sample.reason != NoLight::kNone) return std::nullopt;
   sample.wi = along, sample.point = aim.place;
   sample.distance = aim.is_far ? std::numeric_limits<double>::infinity() : length(aim.place - last);

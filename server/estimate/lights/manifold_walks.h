@@ -34,7 +34,7 @@ class ManifoldWalks {
   /// Estimates the irradiance [lx] at a receiver for each light that a set of `walks` walks finds.
   /// `most_steps`: the most surfaces of a path.  A path that fewer than one of kMostSets sets find
   /// counts too little.
-  using Found = absl::FunctionRef<void(std::uint32_t light, const Rgb<double>& lx)>;
+  using Found = absl::FunctionRef<void(std::uint32_t light, const Rgb& lx)>;
   void sample(const SurfaceHit& receiver, std::uint32_t walks, std::uint32_t most_steps,
               const PathSample& s, WorkCounts& work, const Found& found) const;
   static constexpr std::uint32_t kMostSets = 256;
@@ -49,15 +49,15 @@ class ManifoldWalks {
   using Links = absl::InlinedVector<Link, 4>;
   struct Path {
     Links links;
-    Vec3<double> start;  ///< unit, at the receiver
-    double apart = 0;    ///< paths whose starts differ by less are the same one
-    Rgb<double> lx;
+    Vec3 start;        ///< unit, at the receiver
+    double apart = 0;  ///< paths whose starts differ by less are the same one
+    Rgb lx;
   };
   /// Where a ray by way of some surfaces is at last.
   struct End {
     SurfaceHit hit;
-    Vec3<double> along;
-    Rgb<double> share{1};
+    Vec3 along;
+    Rgb share{1};
     SmoothLight::Before before;
     bool met_curved = false;
   };
@@ -66,13 +66,13 @@ class ManifoldWalks {
   std::optional<Path> walk(const SurfaceHit& receiver, std::uint32_t light,
                            std::uint32_t most_steps, Numbers& numbers, WorkCounts& work) const;
   /// Chooses what a path does along a ray.  Empty if it meets no smooth surface.
-  Links choose_links(const SurfaceHit& receiver, const Vec3<double>& start,
-                     std::uint32_t most_steps, Numbers& numbers, WorkCounts& work) const;
-  std::optional<End> follow(const SurfaceHit& receiver, const Vec3<double>& start,
-                            const Links& links, WorkCounts& work) const;
+  Links choose_links(const SurfaceHit& receiver, const Vec3& start, std::uint32_t most_steps,
+                     Numbers& numbers, WorkCounts& work) const;
+  std::optional<End> follow(const SurfaceHit& receiver, const Vec3& start, const Links& links,
+                            WorkCounts& work) const;
   /// The next surface that does more than let light pass straight on.  Multiplies `share`.
-  std::optional<SurfaceHit> next_surface(const SurfaceHit& from, const Vec3<double>& along,
-                                         Rgb<double>& share, WorkCounts& work) const;
+  std::optional<SurfaceHit> next_surface(const SurfaceHit& from, const Vec3& along, Rgb& share,
+                                         WorkCounts& work) const;
 
   const Scene& scene_;
   const LightVisibility& visibility_;

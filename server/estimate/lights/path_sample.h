@@ -21,7 +21,7 @@ class SampleSequence {
         sampler_(sampler) {}
 
   /// As SobolSequence::pair.  Independent points have any two dimensions.
-  Vec2<float> pair(std::uint32_t index, std::uint32_t pair) const {
+  Vec2f pair(std::uint32_t index, std::uint32_t pair) const {
     if (sampler_ == Sampler::kSobol) return sobol_.pair(index, pair);
     const std::uint64_t bits = mix_bits(mix_bits(key_ + pair) + index);
     return {static_cast<float>(bits >> 40) * 0x1p-24F,
@@ -60,13 +60,11 @@ struct PathSample {
   /// If every light is sampled at a vertex, each has its own pair from here on.
   static constexpr std::uint32_t kFirstVisited = 1u << 30;
 
-  Vec2<float> pair(std::uint32_t dimension) const { return sequence.pair(index, dimension); }
+  Vec2f pair(std::uint32_t dimension) const { return sequence.pair(index, dimension); }
   static std::uint32_t dimension(std::uint32_t depth, Purpose purpose) {
     return 1 + 4 * depth + purpose;
   }
-  Vec2<float> at(std::uint32_t depth, Purpose purpose) const {
-    return pair(dimension(depth, purpose));
-  }
+  Vec2f at(std::uint32_t depth, Purpose purpose) const { return pair(dimension(depth, purpose)); }
 };
 
 }  // namespace lucerna

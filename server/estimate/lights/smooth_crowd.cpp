@@ -7,7 +7,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// More lamps than this count as one place.
 constexpr std::size_t kMostPlaces = 20;
@@ -21,9 +21,9 @@ auto SmoothLight::place_of(const SceneLight& light) -> std::optional<Place> {
     const Vector middle = bounds->lower * 0.5 + bounds->upper * 0.5;
     return Place{false, middle, length(bounds->upper - middle)};
   }
-  const auto* sun = light.light.get_if<SunLight<double>>();
+  const auto* sun = light.light.get_if<SunLight>();
   if (!at.is_delta() && sun == nullptr) return std::nullopt;
-  const Vector wi = at.sample_li(Receiver<double>(Vector{}), {}).wi;
+  const Vector wi = at.sample_li(Receiver(Vector{}), {}).wi;
   return Place{true, wi, sun == nullptr ? 0 : sun->params().angular_diameter_rad};
 }
 

@@ -9,7 +9,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 /// Longer sequences that leave less than this share of light are chosen at random.
 constexpr double kLeastShare = 1e-3;
@@ -28,7 +28,7 @@ int sign_of(double x) { return x < 0 ? -1 : 1; }
 
 /// A lamp without a size that lies on a mirror, up to the rounding of coordinates, shines on both
 /// sides of it.  A ray may meet the mirror this much later than the lamp.  share_along() decides.
-double on_mirror(const SmoothPart& part, const LightSample<double>& lamp) {
+double on_mirror(const SmoothPart& part, const LightSample& lamp) {
   if (!lamp.delta || !std::isfinite(lamp.distance)) return 0;
   const double reach = max_abs(part.middle) + length(part.half_u) + length(part.half_v);
   return 8 * kFloatRoundoff * reach / std::fabs(dot(part.n, lamp.wi));
@@ -53,8 +53,8 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
   if (parts_.empty()) return;
   for (const SceneLight& light : scene.lights()) {
     const bool is_unsized = is_delta(light) || light.is_unseen;
-    const bool is_everywhere = !is_unsized && !LightAtTime(light, 0).bounds() &&
-                               light.light.get_if<SunLight<double>>() == nullptr;
+    const bool is_everywhere =
+        !is_unsized && !LightAtTime(light, 0).bounds() && light.light.get_if<SunLight>() == nullptr;
     has_unsized_ |= is_unsized;
     has_sized_elsewhere_ |= !is_unsized && !is_everywhere;
     is_everywhere_.push_back(is_everywhere);
@@ -65,8 +65,8 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
     if (is_delta(scene.lights()[l])) deltas_.push_back(l);
 }
 
-auto SmoothLight::after_single(const Before& before, const SurfaceHit& hit, const Vec3<double>& wo,
-                               const Vec3<double>& wi) const -> Before {
+auto SmoothLight::after_single(const Before& before, const SurfaceHit& hit, const Vec3& wo,
+                               const Vec3& wi) const -> Before {
   Before after = before;
   after.position = {}, after.pdf = 0;
   ++after.singles;
@@ -253,29 +253,29 @@ void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t
   if (v.each_light || lights <= (v.is_receiver ? kFewLights : kFewLightsOnPaths)) {
     for (std::uint32_t l = 0; l < lights; ++l) {
       if (!counts(l)) continue;
-      const Vec2<float> u = s.pair(first + l);
+      const Vec2f u = s.pair(first + l);
       sample_light(v, sequence, l, 1, {u.x, u.y}, work, found);
     }
     return;
   }
-  Receiver<double> from(sequence.image);
+  Receiver from(sequence.image);
   from.normal = sequence.image_normal;
   // The image of a bent sequence is not where its light comes from.
   const auto choice = scene_.light_selector().choose(
       sequence.is_bent ? LightSelection::kPower : LightSelection::kBvh, from,
       choosing_value(s.pair(first + kFewLights)));
   if (!choice || !counts(choice->light)) return;
-  const Vec2<float> u = s.pair(first + kFewLights + 1);
+  const Vec2f u = s.pair(first + kFewLights + 1);
   sample_light(v, sequence, choice->light, choice->probability, {u.x, u.y}, work, found);
 }
 
-Rgb<double> SmoothLight::scattered(const Vertex& v, const Vec3<double>& wi) const {
+Rgb SmoothLight::scattered(const Vertex& v, const Vec3& wi) const {
   if (v.scattering != nullptr) return v.scattering->value(Vector(v.wo), wi);
-  return Rgb<double>(reflected_share(v.hit, v.wo, wi));
+  return Rgb(reflected_share(v.hit, v.wo, wi));
 }
 
 void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::uint32_t light,
-                               double probability, Vec2<float> u, WorkCounts& work,
+                               double probability, Vec2f u, WorkCounts& work,
                                const Found& found) const {
   const LightAtTime at(scene_.lights()[light], v.hit.time_s);
   // No direction finds delta lights and unseen ones.
@@ -283,13 +283,13 @@ void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::u
       (!counts_at(v.counts_sizes, v.scattering, v.wo) || (is_everywhere_[light] && !v.is_receiver)))
     return;
   if (sequence.is_bent && is_portal(light)) return;
-  const Vec2<double> point{u.x, u.y};
+  const Vec2 point{u.x, u.y};
   const auto arriving =
       sequence.is_bent ? by_solving(v, sequence, at, point) : by_images(v, sequence, at, point);
   if (!arriving) return;
-  const Rgb<double> value = arriving->value * (sequence.weight / probability);
+  const Rgb value = arriving->value * (sequence.weight / probability);
   if (value.is_black() || !is_finite(value)) return;
-  const Rgb<double> share = share_along(v, sequence, *arriving, light, work);
+  const Rgb share = share_along(v, sequence, *arriving, light, work);
   work.cut_short += !share.is_black() && sequence.steps.size() == kMostSteps &&
                     v.most_steps > kMostSteps && sequence.share > kLongEnough;
   if (share.is_black())
@@ -300,8 +300,8 @@ void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::u
 
 /// By flat mirrors only: the light as the mirrored vertex sees it.
 auto SmoothLight::by_images(const Vertex& v, const Sequence& sequence, const LightAtTime& light,
-                            Vec2<double> u) const -> std::optional<Arriving> {
-  Receiver<double> from(sequence.image);
+                            Vec2 u) const -> std::optional<Arriving> {
+  Receiver from(sequence.image);
   from.normal = sequence.image_normal;
   Arriving a;
   a.end = light.sample_li(from, u);
@@ -329,18 +329,18 @@ auto SmoothLight::by_images(const Vertex& v, const Sequence& sequence, const Lig
 
 /// By surfaces that bend light: a path is solved to a point of the light, by area.
 auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const LightAtTime& light,
-                             Vec2<double> u) const -> std::optional<Arriving> {
+                             Vec2 u) const -> std::optional<Arriving> {
   Arriving a;
-  LightSample<double>& end = a.end;
+  LightSample& end = a.end;
   const auto bounds = light.bounds();
   double density = 1;
   if (light.is_delta() || !bounds) {
-    end = light.sample_li(Receiver<double>(sequence.image), u);
+    end = light.sample_li(Receiver(sequence.image), u);
     if (bounds) end.point = bounds->lower * 0.5 + bounds->upper * 0.5;
     if (!light.is_delta() && end.reason != NoLight::kNone) return std::nullopt;
     if (!light.is_delta()) density = end.pdf.per_sr;
   } else {
-    const EmissionSample<double> on = light.sample_le(u, {0.5, 0.5}, scene_.sphere());
+    const EmissionSample on = light.sample_le(u, {0.5, 0.5}, scene_.sphere());
     end.point = on.origin, end.normal = on.normal, end.primitive = on.primitive;
     density = on.pdf_position.per_m2;
   }
@@ -358,8 +358,7 @@ auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const Li
   end.reason = NoLight::kNone;
   if (light.is_delta()) {
     // A receiver 1 m before a light without a size gets its intensity as illuminance.
-    const LightSample<double> there =
-        light.sample_li(Receiver<double>(is_far ? last : end.point - path->end), {});
+    const LightSample there = light.sample_li(Receiver(is_far ? last : end.point - path->end), {});
     if (there.reason != NoLight::kNone) return std::nullopt;
     end.value = there.value;
   } else if (is_far) {
@@ -373,16 +372,15 @@ auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const Li
   return a;
 }
 
-Rgb<double> SmoothLight::share_along(const Vertex& v, const Sequence& sequence,
-                                     const Arriving& arriving, std::uint32_t light,
-                                     WorkCounts& work) const {
+Rgb SmoothLight::share_along(const Vertex& v, const Sequence& sequence, const Arriving& arriving,
+                             std::uint32_t light, WorkCounts& work) const {
   const bool passes_panes = visibility_.transmittance().blocking() == Meets::kOpaque;
   SurfaceHit at = v.hit;
-  Rgb<double> share(1);
+  Rgb share(1);
   for (std::size_t i = 0; i < sequence.steps.size(); ++i) {
     const SmoothStep& step = sequence.steps[i];
     const auto number = static_cast<std::int32_t>(step.part - parts_.data());
-    const Vec3<float> towards(normalized(arriving.path.points[i] - at.position));
+    const Vec3f towards(normalized(arriving.path.points[i] - at.position));
     for (bool arrived = false; !arrived;) {
       Ray ray = spawn_ray(at, towards);
       ++work.indirect_rays;
@@ -401,7 +399,7 @@ Rgb<double> SmoothLight::share_along(const Vertex& v, const Sequence& sequence,
       at = *next;
     }
   }
-  const LightSample<double>& end = arriving.end;
+  const LightSample& end = arriving.end;
   const bool is_behind = end.delta && std::isfinite(end.distance) &&
                          dot(at.ng, end.wi) * dot(at.ng, end.point - at.position) < 0;
   if (is_behind && !lies_in_plane(end.point, at)) return {};

@@ -39,7 +39,7 @@ class SmoothLight {
   /// A point that scatters light in more than single directions.
   struct Vertex {
     const SurfaceHit& hit;
-    const Vec3<float>& wo;
+    const Vec3f& wo;
     /// Null: diffuse with reflectance 1.
     const SurfaceScattering* scattering;
     std::uint32_t depth;  ///< reflections between the vertex and the camera or receiver
@@ -66,7 +66,7 @@ class SmoothLight {
 
   /// A vertex from which a direction led to another one.
   struct Before {
-    Vec3<double> position;
+    Vec3 position;
     double pdf = 0;  ///< of the direction [1/sr]; 0: it was a single one, or a camera's
     // Of the last vertex that is not left in a single direction.
     bool is_receiver = false;
@@ -77,8 +77,8 @@ class SmoothLight {
     bool met_unsolved = false;  ///< a smooth surface that is no part
   };
   /// The same after a single direction of the surface at `hit`, from `wi` to `wo`.
-  Before after_single(const Before& before, const SurfaceHit& hit, const Vec3<double>& wo,
-                      const Vec3<double>& wi) const;
+  Before after_single(const Before& before, const SurfaceHit& hit, const Vec3& wo,
+                      const Vec3& wi) const;
   /// Whether `sample` at the last vertex counts the light that single directions found there.
   bool counts(const Before& before, std::uint32_t light) const {
     return before.counted && !(before.is_bent && is_portal(light)) &&
@@ -90,16 +90,15 @@ class SmoothLight {
   double glossy_weight(const Before& before, const SurfaceHit& hit, std::uint32_t light) const;
 
   /// Whether `sample` counts lights with a size at a vertex with `counts_sizes`.
-  bool counts_at(bool counts_sizes, const SurfaceScattering* scattering,
-                 const Vec3<float>& wo) const {
+  bool counts_at(bool counts_sizes, const SurfaceScattering* scattering, const Vec3f& wo) const {
     return counts_sizes && any() && samples_sizes_ &&
-           (scattering == nullptr || scattering->is_wide(Vec3<double>(wo)));
+           (scattering == nullptr || scattering->is_wide(Vec3(wo)));
   }
 
  private:
   /// A portal's light has another window for each point, so bent paths to it are left to chance.
   bool is_portal(std::uint32_t light) const {
-    return scene_.lights()[light].light.get_if<PortalLight<double>>() != nullptr;
+    return scene_.lights()[light].light.get_if<PortalLight>() != nullptr;
   }
   /// Random numbers of the choices, apart from those of direct light and of directions.
   static constexpr std::uint32_t kFirstPair = 3U << 30;
@@ -118,9 +117,9 @@ class SmoothLight {
   /// A sequence of surfaces, as seen from a vertex.
   struct Sequence {
     absl::InlinedVector<SmoothStep, 4> steps;
-    Vec3<double> image, image_normal;  ///< the vertex and its normal, mirrored by the steps
-    double share = 1;                  ///< of light that the steps leave, about
-    double weight = 1;                 ///< 1 / probability of the choice
+    Vec3 image, image_normal;  ///< the vertex and its normal, mirrored by the steps
+    double share = 1;          ///< of light that the steps leave, about
+    double weight = 1;         ///< 1 / probability of the choice
     /// Of the last plane on which light continues: the sign of n; 0: on either.
     int side = 0;
     bool is_bent = false;  ///< whether the image is not where light seems to come from
@@ -146,24 +145,24 @@ class SmoothLight {
   void visit(const Vertex& v, const Sequence& sequence, std::uint32_t number, const PathSample& s,
              WorkCounts& work, const Found& found, Lights which = Lights::kAll) const;
   void sample_light(const Vertex& v, const Sequence& sequence, std::uint32_t light,
-                    double probability, Vec2<float> u, WorkCounts& work, const Found& found) const;
+                    double probability, Vec2f u, WorkCounts& work, const Found& found) const;
   /// The path of a sample, and what it brings without the losses on its way.
   struct Arriving {
     SpecularPath path;
-    LightSample<double> end;  ///< the sample of the light as the last surface sees it
-    Rgb<double> value;        ///< radiance that the vertex sends on
+    LightSample end;  ///< the sample of the light as the last surface sees it
+    Rgb value;        ///< radiance that the vertex sends on
   };
   std::optional<Arriving> by_images(const Vertex& v, const Sequence& sequence,
-                                    const LightAtTime& light, Vec2<double> u) const;
+                                    const LightAtTime& light, Vec2 u) const;
   std::optional<Arriving> by_solving(const Vertex& v, const Sequence& sequence,
-                                     const LightAtTime& light, Vec2<double> u) const;
+                                     const LightAtTime& light, Vec2 u) const;
   /// The share of light that arrives along a path.
-  Rgb<double> share_along(const Vertex& v, const Sequence& sequence, const Arriving& arriving,
-                          std::uint32_t light, WorkCounts& work) const;
-  Rgb<double> scattered(const Vertex& v, const Vec3<double>& wi) const;
+  Rgb share_along(const Vertex& v, const Sequence& sequence, const Arriving& arriving,
+                  std::uint32_t light, WorkCounts& work) const;
+  Rgb scattered(const Vertex& v, const Vec3& wi) const;
 
   struct GlossySpot;
-  std::optional<GlossySpot> glossy_spot(const SmoothPart& part, const Vec3<double>& from,
+  std::optional<GlossySpot> glossy_spot(const SmoothPart& part, const Vec3& from,
                                         std::uint32_t light, double time_s) const;
   /// The probability with which a vertex chooses each pair of a glossy plane and a delta light.
   double glossy_choice(bool is_receiver) const;
@@ -175,8 +174,8 @@ class SmoothLight {
   /// Where light comes from.
   struct Place {
     bool is_direction;
-    Vec3<double> middle;  ///< or the direction, unit
-    double radius;        ///< [m], or [rad] about the direction
+    Vec3 middle;    ///< or the direction, unit
+    double radius;  ///< [m], or [rad] about the direction
   };
   static std::optional<Place> place_of(const SceneLight& light);
   void find_places();

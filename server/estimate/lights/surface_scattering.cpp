@@ -7,23 +7,22 @@ namespace lucerna {
 namespace {
 
 /// A frame about the unit vector `n` whose first axis is near dpdu.
-Frame<double> frame_along(const Vec3<double>& n, const Scene::ShadingPoint& at, FrameAlong second) {
-  const Vec3<double> along = normalized(at.dpdu);
-  const Vec3<double> s = along - n * dot(along, n);
+Frame frame_along(const Vec3& n, const Scene::ShadingPoint& at, FrameAlong second) {
+  const Vec3 along = normalized(at.dpdu);
+  const Vec3 s = along - n * dot(along, n);
   // A direction along the normal tells nothing.
   constexpr double kLeast = 1e-6;
-  if (!(length(s) > kLeast)) return Frame<double>::around(n);
-  const Vec3<double> x = normalized(s);
-  const Vec3<double> y = cross(n, x);
+  if (!(length(s) > kLeast)) return Frame::around(n);
+  const Vec3 x = normalized(s);
+  const Vec3 y = cross(n, x);
   return {x, second == FrameAlong::kV && dot(y, at.dpdv) < 0 ? -y : y, n};
 }
 
 /// The normal of the surface with its bumps.  The height is differentiated over a small step, as in
 /// pbrt-v4.  [Pharr23, 10.5.3]
-Vec3<double> bumped_normal(const Textures& textures, std::int32_t bumps,
-                           const Scene::ShadingPoint& at) {
+Vec3 bumped_normal(const Textures& textures, std::int32_t bumps, const Scene::ShadingPoint& at) {
   constexpr double kStep = 0.0005;  // of u and v
-  const Vec3<double>& n = at.texture.normal;
+  const Vec3& n = at.texture.normal;
   const auto height = [&](double du, double dv) {
     TexturePoint p = at.texture;
     p.uv = {p.uv.x + du, p.uv.y + dv};
@@ -31,9 +30,9 @@ Vec3<double> bumped_normal(const Textures& textures, std::int32_t bumps,
     return textures(NumberValue{0, bumps}, p);
   };
   const double here = height(0, 0);
-  const Vec3<double> dpdu = at.dpdu + n * ((height(kStep, 0) - here) / kStep),
-                     dpdv = at.dpdv + n * ((height(0, kStep) - here) / kStep);
-  const Vec3<double> bumped = normalized(cross(dpdu, dpdv));
+  const Vec3 dpdu = at.dpdu + n * ((height(kStep, 0) - here) / kStep),
+             dpdv = at.dpdv + n * ((height(0, kStep) - here) / kStep);
+  const Vec3 bumped = normalized(cross(dpdu, dpdv));
   // (u, v) may have either handedness.
   return dot(bumped, n) < 0 ? -bumped : bumped;
 }
@@ -42,17 +41,17 @@ Vec3<double> bumped_normal(const Textures& textures, std::int32_t bumps,
 Footprint footprint_of(const NeighbourRays& rays, const SurfaceHit& hit,
                        const Scene::ShadingPoint& at) {
   const auto step = [&](const Ray& ray) {
-    const Vec3<double> o = Vec3<double>(ray.origin) - hit.position, d(ray.direction);
+    const Vec3 o = Vec3(ray.origin) - hit.position, d(ray.direction);
     return o - d * (dot(hit.ng, o) / dot(hit.ng, d));
   };
   // The (u, v) whose derivatives come nearest to a step on the surface.
   const double uu = dot(at.dpdu, at.dpdu), uv = dot(at.dpdu, at.dpdv), vv = dot(at.dpdv, at.dpdv);
   const double determinant = uu * vv - uv * uv, scale = determinant > 0 ? 1 / determinant : 0;
-  const auto to_uv = [&](const Vec3<double>& p) {
+  const auto to_uv = [&](const Vec3& p) {
     const double u = dot(at.dpdu, p), v = dot(at.dpdv, p);
-    return Vec2<double>{(vv * u - uv * v) * scale, (uu * v - uv * u) * scale};
+    return Vec2{(vv * u - uv * v) * scale, (uu * v - uv * u) * scale};
   };
-  const Vec3<double> x = step(rays.x), y = step(rays.y);
+  const Vec3 x = step(rays.x), y = step(rays.y);
   return {x, y, to_uv(x), to_uv(y)};
 }
 
@@ -62,7 +61,7 @@ SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets 
                                      const NeighbourRays* neighbours) {
   if (meets == Meets::kPanesByChance && scene.is_pane(hit)) {
     is_mirror_ = true;
-    frame_ = Frame<double>::around(hit.ng);
+    frame_ = Frame::around(hit.ng);
     return;
   }
   Scene::ShadingPoint at = scene.shading_point(hit);
@@ -79,10 +78,10 @@ void SurfaceScattering::set(const Scene& scene, SurfaceHit& hit, const Scene::Sh
   const Material& material = scene.materials()[number];
   bsdf_ = bsdf_of(material, scene.textures(), at.texture);
   frame_ = frame_along(hit.ns, at, material.second_axis);
-  Vec3<double> n;
+  Vec3 n;
   if (material.normal_map >= 0) {
-    const Rgb<double> texel =
-        scene.textures()(ColourValue{{}, material.normal_map}, at.texture) * 2 - Rgb<double>(1);
+    const Rgb texel =
+        scene.textures()(ColourValue{{}, material.normal_map}, at.texture) * 2 - Rgb(1);
     n = normalized(frame_.world_from_local(
         {texel.r * material.normal_scale, texel.g * material.normal_scale, texel.b}));
   } else if (material.bumps >= 0) {
@@ -96,10 +95,9 @@ void SurfaceScattering::set(const Scene& scene, SurfaceHit& hit, const Scene::Sh
   frame_ = frame_along(n, at, material.second_axis);
 }
 
-Rgb<double> mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3<double>& wo,
-                        Side side) {
+Rgb mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Side side) {
   const Scene::ShadingPoint at = scene.shading_point(hit);
-  Rgb<double> sum;
+  Rgb sum;
   // Parts of a mix have smaller numbers.  So each is visited once, with all of its shares.
   std::map<std::uint32_t, double> shares{{hit.material, 1}};
   while (!shares.empty()) {
@@ -120,12 +118,11 @@ Rgb<double> mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3<do
   return sum;
 }
 
-std::optional<ScatterSample<double>> SurfaceScattering::sample(
-    const Vec3<double>& wo, const ScatterValues<double>& u) const {
-  const Vec3<double> w = local(wo);
-  auto s = is_mirror_
-               ? ScatterSample<double>{.wi = mirrored(w), .weight = Rgb<double>(1), .delta = true}
-               : bsdf_.sample(w, u);
+std::optional<ScatterSample> SurfaceScattering::sample(const Vec3& wo,
+                                                       const ScatterValues& u) const {
+  const Vec3 w = local(wo);
+  auto s = is_mirror_ ? ScatterSample{.wi = mirrored(w), .weight = Rgb(1), .delta = true}
+                      : bsdf_.sample(w, u);
   if (s) s->wi = normalized(frame_.world_from_local(s->wi));
   return s;
 }

@@ -15,10 +15,9 @@ inline constexpr double kNarrow = 5;
 
 /// The share of the light from `wi` that a diffuse surface of reflectance 1 sends towards `wo`:
 /// cosine / pi.  0 if they are on different sides.
-inline double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
-                              const Vec3<double>& wi) {
+inline double reflected_share(const SurfaceHit& hit, const Vec3f& wo, const Vec3& wi) {
   const double cos_i = dot(hit.ns, wi);
-  return cos_i * dot(hit.ns, Vec3<double>(wo)) > 0 ? std::fabs(cos_i) * std::numbers::inv_pi : 0;
+  return cos_i * dot(hit.ns, Vec3(wo)) > 0 ? std::fabs(cos_i) * std::numbers::inv_pi : 0;
 }
 
 /// The scattering function at a hit, for directions of the scene.  Surfaces that are diffuse and
@@ -36,42 +35,35 @@ class SurfaceScattering {
   /// Whether light from both sides reaches the eye.
   bool transmits() const { return has(bsdf_.sides(), Side::kTransmitted); }
   /// f |cos| for unit vectors that point away from the surface.
-  Rgb<double> value(const Vec3<double>& wo, const Vec3<double>& wi) const {
-    return bsdf_.value(local(wo), local(wi));
-  }
-  double pdf(const Vec3<double>& wo, const Vec3<double>& wi) const {
+  Rgb value(const Vec3& wo, const Vec3& wi) const { return bsdf_.value(local(wo), local(wi)); }
+  double pdf(const Vec3& wo, const Vec3& wi) const {
     return bsdf_.pdf(local(wo), local(wi)).per_sr;
   }
   /// The share of light that its single direction on a side sends to `wo`.
-  Rgb<double> single(const Vec3<double>& wo, Side side) const {
-    return bsdf_.single(local(wo), side);
-  }
+  Rgb single(const Vec3& wo, Side side) const { return bsdf_.single(local(wo), side); }
   /// Whether it scatters light so widely that samples of lights are enough.
-  bool is_wide(const Vec3<double>& wo) const {
+  bool is_wide(const Vec3& wo) const {
     constexpr double kMost = 1;  // [1/sr]; a diffuse surface has 1/pi
-    const Vec3<double> w = local(wo);
+    const Vec3 w = local(wo);
     return !all_delta() && bsdf_.pdf(w, mirrored(w)).per_sr <= kMost;
   }
   /// `wi` is in the scene.
-  std::optional<ScatterSample<double>> sample(const Vec3<double>& wo,
-                                              const ScatterValues<double>& u) const;
+  std::optional<ScatterSample> sample(const Vec3& wo, const ScatterValues& u) const;
 
  private:
   SurfaceScattering() = default;
   void set(const Scene& scene, SurfaceHit& hit, const Scene::ShadingPoint& at,
            std::uint32_t material);
-  friend Rgb<double> mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3<double>& wo,
-                                 Side side);
-  Vec3<double> local(const Vec3<double>& w) const { return frame_.local_from_world(w); }
+  friend Rgb mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Side side);
+  Vec3 local(const Vec3& w) const { return frame_.local_from_world(w); }
 
   bool is_mirror_ = false;  ///< `bsdf_` is then not used
-  Bsdf<double> bsdf_{Diffuse<double>(Rgb<double>(0))};
-  Frame<double> frame_;
+  Bsdf bsdf_{Diffuse(Rgb(0))};
+  Frame frame_;
 };
 
 /// SurfaceScattering::single(), as the mean over the materials of a mix.  At one point, chance
 /// takes one of them.
-Rgb<double> mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3<double>& wo,
-                        Side side);
+Rgb mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Side side);
 
 }  // namespace lucerna

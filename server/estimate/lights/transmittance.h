@@ -24,14 +24,14 @@ class Transmittance {
   Meets met() const { return through_panes_ ? Meets::kPanesByChance : Meets::kSurfaces; }
 
   /// The share of light, by channel, that passes along a ray that no surface blocks.
-  Rgb<double> along(const Ray& ray, WorkCounts& work) const { return along(ray, ray.t_max, work); }
+  Rgb along(const Ray& ray, WorkCounts& work) const { return along(ray, ray.t_max, work); }
   /// The same if the way ends at `t_end`, later than the ray.  Rays start and end beside the
   /// surfaces that their ends may lie on.  Media fill the whole way.
-  Rgb<double> along(const Ray& ray, float t_end, WorkCounts& work) const {
+  Rgb along(const Ray& ray, float t_end, WorkCounts& work) const {
     return along(ray, t_end, through_panes_ ? scene_.through_panes(ray) : 1, work);
   }
   /// The same if all panes together pass `of_panes` of the light.  1 unless panes pass light.
-  Rgb<double> along(const Ray& ray, float t_end, double of_panes, WorkCounts& work) const {
+  Rgb along(const Ray& ray, float t_end, double of_panes, WorkCounts& work) const {
     Ray way = ray;
     way.t_min = 0;
     way.t_max = t_end;

@@ -17,36 +17,35 @@ constexpr std::uint32_t kLongDepth = 256;
 
 /// How a path goes on.
 struct Direction {
-  Vec3<float> wi;
+  Vec3f wi;
   double pdf = 0;          ///< [1/sr]
   bool is_single = false;  ///< one of the surface's single directions, such as a mirror's
 };
 
 }  // namespace
 
-Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo,
-                                         Vec2<float> u) {
-  const Vec2<float> d = sample_concentric_disk(u);
+Vec3f PathTracer::cosine_direction(const Vec3f& ns, const Vec3f& wo, Vec2f u) {
+  const Vec2f d = sample_concentric_disk(u);
   // At least one ulp above the surface, because directions within the surface have density 0.
   const float z = std::max(std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y)), 0x1p-24f);
-  const Vec3<float> n = dot(ns, wo) < 0 ? -ns : ns;
-  return Frame<float>::around(n).world_from_local({d.x, d.y, z});
+  const Vec3f n = dot(ns, wo) < 0 ? -ns : ns;
+  return Framef::around(n).world_from_local({d.x, d.y, z});
 }
 
-Rgb<double> PathTracer::left_by_media(Ray ray, const std::optional<SurfaceHit>& end) const {
+Rgb PathTracer::left_by_media(Ray ray, const std::optional<SurfaceHit>& end) const {
   if (end) ray.t_max = end->t;
   return scene_.through_media(ray);
 }
 
-LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& first_wo,
+LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_wo,
                                     std::uint32_t depth, const PathSample& sample, WorkCounts& work,
                                     SmoothLight::Before before,
                                     const NeighbourRays* neighbours) const {
   LightEstimate sum;
   if (scene_.lights().empty()) return sum;
   SurfaceHit hit = first;
-  Vec3<float> wo = first_wo;
-  Rgb<double> throughput{1};
+  Vec3f wo = first_wo;
+  Rgb throughput{1};
   LightSet settled;
   // Later in a picture, samples of lamps with a size by way of mirrors cost more than they gain.
   const bool is_of_receiver = depth > 0;
@@ -55,7 +54,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   std::optional<SurfaceScattering> scattering;
   for (;; ++depth) {
     scattering.reset();
-    if (const Rgb<double>* reflectance = scene_.plain_diffuse(hit.material)) [[likely]] {
+    if (const Rgb* reflectance = scene_.plain_diffuse(hit.material)) [[likely]] {
       throughput = throughput * *reflectance;
       if (throughput.is_black()) return sum;
     } else {
@@ -77,8 +76,8 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       // Before the lights are sampled: while those wait for square roots and divisions, the
       // processor computes this.
       next_direction.wi =
-          cosine_direction(Vec3<float>(hit.ns), wo, sample.at(depth, PathSample::kDirection));
-      next_direction.pdf = std::fabs(dot(hit.ns, Vec3<double>(next_direction.wi))) * kInvPi;
+          cosine_direction(Vec3f(hit.ns), wo, sample.at(depth, PathSample::kDirection));
+      next_direction.pdf = std::fabs(dot(hit.ns, Vec3(next_direction.wi))) * kInvPi;
     }
 
     if (!scattering || !scattering->all_delta())
@@ -110,20 +109,20 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
 
     if (scattering) {
       const auto scattered =
-          scattering->sample(Vec3<double>(wo), {sample.pair(PathSample::kFirstLobe + depth).x,
-                                                {sample.at(depth, PathSample::kDirection).x,
-                                                 sample.at(depth, PathSample::kDirection).y}});
+          scattering->sample(Vec3(wo), {sample.pair(PathSample::kFirstLobe + depth).x,
+                                        {sample.at(depth, PathSample::kDirection).x,
+                                         sample.at(depth, PathSample::kDirection).y}});
       if (!scattered) return sum;
       throughput = throughput * scattered->weight;
       if (throughput.is_black() || !is_finite(throughput)) return sum;
-      next_direction = {Vec3<float>(scattered->wi), scattered->pdf.per_sr, scattered->delta};
+      next_direction = {Vec3f(scattered->wi), scattered->pdf.per_sr, scattered->delta};
     }
     if (!next_direction.is_single)
       before = {
           hit.position, next_direction.pdf, false,
           smooth_.counts_at(is_of_receiver || depth == 0, scattering ? &*scattering : nullptr, wo)};
     else
-      before = smooth_.after_single(before, hit, Vec3<double>(wo), Vec3<double>(next_direction.wi));
+      before = smooth_.after_single(before, hit, Vec3(wo), Vec3(next_direction.wi));
     // Lights do not sample single directions, so these always find lights.
     const bool finds =
         next_direction.is_single ? scene_.has_visible_lights() : direct_.finds_lights();
@@ -135,12 +134,12 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
       throughput = throughput / survival;
     }
 
-    const Vec3<float>& wi = next_direction.wi;
+    const Vec3f& wi = next_direction.wi;
     const Ray ray = spawn_ray(hit, wi);
     ++work.indirect_rays;
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray, direct_.transmittance().met());
     if (scene_.has_media()) throughput = throughput * left_by_media(ray, next);
-    const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
+    const auto found = [&](std::uint32_t light, const Rgb& le) {
       if (settled.has(light) || (next_direction.is_single && smooth_.counts(before, light))) return;
       work.by_chance +=
           next_direction.is_single ? before.met_unsolved : next_direction.pdf > kNarrow;
@@ -164,12 +163,12 @@ LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample, Wor
                                    const NeighbourRays* neighbours) const {
   ++work.camera_rays;
   const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
-  Rgb<double> seen;
-  for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<double>& le) { seen += le; });
+  Rgb seen;
+  for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb& le) { seen += le; });
   LightEstimate sum{seen, seen};
   if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work, {}, neighbours);
   if (!scene_.has_media()) return sum;
-  const Rgb<double> left = left_by_media(ray, hit);
+  const Rgb left = left_by_media(ray, hit);
   return {sum.value * left, sum.unshadowed * left};
 }
 

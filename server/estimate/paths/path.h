@@ -16,15 +16,14 @@ namespace lucerna {
 
 /// A ray for radiance queries of lights.  Unlike a traced ray, it is not rounded to floats.
 struct Sight {
-  Vec3<double> origin;
-  Vec3<double> direction;  ///< unit
+  Vec3 origin;
+  Vec3 direction;  ///< unit
   double time_s = 0;
 
-  Sight(const Vec3<double>& origin, const Vec3<double>& direction, double time_s)
+  Sight(const Vec3& origin, const Vec3& direction, double time_s)
       : origin(origin), direction(direction), time_s(time_s) {}
   // NOLINTNEXTLINE(google-explicit-constructor): a traced ray sees along its own floats.
-  Sight(const Ray& ray)
-      : Sight(Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time_s) {}
+  Sight(const Ray& ray) : Sight(Vec3(ray.origin), Vec3(ray.direction), ray.time_s) {}
 };
 
 /// Immutable; may be called from any thread.
@@ -52,7 +51,7 @@ class PathTracer {
   /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`.
   /// `depth`: number of reflections between the surface and the camera.  `before`: the vertex whose
   /// direction found the surface, if SmoothLight sampled there.
-  LightEstimate reflected(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
+  LightEstimate reflected(const SurfaceHit& hit, const Vec3f& wo, std::uint32_t depth,
                           const PathSample& sample, WorkCounts& work,
                           SmoothLight::Before before = {},
                           const NeighbourRays* neighbours = nullptr) const;
@@ -63,10 +62,10 @@ class PathTracer {
   void for_each_emitter(const Sight& sight, const std::optional<SurfaceHit>& hit, F&& f) const;
 
   /// The share of light that media leave on the way along a ray to its end, or to infinity.
-  Rgb<double> left_by_media(Ray ray, const std::optional<SurfaceHit>& end) const;
+  Rgb left_by_media(Ray ray, const std::optional<SurfaceHit>& end) const;
 
   /// A direction about ns on the side of `wo`, density cos / pi.
-  static Vec3<float> cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo, Vec2<float> u);
+  static Vec3f cosine_direction(const Vec3f& ns, const Vec3f& wo, Vec2f u);
 
  private:
   /// Number of reflections before Russian roulette begins: most light arrives with fewer.
@@ -93,14 +92,14 @@ void PathTracer::for_each_emitter(const Sight& sight, const std::optional<Surfac
   if (hit) {
     if (hit->light < 0) return;
     const auto light = static_cast<std::uint32_t>(hit->light);
-    const Rgb<double> le =
+    const Rgb le =
         LightAtTime(scene_.lights()[light], sight.time_s).le(hit->on_light(), -sight.direction);
     // `le` contains the factor alpha.  Only this share of rays meets the surface.
     if (!le.is_black()) f(light, le / scene_.alpha(*hit));
     return;
   }
   for (const std::uint32_t light : scene_.infinite_lights()) {
-    const Rgb<double> le =
+    const Rgb le =
         LightAtTime(scene_.lights()[light], sight.time_s).le_escaped(sight.origin, sight.direction);
     if (!le.is_black()) f(light, le);
   }

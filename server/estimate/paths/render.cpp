@@ -101,7 +101,7 @@ class TileEstimator {
       const SampleSequence sequence(settings_.methods.sampler, settings_.seed, item, one ? 0 : b);
       const PathSample first{sequence, one ? static_cast<std::uint32_t>(b * these.samples) : 0};
       BlockMoments of_block(scene_.camera().may_be_negative());
-      const Rgb<double> mean =
+      const Rgb mean =
           block(x, y, first, these.samples, moments != nullptr ? &of_block : nullptr, work);
       if (stopped_) return {};
       channels.add({mean.r, mean.g, mean.b});
@@ -140,8 +140,8 @@ class TileEstimator {
   }
 
   /// The mean of a block of n samples.
-  Rgb<double> block(int x, int y, const PathSample& first, std::uint32_t n, BlockMoments* moments,
-                    WorkCounts& work) {
+  Rgb block(int x, int y, const PathSample& first, std::uint32_t n, BlockMoments* moments,
+            WorkCounts& work) {
     const Camera& camera = scene_.camera();
     const PixelFilter* const filter = camera.filter();
     const bool has_lens = camera.has_lens();
@@ -158,7 +158,7 @@ class TileEstimator {
       const auto ray_at = [&](float dx, float dy) {
         return camera.ray(static_cast<float>(x) + film.position_px.x + dx,
                           static_cast<float>(y) + film.position_px.y + dy, time(sample),
-                          has_lens ? sample.pair(PathSample::kLens) : Vec2<float>{0.5F, 0.5F});
+                          has_lens ? sample.pair(PathSample::kLens) : Vec2f{0.5F, 0.5F});
       };
       std::optional<NeighbourRays> neighbours;
       if (scene_.textures().uses_footprints())
@@ -176,7 +176,7 @@ class TileEstimator {
       constexpr double kLargest = std::numeric_limits<float>::max();
       return v > kLargest ? kLargest : v < -kLargest ? -kLargest : v;
     };
-    const Rgb<double> mean = sum.value() * (scale / n);
+    const Rgb mean = sum.value() * (scale / n);
     return {held(mean.r), held(mean.g), held(mean.b)};
   }
 

@@ -29,12 +29,12 @@ constexpr std::array<std::uint32_t, 1U << kMostBits> kSpread = [] {
 class Cells {
  public:
   /// About one cell for kRaysPerCell points.
-  explicit Cells(std::span<const Vec3<float>> points)
+  explicit Cells(std::span<const Vec3f> points)
       : bits_(std::clamp(static_cast<int>(std::bit_width(points.size() / kRaysPerCell)) / 3, 1,
                          kMostBits)),
         across_(static_cast<float>(1U << bits_)) {
-    Vec3<float> upper = lower_ * -1.0F;
-    for (const Vec3<float>& p : points) {
+    Vec3f upper = lower_ * -1.0F;
+    for (const Vec3f& p : points) {
       if (!is_finite(p)) continue;
       lower_ = {std::min(lower_.x, p.x), std::min(lower_.y, p.y), std::min(lower_.z, p.z)};
       upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
@@ -49,13 +49,13 @@ class Cells {
   float across() const { return across_; }
   std::size_t count() const { return std::size_t{1} << (3 * bits_); }
   /// In [0, across()] along each axis; any number for points that are not finite.
-  Vec3<float> place(const Vec3<float>& p) const {
-    const Vec3<float> d = p - lower_;
+  Vec3f place(const Vec3f& p) const {
+    const Vec3f d = p - lower_;
     return {d.x * per_m_.x, d.y * per_m_.y, d.z * per_m_.z};
   }
   /// The number of the point's cell: interleaved bits of its coordinates.
-  std::uint32_t cell(const Vec3<float>& p) const {
-    const Vec3<float> at = place(p);
+  std::uint32_t cell(const Vec3f& p) const {
+    const Vec3f at = place(p);
     return spread(at.x) | spread(at.y) << 1U | spread(at.z) << 2U;
   }
 
@@ -66,15 +66,15 @@ class Cells {
 
   int bits_;
   float across_;
-  Vec3<float> lower_{INFINITY, INFINITY, INFINITY}, per_m_;
+  Vec3f lower_{INFINITY, INFINITY, INFINITY}, per_m_;
 };
 
 /// The mean distance of neighbours: the sum over the axes, in units of the box.
-double mean_step(std::span<const Vec3<float>> points, const Cells& cells) {
+double mean_step(std::span<const Vec3f> points, const Cells& cells) {
   constexpr std::size_t kStride = 16;
   double sum = 0, pairs = 0;
   for (std::size_t i = 1; i < points.size(); i += kStride, ++pairs) {
-    const Vec3<float> d = cells.place(points[i]) - cells.place(points[i - 1]);
+    const Vec3f d = cells.place(points[i]) - cells.place(points[i - 1]);
     const float step = (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / cells.across();
     sum += std::isfinite(step) ? step : 0;
   }
@@ -83,7 +83,7 @@ double mean_step(std::span<const Vec3<float>> points, const Cells& cells) {
 
 }  // namespace
 
-std::vector<std::uint32_t> coherent_order(std::span<const Vec3<float>> middles) {
+std::vector<std::uint32_t> coherent_order(std::span<const Vec3f> middles) {
   const std::size_t n = middles.size();
   if (n < kLeastRays) return {};
   const Cells cells(middles);

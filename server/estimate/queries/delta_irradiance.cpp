@@ -19,7 +19,7 @@ constexpr std::size_t kAtOnce = 64;
 
 /// Irradiance of light from `wi`.  Computed from reflected radiance, as for samples, so that both
 /// have the same bits.
-Rgb<double> lux_from(const Vec3<double>& wi, const Rgb<double>& value, const Vec3<double>& normal) {
+Rgb lux_from(const Vec3& wi, const Rgb& value, const Vec3& normal) {
   const double cosine = dot(normal, wi);
   if (!(cosine > 0)) return {};
   return value * (cosine * std::numbers::inv_pi) * std::numbers::pi;
@@ -66,15 +66,13 @@ void DeltaIrradiance::settle(std::size_t begin, std::size_t end, WorkCounts& wor
 
 /// Adds light unless something is in its way.  Calls `ray()` only if a ray is needed.
 template <typename MakeRay>
-[[gnu::always_inline]] inline void DeltaIrradiance::add(std::uint32_t light, std::size_t p,
-                                                        Rgb<double> lx, bool needs_ray,
-                                                        WorkCounts& work,
+[[gnu::always_inline]] inline void DeltaIrradiance::add(std::uint32_t light, std::size_t p, Rgb lx,
+                                                        bool needs_ray, WorkCounts& work,
                                                         const MakeRay& ray) const {
   if (lx.is_black()) return;
   if (needs_ray) {
     const std::uint64_t rays = work.shadow_rays;
-    lx = lx * visibility_.visible(light, points_[p].position, Vec3<double>(points_[p].normal),
-                                  ray(), work);
+    lx = lx * visibility_.visible(light, points_[p].position, Vec3(points_[p].normal), ray(), work);
     result_.costs[p].rays += work.shadow_rays - rays;
   }
   result_.points[p].irradiance_lx += lx;
@@ -91,15 +89,14 @@ void DeltaIrradiance::add_light(const L& light, std::uint32_t index, std::size_t
     if constexpr (HasPlainSamples<L>) {
       if (const auto s = light.plain_sample_li(point.position)) [[likely]] {
         add(index, p, lux_from(s->wi, s->value, point.normal), needs_rays, work, [&] {
-          return ray_to_point(surface_at(point, settings_.time_s), s->wi,
-                              Vec3<float>(light.position()));
+          return ray_to_point(surface_at(point, settings_.time_s), s->wi, Vec3f(light.position()));
         });
         continue;
       }
     }
-    Receiver<double> receiver(point.position);
+    Receiver receiver(point.position);
     receiver.normal = point.normal;
-    const LightSample<double> s = light.sample_li(receiver, {});
+    const LightSample s = light.sample_li(receiver, {});
     add(index, p, lux_from(s.wi, s.value, receiver.normal), needs_rays, work,
         [&] { return shadow_ray(surface_at(point, settings_.time_s), s, reach_m); });
   }

@@ -48,8 +48,8 @@ class DeltaIrradiance {
   void add_light(const L& light, std::uint32_t index, std::size_t begin, std::size_t end,
                  WorkCounts& work) const;
   template <typename MakeRay>
-  inline void add(std::uint32_t light, std::size_t point, Rgb<double> lx, bool needs_ray,
-                  WorkCounts& work, const MakeRay& ray) const;
+  inline void add(std::uint32_t light, std::size_t point, Rgb lx, bool needs_ray, WorkCounts& work,
+                  const MakeRay& ray) const;
 
   const Scene& scene_;
   std::span<const IrradiancePoint> points_;

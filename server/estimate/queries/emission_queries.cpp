@@ -21,7 +21,7 @@ constexpr std::size_t kGrain = 512;
 
 /// The sample values of one ray.
 struct RayValues {
-  Vec2<float> position, direction;
+  Vec2f position, direction;
   double light = 0;
   bool valid = true;
 };
@@ -54,13 +54,13 @@ bool fits_float(double density) {
 
 /// Rounds origin and direction of a sampled ray to the floats of the answer.  Sets value and
 /// densities to those of the rounded ray, so that PdfLe returns the same densities for it.
-void set_wire_ray(const LightAtTime& light, const SceneSphere& scene, EmissionSample<double>& s) {
+void set_wire_ray(const LightAtTime& light, const SceneSphere& scene, EmissionSample& s) {
   if (s.reason != NoLight::kNone) return;
-  const Vec3<double> origin(as_floats(s.origin));
-  const EmissionSample<double> sampled = s;
-  const auto direction = wire_direction(sampled.direction, [&](const Vec3<double>& w) {
+  const Vec3 origin(as_floats(s.origin));
+  const EmissionSample sampled = s;
+  const auto direction = wire_direction(sampled.direction, [&](const Vec3& w) {
     if (light.leaves_freely()) {
-      const EmissionPdf<double> pdf = light.pdf_le(origin, w, scene);
+      const EmissionPdf pdf = light.pdf_le(origin, w, scene);
       s.value = light.le_leaving(origin, w);
       s.pdf_position = pdf.position;
       s.pdf_direction = pdf.direction;
@@ -73,16 +73,16 @@ void set_wire_ray(const LightAtTime& light, const SceneSphere& scene, EmissionSa
            (s.pdf_direction.per_sr > 0) == (sampled.pdf_direction.per_sr > 0);
   });
   if (direction)
-    s.direction = Vec3<double>(*direction);
+    s.direction = Vec3(*direction);
   else
     s = sampled;
 }
 
-ItemResult put(const EmissionSample<double>& s, std::uint32_t light, SpectralValues& spectral,
+ItemResult put(const EmissionSample& s, std::uint32_t light, SpectralValues& spectral,
                std::size_t i, const SampleLeAnswer& a) {
   if (s.reason != NoLight::kNone) return item_result(s.reason);
-  const Vec3<float> value(Vec3<double>(s.value.r, s.value.g, s.value.b));
-  const Vec3<float> origin(s.origin);
+  const Vec3f value(Vec3(s.value.r, s.value.g, s.value.b));
+  const Vec3f origin(s.origin);
   if (!is_finite(value) || !is_finite(origin) || !fits_float(s.pdf_position.per_m2) ||
       !fits_float(s.pdf_direction.per_sr)) {
     return ItemResult::kOutOfRange;
@@ -93,8 +93,8 @@ ItemResult put(const EmissionSample<double>& s, std::uint32_t light, SpectralVal
     if (!store_spectral(at, a.spectral_value + i * at.size())) return ItemResult::kOutOfRange;
   }
   store(a.offsets_m, i, origin);
-  store(a.directions, i, Vec3<float>(s.direction));
-  store(a.light_normals, i, Vec3<float>(s.normal));
+  store(a.directions, i, Vec3f(s.direction));
+  store(a.light_normals, i, Vec3f(s.normal));
   store(a.value, i, value);
   a.pdf_position_per_m2[i] = static_cast<float>(s.pdf_position.per_m2);
   a.pdf_direction_per_sr[i] = static_cast<float>(s.pdf_direction.per_sr);
@@ -115,7 +115,7 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
   }
   if (!u.valid) return ItemResult::kInvalidInput;
   const LightAtTime l(scene.lights()[light], q.time_s);
-  EmissionSample<double> s =
+  EmissionSample s =
       l.sample_le({u.position.x, u.position.y}, {u.direction.x, u.direction.y}, scene.sphere());
   set_wire_ray(l, scene.sphere(), s);
   return put(s, light, spectral, i, a);
@@ -137,16 +137,16 @@ class LeChunk {
   /// Fills the entries of ray `i` except its status, and returns the status.
   ItemResult ray(std::size_t i) {
     const ScenePoint p = to_scene_(i);
-    const Vec3<float> direction = triple(query_.directions, i);
+    const Vec3f direction = triple(query_.directions, i);
     if (!is_direction(direction)) return ItemResult::kInvalidInput;
     if (p.result != ItemResult::kOk) return p.result;
-    Ray ray{Vec3<float>(p.position), normalized(direction), kStartWithoutNormal * p.error};
+    Ray ray{Vec3f(p.position), normalized(direction), kStartWithoutNormal * p.error};
     ray.time_s = query_.time_s;
     const Transmittance& transmittance = tracer_.direct().transmittance();
     const auto hit =
         first_other_surface(scene_, ray, {{p.position, p.error}, {}}, transmittance.blocking());
     ++work_.indirect_rays;
-    Rgb<double> arriving(1);
+    Rgb arriving(1);
     if (transmittance.is_partial()) {
       if (hit) ray.t_max = hit->t;
       arriving = transmittance.along(ray, work_);
@@ -158,18 +158,18 @@ class LeChunk {
  private:
   /// Adds the radiance of all lights at the end of the ray.  `arriving`: the share of it.
   ItemResult put(std::size_t i, const Sight& sight, const std::optional<SurfaceHit>& hit,
-                 const Rgb<double>& arriving) {
-    Rgb<double> sum;
+                 const Rgb& arriving) {
+    Rgb sum;
     std::uint64_t first_id = 0;
     std::ranges::fill(at_wavelengths_, 0);
-    tracer_.for_each_emitter(sight, hit, [&](std::uint32_t light, const Rgb<double>& le) {
+    tracer_.for_each_emitter(sight, hit, [&](std::uint32_t light, const Rgb& le) {
       if (query_.light && light != *query_.light) return;
-      const Rgb<double> radiance = le * arriving;
+      const Rgb radiance = le * arriving;
       if (first_id == 0) first_id = scene_.lights()[light].id;
       sum += radiance;
       spectral_.add(light, radiance, at_wavelengths_);
     });
-    const Vec3<float> total(Vec3<double>(sum.r, sum.g, sum.b));
+    const Vec3f total(Vec3(sum.r, sum.g, sum.b));
     if (!is_finite(total) ||
         !store_spectral(at_wavelengths_, answer_.spectral_radiance + i * at_wavelengths_.size()))
       return ItemResult::kOutOfRange;
@@ -227,10 +227,10 @@ void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
   const LightAtTime l(scene.lights()[light], time_s);
   const auto ray = [&](std::size_t i) {
     const ScenePoint p = to_scene(i);
-    const Vec3<float> w = triple(directions, i);
+    const Vec3f w = triple(directions, i);
     if (!is_direction(w)) return ItemResult::kInvalidInput;
     if (p.result != ItemResult::kOk) return p.result;
-    const EmissionPdf<double> pdf = l.pdf_le(p.position, direction_of(w), scene.sphere());
+    const EmissionPdf pdf = l.pdf_le(p.position, direction_of(w), scene.sphere());
     if (!fits_float(pdf.position.per_m2) || !fits_float(pdf.direction.per_sr))
       return ItemResult::kOutOfRange;
     pdf_position_per_m2[i] = static_cast<float>(pdf.position.per_m2);

@@ -31,14 +31,14 @@ constexpr double kBeforeSurface = 4096;
 
 /// Spread evenly over the sphere (a Fibonacci lattice), none along an axis; directions that follow
 /// each other are far apart.
-std::array<Vec3<float>, kRays> spread_directions() {
-  std::array<Vec3<float>, kRays> directions;
+std::array<Vec3f, kRays> spread_directions() {
+  std::array<Vec3f, kRays> directions;
   for (std::size_t i = 0; i < kRays; ++i) {
     const auto k = static_cast<double>(i * 7 % kRays);
     const double z = 1 - (2 * k + 1) / kRays;
     const double phi = 0.3 + k * std::numbers::pi * (3 - std::sqrt(5.0));
     const double r = std::sqrt(1 - z * z);
-    directions[i] = Vec3<float>(Vec3<double>{r * std::cos(phi), r * std::sin(phi), z});
+    directions[i] = Vec3f(Vec3{r * std::cos(phi), r * std::sin(phi), z});
   }
   return directions;
 }
@@ -61,15 +61,15 @@ struct Crossings {
 };
 
 /// The crossings of a ray; nothing if there are too many.
-std::optional<Crossings> crossings(const Scene& scene, const Vec3<double>& from,
-                                   const Vec3<float>& direction, double time_s,
+std::optional<Crossings> crossings(const Scene& scene, const Vec3& from, const Vec3f& direction,
+                                   double time_s,
                                    float t_max = std::numeric_limits<float>::infinity()) {
   Crossings found;
-  Ray ray{Vec3<float>(from), direction, 0, t_max, time_s};
+  Ray ray{Vec3f(from), direction, 0, t_max, time_s};
   for (int i = 0; i < kMostCrossings; ++i) {
     const auto hit = scene.closest_hit(ray);
     if (!hit) return found;
-    const int leaving = dot(hit->ng, Vec3<double>(direction)) > 0 ? 1 : -1;
+    const int leaving = dot(hit->ng, Vec3(direction)) > 0 ? 1 : -1;
     const auto known =
         std::find_if(found.shapes.begin(), found.shapes.end(),
                      [&](const Crossings::OfShape& s) { return s.shape == hit->shape; });
@@ -87,16 +87,16 @@ std::optional<Crossings> crossings(const Scene& scene, const Vec3<double>& from,
 }
 
 /// Whether the point lies in the plane of the hit, within the errors.
-bool is_on(const SurfaceHit& hit, const Vec3<double>& point, double error) {
+bool is_on(const SurfaceHit& hit, const Vec3& point, double error) {
   return std::fabs(dot(hit.ng, hit.position - point)) <= 2 * (error + max_abs(hit.position_error));
 }
 
 /// The rays from one point, and the shapes that they cross.
 class Surroundings {
  public:
-  Surroundings(const Scene& scene, const Vec3<double>& from, double error, double time_s)
+  Surroundings(const Scene& scene, const Vec3& from, double error, double time_s)
       : scene_(scene), from_(from), time_s_(time_s) {
-    for (const Vec3<float>& direction : directions()) {
+    for (const Vec3f& direction : directions()) {
       auto along = crossings(scene, from_, direction, time_s);
       if (!along || (along->first && is_on(*along->first, from_, error))) return;
       along_.push_back(*std::move(along));
@@ -119,7 +119,7 @@ class Surroundings {
   }
 
  private:
-  static const std::array<Vec3<float>, kRays>& directions() {
+  static const std::array<Vec3f, kRays>& directions() {
     static const auto kDirections = spread_directions();
     return kDirections;
   }
@@ -148,14 +148,13 @@ class Surroundings {
   bool ends_inside(std::uint64_t shape, std::size_t i,
                    const std::vector<std::size_t>& leaving) const {
     if (!along_[i].first) return false;
-    const Vec3<double> end =
-        from_ + Vec3<double>(directions()[i]) * double{kJustBefore * along_[i].first->t};
+    const Vec3 end = from_ + Vec3(directions()[i]) * double{kJustBefore * along_[i].first->t};
     // Use only rays that lead away from the surface.  Others may meet it too, or one beside it.
-    const Vec3<double> normal = along_[i].first->ng;
-    const double side = dot(normal, Vec3<double>(directions()[i]));
+    const Vec3 normal = along_[i].first->ng;
+    const double side = dot(normal, Vec3(directions()[i]));
     std::size_t away = 0, inside = 0;
     for (const std::size_t k : leaving) {
-      if (dot(normal, Vec3<double>(directions()[k])) * side >= 0) continue;
+      if (dot(normal, Vec3(directions()[k])) * side >= 0) continue;
       const auto along = crossings(scene_, end, directions()[k], time_s_);
       if (!along || along->leaving(shape) < 0) return false;
       ++away;
@@ -173,9 +172,8 @@ class Surroundings {
       if (!bounds) continue;
       ++placed;
       if (is_light_of(shape, static_cast<std::int32_t>(l))) continue;
-      const Vec3<double> middle = (Vec3<double>(bounds->lower) + Vec3<double>(bounds->upper)) * 0.5;
-      const auto along =
-          crossings(scene_, from_, Vec3<float>(middle - from_), time_s_, kJustBefore);
+      const Vec3 middle = (Vec3(bounds->lower) + Vec3(bounds->upper)) * 0.5;
+      const auto along = crossings(scene_, from_, Vec3f(middle - from_), time_s_, kJustBefore);
       if (!along || along->leaving(shape) < 1) return true;
     }
     return false;
@@ -189,7 +187,7 @@ class Surroundings {
   }
 
   const Scene& scene_;
-  Vec3<double> from_;
+  Vec3 from_;
   double time_s_;
   std::vector<Crossings> along_;
   bool complete_ = false;  // false: the point is on a surface, outside, or not decided
@@ -197,18 +195,17 @@ class Surroundings {
 
 /// Whether all rays above a point end close to a box, at surfaces that send no light back: the box
 /// and a rim around it, as of a panel in a housing, leave no opening.
-bool is_enclosed(const Scene& scene, const Vec3<double>& from, const Vec3<double>& normal,
-                 const LightBounds<double>& box, double margin_m, double time_s) {
+bool is_enclosed(const Scene& scene, const Vec3& from, const Vec3& normal, const LightBounds& box,
+                 double margin_m, double time_s) {
   constexpr int kDirections = 256;
-  const Frame<double> frame = Frame<double>::around(normal);
+  const Frame frame = Frame::around(normal);
   for (int i = 0; i < kDirections; ++i) {
     // More of them graze, because light enters at the sides.
     const double s = (i + 0.5) / kDirections, z = s * s, r = std::sqrt(1 - z * z);
     const double phi = i * std::numbers::pi * (3 - std::sqrt(5.0));
-    const Vec3<double> w =
-        frame.s * (r * std::cos(phi)) + frame.t * (r * std::sin(phi)) + frame.n * z;
+    const Vec3 w = frame.s * (r * std::cos(phi)) + frame.t * (r * std::sin(phi)) + frame.n * z;
     const auto hit = scene.closest_hit(
-        Ray{Vec3<float>(from), Vec3<float>(w), 0, std::numeric_limits<float>::infinity(), time_s});
+        Ray{Vec3f(from), Vec3f(w), 0, std::numeric_limits<float>::infinity(), time_s});
     if (!hit) return false;
     for (int axis = 0; axis < 3; ++axis)
       if (hit->position[axis] < box.lower[axis] - margin_m ||
@@ -224,14 +221,12 @@ bool is_enclosed(const Scene& scene, const Vec3<double>& from, const Vec3<double
 /// Whether the back of a lamp covers a point with this normal: a ray along the normal meets it
 /// first, except for surfaces through the point itself.  `from`, `before`: just behind the point,
 /// and just before it.
-bool is_covered(const Scene& scene, const IrradiancePoint& point, const Vec3<double>& from,
-                const Vec3<double>& before, const Vec3<double>& normal, double error,
-                double time_s) {
+bool is_covered(const Scene& scene, const IrradiancePoint& point, const Vec3& from,
+                const Vec3& before, const Vec3& normal, double error, double time_s) {
   // The largest gap, relative to the diagonal of the lamp's box.  More light enters wider ones,
   // unless a rim closes them.
   constexpr double kGap = 1.0 / 16, kClosedGap = 1.0 / 4;
-  Ray ray{Vec3<float>(from), Vec3<float>(normal), 0, std::numeric_limits<float>::infinity(),
-          time_s};
+  Ray ray{Vec3f(from), Vec3f(normal), 0, std::numeric_limits<float>::infinity(), time_s};
   for (int i = 0; i < kMostCrossings; ++i) {
     const auto hit = scene.closest_hit(ray);
     if (!hit) return false;
@@ -258,11 +253,11 @@ bool is_inside_solid(const Scene& scene, const IrradiancePoint& point, double ti
   const double error = max_abs(point.position_error);
   // A ray from a point on a surface may miss that surface.  One that begins before it does not.
   const double rounding = max_abs(point.position) * std::numeric_limits<float>::epsilon();
-  const Vec3<double> normal = normalized(point.normal);
+  const Vec3 normal = normalized(point.normal);
   const double distance = kBeforeSurface * std::max(error, rounding);
-  const Vec3<double> before = point.position + normal * distance;
+  const Vec3 before = point.position + normal * distance;
   const auto surface = scene.closest_hit(
-      Ray{Vec3<float>(before), Vec3<float>(-normal), 0, static_cast<float>(2 * distance), time_s});
+      Ray{Vec3f(before), Vec3f(-normal), 0, static_cast<float>(2 * distance), time_s});
   const bool is_on_surface = surface && is_on(*surface, point.position, error + rounding);
   if (is_covered(scene, point, point.position - normal * distance, before, normal, error + rounding,
                  time_s))

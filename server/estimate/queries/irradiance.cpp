@@ -207,7 +207,7 @@ class IrradianceEstimator {
   }
   MostIrradiance most(const SurfaceHit& receiver, const Settled& settled,
                       std::uint32_t light) const {
-    return direct_.most(settled.spending, receiver, Vec3<float>(receiver.ns), light);
+    return direct_.most(settled.spending, receiver, Vec3f(receiver.ns), light);
   }
 
   /// Whether samples find light of this light: directly, or by way of smooth surfaces.
@@ -296,16 +296,16 @@ class IrradianceEstimator {
   void sample(const SurfaceHit& receiver, const PathSample& s, const Settled& settled, Sampled& to,
               WorkCounts& work) const {
     LightEstimate sum;
-    direct_.sample(settled.spending, receiver, Vec3<float>(receiver.ns), 0, s, settled.lights, work,
+    direct_.sample(settled.spending, receiver, Vec3f(receiver.ns), 0, s, settled.lights, work,
                    [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
     if (by_way_) {
-      const Vec3<float> n(receiver.ns);
+      const Vec3f n(receiver.ns);
       const SmoothLight::Vertex v{
           receiver, n, nullptr, 0, true, tracer_.most_steps(0), true, settings_.per_light};
       tracer_.smooth().sample(
           v, s, work, [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
       tracer_.smooth().sample_glossy(v, s, work, [&](std::uint32_t, const LightEstimate& e) {
-        add_reflected(e, Rgb<double>(1), sum, to);
+        add_reflected(e, Rgb(1), sum, to);
       });
     }
     if (settled.gathers) gather(receiver, s, settled, sum, to, work);
@@ -316,7 +316,7 @@ class IrradianceEstimator {
   void walk(const SurfaceHit& receiver, const PathSample& s, std::uint32_t samples, Sampled& to,
             WorkCounts& work) const {
     walks_.sample(receiver, std::clamp(samples / kSamplesPerWalk, 1U, kMostWalks),
-                  tracer_.most_steps(0), s, work, [&](std::uint32_t light, const Rgb<double>& lx) {
+                  tracer_.most_steps(0), s, work, [&](std::uint32_t light, const Rgb& lx) {
                     to.total.add_to_block(lx, samples);
                     if (!to.shares.empty()) to.shares[light].add_to_block(lx, samples);
                     settler_.add_to(to.by_spectrum, light, lx * static_cast<double>(samples));
@@ -333,7 +333,7 @@ class IrradianceEstimator {
   }
 
   /// Adds light that surfaces reflect, of which `left` arrives.
-  static void add_reflected(const LightEstimate& e, const Rgb<double>& left, LightEstimate& sum,
+  static void add_reflected(const LightEstimate& e, const Rgb& left, LightEstimate& sum,
                             Sampled& to) {
     sum += {e.value * left * kPi, e.unshadowed * left * kPi};
     to.reflected += e.unshadowed.is_black() ? 0 : 1;
@@ -342,26 +342,26 @@ class IrradianceEstimator {
   /// Adds the light that directions of the receiver find: lights, and light that surfaces reflect.
   void gather(const SurfaceHit& receiver, const PathSample& s, const Settled& settled,
               LightEstimate& sum, Sampled& to, WorkCounts& work) const {
-    const Vec3<float> n(receiver.ns);
+    const Vec3f n(receiver.ns);
     gather_along(PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection)), false,
                  receiver, s, settled, sum, to, work);
     if (!settled.guided.any()) return;
-    const Vec3<float> wi = settled.guided.sample(s.pair(PathSample::kGuided));
+    const Vec3f wi = settled.guided.sample(s.pair(PathSample::kGuided));
     if (dot(n, wi) > 0) gather_along(wi, true, receiver, s, settled, sum, to, work);
   }
   /// The same for one direction.  `is_guided`: it was drawn for surfaces that are not plain; light
   /// from these counts with the balance heuristic of both ways. [Veach95]
-  void gather_along(const Vec3<float>& wi, bool is_guided, const SurfaceHit& receiver,
+  void gather_along(const Vec3f& wi, bool is_guided, const SurfaceHit& receiver,
                     const PathSample& s, const Settled& settled, LightEstimate& sum, Sampled& to,
                     WorkCounts& work) const {
-    const Vec3<float> n(receiver.ns);
+    const Vec3f n(receiver.ns);
     const double pdf = dot(n, wi) * std::numbers::inv_pi;
     const Ray ray = spawn_ray(receiver, wi);
     ++work.indirect_rays;
     const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
     const bool both = settled.guided.any() && hit && scene_.plain_diffuse(hit->material) == nullptr;
     if (is_guided && !both) return;
-    Rgb<double> left(1);
+    Rgb left(1);
     if (both) left = left * (pdf / (pdf + settled.guided.pdf(wi)));
     if (scene_.has_media()) left = left * tracer_.left_by_media(ray, hit);
     const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
@@ -370,17 +370,16 @@ class IrradianceEstimator {
                  : direct_.found_weight(settled.spending, receiver, n, ray, end, light, pdf);
     };
     if (direct_.finds_lights()) {
-      tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
-        const Rgb<double> e = le * left * weight(light, hit);
+      tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb& le) {
+        const Rgb e = le * left * weight(light, hit);
         add(light, {e, e}, sum, to);
       });
       // Light behind an obstacle counts as hidden.  Light samples may choose only values above a
       // light's mean.  Then only this shows that the light exists.
       if (hit && !is_guided)
-        tracer_.for_each_emitter(ray, std::nullopt,
-                                 [&](std::uint32_t light, const Rgb<double>& le) {
-                                   add(light, {{}, le * weight(light, std::nullopt)}, sum, to);
-                                 });
+        tracer_.for_each_emitter(ray, std::nullopt, [&](std::uint32_t light, const Rgb& le) {
+          add(light, {{}, le * weight(light, std::nullopt)}, sum, to);
+        });
     }
     if (hit && gather_indirect_) {
       const LightEstimate e = tracer_.reflected(

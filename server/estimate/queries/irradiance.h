@@ -17,9 +17,9 @@
 namespace lucerna {
 
 struct IrradiancePoint {
-  Vec3<double> position;       ///< about the scene's origin [m]
-  Vec3<float> position_error;  ///< [m]
-  Vec3<double> normal;         ///< unit
+  Vec3 position;         ///< about the scene's origin [m]
+  Vec3f position_error;  ///< [m]
+  Vec3 normal;           ///< unit
 };
 
 /// The surface that the point represents.
@@ -66,8 +66,8 @@ struct MissedLight {
 };
 
 struct IrradianceEstimate {
-  Rgb<double> irradiance_lx;
-  Rgb<double> standard_error_lx;  ///< of each channel; infinite where block_count is 1 and the
+  Rgb irradiance_lx;
+  Rgb standard_error_lx;          ///< of each channel; infinite where block_count is 1 and the
                                   ///< answer not exact
   double illuminance_error_lx{};  ///< standard error of the luminance; infinite in the same cases
   /// Interval for the converged illuminance, with the confidence of the settings.

@@ -43,11 +43,11 @@ struct Estimate {
     lit += unshadowed > 0 ? 1 : 0;
   }
   /// Adds light to the mean of the current block [lx].
-  void add_to_block(const Rgb<double>& lx, std::uint32_t samples) {
+  void add_to_block(const Rgb& lx, std::uint32_t samples) {
     block_sum.add(lx * static_cast<double>(samples));
   }
   void end_block(std::uint32_t samples) {
-    const Rgb<double> v = block_sum.value() / samples;
+    const Rgb v = block_sum.value() / samples;
     blocks.add({v.r, v.g, v.b, luminance(v)});
     block_sum = {};
   }
@@ -55,7 +55,7 @@ struct Estimate {
   /// found light.
   using Most = absl::FunctionRef<MostIrradiance(bool missed)>;
   /// `exact`: additional light that did not need sampling [lx].
-  IrradianceEstimate result(const Rgb<double>& exact, double block_count, const IntervalRule& rule,
+  IrradianceEstimate result(const Rgb& exact, double block_count, const IntervalRule& rule,
                             Most most) const;
 
  private:
@@ -65,7 +65,7 @@ struct Estimate {
 };
 
 /// Sets an answer that did not need samples [lx].
-inline void set_exact(Rgb<double> exact, IrradianceEstimate& e) {
+inline void set_exact(Rgb exact, IrradianceEstimate& e) {
   e.irradiance_lx = exact;
   e.exact = true;
   const double exact_lx = luminance(exact);
@@ -91,7 +91,7 @@ inline ConfidenceInterval Estimate::interval(double mean, double standard_error,
   return result;
 }
 
-inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double block_count,
+inline IrradianceEstimate Estimate::result(const Rgb& exact, double block_count,
                                            const IntervalRule& rule, Most most) const {
   IrradianceEstimate e;
   e.irradiance_lx = exact;
@@ -118,7 +118,7 @@ class BySpectrum {
   explicit BySpectrum(std::size_t groups) : sums_(groups) {}
 
   bool wanted() const { return !sums_.empty(); }
-  void add(std::size_t group, const Rgb<double>& lx) {
+  void add(std::size_t group, const Rgb& lx) {
     if (lx.is_black()) return;
     if (sums_[group].value().is_black()) lit_.push_back(group);
     sums_[group].add(lx);

@@ -14,18 +14,18 @@ namespace lucerna {
 class LiAnswerWriter {
  public:
   /// `light_shift_m`: the scene's origin about the receivers' origin.
-  LiAnswerWriter(const SampleLiAnswer& answer, const Vec3<double>& light_shift_m)
+  LiAnswerWriter(const SampleLiAnswer& answer, const Vec3& light_shift_m)
       : a_(answer), light_shift_m_(light_shift_m) {}
 
   /// Writes any sample.
-  [[gnu::always_inline]] ItemResult put(std::size_t i, const LightSample<double>& s) const {
+  [[gnu::always_inline]] ItemResult put(std::size_t i, const LightSample& s) const {
     if (s.delta) set_bit(a_.delta, i);
     // Samples without light may lack a direction and a density.
-    if (const Vec3<float> wi(s.wi); is_finite(wi)) store(a_.wi, i, wi);
+    if (const Vec3f wi(s.wi); is_finite(wi)) store(a_.wi, i, wi);
     if (!s.delta)
       a_.pdf_per_sr[i] = is_normal_float(s.pdf.per_sr) ? static_cast<float>(s.pdf.per_sr) : 1.0F;
-    if (const Vec3<float> normal(s.normal); is_finite(normal)) store(a_.light_normals, i, normal);
-    const Vec3<float> point(s.point + light_shift_m_);
+    if (const Vec3f normal(s.normal); is_finite(normal)) store(a_.light_normals, i, normal);
+    const Vec3f point(s.point + light_shift_m_);
     const auto distance = static_cast<float>(s.distance);
     const bool is_far = std::isinf(s.distance);
     if (!is_far && std::isfinite(distance)) {
@@ -34,7 +34,7 @@ class LiAnswerWriter {
     }
     NoLight reason = s.reason;
     if (reason == NoLight::kNone) {
-      const Vec3<float> value(Vec3<double>(s.value.r, s.value.g, s.value.b));
+      const Vec3f value(Vec3(s.value.r, s.value.g, s.value.b));
       const bool has_place = is_far || (std::isfinite(distance) && is_finite(point));
       const bool has_density = s.delta || is_normal_float(s.pdf.per_sr);
       if (is_finite(value) && has_place && has_density)
@@ -47,10 +47,10 @@ class LiAnswerWriter {
 
   /// Writes a sample of a delta light at `point` if all of it fits.  Returns false, with
   /// nothing written, if it does not.
-  [[gnu::always_inline]] bool put_plain(std::size_t i, const Vec3<double>& wi, double distance_m,
-                                        const Rgb<double>& value, const Vec3<double>& point) const {
-    const Vec3<float> wi_float(wi), offset(point + light_shift_m_);
-    const Vec3<float> value_float(Vec3<double>(value.r, value.g, value.b));
+  [[gnu::always_inline]] bool put_plain(std::size_t i, const Vec3& wi, double distance_m,
+                                        const Rgb& value, const Vec3& point) const {
+    const Vec3f wi_float(wi), offset(point + light_shift_m_);
+    const Vec3f value_float(Vec3(value.r, value.g, value.b));
     const auto distance = static_cast<float>(distance_m);
     // One comparison for all values that may not fit a float.
     if (!std::isfinite((value_float.x + value_float.y + value_float.z) + distance +
@@ -84,7 +84,7 @@ class LiAnswerWriter {
   }
 
   const SampleLiAnswer& a_;
-  Vec3<double> light_shift_m_;
+  Vec3 light_shift_m_;
 };
 
 }  // namespace lucerna

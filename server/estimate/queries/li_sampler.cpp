@@ -19,18 +19,17 @@ namespace {
 
 /// Rounds the direction of a sample of an infinite light to the floats of the answer.  Sets value
 /// and density to those of the rounded direction, so that PdfLi and Le return the same for it.
-void set_wire_wi(const LightAtTime& light, const Receiver<double>& receiver,
-                 LightSample<double>& sample) {
+void set_wire_wi(const LightAtTime& light, const Receiver& receiver, LightSample& sample) {
   if (sample.reason != NoLight::kNone || sample.delta) return;
-  const auto wi_in_answer = wire_direction(sample.wi, [&](const Vec3<double>& wi) {
-    const Rgb<double> value = light.le_escaped(receiver.position, wi);
-    const SolidAnglePdf<double> pdf = light.pdf_li(receiver, wi);
+  const auto wi_in_answer = wire_direction(sample.wi, [&](const Vec3& wi) {
+    const Rgb value = light.le_escaped(receiver.position, wi);
+    const SolidAnglePdf pdf = light.pdf_li(receiver, wi);
     if (value.is_black() || !(pdf.per_sr > 0)) return false;
     sample.value = value;
     sample.pdf = pdf;
     return true;
   });
-  if (wi_in_answer) sample.wi = Vec3<double>(*wi_in_answer);
+  if (wi_in_answer) sample.wi = Vec3(*wi_in_answer);
 }
 
 }  // namespace
@@ -38,13 +37,13 @@ void set_wire_wi(const LightAtTime& light, const Receiver<double>& receiver,
 /// One sample of a chunk, from its receiver to its light.
 struct LiSampler::Pending {
   ScenePoint receiver;
-  Vec3<double> normal;
-  Vec2<double> u;
+  Vec3 normal;
+  Vec2 u;
   std::optional<LightChoice> choice{};   // nothing: the light is named, or no light can be chosen
   std::optional<std::uint32_t> light{};  // nothing: no light can be chosen
   bool sampled = false;
-  LightSample<double> sample;
-  Rgb<double> visible{1};  ///< the share of its light that arrives
+  LightSample sample;
+  Rgb visible{1};  ///< the share of its light that arrives
 
   LooseEnd start() const { return {receiver.position, receiver.error}; }
 };
@@ -101,8 +100,7 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
   for (std::size_t i = begin; answer.transmittance != nullptr && i < end; ++i) {
     const Pending& p = chunk[i - begin];
     if (p.receiver.result != ItemResult::kOk) continue;
-    store(answer.transmittance, i,
-          Vec3<float>(Vec3<double>(p.visible.r, p.visible.g, p.visible.b)));
+    store(answer.transmittance, i, Vec3f(Vec3(p.visible.r, p.visible.g, p.visible.b)));
   }
   for (std::size_t i = begin; shares != nullptr && i < end; ++i)
     shares[i] = share(chunk[i - begin]);
@@ -145,11 +143,11 @@ WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> s
 [[gnu::always_inline]] inline LiSampler::At LiSampler::at(std::size_t receiver) const {
   At at{.point = to_scene_(receiver)};
   if (q_.normals.empty()) return at;
-  const Vec3<float> n = triple(q_.normals, receiver);
+  const Vec3f n = triple(q_.normals, receiver);
   if (!is_direction(n)) at.point.result = ItemResult::kInvalidInput;
-  at.normal = normalized(Vec3<double>(n));
+  at.normal = normalized(Vec3(n));
   if (q_.test_visibility && !q_.position_error_m && at.point.result == ItemResult::kOk)
-    at.point = on_surface(scene_, at.point, Vec3<float>(at.normal), q_.time_s);
+    at.point = on_surface(scene_, at.point, Vec3f(at.normal), q_.time_s);
   return at;
 }
 
@@ -159,7 +157,7 @@ ItemResult LiSampler::receiver_result(std::size_t receiver) const {
 
 MostIrradiance LiSampler::most(std::size_t receiver) const {
   const At here = at(receiver);
-  const Receiver<double> r = receiver_of(here.point, here.normal);
+  const Receiver r = receiver_of(here.point, here.normal);
   const auto of_light = [&](std::uint32_t light, double probability) {
     return most_of(LightAtTime(scene_.lights()[light], q_.time_s), r, probability);
   };
@@ -174,8 +172,8 @@ MostIrradiance LiSampler::most(std::size_t receiver) const {
 }
 
 /// The receiver in the form that lights use.
-Receiver<double> LiSampler::receiver_of(const ScenePoint& point, const Vec3<double>& normal) const {
-  Receiver<double> r(point.position);
+Receiver LiSampler::receiver_of(const ScenePoint& point, const Vec3& normal) const {
+  Receiver r(point.position);
   r.normal = normal;
   r.area_sampling = q_.methods.area_sampling;
   return r;
@@ -187,15 +185,15 @@ SampleSequence LiSampler::sequence_of(const LiPlace& place) const {
 
 /// The random numbers that place sample `i` on its light.  Nothing if those of the query are not
 /// finite.
-[[gnu::always_inline]] inline std::optional<Vec2<double>> LiSampler::point_of(const LiPlace& place,
-                                                                              std::size_t i) const {
+[[gnu::always_inline]] inline std::optional<Vec2> LiSampler::point_of(const LiPlace& place,
+                                                                      std::size_t i) const {
   if (q_.seed) {
-    const Vec2<float> u = sequence_of(place).pair(place.index, 0);
-    return Vec2<double>{u.x, u.y};
+    const Vec2f u = sequence_of(place).pair(place.index, 0);
+    return Vec2{u.x, u.y};
   }
   const float x = q_.u[2 * i], y = q_.u[2 * i + 1];
   if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
-  return Vec2<double>{x, y};
+  return Vec2{x, y};
 }
 
 void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const {
@@ -243,9 +241,10 @@ void LiSampler::prepare_all(const LiLayout& layout, std::size_t begin,
 
 /// A sample with the precision of the answer.
 template <typename L>
-[[gnu::always_inline]] inline LightSample<double> LiSampler::sample(
-    const L& light, const Receiver<double>& receiver, Vec2<double> u) const {
-  LightSample<double> s = light.sample_li(receiver, u);
+[[gnu::always_inline]] inline LightSample LiSampler::sample(const L& light,
+                                                            const Receiver& receiver,
+                                                            Vec2 u) const {
+  LightSample s = light.sample_li(receiver, u);
   if constexpr (!HasPlainSamples<L>)
     if (light.is_seen_beyond()) set_wire_wi(light, receiver, s);
   return s;
@@ -286,9 +285,9 @@ void LiSampler::fill_each(const L& light, const LiLayout& layout, std::size_t be
   // Random numbers are computed ahead of the samples.  The hashes of one wait for each other, but
   // the processor computes those of several at a time.
   constexpr std::size_t kAhead = 32;
-  std::array<std::optional<Vec2<double>>, kAhead> ahead;
+  std::array<std::optional<Vec2>, kAhead> ahead;
   At at_receiver;
-  Receiver<double> of_light;
+  Receiver of_light;
   std::optional<std::size_t> receiver;
   for (std::size_t i = begin; i < end; ++i) {
     if ((i - begin) % kAhead == 0)
@@ -300,16 +299,16 @@ void LiSampler::fill_each(const L& light, const LiLayout& layout, std::size_t be
       at_receiver = at(*receiver);
       of_light = receiver_of(at_receiver.point, at_receiver.normal);
     }
-    const std::optional<Vec2<double>>& u = ahead[(i - begin) % kAhead];
+    const std::optional<Vec2>& u = ahead[(i - begin) % kAhead];
     const ItemResult before = u ? at_receiver.point.result : ItemResult::kInvalidInput;
     if (shares != nullptr) shares[i] = {};
     if (before != ItemResult::kOk) {
       writer.put_none(i, before);
       continue;
     }
-    const LightSample<double> s = sample(light, of_light, *u);
+    const LightSample s = sample(light, of_light, *u);
     if (writer.put(i, s) == ItemResult::kOk && shares != nullptr)
-      shares[i] = share(at_receiver.normal, 1, s, Rgb<double>(1));
+      shares[i] = share(at_receiver.normal, 1, s, Rgb(1));
   }
 }
 
@@ -342,15 +341,14 @@ LiShare LiSampler::share(const Pending& p) const {
   return share(p.normal, p.choice ? p.choice->probability : 1, p.sample, p.visible);
 }
 
-[[gnu::always_inline]] inline LiShare LiSampler::share(const Vec3<double>& normal,
-                                                       double probability,
-                                                       const LightSample<double>& s,
-                                                       const Rgb<double>& visible) const {
+[[gnu::always_inline]] inline LiShare LiSampler::share(const Vec3& normal, double probability,
+                                                       const LightSample& s,
+                                                       const Rgb& visible) const {
   LiShare result;
   result.weight = 1 / probability;
   if (!s.delta) result.weight /= s.pdf.per_sr;
   if (!q_.normals.empty()) result.weight *= std::fmax(0, dot(normal, s.wi));
-  result.lx.unshadowed = Rgb<double>(s.value) * result.weight;
+  result.lx.unshadowed = Rgb(s.value) * result.weight;
   result.lx.value = result.lx.unshadowed * visible;
   result.weight *= visible.max_component();
   return result;
@@ -364,7 +362,7 @@ void LiSampler::put_spectral(std::size_t begin, std::vector<Pending>& chunk,
     Pending& p = chunk[k];
     if (p.receiver.result != ItemResult::kOk) continue;
     std::ranges::fill(at, 0);
-    values.add(*p.light, Rgb<double>(p.sample.value), at);
+    values.add(*p.light, Rgb(p.sample.value), at);
     const std::size_t i = begin + k;
     if (store_spectral(at, a.spectral_value + i * values.size())) continue;
     store(a.value, i, {});
@@ -382,15 +380,15 @@ WorkCounts LiSampler::test(std::size_t begin, std::vector<Pending>& chunk,
     if (p.receiver.result != ItemResult::kOk) continue;
     p.visible = {};
     const float reach_m = p.sampled ? scene_.lights()[*p.light].reach_m() : 0;
-    const Ray ray = light_ray(p.receiver, Vec3<float>(p.normal), p.sample, q_.time_s, reach_m);
+    const Ray ray = light_ray(p.receiver, Vec3f(p.normal), p.sample, q_.time_s, reach_m);
     if (const std::optional<bool> occluded = by_map(p, ray, work)) {
-      if (!*occluded) set_bit(visible, begin + k), p.visible = Rgb<double>(1);
+      if (!*occluded) set_bit(visible, begin + k), p.visible = Rgb(1);
       continue;
     }
     ++work.shadow_rays;
     if (is_hidden(p, ray)) continue;
     set_bit(visible, begin + k);
-    p.visible = !transmittance.is_partial() ? Rgb<double>(1)
+    p.visible = !transmittance.is_partial() ? Rgb(1)
                 : !p.light                  ? transmittance.along(ray, work)
                            : visibility_.passed(*p.light, p.receiver.position, ray, work,
                                                 starts_loose() ? p.start().error : -1);

@@ -50,7 +50,7 @@ class LiSampler {
  private:
   struct At {
     ScenePoint point;
-    Vec3<double> normal{};  // unit or zero
+    Vec3 normal{};  // unit or zero
   };
   struct Pending;
 
@@ -60,13 +60,12 @@ class LiSampler {
   void put_only_choice(const LiLayout& layout, std::size_t begin, std::size_t end,
                        const SampleLiAnswer& answer) const;
   inline At at(std::size_t receiver) const;
-  Receiver<double> receiver_of(const ScenePoint& point, const Vec3<double>& normal) const;
+  Receiver receiver_of(const ScenePoint& point, const Vec3& normal) const;
   SampleSequence sequence_of(const LiPlace& place) const;
-  inline std::optional<Vec2<double>> point_of(const LiPlace& place, std::size_t i) const;
+  inline std::optional<Vec2> point_of(const LiPlace& place, std::size_t i) const;
   void prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const;
   template <typename L>
-  inline LightSample<double> sample(const L& light, const Receiver<double>& receiver,
-                                    Vec2<double> u) const;
+  inline LightSample sample(const L& light, const Receiver& receiver, Vec2 u) const;
   template <typename L>
   [[gnu::always_inline]] inline bool put_plain(const L& light, std::size_t receiver, std::size_t i,
                                                const LiAnswerWriter& writer) const;
@@ -79,8 +78,8 @@ class LiSampler {
   void prepare_all(const LiLayout& layout, std::size_t begin, std::vector<Pending>& chunk) const;
   void sample(std::vector<Pending>& chunk) const;
   LiShare share(const Pending& sampled) const;
-  inline LiShare share(const Vec3<double>& normal, double probability, const LightSample<double>& s,
-                       const Rgb<double>& visible) const;
+  inline LiShare share(const Vec3& normal, double probability, const LightSample& s,
+                       const Rgb& visible) const;
   void put_spectral(std::size_t begin, std::vector<Pending>& chunk,
                     const SampleLiAnswer& answer) const;
   WorkCounts test(std::size_t first_bit, std::vector<Pending>& chunk, std::uint8_t* visible) const;
@@ -92,7 +91,7 @@ class LiSampler {
   const SampleLiQuery& q_;
   LightVisibility visibility_;
   ToScene to_scene_;
-  Vec3<double> light_shift_m_;  // the scene's origin about the receivers' origin
+  Vec3 light_shift_m_;  // the scene's origin about the receivers' origin
 };
 
 /// Whether all samples of a receiver are equal.  This holds in a scene without lights, and for a

@@ -16,17 +16,16 @@ constexpr std::uint64_t kEnough = 8;
 /// Whether a part of a box is above the receiver's horizon.
 bool reaches_above(const Bounds& box, const IrradiancePoint& receiver) {
   if (box.empty()) return false;
-  const Vec3<double>& n = receiver.normal;
-  const Vec3<double> highest{n.x > 0 ? box.upper.x : box.lower.x,
-                             n.y > 0 ? box.upper.y : box.lower.y,
-                             n.z > 0 ? box.upper.z : box.lower.z};
+  const Vec3& n = receiver.normal;
+  const Vec3 highest{n.x > 0 ? box.upper.x : box.lower.x, n.y > 0 ? box.upper.y : box.lower.y,
+                     n.z > 0 ? box.upper.z : box.lower.z};
   const double error = double{max_abs(receiver.position_error)} + 1e-6 * max_abs(highest);
   return dot(n, highest - receiver.position) > error;
 }
 
 /// The projected solid angle of a box is at most this [sr].
 double most_projected_sr(const Bounds& box, const IrradiancePoint& receiver) {
-  const Vec3<double> middle = box.lower * 0.5 + box.upper * 0.5;
+  const Vec3 middle = box.lower * 0.5 + box.upper * 0.5;
   const double radius = length(box.upper - middle), distance = length(middle - receiver.position);
   return distance > radius ? kPi * (radius / distance) * (radius / distance) : kPi;
 }
@@ -49,7 +48,7 @@ double most_luminance(const SceneLight& light) {
 std::vector<std::uint32_t> portal_lights(const Scene& scene) {
   std::vector<std::uint32_t> portals;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
-    if (scene.lights()[l].light.get_if<PortalLight<double>>() != nullptr) portals.push_back(l);
+    if (scene.lights()[l].light.get_if<PortalLight>() != nullptr) portals.push_back(l);
   return portals;
 }
 
@@ -77,14 +76,14 @@ bool MissedLightRule::is_outdoors(const IrradiancePoint& receiver, double time_s
   });
   if (!is_behind || scene_.empty()) return is_behind;
   const SurfaceHit surface = surface_at(receiver, time_s);
-  const Frame<double> frame = Frame<double>::around(normalized(receiver.normal));
+  const Frame frame = Frame::around(normalized(receiver.normal));
   // Along the normal, and 60 degrees away from it.
   constexpr int kAround = 8;
   for (int i = 0; i <= kAround; ++i) {
     const double phi = 2 * kPi * i / kAround, sine = i == kAround ? 0 : std::sqrt(0.75);
-    const Vec3<double> w = frame.s * (sine * std::cos(phi)) + frame.t * (sine * std::sin(phi)) +
-                           frame.n * (i == kAround ? 1 : 0.5);
-    if (!scene_.closest_hit(spawn_ray(surface, Vec3<float>(w)))) return true;
+    const Vec3 w = frame.s * (sine * std::cos(phi)) + frame.t * (sine * std::sin(phi)) +
+                   frame.n * (i == kAround ? 1 : 0.5);
+    if (!scene_.closest_hit(spawn_ray(surface, Vec3f(w)))) return true;
   }
   return false;
 }

@@ -38,7 +38,7 @@ double sample_le_seconds(std::size_t rays, std::size_t wavelengths) {
   return each(rays, kEmissionSeconds + each(wavelengths, kWavelengthSeconds));
 }
 
-double pdf_seconds(const Light<double>& light, std::size_t items) {
+double pdf_seconds(const Light& light, std::size_t items) {
   return each(items,
               kPdfSeconds + kPdfPrimitiveSeconds * static_cast<double>(primitive_count(light)));
 }

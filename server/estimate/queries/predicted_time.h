@@ -21,7 +21,7 @@ double le_seconds(std::size_t rays, std::size_t wavelengths);
 /// `sample_le` of this many rays [s].
 double sample_le_seconds(std::size_t rays, std::size_t wavelengths);
 /// `pdf_li` and `pdf_le` of this many items [s].  A density searches all primitives of the light.
-double pdf_seconds(const Light<double>& light, std::size_t items);
+double pdf_seconds(const Light& light, std::size_t items);
 /// `sample_li` of this many samples [s].
 double sample_li_seconds(const SampleLiQuery& query, double samples);
 /// `test_visibility` of this many items [s].

@@ -14,8 +14,8 @@ namespace lucerna {
 namespace {
 
 /// The receiver in the form that lights use; `normal`: unit or zero.
-Receiver<double> receiver_of(const ScenePoint& p, const Vec3<double>& normal, AreaSampling way) {
-  Receiver<double> r(p.position);
+Receiver receiver_of(const ScenePoint& p, const Vec3& normal, AreaSampling way) {
+  Receiver r(p.position);
   r.normal = normal;
   r.area_sampling = way;
   return r;
@@ -50,13 +50,13 @@ void pdf_li(const Scene& scene, const PdfLiQuery& q, float* pdf_per_sr, int* sta
   const LightAtTime light(scene.lights()[q.light], q.time_s);
   const auto item = [&](std::size_t i) {
     const ScenePoint p = to_scene(i);
-    const Vec3<float> w = triple(q.wi, i);
+    const Vec3f w = triple(q.wi, i);
     if (!is_direction(w)) return ItemResult::kInvalidInput;
-    Vec3<double> n;
+    Vec3 n;
     if (!q.normals.empty()) {
-      const Vec3<float> given = triple(q.normals, i);
+      const Vec3f given = triple(q.normals, i);
       if (!is_direction(given)) return ItemResult::kInvalidInput;
-      n = normalized(Vec3<double>(given));
+      n = normalized(Vec3(given));
     }
     if (p.result != ItemResult::kOk) return p.result;
     const auto pdf = static_cast<float>(

@@ -42,29 +42,29 @@ inline ItemResult item_result(NoLight reason) {
 
 /// World points as in messages: offsets x, y, z interleaved [m] from one origin [m].
 struct PointArray {
-  Vec3<double> origin_m;
+  Vec3 origin_m;
   std::span<const float> offsets_m;
   std::size_t size() const { return offsets_m.size() / 3; }
 };
 
 /// Triple `i` of an interleaved array.
-inline Vec3<float> triple(std::span<const float> v, std::size_t i) {
+inline Vec3f triple(std::span<const float> v, std::size_t i) {
   return {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
 }
 
-inline void store(float* array, std::size_t i, const Vec3<float>& v) {
+inline void store(float* array, std::size_t i, const Vec3f& v) {
   array[3 * i] = v.x;
   array[3 * i + 1] = v.y;
   array[3 * i + 2] = v.z;
 }
 
 /// Whether a vector of a request is a direction: finite, with any length except 0.
-inline bool is_direction(const Vec3<float>& v) { return is_finite(v) && v != Vec3<float>{}; }
+inline bool is_direction(const Vec3f& v) { return is_finite(v) && v != Vec3f{}; }
 
 /// A point of a batch, about the scene's origin.
 struct ScenePoint {
-  Vec3<double> position;  ///< within the range of floats
-  float error = 0;        ///< error bound of each coordinate, including rounding to float [m]
+  Vec3 position;    ///< within the range of floats
+  float error = 0;  ///< error bound of each coordinate, including rounding to float [m]
   ItemResult result = ItemResult::kOk;
 };
 
@@ -78,9 +78,9 @@ class ToScene {
   /// kInvalidInput if an offset is not finite, kOutOfRange if the result does not fit floats.
   [[gnu::always_inline]] ScenePoint operator()(std::size_t i) const {
     ScenePoint p;
-    const Vec3<float> offset = triple(offsets_m_, i);
-    p.position = shift_m_ + Vec3<double>(offset);
-    if (!is_finite(Vec3<float>(p.position))) [[unlikely]] {
+    const Vec3f offset = triple(offsets_m_, i);
+    p.position = shift_m_ + Vec3(offset);
+    if (!is_finite(Vec3f(p.position))) [[unlikely]] {
       p.position = {};
       p.result = is_finite(offset) ? ItemResult::kOutOfRange : ItemResult::kInvalidInput;
       return p;
@@ -98,7 +98,7 @@ class ToScene {
   static constexpr double kDefaultUlps = 4;
 
   std::span<const float> offsets_m_;
-  Vec3<double> shift_m_;  ///< the points' origin about the scene's origin
+  Vec3 shift_m_;  ///< the points' origin about the scene's origin
   double origin_error_m_;
   std::optional<float> position_error_m_;
 };

@@ -24,10 +24,10 @@ constexpr std::uint32_t kSamplesBetweenPolls = 256;
 constexpr std::uint64_t kSamplesPerChunk = 8192;
 
 /// The estimate of the light's power from one ray [lm].
-Rgb<double> power_of(const EmissionSample<double>& s) {
+Rgb power_of(const EmissionSample& s) {
   if (s.reason != NoLight::kNone) return {};
-  Rgb<double> power = s.value;
-  if (s.normal != Vec3<double>{}) power = power * std::fabs(dot(s.normal, s.direction));
+  Rgb power = s.value;
+  if (s.normal != Vec3{}) power = power * std::fabs(dot(s.normal, s.direction));
   // A density of 0 means that the choice is certain.
   if (s.pdf_position.per_m2 > 0) power = power / s.pdf_position.per_m2;
   if (s.pdf_direction.per_sr > 0) power = power / s.pdf_direction.per_sr;
@@ -88,7 +88,7 @@ class PowerEstimator {
     LightRun result;
     for (std::uint64_t b = these.first; b < these.first + these.count; ++b) {
       const SobolSequence points(settings_.seed, scene_.lights()[light].id, b);
-      const std::optional<Rgb<double>> mean = block(l, points, these.samples, result);
+      const std::optional<Rgb> mean = block(l, points, these.samples, result);
       if (!mean) return result;
       result.stream.add({mean->r, mean->g, mean->b, luminance(*mean)});
       result.block_lm.push_back(luminance(*mean));
@@ -98,8 +98,8 @@ class PowerEstimator {
   }
 
   /// The mean power of `n` rays [lm]; nothing if it was stopped.
-  std::optional<Rgb<double>> block(const LightAtTime& light, const SobolSequence& points,
-                                   std::uint32_t n, LightRun& run) {
+  std::optional<Rgb> block(const LightAtTime& light, const SobolSequence& points, std::uint32_t n,
+                           LightRun& run) {
     const SceneSphere sphere = scene_.sphere();
     SampleSum sum;
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -107,8 +107,8 @@ class PowerEstimator {
         stopped_ = true;
         return std::nullopt;
       }
-      const Vec2<float> position = points.pair(i, 0), direction = points.pair(i, 1);
-      const Rgb<double> power =
+      const Vec2f position = points.pair(i, 0), direction = points.pair(i, 1);
+      const Rgb power =
           power_of(light.sample_le({position.x, position.y}, {direction.x, direction.y}, sphere));
       sum.add(power);
       const double lumens = luminance(power);

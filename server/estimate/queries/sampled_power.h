@@ -25,7 +25,7 @@ struct SampledPowerSettings {
 };
 
 struct SampledPower {
-  Rgb<double> lumens;
+  Rgb lumens;
   double standard_error_lm = 0;    ///< of the luminous flux; infinite if block_count is 1
   ConfidenceInterval interval_lm;  ///< for the luminous flux, with the confidence of the settings
   std::uint64_t samples = 0;       ///< samples of the estimate

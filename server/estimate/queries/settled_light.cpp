@@ -18,7 +18,7 @@ LightSettler::LightSettler(const Scene& scene, const IrradianceSettings& setting
 Settled LightSettler::settle(const SurfaceHit& receiver, std::uint64_t samples,
                              WorkCounts& work) const {
   Settled s{.exact = {},
-            .shares = std::vector<Rgb<double>>(settings_.per_light ? scene_.lights().size() : 0),
+            .shares = std::vector<Rgb>(settings_.per_light ? scene_.lights().size() : 0),
             .by_spectrum = no_spectra(),
             .spending = spending(samples)};
   s.needs_samples = !settle_lights(receiver, samples, s, work) || gathers_;
@@ -38,16 +38,16 @@ bool LightSettler::uses_closed_forms(std::uint64_t samples) const {
 /// Returns false if lights remain.
 bool LightSettler::settle_lights(const SurfaceHit& receiver, std::uint64_t samples, Settled& to,
                                  WorkCounts& work) const {
-  const Vec3<float> n(receiver.ns);
+  const Vec3f n(receiver.ns);
   const bool closed_forms = uses_closed_forms(samples);
   bool all_settled = true;
   for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
-    std::optional<Rgb<double>> all;
+    std::optional<Rgb> all;
     if (to.spending == Spending::kEach || to.spending == Spending::kAreasDrawn)
       all = direct_.from_one_direction(receiver, n, l, work);
     if (!all && closed_forms) all = direct_.in_closed_form(receiver, n, l);
     if (all) {
-      const Rgb<double> lx = *all * std::numbers::pi;
+      const Rgb lx = *all * std::numbers::pi;
       to.lights.add(l);
       to.exact += lx;
       add_to(to.by_spectrum, l, lx);

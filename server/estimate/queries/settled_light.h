@@ -15,10 +15,10 @@ namespace lucerna {
 
 /// The light of a point that does not need samples, and the light that remains to be sampled.
 struct Settled {
-  Rgb<double> exact;                // [lx]
-  LightSet lights{};                // their direct light is part of `exact`
-  std::vector<Rgb<double>> shares;  // of each light, with `per_light` [lx]
-  BySpectrum by_spectrum;           // of `exact`
+  Rgb exact;                // [lx]
+  LightSet lights{};        // their direct light is part of `exact`
+  std::vector<Rgb> shares;  // of each light, with `per_light` [lx]
+  BySpectrum by_spectrum;   // of `exact`
   Spending spending{};
   bool needs_samples = false;
   bool gathers = false;  // samples directions of the receiver too
@@ -46,7 +46,7 @@ class LightSettler {
   BySpectrum no_spectra() const {
     return BySpectrum(settings_.wavelengths_nm.empty() ? 0 : scene_.spectra().size() + 1);
   }
-  void add_to(BySpectrum& groups, std::uint32_t light, const Rgb<double>& lx) const {
+  void add_to(BySpectrum& groups, std::uint32_t light, const Rgb& lx) const {
     if (!groups.wanted()) return;
     const auto number = scene_.spectrum_number(light);
     groups.add(number ? *number + 1 : 0, lx);

@@ -18,19 +18,18 @@ struct Look {
   double nearest_m = 0;  ///< the nearest surface
 };
 
-Look look(const Scene& scene, const SurfaceHit& receiver, std::uint32_t light,
-          const Vec3<double>& middle, double radius_m) {
+Look look(const Scene& scene, const SurfaceHit& receiver, std::uint32_t light, const Vec3& middle,
+          double radius_m) {
   constexpr int kRays = 16;
-  const Vec3<double> w = normalized(middle - receiver.position);
-  const Frame<double> frame = Frame<double>::around(w);
+  const Vec3 w = normalized(middle - receiver.position);
+  const Frame frame = Frame::around(w);
   Look all{.nearest_m = length(middle - receiver.position)};
   for (int i = 0; i < kRays; ++i) {
     // A spiral with even density.
     const double r = radius_m * std::sqrt((i + 0.5) / kRays),
                  angle = i * 2 * kPi / std::numbers::phi;
-    const Vec3<double> at =
-        middle + frame.s * (r * std::cos(angle)) + frame.t * (r * std::sin(angle));
-    const auto hit = scene.closest_hit(ray_to_point(receiver, w, Vec3<float>(at)));
+    const Vec3 at = middle + frame.s * (r * std::cos(angle)) + frame.t * (r * std::sin(angle));
+    const auto hit = scene.closest_hit(ray_to_point(receiver, w, Vec3f(at)));
     if (!hit || hit->light == static_cast<std::int32_t>(light)) {
       all.sees_light = true;
       continue;
@@ -55,7 +54,7 @@ double light_at_shadow_edges(const Scene& scene, const SurfaceHit& receiver, std
   const auto bounds = at.bounds();
   if (!bounds) return 0;
   const double radius_m = length(bounds->upper - bounds->lower) / 2;
-  const Vec3<double> middle = bounds->lower * 0.5 + bounds->upper * 0.5;
+  const Vec3 middle = bounds->lower * 0.5 + bounds->upper * 0.5;
   const double distance_m = length(middle - receiver.position);
   if (!(radius_m < kSmall * distance_m)) return 0;
   const double rounding_m = kRoundings * kFloatRoundoff * largest_coordinate(scene);

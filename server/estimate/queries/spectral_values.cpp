@@ -9,14 +9,14 @@ namespace {
 constexpr std::size_t kMostKept = 256;
 }  // namespace
 
-void SpectralValues::add(std::optional<std::uint32_t> spectrum, const Rgb<double>& value,
+void SpectralValues::add(std::optional<std::uint32_t> spectrum, const Rgb& value,
                          std::span<double> sum) {
   if (size() == 0 || value.is_black()) return;
   if (!spectrum) {
     if (basis_.empty())
       for (const double nm : wavelengths_nm_) basis_.push_back(rgb_basis_per_lumen(nm));
     for (std::size_t k = 0; k < size(); ++k) {
-      const Rgb<double> c = basis_[k] * value;
+      const Rgb c = basis_[k] * value;
       sum[k] += c.r + c.g + c.b;
     }
     return;

@@ -27,16 +27,16 @@ class SpectralValues {
 
   /// Adds to sum[k] the spectral value of `value` of light `light` at wavelength k [unit of
   /// value / lm W / nm].
-  void add(std::uint32_t light, const Rgb<double>& value, std::span<double> sum) {
+  void add(std::uint32_t light, const Rgb& value, std::span<double> sum) {
     add(scene_.spectrum_number(light), value, sum);
   }
   /// The same for a spectrum of the scene by its number; unset: for lights with RGB values.
-  void add(std::optional<std::uint32_t> spectrum, const Rgb<double>& value, std::span<double> sum);
+  void add(std::optional<std::uint32_t> spectrum, const Rgb& value, std::span<double> sum);
 
  private:
   const Scene& scene_;
   std::span<const double> wavelengths_nm_;
-  std::vector<Rgb<double>> basis_;                                    // empty until it is needed
+  std::vector<Rgb> basis_;                                            // empty until it is needed
   std::unordered_map<std::uint32_t, std::vector<double>> per_lumen_;  // by number of the spectrum
 };
 

@@ -43,9 +43,9 @@ WorkCounts find_surfaces(const Scene& scene, const SurfacesQuery& query,
       const std::optional<SurfaceHit> hit = scene.closest_hit(*ray);
       if (!hit) continue;
       found[i] = 1;
-      const bool from_front = dot(hit->ng, Vec3<double>(ray->direction)) <= 0;
-      store(answer.offsets_m, i, Vec3<float>(hit->position));
-      store(answer.normals, i, Vec3<float>(from_front ? hit->ng : -hit->ng));
+      const bool from_front = dot(hit->ng, Vec3(ray->direction)) <= 0;
+      store(answer.offsets_m, i, Vec3f(hit->position));
+      store(answer.normals, i, Vec3f(from_front ? hit->ng : -hit->ng));
       if (hit->light >= 0)
         answer.light_ids[i] = scene.lights()[static_cast<std::size_t>(hit->light)].id;
     }

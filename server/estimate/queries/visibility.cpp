@@ -16,14 +16,13 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
-bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
+bool has_normal(const Vec3f& normal) { return normal != Vec3f{}; }
 
 /// The start of a ray: off the surface along `normal`, or at the point, with a later t_min.
-Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
-                     const Vec3<float>& direction) {
-  if (!has_normal(normal)) return Vec3<float>(from.position);
-  return offset_origin(Vec3<float>(from.position), {from.error, from.error, from.error},
-                       Vec3<double>(normal), Vec3<double>(direction));
+Vec3f start_of(const ScenePoint& from, const Vec3f& normal, const Vec3f& direction) {
+  if (!has_normal(normal)) return Vec3f(from.position);
+  return offset_origin(Vec3f(from.position), {from.error, from.error, from.error}, Vec3(normal),
+                       Vec3(direction));
 }
 
 /// The ray of item `i`.  Nothing if the item is visible without a ray, or if it has no ray; then
@@ -33,7 +32,7 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
                           LooseEnds& ends) {
   ScenePoint from = from_scene(i);
   result = from.result;
-  Vec3<float> normal;
+  Vec3f normal;
   if (!q.normals.empty()) {
     normal = triple(q.normals, i);
     if (!is_finite(normal) || !has_normal(normal)) result = ItemResult::kInvalidInput;
@@ -53,7 +52,7 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
     if (segment) segment->time_s = q.time_s;
     return segment;
   }
-  const Vec3<float> direction = triple(q.directions, i);
+  const Vec3f direction = triple(q.directions, i);
   const float length = q.lengths_m.empty() ? INFINITY : q.lengths_m[i];
   if (!is_direction(direction) || !(length > 0) ||
       (!q.lengths_m.empty() && !std::isfinite(length))) {
@@ -69,12 +68,12 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
 
 /// The middles of the rays, about the origin of their starts.  Rays count up to the scene's radius.
 /// Only the order of rays depends on them.
-std::vector<Vec3<float>> middles_of(const Scene& scene, const VisibilityQuery& q) {
+std::vector<Vec3f> middles_of(const Scene& scene, const VisibilityQuery& q) {
   const auto reach = static_cast<float>(scene.sphere().radius_m);
-  const Vec3<float> shift = q.to ? Vec3<float>(q.to->origin_m - q.from.origin_m) : Vec3<float>{};
-  std::vector<Vec3<float>> middles(q.from.size());
+  const Vec3f shift = q.to ? Vec3f(q.to->origin_m - q.from.origin_m) : Vec3f{};
+  std::vector<Vec3f> middles(q.from.size());
   for (std::size_t i = 0; i < middles.size(); ++i) {
-    const Vec3<float> from = triple(q.from.offsets_m, i);
+    const Vec3f from = triple(q.from.offsets_m, i);
     if (q.to) {
       middles[i] = (from + (triple(q.to->offsets_m, i) + shift)) * 0.5F;
     } else {
@@ -87,13 +86,11 @@ std::vector<Vec3<float>> middles_of(const Scene& scene, const VisibilityQuery& q
 
 }  // namespace
 
-ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal,
-                      double time_s) {
+ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3f& normal, double time_s) {
   if (!has_normal(normal)) return point;
   const auto largest = static_cast<float>(largest_coordinate(scene));
   const float reach = kStartWithoutNormal * (point.error + kTraversalError * largest);
-  Ray ray{Vec3<float>(point.position + Vec3<double>(normal * reach)), -normal, 0, 2 * reach,
-          time_s};
+  Ray ray{Vec3f(point.position + Vec3(normal * reach)), -normal, 0, 2 * reach, time_s};
   // Surfaces farther away are others, which the point does not lie on, such as a lamp over it.
   constexpr int kMostSurfaces = 16;
   for (int i = 0; i < kMostSurfaces; ++i) {
@@ -110,14 +107,13 @@ ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& n
   return point;
 }
 
-std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
-                               const ScenePoint& to) {
+std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3f& normal, const ScenePoint& to) {
   Ray ray;
-  ray.origin = start_of(from, normal, Vec3<float>(to.position - from.position));
-  const Vec3<double> direction = to.position - Vec3<double>(ray.origin);
+  ray.origin = start_of(from, normal, Vec3f(to.position - from.position));
+  const Vec3 direction = to.position - Vec3(ray.origin);
   const double distance = length(direction);
   if (!(distance > 0)) return std::nullopt;
-  ray.direction = Vec3<float>(direction);
+  ray.direction = Vec3f(direction);
   if (!is_direction(ray.direction)) return std::nullopt;
   if (!has_normal(normal)) {
     ray.t_min = static_cast<float>(kStartWithoutNormal * from.error / distance);
@@ -127,12 +123,12 @@ std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal
   return ray;
 }
 
-Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<double>& to,
-              double time_s, float light_reach_m) {
+Ray light_ray(const ScenePoint& from, const Vec3f& normal, const LightSample& to, double time_s,
+              float light_reach_m) {
   SurfaceHit hit;
   hit.position = from.position;
   hit.position_error = {from.error, from.error, from.error};
-  hit.ng = hit.ns = Vec3<double>(normal);
+  hit.ng = hit.ns = Vec3(normal);
   hit.time_s = time_s;
   Ray ray = shadow_ray(hit, to, light_reach_m);
   if (!has_normal(normal)) {
@@ -159,8 +155,8 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
   parallel_chunks(n, kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
     WorkCounts spent;
-    const auto put = [&](std::size_t i, const Rgb<double>& share) {
-      store(answer.transmittance, i, Vec3<float>(Vec3<double>(share.r, share.g, share.b)));
+    const auto put = [&](std::size_t i, const Rgb& share) {
+      store(answer.transmittance, i, Vec3f(Vec3(share.r, share.g, share.b)));
     };
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = order.empty() ? k : order[k];
@@ -175,7 +171,7 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
       }
       visible[i] = 1;
       if (transmittance.is_partial())
-        put(i, ray ? transmittance.along(*ray, to ? 1 : ray->t_max, spent) : Rgb<double>(1));
+        put(i, ray ? transmittance.along(*ray, to ? 1 : ray->t_max, spent) : Rgb(1));
     }
     const std::lock_guard lock(mutex);
     work += spent;

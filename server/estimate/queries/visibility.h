@@ -15,18 +15,16 @@ namespace lucerna {
 /// The point with its error increased by the error of the surface that it lies on, if there is a
 /// surface within both errors.  A surface has the rounding of its vertices, which may lie much
 /// farther from zero than the point.  `normal`: unit; if zero, the point is returned unchanged.
-ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal,
-                      double time_s = 0);
+ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3f& normal, double time_s = 0);
 
 /// The ray whose t in (t_min, 1) is the open segment between two points.  `normal`: unit at the
 /// start, or zero for none.  No ray if the points are so close that nothing is between them: they
 /// see each other.
-std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
-                               const ScenePoint& to);
+std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3f& normal, const ScenePoint& to);
 
 /// The ray from a point to a sampled point of a light.  `light_reach_m`: LightMotion::reach_m.
-Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<double>& to,
-              double time_s = 0, float light_reach_m = 0);
+Ray light_ray(const ScenePoint& from, const Vec3f& normal, const LightSample& to, double time_s = 0,
+              float light_reach_m = 0);
 
 struct VisibilityQuery {
   PointArray from;

@@ -32,12 +32,12 @@ class CompensatedSum {
 /// A CompensatedSum for each channel.
 class SampleSum {
  public:
-  void add(const Rgb<double>& value) {
+  void add(const Rgb& value) {
     r_.add(value.r);
     g_.add(value.g);
     b_.add(value.b);
   }
-  Rgb<double> value() const { return {r_.value(), g_.value(), b_.value()}; }
+  Rgb value() const { return {r_.value(), g_.value(), b_.value()}; }
 
  private:
   CompensatedSum r_, g_, b_;

@@ -20,18 +20,18 @@ namespace {
 /// dp/du of the first primitive that has an area; its first edge if its (u, v) are degenerate.
 /// `normal(corners)` is the normal of a primitive.
 template <std::size_t kCorners, typename Mesh, typename F>
-Vec3<double> tangent_of(const Mesh& mesh, F&& normal) {
-  static constexpr std::array<Vec2<float>, 4> kPatch{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+Vec3 tangent_of(const Mesh& mesh, F&& normal) {
+  static constexpr std::array<Vec2f, 4> kPatch{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
   StopPoll poll;
   for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners, poll()) {
-    std::array<Vec3<double>, kCorners> p;
-    std::array<Vec2<float>, kCorners> uv;
+    std::array<Vec3, kCorners> p;
+    std::array<Vec2f, kCorners> uv;
     for (std::size_t k = 0; k < kCorners; ++k) {
       p[k] = mesh.positions[mesh.indices[i + k]];
       uv[k] = mesh.corner_uv.empty() ? kPatch[k] : mesh.corner_uv[i + k];
     }
-    if (normal(p) == Vec3<double>{}) continue;
-    const Vec3<double> e = p[1] - p[0], f = p[2] - p[0];
+    if (normal(p) == Vec3{}) continue;
+    const Vec3 e = p[1] - p[0], f = p[2] - p[0];
     const double du1 = uv[1].x - uv[0].x, dv1 = uv[1].y - uv[0].y;
     const double du2 = uv[2].x - uv[0].x, dv2 = uv[2].y - uv[0].y;
     const double determinant = du1 * dv2 - dv1 * du2;
@@ -44,14 +44,12 @@ Vec3<double> tangent_of(const Mesh& mesh, F&& normal) {
   return {};
 }
 
-Vec3<double> tangent_of(const Geometry& geometry, const Place& shape_place) {
+Vec3 tangent_of(const Geometry& geometry, const Place& shape_place) {
   if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry))
-    return tangent_of<3>(*mesh, [](const auto& p) {
-      return Triangle<double>{p[0], p[1], p[2]}.normal();
-    });
+    return tangent_of<3>(*mesh, [](const auto& p) { return Triangle{p[0], p[1], p[2]}.normal(); });
   if (const auto* mesh = std::get_if<PatchMeshData>(&geometry))
     return tangent_of<4>(*mesh, [](const auto& p) {
-      return BilinearPatch<double>{p[0], p[1], p[2], p[3]}.normal({0.5, 0.5});
+      return BilinearPatch{p[0], p[1], p[2], p[3]}.normal({0.5, 0.5});
     });
 #define LUCERNA_TANGENT(Shape)                                  \
   if (const auto* flat = std::get_if<Shape##Params>(&geometry)) \
@@ -67,7 +65,7 @@ Vec3<double> tangent_of(const Geometry& geometry, const Place& shape_place) {
       },
       geometry);
   std::string flat_names = "bilinearmesh, trianglemesh, plymesh";
-#define LUCERNA_ADD_NAME(Shape) flat_names += fmt::format(", {}", Shape<double>::kName);
+#define LUCERNA_ADD_NAME(Shape) flat_names += fmt::format(", {}", Shape::kName);
   LUCERNA_FLAT_QUADRICS(LUCERNA_ADD_NAME)
 #undef LUCERNA_ADD_NAME
   fail(shape_place, fmt::format("a light with \"profile\" on a {}, allowed: flat shapes ({})", name,
@@ -76,31 +74,29 @@ Vec3<double> tangent_of(const Geometry& geometry, const Place& shape_place) {
 
 /// The error if the shape cannot have the profile.
 absl::Status check_panel(const Geometry& geometry, const PanelProfile& profile) {
-  const auto made = [&]<template <typename> typename Surface>(auto surface) -> absl::Status {
+  const auto made = [&]<typename Surface>(absl::StatusOr<Surface> surface) -> absl::Status {
     if (!surface.ok()) return surface.status();
-    return Panel<double, Surface>::create(*std::move(surface), profile).status();
+    return Panel<Surface>::create(*std::move(surface), profile).status();
   };
   if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry)) {
-    std::vector<Triangle<double>> triangles;
+    std::vector<Triangle> triangles;
     StopPoll poll;
     for (std::size_t i = 0; i + 3 <= mesh->indices.size(); i += 3, poll())
       triangles.push_back({mesh->positions[mesh->indices[i]], mesh->positions[mesh->indices[i + 1]],
                            mesh->positions[mesh->indices[i + 2]]});
-    return made.template operator()<TriangleMesh>(
-        TriangleMesh<double>::create(std::move(triangles)));
+    return made(TriangleMesh::create(std::move(triangles)));
   }
   if (const auto* mesh = std::get_if<PatchMeshData>(&geometry)) {
-    std::vector<BilinearPatch<double>> patches;
+    std::vector<BilinearPatch> patches;
     StopPoll poll;
     for (std::size_t i = 0; i + 4 <= mesh->indices.size(); i += 4, poll())
       patches.push_back({mesh->positions[mesh->indices[i]], mesh->positions[mesh->indices[i + 1]],
                          mesh->positions[mesh->indices[i + 2]],
                          mesh->positions[mesh->indices[i + 3]]});
-    return made.template operator()<PatchMesh>(PatchMesh<double>::create(std::move(patches)));
+    return made(PatchMesh::create(std::move(patches)));
   }
-#define LUCERNA_MADE(Shape)                                     \
-  if (const auto* flat = std::get_if<Shape##Params>(&geometry)) \
-    return made.template operator()<Shape>(Shape<double>::create(*flat));
+#define LUCERNA_MADE(Shape) \
+  if (const auto* flat = std::get_if<Shape##Params>(&geometry)) return made(Shape::create(*flat));
   LUCERNA_FLAT_QUADRICS(LUCERNA_MADE)
 #undef LUCERNA_MADE
   return absl::InternalError("a panel on a curved shape");  // tangent_of refuses it before
@@ -153,8 +149,8 @@ bool has_equal_texels(const Geometry& geometry) {
   StopPoll poll;
   for (std::size_t i = 0; i + 4 <= mesh->indices.size(); i += 4, poll()) {
     const auto corner = [&](std::size_t k) { return mesh->positions[mesh->indices[i + k]]; };
-    const Vec3<double> along = corner(1) - corner(0), across = corner(2) - corner(0);
-    const Vec3<double> opposite = corner(3) - corner(2);
+    const Vec3 along = corner(1) - corner(0), across = corner(2) - corner(0);
+    const Vec3 opposite = corner(3) - corner(2);
     if (length(opposite - along) > 1e-6 * (length(along) + length(across))) return false;
   }
   return true;
@@ -169,8 +165,8 @@ double area_of(const Place& place, const TriangleMeshData& mesh) {
   double area = 0;
   StopPoll poll;
   for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3, poll())
-    area += Triangle<double>{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
-                             mesh.positions[mesh.indices[i + 2]]}
+    area += Triangle{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
+                     mesh.positions[mesh.indices[i + 2]]}
                 .area();
   return finite_area(place, area);
 }
@@ -179,11 +175,9 @@ double area_of(const Place& place, const PatchMeshData& mesh) {
   double area = 0;
   StopPoll poll;
   for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4, poll())
-    area +=
-        BilinearPatch<double>{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
-                              mesh.positions[mesh.indices[i + 2]],
-                              mesh.positions[mesh.indices[i + 3]]}
-            .area();
+    area += BilinearPatch{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
+                          mesh.positions[mesh.indices[i + 2]], mesh.positions[mesh.indices[i + 3]]}
+                .area();
   return finite_area(place, area);
 }
 
@@ -249,7 +243,7 @@ void require_emission(const AreaLightDirective& light, const ShapeDescription::E
     require_level(place,
                   fmt::format("the brightest texel of {} times the light's level",
                               printable(emission.picture->name)),
-                  emission.radiance_cd_m2 * emission.picture->brightest());
+                  emission.radiance_cd_m2 * emission.picture->image->brightest());
   if (emission.panel)
     require_level(place,
                   fmt::format("the radiance of a surface with the flux of {} times the light's "

@@ -19,9 +19,9 @@ double pbrt_illuminance(const Image& image) {
   double sum = 0;
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x) {
-      const Vec2<double> p{(x + 0.5) / n, (y + 0.5) / n};
+      const Vec2 p{(x + 0.5) / n, (y + 0.5) / n};
       const double cos = direction_from_square(SphereMapping::kEqualArea, p).z;
-      sum += luminance(Rgb<double>(image.texel(x, y))) * std::max(0.0, cos);
+      sum += luminance(Rgb(image.texel(x, y))) * std::max(0.0, cos);
     }
   return sum * 2 * kPi / n / n;
 }
@@ -34,7 +34,7 @@ double illuminance_from_above(const Image& image) {
       return std::sin(kPi * std::min(row / image.height(), 0.5));
     };
     double row = 0;
-    for (int x = 0; x < image.width(); ++x) row += luminance(Rgb<double>(image.texel(x, y)));
+    for (int x = 0; x < image.width(); ++x) row += luminance(Rgb(image.texel(x, y)));
     sum += row * (sine(y + 1) - sine(y)) * (sine(y + 1) + sine(y));
   }
   return sum * kPi / image.width();
@@ -103,7 +103,7 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
   infinite.map = *std::move(map);
   infinite.image_name = named.name;
   infinite.world_from_map = world_from_light;
-  infinite.radiance_cd_m2 = Rgb<double>(picture_level(context, params, *named.image, mapping));
+  infinite.radiance_cd_m2 = Rgb(picture_level(context, params, *named.image, mapping));
   require_level(
       level_place(params, "L", place),
       fmt::format("the brightest texel of {} times the light's level", printable(named.name)),
@@ -141,9 +141,8 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
                                         const Place& place, const Transform& world_from_light) {
   ImageInfiniteLightParams infinite =
       picture(context, params, place, world_from_light, ImageFilter::kNearest);
-  // Checks here, where the place in the file is known.  Answers contain floats, so a level out of
-  // their range fails too.
-  if (const auto made = ImageInfiniteLight<float>::create(infinite); !made.ok())
+  // Checks here, where the place in the file is known.
+  if (const auto made = ImageInfiniteLight::create(infinite); !made.ok())
     fail(level_place(params, "L", place), made.status());
   return infinite;
 }
@@ -159,7 +158,7 @@ PortalLightParams portal(Context& context, const ParameterSet& params, const Pla
   if (has_picture && !is_resampled)
     require_equal_scale(place, "a filtered or latitude-longitude picture behind a portal",
                         world_from_light);
-  const std::vector<Vec3<double>> corners = params.vectors("portal", "point3");
+  const std::vector<Vec3> corners = params.vectors("portal", "point3");
   PortalLightParams light;
   if (corners.size() != light.corners_m.size())
     fail(given.place, fmt::format("\"point3 portal\" of {} points, allowed: 4", corners.size()));
@@ -176,7 +175,7 @@ PortalLightParams portal(Context& context, const ParameterSet& params, const Pla
     // The transform has no effect on a uniform sky.
     light.world_from_map = Transform();
   }
-  if (const auto status = PortalLight<float>::check(light); !status.ok())
+  if (const auto status = PortalLight::check(light); !status.ok())
     fail(given.place, fmt::format("\"point3 portal\": {}", std::string(status.message())));
   return light;
 }

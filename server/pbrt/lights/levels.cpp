@@ -11,8 +11,8 @@ namespace lucerna::pbrt {
 namespace {
 
 /// Scales `level` so that a level of luminance 1 would reach the target in `given`.
-Rgb<double> scaled_to_target(Context& context, const Parameter& given, const LevelTarget& target,
-                             double wanted, const Rgb<double>& level) {
+Rgb scaled_to_target(Context& context, const Parameter& given, const LevelTarget& target,
+                     double wanted, const Rgb& level) {
   if (!(luminance(level) > 0))
     fail(given.place, fmt::format("\"float {}\" = {} {} for a light of luminance 0{}", target.name,
                                   wanted, target.unit, kOnlyAsIfNotGiven));
@@ -31,15 +31,14 @@ Rgb<double> scaled_to_target(Context& context, const Parameter& given, const Lev
 
 }  // namespace
 
-Rgb<double> light_level_with_target(Context& context, const ParameterSet& params,
-                                    const Place& place, const char* name,
-                                    const LevelTarget& target) {
-  const Rgb<double> colour = light_level(context, params, name);
+Rgb light_level_with_target(Context& context, const ParameterSet& params, const Place& place,
+                            const char* name, const LevelTarget& target) {
+  const Rgb colour = light_level(context, params, name);
   const double scale = params.number("scale", 1);
   if (scale < 0)
     fail(params.find("scale", {"float"})->place,
          fmt::format("\"float scale\" = {}, allowed: not negative", scale));
-  Rgb<double> result = colour * scale;
+  Rgb result = colour * scale;
   const Parameter* given = params.find(target.name, {"float"});
   if (given != nullptr) {
     const double wanted = params.number(target.name, 0);
@@ -68,8 +67,8 @@ Place level_place(const ParameterSet& params, std::string_view name, const Place
   return params.place_of({"scale", "power", "illuminance", name, "filename"}, directive);
 }
 
-void require_level(const Place& place, std::string_view what, const Rgb<double>& value) {
-  if (is_finite(Rgb<float>(value))) return;
+void require_level(const Place& place, std::string_view what, const Rgb& value) {
+  if (is_finite(Rgbf(value))) return;
   fail(place,
        fmt::format("{} = ({:.6g}, {:.6g}, {:.6g}), allowed: each channel finite, at most "
                    "{:.3g}",

@@ -27,23 +27,23 @@ struct LightSource {
   const Place& place;
   const Transform& world_from_light;
 
-  Rgb<double> level(const char* name, const LevelTarget& target) const {
+  Rgb level(const char* name, const LevelTarget& target) const {
     return light_level_with_target(context, params, place, name, target);
   }
 };
 
 /// Fails if the light model refuses its parameters.
-template <template <typename> typename Model, typename Params>
+template <typename Model, typename Params>
 Params checked(const Place& place, const Params& params) {
-  if (const auto made = Model<double>::create(params); !made.ok()) fail(place, made.status());
+  if (const auto made = Model::create(params); !made.ok()) fail(place, made.status());
   return params;
 }
 
 /// Fails if "to" equals "from", or if the transformed direction is 0 or not finite.
-void require_direction(const LightSource& source, const Vec3<double>& direction) {
-  if (is_finite(direction) && direction != Vec3<double>{}) return;
+void require_direction(const LightSource& source, const Vec3& direction) {
+  if (is_finite(direction) && direction != Vec3{}) return;
   const ParameterSet& params = source.params;
-  const Vec3<double> from = params.point("from", {0, 0, 0}), to = params.point("to", {0, 0, 1});
+  const Vec3 from = params.point("from", {0, 0, 0}), to = params.point("to", {0, 0, 1});
   fail(
       params.place_of({"to", "from"}, source.place),
       fmt::format("\"point3 to\" = ({}, {}, {}) and \"from\" = ({}, {}, {}), which are ({}, {}, "
@@ -81,7 +81,7 @@ LightParams spot_light(const LightSource& source) {
          fmt::format("\"float conedeltaangle\" = {} degrees{}, allowed [0, coneangle], which is {}",
                      delta, params.number("conedeltaangle") ? "" : " unless it is given", cone));
   SpotLightParams spot;
-  const Vec3<double> from = params.point("from", {0, 0, 0});
+  const Vec3 from = params.point("from", {0, 0, 0});
   spot.position_m = source.world_from_light.point(from);
   spot.axis = source.world_from_light.vector(params.point("to", {0, 0, 1}) - from);
   require_direction(source, spot.axis);
@@ -110,7 +110,7 @@ LightParams sun_light(const LightSource& source, const Parameter& diameter,
 LightParams distant_light(const LightSource& source) {
   const ParameterSet& params = source.params;
   DistantLightParams distant;
-  const Vec3<double> towards = params.point("from", {0, 0, 0}) - params.point("to", {0, 0, 1});
+  const Vec3 towards = params.point("from", {0, 0, 0}) - params.point("to", {0, 0, 1});
   distant.to_light = source.world_from_light.vector(towards);
   require_direction(source, distant.to_light);
   distant.illuminance_lx = source.level("L", {"illuminance", "lx", 1});
@@ -168,7 +168,7 @@ LightParams goniometric_light(const LightSource& source) {
 LightParams projection_light(const LightSource& source) {
   const auto& [context, params, place, world_from_light] = source;
   Projection projected = projection(context, params, place, world_from_light);
-  const Rgb<double> level = source.level("I", {"power", "lm", projected.pbrt4_lumens});
+  const Rgb level = source.level("I", {"power", "lm", projected.pbrt4_lumens});
   const Parameter* power = positive_parameter(params, "power");
   set_level(context, level_place(params, "I", place), power != nullptr ? &power->place : nullptr,
             level, projected);

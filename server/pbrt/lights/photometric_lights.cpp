@@ -79,7 +79,7 @@ GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
                                    const Transform& world_from_light) {
   GoniometricLightParams light;
   light.position_m = world_from_light.point({0, 0, 0});
-  light.intensity = Rgb<double>(1);
+  light.intensity = Rgb(1);
   const Parameter* filename = params.find("filename", {"string"});
   if (filename == nullptr) {
     // A light that is equal in all directions does not need axes.

@@ -15,13 +15,11 @@ namespace lucerna::pbrt {
 namespace {
 
 /// Length in the world of one unit along each of the light's axes [m].
-Vec3<double> scale_of(const Frame<double>& axes) {
-  return {length(axes.s), length(axes.t), length(axes.n)};
-}
+Vec3 scale_of(const Frame& axes) { return {length(axes.s), length(axes.t), length(axes.n)}; }
 
 /// Adapts fov and aspect to the transform's scale.  The scale applies to the picture in its plane
 /// and to the distance of the plane.
-void apply_scale(const Vec3<double>& scale, ProjectedPictureParams& picture) {
+void apply_scale(const Vec3& scale, ProjectedPictureParams& picture) {
   const double across = scale.x / scale.z, up = scale.y / scale.z;
   // Rounding errors of rotations do not count as scale.
   constexpr double kEqual = 1e-12;
@@ -34,9 +32,9 @@ void apply_scale(const Vec3<double>& scale, ProjectedPictureParams& picture) {
 }
 
 /// `own_space`: set for axes without right angles.
-Projection perspective(const ParameterSet& params, const Place& place, const Frame<double>& axes,
-                       std::shared_ptr<const Frame<double>> own_space,
-                       const Vec3<double>& position_m, NamedImage named, ImageFilter filter) {
+Projection perspective(const ParameterSet& params, const Place& place, const Frame& axes,
+                       std::shared_ptr<const Frame> own_space, const Vec3& position_m,
+                       NamedImage named, ImageFilter filter) {
   const double fov = params.number("fov", 90);
   if (!(fov > 0 && fov < 180))
     fail(params.find("fov", {"float"})->place,
@@ -63,15 +61,15 @@ Projection perspective(const ParameterSet& params, const Place& place, const Fra
           lumens, counted};
 }
 
-Projection orthographic(const ParameterSet& params, const Frame<double>& axes,
-                        const Vec3<double>& position_m, NamedImage named, ImageFilter filter) {
+Projection orthographic(const ParameterSet& params, const Frame& axes, const Vec3& position_m,
+                        NamedImage named, ImageFilter filter) {
   const double extent = params.number("extent", 1);
   if (!(extent > 0))
     fail(params.find("extent", {"float"})->place,
          fmt::format("\"float extent\" = {} m, allowed: positive", extent));
   const double aspect =
       named.image ? static_cast<double>(named.image->width()) / named.image->height() : 1;
-  const Vec3<double> scale = scale_of(axes);
+  const Vec3 scale = scale_of(axes);
   BeamLightParams beam{.position_m = position_m,
                        .axes = axes,
                        .width_m = extent * std::max(aspect, 1.0) * scale.x,
@@ -88,14 +86,14 @@ Projection orthographic(const ParameterSet& params, const Frame<double>& axes,
 
 Projection projection(Context& context, const ParameterSet& params, const Place& place,
                       const Transform& world_from_light) {
-  const Frame<double> axes = axes_of(world_from_light);
+  const Frame axes = axes_of(world_from_light);
   const bool is_sheared = !check_right_angles("", axes).ok();
   NamedImage named;
   const Parameter* filename = params.find("filename", {"string"});
   if (filename != nullptr) named = read_image(context, *filename, kSrgb);
   if (filename == nullptr) check_without_picture(context, params, {"filter"});
   const ImageFilter filter = filename != nullptr ? image_filter(params) : ImageFilter::kNearest;
-  const Vec3<double> position = world_from_light.point({0, 0, 0});
+  const Vec3 position = world_from_light.point({0, 0, 0});
   const std::string name = params.string("projection", "perspective");
   if (name == "perspective")
     return perspective(params, place, axes,
@@ -113,7 +111,7 @@ Projection projection(Context& context, const ParameterSet& params, const Place&
 }
 
 void set_level(Context& context, const Place& level_place, const Place* power_place,
-               const Rgb<double>& level, Projection& projection) {
+               const Rgb& level, Projection& projection) {
   if (power_place != nullptr &&
       std::fabs(projection.pbrt4_lumens - projection.lumens) > 1e-3 * projection.lumens)
     context.remark(*power_place,
@@ -124,13 +122,17 @@ void set_level(Context& context, const Place& level_place, const Place* power_pl
   // their range fails too.
   if (auto* perspective = std::get_if<ProjectionLightParams>(&projection.light)) {
     perspective->intensity_cd = level;
-    if (const auto made = ProjectionLight<float>::create(*perspective); !made.ok())
+    if (const auto made = ProjectionLight::create(*perspective); !made.ok())
       fail(level_place, made.status());
+    require_level(level_place, "projection.intensity of the brightest texel",
+                  level * perspective->picture->brightest());
   } else {
     auto& beam = std::get<BeamLightParams>(projection.light);
     beam.illuminance_lx = level;
-    if (const auto made = BeamLight<float>::create(beam); !made.ok())
-      fail(level_place, made.status());
+    if (const auto made = BeamLight::create(beam); !made.ok()) fail(level_place, made.status());
+    if (beam.image)
+      require_level(level_place, "beam.illuminance of the brightest texel",
+                    level * beam.image->brightest());
   }
 }
 

@@ -27,6 +27,6 @@ Projection projection(Context& context, const ParameterSet& params, const Place&
 /// Sets the level.  `level_place`: place of an error about a level that is too high. `power_place`:
 /// place of "power", or null.  Adds a remark with the flux there if pbrt-v4 computes another flux.
 void set_level(Context& context, const Place& level_place, const Place* power_place,
-               const Rgb<double>& level, Projection& projection);
+               const Rgb& level, Projection& projection);
 
 }  // namespace lucerna::pbrt

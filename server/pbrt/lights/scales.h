@@ -20,8 +20,8 @@ std::string scales_text(const Transform& transform);
 
 /// The `own_space` of a light model; null for equal scale.  Adds a remark if "power" is given,
 /// which pbrt-v4 measures without the transform.
-std::shared_ptr<const Frame<double>> own_space_of(Context& context, const ParameterSet& params,
-                                                  const Transform& world_from_light);
+std::shared_ptr<const Frame> own_space_of(Context& context, const ParameterSet& params,
+                                          const Transform& world_from_light);
 
 /// Fails if `transform` scales lengths unequally.  `what`: "a spot".
 void require_equal_scale(const Place& place, std::string_view what, const Transform& transform);

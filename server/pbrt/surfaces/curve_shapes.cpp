@@ -22,13 +22,11 @@ double width(const ShapeDirective& shape, const char* name, double otherwise) {
 /// single one.
 double scale_of_widths(Context& context, const ShapeDirective& shape) {
   const Transform& t = shape.world_from_object;
-  const Vec3<double> x = t.vector({1, 0, 0}), y = t.vector({0, 1, 0}), z = t.vector({0, 0, 1});
+  const Vec3 x = t.vector({1, 0, 0}), y = t.vector({0, 1, 0}), z = t.vector({0, 0, 1});
   const double scale = std::cbrt(std::fabs(dot(cross(x, y), z)));
   constexpr double kRounded = 1e-6;
   const double s2 = kRounded * scale * scale;
-  const auto differs = [&](const Vec3<double>& v) {
-    return std::fabs(dot(v, v) - scale * scale) > s2;
-  };
+  const auto differs = [&](const Vec3& v) { return std::fabs(dot(v, v) - scale * scale) > s2; };
   if (differs(x) || differs(y) || differs(z) || std::fabs(dot(x, y)) > s2 ||
       std::fabs(dot(y, z)) > s2 || std::fabs(dot(z, x)) > s2)
     context.remark(shape.place, "a transform that deforms the cross-section of a curve",
@@ -66,7 +64,7 @@ CurveData make_curve(Context& context, const ShapeDirective& shape) {
   curves.start_width_m = width(shape, "width0", both) * scale;
   curves.end_width_m = width(shape, "width1", both) * scale;
   curves.points = world_positions(shape, shape.params.take_vectors("P", "point3"));
-  const std::vector<Vec3<double>> normals = shape.params.take_vectors("N", "normal");
+  const std::vector<Vec3> normals = shape.params.take_vectors("N", "normal");
   const Place normals_place = shape.params.place_of({"N"}, shape.place);
   if (type != "ribbon") {
     if (!normals.empty())
@@ -74,8 +72,8 @@ CurveData make_curve(Context& context, const ShapeDirective& shape) {
   } else {
     if (normals.empty()) fail(shape.place, "a ribbon lacks \"normal N\"");
     const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
-    for (const Vec3<double>& n : normals) {
-      const Vec3<double> unit = normalized(shape.world_from_object.normal(n));
+    for (const Vec3& n : normals) {
+      const Vec3 unit = normalized(shape.world_from_object.normal(n));
       if (!is_finite(unit) || max_abs(unit) == 0)
         fail(normals_place, "a normal of a ribbon has no direction");
       curves.normals.push_back(turned ? -unit : unit);

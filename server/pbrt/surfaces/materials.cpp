@@ -50,7 +50,7 @@ class Reader {
       : context_(context), textures_(textures), params_(params), place_(place) {}
 
   ColourValue reflectance(const char* name, double otherwise) const {
-    return textures_.reflectance(context_, params_, name, {Rgb<double>(otherwise)});
+    return textures_.reflectance(context_, params_, name, {Rgb(otherwise)});
   }
 
   /// A number that is at least `least`.

@@ -11,21 +11,20 @@ namespace lucerna::pbrt {
 namespace {
 
 /// pbrt-v4's coefficients of a medium that does not give them [1/m].
-constexpr Rgb<double> kDefaultAbsorption{.0011, .0024, .014};
+constexpr Rgb kDefaultAbsorption{.0011, .0024, .014};
 
 /// An absorption or scattering coefficient [1/m], before the medium's scale.  Nothing if it is not
 /// given.
-std::optional<Rgb<double>> coefficient(Context& context, const ParameterSet& params,
-                                       const char* name) {
+std::optional<Rgb> coefficient(Context& context, const ParameterSet& params, const char* name) {
   const Parameter* p = params.find(name, {"rgb", "spectrum"});
   if (p == nullptr) return std::nullopt;
   if (p->type == "rgb") return not_negative_rgb(context, *p, RgbConversion::White::kAdapted);
   const SampledSpectrum samples = spectrum_samples(context, *p);
   if (std::ranges::adjacent_find(samples.values, std::not_equal_to<>()) == samples.values.end())
-    return Rgb<double>(samples.values.front());
-  const Rgb<double> c = under_d65(samples);
+    return Rgb(samples.values.front());
+  const Rgb c = under_d65(samples);
   // Colours out of the gamut.
-  return Rgb<double>(std::fmax(c.r, 0), std::fmax(c.g, 0), std::fmax(c.b, 0));
+  return Rgb(std::fmax(c.r, 0), std::fmax(c.g, 0), std::fmax(c.b, 0));
 }
 
 Medium homogeneous(Context& context, const std::string& owner, const ParameterSet& params,

@@ -101,13 +101,13 @@ double value_at(const SampledSpectrum& s, double nm) {
 
 /// The RGB of a function of wavelength, as the colour of a surface under D65.
 template <typename F>
-Rgb<double> under_d65(F&& f) {
+Rgb under_d65(F&& f) {
   const cie::Illuminant& d65 = *cie::find_illuminant("D65");
-  Vec3<double> xyz{};
+  Vec3 xyz{};
   double white = 0;
   for (std::size_t i = 0; i < cie::kObserverSize; ++i) {
     const double nm = cie::kObserverFirstNm + cie::kObserverStepNm * static_cast<double>(i);
-    const Vec3<double> weight = cie::observer()[i] * cie::value_at(d65, nm);
+    const Vec3 weight = cie::observer()[i] * cie::value_at(d65, nm);
     xyz += weight * f(nm);
     white += weight.y;
   }
@@ -137,7 +137,7 @@ std::optional<SampledSpectrum> metal_spectrum(std::string_view name) {
   return std::nullopt;
 }
 
-Rgb<double> under_d65(const SampledSpectrum& spectrum) {
+Rgb under_d65(const SampledSpectrum& spectrum) {
   return under_d65([&](double nm) { return value_at(spectrum, nm); });
 }
 
@@ -157,7 +157,7 @@ std::optional<MetalIndex> metal_index(Context& context, const Parameter* eta, co
   const auto of_index = [](double e, double a) {
     return ((e - 1) * (e - 1) + a * a) / ((e + 1) * (e + 1) + a * a);
   };
-  const Rgb<double> reflected =
+  const Rgb reflected =
       under_d65([&](double nm) { return of_index(value_at(*n, nm), value_at(*absorption, nm)); });
   const auto channel = [](double& e, double r) {
     // Colours out of the gamut.

@@ -15,7 +15,7 @@ namespace lucerna::pbrt {
 std::optional<SampledSpectrum> metal_spectrum(std::string_view name);
 
 struct MetalIndex {
-  Rgb<double> eta, k;
+  Rgb eta, k;
 };
 
 /// The index of a metal in RGB, from the spectra of two parameters; null for those of copper.  eta
@@ -24,7 +24,7 @@ struct MetalIndex {
 std::optional<MetalIndex> metal_index(Context& context, const Parameter* eta, const Parameter* k);
 
 /// The RGB of a spectrum, as the colour of a surface under D65.
-Rgb<double> under_d65(const SampledSpectrum& spectrum);
+Rgb under_d65(const SampledSpectrum& spectrum);
 
 /// The index of a dielectric at 589.3 nm, from a spectrum or a glass that pbrt-v4 names.  With a
 /// remark, since dispersion is not modelled.

@@ -19,8 +19,7 @@
 
 namespace lucerna::pbrt {
 
-std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
-                                          std::vector<Vec3<double>> positions) {
+std::vector<Vec3> world_positions(const ShapeDirective& shape, std::vector<Vec3> positions) {
   StopPoll poll;
   for (std::size_t i = 0; i < positions.size(); ++i, poll()) {
     positions[i] = shape.world_from_object.point(positions[i]);
@@ -34,15 +33,14 @@ std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
 namespace {
 
 /// Unit normals in world space, on the outside; 0 where one has no direction.
-std::vector<Vec3<float>> world_normals(const ShapeDirective& shape,
-                                       const std::vector<Vec3<double>>& normals) {
-  std::vector<Vec3<float>> result;
+std::vector<Vec3f> world_normals(const ShapeDirective& shape, const std::vector<Vec3>& normals) {
+  std::vector<Vec3f> result;
   result.reserve(normals.size());
   StopPoll poll;
-  for (const Vec3<double>& normal : normals) {
+  for (const Vec3& normal : normals) {
     poll();
-    const Vec3<double> n = normalized(shape.world_from_object.normal(normal));
-    result.emplace_back(!is_finite(n) ? Vec3<double>{} : shape.reverse_orientation ? -n : n);
+    const Vec3 n = normalized(shape.world_from_object.normal(normal));
+    result.emplace_back(!is_finite(n) ? Vec3{} : shape.reverse_orientation ? -n : n);
   }
   return result;
 }
@@ -182,8 +180,8 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   content.share.reset();
   // Normals in double and in float, and the (u, v) of each corner.
   LoadBudget::Share work(context.meter.budget());
-  Context::require(work.resize(ply->normals.size() * (sizeof(Vec3<double>) + sizeof(Vec3<float>)) +
-                               (shape.needs_uv ? ply->indices.size() * sizeof(Vec2<float>) : 0)));
+  Context::require(work.resize(ply->normals.size() * (sizeof(Vec3) + sizeof(Vec3f)) +
+                               (shape.needs_uv ? ply->indices.size() * sizeof(Vec2f) : 0)));
   RawMesh raw;
   remark_left_out(context, file->place, content.name, *ply);
   if (const std::size_t bent = bent_quads(*ply); bent > 0)
@@ -197,7 +195,7 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   if (shape.needs_uv) raw.uv = std::move(ply->uv);
   raw.normals.reserve(ply->normals.size());
   StopPoll poll;
-  for (const Vec3<float>& n : ply->normals) poll(), raw.normals.emplace_back(n);
+  for (const Vec3f& n : ply->normals) poll(), raw.normals.emplace_back(n);
   if (raw.positions.empty() || raw.indices.empty()) {
     context.remark(file->place, fmt::format("mesh \"{}\" is empty", content.name), "left out");
     return {};
@@ -269,8 +267,7 @@ SphereParams sphere(const ShapeDirective& shape) {
   sphere.phi_max_rad = swept_angle(shape);
   sphere.reverse_orientation = shape.reverse_orientation;
   sphere.world_from_object = shape.world_from_object;
-  if (const auto made = Sphere<double>::create(sphere); !made.ok())
-    fail(shape.place, made.status());
+  if (const auto made = Sphere::create(sphere); !made.ok()) fail(shape.place, made.status());
   return sphere;
 }
 
@@ -287,7 +284,7 @@ DiskParams disk(const ShapeDirective& shape) {
   disk.phi_max_rad = swept_angle(shape);
   disk.reverse_orientation = shape.reverse_orientation;
   disk.world_from_object = shape.world_from_object;
-  if (const auto made = Disk<double>::create(disk); !made.ok()) fail(shape.place, made.status());
+  if (const auto made = Disk::create(disk); !made.ok()) fail(shape.place, made.status());
   return disk;
 }
 
@@ -302,8 +299,7 @@ CylinderParams cylinder(const ShapeDirective& shape) {
   cylinder.phi_max_rad = swept_angle(shape);
   cylinder.reverse_orientation = shape.reverse_orientation;
   cylinder.world_from_object = shape.world_from_object;
-  if (const auto made = Cylinder<double>::create(cylinder); !made.ok())
-    fail(shape.place, made.status());
+  if (const auto made = Cylinder::create(cylinder); !made.ok()) fail(shape.place, made.status());
   return cylinder;
 }
 

@@ -20,8 +20,7 @@ struct ShapeDirective {
 };
 
 /// The positions in world space.  Fails on one that is not finite.
-std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
-                                          std::vector<Vec3<double>> positions);
+std::vector<Vec3> world_positions(const ShapeDirective& shape, std::vector<Vec3> positions);
 
 using Geometry = decltype(ShapeDescription::geometry);
 

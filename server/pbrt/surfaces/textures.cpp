@@ -43,7 +43,7 @@ TextureMapping mapping_of(const ParameterSet& params, const Transform& world_fro
   m.texture_from_world = world_from_texture.inverse();
   if (m.kind != Kind::kPlanar) return m;
   m.shift = {params.number("udelta", 0), params.number("vdelta", 0)};
-  const auto axis = [&](const char* name, const Vec3<double>& otherwise) {
+  const auto axis = [&](const char* name, const Vec3& otherwise) {
     const auto given = params.vectors(name, "vector3");
     return given.empty() ? otherwise : given.front();
   };
@@ -125,9 +125,9 @@ ColourValue TextureTable::reflectance(Context& context, const ParameterSet& para
   if (parameter->type != "texture") return {pbrt::reflectance(context, *parameter)};
   ColourValue value = texture(*parameter);
   if (!value.is_constant()) return value;
-  const Rgb<double>& c = value.constant;
-  const Rgb<double> clamped{std::clamp(c.r, 0.0, 1.0), std::clamp(c.g, 0.0, 1.0),
-                            std::clamp(c.b, 0.0, 1.0)};
+  const Rgb& c = value.constant;
+  const Rgb clamped{std::clamp(c.r, 0.0, 1.0), std::clamp(c.g, 0.0, 1.0),
+                    std::clamp(c.b, 0.0, 1.0)};
   if (clamped != c)
     context.remark(parameter->place, fmt::format("{} is not a valid reflectance", text(c)),
                    fmt::format("clamped to {}", text(clamped)));
@@ -137,9 +137,9 @@ ColourValue TextureTable::reflectance(Context& context, const ParameterSet& para
 /// A part of a texture.  Those of float textures are not reflectances and may exceed 1.
 ColourValue TextureTable::colour(Context& context, const ParameterSet& params,
                                  const std::string& name, bool is_float, double otherwise) const {
-  if (!is_float) return reflectance(context, params, name, {Rgb<double>(otherwise)});
+  if (!is_float) return reflectance(context, params, name, {Rgb(otherwise)});
   const NumberValue value = number(params, name, otherwise);
-  return {Rgb<double>(value.constant), value.texture};
+  return {Rgb(value.constant), value.texture};
 }
 
 ImageTexture TextureTable::image(Context& context, const ParameterSet& params, const Place& place,
@@ -177,7 +177,7 @@ void TextureTable::make(Context& context, const std::string& name, const std::st
     fail(place,
          fmt::format("texture \"{}\" has type \"{}\", expected \"float\" or \"spectrum\"{}",
                      printable(name), printable(kind), hint_of_older_pbrt("texture type", kind)));
-  const auto [it, added] = values_.try_emplace(kind + " " + name, ColourValue{Rgb<double>(0.5)});
+  const auto [it, added] = values_.try_emplace(kind + " " + name, ColourValue{Rgb(0.5)});
   if (!added)
     fail(place, fmt::format("{} texture \"{}\" is already defined", kind, printable(name)));
   // A texture that uses its own name would use itself.
@@ -190,12 +190,12 @@ void TextureTable::make(Context& context, const std::string& name, const std::st
   const auto node = [&](TextureNode made) {
     return ColourValue{{}, context.scene.textures.add(std::move(made))};
   };
-  ColourValue value{Rgb<double>(0.5)};
+  ColourValue value{Rgb(0.5)};
   if (type == "constant") {
     value = part("value", 1);
   } else if (type == "scale") {
     const NumberValue scale = number(params, "scale", 1);
-    const ColourValue tex = part("tex", 1), factor{Rgb<double>(scale.constant), scale.texture};
+    const ColourValue tex = part("tex", 1), factor{Rgb(scale.constant), scale.texture};
     value = are_constant({tex.is_constant(), factor.is_constant()})
                 ? ColourValue{tex.constant * factor.constant}
                 : node(ScaleTexture{tex, factor});
@@ -213,8 +213,8 @@ void TextureTable::make(Context& context, const std::string& name, const std::st
     if (is_float) computed_.insert(name);
   } else if (type == "directionmix") {
     const auto given = params.vectors("dir", "vector3");
-    const Vec3<double> direction =
-        normalized(world_from_texture.vector(given.empty() ? Vec3<double>{0, 1, 0} : given[0]));
+    const Vec3 direction =
+        normalized(world_from_texture.vector(given.empty() ? Vec3{0, 1, 0} : given[0]));
     if (max_abs(direction) == 0 || !is_finite(direction))
       fail(place, "\"vector3 dir\" has no direction");
     value = node(DirectionMixTexture{{part("tex1", 0), part("tex2", 1)}, direction});

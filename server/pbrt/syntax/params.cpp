@@ -99,7 +99,7 @@ std::string ParameterSet::string(std::string_view name, const std::string& other
   return parameter != nullptr ? parameter->strings()[0] : otherwise;
 }
 
-Vec3<double> ParameterSet::point(std::string_view name, const Vec3<double>& otherwise) const {
+Vec3 ParameterSet::point(std::string_view name, const Vec3& otherwise) const {
   const Parameter* parameter = one(name, {"point3"});
   if (parameter == nullptr) return otherwise;
   return parameter->vectors()[0];

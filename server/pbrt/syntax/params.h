@@ -35,7 +35,7 @@ using Numbers = std::vector<double>;
 /// The values of integer, each as static_cast<std::uint32_t>(std::int32_t).
 using Integers = std::vector<std::uint32_t>;
 /// The finite items of point3, vector3 and normal.
-using Vectors = std::vector<Vec3<double>>;
+using Vectors = std::vector<Vec3>;
 /// The values of string and texture, and the name of a spectrum.
 using Strings = std::vector<std::string>;
 
@@ -99,7 +99,7 @@ class ParameterSet {
   int integer(std::string_view name, int otherwise) const;
   bool boolean(std::string_view name, bool otherwise) const;
   std::string string(std::string_view name, const std::string& otherwise) const;
-  Vec3<double> point(std::string_view name, const Vec3<double>& otherwise) const;
+  Vec3 point(std::string_view name, const Vec3& otherwise) const;
 
   /// Any number of values; empty if it is not given.
   std::vector<double> numbers(std::string_view name) const;

@@ -127,14 +127,14 @@ std::shared_ptr<const Spectrum> spectrum_of(Context& context, const Parameter* p
 
 }  // namespace
 
-Rgb<double> linear_rgb(Context& context, const Parameter& parameter, RgbConversion::White white) {
+Rgb linear_rgb(Context& context, const Parameter& parameter, RgbConversion::White white) {
   if (parameter.numbers().size() != 3)
     fail(parameter.place, fmt::format("parameter \"{}\" has {} values, expected 3", parameter.name,
                                       parameter.numbers().size()));
-  const Rgb<double> given{parameter.numbers()[0], parameter.numbers()[1], parameter.numbers()[2]};
+  const Rgb given{parameter.numbers()[0], parameter.numbers()[1], parameter.numbers()[2]};
   if (parameter.primaries == nullptr) return given;
-  const Rgb<double> rgb = (*RgbConversion::to_rec709(*parameter.primaries, white))(given);
-  const Rgb<double> edge = at_edge_of_rec709(rgb);
+  const Rgb rgb = (*RgbConversion::to_rec709(*parameter.primaries, white))(given);
+  const Rgb edge = at_edge_of_rec709(rgb);
   if (is_outside_rec709(rgb))
     context.remark(
         parameter.place,
@@ -143,9 +143,8 @@ Rgb<double> linear_rgb(Context& context, const Parameter& parameter, RgbConversi
   return edge;
 }
 
-Rgb<double> not_negative_rgb(Context& context, const Parameter& parameter,
-                             RgbConversion::White white) {
-  const Rgb<double> rgb = linear_rgb(context, parameter, white);
+Rgb not_negative_rgb(Context& context, const Parameter& parameter, RgbConversion::White white) {
+  const Rgb rgb = linear_rgb(context, parameter, white);
   if (std::ranges::min(parameter.numbers()) < 0)
     fail(parameter.place, fmt::format("\"rgb {}\" = [{:.4g}], allowed: not negative",
                                       parameter.name, fmt::join(parameter.numbers(), " ")));
@@ -176,14 +175,14 @@ void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
                     text(spectrum->rgb())));
 }
 
-Rgb<double> light_level(Context& context, const ParameterSet& params, std::string_view name) {
+Rgb light_level(Context& context, const ParameterSet& params, std::string_view name) {
   const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
-  if (parameter == nullptr) return Rgb<double>(1);
+  if (parameter == nullptr) return Rgb(1);
   if (parameter->type == "rgb")
     return not_negative_rgb(context, *parameter, RgbConversion::White::kKept);
   if (const auto spectrum = spectrum_of(context, parameter)) return spectrum->rgb();
   const bool named = parameter->numbers().empty() && of_no_light(parameter->strings().front());
-  return Rgb<double>(named ? 1 : 0);
+  return Rgb(named ? 1 : 0);
 }
 
 SampledSpectrum spectrum_samples(Context& context, const Parameter& parameter) {
@@ -204,23 +203,23 @@ bool is_spectrum_name(const std::string& name) {
 }
 
 /// The colour of a surface under D65.
-Rgb<double> colour_of(const SampledSpectrum& reflectance) {
+Rgb colour_of(const SampledSpectrum& reflectance) {
   const auto& [nm, values] = reflectance;
   const bool is_constant =
       std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end() &&
       nm.front() <= 360 && nm.back() >= 830;
   // The integral would give it to rounding.
-  return is_constant ? Rgb<double>(values.front()) : reflected_rgb(nm, values);
+  return is_constant ? Rgb(values.front()) : reflected_rgb(nm, values);
 }
 
 }  // namespace
 
-Rgb<double> reflectance(Context& context, const Parameter& parameter) {
-  Rgb<double> rgb(0.5);
+Rgb reflectance(Context& context, const Parameter& parameter) {
+  Rgb rgb(0.5);
   if (parameter.type == "rgb") {
     rgb = linear_rgb(context, parameter, RgbConversion::White::kAdapted);
   } else if (parameter.type == "float") {
-    rgb = Rgb<double>(parameter.numbers().front());
+    rgb = Rgb(parameter.numbers().front());
   } else if (!parameter.strings().empty() && is_spectrum_name(parameter.strings().front())) {
     context.remark(parameter.place,
                    fmt::format("\"{}\" is not the spectrum of a reflectance",
@@ -229,8 +228,8 @@ Rgb<double> reflectance(Context& context, const Parameter& parameter) {
   } else {
     rgb = colour_of(spectrum_samples(context, parameter));
   }
-  const Rgb<double> clamped{std::clamp(rgb.r, 0.0, 1.0), std::clamp(rgb.g, 0.0, 1.0),
-                            std::clamp(rgb.b, 0.0, 1.0)};
+  const Rgb clamped{std::clamp(rgb.r, 0.0, 1.0), std::clamp(rgb.g, 0.0, 1.0),
+                    std::clamp(rgb.b, 0.0, 1.0)};
   const bool is_spectral = parameter.type == "spectrum";
   if (clamped != rgb)
     context.remark(parameter.place,
@@ -240,8 +239,6 @@ Rgb<double> reflectance(Context& context, const Parameter& parameter) {
   return clamped;
 }
 
-std::string text(const Rgb<double>& c) {
-  return fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b);
-}
+std::string text(const Rgb& c) { return fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b); }
 
 }  // namespace lucerna::pbrt

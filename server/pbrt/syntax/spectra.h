@@ -26,14 +26,13 @@ void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
 /// The level that a light's parameter `name` gives, before `scale`: the channels of an rgb, or a
 /// spectrum at luminance 1.  Black for an invisible spectrum; white of luminance 1 if it is not
 /// given.  Fails on negative values.
-Rgb<double> light_level(Context& context, const ParameterSet& params, std::string_view name);
+Rgb light_level(Context& context, const ParameterSet& params, std::string_view name);
 
 /// The values of an rgb, converted to Rec. 709 from the colour space of the file.  A colour outside
 /// of Rec. 709 becomes the one at its edge of the same luminance, with a remark.
-Rgb<double> linear_rgb(Context& context, const Parameter& parameter, RgbConversion::White white);
+Rgb linear_rgb(Context& context, const Parameter& parameter, RgbConversion::White white);
 /// The same; fails on negative values.
-Rgb<double> not_negative_rgb(Context& context, const Parameter& parameter,
-                             RgbConversion::White white);
+Rgb not_negative_rgb(Context& context, const Parameter& parameter, RgbConversion::White white);
 
 /// The samples that a parameter of type spectrum gives, itself or in a file it names.  Fails on
 /// other names.
@@ -42,9 +41,9 @@ SampledSpectrum spectrum_samples(Context& context, const Parameter& parameter);
 /// The reflectance of a parameter (rgb, spectrum, float), each channel clamped to [0, 1] with a
 /// remark.  A spectrum becomes its colour under D65.  Grey, with a remark, for named spectra, none
 /// of which is a reflectance.  The caller handles textures.
-Rgb<double> reflectance(Context& context, const Parameter& parameter);
+Rgb reflectance(Context& context, const Parameter& parameter);
 
 /// The colour for a message.
-std::string text(const Rgb<double>& c);
+std::string text(const Rgb& c);
 
 }  // namespace lucerna::pbrt

@@ -106,7 +106,7 @@ Receivers receivers_of(const IrradianceQuery& query, int* status) {
   Receivers receivers;
   for (std::size_t i = 0; i < query.receivers.size(); ++i) {
     ScenePoint p = to_scene(i);
-    const Vec3<float> normal = triple(query.normals, i);
+    const Vec3f normal = triple(query.normals, i);
     ItemResult result = p.result;
     if (!is_direction(normal)) result = ItemResult::kInvalidInput;
     status[i] = static_cast<int>(result);
@@ -114,8 +114,7 @@ Receivers receivers_of(const IrradianceQuery& query, int* status) {
     if (!query.position_error_m)
       p = on_surface(scene, p, normalized(normal), query.settings.time_s);
     receivers.numbers.push_back(static_cast<std::uint32_t>(i));
-    receivers.points.push_back(
-        {p.position, {p.error, p.error, p.error}, normalized(Vec3<double>(normal))});
+    receivers.points.push_back({p.position, {p.error, p.error, p.error}, normalized(Vec3(normal))});
   }
   return receivers;
 }

@@ -72,8 +72,8 @@ absl::StatusOr<SpotProfile> spot_profile(const std::string& field, v1::SpotProfi
   }
 }
 
-Vec3<double> vector(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
-Rgb<double> colour(const v1::Rgb& c) { return {c.r(), c.g(), c.b()}; }
+Vec3 vector(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+Rgb colour(const v1::Rgb& c) { return {c.r(), c.g(), c.b()}; }
 
 /// The parameters of a light; its model checks their values.
 absl::StatusOr<LightParams> params_of(const std::string& field, const v1::Light& light) {
@@ -230,7 +230,7 @@ class Editor {
       if (place.has_shift_m() || is_back) c.shift_m = vector(place.shift_m());
       if (has_turn || is_back) {
         c.turn_rad = place.turn_rad();
-        c.turn_axis = c.turn_rad != 0 ? normalized(vector(place.turn_axis())) : Vec3<double>();
+        c.turn_axis = c.turn_rad != 0 ? normalized(vector(place.turn_axis())) : Vec3();
       }
     }
     if (c == LightChange()) result_.edits.changes.erase(id);
@@ -270,7 +270,7 @@ class Editor {
     const auto content = [&] { return fmt::format("file:{}:{}", files, number++); };
     for (LightDescription& light : scene.lights) insert(0, {std::move(light), content()});
     for (ShapeDescription& shape : scene.shapes) {
-      const Rgb<double> reflectance = *scene.materials[shape.material].plain_diffuse();
+      const Rgb reflectance = *scene.materials[shape.material].plain_diffuse();
       shape.has_uv = false;  // only textures of materials use them
       insert(0,
              {{}, content(), std::make_shared<const AddedSurface>(std::move(shape), reflectance)});

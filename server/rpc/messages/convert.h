@@ -11,20 +11,20 @@
 
 namespace lucerna::rpc {
 
-inline void set(const Vec3<double>& v, v1::Vector3* out) {
+inline void set(const Vec3& v, v1::Vector3* out) {
   out->set_x(v.x);
   out->set_y(v.y);
   out->set_z(v.z);
 }
 
-inline void set(const Rgb<double>& c, v1::Rgb* out) {
+inline void set(const Rgb& c, v1::Rgb* out) {
   out->set_r(c.r);
   out->set_g(c.g);
   out->set_b(c.b);
 }
 
 /// `motion` has positions about `origin_m`.
-void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* out);
+void set_motion(const Motion& motion, const Vec3& origin_m, v1::Motion* out);
 /// `light`: an index below the number of lights.
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out);
 /// Unit of the light's flux where fields are in lm; empty: lm.

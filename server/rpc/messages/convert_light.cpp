@@ -14,20 +14,20 @@ namespace {
 using rpc::set;  // in addition to those here
 
 /// Axes with their lengths.
-void set_lengths(const Frame<double>& axes, v1::Axes* out) {
+void set_lengths(const Frame& axes, v1::Axes* out) {
   set(axes.s, out->mutable_x());
   set(axes.t, out->mutable_y());
   set(axes.n, out->mutable_z());
 }
 
 /// The unit vectors of axes of any lengths.
-void set(const Frame<double>& axes, v1::Axes* out) {
+void set(const Frame& axes, v1::Axes* out) {
   set(normalized(axes.s), out->mutable_x());
   set(normalized(axes.t), out->mutable_y());
   set(normalized(axes.n), out->mutable_z());
 }
 
-void set_kind(const PointLight<double>& l, v1::Light* out) {
+void set_kind(const PointLight& l, v1::Light* out) {
   set(l.params().position_m, out->mutable_point()->mutable_position_m());
   set(l.params().intensity_cd, out->mutable_point()->mutable_intensity_cd());
 }
@@ -44,7 +44,7 @@ v1::SpotProfile to_proto(SpotProfile profile) {
   return v1::SPOT_PROFILE_UNSPECIFIED;
 }
 
-void set_kind(const SpotLight<double>& l, v1::Light* out) {
+void set_kind(const SpotLight& l, v1::Light* out) {
   v1::SpotLight* spot = out->mutable_spot();
   set(l.params().position_m, spot->mutable_position_m());
   set(l.params().axis, spot->mutable_axis());
@@ -54,19 +54,19 @@ void set_kind(const SpotLight<double>& l, v1::Light* out) {
   spot->set_profile(to_proto(l.params().profile));
 }
 
-void set_kind(const DistantLight<double>& l, v1::Light* out) {
+void set_kind(const DistantLight& l, v1::Light* out) {
   set(l.params().to_light, out->mutable_distant()->mutable_to_light());
   set(l.params().illuminance_lx, out->mutable_distant()->mutable_illuminance_lx());
 }
 
-void set_kind(const SunLight<double>& l, v1::Light* out) {
+void set_kind(const SunLight& l, v1::Light* out) {
   v1::SunLight* sun = out->mutable_sun();
   set(l.params().to_light, sun->mutable_to_light());
   set(l.params().illuminance_lx, sun->mutable_illuminance_lx());
   sun->set_angular_diameter_rad(l.params().angular_diameter_rad);
 }
 
-void set_kind(const UniformInfiniteLight<double>& l, v1::Light* out) {
+void set_kind(const UniformInfiniteLight& l, v1::Light* out) {
   set(l.params().radiance_cd_m2, out->mutable_uniform_infinite()->mutable_radiance_cd_m2());
 }
 
@@ -85,14 +85,14 @@ void set(const SphereMap& map, const std::string& name, v1::SphereImage* out) {
                        : v1::SPHERE_MAPPING_LATITUDE_LONGITUDE);
 }
 
-void set_kind(const ImageInfiniteLight<double>& l, v1::Light* out) {
+void set_kind(const ImageInfiniteLight& l, v1::Light* out) {
   v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
   set(*l.params().map, l.params().image_name, infinite->mutable_map());
   set(axes_of(l.params().world_from_map), infinite->mutable_axes());
   set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
 }
 
-void set_kind(const PortalLight<double>& l, v1::Light* out) {
+void set_kind(const PortalLight& l, v1::Light* out) {
   v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
   if (l.params().map != nullptr) {
     set(*l.params().map, l.params().image_name, infinite->mutable_map());
@@ -100,7 +100,7 @@ void set_kind(const PortalLight<double>& l, v1::Light* out) {
   }
   if (l.params().rectified) infinite->mutable_map()->mutable_image()->clear_filter();
   set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
-  for (const Vec3<double>& corner : l.params().corners_m) set(corner, infinite->add_portal_m());
+  for (const Vec3& corner : l.params().corners_m) set(corner, infinite->add_portal_m());
 }
 
 /// `source`: GoniometricLightParams with a web, or PanelProfile.
@@ -112,7 +112,7 @@ void set(const Source& source, v1::PhotometricFile* out) {
   out->set_flux_unit(source.web_unit);
 }
 
-void set_kind(const GoniometricLight<double>& l, v1::Light* out) {
+void set_kind(const GoniometricLight& l, v1::Light* out) {
   v1::GoniometricLight* goniometric = out->mutable_goniometric();
   set(l.params().position_m, goniometric->mutable_position_m());
   set(l.params().intensity, goniometric->mutable_intensity());
@@ -126,13 +126,13 @@ void set_kind(const GoniometricLight<double>& l, v1::Light* out) {
 
 /// Sets where a projector points, and the directions of its picture's sides.
 template <typename Message>
-void set_axes(const Frame<double>& axes, Message* out) {
+void set_axes(const Frame& axes, Message* out) {
   set(normalized(axes.n), out->mutable_axis());
   set(normalized(axes.s), out->mutable_right());
   set(normalized(axes.t), out->mutable_up());
 }
 
-void set_kind(const ProjectionLight<double>& l, v1::Light* out) {
+void set_kind(const ProjectionLight& l, v1::Light* out) {
   v1::ProjectionLight* projection = out->mutable_projection();
   const ProjectedPictureParams& picture = l.params().picture->params();
   set(l.params().position_m, projection->mutable_position_m());
@@ -144,7 +144,7 @@ void set_kind(const ProjectionLight<double>& l, v1::Light* out) {
     set(*picture.image, picture.filter, l.params().image_name, projection->mutable_image());
 }
 
-void set_kind(const BeamLight<double>& l, v1::Light* out) {
+void set_kind(const BeamLight& l, v1::Light* out) {
   v1::BeamLight* beam = out->mutable_beam();
   set(l.params().position_m, beam->mutable_position_m());
   set_axes(l.params().axes, beam);
@@ -155,16 +155,13 @@ void set_kind(const BeamLight<double>& l, v1::Light* out) {
     set(*l.params().image, l.params().filter, l.params().image_name, beam->mutable_image());
 }
 
-template <template <typename> typename Primitive>
-void set_shape(const Mesh<double, Primitive>& mesh, const Vec3<double>& origin_m,
-               v1::DiffuseAreaLight* out) {
-  constexpr bool kTriangles = std::is_same_v<Primitive<double>, Triangle<double>>;
+template <typename Primitive>
+void set_shape(const Mesh<Primitive>& mesh, const Vec3& origin_m, v1::DiffuseAreaLight* out) {
+  constexpr bool kTriangles = std::is_same_v<Primitive, Triangle>;
   out->set_shape(kTriangles ? v1::AREA_SHAPE_TRIANGLE_MESH : v1::AREA_SHAPE_BILINEAR_MESH);
   out->set_primitives(mesh.size());
   if (mesh.size() != 1) return;
-  const auto add = [&](const Vec3<double>& corner) {
-    set(origin_m + corner, out->add_corners_m());
-  };
+  const auto add = [&](const Vec3& corner) { set(origin_m + corner, out->add_corners_m()); };
   const auto& p = mesh.primitive(0);
   if constexpr (kTriangles) {
     for (const auto& corner : {p.a, p.b, p.c}) add(corner);
@@ -179,8 +176,8 @@ struct RoundScale {
   double across, along;
 };
 template <typename Params>
-RoundScale set_round(const Params& params, const Vec3<double>& center, v1::RoundShape* out) {
-  const Frame<double> axes = axes_of(params.world_from_object);
+RoundScale set_round(const Params& params, const Vec3& center, v1::RoundShape* out) {
+  const Frame axes = axes_of(params.world_from_object);
   const RoundScale scale{length(axes.s), length(axes.n)};
   set(axes, out->mutable_axes());
   set(params.world_from_object.point(center), out->mutable_center_m());
@@ -190,7 +187,7 @@ RoundScale set_round(const Params& params, const Vec3<double>& center, v1::Round
   return scale;
 }
 
-void set_shape(const Sphere<double>& sphere, const Vec3<double>&, v1::DiffuseAreaLight* out) {
+void set_shape(const Sphere& sphere, const Vec3&, v1::DiffuseAreaLight* out) {
   const SphereParams& p = sphere.params();
   out->set_shape(v1::AREA_SHAPE_SPHERE);
   out->set_primitives(1);
@@ -199,13 +196,13 @@ void set_shape(const Sphere<double>& sphere, const Vec3<double>&, v1::DiffuseAre
   out->mutable_round()->set_z_max_m(scale * std::fmin(p.z_max_m, p.radius_m));
 }
 
-void set_shape(const Disk<double>& disk, const Vec3<double>&, v1::DiffuseAreaLight* out) {
+void set_shape(const Disk& disk, const Vec3&, v1::DiffuseAreaLight* out) {
   const DiskParams& p = disk.params();
   out->set_shape(v1::AREA_SHAPE_DISK);
   out->set_primitives(1);
   v1::RoundShape* round = out->mutable_round();
   round->set_inner_radius_m(set_round(p, {0, 0, p.height_m}, round).across * p.inner_radius_m);
-  const Frame<double> axes = axes_of(p.world_from_object);
+  const Frame axes = axes_of(p.world_from_object);
   const double x = length(axes.s), y = length(axes.t);
   // Up to rounding, as in `Transform::uniform_scale`.
   const bool is_circle =
@@ -213,7 +210,7 @@ void set_shape(const Disk<double>& disk, const Vec3<double>&, v1::DiffuseAreaLig
   if (!is_circle) round->set_radius_y_m(y * p.radius_m);
 }
 
-void set_shape(const Cylinder<double>& cylinder, const Vec3<double>&, v1::DiffuseAreaLight* out) {
+void set_shape(const Cylinder& cylinder, const Vec3&, v1::DiffuseAreaLight* out) {
   const CylinderParams& p = cylinder.params();
   out->set_shape(v1::AREA_SHAPE_CYLINDER);
   out->set_primitives(1);
@@ -232,8 +229,8 @@ const auto& surface_of(const Shape& shape) {
   }
 }
 
-template <template <typename> typename Shape>
-void set_kind(const AreaLight<double, Shape>& l, const Vec3<double>& origin_m, v1::Light* out) {
+template <typename Shape>
+void set_kind(const AreaLight<Shape>& l, const Vec3& origin_m, v1::Light* out) {
   v1::DiffuseAreaLight* area = out->mutable_diffuse_area();
   set(l.emission().radiance_cd_m2, area->mutable_radiance_cd_m2());
   area->set_two_sided(l.emission().two_sided);
@@ -244,9 +241,9 @@ void set_kind(const AreaLight<double, Shape>& l, const Vec3<double>& origin_m, v
   } else if constexpr (requires { l.shape().profile(); }) {
     const PanelProfile& profile = l.shape().profile();
     set(profile, area->mutable_profile());
-    const Vec3<double> down = normalized(Vec3<double>(l.shape().normals().axis));
-    const Vec3<double> c0 = normalized(profile.tangent - down * dot(down, profile.tangent));
-    const Vec3<double> c90 = profile.mirrored ? cross(c0, down) : cross(down, c0);
+    const Vec3 down = normalized(Vec3(l.shape().normals().axis));
+    const Vec3 c0 = normalized(profile.tangent - down * dot(down, profile.tangent));
+    const Vec3 c90 = profile.mirrored ? cross(c0, down) : cross(down, c0);
     set({c0, c90, down}, area->mutable_profile_axes());
     // The radiance of a surface with the same flux, equal in all directions.
     const double sides = l.emission().two_sided ? 2 : 1;
@@ -270,7 +267,7 @@ void set_spectrum(const Spectrum& spectrum, v1::Spectrum* out) {
 
 }  // namespace
 
-void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* out) {
+void set_motion(const Motion& motion, const Vec3& origin_m, v1::Motion* out) {
   for (const Motion::KeyFrame& key : motion.key_frames()) {
     v1::KeyFrame* frame = out->add_key_frames();
     const auto [angle_rad, axis] = key.angle_and_axis();
@@ -304,14 +301,14 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   out->set_source(where.line > 0
                       ? fmt::format("{}:{}:{}", where.file.str(), where.line, where.column)
                       : where.file.str());
-  const Vec3<double>& origin_m = scene.origin_of(entry);
+  const Vec3& origin_m = scene.origin_of(entry);
   visit(
       [&]<typename L>(const L& l) {
         out->set_delta(L::kDelta);
         if constexpr (requires { l.area_m2(); }) out->set_area_m2(l.area_m2());
         if (const auto bounds = l.bounds()) {
-          Vec3<double> lower = origin_m + Vec3<double>(bounds->lower);
-          Vec3<double> upper = origin_m + Vec3<double>(bounds->upper);
+          Vec3 lower = origin_m + Vec3(bounds->lower);
+          Vec3 upper = origin_m + Vec3(bounds->upper);
           // A point has the exact position of the scene file, not one rounded to floats.
           if constexpr (requires { l.params().position_m; }) {
             if (lower == upper) lower = upper = l.params().position_m;
@@ -319,14 +316,13 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
           set(lower, out->mutable_bounds()->mutable_lower_m());
           set(upper, out->mutable_bounds()->mutable_upper_m());
           if (bounds->cone_rad < std::numbers::pi) {
-            set(Vec3<double>(bounds->axis), out->mutable_directions()->mutable_axis());
+            set(Vec3(bounds->axis), out->mutable_directions()->mutable_axis());
             out->mutable_directions()->set_half_angle_rad(bounds->cone_rad);
           }
         }
         if constexpr (requires { l.params().own_space; })
           if (l.params().own_space) set_lengths(*l.params().own_space, out->mutable_own_axes());
-        if constexpr (std::same_as<L, ImageInfiniteLight<double>> ||
-                      std::same_as<L, PortalLight<double>>)
+        if constexpr (std::same_as<L, ImageInfiniteLight> || std::same_as<L, PortalLight>)
           if (const Transform& t = l.params().world_from_map; !t.uniform_scale())
             set_lengths(axes_of(t), out->mutable_own_axes());
         if constexpr (requires { l.emission(); }) {

@@ -30,7 +30,7 @@ struct EstimateArrays {
 
   /// False if a number does not fit a float; nothing is written then.
   bool put(std::size_t i, const IrradianceEstimate& e) const {
-    const Rgb<float> value(e.irradiance_lx);
+    const Rgbf value(e.irradiance_lx);
     const auto lux = static_cast<float>(luminance(e.irradiance_lx));
     const auto error = static_cast<float>(e.illuminance_error_lx);
     if (!is_finite(value) || !std::isfinite(lux)) return false;

@@ -16,28 +16,27 @@ namespace {
 using ::testing::HasSubstr;
 
 /// A light that emits equally in all directions from one point.
-LightTree::Item lamp(const Vec3<double>& at, double power = 1) {
+LightTree::Item lamp(const Vec3& at, double power = 1) {
   return {{.lower = at, .upper = at, .cone_rad = kPi}, power};
 }
 /// A square of 1 m about `at` that emits downwards by the cosine.
-LightTree::Item panel(const Vec3<double>& at, double power = 1) {
-  return {{.lower = at - Vec3<double>{0.5, 0.5, 0},
-           .upper = at + Vec3<double>{0.5, 0.5, 0},
+LightTree::Item panel(const Vec3& at, double power = 1) {
+  return {{.lower = at - Vec3{0.5, 0.5, 0},
+           .upper = at + Vec3{0.5, 0.5, 0},
            .axis = {0, 0, -1},
            .cone_rad = kPi / 2,
            .normals_rad = 0},
           power};
 }
 
-Vec3<double> random_point(RandomU& random, double size) {
+Vec3 random_point(RandomU& random, double size) {
   const auto number = [&] { return size * (2.0 * random.next() - 1); };
   return {number(), number(), number()};
 }
 /// A random number with 48 bits.
 double random_u(RandomU& random) { return double{random.next()} + double{random.next()} * 0x1p-24; }
 
-double sum_of_probabilities(const LightTree& tree, std::uint32_t count,
-                            const Receiver<double>& receiver) {
+double sum_of_probabilities(const LightTree& tree, std::uint32_t count, const Receiver& receiver) {
   double sum = 0;
   for (std::uint32_t i = 0; i < count; ++i) sum += tree.probability(receiver, i);
   return sum;
@@ -52,7 +51,7 @@ TEST(LightTree, ProbabilitiesOfLightsThatReachEverywhereSumToOne) {
     const LightTree tree = *LightTree::create(lamps);
     EXPECT_EQ(tree.size(), count);
     for (int i = 0; i < 20; ++i) {
-      const Receiver<double> receiver(random_point(random, 2));
+      const Receiver receiver(random_point(random, 2));
       EXPECT_NEAR(sum_of_probabilities(tree, count, receiver), 1, 1e-12);
     }
   }
@@ -68,7 +67,7 @@ TEST(LightTree, ChoosesWithItsReportedProbabilities) {
         lights.push_back(std::move(l));
     const LightTree tree = tree_of(lights);
     for (int r = 0; r < 5; ++r) {
-      Receiver<double> receiver(random_point(random, 6));
+      Receiver receiver(random_point(random, 6));
       if (r % 2 == 1) receiver.normal = normalized(random_point(random, 1));
       std::vector<double> chosen(lights.size() + 1), expected(lights.size() + 1);
       double none = 1;
@@ -96,9 +95,9 @@ TEST(LightTree, ChoosesWithItsReportedProbabilities) {
 TEST(LightTree, TwoLampsShareByIntensityOverSquaredDistance) {
   const LightTree tree = *LightTree::create(std::vector{lamp({0, 0, 3}, 2), lamp({4, 0, 0}, 7)});
   const double first = 2.0 / 9, second = 7.0 / 16;
-  EXPECT_NEAR(tree.probability(Vec3<double>{}, 0), first / (first + second), 1e-6);
+  EXPECT_NEAR(tree.probability(Vec3{}, 0), first / (first + second), 1e-6);
   // Under the first lamp, at 60 degrees from facing it; the second one is on the horizon.
-  Receiver<double> tilted(Vec3<double>{});
+  Receiver tilted(Vec3{});
   tilted.normal = {std::sin(kPi / 3), 0, std::cos(kPi / 3)};
   const double near = first * std::cos(kPi / 3), far = second * std::sin(kPi / 3);
   EXPECT_NEAR(tree.probability(tilted, 0), near / (near + far), 1e-6);
@@ -111,9 +110,9 @@ TEST(LightTree, ASpotCountsByItsIntensityWithinItsConeOnly) {
   const LightTree tree = *LightTree::create(std::vector{spot, lamp({0, 0, -2}, 1)});
   // One lumen over the solid angle 2 pi (1 - cos 0.1) of the cone against one over 4 pi.
   const double cone = 2 * kPi * (1 - std::cos(0.1));
-  EXPECT_NEAR(tree.probability(Vec3<double>{}, 0), (1 / cone) / (1 / cone + 1 / (4 * kPi)), 1e-5);
-  EXPECT_EQ(tree.probability(Vec3<double>{2, 0, 0}, 0), 0);
-  EXPECT_EQ(tree.probability(Vec3<double>{2, 0, 0}, 1), 1);
+  EXPECT_NEAR(tree.probability(Vec3{}, 0), (1 / cone) / (1 / cone + 1 / (4 * kPi)), 1e-5);
+  EXPECT_EQ(tree.probability(Vec3{2, 0, 0}, 0), 0);
+  EXPECT_EQ(tree.probability(Vec3{2, 0, 0}, 1), 1);
 }
 
 TEST(LightTree, LeavesOutLightsThatCannotReachTheReceiver) {
@@ -121,9 +120,9 @@ TEST(LightTree, LeavesOutLightsThatCannotReachTheReceiver) {
   std::vector<LightTree::Item> panels;
   for (int i = 0; i < 64; ++i) panels.push_back(panel({2.0 * (i % 8), 2.0 * (i / 8), 3}));
   const LightTree tree = *LightTree::create(panels);
-  EXPECT_FALSE(tree.choose(Vec3<double>{7, 7, 4}, 0.5).has_value());
-  EXPECT_EQ(sum_of_probabilities(tree, 64, Vec3<double>{7, 7, 4}), 0);
-  Receiver<double> floor(Vec3<double>{7, 7, 0});
+  EXPECT_FALSE(tree.choose(Vec3{7, 7, 4}, 0.5).has_value());
+  EXPECT_EQ(sum_of_probabilities(tree, 64, Vec3{7, 7, 4}), 0);
+  Receiver floor(Vec3{7, 7, 0});
   floor.normal = {0, 0, 1};
   EXPECT_NEAR(sum_of_probabilities(tree, 64, floor), 1, 1e-12);
   floor.normal = {0, 0, -1};
@@ -138,11 +137,11 @@ TEST(LightTree, LightsWithoutPowerAreLeftOutUnlessNoneHasPower) {
   const LightTree some =
       *LightTree::create(std::vector{lamp({0, 0, 1}, 0), lamp({0, 0, 2}, 5), lamp({0, 0, 3}, 0)});
   EXPECT_EQ(some.size(), 1u);
-  EXPECT_EQ(some.probability(Vec3<double>{}, 0), 0);
-  EXPECT_EQ(some.choose(Vec3<double>{}, 0.999)->light, 1u);
-  EXPECT_EQ(some.choose(Vec3<double>{}, 0.999)->probability, 1);
+  EXPECT_EQ(some.probability(Vec3{}, 0), 0);
+  EXPECT_EQ(some.choose(Vec3{}, 0.999)->light, 1u);
+  EXPECT_EQ(some.choose(Vec3{}, 0.999)->probability, 1);
   const LightTree all = *LightTree::create(std::vector{lamp({0, 0, 1}, 0), lamp({0, 0, -1}, 0)});
-  EXPECT_NEAR(all.probability(Vec3<double>{}, 1), 0.5, 1e-6);
+  EXPECT_NEAR(all.probability(Vec3{}, 1), 0.5, 1e-6);
 }
 
 TEST(LightTree, LightsAtOnePlaceAreChosenByPower) {
@@ -150,17 +149,17 @@ TEST(LightTree, LightsAtOnePlaceAreChosenByPower) {
   lamps[37].power = 101;
   const LightTree tree = *LightTree::create(lamps);
   for (std::uint32_t i = 0; i < 100; ++i)
-    EXPECT_NEAR(tree.probability(Vec3<double>{}, i), i == 37 ? 101. / 200 : 1. / 200, 1e-6);
+    EXPECT_NEAR(tree.probability(Vec3{}, i), i == 37 ? 101. / 200 : 1. / 200, 1e-6);
 }
 
 TEST(LightTree, ReceiversThatAreNotFiniteChooseNoLight) {
   const LightTree tree = *LightTree::create(std::vector{lamp({0, 0, 1}), lamp({0, 1, 1})});
-  EXPECT_FALSE(tree.choose(Vec3<double>{NAN, 0, 0}, 0.5).has_value());
-  EXPECT_EQ(tree.probability(Vec3<double>{0, INFINITY, 0}, 0), 0);
+  EXPECT_FALSE(tree.choose(Vec3{NAN, 0, 0}, 0.5).has_value());
+  EXPECT_EQ(tree.probability(Vec3{0, INFINITY, 0}, 0), 0);
   // The largest and the smallest numbers choose a light.
   for (const double x : {1e308, 1e160, 1e-160, 5e-324, 0.})
-    EXPECT_NEAR(sum_of_probabilities(tree, 2, Vec3<double>{x, 0, -x}), 1, 1e-12) << x;
-  EXPECT_FALSE(LightTree::create({})->choose(Vec3<double>{}, 0.5).has_value());
+    EXPECT_NEAR(sum_of_probabilities(tree, 2, Vec3{x, 0, -x}), 1, 1e-12) << x;
+  EXPECT_FALSE(LightTree::create({})->choose(Vec3{}, 0.5).has_value());
 }
 
 TEST(LightTree, ErrorsNameTheInvalidLight) {
@@ -189,12 +188,12 @@ SecondMoments second_moments(const std::vector<LightTree::Item>& lights, Place&&
   SecondMoments mean;
   constexpr int kReceivers = 50;
   for (int r = 0; r < kReceivers; ++r) {
-    Receiver<double> receiver(place());
+    Receiver receiver(place());
     receiver.normal = {0, 0, 1};
     double sum = 0, tree_square = 0, power_square = 0;
     for (std::uint32_t i = 0; i < lights.size(); ++i) {
-      const LightBounds<double>& b = lights[i].bounds;
-      const Vec3<double> way = (b.lower + b.upper) * 0.5 - receiver.position;
+      const LightBounds& b = lights[i].bounds;
+      const Vec3 way = (b.lower + b.upper) * 0.5 - receiver.position;
       const double d = length(way), cos = way.z / d;
       // Panels face down, and the receiver faces up.
       const double lx = lights[i].power * cos / (d * d) * (b.normals_rad < b.cone_rad ? cos : 1);
@@ -219,17 +218,17 @@ TEST(LightTree, VariesLessThanChoiceByPower) {
     cube.push_back(lamp({length(100), length(100), length(100)}, i % 50 == 0 ? 20 : 1));
   }
   const SecondMoments in_street = second_moments(street, [&] {
-    return Vec3<double>{length(10000), length(12), 0};
+    return Vec3{length(10000), length(12), 0};
   });
   EXPECT_LT(in_street.by_tree, 2);
   EXPECT_GT(in_street.by_power, 200);
   const SecondMoments under_ceiling = second_moments(ceiling, [&] {
-    return Vec3<double>{length(128), length(128), 0.8};
+    return Vec3{length(128), length(128), 0.8};
   });
   EXPECT_LT(under_ceiling.by_tree, 3);
   EXPECT_GT(under_ceiling.by_power, 100);
   const SecondMoments in_cube = second_moments(cube, [&] {
-    return Vec3<double>{length(100), length(100), length(50)};
+    return Vec3{length(100), length(100), length(50)};
   });
   EXPECT_LT(in_cube.by_tree, 3);
   EXPECT_GT(in_cube.by_power, 5);

@@ -14,9 +14,8 @@
 namespace lucerna::testing {
 
 /// A receiver that always samples points uniformly by area.
-template <typename Real>
-Receiver<Real> by_area(const Vec3<Real>& position) {
-  Receiver<Real> receiver(position);
+inline Receiver by_area(const Vec3& position) {
+  Receiver receiver(position);
   receiver.area_sampling = AreaSampling::kLowDistortion;
   return receiver;
 }
@@ -28,14 +27,14 @@ struct Estimate {
 
 /// Unshadowed illuminance of the red channel at a surface with normal `n`, from `samples`
 /// independent samples of the light.
-template <typename Light, typename Real>
-Estimate illuminance(const Light& light, const Receiver<Real>& receiver, const Vec3<double>& n,
+template <typename Light>
+Estimate illuminance(const Light& light, const Receiver& receiver, const Vec3& n,
                      std::uint64_t seed, int samples = 40000) {
   RandomU random(seed);
   double sum = 0, squares = 0;
   for (int i = 0; i < samples; ++i) {
-    const auto s = light.sample_li(receiver, random.pair<Real>());
-    const double e = s.value.r * std::fmax(0, dot(n, Vec3<double>(s.wi))) / s.pdf.per_sr;
+    const auto s = light.sample_li(receiver, random.pair());
+    const double e = s.value.r * std::fmax(0, dot(n, Vec3(s.wi))) / s.pdf.per_sr;
     sum += e, squares += e * e;
   }
   const double mean = sum / samples;
@@ -43,10 +42,10 @@ Estimate illuminance(const Light& light, const Receiver<Real>& receiver, const V
   return {mean, std::sqrt(variance / samples)};
 }
 /// The same for a receiver with a position only.
-template <typename Light, typename Real>
-Estimate illuminance(const Light& light, const Vec3<Real>& receiver, const Vec3<double>& n,
-                     std::uint64_t seed, int samples = 40000) {
-  return illuminance(light, Receiver<Real>(receiver), n, seed, samples);
+template <typename Light>
+Estimate illuminance(const Light& light, const Vec3& receiver, const Vec3& n, std::uint64_t seed,
+                     int samples = 40000) {
+  return illuminance(light, Receiver(receiver), n, seed, samples);
 }
 
 /// Expects `e` within 5.5 standard errors plus 1e-6 of the closed form.  The standard errors alone
@@ -62,13 +61,13 @@ inline void expect_estimates(const Estimate& e, double closed_form, double relat
 /// is half the sum over the edges.  The term of an edge is the angle that it subtends, times a
 /// cosine.  The cosine is between the receiver's normal and that of the plane through edge and
 /// receiver.  (Lambert, Photometria, 1760)
-inline double lambert_polygon(const std::vector<Vec3<double>>& corners,
-                              const Vec3<double>& receiver, const Vec3<double>& n) {
+inline double lambert_polygon(const std::vector<Vec3>& corners, const Vec3& receiver,
+                              const Vec3& n) {
   double sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3<double> a = corners[i] - receiver;
-    const Vec3<double> b = corners[(i + 1) % corners.size()] - receiver;
-    const Vec3<double> c = cross(a, b);
+    const Vec3 a = corners[i] - receiver;
+    const Vec3 b = corners[(i + 1) % corners.size()] - receiver;
+    const Vec3 c = cross(a, b);
     sum += std::atan2(length(c), dot(a, b)) * dot(normalized(c), n);
   }
   return std::fabs(sum) / 2;
@@ -82,7 +81,7 @@ double uniformity_p_value(Next&& next, int samples = 50000) {
   std::vector<double> observed(kBins * kBins),
       expected(kBins * kBins, double(samples) / (kBins * kBins));
   for (int i = 0; i < samples; ++i) {
-    const Vec2<double> p = next();
+    const Vec2 p = next();
     const auto bin = [](double x) { return std::min(std::max(int(x * kBins), 0), kBins - 1); };
     ++observed[bin(p.x) * kBins + bin(p.y)];
   }

@@ -13,55 +13,50 @@ namespace lucerna::testing {
 namespace {
 
 struct TriangleCase : AreaCase {
-  template <typename Real>
-  using Light = TriangleMeshLight<Real>;
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, 0})); };
+  using Light = TriangleMeshLight;
+  static Light make(const Placement& at) {
+    const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
     // The triangle (0, 0), (1, 0), (0, 1) in two parts of unequal area.
-    return *Light<Real>::create(
-        {kLevel}, *TriangleMesh<Real>::create(
-                      {{p(0, 0), p(0.25, 0), p(0, 1)}, {p(0.25, 0), p(1, 0), p(0, 1)}}));
+    return *Light::create({kLevel}, *TriangleMesh::create({{p(0, 0), p(0.25, 0), p(0, 1)},
+                                                           {p(0.25, 0), p(1, 0), p(0, 1)}}));
   }
-  static std::vector<Vec3<double>> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {0, 3, 1.5}}; }
+  static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {0, 3, 1.5}}; }
   /// A cone about the middle: about a corner, edges would run along the cells of the quadrature.
-  static Region region(const Vec3<double>& r) {
-    const Vec3<double> to_middle = Vec3<double>{0.31, 0.29, 0} - r;
+  static Region region(const Vec3& r) {
+    const Vec3 to_middle = Vec3{0.31, 0.29, 0} - r;
     return {normalized(to_middle), 1.05 * std::asin(0.79 / length(to_middle))};
   }
-  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+  static Rgb value(const Vec3& r, const Vec3& wi) {
     const auto p = from_above(r, wi);
     const bool lit = p && p->x > -1e-6 && p->y > -1e-6 && p->x + p->y < 1 + 1e-6;
-    return lit ? kLevel : Rgb<double>{};
+    return lit ? kLevel : Rgb{};
   }
-  static double distance_to_surface(const Vec3<double>& p) {
+  static double distance_to_surface(const Vec3& p) {
     return std::fmax(std::fabs(p.z), std::fmax(std::fmax(-p.x, -p.y), p.x + p.y - 1));
   }
   /// The width shrinks linearly to the corner (1, 0), so s^2 is a share of area.
-  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+  static Vec3 emission_position(const Vec3&, double x, double y) {
     return {1 - std::sqrt(x), std::sqrt(x) * y, 0};
   }
-  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+  static Vec2 emission_where(const Vec3& p, const Vec3&) {
     return {(1 - p.x) * (1 - p.x), p.y / (1 - p.x)};
   }
   static double emission_area_m2() { return 0.5; }
-  static Region emission_region(const Vec3<double>&) { return hemisphere({0, 0, 1}); }
-  static Rgb<double> power_by_quadrature() { return lambertian_power(0.5); }
+  static Region emission_region(const Vec3&) { return hemisphere({0, 0, 1}); }
+  static Rgb power_by_quadrature() { return lambertian_power(0.5); }
 };
 
 /// A saddle z = x y / 2 over |x|, |y| < 1 that emits on both sides.
 struct PatchCase : AreaCase {
-  template <typename Real>
-  using Light = PatchMeshLight<Real>;
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, x * y / 2})); };
-    return *Light<Real>::create(
-        {kLevel, true}, *PatchMesh<Real>::create({{p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)}}));
+  using Light = PatchMeshLight;
+  static Light make(const Placement& at) {
+    const auto p = [&](double x, double y) { return at.point({x, y, x * y / 2}); };
+    return *Light::create({kLevel, true},
+                          *PatchMesh::create({{p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)}}));
   }
-  static std::vector<Vec3<double>> receivers() { return {{0.5, 0.25, 3}, {0.5, -1, -2.5}}; }
-  static Rgb<double> value(const Vec3<double>&, const Vec3<double>&) { return kLevel; }
-  static double distance_to_surface(const Vec3<double>& p) {
+  static std::vector<Vec3> receivers() { return {{0.5, 0.25, 3}, {0.5, -1, -2.5}}; }
+  static Rgb value(const Vec3&, const Vec3&) { return kLevel; }
+  static double distance_to_surface(const Vec3& p) {
     return std::fmax(std::fabs(p.z - p.x * p.y / 2), std::fmax(std::fabs(p.x), std::fabs(p.y)) - 1);
   }
   /// The area from -1 to y on the line of constant x, where dA = sqrt(1 + (x^2 + y^2) / 4) dx dy.
@@ -86,7 +81,7 @@ struct PatchCase : AreaCase {
     return sums;
   }
   static double emission_area_m2() { return area_of_strips().back(); }
-  static Vec3<double> emission_position(const Vec3<double>&, double u, double v) {
+  static Vec3 emission_position(const Vec3&, double u, double v) {
     const auto& sums = area_of_strips();
     const double target = u * sums.back();
     const auto i = std::clamp<std::ptrdiff_t>(
@@ -101,16 +96,16 @@ struct PatchCase : AreaCase {
     }
     return {x, low, x * low / 2};
   }
-  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+  static Vec2 emission_where(const Vec3& p, const Vec3&) {
     const auto& sums = area_of_strips();
     const double at = std::clamp((p.x + 1) * 2048, 0.0, 4095.999);
     const auto i = static_cast<std::size_t>(at);
     const double below = std::lerp(sums[i], sums[i + 1], at - double(i));
     return {below / sums.back(), area_of_line(p.x, p.y) / area_of_line(p.x, 1)};
   }
-  static Region emission_region(const Vec3<double>&) { return {}; }
+  static Region emission_region(const Vec3&) { return {}; }
   static constexpr bool kConfined = false;
-  static Rgb<double> power_by_quadrature() {
+  static Rgb power_by_quadrature() {
     constexpr int kGrid = 1000;
     double area = 0;
     for (int i = 0; i < kGrid; ++i)
@@ -124,40 +119,37 @@ struct PatchCase : AreaCase {
 
 /// A closed box, |x| < 1, |y| < 1/2, |z| < 1/4, that emits outwards.  Parts of it always face away.
 struct BoxCase : AreaCase {
-  template <typename Real>
-  using Light = PatchMeshLight<Real>;
-  static Vec3<double> half_size() { return {1, 0.5, 0.25}; }
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    std::vector<BilinearPatch<Real>> faces;
+  using Light = PatchMeshLight;
+  static Vec3 half_size() { return {1, 0.5, 0.25}; }
+  static Light make(const Placement& at) {
+    std::vector<BilinearPatch> faces;
     for (int axis = 0; axis < 3; ++axis) {
       for (const double side : {-1., 1.}) {
         const auto corner = [&](double s, double t) {
           // The handedness of the face changes with its side.
           const double v[3] = {side, side * s, t};
-          return Vec3<Real>(
-              at.point({half_size().x * v[(3 - axis) % 3], half_size().y * v[(4 - axis) % 3],
-                        half_size().z * v[(5 - axis) % 3]}));
+          return at.point({half_size().x * v[(3 - axis) % 3], half_size().y * v[(4 - axis) % 3],
+                           half_size().z * v[(5 - axis) % 3]});
         };
         faces.push_back({corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)});
       }
     }
-    return *Light<Real>::create({kLevel}, *PatchMesh<Real>::create(std::move(faces)));
+    return *Light::create({kLevel}, *PatchMesh::create(std::move(faces)));
   }
-  static std::vector<Vec3<double>> receivers() { return {{2, 1.5, 1}, {0.125, 0.25, -2.5}}; }
-  static Region region(const Vec3<double>& r) {
+  static std::vector<Vec3> receivers() { return {{2, 1.5, 1}, {0.125, 0.25, -2.5}}; }
+  static Region region(const Vec3& r) {
     return {normalized(-r), 1.05 * std::asin(1.15 / length(r))};
   }
-  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+  static Rgb value(const Vec3& r, const Vec3& wi) {
     double enter = 0, leave = INFINITY;  // between the planes of each pair
     for (int axis = 0; axis < 3; ++axis) {
       const double slack = half_size()[axis] + 1e-6;
       const double a = (slack - r[axis]) / wi[axis], b = (-slack - r[axis]) / wi[axis];
       enter = std::fmax(enter, std::fmin(a, b)), leave = std::fmin(leave, std::fmax(a, b));
     }
-    return enter < leave ? kLevel : Rgb<double>{};
+    return enter < leave ? kLevel : Rgb{};
   }
-  static double distance_to_surface(const Vec3<double>& p) {
+  static double distance_to_surface(const Vec3& p) {
     double outside = -INFINITY;
     for (int axis = 0; axis < 3; ++axis)
       outside = std::fmax(outside, std::fabs(p[axis]) - half_size()[axis]);
@@ -181,7 +173,7 @@ struct BoxCase : AreaCase {
       }
     return all;
   }
-  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+  static Vec3 emission_position(const Vec3&, double x, double y) {
     const auto all = faces();
     Face face = all.back();
     for (const Face& f : all)
@@ -193,7 +185,7 @@ struct BoxCase : AreaCase {
     v[t] = half_size()[t] * (2 * y - 1);
     return {v[0], v[1], v[2]};
   }
-  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+  static Vec2 emission_where(const Vec3& p, const Vec3&) {
     for (const Face& f : faces()) {
       if (std::fabs(p[f.axis] - f.side * half_size()[f.axis]) > 1e-6) continue;
       const int s = (f.axis + 1) % 3, t = (f.axis + 2) % 3;
@@ -202,53 +194,48 @@ struct BoxCase : AreaCase {
     }
     return {NAN, NAN};
   }
-  static Vec3<double> emission_direction(const Vec3<double>& p) { return emission_region(p).axis; }
-  static Region emission_region(const Vec3<double>& p) {
+  static Vec3 emission_direction(const Vec3& p) { return emission_region(p).axis; }
+  static Region emission_region(const Vec3& p) {
     // The normal of the face that the position lies on.
-    Vec3<double> n;
+    Vec3 n;
     for (int axis = 0; axis < 3; ++axis)
       if (std::fabs(std::fabs(p[axis]) - half_size()[axis]) < 1e-6)
-        n = Vec3<double>{axis == 0 ? p.x : 0, axis == 1 ? p.y : 0, axis == 2 ? p.z : 0};
+        n = Vec3{axis == 0 ? p.x : 0, axis == 1 ? p.y : 0, axis == 2 ? p.z : 0};
     return hemisphere(n);
   }
   static constexpr bool kConfined = false;
-  static Rgb<double> power_by_quadrature() { return lambertian_power(8 * (0.5 + 0.25 + 0.125)); }
+  static Rgb power_by_quadrature() { return lambertian_power(8 * (0.5 + 0.25 + 0.125)); }
 };
 
 /// Half of an annulus of 0.5 to 1 that emits upwards.
 struct DiskCase : AreaCase {
-  template <typename Real>
-  using Light = DiskLight<Real>;
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    return *Light<Real>::create({kLevel},
-                                *Disk<Real>::create({.radius_m = 1,
-                                                     .inner_radius_m = 0.5,
-                                                     .phi_max_rad = kPi,
-                                                     .world_from_object = at.world_from_light()}));
+  using Light = DiskLight;
+  static Light make(const Placement& at) {
+    return *Light::create({kLevel}, *Disk::create({.radius_m = 1,
+                                                   .inner_radius_m = 0.5,
+                                                   .phi_max_rad = kPi,
+                                                   .world_from_object = at.world_from_light()}));
   }
-  static std::vector<Vec3<double>> receivers() { return {{0, 0.5, 2}, {2, -1, 1.5}}; }
-  static double outside(const Vec3<double>& p) {
+  static std::vector<Vec3> receivers() { return {{0, 0.5, 2}, {2, -1, 1.5}}; }
+  static double outside(const Vec3& p) {
     const double r = std::hypot(p.x, p.y);
     return std::fmax(std::fmax(r - 1, 0.5 - r), -p.y);
   }
-  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+  static Rgb value(const Vec3& r, const Vec3& wi) {
     const auto p = from_above(r, wi);
-    return p && outside(*p) < 1e-6 ? kLevel : Rgb<double>{};
+    return p && outside(*p) < 1e-6 ? kLevel : Rgb{};
   }
-  static double distance_to_surface(const Vec3<double>& p) {
-    return std::fmax(std::fabs(p.z), outside(p));
-  }
-  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+  static double distance_to_surface(const Vec3& p) { return std::fmax(std::fabs(p.z), outside(p)); }
+  static Vec3 emission_position(const Vec3&, double x, double y) {
     const double r = std::sqrt(0.25 + 0.75 * x);
     return {r * std::cos(kPi * y), r * std::sin(kPi * y), 0};
   }
-  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+  static Vec2 emission_where(const Vec3& p, const Vec3&) {
     return {(p.x * p.x + p.y * p.y - 0.25) / 0.75, share_of_turn(p, kPi)};
   }
   static double emission_area_m2() { return kPi * 0.75 / 2; }
-  static Region emission_region(const Vec3<double>&) { return hemisphere({0, 0, 1}); }
-  static Rgb<double> power_by_quadrature() { return lambertian_power(kPi * 0.75 / 2); }
+  static Region emission_region(const Vec3&) { return hemisphere({0, 0, 1}); }
+  static Rgb power_by_quadrature() { return lambertian_power(kPi * 0.75 / 2); }
 };
 
 using AreaCases = ::testing::Types<TriangleCase, PatchCase, BoxCase, DiskCase>;
@@ -270,12 +257,12 @@ TEST(LightWithIrradiance, CutOrBentShapesHaveNoClosedForm) {
 }
 
 TEST(LightWithIrradiance, OnlyLightsInSeveralPlanesHideThemselves) {
-  EXPECT_TRUE(BoxCase::make<double>({}).hides_itself());
+  EXPECT_TRUE(BoxCase::make({}).hides_itself());
   // Rotated and shifted, so that no corner is exactly in the plane of the others.
-  EXPECT_FALSE(TriangleCase::make<double>(moved()).hides_itself());
-  EXPECT_FALSE(DiskCase::make<double>({}).hides_itself());
+  EXPECT_FALSE(TriangleCase::make(moved()).hides_itself());
+  EXPECT_FALSE(DiskCase::make({}).hides_itself());
   for (const double bend : {1e-12, 1e-6, 0.5}) {
-    const auto mesh = *TriangleMesh<double>::create(
+    const auto mesh = *TriangleMesh::create(
         {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {1, 1, bend}, {0, 1, 0}}});
     EXPECT_TRUE(mesh.hides_itself()) << bend;
   }

@@ -16,38 +16,37 @@
 namespace lucerna::testing {
 
 /// The functions of a light.  Functions that the light lacks are empty.
-template <typename Real>
 struct CaseLight {
-  std::function<LightSample<Real>(const Vec3<Real>&, Vec2<Real>)> sample_li;
-  std::function<SolidAnglePdf<Real>(const Vec3<Real>&, const Vec3<Real>&)> pdf_li;
+  std::function<LightSample(const Vec3&, Vec2)> sample_li;
+  std::function<SolidAnglePdf(const Vec3&, const Vec3&)> pdf_li;
   std::function<Power(const SceneSphere&)> power, power_approximate;
-  std::function<EmissionSample<Real>(Vec2<Real>, Vec2<Real>, const SceneSphere&)> sample_le;
-  std::function<EmissionPdf<Real>(const Vec3<Real>&, const Vec3<Real>&, const SceneSphere&)> pdf_le;
-  std::function<std::optional<LightBounds<Real>>()> bounds;
+  std::function<EmissionSample(Vec2, Vec2, const SceneSphere&)> sample_le;
+  std::function<EmissionPdf(const Vec3&, const Vec3&, const SceneSphere&)> pdf_le;
+  std::function<std::optional<LightBounds>()> bounds;
   std::function<std::optional<double>(const SceneSphere&)> cross_section_m2;
 };
 
-template <typename Real, typename Light>
-CaseLight<Real> case_light(Light made) {
+template <typename Light>
+CaseLight case_light(Light made) {
   const auto light = std::make_shared<const Light>(std::move(made));
-  CaseLight<Real> erased;
-  erased.sample_li = [light](const Vec3<Real>& p, Vec2<Real> u) { return light->sample_li(p, u); };
-  erased.pdf_li = [light](const Vec3<Real>& p, const Vec3<Real>& w) { return light->pdf_li(p, w); };
+  CaseLight erased;
+  erased.sample_li = [light](const Vec3& p, Vec2 u) { return light->sample_li(p, u); };
+  erased.pdf_li = [light](const Vec3& p, const Vec3& w) { return light->pdf_li(p, w); };
   erased.power = [light](const SceneSphere& scene) { return light->power(scene); };
   if constexpr (requires(SceneSphere scene) { light->power_approximate(scene); })
     erased.power_approximate = [light](const SceneSphere& s) {
       return light->power_approximate(s);
     };
-  if constexpr (requires(Vec2<Real> u, SceneSphere scene) { light->sample_le(u, u, scene); }) {
-    erased.sample_le = [light](Vec2<Real> up, Vec2<Real> ud, const SceneSphere& scene) {
+  if constexpr (requires(Vec2 u, SceneSphere scene) { light->sample_le(u, u, scene); }) {
+    erased.sample_le = [light](Vec2 up, Vec2 ud, const SceneSphere& scene) {
       return light->sample_le(up, ud, scene);
     };
-    erased.pdf_le = [light](const Vec3<Real>& p, const Vec3<Real>& w, const SceneSphere& scene) {
+    erased.pdf_le = [light](const Vec3& p, const Vec3& w, const SceneSphere& scene) {
       return light->pdf_le(p, w, scene);
     };
   }
   if constexpr (requires { light->bounds(); })
-    erased.bounds = [light] { return std::optional<LightBounds<Real>>(light->bounds()); };
+    erased.bounds = [light] { return std::optional<LightBounds>(light->bounds()); };
   if constexpr (requires(SceneSphere scene) { light->cross_section_m2(scene); })
     erased.cross_section_m2 = [light](const SceneSphere& scene) {
       return std::optional<double>(light->cross_section_m2(scene));
@@ -57,8 +56,8 @@ CaseLight<Real> case_light(Light made) {
 
 /// A region of directions: Region, or the test's own type.
 struct CaseRegion {
-  std::function<Vec3<double>(double, double)> at;
-  std::function<Vec2<double>(const Vec3<double>&)> where;
+  std::function<Vec3(double, double)> at;
+  std::function<Vec2(const Vec3&)> where;
   std::function<double(double, double)> element_sr;
 };
 
@@ -69,66 +68,53 @@ struct LightCase {
   double tolerance, power_tolerance, size;
   int far_field_length_power;
   bool enclosed, confined, enters_by_scene_disk;
-  std::function<Vec3<double>()> centre, far_direction;
+  std::function<Vec3()> centre, far_direction;
   std::function<SceneSphere()> scene;
-  std::function<std::vector<Vec3<double>>()> receivers;
-  std::function<CaseLight<float>(const Placement&)> make_float;
-  std::function<CaseLight<double>(const Placement&)> make_double;
-  std::function<Rgb<double>(const Vec3<double>&, const Vec3<double>&)> value{}, emitted{};
-  std::function<CaseRegion(const Vec3<double>&)> region{};
-  std::function<double(const Vec3<double>&)> distance_to_surface{};
-  std::function<Rgb<double>()> power_by_quadrature{};
-  std::function<Vec3<double>(const Vec3<double>&, double, double)> emission_position{};
-  std::function<Vec2<double>(const Vec3<double>&, const Vec3<double>&)> emission_where{};
+  std::function<std::vector<Vec3>()> receivers;
+  std::function<CaseLight(const Placement&)> make;
+  std::function<Rgb(const Vec3&, const Vec3&)> value{}, emitted{};
+  std::function<CaseRegion(const Vec3&)> region{};
+  std::function<double(const Vec3&)> distance_to_surface{};
+  std::function<Rgb()> power_by_quadrature{};
+  std::function<Vec3(const Vec3&, double, double)> emission_position{};
+  std::function<Vec2(const Vec3&, const Vec3&)> emission_where{};
   std::function<double()> emission_area_m2{};
-  std::function<Vec3<double>(const Vec3<double>&)> emission_direction{};
-  std::function<Region(const Vec3<double>&)> emission_region{};
-
-  template <typename Real>
-  CaseLight<Real> make(const Placement& at) const {
-    if constexpr (std::same_as<Real, float>)
-      return make_float(at);
-    else
-      return make_double(at);
-  }
+  std::function<Vec3(const Vec3&)> emission_direction{};
+  std::function<Region(const Vec3&)> emission_region{};
 };
 
 struct SceneDiskCase;  // contract_emission.h
 
 template <typename Case>
 LightCase light_case() {
-  LightCase c{
-      .value_length_power = Case::kValueLengthPower,
-      .power_length_power = Case::kPowerLengthPower,
-      .tolerance = Case::kTolerance,
-      .power_tolerance = Case::kPowerTolerance,
-      .size = Case::kSize,
-      .far_field_length_power = Case::kFarFieldLengthPower,
-      .enclosed = Case::kEnclosed,
-      .confined = false,
-      .enters_by_scene_disk = std::derived_from<Case, SceneDiskCase>,
-      .centre = Case::centre,
-      .far_direction = Case::far_direction,
-      .scene = Case::scene,
-      .receivers = Case::receivers,
-      .make_float =
-          [](const Placement& at) { return case_light<float>(Case::template make<float>(at)); },
-      .make_double =
-          [](const Placement& at) { return case_light<double>(Case::template make<double>(at)); }};
-  const Vec3<double> v;
+  LightCase c{.value_length_power = Case::kValueLengthPower,
+              .power_length_power = Case::kPowerLengthPower,
+              .tolerance = Case::kTolerance,
+              .power_tolerance = Case::kPowerTolerance,
+              .size = Case::kSize,
+              .far_field_length_power = Case::kFarFieldLengthPower,
+              .enclosed = Case::kEnclosed,
+              .confined = false,
+              .enters_by_scene_disk = std::derived_from<Case, SceneDiskCase>,
+              .centre = Case::centre,
+              .far_direction = Case::far_direction,
+              .scene = Case::scene,
+              .receivers = Case::receivers,
+              .make = [](const Placement& at) { return case_light(Case::make(at)); }};
+  const Vec3 v;
   if constexpr (requires { Case::kConfined; }) c.confined = Case::kConfined;
   if constexpr (requires { Case::value(v, v); }) c.value = Case::value;
   if constexpr (requires { Case::emitted(v, v); })
     c.emitted = Case::emitted;
   else if constexpr (requires { Case::value(v, v); })
-    c.emitted = [](const Vec3<double>& position, const Vec3<double>& direction) {
+    c.emitted = [](const Vec3& position, const Vec3& direction) {
       return Case::value(position + direction, -direction);
     };
   if constexpr (requires { Case::region(v); })
-    c.region = [](const Vec3<double>& receiver) {
+    c.region = [](const Vec3& receiver) {
       const auto region = Case::region(receiver);
       return CaseRegion{[region](double x, double y) { return region.at(x, y); },
-                        [region](const Vec3<double>& w) { return region.where(w); },
+                        [region](const Vec3& w) { return region.where(w); },
                         [region](double x, double y) { return element_sr(region, x, y); }};
     };
   if constexpr (requires { Case::distance_to_surface(v); })

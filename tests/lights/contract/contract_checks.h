@@ -19,8 +19,8 @@ struct Placement {
   Transform rigid;
   int exponent = 0;
 
-  Vec3<double> point(const Vec3<double>& p) const { return rigid.point(scaled(p, exponent)); }
-  Vec3<double> direction(const Vec3<double>& d) const { return rigid.vector(d); }
+  Vec3 point(const Vec3& p) const { return rigid.point(scaled(p, exponent)); }
+  Vec3 direction(const Vec3& d) const { return rigid.vector(d); }
   double length(double l) const { return std::scalbn(l, exponent); }
   /// World from the light's own space, for shapes that take a transform.
   Transform world_from_light() const {
@@ -34,21 +34,16 @@ inline double relative_difference(double a, double b) {
   return std::fabs(a - b) / std::fmax(std::fabs(a), std::fabs(b));
 }
 
-template <typename Real>
-double relative_difference(const Rgb<Real>& a, const Rgb<Real>& b) {
+inline double relative_difference(const Rgb& a, const Rgb& b) {
   return std::fmax(relative_difference(a.r, b.r),
                    std::fmax(relative_difference(a.g, b.g), relative_difference(a.b, b.b)));
 }
 
-template <typename Real>
-double distance_between(const Vec3<Real>& a, const Vec3<Real>& b) {
-  return length(Vec3<double>(a) - Vec3<double>(b));
-}
+inline double distance_between(const Vec3& a, const Vec3& b) { return length(Vec3(a) - Vec3(b)); }
 
 /// A sample may carry no light, with the reason.  It may never hold NaN, an infinity or a negative
 /// value.
-template <typename Real>
-Verdict check_well_formed(const LightSample<Real>& s) {
+inline Verdict check_well_formed(const LightSample& s) {
   if (!is_finite(s.value) || s.value.r < 0 || s.value.g < 0 || s.value.b < 0) {
     return {fmt::format("value = ({}, {}, {})", s.value.r, s.value.g, s.value.b)};
   }
@@ -57,8 +52,8 @@ Verdict check_well_formed(const LightSample<Real>& s) {
   }
   if (s.value.is_black()) return {"value 0 without a reason"};
   // Each component has three roundings.
-  constexpr double kUnit = 4 * std::numeric_limits<Real>::epsilon();
-  if (!(std::fabs(length(Vec3<double>(s.wi)) - 1) < kUnit)) return {"wi is not a unit vector"};
+  constexpr double kUnit = 4 * std::numeric_limits<double>::epsilon();
+  if (!(std::fabs(length(Vec3(s.wi)) - 1) < kUnit)) return {"wi is not a unit vector"};
   if (!(s.distance > 0)) return {fmt::format("distance = {}", s.distance)};
   if (std::isfinite(s.distance) && !is_finite(s.point)) return {"point is not finite"};
   if (s.delta != (s.pdf.per_sr == 0)) return {fmt::format("density = {}", s.pdf.per_sr)};
@@ -110,7 +105,7 @@ Verdict check_samples_follow_density(const Domain& region, Sample&& sample, Pdf&
   for (int i = 0; i < kSamples; ++i) {
     const auto s = sample(random.pair());
     if (s.reason != NoLight::kNone) continue;
-    Vec2<double> at = region.where(Vec3<double>(s.wi));
+    Vec2 at = region.where(Vec3(s.wi));
     if (!(at.x <= 1 + 1e-5)) return {fmt::format("a sample outside of the region: {}", at.x)};
     const int x = std::min(int(at.x * kColumns), kColumns - 1);
     const int y = std::min(int(at.y * kColumns), kColumns - 1);
@@ -145,8 +140,8 @@ Verdict check_sample_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double to
     if (!(relative_difference(reported, evaluated) <= tolerance)) {
       return {fmt::format("sample {}: density {}, pdf_li says {}", i, reported, evaluated)};
     }
-    const Rgb<double> got(s.value);
-    const Rgb<double> expected = value(Vec3<double>(s.wi));
+    const Rgb got(s.value);
+    const Rgb expected = value(Vec3(s.wi));
     if (!(relative_difference(got, expected) <= tolerance)) {
       return {fmt::format("sample {}: value ({}, {}, {}), should be ({}, {}, {})", i, got.r, got.g,
                           got.b, expected.r, expected.g, expected.b)};

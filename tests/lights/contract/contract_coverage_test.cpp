@@ -46,7 +46,7 @@ void expect_all_take_part(const std::variant<Models...>*,
 
 template <typename Model>
 void expect_closed_form_takes_part() {
-  if constexpr (requires(const Model& light, const Receiver<float>& r) { light.irradiance(r); })
+  if constexpr (requires(const Model& light, const Receiver& r) { light.irradiance(r); })
     expect_takes_part_in_one_of<Model>({"LightWithIrradiance"});
 }
 
@@ -56,7 +56,7 @@ void expect_closed_forms_take_part(const std::variant<Models...>*) {
 }
 
 TEST(Contract, EveryLightTakesPart) {
-  constexpr const LightModels<float>* kAll = nullptr;
+  constexpr const LightModels* kAll = nullptr;
   expect_all_take_part(kAll, {"AnyLight"});
   expect_all_take_part(kAll, {"LightWithDensity", "DeltaLight"});
   expect_all_take_part(kAll, {"EmittingLight"});
@@ -70,12 +70,12 @@ TEST(Contract, EveryLightTakesPart) {
 
 // Tables of lights are as small as point lights allow, whatever the size of the largest model.
 TEST(Light, IsAsLargeAsAPointLightAndItsKind) {
-  EXPECT_LE(sizeof(Light<double>), sizeof(PointLight<double>) + alignof(PointLight<double>));
-  EXPECT_EQ(Light<double>(*PointLight<double>::create({})).bytes_beside(), 0U);
-  const Light<double> spot(*SpotLight<double>::create({.cone_half_angle_rad = 1}));
-  EXPECT_EQ(spot.bytes_beside(), sizeof(SpotLight<double>));
-  EXPECT_NE(spot.get_if<SpotLight<double>>(), nullptr);
-  EXPECT_EQ(spot.get_if<PointLight<double>>(), nullptr);
+  EXPECT_LE(sizeof(Light), sizeof(PointLight) + alignof(PointLight));
+  EXPECT_EQ(Light(*PointLight::create({})).bytes_beside(), 0U);
+  const Light spot(*SpotLight::create({.cone_half_angle_rad = 1}));
+  EXPECT_EQ(spot.bytes_beside(), sizeof(SpotLight));
+  EXPECT_NE(spot.get_if<SpotLight>(), nullptr);
+  EXPECT_EQ(spot.get_if<PointLight>(), nullptr);
 }
 
 }  // namespace

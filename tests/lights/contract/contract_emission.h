@@ -3,15 +3,15 @@
 //
 //   // Lights whose rays start anywhere on a surface: a map of the unit square onto it that keeps
 //   // area, its inverse, and the area [m2].  A ray leaves towards `w`.
-//   static Vec3<double> emission_position(const Vec3<double>& w, double x, double y);
-//   static Vec2<double> emission_where(const Vec3<double>& position, const Vec3<double>& w);
+//   static Vec3 emission_position(const Vec3& w, double x, double y);
+//   static Vec2 emission_where(const Vec3& position, const Vec3& w);
 //   static double emission_area_m2();
 //   // Optional, where a direction leaves only part of the surface: one that leaves `position`.
-//   static Vec3<double> emission_direction(const Vec3<double>& position);
+//   static Vec3 emission_direction(const Vec3& position);
 //   // A cone that holds all directions in which light leaves `position`.
-//   static Region emission_region(const Vec3<double>& position);
+//   static Region emission_region(const Vec3& position);
 //   // Optional: value of the ray; without it the case's value() one metre along the ray.
-//   static Rgb<double> emitted(const Vec3<double>& position, const Vec3<double>& direction);
+//   static Rgb emitted(const Vec3& position, const Vec3& direction);
 //   // Local lights: whether the bounds must report some places as dark.
 //   static constexpr bool kConfined;
 //
@@ -35,20 +35,19 @@ namespace lucerna::testing {
 /// Rays from infinitely far enter through a disk of radius 4 that faces their direction and touches
 /// the sphere of CaseDefaults::scene().  Polar coordinates keep area in r^2.
 struct SceneDiskCase {
-  static Vec3<double> emission_position(const Vec3<double>& w, double x, double y) {
+  static Vec3 emission_position(const Vec3& w, double x, double y) {
     const double r = std::sqrt(x), phi = 2 * std::numbers::pi * y;
-    return Frame<double>::around(w).world_from_local({r * std::cos(phi), r * std::sin(phi), -1}) *
-           4.0;
+    return Frame::around(w).world_from_local({r * std::cos(phi), r * std::sin(phi), -1}) * 4.0;
   }
-  static Vec2<double> emission_where(const Vec3<double>& position, const Vec3<double>& w) {
-    const Vec3<double> p = Frame<double>::around(w).local_from_world(position) * 0.25;
+  static Vec2 emission_where(const Vec3& position, const Vec3& w) {
+    const Vec3 p = Frame::around(w).local_from_world(position) * 0.25;
     const double y = std::atan2(p.y, p.x) / (2 * std::numbers::pi);
     // Outside of the disk's plane there is no place for it.
     if (std::fabs(p.z + 1) > 1e-5) return {NAN, NAN};
     return {p.x * p.x + p.y * p.y, y < 0 ? y + 1 : y};
   }
   static double emission_area_m2() { return 16 * std::numbers::pi; }
-  static Region emission_region(const Vec3<double>&) { return {}; }
+  static Region emission_region(const Vec3&) { return {}; }
 };
 
 // The tests are in contract_emission.cpp.
@@ -85,8 +84,7 @@ template <typename Case>
 class EmittingLight : public ::testing::Test {
  protected:
   EmittingLight() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart =
-      takes_part<typename Case::template Light<float>>("EmittingLight");
+  static inline const bool kTakesPart = takes_part<typename Case::Light>("EmittingLight");
 };
 TYPED_TEST_SUITE_P(EmittingLight);
 
@@ -123,8 +121,7 @@ template <typename Case>
 class EmittingSurface : public ::testing::Test {
  protected:
   EmittingSurface() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart =
-      takes_part<typename Case::template Light<float>>("EmittingSurface");
+  static inline const bool kTakesPart = takes_part<typename Case::Light>("EmittingSurface");
 };
 TYPED_TEST_SUITE_P(EmittingSurface);
 
@@ -138,8 +135,7 @@ template <typename Case>
 class EmittingDirections : public ::testing::Test {
  protected:
   EmittingDirections() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart =
-      takes_part<typename Case::template Light<float>>("EmittingDirections");
+  static inline const bool kTakesPart = takes_part<typename Case::Light>("EmittingDirections");
 };
 TYPED_TEST_SUITE_P(EmittingDirections);
 
@@ -153,8 +149,7 @@ template <typename Case>
 class BoundedLight : public ::testing::Test {
  protected:
   BoundedLight() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart =
-      takes_part<typename Case::template Light<float>>("BoundedLight");
+  static inline const bool kTakesPart = takes_part<typename Case::Light>("BoundedLight");
 };
 TYPED_TEST_SUITE_P(BoundedLight);
 
@@ -183,8 +178,7 @@ template <typename Case>
 class UnboundedLight : public ::testing::Test {
  protected:
   UnboundedLight() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart =
-      takes_part<typename Case::template Light<float>>("UnboundedLight");
+  static inline const bool kTakesPart = takes_part<typename Case::Light>("UnboundedLight");
 };
 TYPED_TEST_SUITE_P(UnboundedLight);
 

@@ -9,23 +9,23 @@ namespace {
 template <typename Case>
 struct EmittingAllAround : Case {
   static constexpr bool kConfined = false;
-  static Region emission_region(const Vec3<double>&) { return {}; }
+  static Region emission_region(const Vec3&) { return {}; }
 };
 struct EmittingDown : DownWebCase {
   static constexpr bool kConfined = true;
-  static Region emission_region(const Vec3<double>&) { return {{0, 0, -1}, 1.3}; }
+  static Region emission_region(const Vec3&) { return {{0, 0, -1}, 1.3}; }
 };
 struct EmittingFlood : FloodWebCase {
   static constexpr bool kConfined = true;
-  static Region emission_region(const Vec3<double>&) { return {{0, 0, -1}, kPi / 2}; }
+  static Region emission_region(const Vec3&) { return {{0, 0, -1}, kPi / 2}; }
 };
 struct EmittingHeadlamp : HeadlampWebCase {
   static constexpr bool kConfined = true;
-  static Region emission_region(const Vec3<double>&) { return {{1, 0, 0}, kPi / 2}; }
+  static Region emission_region(const Vec3&) { return {{1, 0, 0}, kPi / 2}; }
 };
 struct EmittingConfinedMap : ConfinedMapCase {
   static constexpr bool kConfined = true;
-  static Region emission_region(const Vec3<double>&) { return {{0, 0, -1}, 0.73}; }
+  static Region emission_region(const Vec3&) { return {{0, 0, -1}, 0.73}; }
 };
 
 using Cases =

@@ -24,13 +24,11 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Maps, UnboundedLight, EmittingCases);
 /// densities sample it.
 template <typename Case>
 void check_incomplete() {
-  const auto light = Case::template make<float>({});
-  Receiver<float> receiver(0, 0, 0);
+  const auto light = Case::make({});
+  Receiver receiver(0, 0, 0);
   receiver.incomplete = true;
-  const auto sample = [&](Vec2<float> u) { return light.sample_li(receiver, u); };
-  const auto pdf = [&](const Vec3<double>& w) {
-    return double{light.pdf_li(receiver, Vec3<float>(w)).per_sr};
-  };
+  const auto sample = [&](Vec2 u) { return light.sample_li(receiver, u); };
+  const auto pdf = [&](const Vec3& w) { return double{light.pdf_li(receiver, Vec3(w)).per_sr}; };
   const Verdict integral = check_density_integrates({}, sample, pdf);
   EXPECT_TRUE(integral.ok()) << integral.failure;
   const Verdict follow = check_samples_follow_density({}, sample, pdf);

@@ -12,37 +12,35 @@ namespace {
 /// Its value is that of the sky without the portal.
 template <typename Sky>
 struct PortalCase : CaseDefaults {
-  template <typename Real>
-  using Light = PortalLight<Real>;
+  using Light = PortalLight;
   // The light states an error of 3e-4 of its power.  Midpoints on 1200 x 1200 cells that a
   // picture's edges cut have as large an error.
   static constexpr double kPowerTolerance = Sky::kConstant ? 1e-6 : 6e-4;
 
-  template <typename Real>
-  static PortalLight<Real> make(const Placement& placement) {
+  static PortalLight make(const Placement& placement) {
     PortalLightParams params{.world_from_map = placement.rigid, .radiance_cd_m2 = kMapLevel};
     if constexpr (!Sky::kConstant) params.map = Sky::map();
     params.rectified = Sky::kRectified;
-    const Vec3<double> corners[] = {{-1, -0.75, 1}, {-1, 0.75, 1}, {1, 0.75, 1}, {1, -0.75, 1}};
+    const Vec3 corners[] = {{-1, -0.75, 1}, {-1, 0.75, 1}, {1, 0.75, 1}, {1, -0.75, 1}};
     for (std::size_t i = 0; i < 4; ++i) params.corners_m[i] = placement.point(corners[i]);
-    return *PortalLight<Real>::create(params);
+    return *PortalLight::create(params);
   }
-  static std::vector<Vec3<double>> receivers() {
+  static std::vector<Vec3> receivers() {
     return {{0, 0, 0}, {0.5, -0.25, -2}, {3, 1, 0}, {0.25, 0.125, 0.75}, {-8, 3, -20}};
   }
-  static Region region(const Vec3<double>& receiver) {
-    const Vec3<double> axis = normalized(Vec3<double>{0, 0, 1} - receiver);
+  static Region region(const Vec3& receiver) {
+    const Vec3 axis = normalized(Vec3{0, 0, 1} - receiver);
     double angle = 0;
-    for (const Vec3<double>& c : {Vec3<double>{-1, -0.75, 1}, Vec3<double>{-1, 0.75, 1},
-                                  Vec3<double>{1, 0.75, 1}, Vec3<double>{1, -0.75, 1}}) {
-      const Vec3<double> to = c - receiver;
+    for (const Vec3& c :
+         {Vec3{-1, -0.75, 1}, Vec3{-1, 0.75, 1}, Vec3{1, 0.75, 1}, Vec3{1, -0.75, 1}}) {
+      const Vec3 to = c - receiver;
       angle = std::fmax(angle, std::atan2(length(cross(axis, to)), dot(axis, to)));
     }
     return {axis, angle + 1e-6};
   }
-  static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
+  static Rgb value(const Vec3& receiver, const Vec3& wi) {
     const double t = (1 - receiver.z) / wi.z;
-    const Vec3<double> through = receiver + wi * t;
+    const Vec3 through = receiver + wi * t;
     // Because wi is rounded, the ray may miss the window by a little.
     const double slack = 1e-6 * std::fabs(t);
     if (!(t > 0) || std::fabs(through.x) > 1 + slack || std::fabs(through.y) > 0.75 + slack)
@@ -50,31 +48,31 @@ struct PortalCase : CaseDefaults {
     return Sky::value({}, wi);
   }
   /// The area times the illuminance of the sky on it.
-  static Rgb<double> power_by_quadrature() {
+  static Rgb power_by_quadrature() {
     if constexpr (Sky::kConstant) return kMapLevel * (3 * kPi);
-    static const Rgb<double> lumens =
-        integrate(Region{{0, 0, 1}, kPi / 2}, 1200,
-                  [](const Vec3<double>& w) { return Sky::value({}, w) * (3 * w.z); });
+    static const Rgb lumens = integrate(Region{{0, 0, 1}, kPi / 2}, 1200, [](const Vec3& w) {
+      return Sky::value({}, w) * (3 * w.z);
+    });
     return lumens;
   }
 
-  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+  static Vec3 emission_position(const Vec3&, double x, double y) {
     return {2 * x - 1, 1.5 * y - 0.75, 1};
   }
-  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+  static Vec2 emission_where(const Vec3& p, const Vec3&) {
     if (std::fabs(p.z - 1) > 1e-6) return {NAN, NAN};
     return {(p.x + 1) / 2, (p.y + 0.75) / 1.5};
   }
   static double emission_area_m2() { return 3; }
-  static Region emission_region(const Vec3<double>&) { return {{0, 0, -1}, kPi / 2}; }
-  static Rgb<double> emitted(const Vec3<double>&, const Vec3<double>& direction) {
-    return direction.z < 0 ? Sky::value({}, -direction) : Rgb<double>();
+  static Region emission_region(const Vec3&) { return {{0, 0, -1}, kPi / 2}; }
+  static Rgb emitted(const Vec3&, const Vec3& direction) {
+    return direction.z < 0 ? Sky::value({}, -direction) : Rgb();
   }
 };
 
 struct ConstantSky {
   static constexpr bool kConstant = true, kRectified = false;
-  static Rgb<double> value(const Vec3<double>&, const Vec3<double>&) { return kMapLevel; }
+  static Rgb value(const Vec3&, const Vec3&) { return kMapLevel; }
 };
 struct EqualAreaSky : EqualAreaCase {
   static constexpr bool kConstant = false, kRectified = false;
@@ -85,13 +83,12 @@ struct LatitudeLongitudeSky : LatitudeLongitudeCase {
 /// The same map of four rows, resampled at the middles of 4 x 4 cells of both angles.
 struct RectifiedSky : LatitudeLongitudeCase {
   static constexpr bool kConstant = false, kRectified = true;
-  static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& w) {
+  static Rgb value(const Vec3& receiver, const Vec3& w) {
     const auto middle = [&](double c) {
       const int cell = std::clamp(int((std::atan2(c, w.z) / kPi + 0.5) * 4), 0, 3);
       return std::tan(((cell + 0.5) / 4 - 0.5) * kPi);
     };
-    return LatitudeLongitudeCase::value(receiver,
-                                        normalized(Vec3<double>{middle(w.x), middle(w.y), 1}));
+    return LatitudeLongitudeCase::value(receiver, normalized(Vec3{middle(w.x), middle(w.y), 1}));
   }
 };
 
@@ -106,9 +103,9 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Portals, UnboundedLight, PortalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Portals, LightWithIrradiance, PortalCase<ConstantSky>);
 
 TEST(LightWithIrradiance, PortalsWithAMapHaveNoClosedForm) {
-  Receiver<double> receiver(0, 0, 0);
+  Receiver receiver(0, 0, 0);
   receiver.normal = {0, 0, 1};
-  EXPECT_FALSE(PortalCase<RectifiedSky>::make<double>({}).irradiance(receiver));
+  EXPECT_FALSE(PortalCase<RectifiedSky>::make({}).irradiance(receiver));
 }
 
 }  // namespace

@@ -12,88 +12,78 @@ namespace lucerna::testing {
 namespace {
 
 /// Whether the ray along `wi` passes within `radius` of the origin, with the slack of a float.
-bool meets_ball(const Vec3<double>& r, const Vec3<double>& wi, double radius) {
+bool meets_ball(const Vec3& r, const Vec3& wi, double radius) {
   return length(cross(r, wi)) < radius * (1 + 1e-5);
 }
 
 struct SphereCase : AreaCase {
-  template <typename Real>
-  using Light = SphereLight<Real>;
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    return *Light<Real>::create(
-        {kLevel},
-        *Sphere<Real>::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}));
+  using Light = SphereLight;
+  static Light make(const Placement& at) {
+    return *Light::create(
+        {kLevel}, *Sphere::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}));
   }
-  static std::vector<Vec3<double>> receivers() { return {{2, 1, 2}, {0, 0, -1.75}, {0, 80, 60}}; }
-  static Region region(const Vec3<double>& r) {
+  static std::vector<Vec3> receivers() { return {{2, 1, 2}, {0, 0, -1.75}, {0, 80, 60}}; }
+  static Region region(const Vec3& r) {
     return {normalized(-r), 1.05 * std::asin(0.75 / length(r))};
   }
-  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
-    return meets_ball(r, wi, 0.75) ? kLevel : Rgb<double>{};
+  static Rgb value(const Vec3& r, const Vec3& wi) {
+    return meets_ball(r, wi, 0.75) ? kLevel : Rgb{};
   }
-  static double distance_to_surface(const Vec3<double>& p) { return std::fabs(length(p) - 0.75); }
+  static double distance_to_surface(const Vec3& p) { return std::fabs(length(p) - 0.75); }
   /// Zones of equal height on a sphere have equal areas.  (Archimedes)
-  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+  static Vec3 emission_position(const Vec3&, double x, double y) {
     const double z = 2 * x - 1, r = std::sqrt(1 - z * z);
-    return Vec3<double>{r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), z} * 0.75;
+    return Vec3{r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), z} * 0.75;
   }
-  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+  static Vec2 emission_where(const Vec3& p, const Vec3&) {
     return {(p.z / 0.75 + 1) / 2, share_of_turn(p, 2 * kPi)};
   }
   static double emission_area_m2() { return 4 * kPi * 0.75 * 0.75; }
-  static Vec3<double> emission_direction(const Vec3<double>& p) { return normalized(p); }
-  static Region emission_region(const Vec3<double>& p) { return hemisphere(p); }
+  static Vec3 emission_direction(const Vec3& p) { return normalized(p); }
+  static Region emission_region(const Vec3& p) { return hemisphere(p); }
   static constexpr bool kConfined = false;
-  static Rgb<double> power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
+  static Rgb power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
 };
 
 /// A sphere that emits inwards, seen from within: no light leaves it.
 struct InwardSphereCase : SphereCase {
   static constexpr bool kEnclosed = true;
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    return *Light<Real>::create(
-        {kLevel}, *Sphere<Real>::create({.radius_m = 0.75,
-                                         .reverse_orientation = true,
-                                         .world_from_object = at.world_from_light()}));
+  static Light make(const Placement& at) {
+    return *Light::create({kLevel}, *Sphere::create({.radius_m = 0.75,
+                                                     .reverse_orientation = true,
+                                                     .world_from_object = at.world_from_light()}));
   }
-  static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
-  static Vec3<double> emission_direction(const Vec3<double>& p) { return normalized(-p); }
-  static Region emission_region(const Vec3<double>& p) { return hemisphere(-p); }
-  static Region region(const Vec3<double>&) { return {}; }
+  static std::vector<Vec3> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
+  static Vec3 emission_direction(const Vec3& p) { return normalized(-p); }
+  static Region emission_region(const Vec3& p) { return hemisphere(-p); }
+  static Region region(const Vec3&) { return {}; }
 };
 
 /// The cap z > 0.75 of a sphere of radius 1 that emits outwards.  It is seen without its
 /// silhouette.  There the density by area has a pole, which no quadrature on a grid resolves.
 struct CapCase : AreaCase {
-  template <typename Real>
-  using Light = SphereLight<Real>;
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    return *Light<Real>::create(
-        {kLevel},
-        *Sphere<Real>::create(
-            {.radius_m = 1, .z_min_m = 0.75, .world_from_object = at.world_from_light()}));
+  using Light = SphereLight;
+  static Light make(const Placement& at) {
+    return *Light::create({kLevel}, *Sphere::create({.radius_m = 1,
+                                                     .z_min_m = 0.75,
+                                                     .world_from_object = at.world_from_light()}));
   }
-  static std::vector<Vec3<double>> receivers() { return {{0, 0.5, 3}, {1, 0, 3}}; }
-  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
-    return meets_ball(r, wi, 1) ? kLevel : Rgb<double>{};
-  }
-  static double distance_to_surface(const Vec3<double>& p) {
+  static std::vector<Vec3> receivers() { return {{0, 0.5, 3}, {1, 0, 3}}; }
+  static Rgb value(const Vec3& r, const Vec3& wi) { return meets_ball(r, wi, 1) ? kLevel : Rgb{}; }
+  static double distance_to_surface(const Vec3& p) {
     return std::fmax(std::fabs(length(p) - 1), 0.75 - p.z);
   }
-  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+  static Vec3 emission_position(const Vec3&, double x, double y) {
     const double z = 0.75 + 0.25 * x, r = std::sqrt(1 - z * z);
     return {r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), z};
   }
-  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+  static Vec2 emission_where(const Vec3& p, const Vec3&) {
     return {(p.z - 0.75) / 0.25, share_of_turn(p, 2 * kPi)};
   }
   static double emission_area_m2() { return 2 * kPi * 0.25; }
-  static Vec3<double> emission_direction(const Vec3<double>& p) { return normalized(p); }
-  static Region emission_region(const Vec3<double>& p) { return hemisphere(p); }
-  static Rgb<double> power_by_quadrature() { return lambertian_power(2 * kPi * 0.25); }
+  static Vec3 emission_direction(const Vec3& p) { return normalized(p); }
+  static Region emission_region(const Vec3& p) { return hemisphere(p); }
+  static Rgb power_by_quadrature() { return lambertian_power(2 * kPi * 0.25); }
 };
 
 using SphereCases = ::testing::Types<SphereCase, InwardSphereCase, CapCase>;
@@ -114,7 +104,7 @@ TEST(LightWithIrradiance, OnlyWholeSpheresHaveAClosedForm) {
 }
 
 TEST(LightWithIrradiance, ASphereDoesNotHideItself) {
-  EXPECT_FALSE(SphereCase::make<double>({}).hides_itself());
+  EXPECT_FALSE(SphereCase::make({}).hides_itself());
 }
 
 }  // namespace

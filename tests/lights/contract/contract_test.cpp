@@ -19,20 +19,20 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Infinite, LightWithDensity, InfiniteCase);
 
 /// A square of side 2 in the plane z = 1 about the axis, seen from the origin, sampled by area.
 struct SquareSampler {
-  LightSample<float> operator()(Vec2<float> u) const {
-    const Vec3<float> p{2 * u.x - 1, 2 * u.y - 1, 1};
-    LightSample<float> s;
+  LightSample operator()(Vec2 u) const {
+    const Vec3 p{2 * u.x - 1, 2 * u.y - 1, 1};
+    LightSample s;
     s.wi = normalized(p);
     s.distance = length(p);
-    s.value = Rgb<float>(1);
-    s.pdf.per_sr = static_cast<float>(pdf(Vec3<double>(s.wi)));
+    s.value = Rgb(1);
+    s.pdf.per_sr = pdf(s.wi);
     return s;
   }
-  static double pdf(const Vec3<double>& w) {
+  static double pdf(const Vec3& w) {
     if (w.z <= 0 || std::fabs(w.x) > w.z || std::fabs(w.y) > w.z) return 0;
     return 1 / (4 * w.z * w.z * w.z);  // d^2 / (A cos), d = 1 / cos
   }
-  static double pdf_without_cosine(const Vec3<double>& w) { return pdf(w) * w.z; }
+  static double pdf_without_cosine(const Vec3& w) { return pdf(w) * w.z; }
   static Region region() { return {{0, 0, 1}, 1}; }  // the corners lie at 0.9553 rad
 };
 
@@ -46,7 +46,7 @@ TEST(ContractCheckers, AcceptACorrectSampler) {
 
 TEST(ContractCheckers, RejectADensityTenPercentTooHigh) {
   const SquareSampler square;
-  const auto wrong = [](const Vec3<double>& w) { return 1.1 * SquareSampler::pdf(w); };
+  const auto wrong = [](const Vec3& w) { return 1.1 * SquareSampler::pdf(w); };
   EXPECT_FALSE(check_density_integrates(square.region(), square, wrong).ok());
   EXPECT_FALSE(check_samples_follow_density(square.region(), square, wrong).ok());
 }
@@ -59,9 +59,9 @@ TEST(ContractCheckers, RejectAnAreaDensityWithoutItsCosine) {
 }
 
 TEST(ContractCheckers, RejectAWrongDensityThatIntegratesToOne) {
-  const auto light = InfiniteCase::make<float>({});
-  const auto sample = [&](Vec2<float> u) { return light.sample_li({0, 0, 0}, u); };
-  const auto tilted = [](const Vec3<double>& w) { return (1 + 0.1 * w.x) / (4 * kPi); };
+  const auto light = InfiniteCase::make({});
+  const auto sample = [&](Vec2 u) { return light.sample_li({0, 0, 0}, u); };
+  const auto tilted = [](const Vec3& w) { return (1 + 0.1 * w.x) / (4 * kPi); };
   EXPECT_TRUE(check_density_integrates({}, sample, tilted).ok());
   EXPECT_FALSE(check_samples_follow_density({}, sample, tilted).ok());
 }
@@ -73,20 +73,20 @@ TEST(ContractCheckers, RejectSamplesOutsideOfTheRegion) {
 
 TEST(ContractCheckers, RejectAWrongValueOrDensity) {
   const SquareSampler square;
-  const auto pdf = [](const Vec3<float>& w) { return SquareSampler::pdf(Vec3<double>(w)); };
-  const auto value = [](const Vec3<double>&) { return Rgb<double>(1); };
+  const auto pdf = [](const Vec3& w) { return SquareSampler::pdf(Vec3(w)); };
+  const auto value = [](const Vec3&) { return Rgb(1); };
   EXPECT_TRUE(check_sample_agrees(square, pdf, value, 1e-5).ok());
   EXPECT_FALSE(check_sample_agrees(
-                   square, [&](const Vec3<float>& w) { return 1.0001 * pdf(w); }, value, 1e-5)
+                   square, [&](const Vec3& w) { return 1.0001 * pdf(w); }, value, 1e-5)
                    .ok());
   EXPECT_FALSE(check_sample_agrees(
-                   square, pdf, [](const Vec3<double>&) { return Rgb<double>(1, 1, 1.0001); }, 1e-5)
+                   square, pdf, [](const Vec3&) { return Rgb(1, 1, 1.0001); }, 1e-5)
                    .ok());
 }
 
 TEST(ContractCheckers, RejectInvalidNumbers) {
   const auto broken = [](auto&& change) {
-    LightSample<float> s = SquareSampler()({0.25F, 0.75F});
+    LightSample s = SquareSampler()({0.25, 0.75});
     change(s);
     return !check_well_formed(s).ok();
   };
@@ -95,7 +95,7 @@ TEST(ContractCheckers, RejectInvalidNumbers) {
   EXPECT_TRUE(broken([](auto& s) { s.value.b = -1; }));
   EXPECT_TRUE(broken([](auto& s) { s.value = {}; }));
   EXPECT_TRUE(broken([](auto& s) { s.reason = NoLight::kBehind; }));
-  EXPECT_TRUE(broken([](auto& s) { s.wi.x += 1e-5F; }));
+  EXPECT_TRUE(broken([](auto& s) { s.wi.x += 1e-5; }));
   EXPECT_TRUE(broken([](auto& s) { s.pdf.per_sr = INFINITY; }));
   EXPECT_TRUE(broken([](auto& s) { s.pdf.per_sr = 0; }));
   EXPECT_TRUE(broken([](auto& s) { s.delta = true; }));

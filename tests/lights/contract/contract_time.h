@@ -3,7 +3,7 @@
 // rigid map of its own space to the world:
 //
 //   struct MyCase : MovingCase {
-//     template <typename Real> static Light<Real> make(const Transform& world_from_light);
+//     static Light make(const Transform& world_from_light);
 //   };
 //   INSTANTIATE_TYPED_TEST_SUITE_P(MyLight, MovingLight, MyCase);
 #pragma once
@@ -21,7 +21,7 @@
 namespace lucerna::testing {
 
 struct MovingCase {
-  static Rgb<double> level() { return {3, 5, 7}; }
+  static Rgb level() { return {3, 5, 7}; }
   /// The allowed difference between the radiance at a point and that of the light created there.
   /// It is 0 where the radiance is uniform.
   static constexpr double kRadianceTolerance = 0;
@@ -29,7 +29,7 @@ struct MovingCase {
 
 // Receivers in world coordinates.  Some see the light at any of the times; none lies in the plane
 // of a flat light.
-inline const std::vector<Vec3<double>> kTimeReceivers{
+inline const std::vector<Vec3> kTimeReceivers{
     {0.1, 0.2, -0.3}, {1, 2.3, 3.7}, {-10, 50.5, 3}, {0.25, -0.5, 4.3}, {3, 3, -4}};
 
 inline std::vector<KeyTransform> keys() {
@@ -43,7 +43,7 @@ class MovingLight : public ::testing::Test {
  protected:
   MovingLight() { static_cast<void>(kTakesPart); }
   static inline const bool kTakesPart =
-      takes_part<decltype(Case::template make<float>(Transform()))>("MovingLight");
+      takes_part<decltype(Case::make(Transform()))>("MovingLight");
 };
 TYPED_TEST_SUITE_P(MovingLight);
 
@@ -57,24 +57,24 @@ inline Transform transform_at(double t) {
   // Angle and axis from trace and antisymmetric part (no turn here is near 0 or pi).
   const auto& m = step.matrix();
   const double angle = std::acos((m[0][0] + m[1][1] + m[2][2] - 1) / 2);
-  const Vec3<double> axis{m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]};
-  const Vec3<double> a = k[i].world_from_light.point({}), b = k[i + 1].world_from_light.point({});
+  const Vec3 axis{m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]};
+  const Vec3 a = k[i].world_from_light.point({}), b = k[i + 1].world_from_light.point({});
   return Transform::translate(a + (b - a) * part) * *Transform::rotate(angle * part, axis) *
          Transform::translate(-a) * k[i].world_from_light;
 }
 
 TYPED_TEST_P(MovingLight, EqualsTheLightCreatedAtItsPlace) {
   const Motion motion = *Motion::create(keys());
-  const auto first = TypeParam::template make<double>(keys()[0].world_from_light);
+  const auto first = TypeParam::make(keys()[0].world_from_light);
   using Model = std::remove_const_t<decltype(first)>;
   int lit = 0;
   for (const double t : {0.0, 0.7, 2.0, 2.9, 3.0}) {
-    const auto moved = TypeParam::template make<double>(transform_at(t));
-    const Posed<double, Model> posed(first, motion.at(t));
+    const auto moved = TypeParam::make(transform_at(t));
+    const Posed<Model> posed(first, motion.at(t));
     RandomU random(11);
     for (const auto& receiver : kTimeReceivers) {
       for (int i = 0; i < 200; ++i) {
-        const Vec2<double> u = random.pair<double>();
+        const Vec2 u = random.pair();
         const auto s = posed.sample_li(receiver, u);
         if (s.reason != NoLight::kNone) {
           // The frames of the warps may rotate with the light.  Then the point differs, but the
@@ -101,8 +101,8 @@ TYPED_TEST_P(MovingLight, EqualsTheLightCreatedAtItsPlace) {
           EXPECT_LE(relative_difference(s.value, moved.le_escaped(receiver, s.wi)), 1e-12);
           EXPECT_LE(relative_difference(s.value, posed.le_escaped(receiver, s.wi)), 1e-12);
         }
-        if constexpr (requires(SurfacePoint<double> p) { moved.le(p, s.wi); }) {
-          const SurfacePoint<double> point{s.point, s.normal, s.primitive};
+        if constexpr (requires(SurfacePoint p) { moved.le(p, s.wi); }) {
+          const SurfacePoint point{s.point, s.normal, s.primitive};
           EXPECT_LE(distance_between(receiver + s.wi * s.distance, s.point), 1e-12 * s.distance);
           constexpr double kTolerance = TypeParam::kRadianceTolerance;
           EXPECT_LE(relative_difference(s.value, moved.le(point, -s.wi)), kTolerance);
@@ -121,14 +121,13 @@ TYPED_TEST_P(MovingLight, EqualsTheLightCreatedAtItsPlace) {
 }
 
 TYPED_TEST_P(MovingLight, KeepsItsBitsAtItsFirstKeyFrame) {
-  const auto light = TypeParam::template make<float>(keys()[0].world_from_light);
-  const Posed<float, std::remove_const_t<decltype(light)>> posed(light,
-                                                                 Motion::create(keys())->at(0));
+  const auto light = TypeParam::make(keys()[0].world_from_light);
+  const Posed<std::remove_const_t<decltype(light)>> posed(light, Motion::create(keys())->at(0));
   RandomU random(12);
   for (const auto& receiver : kTimeReceivers) {
     for (int i = 0; i < 200; ++i) {
-      const Vec2<float> u = random.pair();
-      const Vec3<float> r(receiver);
+      const Vec2 u = random.pair();
+      const Vec3 r(receiver);
       const auto s = light.sample_li(r, u), p = posed.sample_li(r, u);
       EXPECT_EQ(s.reason, p.reason);
       EXPECT_EQ(s.value, p.value);
@@ -144,13 +143,12 @@ TYPED_TEST_P(MovingLight, KeepsItsBitsAtItsFirstKeyFrame) {
 }
 
 TYPED_TEST_P(MovingLight, ReceiversThatAreNotFiniteGiveAReason) {
-  const auto light = TypeParam::template make<float>(keys()[0].world_from_light);
-  const Posed<float, std::remove_const_t<decltype(light)>> posed(light,
-                                                                 Motion::create(keys())->at(1));
-  for (const float bad : {NAN, INFINITY, -INFINITY, 3e38F}) {
-    const Vec3<float> r{bad, bad, 0};
-    const auto s = posed.sample_li(r, {0.5F, 0.5F});
-    if (bad != 3e38F) {
+  const auto light = TypeParam::make(keys()[0].world_from_light);
+  const Posed<std::remove_const_t<decltype(light)>> posed(light, Motion::create(keys())->at(1));
+  for (const double bad : {std::nan(""), double{INFINITY}, -double{INFINITY}, 3e38}) {
+    const Vec3 r{bad, bad, 0};
+    const auto s = posed.sample_li(r, {0.5, 0.5});
+    if (bad != 3e38) {
       EXPECT_NE(s.reason, NoLight::kNone);
     }
     EXPECT_TRUE(check_well_formed(s).ok());
@@ -159,25 +157,25 @@ TYPED_TEST_P(MovingLight, ReceiversThatAreNotFiniteGiveAReason) {
 
 TYPED_TEST_P(MovingLight, EmitsLikeTheLightCreatedAtItsPlace) {
   const Motion motion = *Motion::create(keys());
-  const auto first = TypeParam::template make<double>(keys()[0].world_from_light);
+  const auto first = TypeParam::make(keys()[0].world_from_light);
   using Model = std::remove_const_t<decltype(first)>;
   const SceneSphere scene{{1, 2, 3}, 9};
   int lit = 0;
   for (const double t : {0.0, 0.7, 2.0, 2.9, 3.0}) {
-    const auto moved = TypeParam::template make<double>(transform_at(t));
-    const Posed<double, Model> posed(first, motion.at(t));
+    const auto moved = TypeParam::make(transform_at(t));
+    const Posed<Model> posed(first, motion.at(t));
     EXPECT_LE(relative_difference(posed.power_approximate(scene).lumens,
                                   moved.power_approximate(scene).lumens),
               1e-12);
     RandomU random(13);
     for (int i = 0; i < 200; ++i) {
-      const Vec2<double> u_position = random.pair<double>(), u_direction = random.pair<double>();
+      const Vec2 u_position = random.pair(), u_direction = random.pair();
       const auto s = posed.sample_le(u_position, u_direction, scene);
       if (s.reason != NoLight::kNone) continue;
       ++lit;
       // Positions are sampled in the light's own space.  So both lights sample the same place and
       // normal.
-      if (s.normal != Vec3<double>{}) {
+      if (s.normal != Vec3{}) {
         const auto same = moved.sample_le(u_position, u_direction, scene);
         EXPECT_LE(distance_between(s.origin, same.origin), 1e-13);
         EXPECT_LE(distance_between(s.normal, same.normal), 1e-13);
@@ -194,7 +192,7 @@ TYPED_TEST_P(MovingLight, EmitsLikeTheLightCreatedAtItsPlace) {
             relative_difference(s.value, moved.le_escaped(s.origin + s.direction, -s.direction)),
             1e-12);
       }
-      const EmissionPdf<double> own = posed.pdf_le(s.origin, s.direction, scene);
+      const EmissionPdf own = posed.pdf_le(s.origin, s.direction, scene);
       EXPECT_LE(relative_difference(own.position.per_m2, s.pdf_position.per_m2), 1e-7);
       EXPECT_LE(relative_difference(own.direction.per_sr, s.pdf_direction.per_sr), 1e-7);
       // A light at a point recognises its position by its bits.  So use the other light's own
@@ -204,13 +202,12 @@ TYPED_TEST_P(MovingLight, EmitsLikeTheLightCreatedAtItsPlace) {
       if (is_point) {
         EXPECT_LE(distance_between(s.origin, there->lower), 1e-14);
       }
-      const Vec3<double> origin = is_point ? there->lower : s.origin;
-      const EmissionPdf<double> other = moved.pdf_le(origin, s.direction, scene);
+      const Vec3 origin = is_point ? there->lower : s.origin;
+      const EmissionPdf other = moved.pdf_le(origin, s.direction, scene);
       EXPECT_LE(relative_difference(other.position.per_m2, s.pdf_position.per_m2), 1e-7);
       EXPECT_LE(relative_difference(other.direction.per_sr, s.pdf_direction.per_sr), 1e-7);
       // No ray leaves from a place where the light is not.
-      EXPECT_EQ(posed.pdf_le(s.origin + Vec3<double>{20, 30, 5}, s.direction, scene),
-                EmissionPdf<double>{});
+      EXPECT_EQ(posed.pdf_le(s.origin + Vec3{20, 30, 5}, s.direction, scene), EmissionPdf{});
     }
   }
   EXPECT_GT(lit, 500);
@@ -220,18 +217,18 @@ TYPED_TEST_P(MovingLight, EmitsLikeTheLightCreatedAtItsPlace) {
 // size.  Positions must still be found.  (Rays from infinity start at the scene's own sphere, which
 // is never far from a scene's origin.)
 TYPED_TEST_P(MovingLight, FindsItsOwnPositionsFarFromTheOrigin) {
-  const auto first = TypeParam::template make<float>(keys()[0].world_from_light);
+  const auto first = TypeParam::make(keys()[0].world_from_light);
   const bool is_portal = requires { first.params().corners_m; };
   if (!first.bounds() && !is_portal) return;
   const Motion motion = Motion::create(keys())->about({}, {-3000, 700, 50});
   const SceneSphere scene{{3000, -700, -50}, 9};
   for (const double t : {0.0, 0.7, 2.9}) {
-    const Posed<float, std::remove_const_t<decltype(first)>> posed(first, motion.at(t));
+    const Posed<std::remove_const_t<decltype(first)>> posed(first, motion.at(t));
     RandomU random(14);
     for (int i = 0; i < 100; ++i) {
       const auto s = posed.sample_le(random.pair(), random.pair(), scene);
       if (s.reason != NoLight::kNone) continue;
-      const EmissionPdf<float> own = posed.pdf_le(s.origin, s.direction, scene);
+      const EmissionPdf own = posed.pdf_le(s.origin, s.direction, scene);
       EXPECT_EQ(own.position.per_m2 > 0, s.pdf_position.per_m2 > 0);
       EXPECT_EQ(own.direction.per_sr > 0, s.pdf_direction.per_sr > 0);
     }
@@ -240,14 +237,14 @@ TYPED_TEST_P(MovingLight, FindsItsOwnPositionsFarFromTheOrigin) {
 
 TYPED_TEST_P(MovingLight, BoundsHoldRaysAtTheTime) {
   const Motion motion = *Motion::create(keys());
-  const auto first = TypeParam::template make<float>(keys()[0].world_from_light);
+  const auto first = TypeParam::make(keys()[0].world_from_light);
   const SceneSphere scene{{1, 2, 3}, 9};
   for (const double t : {0.0, 0.7, 2.9}) {
-    const Posed<float, std::remove_const_t<decltype(first)>> posed(first, motion.at(t));
+    const Posed<std::remove_const_t<decltype(first)>> posed(first, motion.at(t));
     const auto bounds = posed.bounds();
     ASSERT_EQ(bounds.has_value(), first.bounds().has_value());
     if (!bounds) continue;
-    const auto moved = *TypeParam::template make<float>(transform_at(t)).bounds();
+    const auto moved = *TypeParam::make(transform_at(t)).bounds();
     RandomU random(15);
     for (int i = 0; i < 500; ++i) {
       const auto s = posed.sample_le(random.pair(), random.pair(), scene);
@@ -256,8 +253,8 @@ TYPED_TEST_P(MovingLight, BoundsHoldRaysAtTheTime) {
         EXPECT_GE(s.origin[axis], bounds->lower[axis]);
         EXPECT_LE(s.origin[axis], bounds->upper[axis]);
       }
-      EXPECT_LE(std::atan2(length(cross(Vec3<double>(bounds->axis), Vec3<double>(s.direction))),
-                           dot(Vec3<double>(bounds->axis), Vec3<double>(s.direction))),
+      EXPECT_LE(std::atan2(length(cross(Vec3(bounds->axis), Vec3(s.direction))),
+                           dot(Vec3(bounds->axis), Vec3(s.direction))),
                 bounds->cone_rad + 1e-12);
       for (int far = 1; far < 9; far += 7)
         EXPECT_TRUE(bounds->reaches(s.origin + s.direction * static_cast<float>(far)));

@@ -16,86 +16,71 @@ Light emitting(Shape shape, bool two_sided = false) {
 
 // ---- Shapes. ----
 
-template <typename Real>
-TriangleMesh<Real> bent_triangles(const Transform& world_from_light) {
-  const auto at = [&](double x, double y, double z) {
-    return Vec3<Real>(world_from_light.point({x, y, z}));
-  };
-  return *TriangleMesh<Real>::create(
+TriangleMesh bent_triangles(const Transform& world_from_light) {
+  const auto at = [&](double x, double y, double z) { return world_from_light.point({x, y, z}); };
+  return *TriangleMesh::create(
       {{at(0, 0, 1), at(1, 0, 1), at(0, 2, 1)}, {at(1, 0, 1), at(1, 2, 2), at(0, 2, 1)}});
 }
 
-template <typename Real>
-TriangleMesh<Real> flat_triangles(const Transform& world_from_light) {
-  const auto at = [&](double x, double y) { return Vec3<Real>(world_from_light.point({x, y, 1})); };
-  return *TriangleMesh<Real>::create(
-      {{at(0, 0), at(1, 0), at(0, 2)}, {at(1, 0), at(1, 2), at(0, 2)}});
+TriangleMesh flat_triangles(const Transform& world_from_light) {
+  const auto at = [&](double x, double y) { return world_from_light.point({x, y, 1}); };
+  return *TriangleMesh::create({{at(0, 0), at(1, 0), at(0, 2)}, {at(1, 0), at(1, 2), at(0, 2)}});
 }
 
-template <typename Real>
-PatchMesh<Real> patch(const Transform& world_from_light, double bend) {
+PatchMesh patch(const Transform& world_from_light, double bend) {
   const auto at = [&](double x, double y, double z) {
-    return Vec3<Real>(world_from_light.point({x, y, 1 + bend * z}));
+    return world_from_light.point({x, y, 1 + bend * z});
   };
-  return *PatchMesh<Real>::create({{at(0, 0, 0), at(1, 0, 0), at(0, 1, 0.5), at(1, 1, 1)}});
+  return *PatchMesh::create({{at(0, 0, 0), at(1, 0, 0), at(0, 1, 0.5), at(1, 1, 1)}});
 }
 
-template <typename Real>
-Sphere<Real> sphere(const Transform& world_from_light) {
-  return *Sphere<Real>::create(
+Sphere sphere(const Transform& world_from_light) {
+  return *Sphere::create(
       {.radius_m = 0.5,
        .world_from_object = world_from_light * Transform::translate({1, 0.5, -1})});
 }
 
-template <typename Real>
-Disk<Real> disk(const Transform& world_from_light) {
-  return *Disk<Real>::create(
-      {.height_m = 1, .radius_m = 0.75, .world_from_object = world_from_light});
+Disk disk(const Transform& world_from_light) {
+  return *Disk::create({.height_m = 1, .radius_m = 0.75, .world_from_object = world_from_light});
 }
 
-template <typename Real>
-Cylinder<Real> tube(const Transform& world_from_light) {
-  return *Cylinder<Real>::create({.radius_m = 0.5,
-                                  .z_min_m = -0.25,
-                                  .z_max_m = 1,
-                                  .phi_max_rad = 4,
-                                  .world_from_object = world_from_light});
+Cylinder tube(const Transform& world_from_light) {
+  return *Cylinder::create({.radius_m = 0.5,
+                            .z_min_m = -0.25,
+                            .z_max_m = 1,
+                            .phi_max_rad = 4,
+                            .world_from_object = world_from_light});
 }
 
 // ---- Diffuse. ----
 
 struct MovingTriangles : MovingCase {
-  template <typename Real>
-  static TriangleMeshLight<Real> make(const Transform& world_from_light) {
-    return emitting<TriangleMeshLight<Real>>(bent_triangles<Real>(world_from_light));
+  static TriangleMeshLight make(const Transform& world_from_light) {
+    return emitting<TriangleMeshLight>(bent_triangles(world_from_light));
   }
 };
 
 struct MovingPatches : MovingCase {
-  template <typename Real>
-  static PatchMeshLight<Real> make(const Transform& world_from_light) {
-    return emitting<PatchMeshLight<Real>>(patch<Real>(world_from_light, 1));
+  static PatchMeshLight make(const Transform& world_from_light) {
+    return emitting<PatchMeshLight>(patch(world_from_light, 1));
   }
 };
 
 struct MovingSphere : MovingCase {
-  template <typename Real>
-  static SphereLight<Real> make(const Transform& world_from_light) {
-    return emitting<SphereLight<Real>>(sphere<Real>(world_from_light));
+  static SphereLight make(const Transform& world_from_light) {
+    return emitting<SphereLight>(sphere(world_from_light));
   }
 };
 
 struct MovingDisk : MovingCase {
-  template <typename Real>
-  static DiskLight<Real> make(const Transform& world_from_light) {
-    return emitting<DiskLight<Real>>(disk<Real>(world_from_light));
+  static DiskLight make(const Transform& world_from_light) {
+    return emitting<DiskLight>(disk(world_from_light));
   }
 };
 
 struct MovingCylinder : MovingCase {
-  template <typename Real>
-  static CylinderLight<Real> make(const Transform& world_from_light) {
-    return emitting<CylinderLight<Real>>(tube<Real>(world_from_light));
+  static CylinderLight make(const Transform& world_from_light) {
+    return emitting<CylinderLight>(tube(world_from_light));
   }
 };
 
@@ -106,51 +91,46 @@ struct PaintedMovingCase : MovingCase {
   /// of their value, times at most 60, the ratio of the brightest to the darkest.
   static constexpr double kRadianceTolerance = 1e-11;
   static Picture picture() {
-    std::vector<Rgb<float>> texels;
-    for (const float v : {1.F, 6.F, 2.F, 0.5F, 3.F, 0.25F, 5.F, 4.F, 8.F, 2.5F, 1.5F, 7.F})
+    std::vector<Rgbf> texels;
+    for (const float v : {1.0, 6.0, 2.0, 0.5, 3.0, 0.25, 5.0, 4.0, 8.0, 2.5, 1.5, 7.0})
       texels.emplace_back(v, 9 - v, v * v / 4);
     return {*Image::create(4, 3, std::move(texels)), ImageFilter::kBilinear, "uneven"};
   }
 };
 
 struct MovingPaintedTriangles : PaintedMovingCase {
-  template <typename Real>
-  static PaintedTriangleMeshLight<Real> make(const Transform& world_from_light) {
-    return emitting<PaintedTriangleMeshLight<Real>>(
-        *PaintedTriangleMesh<Real>::create(bent_triangles<Real>(world_from_light), picture(),
-                                           {{0, 0}, {1, 0}, {0, 1}, {1, 0}, {1, 1}, {0, 1}}));
+  static PaintedTriangleMeshLight make(const Transform& world_from_light) {
+    return emitting<PaintedTriangleMeshLight>(
+        *PaintedTriangleMesh::create(bent_triangles(world_from_light), picture(),
+                                     {{0, 0}, {1, 0}, {0, 1}, {1, 0}, {1, 1}, {0, 1}}));
   }
 };
 
 struct MovingPaintedPatches : PaintedMovingCase {
-  template <typename Real>
-  static PaintedPatchMeshLight<Real> make(const Transform& world_from_light) {
-    return emitting<PaintedPatchMeshLight<Real>>(
-        *PaintedPatchMesh<Real>::create(patch<Real>(world_from_light, 1), picture()));
+  static PaintedPatchMeshLight make(const Transform& world_from_light) {
+    return emitting<PaintedPatchMeshLight>(
+        *PaintedPatchMesh::create(patch(world_from_light, 1), picture()));
   }
 };
 
 struct MovingPaintedSphere : PaintedMovingCase {
-  template <typename Real>
-  static PaintedSphereLight<Real> make(const Transform& world_from_light) {
-    return emitting<PaintedSphereLight<Real>>(
-        *PaintedSphere<Real>::create(sphere<Real>(world_from_light), picture()));
+  static PaintedSphereLight make(const Transform& world_from_light) {
+    return emitting<PaintedSphereLight>(
+        *PaintedSphere::create(sphere(world_from_light), picture()));
   }
 };
 
 struct MovingPaintedDisk : PaintedMovingCase {
-  template <typename Real>
-  static PaintedDiskLight<Real> make(const Transform& world_from_light) {
-    return emitting<PaintedDiskLight<Real>>(
-        *PaintedDisk<Real>::create(disk<Real>(world_from_light), picture()), true);
+  static PaintedDiskLight make(const Transform& world_from_light) {
+    return emitting<PaintedDiskLight>(*PaintedDisk::create(disk(world_from_light), picture()),
+                                      true);
   }
 };
 
 struct MovingPaintedCylinder : PaintedMovingCase {
-  template <typename Real>
-  static PaintedCylinderLight<Real> make(const Transform& world_from_light) {
-    return emitting<PaintedCylinderLight<Real>>(
-        *PaintedCylinder<Real>::create(tube<Real>(world_from_light), picture()));
+  static PaintedCylinderLight make(const Transform& world_from_light) {
+    return emitting<PaintedCylinderLight>(
+        *PaintedCylinder::create(tube(world_from_light), picture()));
   }
 };
 
@@ -172,26 +152,23 @@ struct PanelMovingCase : MovingCase {
 };
 
 struct MovingPanelTriangles : PanelMovingCase {
-  template <typename Real>
-  static PanelTriangleMeshLight<Real> make(const Transform& world_from_light) {
-    return emitting<PanelTriangleMeshLight<Real>>(*PanelTriangleMesh<Real>::create(
-        flat_triangles<Real>(world_from_light), profile(world_from_light)));
+  static PanelTriangleMeshLight make(const Transform& world_from_light) {
+    return emitting<PanelTriangleMeshLight>(
+        *PanelTriangleMesh::create(flat_triangles(world_from_light), profile(world_from_light)));
   }
 };
 
 struct MovingPanelPatches : PanelMovingCase {
-  template <typename Real>
-  static PanelPatchMeshLight<Real> make(const Transform& world_from_light) {
-    return emitting<PanelPatchMeshLight<Real>>(
-        *PanelPatchMesh<Real>::create(patch<Real>(world_from_light, 0), profile(world_from_light)));
+  static PanelPatchMeshLight make(const Transform& world_from_light) {
+    return emitting<PanelPatchMeshLight>(
+        *PanelPatchMesh::create(patch(world_from_light, 0), profile(world_from_light)));
   }
 };
 
 struct MovingPanelDisk : PanelMovingCase {
-  template <typename Real>
-  static PanelDiskLight<Real> make(const Transform& world_from_light) {
-    return emitting<PanelDiskLight<Real>>(
-        *PanelDisk<Real>::create(disk<Real>(world_from_light), profile(world_from_light)), true);
+  static PanelDiskLight make(const Transform& world_from_light) {
+    return emitting<PanelDiskLight>(
+        *PanelDisk::create(disk(world_from_light), profile(world_from_light)), true);
   }
 };
 

@@ -7,37 +7,33 @@ namespace lucerna::testing {
 namespace {
 
 struct MovingDistant : MovingCase {
-  template <typename Real>
-  static DistantLight<Real> make(const Transform& world_from_light) {
-    return *DistantLight<Real>::create(
+  static DistantLight make(const Transform& world_from_light) {
+    return *DistantLight::create(
         {.to_light = world_from_light.vector({1, 2, 3}), .illuminance_lx = level()});
   }
 };
 
 struct MovingSun : MovingCase {
-  template <typename Real>
-  static SunLight<Real> make(const Transform& world_from_light) {
-    return *SunLight<Real>::create({.to_light = world_from_light.vector({1, 2, 3}),
-                                    .angular_diameter_rad = 0.3,
-                                    .illuminance_lx = level()});
+  static SunLight make(const Transform& world_from_light) {
+    return *SunLight::create({.to_light = world_from_light.vector({1, 2, 3}),
+                              .angular_diameter_rad = 0.3,
+                              .illuminance_lx = level()});
   }
 };
 
 struct MovingInfinite : MovingCase {
-  template <typename Real>
-  static UniformInfiniteLight<Real> make(const Transform&) {
-    return *UniformInfiniteLight<Real>::create({.radiance_cd_m2 = level()});
+  static UniformInfiniteLight make(const Transform&) {
+    return *UniformInfiniteLight::create({.radiance_cd_m2 = level()});
   }
 };
 
 template <SphereMapping kMapping, ImageFilter kFilter>
 struct MovingSky : MovingCase {
-  template <typename Real>
-  static ImageInfiniteLight<Real> make(const Transform& world_from_light) {
-    std::vector<Rgb<float>> texels;
+  static ImageInfiniteLight make(const Transform& world_from_light) {
+    std::vector<Rgbf> texels;
     for (int i = 0; i < 16; ++i)
-      texels.push_back(Rgb<float>(static_cast<float>(1 + i * i % 7)) * Rgb<float>{1, 0.5F, 2});
-    return *ImageInfiniteLight<Real>::create(
+      texels.push_back(Rgbf(static_cast<float>(1 + i * i % 7)) * Rgbf{1, 0.5, 2});
+    return *ImageInfiniteLight::create(
         {.map = *SphereMap::create(*Image::create(4, 4, std::move(texels)), kMapping, kFilter),
          .world_from_map = world_from_light,
          .radiance_cd_m2 = level()});
@@ -45,18 +41,17 @@ struct MovingSky : MovingCase {
 };
 
 struct MovingPortal : MovingCase {
-  template <typename Real>
-  static PortalLight<Real> make(const Transform& world_from_light) {
-    std::vector<Rgb<float>> texels;
+  static PortalLight make(const Transform& world_from_light) {
+    std::vector<Rgbf> texels;
     for (int i = 0; i < 16; ++i) texels.emplace_back(static_cast<float>(1 + i % 5));
     PortalLightParams params{
         .map = *SphereMap::create(*Image::create(4, 4, std::move(texels)),
                                   SphereMapping::kEqualArea, ImageFilter::kBilinear),
         .world_from_map = world_from_light,
         .radiance_cd_m2 = level()};
-    const Vec3<double> corners[] = {{0, 0, 1}, {0, 2, 1}, {3, 2, 1}, {3, 0, 1}};
+    const Vec3 corners[] = {{0, 0, 1}, {0, 2, 1}, {3, 2, 1}, {3, 0, 1}};
     for (std::size_t i = 0; i < 4; ++i) params.corners_m[i] = world_from_light.point(corners[i]);
-    return *PortalLight<Real>::create(params);
+    return *PortalLight::create(params);
   }
 };
 

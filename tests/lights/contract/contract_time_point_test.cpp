@@ -7,28 +7,25 @@ namespace lucerna::testing {
 namespace {
 
 struct MovingPoint : MovingCase {
-  template <typename Real>
-  static PointLight<Real> make(const Transform& world_from_light) {
-    return *PointLight<Real>::create(
+  static PointLight make(const Transform& world_from_light) {
+    return *PointLight::create(
         {.position_m = world_from_light.point({0.25, -0.5, 1}), .intensity_cd = level()});
   }
 };
 
 struct MovingSpot : MovingCase {
-  template <typename Real>
-  static SpotLight<Real> make(const Transform& world_from_light) {
-    return *SpotLight<Real>::create({.position_m = world_from_light.point({0.25, -0.5, 1}),
-                                     .axis = world_from_light.vector({1, 0, -1}),
-                                     .intensity_cd = level(),
-                                     .cone_half_angle_rad = 1.5,
-                                     .falloff_start_rad = 0.1});
+  static SpotLight make(const Transform& world_from_light) {
+    return *SpotLight::create({.position_m = world_from_light.point({0.25, -0.5, 1}),
+                               .axis = world_from_light.vector({1, 0, -1}),
+                               .intensity_cd = level(),
+                               .cone_half_angle_rad = 1.5,
+                               .falloff_start_rad = 0.1});
   }
 };
 
 struct MovingLuminaire : MovingCase {
-  template <typename Real>
-  static GoniometricLight<Real> make(const Transform& world_from_light) {
-    return *GoniometricLight<Real>::create(params(world_from_light));
+  static GoniometricLight make(const Transform& world_from_light) {
+    return *GoniometricLight::create(params(world_from_light));
   }
   static GoniometricLightParams params(const Transform& world_from_light) {
     return {.position_m = world_from_light.point({0.25, -0.5, 1}),
@@ -44,23 +41,21 @@ struct MovingLuminaire : MovingCase {
 };
 
 struct MovingIntensityMap : MovingCase {
-  template <typename Real>
-  static GoniometricLight<Real> make(const Transform& world_from_light) {
+  static GoniometricLight make(const Transform& world_from_light) {
     GoniometricLightParams params = MovingLuminaire::params(world_from_light);
     params.web = nullptr;
-    std::vector<Rgb<float>> texels;
+    std::vector<Rgbf> texels;
     for (int i = 0; i < 16; ++i) texels.emplace_back(static_cast<float>(1 + i * 7 % 5));
     params.map = *IntensityMap::create(*Image::create(4, 4, std::move(texels)),
                                        SphereMapping::kEqualArea, ImageFilter::kBilinear);
-    return *GoniometricLight<Real>::create(params);
+    return *GoniometricLight::create(params);
   }
 };
 
 struct MovingProjection : MovingCase {
-  template <typename Real>
-  static ProjectionLight<Real> make(const Transform& world_from_light) {
+  static ProjectionLight make(const Transform& world_from_light) {
     const auto image = *Image::create(1, 2, {{1, 2, 3}, {4, 5, 6}});
-    return *ProjectionLight<Real>::create(
+    return *ProjectionLight::create(
         {.position_m = world_from_light.point({0.25, -0.5, 1}),
          .axes = {world_from_light.vector({0, 1, 0}), world_from_light.vector({1, 0, 1}),
                   world_from_light.vector({1, 0, -1})},
@@ -70,10 +65,9 @@ struct MovingProjection : MovingCase {
 };
 
 struct MovingBeam : MovingCase {
-  template <typename Real>
-  static BeamLight<Real> make(const Transform& world_from_light) {
+  static BeamLight make(const Transform& world_from_light) {
     const auto image = *Image::create(1, 2, {{1, 2, 3}, {4, 5, 6}});
-    return *BeamLight<Real>::create(
+    return *BeamLight::create(
         {.position_m = world_from_light.point({0.25, -0.5, 1}),
          .axes = {world_from_light.vector({0, 1, 0}), world_from_light.vector({1, 0, 1}),
                   world_from_light.vector({1, 0, -1})},

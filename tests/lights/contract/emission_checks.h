@@ -13,20 +13,19 @@ namespace lucerna::testing {
 
 /// A ray may carry no light, with the reason.  It may never hold NaN, an infinity or a negative
 /// value.
-template <typename Real>
-Verdict check_well_formed(const EmissionSample<Real>& s) {
+inline Verdict check_well_formed(const EmissionSample& s) {
   if (!is_finite(s.value) || s.value.r < 0 || s.value.g < 0 || s.value.b < 0)
     return {fmt::format("value = ({}, {}, {})", s.value.r, s.value.g, s.value.b)};
   if (s.reason != NoLight::kNone)
     return {s.value.is_black() ? "" : "a value together with a reason for having none"};
   if (s.value.is_black()) return {"value 0 without a reason"};
-  constexpr double kUnit = 4 * std::numeric_limits<Real>::epsilon();
-  if (!(std::fabs(length(Vec3<double>(s.direction)) - 1) < kUnit))
+  constexpr double kUnit = 4 * std::numeric_limits<double>::epsilon();
+  if (!(std::fabs(length(Vec3(s.direction)) - 1) < kUnit))
     return {"direction is not a unit vector"};
   if (!is_finite(s.origin)) return {"origin is not finite"};
-  if (s.normal != Vec3<Real>{} && !(std::fabs(length(Vec3<double>(s.normal)) - 1) < kUnit))
+  if (s.normal != Vec3{} && !(std::fabs(length(Vec3(s.normal)) - 1) < kUnit))
     return {"normal is not a unit vector"};
-  const auto density = [](Real p) { return p >= 0 && std::isfinite(p); };
+  const auto density = [](double p) { return p >= 0 && std::isfinite(p); };
   if (!density(s.pdf_position.per_m2) || !density(s.pdf_direction.per_sr))
     return {fmt::format("densities {} and {}", s.pdf_position.per_m2, s.pdf_direction.per_sr)};
   return {};
@@ -39,7 +38,7 @@ Verdict check_emission_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double 
   RandomU random(0xe1);
   int with_light = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Vec2<float> u_position = random.pair();
+    const Vec2 u_position = random.pair();
     const auto s = sample(u_position, random.pair());
     if (const Verdict v = check_well_formed(s); !v.ok()) return v;
     if (s.reason != NoLight::kNone) continue;
@@ -51,8 +50,8 @@ Verdict check_emission_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double 
     if (!(relative_difference(s.pdf_direction.per_sr, densities.direction.per_sr) <= tolerance))
       return {fmt::format("ray {}: density of direction {}, pdf_le says {}", i,
                           s.pdf_direction.per_sr, densities.direction.per_sr)};
-    const Rgb<double> got(s.value);
-    const Rgb<double> expected = value(Vec3<double>(s.origin), Vec3<double>(s.direction));
+    const Rgb got(s.value);
+    const Rgb expected = value(Vec3(s.origin), Vec3(s.direction));
     if (!(relative_difference(got, expected) <= tolerance))
       return {fmt::format("ray {}: value ({}, {}, {}), should be ({}, {}, {})", i, got.r, got.g,
                           got.b, expected.r, expected.g, expected.b)};
@@ -68,7 +67,7 @@ Verdict check_follows_on_square(Where&& where, Density&& density) {
   constexpr int kSamples = 100000, kColumns = 16, kSub = 20, kFine = kColumns * kSub;
   std::vector<double> observed(kColumns * kColumns), expected(kColumns * kColumns);
   for (int i = 0; i < kSamples; ++i) {
-    const std::optional<Vec2<double>> at = where();
+    const std::optional<Vec2> at = where();
     if (!at) continue;
     if (!(at->x >= -1e-5 && at->x <= 1 + 1e-5 && at->y >= -1e-5 && at->y <= 1 + 1e-5))
       return {fmt::format("a sample outside of the region: ({}, {})", at->x, at->y)};
@@ -89,18 +88,17 @@ Verdict check_follows_on_square(Where&& where, Density&& density) {
 /// errors, exceeded by chance less than once in 1e7, plus `tolerance` for roundings and for the
 /// power itself.
 template <typename Sample>
-Verdict check_emission_mean(Sample&& sample, const Rgb<double>& power, double tolerance) {
+Verdict check_emission_mean(Sample&& sample, const Rgb& power, double tolerance) {
   constexpr int kSamples = 200000;
   RandomU random(0xe2);
   double mean = 0, squares = 0;
   for (int i = 0; i < kSamples; ++i) {
-    const Vec2<float> u_position = random.pair();
+    const Vec2 u_position = random.pair();
     const auto s = sample(u_position, random.pair());
     double x = 0;
     if (s.reason == NoLight::kNone) {
-      x = luminance(Rgb<double>(s.value));
-      if (s.normal != decltype(s.normal){})
-        x *= std::fabs(dot(Vec3<double>(s.normal), Vec3<double>(s.direction)));
+      x = luminance(Rgb(s.value));
+      if (s.normal != decltype(s.normal){}) x *= std::fabs(dot(Vec3(s.normal), Vec3(s.direction)));
       if (s.pdf_position.per_m2 > 0) x /= s.pdf_position.per_m2;
       if (s.pdf_direction.per_sr > 0) x /= s.pdf_direction.per_sr;
     }
@@ -118,20 +116,20 @@ Verdict check_emission_mean(Sample&& sample, const Rgb<double>& power, double to
 /// `size` of `center`, near and far.  Random receivers rarely meet an edge.  So it then searches
 /// between lit and dark receivers, down to the last bit.  `reaches(receiver)` is the answer of the
 /// bounds.
-template <typename Real, typename Reaches, typename Arrives>
-Verdict check_reach(Reaches&& reaches, const Vec3<double>& center, double size, Arrives&& arrives) {
-  const auto failure = [](const Vec3<Real>& p) {
+template <typename Reaches, typename Arrives>
+Verdict check_reach(Reaches&& reaches, const Vec3& center, double size, Arrives&& arrives) {
+  const auto failure = [](const Vec3& p) {
     return Verdict{
         fmt::format("light arrives at ({}, {}, {}), which the bounds do not reach", p.x, p.y, p.z)};
   };
   RandomU random(0xb0);
-  std::optional<Vec3<Real>> lit, dark;
+  std::optional<Vec3> lit, dark;
   int edges = 0;
   for (int i = 0; i < 100000; ++i) {
     const double distance = size * std::exp(12 * double{random.next()} - 8);
-    const Vec2<double> at = random.pair<double>();
-    const Vec3<Real> p(center + Region{}.at(at.x, at.y) * distance);
-    const Vec2<float> u = random.pair();
+    const Vec2 at = random.pair();
+    const Vec3 p(center + Region{}.at(at.x, at.y) * distance);
+    const Vec2 u = random.pair();
     if (arrives(p, u)) {
       if (!reaches(p)) return failure(p);
       lit = p;
@@ -140,9 +138,9 @@ Verdict check_reach(Reaches&& reaches, const Vec3<double>& center, double size, 
     }
     if (!lit || !dark || edges >= 2000 || i % 4 != 0) continue;
     ++edges;
-    Vec3<Real> inside = *lit, outside = *dark;
+    Vec3 inside = *lit, outside = *dark;
     for (int k = 0; k < 60; ++k) {
-      const Vec3<Real> middle = (inside + outside) * Real(0.5);
+      const Vec3 middle = (inside + outside) * 0.5;
       (arrives(middle, u) ? inside : outside) = middle;
     }
     if (arrives(inside, u) && !reaches(inside)) return failure(inside);
@@ -150,31 +148,30 @@ Verdict check_reach(Reaches&& reaches, const Vec3<double>& center, double size, 
   return {lit ? "" : "no receiver is lit"};
 }
 
-template <typename Real, typename Arrives>
-Verdict check_bounds_reach(const LightBounds<Real>& bounds, const Vec3<double>& center, double size,
+template <typename Arrives>
+Verdict check_bounds_reach(const LightBounds& bounds, const Vec3& center, double size,
                            Arrives&& arrives) {
-  return check_reach<Real>([&](const Vec3<Real>& p) { return bounds.reaches(p); }, center, size,
-                           arrives);
+  return check_reach([&](const Vec3& p) { return bounds.reaches(p); }, center, size, arrives);
 }
 
 /// Every ray starts in the box and leaves within the cone.
-template <typename Real, typename Sample>
-Verdict check_bounds_hold(const LightBounds<Real>& bounds, Sample&& sample) {
+template <typename Sample>
+Verdict check_bounds_hold(const LightBounds& bounds, Sample&& sample) {
   RandomU random(0xb1);
-  const Vec3<double> axis(bounds.axis);
+  const Vec3 axis(bounds.axis);
   for (int i = 0; i < 20000; ++i) {
-    const Vec2<float> u_position = random.pair();
+    const Vec2 u_position = random.pair();
     const auto s = sample(u_position, random.pair());
     if (s.reason != NoLight::kNone) continue;
     // A sampled direction has a rounding of its own.
-    const Vec3<double> w(s.direction);
+    const Vec3 w(s.direction);
     const double angle = std::atan2(length(cross(axis, w)), dot(axis, w));
-    if (!(angle <= bounds.cone_rad + 4 * double{std::numeric_limits<Real>::epsilon()}))
+    if (!(angle <= bounds.cone_rad + 4 * std::numeric_limits<double>::epsilon()))
       return {fmt::format("a ray leaves at {} rad of the axis, the cone has {}", angle,
                           bounds.cone_rad)};
-    const Real slack = 4 * std::numeric_limits<Real>::epsilon() *
-                       std::max(max_abs(bounds.lower), max_abs(bounds.upper));
-    const auto in = [&](Real x, Real a, Real b) { return x >= a - slack && x <= b + slack; };
+    const double slack = 4 * std::numeric_limits<double>::epsilon() *
+                         std::max(max_abs(bounds.lower), max_abs(bounds.upper));
+    const auto in = [&](double x, double a, double b) { return x >= a - slack && x <= b + slack; };
     if (!in(s.origin.x, bounds.lower.x, bounds.upper.x) ||
         !in(s.origin.y, bounds.lower.y, bounds.upper.y) ||
         !in(s.origin.z, bounds.lower.z, bounds.upper.z))
@@ -185,7 +182,7 @@ Verdict check_bounds_hold(const LightBounds<Real>& bounds, Sample&& sample) {
 }
 
 /// The stated error covers the difference to `lumens`, which is known to `relative`.
-inline Verdict check_stated_error(const Power& power, const Rgb<double>& lumens, double relative) {
+inline Verdict check_stated_error(const Power& power, const Rgb& lumens, double relative) {
   const double expected = luminance(lumens);
   const double difference = std::fabs(luminance(power.lumens) - expected);
   if (difference <= power.error_lumens + relative * expected) return {};

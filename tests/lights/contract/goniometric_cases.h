@@ -32,7 +32,7 @@ struct HandGrid {
 /// A direction by the type's angles V and H [degrees], from the standard's definitions, in light
 /// space.
 template <PhotometricType kType>
-Vec2<double> photometric_angles(const Vec3<double>& w) {
+Vec2 photometric_angles(const Vec3& w) {
   constexpr double kDegree = std::numbers::pi / 180;
   switch (kType) {
     case PhotometricType::kC:  // from straight down, and to the left as seen from above
@@ -49,9 +49,8 @@ Vec2<double> photometric_angles(const Vec3<double>& w) {
 template <typename Grid>
 struct WebCase : LocalDeltaCase {
   static constexpr double kDegree = std::numbers::pi / 180;
-  template <typename Real>
-  using Light = GoniometricLight<Real>;
-  static Vec3<double> far_direction() { return {0, 0, -1}; }
+  using Light = GoniometricLight;
+  static Vec3 far_direction() { return {0, 0, -1}; }
   static GoniometricLightParams params(const Placement& placement) {
     const HandGrid g = Grid::grid();
     return {.position_m = placement.point(position()),
@@ -60,26 +59,25 @@ struct WebCase : LocalDeltaCase {
             .intensity = kDeltaLevel,
             .web = *PhotometricWeb::create({Grid::kType, g.gamma, g.c, g.cd})};
   }
-  template <typename Real>
-  static GoniometricLight<Real> make(const Placement& placement) {
-    return *GoniometricLight<Real>::create(params(placement));
+  static GoniometricLight make(const Placement& placement) {
+    return *GoniometricLight::create(params(placement));
   }
-  static std::vector<Vec3<double>> receivers() {
+  static std::vector<Vec3> receivers() {
     return {{0.25, -0.5, -2}, {0.75, -0.25, -1}, {1, -0.75, -0.5}, {0, 0.5, -100}};
   }
-  static double cd(const Vec3<double>& w) {
+  static double cd(const Vec3& w) {
     const auto [v, h] = photometric_angles<Grid::kType>({w.x, -w.y, -w.z});
     // Grids that start at 0 are symmetric about it.  Types A and B end at 90.
     const double given = Grid::grid().c.front() == 0 ? std::fabs(h) : h;
     return Grid::kType != PhotometricType::kC && std::fabs(h) > 90 ? 0 : Grid::grid().at(v, given);
   }
-  static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
-    const Vec3<double> d = position() - receiver;
+  static Rgb value(const Vec3& receiver, const Vec3& wi) {
+    const Vec3 d = position() - receiver;
     return kDeltaLevel * (cd(-wi) / dot(d, d) + zero_if_towards(position(), receiver, wi));
   }
   /// Simpson's rule within each cell, where the function is smooth.  The solid angle's element is
   /// proportional to the sine of an angle from a pole, or to the cosine of a latitude.
-  static Rgb<double> power_by_quadrature() {
+  static Rgb power_by_quadrature() {
     const HandGrid g = Grid::grid();
     const std::vector<double> c = g.c.size() > 1 ? g.c : std::vector<double>{0, 180};
     double sum = 0;
@@ -127,19 +125,17 @@ using DownWebCase = WebCase<DownGrid>;
 using FloodWebCase = WebCase<FloodGrid>;
 /// It emits along +x.
 struct HeadlampWebCase : WebCase<HeadlampGrid> {
-  static Vec3<double> far_direction() { return {1, 0, 0}; }
-  static std::vector<Vec3<double>> receivers() {
+  static Vec3 far_direction() { return {1, 0, 0}; }
+  static std::vector<Vec3> receivers() {
     return {{2, -0.5, 1}, {1, -0.75, -0.5}, {3, 1, 2}, {0.75, 0, 1.25}};
   }
 };
 
 /// Without a web it is a point light.
 struct IsotropicCase : PointCase {
-  template <typename Real>
-  using Light = GoniometricLight<Real>;
-  template <typename Real>
-  static GoniometricLight<Real> make(const Placement& placement) {
-    return *GoniometricLight<Real>::create(
+  using Light = GoniometricLight;
+  static GoniometricLight make(const Placement& placement) {
+    return *GoniometricLight::create(
         {.position_m = placement.point(position()), .intensity = kDeltaLevel});
   }
 };

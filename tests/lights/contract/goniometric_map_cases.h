@@ -13,19 +13,18 @@ namespace lucerna::testing {
 /// `Picture` is a Mapped.
 template <typename Picture>
 struct MapLightCase : LocalDeltaCase {
-  template <typename Real>
-  using Light = GoniometricLight<Real>;
+  using Light = GoniometricLight;
   // A direction's rounding to float is 6e-8.  The slope is at most 9 per radian in relative terms:
   // a factor of 5 from one texel to the next, half a radian away.  Both value and evaluation have
   // this error.
   static constexpr double kTolerance =
       Picture::kFilter == ImageFilter::kBilinear ? 1e-6 : LocalDeltaCase::kTolerance;
-  static Vec3<double> far_direction() { return {0, 0, -1}; }
-  static Vec3<double> map_from_world(const Vec3<double>& w) { return {w.x, -w.y, -w.z}; }
+  static Vec3 far_direction() { return {0, 0, -1}; }
+  static Vec3 map_from_world(const Vec3& w) { return {w.x, -w.y, -w.z}; }
   static GoniometricLightParams params(const Placement& placement) {
     // Colours whose mean is the value, so that a single channel differs from it.
-    std::vector<Rgb<float>> texels;
-    for (const float v : Picture::kValues) texels.emplace_back(v, 0.0F, 2 * v);
+    std::vector<Rgbf> texels;
+    for (const float v : Picture::kValues) texels.emplace_back(v, 0.0, 2 * v);
     return {.position_m = placement.point(position()),
             .axes = {placement.direction({2, 0, 0}), placement.direction({0, -2, 0}),
                      placement.direction({0, 0, -2})},
@@ -34,20 +33,19 @@ struct MapLightCase : LocalDeltaCase {
                 *Image::create(Picture::kWidth, Picture::kHeight, std::move(texels)),
                 Picture::kMapping, Picture::kFilter)};
   }
-  template <typename Real>
-  static GoniometricLight<Real> make(const Placement& placement) {
-    return *GoniometricLight<Real>::create(params(placement));
+  static GoniometricLight make(const Placement& placement) {
+    return *GoniometricLight::create(params(placement));
   }
-  static std::vector<Vec3<double>> receivers() {
+  static std::vector<Vec3> receivers() {
     return {{0.25, -0.5, -2}, {0.75, -0.25, -1}, {0.75, -0.75, -0.5}, {0.5, -0.75, 0.25}};
   }
   static double texel(int i) { return Picture::kValues[static_cast<std::size_t>(i)]; }
-  static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
-    const Vec3<double> d = position() - receiver;
+  static Rgb value(const Vec3& receiver, const Vec3& wi) {
+    const Vec3 d = position() - receiver;
     return kDeltaLevel * (Picture::shown(map_from_world(-wi), texel) / dot(d, d) +
                           zero_if_towards(position(), receiver, wi));
   }
-  static Rgb<double> power_by_quadrature() { return kDeltaLevel * Picture::integral(texel); }
+  static Rgb power_by_quadrature() { return kDeltaLevel * Picture::integral(texel); }
 };
 
 /// Lit within 0.7228 rad of the axis: the corners of the lit square lie at r = 1/2, and cos theta =

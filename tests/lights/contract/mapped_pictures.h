@@ -17,7 +17,7 @@ namespace lucerna::testing {
 struct EqualArea {
   static constexpr SphereMapping kMapping = SphereMapping::kEqualArea;
 
-  static Vec2<double> square(const Vec3<double>& w) {
+  static Vec2 square(const Vec3& w) {
     const double theta = std::atan2(std::hypot(w.x, w.y), std::fabs(w.z));
     const double r = std::numbers::sqrt2 * std::sin(theta / 2);
     const double azimuth = std::atan2(std::fabs(w.y), std::fabs(w.x)) / (std::numbers::pi / 2);
@@ -51,7 +51,7 @@ struct EqualArea {
 struct LatitudeLongitude {
   static constexpr SphereMapping kMapping = SphereMapping::kLatitudeLongitude;
 
-  static Vec2<double> square(const Vec3<double>& w) {
+  static Vec2 square(const Vec3& w) {
     const double turn = std::atan2(w.z, w.x) / (2 * std::numbers::pi);
     return {turn < 0 ? turn + 1 : turn, std::atan2(std::hypot(w.x, w.z), w.y) / std::numbers::pi};
   }
@@ -98,8 +98,8 @@ struct Mapped : Grid {
   static constexpr ImageFilter kFilter = kWith;
 
   template <typename Texel>
-  static auto shown(const Vec3<double>& w, Texel&& texel) {
-    const Vec2<double> p = Mapping::square(w);
+  static auto shown(const Vec3& w, Texel&& texel) {
+    const Vec2 p = Mapping::square(w);
     const double x = p.x * Grid::kWidth, y = p.y * Grid::kHeight;
     if constexpr (kWith == ImageFilter::kNearest) {
       return texel(std::min(int(y), Grid::kHeight - 1) * Grid::kWidth +

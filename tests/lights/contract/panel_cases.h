@@ -14,7 +14,7 @@
 
 namespace lucerna::testing {
 
-inline constexpr Rgb<double> kPanelLevel{1, 2, 4};
+inline constexpr Rgb kPanelLevel{1, 2, 4};
 inline constexpr int kPolar = 5, kPlanes = 4;
 /// Intensity at 0, 45, 90, 135 and 180 degrees from +z, in the planes C0, C90, C180 and C270 [cd].
 inline constexpr double kIntensity[kPlanes][kPolar] = {
@@ -30,7 +30,7 @@ inline std::shared_ptr<const PhotometricWeb> web() {
 }
 
 /// Intensity towards `w` in photometric axes: C0 is +x, C90 is -y.
-inline double intensity(const Vec3<double>& w) {
+inline double intensity(const Vec3& w) {
   const double theta = std::atan2(std::hypot(w.x, w.y), w.z) / (kPi / 4);
   double phi = std::atan2(-w.y, w.x) / (kPi / 2);
   if (phi < 0) phi += 4;
@@ -43,7 +43,7 @@ inline double intensity(const Vec3<double>& w) {
 
 /// The integral of the intensity over the angles up to `widest` from +z.  The grid's lines fall
 /// between its steps.
-inline Rgb<double> flux(double widest) {
+inline Rgb flux(double widest) {
   constexpr int kGrid = 2000;
   double sum = 0;
   for (int i = 0; i < kGrid; ++i)
@@ -57,7 +57,7 @@ inline Rgb<double> flux(double widest) {
 
 /// The web with C0 towards `tangent`.
 inline PanelProfile profile(std::shared_ptr<const PhotometricWeb> of,
-                            const Vec3<double>& tangent = {1, 0, 0}, bool mirrored = false) {
+                            const Vec3& tangent = {1, 0, 0}, bool mirrored = false) {
   PanelProfile made;
   made.web = std::move(of);
   made.tangent = tangent;
@@ -66,124 +66,111 @@ inline PanelProfile profile(std::shared_ptr<const PhotometricWeb> of,
 }
 
 struct PanelCase : CaseDefaults {
-  /// Radiance is divided by a cosine, so its error grows with the tangent of the angle.
-  static constexpr double kTolerance = 2e-5;
-  static std::optional<Vec3<double>> in_plane(const Vec3<double>& r, const Vec3<double>& wi) {
+  static std::optional<Vec3> in_plane(const Vec3& r, const Vec3& wi) {
     const double t = -r.z / wi.z;
     if (!(t > 0)) return std::nullopt;
     return r + wi * t;
   }
-  static Region seen(const Vec3<double>& receiver, double reach) {
+  static Region seen(const Vec3& receiver, double reach) {
     return {normalized(-receiver), 1.05 * std::asin(reach / length(receiver))};
   }
 };
 
 /// A rectangle of 2 x 1 m that faces +z, with C0 along its longer side.
 struct RectanglePanelCase : PanelCase {
-  template <typename Real>
-  using Light = PanelPatchMeshLight<Real>;
+  using Light = PanelPatchMeshLight;
   static constexpr double kArea = 2;
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, 0})); };
-    return *Light<Real>::create(
-        {kPanelLevel},
-        *PanelPatchMesh<Real>::create(
-            *PatchMesh<Real>::create({{p(-1, -0.5), p(1, -0.5), p(-1, 0.5), p(1, 0.5)}}),
-            profile(web(), at.direction({1, 0, 0}))));
+  static Light make(const Placement& at) {
+    const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
+    return *Light::create(
+        {kPanelLevel}, *PanelPatchMesh::create(
+                           *PatchMesh::create({{p(-1, -0.5), p(1, -0.5), p(-1, 0.5), p(1, 0.5)}}),
+                           profile(web(), at.direction({1, 0, 0}))));
   }
   /// The candela of the file do not depend on the size.
   static constexpr int kValueLengthPower = -2;
   static constexpr int kPowerLengthPower = 0;
-  static std::vector<Vec3<double>> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {1, -3, 1}}; }
-  static Region region(const Vec3<double>& r) { return seen(r, 1.12); }
-  static Rgb<double> emitted(const Vec3<double>&, const Vec3<double>& w) {
+  static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {1, -3, 1}}; }
+  static Region region(const Vec3& r) { return seen(r, 1.12); }
+  static Rgb emitted(const Vec3&, const Vec3& w) {
     return kPanelLevel * (intensity(w) / (kArea * w.z));
   }
-  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
-    return in_plane(r, wi) ? emitted({}, -wi) : Rgb<double>{};
+  static Rgb value(const Vec3& r, const Vec3& wi) {
+    return in_plane(r, wi) ? emitted({}, -wi) : Rgb{};
   }
-  static double distance_to_surface(const Vec3<double>& p) {
+  static double distance_to_surface(const Vec3& p) {
     return std::fmax(std::fabs(p.z), std::fmax(std::fabs(p.x) - 1, std::fabs(p.y) - 0.5));
   }
-  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
-    return {2 * x - 1, y - 0.5, 0};
-  }
-  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
-    return {(p.x + 1) / 2, p.y + 0.5};
-  }
+  static Vec3 emission_position(const Vec3&, double x, double y) { return {2 * x - 1, y - 0.5, 0}; }
+  static Vec2 emission_where(const Vec3& p, const Vec3&) { return {(p.x + 1) / 2, p.y + 0.5}; }
   static double emission_area_m2() { return kArea; }
-  static Region emission_region(const Vec3<double>&) { return {{0, 0, 1}, kPi / 2}; }
+  static Region emission_region(const Vec3&) { return {{0, 0, 1}, kPi / 2}; }
   static constexpr bool kConfined = true;
-  static Rgb<double> power_by_quadrature() { return flux(kPi / 2); }
+  static Rgb power_by_quadrature() { return flux(kPi / 2); }
 };
 
 /// The same as three triangles of unequal area, with C0 towards (1, 2).
 struct TrianglePanelCase : RectanglePanelCase {
-  template <typename Real>
-  using Light = PanelTriangleMeshLight<Real>;
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, 0})); };
-    return *Light<Real>::create(
-        {kPanelLevel}, *PanelTriangleMesh<Real>::create(
-                           *TriangleMesh<Real>::create({{p(-1, -0.5), p(0.5, -0.5), p(-1, 0.5)},
-                                                        {p(0.5, -0.5), p(1, -0.5), p(1, 0.5)},
-                                                        {p(0.5, -0.5), p(1, 0.5), p(-1, 0.5)}}),
-                           profile(web(), at.direction({1, 2, 0}))));
+  using Light = PanelTriangleMeshLight;
+  static Light make(const Placement& at) {
+    const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
+    return *Light::create(
+        {kPanelLevel},
+        *PanelTriangleMesh::create(*TriangleMesh::create({{p(-1, -0.5), p(0.5, -0.5), p(-1, 0.5)},
+                                                          {p(0.5, -0.5), p(1, -0.5), p(1, 0.5)},
+                                                          {p(0.5, -0.5), p(1, 0.5), p(-1, 0.5)}}),
+                                   profile(web(), at.direction({1, 2, 0}))));
   }
-  static Rgb<double> emitted(const Vec3<double>&, const Vec3<double>& w) {
+  static Rgb emitted(const Vec3&, const Vec3& w) {
     const double s = std::sqrt(0.2);
     // y = z cross x = (-2, 1).
-    const Vec3<double> local{(w.x + 2 * w.y) * s, (w.y - 2 * w.x) * s, w.z};
+    const Vec3 local{(w.x + 2 * w.y) * s, (w.y - 2 * w.x) * s, w.z};
     return kPanelLevel * (intensity(local) / (kArea * w.z));
   }
-  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
-    return in_plane(r, wi) ? emitted({}, -wi) : Rgb<double>{};
+  static Rgb value(const Vec3& r, const Vec3& wi) {
+    return in_plane(r, wi) ? emitted({}, -wi) : Rgb{};
   }
 };
 
 /// A disk of radius 0.75 that emits on both sides, mirrored, with C0 towards (1, 1).
 struct DiskPanelCase : PanelCase {
-  template <typename Real>
-  using Light = PanelDiskLight<Real>;
+  using Light = PanelDiskLight;
   static constexpr double kArea = kPi * 0.75 * 0.75;
-  template <typename Real>
-  static Light<Real> make(const Placement& at) {
-    return *Light<Real>::create(
+  static Light make(const Placement& at) {
+    return *Light::create(
         {kPanelLevel, true},
-        *PanelDisk<Real>::create(
-            *Disk<Real>::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}),
+        *PanelDisk::create(
+            *Disk::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}),
             profile(web(), at.direction({1, 1, 0.5}), true)));
   }
   static constexpr int kValueLengthPower = -2;
   static constexpr int kPowerLengthPower = 0;
-  static std::vector<Vec3<double>> receivers() { return {{0.5, 0.25, 2}, {0.5, -1, -1.5}}; }
-  static Region region(const Vec3<double>& r) { return seen(r, 0.76); }
-  static Rgb<double> emitted(const Vec3<double>&, const Vec3<double>& w) {
+  static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {0.5, -1, -1.5}}; }
+  static Region region(const Vec3& r) { return seen(r, 0.76); }
+  static Rgb emitted(const Vec3&, const Vec3& w) {
     const double s = std::sqrt(0.5);
     // x towards (1, 1), y = x cross z = (1, -1).
-    const Vec3<double> local{(w.x + w.y) * s, (w.x - w.y) * s, w.z};
+    const Vec3 local{(w.x + w.y) * s, (w.x - w.y) * s, w.z};
     return kPanelLevel * (intensity(local) / (kArea * std::fabs(w.z)));
   }
-  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
-    return in_plane(r, wi) ? emitted({}, -wi) : Rgb<double>{};
+  static Rgb value(const Vec3& r, const Vec3& wi) {
+    return in_plane(r, wi) ? emitted({}, -wi) : Rgb{};
   }
-  static double distance_to_surface(const Vec3<double>& p) {
+  static double distance_to_surface(const Vec3& p) {
     return std::fmax(std::fabs(p.z), std::hypot(p.x, p.y) - 0.75);
   }
-  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+  static Vec3 emission_position(const Vec3&, double x, double y) {
     const double r = 0.75 * std::sqrt(x);
     return {r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), 0};
   }
-  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+  static Vec2 emission_where(const Vec3& p, const Vec3&) {
     const double y = std::atan2(p.y, p.x) / (2 * kPi);
     return {(p.x * p.x + p.y * p.y) / (0.75 * 0.75), y < 0 ? y + 1 : y};
   }
   static double emission_area_m2() { return kArea; }
-  static Region emission_region(const Vec3<double>&) { return {}; }
+  static Region emission_region(const Vec3&) { return {}; }
   static constexpr bool kConfined = false;
-  static Rgb<double> power_by_quadrature() { return flux(kPi); }
+  static Rgb power_by_quadrature() { return flux(kPi); }
 };
 
 }  // namespace lucerna::testing

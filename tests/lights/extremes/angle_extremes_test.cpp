@@ -10,7 +10,7 @@
 namespace lucerna::testing {
 namespace {
 
-using V = Vec3<Served>;
+using V = Vec3;
 
 TEST(AngleExtremes, ConeOfNormalsOfAHinge) {
   Sweep sweep(25, "mesh of two nearly coplanar triangles, angle between them", "1e-24 ... 0.5 rad",
@@ -18,11 +18,11 @@ TEST(AngleExtremes, ConeOfNormalsOfAHinge) {
   const ReferenceTable table("hinges");
   for (const auto& row : table.rows()) {
     const double t = row["t"];
-    const auto mesh = *TriangleMesh<Served>::create(
+    const auto mesh = *TriangleMesh::create(
         {{V(0, 0, 0), V(1, 0, 0), V(0, 1, 0)}, {V(0, 0, 0), V(0, -1, t), V(1, 0, 0)}});
     sweep.compare(mesh.normals().half_angle_rad, row["widest_rad"], row.text("t"));
-    const Vec3<float> n = normalized(Vec3<float>(0, static_cast<float>(t), 1));
-    const Vec3<float> mean = normalized(n + Vec3<float>(0, 0, 1));
+    const Vec3f n = normalized(Vec3f(0, static_cast<float>(t), 1));
+    const Vec3f mean = normalized(n + Vec3f(0, 0, 1));
     sweep.compare_textbook(std::acos(mean.z), row["widest_rad"]);
   }
   sweep.expect_within(1e-14);
@@ -33,13 +33,13 @@ TEST(AngleExtremes, PhotometryNextToThePole) {
               "1e-24 ... 0.5 rad from the axis", "illuminance");
   const auto web = *PhotometricWeb::create(
       {.vertical_deg = {0, 90, 180}, .horizontal_deg = {0}, .intensity_cd = {0, 90, 0}});
-  const auto light = *GoniometricLight<Served>::create({.intensity = Rgb<double>(1), .web = web});
+  const auto light = *GoniometricLight::create({.intensity = Rgb(1), .web = web});
   const ReferenceTable table("hinges");
   for (const auto& row : table.rows()) {
     const double t = row["t"];
     sweep.compare(light.sample_li(V(t, 0, 1), {0.5, 0.5}).value.g, row["degrees_by_square"],
                   row.text("t"));
-    const float cosine = normalized(Vec3<float>(static_cast<float>(t), 0, 1)).z;
+    const float cosine = normalized(Vec3f(static_cast<float>(t), 0, 1)).z;
     const float degrees = std::acos(cosine) * 180 / std::numbers::pi_v<float>;
     sweep.compare_textbook(degrees * cosine * cosine, row["degrees_by_square"]);
   }
@@ -52,10 +52,10 @@ TEST(AngleExtremes, ParallelUnitVectorsAreParallel) {
   for (int i = 0; i < 100000; ++i) {
     const V a = normalized(V(random.next() - 0.5, random.next() - 0.5, random.next() - 0.5));
     const V side = normalized(cross(a, std::fabs(a.x) < 0.5 ? V(1, 0, 0) : V(0, 1, 0)));
-    const Triangle<Served> triangle{V{}, side, cross(a, side)};
-    const auto cone = TriangleMesh<Served>::create({triangle, triangle})->normals();
+    const Triangle triangle{V{}, side, cross(a, side)};
+    const auto cone = TriangleMesh::create({triangle, triangle})->normals();
     sweep.answer(cone.half_angle_rad <= 0x1p-52 ? "parallel" : "not parallel");
-    const Vec3<float> f = normalized(Vec3<float>(a));
+    const Vec3f f = normalized(Vec3f(a));
     const float angle = std::acos(dot(f, f));
     sweep.textbook_answer(std::isnan(angle) ? "not a number"
                           : angle == 0      ? "parallel"

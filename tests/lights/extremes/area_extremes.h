@@ -15,13 +15,13 @@
 namespace lucerna::testing {
 
 /// The components of `name` in a row.
-inline Vec3<Served> vector_in(const ReferenceTable::Row& row, const std::string& name) {
+inline Vec3 vector_in(const ReferenceTable::Row& row, const std::string& name) {
   return {row[name + "_x"], row[name + "_y"], row[name + "_z"]};
 }
 
 /// The receiver of a row with its normal, which samples points by `way`.
-inline Receiver<Served> receiver_in(const ReferenceTable::Row& row, AreaSampling way) {
-  Receiver<Served> receiver(vector_in(row, "receiver"));
+inline Receiver receiver_in(const ReferenceTable::Row& row, AreaSampling way) {
+  Receiver receiver(vector_in(row, "receiver"));
   receiver.normal = vector_in(row, "normal");
   receiver.area_sampling = way;
   return receiver;
@@ -33,14 +33,13 @@ inline double textbook_irradiance(float solid_angle_sr, const ReferenceTable::Ro
   return solid_angle_sr * dot(vector_in(row, "normal"), normalized(-vector_in(row, "receiver")));
 }
 
-inline TriangleMeshLight<Served> triangle_light(const std::array<Vec3<Served>, 3>& corner) {
-  return *TriangleMeshLight<Served>::create(
-      {Rgb<double>(1), true}, *TriangleMesh<Served>::create({{corner[0], corner[1], corner[2]}}));
+inline TriangleMeshLight triangle_light(const std::array<Vec3, 3>& corner) {
+  return *TriangleMeshLight::create({Rgb(1), true},
+                                    *TriangleMesh::create({{corner[0], corner[1], corner[2]}}));
 }
-inline PatchMeshLight<Served> patch_light(const std::array<Vec3<Served>, 4>& corner) {
-  return *PatchMeshLight<Served>::create(
-      {Rgb<double>(1), true},
-      *PatchMesh<Served>::create({{corner[0], corner[1], corner[2], corner[3]}}));
+inline PatchMeshLight patch_light(const std::array<Vec3, 4>& corner) {
+  return *PatchMeshLight::create(
+      {Rgb(1), true}, *PatchMesh::create({{corner[0], corner[1], corner[2], corner[3]}}));
 }
 
 /// Sums over samples of the whole unit square.
@@ -52,7 +51,7 @@ struct Seen {
   int without = 0;  ///< samples without light
 
   template <typename Light>
-  void add(const Light& light, const Receiver<Served>& receiver, Vec2<double> u, double weight) {
+  void add(const Light& light, const Receiver& receiver, Vec2 u, double weight) {
     const auto sample = light.sample_li(receiver, u);
     if (sample.reason != NoLight::kNone) {
       ++without;
@@ -62,8 +61,7 @@ struct Seen {
     solid_angle_sr += weight / pdf;
     irradiance_lx += weight * sample.value.g * std::fmax(0, dot(receiver.normal, sample.wi)) / pdf;
     const double of_point =
-        light.pdf_li(receiver, SurfacePoint<Served>{sample.point, sample.normal, sample.primitive})
-            .per_sr;
+        light.pdf_li(receiver, SurfacePoint{sample.point, sample.normal, sample.primitive}).per_sr;
     disagreement = std::fmax(disagreement, relative_error(of_point, pdf));
   }
 };
@@ -74,8 +72,8 @@ enum class By { kShare, kRoot };
 
 /// Integrates by Gauss's rule, which is exact to rounding for smooth integrands.
 template <std::size_t kNodes = 24, typename Light>
-Seen seen_by(const Light& light, const Receiver<Served>& receiver, By by_x = By::kShare,
-             By by_y = By::kShare, Vec2<double> from = {0, 0}, Vec2<double> to = {1, 1}) {
+Seen seen_by(const Light& light, const Receiver& receiver, By by_x = By::kShare,
+             By by_y = By::kShare, Vec2 from = {0, 0}, Vec2 to = {1, 1}) {
   const Gauss<kNodes>& rule = gauss<kNodes>();
   struct Node {
     double at, weight;
@@ -97,7 +95,7 @@ Seen seen_by(const Light& light, const Receiver<Served>& receiver, By by_x = By:
 /// Integrates by the same rule on both sides of the square's diagonal, where a map may be folded.
 /// Uses the roots of both sample values.
 template <std::size_t kNodes = 24, typename Light>
-Seen seen_beside_diagonal(const Light& light, const Receiver<Served>& receiver) {
+Seen seen_beside_diagonal(const Light& light, const Receiver& receiver) {
   const Gauss<kNodes>& rule = gauss<kNodes>();
   Seen seen;
   for (std::size_t i = 0; i < kNodes; ++i)
@@ -114,18 +112,16 @@ Seen seen_beside_diagonal(const Light& light, const Receiver<Served>& receiver) 
 /// Integrates functions with kinks at unknown places.  Halves the square across, then along, until
 /// halves and whole agree to `enough`, for irradiances of about 1.
 template <typename Light>
-Seen seen_in_halves(const Light& light, const Receiver<Served>& receiver, By by_y,
-                    Vec2<double> from = {0, 0}, Vec2<double> to = {1, 1}, double enough = 1e-11,
-                    int depth = 26) {
-  const auto part = [&](Vec2<double> a, Vec2<double> b) {
+Seen seen_in_halves(const Light& light, const Receiver& receiver, By by_y, Vec2 from = {0, 0},
+                    Vec2 to = {1, 1}, double enough = 1e-11, int depth = 26) {
+  const auto part = [&](Vec2 a, Vec2 b) {
     return seen_by<12>(light, receiver, By::kShare, by_y, a, b);
   };
-  const Vec2<double> middle{(from.x + to.x) / 2, (from.y + to.y) / 2};
+  const Vec2 middle{(from.x + to.x) / 2, (from.y + to.y) / 2};
   const Seen whole = part(from, to);
   for (const bool across : {true, false}) {
-    const Vec2<double> end = across ? Vec2<double>{middle.x, to.y} : Vec2<double>{to.x, middle.y};
-    const Vec2<double> begin =
-        across ? Vec2<double>{middle.x, from.y} : Vec2<double>{from.x, middle.y};
+    const Vec2 end = across ? Vec2{middle.x, to.y} : Vec2{to.x, middle.y};
+    const Vec2 begin = across ? Vec2{middle.x, from.y} : Vec2{from.x, middle.y};
     Seen first = part(from, end), second = part(begin, to);
     const double change = first.irradiance_lx + second.irradiance_lx - whole.irradiance_lx;
     if (std::fabs(change) <= enough * std::fmin(1, whole.irradiance_lx)) continue;

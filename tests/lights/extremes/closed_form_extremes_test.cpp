@@ -13,44 +13,44 @@
 namespace lucerna::testing {
 namespace {
 
-Receiver<Served> receiver_in(const ReferenceTable::Row& row) {
+Receiver receiver_in(const ReferenceTable::Row& row) {
   return receiver_in(row, AreaSampling::kAutomatic);
 }
 
 template <typename Light>
-double served(const Light& light, const Receiver<Served>& receiver) {
+double served(const Light& light, const Receiver& receiver) {
   const auto lx = light.irradiance(receiver);
   return lx ? lx->g : std::nan("");
 }
 
 /// Lambert's sum by the textbook: angles by the arccosine, in floats.
-float textbook_sum(std::span<const Vec3<Served>> corners, const Receiver<Served>& receiver) {
+float textbook_sum(std::span<const Vec3> corners, const Receiver& receiver) {
   float sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3<float> r(receiver.position);
-    const Vec3<float> a = normalized(Vec3<float>(corners[i]) - r);
-    const Vec3<float> b = normalized(Vec3<float>(corners[(i + 1) % corners.size()]) - r);
-    sum += std::acos(dot(a, b)) * dot(normalized(cross(a, b)), Vec3<float>(receiver.normal));
+    const Vec3f r(receiver.position);
+    const Vec3f a = normalized(Vec3f(corners[i]) - r);
+    const Vec3f b = normalized(Vec3f(corners[(i + 1) % corners.size()]) - r);
+    sum += std::acos(dot(a, b)) * dot(normalized(cross(a, b)), Vec3f(receiver.normal));
   }
   return std::fabs(sum) / 2;
 }
 
-void compare_triangle(const ReferenceTable::Row& row, const std::array<Vec3<Served>, 3>& corners,
+void compare_triangle(const ReferenceTable::Row& row, const std::array<Vec3, 3>& corners,
                       const std::string& truth, const std::string& at, Sweep& sweep,
                       bool textbook = true) {
-  const Receiver<Served> receiver = receiver_in(row);
+  const Receiver receiver = receiver_in(row);
   sweep.compare(served(triangle_light(corners), receiver), row[truth], at);
   if (textbook) sweep.compare_textbook(textbook_sum(corners, receiver), row[truth]);
 }
 
-std::array<Vec3<Served>, 4> patch_in(const ReferenceTable::Row& row) {
+std::array<Vec3, 4> patch_in(const ReferenceTable::Row& row) {
   return {vector_in(row, "p00"), vector_in(row, "p10"), vector_in(row, "p01"),
           vector_in(row, "p11")};
 }
 
 void compare_rectangle(const ReferenceTable::Row& row, const std::string& at, Sweep& sweep,
                        bool textbook = true) {
-  const Receiver<Served> receiver = receiver_in(row);
+  const Receiver receiver = receiver_in(row);
   const auto p = patch_in(row);
   sweep.compare(served(patch_light(p), receiver), row["irradiance_lx"], at);
   if (textbook)
@@ -133,11 +133,11 @@ TEST(ClosedFormExtremes, PolygonsThatTheHorizonCuts) {
   sweep.expect_within(1e-11);
 }
 
-DiskLight<Served> disk_light(double radius, const Transform& world_from_object) {
+DiskLight disk_light(double radius, const Transform& world_from_object) {
   DiskParams params;
   params.radius_m = radius;
   params.world_from_object = world_from_object;
-  return *DiskLight<Served>::create({Rgb<double>(1), true}, *Disk<Served>::create(params));
+  return *DiskLight::create({Rgb(1), true}, *Disk::create(params));
 }
 
 TEST(ClosedFormExtremes, SmallLowAndGrazingDisks) {
@@ -145,7 +145,7 @@ TEST(ClosedFormExtremes, SmallLowAndGrazingDisks) {
               "irradiance");
   const ReferenceTable table("disks");
   for (const auto& row : table.rows()) {
-    Receiver<Served> receiver(0, 0, 0);
+    Receiver receiver(0, 0, 0);
     receiver.normal = vector_in(row, "normal");
     const auto light =
         disk_light(row["radius_m"], Transform::translate({row["offset_m"], 0, row["height_m"]}));
@@ -162,7 +162,7 @@ TEST(ClosedFormExtremes, DisksLevelWithTheReceiver) {
     // Both cosines are h / r.  Irradiance is h^2 times the integral of 1 / r^4, pi R^2 / (o^2 -
     // R^2)^2, with an error of order h^2.
     const double h = std::pow(10, -k), r = 0.5, o = 2;
-    Receiver<Served> receiver(0, 0, 0);
+    Receiver receiver(0, 0, 0);
     receiver.normal = {0, 0, 1};
     const double between = (o - r) * (o + r);
     sweep.compare(served(disk_light(r, Transform::translate({o, 0, h})), receiver),
@@ -172,8 +172,8 @@ TEST(ClosedFormExtremes, DisksLevelWithTheReceiver) {
 }
 
 /// The map that takes z to the unit vector `axis` and 0 to `center`.
-Transform placed(const Vec3<double>& center, const Vec3<double>& axis) {
-  const auto frame = Frame<double>::around(axis);
+Transform placed(const Vec3& center, const Vec3& axis) {
+  const auto frame = Frame::around(axis);
   return *Transform::from_matrix({{{frame.s.x, frame.t.x, axis.x, center.x},
                                    {frame.s.y, frame.t.y, axis.y, center.y},
                                    {frame.s.z, frame.t.z, axis.z, center.z}}});
@@ -184,7 +184,7 @@ TEST(ClosedFormExtremes, DisksThatTheHorizonCuts) {
               "sizes, heights and visible parts 1 ... 1e-13", "irradiance");
   const ReferenceTable table("horizon_disks");
   for (const auto& row : table.rows()) {
-    Receiver<Served> receiver(0, 0, 0);
+    Receiver receiver(0, 0, 0);
     receiver.normal = vector_in(row, "normal");
     const auto light =
         disk_light(row["radius_m"], placed(vector_in(row, "center"), vector_in(row, "axis")));
@@ -194,11 +194,11 @@ TEST(ClosedFormExtremes, DisksThatTheHorizonCuts) {
   sweep.expect_within(1e-11);
 }
 
-SphereLight<Served> sphere_light(double radius, const Vec3<double>& center) {
+SphereLight sphere_light(double radius, const Vec3& center) {
   SphereParams params;
   params.radius_m = radius;
   params.world_from_object = Transform::translate(center);
-  return *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(params));
+  return *SphereLight::create({Rgb(1)}, *Sphere::create(params));
 }
 
 TEST(ClosedFormExtremes, Spheres) {
@@ -206,7 +206,7 @@ TEST(ClosedFormExtremes, Spheres) {
               "radius / distance 1e-12 ... 1 - 1e-11", "irradiance");
   const ReferenceTable cone("sphere_cone");
   for (const auto& row : cone.rows()) {
-    Receiver<Served> receiver(0, 0, 0);
+    Receiver receiver(0, 0, 0);
     receiver.normal = {0, 0, 1};
     const double share = row["radius_m"] / row["distance_m"];
     sweep.compare(served(sphere_light(row["radius_m"], {0, 0, row["distance_m"]}), receiver),
@@ -214,7 +214,7 @@ TEST(ClosedFormExtremes, Spheres) {
   }
   const ReferenceTable cut("horizon_spheres");
   for (const auto& row : cut.rows()) {
-    Receiver<Served> receiver(0, 0, 0);
+    Receiver receiver(0, 0, 0);
     receiver.normal = {0, 0, 1};
     sweep.compare(served(sphere_light(row["radius_m"], {row["x"], 0, row["z"]}), receiver),
                   row["irradiance_lx"], "cut " + row.text("radius_m") + " " + row.text("z"));
@@ -244,10 +244,10 @@ TEST(ClosedFormExtremes, Suns) {
     SunLightParams params;
     params.to_light = {row["x"], 0, row["z"]};
     params.angular_diameter_rad = row["diameter_rad"];
-    params.illuminance_lx = Rgb<double>(1);
-    Receiver<Served> receiver(1, 2, 3);
+    params.illuminance_lx = Rgb(1);
+    Receiver receiver(1, 2, 3);
     receiver.normal = {0, 0, 1};
-    sweep.compare(served(*SunLight<Served>::create(params), receiver), row["irradiance_lx"],
+    sweep.compare(served(*SunLight::create(params), receiver), row["irradiance_lx"],
                   row.text("diameter_rad") + " " + row.text("z"));
   }
   sweep.expect_within(1e-9);  // the same bound as above

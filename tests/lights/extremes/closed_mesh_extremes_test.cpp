@@ -10,27 +10,25 @@ namespace lucerna::testing {
 namespace {
 
 /// The faces of the box |x|, |y|, |z| <= 1/2, normals outwards.
-template <typename Real>
-std::vector<BilinearPatch<Real>> box_faces() {
-  std::vector<BilinearPatch<Real>> faces;
+std::vector<BilinearPatch> box_faces() {
+  std::vector<BilinearPatch> faces;
   for (int axis = 0; axis < 3; ++axis)
-    for (const Real side : {Real(-0.5), Real(0.5)}) {
-      const auto corner = [&](Real u, Real v) {
-        Real p[3];
+    for (const double side : {-0.5, 0.5}) {
+      const auto corner = [&](double u, double v) {
+        double p[3];
         p[axis] = side;
         p[(axis + 1) % 3] = u * (side < 0 ? -1 : 1), p[(axis + 2) % 3] = v;
-        return Vec3<Real>(p[0], p[1], p[2]);
+        return Vec3(p[0], p[1], p[2]);
       };
-      const Real h = 0.5;
+      const double h = 0.5;
       faces.push_back({corner(-h, -h), corner(h, -h), corner(-h, h), corner(h, h)});
     }
   return faces;
 }
 
-template <typename Real>
-std::vector<Triangle<Real>> box_triangles() {
-  std::vector<Triangle<Real>> triangles;
-  for (const auto& f : box_faces<Real>()) {
+std::vector<Triangle> box_triangles() {
+  std::vector<Triangle> triangles;
+  for (const auto& f : box_faces()) {
     triangles.push_back({f.p00, f.p10, f.p11});
     triangles.push_back({f.p00, f.p11, f.p01});
   }
@@ -40,7 +38,7 @@ std::vector<Triangle<Real>> box_triangles() {
 /// Samples each of `count` primitives of equal area in turn.  Bits that a float lacks in u.x come
 /// from u.y, so the sample may be off its place by 2^-24.
 template <typename Light>
-Seen seen_of_each(const Light& light, const Receiver<Served>& receiver, int count, By by_y) {
+Seen seen_of_each(const Light& light, const Receiver& receiver, int count, By by_y) {
   Seen all;
   for (int i = 0; i < count; ++i) {
     // The sample values are off their places, so no two sums are equal.
@@ -71,32 +69,27 @@ void sweep_box(const Light& light, int count, By by_y, Sweep& sweep) {
 TEST(ClosedMeshExtremes, IrradianceFromABoxOfTriangles) {
   Sweep sweep(30, "closed emissive box of 12 triangles", "1e-9 ... 1e9 of its size away",
               "solid angle and irradiance");
-  sweep_box(*TriangleMeshLight<Served>::create(
-                {Rgb<double>(1)}, *TriangleMesh<Served>::create(box_triangles<Served>())),
-            12, By::kRoot, sweep);
+  sweep_box(*TriangleMeshLight::create({Rgb(1)}, *TriangleMesh::create(box_triangles())), 12,
+            By::kRoot, sweep);
   sweep.expect_within(1e-5);
 }
 
 TEST(ClosedMeshExtremes, IrradianceFromABoxOfPatches) {
   Sweep sweep(30, "closed emissive box of 6 bilinear patches", "1e-9 ... 1e9 of its size away",
               "solid angle and irradiance");
-  sweep_box(*PatchMeshLight<Served>::create({Rgb<double>(1)},
-                                            *PatchMesh<Served>::create(box_faces<Served>())),
-            6, By::kShare, sweep);
+  sweep_box(*PatchMeshLight::create({Rgb(1)}, *PatchMesh::create(box_faces())), 6, By::kShare,
+            sweep);
   sweep.expect_within(1e-5);
 }
 
 TEST(ClosedMeshExtremes, DensityOfDirectionsIgnoresFacesTurnedAway) {
   Sweep sweep(30, "closed emissive box of 12 triangles", "1e-9 ... 1e9 of its size away",
               "density of a sample's direction");
-  const auto light = *TriangleMeshLight<Served>::create(
-      {Rgb<double>(1)}, *TriangleMesh<Served>::create(box_triangles<Served>()));
-  const auto mesh = *TriangleMesh<float>::create(box_triangles<float>());
+  const auto light = *TriangleMeshLight::create({Rgb(1)}, *TriangleMesh::create(box_triangles()));
+  const auto mesh = *TriangleMesh::create(box_triangles());
   const ReferenceTable table("closed_box");
   for (const auto& row : table.rows()) {
     const auto receiver = receiver_in(row, AreaSampling::kLowDistortion);
-    Receiver<float> in_float{Vec3<float>(receiver.position)};
-    in_float.area_sampling = AreaSampling::kLowDistortion;
     for (const double x : {0.03, 0.28, 0.53, 0.78, 0.86, 0.93, 0.98})
       for (const double y : {0.2, 0.7}) {
         const auto s = light.sample_li(receiver, {x, y});
@@ -107,10 +100,9 @@ TEST(ClosedMeshExtremes, DensityOfDirectionsIgnoresFacesTurnedAway) {
         const std::string at = row.text("receiver_x") + " " + row.text("receiver_z");
         sweep.compare(light.pdf_li(receiver, s.wi).per_sr, s.pdf.per_sr, at);
         // The textbook's mixture adds up all surfaces that the direction meets.
-        float sum = 0;
-        mesh.for_each_hit(in_float.position, Vec3<float>(s.wi), [&](const SurfacePoint<float>& p) {
-          sum += mesh.pdf(in_float, p).per_sr;
-        });
+        double sum = 0;
+        mesh.for_each_hit(receiver.position, s.wi,
+                          [&](const SurfacePoint& p) { sum += mesh.pdf(receiver, p).per_sr; });
         sweep.compare_textbook(sum, s.pdf.per_sr);
       }
   }
@@ -121,11 +113,10 @@ TEST(ClosedMeshExtremes, DensityOfDirectionsIgnoresFacesTurnedAway) {
 TEST(ClosedMeshExtremes, ReceiversInsideGetNoLight) {
   Sweep sweep(30, "closed emissive box, the receiver inside", "1e-12 ... 0.5 below a face",
               "answer");
-  const auto light = *TriangleMeshLight<Served>::create(
-      {Rgb<double>(1)}, *TriangleMesh<Served>::create(box_triangles<Served>()));
+  const auto light = *TriangleMeshLight::create({Rgb(1)}, *TriangleMesh::create(box_triangles()));
   for (double depth = 0.5; depth > 1e-12; depth /= 10)
     for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kLowDistortion}) {
-      Receiver<Served> receiver(0.125, 0.0625, 0.5 - depth);
+      Receiver receiver(0.125, 0.0625, 0.5 - depth);
       receiver.area_sampling = way;
       for (int i = 0; i < 48; ++i) {
         const auto s = light.sample_li(receiver, {(i + 0.5) / 48, 0.3});

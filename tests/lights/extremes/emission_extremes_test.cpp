@@ -15,7 +15,7 @@ namespace {
 
 /// The cosine of a direction, from the disk to which the square of `u` maps.  The distance m to the
 /// edge is the same in disk and square, so the squared cosine is 1 - (1 - m)^2.
-long double cosine_of(Vec2<double> u, bool two_sided) {
+long double cosine_of(Vec2 u, bool two_sided) {
   long double x = u.x;
   const long double y = u.y;
   if (two_sided) x = u.x < 0.5 ? 2 * x : 2 * x - 1;
@@ -23,22 +23,22 @@ long double cosine_of(Vec2<double> u, bool two_sided) {
   return std::sqrt(m * (2 - m));
 }
 
-float textbook_cosine(Vec2<float> u) {
-  const Vec2<float> d = sample_concentric_disk(u);
+float textbook_cosine(Vec2f u) {
+  const Vec2f d = sample_concentric_disk(u);
   return std::sqrt(std::max(0.0F, 1 - d.x * d.x - d.y * d.y));
 }
 
 /// Lights that face +z.
 template <typename F>
 void for_each_level_light(bool two_sided, F&& f) {
-  const DiffuseEmission one{Rgb<double>(1), two_sided};
-  const std::vector<Triangle<Served>> triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
-  f(*TriangleMeshLight<Served>::create(one, *TriangleMesh<Served>::create(triangle)), "triangle");
-  const std::vector<BilinearPatch<Served>> patch{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}};
-  f(*PatchMeshLight<Served>::create(one, *PatchMesh<Served>::create(patch)), "patch");
+  const DiffuseEmission one{Rgb(1), two_sided};
+  const std::vector<Triangle> triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  f(*TriangleMeshLight::create(one, *TriangleMesh::create(triangle)), "triangle");
+  const std::vector<BilinearPatch> patch{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}};
+  f(*PatchMeshLight::create(one, *PatchMesh::create(patch)), "patch");
   DiskParams disk;
   disk.radius_m = 1;
-  f(*DiskLight<Served>::create(one, *Disk<Served>::create(disk)), "disk");
+  f(*DiskLight::create(one, *Disk::create(disk)), "disk");
 }
 
 TEST(EmissionExtremes, CosinesOfRaysNearlyAlongTheSurface) {
@@ -47,8 +47,7 @@ TEST(EmissionExtremes, CosinesOfRaysNearlyAlongTheSurface) {
   // Below these, 16 roundings of floats keep the samples away from the edge itself.
   for (int exponent = -38; exponent <= -1; ++exponent) {
     const double x = std::ldexp(1.0, exponent);
-    for (const Vec2<double> u :
-         {Vec2<double>{x, 0.375}, {0.375, x}, {1 - x, 0.375}, {0.375, 1 - x}}) {
+    for (const Vec2 u : {Vec2{x, 0.375}, {0.375, x}, {1 - x, 0.375}, {0.375, 1 - x}}) {
       for (const bool two_sided : {false, true}) {
         const long double truth = cosine_of(u, two_sided);
         if (truth == 0) continue;  // the edge itself

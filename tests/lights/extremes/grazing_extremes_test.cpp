@@ -14,26 +14,25 @@ namespace {
 constexpr AreaSampling kWays[] = {AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle,
                                   AreaSampling::kAutomatic, AreaSampling::kSquareRoot};
 
-TriangleMeshLight<Served> triangle_in(const ReferenceTable::Row& row) {
+TriangleMeshLight triangle_in(const ReferenceTable::Row& row) {
   return triangle_light({vector_in(row, "p00"), vector_in(row, "p10"), vector_in(row, "p01")});
 }
-PatchMeshLight<Served> rectangle_in(const ReferenceTable::Row& row) {
+PatchMeshLight rectangle_in(const ReferenceTable::Row& row) {
   return patch_light(
       {vector_in(row, "p00"), vector_in(row, "p10"), vector_in(row, "p01"), vector_in(row, "p11")});
 }
 
 /// The rectangle with its second side halved.  It lies in the same plane, to the last bit.
-PatchMeshLight<Served> trapezoid_in(const ReferenceTable::Row& row) {
-  const Vec3<double> a = vector_in(row, "p00"), b = vector_in(row, "p10"),
-                     c = vector_in(row, "p01");
+PatchMeshLight trapezoid_in(const ReferenceTable::Row& row) {
+  const Vec3 a = vector_in(row, "p00"), b = vector_in(row, "p10"), c = vector_in(row, "p01");
   return patch_light({a, b, c, b + (c - a) * 0.5});
 }
 
 /// The cosine at the light from a normal and a direction in float.  Clamped at 1e-4, like in some
 /// renderers.
 float textbook_cosine(const ReferenceTable::Row& row) {
-  const Vec3<float> a(vector_in(row, "p00")), b(vector_in(row, "p10")), c(vector_in(row, "p01"));
-  const Vec3<float> w = normalized(Vec3<float>(vector_in(row, "receiver")) - a);
+  const Vec3f a(vector_in(row, "p00")), b(vector_in(row, "p10")), c(vector_in(row, "p01"));
+  const Vec3f w = normalized(Vec3f(vector_in(row, "receiver")) - a);
   const float cosine = std::fabs(dot(normalized(cross(b - a, c - a)), w));
   return cosine < 1e-4F ? 0 : cosine;
 }
@@ -47,7 +46,7 @@ void sweep_triangles(AreaSampling way, By by_x, By by_y, Sweep& sweep) {
     EXPECT_EQ(seen.disagreement, 0) << at;
     EXPECT_LE(relative_error(seen.solid_angle_sr, row["triangle_solid_angle_sr"]), 1e-11) << at;
     sweep.compare(seen.irradiance_lx, row["triangle_irradiance_lx"], at);
-    const Vec3<double> w = vector_in(row, "p00") - vector_in(row, "receiver");
+    const Vec3 w = vector_in(row, "p00") - vector_in(row, "receiver");
     const double truth = row["height_m"] * (row.text("name") == "tilted" ? 3 : 1) / length(w);
     sweep.compare_textbook(textbook_cosine(row), truth);
   }
@@ -93,7 +92,7 @@ TEST(GrazingExtremes, Trapezoids) {
   for (const auto& row : table.rows()) {
     const std::string at = row.text("name") + " " + row.text("height_m");
     const auto light = trapezoid_in(row);
-    const Receiver<Served> receiver = receiver_in(row, AreaSampling::kAutomatic);
+    const Receiver receiver = receiver_in(row, AreaSampling::kAutomatic);
     // The squares of the rows have sides of 1 m, except for one of 3 m.
     const double side = row.text("name") == "tilted" ? 3 : 1, height = row["height_m"] * side;
     for (const double x : {0.0, 0.25, 0.5, 1.0})
@@ -102,8 +101,7 @@ TEST(GrazingExtremes, Trapezoids) {
         EXPECT_EQ(s.reason, NoLight::kNone) << at;
         const double d = s.distance, truth = d * d / (0.75 * side * side * height / d);
         sweep.compare(s.pdf.per_sr, truth, at);
-        EXPECT_EQ(light.pdf_li(receiver, SurfacePoint<Served>{s.point, s.normal, 0}).per_sr,
-                  s.pdf.per_sr)
+        EXPECT_EQ(light.pdf_li(receiver, SurfacePoint{s.point, s.normal, 0}).per_sr, s.pdf.per_sr)
             << at;
         const auto f = static_cast<float>(d);
         sweep.compare_textbook(
@@ -115,10 +113,10 @@ TEST(GrazingExtremes, Trapezoids) {
 
 /// Samples the light from a receiver within its plane, with every sampling method.
 template <typename Light>
-void sample_within(const Light& light, const Vec3<double>& position, Sweep& sweep) {
+void sample_within(const Light& light, const Vec3& position, Sweep& sweep) {
   for (const AreaSampling way : kWays)
-    for (const Vec3<double>& normal : {Vec3<double>{1, 0, 0}, {0, 0, 1}, {}}) {
-      Receiver<Served> receiver(position);
+    for (const Vec3& normal : {Vec3{1, 0, 0}, {0, 0, 1}, {}}) {
+      Receiver receiver(position);
       receiver.normal = normal;
       receiver.area_sampling = way;
       for (const double x : {0.0, 0.25, 0.9375, 1.0})
@@ -140,16 +138,16 @@ TEST(GrazingExtremes, LightsSeenFromTheirPlaneAreDark) {
     const bool tilted = row.text("name") == "tilted";
     // Some receivers lie on the extension of an edge.
     const auto receivers =
-        tilted ? std::vector<Vec3<double>>{{0, 0, 0}, {6, 6, 0}, {5, 4, -2}, {-3, -3, 0}}
-               : std::vector<Vec3<double>>{{0, 0, 0}, {5, 3, 0}, {5, -0.5, 0}, {-7, 0.125, 0}};
-    for (const Vec3<double>& receiver : receivers) {
+        tilted ? std::vector<Vec3>{{0, 0, 0}, {6, 6, 0}, {5, 4, -2}, {-3, -3, 0}}
+               : std::vector<Vec3>{{0, 0, 0}, {5, 3, 0}, {5, -0.5, 0}, {-7, 0.125, 0}};
+    for (const Vec3& receiver : receivers) {
       sample_within(triangle_in(row), receiver, sweep);
       sample_within(rectangle_in(row), receiver, sweep);
       sample_within(trapezoid_in(row), receiver, sweep);
     }
   }
   // In the plane of (1, 2, 2) and (2, 1, -2), far from the origin.
-  for (const Vec3<double>& receiver : {Vec3<double>{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}) {
+  for (const Vec3& receiver : {Vec3{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}) {
     sample_within(triangle_light({{{30, 0, 0}, {31, 2, 2}, {32, 1, -2}}}), receiver, sweep);
     sample_within(patch_light({{{30, 0, 0}, {31, 2, 2}, {32, 1, -2}, {33, 3, 0}}}), receiver,
                   sweep);
@@ -166,11 +164,10 @@ TEST(GrazingExtremes, DisksSeenFromTheirPlaneAreDark) {
   tilted.world_from_object =
       *Transform::from_matrix({{{1, 2, 2, 30}, {2, 1, -2, 0}, {2, -2, 1, 0}}});
   for (const auto& [params, receivers] :
-       {std::pair{plain, std::vector<Vec3<double>>{{0, 0, 0}, {5, 7, 0}, {-1e6, 1, 0}}},
-        std::pair{tilted, std::vector<Vec3<double>>{{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}}}) {
-    const auto disk =
-        *DiskLight<Served>::create({Rgb<double>(1), true}, *Disk<Served>::create(params));
-    for (const Vec3<double>& receiver : receivers) sample_within(disk, receiver, sweep);
+       {std::pair{plain, std::vector<Vec3>{{0, 0, 0}, {5, 7, 0}, {-1e6, 1, 0}}},
+        std::pair{tilted, std::vector<Vec3>{{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}}}) {
+    const auto disk = *DiskLight::create({Rgb(1), true}, *Disk::create(params));
+    for (const Vec3& receiver : receivers) sample_within(disk, receiver, sweep);
   }
   sweep.expect_answers(NoLight::kBehind);
 }
@@ -181,26 +178,22 @@ TEST(GrazingExtremes, PointsSeenFromTheirTangentPlaneAreDark) {
   SphereParams ball;
   ball.radius_m = 3;
   ball.world_from_object = Transform::translate({1, 2, 3});
-  const auto sphere =
-      *SphereLight<Served>::create({Rgb<double>(1), true}, *Sphere<Served>::create(ball));
+  const auto sphere = *SphereLight::create({Rgb(1), true}, *Sphere::create(ball));
   CylinderParams pipe;
   pipe.radius_m = 3;
   pipe.world_from_object = Transform::translate({1, 2, 3});
-  const auto tube =
-      *CylinderLight<Served>::create({Rgb<double>(1), true}, *Cylinder<Served>::create(pipe));
-  const auto sample = [&](const auto& light, const Vec3<double>& at, const Vec3<double>& position,
-                          Vec2<double> u) {
-    Receiver<Served> receiver(position);
+  const auto tube = *CylinderLight::create({Rgb(1), true}, *Cylinder::create(pipe));
+  const auto sample = [&](const auto& light, const Vec3& at, const Vec3& position, Vec2 u) {
+    Receiver receiver(position);
     receiver.area_sampling = AreaSampling::kSquareRoot;
     const auto s = light.sample_li(receiver, u);
     EXPECT_LE(length(s.point - at), 1e-15);
     EXPECT_TRUE(s.value.is_black());
     EXPECT_TRUE(s.pdf.per_sr > 0 && std::isfinite(s.pdf.per_sr));
-    EXPECT_EQ(light.pdf_li(receiver, SurfacePoint<Served>{s.point, s.normal, 0}).per_sr, 0);
+    EXPECT_EQ(light.pdf_li(receiver, SurfacePoint{s.point, s.normal, 0}).per_sr, 0);
     sweep.answer(s.reason);
   };
-  for (const Vec2<double>& off :
-       {Vec2<double>{1, 0}, {0, -2}, {3, 4}, {-5, 12}, {1e6, 7}, {0x1p-20, 0x1p-30}}) {
+  for (const Vec2& off : {Vec2{1, 0}, {0, -2}, {3, 4}, {-5, 12}, {1e6, 7}, {0x1p-20, 0x1p-30}}) {
     // The top of the sphere, and the line of the cylinder where its sweep begins.
     sample(sphere, {1, 2, 6}, {1 + off.x, 2 + off.y, 6}, {1, 0.25});
     sample(tube, {4, 2, 3}, {4, 2 + off.x, 3 + off.y}, {0.5, 0});
@@ -215,9 +208,8 @@ TEST(GrazingExtremes, SpheresByAreaUpToTheirRim) {
   for (const double share : {0.9, 0.5, 1e-1, 1e-3, 1e-6, 1e-9}) {
     SphereParams params;
     params.radius_m = share;
-    const auto light =
-        *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(params));
-    Receiver<Served> receiver(0, 0, 1);
+    const auto light = *SphereLight::create({Rgb(1)}, *Sphere::create(params));
+    Receiver receiver(0, 0, 1);
     receiver.normal = {0, 0, -1};
     receiver.area_sampling = AreaSampling::kLowDistortion;
     // u.x is the share of z, and the rim is at z = radius^2 / distance.

@@ -18,9 +18,9 @@ double random_u(RandomU& random) { return double{random.next()} + double{random.
 /// Whether the textbook's importance of a light's bounds is 0, for a receiver without a normal, in
 /// floats.  From the angle to the axis it subtracts those of the normals' cone and of the box.  It
 /// compares the result with the angle of emission, all by cosines.  [Pharr23, 12.6.3]
-bool textbook_leaves_out(const LightBounds<double>& bounds, const Vec3<double>& position) {
-  const Vec3<float> low(bounds.lower), high(bounds.upper), p(position), axis(bounds.axis);
-  const Vec3<float> center = (low + high) * 0.5F;
+bool textbook_leaves_out(const LightBounds& bounds, const Vec3& position) {
+  const Vec3f low(bounds.lower), high(bounds.upper), p(position), axis(bounds.axis);
+  const Vec3f center = (low + high) * 0.5F;
   const auto cos_less = [](float cos_a, float sin_a, float cos_b, float sin_b) {
     return cos_a > cos_b ? 1 : cos_a * cos_b + sin_a * sin_b;
   };
@@ -49,17 +49,17 @@ class EdgeSearch {
   void search(std::uint32_t light, int receivers) {
     light_ = light;
     bounds_ = bounds_of(lights_[light].light);
-    const Vec3<double> center = bounds_.lower * 0.5 + bounds_.upper * 0.5;
-    std::optional<Vec3<double>> lit, dark;
+    const Vec3 center = bounds_.lower * 0.5 + bounds_.upper * 0.5;
+    std::optional<Vec3> lit, dark;
     for (int i = 0; i < receivers; ++i) {
-      u_ = random_.pair<double>();
-      const Vec3<double> p = center + somewhere();
+      u_ = random_.pair();
+      const Vec3 p = center + somewhere();
       (arrives(p) ? lit : dark) = p;
       if (i % 8 == 0 && lit && dark) {
         // The last lit double on the way to a dark place.
-        Vec3<double> inside = *lit, outside = *dark;
+        Vec3 inside = *lit, outside = *dark;
         for (int k = 0; k < 60; ++k) {
-          const Vec3<double> middle = (inside + outside) * 0.5;
+          const Vec3 middle = (inside + outside) * 0.5;
           (arrives(middle) ? inside : outside) = middle;
         }
         check(inside);
@@ -76,28 +76,28 @@ class EdgeSearch {
 
  private:
   double number() { return 2.0 * random_.next() - 1; }
-  Vec3<double> direction() { return normalized(Vec3<double>{number(), number(), number()}); }
+  Vec3 direction() { return normalized(Vec3{number(), number(), number()}); }
   /// Half of the offsets are within 50 sizes.  The others reach as far as 1e20, from where all of a
   /// light is at one angle.
-  Vec3<double> somewhere() {
+  Vec3 somewhere() {
     const double log_distance =
         random_.next() < 0.5F ? 12 * double{random_.next()} - 8 : 46 * double{random_.next()};
     return direction() * (size_ * std::exp(log_distance));
   }
   /// Just above or below the plane of a flat light.
-  Vec3<double> near_plane(const Vec3<double>& center) {
-    const Vec3<double> n = normalized(bounds_.axis), w = somewhere();
+  Vec3 near_plane(const Vec3& center) {
+    const Vec3 n = normalized(bounds_.axis), w = somewhere();
     return center + (w - n * dot(w, n)) + n * (length(w) * number() * next_to_nothing());
   }
   double next_to_nothing() { return std::pow(10, -18 * random_.next()); }
-  bool arrives(const Receiver<double>& receiver) {
+  bool arrives(const Receiver& receiver) {
     const auto s = sample_of(lights_[light_].light, receiver, u_);
     wi_ = s.wi;
     return s.reason == NoLight::kNone && s.value.max_component() > 0;
   }
 
-  void check(const Vec3<double>& p) {
-    Receiver<double> receiver(p);
+  void check(const Vec3& p) {
+    Receiver receiver(p);
     ++checked;
     if (!arrives(receiver)) {
       ++dark;
@@ -106,10 +106,10 @@ class EdgeSearch {
     if (textbook_leaves_out(bounds_, p)) ++missed_by_textbook;
     bool is_chosen = tree_.probability(receiver, light_) > 0;
     // A surface that the light nearly grazes, for a caller that receives directions in floats.
-    const Vec3<double> along = cross(wi_, direction());
+    const Vec3 along = cross(wi_, direction());
     receiver.normal = normalized(normalized(along) + wi_ * (number() * next_to_nothing()));
     if (arrives(receiver) &&
-        (dot(wi_, receiver.normal) > 0 || dot(Vec3<double>(Vec3<float>(wi_)), receiver.normal) > 0))
+        (dot(wi_, receiver.normal) > 0 || dot(Vec3(Vec3f(wi_)), receiver.normal) > 0))
       is_chosen &= tree_.probability(receiver, light_) > 0;
     if (is_chosen) return;
     ++missed;
@@ -121,9 +121,9 @@ class EdgeSearch {
   double size_;
   RandomU random_;
   std::uint32_t light_ = 0;
-  LightBounds<double> bounds_;
-  Vec2<double> u_;
-  Vec3<double> wi_;
+  LightBounds bounds_;
+  Vec2 u_;
+  Vec3 wi_;
 };
 
 TEST(LightTreeExtremes, ReceiversAtTheExactEdge) {
@@ -154,11 +154,11 @@ TEST(LightTreeExtremes, ReceiversAtTheExactEdge) {
 
 /// The share of the first of two lights, in floats.  The squared distance is clamped to half the
 /// diagonal of the box.  [Pharr23, 12.6.3]
-float textbook_share(const LightTree::Item (&items)[2], const Vec3<double>& position) {
+float textbook_share(const LightTree::Item (&items)[2], const Vec3& position) {
   float weight[2];
   for (int i = 0; i < 2; ++i) {
-    const Vec3<float> low(items[i].bounds.lower), high(items[i].bounds.upper), p(position);
-    const Vec3<float> way = p - (low + high) * 0.5F;
+    const Vec3f low(items[i].bounds.lower), high(items[i].bounds.upper), p(position);
+    const Vec3f way = p - (low + high) * 0.5F;
     weight[i] =
         static_cast<float>(items[i].power) / std::fmax(dot(way, way), length(high - low) / 2);
   }
@@ -188,9 +188,9 @@ TEST(LightTreeExtremes, ScenesOfAnyScale) {
         const LightTree scaled_tree = *LightTree::create(other);
         for (int i = 0; i < 200; ++i) {
           const auto number = [&] { return 5 * (2.0 * random.next() - 1); };
-          Receiver<double> here(Vec3<double>{number(), number(), number()});
-          if (i % 2 == 0) here.normal = normalized(Vec3<double>{number(), number(), number()});
-          Receiver<double> there = here;
+          Receiver here(Vec3{number(), number(), number()});
+          if (i % 2 == 0) here.normal = normalized(Vec3{number(), number(), number()});
+          Receiver there = here;
           there.position = scaled(here.position, exponent);
           const double u = random_u(random);
           const auto a = tree.choose(here, u), b = scaled_tree.choose(there, u);
@@ -229,7 +229,7 @@ TEST(LightTreeExtremes, AMillionLightsInALine) {
     for (std::uint32_t i = 0; i < line.count; ++i) {
       const double share = i / (line.count - 1.0);
       const double x = line.first * std::pow(line.last / line.first, share);
-      const Vec3<double> at{x, 0, 0};
+      const Vec3 at{x, 0, 0};
       lamps[i] = {{.lower = at, .upper = at, .cone_rad = kPi},
                   std::pow(x / line.last, line.power_exponent)};
     }
@@ -238,7 +238,7 @@ TEST(LightTreeExtremes, AMillionLightsInALine) {
     EXPECT_EQ(tree->size(), line.count);
     for (int i = 0; i < 30000; ++i) {
       const double y = line.first * std::pow(line.last / line.first, random.next());
-      const Receiver<double> receiver(Vec3<double>{0, y, 0});
+      const Receiver receiver(Vec3{0, y, 0});
       const double u = i == 0 ? 0 : i == 1 ? 1 - 0x1p-48 : random_u(random);
       const auto choice = tree->choose(receiver, u);
       ++checked;
@@ -251,7 +251,7 @@ TEST(LightTreeExtremes, AMillionLightsInALine) {
     }
     if (line.count > 100000) continue;
     double sum = 0;
-    const Receiver<double> receiver(Vec3<double>{0, std::sqrt(line.first * line.last), 0});
+    const Receiver receiver(Vec3{0, std::sqrt(line.first * line.last), 0});
     for (std::uint32_t i = 0; i < line.count; ++i) sum += tree->probability(receiver, i);
     EXPECT_NEAR(sum, 1, 1e-12);
   }
@@ -272,13 +272,13 @@ TEST(LightTreeExtremes, EveryOneOfManyLightsIsReached) {
     for (const bool is_bright_first : {false, true}) {
       std::vector<LightTree::Item> lamps(kLamps + 1);
       for (LightTree::Item& lamp : lamps) {
-        const Vec3<double> at{random.next(), random.next(), random.next()};
+        const Vec3 at{random.next(), random.next(), random.next()};
         lamp = {{.lower = at, .upper = at, .cone_rad = kPi}, 1};
       }
-      const Vec3<double> aside{is_bright_first ? -2. : 3., 0, 0};
+      const Vec3 aside{is_bright_first ? -2. : 3., 0, 0};
       lamps[kLamps] = {{.lower = aside, .upper = aside, .cone_rad = kPi}, std::ldexp(1.0, bits)};
       const LightTree tree = *LightTree::create(lamps);
-      const Receiver<double> far(Vec3<double>{0, 0, 1e9});
+      const Receiver far(Vec3{0, 0, 1e9});
       std::vector<bool> reached(kLamps), reached_by_float(kLamps);
       // Twice their common share, in 2^18 steps: 32 for each lamp.
       constexpr int kSteps = 1 << 18;

@@ -14,13 +14,13 @@ namespace {
 
 using Row = ReferenceTable::Row;
 
-Vec3<double> receiver_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
+Vec3 receiver_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
 
 /// All values are compared to within a few roundings of doubles.
 constexpr double kRoundings = 1e-14;
 
 /// I / d^2 in floats.
-float textbook_per_square(const Vec3<float>& to_light) {
+float textbook_per_square(const Vec3f& to_light) {
   return 1 / (to_light.x * to_light.x + to_light.y * to_light.y + to_light.z * to_light.z);
 }
 
@@ -33,17 +33,17 @@ TEST(MagnitudeExtremes, PointLights) {
   ProjectedPictureParams square;
   square.fov_rad = 2.4;
   for (const auto& row : table.rows()) {
-    const Vec3<double> position{row["px"], row["py"], row["pz"]}, receiver = receiver_of(row);
+    const Vec3 position{row["px"], row["py"], row["pz"]}, receiver = receiver_of(row);
     PointLightParams point;
     point.position_m = position;
-    point.intensity_cd = Rgb<double>(1);
+    point.intensity_cd = Rgb(1);
     SpotLightParams spot;
     spot.position_m = position;
-    spot.intensity_cd = Rgb<double>(1);
+    spot.intensity_cd = Rgb(1);
     spot.cone_half_angle_rad = std::numbers::pi / 3;
     ProjectionLightParams projection;
     projection.position_m = position;
-    projection.intensity_cd = Rgb<double>(1);
+    projection.intensity_cd = Rgb(1);
     projection.picture = *ProjectedPicture::create(square);
     const std::string at = row.text("px") + ", " + row.text("x");
     const auto compare = [&](const auto& light, const char* column) {
@@ -51,10 +51,10 @@ TEST(MagnitudeExtremes, PointLights) {
       EXPECT_EQ(sample.reason, NoLight::kNone) << at;
       sweep.compare(sample.value.r, row[column], at);
     };
-    compare(PointLight<Served>::create(point), "per_square");
-    compare(SpotLight<Served>::create(spot), "falloff_per_square");
-    compare(ProjectionLight<Served>::create(projection), "per_square");
-    sweep.compare_textbook(textbook_per_square(Vec3<float>(position) - Vec3<float>(receiver)),
+    compare(PointLight::create(point), "per_square");
+    compare(SpotLight::create(spot), "falloff_per_square");
+    compare(ProjectionLight::create(projection), "per_square");
+    sweep.compare_textbook(textbook_per_square(Vec3f(position) - Vec3f(receiver)),
                            row["per_square"]);
   }
   sweep.expect_within(kRoundings);
@@ -75,15 +75,15 @@ TEST(MagnitudeExtremes, DistancesWhoseSquaresLeaveTheRangeOfDoubles) {
     const long double square_m2 = static_cast<long double>(distance) * distance;
     const double value = static_cast<double>(intensity / square_m2);
     const auto compare = [&](const auto& light) {
-      const auto sample = light->sample_li(Vec3<double>{0, 0, distance}, {});
+      const auto sample = light->sample_li(Vec3{0, 0, distance}, {});
       EXPECT_EQ(sample.reason, NoLight::kNone) << distance;
       sweep.compare(sample.value.r, value, std::to_string(e));
     };
     PointLightParams point;
-    point.intensity_cd = spot.intensity_cd = projection.intensity_cd = Rgb<double>(intensity);
-    compare(PointLight<Served>::create(point));
-    compare(SpotLight<Served>::create(spot));
-    compare(ProjectionLight<Served>::create(projection));
+    point.intensity_cd = spot.intensity_cd = projection.intensity_cd = Rgb(intensity);
+    compare(PointLight::create(point));
+    compare(SpotLight::create(spot));
+    compare(ProjectionLight::create(projection));
     sweep.compare_textbook(intensity / (distance * distance), value);
   }
   sweep.expect_within(kRoundings);
@@ -91,7 +91,7 @@ TEST(MagnitudeExtremes, DistancesWhoseSquaresLeaveTheRangeOfDoubles) {
 
 TEST(MagnitudeExtremes, ValuesThatUnderflowAreZero) {
   Sweep sweep(9, "point, spot and projection lights of 1e-300 cd", "1e13 ... 1e150 m", "value");
-  const Rgb<double> faint(1e-300);
+  const Rgb faint(1e-300);
   PointLightParams point;
   point.intensity_cd = faint;
   SpotLightParams spot;
@@ -104,15 +104,15 @@ TEST(MagnitudeExtremes, ValuesThatUnderflowAreZero) {
   projection.picture = *ProjectedPicture::create(square);
   for (double distance = 1e13; distance < 2e150; distance *= 10) {
     const auto answer = [&](const auto& light) {
-      const auto sample = light->sample_li(Vec3<double>{0, 0, distance}, {});
+      const auto sample = light->sample_li(Vec3{0, 0, distance}, {});
       EXPECT_EQ(sample.distance, distance);
       sweep.answer(sample.reason != NoLight::kNone ? Sweep::name_of(sample.reason)
                    : sample.value.is_black()       ? "0"
                                                    : "not 0");
     };
-    answer(PointLight<Served>::create(point));
-    answer(SpotLight<Served>::create(spot));
-    answer(ProjectionLight<Served>::create(projection));
+    answer(PointLight::create(point));
+    answer(SpotLight::create(spot));
+    answer(ProjectionLight::create(projection));
   }
   sweep.textbook_answer("0");
   sweep.expect_answers("0");
@@ -121,32 +121,32 @@ TEST(MagnitudeExtremes, ValuesThatUnderflowAreZero) {
 /// Calls `f` with a shape of the table magnitude_shapes.
 template <typename F>
 void visit_shape(const std::string& name, double s, F&& f) {
-  const DiffuseEmission both{Rgb<double>(1), true};
+  const DiffuseEmission both{Rgb(1), true};
   if (name == "triangle") {
-    std::vector<Triangle<Served>> one{{{0, 0, 0}, {s, 0, s / 4}, {s / 8, s, 0}}};
-    f(*TriangleMeshLight<Served>::create(both, *TriangleMesh<Served>::create(one)));
+    std::vector<Triangle> one{{{0, 0, 0}, {s, 0, s / 4}, {s / 8, s, 0}}};
+    f(*TriangleMeshLight::create(both, *TriangleMesh::create(one)));
   } else if (name == "rectangle") {
-    std::vector<BilinearPatch<Served>> one{{{0, 0, 0}, {s, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}}};
-    f(*PatchMeshLight<Served>::create(both, *PatchMesh<Served>::create(one)));
+    std::vector<BilinearPatch> one{{{0, 0, 0}, {s, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}}};
+    f(*PatchMeshLight::create(both, *PatchMesh::create(one)));
   } else if (name == "disk") {
     DiskParams disk;
     disk.radius_m = s;
-    f(*DiskLight<Served>::create(both, *Disk<Served>::create(disk)));
+    f(*DiskLight::create(both, *Disk::create(disk)));
   } else if (name == "cylinder") {
     CylinderParams cylinder;
     cylinder.radius_m = s;
     cylinder.z_min_m = -s;
     cylinder.z_max_m = s;
-    f(*CylinderLight<Served>::create(both, *Cylinder<Served>::create(cylinder)));
+    f(*CylinderLight::create(both, *Cylinder::create(cylinder)));
   } else {
     SphereParams sphere;
     sphere.radius_m = s;
-    f(*SphereLight<Served>::create(both, *Sphere<Served>::create(sphere)));
+    f(*SphereLight::create(both, *Sphere::create(sphere)));
   }
 }
 
 /// d^2 / (A cos) in floats.
-float textbook_by_area(const Vec3<float>& to_light, const Vec3<float>& normal, float area) {
+float textbook_by_area(const Vec3f& to_light, const Vec3f& normal, float area) {
   const float d2 = dot(to_light, to_light);
   const float cos = std::fabs(dot(normal, to_light)) / std::sqrt(d2);
   return d2 / (area * cos);
@@ -159,7 +159,7 @@ TEST(MagnitudeExtremes, DensityOfShapes) {
   for (const auto& row : table.rows()) {
     const std::string& shape = row.text("shape");
     visit_shape(shape, row["size"], [&](const auto& light) {
-      Receiver<Served> receiver(receiver_of(row));
+      Receiver receiver(receiver_of(row));
       // Spheres keep the automatic method, which depends on the solid angle.
       if (shape != "sphere") receiver.area_sampling = AreaSampling::kLowDistortion;
       // Each shape is sampled at the u of the table's point.
@@ -169,8 +169,8 @@ TEST(MagnitudeExtremes, DensityOfShapes) {
       sweep.compare(sample.pdf.per_sr, row["pdf_per_sr"], at);
       if (shape != "sphere")
         sweep.compare_textbook(
-            textbook_by_area(Vec3<float>(sample.point - receiver.position),
-                             Vec3<float>(sample.normal), static_cast<float>(row["area_m2"])),
+            textbook_by_area(Vec3f(sample.point - receiver.position), Vec3f(sample.normal),
+                             static_cast<float>(row["area_m2"])),
             row["pdf_per_sr"]);
     });
   }
@@ -196,8 +196,8 @@ TEST(MagnitudeExtremes, PowerOfShapes) {
 }
 
 /// [Oosterom83] in floats.
-float textbook_sr(const Vec3<float>& a, const Vec3<float>& b, const Vec3<float>& c) {
-  const auto norm = [](const Vec3<float>& v) { return std::sqrt(dot(v, v)); };
+float textbook_sr(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  const auto norm = [](const Vec3f& v) { return std::sqrt(dot(v, v)); };
   const float la = norm(a), lb = norm(b), lc = norm(c);
   return 2 * std::atan2(std::fabs(dot(a, cross(b, c))),
                         la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
@@ -209,19 +209,17 @@ TEST(MagnitudeExtremes, DensityOfSolidAngles) {
   const ReferenceTable table("magnitude_solid_angles");
   for (const auto& row : table.rows()) {
     visit_shape(row.text("shape"), row["size"], [&](const auto& light) {
-      Receiver<Served> receiver(receiver_of(row));
+      Receiver receiver(receiver_of(row));
       receiver.area_sampling = AreaSampling::kSolidAngle;
-      for (const Vec2<Served> u : {Vec2<Served>{0.5, 0.5}, Vec2<Served>{1, 0}}) {
+      for (const Vec2 u : {Vec2{0.5, 0.5}, Vec2{1, 0}}) {
         const auto sample = light.sample_li(receiver, u);
         sweep.compare(sample.pdf.per_sr, 1 / row["solid_angle_sr"],
                       row.text("shape") + " " + row.text("size") + ", " + row.text("x"));
       }
     });
-    const Vec3<Served> r = receiver_of(row);
+    const Vec3 r = receiver_of(row);
     const auto s = row["size"];
-    const auto seen = [&](double x, double y, double z) {
-      return Vec3<float>(Vec3<double>{x, y, z} - r);
-    };
+    const auto seen = [&](double x, double y, double z) { return Vec3f(Vec3{x, y, z} - r); };
     const float textbook =
         row.text("shape") == "triangle"
             ? textbook_sr(seen(0, 0, 0), seen(s, 0, s / 4), seen(s / 8, s, 0))
@@ -239,14 +237,14 @@ TEST(MagnitudeExtremes, DensityOfPortals) {
     const double s = row["size"];
     PortalLightParams params;
     params.corners_m = {{{0, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}, {s, 0, 0}}};
-    params.radiance_cd_m2 = Rgb<double>(1);
-    const auto light = PortalLight<Served>::create(params);
-    const Vec3<double> receiver = receiver_of(row);
-    const auto pdf = light->pdf_li(receiver, normalized(Vec3<double>{s / 2, s / 4, 0} - receiver));
+    params.radiance_cd_m2 = Rgb(1);
+    const auto light = PortalLight::create(params);
+    const Vec3 receiver = receiver_of(row);
+    const auto pdf = light->pdf_li(receiver, normalized(Vec3{s / 2, s / 4, 0} - receiver));
     sweep.compare(pdf.per_sr, row["pdf_per_sr"], row.text("size") + ", " + row.text("x"));
     // The textbook takes every portal as small: the squared distance over the projected area, in
     // floats.
-    const Vec3<float> r(receiver);
+    const Vec3f r(receiver);
     const float d2 = dot(r, r);
     sweep.compare_textbook(d2 * std::sqrt(d2) / (static_cast<float>(s * s / 2) * -r.z),
                            row["pdf_per_sr"]);

@@ -14,7 +14,7 @@ namespace {
 using Row = ReferenceTable::Row;
 constexpr float kFloatPi = std::numbers::pi_v<float>;
 
-Vec3<Served> look_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
+Vec3 look_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
 std::string place_of(const Row& row) {
   return row.text("mapping") + " " + row.text("filter") + " (" + row.text("x") + ", " +
          row.text("y") + ", " + row.text("z") + ")";
@@ -54,10 +54,10 @@ void sweep_looks(Sweep& sweep, const std::string& column, F&& lookup) {
   sweep.expect_within(1e-12);
 }
 
-ImageInfiniteLight<Served> sky_of(const Row& row) {
+ImageInfiniteLight sky_of(const Row& row) {
   return sky(patchy_image(row), mapping_of(row), filter_of(row));
 }
-GoniometricLight<Served> lamp_of(const Row& row) {
+GoniometricLight lamp_of(const Row& row) {
   return lamp(patchy_image(row), mapping_of(row), filter_of(row));
 }
 
@@ -120,11 +120,11 @@ TEST(MapExtremes, SamplesAgreeWithTheirDirections) {
               "0, 2^-60 ... 1 - 2^-60, 1; both sides of texels",
               "value and density of a sample against those of its direction");
   int kept = 0, rounded_away = 0;
-  for_each_sky([&](const ImageInfiniteLight<Served>& light, int w, int h) {
+  for_each_sky([&](const ImageInfiniteLight& light, int w, int h) {
     for (const bool incomplete : {false, true})
       for (const double u : sample_values(w))
         for (const double v : sample_values(h)) {
-          Receiver<Served> receiver(0, 0, 0);
+          Receiver receiver(0, 0, 0);
           receiver.incomplete = incomplete;
           const auto s = light.sample_li(receiver, {u, v});
           const std::string at =
@@ -151,9 +151,9 @@ TEST(MapExtremes, DensityCoversTheLight) {
               "2e5 at random, and at 1e-17 ... 0.1 from the poles and the seam",
               "whether the density is positive exactly where there is light");
   RandomU random(20);
-  for_each_sky([&](const ImageInfiniteLight<Served>& light, int, int) {
-    const auto look = [&](const Vec3<double>& map) {
-      const Vec3<double> w = normalized(light.params().world_from_map.vector(map));
+  for_each_sky([&](const ImageInfiniteLight& light, int, int) {
+    const auto look = [&](const Vec3& map) {
+      const Vec3 w = normalized(light.params().world_from_map.vector(map));
       const bool lit = light.le_escaped({}, w).g > 0;
       const bool covered = light.pdf_li({0, 0, 0}, w).per_sr > 0;
       sweep.answer(lit == covered ? "yes" : lit ? "light without density" : "density in the dark");

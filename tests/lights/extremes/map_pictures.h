@@ -17,7 +17,7 @@ namespace lucerna::testing {
 /// `value(i, j)` is the texel in column i and row j.
 template <typename F>
 std::shared_ptr<const Image> grey_image(int width, int height, F&& value) {
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i) texels.emplace_back(static_cast<float>(value(i, j)));
   return *Image::create(width, height, std::move(texels));
@@ -44,17 +44,16 @@ inline std::shared_ptr<const Image> spotted_image(const ReferenceTable::Row& row
       8, 8, [&](int i, int j) { return i == 5 && j == 2 ? row["bright"] : row["background"]; });
 }
 
-inline ImageInfiniteLight<Served> sky(std::shared_ptr<const Image> image, SphereMapping mapping,
-                                      ImageFilter filter, const Transform& turned = {}) {
-  return *ImageInfiniteLight<Served>::create(
+inline ImageInfiniteLight sky(std::shared_ptr<const Image> image, SphereMapping mapping,
+                              ImageFilter filter, const Transform& turned = {}) {
+  return *ImageInfiniteLight::create(
       {.map = *SphereMap::create(std::move(image), mapping, filter), .world_from_map = turned});
 }
 
-inline GoniometricLight<Served> lamp(std::shared_ptr<const Image> image, SphereMapping mapping,
-                                     ImageFilter filter) {
-  return *GoniometricLight<Served>::create(
-      {.intensity = Rgb<double>(1),
-       .map = *IntensityMap::create(std::move(image), mapping, filter)});
+inline GoniometricLight lamp(std::shared_ptr<const Image> image, SphereMapping mapping,
+                             ImageFilter filter) {
+  return *GoniometricLight::create(
+      {.intensity = Rgb(1), .map = *IntensityMap::create(std::move(image), mapping, filter)});
 }
 
 }  // namespace lucerna::testing

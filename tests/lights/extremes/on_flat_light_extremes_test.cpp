@@ -16,23 +16,23 @@ TEST(OnLightExtremes, Triangles) {
   Sweep sweep(7, "receiver on a triangle: at vertices, on edges, inside", kSwept, "answer");
   for (const Place& f : frames())
     for (const bool two_sided : {false, true}) {
-      const Vec3<double> a = f.point(1, 2, 3), b = f.point(9, -6, 11), c = f.point(-7, 10, 19);
-      const auto light = TriangleMeshLight<Served>::create(
-          {Rgb<double>(1), two_sided}, *TriangleMesh<Served>::create({{a, b, c}}));
-      const Vec3<double> normal = normalized(cross(b - a, c - a));
+      const Vec3 a = f.point(1, 2, 3), b = f.point(9, -6, 11), c = f.point(-7, 10, 19);
+      const auto light =
+          TriangleMeshLight::create({Rgb(1), two_sided}, *TriangleMesh::create({{a, b, c}}));
+      const Vec3 normal = normalized(cross(b - a, c - a));
       // Shares of a, b and c in eighths, so that all points are exact.
-      for (const Vec3<double>& share : {Vec3<double>{8, 0, 0},
-                                        {0, 8, 0},
-                                        {0, 0, 8},
-                                        {4, 4, 0},
-                                        {0, 4, 4},
-                                        {6, 0, 2},
-                                        {2, 2, 4},
-                                        {1, 3, 4},
-                                        {3, 3, 2}}) {
-        const Vec3<double> on = a + (b - a) * (share.y / 8) + (c - a) * (share.z / 8);
+      for (const Vec3& share : {Vec3{8, 0, 0},
+                                {0, 8, 0},
+                                {0, 0, 8},
+                                {4, 4, 0},
+                                {0, 4, 4},
+                                {6, 0, 2},
+                                {2, 2, 4},
+                                {1, 3, 4},
+                                {3, 3, 2}}) {
+        const Vec3 on = a + (b - a) * (share.y / 8) + (c - a) * (share.z / 8);
         record_samples(*light, on, sweep);
-        textbook(Vec3<float>(a * 0.5 + b * 0.25 + c * 0.25) - Vec3<float>(on), Vec3<float>(normal),
+        textbook(Vec3f(a * 0.5 + b * 0.25 + c * 0.25) - Vec3f(on), Vec3f(normal),
                  static_cast<float>(light->area_m2()), sweep);
       }
     }
@@ -48,23 +48,22 @@ TEST(OnLightExtremes, Rectangles) {
         const auto at = [&](double u, double v) {
           return tilted ? f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v) : f.point(3 * u, 5 * v, 0);
         };
-        const auto light = PatchMeshLight<Served>::create(
-            {Rgb<double>(1), two_sided},
-            *PatchMesh<Served>::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 8)}}));
-        for (const Vec2<double>& p : {Vec2<double>{0, 0},
-                                      {4, 0},
-                                      {0, 8},
-                                      {4, 8},
-                                      {2, 0},
-                                      {0, 5},
-                                      {4, 3},
-                                      {1, 8},
-                                      {2, 4},
-                                      {1, 7},
-                                      {3, 0.5}}) {
+        const auto light = PatchMeshLight::create(
+            {Rgb(1), two_sided}, *PatchMesh::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 8)}}));
+        for (const Vec2& p : {Vec2{0, 0},
+                              {4, 0},
+                              {0, 8},
+                              {4, 8},
+                              {2, 0},
+                              {0, 5},
+                              {4, 3},
+                              {1, 8},
+                              {2, 4},
+                              {1, 7},
+                              {3, 0.5}}) {
           record_samples(*light, at(p.x, p.y), sweep);
-          textbook(Vec3<float>(at(1, 1)) - Vec3<float>(at(p.x, p.y)),
-                   Vec3<float>(normalized(cross(at(1, 0) - at(0, 0), at(0, 1) - at(0, 0)))),
+          textbook(Vec3f(at(1, 1)) - Vec3f(at(p.x, p.y)),
+                   Vec3f(normalized(cross(at(1, 0) - at(0, 0), at(0, 1) - at(0, 0)))),
                    static_cast<float>(light->area_m2()), sweep);
         }
       }
@@ -80,19 +79,10 @@ TEST(OnLightExtremes, Trapezoids) {
       const auto at = [&](double u, double v) {
         return f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v);
       };
-      const auto light = PatchMeshLight<Served>::create(
-          {Rgb<double>(1), two_sided},
-          *PatchMesh<Served>::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 4)}}));
-      for (const Vec2<double>& p : {Vec2<double>{0, 0},
-                                    {4, 0},
-                                    {0, 8},
-                                    {4, 4},
-                                    {2, 0},
-                                    {0, 5},
-                                    {4, 3},
-                                    {2, 6},
-                                    {1, 2},
-                                    {3, 0.5}})
+      const auto light = PatchMeshLight::create(
+          {Rgb(1), two_sided}, *PatchMesh::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 4)}}));
+      for (const Vec2& p :
+           {Vec2{0, 0}, {4, 0}, {0, 8}, {4, 4}, {2, 0}, {0, 5}, {4, 3}, {2, 6}, {1, 2}, {3, 0.5}})
         record_samples(*light, at(p.x, p.y), sweep);
     }
   sweep.expect_answers(NoLight::kDegenerate);
@@ -109,13 +99,13 @@ TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
     if (max_abs(f.offset) > 3 * f.size) continue;
     const auto light =
         patch_light({f.point(0, 0, 0), f.point(1, 0, 0), f.point(0, 1, 0), f.point(1, 1, 1)});
-    const Receiver<Served> receiver(f.point(0, 0, 0));
+    const Receiver receiver(f.point(0, 0, 0));
     const Seen seen = seen_beside_diagonal(light, receiver);
     EXPECT_EQ(seen.without, 0) << f.size;
     sweep.compare(seen.solid_angle_sr, std::numbers::pi / 6,
                   fmt::format("size {} offset {}", f.size, max_abs(f.offset) / f.size));
     for (const double x : {0.0, 0.3, 1.0})
-      for (const auto& u : {Vec2<double>{x, 0}, {0, x}}) {
+      for (const auto& u : {Vec2{x, 0}, {0, x}}) {
         // Along the edges, on which the receiver lies.
         const auto s = light.sample_li(receiver, u);
         EXPECT_NE(s.reason, NoLight::kNone);
@@ -130,25 +120,24 @@ TEST(OnLightExtremes, CornersWithRandomDigits) {
               kSwept, "answer");
   std::mt19937 random(7);
   std::uniform_real_distribution<double> digits(-1, 1);
-  const auto any = [&] { return Vec3<double>{digits(random), digits(random), digits(random)}; };
+  const auto any = [&] { return Vec3{digits(random), digits(random), digits(random)}; };
   for (const Place& f : frames())
     for (int i = 0; i < 20; ++i) {
-      const auto at = [&f](const Vec3<double>& p) { return f.point(p.x, p.y, p.z); };
-      const Vec3<double> a = any(), e = any(), way = any();
-      const Vec3<double> h = normalized(cross(e, way)) * 0.7;
-      const DiffuseEmission emission{Rgb<double>(1), i % 2 == 0};
-      const auto triangle = TriangleMeshLight<Served>::create(
-          emission, *TriangleMesh<Served>::create({{at(a), at(a + e), at(a + way)}}));
-      const Vec3<double> within = (a * 2 + (a + e) + (a + way)) / 4;
-      for (const Vec3<double>& corner : {a, a + e, a + way}) {
+      const auto at = [&f](const Vec3& p) { return f.point(p.x, p.y, p.z); };
+      const Vec3 a = any(), e = any(), way = any();
+      const Vec3 h = normalized(cross(e, way)) * 0.7;
+      const DiffuseEmission emission{Rgb(1), i % 2 == 0};
+      const auto triangle = TriangleMeshLight::create(
+          emission, *TriangleMesh::create({{at(a), at(a + e), at(a + way)}}));
+      const Vec3 within = (a * 2 + (a + e) + (a + way)) / 4;
+      for (const Vec3& corner : {a, a + e, a + way}) {
         record_samples(*triangle, at(corner), sweep);
-        textbook(Vec3<float>(at(within)) - Vec3<float>(at(corner)),
-                 Vec3<float>(normalized(cross(e, way))), static_cast<float>(triangle->area_m2()),
-                 sweep);
+        textbook(Vec3f(at(within)) - Vec3f(at(corner)), Vec3f(normalized(cross(e, way))),
+                 static_cast<float>(triangle->area_m2()), sweep);
       }
-      const auto rectangle = PatchMeshLight<Served>::create(
-          emission, *PatchMesh<Served>::create({{at(a), at(a + e), at(a + h), at(a + e + h)}}));
-      for (const Vec3<double>& corner : {a, a + e, a + h, a + e + h})
+      const auto rectangle = PatchMeshLight::create(
+          emission, *PatchMesh::create({{at(a), at(a + e), at(a + h), at(a + e + h)}}));
+      for (const Vec3& corner : {a, a + e, a + h, a + e + h})
         record_samples(*rectangle, at(corner), sweep);
     }
   sweep.expect_answers(NoLight::kDegenerate);

@@ -19,25 +19,23 @@ TEST(OnLightExtremes, CutSpheresAndRims) {
     SphereParams whole;
     whole.radius_m = 9 * f.size;
     whole.world_from_object = Transform::translate(f.point(1, 2, 3));
-    const auto ball =
-        *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(whole));
-    for (const Vec3<double>& p : {Vec3<double>{1, 4, 8}, {-4, 7, 4}, {6, -3, -6}, {8, 4, -1}})
+    const auto ball = *SphereLight::create({Rgb(1)}, *Sphere::create(whole));
+    for (const Vec3& p : {Vec3{1, 4, 8}, {-4, 7, 4}, {6, -3, -6}, {8, 4, -1}})
       record_samples(ball, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
     SphereParams part = whole;
     part.radius_m = 5 * f.size;
     part.z_min_m = -4 * f.size;
     part.z_max_m = 3 * f.size;
-    const auto cut = *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(part));
-    for (const Vec3<double>& p : {Vec3<double>{4, 0, 3}, {0, -4, 3}, {-3, 0, -4}, {3, 4, 0}})
+    const auto cut = *SphereLight::create({Rgb(1)}, *Sphere::create(part));
+    for (const Vec3& p : {Vec3{4, 0, 3}, {0, -4, 3}, {-3, 0, -4}, {3, 4, 0}})
       record_samples(cut, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
     CylinderParams cylinder;
     cylinder.radius_m = 5 * f.size;
     cylinder.z_min_m = -8 * f.size;
     cylinder.z_max_m = 8 * f.size;
     cylinder.world_from_object = whole.world_from_object;
-    const auto tube =
-        *CylinderLight<Served>::create({Rgb<double>(1)}, *Cylinder<Served>::create(cylinder));
-    for (const Vec3<double>& p : {Vec3<double>{5, 0, 8}, {3, 4, 8}, {-4, 3, -8}, {-3, -4, 1}})
+    const auto tube = *CylinderLight::create({Rgb(1)}, *Cylinder::create(cylinder));
+    for (const Vec3& p : {Vec3{5, 0, 8}, {3, 4, 8}, {-4, 3, -8}, {-3, -4, 1}})
       record_samples(tube, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
   }
   sweep.expect_answers(NoLight::kDegenerate);
@@ -50,13 +48,11 @@ TEST(OnLightExtremes, Disks) {
       DiskParams params;
       params.radius_m = 4 * f.size;
       params.world_from_object = Transform::translate(f.point(1, 2, 3));
-      const auto light =
-          DiskLight<Served>::create({Rgb<double>(1), two_sided}, *Disk<Served>::create(params));
-      for (const Vec2<double>& p :
-           {Vec2<double>{0, 0}, {4, 0}, {0, -4}, {-4, 0}, {1, 2}, {-3, 0.5}, {2, -2}}) {
+      const auto light = DiskLight::create({Rgb(1), two_sided}, *Disk::create(params));
+      for (const Vec2& p : {Vec2{0, 0}, {4, 0}, {0, -4}, {-4, 0}, {1, 2}, {-3, 0.5}, {2, -2}}) {
         record_samples(*light, f.point(1 + p.x, 2 + p.y, 3), sweep);
-        textbook(Vec3<float>(f.point(1, 2.5, 3)) - Vec3<float>(f.point(1 + p.x, 2 + p.y, 3)),
-                 {0, 0, 1}, static_cast<float>(light->area_m2()), sweep);
+        textbook(Vec3f(f.point(1, 2.5, 3)) - Vec3f(f.point(1 + p.x, 2 + p.y, 3)), {0, 0, 1},
+                 static_cast<float>(light->area_m2()), sweep);
       }
     }
   sweep.expect_answers(NoLight::kDegenerate);
@@ -68,21 +64,19 @@ TEST(OnLightExtremes, SpheresAndCylindersFromOutside) {
     SphereParams sphere;
     sphere.radius_m = 4 * f.size;
     sphere.world_from_object = Transform::translate(f.point(1, 2, 3));
-    const auto ball =
-        SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(sphere));
+    const auto ball = SphereLight::create({Rgb(1)}, *Sphere::create(sphere));
     CylinderParams cylinder;
     cylinder.radius_m = 4 * f.size;
     cylinder.z_min_m = -8 * f.size;
     cylinder.z_max_m = 8 * f.size;
     cylinder.world_from_object = sphere.world_from_object;
-    const auto tube =
-        CylinderLight<Served>::create({Rgb<double>(1)}, *Cylinder<Served>::create(cylinder));
-    for (const Vec2<double>& p : {Vec2<double>{4, 0}, {0, -4}, {-4, 0}}) {
-      const Vec3<double> on = f.point(1 + p.x, 2 + p.y, 3);
+    const auto tube = CylinderLight::create({Rgb(1)}, *Cylinder::create(cylinder));
+    for (const Vec2& p : {Vec2{4, 0}, {0, -4}, {-4, 0}}) {
+      const Vec3 on = f.point(1 + p.x, 2 + p.y, 3);
       record_samples(*ball, on, sweep);
       record_samples(*tube, on, sweep);
-      textbook(Vec3<float>(f.point(1, 2, 7)) - Vec3<float>(on), {0, 0, 1},
-               static_cast<float>(ball->area_m2()), sweep);
+      textbook(Vec3f(f.point(1, 2, 7)) - Vec3f(on), {0, 0, 1}, static_cast<float>(ball->area_m2()),
+               sweep);
     }
   }
   sweep.expect_answers(NoLight::kDegenerate);
@@ -102,13 +96,11 @@ TEST(OnLightExtremes, SpheresFromWithin) {
       params.radius_m = 4 * f.size;
       params.reverse_orientation = !two_sided;
       params.world_from_object = Transform::translate(f.point(1, 2, 3));
-      const auto light =
-          SphereLight<Served>::create({Rgb<double>(1), two_sided}, *Sphere<Served>::create(params));
-      for (const Vec3<double>& outwards :
-           {Vec3<double>{1, 0, 0}, {0, -1, 0}, {-1, 0, 0}, {0, 0, 1}})
+      const auto light = SphereLight::create({Rgb(1), two_sided}, *Sphere::create(params));
+      for (const Vec3& outwards : {Vec3{1, 0, 0}, {0, -1, 0}, {-1, 0, 0}, {0, 0, 1}})
         for (const double x : {0.125, 0.4, 0.75})
           for (const double y : {0.1, 0.3, 0.6, 0.9}) {
-            const Receiver<Served> receiver(f.point(1, 2, 3) + outwards * params.radius_m);
+            const Receiver receiver(f.point(1, 2, 3) + outwards * params.radius_m);
             const auto sample = light->sample_li(receiver, {x, y});
             ASSERT_EQ(sample.reason, NoLight::kNone);
             const double cos = -dot(sample.wi, outwards), truth = cos / std::numbers::pi;
@@ -116,9 +108,9 @@ TEST(OnLightExtremes, SpheresFromWithin) {
             sweep.compare(sample.pdf.per_sr, truth, at);
             EXPECT_LE(relative_error(sample.pdf.per_sr, truth), bound(max_abs(f.offset) / f.size))
                 << at;
-            const Vec3<float> way = Vec3<float>(sample.point) - Vec3<float>(receiver.position);
+            const Vec3f way = Vec3f(sample.point) - Vec3f(receiver.position);
             const float d2 = dot(way, way);
-            const float cos_light = -dot(Vec3<float>(sample.normal), way) / std::sqrt(d2);
+            const float cos_light = -dot(Vec3f(sample.normal), way) / std::sqrt(d2);
             sweep.compare_textbook(
                 d2 / (std::fabs(cos_light) * static_cast<float>(light->area_m2())), truth);
           }

@@ -15,17 +15,17 @@ namespace {
 using Row = ReferenceTable::Row;
 
 /// A square portal with a corner at the origin.
-const PortalLight<Served>& portal(double side) {
-  static std::map<double, PortalLight<Served>> made;
+const PortalLight& portal(double side) {
+  static std::map<double, PortalLight> made;
   const auto at = made.find(side);
   if (at != made.end()) return at->second;
   return made
-      .emplace(side, *PortalLight<Served>::create(
+      .emplace(side, *PortalLight::create(
                          {.corners_m = {{{0, 0, 0}, {0, side, 0}, {side, side, 0}, {side, 0, 0}}}}))
       .first->second;
 }
 
-Vec3<Served> receiver_of(const Row& row) { return {row["x"], row["y"], -row["depth"]}; }
+Vec3 receiver_of(const Row& row) { return {row["x"], row["y"], -row["depth"]}; }
 std::string portal_of(const Row& row) {
   return row.text("side") + " m from (" + row.text("x") + ", " + row.text("y") + ", " +
          row.text("depth") + ")";
@@ -39,7 +39,7 @@ TEST(PortalExtremes, Density) {
   const ReferenceTable table("portals");
   for (const auto& row : table.rows()) {
     const auto& light = portal(row["side"]);
-    const Vec3<Served> w{row["wx"], row["wy"], row["wz"]};
+    const Vec3 w{row["wx"], row["wy"], row["wz"]};
     sweep.compare(light.pdf_li(receiver_of(row), w).per_sr, row["per_sr"], portal_of(row));
     EXPECT_EQ(light.le_escaped(receiver_of(row), w).g, 1) << portal_of(row);
   }
@@ -53,10 +53,10 @@ TEST(PortalExtremes, Edges) {
   const auto& light = portal(1);
   for (const double half : {1e-9, 1e-7, 1e-5, 1e-3, 0.1, 0.5, 1.0, 1.5}) {
     const double depth = 0.5 / std::tan(half);
-    const Vec3<Served> middle{0.5, 0.5, -depth};
+    const Vec3 middle{0.5, 0.5, -depth};
     for (const auto& [x, y] : {std::pair{1.0, 0.0}, {-1.0, 0.3}, {0.2, 1.0}, {0.7, -1.0}}) {
       const auto towards = [&](double share) {
-        return normalized(Vec3<double>{0.5 * share * x, 0.5 * share * y, depth});
+        return normalized(Vec3{0.5 * share * x, 0.5 * share * y, depth});
       };
       const bool within = light.pdf_li(middle, towards(0.999)).per_sr > 0;
       const bool beyond = light.pdf_li(middle, towards(1.001)).per_sr > 0;
@@ -77,7 +77,7 @@ TEST(PortalExtremes, SamplesLeadThroughThePortal) {
     const auto& light = portal(row["side"]);
     const bool resolved = row["wz"] > 1e-14;
     for (int i = 0; i < 64; ++i) {
-      const Vec2<Served> u = random.pair<Served>();
+      const Vec2 u = random.pair();
       const auto s = light.sample_li(receiver_of(row), u);
       if (!resolved && s.reason == NoLight::kOutOfRange) continue;
       const bool same = light.pdf_li(receiver_of(row), s.wi) == s.pdf;

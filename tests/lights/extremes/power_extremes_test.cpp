@@ -32,10 +32,10 @@ TEST(PowerExtremes, Spots) {
   for (const auto& row : table.rows())
     for (const SpotProfile profile :
          {SpotProfile::kSmoothstep, SpotProfile::kQuadratic, SpotProfile::kQuartic}) {
-      const auto light = *SpotLight<Served>::create({.intensity_cd = Rgb<double>(1),
-                                                     .cone_half_angle_rad = row["cone_rad"],
-                                                     .falloff_start_rad = row["start_rad"],
-                                                     .profile = profile});
+      const auto light = *SpotLight::create({.intensity_cd = Rgb(1),
+                                             .cone_half_angle_rad = row["cone_rad"],
+                                             .falloff_start_rad = row["start_rad"],
+                                             .profile = profile});
       const double truth = row[profile == SpotProfile::kSmoothstep  ? "smoothstep_lm"
                                : profile == SpotProfile::kQuadratic ? "quadratic_lm"
                                                                     : "quartic_lm"];
@@ -47,14 +47,12 @@ TEST(PowerExtremes, Spots) {
   sweep.expect_within(2e-15);
 }
 
-ProjectionLight<Served> projection(const Row& row, std::shared_ptr<const Image> image,
-                                   ImageFilter filter) {
-  return *ProjectionLight<Served>::create(
-      {.picture = *ProjectedPicture::create({.image = std::move(image),
-                                             .filter = filter,
-                                             .fov_rad = row["fov_rad"],
-                                             .aspect = row["aspect"]}),
-       .intensity_cd = Rgb<double>(1)});
+ProjectionLight projection(const Row& row, std::shared_ptr<const Image> image, ImageFilter filter) {
+  return *ProjectionLight::create({.picture = *ProjectedPicture::create({.image = std::move(image),
+                                                                         .filter = filter,
+                                                                         .fov_rad = row["fov_rad"],
+                                                                         .aspect = row["aspect"]}),
+                                   .intensity_cd = Rgb(1)});
 }
 
 const char* const kProjections = "1e-5 ... 179.999 degrees, aspect 1e-3 ... 1e3";
@@ -98,9 +96,9 @@ TEST(PowerExtremes, BilinearProjectedPictures) {
   sweep.expect_within(2e-14);
 }
 
-template <template <typename> typename Shape>
-AreaLight<Served, Shape> shining(absl::StatusOr<Shape<Served>> shape) {
-  return *AreaLight<Served, Shape>::create({Rgb<double>(1)}, *std::move(shape));
+template <typename Shape>
+AreaLight<Shape> shining(absl::StatusOr<Shape> shape) {
+  return *AreaLight<Shape>::create({Rgb(1)}, *std::move(shape));
 }
 
 void check_areas(Sweep& sweep, bool bent) {
@@ -109,32 +107,32 @@ void check_areas(Sweep& sweep, bool bent) {
     if ((row.text("shape") == "bent") != bent) continue;
     const double s = row["size"], truth = row["power_lm"];
     const std::string name = row.text("shape"), at = name + " " + row.text("size");
-    const auto v = [s](double x, double y, double z) { return Vec3<Served>{s * x, s * y, s * z}; };
+    const auto v = [s](double x, double y, double z) { return Vec3{s * x, s * y, s * z}; };
     if (name == "sphere") {
       const SphereParams p{.radius_m = s, .z_min_m = -s / 2, .z_max_m = 0.75 * s, .phi_max_rad = 2};
-      check_power(sweep, shining<Sphere>(Sphere<Served>::create(p)), truth, at);
+      check_power(sweep, shining<Sphere>(Sphere::create(p)), truth, at);
     } else if (name == "disk") {
       const DiskParams p{.radius_m = s, .inner_radius_m = s / 4, .phi_max_rad = 2};
-      check_power(sweep, shining<Disk>(Disk<Served>::create(p)), truth, at);
+      check_power(sweep, shining<Disk>(Disk::create(p)), truth, at);
     } else if (name == "cylinder") {
       const CylinderParams p{.radius_m = s / 2, .z_min_m = 0, .z_max_m = 3 * s, .phi_max_rad = 2};
-      check_power(sweep, shining<Cylinder>(Cylinder<Served>::create(p)), truth, at);
+      check_power(sweep, shining<Cylinder>(Cylinder::create(p)), truth, at);
     } else if (name == "triangle") {
-      check_power(sweep,
-                  shining<TriangleMesh>(
-                      TriangleMesh<Served>::create({{v(0, 0, 0), v(1, 0, 0), v(0, 2, 2)}})),
-                  truth, at);
+      check_power(
+          sweep,
+          shining<TriangleMesh>(TriangleMesh::create({{v(0, 0, 0), v(1, 0, 0), v(0, 2, 2)}})),
+          truth, at);
       // The cross product in floats, whose squares exceed their range.
       const auto f = static_cast<float>(s);
       const float area = std::sqrt(2 * (2 * f * f) * (2 * f * f)) / 2;
       sweep.compare_textbook(kFloatPi * area, truth);
     } else {
       const bool flat = name == "flat";
-      check_power(sweep,
-                  shining<PatchMesh>(
-                      PatchMesh<Served>::create({{v(0, 0, 0), v(flat ? 2 : 1, 0, 0), v(0, 1, 0),
-                                                  v(flat ? 2 : 1, 1, flat ? 0 : 0.5)}})),
-                  truth, at);
+      check_power(
+          sweep,
+          shining<PatchMesh>(PatchMesh::create({{v(0, 0, 0), v(flat ? 2 : 1, 0, 0), v(0, 1, 0),
+                                                 v(flat ? 2 : 1, 1, flat ? 0 : 0.5)}})),
+          truth, at);
     }
   }
 }
@@ -165,15 +163,15 @@ TEST(PowerExtremes, PhotometryAndPictures) {
       for (const double b : web.horizontal_deg)
         for (const double a : web.vertical_deg)
           web.intensity_cd.push_back(size * (1 + std::fmod(7 * a + 3 * std::fmod(b, 360), 11)));
-      check_power(sweep,
-                  *GoniometricLight<Served>::create(
-                      {.intensity = Rgb<double>(1), .web = *PhotometricWeb::create(web)}),
-                  truth, "web " + row.text("size"));
+      check_power(
+          sweep,
+          *GoniometricLight::create({.intensity = Rgb(1), .web = *PhotometricWeb::create(web)}),
+          truth, "web " + row.text("size"));
     } else {
       const Picture picture{grey_image(4, 3, patchy_texel), ImageFilter::kNearest, ""};
       check_power(sweep,
-                  shining<PaintedSphere>(PaintedSphere<Served>::create(
-                      *Sphere<Served>::create({.radius_m = size}), picture)),
+                  shining<PaintedSphere>(
+                      PaintedSphere::create(*Sphere::create({.radius_m = size}), picture)),
                   truth, "painted sphere " + row.text("size"));
     }
   }
@@ -187,19 +185,17 @@ TEST(PowerExtremes, OtherLights) {
     const double size = row["size"], truth = row["power_lm"];
     const std::string name = row.text("light"), at = name + " " + row.text("size");
     const SceneSphere scene{{}, size};
-    const Rgb<double> one(1);
+    const Rgb one(1);
     if (name == "point")
-      check_power(sweep, *PointLight<Served>::create({.intensity_cd = one}), truth, at, scene);
+      check_power(sweep, *PointLight::create({.intensity_cd = one}), truth, at, scene);
     else if (name == "infinite")
-      check_power(sweep, *UniformInfiniteLight<Served>::create({.radiance_cd_m2 = one}), truth, at,
-                  scene);
+      check_power(sweep, *UniformInfiniteLight::create({.radiance_cd_m2 = one}), truth, at, scene);
     else if (name == "distant")
-      check_power(sweep, *DistantLight<Served>::create({.illuminance_lx = one}), truth, at, scene);
+      check_power(sweep, *DistantLight::create({.illuminance_lx = one}), truth, at, scene);
     else
-      check_power(sweep,
-                  *BeamLight<Served>::create(
-                      {.width_m = size, .height_m = 3 * size, .illuminance_lx = one}),
-                  truth, at, scene);
+      check_power(
+          sweep, *BeamLight::create({.width_m = size, .height_m = 3 * size, .illuminance_lx = one}),
+          truth, at, scene);
     const auto r = static_cast<float>(size);
     if (name == "infinite") sweep.compare_textbook(4 * kFloatPi * kFloatPi * r * r, truth);
   }
@@ -212,15 +208,13 @@ TEST(PowerExtremes, Portals) {
   const ReferenceTable table("portal_powers");
   for (const auto& row : table.rows()) {
     const double side = row["side"];
-    const Vec3<double> across =
-        row.text("n") == "x" ? Vec3<double>{0, side, 0} : Vec3<double>{0, 0, side};
-    const Vec3<double> up =
-        row.text("n") == "x" ? Vec3<double>{0, 0, 3 * side} : Vec3<double>{3 * side, 0, 0};
+    const Vec3 across = row.text("n") == "x" ? Vec3{0, side, 0} : Vec3{0, 0, side};
+    const Vec3 up = row.text("n") == "x" ? Vec3{0, 0, 3 * side} : Vec3{3 * side, 0, 0};
     PortalLightParams params{.corners_m = {{{}, up, across + up, across}}};
     if (row.text("sky") == "picture")
       params.map = *SphereMap::create(grey_image(8, 5, patchy_texel),
                                       SphereMapping::kLatitudeLongitude, ImageFilter::kNearest);
-    check_power(sweep, *PortalLight<Served>::create(params), row["power_lm"],
+    check_power(sweep, *PortalLight::create(params), row["power_lm"],
                 row.text("sky") + " " + row.text("n") + " " + row.text("side"));
   }
   // Cells are pi / 515 high and 2 pi / 512 wide.  Midpoints overestimate the integral of the

@@ -12,13 +12,13 @@ namespace {
 
 using Row = ReferenceTable::Row;
 
-ProjectionLight<Served> projection(const Row& row) {
-  return *ProjectionLight<Served>::create(
+ProjectionLight projection(const Row& row) {
+  return *ProjectionLight::create(
       {.picture = *ProjectedPicture::create({.image = grey_image(4, 3, patchy_texel),
                                              .filter = filter_of(row),
                                              .fov_rad = row["fov_rad"],
                                              .aspect = row["aspect"]}),
-       .intensity_cd = Rgb<double>(1)});
+       .intensity_cd = Rgb(1)});
 }
 
 std::string projection_of(const Row& row) {
@@ -82,12 +82,11 @@ TEST(ProjectionExtremes, DensityCoversTheLight) {
     const auto light = projection(row);
     // The place itself, and both sides of the border in its row and its column.
     const double x = row["x"], y = row["y"];
-    const Vec2<double> half = light.params().picture->half();
+    const Vec2 half = light.params().picture->half();
     for (const double beside : {1 - 1e-15, 1.0, 1 + 1e-15})
-      for (const Vec3<Served>& w :
-           {Vec3<Served>{x, y, 1}, Vec3<Served>{half.x * beside, y, 1},
-            Vec3<Served>{-half.x * beside, y, 1}, Vec3<Served>{x, half.y * beside, 1},
-            Vec3<Served>{x, -half.y * beside, 1}}) {
+      for (const Vec3& w :
+           {Vec3{x, y, 1}, Vec3{half.x * beside, y, 1}, Vec3{-half.x * beside, y, 1},
+            Vec3{x, half.y * beside, 1}, Vec3{x, -half.y * beside, 1}}) {
         const bool lit = light.intensity(w).g > 0;
         const bool covered = light.pdf_le({}, w, {}).direction.per_sr > 0;
         sweep.answer(lit == covered ? "yes"

@@ -12,7 +12,7 @@
 namespace lucerna::testing {
 namespace {
 
-PatchMeshLight<Served> light_in(const ReferenceTable::Row& row) {
+PatchMeshLight light_in(const ReferenceTable::Row& row) {
   return patch_light(
       {vector_in(row, "p00"), vector_in(row, "p10"), vector_in(row, "p01"), vector_in(row, "p11")});
 }
@@ -24,10 +24,10 @@ std::string place(const ReferenceTable::Row& row) {
 /// The sum of the angles minus two pi.  The angles come from cosines between neighbouring planes.
 /// [Urena13]
 float textbook_solid_angle(const ReferenceTable::Row& row) {
-  const Vec3<float> r(vector_in(row, "receiver"));
-  Vec3<float> corner[4], plane[4];
+  const Vec3f r(vector_in(row, "receiver"));
+  Vec3f corner[4], plane[4];
   const char* around[] = {"p00", "p10", "p11", "p01"};
-  for (int i = 0; i < 4; ++i) corner[i] = Vec3<float>(vector_in(row, around[i])) - r;
+  for (int i = 0; i < 4; ++i) corner[i] = Vec3f(vector_in(row, around[i])) - r;
   for (int i = 0; i < 4; ++i) plane[i] = normalized(cross(corner[i], corner[(i + 1) % 4]));
   float sum = -2 * std::numbers::pi_v<float>;
   for (int i = 0; i < 4; ++i) sum += std::acos(-dot(plane[i], plane[(i + 1) % 4]));
@@ -86,24 +86,23 @@ TEST(RectangleExtremes, SmallQuadrilaterals) {
 /// The expected count of samples in each of n x n cells of the rectangle: the integral over the
 /// cell of the reported density of points.
 template <typename Light>
-std::vector<double> expected_counts(const Light& light, const Receiver<Served>& receiver,
-                                    const Vec3<double>& corner, const Vec3<double>& x,
-                                    const Vec3<double>& y, int n, double samples) {
+std::vector<double> expected_counts(const Light& light, const Receiver& receiver,
+                                    const Vec3& corner, const Vec3& x, const Vec3& y, int n,
+                                    double samples) {
   const Gauss<6>& rule = gauss<6>();
-  const Vec3<double> area = cross(x, y);
-  const Vec3<double> normal = normalized(area);
+  const Vec3 area = cross(x, y);
+  const Vec3 normal = normalized(area);
   const double height = std::fabs(dot(corner - receiver.position, normal));
   std::vector<double> expected(n * n);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (std::size_t k = 0; k < 6; ++k)
         for (std::size_t l = 0; l < 6; ++l) {
-          const Vec3<double> p =
-              corner + x * ((i + rule.node[k]) / n) + y * ((j + rule.node[l]) / n);
+          const Vec3 p = corner + x * ((i + rule.node[k]) / n) + y * ((j + rule.node[l]) / n);
           const double d = length(p - receiver.position);
           const double sr = height / d / d / d * length(area) / (n * n);
           expected[i * n + j] += samples * rule.weight[k] * rule.weight[l] * sr *
-                                 light.pdf_li(receiver, SurfacePoint<Served>{p, normal, 0}).per_sr;
+                                 light.pdf_li(receiver, SurfacePoint{p, normal, 0}).per_sr;
         }
   return expected;
 }
@@ -115,17 +114,17 @@ TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
   const ReferenceTable table("edge_on_rectangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);
-    const Vec3<double> corner = vector_in(row, "p00"), x = vector_in(row, "p10") - corner,
-                       y = vector_in(row, "p01") - corner;
+    const Vec3 corner = vector_in(row, "p00"), x = vector_in(row, "p10") - corner,
+               y = vector_in(row, "p01") - corner;
     for (const AreaSampling way : kWays) {
-      const Receiver<Served> receiver = receiver_in(row, way);
+      const Receiver receiver = receiver_in(row, way);
       constexpr int kBins = 12, kSamples = 40000;
       std::vector<double> observed(kBins * kBins);
       RandomU random(0x5e5);
       for (int i = 0; i < kSamples; ++i) {
-        const auto s = light.sample_li(receiver, random.pair<Served>());
-        const Vec3<double> p = s.point - corner;
-        const auto bin = [&](const Vec3<double>& edge) {
+        const auto s = light.sample_li(receiver, random.pair());
+        const Vec3 p = s.point - corner;
+        const auto bin = [&](const Vec3& edge) {
           return std::clamp(int(dot(p, edge) / dot(edge, edge) * kBins), 0, kBins - 1);
         };
         ++observed[bin(x) * kBins + bin(y)];

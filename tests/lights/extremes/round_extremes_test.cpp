@@ -11,15 +11,15 @@ namespace lucerna::testing {
 namespace {
 
 /// The disk of a row, seen from the origin.
-DiskLight<Served> disk_in(const ReferenceTable::Row& row) {
+DiskLight disk_in(const ReferenceTable::Row& row) {
   DiskParams params;
   params.radius_m = row["radius_m"];
   params.world_from_object = Transform::translate({row["offset_m"], 0, row["height_m"]});
-  return *DiskLight<Served>::create({Rgb<double>(1), true}, *Disk<Served>::create(params));
+  return *DiskLight::create({Rgb(1), true}, *Disk::create(params));
 }
 
-Receiver<Served> at_origin(const ReferenceTable::Row& row, AreaSampling way) {
-  Receiver<Served> receiver(0, 0, 0);
+Receiver at_origin(const ReferenceTable::Row& row, AreaSampling way) {
+  Receiver receiver(0, 0, 0);
   receiver.normal = vector_in(row, "normal");
   receiver.area_sampling = way;
   return receiver;
@@ -28,7 +28,7 @@ Receiver<Served> at_origin(const ReferenceTable::Row& row, AreaSampling way) {
 /// Integrates over samples of a disk by solid angle.  The map has four quarters of the square, each
 /// smooth.
 template <std::size_t kNodes = 24, typename Light>
-Seen seen_in_quarters(const Light& light, const Receiver<Served>& receiver) {
+Seen seen_in_quarters(const Light& light, const Receiver& receiver) {
   // The quarters are those of the concentric map, cut by both diagonals.  Each triangle is
   // integrated as a square.
   const Gauss<kNodes>& rule = gauss<kNodes>();
@@ -37,14 +37,14 @@ Seen seen_in_quarters(const Light& light, const Receiver<Served>& receiver) {
     for (std::size_t j = 0; j < kNodes; ++j) {
       const double a = rule.node[i], b = a * (2 * rule.node[j] - 1);
       const double weight = rule.weight[i] * rule.weight[j] * a / 2;
-      for (const Vec2<double> p : {Vec2<double>{a, b}, {-a, b}, {b, a}, {b, -a}})
+      for (const Vec2 p : {Vec2{a, b}, {-a, b}, {b, a}, {b, -a}})
         seen.add(light, receiver, {(1 + p.x) / 2, (1 + p.y) / 2}, weight);
     }
   return seen;
 }
 
-Seen seen_disk(const DiskLight<Served>& light, const Receiver<Served>& receiver) {
-  Receiver<Served> by_area = receiver;
+Seen seen_disk(const DiskLight& light, const Receiver& receiver) {
+  Receiver by_area = receiver;
   by_area.area_sampling = AreaSampling::kLowDistortion;
   // Without a density by solid angle, points are sampled by area, smooth in the radius.
   const bool is_by_area =
@@ -106,8 +106,7 @@ TEST(DiskExtremes, TiltedGrazingDisks) {
   DiskParams params;
   params.world_from_object =
       *Transform::from_matrix({{{1, 2, 2, -3}, {2, 1, -2, -6}, {2, -2, 1, -6}}});
-  const auto light =
-      *DiskLight<Served>::create({Rgb<double>(1), true}, *Disk<Served>::create(params));
+  const auto light = *DiskLight::create({Rgb(1), true}, *Disk::create(params));
   const ReferenceTable table("tilted_disks");
   for (const auto& row : table.rows()) {
     const Seen seen = seen_by<32>(light, receiver_in(row, AreaSampling::kLowDistortion), By::kRoot);
@@ -116,19 +115,19 @@ TEST(DiskExtremes, TiltedGrazingDisks) {
     EXPECT_LE(relative_error(seen.solid_angle_sr, row["solid_angle_sr"]), 1e-11);
     sweep.compare(seen.irradiance_lx, row["irradiance_lx"], row.text("height"));
     // Normal and receiver in float: the result is the rounding of their product.
-    const Vec3<float> n = normalized(Vec3<float>(2, -2, 1)), r(vector_in(row, "receiver"));
-    const float height = dot(r + Vec3<float>(3, 6, 6), n);
+    const Vec3f n = normalized(Vec3f(2, -2, 1)), r(vector_in(row, "receiver"));
+    const float height = dot(r + Vec3f(3, 6, 6), n);
     sweep.compare_textbook(height, 3 * row["height"]);
   }
   sweep.expect_within(1e-11);
 }
 
-CylinderLight<Served> cylinder_in(const ReferenceTable::Row& row) {
+CylinderLight cylinder_in(const ReferenceTable::Row& row) {
   CylinderParams params;
   params.radius_m = row["radius_m"];
   params.z_min_m = row["z_min_m"];
   params.z_max_m = row["z_max_m"];
-  return *CylinderLight<Served>::create({Rgb<double>(1)}, *Cylinder<Served>::create(params));
+  return *CylinderLight::create({Rgb(1)}, *Cylinder::create(params));
 }
 
 void sweep_cylinders(const std::string& name, Sweep& sweep) {
@@ -136,7 +135,7 @@ void sweep_cylinders(const std::string& name, Sweep& sweep) {
   for (const auto& row : table.rows()) {
     if (row.text("name") != name) continue;
     const auto light = cylinder_in(row);
-    Receiver<Served> receiver(row["receiver_m"], 0, 0);
+    Receiver receiver(row["receiver_m"], 0, 0);
     receiver.normal = vector_in(row, "normal");
     // Only the part between the tangents is visible.
     const double share = row["tangent_rad"] / (2 * kPi);
@@ -171,9 +170,8 @@ TEST(CylinderExtremes, TubesSeenAlongTheirAxis) {
     params.radius_m = row["radius_m"];
     params.z_min_m = 1;
     params.z_max_m = 2;
-    const auto light =
-        *CylinderLight<Served>::create({Rgb<double>(1), true}, *Cylinder<Served>::create(params));
-    Receiver<Served> receiver(0, 0, 0);
+    const auto light = *CylinderLight::create({Rgb(1), true}, *Cylinder::create(params));
+    Receiver receiver(0, 0, 0);
     receiver.normal = {0, 0, 1};
     const Seen seen = seen_by(light, receiver);
     EXPECT_EQ(seen.without, 0) << row.text("radius_m");

@@ -27,9 +27,8 @@ TEST(SphereExtremes, DensityOfFarSpheres) {
   for (const auto& row : table.rows()) {
     SphereParams params;
     params.radius_m = row["radius_m"];
-    const auto light =
-        SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(params));
-    const Vec3<Served> receiver(0, 0, row["distance_m"]);
+    const auto light = SphereLight::create({Rgb(1)}, *Sphere::create(params));
+    const Vec3 receiver(0, 0, row["distance_m"]);
     const auto sample = light->sample_li(receiver, {0.5, 0.5});
     sweep.compare(sample.pdf.per_sr, row["pdf_per_sr"], row.text("radius_m"));
     sweep.compare_textbook(
@@ -39,10 +38,10 @@ TEST(SphereExtremes, DensityOfFarSpheres) {
   sweep.expect_within(1e-14);
 }
 
-SphereLight<Served> sphere_light(double radius_m, bool two_sided = false) {
+SphereLight sphere_light(double radius_m, bool two_sided = false) {
   SphereParams params;
   params.radius_m = radius_m;
-  return *SphereLight<Served>::create({Rgb<double>(1), two_sided}, *Sphere<Served>::create(params));
+  return *SphereLight::create({Rgb(1), two_sided}, *Sphere::create(params));
 }
 
 /// The directions of samples from (0, 0, d) to a sphere about 0.
@@ -52,10 +51,10 @@ struct Directions {
 
 Directions directions_of(double radius, double distance) {
   const auto light = sphere_light(radius);
-  const Vec3<Served> receiver(0, 0, distance);
+  const Vec3 receiver(0, 0, distance);
   const Gauss<16>& rule = gauss<16>();
   Directions all;
-  const auto add = [&](Vec2<double> u, double weight) {
+  const auto add = [&](Vec2 u, double weight) {
     const auto s = light.sample_li(receiver, u);
     const double sine = std::hypot(s.wi.x, s.wi.y);
     all.widest_rad = std::fmax(all.widest_rad, std::atan2(sine, -s.wi.z));
@@ -99,7 +98,7 @@ TEST(SphereExtremes, IrradianceAndPowerOfFarSpheres) {
   for (const auto& row : table.rows()) {
     const double radius = row["radius_m"];
     const auto light = sphere_light(radius);
-    Receiver<Served> receiver(0, 0, row["distance_m"]);
+    Receiver receiver(0, 0, row["distance_m"]);
     receiver.normal = {0, 0, -1};
     const Seen seen = seen_by(light, receiver);
     const double share = radius / row["distance_m"];
@@ -159,7 +158,7 @@ TEST(SphereExtremes, IrradianceJustOutside) {
 /// A receiver inside of a sphere light that faces away from the nearest point.
 struct Inside {
   double radius, depth;  ///< the latter in radii
-  Vec3<double> center;
+  Vec3 center;
   AreaSampling way;
   double side;  ///< which pole is the nearest point
 };
@@ -167,7 +166,7 @@ struct Inside {
 std::vector<Inside> places_inside() {
   std::vector<Inside> all;
   for (int decade = -6; decade <= 6; decade += 3)
-    for (const Vec3<double>& offset : {Vec3<double>{0, 0, 0}, {3, -5, 7}, {1000, -2000, 500}})
+    for (const Vec3& offset : {Vec3{0, 0, 0}, {3, -5, 7}, {1000, -2000, 500}})
       for (const AreaSampling way :
            {AreaSampling::kAutomatic, AreaSampling::kSolidAngle, AreaSampling::kSquareRoot})
         for (const double depth : {1.0, 0.5, 0.125, 0.01, 1e-3, 9e-4, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10,
@@ -185,8 +184,7 @@ std::vector<Inside> places_inside() {
 /// integrand has a kink at the horizon.  For directions that is half of u.x; for points it is the
 /// share of z up to the receiver.  Near the latter the integrand changes within a layer of the
 /// depth.  Gauss's rule is applied between these places.
-Seen seen_along_x(const SphereLight<Served>& light, const Receiver<Served>& receiver,
-                  const Inside& place) {
+Seen seen_along_x(const SphereLight& light, const Receiver& receiver, const Inside& place) {
   const double edge = place.side > 0 ? 1 - place.depth / 2 : place.depth / 2;
   std::set<double> ends{0, 0.5, edge, 1};
   for (double step = place.depth / 8; step < 1; step *= 4)
@@ -214,10 +212,8 @@ TEST(SphereExtremes, IrradianceInside) {
       params.radius_m = place.radius;
       params.reverse_orientation = !two_sided;
       params.world_from_object = Transform::translate(place.center);
-      const auto light = *SphereLight<Served>::create({Rgb<double>(1), two_sided},
-                                                      *Sphere<Served>::create(params));
-      Receiver<Served> receiver(place.center +
-                                Vec3<double>{0, 0, place.side * place.radius * (1 - place.depth)});
+      const auto light = *SphereLight::create({Rgb(1), two_sided}, *Sphere::create(params));
+      Receiver receiver(place.center + Vec3{0, 0, place.side * place.radius * (1 - place.depth)});
       receiver.normal = {0, 0, -place.side};
       receiver.area_sampling = place.way;
       const Seen seen = seen_along_x(light, receiver, place);

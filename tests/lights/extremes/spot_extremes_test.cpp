@@ -16,20 +16,20 @@ namespace {
 
 using Row = ReferenceTable::Row;
 
-SpotLight<Served> spot(double cone_rad, double start_rad, const Vec3<double>& axis = {0, 0, -1}) {
-  return *SpotLight<Served>::create({.axis = axis,
-                                     .intensity_cd = Rgb<double>(1),
-                                     .cone_half_angle_rad = cone_rad,
-                                     .falloff_start_rad = start_rad});
+SpotLight spot(double cone_rad, double start_rad, const Vec3& axis = {0, 0, -1}) {
+  return *SpotLight::create({.axis = axis,
+                             .intensity_cd = Rgb(1),
+                             .cone_half_angle_rad = cone_rad,
+                             .falloff_start_rad = start_rad});
 }
 
-SpotLight<Served> cone_of(const Row& row) {
+SpotLight cone_of(const Row& row) {
   return spot(row["cone_rad"], row["start_rad"], {row["ax"], row["ay"], row["az"]});
 }
 
 bool along_z(const Row& row) { return row["az"] == -1 && row["ax"] == 0; }
 
-Vec3<Served> receiver_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
+Vec3 receiver_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
 
 /// Smoothstep of cosines, along -z.  [Pharr10, 12.1.2; Pharr23, 12.2.1]
 float textbook_share(float cone_rad, float start_rad, float x, float z) {
@@ -96,7 +96,7 @@ TEST(SpotExtremes, PowerOfNarrowCones) {
 }
 
 /// The angle between unit vectors, accurate for small and wide angles.
-double angle_from(const Vec3<double>& a, const Vec3<double>& b) {
+double angle_from(const Vec3& a, const Vec3& b) {
   return 2 * std::atan2(length(a - b), length(a + b));
 }
 
@@ -108,8 +108,8 @@ TEST(SpotExtremes, RaysOfNarrowCones) {
   const ReferenceTable table("spot_rays");
   for (const auto& row : table.rows()) {
     const auto light = cone_of(row);
-    const Vec3<double> axis = normalized(light.params().axis);
-    Vec3<double> around;
+    const Vec3 axis = normalized(light.params().axis);
+    Vec3 around;
     for (const double turn : {0.05, 0.3, 0.55, 0.8}) {
       const auto ray = light.sample_le({}, {row["u"], turn}, {});
       const std::string at = row.text("cone_deg") + " " + row.text("u");
@@ -216,14 +216,14 @@ TEST(SpotExtremes, InvalidAngles) {
   for (const double cone :
        {0.0, -0.0, -1e-300, -1.0, std::nextafter(kPi, 4), 4.0, 1e30,
         std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
-    const auto made = SpotLight<Served>::create({.cone_half_angle_rad = cone});
+    const auto made = SpotLight::create({.cone_half_angle_rad = cone});
     const std::string error(made.status().message());
     sweep.answer(error.starts_with("spot.cone_half_angle = ") && error.ends_with("allowed (0, pi]")
                      ? "refused; the error names the domain"
                      : "taken or refused otherwise: " + error);
   }
   for (const double cone : {5e-324, 1e-30, kPi / 2, 2 * kPi / 3, kPi})
-    EXPECT_TRUE(SpotLight<Served>::create({.cone_half_angle_rad = cone}).ok()) << cone;
+    EXPECT_TRUE(SpotLight::create({.cone_half_angle_rad = cone}).ok()) << cone;
   sweep.expect_answers("refused; the error names the domain");
 }
 

@@ -14,10 +14,10 @@ namespace {
 constexpr SceneSphere kScene{{0, 0, 0}, 2};
 const char* const kDiameters = "1e-15 ... 180 degrees";
 
-SunLight<Served> sun(const ReferenceTable::Row& row) {
-  return *SunLight<Served>::create({.to_light = {1, -2, 3},
-                                    .angular_diameter_rad = row["diameter_rad"],
-                                    .illuminance_lx = Rgb<double>(100)});
+SunLight sun(const ReferenceTable::Row& row) {
+  return *SunLight::create({.to_light = {1, -2, 3},
+                            .angular_diameter_rad = row["diameter_rad"],
+                            .illuminance_lx = Rgb(100)});
 }
 
 TEST(SunExtremes, Radiance) {
@@ -59,7 +59,7 @@ TEST(SunExtremes, Rim) {
   Sweep sweep(10, "sun, angular diameter", "1e-8 ... 180 degrees",
               "density at a thousandth inside and outside the rim");
   const ReferenceTable table("suns");
-  const Frame<double> frame = Frame<double>::around(normalized(Vec3<double>{1, -2, 3}));
+  const Frame frame = Frame::around(normalized(Vec3{1, -2, 3}));
   for (const auto& row : table.rows()) {
     const double half = row["diameter_rad"] / 2;
     if (half < 8e-11) continue;
@@ -70,12 +70,12 @@ TEST(SunExtremes, Rim) {
         return frame.world_from_local(
             {std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi), std::cos(angle)});
       };
-      const Vec3<double> within = towards(half * 0.999), beyond = towards(half * 1.001);
+      const Vec3 within = towards(half * 0.999), beyond = towards(half * 1.001);
       sweep.compare(light.pdf_li({0, 0, 0}, within).per_sr, row["per_sr"],
                     row.text("diameter_deg"));
       EXPECT_EQ(light.pdf_li({0, 0, 0}, beyond).per_sr, 0) << row.text("diameter_deg");
       EXPECT_TRUE(light.le_escaped({}, beyond).is_black()) << row.text("diameter_deg");
-      EXPECT_EQ(light.pdf_le(Vec3<double>() - beyond * 2, -beyond, kScene).direction.per_sr, 0);
+      EXPECT_EQ(light.pdf_le(Vec3() - beyond * 2, -beyond, kScene).direction.per_sr, 0);
     }
   }
   sweep.expect_within(1e-15);
@@ -85,7 +85,7 @@ TEST(SunExtremes, Rim) {
 TEST(SunExtremes, Illuminance) {
   Sweep sweep(10, "sun, angular diameter", kDiameters, "illuminance from its samples");
   const ReferenceTable table("suns");
-  const Vec3<double> facing = normalized(Vec3<double>{1, -2, 3});
+  const Vec3 facing = normalized(Vec3{1, -2, 3});
   for (const auto& row : table.rows()) {
     const auto light = sun(row);
     double sum = 0;
@@ -93,7 +93,7 @@ TEST(SunExtremes, Illuminance) {
     for (int i = 0; i < kSide * kSide; ++i) {
       const auto s =
           light.sample_li({0, 0, 0}, {(i / kSide + 0.5) / kSide, (i % kSide + 0.5) / kSide});
-      sum += s.value.g * dot(facing, Vec3<double>(s.wi)) / s.pdf.per_sr;
+      sum += s.value.g * dot(facing, Vec3(s.wi)) / s.pdf.per_sr;
     }
     sweep.compare(sum / (kSide * kSide), 100, row.text("diameter_deg"));
     const float cos = std::cos(static_cast<float>(row["diameter_rad"] / 2));

@@ -43,8 +43,8 @@ TEST(TexelExtremes, ProbabilitiesOfTexels) {
   const ReferenceTable table("bright_texels");
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
-    const Vec2<double> middle{(row["column"] + 0.5) / 8, (row["row"] + 0.5) / 8};
-    const Vec3<double> w = direction_from_square(mapping_of(row), middle);
+    const Vec2 middle{(row["column"] + 0.5) / 8, (row["row"] + 0.5) / 8};
+    const Vec3 w = direction_from_square(mapping_of(row), middle);
     const double per_sr = light.pdf_li({0, 0, 0}, w).per_sr;
     const double pi = std::numbers::pi, top = pi * row["row"] / 8;
     const double texel_sr = mapping_of(row) == SphereMapping::kEqualArea
@@ -64,7 +64,7 @@ TEST(TexelExtremes, SampleValuesLeadToTheirTexels) {
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
     const auto sample = light.sample_li({0, 0, 0}, {row["ux"], row["uy"]});
-    const Vec2<double> p = square_from_direction(mapping_of(row), sample.wi);
+    const Vec2 p = square_from_direction(mapping_of(row), sample.wi);
     const bool right = std::floor(p.x * 8) == row["column"] && std::floor(p.y * 8) == row["row"];
     sweep.answer(right ? "the right one" : "another: " + texel_of(row));
   }
@@ -92,7 +92,7 @@ TEST(TexelExtremes, EveryBilinearSampleEstimatesTheIntegral) {
     if (mapping_of(row) != SphereMapping::kEqualArea) continue;
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kBilinear);
     for (int i = 0; i < 100; ++i) {
-      const auto sample = light.sample_li({0, 0, 0}, random.pair<Served>());
+      const auto sample = light.sample_li({0, 0, 0}, random.pair());
       sweep.compare(sample.value.g / sample.pdf.per_sr, row["integral"], texel_of(row));
     }
   }

@@ -9,19 +9,19 @@
 namespace lucerna::testing {
 namespace {
 
-TriangleMeshLight<Served> light_in(const ReferenceTable::Row& row) {
+TriangleMeshLight light_in(const ReferenceTable::Row& row) {
   return triangle_light({vector_in(row, "a"), vector_in(row, "b"), vector_in(row, "c")});
 }
 
 /// The sum of the angles minus pi (Girard), each angle from the cosine between the planes of two
 /// sides.
 float textbook_solid_angle(const ReferenceTable::Row& row) {
-  const Vec3<float> r(vector_in(row, "receiver"));
-  const Vec3<float> a = normalized(Vec3<float>(vector_in(row, "a")) - r);
-  const Vec3<float> b = normalized(Vec3<float>(vector_in(row, "b")) - r);
-  const Vec3<float> c = normalized(Vec3<float>(vector_in(row, "c")) - r);
-  const Vec3<float> ab = normalized(cross(a, b)), bc = normalized(cross(b, c)),
-                    ca = normalized(cross(c, a));
+  const Vec3f r(vector_in(row, "receiver"));
+  const Vec3f a = normalized(Vec3f(vector_in(row, "a")) - r);
+  const Vec3f b = normalized(Vec3f(vector_in(row, "b")) - r);
+  const Vec3f c = normalized(Vec3f(vector_in(row, "c")) - r);
+  const Vec3f ab = normalized(cross(a, b)), bc = normalized(cross(b, c)),
+              ca = normalized(cross(c, a));
   return std::acos(-dot(ab, bc)) + std::acos(-dot(bc, ca)) + std::acos(-dot(ca, ab)) -
          std::numbers::pi_v<float>;
 }
@@ -98,7 +98,7 @@ TEST(TriangleExtremes, SolidAngleNearTheHemisphere) {
   for (const auto& row : table.rows()) {
     // Without a normal, because with one the automatic method would include the cosine.
     for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kAutomatic}) {
-      Receiver<Served> receiver = receiver_in(row, way);
+      Receiver receiver = receiver_in(row, way);
       receiver.normal = {};
       const Seen seen = seen_by(light_in(row), receiver);
       EXPECT_EQ(seen.without, 0) << place(row);

@@ -13,11 +13,11 @@ namespace lucerna::testing {
 namespace {
 
 using ::testing::HasSubstr;
-Transform turned(double angle_rad, const Vec3<double>& axis, const Vec3<double>& position) {
+Transform turned(double angle_rad, const Vec3& axis, const Vec3& position) {
   return Transform::translate(position) * *Transform::rotate(angle_rad, axis);
 }
 
-double apart(const Vec3<double>& a, const Vec3<double>& b) { return length(a - b); }
+double apart(const Vec3& a, const Vec3& b) { return length(a - b); }
 
 TEST(Motion, MovesTheOriginInALineAndTurnsAtConstantSpeed) {
   // A quarter turn about +z while the origin moves from (1, 0, 0) to (1, 4, 0).
@@ -25,7 +25,7 @@ TEST(Motion, MovesTheOriginInALineAndTurnsAtConstantSpeed) {
                                        {4, turned(kPi / 2, {0, 0, 1}, {1, 4, 0})}};
   const Motion motion = *Motion::create(keys);
   // One metre from the origin along x at the start; halfway in time at 45 degrees.
-  const Vec3<double> p{2, 0, 0};
+  const Vec3 p{2, 0, 0};
   const double s = std::sqrt(0.5);
   EXPECT_EQ(motion.at(2), Pose{});
   EXPECT_LE(apart(motion.at(3).point(p), {1 + s, 2 + s, 0}), 1e-15);
@@ -51,7 +51,7 @@ TEST(Motion, PassesThroughAllOfItsKeyFrames) {
   const Motion motion = *Motion::create(keys);
   for (const KeyTransform& key : keys) {
     const Transform relative = key.world_from_light * keys[0].world_from_light.inverse();
-    for (const Vec3<double>& p : {Vec3<double>{0, 0, 0}, {10, 0, 0}, {1, -20, 3}}) {
+    for (const Vec3& p : {Vec3{0, 0, 0}, {10, 0, 0}, {1, -20, 3}}) {
       const Pose at = motion.at(key.time_s);
       EXPECT_LE(apart(at.point(p), relative.point(p)), 1e-13);
       EXPECT_LE(apart(at.inverse_point(at.point(p)), p), 1e-13);
@@ -105,7 +105,7 @@ TEST(Motion, OtherCoordinatesAreTheSameMotion) {
   const std::vector<KeyTransform> keys{{0, turned(0.3, {1, 0, 2}, {100, 2, 3})},
                                        {1, turned(3, {1, 2, 3}, {-40, 5, 6})}};
   const Motion world = *Motion::create(keys);
-  const Vec3<double> from{90, 1, 2}, to{-30, 0, 5}, p{100.5, 1.5, 3};
+  const Vec3 from{90, 1, 2}, to{-30, 0, 5}, p{100.5, 1.5, 3};
   const Motion moved = world.about(from, to);
   for (const double t : {0.0, 0.4, 1.0}) {
     EXPECT_LE(apart(moved.at(t).point(p - from), world.at(t).point(p) - to), 1e-12);
@@ -119,19 +119,19 @@ TEST(Motion, BoundsHoldTheSweptBox) {
       {{0, turned(0.3, {1, 0, 2}, {1, 2, 3})}, {1, turned(3.1, {1, 2, 3}, {-4, 5, 6})}},
       {{0, {}}, {1, turned(0, {0, 0, 1}, {1e6, 0, 0})}},
       {{0, {}}, {1, turned(2, {1, 1, 0}, {0, 1, 0})}, {3, turned(-2, {0, 1, 5}, {3, 3, 3})}}};
-  const Vec3<double> lower{1, -0.5, 2}, upper{1.5, 4, 2};
+  const Vec3 lower{1, -0.5, 2}, upper{1.5, 4, 2};
   for (const auto& keys : motions) {
     const Motion motion = *Motion::create(keys);
     const auto [low, high] = motion.bounds(lower, upper);
     RandomU random(7);
-    Vec3<double> least{1e300, 1e300, 1e300}, most{-1e300, -1e300, -1e300};
+    Vec3 least{1e300, 1e300, 1e300}, most{-1e300, -1e300, -1e300};
     for (int i = 0; i <= 3000; ++i) {
       const Pose pose = motion.at(keys.back().time_s * i / 3000);
       for (int c = 0; c < 9; ++c) {
         const auto pick = [&](int bit, double a, double b) {
           return c == 8 ? a + (b - a) * random.next() : (c >> bit & 1) != 0 ? b : a;
         };
-        const Vec3<double> p = pose.point(
+        const Vec3 p = pose.point(
             {pick(0, lower.x, upper.x), pick(1, lower.y, upper.y), pick(2, lower.z, upper.z)});
         least = {std::fmin(least.x, p.x), std::fmin(least.y, p.y), std::fmin(least.z, p.z)};
         most = {std::fmax(most.x, p.x), std::fmax(most.y, p.y), std::fmax(most.z, p.z)};

@@ -15,14 +15,14 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 // A few roundings of an entry, times coordinates that sum to about 10.
-void expect_near(const Vec3<double>& a, const Vec3<double>& b, double tolerance = 4e-15) {
+void expect_near(const Vec3& a, const Vec3& b, double tolerance = 4e-15) {
   EXPECT_NEAR(a.x, b.x, tolerance);
   EXPECT_NEAR(a.y, b.y, tolerance);
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
 TEST(Transform, IdentityKeepsPointsVectorsAndNormals) {
-  const Vec3<double> v{1, -2, 3};
+  const Vec3 v{1, -2, 3};
   EXPECT_EQ(Transform().point(v), v);
   EXPECT_EQ(Transform().vector(v), v);
   EXPECT_EQ(Transform().normal(v), v);
@@ -30,10 +30,10 @@ TEST(Transform, IdentityKeepsPointsVectorsAndNormals) {
 
 TEST(Transform, TranslationMovesPointsOnly) {
   const Transform t = Transform::translate({1, 2, 3});
-  EXPECT_EQ(t.point({10, 10, 10}), Vec3<double>(11, 12, 13));
-  EXPECT_EQ(t.vector({10, 10, 10}), Vec3<double>(10, 10, 10));
-  EXPECT_EQ(t.normal({10, 10, 10}), Vec3<double>(10, 10, 10));
-  EXPECT_EQ(t.inverse().point({11, 12, 13}), Vec3<double>(10, 10, 10));
+  EXPECT_EQ(t.point({10, 10, 10}), Vec3(11, 12, 13));
+  EXPECT_EQ(t.vector({10, 10, 10}), Vec3(10, 10, 10));
+  EXPECT_EQ(t.normal({10, 10, 10}), Vec3(10, 10, 10));
+  EXPECT_EQ(t.inverse().point({11, 12, 13}), Vec3(10, 10, 10));
 }
 
 TEST(Transform, RotationIsCounterClockwiseSeenAgainstTheAxis) {
@@ -103,8 +103,8 @@ TEST(Transform, InverseUndoesAGeneralMatrix) {
 TEST(Transform, NormalsStayPerpendicularToTheirSurface) {
   const auto t = Transform::from_matrix({{{2, 1, -3, 4}, {0.5, 5, 1, -6}, {1, -1, 2, 9}}});
   ASSERT_TRUE(t);
-  const Vec3<double> a{1, 2, 3}, b{-2, 0.5, 1};
-  const Vec3<double> n = t->normal(cross(a, b));
+  const Vec3 a{1, 2, 3}, b{-2, 0.5, 1};
+  const Vec3 n = t->normal(cross(a, b));
   EXPECT_NEAR(dot(n, t->vector(a)), 0, 1e-14);
   EXPECT_NEAR(dot(n, t->vector(b)), 0, 1e-14);
   EXPECT_GT(length(n), 0.1);

@@ -12,7 +12,7 @@
 namespace lucerna {
 namespace {
 
-using V = Vec3<float>;
+using V = Vec3f;
 
 TEST(Vec3, ArithmeticIsComponentwise) {
   EXPECT_EQ(V(1, 2, 3) + V(10, 20, 30), V(11, 22, 33));
@@ -36,7 +36,7 @@ TEST(Vec3, LengthIsAccurateWhereSquaresLeaveTheRange) {
     EXPECT_FLOAT_EQ(length(V(2 * f, -1 * f, 2 * f)), 3 * f);
   }
   for (const double s : {1e-300, 1e-200, 1e200, 1e307}) {
-    EXPECT_DOUBLE_EQ(length(Vec3<double>(2 * s, -1 * s, 2 * s)), 3 * s);
+    EXPECT_DOUBLE_EQ(length(Vec3(2 * s, -1 * s, 2 * s)), 3 * s);
   }
 }
 
@@ -46,8 +46,8 @@ TEST(Vec3, ScalingIsByPowersOfTwoAtEveryMagnitude) {
     const double x = std::scalbn(of < -1022 ? 1 : 1.37, of);
     EXPECT_EQ(exponent_of(x), std::ilogb(x));
     for (const int by : {-2200, -1074, -1023, -1022, -600, -1, 0, 1, 537, 1023, 1024, 2046, 2200}) {
-      const Vec3<double> v = scaled(Vec3<double>{x, -x / 3, 0}, by);
-      EXPECT_EQ(v, (Vec3<double>{std::scalbn(x, by), std::scalbn(-x / 3, by), 0})) << of << by;
+      const Vec3 v = scaled(Vec3{x, -x / 3, 0}, by);
+      EXPECT_EQ(v, (Vec3{std::scalbn(x, by), std::scalbn(-x / 3, by), 0})) << of << by;
       EXPECT_EQ(scaled(x, by), std::scalbn(x, by)) << of << by;
     }
   }
@@ -74,8 +74,8 @@ TEST(Vec3, IsFiniteIfAllComponentsAre) {
 TEST(Vec3, LengthOfNonFiniteVectorsIsNotFinite) {
   EXPECT_FALSE(std::isfinite(length(V(NAN, 0, 0))));
   EXPECT_FALSE(std::isfinite(length(V(1, 0, INFINITY))));
-  EXPECT_FALSE(std::isfinite(length(Vec3<double>(0, NAN, 0))));
-  EXPECT_FALSE(std::isfinite(length(Vec3<double>(1, NAN, -INFINITY))));
+  EXPECT_FALSE(std::isfinite(length(Vec3(0, NAN, 0))));
+  EXPECT_FALSE(std::isfinite(length(Vec3(1, NAN, -INFINITY))));
 }
 
 template <typename Real>
@@ -85,8 +85,8 @@ TYPED_TEST_SUITE(NormalizedTest, Reals);
 
 TYPED_TEST(NormalizedTest, HasUnitLengthAndTheSameBitsAtEveryScale) {
   using Real = TypeParam;
-  const Vec3<Real> v(Real(0.3), Real(-1.7), Real(2.9));
-  const Vec3<Real> n = normalized(v);
+  const BasicVec3<Real> v(Real(0.3), Real(-1.7), Real(2.9));
+  const BasicVec3<Real> n = normalized(v);
   EXPECT_NEAR(length(n), 1, 2 * std::numeric_limits<Real>::epsilon());
   EXPECT_NEAR(n.z / n.x, v.z / v.x, 40 * std::numeric_limits<Real>::epsilon());
   const int largest = std::numeric_limits<Real>::max_exponent - 4;
@@ -98,15 +98,15 @@ TYPED_TEST(NormalizedTest, HasUnitLengthAndTheSameBitsAtEveryScale) {
 
 TYPED_TEST(NormalizedTest, KeepsZeroAndPropagatesNaN) {
   using Real = TypeParam;
-  EXPECT_EQ(normalized(Vec3<Real>()), Vec3<Real>());
-  EXPECT_FALSE(is_finite(normalized(Vec3<Real>(1, Real(INFINITY), 0))));
-  EXPECT_FALSE(is_finite(normalized(Vec3<Real>(1, Real(NAN), 0))));
+  EXPECT_EQ(normalized(BasicVec3<Real>()), BasicVec3<Real>());
+  EXPECT_FALSE(is_finite(normalized(BasicVec3<Real>(1, Real(INFINITY), 0))));
+  EXPECT_FALSE(is_finite(normalized(BasicVec3<Real>(1, Real(NAN), 0))));
 }
 
 TEST(Frame, IsOrthonormalAndRightHandedForEveryNormal) {
   testing::RandomU random(8);
   const auto check = [](const V& n) {
-    const auto f = Frame<float>::around(n);
+    const auto f = Framef::around(n);
     EXPECT_EQ(f.n, n);
     EXPECT_NEAR(length(f.s), 1, 1e-6);
     EXPECT_NEAR(length(f.t), 1, 1e-6);
@@ -122,32 +122,32 @@ TEST(Frame, IsOrthonormalAndRightHandedForEveryNormal) {
   check(normalized(V(1e-4F, 1e-4F, -1)));
 }
 
-[[gnu::noinline]] Vec3<double> from_rounded(const Vec3<double>& at, const Vec3<float>& to) {
-  return Vec3<double>(to) - Vec3<double>(Vec3<float>(at));
+[[gnu::noinline]] Vec3 from_rounded(const Vec3& at, const Vec3f& to) {
+  return Vec3(to) - Vec3(Vec3f(at));
 }
 
 // Results are reported as floats of doubles, and used as inputs again.
 TEST(Vec3, RoundingToFloatsIsNotOptimisedAway) {
   volatile double x = 1.1;  // unknown to the compiler
   volatile float rounded = 1.1F;
-  EXPECT_EQ(from_rounded({x, x, x}, {rounded, rounded, rounded}), Vec3<double>());
+  EXPECT_EQ(from_rounded({x, x, x}, {rounded, rounded, rounded}), Vec3());
 }
 
 // Rec. 709: white of (1, 1, 1) has luminance 1; green weighs most.
 TEST(Rgb, LuminanceOfWhiteIsOne) {
-  EXPECT_DOUBLE_EQ(luminance(Rgb<double>(1)), 1);
-  EXPECT_NEAR(luminance(Rgb<double>(0, 1, 0)), 0.7152, 5e-5);
-  EXPECT_NEAR(luminance(Rgb<double>(1, 0, 0)), 0.2126, 5e-5);
+  EXPECT_DOUBLE_EQ(luminance(Rgb(1)), 1);
+  EXPECT_NEAR(luminance(Rgb(0, 1, 0)), 0.7152, 5e-5);
+  EXPECT_NEAR(luminance(Rgb(1, 0, 0)), 0.2126, 5e-5);
 }
 
 // A square metre that faces the receiver at 2 m covers 1/4 sr, so the density is 4 / sr.  Turned by
 // 60 degrees it is 8 / sr.
 TEST(Density, AreaToSolidAngleDividesByTheCosineOverDistanceSquared) {
-  EXPECT_EQ(to_solid_angle(AreaPdf<double>{1}, 2., 1.).per_sr, 4);
-  EXPECT_EQ(to_solid_angle(AreaPdf<double>{1}, 2., 0.5).per_sr, 8);
-  EXPECT_EQ(to_solid_angle(AreaPdf<float>{1}, 2.F, 0.F).per_sr, INFINITY);
-  // d^2 = 1e40 does not fit a float; the density does.
-  EXPECT_FLOAT_EQ(to_solid_angle(AreaPdf<float>{1e-20F}, 1e20F, 1.F).per_sr, 1e20F);
+  EXPECT_EQ(to_solid_angle(AreaPdf{1}, 2., 1.).per_sr, 4);
+  EXPECT_EQ(to_solid_angle(AreaPdf{1}, 2., 0.5).per_sr, 8);
+  EXPECT_EQ(to_solid_angle(AreaPdf{1}, 2, 0).per_sr, INFINITY);
+  // d^2 = 1e400 does not fit a double; the density does.
+  EXPECT_DOUBLE_EQ(to_solid_angle(AreaPdf{1e-200}, 1e200, 1).per_sr, 1e200);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ constexpr AreaSampling kWays[] = {AreaSampling::kAutomatic,  AreaSampling::kSqua
 
 struct Place {
   std::string name;
-  Vec3<double> receiver, normal;
+  Vec3 receiver, normal;
   double expected;  ///< at radiance 1
 };
 
@@ -36,9 +36,9 @@ void expect_every_way(const Light& light, const std::vector<Place>& places, doub
   for (const Place& p : places)
     for (const AreaSampling way : kWays)
       for (const bool with_normal : {false, true}) {
-        Receiver<float> receiver{Vec3<float>(p.receiver)};
+        Receiver receiver{Vec3(p.receiver)};
         receiver.area_sampling = way;
-        if (with_normal) receiver.normal = Vec3<float>(p.normal);
+        if (with_normal) receiver.normal = Vec3(p.normal);
         const Estimate e = illuminance(light, receiver, p.normal, ++seed, samples);
         const std::string what =
             p.name + ", way " + std::to_string(int(way)) + (with_normal ? ", with normal" : "");
@@ -48,17 +48,16 @@ void expect_every_way(const Light& light, const std::vector<Place>& places, doub
       }
 }
 
-const std::vector<Vec3<double>> kTriangle{{0, 0, 2}, {1, 3, 2.5}, {2, -1, 2.25}};
+const std::vector<Vec3> kTriangle{{0, 0, 2}, {1, 3, 2.5}, {2, -1, 2.25}};
 
-TriangleMeshLight<float> triangle_light() {
-  const auto v = [](int i) { return Vec3<float>(kTriangle[i]); };
-  return *TriangleMeshLight<float>::create({Rgb<double>(1), true},
-                                           *TriangleMesh<float>::create({{v(0), v(1), v(2)}}));
+TriangleMeshLight triangle_light() {
+  const auto v = [](int i) { return Vec3(kTriangle[i]); };
+  return *TriangleMeshLight::create({Rgb(1), true}, *TriangleMesh::create({{v(0), v(1), v(2)}}));
 }
 
-Place at(const std::string& name, const Vec3<double>& receiver, const Vec3<double>& direction,
-         const std::vector<Vec3<double>>& polygon) {
-  const Vec3<double> n = normalized(direction);
+Place at(const std::string& name, const Vec3& receiver, const Vec3& direction,
+         const std::vector<Vec3>& polygon) {
+  const Vec3 n = normalized(direction);
   return {name, receiver, n, polygon_irradiance(polygon, receiver, n)};
 }
 
@@ -71,12 +70,12 @@ TEST(ClosedForms, TrianglesFollowLambertsFormulaForEachMethod) {
                    0.02);
 }
 
-const std::vector<Vec3<double>> kRectangle{{-1, -0.5, 2}, {1, -0.5, 2}, {1, 0.5, 2}, {-1, 0.5, 2}};
+const std::vector<Vec3> kRectangle{{-1, -0.5, 2}, {1, -0.5, 2}, {1, 0.5, 2}, {-1, 0.5, 2}};
 
 TEST(ClosedForms, RectanglesFollowLambertsFormulaForEachMethod) {
-  const auto v = [](int i) { return Vec3<float>(kRectangle[i]); };
-  const auto light = *PatchMeshLight<float>::create(
-      {Rgb<double>(1), true}, *PatchMesh<float>::create({{v(0), v(1), v(3), v(2)}}));
+  const auto v = [](int i) { return Vec3(kRectangle[i]); };
+  const auto light =
+      *PatchMeshLight::create({Rgb(1), true}, *PatchMesh::create({{v(0), v(1), v(3), v(2)}}));
   expect_every_way(light,
                    {at("above the horizon", {0.5, 0.25, 0}, {0, 0.25, 1}, kRectangle),
                     at("cut by the horizon", {0.5, 0.25, 0}, {1, -0.5, 0}, kRectangle),
@@ -86,18 +85,17 @@ TEST(ClosedForms, RectanglesFollowLambertsFormulaForEachMethod) {
                    0.02);
 }
 
-SphereLight<float> sphere_light(const Vec3<double>& centre, double radius, bool inwards = false) {
-  return *SphereLight<float>::create(
-      {Rgb<double>(1)},
-      *Sphere<float>::create({.radius_m = radius,
-                              .reverse_orientation = inwards,
-                              .world_from_object = Transform::translate(centre)}));
+SphereLight sphere_light(const Vec3& centre, double radius, bool inwards = false) {
+  return *SphereLight::create({Rgb(1)},
+                              *Sphere::create({.radius_m = radius,
+                                               .reverse_orientation = inwards,
+                                               .world_from_object = Transform::translate(centre)}));
 }
 
 TEST(ClosedForms, SpheresWholeOrCutByTheHorizonAgreeForEachMethod) {
-  const Vec3<double> centre{0, 0, 4};
-  const auto place = [&](const std::string& name, const Vec3<double>& r, const Vec3<double>& d) {
-    const Vec3<double> n = normalized(d);
+  const Vec3 centre{0, 0, 4};
+  const auto place = [&](const std::string& name, const Vec3& r, const Vec3& d) {
+    const Vec3 n = normalized(d);
     return Place{name, r, n, sphere_irradiance(centre, 2, r, n)};
   };
   expect_every_way(
@@ -112,13 +110,11 @@ TEST(ClosedForms, SpheresWholeOrCutByTheHorizonAgreeForEachMethod) {
 
 TEST(ClosedForms, SphereFormulaAgreesWithQuadrature) {
   // The companion of the formula itself: the sum of the cosine over directions of the cap.
-  const Vec3<double> centre{0, 0, 4};
-  for (const Vec3<double>& d :
-       {Vec3<double>{0.8, 0, 0.6}, {1, 0, 0}, {1, 0.5, -0.25}, {1, -0.25, 0.25}}) {
-    const Vec3<double> n = normalized(d);
-    const double expected =
-        integrate(Region{{0, 0, 1}, std::asin(0.5)}, 2000,
-                  [&](const Vec3<double>& w) { return std::fmax(0, dot(n, w)); });
+  const Vec3 centre{0, 0, 4};
+  for (const Vec3& d : {Vec3{0.8, 0, 0.6}, {1, 0, 0}, {1, 0.5, -0.25}, {1, -0.25, 0.25}}) {
+    const Vec3 n = normalized(d);
+    const double expected = integrate(Region{{0, 0, 1}, std::asin(0.5)}, 2000,
+                                      [&](const Vec3& w) { return std::fmax(0, dot(n, w)); });
     EXPECT_NEAR(sphere_irradiance(centre, 2, {}, n), expected, 1e-5);
   }
 }
@@ -131,11 +127,11 @@ TEST(ClosedForms, InsideOfASphereGivesPiForEachMethod) {
       0.02);
 }
 
-DiskLight<float> disk_light(const Vec3<double>& centre, double radius) {
-  return *DiskLight<float>::create(
-      {Rgb<double>(1)}, *Disk<float>::create({.radius_m = radius,
-                                              .reverse_orientation = true,
-                                              .world_from_object = Transform::translate(centre)}));
+DiskLight disk_light(const Vec3& centre, double radius) {
+  return *DiskLight::create({Rgb(1)},
+                            *Disk::create({.radius_m = radius,
+                                           .reverse_orientation = true,
+                                           .world_from_object = Transform::translate(centre)}));
 }
 
 TEST(ClosedForms, CoaxialAndOffsetDisksAgreeForEachMethod) {
@@ -162,7 +158,7 @@ TEST(ClosedForms, DisksOverTiltedReceiversAgreeForEachMethod) {
 }
 
 TEST(ClosedForms, SkyGivesPiForAnyNormal) {
-  const auto sky = *UniformInfiniteLight<float>::create({Rgb<double>(1)});
+  const auto sky = *UniformInfiniteLight::create({Rgb(1)});
   expect_every_way(sky, {{"up", {1, 2, 3}, {0, 0, 1}, kPi}, {"aslant", {}, {0.6, 0, -0.8}, kPi}},
                    0.02);
 }

@@ -19,7 +19,7 @@ std::shared_ptr<const PhotometricWeb> compass() {
 }
 
 std::shared_ptr<const IntensityMap> stripes(SphereMapping mapping, std::vector<float> rows) {
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   const auto n = static_cast<int>(rows.size());
   for (const float row : rows)
     for (int x = 0; x < n; ++x) texels.emplace_back(row);
@@ -27,13 +27,12 @@ std::shared_ptr<const IntensityMap> stripes(SphereMapping mapping, std::vector<f
                                ImageFilter::kNearest);
 }
 
-GoniometricLight<double> light(const Frame<double>& axes) {
-  return *GoniometricLight<double>::create(
-      {.axes = axes, .intensity = Rgb<double>(1), .web = compass()});
+GoniometricLight light(const Frame& axes) {
+  return *GoniometricLight::create({.axes = axes, .intensity = Rgb(1), .web = compass()});
 }
 
 std::string error(const GoniometricLightParams& params) {
-  const auto made = GoniometricLight<float>::create(params);
+  const auto made = GoniometricLight::create(params);
   return made.ok() ? "" : std::string(made.status().message());
 }
 
@@ -56,7 +55,7 @@ TEST(GoniometricLight, ShinesAlongItsZAxisAndTurnsWithItsAxes) {
 }
 
 TEST(GoniometricLight, RefusesParametersOutsideTheirDomain) {
-  const GoniometricLightParams good{.intensity = Rgb<double>(1), .web = compass()};
+  const GoniometricLightParams good{.intensity = Rgb(1), .web = compass()};
   EXPECT_EQ(error(good), "");
   auto p = good;
   p.axes = {{1, 0, 0}, {0, 2, 0}, {0, 0, 1}};
@@ -68,7 +67,7 @@ TEST(GoniometricLight, RefusesParametersOutsideTheirDomain) {
   p = good;
   p.intensity = {1, -1, 1};
   EXPECT_THAT(error(p), HasSubstr("goniometric.intensity = (1, -1, 1)"));
-  p.intensity = Rgb<double>(1e38);
+  p.intensity = Rgb(1e308);
   EXPECT_THAT(error(p), HasSubstr("times the largest of the file"));
   p.web = nullptr;
   EXPECT_EQ(error(p), "");
@@ -84,13 +83,13 @@ TEST(GoniometricLight, RefusesParametersOutsideTheirDomain) {
 
 // Rows of 60 degrees cover pi, 2 pi and pi sr; the mean texel counts each with 4 pi / 3.
 TEST(GoniometricLight, TextbookPowerStatesItsError) {
-  const auto belt = *GoniometricLight<float>::create(
+  const auto belt = *GoniometricLight::create(
       {.intensity = {3, 3, 3}, .map = stripes(SphereMapping::kLatitudeLongitude, {0, 1, 0})});
   EXPECT_NEAR(luminance(belt.power({}).lumens), 6 * kPi, 1e-12);
   EXPECT_EQ(belt.power({}).error_lumens, 0);
   EXPECT_NEAR(luminance(belt.power_approximate({}).lumens), 4 * kPi, 1e-12);
   EXPECT_NEAR(belt.power_approximate({}).error_lumens, 2 * kPi, 1e-12);
-  const auto equal = *GoniometricLight<float>::create(
+  const auto equal = *GoniometricLight::create(
       {.intensity = {3, 3, 3}, .map = stripes(SphereMapping::kEqualArea, {0, 1, 0})});
   EXPECT_NEAR(luminance(equal.power({}).lumens), 4 * kPi, 1e-12);
   EXPECT_EQ(equal.power_approximate({}).lumens, equal.power({}).lumens);
@@ -99,29 +98,29 @@ TEST(GoniometricLight, TextbookPowerStatesItsError) {
 
 TEST(GoniometricLight, AMapTurnsWithItsAxes) {
   // The rows of latitude and longitude: bright where the map's +y is.
-  const auto up = *GoniometricLight<double>::create(
-      {.axes = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}},
-       .intensity = Rgb<double>(1),
-       .map = stripes(SphereMapping::kLatitudeLongitude, {9, 1, 0})});
-  EXPECT_EQ(up.intensity({1, 0, 0}), Rgb<double>(9));
-  EXPECT_EQ(up.intensity({0, 0, 1}), Rgb<double>(1));
-  EXPECT_EQ(up.intensity({0, 1, 0}), Rgb<double>(1));
-  EXPECT_EQ(up.intensity({-1, 0, 0}), Rgb<double>(0));
+  const auto up =
+      *GoniometricLight::create({.axes = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}},
+                                 .intensity = Rgb(1),
+                                 .map = stripes(SphereMapping::kLatitudeLongitude, {9, 1, 0})});
+  EXPECT_EQ(up.intensity({1, 0, 0}), Rgb(9));
+  EXPECT_EQ(up.intensity({0, 0, 1}), Rgb(1));
+  EXPECT_EQ(up.intensity({0, 1, 0}), Rgb(1));
+  EXPECT_EQ(up.intensity({-1, 0, 0}), Rgb(0));
   EXPECT_EQ(up.sample_li({-1, 0, 0}, {}).reason, NoLight::kOutsideCone);
   EXPECT_NEAR(up.bounds()->axis.x, 1, 1e-15);
 }
 
 TEST(GoniometricLight, DarkDirectionsAndBlackLightsGiveTheirReason) {
-  const auto down = *GoniometricLight<float>::create(
-      {.intensity = Rgb<double>(1),
+  const auto down = *GoniometricLight::create(
+      {.intensity = Rgb(1),
        .web = *PhotometricWeb::create({PhotometricType::kC, {0, 90}, {0}, {1, 1}})});
-  EXPECT_EQ(down.sample_li(Vec3<float>{0, 0, -1}, {}).reason, NoLight::kOutsideCone);
-  EXPECT_EQ(down.sample_li(Vec3<float>{0, 0, 1}, {}).reason, NoLight::kNone);
-  const auto black = *GoniometricLight<float>::create(
-      {.intensity = Rgb<double>(1),
+  EXPECT_EQ(down.sample_li(Vec3{0, 0, -1}, {}).reason, NoLight::kOutsideCone);
+  EXPECT_EQ(down.sample_li(Vec3{0, 0, 1}, {}).reason, NoLight::kNone);
+  const auto black = *GoniometricLight::create(
+      {.intensity = Rgb(1),
        .web = *PhotometricWeb::create({PhotometricType::kC, {0, 90}, {0}, {0, 0}})});
-  EXPECT_EQ(black.sample_li(Vec3<float>{0, 0, 1}, {}).reason, NoLight::kBlack);
-  EXPECT_EQ(black.sample_le({}, {0.5F, 0.5F}, {}).reason, NoLight::kBlack);
+  EXPECT_EQ(black.sample_li(Vec3{0, 0, 1}, {}).reason, NoLight::kBlack);
+  EXPECT_EQ(black.sample_le({}, {0.5, 0.5}, {}).reason, NoLight::kBlack);
   EXPECT_EQ(luminance(black.power({}).lumens), 0);
 }
 

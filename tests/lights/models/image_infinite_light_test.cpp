@@ -13,44 +13,44 @@
 namespace lucerna {
 namespace {
 
-std::shared_ptr<const SphereMap> map_of(int n, std::vector<Rgb<float>> texels,
+std::shared_ptr<const SphereMap> map_of(int n, std::vector<Rgbf> texels,
                                         SphereMapping mapping = SphereMapping::kEqualArea) {
   return *SphereMap::create(*Image::create(n, n, std::move(texels)), mapping,
                             ImageFilter::kNearest);
 }
 
 /// 1 towards +z (the middle texels), 0.125 elsewhere.
-std::vector<Rgb<float>> lit_above() {
-  std::vector<Rgb<float>> texels(16, Rgb<float>(0.125F));
-  for (const int i : {5, 6, 9, 10}) texels[static_cast<std::size_t>(i)] = Rgb<float>(4, 2, 1);
+std::vector<Rgbf> lit_above() {
+  std::vector<Rgbf> texels(16, Rgbf(0.125));
+  for (const int i : {5, 6, 9, 10}) texels[static_cast<std::size_t>(i)] = Rgbf(4, 2, 1);
   return texels;
 }
 
 TEST(ImageInfiniteLight, TurnsMirrorsAndIgnoresEqualScaleAndTranslation) {
   const Transform turned = Transform::translate({5, 6, 7}) * *Transform::scale({3, 3, 3}) *
                            *Transform::rotate(kPi / 2, {0, 1, 0});  // +z to +x
-  const auto light = *ImageInfiniteLight<float>::create(
+  const auto light = *ImageInfiniteLight::create(
       {.map = map_of(4, lit_above()), .world_from_map = turned, .radiance_cd_m2 = {1, 2, 3}});
-  EXPECT_EQ(light.le_escaped({9, 9, 9}, {1, 0, 0}), Rgb<float>(4, 4, 3));
-  EXPECT_EQ(light.le_escaped({0, 0, 0}, {0, 0, 1}), Rgb<float>(0.125F, 0.25F, 0.375F));
-  const auto mirrored = *ImageInfiniteLight<float>::create(
+  EXPECT_EQ(light.le_escaped({9, 9, 9}, {1, 0, 0}), Rgb(4, 4, 3));
+  EXPECT_EQ(light.le_escaped({0, 0, 0}, {0, 0, 1}), Rgb(0.125, 0.25, 0.375));
+  const auto mirrored = *ImageInfiniteLight::create(
       {.map = map_of(4, lit_above()), .world_from_map = *Transform::scale({1, 1, -1})});
-  EXPECT_EQ(mirrored.le_escaped({}, {0, 0, -1}), Rgb<float>(4, 2, 1));
-  EXPECT_EQ(mirrored.le_escaped({}, {0, 0, 1}), Rgb<float>(0.125F));
+  EXPECT_EQ(mirrored.le_escaped({}, {0, 0, -1}), Rgb(4, 2, 1));
+  EXPECT_EQ(mirrored.le_escaped({}, {0, 0, 1}), Rgb(0.125));
 }
 
 TEST(ImageInfiniteLight, AnIncompleteDensityLeavesOutRadianceBelowTheMean) {
-  const auto light = *ImageInfiniteLight<float>::create({.map = map_of(4, lit_above())});
-  Receiver<float> receiver(0, 0, 0);
+  const auto light = *ImageInfiniteLight::create({.map = map_of(4, lit_above())});
+  Receiver receiver(0, 0, 0);
   EXPECT_GT(light.pdf_li(receiver, {0, 0, -1}).per_sr, 0);
   receiver.incomplete = true;
   EXPECT_EQ(light.pdf_li(receiver, {0, 0, -1}).per_sr, 0);
   // All samples lie in the four middle texels, pi sr.
   EXPECT_NEAR(light.pdf_li(receiver, {0, 0, 1}).per_sr, 1 / kPi, 1e-6);
-  EXPECT_NEAR(light.sample_li(receiver, {0.3F, 0.9F}).pdf.per_sr, 1 / kPi, 1e-6);
+  EXPECT_NEAR(light.sample_li(receiver, {0.3, 0.9}).pdf.per_sr, 1 / kPi, 1e-6);
   // A constant map is nowhere above its mean: all of it is sampled.
-  const auto constant = *ImageInfiniteLight<float>::create(
-      {.map = map_of(4, std::vector<Rgb<float>>(16, Rgb<float>(2)))});
+  const auto constant =
+      *ImageInfiniteLight::create({.map = map_of(4, std::vector<Rgbf>(16, Rgbf(2)))});
   EXPECT_NEAR(constant.pdf_li(receiver, {0, 0, -1}).per_sr, 1 / (4 * kPi), 1e-7);
 }
 
@@ -59,10 +59,10 @@ TEST(ImageInfiniteLight, AnIncompleteDensityLeavesOutRadianceBelowTheMean) {
 struct Weighted {
   double lx, error;
 };
-Weighted weighted_illuminance(const ImageInfiniteLight<float>& light, bool incomplete) {
+Weighted weighted_illuminance(const ImageInfiniteLight& light, bool incomplete) {
   constexpr int kSamples = 200000;
   testing::RandomU random(17);
-  Receiver<float> receiver(0, 0, 0);
+  Receiver receiver(0, 0, 0);
   receiver.incomplete = incomplete;
   const auto weight = [](double a, double b) { return a * a / (a * a + b * b); };
   double sum = 0, squares = 0;
@@ -73,8 +73,8 @@ Weighted weighted_illuminance(const ImageInfiniteLight<float>& light, bool incom
       const double pdf = s.pdf.per_sr, by_cosine = s.wi.z / kPi;
       x += s.value.g * s.wi.z / pdf * weight(pdf, by_cosine);
     }
-    const Vec2<float> d = sample_concentric_disk(random.pair());
-    const Vec3<float> w{d.x, d.y, std::sqrt(std::fmax(1e-12F, 1 - d.x * d.x - d.y * d.y))};
+    const Vec2 d = sample_concentric_disk(random.pair());
+    const Vec3 w{d.x, d.y, std::sqrt(std::fmax(1e-12, 1 - d.x * d.x - d.y * d.y))};
     x += light.le_escaped({}, w).g * kPi * weight(w.z / kPi, light.pdf_li(receiver, w).per_sr);
     sum += x;
     squares += x * x;
@@ -85,12 +85,12 @@ Weighted weighted_illuminance(const ImageInfiniteLight<float>& light, bool incom
 
 TEST(ImageInfiniteLight, AnIncompleteDensityWithCosineDirectionsIsUnbiasedAndBetter) {
   // A sun and a sky whose upper half is ten times the lower, on a plane that sees half of each.
-  std::vector<Rgb<float>> texels(16 * 16, Rgb<float>(1));
-  std::fill(texels.begin(), texels.begin() + 8 * 16, Rgb<float>(0.1F));
-  texels[8 * 16 + 5] = Rgb<float>(300);
+  std::vector<Rgbf> texels(16 * 16, Rgbf(1));
+  std::fill(texels.begin(), texels.begin() + 8 * 16, Rgbf(0.1));
+  texels[8 * 16 + 5] = Rgbf(300);
   const auto map = map_of(16, texels);
-  const auto light = *ImageInfiniteLight<float>::create({.map = map});
-  const MapIlluminance expected = illuminance_of(*map, Rgb<double>(1), {0, 0, 1});
+  const auto light = *ImageInfiniteLight::create({.map = map});
+  const MapIlluminance expected = illuminance_of(*map, Rgb(1), {0, 0, 1});
   const Weighted complete = weighted_illuminance(light, false);
   const Weighted incomplete = weighted_illuminance(light, true);
   // 5.5 standard errors, each exceeded by chance less than once in 1e7.
@@ -101,31 +101,29 @@ TEST(ImageInfiniteLight, AnIncompleteDensityWithCosineDirectionsIsUnbiasedAndBet
 }
 
 TEST(ImageInfiniteLight, ABlackMapGivesItsReasonAndHasNoPower) {
-  const auto light =
-      *ImageInfiniteLight<float>::create({.map = map_of(2, std::vector<Rgb<float>>(4))});
-  const auto s = light.sample_li({0, 0, 0}, {0.5F, 0.5F});
+  const auto light = *ImageInfiniteLight::create({.map = map_of(2, std::vector<Rgbf>(4))});
+  const auto s = light.sample_li({0, 0, 0}, {0.5, 0.5});
   EXPECT_EQ(s.reason, NoLight::kBlack);
   EXPECT_TRUE(s.value.is_black());
   EXPECT_EQ(light.pdf_li({0, 0, 0}, {0, 0, 1}).per_sr, 0);
   EXPECT_TRUE(light.power({{}, INFINITY}).lumens.is_black());
-  EXPECT_EQ(light.sample_le({0.5F, 0.5F}, {0.5F, 0.5F}, {{}, 1}).reason, NoLight::kBlack);
+  EXPECT_EQ(light.sample_le({0.5, 0.5}, {0.5, 0.5}, {{}, 1}).reason, NoLight::kBlack);
 }
 
 TEST(ImageInfiniteLight, ATexelOf1e9AndTheOthersAreSampledByTheirShares) {
-  std::vector<Rgb<float>> texels(16, Rgb<float>(1));
-  texels[0] = Rgb<float>(1e9F);
-  const auto light = *ImageInfiniteLight<float>::create({.map = map_of(4, texels)});
+  std::vector<Rgbf> texels(16, Rgbf(1));
+  texels[0] = Rgbf(1e9);
+  const auto light = *ImageInfiniteLight::create({.map = map_of(4, texels)});
   // 16 texels of 4 pi / 16: the density is 16 L / (4 pi sum L).
   EXPECT_NEAR(light.pdf_li({0, 0, 0}, {0, 0, 1}).per_sr * (1e9 + 15) * (4 * kPi) / 16, 1, 1e-6);
-  const auto s = light.sample_li({0, 0, 0}, {0.5F, 0.1F});
-  EXPECT_EQ(s.value, Rgb<float>(1e9F));
+  const auto s = light.sample_li({0, 0, 0}, {0.5, 0.1});
+  EXPECT_EQ(s.value, Rgb(1e9));
   EXPECT_NEAR(s.pdf.per_sr, 16 / (4 * kPi), 1e-5);
 }
 
 TEST(ImageInfiniteLight, ApproximatePowerOfLatitudeLongitudeLacksFourPi) {
-  const auto map =
-      map_of(2, std::vector<Rgb<float>>(4, Rgb<float>(3)), SphereMapping::kLatitudeLongitude);
-  const auto light = *ImageInfiniteLight<float>::create({.map = map});
+  const auto map = map_of(2, std::vector<Rgbf>(4, Rgbf(3)), SphereMapping::kLatitudeLongitude);
+  const auto light = *ImageInfiniteLight::create({.map = map});
   const SceneSphere scene{{}, 2};
   EXPECT_NEAR(light.power(scene).lumens.r, 3 * 4 * kPi * (4 * kPi), 1e-10);
   EXPECT_NEAR(light.power_approximate(scene).lumens.r, 3 * (4 * kPi), 1e-12);
@@ -134,12 +132,12 @@ TEST(ImageInfiniteLight, ApproximatePowerOfLatitudeLongitudeLacksFourPi) {
 
 TEST(ImageInfiniteLight, CreateNamesTheInvalidParameter) {
   const auto error = [](const ImageInfiniteLightParams& p) {
-    return std::string(ImageInfiniteLight<float>::create(p).status().message());
+    return std::string(ImageInfiniteLight::create(p).status().message());
   };
   EXPECT_THAT(error({}), ::testing::HasSubstr("infinite.map"));
   const auto map = map_of(4, lit_above());
   EXPECT_THAT(error({.map = map, .radiance_cd_m2 = {-1, 0, 0}}), ::testing::HasSubstr("-1"));
-  EXPECT_THAT(error({.map = map, .radiance_cd_m2 = Rgb<double>(3e38)}),
+  EXPECT_THAT(error({.map = map, .radiance_cd_m2 = Rgb(1e308)}),
               ::testing::HasSubstr("brightest texel"));
 }
 

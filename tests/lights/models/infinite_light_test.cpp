@@ -12,21 +12,21 @@ namespace {
 
 using ::testing::HasSubstr;
 
-UniformInfiniteLight<float> light_of(double radiance) {
-  return *UniformInfiniteLight<float>::create({.radiance_cd_m2 = Rgb<double>(radiance)});
+UniformInfiniteLight light_of(double radiance) {
+  return *UniformInfiniteLight::create({.radiance_cd_m2 = Rgb(radiance)});
 }
 
 TEST(UniformInfiniteLight, DensityIsOneOverFourPiInEveryDirection) {
   const auto light = light_of(1);
-  EXPECT_FLOAT_EQ(light.pdf_li({0, 0, 0}, {0, 0, 1}).per_sr, 0.07957747F);
-  EXPECT_FLOAT_EQ(light.pdf_li({1, 2, 3}, {0.6F, -0.8F, 0}).per_sr, 0.07957747F);
-  EXPECT_FLOAT_EQ(light.sample_li({}, {0.3F, 0.7F}).pdf.per_sr, 0.07957747F);
+  EXPECT_DOUBLE_EQ(light.pdf_li({0, 0, 0}, {0, 0, 1}).per_sr, 1 / (4 * kPi));
+  EXPECT_DOUBLE_EQ(light.pdf_li({1, 2, 3}, {0.6, -0.8, 0}).per_sr, 1 / (4 * kPi));
+  EXPECT_DOUBLE_EQ(light.sample_li({}, {0.3, 0.7}).pdf.per_sr, 1 / (4 * kPi));
   EXPECT_EQ(light.pdf_li({}, {NAN, 0, 0}).per_sr, 0);
 }
 
 TEST(UniformInfiniteLight, EscapedRaysMeetItsRadiance) {
-  const auto light = *UniformInfiniteLight<float>::create({.radiance_cd_m2 = {1, 2, 3}});
-  EXPECT_EQ(light.le_escaped({5, 6, 7}, {0, 1, 0}), Rgb<float>(1, 2, 3));
+  const auto light = *UniformInfiniteLight::create({.radiance_cd_m2 = {1, 2, 3}});
+  EXPECT_EQ(light.le_escaped({5, 6, 7}, {0, 1, 0}), Rgb(1, 2, 3));
 }
 
 // A surface under a uniform sky of radiance L receives pi L.  The standard error of 20000 samples
@@ -39,7 +39,7 @@ TEST(UniformInfiniteLight, GivesPiTimesRadianceOnAnOpenSurface) {
   double sum = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto s = light.sample_li({1, 2, 3}, random.pair());
-    sum += double{s.value.g} * std::fmax(0.F, s.wi.y) / s.pdf.per_sr;
+    sum += double{s.value.g} * std::fmax(0.0, s.wi.y) / s.pdf.per_sr;
   }
   EXPECT_NEAR(sum / kSamples, 2 * 3.14159265, 5.5 * 2 * 0.0287);
 }
@@ -53,17 +53,16 @@ TEST(UniformInfiniteLight, BlackLightGivesItsReasonAndHasNoPowerEvenWithoutBound
   const auto light = light_of(0);
   EXPECT_EQ(light.sample_li({}, {}).reason, NoLight::kBlack);
   EXPECT_EQ(light.pdf_li({}, {0, 0, 1}).per_sr, 0);
-  EXPECT_EQ(light.power({{}, INFINITY}).lumens, Rgb<double>());
+  EXPECT_EQ(light.power({{}, INFINITY}).lumens, Rgb());
 }
 
 TEST(UniformInfiniteLight, CreateNamesFieldValueAndAllowedRange) {
-  const auto status =
-      UniformInfiniteLight<float>::create({.radiance_cd_m2 = {1, 1e39, 1}}).status();
+  const auto status = UniformInfiniteLight::create({.radiance_cd_m2 = {1, INFINITY, 1}}).status();
   EXPECT_EQ(std::string(status.message()),
-            "infinite.radiance = (1, 1e+39, 1) cd/m2, allowed: each channel finite, from 0 to "
-            "3.4e+38");
-  EXPECT_FALSE(UniformInfiniteLight<float>::create({.radiance_cd_m2 = {NAN, 1, 1}}).ok());
-  EXPECT_FALSE(UniformInfiniteLight<float>::create({.radiance_cd_m2 = {1, 1, -1e-30}}).ok());
+            "infinite.radiance = (1, inf, 1) cd/m2, allowed: each channel finite, from 0 to "
+            "1.8e+308");
+  EXPECT_FALSE(UniformInfiniteLight::create({.radiance_cd_m2 = {NAN, 1, 1}}).ok());
+  EXPECT_FALSE(UniformInfiniteLight::create({.radiance_cd_m2 = {1, 1, -1e-30}}).ok());
 }
 
 }  // namespace

@@ -10,13 +10,13 @@
 namespace lucerna::testing {
 namespace {
 
-Estimate at_distance(double d, const Vec3<double>& to_panel) {
-  const auto panel = RectanglePanelCase::make<double>({});
+Estimate at_distance(double d, const Vec3& to_panel) {
+  const auto panel = RectanglePanelCase::make({});
   return illuminance(panel, -to_panel * d, to_panel, 7, 20000);
 }
 
 TEST(PanelLight, FarFieldEqualsThePhotometry) {
-  const Vec3<double> w = normalized(Vec3<double>{0.5, -0.25, 1});
+  const Vec3 w = normalized(Vec3{0.5, -0.25, 1});
   const double d = 2000;
   // For a panel of 2 m, intensity and distance differ by a thousandth, because the angle does.
   EXPECT_NEAR(at_distance(d, -w).mean * d * d, intensity(w), 2e-3 * intensity(w));
@@ -32,17 +32,15 @@ TEST(PanelLight, NearFieldEqualsThatOfAUniformOpening) {
     params.intensity_cd.push_back(std::fmax(0, 10 * std::cos(i / 10.0 * kPi / 180)));
   }
   const auto patch = [] {
-    return *PatchMesh<double>::create({{{-1, -0.5, 0}, {1, -0.5, 0}, {-1, 0.5, 0}, {1, 0.5, 0}}});
+    return *PatchMesh::create({{{-1, -0.5, 0}, {1, -0.5, 0}, {-1, 0.5, 0}, {1, 0.5, 0}}});
   };
-  const auto panel = *AreaLight<double, PanelPatchMesh>::create(
-      {Rgb<double>(1)},
-      *PanelPatchMesh<double>::create(patch(), profile(*PhotometricWeb::create(params))));
-  const auto lambertian =
-      *AreaLight<double, PatchMesh>::create({Rgb<double>(5)}, patch());  // 10 cd / 2 m2
+  const auto panel = *AreaLight<PanelPatchMesh>::create(
+      {Rgb(1)}, *PanelPatchMesh::create(patch(), profile(*PhotometricWeb::create(params))));
+  const auto lambertian = *AreaLight<PatchMesh>::create({Rgb(5)}, patch());  // 10 cd / 2 m2
   RandomU random(8);
   for (int i = 0; i < 200; ++i) {
-    const Vec2<double> u = random.pair<double>();
-    const Vec3<double> receiver{2 * random.next() - 1, 2 * random.next() - 1, 0.25 + random.next()};
+    const Vec2 u = random.pair();
+    const Vec3 receiver{2 * random.next() - 1, 2 * random.next() - 1, 0.25 + random.next()};
     const auto a = panel.sample_li(receiver, u), b = lambertian.sample_li(receiver, u);
     EXPECT_NEAR(a.value.r, b.value.r, 1e-5 * b.value.r);
     EXPECT_EQ(a.pdf, b.pdf);
@@ -52,18 +50,15 @@ TEST(PanelLight, NearFieldEqualsThatOfAUniformOpening) {
 }
 
 TEST(PanelLight, EmitsToItsFrontOnlyUnlessTwoSided) {
-  const auto panel = RectanglePanelCase::make<double>({});
-  const auto s = panel.sample_li(Vec3<double>{0, 0, -2}, {0.5, 0.5});
+  const auto panel = RectanglePanelCase::make({});
+  const auto s = panel.sample_li(Vec3{0, 0, -2}, {0.5, 0.5});
   EXPECT_EQ(s.reason, NoLight::kBehind);
   EXPECT_TRUE(panel.le({{0, 0, 0}, {0, 0, 1}}, {0, 0, -1}).is_black());
   // Some of the file's light goes up.  Those rays report that they carry no light.
   int behind = 0;
   RandomU random(9);
   for (int i = 0; i < 1000; ++i)
-    behind +=
-        panel.sample_le(random.pair<double>(), random.pair<double>(), {}).reason == NoLight::kBehind
-            ? 1
-            : 0;
+    behind += panel.sample_le(random.pair(), random.pair(), {}).reason == NoLight::kBehind ? 1 : 0;
   EXPECT_GT(behind, 100);
   EXPECT_LT(behind, 500);
 }
@@ -71,11 +66,10 @@ TEST(PanelLight, EmitsToItsFrontOnlyUnlessTwoSided) {
 TEST(PanelLight, DarkDirectionsGiveTheirReason) {
   const auto narrow = *PhotometricWeb::create(
       {.vertical_deg = {0, 30, 31, 90}, .horizontal_deg = {0}, .intensity_cd = {10, 10, 0, 0}});
-  const auto panel = *AreaLight<double, PanelDisk>::create(
-      {Rgb<double>(1)},
-      *PanelDisk<double>::create(*Disk<double>::create({.radius_m = 0.1}), profile(narrow)));
-  EXPECT_EQ(panel.sample_li(Vec3<double>{0, 0, 1}, {0.5, 0.5}).reason, NoLight::kNone);
-  const auto s = panel.sample_li(Vec3<double>{2, 0, 1}, {0.5, 0.5});
+  const auto panel = *AreaLight<PanelDisk>::create(
+      {Rgb(1)}, *PanelDisk::create(*Disk::create({.radius_m = 0.1}), profile(narrow)));
+  EXPECT_EQ(panel.sample_li(Vec3{0, 0, 1}, {0.5, 0.5}).reason, NoLight::kNone);
+  const auto s = panel.sample_li(Vec3{2, 0, 1}, {0.5, 0.5});
   EXPECT_EQ(s.reason, NoLight::kOutsideCone);
   EXPECT_GT(s.pdf.per_sr, 0);
   const auto bounds = *panel.bounds();
@@ -86,13 +80,12 @@ TEST(PanelLight, GrazingDirectionsHaveAValueOrAReason) {
   // 20 cd along the plane: the radiance is unbounded, the light that arrives is not.
   const auto even = *PhotometricWeb::create(
       {.vertical_deg = {0, 90}, .horizontal_deg = {0}, .intensity_cd = {20, 20}});
-  const auto panel = *AreaLight<float, PanelDisk>::create(
-      {Rgb<double>(1)},
-      *PanelDisk<float>::create(*Disk<float>::create({.radius_m = 0.5}), profile(even)));
-  for (const float z : {1e-3F, 1e-10F, 1e-20F, 1e-30F, 1e-38F}) {
-    Receiver<float> receiver(Vec3<float>{2, 0, z});
+  const auto panel = *AreaLight<PanelDisk>::create(
+      {Rgb(1)}, *PanelDisk::create(*Disk::create({.radius_m = 0.5}), profile(even)));
+  for (const float z : {1e-3, 1e-10, 1e-20, 1e-30, 1e-38}) {
+    Receiver receiver(Vec3{2, 0, z});
     receiver.area_sampling = AreaSampling::kLowDistortion;
-    const auto s = panel.sample_li(receiver, {0.25F, 0.25F});
+    const auto s = panel.sample_li(receiver, {0.25, 0.25});
     EXPECT_TRUE(check_well_formed(s).ok()) << check_well_formed(s).failure;
     if (s.reason != NoLight::kNone) continue;
     // Value over density is intensity over squared distance, at any angle.
@@ -104,16 +97,15 @@ TEST(PanelLight, NearlyFlatShapesEmitByTheirOwnNormals) {
   // Bent by less than 1e-3: a receiver near the mean plane sees each point at another angle.
   const auto even = *PhotometricWeb::create(
       {.vertical_deg = {0, 90}, .horizontal_deg = {0}, .intensity_cd = {20, 20}});
-  const auto panel = *AreaLight<double, PanelPatchMesh>::create(
-      {Rgb<double>(1), true},
-      *PanelPatchMesh<double>::create(
-          *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.001}}}),
-          profile(even)));
-  Receiver<double> receiver(Vec3<double>{4, 0.5, 0.002});
+  const auto panel = *AreaLight<PanelPatchMesh>::create(
+      {Rgb(1), true},
+      *PanelPatchMesh::create(
+          *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.001}}}), profile(even)));
+  Receiver receiver(Vec3{4, 0.5, 0.002});
   receiver.area_sampling = AreaSampling::kLowDistortion;
   RandomU random(5);
   for (int i = 0; i < 200; ++i) {
-    const auto s = panel.sample_li(receiver, random.pair<double>());
+    const auto s = panel.sample_li(receiver, random.pair());
     if (s.reason != NoLight::kNone) continue;
     EXPECT_NEAR(s.value.r / s.pdf.per_sr, 20 / (s.distance * s.distance), 1e-5);
   }
@@ -121,20 +113,20 @@ TEST(PanelLight, NearlyFlatShapesEmitByTheirOwnNormals) {
 
 /// The flux from the front of `panel`, a bent patch over the unit square, within `width` of the
 /// mean plane on both sides.  Integrates radiance times cosine by the midpoint rule.
-double flux_along_plane(const AreaLight<double, PanelPatchMesh>& panel, double width) {
+double flux_along_plane(const AreaLight<PanelPatchMesh>& panel, double width) {
   const auto& surface = panel.shape().surface();
-  const Frame<double> axes = Frame<double>::around(surface.normals().axis);
+  const Frame axes = Frame::around(surface.normals().axis);
   constexpr int kSide = 12, kHeights = 64, kAzimuths = 120;
   double sum = 0;
   for (int p = 0; p < kSide * kSide; ++p) {
-    const Vec2<double> uv{(p % kSide + 0.5) / kSide, (p / kSide + 0.5) / kSide};
+    const Vec2 uv{(p % kSide + 0.5) / kSide, (p / kSide + 0.5) / kSide};
     const auto& patch = surface.primitive(0);
-    const SurfacePoint<double> point{patch.at(uv), patch.normal(uv), 0};
+    const SurfacePoint point{patch.at(uv), patch.normal(uv), 0};
     for (int i = 0; i < kHeights; ++i)
       for (int j = 0; j < kAzimuths; ++j) {
         const double z = std::sin(width) * (2 * (i + 0.5) / kHeights - 1);
         const double phi = 2 * kPi * (j + 0.5) / kAzimuths, r = std::sqrt(1 - z * z);
-        const Vec3<double> w = axes.world_from_local({r * std::cos(phi), r * std::sin(phi), z});
+        const Vec3 w = axes.world_from_local({r * std::cos(phi), r * std::sin(phi), z});
         sum += panel.le(point, w).r * dot(w, point.normal);
       }
   }
@@ -155,11 +147,10 @@ TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
   const double lean = std::sqrt(0.5) * 1e-3;  // of the normals at the patch's corners from the mean
   const auto panel = [](double z, const std::shared_ptr<const PhotometricWeb>& web,
                         bool two_sided) {
-    return *AreaLight<double, PanelPatchMesh>::create(
-        {Rgb<double>(1), two_sided},
-        *PanelPatchMesh<double>::create(
-            *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, z}}}),
-            profile(web)));
+    return *AreaLight<PanelPatchMesh>::create(
+        {Rgb(1), two_sided},
+        *PanelPatchMesh::create(*PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, z}}}),
+                                profile(web)));
   };
   struct Case {
     std::shared_ptr<const PhotometricWeb> web;
@@ -191,23 +182,23 @@ TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
   // Triangles are flat, whatever plane their rounded corners lie in.
   RandomU random(11);
   const auto next = [&] {
-    return Vec3<float>(float(random.next()), float(random.next()), float(random.next()));
+    return Vec3(float(random.next()), float(random.next()), float(random.next()));
   };
   for (int i = 0; i < 50; ++i) {
     const auto triangle =
-        *PanelTriangleMesh<float>::create(*TriangleMesh<float>::create({{next(), next(), next()}}),
-                                          profile(lit(kC, {0, 90}, {20, 20}), {1, 0.1, 0.2}));
+        *PanelTriangleMesh::create(*TriangleMesh::create({{next(), next(), next()}}),
+                                   profile(lit(kC, {0, 90}, {20, 20}), {1, 0.1, 0.2}));
     EXPECT_EQ(triangle.flux_error_lm(false), 0);
   }
 }
 
 TEST(PanelLight, ShapesThatAreNotFlatAreRefused) {
-  const auto bent = *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.1}}});
-  const auto status = PanelPatchMesh<double>::create(bent, profile(web())).status();
+  const auto bent = *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.1}}});
+  const auto status = PanelPatchMesh::create(bent, profile(web())).status();
   EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("allowed for a profile: flat"));
-  const auto flat = *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}});
-  for (const Vec3<double>& tangent : {Vec3<double>{0, 0, 1}, {0, 0, 0}, {NAN, 0, 0}})
-    EXPECT_FALSE(PanelPatchMesh<double>::create(flat, profile(web(), tangent)).ok());
+  const auto flat = *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}});
+  for (const Vec3& tangent : {Vec3{0, 0, 1}, {0, 0, 0}, {NAN, 0, 0}})
+    EXPECT_FALSE(PanelPatchMesh::create(flat, profile(web(), tangent)).ok());
 }
 
 TEST(PhotometricWebFlux, DownwardFluxIsTowardsPlusZ) {

@@ -22,12 +22,12 @@ class AnyDistribution : public ::testing::TestWithParam<Kind> {
 
 std::shared_ptr<const Image> random_image(int width, int height) {
   RandomU random(7);
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   for (int i = 0; i < width * height; ++i) {
     const float v = random.next();
     // A third is black, the others span three decades.
-    texels.push_back(random.next() < 0.33F ? Rgb<float>{}
-                                           : Rgb<float>(v, random.next(), 1) * (1000 * v * v * v));
+    texels.push_back(random.next() < 0.33F ? Rgbf{}
+                                           : Rgbf(v, random.next(), 1) * (1000 * v * v * v));
   }
   return *Image::create(width, height, std::move(texels));
 }
@@ -38,7 +38,7 @@ TEST_P(AnyDistribution, DensityIsTheFilteredLuminanceOverItsIntegral) {
   EXPECT_NEAR(d.integral(), luminance(image->mean()), 1e-12 * d.integral());
   RandomU random(1);
   for (int i = 0; i < 1000; ++i) {
-    const Vec2<double> p = random.pair<double>();
+    const Vec2 p = random.pair();
     const double shown = luminance(image->lookup(p, filter_, border_));
     EXPECT_NEAR(d.pdf(p), shown / d.integral(), 1e-12 * (1 + shown));
   }
@@ -51,7 +51,7 @@ TEST_P(AnyDistribution, SamplesFollowTheDensity) {
   std::vector<double> observed(kBins * kBins), expected(kBins * kBins), wrong(kBins * kBins);
   RandomU random(2);
   for (int i = 0; i < kSamples; ++i) {
-    const auto s = d.sample(random.pair<double>());
+    const auto s = d.sample(random.pair());
     ASSERT_GT(s.pdf, 0);
     ASSERT_NEAR(s.pdf, d.pdf(s.position), 1e-9 * s.pdf);
     ++observed[std::min(int(s.position.y * kBins), kBins - 1) * kBins +
@@ -62,7 +62,7 @@ TEST_P(AnyDistribution, SamplesFollowTheDensity) {
   for (int y = 0; y < kFine; ++y)
     for (int x = 0; x < kFine; ++x) {
       const double n = double(kSamples) / (kFine * kFine);
-      const Vec2<double> p{(x + 0.5) / kFine, (y + 0.5) / kFine};
+      const Vec2 p{(x + 0.5) / kFine, (y + 0.5) / kFine};
       expected[y / kSub * kBins + x / kSub] += n * d.pdf(p);
       wrong[y / kSub * kBins + x / kSub] += n * d.pdf({p.x, 1 - p.y});
     }
@@ -72,8 +72,8 @@ TEST_P(AnyDistribution, SamplesFollowTheDensity) {
 
 TEST_P(AnyDistribution, EverySampleHasALitPointAndItsDensityAlsoAtTheEdgesOfU) {
   for (const int lit : {0, 5, 24, 35}) {
-    std::vector<Rgb<float>> texels(36);
-    texels[static_cast<std::size_t>(lit)] = Rgb<float>(1);
+    std::vector<Rgbf> texels(36);
+    texels[static_cast<std::size_t>(lit)] = Rgbf(1);
     const auto image = *Image::create(6, 6, std::move(texels));
     const ImageDistribution d(*image, filter_, border_);
     EXPECT_NEAR(d.integral(), 1 / 36.0, 1e-15);
@@ -89,8 +89,8 @@ TEST_P(AnyDistribution, EverySampleHasALitPointAndItsDensityAlsoAtTheEdgesOfU) {
 }
 
 TEST_P(AnyDistribution, ATexelOf1e9LeavesTheOthersTheirShare) {
-  std::vector<Rgb<float>> texels(36, Rgb<float>(1));
-  texels[14] = Rgb<float>(1e9F);
+  std::vector<Rgbf> texels(36, Rgbf(1));
+  texels[14] = Rgbf(1e9F);
   const auto image = *Image::create(6, 6, std::move(texels));
   const ImageDistribution d(*image, filter_, border_);
   // Far from the bright texel the density is 1 over the mean, 36 / (1e9 + 35).
@@ -102,7 +102,7 @@ TEST_P(AnyDistribution, ATexelOf1e9LeavesTheOthersTheirShare) {
 }
 
 TEST_P(AnyDistribution, ABlackPictureHasNoDensity) {
-  const auto image = *Image::create(6, 6, std::vector<Rgb<float>>(36));
+  const auto image = *Image::create(6, 6, std::vector<Rgbf>(36));
   const ImageDistribution d(*image, filter_, border_);
   EXPECT_EQ(d.integral(), 0);
   EXPECT_EQ(d.sample({0.5, 0.5}).pdf, 0);
@@ -113,8 +113,7 @@ TEST_P(AnyDistribution, RowMeasuresScaleRows) {
   const auto image = random_image(6, 6);
   const ImageDistribution flat(*image, filter_, border_);
   std::vector<double> weights;
-  for (int i = 0; i < 36; ++i)
-    weights.push_back(luminance(Rgb<double>(image->texel(i % 6, i / 6))));
+  for (int i = 0; i < 36; ++i) weights.push_back(luminance(Rgb(image->texel(i % 6, i / 6))));
   // The second row of cells has weight 0, the fourth weight 3.
   std::vector<double> measures;
   const bool nearest = filter_ == ImageFilter::kNearest;
@@ -130,12 +129,12 @@ TEST_P(AnyDistribution, RowMeasuresScaleRows) {
     EXPECT_NEAR(d.pdf({x, y3}) * d.integral(), 3 * flat.pdf({x, y3}) * flat.integral(), 1e-12);
   }
   RandomU random(3);
-  for (int i = 0; i < 1000; ++i) EXPECT_GT(d.pdf(d.sample(random.pair<double>()).position), 0);
+  for (int i = 0; i < 1000; ++i) EXPECT_GT(d.pdf(d.sample(random.pair()).position), 0);
 }
 
 TEST(ImageDistribution, AHundredThousandTexelsInOneRow) {
-  std::vector<Rgb<float>> texels(100000, Rgb<float>(1));
-  texels[77777] = Rgb<float>(100001);
+  std::vector<Rgbf> texels(100000, Rgbf(1));
+  texels[77777] = Rgbf(100001);
   const auto image = *Image::create(100000, 1, std::move(texels));
   for (const auto filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
     const ImageDistribution d(*image, filter, ImageBorder::kClamp);

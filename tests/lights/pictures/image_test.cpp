@@ -9,7 +9,7 @@ namespace lucerna {
 namespace {
 
 std::shared_ptr<const Image> grey(int width, int height, const std::vector<float>& values) {
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   for (const float v : values) texels.emplace_back(v);
   return *Image::create(width, height, std::move(texels));
 }
@@ -95,7 +95,7 @@ TEST(Image, OneTexelIsTheSameEverywhere) {
 }
 
 TEST(Image, CreateNamesTheInvalidTexel) {
-  std::vector<Rgb<float>> texels(6, Rgb<float>(1));
+  std::vector<Rgbf> texels(6, Rgbf(1));
   texels[4].g = NAN;
   EXPECT_THAT(std::string(Image::create(3, 2, texels).status().message()),
               ::testing::HasSubstr("texel (1, 1)"));

@@ -19,16 +19,16 @@ using testing::Region;
 constexpr auto kMappings = {SphereMapping::kEqualArea, SphereMapping::kLatitudeLongitude};
 constexpr auto kFilters = {ImageFilter::kNearest, ImageFilter::kBilinear};
 
-std::shared_ptr<const Image> image(int width, int height, std::vector<Rgb<float>> texels) {
+std::shared_ptr<const Image> image(int width, int height, std::vector<Rgbf> texels) {
   return *Image::create(width, height, std::move(texels));
 }
 
 /// `lit` texels have random values, the others are black.
 std::shared_ptr<const IntensityMap> sparse(int side, const std::vector<int>& lit,
                                            SphereMapping mapping, ImageFilter filter) {
-  std::vector<Rgb<float>> texels(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+  std::vector<Rgbf> texels(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
   RandomU random(41);
-  for (const int i : lit) texels[static_cast<std::size_t>(i)] = Rgb<float>(1 + random.next());
+  for (const int i : lit) texels[static_cast<std::size_t>(i)] = Rgbf(1 + random.next());
   return *IntensityMap::create(image(side, side, std::move(texels)), mapping, filter);
 }
 
@@ -49,7 +49,7 @@ TEST(IntensityMap, TakesTheMeanOfChannelsAndSharesGreyPictures) {
   EXPECT_EQ(map->mean_cd(), 2.75);
   EXPECT_NEAR(map->flux_lm(), 2 * kPi * 3 + 2 * kPi * 2.5, 1e-12);
   EXPECT_FALSE(is_grey(*colours));
-  const auto grey = image(1, 1, {Rgb<float>(0.1F)});
+  const auto grey = image(1, 1, {Rgbf(0.1F)});
   EXPECT_TRUE(is_grey(*grey));
   const auto shared =
       *IntensityMap::create(grey, SphereMapping::kEqualArea, ImageFilter::kBilinear);
@@ -64,7 +64,7 @@ TEST(IntensityMap, FluxIsTheIntegralOverTheSphere) {
       for (const auto& lit : patterns()) {
         const auto map = sparse(8, lit, mapping, filter);
         const double expected =
-            integrate(Region{}, 1000, [&](const Vec3<double>& w) { return map->at(w); });
+            integrate(Region{}, 1000, [&](const Vec3& w) { return map->at(w); });
         EXPECT_NEAR(map->flux_lm() / expected, 1, 2e-3);
       }
 }
@@ -78,10 +78,10 @@ TEST(IntensityMap, DensityIntegratesToOneAndIsPositiveWhereTheIntensityIs) {
       for (const auto& lit : patterns()) {
         const auto map = sparse(8, lit, mapping, filter);
         const double whole =
-            integrate(Region{}, 700, [&](const Vec3<double>& w) { return map->pdf(w).per_sr; });
+            integrate(Region{}, 700, [&](const Vec3& w) { return map->pdf(w).per_sr; });
         EXPECT_NEAR(whole, 1, 4e-3);
         for (int i = 0; i < 5000; ++i) {
-          const Vec3<double> w = Region{}.at(random.next(), random.next());
+          const Vec3 w = Region{}.at(random.next(), random.next());
           if (map->at(w) > 0) {
             ASSERT_GT(map->pdf(w).per_sr, 0);
           }
@@ -97,7 +97,7 @@ TEST(IntensityMap, ConeHoldsAllLightAndLittleMore) {
         const auto map = sparse(8, lit, mapping, filter);
         double widest = 0;
         for (int i = 0; i < 50000; ++i) {
-          const Vec3<double> w = Region{}.at(random.next(), random.next());
+          const Vec3 w = Region{}.at(random.next(), random.next());
           if (map->at(w) == 0) continue;
           const double angle = angle_between(map->cone().axis, w);
           ASSERT_LE(angle, map->cone().half_angle_rad);
@@ -119,12 +119,12 @@ TEST(IntensityMap, ConeHoldsAllLightAndLittleMore) {
 }
 
 TEST(IntensityMap, BlackPicturesHaveNoFluxAndInvalidMapsAreRefused) {
-  const auto black = *IntensityMap::create(image(2, 2, std::vector<Rgb<float>>(4)),
+  const auto black = *IntensityMap::create(image(2, 2, std::vector<Rgbf>(4)),
                                            SphereMapping::kEqualArea, ImageFilter::kNearest);
   EXPECT_EQ(black->flux_lm(), 0);
   EXPECT_EQ(black->max_cd(), 0);
   EXPECT_EQ(black->pdf({0, 0, 1}).per_sr, 0);
-  const auto oblong = IntensityMap::create(image(2, 1, std::vector<Rgb<float>>(2)),
+  const auto oblong = IntensityMap::create(image(2, 1, std::vector<Rgbf>(2)),
                                            SphereMapping::kEqualArea, ImageFilter::kNearest);
   EXPECT_THAT(std::string(oblong.status().message()),
               ::testing::HasSubstr("2 x 1 texels, allowed: square"));

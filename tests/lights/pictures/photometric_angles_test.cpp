@@ -124,7 +124,7 @@ TEST(PhotometricAngles, TypeAMayGoAllAround) {
   for (const double v : {-60., 0., 60.})
     for (const double az : {90., 135.}) {
       const double a = az * kPi / 180, e = v * kPi / 180;
-      const Vec3<double> w{std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), -std::sin(e)};
+      const Vec3 w{std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), -std::sin(e)};
       EXPECT_GE(dot(side->cone().axis, w), std::cos(side->cone().half_angle_rad) - 1e-9);
     }
 }

@@ -60,7 +60,7 @@ std::vector<PhotometricWebParams> grids() {
 /// The direction of the file's angles, from the standard's definitions.  Straight down is +z, the
 /// photometric horizontal +x.  Seen from above (-z), horizontal angles run counter-clockwise for
 /// type C, clockwise for A and B.
-Vec3<double> direction(PhotometricType type, double v_deg, double h_deg) {
+Vec3 direction(PhotometricType type, double v_deg, double h_deg) {
   const double v = v_deg * kRad, h = h_deg * kRad;
   switch (type) {
     case PhotometricType::kC:  // up is -z, so a turn to the left as seen from above takes +x to -y
@@ -146,8 +146,7 @@ TEST(PhotometricWeb, IsDarkOutsideOfItsAngles) {
 TEST(PhotometricWeb, FluxEqualsQuadratureOverTheSphere) {
   for (const auto& params : grids()) {
     const auto w = web(params);
-    const double expected =
-        integrate(Region{}, 1500, [&](const Vec3<double>& d) { return w->at(d); });
+    const double expected = integrate(Region{}, 1500, [&](const Vec3& d) { return w->at(d); });
     EXPECT_NEAR(w->flux_lm() / expected, 1, 3e-4);
   }
 }
@@ -233,9 +232,9 @@ TEST(PhotometricWeb, ThePolesOfTypeBAreOnePoint) {
       web({PhotometricType::kB, {-90, 0, 90}, {-90, 0, 90}, {3, 3, 3, 0, 9, 0, 7, 7, 7}});
   for (int i = 0; i <= 8; ++i) {
     const double v = (i - 4) * 22.4 * kRad, tilt = 1e-9;
-    const Vec3<double> off{tilt * std::sin(v), 0, tilt * std::cos(v)};
-    EXPECT_NEAR(w->at(Vec3<double>(0, 1, 0) + off), 7, 1e-6);
-    EXPECT_NEAR(w->at(Vec3<double>(0, -1, 0) + off), 3, 1e-6);
+    const Vec3 off{tilt * std::sin(v), 0, tilt * std::cos(v)};
+    EXPECT_NEAR(w->at(Vec3(0, 1, 0) + off), 7, 1e-6);
+    EXPECT_NEAR(w->at(Vec3(0, -1, 0) + off), 3, 1e-6);
   }
   EXPECT_EQ(w->at({0, 0, 1}), 9);
   EXPECT_NEAR(w->at({1, 0, 1e-9}), 0, 1e-6);
@@ -262,11 +261,10 @@ TEST(PhotometricWeb, DensityIntegratesToOneAndIsPositiveWhereTheIntensityIs) {
   RandomU random(21);
   for (const auto& params : grids()) {
     const auto w = web(params);
-    const double whole =
-        integrate(Region{}, 1000, [&](const Vec3<double>& d) { return w->pdf(d).per_sr; });
+    const double whole = integrate(Region{}, 1000, [&](const Vec3& d) { return w->pdf(d).per_sr; });
     EXPECT_NEAR(whole, 1, 3e-3);
     for (int i = 0; i < 20000; ++i) {
-      const Vec3<double> d = Region{}.at(random.next(), random.next());
+      const Vec3 d = Region{}.at(random.next(), random.next());
       if (w->at(d) > 0) {
         ASSERT_GT(w->pdf(d).per_sr, 0);
       }
@@ -284,7 +282,7 @@ TEST(PhotometricWeb, SamplesFollowTheDensity) {
       RandomU random(22);
       std::vector<double> observed(kBins * kBins), expected(kBins * kBins);
       for (int i = 0; i < kSamples; ++i) {
-        const Vec2<double> at = Region{}.where(w->sample(random.pair<double>()));
+        const Vec2 at = Region{}.where(w->sample(random.pair()));
         const int x = std::min(int(at.x * kBins), kBins - 1);
         const int y = std::min(int(at.y * kBins), kBins - 1);
         ++observed[static_cast<std::size_t>(x * kBins + y)];
@@ -292,7 +290,7 @@ TEST(PhotometricWeb, SamplesFollowTheDensity) {
       constexpr int kFine = kBins * kSub;
       for (int i = 0; i < kFine; ++i)
         for (int j = 0; j < kFine; ++j) {
-          const Vec3<double> d = Region{}.at((i + 0.5) / kFine, (j + 0.5) / kFine);
+          const Vec3 d = Region{}.at((i + 0.5) / kFine, (j + 0.5) / kFine);
           // The companion: a density in proportion to the intensity itself.
           const double pdf = wrong ? w->at(d) / w->flux_lm() : w->pdf(d).per_sr;
           expected[static_cast<std::size_t>(i / kSub * kBins + j / kSub)] +=
@@ -313,7 +311,7 @@ TEST(PhotometricWeb, ExtremeSampleValuesStayInLitCells) {
     const auto w = web(params);
     for (const double x : {0., 1 - 0x1p-24, 1.})
       for (const double y : {0., 1 - 0x1p-24, 1.}) {
-        const Vec3<double> d = w->sample({x, y});
+        const Vec3 d = w->sample({x, y});
         EXPECT_NEAR(length(d), 1, 1e-15);
         EXPECT_LE(angle_between(w->cone().axis, d), w->cone().half_angle_rad);
       }
@@ -325,7 +323,7 @@ TEST(PhotometricWeb, ConeHoldsAllLightAndNoMoreThanItsCells) {
   for (const auto& params : grids()) {
     const auto w = web(params);
     for (int i = 0; i < 20000; ++i) {
-      const Vec3<double> d = Region{}.at(random.next(), random.next());
+      const Vec3 d = Region{}.at(random.next(), random.next());
       if (w->at(d) > 0) {
         ASSERT_LE(angle_between(w->cone().axis, d), w->cone().half_angle_rad);
       }
@@ -333,28 +331,28 @@ TEST(PhotometricWeb, ConeHoldsAllLightAndNoMoreThanItsCells) {
   }
   const auto narrow = web({PhotometricType::kC, {0, 10, 20, 90}, {0}, {100, 50, 0, 0}});
   EXPECT_NEAR(narrow->cone().half_angle_rad, 20 * kRad, 1e-5);
-  EXPECT_EQ(narrow->cone().axis, Vec3<double>(0, 0, 1));
+  EXPECT_EQ(narrow->cone().axis, Vec3(0, 0, 1));
   const auto up = web({PhotometricType::kC, {90, 150, 180}, {0}, {0, 0, 10}});
   EXPECT_NEAR(up->cone().half_angle_rad, 30 * kRad, 1e-5);
-  EXPECT_EQ(up->cone().axis, Vec3<double>(0, 0, -1));
+  EXPECT_EQ(up->cone().axis, Vec3(0, 0, -1));
   const auto flood = web({PhotometricType::kB,
                           {-90, -10, 0, 10, 90},
                           {0, 20, 90},
                           {0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}});
   EXPECT_NEAR(flood->cone().half_angle_rad, std::acos(std::cos(10 * kRad) * std::cos(20 * kRad)),
               1e-5);
-  EXPECT_EQ(flood->cone().axis, Vec3<double>(0, 0, 1));
+  EXPECT_EQ(flood->cone().axis, Vec3(0, 0, 1));
   // The same grid about a car's headlamp: V = H = 0 is +x.
   const auto headlamp = web({PhotometricType::kA,
                              {-90, -10, 0, 10, 90},
                              {0, 20, 90},
                              {0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}});
   EXPECT_NEAR(headlamp->cone().half_angle_rad, flood->cone().half_angle_rad, 1e-15);
-  EXPECT_EQ(headlamp->cone().axis, Vec3<double>(1, 0, 0));
+  EXPECT_EQ(headlamp->cone().axis, Vec3(1, 0, 0));
   // Light about a pole only: in type A, V = 90 is straight up, which is -z.
   const auto above = web({PhotometricType::kA, {-90, 70, 90}, {-90, 90}, {0, 0, 5, 0, 0, 5}});
   EXPECT_NEAR(above->cone().half_angle_rad, 20 * kRad, 1e-5);
-  EXPECT_EQ(above->cone().axis, Vec3<double>(0, 0, -1));
+  EXPECT_EQ(above->cone().axis, Vec3(0, 0, -1));
 }
 
 TEST(PhotometricWeb, RefusesInvalidGrids) {

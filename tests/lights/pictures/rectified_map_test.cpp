@@ -97,22 +97,22 @@ TEST(RectifiedCells, OfTheWholeSquareArePi) {
 
 TEST(RectifiedMap, IlluminanceIsTheSumOfItsCells) {
   testing::RandomU random(3);
-  const Vec3<double> x{0, 1, 0}, y{0, 0, 1}, z{1, 0, 0};
+  const Vec3 x{0, 1, 0}, y{0, 0, 1}, z{1, 0, 0};
   for (const int n : {1, 5, 64}) {
-    std::vector<Rgb<float>> texels;
+    std::vector<Rgbf> texels;
     for (int k = 0; k < n * n; ++k) {
       const double lit = random.next();
       // Nine of ten are dark, so that few cells at the edges count.
-      texels.push_back(lit < 0.9 && n > 1 ? Rgb<float>() : Rgb<float>(1, 2, float(lit)));
+      texels.push_back(lit < 0.9 && n > 1 ? Rgbf() : Rgbf(1, 2, float(lit)));
     }
     const auto map = *SphereMap::create(*Image::create(n, n, std::move(texels)),
                                         SphereMapping::kEqualArea, ImageFilter::kNearest);
     const RectifiedMap seen(*map, x, y, z);
-    Rgb<double> expected;
+    Rgb expected;
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i)
         expected += seen.lookup({(i + 0.5) / n, (j + 0.5) / n}) * by_corners(n, i, j);
-    const MapIlluminance got = seen.illuminance(Rgb<double>(1, 2, 3));
+    const MapIlluminance got = seen.illuminance(Rgb(1, 2, 3));
     EXPECT_EQ(got.error_lx, 0);
     EXPECT_NEAR(got.lx.r, expected.r, 1e-12 * expected.r);
     EXPECT_NEAR(got.lx.g, 2 * expected.g, 2e-12 * expected.g);

@@ -18,16 +18,16 @@ constexpr AreaSampling kWays[] = {AreaSampling::kSquareRoot,      AreaSampling::
                                   AreaSampling::kCosineSolidAngle};
 
 /// The square |x|, |y| < 1/2 seen from `receiver`.
-std::vector<Vec3<double>> square_from(const Vec3<double>& receiver) {
-  std::vector<Vec3<double>> corners;
+std::vector<Vec3> square_from(const Vec3& receiver) {
+  std::vector<Vec3> corners;
   for (const double x : {-0.5, 0.5})
-    for (const double y : {-0.5, 0.5}) corners.push_back(Vec3<double>{x, y, 0} - receiver);
+    for (const double y : {-0.5, 0.5}) corners.push_back(Vec3{x, y, 0} - receiver);
   return corners;
 }
 
 TEST(AreaSamplingRule, KeepsTheRequestedMethodWhereItApplies) {
   const auto near = square_from({0, 0, 0.25}), far = square_from({0, 0, 50});
-  const Vec3<double> n{0, 0, -1};
+  const Vec3 n{0, 0, -1};
   for (const AreaSampling way : kWays) {
     EXPECT_EQ(way_for_corners(way, near, n), way);
     EXPECT_EQ(way_for_corners(way, far, n), way);
@@ -40,11 +40,11 @@ TEST(AreaSamplingRule, KeepsTheRequestedMethodWhereItApplies) {
 }
 
 TEST(AreaSamplingRule, UsesAreaFarAwaySolidAngleNearbyAndTheCosineWhereItVaries) {
-  const auto automatic = [](const Vec3<double>& receiver, const Vec3<double>& n) {
+  const auto automatic = [](const Vec3& receiver, const Vec3& n) {
     return way_for_corners(AreaSampling::kAutomatic, square_from(receiver), normalized(n));
   };
-  const Vec3<double> none, facing{0, 0, -1}, aslant{1, 0, 0};
-  for (const Vec3<double>& n : {none, facing}) {
+  const Vec3 none, facing{0, 0, -1}, aslant{1, 0, 0};
+  for (const Vec3& n : {none, facing}) {
     EXPECT_EQ(automatic({0, 0, 0.5}, n), AreaSampling::kSolidAngle);
     EXPECT_EQ(automatic({3, 0, 1}, none), AreaSampling::kSolidAngle);
     EXPECT_TRUE(is_by_area(automatic({0, 0, 4}, n)));
@@ -68,7 +68,7 @@ TEST(AreaSamplingRule, UsesAreaFarAwaySolidAngleNearbyAndTheCosineWhereItVaries)
 }
 
 TEST(AreaSamplingRule, DoesNotChangeWithTheUnitOfLength) {
-  const Vec3<double> n = normalized(Vec3<double>{0.3, 0.2, -1});
+  const Vec3 n = normalized(Vec3{0.3, 0.2, -1});
   RandomU random(0xa5);
   for (int i = 0; i < 1000; ++i) {
     const auto corners = square_from({4 * random.next(), 4 * random.next(), 3 * random.next()});
@@ -83,10 +83,9 @@ TEST(AreaSamplingRule, DoesNotChangeWithTheUnitOfLength) {
 
 /// Relative variance of one sample of the irradiance.
 template <typename Light>
-double variance(const Light& light, const Vec3<double>& at, const Vec3<double>& n,
-                AreaSampling way) {
-  Receiver<float> receiver{Vec3<float>(at)};
-  receiver.normal = Vec3<float>(n);
+double variance(const Light& light, const Vec3& at, const Vec3& n, AreaSampling way) {
+  Receiver receiver{Vec3(at)};
+  receiver.normal = Vec3(n);
   receiver.area_sampling = way;
   constexpr int kSamples = 40000;
   const Estimate e = illuminance(light, receiver, n, 0xa6, kSamples);
@@ -94,25 +93,23 @@ double variance(const Light& light, const Vec3<double>& at, const Vec3<double>& 
 }
 
 template <typename Light>
-double mean(const Light& light, const Vec3<double>& at, const Vec3<double>& n) {
-  return illuminance(light, by_area(Vec3<float>(at)), n, 0xa7).mean;
+double mean(const Light& light, const Vec3& at, const Vec3& n) {
+  return illuminance(light, by_area(Vec3(at)), n, 0xa7).mean;
 }
 
 TEST(AreaSamplingRule, VarianceIsNearTheLeastOfAllMethods) {
-  using V = Vec3<float>;
-  const auto square = *PatchMeshLight<float>::create(
-      {Rgb<double>(1), true}, *PatchMesh<float>::create({{V{-0.5F, -0.5F, 0}, V{0.5F, -0.5F, 0},
-                                                          V{-0.5F, 0.5F, 0}, V{0.5F, 0.5F, 0}}}));
-  const auto triangle = *TriangleMeshLight<float>::create(
-      {Rgb<double>(1), true},
-      *TriangleMesh<float>::create({{V{-0.5F, -0.5F, 0}, V{0.5F, -0.5F, 0}, V{-0.5F, 0.5F, 0}}}));
-  const auto disk =
-      *DiskLight<float>::create({Rgb<double>(1), true}, *Disk<float>::create({.radius_m = 0.5}));
-  const auto sphere =
-      *SphereLight<float>::create({Rgb<double>(1)}, *Sphere<float>::create({.radius_m = 0.04}));
+  using V = Vec3;
+  const auto square = *PatchMeshLight::create(
+      {Rgb(1), true}, *PatchMesh::create({{V{-0.5F, -0.5F, 0}, V{0.5F, -0.5F, 0}, V{-0.5F, 0.5F, 0},
+                                           V{0.5F, 0.5F, 0}}}));
+  const auto triangle = *TriangleMeshLight::create(
+      {Rgb(1), true},
+      *TriangleMesh::create({{V{-0.5F, -0.5F, 0}, V{0.5F, -0.5F, 0}, V{-0.5F, 0.5F, 0}}}));
+  const auto disk = *DiskLight::create({Rgb(1), true}, *Disk::create({.radius_m = 0.5}));
+  const auto sphere = *SphereLight::create({Rgb(1)}, *Sphere::create({.radius_m = 0.04}));
   for (const double d : {0.1, 0.5, 2., 10.})
-    for (const Vec3<double>& direction : {Vec3<double>{0, 0, -1}, {1, 0.2, -0.1}, {0.3, 0.2, -1}}) {
-      const Vec3<double> n = normalized(direction), at{0.1 * d, 0.05 * d, d};
+    for (const Vec3& direction : {Vec3{0, 0, -1}, {1, 0.2, -0.1}, {0.3, 0.2, -1}}) {
+      const Vec3 n = normalized(direction), at{0.1 * d, 0.05 * d, d};
       const auto check = [&](const auto& light, const char* what) {
         // Leaves out places where almost nothing of the light is above the horizon.
         if (mean(light, at, n) < 0.05 * mean(light, at, normalized(-at))) return;

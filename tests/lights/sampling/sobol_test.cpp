@@ -17,12 +17,12 @@ using testing::RandomU;
 
 /// Whether each elementary interval (a box of 2^-a by 2^-b, a + b = m) holds exactly one of the
 /// first 2^m points.
-bool is_stratified(int m, const std::function<Vec2<float>(std::uint32_t)>& point) {
+bool is_stratified(int m, const std::function<Vec2f(std::uint32_t)>& point) {
   for (int a = 0; a <= m; ++a) {
     const int b = m - a;
     std::set<std::pair<int, int>> boxes;
     for (std::uint32_t i = 0; i < 1U << m; ++i) {
-      const Vec2<float> p = point(i);
+      const Vec2f p = point(i);
       boxes.emplace(int(std::ldexp(p.x, a)), int(std::ldexp(p.y, b)));
     }
     if (boxes.size() != 1U << m) return false;
@@ -52,7 +52,9 @@ TEST(SobolSequence, EveryAlignedBlockIsStratifiedToo) {
 TEST(SobolSequence, IndependentRandomNumbersWouldFailTheStratificationTest) {
   for (int m = 2; m <= 8; ++m) {
     RandomU random(m);
-    EXPECT_FALSE(is_stratified(m, [&](std::uint32_t) { return random.pair(); }));
+    EXPECT_FALSE(is_stratified(m, [&](std::uint32_t) {
+      return Vec2f{random.next(), random.next()};
+    }));
   }
 }
 
@@ -60,7 +62,7 @@ TEST(SobolSequence, PointsStayBelowOneAndAreMultiplesOfTwoToTheMinus24) {
   for (std::uint64_t item = 0; item < 1000; ++item) {
     const SobolSequence points(3, item);
     for (const std::uint32_t index : {0U, 1U, 77U, 0x80000000U, 0xFFFFFFFFU}) {
-      const Vec2<float> p = points.pair(index, 0);
+      const Vec2f p = points.pair(index, 0);
       for (const float u : {p.x, p.y}) {
         EXPECT_GE(u, 0);
         EXPECT_LT(u, 1);
@@ -72,7 +74,7 @@ TEST(SobolSequence, PointsStayBelowOneAndAreMultiplesOfTwoToTheMinus24) {
 
 TEST(SobolSequence, IsAFunctionOfItsKeyAndIndexAlone) {
   EXPECT_EQ(SobolSequence(1, 2, 3).pair(4, 5), SobolSequence(1, 2, 3).pair(4, 5));
-  const Vec2<float> p = SobolSequence(1, 2, 3).pair(4, 5);
+  const Vec2f p = SobolSequence(1, 2, 3).pair(4, 5);
   EXPECT_NE(p, SobolSequence(2, 2, 3).pair(4, 5));
   EXPECT_NE(p, SobolSequence(1, 3, 3).pair(4, 5));
   EXPECT_NE(p, SobolSequence(1, 2, 4).pair(4, 5));
@@ -89,7 +91,7 @@ TEST(SobolSequence, AnyPointIsEquidistributedOverKeys) {
   for (const std::uint32_t index : {0U, 1U, 6U, 0x12345678U}) {
     std::vector<double> over_items(256), over_seeds(256), over_replicates(256);
     const auto count = [&](std::vector<double>& bins, const SobolSequence& points) {
-      const Vec2<float> p = points.pair(index, 2);
+      const Vec2f p = points.pair(index, 2);
       ++bins[int(p.x * 16) * 16 + int(p.y * 16)];
     };
     for (std::uint64_t i = 0; i < kKeys; ++i) {

@@ -47,10 +47,8 @@ SphericalEllipse seen_from(const Seen& s) {
 /// By the triangles of an inscribed polygon, [Oosterom83].  Its corners are denser the nearer they
 /// are to the receiver: by a share of 1e-3 of the angle from the nearest point.
 double solid_angle(const Seen& s) {
-  const Vec3<double> middle{s.offset, 0, s.height};
-  const auto rim = [&](double t) {
-    return middle + Vec3<double>{-std::cos(t), std::sin(t), 0} * s.radius;
-  };
+  const Vec3 middle{s.offset, 0, s.height};
+  const auto rim = [&](double t) { return middle + Vec3{-std::cos(t), std::sin(t), 0} * s.radius; };
   double sum = 0;
   for (double t = 1e-10, before = 0; before < kPi; before = t, t = std::fmin(1.001 * t, kPi))
     sum += 2 * triangle_solid_angle(middle, rim(before) - middle, rim(t) - middle);
@@ -62,7 +60,7 @@ TEST(SphericalEllipse, CoaxialDisksAreUniform) {
     const auto e = *SphericalEllipse::create(0, 2, radius);
     const double cosine = 2 / std::hypot(2, radius);
     const double one_minus_cos = radius * radius / (4 + radius * radius) / (1 + cosine);
-    for (const Vec2<double> p : {Vec2<double>{0, 0}, {0.3 * radius, 0}, {0, -0.9 * radius}})
+    for (const Vec2 p : {Vec2{0, 0}, {0.3 * radius, 0}, {0, -0.9 * radius}})
       EXPECT_NEAR(e.pdf(p) * 2 * kPi * one_minus_cos, 1, 1e-12) << radius;
   }
 }
@@ -77,7 +75,7 @@ TEST(SphericalEllipse, InverseDensitiesAverageToTheSolidAngle) {
     double sum = 0, squares = 0;
     constexpr int kSamples = 100000;
     for (int i = 0; i < kSamples; ++i) {
-      const double inverse = 1 / e.pdf(e.sample(random.pair<double>()));
+      const double inverse = 1 / e.pdf(e.sample(random.pair()));
       sum += inverse, squares += inverse * inverse;
     }
     const double mean = sum / kSamples;
@@ -90,7 +88,7 @@ TEST(SphericalEllipse, InverseDensitiesAverageToTheSolidAngle) {
 }
 
 /// The p-value of the places that `sample` returns, if they follow `pdf`.
-double p_value(const Seen& s, const std::function<Vec2<double>(Vec2<double>)>& sample) {
+double p_value(const Seen& s, const std::function<Vec2(Vec2)>& sample) {
   const auto e = seen_from(s);
   // Rings and sectors about the point nearest to the receiver's foot would fit it best.  These are
   // about the centre, with cells fine enough for the nearest place here.
@@ -99,7 +97,7 @@ double p_value(const Seen& s, const std::function<Vec2<double>(Vec2<double>)>& s
   RandomU random(0x5e12);
   const auto bin = [](double x) { return std::clamp(int(x * kBins), 0, kBins - 1); };
   for (int i = 0; i < kSamples; ++i) {
-    const auto p = sample(random.pair<double>());
+    const auto p = sample(random.pair());
     const double phi = std::atan2(p.y, p.x) / (2 * kPi);
     ++observed[bin((p.x * p.x + p.y * p.y) / (s.radius * s.radius)) * kBins +
                bin(phi < 0 ? phi + 1 : phi)];
@@ -109,8 +107,8 @@ double p_value(const Seen& s, const std::function<Vec2<double>(Vec2<double>)>& s
     for (int j = 0; j < kFine; ++j) {
       const double r = s.radius * std::sqrt((i + 0.5) / kFine);
       const double phi = 2 * kPi * (j + 0.5) / kFine;
-      const Vec2<double> p{r * std::cos(phi), r * std::sin(phi)};
-      const Vec3<double> to_point{s.offset + p.x, p.y, s.height};
+      const Vec2 p{r * std::cos(phi), r * std::sin(phi)};
+      const Vec3 to_point{s.offset + p.x, p.y, s.height};
       const double d = length(to_point);
       const double sr =
           kPi * s.radius * s.radius / (double(kFine) * kFine) * (s.height / d) / d / d;
@@ -125,16 +123,16 @@ double p_value(const Seen& s, const std::function<Vec2<double>(Vec2<double>)>& s
 TEST(SphericalEllipse, SamplesFollowTheDensityWhichIntegratesToOne) {
   for (const Seen& s : places()) {
     const auto e = seen_from(s);
-    EXPECT_GT(p_value(s, [&](Vec2<double> u) { return e.sample(u); }), kUnlikely) << s.name;
+    EXPECT_GT(p_value(s, [&](Vec2 u) { return e.sample(u); }), kUnlikely) << s.name;
   }
 }
 
 TEST(SphericalEllipse, ChiSquareRejectsSamplesByAreaAndMeridiansUniformInAzimuth) {
   const Seen s = places()[2];
-  EXPECT_LT(p_value(s, [](Vec2<double> u) { return sample_concentric_disk(u); }), kUnlikely);
+  EXPECT_LT(p_value(s, [](Vec2 u) { return sample_concentric_disk(u); }), kUnlikely);
   // The mistake of a circle's formula: it shrinks the disk of the middle's cone.
   const auto circle = *SphericalEllipse::create(0, std::hypot(s.offset, s.height), s.radius);
-  EXPECT_LT(p_value(s, [&](Vec2<double> u) { return circle.sample(u); }), kUnlikely);
+  EXPECT_LT(p_value(s, [&](Vec2 u) { return circle.sample(u); }), kUnlikely);
 }
 
 TEST(SphericalEllipse, TheClosedSquareStaysOnTheDisk) {

@@ -61,8 +61,8 @@ TEST(WindowedDistribution, DensityIsTheWeightOverThatOfTheWindowAndASixteenthUni
   for (const Window& window : kWindows) {
     const double total = weight_in(w, window);
     for (int i = 0; i < 200; ++i) {
-      const Vec2<double> u = random.pair<double>();
-      const Vec2<double> at{window.x + u.x * window.width, window.y + u.y * window.height};
+      const Vec2 u = random.pair();
+      const Vec2 at{window.x + u.x * window.width, window.y + u.y * window.height};
       const auto cell = [](double c) { return std::min(int(c * kSize), kSize - 1); };
       const double by_weight =
           w[static_cast<std::size_t>(cell(at.y) * kSize + cell(at.x))] * kSize * kSize / total;
@@ -78,11 +78,11 @@ TEST(WindowedDistribution, SamplesFollowTheDensityWithinTheWindow) {
   for (const Window& window : kWindows) {
     RandomU random(3);
     const auto verdict = testing::check_follows_on_square(
-        [&]() -> std::optional<Vec2<double>> {
-          const auto s = table.sample(window, random.pair<double>());
+        [&]() -> std::optional<Vec2> {
+          const auto s = table.sample(window, random.pair());
           EXPECT_NEAR(s.pdf, table.pdf(window, s.position), 1e-12 * s.pdf);
-          return Vec2<double>{(s.position.x - window.x) / window.width,
-                              (s.position.y - window.y) / window.height};
+          return Vec2{(s.position.x - window.x) / window.width,
+                      (s.position.y - window.y) / window.height};
         },
         [&](double x, double y) {
           return table.pdf(window, {window.x + x * window.width, window.y + y * window.height}) *
@@ -99,10 +99,10 @@ TEST(WindowedDistribution, TestRejectsAWrongWindow) {
   RandomU random(3);
   const Window window = kWindows[5];
   const auto verdict = testing::check_follows_on_square(
-      [&]() -> std::optional<Vec2<double>> {
-        const auto s = table.sample(window, random.pair<double>());
-        return Vec2<double>{(s.position.x - window.x) / window.width,
-                            (s.position.y - window.y) / window.height};
+      [&]() -> std::optional<Vec2> {
+        const auto s = table.sample(window, random.pair());
+        return Vec2{(s.position.x - window.x) / window.width,
+                    (s.position.y - window.y) / window.height};
       },
       [&](double x, double y) {
         return table.pdf({}, {window.x + x * window.width, window.y + y * window.height}) *

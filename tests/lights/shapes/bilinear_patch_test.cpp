@@ -9,18 +9,18 @@ namespace lucerna::testing {
 namespace {
 
 /// z = x y over the unit square: a saddle, whose normal is (-y, -x, 1).
-const BilinearPatch<double> kSaddle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
+const BilinearPatch kSaddle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
 /// A trapezoid in the plane x = 2, from base y = 0..4 to top y = 1..2 at height 3.
-const BilinearPatch<double> kTrapezoid{{2, 0, 0}, {2, 4, 0}, {2, 1, 3}, {2, 2, 3}};
+const BilinearPatch kTrapezoid{{2, 0, 0}, {2, 4, 0}, {2, 1, 3}, {2, 2, 3}};
 
 TEST(BilinearPatch, AreaOfFlatPatchesIsExact) {
-  const BilinearPatch<float> rectangle{{1, 1, 1}, {4, 1, 1}, {1, 3, 1}, {4, 3, 1}};
+  const BilinearPatch rectangle{{1, 1, 1}, {4, 1, 1}, {1, 3, 1}, {4, 3, 1}};
   EXPECT_EQ(rectangle.area(), 6);
   EXPECT_DOUBLE_EQ(kTrapezoid.area(), 7.5);
   // Two corners coincide: a triangle with legs 2 and 1.
-  const BilinearPatch<float> triangle{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 1, 0}};
+  const BilinearPatch triangle{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 1, 0}};
   EXPECT_DOUBLE_EQ(triangle.area(), 1);
-  const BilinearPatch<float> line{{0, 0, 0}, {2, 0, 0}, {0, 0, 0}, {2, 0, 0}};
+  const BilinearPatch line{{0, 0, 0}, {2, 0, 0}, {0, 0, 0}, {2, 0, 0}};
   EXPECT_EQ(line.area(), 0);
 }
 
@@ -39,13 +39,13 @@ TEST(BilinearPatch, AreaOfAConcaveQuadrangleCountsItsFold) {
   // The corner (1/4, 1/4) is dented within the triangle of the others.  dp/du x dp/dv is 1 - 3/4 (u
   // + v).  The integral of its absolute value is 1/4 plus twice the integral of the negative part.
   // That part is the triangle u + v > 4/3 of legs 2/3: 3/4 (2/3)^3 / 6 = 1/27.
-  const BilinearPatch<double> dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
+  const BilinearPatch dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
   EXPECT_NEAR(dart.area(), 0.25 + 2. / 27, 1e-6);
 }
 
 TEST(BilinearPatch, AreaOfABowTieCountsBothLoops) {
   // Its sides cross in the middle: two triangles of base 1 and height 1/2, one of each orientation.
-  const BilinearPatch<double> bow{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  const BilinearPatch bow{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   const BilinearPatchArea area = bow.measure();
   EXPECT_NEAR(area.m2, 0.5, 1e-12);
   EXPECT_LE(std::fabs(area.m2 - 0.5), area.error_m2 + 1e-15);
@@ -56,8 +56,8 @@ TEST(BilinearPatch, AreaOfABowTieCountsBothLoops) {
 
 /// The area of a patch, computed differently from the code, in long double.  Along u it is a closed
 /// form, along v two Gauss points in each of many strips.
-double area_by_strips(const BilinearPatch<double>& p) {
-  using Wide = Vec3<long double>;
+double area_by_strips(const BilinearPatch& p) {
+  using Wide = BasicVec3<long double>;
   const Wide p00(p.p00), p10(p.p10), p01(p.p01), p11(p.p11);
   const Wide twist = p11 - p10 - p01 + p00;
   const Wide change = cross(p10 - p00, twist);  // of dp/du x dp/dv along u
@@ -86,7 +86,7 @@ TEST(BilinearPatch, AreaByQuadratureIsWithinItsError) {
   const auto coordinate = [&] { return 4.0 * random.next() - 2; };
   int precise = 0;
   for (int i = 0; i < 100; ++i) {
-    BilinearPatch<double> p;
+    BilinearPatch p;
     for (auto* corner : {&p.p00, &p.p10, &p.p01, &p.p11})
       *corner = {coordinate(), coordinate(), coordinate()};
     const BilinearPatchArea area = p.measure();
@@ -101,7 +101,7 @@ TEST(BilinearPatch, AreaByQuadratureIsWithinItsError) {
   EXPECT_LE(saddle.error_m2, 1e-8 * saddle.m2);
   // Folded along a line: less precise, with a larger stated error.
   const BilinearPatchArea dart =
-      BilinearPatch<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}}.measure();
+      BilinearPatch{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}}.measure();
   EXPECT_NEAR(dart.m2, 0.25 + 2. / 27, dart.error_m2);
   EXPECT_LE(dart.error_m2, 1e-4 * dart.m2);
   EXPECT_EQ(kTrapezoid.measure().error_m2, 0);
@@ -109,7 +109,7 @@ TEST(BilinearPatch, AreaByQuadratureIsWithinItsError) {
 
 TEST(BilinearPatch, FlatAndBentDoNotDependOnSize) {
   for (const double size : {1e-90, 1e-45, 1.0, 1e40, 1e85}) {
-    const auto scaled = [size](BilinearPatch<double> p) {
+    const auto scaled = [size](BilinearPatch p) {
       for (auto* corner : {&p.p00, &p.p10, &p.p01, &p.p11}) *corner = *corner * size;
       return p;
     };
@@ -123,26 +123,25 @@ TEST(BilinearPatch, FlatAndBentDoNotDependOnSize) {
 }
 
 TEST(BilinearPatch, NormalIsTheCrossProductOfTheDerivatives) {
-  const Vec3<double> expected = normalized(Vec3<double>(-0.75, -0.25, 1));
+  const Vec3 expected = normalized(Vec3(-0.75, -0.25, 1));
   EXPECT_LT(length(kSaddle.normal({0.25, 0.75}) - expected), 1e-15);
-  EXPECT_LT(length(kTrapezoid.normal({0.5, 0.5}) - Vec3<double>(1, 0, 0)), 1e-15);
-  EXPECT_EQ(kSaddle.at({0.25, 0.75}), Vec3<double>(0.25, 0.75, 0.1875));
+  EXPECT_LT(length(kTrapezoid.normal({0.5, 0.5}) - Vec3(1, 0, 0)), 1e-15);
+  EXPECT_EQ(kSaddle.at({0.25, 0.75}), Vec3(0.25, 0.75, 0.1875));
 }
 
 TEST(BilinearPatch, SamplesOfATrapezoidAreUniformByArea) {
   // Shares of area: the part below the height z has z (4 + (4 - z)) / 2 of 7.5, and z / 3 along
   // each side.
   RandomU random(41);
-  const auto share = [](const Vec3<double>& p) {
+  const auto share = [](const Vec3& p) {
     const double t = p.z / 3, left = t, right = 4 - 2 * t;
-    return Vec2<double>{p.z * (8 - p.z) / 15, (p.y - left) / (right - left)};
+    return Vec2{p.z * (8 - p.z) / 15, (p.y - left) / (right - left)};
   };
-  EXPECT_GT(uniformity_p_value(
-                [&] { return share(kTrapezoid.sample_area(random.pair<double>()).position); }),
-            kUnlikely);
+  EXPECT_GT(
+      uniformity_p_value([&] { return share(kTrapezoid.sample_area(random.pair()).position); }),
+      kUnlikely);
   // The companion: (u, v) itself crowds the short side.
-  EXPECT_LT(uniformity_p_value([&] { return share(kTrapezoid.at(random.pair<double>())); }),
-            kUnlikely);
+  EXPECT_LT(uniformity_p_value([&] { return share(kTrapezoid.at(random.pair())); }), kUnlikely);
 }
 
 /// The p-value of the saddle's samples under `density(x, y)` by area, in 16 x 16 cells of (x, y).
@@ -152,7 +151,7 @@ double saddle_p_value(Density&& density) {
   std::vector<double> observed(kBins * kBins), expected(kBins * kBins);
   RandomU random(42);
   for (int i = 0; i < kSamples; ++i) {
-    const auto p = kSaddle.sample_area(random.pair<double>()).position;
+    const auto p = kSaddle.sample_area(random.pair()).position;
     ++observed[std::min(int(p.x * kBins), kBins - 1) * kBins +
                std::min(int(p.y * kBins), kBins - 1)];
   }
@@ -181,7 +180,7 @@ TEST(BilinearPatch, DensityFindsItsPointForPatchesOfManyForms) {
   RandomU random(43);
   const auto coordinate = [&] { return 4.0 * random.next() - 2; };
   for (int patch = 0; patch < 200; ++patch) {
-    BilinearPatch<double> p;
+    BilinearPatch p;
     for (auto* corner : {&p.p00, &p.p10, &p.p01, &p.p11})
       *corner = {coordinate(), coordinate(), coordinate()};
     const auto derivative_cross = [&](double u, double v) {
@@ -204,7 +203,7 @@ TEST(BilinearPatch, DensityWhereAPatchFoldsOverItselfCountsBothLayers) {
   // On the diagonal, x = u - 3/4 u^2, which u = 1/2 and u = 5/6 share.  There |dp/du x dp/dv| = |1
   // - 3/2 u| is 1/4 both times.  At the corners it is 1, 1/4, 1/4, 1/2, of mean 1/2.  The weights
   // between them are 1/2 and 4/9.
-  const BilinearPatch<double> dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
+  const BilinearPatch dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
   const double expected = (0.5 + 4. / 9) / 0.25 / 0.5;
   EXPECT_NEAR(dart.pdf_area(dart.at({0.5, 0.5})).per_m2 / expected, 1, 1e-9);
   EXPECT_NEAR(dart.pdf_area(dart.at({5. / 6, 5. / 6})).per_m2 / expected, 1, 1e-9);
@@ -214,7 +213,7 @@ TEST(BilinearPatch, RaysHitTheSaddleWhereItIs) {
   RandomU random(44);
   for (int i = 0; i < 2000; ++i) {
     const double x = 1.5 * random.next() - 0.25, y = 1.5 * random.next() - 0.25;
-    Vec2<double> uv;
+    Vec2 uv;
     const auto hit = kSaddle.intersect({x, y, 9}, {0, 0, -3}, 0, kFar, &uv);
     ASSERT_EQ(hit.has_value(), x >= 0 && y >= 0 && x <= 1 && y <= 1);
     if (!hit) continue;
@@ -222,19 +221,19 @@ TEST(BilinearPatch, RaysHitTheSaddleWhereItIs) {
     EXPECT_NEAR(hit->point.position.z, x * y, 1e-15);
     EXPECT_NEAR(uv.x, x, 1e-14);
     EXPECT_NEAR(uv.y, y, 1e-14);
-    EXPECT_LT(length(hit->point.normal - normalized(Vec3<double>(-y, -x, 1))), 1e-14);
+    EXPECT_LT(length(hit->point.normal - normalized(Vec3(-y, -x, 1))), 1e-14);
   }
 }
 
 TEST(BilinearPatch, RaysMayHitTwiceAndTheNearestComesFirst) {
   // Along x = y at z = 1/4 + t/8: t^2 = z has two solutions, from either end.
-  const Vec3<double> origin{-1, -1, 0.0625}, direction{1, 1, 0.125};
+  const Vec3 origin{-1, -1, 0.0625}, direction{1, 1, 0.125};
   // Points s (1, 1, 1/8) + origin: (s - 1)^2 = 1/16 + s/8: s = 17/16 -+ sqrt((17/16)^2 - 15/16).
   const double root = std::sqrt(17. * 17 / 256 - 15. / 16);
   const auto found = kSaddle.hits(origin, direction, 0, kFar);
   ASSERT_EQ(found.count, 1);  // the other is at x = s - 1 < 0
   EXPECT_NEAR(found.hit[0].t, 17. / 16 + root, 1e-14);
-  const BilinearPatch<double> wide{{-1, -1, 1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, 1}};  // z = x y
+  const BilinearPatch wide{{-1, -1, 1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, 1}};  // z = x y
   for (const double sign : {1., -1.}) {
     const auto both = wide.hits({-2 * sign, -2 * sign, 0.25}, {sign, sign, 0}, 0, kFar);
     ASSERT_EQ(both.count, 2);  // x = y = -+ 1/2
@@ -244,15 +243,15 @@ TEST(BilinearPatch, RaysMayHitTwiceAndTheNearestComesFirst) {
 }
 
 TEST(BilinearPatch, EdgesBelongToItAndFarRaysStillHit) {
-  const BilinearPatch<float> square{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
-  for (const float x : {0.F, 0.5F, 1.F})
-    for (const float y : {0.F, 0.25F, 1.F})
-      for (const float z : {1.F, 1e6F})
+  const BilinearPatch square{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  for (const float x : {0.0, 0.5, 1.0})
+    for (const float y : {0.0, 0.25, 1.0})
+      for (const float z : {1.0, 1e6})
         EXPECT_TRUE(square.intersect({x, y, z}, {0, 0, -1}, 0, INFINITY)) << x << y << z;
-  EXPECT_FALSE(square.intersect({1.0001F, 0.5F, 1}, {0, 0, -1}, 0, INFINITY));
-  EXPECT_FALSE(square.intersect({-1, 0.5F, 0}, {1, 0, 0}, 0, INFINITY));
-  EXPECT_FALSE(square.intersect({0.5F, 0.5F, NAN}, {0, 0, -1}, 0, INFINITY));
-  EXPECT_FALSE(square.intersect({0.5F, 0.5F, 1}, {0, 0, 0}, 0, INFINITY));
+  EXPECT_FALSE(square.intersect({1.0001, 0.5, 1}, {0, 0, -1}, 0, INFINITY));
+  EXPECT_FALSE(square.intersect({-1, 0.5, 0}, {1, 0, 0}, 0, INFINITY));
+  EXPECT_FALSE(square.intersect({0.5, 0.5, NAN}, {0, 0, -1}, 0, INFINITY));
+  EXPECT_FALSE(square.intersect({0.5, 0.5, 1}, {0, 0, 0}, 0, INFINITY));
 }
 
 TEST(BilinearPatch, SamplesLieOnThePatchForExtremeSampleValues) {

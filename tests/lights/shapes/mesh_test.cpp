@@ -13,15 +13,15 @@ namespace {
 using ::testing::HasSubstr;
 
 /// A right triangle of legs 1 and `2 area` in the plane z = height.
-Triangle<float> flat_triangle(float area, float height = 0) {
+Triangle flat_triangle(float area, float height = 0) {
   return {{0, 0, height}, {1, 0, height}, {0, 2 * area, height}};
 }
 
 TEST(Mesh, PrimitivesAreChosenByArea) {
-  const std::vector<float> areas{1, 0, 4, 0, 0, 2, 0.5F, 0};
-  std::vector<Triangle<float>> triangles;
+  const std::vector<float> areas{1, 0, 4, 0, 0, 2, 0.5, 0};
+  std::vector<Triangle> triangles;
   for (const float a : areas) triangles.push_back(flat_triangle(a));
-  const auto mesh = *TriangleMesh<float>::create(triangles);
+  const auto mesh = *TriangleMesh::create(triangles);
   EXPECT_DOUBLE_EQ(mesh.area(), 7.5);
   EXPECT_EQ(mesh.size(), 8U);
   RandomU random(51);
@@ -39,10 +39,10 @@ TEST(Mesh, PrimitivesAreChosenByArea) {
 }
 
 TEST(Mesh, PrimitivesWithoutAreaAreNotSampledAtExtremeSampleValues) {
-  const auto mesh = *TriangleMesh<float>::create(
+  const auto mesh = *TriangleMesh::create(
       {flat_triangle(0), flat_triangle(1), flat_triangle(0), flat_triangle(2), flat_triangle(0)});
-  for (const float x : {0.F, 1 - 0x1p-24F, 1.F})
-    for (const float y : {0.F, 0.3F, 1 - 0x1p-24F, 1.F}) {
+  for (const float x : {0.0, 1 - 0x1p-24, 1.0})
+    for (const float y : {0.0, 0.3, 1 - 0x1p-24, 1.0}) {
       const auto s = mesh.sample({0, 0, 1}, {x, y});
       EXPECT_TRUE(s.point.primitive == 1 || s.point.primitive == 3);
       EXPECT_TRUE(std::isfinite(s.pdf.per_sr) && s.pdf.per_sr > 0);
@@ -53,18 +53,17 @@ TEST(Mesh, SamplesWithinAPrimitiveAreUniformAmongAMillion) {
   // One primitive of 2^20 is tested in detail.  Only 16 of the float values of u.x lead there, but
   // its samples must fill it.
   constexpr std::size_t kCount = 1U << 20;
-  const auto mesh =
-      *TriangleMesh<float>::create(std::vector<Triangle<float>>(kCount, flat_triangle(0.5F)));
+  const auto mesh = *TriangleMesh::create(std::vector<Triangle>(kCount, flat_triangle(0.5)));
   const auto base = static_cast<float>(kCount / 3) / kCount;  // a multiple of 2^-20
   RandomU random(52);
   std::size_t inside = 0;
   const double p = uniformity_p_value([&] {
-    Vec2<float> u = random.pair();
-    u.x = base + std::floor(u.x * 16) * 0x1p-24F;
-    const auto s = mesh.sample(by_area(Vec3<float>{0, 0, 1}), u);
+    Vec2 u = random.pair();
+    u.x = base + std::floor(u.x * 16) * 0x1p-24;
+    const auto s = mesh.sample(by_area(Vec3{0, 0, 1}), u);
     inside += s.point.primitive == kCount / 3;
     const double x = s.point.position.x, y = s.point.position.y;
-    return Vec2<double>{1 - (1 - x) * (1 - x), y / (1 - x)};
+    return Vec2{1 - (1 - x) * (1 - x), y / (1 - x)};
   });
   EXPECT_GT(p, kUnlikely);
   EXPECT_EQ(inside, 50000U);
@@ -73,34 +72,33 @@ TEST(Mesh, SamplesWithinAPrimitiveAreUniformAmongAMillion) {
 TEST(Mesh, PrimitivesOfLessThan2ToMinus24OfTheAreaAreAllReachable) {
   // 256 small ones of 2^-26 each before one large one.  Like among 2^26 equal ones, four share each
   // value of u.x.
-  std::vector<Triangle<float>> triangles(256, flat_triangle(1));
-  triangles.push_back(flat_triangle(0x1p26F - 256));
-  const auto mesh = *TriangleMesh<float>::create(triangles);
+  std::vector<Triangle> triangles(256, flat_triangle(1));
+  triangles.push_back(flat_triangle(0x1p26 - 256));
+  const auto mesh = *TriangleMesh::create(triangles);
   EXPECT_EQ(mesh.area(), 0x1p26);
   RandomU random(53);
   std::unordered_set<std::uint32_t> seen;
   for (int k = 0; k < 64; ++k) {
     // The probability that 256 draws miss one of four is 4 (3/4)^256 < 1e-31.
     for (int i = 0; i < 256; ++i)
-      seen.insert(mesh.sample({0, 0, 1}, {static_cast<float>(k) * 0x1p-24F, random.next()})
-                      .point.primitive);
+      seen.insert(
+          mesh.sample({0, 0, 1}, {static_cast<float>(k) * 0x1p-24, random.next()}).point.primitive);
     EXPECT_EQ(seen.size(), 4U * (k + 1));
   }
   EXPECT_EQ(seen.count(256), 0U);
 }
 
 TEST(Mesh, DensityIsThatOfTheSampleForBothPrimitives) {
-  const auto triangles = *TriangleMesh<float>::create({flat_triangle(1), flat_triangle(3, -1)});
-  const auto patches =
-      *PatchMesh<float>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}},
-                                 {{0, 0, -2}, {4, 0, -2}, {0, 3, -2}, {1, 2, -2}}});
-  const Vec3<float> position{0.3F, 0.1F, 5};
+  const auto triangles = *TriangleMesh::create({flat_triangle(1), flat_triangle(3, -1)});
+  const auto patches = *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}},
+                                           {{0, 0, -2}, {4, 0, -2}, {0, 3, -2}, {1, 2, -2}}});
+  const Vec3 position{0.3, 0.1, 5};
   const auto receiver = by_area(position);
   RandomU random(54);
   for (int i = 0; i < 500; ++i) {
     const auto t = triangles.sample(receiver, random.pair());
     EXPECT_EQ(t.pdf, triangles.pdf(receiver, t.point));
-    const Vec3<double> d = Vec3<double>(position) - Vec3<double>(t.point.position);
+    const Vec3 d = Vec3(position) - Vec3(t.point.position);
     const double cosine = d.z / std::sqrt(dot(d, d));
     EXPECT_NEAR(t.pdf.per_sr / (dot(d, d) / cosine / 4), 1, 1e-6);
     const auto p = patches.sample(receiver, random.pair());
@@ -115,25 +113,25 @@ TEST(Mesh, DensityIsThatOfTheSampleForBothPrimitives) {
 }
 
 TEST(Mesh, AllPrimitivesAlongADirectionAreVisited) {
-  const auto mesh = *TriangleMesh<float>::create(
+  const auto mesh = *TriangleMesh::create(
       {flat_triangle(1, 1), flat_triangle(1, -1), flat_triangle(1, 2), flat_triangle(0, 3)});
   std::vector<std::uint32_t> seen;
-  mesh.for_each_hit({0.25F, 0.25F, 0}, {0, 0, 1},
-                    [&](const SurfacePoint<float>& p) { seen.push_back(p.primitive); });
+  mesh.for_each_hit({0.25, 0.25, 0}, {0, 0, 1},
+                    [&](const SurfacePoint& p) { seen.push_back(p.primitive); });
   EXPECT_THAT(seen, ::testing::ElementsAre(0, 2));
 }
 
 TEST(Mesh, BoundsAndBytesCoverAllPrimitives) {
-  const auto mesh = *TriangleMesh<float>::create({flat_triangle(1, 1), flat_triangle(2, -3)});
+  const auto mesh = *TriangleMesh::create({flat_triangle(1, 1), flat_triangle(2, -3)});
   const auto [lower, upper] = mesh.bounds();
-  EXPECT_EQ(lower, Vec3<float>(0, 0, -3));
-  EXPECT_EQ(upper, Vec3<float>(1, 4, 1));
-  EXPECT_GE(mesh.bytes(), 2 * (sizeof(Triangle<float>) + sizeof(double)));
+  EXPECT_EQ(lower, Vec3(0, 0, -3));
+  EXPECT_EQ(upper, Vec3(1, 4, 1));
+  EXPECT_GE(mesh.bytes(), 2 * (sizeof(Triangle) + sizeof(double)));
 }
 
 TEST(Mesh, RefusesInvalidMeshes) {
-  const auto message = [](std::vector<Triangle<float>> t) {
-    return std::string(TriangleMesh<float>::create(std::move(t)).status().message());
+  const auto message = [](std::vector<Triangle> t) {
+    return std::string(TriangleMesh::create(std::move(t)).status().message());
   };
   EXPECT_THAT(message({}), HasSubstr("mesh.primitives has 0 entries, allowed: at least 1"));
   EXPECT_THAT(message({flat_triangle(0)}), HasSubstr("mesh.area = 0 m2"));

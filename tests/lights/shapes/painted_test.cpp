@@ -17,10 +17,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-PaintedPatchMesh<double> screen(Picture picture, std::vector<Vec2<float>> corner_uv = {}) {
-  return *PaintedPatchMesh<double>::create(
-      *PatchMesh<double>::create({{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}}}),
-      std::move(picture), std::move(corner_uv));
+PaintedPatchMesh screen(Picture picture, std::vector<Vec2f> corner_uv = {}) {
+  return *PaintedPatchMesh::create(
+      *PatchMesh::create({{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}}}), std::move(picture),
+      std::move(corner_uv));
 }
 
 /// Value over density of position is the same for all rays.  Only the cosine varies, and it is not
@@ -30,7 +30,7 @@ void expect_no_variance(const Shape& shape) {
   RandomU random(3);
   double first = 0;
   for (int i = 0; i < 1000; ++i) {
-    const auto s = shape.sample({Vec3<double>{0.3, 0.2, 5}}, random.pair<double>());
+    const auto s = shape.sample({Vec3{0.3, 0.2, 5}}, random.pair());
     const double ratio = luminance(shape.tint(s.point)) / shape.pdf_area(s.point).per_m2;
     if (i == 0) first = ratio;
     EXPECT_NEAR(ratio, first, 1e-9 * first);
@@ -39,39 +39,34 @@ void expect_no_variance(const Shape& shape) {
 }
 
 TEST(Painted, PointsAreChosenInProportionWhereTheMapKeepsArea) {
-  const std::vector<float> values{1, 5, 0.25F, 3, 9, 2};
+  const std::vector<float> values{1, 5, 0.25, 3, 9, 2};
   for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
     expect_no_variance(screen(grey(3, 2, values, filter)));
-    expect_no_variance(*PaintedCylinder<double>::create(
-        *Cylinder<double>::create({.radius_m = 0.5, .reverse_orientation = true}),
-        grey(3, 2, values, filter)));
+    expect_no_variance(
+        *PaintedCylinder::create(*Cylinder::create({.radius_m = 0.5, .reverse_orientation = true}),
+                                 grey(3, 2, values, filter)));
   }
   // Texel by texel on curved shapes too.
-  expect_no_variance(
-      *PaintedDisk<double>::create(*Disk<double>::create({.radius_m = 2}), grey(3, 2, values)));
-  expect_no_variance(
-      *PaintedSphere<double>::create(*Sphere<double>::create({}), grey(3, 2, values)));
+  expect_no_variance(*PaintedDisk::create(*Disk::create({.radius_m = 2}), grey(3, 2, values)));
+  expect_no_variance(*PaintedSphere::create(*Sphere::create({}), grey(3, 2, values)));
 }
 
 TEST(Painted, CoordinatesAreThoseOfPbrt4) {
-  const auto uv_on = [](const auto& shape, const Vec3<double>& p) {
-    return shape.uv({p, {0, 0, 1}});
-  };
+  const auto uv_on = [](const auto& shape, const Vec3& p) { return shape.uv({p, {0, 0, 1}}); };
   const Picture one = grey(1, 1, {1});
-  const auto expect_uv = [](Vec2<double> uv, double u, double v) {
+  const auto expect_uv = [](Vec2 uv, double u, double v) {
     EXPECT_NEAR(uv.x, u, 1e-12);
     EXPECT_NEAR(uv.y, v, 1e-12);
   };
-  const auto disk = *PaintedDisk<double>::create(
-      *Disk<double>::create({.radius_m = 2, .inner_radius_m = 1}), one);
+  const auto disk = *PaintedDisk::create(*Disk::create({.radius_m = 2, .inner_radius_m = 1}), one);
   expect_uv(uv_on(disk, {0, 2, 0}), 0.25, 0);
   expect_uv(uv_on(disk, {-1.5, 0, 0}), 0.5, 0.5);
-  const auto sphere = *PaintedSphere<double>::create(*Sphere<double>::create({}), one);
+  const auto sphere = *PaintedSphere::create(*Sphere::create({}), one);
   expect_uv(uv_on(sphere, {0, 0, -1}), 0, 0);
   expect_uv(uv_on(sphere, {0, -1, 0}), 0.75, 0.5);
   expect_uv(uv_on(sphere, {std::sqrt(0.5), 0, std::sqrt(0.5)}), 0, 0.75);
-  const auto tube = *PaintedCylinder<double>::create(
-      *Cylinder<double>::create({.z_min_m = 1, .z_max_m = 3, .phi_max_rad = kPi}), one);
+  const auto tube = *PaintedCylinder::create(
+      *Cylinder::create({.z_min_m = 1, .z_max_m = 3, .phi_max_rad = kPi}), one);
   expect_uv(uv_on(tube, {0, 1, 2.5}), 0.5, 0.75);
   expect_uv(uv_on(screen(one), {1.5, 0.25, 0}), 0.75, 0.25);
 }
@@ -85,26 +80,25 @@ TEST(Painted, TheFirstRowOfThePictureIsAtTheTop) {
 }
 
 TEST(Painted, BlackTexelsAreNeverChosen) {
-  const auto shape = screen(grey(4, 1, {0, 1e9F, 1, 0}));
+  const auto shape = screen(grey(4, 1, {0, 1e9, 1, 0}));
   RandomU random(4);
   int faint = 0;
   for (int i = 0; i < 10000; ++i) {
-    const auto s = shape.sample(Vec3<double>{1, 1, 1}, random.pair<double>());
+    const auto s = shape.sample(Vec3{1, 1, 1}, random.pair());
     EXPECT_GT(s.point.position.x, 0.5);
     EXPECT_LT(s.point.position.x, 1.5);
     faint += s.point.position.x > 1 ? 1 : 0;
   }
   EXPECT_LE(faint, 1);  // 1e-5 expected
   // A texel that is not negligible beside 1e9 is sampled by the matching u.
-  const auto s = shape.sample(Vec3<double>{1, 1, 1}, Vec2<double>{1, 0.5});
+  const auto s = shape.sample(Vec3{1, 1, 1}, Vec2{1, 0.5});
   EXPECT_GT(s.point.position.x, 1);
   EXPECT_GT(s.pdf.per_sr, 0);
 }
 
 TEST(Painted, ABlackPictureIsABlackLight) {
-  const auto light =
-      *AreaLight<double, PaintedPatchMesh>::create({Rgb<double>(1)}, screen(grey(2, 1, {0, 0})));
-  const auto s = light.sample_li(Vec3<double>{1, 0.5, 1}, {0.25, 0.5});
+  const auto light = *AreaLight<PaintedPatchMesh>::create({Rgb(1)}, screen(grey(2, 1, {0, 0})));
+  const auto s = light.sample_li(Vec3{1, 0.5, 1}, {0.25, 0.5});
   EXPECT_EQ(s.reason, NoLight::kBlack);
   EXPECT_GT(s.pdf.per_sr, 0);
   EXPECT_EQ(light.sample_le({0.5, 0.5}, {0.5, 0.5}, {}).reason, NoLight::kBlack);
@@ -114,9 +108,8 @@ TEST(Painted, ABlackPictureIsABlackLight) {
 TEST(Painted, PowerOfADiskWeighsRowsByTheirRings) {
   // v = 1 - r on a whole disk.  The upper row is the inner half of the radius, a quarter of the
   // area.
-  const auto light = *AreaLight<double, PaintedDisk>::create(
-      {Rgb<double>(10)},
-      *PaintedDisk<double>::create(*Disk<double>::create({}), grey(1, 2, {4, 1})));
+  const auto light = *AreaLight<PaintedDisk>::create(
+      {Rgb(10)}, *PaintedDisk::create(*Disk::create({}), grey(1, 2, {4, 1})));
   EXPECT_NEAR(light.power({}).lumens.g, 10 * kPi * kPi * (4 * 0.25 + 1 * 0.75), 1e-10);
   EXPECT_EQ(light.power({}).error_lumens, 0);
   // pbrt's Phi weights both halves equally.
@@ -127,9 +120,8 @@ TEST(Painted, PowerOfADiskWeighsRowsByTheirRings) {
 
 TEST(Painted, PowerOfASphereWeighsRowsByTheirZones) {
   // Zones of 45 degrees.  Each polar zone has 1 - cos(45 degrees) of its hemisphere.
-  const auto light = *AreaLight<double, PaintedSphere>::create(
-      {Rgb<double>(1)},
-      *PaintedSphere<double>::create(*Sphere<double>::create({}), grey(1, 4, {3, 1, 5, 7})));
+  const auto light = *AreaLight<PaintedSphere>::create(
+      {Rgb(1)}, *PaintedSphere::create(*Sphere::create({}), grey(1, 4, {3, 1, 5, 7})));
   const double polar = (1 - std::sqrt(0.5)) / 2, equatorial = std::sqrt(0.5) / 2;
   EXPECT_NEAR(light.power({}).lumens.r, 4 * kPi * kPi * ((3 + 7) * polar + (1 + 5) * equatorial),
               1e-10);
@@ -170,18 +162,15 @@ TEST(Painted, OneRowOfManyIsWeighedToTheLastDigits) {
           const Picture picture = grey(1, n, rows, filter);
           const std::string where =
               fmt::format("row {} of {} from the {}", k, n, from_top ? "top" : "bottom");
-          const double sphere = PaintedSphere<double>::create(*Sphere<double>::create({}), picture)
-                                    ->painted_area()
-                                    .m2.g /
-                                (4 * kPi);
+          const double sphere =
+              PaintedSphere::create(*Sphere::create({}), picture)->painted_area().m2.g / (4 * kPi);
           const long double zone = row_share(filter, k, [n](long double at) {
             return std::sin(kWidePi * at / n) * kWidePi / (2 * n);
           });
           EXPECT_NEAR(sphere / static_cast<double>(zone), 1, 2e-15) << where;
           // The top row of a picture is at the disk's inner edge.
           const double disk =
-              PaintedDisk<double>::create(*Disk<double>::create({}), picture)->painted_area().m2.g /
-              kPi;
+              PaintedDisk::create(*Disk::create({}), picture)->painted_area().m2.g / kPi;
           const long double ring = row_share(
               filter, k, [&](long double at) { return 2 * (from_top ? at : n - at) / n / n; });
           EXPECT_NEAR(disk / static_cast<double>(ring), 1, 2e-15) << where;
@@ -189,10 +178,10 @@ TEST(Painted, OneRowOfManyIsWeighedToTheLastDigits) {
 }
 
 TEST(Painted, PowerOfASaddleIsWithinItsError) {
-  const auto p = [](double x, double y) { return Vec3<double>{x, y, x * y}; };
+  const auto p = [](double x, double y) { return Vec3{x, y, x * y}; };
   const Picture picture = grey(2, 2, {1, 6, 3, 2}, ImageFilter::kBilinear);
-  const auto saddle = *PaintedPatchMesh<double>::create(
-      *PatchMesh<double>::create({{p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)}}), picture);
+  const auto saddle = *PaintedPatchMesh::create(
+      *PatchMesh::create({{p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)}}), picture);
   constexpr int kGrid = 2000;
   double sum = 0;
   for (int i = 0; i < kGrid; ++i)
@@ -209,7 +198,7 @@ TEST(Painted, PowerOfASaddleIsWithinItsError) {
 
 TEST(Painted, PatchesThatShowAPartAreSampledByAreaAndMeasuredByPoints) {
   // The right half of the picture on a square: texels 5 and 9.
-  const auto shape = screen(grey(2, 2, {1, 5, 2, 9}), {{0.5F, 0}, {1, 0}, {0.5F, 1}, {1, 1}});
+  const auto shape = screen(grey(2, 2, {1, 5, 2, 9}), {{0.5, 0}, {1, 0}, {0.5, 1}, {1, 1}});
   EXPECT_FALSE(shape.is_by_picture());
   const PaintedArea& area = shape.painted_area();
   EXPECT_NEAR(area.m2.r, 5 + 9, area.error_m2);
@@ -222,7 +211,7 @@ TEST(Painted, PartsFinerThanThePointsAreMeasuredWithinTheirError) {
   for (std::size_t x = 0; x < 1024; ++x) (x % 2 == 0 ? even : odd)[x] = 1;
   one[301] = 1;
   const auto measured = [](const std::vector<float>& texels) {
-    return screen(grey(1024, 1, texels), {{0, 0}, {1, 0}, {0, 0.5F}, {1, 0.5F}}).painted_area();
+    return screen(grey(1024, 1, texels), {{0, 0}, {1, 0}, {0, 0.5}, {1, 0.5}}).painted_area();
   };
   for (const auto& texels : {even, odd}) {
     const PaintedArea area = measured(texels);
@@ -235,26 +224,25 @@ TEST(Painted, PartsFinerThanThePointsAreMeasuredWithinTheirError) {
 }
 
 TEST(Painted, TwoTrianglesThatShowItTogetherAreSampledByThePicture) {
-  const std::vector<float> values{1, 5, 0.25F, 3, 9, 2};
-  const auto two = [&](std::vector<Vec2<float>> uv) {
-    return *PaintedTriangleMesh<double>::create(
-        *TriangleMesh<double>::create(
-            {{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}}, {{0, 0, 0}, {2, 1, 0}, {0, 1, 0}}}),
-        grey(3, 2, values), std::move(uv));
+  const std::vector<float> values{1, 5, 0.25, 3, 9, 2};
+  const auto two = [&](std::vector<Vec2f> uv) {
+    return *PaintedTriangleMesh::create(*TriangleMesh::create({{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}},
+                                                               {{0, 0, 0}, {2, 1, 0}, {0, 1, 0}}}),
+                                        grey(3, 2, values), std::move(uv));
   };
   expect_no_variance(two({{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}));
   expect_no_variance(two({{1, 1}, {1, 0}, {0, 0}, {1, 1}, {0, 0}, {0, 1}}));
   // The same half twice, and a part.
   EXPECT_FALSE(two({{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 0}, {1, 1}}).is_by_picture());
-  EXPECT_FALSE(two({{0, 0}, {0.5F, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}).is_by_picture());
+  EXPECT_FALSE(two({{0, 0}, {0.5, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}).is_by_picture());
 }
 
 TEST(Painted, TrianglesOfAnySizeShowThePictureAtItsPlace) {
   for (const double size : {1e-100, 1e-70, 1.0, 1e78, 1e100, 1e150}) {
-    const auto shape = *PaintedTriangleMesh<double>::create(
-        *TriangleMesh<double>::create({{{0, 0, 0}, {2 * size, 0, 0}, {0, size, 0}}}),
-        grey(2, 1, {1, 5}), {{0, 0}, {1, 0}, {0, 1}});
-    const Vec2<double> uv = shape.uv({{0.5 * size, 0.25 * size, 0}, {0, 0, 1}});
+    const auto shape = *PaintedTriangleMesh::create(
+        *TriangleMesh::create({{{0, 0, 0}, {2 * size, 0, 0}, {0, size, 0}}}), grey(2, 1, {1, 5}),
+        {{0, 0}, {1, 0}, {0, 1}});
+    const Vec2 uv = shape.uv({{0.5 * size, 0.25 * size, 0}, {0, 0, 1}});
     EXPECT_NEAR(uv.x, 0.25, 1e-14) << size;
     EXPECT_NEAR(uv.y, 0.25, 1e-14) << size;
   }
@@ -262,10 +250,10 @@ TEST(Painted, TrianglesOfAnySizeShowThePictureAtItsPlace) {
 
 TEST(Painted, AZoneThinnerThanItsAnglesShowsThePicture) {
   for (double z = 0.4; z < 0.6; z += 0.01) {
-    const auto sphere = *Sphere<double>::create({.z_min_m = z, .z_max_m = std::nextafter(z, 1.0)});
-    const auto shape = *PaintedSphere<double>::create(sphere, grey(1, 2, {2, 2}));
+    const auto sphere = *Sphere::create({.z_min_m = z, .z_max_m = std::nextafter(z, 1.0)});
+    const auto shape = *PaintedSphere::create(sphere, grey(1, 2, {2, 2}));
     EXPECT_NEAR(shape.painted_area().m2.r, 2 * sphere.area(), 1e-12 * sphere.area()) << z;
-    const auto s = shape.sample({Vec3<double>{0, 0, 3}}, {0.25, 0.75});
+    const auto s = shape.sample({Vec3{0, 0, 3}}, {0.25, 0.75});
     EXPECT_EQ(shape.tint(s.point).r, 2) << z;
     EXPECT_TRUE(std::isfinite(shape.uv(s.point).y)) << z;
     EXPECT_GT(s.pdf.per_sr, 0) << z;
@@ -274,28 +262,26 @@ TEST(Painted, AZoneThinnerThanItsAnglesShowsThePicture) {
 
 TEST(Painted, AFoldedPatchIsSampledByArea) {
   // A bow tie: its sides cross.
-  const auto bow = *PaintedPatchMesh<double>::create(
-      *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}),
-      grey(2, 1, {1, 2}));
+  const auto bow = *PaintedPatchMesh::create(
+      *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}), grey(2, 1, {1, 2}));
   EXPECT_FALSE(bow.is_by_picture());
 }
 
 TEST(Painted, RefusesInvalidCorners) {
-  const auto mesh = *TriangleMesh<float>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
-  const auto without = PaintedTriangleMesh<float>::create(mesh, grey(1, 1, {1}));
+  const auto mesh = *TriangleMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
+  const auto without = PaintedTriangleMesh::create(mesh, grey(1, 1, {1}));
   EXPECT_THAT(std::string(without.status().message()),
               HasSubstr("corner_uv has 0 entries, allowed: one for each of 3 corners"));
   const auto bad =
-      PaintedTriangleMesh<float>::create(mesh, grey(1, 1, {1}), {{0, 0}, {1, 0}, {0, INFINITY}});
+      PaintedTriangleMesh::create(mesh, grey(1, 1, {1}), {{0, 0}, {1, 0}, {0, INFINITY}});
   EXPECT_THAT(std::string(bad.status().message()), HasSubstr("corner_uv[2]"));
 }
 
 TEST(Painted, ATexelTimesTheLevelMustFit) {
-  const auto light = AreaLight<float, PaintedDisk>::create(
-      {Rgb<double>(1e30)},
-      *PaintedDisk<float>::create(*Disk<float>::create({}), grey(1, 1, {1e10F})));
+  const auto light = AreaLight<PaintedDisk>::create(
+      {Rgb(1e300)}, *PaintedDisk::create(*Disk::create({}), grey(1, 1, {1e10})));
   EXPECT_THAT(std::string(light.status().message()),
-              HasSubstr("area.radiance of the brightest texel = (1"));
+              HasSubstr("area.radiance of the brightest texel = (inf"));
 }
 
 // ---- Integrals of pictures. ----

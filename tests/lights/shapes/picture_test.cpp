@@ -16,7 +16,7 @@ namespace {
 TEST(MeanOverTriangle, IsThatOfManyPoints) {
   const Picture picture = grey(3, 2, {1, 5, 0, 3, 9, 2}, ImageFilter::kBilinear);
   // The last extends beyond the picture on three sides.
-  const std::array<Vec2<double>, 3> triangles[] = {
+  const std::array<Vec2, 3> triangles[] = {
       {{{0.1, 0.2}, {0.9, 0.3}, {0.4, 0.95}}},
       {{{0, 0}, {1, 0}, {1, 1}}},
       {{{-0.5, 0.5}, {1.5, -0.25}, {0.75, 1.5}}},
@@ -42,7 +42,7 @@ TEST(MeanOverTriangle, IsThatOfManyPoints) {
 TEST(MeanOverTriangle, TwoTrianglesMakeTheSquare) {
   for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
     const Picture picture = grey(3, 2, {1, 5, 0, 3, 9, 2}, filter);
-    const Vec2<double> a{0, 0}, b{1, 0}, c{1, 1}, d{0, 1};
+    const Vec2 a{0, 0}, b{1, 0}, c{1, 1}, d{0, 1};
     EXPECT_NEAR(
         (mean_over_triangle(picture, {a, b, c}).r + mean_over_triangle(picture, {c, d, a}).r) / 2,
         picture.image->mean().r, 1e-13);
@@ -52,7 +52,7 @@ TEST(MeanOverTriangle, TwoTrianglesMakeTheSquare) {
 TEST(MeanOverTriangle, OnALineWeighsEachPlaceByItsPoints) {
   // Corners at 0, 1/4 and 1: (1/2)^2 / (3/4) = 1/3 of the triangle's points lie beyond the middle.
   const Picture halves = grey(2, 1, {1, 5});
-  const Vec2<double> a{0, 0.5}, b{1, 0.5}, c{0.25, 0.5}, above{0.25, 0.5 + 1e-11};
+  const Vec2 a{0, 0.5}, b{1, 0.5}, c{0.25, 0.5}, above{0.25, 0.5 + 1e-11};
   for (const auto& t : {std::array{a, b, c}, std::array{c, b, a}, std::array{b, above, a}})
     EXPECT_NEAR(mean_over_triangle(halves, t).r, 7.0 / 3, 1e-9);
   // Between the centres the value rises from 1 to 5, and the mean place of the points is 5/12.  The
@@ -66,8 +66,7 @@ TEST(MeanOverTriangle, OnALineWeighsEachPlaceByItsPoints) {
               1e-13);
   // Along a diagonal through four texels, two of which it meets.
   const Picture four = grey(2, 2, {9, 5, 1, 9});
-  EXPECT_NEAR(mean_over_triangle(four, {Vec2<double>{0, 0}, {1, 1}, {0.25, 0.25}}).r, 7.0 / 3,
-              1e-13);
+  EXPECT_NEAR(mean_over_triangle(four, {Vec2{0, 0}, {1, 1}, {0.25, 0.25}}).r, 7.0 / 3, 1e-13);
 }
 
 TEST(MeanOverTriangle, IsExactForThinTriangles) {
@@ -78,7 +77,7 @@ TEST(MeanOverTriangle, IsExactForThinTriangles) {
   for (int y = 0; y < 5; ++y)
     for (int x = 0; x < 8; ++x) texels.push_back(float((7 * x + 3 * y * y) % 11));
   struct Thin {
-    std::array<Vec2<double>, 3> uv;
+    std::array<Vec2, 3> uv;
     double nearest, bilinear;
   };
   const Thin all[] = {
@@ -132,7 +131,7 @@ TEST(MeanOverTriangle, IsExactForThinTriangles) {
     for (int first = 0; first < 3; ++first)
       for (const int step : {1, 2}) {
         const auto corner = [&](int k) { return thin.uv[std::size_t(first + k * step) % 3]; };
-        const std::array<Vec2<double>, 3> uv{corner(0), corner(1), corner(2)};
+        const std::array<Vec2, 3> uv{corner(0), corner(1), corner(2)};
         EXPECT_NEAR(mean_over_triangle(grey(8, 5, texels), uv).r, thin.nearest, 1e-13);
         EXPECT_NEAR(mean_over_triangle(grey(8, 5, texels, ImageFilter::kBilinear), uv).r,
                     thin.bilinear, 1e-13);
@@ -142,28 +141,28 @@ TEST(MeanOverTriangle, IsExactForThinTriangles) {
 TEST(MeanOverTriangle, OnALineBetweenTexelsUsesTheTexelOfItsPoints) {
   const Picture four = grey(2, 2, {1, 2, 4, 8});
   for (const double width : {0.0, 0.25}) {
-    const std::array<Vec2<double>, 3> upright{{{0.5, 0.5}, {0.5, 0.5 + width}, {0.5, 1}}};
+    const std::array<Vec2, 3> upright{{{0.5, 0.5}, {0.5, 0.5 + width}, {0.5, 1}}};
     EXPECT_NEAR(mean_over_triangle(four, upright).r, four.at({0.5, 0.75}).r, 1e-14);
-    const std::array<Vec2<double>, 3> level{{{0, 0.5}, {0.25 + width / 2, 0.5}, {0.375, 0.5}}};
+    const std::array<Vec2, 3> level{{{0, 0.5}, {0.25 + width / 2, 0.5}, {0.375, 0.5}}};
     EXPECT_NEAR(mean_over_triangle(four, level).r, four.at({0.25, 0.5}).r, 1e-14);
   }
 }
 
 TEST(MeanOverTriangle, WithoutExtentIsTheValueAtItsMiddle) {
   const Picture picture = grey(2, 1, {1, 5});
-  EXPECT_EQ(mean_over_triangle(picture, {Vec2<double>{0.75, 0.5}, {0.75, 0.5}, {0.75, 0.5}}).r, 5);
+  EXPECT_EQ(mean_over_triangle(picture, {Vec2{0.75, 0.5}, {0.75, 0.5}, {0.75, 0.5}}).r, 5);
 }
 
 TEST(PictureMoments, AreExactForPolynomials) {
   // The integral of u^3 v over each texel of a 2 x 1 picture, by hand: u^4/4 and v^2/2.
   const Picture picture = grey(2, 1, {1, 5});
   const PaintedArea area =
-      *PictureMoments(picture).times([](Vec2<double> p) { return p.x * p.x * p.x * p.y; }, 0);
+      *PictureMoments(picture).times([](Vec2 p) { return p.x * p.x * p.x * p.y; }, 0);
   EXPECT_NEAR(area.m2.r, (1 * 1.0 / 64 + 5 * (1.0 / 4 - 1.0 / 64)) / 2, 1e-14);
   EXPECT_EQ(area.error_m2, 0);
   // v runs upwards: with 1 below and 5 above, v has more weight in the upper texel.
   const PaintedArea upwards =
-      *PictureMoments(grey(1, 2, {5, 1})).times([](Vec2<double> p) { return p.y; }, 0);
+      *PictureMoments(grey(1, 2, {5, 1})).times([](Vec2 p) { return p.y; }, 0);
   EXPECT_NEAR(upwards.m2.r, 5 * 3.0 / 8 + 1 * 1.0 / 8, 1e-14);
 }
 
@@ -172,8 +171,8 @@ TEST(PictureMoments, StateTheirErrorForOthers) {
   // smaller w, the less the integrand is like a polynomial.
   const Picture picture = grey(1, 1, {3});
   for (double w : {2.0, 1.0, 0.7}) {
-    const auto area = PictureMoments(picture).times(
-        [w](Vec2<double> p) { return std::sqrt(w * w + p.x * p.x); }, w);
+    const auto area =
+        PictureMoments(picture).times([w](Vec2 p) { return std::sqrt(w * w + p.x * p.x); }, w);
     ASSERT_TRUE(area) << w;
     const double exact = 1.5 * (std::sqrt(w * w + 1) + w * w * std::asinh(1 / w));
     EXPECT_GT(area->error_m2, 0);
@@ -181,7 +180,7 @@ TEST(PictureMoments, StateTheirErrorForOthers) {
     EXPECT_NEAR(area->m2.r, exact, area->error_m2);
   }
   // Nearly a kink, in the middle.
-  const auto kink = [](Vec2<double> p) { return std::hypot(1e-3, p.x - 0.5); };
+  const auto kink = [](Vec2 p) { return std::hypot(1e-3, p.x - 0.5); };
   EXPECT_FALSE(PictureMoments(picture).times(kink, 1e-3));
 }
 
@@ -190,15 +189,15 @@ TEST(SumOverPoints, StatesItsError) {
   // its integral is 1/2 by symmetry.  The second weight is sqrt(1 + s^2), constant along columns of
   // s.
   const Picture picture = grey(2, 1, {0, 1}, ImageFilter::kBilinear);
-  const auto turned = [](Vec2<double> st) {
-    return Vec2<double>{0.5 + (st.x - st.y) / 2, 0.5 + (st.x + st.y) / 4};
+  const auto turned = [](Vec2 st) {
+    return Vec2{0.5 + (st.x - st.y) / 2, 0.5 + (st.x + st.y) / 4};
   };
-  const PaintedArea flat = sum_over_points(picture, turned, [](Vec2<double>) { return 2.0; });
+  const PaintedArea flat = sum_over_points(picture, turned, [](Vec2) { return 2.0; });
   EXPECT_NEAR(flat.m2.r, 1, flat.error_m2);
   EXPECT_GT(flat.error_m2, 0);
   EXPECT_LT(flat.error_m2, 0.02);
-  const PaintedArea even = sum_over_points(
-      grey(1, 1, {2}), turned, [](Vec2<double> st) { return std::sqrt(1 + st.x * st.x); });
+  const PaintedArea even =
+      sum_over_points(grey(1, 1, {2}), turned, [](Vec2 st) { return std::sqrt(1 + st.x * st.x); });
   EXPECT_NEAR(even.m2.r, std::sqrt(2.0) + std::asinh(1.0), even.error_m2);
   EXPECT_LT(even.error_m2, 0.01);
 }

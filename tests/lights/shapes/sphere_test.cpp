@@ -11,61 +11,61 @@ namespace {
 
 using ::testing::HasSubstr;
 TEST(Sphere, AreaOfWholeAndCutSpheres) {
-  EXPECT_DOUBLE_EQ(Sphere<float>::create({.radius_m = 3})->area(), 36 * kPi);
+  EXPECT_DOUBLE_EQ(Sphere::create({.radius_m = 3})->area(), 36 * kPi);
   // A zone of height 1.5 on a sphere of radius 2 swept by 1 rad, doubled in size by the map.
-  const auto cut = *Sphere<float>::create({.radius_m = 2,
-                                           .z_min_m = -0.5,
-                                           .z_max_m = 1,
-                                           .phi_max_rad = 1,
-                                           .world_from_object = *Transform::scale({2, -2, 2})});
+  const auto cut = *Sphere::create({.radius_m = 2,
+                                    .z_min_m = -0.5,
+                                    .z_max_m = 1,
+                                    .phi_max_rad = 1,
+                                    .world_from_object = *Transform::scale({2, -2, 2})});
   EXPECT_DOUBLE_EQ(cut.area(), 1 * 2 * 1.5 * 4);
   EXPECT_TRUE(cut.emissive_error().ok());
 }
 
 TEST(Sphere, UnequalScaleCannotEmitAndGivesTheReason) {
-  const auto sphere = *Sphere<float>::create({.world_from_object = *Transform::scale({1, 2, 1})});
+  const auto sphere = *Sphere::create({.world_from_object = *Transform::scale({1, 2, 1})});
   EXPECT_EQ(sphere.emissive_error().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(sphere.emissive_error().message()), HasSubstr("(1, 2, 1)"));
 }
 
 TEST(Sphere, ConeDensityIsRightForSmallAndDistantSpheres) {
   for (const double ratio : {1e-1, 1e-3, 3e-4, 1.7e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
-    const auto sphere = *Sphere<float>::create({.radius_m = ratio});
+    const auto sphere = *Sphere::create({.radius_m = ratio});
     // 4 pi sin^2(theta / 2) in long double, which differs from the code's formula.
     const long double half = std::asin(static_cast<long double>(ratio)) / 2;
     const long double solid_angle =
         4 * std::numbers::pi_v<long double> * std::sin(half) * std::sin(half);
-    const Vec3<float> receiver{0, 0, 1};
+    const Vec3 receiver{0, 0, 1};
     RandomU random(31);
     for (int i = 0; i < 50; ++i) {
       const auto s = sphere.sample(receiver, random.pair());
       EXPECT_NEAR(s.pdf.per_sr * solid_angle, 1, 1e-7) << ratio;
       EXPECT_EQ(s.pdf, sphere.pdf(receiver, s.point));
-      EXPECT_NEAR(length(Vec3<double>(s.point.position)) / ratio, 1, 2e-7);
+      EXPECT_NEAR(length(Vec3(s.point.position)) / ratio, 1, 2e-7);
     }
   }
 }
 
 TEST(Sphere, DensityOfEachSampleIsFoundAgainAwayFromTheOrigin) {
   // A sphere whose rounding in float is a tenth of its radius.
-  const auto sphere = *Sphere<float>::create(
-      {.radius_m = 1e-6, .world_from_object = Transform::translate({1, 2, 3})});
+  const auto sphere =
+      *Sphere::create({.radius_m = 1e-6, .world_from_object = Transform::translate({1, 2, 3})});
   RandomU random(32);
   for (int i = 0; i < 2000; ++i) {
     const auto s = sphere.sample({-4, 7, 1}, random.pair());
     ASSERT_GT(s.pdf.per_sr, 0);
     ASSERT_EQ(s.pdf, sphere.pdf({-4, 7, 1}, s.point));
     // The other side is never mistaken for this one.
-    if (dot(s.point.normal, normalized(Vec3<float>(-5, 5, -2))) < 0.01F) continue;
-    const SurfacePoint<float> behind{s.point.position, -s.point.normal};
+    if (dot(s.point.normal, normalized(Vec3(-5, 5, -2))) < 0.01) continue;
+    const SurfacePoint behind{s.point.position, -s.point.normal};
     ASSERT_EQ(sphere.pdf({-4, 7, 1}, behind).per_sr, 0);
   }
 }
 
 TEST(Sphere, SamplesAtTheRimOfTheConeHaveTheDensityOfAllOthers) {
-  const auto sphere = *Sphere<float>::create(
-      {.radius_m = 0.3, .world_from_object = *Transform::rotate(1, {1, 2, 3})});
-  const Vec3<float> receiver{1.1F, -0.7F, 2.3F};
+  const auto sphere =
+      *Sphere::create({.radius_m = 0.3, .world_from_object = *Transform::rotate(1, {1, 2, 3})});
+  const Vec3 receiver{1.1, -0.7, 2.3};
   for (int i = 0; i < 1000; ++i) {
     const auto s = sphere.sample(receiver, {1, static_cast<float>(i) / 1000});
     EXPECT_EQ(s.pdf, sphere.pdf(receiver, s.point));
@@ -74,12 +74,12 @@ TEST(Sphere, SamplesAtTheRimOfTheConeHaveTheDensityOfAllOthers) {
 
 TEST(Sphere, InsideAndOutsideMeetAtTheSurfaceForAnyRadius) {
   for (const double radius : {1e-6, 5e-3, 1.0, 1e6}) {
-    const auto sphere = *Sphere<double>::create({.radius_m = radius});
+    const auto sphere = *Sphere::create({.radius_m = radius});
     RandomU random(33);
     for (const double relative : {-1e-1, -1e-6, -1e-12, 0., 1e-12, 1e-6, 1e-1, 1.2}) {
-      const Vec3<double> receiver{0, radius * (1 + relative), 0};
+      const Vec3 receiver{0, radius * (1 + relative), 0};
       for (int i = 0; i < 200; ++i) {
-        const auto s = sphere.sample(receiver, random.pair<double>());
+        const auto s = sphere.sample(receiver, random.pair());
         ASSERT_TRUE(std::isfinite(s.pdf.per_sr)) << radius << " " << relative;
         ASSERT_EQ(s.pdf, sphere.pdf(receiver, s.point));
         ASSERT_NEAR(length(s.point.position) / radius, 1, 1e-14);
@@ -93,19 +93,19 @@ TEST(Sphere, InsideAndOutsideMeetAtTheSurfaceForAnyRadius) {
 }
 
 TEST(Sphere, ConeSamplesAreTheNearIntersectionsAndUniformInSolidAngle) {
-  const auto sphere = *Sphere<double>::create(
-      {.radius_m = 2, .world_from_object = Transform::translate({1, 2, 3})});
+  const auto sphere =
+      *Sphere::create({.radius_m = 2, .world_from_object = Transform::translate({1, 2, 3})});
   for (const double distance : {2.0001, 3.0, 200.0}) {
-    const Vec3<double> receiver{1, 2, 3 + distance};
+    const Vec3 receiver{1, 2, 3 + distance};
     const double cos_cone = std::sqrt(1 - 4 / (distance * distance));
     RandomU random(34);
     const double p = uniformity_p_value([&] {
-      const auto s = sphere.sample(receiver, random.pair<double>());
-      const Vec3<double> wi = normalized(s.point.position - receiver);
+      const auto s = sphere.sample(receiver, random.pair());
+      const Vec3 wi = normalized(s.point.position - receiver);
       EXPECT_GT(dot(s.point.normal, wi), -1 - 1e-12);
       EXPECT_LT(dot(s.point.normal, wi), 1e-7);
       const double phi = std::atan2(wi.y, wi.x) / (2 * kPi);
-      return Vec2<double>{(1 + wi.z) / (1 - cos_cone), phi < 0 ? phi + 1 : phi};
+      return Vec2{(1 + wi.z) / (1 - cos_cone), phi < 0 ? phi + 1 : phi};
     });
     EXPECT_GT(p, kUnlikely) << distance;
   }
@@ -113,19 +113,17 @@ TEST(Sphere, ConeSamplesAreTheNearIntersectionsAndUniformInSolidAngle) {
 
 /// The shares of a point in the area of the zone -0.5 < z < 1.5 of the sphere of radius 2 swept by
 /// 2 rad.
-Vec2<double> sphere_share(const Vec3<double>& p) {
-  return {(p.z + 0.5) / 2, std::atan2(p.y, p.x) / 2};
-}
+Vec2 sphere_share(const Vec3& p) { return {(p.z + 0.5) / 2, std::atan2(p.y, p.x) / 2}; }
 
 TEST(Sphere, CutSpheresAreSampledUniformlyWithinTheirCuts) {
   const Transform map = Transform::translate({1, 2, 3}) * *Transform::rotate(1, {1, 2, -1}) *
                         *Transform::scale({0.5, 0.5, -0.5});
-  const auto sphere = *Sphere<double>::create(
+  const auto sphere = *Sphere::create(
       {.radius_m = 2, .z_min_m = -0.5, .z_max_m = 1.5, .phi_max_rad = 2, .world_from_object = map});
   RandomU random(35);
   const double p = uniformity_p_value([&] {
-    const auto s = sphere.sample({9, 9, 9}, random.pair<double>());
-    const Vec3<double> object = map.inverse().point(s.point.position);
+    const auto s = sphere.sample({9, 9, 9}, random.pair());
+    const Vec3 object = map.inverse().point(s.point.position);
     EXPECT_NEAR(length(object), 2, 1e-14);
     return sphere_share(object);
   });
@@ -136,7 +134,7 @@ TEST(Sphere, UniformityTestRejectsAnAngleThatIsUniform) {
   RandomU random(35);
   const double low = std::acos(0.75), high = std::acos(-0.25);
   const double p = uniformity_p_value([&] {
-    const auto u = random.pair<double>();
+    const auto u = random.pair();
     const double theta = low + (high - low) * u.x;
     return sphere_share({2 * std::sin(theta) * std::cos(2 * u.y),
                          2 * std::sin(theta) * std::sin(2 * u.y), 2 * std::cos(theta)});
@@ -145,27 +143,27 @@ TEST(Sphere, UniformityTestRejectsAnAngleThatIsUniform) {
 }
 
 TEST(Sphere, RaysMeetItAtTheExpectedPlaces) {
-  const auto sphere = *Sphere<float>::create(
-      {.radius_m = 5, .world_from_object = Transform::translate({0, 0, 10})});
+  const auto sphere =
+      *Sphere::create({.radius_m = 5, .world_from_object = Transform::translate({0, 0, 10})});
   // x = 3: z = 10 -+ 4.
   const auto hit = sphere.intersect({3, 0, 0}, {0, 0, 2}, 0, INFINITY);
   ASSERT_TRUE(hit);
-  EXPECT_EQ(hit->t, 3);
-  EXPECT_EQ(hit->point.position, Vec3<float>(3, 0, 6));
-  EXPECT_NEAR(hit->point.normal.x, 0.6F, 1e-7);
-  EXPECT_NEAR(hit->point.normal.z, -0.8F, 1e-7);
-  const auto second = sphere.intersect({3, 0, 0}, {0, 0, 2}, 3.5F, INFINITY);
+  EXPECT_DOUBLE_EQ(hit->t, 3);
+  EXPECT_EQ(hit->point.position, Vec3(3, 0, 6));
+  EXPECT_NEAR(hit->point.normal.x, 0.6, 1e-15);
+  EXPECT_NEAR(hit->point.normal.z, -0.8, 1e-15);
+  const auto second = sphere.intersect({3, 0, 0}, {0, 0, 2}, 3.5, INFINITY);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->t, 7);
-  EXPECT_FALSE(sphere.intersect({3, 0, 0}, {0, 0, 2}, 3.5F, 6.5F));
-  EXPECT_FALSE(sphere.intersect({5.001F, 0, 0}, {0, 0, 1}, 0, INFINITY));
+  EXPECT_FALSE(sphere.intersect({3, 0, 0}, {0, 0, 2}, 3.5, 6.5));
+  EXPECT_FALSE(sphere.intersect({5.001, 0, 0}, {0, 0, 1}, 0, INFINITY));
   EXPECT_FALSE(sphere.intersect({0, 0, 0}, {0, 0, 0}, 0, INFINITY));
   EXPECT_FALSE(sphere.intersect({0, NAN, 0}, {0, 0, 1}, 0, INFINITY));
   EXPECT_FALSE(sphere.intersect({0, 0, 0}, {0, 0, NAN}, 0, INFINITY));
 }
 
 TEST(Sphere, SmallSpheresAreHitFromAfarWithoutCancellation) {
-  const auto sphere = *Sphere<double>::create({.radius_m = 1e-3});
+  const auto sphere = *Sphere::create({.radius_m = 1e-3});
   for (const double d : {1e3, 1e6, 1e9}) {
     for (const double offset : {0., 0.3, 0.6, 0.9}) {
       const double x = offset * 1e-3;
@@ -180,7 +178,7 @@ TEST(Sphere, SmallSpheresAreHitFromAfarWithoutCancellation) {
 
 TEST(Sphere, CutsLetRaysThroughToTheSecondHit) {
   // The bowl below z = 0: from above, the ray passes the missing cap and meets the inside.
-  const auto bowl = *Sphere<double>::create({.radius_m = 2, .z_max_m = 0});
+  const auto bowl = *Sphere::create({.radius_m = 2, .z_max_m = 0});
   const auto inside = bowl.intersect({0, 1, 5}, {0, 0, -1}, 0, kFar);
   ASSERT_TRUE(inside);
   EXPECT_NEAR(inside->point.position.z, -std::sqrt(3), 1e-15);
@@ -188,7 +186,7 @@ TEST(Sphere, CutsLetRaysThroughToTheSecondHit) {
   EXPECT_EQ(bowl.hits({0, 1, 5}, {0, 0, -1}, 0, kFar).count, 1);
   EXPECT_FALSE(bowl.intersect({0, 5, 1}, {0, -1, 0}, 0, kFar));
   // Swept from +x over +y: half of the sphere, with y > 0.
-  const auto half = *Sphere<double>::create({.radius_m = 2, .phi_max_rad = kPi});
+  const auto half = *Sphere::create({.radius_m = 2, .phi_max_rad = kPi});
   const auto back = half.intersect({1, -5, 0}, {0, 1, 0}, 0, kFar);
   ASSERT_TRUE(back);
   EXPECT_NEAR(back->point.position.y, std::sqrt(3), 1e-15);
@@ -197,12 +195,11 @@ TEST(Sphere, CutsLetRaysThroughToTheSecondHit) {
 
 TEST(Sphere, EllipsoidsMirrorsAndReversalKeepTheNormalOnTheOutside) {
   const auto first_normal = [](const Transform& map, bool reverse) {
-    const auto s =
-        *Sphere<double>::create({.reverse_orientation = reverse, .world_from_object = map});
+    const auto s = *Sphere::create({.reverse_orientation = reverse, .world_from_object = map});
     return s.intersect({0, 0.5, 9}, {0, 0, -1}, 0, kFar)->point;
   };
   // y^2 + z^2 / 4 = 1 at y = 1/2: z = sqrt 3, gradient (0, 1, sqrt(3) / 2).
-  const Vec3<double> gradient = normalized(Vec3<double>(0, 1, std::sqrt(3) / 2));
+  const Vec3 gradient = normalized(Vec3(0, 1, std::sqrt(3) / 2));
   const auto ellipsoid = first_normal(*Transform::scale({1, 1, 2}), false);
   EXPECT_NEAR(ellipsoid.position.z, std::sqrt(3), 1e-15);
   EXPECT_LT(length(ellipsoid.normal - gradient), 1e-15);
@@ -213,16 +210,16 @@ TEST(Sphere, EllipsoidsMirrorsAndReversalKeepTheNormalOnTheOutside) {
 TEST(Sphere, BoundsHoldAllHitsAndAreTight) {
   const Transform map = Transform::translate({1, 2, 3}) * *Transform::rotate(1, {1, 2, -1}) *
                         *Transform::scale({0.5, 2, -1});
-  const auto whole = *Sphere<float>::create({.world_from_object = map});
-  const auto cut = *Sphere<float>::create({.z_min_m = 0.5, .world_from_object = map});
+  const auto whole = *Sphere::create({.world_from_object = map});
+  const auto cut = *Sphere::create({.z_min_m = 0.5, .world_from_object = map});
   const auto [lower, upper] = whole.bounds();
   const auto [cut_lower, cut_upper] = cut.bounds();
-  Vec3<double> most = Vec3<double>(lower), least = Vec3<double>(upper);
+  Vec3 most = Vec3(lower), least = Vec3(upper);
   for (int i = 0; i < 200; ++i)
     for (int j = 0; j < 400; ++j) {
       const double theta = kPi * (i + 0.5) / 200, phi = 2 * kPi * j / 400;
-      const Vec3<double> object{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
-                                std::cos(theta)};
+      const Vec3 object{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+                        std::cos(theta)};
       const auto p = map.point(object);
       for (int axis = 0; axis < 3; ++axis) {
         ASSERT_TRUE(p[axis] >= lower[axis] && p[axis] <= upper[axis]);
@@ -231,8 +228,8 @@ TEST(Sphere, BoundsHoldAllHitsAndAreTight) {
       most = {std::fmax(most.x, p.x), std::fmax(most.y, p.y), std::fmax(most.z, p.z)};
       least = {std::fmin(least.x, p.x), std::fmin(least.y, p.y), std::fmin(least.z, p.z)};
     }
-  EXPECT_LT(length(most - Vec3<double>(upper)), 1e-3);
-  EXPECT_LT(length(least - Vec3<double>(lower)), 1e-3);
+  EXPECT_LT(length(most - Vec3(upper)), 1e-3);
+  EXPECT_LT(length(least - Vec3(lower)), 1e-3);
 }
 
 TEST(Sphere, IlluminanceOfAWholeSphereEqualsTheClosedForm) {
@@ -240,23 +237,22 @@ TEST(Sphere, IlluminanceOfAWholeSphereEqualsTheClosedForm) {
   for (const bool mirrored : {false, true}) {
     const Transform map =
         Transform::translate({0, 0, 5}) * *Transform::scale({mirrored ? -1. : 1., 1, 1});
-    const auto light = *AreaLight<float, Sphere>::create(
-        {Rgb<double>(7)}, *Sphere<float>::create({.radius_m = 2, .world_from_object = map}));
-    expect_estimates(illuminance(light, Vec3<float>{}, {0.8, 0, 0.6}, 36),
-                     7 * kPi * (4. / 25) * 0.6, 0.01);
+    const auto light = *AreaLight<Sphere>::create(
+        {Rgb(7)}, *Sphere::create({.radius_m = 2, .world_from_object = map}));
+    expect_estimates(illuminance(light, Vec3{}, {0.8, 0, 0.6}, 36), 7 * kPi * (4. / 25) * 0.6,
+                     0.01);
   }
 }
 
 TEST(Sphere, InsideOfAnInwardSphereGivesPiL) {
-  const auto light = *AreaLight<float, Sphere>::create(
-      {Rgb<double>(7)}, *Sphere<float>::create({.radius_m = 2, .reverse_orientation = true}));
-  expect_estimates(illuminance(light, Vec3<float>{1, 0.5F, -0.25F}, {0, 0.6, 0.8}, 37), 7 * kPi,
-                   0.02);
+  const auto light = *AreaLight<Sphere>::create(
+      {Rgb(7)}, *Sphere::create({.radius_m = 2, .reverse_orientation = true}));
+  expect_estimates(illuminance(light, Vec3{1, 0.5, -0.25}, {0, 0.6, 0.8}, 37), 7 * kPi, 0.02);
 }
 
 TEST(Sphere, RefusesParametersOutsideTheirDomain) {
   const auto message = [](const SphereParams& p) {
-    return std::string(Sphere<float>::create(p).status().message());
+    return std::string(Sphere::create(p).status().message());
   };
   EXPECT_THAT(message({.radius_m = -1}), HasSubstr("sphere.radius_m = -1, allowed"));
   EXPECT_THAT(message({.radius_m = NAN}), HasSubstr("sphere.radius_m = nan, allowed"));

@@ -22,34 +22,33 @@ constexpr AreaSampling kByArea[] = {AreaSampling::kSquareRoot, AreaSampling::kKr
                                     AreaSampling::kLowDistortion};
 
 /// The p-value of the barycentric coordinates, if they are uniform by area.
-double p_value(const std::function<Vec3<double>(Vec2<double>)>& barycentric) {
+double p_value(const std::function<Vec3(Vec2)>& barycentric) {
   RandomU random(0x71);
   return uniformity_p_value([&] {
-    const Vec3<double> b = barycentric(random.pair<double>());
+    const Vec3 b = barycentric(random.pair());
     // Maps equal areas to equal areas of the square.  x is the share on one side of the line
     // through the point parallel to an edge, y the place along that line.
-    return Vec2<double>{1 - (1 - b.x) * (1 - b.x), b.y / (1 - b.x)};
+    return Vec2{1 - (1 - b.x) * (1 - b.x), b.y / (1 - b.x)};
   });
 }
 
 TEST(TriangleSampling, AllFiveMapsAreUniformByArea) {
   for (const AreaSampling way : kByArea)
-    EXPECT_GT(p_value([way](Vec2<double> u) { return sample_triangle(way, u); }), kUnlikely)
-        << int(way);
+    EXPECT_GT(p_value([way](Vec2 u) { return sample_triangle(way, u); }), kUnlikely) << int(way);
 }
 
 TEST(TriangleSampling, TheTextbookMistakesAreRejected) {
   // Two coordinates, the second scaled to the rest: dense towards a corner.
-  EXPECT_LT(p_value([](Vec2<double> u) {
-              return Vec3<double>{u.x, u.y * (1 - u.x), (1 - u.x) * (1 - u.y)};
+  EXPECT_LT(p_value([](Vec2 u) {
+              return Vec3{u.x, u.y * (1 - u.x), (1 - u.x) * (1 - u.y)};
             }),
             kUnlikely);
   // Three uniform numbers divided by their sum: dense towards the middle.
   RandomU third(0x72);
-  EXPECT_LT(p_value([&](Vec2<double> u) {
+  EXPECT_LT(p_value([&](Vec2 u) {
               const double w = third.next() + 1e-9;
               const double sum = u.x + u.y + w;
-              return Vec3<double>{u.x / sum, u.y / sum, w / sum};
+              return Vec3{u.x / sum, u.y / sum, w / sum};
             }),
             kUnlikely);
 }
@@ -58,7 +57,7 @@ TEST(TriangleSampling, TheClosedSquareStaysInTheTriangle) {
   for (const AreaSampling way : kByArea)
     for (const double x : {0., 0x1p-24, 0.5, 1 - 0x1p-24, 1.})
       for (const double y : {0., 0x1p-24, 0.5, 1 - 0x1p-24, 1.}) {
-        const Vec3<double> b = sample_triangle(way, {x, y});
+        const Vec3 b = sample_triangle(way, {x, y});
         EXPECT_GE(std::fmin(b.x, std::fmin(b.y, b.z)), 0) << int(way) << " " << x << " " << y;
         EXPECT_NEAR(b.x + b.y + b.z, 1, 1e-15);
       }
@@ -66,7 +65,7 @@ TEST(TriangleSampling, TheClosedSquareStaysInTheTriangle) {
 
 struct Corners {
   std::string name;
-  Vec3<double> a, b, c;
+  Vec3 a, b, c;
 };
 
 /// An octant; slim and skewed ones; tiny ones at a distance and in a grazing plane; one that nearly
@@ -90,12 +89,11 @@ std::vector<Corners> triangles() {
 // (1 - cos, turn) of directions would need a region for each triangle.  Instead, the triangle is
 // cut into parts that each hold their share of the solid angle.  The share comes from an
 // independent formula: l'Huilier's in long double, or for small parts its planar limit.
-long double reference_solid_angle(const Vec3<double>& a, const Vec3<double>& b,
-                                  const Vec3<double>& c) {
+long double reference_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   struct V {
     long double x, y, z;
   };
-  const auto v = [](const Vec3<double>& p) { return V{p.x, p.y, p.z}; };
+  const auto v = [](const Vec3& p) { return V{p.x, p.y, p.z}; };
   const auto minus = [](V p, V q) { return V{p.x - q.x, p.y - q.y, p.z - q.z}; };
   const auto cross_of = [](V p, V q) {
     return V{p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
@@ -139,8 +137,8 @@ TEST(SphericalTriangle, SampleAndInverseAreOneMap) {
     const auto seen = SphericalTriangle::create(t.a, t.b, t.c);
     ASSERT_TRUE(seen) << t.name;
     for (int i = 0; i < 1000; ++i) {
-      const auto u = random.pair<double>();
-      const Vec3<double> w = seen->sample(u);
+      const auto u = random.pair();
+      const Vec3 w = seen->sample(u);
       ASSERT_GE(std::fmin(w.x, std::fmin(w.y, w.z)), 0) << t.name;
       ASSERT_NEAR(w.x + w.y + w.z, 1, 1e-14);
       const auto back = seen->invert(w);
@@ -153,15 +151,15 @@ TEST(SphericalTriangle, SampleAndInverseAreOneMap) {
 
 /// Expects the share of samples on one side of a cut to equal that side's share of the solid angle.
 /// Cuts go through a corner and a point of the opposite edge: several for each corner.
-void expect_shares(const Corners& t, const std::function<Vec3<double>(Vec2<double>)>& sample) {
+void expect_shares(const Corners& t, const std::function<Vec3(Vec2)>& sample) {
   constexpr int kSamples = 40000;
   RandomU random(0x74);
   const auto whole = SphericalTriangle::create(t.a, t.b, t.c)->solid_angle_sr();
-  const Vec3<double> corner[3] = {t.a, t.b, t.c};
+  const Vec3 corner[3] = {t.a, t.b, t.c};
   int below[3][3] = {};
   constexpr double kCut[3] = {0.2, 0.5, 0.9};
   for (int i = 0; i < kSamples; ++i) {
-    const Vec3<double> w = sample(random.pair<double>());
+    const Vec3 w = sample(random.pair());
     for (int k = 0; k < 3; ++k)
       for (int j = 0; j < 3; ++j) {
         const double p = w[(k + 1) % 3], q = w[(k + 2) % 3];
@@ -170,8 +168,8 @@ void expect_shares(const Corners& t, const std::function<Vec3<double>(Vec2<doubl
   }
   for (int k = 0; k < 3; ++k)
     for (int j = 0; j < 3; ++j) {
-      const Vec3<double>& p = corner[(k + 1) % 3];
-      const Vec3<double> to_cut = (corner[(k + 2) % 3] - p) * kCut[j];
+      const Vec3& p = corner[(k + 1) % 3];
+      const Vec3 to_cut = (corner[(k + 2) % 3] - p) * kCut[j];
       const double share =
           triangle_solid_angle(corner[k], p - corner[k], p - corner[k] + to_cut) / whole;
       const double sigma = std::sqrt(share * (1 - share) / kSamples);
@@ -183,7 +181,7 @@ void expect_shares(const Corners& t, const std::function<Vec3<double>(Vec2<doubl
 TEST(SphericalTriangle, SamplesAreUniformInSolidAngle) {
   for (const Corners& t : triangles()) {
     const auto seen = *SphericalTriangle::create(t.a, t.b, t.c);
-    expect_shares(t, [&](Vec2<double> u) { return seen.sample(u); });
+    expect_shares(t, [&](Vec2 u) { return seen.sample(u); });
   }
 }
 
@@ -193,7 +191,7 @@ TEST(SphericalTriangle, TestOfUniformityRejectsSamplesByArea) {
     ::testing::ScopedFakeTestPartResultReporter reporter(
         ::testing::ScopedFakeTestPartResultReporter::INTERCEPT_ONLY_CURRENT_THREAD, &failures);
     const Corners t = triangles()[1];
-    expect_shares(t, [](Vec2<double> u) { return sample_uniform_triangle(u); });
+    expect_shares(t, [](Vec2 u) { return sample_uniform_triangle(u); });
   }
   EXPECT_GT(failures.size(), 0);
 }
@@ -212,7 +210,7 @@ TEST(SphericalTriangle, HasNoDensityInItsPlaneOnACornerOrNowhere) {
 TEST(SphericalTriangle, ScalesByPowersOfTwoWithoutChangingABit) {
   const auto seen = *SphericalTriangle::create({3, 1, 2}, {-1, 4, 2}, {-2, -1, 2});
   for (const int k : {-900, -60, 60, 900}) {
-    const auto s = [k](const Vec3<double>& v) { return scaled(v, k); };
+    const auto s = [k](const Vec3& v) { return scaled(v, k); };
     const auto other = SphericalTriangle::create(s({3, 1, 2}), s({-1, 4, 2}), s({-2, -1, 2}));
     ASSERT_TRUE(other);
     EXPECT_EQ(other->solid_angle_sr(), seen.solid_angle_sr());
@@ -222,7 +220,7 @@ TEST(SphericalTriangle, ScalesByPowersOfTwoWithoutChangingABit) {
 
 struct Box {
   std::string name;
-  Vec3<double> corner, x, y;
+  Vec3 corner, x, y;
 };
 
 std::vector<Box> rectangles() {
@@ -238,7 +236,7 @@ std::vector<Box> rectangles() {
           {"nearly in line with an edge", {1, 0, 1e-3}, {1, 0, 0}, {0, 1, 0}}};
 }
 
-double solid_angle(const Vec3<double>& corner, const Vec3<double>& x, const Vec3<double>& y) {
+double solid_angle(const Vec3& corner, const Vec3& x, const Vec3& y) {
   return triangle_solid_angle(corner, x, y) + triangle_solid_angle(corner + x + y, -x, -y);
 }
 
@@ -256,7 +254,7 @@ TEST(SphericalRectangle, SamplesAreUniformInSolidAngle) {
     std::vector<double> observed(kBins * kBins), expected(kBins * kBins);
     RandomU random(0x75);
     for (int i = 0; i < kSamples; ++i) {
-      const auto p = seen->sample(random.pair<double>());
+      const auto p = seen->sample(random.pair());
       ++observed[std::min(int(p.x * kBins), kBins - 1) * kBins +
                  std::min(int(p.y * kBins), kBins - 1)];
     }
@@ -276,7 +274,7 @@ TEST(SphericalRectangle, SampleAndInverseAreOneMap) {
   for (const Box& b : rectangles()) {
     const auto seen = *SphericalRectangle::create(b.corner, b.x, b.y);
     for (int i = 0; i < 1000; ++i) {
-      const auto u = random.pair<double>();
+      const auto u = random.pair();
       const auto back = seen.invert(seen.sample(u));
       EXPECT_NEAR(back.x, u.x, 1e-6) << b.name;
       EXPECT_NEAR(back.y, u.y, 1e-6) << b.name;
@@ -310,7 +308,7 @@ TEST(BilinearWeights, SamplesFollowTheWeights) {
   constexpr int kSamples = 50000;
   std::vector<double> observed(kBins * kBins), expected(kBins * kBins);
   for (int i = 0; i < kSamples; ++i) {
-    const auto p = w.sample(random.pair<double>());
+    const auto p = w.sample(random.pair());
     ++observed[std::min(int(p.x * kBins), kBins - 1) * kBins +
                std::min(int(p.y * kBins), kBins - 1)];
   }

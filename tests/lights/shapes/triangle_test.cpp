@@ -9,56 +9,54 @@ namespace lucerna::testing {
 namespace {
 
 /// Barycentric coordinates (of b and of c) in the triangle a = 0, b = (2, 0, 1), c = (0, 4, 0).
-const Triangle<double> kSkewed{{0, 0, 0}, {2, 0, 1}, {0, 4, 0}};
-Vec2<double> barycentric(const Vec3<double>& p) { return {p.x / 2, p.y / 4}; }
+const Triangle kSkewed{{0, 0, 0}, {2, 0, 1}, {0, 4, 0}};
+Vec2 barycentric(const Vec3& p) { return {p.x / 2, p.y / 4}; }
 
 /// Maps equal areas of the triangle x, y > 0, x + y < 1 to equal areas of the unit square.  x is
 /// the share of area to the left of the line, y the place along it.
-Vec2<double> flattened(const Vec2<double>& b) {
-  return {1 - (1 - b.x) * (1 - b.x), b.y / (1 - b.x)};
-}
+Vec2 flattened(const Vec2& b) { return {1 - (1 - b.x) * (1 - b.x), b.y / (1 - b.x)}; }
 
 TEST(Triangle, AreaAndNormalFollowFromTheCrossProduct) {
   // (2, 0, 1) x (0, 4, 0) = (-4, 0, 8), of length sqrt(80).
   EXPECT_DOUBLE_EQ(kSkewed.area(), std::sqrt(20.0));
-  const Vec3<double> n = kSkewed.normal();
+  const Vec3 n = kSkewed.normal();
   EXPECT_DOUBLE_EQ(n.x, -1 / std::sqrt(5.0));
   EXPECT_EQ(n.y, 0);
   EXPECT_DOUBLE_EQ(n.z, 2 / std::sqrt(5.0));
 }
 
 TEST(Triangle, AreaOfTinyHugeAndNeedleTrianglesIsExact) {
-  for (const float s : {1e-23F, 1.F, 1e19F}) {
-    const Triangle<float> t{{0, 0, 0}, {s, 0, 0}, {0, s, 0}};
+  for (const float s : {1e-23, 1.0, 1e19}) {
+    const Triangle t{{0, 0, 0}, {s, 0, 0}, {0, s, 0}};
     EXPECT_NEAR(t.area() / (0.5 * double{s} * s), 1, 1e-14);
-    EXPECT_EQ(t.normal(), Vec3<float>(0, 0, 1));
+    EXPECT_EQ(t.normal(), Vec3(0, 0, 1));
   }
-  const Triangle<float> needle{{1, 1, 1}, {1e7F + 1, 1, 1}, {1, 2, 1}};
+  const Triangle needle{{1, 1, 1}, {1e7 + 1, 1, 1}, {1, 2, 1}};
   EXPECT_DOUBLE_EQ(needle.area(), 0.5e7);
-  const Triangle<float> none{{1, 2, 3}, {2, 4, 6}, {3, 6, 9}};
+  const Triangle none{{1, 2, 3}, {2, 4, 6}, {3, 6, 9}};
   EXPECT_EQ(none.area(), 0);
-  EXPECT_EQ(none.normal(), Vec3<float>());
+  EXPECT_EQ(none.normal(), Vec3());
 }
 
 TEST(Triangle, SamplesAreUniformByArea) {
   RandomU random(11);
   const double p = uniformity_p_value(
-      [&] { return flattened(barycentric(kSkewed.sample_area(random.pair<double>()).position)); });
+      [&] { return flattened(barycentric(kSkewed.sample_area(random.pair()).position)); });
   EXPECT_GT(p, kUnlikely);
 }
 
 TEST(Triangle, UniformityTestRejectsASamplerThatScalesOneCoordinate) {
   RandomU random(11);
   const double p = uniformity_p_value([&] {
-    const auto u = random.pair<double>();
+    const auto u = random.pair();
     return flattened({u.x, u.y * (1 - u.x)});  // uniform in x: dense at the vertex x = 1
   });
   EXPECT_LT(p, kUnlikely);
 }
 
 TEST(Triangle, SamplesLieOnTheTriangleForExtremeSampleValues) {
-  for (const float x : {0.F, 1 - 0x1p-24F, 1.F})
-    for (const float y : {0.F, 1 - 0x1p-24F, 1.F}) {
+  for (const float x : {0.0, 1 - 0x1p-24, 1.0})
+    for (const float y : {0.0, 1 - 0x1p-24, 1.0}) {
       const auto p = kSkewed.sample_area({x, y}).position;
       const auto b = barycentric(p);
       EXPECT_GE(b.x, 0);
@@ -74,8 +72,8 @@ TEST(Triangle, RayHitsWhereItWasAimed) {
   for (int i = 0; i < 2000; ++i) {
     const double x = 1.5 * random.next() - 0.25;
     const double y = 1.5 * random.next() - 0.25;
-    const Vec3<double> target{2 * x, 4 * y, x};
-    const Vec3<double> origin{10.0 * random.next() - 5, 10.0 * random.next() - 5, 7};
+    const Vec3 target{2 * x, 4 * y, x};
+    const Vec3 origin{10.0 * random.next() - 5, 10.0 * random.next() - 5, 7};
     const auto hit = kSkewed.intersect(origin, (target - origin) * 0.25, 0, kFar);
     ASSERT_EQ(hit.has_value(), x > 0 && y > 0 && x + y < 1) << x << " " << y;
     if (!hit) continue;
@@ -85,25 +83,24 @@ TEST(Triangle, RayHitsWhereItWasAimed) {
 }
 
 TEST(Triangle, EdgesAndVerticesBelongToIt) {
-  const Triangle<float> t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  const Triangle<float> turned{t.a, t.c, t.b};
-  for (const Vec3<float>& p :
-       {Vec3<float>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5F, 0, 0}, {0, 0.25F, 0}, {0.5F, 0.5F, 0}})
+  const Triangle t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Triangle turned{t.a, t.c, t.b};
+  for (const Vec3& p :
+       {Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0, 0}, {0, 0.25, 0}, {0.5, 0.5, 0}})
     for (const auto& triangle : {t, turned})
-      EXPECT_TRUE(triangle.intersect(p + Vec3<float>{0, 0, 1}, {0, 0, -1}, 0, INFINITY))
+      EXPECT_TRUE(triangle.intersect(p + Vec3{0, 0, 1}, {0, 0, -1}, 0, INFINITY))
           << p.x << " " << p.y;
 }
 
 TEST(Triangle, RaysThroughACommonEdgeHitAtLeastOneOfTwo) {
   // Vertices and rays without an exact binary fraction.
-  const Vec3<float> a{0.1F, 0.7F, 0.3F}, b{-0.9F, 0.13F, 0.77F}, c{1.3F, 0.2F, -0.4F},
-      d{-0.3F, -1.1F, 0.2F};
-  const Triangle<float> left{a, b, d}, right{a, d, c};
+  const Vec3 a{0.1, 0.7, 0.3}, b{-0.9, 0.13, 0.77}, c{1.3, 0.2, -0.4}, d{-0.3, -1.1, 0.2};
+  const Triangle left{a, b, d}, right{a, d, c};
   RandomU random(13);
   for (int i = 0; i < 20000; ++i) {
     const float s = random.next();
-    const Vec3<float> target = a * (1 - s) + d * s;
-    const Vec3<float> origin{random.next(), random.next(), 9};
+    const Vec3 target = a * (1 - s) + d * s;
+    const Vec3 origin{random.next(), random.next(), 9};
     const auto direction = target - origin;
     ASSERT_TRUE(left.intersect(origin, direction, 0, INFINITY) ||
                 right.intersect(origin, direction, 0, INFINITY));
@@ -111,7 +108,7 @@ TEST(Triangle, RaysThroughACommonEdgeHitAtLeastOneOfTwo) {
 }
 
 TEST(Triangle, RaysOutOfRangeInThePlaneOrNaNDoNotHit) {
-  const Triangle<double> t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Triangle t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   EXPECT_TRUE(t.intersect({0.25, 0.25, 2}, {0, 0, -1}, 1, 3));
   EXPECT_FALSE(t.intersect({0.25, 0.25, 2}, {0, 0, -1}, 2, 3));
   EXPECT_FALSE(t.intersect({0.25, 0.25, 2}, {0, 0, -1}, 1, 2));

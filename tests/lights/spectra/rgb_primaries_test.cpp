@@ -10,11 +10,11 @@ namespace {
 
 using White = RgbConversion::White;
 
-Rgb<double> converted(const char* space, White white, const Rgb<double>& c) {
+Rgb converted(const char* space, White white, const Rgb& c) {
   return (*RgbConversion::to_rec709(*named_primaries(space), white))(c);
 }
 
-void expect_near(const Rgb<double>& c, const Rgb<double>& expected, double error) {
+void expect_near(const Rgb& c, const Rgb& expected, double error) {
   EXPECT_NEAR(c.r, expected.r, error);
   EXPECT_NEAR(c.g, expected.g, error);
   EXPECT_NEAR(c.b, expected.b, error);
@@ -38,7 +38,7 @@ TEST(RgbPrimaries, LightOfAnotherWhiteKeepsItsLuminanceAndItsTint) {
   EXPECT_NEAR(luminance(converted("aces2065-1", White::kKept, {1, 0, 0})), 0.3439664498, 1e-9);
   EXPECT_NEAR(luminance(converted("aces2065-1", White::kKept, {0, 1, 0})), 0.7281660966, 1e-9);
   EXPECT_NEAR(luminance(converted("aces2065-1", White::kKept, {0, 0, 1})), -0.0721325464, 1e-9);
-  const Rgb<double> white = converted("aces2065-1", White::kKept, {1, 1, 1});
+  const Rgb white = converted("aces2065-1", White::kKept, {1, 1, 1});
   EXPECT_NEAR(luminance(white), 1, 1e-12);
   EXPECT_GT(white.r, white.b);  // about 6000 K
 }
@@ -90,14 +90,14 @@ TEST(RgbPrimaries, PointsThatSpanNoSpaceAreRefused) {
 }
 
 TEST(RgbPrimaries, ColoursOutsideKeepTheirLuminance) {
-  const Rgb<double> red{1.6605, -0.1246, -0.0182};
+  const Rgb red{1.6605, -0.1246, -0.0182};
   EXPECT_TRUE(is_outside_rec709(red));
-  const Rgb<double> edge = at_edge_of_rec709(red);
+  const Rgb edge = at_edge_of_rec709(red);
   EXPECT_NEAR(luminance(edge), luminance(red), 1e-15);
   EXPECT_EQ(edge.g, 0);
   EXPECT_EQ(edge.b, 0);
-  EXPECT_EQ(at_edge_of_rec709({-1, 0.1, 0}), Rgb<double>());
-  EXPECT_EQ(at_edge_of_rec709({1, 2, 3}), Rgb<double>(1, 2, 3));
+  EXPECT_EQ(at_edge_of_rec709({-1, 0.1, 0}), Rgb());
+  EXPECT_EQ(at_edge_of_rec709({1, 2, 3}), Rgb(1, 2, 3));
   EXPECT_FALSE(is_outside_rec709({1, -1e-9, 0}));
 }
 

@@ -31,24 +31,22 @@ std::string error(Source source) {
 /// The colour that a client computes from all wavelengths of the table: 683 lm/W times the 5 nm
 /// sum.
 template <typename F>
-Vec3<double> summed(F&& value) {
-  Vec3<double> xyz{};
+Vec3 summed(F&& value) {
+  Vec3 xyz{};
   for (std::size_t k = 0; k < 95; ++k)
     xyz += cie::observer()[k] * (683 * 5 * value(360 + 5 * static_cast<double>(k)));
   return xyz;
 }
 
-Vec2<double> chromaticity(const Vec3<double>& c) {
-  return {c.x / (c.x + c.y + c.z), c.y / (c.x + c.y + c.z)};
-}
+Vec2 chromaticity(const Vec3& c) { return {c.x / (c.x + c.y + c.z), c.y / (c.x + c.y + c.z)}; }
 
 // CIE 15, table T.4: entries, and the sum 21.371 of each function from 380 nm on.
 TEST(Cie, ObserverIsTheTable) {
   const auto o = cie::observer();
-  EXPECT_EQ(o[(420 - 360) / 5], (Vec3<double>{0.13438, 0.0040, 0.6456}));
+  EXPECT_EQ(o[(420 - 360) / 5], (Vec3{0.13438, 0.0040, 0.6456}));
   EXPECT_EQ(o[(555 - 360) / 5].y, 1);
-  EXPECT_EQ(o[(600 - 360) / 5], (Vec3<double>{1.0622, 0.6310, 0.0008}));
-  Vec3<double> sum{};
+  EXPECT_EQ(o[(600 - 360) / 5], (Vec3{1.0622, 0.6310, 0.0008}));
+  Vec3 sum{};
   for (std::size_t k = (380 - 360) / 5; k < o.size(); ++k) sum += o[k];
   EXPECT_NEAR(sum.x, 21.371, 1e-3);
   EXPECT_NEAR(sum.y, 21.371, 1e-3);
@@ -79,7 +77,7 @@ TEST(Spectrum, IlluminantsHaveTheChromaticitiesOfTheCie) {
   };
   for (const auto& [name, x, y] : kTable) {
     const Spectrum s = spectrum(CieIlluminant{name});
-    const Vec3<double> xyz = summed([&](double nm) { return s.per_lumen(nm); });
+    const Vec3 xyz = summed([&](double nm) { return s.per_lumen(nm); });
     EXPECT_NEAR(xyz.y, 1, 1e-12) << name;
     EXPECT_NEAR(chromaticity(xyz).x, x, 1e-4) << name;
     EXPECT_NEAR(chromaticity(xyz).y, y, 1e-4) << name;
@@ -94,7 +92,7 @@ TEST(Spectrum, BlackBodiesLieOnThePlanckianLocus) {
   };
   for (const auto& [kelvin, x, y] : kLocus) {
     const Spectrum s = spectrum(BlackBody{kelvin});
-    const Vec3<double> xyz = summed([&](double nm) { return s.per_lumen(nm); });
+    const Vec3 xyz = summed([&](double nm) { return s.per_lumen(nm); });
     EXPECT_NEAR(xyz.y, 1, 1e-12) << kelvin;
     EXPECT_NEAR(chromaticity(xyz).x, x, 2e-4) << kelvin;
     EXPECT_NEAR(chromaticity(xyz).y, y, 2e-4) << kelvin;
@@ -225,7 +223,7 @@ TEST(Spectrum, RefusesInvalidSpectra) {
 TEST(RgbBasis, AddsUpToD65AndIsNeverNegative) {
   const Spectrum d65 = spectrum(CieIlluminant{"D65"});
   for (int nm = 290; nm <= 840; ++nm) {
-    const Rgb<double> b = rgb_basis_per_lumen(nm);
+    const Rgb b = rgb_basis_per_lumen(nm);
     EXPECT_GE(std::min({b.r, b.g, b.b}), 0) << nm;
     EXPECT_NEAR(b.r + b.g + b.b, d65.per_lumen(nm), 1e-12 * d65.per_lumen(nm)) << nm;
   }
@@ -233,13 +231,13 @@ TEST(RgbBasis, AddsUpToD65AndIsNeverNegative) {
 
 // The 5 nm sum of each channel's spectrum is that channel, and no other.
 TEST(RgbBasis, IntegratesBackToTheSameRgb) {
-  const Rgb<double> kColours[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {9, 6, 3}};
-  for (const Rgb<double>& c : kColours) {
-    const Vec3<double> xyz = summed([&](double nm) {
-      const Rgb<double> b = rgb_basis_per_lumen(nm) * c;
+  const Rgb kColours[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {9, 6, 3}};
+  for (const Rgb& c : kColours) {
+    const Vec3 xyz = summed([&](double nm) {
+      const Rgb b = rgb_basis_per_lumen(nm) * c;
       return b.r + b.g + b.b;
     });
-    const Rgb<double> back = rgb_from_xyz(xyz);
+    const Rgb back = rgb_from_xyz(xyz);
     EXPECT_NEAR(back.r, c.r, 1e-9);
     EXPECT_NEAR(back.g, c.g, 1e-9);
     EXPECT_NEAR(back.b, c.b, 1e-9);
@@ -258,8 +256,8 @@ TEST(RgbBasis, IntegratesBackToTheSameRgb) {
 TEST(RgbBasis, IsSmooth) {
   const Spectrum d65 = spectrum(CieIlluminant{"D65"});
   for (int nm = 365; nm <= 830; nm += 5) {
-    const Rgb<double> step = rgb_basis_per_lumen(nm) / d65.per_lumen(nm) -
-                             rgb_basis_per_lumen(nm - 5) / d65.per_lumen(nm - 5);
+    const Rgb step = rgb_basis_per_lumen(nm) / d65.per_lumen(nm) -
+                     rgb_basis_per_lumen(nm - 5) / d65.per_lumen(nm - 5);
     EXPECT_LT(std::max({std::fabs(step.r), std::fabs(step.g), std::fabs(step.b)}), 1.0 / 6) << nm;
   }
 }

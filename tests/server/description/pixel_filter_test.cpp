@@ -29,7 +29,7 @@ double sampled(const PixelFilter& filter, const Function& g, bool vertical = fal
   double sum = 0;
   for (int i = 0; i < kCount; ++i) {
     const float u = (static_cast<float>(i) + 0.5F) / kCount;
-    const auto s = filter.sample(vertical ? Vec2<float>{0.5F, u} : Vec2<float>{u, 0.5F});
+    const auto s = filter.sample(vertical ? Vec2f{0.5F, u} : Vec2f{u, 0.5F});
     sum += s.weight * g((vertical ? s.position_px.y : s.position_px.x) - 0.5);
   }
   return sum / kCount;
@@ -191,10 +191,10 @@ TEST(PixelFilter, PositionsAscendFromEdgeToEdge) {
     EXPECT_NEAR(filter->sample({0, 0}).position_px.y, 0.5 - 3, 1e-6);
     EXPECT_NEAR(filter->sample({1, 1}).position_px.x, 0.5 + 0.7, 1e-6);
     EXPECT_NEAR(filter->sample({0.5F, 0.5F}).position_px.y, 0.5, 1e-6);
-    Vec2<float> last = filter->sample({0, 0}).position_px;
+    Vec2f last = filter->sample({0, 0}).position_px;
     for (int i = 1; i <= 1 << 12; ++i) {
       const float u = static_cast<float>(i) / (1 << 12);
-      const Vec2<float> p = filter->sample({u, u}).position_px;
+      const Vec2f p = filter->sample({u, u}).position_px;
       ASSERT_GE(p.x, last.x);
       ASSERT_GE(p.y, last.y);
       last = p;

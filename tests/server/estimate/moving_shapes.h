@@ -23,8 +23,8 @@ inline Transform placed_at(double t) {
   const Transform step = k[1].world_from_light * k[0].world_from_light.inverse();
   const auto& m = step.matrix();
   const double angle = std::acos((m[0][0] + m[1][1] + m[2][2] - 1) / 2);
-  const Vec3<double> axis{m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]};
-  const Vec3<double> a = k[0].world_from_light.point({}), b = k[1].world_from_light.point({});
+  const Vec3 axis{m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]};
+  const Vec3 a = k[0].world_from_light.point({}), b = k[1].world_from_light.point({});
   return Transform::translate(a + (b - a) * (t / 2)) * *Transform::rotate(angle * t / 2, axis) *
          Transform::translate(-a) * k[0].world_from_light;
 }
@@ -34,7 +34,7 @@ inline std::shared_ptr<const Motion> moving(const std::vector<KeyTransform>& k =
 }
 
 /// Slides by `shift` from 0 s to `end_s`.
-inline std::shared_ptr<const Motion> sliding(const Vec3<double>& shift, double end_s) {
+inline std::shared_ptr<const Motion> sliding(const Vec3& shift, double end_s) {
   return moving({{0, {}}, {end_s, Transform::translate(shift)}});
 }
 
@@ -53,7 +53,7 @@ inline const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all{
       {"mesh",
        [](const Transform& w) {
-         return shape(ball(2, [&](const Vec3<double>& p) { return w.point(p); }));
+         return shape(ball(2, [&](const Vec3& p) { return w.point(p); }));
        }},
       {"flat patch", [](const Transform& w) { return patch_of(w, 0); }},
       {"twisted patch", [](const Transform& w) { return patch_of(w, 0.5); }},

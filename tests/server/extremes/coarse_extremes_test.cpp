@@ -48,22 +48,21 @@ std::shared_ptr<const Scene> coarse_scene(double error, Blocker blocker, Ground 
 /// Segments that climb by one error in 150, from points within a third of an error of the ground.
 /// The points are floats about a place 2^21 `error` away.
 struct Ways {
-  Vec3<double> origin;
+  Vec3 origin;
   std::vector<float> from, to, along, lengths;
 };
 
 Ways coarse_ways(double error, std::size_t n) {
   Ways ways{{-0x1p21 * error, 0, 0}, {}, {}, {}, {}};
   Random random(3);
-  const auto put = [](std::vector<float>& to, const Vec3<double>& v) {
-    const Vec3<float> f(v);
+  const auto put = [](std::vector<float>& to, const Vec3& v) {
+    const Vec3f f(v);
     to.insert(to.end(), {f.x, f.y, f.z});
   };
   for (std::size_t i = 0; i < n; ++i) {
     const auto share = [&](double a, double b) { return (a + (b - a) * uniform(random)) * error; };
     // Only some floats exist at that distance.
-    const Vec3<double> p{0, share(-5, 5), share(-0.3, 0.3)},
-        q{150 * error, share(-5, 5), share(0.8, 1.2)};
+    const Vec3 p{0, share(-5, 5), share(-0.3, 0.3)}, q{150 * error, share(-5, 5), share(0.8, 1.2)};
     put(ways.from, p - ways.origin), put(ways.to, q - ways.origin);
     put(ways.along, q - p);
     ways.lengths.push_back(static_cast<float>(length(q - p)));

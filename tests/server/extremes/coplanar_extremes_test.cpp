@@ -18,15 +18,13 @@ TEST(CoplanarExtremes, SegmentsThatEndBeforeTheSheet) {
               "sheets of 1e-6 ... 1e6 m", "blocked");
   std::mt19937 random(39);
   std::uniform_real_distribution<double> unit(-1, 1);
-  const auto direction = [&] {
-    return normalized(Vec3<double>{unit(random), unit(random), unit(random)});
-  };
+  const auto direction = [&] { return normalized(Vec3{unit(random), unit(random), unit(random)}); };
   constexpr int kSheets = 40, kSegments = 2000;
   std::int64_t wrong = 0, cases = 0;
   for (int i = 0; i < kSheets; ++i) {
     const double size = std::pow(10.0, 6 * unit(random));
-    const Vec3<double> n = direction(), u = normalized(cross(n, direction())), v = cross(n, u);
-    const Vec3<double> corner = direction() * size, s = u * size, t = (v + u * unit(random)) * size;
+    const Vec3 n = direction(), u = normalized(cross(n, direction())), v = cross(n, u);
+    const Vec3 corner = direction() * size, s = u * size, t = (v + u * unit(random)) * size;
     SceneDescription d = description();
     if (i % 2 == 0)
       d.shapes = {patch(corner, corner + s, corner + t, corner + s + t)};
@@ -36,12 +34,12 @@ TEST(CoplanarExtremes, SegmentsThatEndBeforeTheSheet) {
     const auto scene = build(std::move(d));
     for (int k = 0; k < kSegments; ++k, ++cases) {
       // The end is at least a tenth of the size before the sheet.
-      const Vec3<double> target = corner + (s + t) * (0.3 + 0.1 * unit(random));
+      const Vec3 target = corner + (s + t) * (0.3 + 0.1 * unit(random));
       const double angle = 3.14 * unit(random);
-      const Vec3<double> way = u * std::cos(angle) + v * std::sin(angle);
+      const Vec3 way = u * std::cos(angle) + v * std::sin(angle);
       const double near = size * (2.5 + unit(random)), far = near + size * (1.1 + unit(random));
-      const Ray ray{Vec3<float>(target + way * far - scene->origin()),
-                    Vec3<float>(way * (near - far)), 0, 1, 0};
+      const Ray ray{Vec3f(target + way * far - scene->origin()), Vec3f(way * (near - far)), 0, 1,
+                    0};
       if (scene->occluded(ray) || scene->accelerator().closest_hit(ray)) ++wrong;
     }
   }

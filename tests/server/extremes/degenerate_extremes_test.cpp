@@ -17,24 +17,23 @@
 namespace lucerna::testing {
 namespace {
 
-Vec3<double> point(const ReferenceTable::Row& row, const std::string& name) {
+Vec3 point(const ReferenceTable::Row& row, const std::string& name) {
   return {row[name + "x"], row[name + "y"], row[name + "z"]};
 }
 
-AreaLight<Served, TriangleMesh> needle(const ReferenceTable::Row& row) {
-  const Triangle<Served> t{point(row, "a"), point(row, "b"), point(row, "c")};
+AreaLight<TriangleMesh> needle(const ReferenceTable::Row& row) {
+  const Triangle t{point(row, "a"), point(row, "b"), point(row, "c")};
   DiffuseEmission emission;
-  emission.radiance_cd_m2 = Rgb<double>(1);
+  emission.radiance_cd_m2 = Rgb(1);
   emission.two_sided = true;
-  auto light =
-      AreaLight<Served, TriangleMesh>::create(emission, *TriangleMesh<Served>::create({t}));
+  auto light = AreaLight<TriangleMesh>::create(emission, *TriangleMesh::create({t}));
   if (!light.ok()) throw std::runtime_error(light.status().ToString());
   return *std::move(light);
 }
 
 /// Heron's formula, in float.
 float textbook_area(const ReferenceTable::Row& row) {
-  const Vec3<float> p(point(row, "a")), q(point(row, "b")), r(point(row, "c"));
+  const Vec3f p(point(row, "a")), q(point(row, "b")), r(point(row, "c"));
   const float a = length(q - p), b = length(r - q), c = length(p - r), s = (a + b + c) / 2;
   return std::sqrt(s * (s - a) * (s - b) * (s - c));
 }
@@ -56,7 +55,7 @@ TEST(DegenerateExtremes, DensityOfNeedles) {
   const ReferenceTable table("needles");
   for (const auto& row : table.rows()) {
     const auto light = needle(row);
-    Receiver<Served> receiver(Vec3<Served>(point(row, "e")));
+    Receiver receiver(Vec3(point(row, "e")));
     receiver.area_sampling = AreaSampling::kSolidAngle;
     for (const double u : {0.0, 0.1, 0.5, 0.9, 1 - 0x1p-53})
       for (const double v : {0.0, 0.3, 1 - 0x1p-53}) {
@@ -64,10 +63,9 @@ TEST(DegenerateExtremes, DensityOfNeedles) {
         ASSERT_EQ(s.reason, NoLight::kNone) << row.text("ratio") << " " << u << " " << v;
         sweep.compare(s.pdf.per_sr, 1 / row["solid_angle_sr"], row.text("ratio"));
       }
-    const Vec3<float> p(point(row, "a")), q(point(row, "b")), r(point(row, "c")),
-        eye(point(row, "e"));
+    const Vec3f p(point(row, "a")), q(point(row, "b")), r(point(row, "c")), eye(point(row, "e"));
     // Heron's area over the squared distance, with the cosine.
-    const Vec3<float> n = normalized(cross(q - p, r - p)), to = (p + q + r) / 3.0F - eye;
+    const Vec3f n = normalized(cross(q - p, r - p)), to = (p + q + r) / 3.0F - eye;
     const float d2 = dot(to, to);
     sweep.compare_textbook(d2 / (textbook_area(row) * std::fabs(dot(n, normalized(to)))),
                            1 / row["solid_angle_sr"]);
@@ -134,15 +132,13 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
     EXPECT_NEAR(flux_lm(*loaded.scene), kPi * mesh.area, 1e-6);
     visit(
         [&](const auto& light) {
-          using Real = decltype(light.sample_li({}, {}).distance);
           for (const double u :
                {0.0, 1e-30, 0.1, 0.25, 1.0 / 3, 0.5, 0.75, 0.999, 1 - 0x1p-53, 1.0})
             // At v = 0, u alone chooses.  Areas begin and end at 0, 1/2 and 1.
             for (const double v : {0.0, 0.5, 1.0}) {
-              const Vec3<Real> above(0.2, 0.3, 2), below(0.2, 0.3, -2);
+              const Vec3 above(0.2, 0.3, 2), below(0.2, 0.3, -2);
               for (const auto& receiver : {above, below}) {
-                const auto s =
-                    light.sample_li(receiver, {static_cast<Real>(u), static_cast<Real>(v)});
+                const auto s = light.sample_li(receiver, {u, v});
                 const NoLight seen = receiver.z > 0 ? NoLight::kNone : NoLight::kBehind;
                 const bool sound = mesh.good.contains(s.primitive) && s.reason == seen &&
                                    std::isfinite(s.pdf.per_sr) && s.pdf.per_sr > 0 &&
@@ -207,7 +203,7 @@ TEST(DegenerateExtremes, InvalidVertices) {
     refused(ply("double", 1e300));
   }
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const Vec3<float> n = cross(Vec3<float>(1, 0, 0), Vec3<float>(0, 1, nan));
+  const Vec3f n = cross(Vec3f(1, 0, 0), Vec3f(0, 1, nan));
   sweep.textbook_answer(std::isnan(1 / length(n)) ? "not a number" : "");
   sweep.expect_answers(same);
 }

@@ -30,14 +30,13 @@ SceneDescription with_light(LightDescription light) {
 }
 
 LightDescription sky(double radiance) {
-  return {UniformInfiniteLightParams{Rgb<double>(radiance)}, {"test.pbrt", 5, 1}};
+  return {UniformInfiniteLightParams{Rgb(radiance)}, {"test.pbrt", 5, 1}};
 }
 
-IrradianceEstimate irradiance(const Scene& scene, const Vec3<double>& position,
-                              const Vec3<float>& normal) {
+IrradianceEstimate irradiance(const Scene& scene, const Vec3& position, const Vec3f& normal) {
   IrradiancePoint point;
   point.position = position;
-  point.normal = Vec3<double>(normal);
+  point.normal = Vec3(normal);
   IrradianceSettings settings;
   settings.samples_per_block = 1024;
   settings.block_count = 16;
@@ -75,7 +74,7 @@ TEST(EmptyExtremes, Radius) {
 TEST(EmptyExtremes, Power) {
   Sweep sweep(35, "lights at infinity without geometry", "1e-30 ... 1e30 cd/m2", "flux");
   for (int exponent = -30; exponent <= 30; exponent += 5) {
-    const Rgb<double> level(std::pow(10.0, exponent));
+    const Rgb level(std::pow(10.0, exponent));
     const LightDescription kLights[] = {
         {UniformInfiniteLightParams{level}, {}},
         {DistantLightParams{{0, 0, 1}, level}, {}},
@@ -121,7 +120,7 @@ TEST(EmptyExtremes, IrradianceWithoutGeometry) {
     const auto f = static_cast<float>(d);
     sweep.compare_textbook(2 / (f * f), 2 / d / d);
     const auto distant =
-        build(with_light({DistantLightParams{{0, 0, 1}, Rgb<double>(d)}, {"test.pbrt", 5, 1}}));
+        build(with_light({DistantLightParams{{0, 0, 1}, Rgb(d)}, {"test.pbrt", 5, 1}}));
     sweep.compare(irradiance(*distant, {1, 2, 3}, {0, 0, 1}).irradiance_lx.g, d, "distant");
   }
   sweep.expect_within(1e-6);

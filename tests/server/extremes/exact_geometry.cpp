@@ -70,10 +70,10 @@ void ExactGeometry::finish() {
   }
 }
 
-ExactGeometry::OnSurface ExactGeometry::point(int i, Vec2<double> u) const {
+ExactGeometry::OnSurface ExactGeometry::point(int i, Vec2 u) const {
   const Primitive& p = primitives_[i];
   const double turn = 2 * std::numbers::pi * u.y;
-  const Frame<double> frame = Frame<double>::around(p.normal);
+  const Frame frame = Frame::around(p.normal);
   const Point around = frame.s * std::cos(turn) + frame.t * std::sin(turn);
   switch (p.kind) {
     case Kind::kTriangle: {

@@ -100,7 +100,7 @@ void ExactGeometry::meet_cylinder(const Primitive& p, const Meeting& m) {
 // Two planes that contain the ray cut the patch, which gives two bilinear equations (Ramsey,
 // Potter, Hansen 2004).
 void ExactGeometry::meet_patch(const Primitive& p, const Meeting& m) {
-  const Frame<double> frame = Frame<double>::around(m.w);
+  const Frame frame = Frame::around(m.w);
   const Point e = p.at[1] - p.at[0], f = p.at[2] - p.at[0],
               g = (p.at[3] - p.at[2]) - (p.at[1] - p.at[0]), to = p.at[0] - m.ray.origin;
   const double a1 = dot(frame.s, g), b1 = dot(frame.s, e), c1 = dot(frame.s, f),

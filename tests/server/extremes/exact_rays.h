@@ -15,7 +15,7 @@
 
 namespace lucerna::testing {
 
-using Point = Vec3<double>;
+using Point = Vec3;
 
 /// A ray from `origin`, t in units of `direction`; segments end at t = 1.
 struct ExactRay {
@@ -71,7 +71,7 @@ class ExactGeometry {
   };
   /// A point of primitive `i`.  Triangles and patches take it at the shares `u`, which may lie on
   /// their border.
-  OnSurface point(int i, Vec2<double> u) const;
+  OnSurface point(int i, Vec2 u) const;
 
   ExactAnswer along(const ExactRay& ray) const;
 

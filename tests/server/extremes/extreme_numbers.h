@@ -61,17 +61,17 @@ class ExtremeNumbers {
   }
 
   /// Half of the time the components are independent, otherwise they have one scale.
-  Vec3<float> vector() {
+  Vec3f vector() {
     if (chance(0.5)) return {component(), component(), component()};
     const double scale = magnitude();
-    return Vec3<float>(direction() * scale);
+    return Vec3f(direction() * scale);
   }
 
   /// A unit vector.  One in four lies in a coordinate plane or along an axis.
-  Vec3<double> direction() {
+  Vec3 direction() {
     const double z = uniform(-1, 1), phi = uniform(0, 2 * std::numbers::pi);
     const double r = std::sqrt(1 - z * z);
-    Vec3<double> w{r * std::cos(phi), r * std::sin(phi), z};
+    Vec3 w{r * std::cos(phi), r * std::sin(phi), z};
     switch (below(8)) {
       case 0:
         return {0, 0, with_sign(1)};

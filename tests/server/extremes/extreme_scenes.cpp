@@ -181,8 +181,8 @@ class Writer {
 
   /// Its place.  One in six also moves.
   std::string placed(const std::string& what) {
-    const Vec3<double>& o = scale_.offset_m;
-    const Vec3<double> axis = n_.direction();
+    const Vec3& o = scale_.offset_m;
+    const Vec3 axis = n_.direction();
     std::string text = fmt::format(
         "AttributeBegin Translate {} {} {} Rotate {} {} {} {} ", coordinate(o.x), coordinate(o.y),
         coordinate(o.z), n_.chance(0.3) ? 0 : n_.uniform(-180, 180), axis.x, axis.y, axis.z);
@@ -206,7 +206,7 @@ class Writer {
     return fmt::format(R"("float coneangle" [{}] "float conedeltaangle" [{}])", cone, delta);
   }
   std::string to() {
-    const Vec3<double> w = n_.direction();
+    const Vec3 w = n_.direction();
     const double length = n_.magnitude();
     return fmt::format(R"("point3 from" [0 0 0] "point3 to" [{} {} {}])", w.x * length,
                        w.y * length, w.z * length);
@@ -381,9 +381,9 @@ SceneLine shape_line(const SceneScale& scale, ExtremeNumbers& numbers) {
 
 std::vector<std::string> head_lines(const SceneScale& scale, ExtremeNumbers& numbers) {
   Writer w(scale, numbers);
-  const Vec3<double> axis = numbers.direction();
+  const Vec3 axis = numbers.direction();
   const double begin = numbers.chance(0.8) ? 0 : numbers.with_sign(numbers.magnitude());
-  const Vec3<double>& o = scale.offset_m;
+  const Vec3& o = scale.offset_m;
   std::string turn = "# a camera that rests",
               sampler = "# the number of samples is up to the server";
   if (numbers.chance(0.25))

@@ -24,7 +24,7 @@ struct SceneScale {
 
   bool wild = false;  ///< each number has a magnitude of its own
   double metres = 1;
-  Vec3<double> offset_m{};
+  Vec3 offset_m{};
 };
 
 /// A light of this kind: a complete AttributeBegin ... AttributeEnd block.

@@ -31,8 +31,8 @@ SceneDescription sheet(double tilt_deg, bool all_to_x) {
     for (int i = 0; i <= kCells; ++i) {
       mesh.positions.push_back({2.0 * i / kCells - 1, 2.0 * j / kCells - 1, 0});
       const double turn = all_to_x ? 0 : 2.4 * (i + 9 * j), t = radians(tilt_deg);
-      mesh.normals.push_back(Vec3<float>(
-          Vec3<double>{std::sin(t) * std::cos(turn), std::sin(t) * std::sin(turn), std::cos(t)}));
+      mesh.normals.push_back(
+          Vec3f(Vec3{std::sin(t) * std::cos(turn), std::sin(t) * std::sin(turn), std::cos(t)}));
     }
   for (std::uint32_t j = 0; j < kCells; ++j)
     for (std::uint32_t i = 0; i < kCells; ++i) {
@@ -56,7 +56,7 @@ TEST(FurnaceExtremes, ASheetInAUniformEnvironment) {
   for (const double tilt : kTilts_deg)
     for (const double height : {1.5, -1.5}) {
       SceneDescription d = sheet(tilt, false);
-      d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1)}, {"test.pbrt", 1, 1}});
+      d.lights.push_back({UniformInfiniteLightParams{Rgb(1)}, {"test.pbrt", 1, 1}});
       d.camera.world_from_camera = *Transform::look_at({0.3, -0.4, height}, {0, 0, 0}, {0, 1, 0});
       d.camera.screen_min = {-0.5, -0.5}, d.camera.screen_max = {0.5, 0.5};
       const auto scene = build(std::move(d));
@@ -79,12 +79,11 @@ TEST(FurnaceExtremes, ASheetInAUniformEnvironment) {
 /// Radiance of a diffuse surface of reflectance 1 with normal `n` at `p`, lit by a polygon of
 /// radiance 1 above its horizon.  The polygon is counter-clockwise as seen from `p`.  Lambert's
 /// formula.
-double lambert(const Vec3<double>& p, const Vec3<double>& n,
-               const std::vector<Vec3<double>>& polygon) {
+double lambert(const Vec3& p, const Vec3& n, const std::vector<Vec3>& polygon) {
   double sum = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec3<double> a = normalized(polygon[i] - p),
-                       b = normalized(polygon[(i + 1) % polygon.size()] - p), c = cross(a, b);
+    const Vec3 a = normalized(polygon[i] - p),
+               b = normalized(polygon[(i + 1) % polygon.size()] - p), c = cross(a, b);
     sum += std::atan2(length(c), dot(a, b)) * dot(normalized(c), n);
   }
   return std::fabs(sum) / (2 * std::numbers::pi);
@@ -94,7 +93,7 @@ struct Estimates {
   double both = 0, by_light = 0, by_direction = 0;
 };
 
-Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3<float>& wo) {
+Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3f& wo) {
   constexpr std::uint32_t kSamples = 1 << 15;
   const PathTracer tracer(scene, 0, {});
   const SampleSequence sequence(Sampler::kSobol, 7, 0, 0);
@@ -103,17 +102,17 @@ Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3<float>
     const PathSample s{sequence, i};
     WorkCounts work;
     sum.both += double(tracer.reflected(hit, wo, 0, s, work).value.g);
-    const auto n = dot(hit.ns, Vec3<double>(wo)) < 0 ? -hit.ns : hit.ns;
+    const auto n = dot(hit.ns, Vec3(wo)) < 0 ? -hit.ns : hit.ns;
     visit_light(scene.lights()[0], 0, [&](const auto& light) {
       const auto u = s.at(0, PathSample::kLightPoint);
       const auto sample = light.sample_li(hit.position, {u.x, u.y});
-      const double cosine = dot(Vec3<double>(n), Vec3<double>(sample.wi));
+      const double cosine = dot(Vec3(n), Vec3(sample.wi));
       if (sample.reason != NoLight::kNone || cosine <= 0) return;
       if (scene.occluded(shadow_ray(hit, sample))) return;
       sum.by_light += double(sample.value.g) * cosine / std::numbers::pi / sample.pdf.per_sr;
     });
     const auto wi =
-        PathTracer::cosine_direction(Vec3<float>(hit.ns), wo, s.at(0, PathSample::kDirection));
+        PathTracer::cosine_direction(Vec3f(hit.ns), wo, s.at(0, PathSample::kDirection));
     const Ray ray = spawn_ray(hit, wi);
     tracer.for_each_emitter(ray, scene.closest_hit(ray), [&](std::uint32_t, const auto& le) {
       sum.by_direction += double(le.g);
@@ -129,26 +128,26 @@ TEST(FurnaceExtremes, LightsAndDirectionsAgree) {
   for (const double tilt : kTilts_deg) {
     if (tilt < 30) continue;
     SceneDescription d = sheet(tilt, true);
-    const std::vector<Vec3<double>> lamp{
+    const std::vector<Vec3> lamp{
         {1.2, -0.8, -0.3}, {1.2, 0.8, -0.3}, {1.2, 0.8, 0.3}, {1.2, -0.8, 0.3}};
     d.shapes.push_back(emissive(patch(lamp[0], lamp[1], lamp[3], lamp[2]), 1, true));
     const auto scene = build(std::move(d));
-    const Vec3<double> o = scene->origin();
-    const Vec3<double> eye{0.6, 0, 2}, at{0.53, 0.07, 0};
-    const auto hit = scene->closest_hit({Vec3<float>(eye - o), Vec3<float>(normalized(at - eye))});
+    const Vec3 o = scene->origin();
+    const Vec3 eye{0.6, 0, 2}, at{0.53, 0.07, 0};
+    const auto hit = scene->closest_hit({Vec3f(eye - o), Vec3f(normalized(at - eye))});
     ASSERT_TRUE(hit);
-    const Vec3<double> ns{std::sin(radians(tilt)), 0, std::cos(radians(tilt))};
-    const double truth = lambert(Vec3<double>(hit->position) + o, ns, lamp);
-    const Estimates e = estimates(*scene, *hit, Vec3<float>(normalized(eye - at)));
+    const Vec3 ns{std::sin(radians(tilt)), 0, std::cos(radians(tilt))};
+    const double truth = lambert(Vec3(hit->position) + o, ns, lamp);
+    const Estimates e = estimates(*scene, *hit, Vec3f(normalized(eye - at)));
     const std::string where = " at " + std::to_string(tilt);
     sweep.compare(e.by_light, truth, "lights" + where);
     sweep.compare(e.by_direction, truth, "directions" + where);
     sweep.compare(e.both, truth, "both" + where);
     // Only the part of the lamp above the horizon of the geometric normal, about which directions
     // are drawn.
-    std::vector<Vec3<double>> upper = lamp;
+    std::vector<Vec3> upper = lamp;
     upper[0].z = upper[1].z = 0;
-    sweep.compare_textbook(lambert(Vec3<double>(hit->position) + o, ns, upper), truth);
+    sweep.compare_textbook(lambert(Vec3(hit->position) + o, ns, upper), truth);
   }
   sweep.expect_within(3e-3);
 }

@@ -19,7 +19,7 @@
 namespace lucerna::testing {
 namespace {
 
-using Point = Vec3<double>;
+using Point = Vec3;
 
 /// The plane of the ground: three unit vectors, the last one is its normal.
 struct Plane {
@@ -95,7 +95,7 @@ std::vector<IrradianceEstimate> direct_lx(const Scene& scene, const Plane& plane
                                           const std::vector<Point>& points) {
   const std::vector<float> offsets = floats(points);
   const ToScene to_scene(scene, {{}, offsets}, std::nullopt);
-  const Vec3<float> normal(plane.n);
+  const Vec3f normal(plane.n);
   std::vector<IrradiancePoint> at;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const ScenePoint p = on_surface(scene, to_scene(i), normal);
@@ -113,7 +113,7 @@ SceneDescription screened(const Plane& plane, Kind kind, double half, double hei
               rectangle(plane, 1, 1, height, Kind::kTriangles)};
   LightDescription light;
   PointLightParams point;
-  point.intensity_cd = Rgb<double>(100);
+  point.intensity_cd = Rgb(100);
   point.position_m = plane.at(0, 0, 2);
   light.params = point;
   d.lights = {light};

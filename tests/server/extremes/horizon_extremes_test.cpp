@@ -25,9 +25,9 @@ struct Low {
 };
 
 /// The upright square from `above` - 1 to `above`.
-std::array<Vec3<double>, 4> upright(double above) {
-  return {Vec3<double>{1, -0.5, above - 1}, Vec3<double>{1, -0.5, above},
-          Vec3<double>{1, 0.5, above - 1}, Vec3<double>{1, 0.5, above}};
+std::array<Vec3, 4> upright(double above) {
+  return {Vec3{1, -0.5, above - 1}, Vec3{1, -0.5, above}, Vec3{1, 0.5, above - 1},
+          Vec3{1, 0.5, above}};
 }
 
 double of_square(double above) {
@@ -39,8 +39,8 @@ Low painted(double above) {
   SceneDescription d = description();
   const auto s = upright(above);
   d.shapes = {emissive(patch(s[0], s[1], s[2], s[3]), 1, true)};
-  d.shapes[0].emission->picture = Picture{
-      *Image::create(2, 2, std::vector<Rgb<float>>(4, Rgb<float>(1))), ImageFilter::kBilinear, ""};
+  d.shapes[0].emission->picture =
+      Picture{*Image::create(2, 2, std::vector<Rgbf>(4, Rgbf(1))), ImageFilter::kBilinear, ""};
   return {"painted square", std::move(d), of_square(above)};
 }
 
@@ -48,18 +48,18 @@ Low painted(double above) {
 Low folded(double above) {
   SceneDescription d = description();
   const auto s = upright(above);
-  d.shapes = {emissive(patch(s[0], s[1], s[2], s[3] + Vec3<double>{1e-9, 0, 0}), 1, true)};
+  d.shapes = {emissive(patch(s[0], s[1], s[2], s[3] + Vec3{1e-9, 0, 0}), 1, true)};
   return {"bent patch", std::move(d), of_square(above)};
 }
 
 Low portal(double above) {
   SceneDescription d = description();
   PortalLightParams params;
-  params.map = *SphereMap::create(*Image::create(2, 2, std::vector<Rgb<float>>(4, Rgb<float>(1))),
+  params.map = *SphereMap::create(*Image::create(2, 2, std::vector<Rgbf>(4, Rgbf(1))),
                                   SphereMapping::kEqualArea, ImageFilter::kNearest);
   const auto s = upright(above);
   params.corners_m = {s[0], s[1], s[3], s[2]};
-  const Vec3<double> to_sky = cross(s[2] - s[0], s[1] - s[0]);
+  const Vec3 to_sky = cross(s[2] - s[0], s[1] - s[0]);
   if (to_sky.x < 0) std::swap(params.corners_m[1], params.corners_m[3]);
   d.lights = {{params, {}}};
   return {"portal", std::move(d), of_square(above)};
@@ -121,7 +121,7 @@ TEST(HorizonExtremes, LowLightsBesideOthers) {
   std::int64_t wrong = 0, cases = 0;
   for (int exponent = -9; exponent <= -3; ++exponent) {
     Low low = painted(std::pow(10.0, exponent));
-    low.scene.shapes[0].emission->radiance_cd_m2 = Rgb<double>(1e6);
+    low.scene.shapes[0].emission->radiance_cd_m2 = Rgb(1e6);
     // A cylinder has no closed form, so it is sampled.
     low.scene.shapes.push_back(emissive(
         {CylinderParams{.radius_m = 0.3, .world_from_object = Transform::translate({0, 0, 3})}}, 1,
@@ -157,8 +157,8 @@ TEST(HorizonExtremes, LightsBelow) {
 /// horizon, too little for samples to find.
 std::shared_ptr<const Scene> half_sky(bool spread) {
   constexpr int kWidth = 8, kHeight = 1000;
-  std::vector<Rgb<float>> texels(kWidth * kHeight);
-  for (std::size_t i = 0; i < texels.size() / 2; ++i) texels[i] = Rgb<float>(1);
+  std::vector<Rgbf> texels(kWidth * kHeight);
+  for (std::size_t i = 0; i < texels.size() / 2; ++i) texels[i] = Rgbf(1);
   ImageInfiniteLightParams sky;
   sky.map =
       *SphereMap::create(*Image::create(kWidth, kHeight, texels), SphereMapping::kLatitudeLongitude,

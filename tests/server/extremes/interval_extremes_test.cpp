@@ -88,7 +88,7 @@ TEST(IntervalExtremes, Edges) {
     const double share = percent / 100.0, end = share - 0.5;
     SceneDescription d = description(0.5);
     d.shapes = {patch({-9, -9, 0}, {end, -9, 0}, {-9, 9, 0}, {end, 9, 0})};
-    d.lights = {{DistantLightParams{{0, 0, 1}, Rgb<double>(10)}, {}}};
+    d.lights = {{DistantLightParams{{0, 0, 1}, Rgb(10)}, {}}};
     const Pixel p = pixel(std::move(d), 1, share * 0.5 * 10 / pi);
     for (const std::uint32_t samples : {64U, 256U}) tally.add(held(p, samples));
   }

@@ -39,16 +39,16 @@ Answers answers_of(const SceneDescription& description, double s, std::uint32_t 
 
   std::vector<IrradiancePoint> points;
   std::vector<float> offsets;
-  const Vec3<double> origin = kEveryLightMiddle * s;
+  const Vec3 origin = kEveryLightMiddle * s;
   for (int i = 0; i < 60; ++i) {
-    const Vec3<double> p{0.6 * (i % 8) - 2, 0.7 * (i / 8) - 2.5, 0.05 + 0.02 * i};
-    const Vec3<float> offset(p * s);
+    const Vec3 p{0.6 * (i % 8) - 2, 0.7 * (i / 8) - 2.5, 0.05 + 0.02 * i};
+    const Vec3f offset(p * s);
     offsets.insert(offsets.end(), {offset.x, offset.y, offset.z});
     IrradiancePoint point;
-    point.position = decltype(point.position)(Vec3<double>(offset) + (origin - scene->origin()));
+    point.position = decltype(point.position)(Vec3(offset) + (origin - scene->origin()));
     const auto error = static_cast<float>(1e-6 * s);
     point.position_error = {error, error, error};
-    point.normal = normalized(Vec3<double>{0.3 * (i % 3), 0.2, 1});
+    point.normal = normalized(Vec3{0.3 * (i % 3), 0.2, 1});
     points.push_back(point);
   }
   for (const IrradianceEstimate& e :
@@ -73,7 +73,7 @@ Answers answers_of(const SceneDescription& description, double s, std::uint32_t 
     for (int k = 0; k < 3; ++k)
       a.samples.insert(a.samples.end(), {li.value[3 * i + k], li.wi[3 * i + k]});
   }
-  const Receiver<double> receiver(kEveryLightMiddle * s - scene->origin());
+  const Receiver receiver(kEveryLightMiddle * s - scene->origin());
   for (std::uint32_t l = 0; l < scene->lights().size(); ++l)
     for (const LightSelection how : {LightSelection::kPower, LightSelection::kBvh})
       a.choices.push_back(scene->light_selector().probability(how, receiver, l));
@@ -131,12 +131,12 @@ SceneDescription small_room() {
   d.shapes = {
       floor(1),
       {ball(1,
-            [](const Vec3<double>& p) {
-              return p * 0.2 + Vec3<double>{0.3, 0.2, 0.3};
+            [](const Vec3& p) {
+              return p * 0.2 + Vec3{0.3, 0.2, 0.3};
             })},
       {SphereParams{.radius_m = 0.15, .world_from_object = Transform::translate({-0.4, 0.1, 0.2})}},
       emissive(patch({-0.5, 0.5, 1}, {0.5, 0.5, 1}, {-0.5, -0.5, 1}, {0.5, -0.5, 1}), 3)};
-  d.objects = {{"ball", {{ball(1, [](const Vec3<double>& p) { return p * 2.0; })}}}};
+  d.objects = {{"ball", {{ball(1, [](const Vec3& p) { return p * 2.0; })}}}};
   d.instances = {{0, Transform::translate({0, -0.5, 0.3}) * *Transform::scale({0.1, 0.1, 0.1})}};
   d.lights = {point_light({0.5, -0.4, 0.9}, 1)};
   d.camera.world_from_camera = *Transform::look_at({1, -2, 1.2}, {0, 0, 0.2}, {0, 0, 1});
@@ -205,7 +205,7 @@ TEST(InvarianceExtremes, RaysMeetMovingObjectsOfAnySize) {
       const auto motion = std::make_shared<const Motion>(*Motion::create(keys));
       // A cube.  The ray meets one of its sides.
       TriangleMeshData cube = room();
-      for (Vec3<double>& p : cube.positions) p = p * s;
+      for (Vec3& p : cube.positions) p = p * s;
       if (as_instance) {
         d.objects = {{"cube", {{cube}}}};
         d.instances = {{0, Transform(), motion}};
@@ -214,8 +214,8 @@ TEST(InvarianceExtremes, RaysMeetMovingObjectsOfAnySize) {
         d.shapes[0].motion = motion;
       }
       const auto scene = build(std::move(d));
-      const Vec3<double> o = scene->origin();
-      Ray ray{Vec3<float>(Vec3<double>{2.3 * s, 0.1 * s, 9 * s} - o), Vec3<float>{0, 0, -1}};
+      const Vec3 o = scene->origin();
+      Ray ray{Vec3f(Vec3{2.3 * s, 0.1 * s, 9 * s} - o), Vec3f{0, 0, -1}};
       ray.time_s = 0.5;
       const auto hit = scene->closest_hit(ray);
       ASSERT_TRUE(hit) << s;
@@ -237,7 +237,7 @@ TEST(InvarianceExtremes, SmallerSizesAreRefused) {
   for (const double s : {1e-33, 1e-35, 1e-38, 1e-45, 1e-60, 1e-100, 1e-300}) {
     answer(scaled_scene(small_room(), s));
     SceneDescription d = description();
-    d.objects = {{"speck", {{ball(1, [&](const Vec3<double>& p) { return p * (0.2 * s); })}}}};
+    d.objects = {{"speck", {{ball(1, [&](const Vec3& p) { return p * (0.2 * s); })}}}};
     d.instances = {{0, *Transform::scale({1 / s, 1 / s, 1 / s})}};
     answer(d);
   }

@@ -28,9 +28,8 @@ class Queries {
   Queries(const Scene& scene, double s, std::uint32_t light, QueryAnswers& answers)
       : scene_(scene), s_(s), light_(light), answers_(answers) {
     for (int i = 0; i < 24; ++i) {
-      put(offsets_,
-          Vec3<double>{1.1 * (i % 5) - 2.3, 0.9 * (i / 5) - 2.1, 0.02 + 0.11 * (i % 7)} * s);
-      put(normals_, normalized(Vec3<double>{0.3 * (i % 3) - 0.2, 0.4 * (i % 2) - 0.1, 1}));
+      put(offsets_, Vec3{1.1 * (i % 5) - 2.3, 0.9 * (i / 5) - 2.1, 0.02 + 0.11 * (i % 7)} * s);
+      put(normals_, normalized(Vec3{0.3 * (i % 3) - 0.2, 0.4 * (i % 2) - 0.1, 1}));
     }
     status_.resize(offsets_.size() / 3);
   }
@@ -42,8 +41,8 @@ class Queries {
   }
 
  private:
-  static void put(std::vector<float>& to, const Vec3<double>& v) {
-    const Vec3<float> f(v);
+  static void put(std::vector<float>& to, const Vec3& v) {
+    const Vec3f f(v);
     to.insert(to.end(), {f.x, f.y, f.z});
   }
   PointArray points(std::span<const float> offsets) const {
@@ -85,10 +84,10 @@ class Queries {
     // The first sample of each receiver, or straight up where it has none.
     std::vector<float> towards, to, densities(receivers);
     for (std::size_t r = 0; r < receivers; ++r) {
-      Vec3<float> w = triple(s.wi, 4 * r), end = triple(s.light_offsets_m, 4 * r);
-      if (w == Vec3<float>{}) w = {0, 0, 1};
-      if (end == Vec3<float>{}) end = triple(offsets_, r) + Vec3<float>(Vec3<double>{1, 2, 3} * s_);
-      put(towards, Vec3<double>(w)), put(to, Vec3<double>(end));
+      Vec3f w = triple(s.wi, 4 * r), end = triple(s.light_offsets_m, 4 * r);
+      if (w == Vec3f{}) w = {0, 0, 1};
+      if (end == Vec3f{}) end = triple(offsets_, r) + Vec3f(Vec3{1, 2, 3} * s_);
+      put(towards, Vec3(w)), put(to, Vec3(end));
     }
     pdf_li(scene_,
            {.light = light_, .receivers = points(offsets_), .wi = towards, .normals = normals_},
@@ -130,7 +129,7 @@ class Queries {
               {});
     // A light at a point has an intensity, which scales with the square of lengths.
     const bool is_point = position[0] == 0;
-    const Vec3<double> shift = scene_.origin() - kEveryLightMiddle * s_;
+    const Vec3 shift = scene_.origin() - kEveryLightMiddle * s_;
     for (std::size_t i = 0; i < n; ++i)
       for (int k = 0; k < 3; ++k) answers_["SampleLe"].push_back((at[3 * i + k] + shift[k]) / s_);
     record("SampleLe", w, 1), record("SampleLe", normals, 1);
@@ -139,8 +138,8 @@ class Queries {
 
     std::vector<float> way;
     for (std::size_t i = 0; i < n; ++i) {
-      const Vec3<float> v = triple(w, i);
-      put(way, Vec3<double>(v == Vec3<float>{} ? Vec3<float>{0, 0, 1} : v));
+      const Vec3f v = triple(w, i);
+      put(way, Vec3(v == Vec3f{} ? Vec3f{0, 0, 1} : v));
     }
     std::vector<float> pdf_position(n), pdf_direction(n);
     pdf_le(scene_, light_, {scene_.origin(), at}, way, 0, pdf_position.data(), pdf_direction.data(),

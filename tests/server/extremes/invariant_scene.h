@@ -13,7 +13,7 @@
 namespace lucerna::testing {
 
 /// The position of its middle [m].
-inline const Vec3<double> kEveryLightMiddle{100, -50, 0};
+inline const Vec3 kEveryLightMiddle{100, -50, 0};
 
 /// With these settings the bits depend on nothing but the size.
 inline SceneDescription invariant_scene() {
@@ -21,7 +21,7 @@ inline SceneDescription invariant_scene() {
   if (!assets.ok()) throw std::runtime_error(assets.status().ToString());
   auto scene = load_pbrt(*assets, "lights/every_light.pbrt");
   if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
-  scene->objects = {{"ball", {{ball(2, [](const Vec3<double>& p) { return p * 3.0; })}}}};
+  scene->objects = {{"ball", {{ball(2, [](const Vec3& p) { return p * 3.0; })}}}};
   scene->instances = {
       {0, Transform::translate({101.5, -49, 0.7}) * *Transform::rotate(0.5, {1, 2, 3}) *
               *Transform::scale({0.2, 0.1, 0.2})}};

@@ -21,7 +21,7 @@ namespace {
 
 /// A circle around the z axis that bounds media: `above` on the side of +z.
 ShapeDescription level(double z, double radius, std::int32_t below, std::int32_t above,
-                       const Vec3<double>& at = {}) {
+                       const Vec3& at = {}) {
   ShapeDescription s = shape(
       DiskParams{.height_m = z, .radius_m = radius, .world_from_object = Transform::translate(at)});
   s.media = MediumSides{below, above};
@@ -64,8 +64,7 @@ long double pane_share(long double x, long double z, long double eta) {
 }
 
 /// The share of green light that arrives along the segment from `origin + from` to `origin + to`.
-double seen(const Scene& scene, const Vec3<float>& from, const Vec3<float>& to,
-            const Vec3<double>& origin = {}) {
+double seen(const Scene& scene, const Vec3f& from, const Vec3f& to, const Vec3& origin = {}) {
   const std::array f{from.x, from.y, from.z}, t{to.x, to.y, to.z};
   std::uint8_t visible = 0;
   std::array<float, 3> share{};
@@ -78,7 +77,7 @@ double seen(const Scene& scene, const Vec3<float>& from, const Vec3<float>& to,
 }
 
 /// The transmittance of a sample of the scene's only light.
-double sampled(const Scene& scene, const Vec3<float>& from) {
+double sampled(const Scene& scene, const Vec3f& from) {
   const std::array f{from.x, from.y, from.z};
   std::array<float, 3> share{};
   LiSamples s(1);
@@ -91,7 +90,7 @@ double sampled(const Scene& scene, const Vec3<float>& from) {
 }
 
 /// The irradiance that the scene's point light gives at a point without a surface.
-double irradiance(const Scene& scene, const Vec3<double>& at, const Vec3<double>& normal) {
+double irradiance(const Scene& scene, const Vec3& at, const Vec3& normal) {
   const IrradiancePoint point{at - scene.origin(), {}, decltype(IrradiancePoint::normal)(normal)};
   const auto result =
       estimate_irradiance(scene, std::span(&point, 1), {.block_count = 2, .bounces = 0}, {});
@@ -129,7 +128,7 @@ std::vector<Fog> fogs(double least, double most) {
 SceneDescription slab(const Fog& fog) {
   SceneDescription d = description();
   const double l = fog.length_m;
-  d.media = {{Rgb<double>(fog.per_m())}};
+  d.media = {{Rgb(fog.per_m())}};
   d.shapes = {level(0, 4 * l, -1, 0), level(l, 4 * l, 0, -1)};
   return d;
 }
@@ -168,7 +167,7 @@ TEST(MediaExtremes, PointsInFog) {
     SceneDescription d = description();
     const auto l = static_cast<float>(fog.length_m);
     const long double per_m = fog.per_m(), depth = per_m * l;
-    d.media = {{Rgb<double>(fog.per_m())}};
+    d.media = {{Rgb(fog.per_m())}};
     d.surrounding_medium = 0;
     d.lights = {point_light({0, 0, double{l}}, double{l} * l)};  // 1 lx without fog
     const auto scene = build(std::move(d));
@@ -205,7 +204,7 @@ TEST(MediaExtremes, RaysThatEndNowhere) {
   for (double per_m = 1e-30; per_m < 1e31; per_m *= 1e3) {
     for (const bool around : {true, false}) {
       SceneDescription d = description();
-      d.media = {{Rgb<double>(0, per_m, 0)}};
+      d.media = {{Rgb(0, per_m, 0)}};
       d.shapes = {level(0, 1, around ? -1 : 0, around ? 0 : -1)};
       const auto scene = build(std::move(d));
       const std::array<float, 3> from{0, 0, 0.5}, up{0, 0, 1};
@@ -232,7 +231,7 @@ TEST(MediaExtremes, ThinLayers) {
       const double lower = away, upper = away + thickness, per_m = 1 / thickness;
       for (const bool flat : {true, false}) {
         SceneDescription d = description();
-        d.media = {{Rgb<double>(per_m)}};
+        d.media = {{Rgb(per_m)}};
         if (flat)
           d.shapes = {level(lower, 4, -1, 0), level(upper, 4, 0, -1)};
         else
@@ -265,7 +264,7 @@ TEST(MediaExtremes, LayersThinnerThanFloatsTell) {
               "thickness / distance 1e-7 ... 1e-10", "transmittance at depth 1");
   for (double thickness = 1e-7; thickness > 5e-11; thickness /= 10) {
     SceneDescription flat = description(), round = description();
-    flat.media = round.media = {{Rgb<double>(1 / thickness)}};
+    flat.media = round.media = {{Rgb(1 / thickness)}};
     flat.shapes = {level(0, 4, -1, 0), level(thickness, 4, 0, -1)};
     round.shapes = {shape(SphereParams{.radius_m = thickness / 2})};
     round.shapes[0].media = MediumSides{0, -1};
@@ -293,7 +292,7 @@ TEST(MediaExtremes, ManyLayers) {
     SceneDescription d = description();
     // 1 m of each ink at any number of layers.
     const double thickness = 2.0 / layers, a = 3, b = 7;
-    d.media = {{Rgb<double>(a)}, {Rgb<double>(b)}};
+    d.media = {{Rgb(a)}, {Rgb(b)}};
     for (int i = 0; i <= layers; ++i)
       d.shapes.push_back(
           level(i * thickness, 4, i == 0 ? -1 : (i - 1) % 2, i == layers ? -1 : i % 2));
@@ -314,7 +313,7 @@ TEST(MediaExtremes, BallsWithinBalls) {
               "logarithm of the transmittance");
   for (const int balls : {1, 2, 9, 100, 500}) {
     SceneDescription d = description();
-    d.media = {{Rgb<double>(3)}, {Rgb<double>(7)}};
+    d.media = {{Rgb(3)}, {Rgb(7)}};
     for (int i = 1; i <= balls; ++i) {
       ShapeDescription s = shape(SphereParams{.radius_m = double(i) / balls});
       s.media = MediumSides{i % 2, i == balls ? -1 : (i + 1) % 2};
@@ -368,7 +367,7 @@ TEST(MediaExtremes, PanesAtAnyAngle) {
     sweep.compare(seen(*scene, {-s.x, 0, -s.z}, {s.x, 0, s.z}), truth, s.text());
     sweep.compare(seen(*scene, {s.x, 0, s.z}, {-s.x, 0, -s.z}), truth, s.text());
     sweep.compare(sampled(*scene, {-s.x, 0, -s.z}), truth, s.text());
-    const Vec3<double> towards = normalized(Vec3<double>{s.x, 0, s.z});
+    const Vec3 towards = normalized(Vec3{s.x, 0, s.z});
     sweep.compare(irradiance(*scene, {-s.x, 0, -s.z}, towards), truth, s.text());
     // In floats with Snell's law and without the series, from the floats of the unit direction.
     const auto cosine = static_cast<float>(towards.z), eta = static_cast<float>(s.eta);

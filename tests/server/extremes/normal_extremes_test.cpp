@@ -42,16 +42,16 @@ TEST(NormalExtremes, GrazingLight) {
   for (double least : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
     for (int i = 0; i < 200; ++i) {
       // A normal of any length, across the light and then a little towards it.
-      const Vec3<double> w{0.3, 0.7, 0.4}, any{unit(random), unit(random), unit(random)};
-      const Vec3<double> n =
+      const Vec3 w{0.3, 0.7, 0.4}, any{unit(random), unit(random), unit(random)};
+      const Vec3 n =
           (normalized(cross(w, any)) + normalized(w) * least) * std::pow(10.0, 3 * unit(random));
-      const Vec3<float> sent(n);
+      const Vec3f sent(n);
       const Real x = sent.x, y = sent.y, z = sent.z;
       const Real cosine = (x * to_light[0] + y * to_light[1] + z * to_light[2]) /
                           (distance * std::sqrt(x * x + y * y + z * z));
       if (!(cosine > 0.3 * least)) continue;
       cosines.push_back(cosine);
-      textbook.push_back(dot(normalized(sent), normalized(Vec3<float>(w))));
+      textbook.push_back(dot(normalized(sent), normalized(Vec3f(w))));
       for (const float v : {sent.x, sent.y, sent.z}) {
         request.add_normals(v);
         request.mutable_receivers()->add_offsets_m(0);

@@ -22,7 +22,7 @@ namespace {
 using Row = ReferenceTable::Row;
 
 /// The only light of a .pbrt file, in world space.
-Light<Served> light_in(const std::string& text) {
+Light light_in(const std::string& text) {
   const auto scene = load_world(text);
   if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
   auto light = scene->lights.empty() ? create_area_light(scene->shapes.at(0), {})
@@ -31,12 +31,11 @@ Light<Served> light_in(const std::string& text) {
   return *std::move(light);
 }
 
-LightSample<Served> sample(const Light<Served>& light, const Receiver<Served>& receiver,
-                           Vec2<Served> u = {0.5, 0.5}) {
+LightSample sample(const Light& light, const Receiver& receiver, Vec2 u = {0.5, 0.5}) {
   return visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
 }
 
-double power(const Light<Served>& light) {
+double power(const Light& light) {
   return visit([](const auto& l) { return l.power({}).lumens.g; }, light);
 }
 
@@ -54,7 +53,7 @@ TEST(PbrtLightExtremes, WideSpots) {
   const ReferenceTable table("spot_wide");
   for (const auto& row : table.rows()) {
     const auto light = light_in(spot(row["cone_deg"], row["delta_deg"]));
-    const auto s = sample(light, Vec3<Served>{row["x"], 0, row["z"]});
+    const auto s = sample(light, Vec3{row["x"], 0, row["z"]});
     // In floats, as a request has it.
     sweep.compare(static_cast<float>(s.value.g), row["value_lx"],
                   row.text("cone_deg") + " " + row.text("x"));
@@ -131,10 +130,10 @@ TEST(PbrtLightExtremes, SidesThatEmitUnderMirrors) {
       text += "]";
     }
     const auto light = light_in(text);
-    const Vec3<Served> receiver{row["x"], row["y"], row["z"]};
+    const Vec3 receiver{row["x"], row["y"], row["z"]};
     // For a cylinder, the point of the table.  For other shapes, all points that a receiver samples
     // are on the same side.
-    const Vec2<Served> u = shape == "cylinder" ? Vec2<Served>{0.5, 0} : Vec2<Served>{0.3, 0.6};
+    const Vec2 u = shape == "cylinder" ? Vec2{0.5, 0} : Vec2{0.3, 0.6};
     const bool lit = sample(light, receiver, u).reason == NoLight::kNone;
     sweep.answer(lit == (row["lit"] > 0) ? "as in pbrt-v4" : "not so: " + text);
     sweep.textbook_answer(row["by_winding"] == row["lit"] ? "the right side" : "the wrong side");
@@ -185,9 +184,9 @@ TEST(PbrtLightExtremes, DensityUnderScales) {
     if (!(row["per_sr"] > 0)) continue;
     const double sx = row["sx"], sz = row["sz"];
     const std::string name = row.text("light");
-    Receiver<Served> receiver(Vec3<Served>{0, 0, name == "sphere" ? 3 * sz : 2 * sz});
-    Vec2<Served> u{0, 0};
-    if (name == "cylinder") receiver.position = Vec3<Served>{4 * sx, 0, sz / 2}, u = {0.5, 0};
+    Receiver receiver(Vec3{0, 0, name == "sphere" ? 3 * sz : 2 * sz});
+    Vec2 u{0, 0};
+    if (name == "cylinder") receiver.position = Vec3{4 * sx, 0, sz / 2}, u = {0.5, 0};
     if (name == "disk") receiver.area_sampling = AreaSampling::kSquareRoot;
     const auto s = sample(light_in(scaled(row)), receiver, u);
     // In floats, as a request has it.
@@ -209,8 +208,8 @@ TEST(PbrtLightExtremes, ConesUnderScales) {
     const auto towards = [&](double share) {
       const double half = std::numbers::pi / 6;
       const double tangent = is_spot ? std::tan(share * half) : share * std::tan(half);
-      const Vec3<double> at{row["sx"] * tangent, 0, row["sz"]};
-      return sample(light_in(scaled(row)), Receiver<Served>(normalized(at)), {0, 0});
+      const Vec3 at{row["sx"] * tangent, 0, row["sz"]};
+      return sample(light_in(scaled(row)), Receiver(normalized(at)), {0, 0});
     };
     EXPECT_NEAR(towards(0.5).value.g, 1, 1e-12) << row.text("light") << " " << row.text("sx");
     const bool within = towards(0.999).reason == NoLight::kNone;

@@ -97,11 +97,11 @@ TEST(PhotometricExtremes, IntensitiesOfIesFiles) {
   const ReferenceTable table("photometric_intensity");
   for (const auto& row : table.rows()) {
     GoniometricLightParams params;
-    params.intensity = Rgb<double>(1);
+    params.intensity = Rgb(1);
     params.web = web_of(file_of(row).text());
-    const auto light = GoniometricLight<Served>::create(params);
+    const auto light = GoniometricLight::create(params);
     ASSERT_TRUE(light.ok()) << light.status();
-    const Vec3<Served> receiver(row["x"], row["y"], row["z"]);
+    const Vec3 receiver(row["x"], row["y"], row["z"]);
     const auto sample = light->sample_li(receiver, {0.5, 0.5});
     const double square = dot(receiver, receiver);
     sweep.compare(sample.value.g * square, row["intensity_cd"],

@@ -165,10 +165,10 @@ TEST(PictureExtremes, SingleLitRowsThroughAPortal) {
     const auto description = folder.load("scene.pbrt");
     ASSERT_TRUE(description.ok()) << description.status();
     const auto portal =
-        PortalLight<Served>::create(std::get<PortalLightParams>(description->lights.at(0).params));
+        PortalLight::create(std::get<PortalLightParams>(description->lights.at(0).params));
     ASSERT_TRUE(portal.ok()) << portal.status();
     // All around the ring of the row, from a point that sees all of it.
-    const Vec3<double> receiver{0.1, 0.2, 1.999999};
+    const Vec3 receiver{0.1, 0.2, 1.999999};
     const auto angle_seen = [&](double at) {
       return std::atan2(1 - at, 2 - receiver.z) + std::atan2(1 + at, 2 - receiver.z);
     };
@@ -176,8 +176,8 @@ TEST(PictureExtremes, SingleLitRowsThroughAPortal) {
     const double polar = (row + 0.5) * kPi / 20'000;
     for (int k = 0; k < 16; ++k) {
       const double azimuth = k * kPi / 8;
-      const Vec3<double> w{std::sin(polar) * std::cos(azimuth), std::cos(polar),
-                           std::sin(polar) * std::sin(azimuth)};
+      const Vec3 w{std::sin(polar) * std::cos(azimuth), std::cos(polar),
+                   std::sin(polar) * std::sin(azimuth)};
       if (portal->le_escaped(receiver, w).is_black()) continue;
       // Even over the angles alpha, beta of (tan alpha, tan beta, 1).
       const double even = w.z / ((1 - w.x * w.x) * (1 - w.y * w.y) * window);

@@ -11,8 +11,7 @@ struct Quad3 {
   Quad x, y, z;
   Quad3() = default;
   Quad3(Quad x, Quad y, Quad z) : x(x), y(y), z(z) {}
-  template <typename Real>
-  explicit Quad3(const Vec3<Real>& v) : x(v.x), y(v.y), z(v.z) {}
+  explicit Quad3(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
   Quad3 operator-(const Quad3& v) const { return {x - v.x, y - v.y, z - v.z}; }
 };
 

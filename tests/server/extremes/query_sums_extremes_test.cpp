@@ -24,7 +24,7 @@ TEST(QuerySumsExtremes, IrradianceOfEqualSamples) {
               "irradiance, in total, for each light and at a wavelength");
   SceneDescription d = description();
   // The cosine of its edge rounds to 1, so no other direction lies within it.
-  d.lights = {{SunLightParams{{0, 0, 1}, 1e-9, Rgb<double>(0.1)}, {"test.pbrt", 5, 1}}};
+  d.lights = {{SunLightParams{{0, 0, 1}, 1e-9, Rgb(0.1)}, {"test.pbrt", 5, 1}}};
   const auto scene = build(d);
   const IrradiancePoint point{.position = {}, .position_error = {}, .normal = {0, 0, 1}};
   const std::vector<double> wavelengths_nm{550};

@@ -17,12 +17,12 @@
 namespace lucerna::testing {
 namespace {
 
-using Corners = std::vector<Vec3<double>>;
+using Corners = std::vector<Vec3>;
 
 /// A floor of 6 m and a lamp above it: a triangle, or a patch of four corners.
 std::shared_ptr<const Scene> room(const Corners& lamp, bool two_sided = false) {
   std::string p;
-  for (const Vec3<double>& c : lamp) p += fmt::format(" {:.17g} {:.17g} {:.17g}", c.x, c.y, c.z);
+  for (const Vec3& c : lamp) p += fmt::format(" {:.17g} {:.17g} {:.17g}", c.x, c.y, c.z);
   const FileScene file =
       scene_of(fmt::format("Shape \"bilinearmesh\" \"point3 P\" [-3 -3 0  3 -3 0  -3 3 0  3 3 0]\n"
                            "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" {}\n"
@@ -38,12 +38,12 @@ double doubled_area(const Corners& c) {
   return length(cross(Quad3(c[1]) - a, Quad3(c[2]) - a));
 }
 double doubled_area_in_floats(const Corners& c) {
-  const Vec3<float> a(c[0]);
-  return length(cross(Vec3<float>(c[1]) - a, Vec3<float>(c[2]) - a));
+  const Vec3f a(c[0]);
+  return length(cross(Vec3f(c[1]) - a, Vec3f(c[2]) - a));
 }
 
 /// The solid angle of a small triangle from `p`.  [VanOosterom83]
-double solid_angle_sr(const Corners& c, const Vec3<double>& p) {
+double solid_angle_sr(const Corners& c, const Vec3& p) {
   const Quad3 a = Quad3(c[0]) - Quad3(p), b = Quad3(c[1]) - Quad3(p), d = Quad3(c[2]) - Quad3(p);
   const double la = length(a), lb = length(b), ld = length(d);
   const double below = la * lb * ld + static_cast<double>(dot(a, b)) * ld +
@@ -57,7 +57,7 @@ struct Answer {
 };
 
 /// Samples the only light of the scene, at a point in double.
-Answer sample_at(const Scene& scene, const Vec3<double>& p, AreaSampling way) {
+Answer sample_at(const Scene& scene, const Vec3& p, AreaSampling way) {
   const std::vector<float> offset{0, 0, 0}, u{0.3F, 0.6F};
   const LiSamples s(
       scene, {.receivers = {p, offset}, .light = 0, .u = u, .methods = {.area_sampling = way}});
@@ -66,11 +66,10 @@ Answer sample_at(const Scene& scene, const Vec3<double>& p, AreaSampling way) {
 
 TEST(RoomLampExtremes, FluxOfNeedles) {
   Sweep sweep(34, "oblique needle in a room, length : width", "1e3 ... 1e9", "flux");
-  for (const Vec3<double>& moved : {Vec3<double>{}, {0.1, 0.2, 0.3}, {-1.7, 1.3, 2.1}}) {
+  for (const Vec3& moved : {Vec3{}, {0.1, 0.2, 0.3}, {-1.7, 1.3, 2.1}}) {
     for (int exponent = 3; exponent <= 9; ++exponent) {
       const double width = std::pow(10.0, -exponent);
-      const Corners needle{moved, moved + Vec3<double>{1, 1, 0.5},
-                           moved + Vec3<double>{0.5, 0.5 + width, 0.25}};
+      const Corners needle{moved, moved + Vec3{1, 1, 0.5}, moved + Vec3{0.5, 0.5 + width, 0.25}};
       const double truth = kPi * doubled_area(needle) / 2;
       sweep.compare(flux_lm(*room(needle)), truth, fmt::format("1e{} at {}", exponent, moved.x));
       sweep.compare_textbook(kPi * doubled_area_in_floats(needle) / 2, truth);
@@ -84,8 +83,8 @@ TEST(RoomLampExtremes, SmallTriangles) {
   Sweep flux(34, "triangle in a room of 6 m, side", "1e-8 ... 0.01 m", "flux");
   for (int exponent = -8; exponent <= -2; ++exponent) {
     const double s = std::pow(10.0, exponent);
-    const Vec3<double> a{2.3, 1.7, 2.7};
-    const Corners lamp{a, a + Vec3<double>{0, s, 0.1 * s}, a + Vec3<double>{s, 0.3 * s, 0}};
+    const Vec3 a{2.3, 1.7, 2.7};
+    const Corners lamp{a, a + Vec3{0, s, 0.1 * s}, a + Vec3{s, 0.3 * s, 0}};
     const double truth = kPi * doubled_area(lamp) / 2;
     flux.compare(flux_lm(*room(lamp)), truth, fmt::format("1e{} m", exponent));
     flux.compare_textbook(kPi * doubled_area_in_floats(lamp) / 2, truth);
@@ -97,8 +96,8 @@ TEST(RoomLampExtremes, DensityOfSmallTriangles) {
   Sweep sweep(4, "triangle in a room of 6 m", "5e-5 ... 5e-17 sr", "density of directions");
   for (int exponent = -8; exponent <= -2; ++exponent) {
     const double s = std::pow(10.0, exponent);
-    const Vec3<double> a{2.3, 1.7, 2.7}, receiver = a - Vec3<double>{0.1, 0.2, 1};
-    const Corners lamp{a, a + Vec3<double>{0, s, 0.1 * s}, a + Vec3<double>{s, 0.3 * s, 0}};
+    const Vec3 a{2.3, 1.7, 2.7}, receiver = a - Vec3{0.1, 0.2, 1};
+    const Corners lamp{a, a + Vec3{0, s, 0.1 * s}, a + Vec3{s, 0.3 * s, 0}};
     const Answer answer = sample_at(*room(lamp), receiver, AreaSampling::kSolidAngle);
     EXPECT_EQ(answer.status, ItemResult::kOk);
     const double density = 1 / solid_angle_sr(lamp, receiver);
@@ -117,8 +116,7 @@ TEST(RoomLampExtremes, ReceiversOnLamps) {
       const Corners corners{{0.1, 0.1, z}, {0.1, 0.7, z}, {0.7, 0.1, z}, {0.7, 0.7, z}};
       const auto rectangle = room(corners, two_sided);
       const auto triangle = room({corners[0], corners[1], corners[2]}, two_sided);
-      for (const Vec3<double>& p :
-           {Vec3<double>{0.2, 0.3, z}, {0.1, 0.4, z}, {0.1, 0.7, z}, {0.7, 0.1, z}}) {
+      for (const Vec3& p : {Vec3{0.2, 0.3, z}, {0.1, 0.4, z}, {0.1, 0.7, z}, {0.7, 0.1, z}}) {
         for (const auto& scene : {rectangle, triangle}) {
           const Answer answer = sample_at(*scene, p, AreaSampling::kAutomatic);
           sweep.answer(
@@ -138,7 +136,7 @@ TEST(RoomLampExtremes, ReceiversInThePlaneOfALamp) {
     for (const bool two_sided : {false, true}) {
       const auto scene =
           room({{0.1, 0.1, z}, {0.1, 0.7, z}, {0.7, 0.1, z}, {0.7, 0.7, z}}, two_sided);
-      for (const Vec3<double>& p : {Vec3<double>{2, 0, z}, {0.1, 0.8, z}, {-2.3, 1.7, z}})
+      for (const Vec3& p : {Vec3{2, 0, z}, {0.1, 0.8, z}, {-2.3, 1.7, z}})
         for (const AreaSampling way :
              {AreaSampling::kAutomatic, AreaSampling::kSolidAngle, AreaSampling::kLowDistortion})
           sweep.answer(sample_at(*scene, p, way).status == ItemResult::kBehind

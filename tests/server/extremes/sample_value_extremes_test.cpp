@@ -35,15 +35,14 @@ double beyond(Quad value, double least, double most) {
 
 /// How far beyond a sweep, along the circle.
 double beyond_sweep(const Quad3& p, double phi_max_rad) {
-  const double phi = azimuth(Vec3<double>(double(p.x), double(p.y), double(p.z)));
+  const double phi = azimuth(Vec3(double(p.x), double(p.y), double(p.z)));
   if (phi <= phi_max_rad) return 0;
   return std::min(phi - phi_max_rad, kTurnRad - phi) * std::hypot(double(p.x), double(p.y));
 }
 
 // How far a point (world) is from a shape, as a share of the size of the shape.
 
-template <typename Real>
-double off(const Sphere<Real>& shape, std::uint32_t, const Quad3& point, const Quad3&) {
+double off(const Sphere& shape, std::uint32_t, const Quad3& point, const Quad3&) {
   const SphereParams& s = shape.params();
   const Quad3 p = to_object(s.world_from_object, point);
   const Quad r = s.radius_m;
@@ -52,8 +51,7 @@ double off(const Sphere<Real>& shape, std::uint32_t, const Quad3& point, const Q
          s.radius_m;
 }
 
-template <typename Real>
-double off(const Disk<Real>& shape, std::uint32_t, const Quad3& point, const Quad3&) {
+double off(const Disk& shape, std::uint32_t, const Quad3& point, const Quad3&) {
   const DiskParams& d = shape.params();
   const Quad3 p = to_object(d.world_from_object, point);
   const double r = std::hypot(double(p.x), double(p.y));
@@ -64,8 +62,7 @@ double off(const Disk<Real>& shape, std::uint32_t, const Quad3& point, const Qua
          d.radius_m;
 }
 
-template <typename Real>
-double off(const Cylinder<Real>& shape, std::uint32_t, const Quad3& point, const Quad3&) {
+double off(const Cylinder& shape, std::uint32_t, const Quad3& point, const Quad3&) {
   const CylinderParams& c = shape.params();
   const Quad3 p = to_object(c.world_from_object, point);
   const Quad r = c.radius_m;
@@ -76,9 +73,8 @@ double off(const Cylinder<Real>& shape, std::uint32_t, const Quad3& point, const
 
 /// The distance to the plane of two edges, from `corner` to `along_x` and `along_y`, and how far
 /// beyond the edges, in shares of their lengths.
-template <typename Real>
-double off_plane(const Quad3& point, const Vec3<Real>& corner, const Vec3<Real>& along_x,
-                 const Vec3<Real>& along_y, bool triangle) {
+double off_plane(const Quad3& point, const Vec3& corner, const Vec3& along_x, const Vec3& along_y,
+                 bool triangle) {
   const Quad3 a(corner), from_corner = point - a, x = Quad3(along_x) - a, y = Quad3(along_y) - a;
   const Quad3 n = cross(x, y);
   const Quad nn = dot(n, n);
@@ -88,18 +84,16 @@ double off_plane(const Quad3& point, const Vec3<Real>& corner, const Vec3<Real>&
                    beyond(u, 0, 1), beyond(v, 0, 1), triangle ? beyond(u + v, 0, 1) : 0});
 }
 
-template <typename Real>
-double off(const TriangleMesh<Real>& mesh, std::uint32_t primitive, const Quad3&,
+double off(const TriangleMesh& mesh, std::uint32_t primitive, const Quad3&,
            const Quad3& about_origin) {
-  const Triangle<Real>& t = mesh.primitive(primitive);
+  const Triangle& t = mesh.primitive(primitive);
   return off_plane(about_origin, t.a, t.b, t.c, true);
 }
 
 /// The patches of the scene are flat and have right angles.
-template <typename Real>
-double off(const PatchMesh<Real>& mesh, std::uint32_t primitive, const Quad3&,
+double off(const PatchMesh& mesh, std::uint32_t primitive, const Quad3&,
            const Quad3& about_origin) {
-  const BilinearPatch<Real>& p = mesh.primitive(primitive);
+  const BilinearPatch& p = mesh.primitive(primitive);
   return off_plane(about_origin, p.p00, p.p10, p.p01, false);
 }
 
@@ -113,34 +107,27 @@ double off(const Shape& covered, std::uint32_t primitive, const Quad3& point,
 constexpr std::array<double, 11> kValues{0,   0x1p-149,      0x1p-24, 0.25,        0.5 - 0x1p-25,
                                          0.5, 0.5 + 0x1p-24, 0.75,    1 - 0x1p-23, 1 - 0x1p-24,
                                          1};
-/// The floating-point type that a light computes in.
-template <typename L>
-using RealOf = std::decay_t<decltype(std::declval<const L&>().sample_li({}, {}).distance)>;
-/// The floating-point type of the lights of a served scene.
-template <std::floating_point Real>
-Real real_of(const Light<Real>& light);
-using ServedReal = decltype(real_of(std::declval<SceneLight>().light));
-/// This many roundings of that type, for coordinates of up to a hundred sizes.
-constexpr double kRoundings = 512 * double{std::numeric_limits<ServedReal>::epsilon()};
+/// This many roundings, for coordinates of up to a hundred sizes.
+constexpr double kRoundings = 512 * std::numeric_limits<double>::epsilon();
 
 constexpr char kSwept[] = "0, 2^-149, 2^-24, ... 1 - 2^-24, 1";
 
 template <typename F>
 void for_each_pair(F&& f) {
   for (const double x : kValues)
-    for (const double y : kValues) f(Vec2<double>{x, y});
+    for (const double y : kValues) f(Vec2{x, y});
 }
 
 /// About the origin of the scene: around the lights, among them, within the sphere, far away.
-std::vector<Vec3<double>> receivers(const Scene& scene) {
-  std::vector<Vec3<double>> all;
-  for (const Vec3<double>& world : {Vec3<double>{100, -50, 0.5},
-                                    {98, -48.5, 1},
-                                    {100.7, -51.2, 2.6},
-                                    {97, -52, 4},
-                                    {103, -51, 2},
-                                    {100.75, -51.25, 2.9},
-                                    {1100, -2050, 300}})
+std::vector<Vec3> receivers(const Scene& scene) {
+  std::vector<Vec3> all;
+  for (const Vec3& world : {Vec3{100, -50, 0.5},
+                            {98, -48.5, 1},
+                            {100.7, -51.2, 2.6},
+                            {97, -52, 4},
+                            {103, -51, 2},
+                            {100.75, -51.25, 2.9},
+                            {1100, -2050, 300}})
     all.push_back(world - scene.origin());
   return all;
 }
@@ -167,23 +154,22 @@ TEST(SampleValueExtremes, PointsLieOnTheirLights) {
     const std::string at = "light " + std::to_string(l.id);
     visit(
         [&](const auto& light) {
-          using Real = RealOf<std::decay_t<decltype(light)>>;
           if constexpr (requires { light.shape(); }) {
-            const auto compare = [&](const Vec3<Real>& p, std::uint32_t primitive) {
+            const auto compare = [&](const Vec3& p, std::uint32_t primitive) {
               const Quad3 point(Quad(p.x) + origin.x, Quad(p.y) + origin.y, Quad(p.z) + origin.z);
               sweep.compare(1 + off(light.shape(), primitive, point, Quad3(p)), 1, at);
             };
-            for_each_pair([&](Vec2<double> pair) {
-              const Vec2<Real> u{Real(pair.x), Real(pair.y)};
+            for_each_pair([&](Vec2 pair) {
+              const Vec2 u{double(pair.x), double(pair.y)};
               for (int way = 0; way <= static_cast<int>(AreaSampling::kCosineSolidAngle); ++way)
-                for (const Vec3<double>& position : receivers(*scene)) {
-                  Receiver<Real> receiver{Vec3<Real>(position)};
+                for (const Vec3& position : receivers(*scene)) {
+                  Receiver receiver{position};
                   receiver.area_sampling = static_cast<AreaSampling>(way);
                   receiver.normal = {0, 0, 1};
                   const auto s = light.sample_li(receiver, u);
                   compare(s.point, s.primitive);
                 }
-              const auto ray = light.sample_le(u, {Real(0.5), Real(0.5)}, scene->sphere());
+              const auto ray = light.sample_le(u, {0.5, 0.5}, scene->sphere());
               const auto found = light.shape().locate(ray.origin);
               ASSERT_TRUE(found.has_value()) << at;
               compare(ray.origin, found->primitive);
@@ -205,11 +191,10 @@ TEST(SampleValueExtremes, DensitiesMatchPdfLi) {
     const std::string at = "light " + std::to_string(l.id);
     visit(
         [&](const auto& light) {
-          using Real = RealOf<std::decay_t<decltype(light)>>;
-          for_each_pair([&](Vec2<double> pair) {
-            const Vec2<Real> u{Real(pair.x), Real(pair.y)};
-            for (const Vec3<double>& position : receivers(*scene)) {
-              Receiver<Real> receiver{Vec3<Real>(position)};
+          for_each_pair([&](Vec2 pair) {
+            const Vec2 u{double(pair.x), double(pair.y)};
+            for (const Vec3& position : receivers(*scene)) {
+              Receiver receiver{position};
               receiver.normal = {0, 0, 1};
               const auto s = light.sample_li(receiver, u);
               EXPECT_NE(s.reason, NoLight::kOutOfRange) << at;
@@ -223,8 +208,7 @@ TEST(SampleValueExtremes, DensitiesMatchPdfLi) {
               EXPECT_GT(s.pdf.per_sr, 0) << at;
               if constexpr (requires { light.shape(); })
                 sweep.compare(
-                    light.pdf_li(receiver, SurfacePoint<Real>{s.point, s.normal, s.primitive})
-                        .per_sr,
+                    light.pdf_li(receiver, SurfacePoint{s.point, s.normal, s.primitive}).per_sr,
                     s.pdf.per_sr, at);
               else
                 sweep.compare(light.pdf_li(receiver, s.wi).per_sr, s.pdf.per_sr, at);
@@ -250,11 +234,10 @@ TEST(SampleValueExtremes, RayDensitiesMatchPdfLe) {
     const std::string at = "light " + std::to_string(l.id);
     visit(
         [&](const auto& light) {
-          using Real = RealOf<std::decay_t<decltype(light)>>;
-          for_each_pair([&](Vec2<double> pair) {
-            const Vec2<Real> u{Real(pair.x), Real(pair.y)};
-            for_each_pair([&](Vec2<double> other) {
-              const Vec2<Real> v{Real(other.x), Real(other.y)};
+          for_each_pair([&](Vec2 pair) {
+            const Vec2 u{double(pair.x), double(pair.y)};
+            for_each_pair([&](Vec2 other) {
+              const Vec2 v{double(other.x), double(other.y)};
               const auto s = light.sample_le(u, v, scene->sphere());
               EXPECT_NE(s.reason, NoLight::kOutOfRange) << at;
               if (s.reason != NoLight::kNone) return;
@@ -274,7 +257,7 @@ TEST(SampleValueExtremes, RayDensitiesMatchPdfLe) {
   // The cosine of a diffuse ray from a point nearly at the edge of the disk, sqrt(1 - x^2 - y^2) in
   // floats.  The point is 2^-23 within the disk.
   for (const float u : {0.25F, 0.5F, 0.6F, 0.75F}) {
-    const Vec2<float> d = sample_concentric_disk(Vec2<float>{1 - 0x1p-24F, u});
+    const Vec2f d = sample_concentric_disk(Vec2f{1 - 0x1p-24F, u});
     sweep.compare_textbook(std::sqrt(std::max(0.0F, 1 - d.x * d.x - d.y * d.y)),
                            std::sqrt(0x1p-23 * (2 - 0x1p-23)));
   }

@@ -22,9 +22,9 @@ inline SceneDescription scaled_scene(SceneDescription d, double s) {
     std::visit(
         [&](auto& geometry) {
           if constexpr (requires { geometry.positions; })
-            for (Vec3<double>& p : geometry.positions) p = p * s;
+            for (Vec3& p : geometry.positions) p = p * s;
           else if constexpr (requires { geometry.points; }) {
-            for (Vec3<double>& p : geometry.points) p = p * s;
+            for (Vec3& p : geometry.points) p = p * s;
             geometry.start_width_m *= s, geometry.end_width_m *= s;
           } else
             geometry.world_from_object = *Transform::scale({s, s, s}) * geometry.world_from_object;
@@ -47,7 +47,7 @@ inline SceneDescription scaled_scene(SceneDescription d, double s) {
           if constexpr (requires { p.intensity; }) p.intensity = p.intensity * (s * s);
           if constexpr (requires { p.width_m; }) p.width_m *= s, p.height_m *= s;
           if constexpr (requires { p.corners_m; })
-            for (Vec3<double>& c : p.corners_m) c = c * s;
+            for (Vec3& c : p.corners_m) c = c * s;
         },
         light.params);
   d.camera.world_from_camera = scaled_places(d.camera.world_from_camera, s);

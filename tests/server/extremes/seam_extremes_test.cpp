@@ -18,7 +18,7 @@ class SeamExtremes : public RayCounts {};
 /// A closed mesh at a place: its corners, and rays from within towards its edges.
 struct Closed {
   std::shared_ptr<const Scene> scene;
-  std::vector<std::array<Vec3<float>, 3>> triangles;  // about the origin of the scene
+  std::vector<std::array<Vec3f, 3>> triangles;  // about the origin of the scene
   Point centre;
 };
 
@@ -37,7 +37,7 @@ Closed closed(const Place& place, bool as_instance) {
   Closed c{build(std::move(d)), {}, {}};
   const auto local = [&](std::uint32_t i) {
     const Point p = kept.positions[kept.indices[i]];
-    return Vec3<float>((as_instance ? t.point(p) : p) - c.scene->origin());
+    return Vec3f((as_instance ? t.point(p) : p) - c.scene->origin());
   };
   for (std::uint32_t i = 0; i < kept.indices.size(); i += 3)
     c.triangles.push_back({local(i), local(i + 1), local(i + 2)});
@@ -46,12 +46,12 @@ Closed closed(const Place& place, bool as_instance) {
 }
 
 /// Whether a ray meets a triangle, by the formula of Moeller and Trumbore in floats.
-bool moeller_trumbore(const Ray& ray, const std::array<Vec3<float>, 3>& v) {
-  const Vec3<float> e1 = v[1] - v[0], e2 = v[2] - v[0], p = cross(ray.direction, e2);
+bool moeller_trumbore(const Ray& ray, const std::array<Vec3f, 3>& v) {
+  const Vec3f e1 = v[1] - v[0], e2 = v[2] - v[0], p = cross(ray.direction, e2);
   const float determinant = dot(e1, p);
   if (std::fabs(determinant) < 1e-6F) return false;
   const float inverse = 1 / determinant;
-  const Vec3<float> s = ray.origin - v[0], q = cross(s, e1);
+  const Vec3f s = ray.origin - v[0], q = cross(s, e1);
   const float a = dot(s, p) * inverse, b = dot(ray.direction, q) * inverse;
   return a >= 0 && b >= 0 && a + b <= 1 && dot(e2, q) * inverse > 0;
 }
@@ -61,9 +61,9 @@ bool moeller_trumbore(const Ray& ray, const std::array<Vec3<float>, 3>& v) {
 void at_seam(const Closed& c, double size, Random& random, Count& count) {
   const auto& v = c.triangles[random() % c.triangles.size()];
   const float along = uniform(random);
-  const Vec3<float> seam = v[0] + (v[1] - v[0]) * along;
+  const Vec3f seam = v[0] + (v[1] - v[0]) * along;
   const auto around = [&] { return (uniform(random) - 0.5) * size; };
-  Ray ray{Vec3<float>(c.centre + Point{around(), around(), around()}), {}};
+  Ray ray{Vec3f(c.centre + Point{around(), around(), around()}), {}};
   ray.direction = seam - ray.origin;
   ++count.rays;
   count.leaks += !c.scene->occluded(ray);
@@ -78,7 +78,7 @@ void within_plane(const Scene& scene, int axis, double size, Random& random, Cou
   const auto coordinate = [&] { return (2 * uniform(random) - 1) * 0.9 * size; };
   const auto pick = [&](double a, double b, double c) {
     const std::array<double, 3> v{a, b, c};
-    return Vec3<float>(Point{v[(3 - axis) % 3], v[(4 - axis) % 3], v[(5 - axis) % 3]});
+    return Vec3f(Point{v[(3 - axis) % 3], v[(4 - axis) % 3], v[(5 - axis) % 3]});
   };
   const auto hit =
       scene.closest_hit({pick(0.5 * size, coordinate(), coordinate()), pick(-1, 0, 0)});
@@ -89,11 +89,11 @@ void within_plane(const Scene& scene, int axis, double size, Random& random, Cou
   }
   const double turn = 2 * std::numbers::pi * uniform(random);
   const bool straight = uniform(random) < 0.3F;
-  const Vec3<float> w =
+  const Vec3f w =
       straight ? pick(0, random() % 2 ? 1 : -1, 0) : pick(0, std::cos(turn), std::sin(turn));
   ++count.rays;
   count.shadows += scene.occluded(spawn_ray(*hit, w));
-  const Vec3<float> p(hit->position);
+  const Vec3f p(hit->position);
   count.textbook += scene.occluded({p, w, kEpsilon});
 }
 

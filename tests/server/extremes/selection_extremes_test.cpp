@@ -21,15 +21,15 @@ SceneDescription lamps_and_skies(int lamps) {
   SceneDescription d = description(0);
   d.shapes = {floor(2)};
   for (int i = 0; i < lamps; ++i) d.lights.push_back(point_light({0.1 * i - 0.5, 0, 2}, 10));
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1)}, {}});
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(0.5)}, {}});
-  d.lights.push_back({SunLightParams{{0, 0.6, 0.8}, 0.01, Rgb<double>(3)}, {}});
-  d.lights.push_back({DistantLightParams{{0, 0, 1}, Rgb<double>(2)}, {}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(1)}, {}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(0.5)}, {}});
+  d.lights.push_back({SunLightParams{{0, 0.6, 0.8}, 0.01, Rgb(3)}, {}});
+  d.lights.push_back({DistantLightParams{{0, 0, 1}, Rgb(2)}, {}});
   return d;
 }
 
-Receiver<double> on_floor(const Scene& scene) {
-  Receiver<double> r(Vec3<double>{0.2, 0.1, 0} - scene.origin());
+Receiver on_floor(const Scene& scene) {
+  Receiver r(Vec3{0.2, 0.1, 0} - scene.origin());
   r.normal = {0, 0, 1};
   return r;
 }
@@ -39,7 +39,7 @@ TEST(SelectionExtremes, EachOfSeveralInfiniteLightsIsSampled) {
               "every way to choose a light", "sum of all lights' probabilities");
   for (const int lamps : {4, 20}) {
     const auto scene = build(lamps_and_skies(lamps));
-    const Receiver<double> receiver = on_floor(*scene);
+    const Receiver receiver = on_floor(*scene);
     const auto lights = static_cast<std::uint32_t>(scene->lights().size());
     for (const LightSelection how : kWays) {
       const std::string way =
@@ -72,7 +72,7 @@ TEST(SelectionExtremes, AllLightOfInfiniteAndLocalLightsArrives) {
       truth += 20 / std::pow(std::pow(0.1 * i - 0.7, 2) + 0.01 + 4, 1.5);
     for (const LightSelection how : kWays) {
       const IrradiancePoint point{
-          Vec3<double>{0.2, 0.1, 0} - scene->origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
+          Vec3{0.2, 0.1, 0} - scene->origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
       const IrradianceSettings settings{
           .samples_per_block = 1 << 16,
           .block_count = 16,

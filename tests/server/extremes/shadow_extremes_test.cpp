@@ -28,7 +28,7 @@ int some_primitive(const Everything& e, Random& random) {
 
 /// A point of a random primitive.  Every twentieth is on the border, every hundredth is a corner.
 Point target(const Everything& e, Random& random) {
-  Vec2<double> u{uniform(random), uniform(random)};
+  Vec2 u{uniform(random), uniform(random)};
   const float kind = uniform(random);
   if (kind < 0.05F) u.x = 0;
   if (kind < 0.01F) u.y = 0;
@@ -37,17 +37,16 @@ Point target(const Everything& e, Random& random) {
 
 /// A direction about `n`.  Every tenth is nearly within the surface.
 // Not inlined: GCC 12 would leave out the rounding to floats where it makes doubles from them.
-[[gnu::noinline]] Vec3<float> leaving(const Vec3<float>& n, Random& random) {
+[[gnu::noinline]] Vec3f leaving(const Vec3f& n, Random& random) {
   const float c = uniform(random) < 0.9F ? uniform(random) : std::pow(10.0F, -7 * uniform(random));
   const float phi = 2 * std::numbers::pi_v<float> * uniform(random), r = std::sqrt(1 - c * c);
-  return normalized(
-      Frame<float>::around(n).world_from_local({r * std::cos(phi), r * std::sin(phi), c}));
+  return normalized(Framef::around(n).world_from_local({r * std::cos(phi), r * std::sin(phi), c}));
 }
 
 /// Hits as the first editions of pbrt kept them: floats about the world's zero.
-Vec3<float> world_float(const Everything& e, const Point& p) {
+Vec3f world_float(const Everything& e, const Point& p) {
   const Point o = e.scene().origin();
-  return Vec3<float>(Point(Vec3<float>(p + o)) - o);
+  return Vec3f(Point(Vec3f(p + o)) - o);
 }
 
 /// The primitive that a hit lies on, or nothing where this is unsure.
@@ -93,8 +92,8 @@ void bounce(const Everything& e, Random& random, Count& count) {
   const Scene& scene = e.scene();
   const ExactGeometry& exact = e.exact();
   const auto around = [&] { return 3.0 * uniform(random) - 1.5; };
-  const Vec3<float> origin(e.local({around(), around(), around() + 0.5}));
-  Ray ray{origin, Vec3<float>(target(e, random) - Point(origin))};
+  const Vec3f origin(e.local({around(), around(), around() + 0.5}));
+  Ray ray{origin, Vec3f(target(e, random) - Point(origin))};
   const ExactAnswer seen =
       exact.along({.origin = Point(origin), .direction = Point(ray.direction)});
   const std::optional<SurfaceHit> hit = scene.closest_hit(ray);
@@ -104,7 +103,7 @@ void bounce(const Everything& e, Random& random, Count& count) {
   const Point p(hit->position);
   const double start_error = max_abs(hit->position_error);
   const Point n = dot(hit->ng, Point(ray.direction)) < 0 ? hit->ng : -hit->ng;
-  const Vec3<float> w = leaving(Vec3<float>(n), random);
+  const Vec3f w = leaving(Vec3f(n), random);
   ExactRay leaves{.origin = p,
                   .direction = Point(w),
                   .start_error = start_error,
@@ -138,7 +137,7 @@ void bounce(const Everything& e, Random& random, Count& count) {
                     .from = from,
                     .to = to,
                     .from_normal = dot(hit->ng, q - p) < 0 ? -hit->ng : hit->ng};
-    const Vec3<float> start = world_float(e, p), way = world_float(e, q) - start;
+    const Vec3f start = world_float(e, p), way = world_float(e, q) - start;
     count.add(exact.along(shadow),
               scene.occluded(shadow_ray(*hit, sample, scene.lights()[light].reach_m())),
               scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
@@ -155,7 +154,7 @@ TypedSegments typed_segments(const Everything& e, std::size_t n) {
   const ExactGeometry& exact = e.exact();
   TypedSegments s;
   Random random(7);
-  const auto put = [](std::vector<float>& to, const Vec3<float>& v) {
+  const auto put = [](std::vector<float>& to, const Vec3f& v) {
     to.insert(to.end(), {v.x, v.y, v.z});
   };
   const Point shift = e.scene().origin() - e.place().offset;
@@ -165,8 +164,8 @@ TypedSegments typed_segments(const Everything& e, std::size_t n) {
     auto [p, normal] = exact.point(from, {uniform(random), uniform(random)});
     const Point q = exact.point(to, {uniform(random), uniform(random)}).position;
     if (dot(normal, q - p) < 0) normal = -normal;
-    put(s.from, Vec3<float>(p + shift)), put(s.to, Vec3<float>(q + shift));
-    put(s.normals, Vec3<float>(normal));
+    put(s.from, Vec3f(p + shift)), put(s.to, Vec3f(q + shift));
+    put(s.normals, Vec3f(normal));
     s.exact.push_back({.origin = p,
                        .direction = q - p,
                        .t_max = 1,
@@ -198,8 +197,8 @@ Count typed(const Everything& e, TypedSegments s, bool with_normals) {
         return kStartWithoutNormal * (p.error + kTraversalBound * e.largest());
       };
       s.exact[i].start_error = error(from(i)), s.exact[i].end_error = error(to(i));
-      const Vec3<float> start = world_float(e, s.exact[i].origin),
-                        way = world_float(e, s.exact[i].origin + s.exact[i].direction) - start;
+      const Vec3f start = world_float(e, s.exact[i].origin),
+                  way = world_float(e, s.exact[i].origin + s.exact[i].direction) - start;
       EXPECT_EQ(status[i], 1);
       counts.local().add(e.exact().along(s.exact[i]), (visible[i / 8] >> (i % 8) & 1) == 0,
                          scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
@@ -216,7 +215,7 @@ void beneath(const Everything& e, Random& random, Count& count) {
   const bool under = uniform(random) < 0.5F;
   const double x = under ? -0.8 + 0.3 * uniform(random) : -0.95 + 0.6 * uniform(random);
   const double y = under ? -0.8 + 0.3 * uniform(random) : -0.95 + 0.6 * uniform(random);
-  const Vec3<float> above(e.local({x, y, 0.5 * Everything::kHair}));
+  const Vec3f above(e.local({x, y, 0.5 * Everything::kHair}));
   const auto hit = scene.closest_hit({above, {0, 0, -1}});
   // The lamp must not hide the floor from a point between the two.
   ++count.rays;
@@ -235,12 +234,12 @@ void beneath(const Everything& e, Random& random, Count& count) {
     }
     const Point p(hit->position), q(sample.point);
     count.shadows += scene.occluded(shadow_ray(*hit, sample));
-    const Vec3<float> start = world_float(e, p), way = world_float(e, q) - start;
+    const Vec3f start = world_float(e, p), way = world_float(e, q) - start;
     count.textbook += scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon});
     // A ray from the floor past the sample must not pass through the lamp.
     if (sample.normal.z < -0.5F || !under) return;
     ++count.rays;
-    count.leaks += !scene.occluded(spawn_ray(*hit, Vec3<float>{0, 0, 1}));
+    count.leaks += !scene.occluded(spawn_ray(*hit, Vec3f{0, 0, 1}));
     count.textbook += !scene.occluded({start, {0, 0, 1}, kEpsilon});
   });
 }

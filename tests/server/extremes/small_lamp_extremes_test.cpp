@@ -17,7 +17,7 @@
 namespace lucerna::testing {
 namespace {
 
-using Point = Vec3<double>;
+using Point = Vec3;
 
 /// The share of a disk of radius 1 that a strip from `a` to `b` across it hides.
 double hidden_share(double a, double b) {

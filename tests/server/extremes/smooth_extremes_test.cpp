@@ -20,26 +20,25 @@ TEST(SmoothExtremes, MirrorsOfAnySize) {
   for (const double size_m : {1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9}) {
     for (const double gap : {1e-5, 1e-3, 0.1, 1.5}) {
       SceneDescription d = description();
-      d.materials = {{.params = MetalParams{.eta = ColourValue{Rgb<double>(1)},
-                                            .k = ColourValue{Rgb<double>(4)}}}};
+      d.materials = {{.params = MetalParams{.eta = ColourValue{Rgb(1)}, .k = ColourValue{Rgb(4)}}}};
       const double s = size_m;
       d.shapes = {patch({2 * s, -16 * s, -16 * s}, {2 * s, 16 * s, -16 * s},
                         {2 * s, -16 * s, 16 * s}, {2 * s, 16 * s, 16 * s})};
-      const Vec3<double> lamp{(2 - gap) * s, 0.5 * s, s}, image{(2 + gap) * s, 0.5 * s, s};
+      const Vec3 lamp{(2 - gap) * s, 0.5 * s, s}, image{(2 + gap) * s, 0.5 * s, s};
       const double candela = 100 * s * s;
       d.lights = {point_light(lamp, candela)};
       const auto scene = build(std::move(d));
-      const Vec3<double> n{0.6, 0, 0.8};
+      const Vec3 n{0.6, 0, 0.8};
       const auto error = static_cast<float>(1e-7 * s);
       const std::vector<IrradiancePoint> points{
-          {Vec3<double>{} - scene->origin(), {error, error, error}, n}};
+          {Vec3{} - scene->origin(), {error, error, error}, n}};
       const IrradianceResult r = estimate_irradiance(
           *scene, points, {.samples_per_block = 1, .block_count = 16, .bounces = 1}, {});
-      const auto arriving = [&](const Vec3<double>& from) {
+      const auto arriving = [&](const Vec3& from) {
         return candela * dot(n, normalized(from)) / dot(from, from);
       };
       const double cosine = normalized(image).x;
-      const double share = fresnel_conductor(cosine, Rgb<double>(1), Rgb<double>(4)).g;
+      const double share = fresnel_conductor(cosine, Rgb(1), Rgb(4)).g;
       sweep.compare(luminance(r.points[0].irradiance_lx), arriving(lamp) + share * arriving(image),
                     fmt::format("size {} m, lamp at {} sizes", size_m, gap));
     }
@@ -62,10 +61,9 @@ TEST(SmoothExtremes, BallsOfGlassOfAnySize) {
       for (const bool is_away : {false, true}) {
         const double s = size_m;
         // Away from the middle of the scene, floats round where rays meet the ball.
-        const Vec3<double> to =
-            is_away ? Vec3<double>{0.53 * s, 0.41 * s, 0.37 * s} : Vec3<double>{};
+        const Vec3 to = is_away ? Vec3{0.53 * s, 0.41 * s, 0.37 * s} : Vec3{};
         const auto at = [&](double x, double y, double z) {
-          return to + Vec3<double>{x * s, y * s, z * s};
+          return to + Vec3{x * s, y * s, z * s};
         };
         SceneDescription d = description();
         d.materials = {{.params = DielectricParams{}}, {}};
@@ -73,8 +71,7 @@ TEST(SmoothExtremes, BallsOfGlassOfAnySize) {
                                        .world_from_object = Transform::translate(at(0, 0, 1.5))})};
         for (const double side : {-s, s}) {
           if (!is_away) break;
-          const Vec3<double> p{7.1 * side, 3.3 * side, -5.7 * side}, dx{0.1 * s, 0, 0},
-              dy{0, 0.1 * s, 0};
+          const Vec3 p{7.1 * side, 3.3 * side, -5.7 * side}, dx{0.1 * s, 0, 0}, dy{0, 0.1 * s, 0};
           d.shapes.push_back(patch(p, p + dx, p + dy, p + dx + dy));
           d.shapes.back().material = 1;
         }

@@ -46,7 +46,7 @@ std::array<double, 3> block_mean(const std::vector<Samples>& samples, std::uint6
     small[c] = samples[c].small;
     next[c] = samples[c].large_from(first);
   }
-  const Rgb<double> all_small(small[0], small[1], small[2]);
+  const Rgb all_small(small[0], small[1], small[2]);
   SampleSum sum;
   for (std::uint64_t i = first; i < end; ++i) {
     for (const std::uint64_t until = std::min({next[0], next[1], next[2], end}); i < until; ++i)
@@ -57,7 +57,7 @@ std::array<double, 3> block_mean(const std::vector<Samples>& samples, std::uint6
       if (next[c] == i) value[c] = samples[c].large, next[c] += samples[c].period;
     sum.add({value[0], value[1], value[2]});
   }
-  const Rgb<double> mean = sum.value() / static_cast<double>(count);
+  const Rgb mean = sum.value() / static_cast<double>(count);
   return {mean.r, mean.g, mean.b};
 }
 
@@ -149,7 +149,7 @@ TEST(SumsExtremes, PixelsOfAnEvenSky) {
   Sweep sweep(24, "a pixel that sees only a sky of 0.1 cd/m2", "1 ... 2^22 samples a block",
               "mean, through RenderTile");
   SceneDescription d = description();
-  d.lights = {{UniformInfiniteLightParams{Rgb<double>(0.1)}, {"test.pbrt", 5, 1}}};
+  d.lights = {{UniformInfiniteLightParams{Rgb(0.1)}, {"test.pbrt", 5, 1}}};
   const auto scene = build(d);
   for (int log = 0; log <= 22; log += 2) {
     TileSettings settings;

@@ -22,7 +22,7 @@
 namespace lucerna::testing {
 namespace {
 
-using Point = Vec3<double>;
+using Point = Vec3;
 
 constexpr Point kSize{6.1, 4.3, 2.8};
 
@@ -88,7 +88,7 @@ std::array<Mount, 3> mounts(int steps, double scale) {
 enum class Lamp { kPoint, kSpot, kWeb };
 
 LightDescription lamp_at(Lamp kind, const Setting& s, const Point& place) {
-  const Rgb<double> cd(s.scale * s.scale);
+  const Rgb cd(s.scale * s.scale);
   LightDescription light{PointLightParams{s.at(place), cd}, {"test.pbrt", 5, 1}};
   // Into the room.
   const Point inwards = s.vector(normalized(Point{-1, -1, -2}));
@@ -136,7 +136,7 @@ std::vector<IrradiancePoint> points_of(const Scene& scene, const Setting& s,
   std::vector<IrradiancePoint> points;
   for (std::size_t i = 0; i < receivers.size(); ++i) {
     const Point n = s.vector(receivers[i].normal);
-    const ScenePoint p = on_surface(scene, to_scene(i), Vec3<float>(n));
+    const ScenePoint p = on_surface(scene, to_scene(i), Vec3f(n));
     points.push_back({p.position, {p.error, p.error, p.error}, n});
   }
   return points;
@@ -256,10 +256,9 @@ TEST(SurfaceLampExtremes, LampsOnMirrorsAndPanes) {
       for (int steps = 0; steps <= 4; ++steps) {
         const Point place{3.1, 2.2, before(kSize.z, steps, s.scale)};
         SceneDescription d = description();
-        d.materials = {
-            {.params = is_pane ? MaterialParams{ThinDielectricParams{{1.5}}}
-                               : MaterialParams{MetalParams{.eta = ColourValue{Rgb<double>(1)},
-                                                            .k = ColourValue{Rgb<double>(4)}}}}};
+        d.materials = {{.params = is_pane ? MaterialParams{ThinDielectricParams{{1.5}}}
+                                          : MaterialParams{MetalParams{.eta = ColourValue{Rgb(1)},
+                                                                       .k = ColourValue{Rgb(4)}}}}};
         d.shapes = {face(s, {-20, -20, kSize.z}, {40, 0, 0}, {0, 40, 0})};
         d.lights = {lamp_at(Lamp::kPoint, s, place)};
         const auto scene = build(std::move(d));
@@ -273,8 +272,7 @@ TEST(SurfaceLampExtremes, LampsOnMirrorsAndPanes) {
           const double d2 = dot(to, to), cosine = dot(to, points[i].normal) / std::sqrt(d2);
           const double once = fresnel_dielectric(cosine, 1.5);
           const double reflected =
-              is_pane ? 2 * once / (1 + once)
-                      : fresnel_conductor(cosine, Rgb<double>(1), Rgb<double>(4)).g;
+              is_pane ? 2 * once / (1 + once) : fresnel_conductor(cosine, Rgb(1), Rgb(4)).g;
           sweep.compare(luminance(lx[i].irradiance_lx),
                         s.scale * s.scale * cosine / d2 * (1 + reflected),
                         fmt::format("{}, {} before the {}, point {}", s.text(), steps,

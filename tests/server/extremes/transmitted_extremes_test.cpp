@@ -111,7 +111,7 @@ void compare_unrounded(Sweep& sweep, const L& light, const SceneSphere& sphere) 
   for (int i = 1; i < 64; ++i) {
     const auto s = light.sample_le({0.5, 0.5}, {i / 64.0, std::fmod(i * 0.618, 1)}, sphere);
     if (s.reason != NoLight::kNone || !(s.pdf_direction.per_sr > 0)) continue;
-    const Vec3<double> rounded = normalized(Vec3<double>(Vec3<float>(s.direction)));
+    const Vec3 rounded = normalized(Vec3(Vec3f(s.direction)));
     const double density = light.pdf_le(s.origin, rounded, sphere).direction.per_sr;
     sweep.compare_textbook(s.pdf_direction.per_sr, density);
   }
@@ -157,7 +157,7 @@ TEST(TransmittedExtremes, SamplesOfLightsWithoutSurface) {
   const auto scene = every_light();
   // Above everything that would hide the sky, but below the windows: the sky is visible there.
   const std::vector<float> offsets{-3, -3, 0.5F, -1, 3, 0.3F, 0.2F, 0.1F, 3.6F};
-  const Vec3<double> middle(100, -50, 0);
+  const Vec3 middle(100, -50, 0);
   for (const std::uint32_t light : lights_without_surface(*scene)) {
     constexpr std::uint32_t kSamples = 2000;
     const Items t = samples_of(*scene, light, {middle, offsets}, kSamples);
@@ -274,10 +274,10 @@ TEST(TransmittedExtremes, RaysOfShearedNeedles) {
   std::string lights = "Shape \"disk\" \"float radius\" 1e5\nAreaLightSource \"diffuse\"\n";
   for (const double width : {0.1, 0.01, 1e-3, 1e-4})
     for (const double share : {0.5, 0.3, -0.4}) {
-      const Vec3<double> corner{1.3e4, -2.7e3, 4.1e3}, u{0.8, 0.5, -0.33};
-      const Vec3<double> v = u * share + Vec3<double>{0.5, -0.8, 0.1} * width;
+      const Vec3 corner{1.3e4, -2.7e3, 4.1e3}, u{0.8, 0.5, -0.33};
+      const Vec3 v = u * share + Vec3{0.5, -0.8, 0.1} * width;
       std::string corners;
-      for (const Vec3<double>& p : {corner, corner + u, corner + v, corner + u + v})
+      for (const Vec3& p : {corner, corner + u, corner + v, corner + u + v})
         corners += fmt::format("{} {} {} ", p.x, p.y, p.z);
       lights += "Shape \"bilinearmesh\" \"point3 P\" [" + corners + "]\n";
     }
@@ -320,7 +320,7 @@ TEST(TransmittedExtremes, SmallSuns) {
   Sweep sweep(10, "sun, angular diameter", "30 ... 1e-4 degrees",
               "radiance and density against Le and PdfLi of the reported direction");
   const std::vector<float> here{0, 0, 0};
-  const Vec3<float> axis = normalized(Vec3<float>{1, -2, 3});
+  const Vec3f axis = normalized(Vec3f{1, -2, 3});
   for (const char* diameter : {"30", "0.5", "0.01", "1e-3", "1e-4"}) {
     const FileScene file =
         scene_of(std::string("LightSource \"distant\" \"point3 from\" [1 -2 3] ") +

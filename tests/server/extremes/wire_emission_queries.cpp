@@ -46,7 +46,7 @@ void WireQueries::sample_le(const v1::Light* light) {
       continue;
     }
     is_unit("SampleLe", i, r.directions());
-    if (triple(r.light_normals(), i) != Vec3<float>{}) is_unit("SampleLe", i, r.light_normals());
+    if (triple(r.light_normals(), i) != Vec3f{}) is_unit("SampleLe", i, r.light_normals());
     hold(r.pdf_position_per_m2(k) > 0 || r.pdf_direction_per_sr(k) > 0 || light == nullptr ||
              light->delta(),
          "SampleLe", i, "OK, without densities");

@@ -9,22 +9,20 @@
 namespace lucerna::testing {
 namespace {
 
-void set(const Vec3<double>& v, v1::Vector3* out) {
+void set(const Vec3& v, v1::Vector3* out) {
   out->set_x(v.x);
   out->set_y(v.y);
   out->set_z(v.z);
 }
 
-void add(const Vec3<float>& v, google::protobuf::RepeatedField<float>* out) {
+void add(const Vec3f& v, google::protobuf::RepeatedField<float>* out) {
   out->Add(v.x);
   out->Add(v.y);
   out->Add(v.z);
 }
 
 /// The server treats denormals as zero.
-bool is_zero_to_server(const Vec3<float>& v) {
-  return max_abs(v) < std::numeric_limits<float>::min();
-}
+bool is_zero_to_server(const Vec3f& v) { return max_abs(v) < std::numeric_limits<float>::min(); }
 
 }  // namespace
 
@@ -32,14 +30,13 @@ int WireQueries::batch() {
   return n_.chance(1.0 / 24) ? 513 + static_cast<int>(n_.below(1000)) : batch_;
 }
 
-Vec3<double> WireQueries::place() {
+Vec3 WireQueries::place() {
   if (n_.chance(0.5)) return n_.one_of(places_);
   const double r = 2 * summary_.radius_m();
-  return vec(summary_.center_m()) +
-         Vec3<double>{n_.uniform(-r, r), n_.uniform(-r, r), n_.uniform(-r, r)};
+  return vec(summary_.center_m()) + Vec3{n_.uniform(-r, r), n_.uniform(-r, r), n_.uniform(-r, r)};
 }
 
-void WireQueries::keep(const Vec3<double>& place) {
+void WireQueries::keep(const Vec3& place) {
   constexpr std::size_t kMost = 256;
   if (!is_finite(place)) return;
   if (places_.size() < kMost)
@@ -50,11 +47,11 @@ void WireQueries::keep(const Vec3<double>& place) {
 
 void WireQueries::keep(const v1::Points& points) {
   for (int i = 0; i < 4 && 3 * i < points.offsets_m_size(); ++i)
-    keep(vec(points.origin_m()) + Vec3<double>(triple(points.offsets_m(), i)));
+    keep(vec(points.origin_m()) + Vec3(triple(points.offsets_m(), i)));
 }
 
 WireQueries::Items WireQueries::points(int n, v1::Points* out) {
-  Vec3<double> origin{};
+  Vec3 origin{};
   switch (n_.below(8)) {
     case 0:
     case 1:
@@ -69,10 +66,10 @@ WireQueries::Items WireQueries::points(int n, v1::Points* out) {
       origin = vec(summary_.origin_m());
       break;
   }
-  if (origin != Vec3<double>{}) set(origin, out->mutable_origin_m());
+  if (origin != Vec3{}) set(origin, out->mutable_origin_m());
   Items items;
   for (int i = 0; i < n; ++i) {
-    const Vec3<float> offset = n_.chance(0.5) ? n_.vector() : Vec3<float>(place() - origin);
+    const Vec3f offset = n_.chance(0.5) ? n_.vector() : Vec3f(place() - origin);
     add(offset, out->mutable_offsets_m());
     items.push_back(is_finite(offset) ? Item::kGood : Item::kInvalid);
   }
@@ -81,12 +78,12 @@ WireQueries::Items WireQueries::points(int n, v1::Points* out) {
 
 void WireQueries::directions(Floats* out, Items& items, const v1::Points* from) {
   for (std::size_t i = 0; i < items.size(); ++i) {
-    Vec3<float> w;
+    Vec3f w;
     if (from != nullptr && n_.chance(0.5)) {
-      const Vec3<double> start = vec(from->origin_m()) + Vec3<double>(triple(from->offsets_m(), i));
-      w = Vec3<float>(place() - start);
+      const Vec3 start = vec(from->origin_m()) + Vec3(triple(from->offsets_m(), i));
+      w = Vec3f(place() - start);
     } else {
-      w = n_.chance(0.5) ? n_.vector() : Vec3<float>(n_.direction());
+      w = n_.chance(0.5) ? n_.vector() : Vec3f(n_.direction());
     }
     add(w, out);
     if (!is_finite(w) || is_zero_to_server(w)) items[i] = Item::kInvalid;
@@ -203,10 +200,10 @@ void WireQueries::are_shares(const std::string& name, const Floats& transmittanc
 }
 
 void WireQueries::is_unit(const std::string& name, std::size_t item, const Floats& v) {
-  const Vec3<float> w = triple(v, item);
+  const Vec3f w = triple(v, item);
   // Three components, each rounded to float once.
   constexpr double kRounding = 2 * std::numeric_limits<float>::epsilon();
-  const double l = length(Vec3<double>(w));
+  const double l = length(Vec3(w));
   hold(std::fabs(l - 1) <= kRounding, name, item,
        fmt::format("({}, {}, {}) of length 1 {:+.3g}", w.x, w.y, w.z, l - 1));
 }

@@ -46,8 +46,8 @@ class WireProperty : public ::testing::Test {
     v1::SampleLiResponse r;
     const grpc::Status s = status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
     ASSERT_TRUE(s.ok()) << s.error_message();
-    EXPECT_EQ(Vec3<float>(5, 5, 5), triple(r.value(), 0));
-    EXPECT_EQ(Vec3<float>(0, 0, 1), triple(r.wi(), 0));
+    EXPECT_EQ(Vec3f(5, 5, 5), triple(r.value(), 0));
+    EXPECT_EQ(Vec3f(0, 0, 1), triple(r.wi(), 0));
     EXPECT_EQ(r.distance_m(0), 1);
     EXPECT_EQ(r.status_size(), 0);
   }

@@ -19,10 +19,10 @@
 
 namespace lucerna::testing {
 
-inline Vec3<double> vec(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+inline Vec3 vec(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Triple `i` of an interleaved array.
-inline Vec3<float> triple(const google::protobuf::RepeatedField<float>& v, std::size_t i) {
+inline Vec3f triple(const google::protobuf::RepeatedField<float>& v, std::size_t i) {
   const int k = static_cast<int>(3 * i);
   return {v[k], v[k + 1], v[k + 2]};
 }
@@ -102,8 +102,8 @@ class WireQueries {
   /// A moment, the shutter's open interval, or neither.
   template <typename Request>
   void render_time(Request* out);
-  Vec3<double> place();
-  void keep(const Vec3<double>& place);
+  Vec3 place();
+  void keep(const Vec3& place);
   void keep(const v1::Points& points);
 
   /// Sends a call and returns its answer, in bounded time.
@@ -146,7 +146,7 @@ class WireQueries {
   std::vector<v1::Light> lights_;
   v1::SceneSummary summary_;
   std::set<std::uint64_t> ids_;
-  std::vector<Vec3<double>> places_;  ///< world; of lights, and points on them
+  std::vector<Vec3> places_;  ///< world; of lights, and points on them
   ItemsOf items_;
   std::vector<std::string> failures_;
   Counts counts_;

@@ -30,15 +30,14 @@ TEST(ExrPicture, ChromaticitiesAreConverted) {
   spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec2020);
   const std::string mixed = exr(spec, {0.5F, 0.5F, 0.25F});
   // [BT2087]
-  const Rgb<double> expected{(1.6605 - 0.5876) / 2 - 0.0728 / 4,
-                             (-0.1246 + 1.1329) / 2 - 0.0083 / 4,
-                             (-0.0182 - 0.1006) / 2 + 1.1187 / 4};
+  const Rgb expected{(1.6605 - 0.5876) / 2 - 0.0728 / 4, (-0.1246 + 1.1329) / 2 - 0.0083 / 4,
+                     (-0.0182 - 0.1006) / 2 + 1.1187 / 4};
   expect_near(first_texel(mixed), expected, 1e-4);
   const auto surface = decode_surface({"a.exr", mixed});
   ASSERT_TRUE(surface.ok()) << surface.status();
   expect_near(surface->image->texel(0, 0), expected, 1e-4);
   // Normals are no colours.
-  EXPECT_EQ(first_texel(mixed, kData), Rgb<float>(0.5F, 0.5F, 0.25F));
+  EXPECT_EQ(first_texel(mixed, kData), Rgbf(0.5F, 0.5F, 0.25F));
 }
 
 TEST(ExrPicture, AWhiteOtherThanD65TintsLightAndNotSurfaces) {
@@ -46,7 +45,7 @@ TEST(ExrPicture, AWhiteOtherThanD65TintsLightAndNotSurfaces) {
   const float aces[8]{0.7347F, 0.2653F, 0, 1, 0.0001F, -0.0770F, 0.32168F, 0.33767F};
   spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), aces);
   const std::string white = exr(spec, {1, 1, 1});
-  const Rgb<double> light(first_texel(white));
+  const Rgb light(first_texel(white));
   EXPECT_NEAR(luminance(light), 1, 1e-6);
   EXPECT_GT(light.r, 1.03);  // 6000 K
   EXPECT_LT(light.b, 0.97);
@@ -60,14 +59,14 @@ TEST(ExrPicture, TheLuminanceOfWhiteScalesLuminancesOnly) {
   spec.attribute("whiteLuminance", 200.0F);
   const std::string bytes = exr(spec, {1, 0.5F, 0.25F});
   const DecodedImage sky = decoded_picture(bytes, kLuminances);
-  EXPECT_EQ(sky.image->texel(0, 0), Rgb<float>(200, 100, 50));
+  EXPECT_EQ(sky.image->texel(0, 0), Rgbf(200, 100, 50));
   EXPECT_THAT(remarks_of(sky), HasSubstr("(1, 1, 1) is 200 cd/m2 -> its texels times this"));
   const DecodedImage slide = decoded_picture(bytes);
-  EXPECT_EQ(slide.image->texel(0, 0), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_EQ(slide.image->texel(0, 0), Rgbf(1, 0.5F, 0.25F));
   EXPECT_THAT(remarks_of(slide), HasSubstr("a texel of 1 is the light's level"));
   const auto surface = decode_surface({"a.exr", bytes});
   ASSERT_TRUE(surface.ok()) << surface.status();
-  EXPECT_EQ(surface->image->texel(0, 0), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_EQ(surface->image->texel(0, 0), Rgbf(1, 0.5F, 0.25F));
   EXPECT_TRUE(surface->remarks.empty());
 }
 
@@ -93,7 +92,7 @@ TEST(ExrPicture, ALayerOfAnotherNameIsRead) {
   spec.channelnames = {"View.Combined.R", "View.Combined.G", "View.Combined.B", "View.Combined.A"};
   const std::string one = exr(spec, {1, 2, 3, 0.5F});
   const DecodedImage d = decoded_picture(one);
-  EXPECT_EQ(d.image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(d.image->texel(0, 0), Rgbf(1, 2, 3));
   EXPECT_EQ(remarks_of(d), "a.hdr has an alpha channel -> alpha is ignored\n");
   const auto alpha = decode_alpha({"a.exr", one});
   ASSERT_TRUE(alpha.ok()) << alpha.status();
@@ -101,10 +100,10 @@ TEST(ExrPicture, ALayerOfAnotherNameIsRead) {
   // Channels without a prefix come first.  Of several layers, the first in the file is used.
   spec.nchannels = 6;
   spec.channelnames = {"R", "G", "B", "a.R", "a.G", "a.B"};
-  EXPECT_EQ(first_texel(exr(spec, {1, 2, 3, 4, 5, 6})), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(first_texel(exr(spec, {1, 2, 3, 4, 5, 6})), Rgbf(1, 2, 3));
   spec.channelnames = {"a.r", "a.g", "a.b", "b.R", "b.G", "b.B"};
   const DecodedImage two = decoded_picture(exr(spec, {1, 2, 3, 4, 5, 6}));
-  EXPECT_EQ(two.image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(two.image->texel(0, 0), Rgbf(1, 2, 3));
   EXPECT_THAT(remarks_of(two), HasSubstr("has 2 layers with colours -> the layer \"a\""));
 }
 
@@ -133,7 +132,7 @@ TEST(ExrPicture, DepthIsNoColour) {
   for (const std::vector<std::string>& names :
        {std::vector<std::string>{"Y"}, {"Y", "A"}, {"Y", "Z"}, {"Y", "A", "Z"}, {"mask"}}) {
     const DecodedImage d = decoded_picture(exr(channels(names), values));
-    EXPECT_EQ(d.image->texel(0, 0), Rgb<float>(1)) << names.back();
+    EXPECT_EQ(d.image->texel(0, 0), Rgbf(1)) << names.back();
     EXPECT_EQ(remarks_of(d).find("alpha is ignored") != std::string::npos,
               std::ranges::count(names, "A") > 0);
     EXPECT_EQ(remarks_of(d).find("besides R, G, B and A") != std::string::npos,
@@ -146,7 +145,7 @@ TEST(ExrPicture, TheFirstPartWithColoursIsRead) {
       testing::exr_parts({channels({"Z"}), channels({"R", "G", "B"}), channels({"R", "G", "B"})},
                          {{9}, {1, 2, 3}, {4, 5, 6}});
   const DecodedImage d = decoded_picture(bytes);
-  EXPECT_EQ(d.image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(d.image->texel(0, 0), Rgbf(1, 2, 3));
   EXPECT_EQ(remarks_of(d), "a.hdr has several pictures -> the first one with colours is used\n");
   EXPECT_THAT(message(decode_image({"a.exr", testing::exr_parts({channels({"Z"}), channels({"Z"})},
                                                                 {{9}, {8}})})
@@ -161,7 +160,7 @@ TEST(ExrPicture, WordsNameTheChannelsToo) {
                                                 {"d.red", "d.green", "d.blue", "d.alpha"}}) {
     // OpenImageIO keeps the order of the names in `values`.
     const std::string bytes = exr(channels(names), values);
-    EXPECT_EQ(first_texel(bytes), Rgb<float>(1, 2, 3)) << names[0];
+    EXPECT_EQ(first_texel(bytes), Rgbf(1, 2, 3)) << names[0];
     const auto alpha = decode_alpha({"a.exr", bytes});
     ASSERT_TRUE(alpha.ok()) << alpha.status();
     EXPECT_EQ(alpha->values.size(), names.size() - 3);
@@ -174,7 +173,7 @@ TEST(ExrPicture, XyzBecomesRgb) {
   expect_near(d.image->texel(0, 0), {1, 1, 1}, 1e-3);
   EXPECT_EQ(remarks_of(d), "a.hdr has the channels X, Y and Z -> taken as CIE XYZ\n");
   // Normals are no colours.
-  EXPECT_EQ(first_texel(bytes, kData), Rgb<float>(0.9505F, 1, 1.0891F));
+  EXPECT_EQ(first_texel(bytes, kData), Rgbf(0.9505F, 1, 1.0891F));
 }
 
 }  // namespace

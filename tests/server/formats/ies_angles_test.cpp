@@ -24,8 +24,8 @@ TEST(Ies, MissingPlanesAreFilledBySymmetry) {
   f.angles = "0 90\n0 90\n";
   f.candela = "10 20\n10 40\n";
   auto web = ies(f.text()).web;
-  for (const Vec3<double>& w : {Vec3<double>{0, 1, 0}, {0, -1, 0}})
-    EXPECT_NEAR(web->at(w + Vec3<double>{0, 0, 1e-9}), 40, 1e-6);
+  for (const Vec3& w : {Vec3{0, 1, 0}, {0, -1, 0}})
+    EXPECT_NEAR(web->at(w + Vec3{0, 0, 1e-9}), 40, 1e-6);
   EXPECT_NEAR(web->at({-1, 0, 1e-9}), 20, 1e-6);
   f.angles = "0 90\n0 180\n";
   web = ies(f.text()).web;
@@ -101,7 +101,7 @@ TEST(Ies, PolesOfTypesAAndBAreOneDirection) {
   EXPECT_EQ(notes(ies(f.text())),
             "9 intensities from 2 to 7 at V = 90, which is one direction -> their mean in this "
             "direction, and the file's beside it\n");
-  const auto at = [&](const Vec3<double>& w) { return ies(f.text()).web->at(w); };
+  const auto at = [&](const Vec3& w) { return ies(f.text()).web->at(w); };
   // The mean over the azimuth, with any rounding.
   for (const double x : {0., -0., 1e-17, -1e-17})
     EXPECT_NEAR(at({x, 0, -1}), (2 + 2 * 3 + 7) / 4., 1e-12) << x;
@@ -130,9 +130,8 @@ TEST(Ies, OnePlaneOfTypesAAndBIsSymmetricAboutTheBeam) {
     for (int i = 0; i < 100; ++i) {
       const double angle = 0.9 * i * kPi / 180, turn = 0.7 * i;
       const double r = std::sin(angle), z = std::cos(angle);
-      const Vec3<double> about_z{r * std::cos(turn), r * std::sin(turn), z};
-      const Vec3<double> beam =
-          f.type == "2" ? about_z : Vec3<double>{z, r * std::cos(turn), r * std::sin(turn)};
+      const Vec3 about_z{r * std::cos(turn), r * std::sin(turn), z};
+      const Vec3 beam = f.type == "2" ? about_z : Vec3{z, r * std::cos(turn), r * std::sin(turn)};
       EXPECT_NEAR(file.web->at(beam), c->at(about_z), 0.05) << type << " " << i;
     }
   }

@@ -24,8 +24,8 @@ TEST(ImageReader, FloatsAreLinearAndRowsFromTheTop) {
   ASSERT_TRUE(d.ok()) << d.status();
   EXPECT_EQ(d->image->width(), 1);
   EXPECT_EQ(d->image->height(), 2);
-  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(1, 2, 3));
-  EXPECT_EQ(d->image->texel(0, 1), Rgb<float>(0.25F, 5e4F, 0));
+  EXPECT_EQ(d->image->texel(0, 0), Rgbf(1, 2, 3));
+  EXPECT_EQ(d->image->texel(0, 1), Rgbf(0.25F, 5e4F, 0));
   EXPECT_EQ(remarks_of(*d), "");
 }
 
@@ -75,16 +75,16 @@ TEST(ImageReader, HalfIsLinear) {
   const std::vector<std::uint16_t> halves{0x3c00, 0x3800, 0x7bff, 0, 0x0001, 0x4000};
   const auto d = decode_image({"a.exr", written("a.exr", spec, halves, spec.format)});
   ASSERT_TRUE(d.ok()) << d.status();
-  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(1, 0.5F, 65504));
-  EXPECT_EQ(d->image->texel(1, 0), Rgb<float>(0, 0x1p-24F, 2));
+  EXPECT_EQ(d->image->texel(0, 0), Rgbf(1, 0.5F, 65504));
+  EXPECT_EQ(d->image->texel(1, 0), Rgbf(0, 0x1p-24F, 2));
 }
 
 TEST(ImageReader, GreyIsGreyInEveryChannel) {
   const OIIO::ImageSpec spec(2, 1, 1, OIIO::TypeDesc::FLOAT);
   const auto d = decode_image({"a.exr", written("a.exr", spec, std::vector<float>{0.5F, 2})});
   ASSERT_TRUE(d.ok()) << d.status();
-  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(0.5F));
-  EXPECT_EQ(d->image->texel(1, 0), Rgb<float>(2));
+  EXPECT_EQ(d->image->texel(0, 0), Rgbf(0.5F));
+  EXPECT_EQ(d->image->texel(1, 0), Rgbf(2));
   EXPECT_EQ(remarks_of(*d), "");
 }
 
@@ -93,12 +93,12 @@ TEST(ImageReader, AlphaIsIgnoredWithARemark) {
   const auto d =
       decode_image({"a.png", written("a.png", spec, std::vector<std::uint8_t>{255, 0, 255, 51})});
   ASSERT_TRUE(d.ok()) << d.status();
-  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(1, 0, 1));  // not 0.2 of it
+  EXPECT_EQ(d->image->texel(0, 0), Rgbf(1, 0, 1));  // not 0.2 of it
   EXPECT_EQ(remarks_of(*d), "a.png has an alpha channel -> alpha is ignored\n");
   OIIO::ImageSpec exr(1, 1, 4, OIIO::TypeDesc::FLOAT);
   const auto e = decode_image({"a.exr", written("a.exr", exr, std::vector<float>{3, 2, 1, 0.5F})});
   ASSERT_TRUE(e.ok()) << e.status();
-  EXPECT_EQ(e->image->texel(0, 0), Rgb<float>(3, 2, 1));
+  EXPECT_EQ(e->image->texel(0, 0), Rgbf(3, 2, 1));
 }
 
 TEST(ImageReader, OtherChannelsAreIgnoredButRgbIsNeeded) {
@@ -108,7 +108,7 @@ TEST(ImageReader, OtherChannelsAreIgnoredButRgbIsNeeded) {
   const std::vector<float> values{1, 2, 3, 1, 9};
   const auto d = decode_image({"a.exr", written("a.exr", spec, values)});
   ASSERT_TRUE(d.ok()) << d.status();
-  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(d->image->texel(0, 0), Rgbf(1, 2, 3));
   EXPECT_THAT(remarks_of(*d), HasSubstr("1 channels besides R, G, B and A"));
   spec.channelnames = {"n.x", "n.y", "n.z", "u", "v"};
   spec.alpha_channel = -1;
@@ -119,7 +119,7 @@ TEST(ImageReader, OtherChannelsAreIgnoredButRgbIsNeeded) {
 TEST(ImageReader, OneTexelAndAHundredThousandInARow) {
   const auto one = decode_image({"a.pfm", pfm(1, 1, {1, 2, 3})});
   ASSERT_TRUE(one.ok()) << one.status();
-  EXPECT_EQ(one->image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(one->image->texel(0, 0), Rgbf(1, 2, 3));
   std::vector<float> values(300000, 1);
   values[3 * 99999] = 7;
   const OIIO::ImageSpec spec(100000, 1, 3, OIIO::TypeDesc::FLOAT);
@@ -128,7 +128,7 @@ TEST(ImageReader, OneTexelAndAHundredThousandInARow) {
     const auto row = decode_image({name, bytes});
     ASSERT_TRUE(row.ok()) << row.status();
     EXPECT_EQ(row->image->width(), 100000);
-    EXPECT_EQ(row->image->texel(99999, 0), Rgb<float>(7, 1, 1));
+    EXPECT_EQ(row->image->texel(99999, 0), Rgbf(7, 1, 1));
   }
 }
 
@@ -145,8 +145,8 @@ TEST(ImageReader, TexelsThatAreNotFiniteAreErrorsWithTheirPosition) {
 TEST(ImageReader, NegativeTexelsCountAsZeroAndAreCounted) {
   const auto d = decode_image({"a.pfm", pfm(3, 1, {-1, 2, -3, 1, 1, 1, 0, -1e-30F, 0})});
   ASSERT_TRUE(d.ok()) << d.status();
-  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(0, 2, 0));
-  EXPECT_EQ(d->image->texel(2, 0), Rgb<float>());
+  EXPECT_EQ(d->image->texel(0, 0), Rgbf(0, 2, 0));
+  EXPECT_EQ(d->image->texel(2, 0), Rgbf());
   EXPECT_EQ(remarks_of(*d), "a.pfm has 2 texels with a value below 0 -> counted as 0\n");
 }
 

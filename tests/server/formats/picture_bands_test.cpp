@@ -50,7 +50,7 @@ void expect_same(const AssetContent& content, Encoding encoding, bool is_coded) 
   ASSERT_EQ(texels.height(), image->image->height());
   for (int y = 0; y < texels.height(); ++y)
     for (int x = 0; x < texels.width(); ++x)
-      ASSERT_EQ(texels.texel(x, y), Rgb<double>(image->image->texel(x, y))) << x << " " << y;
+      ASSERT_EQ(texels.texel(x, y), Rgb(image->image->texel(x, y))) << x << " " << y;
 }
 
 // Three and more bands of 2^18 texels.
@@ -86,7 +86,7 @@ TEST(PictureBands, TiledAndPlainExrFilesHaveTheSameTexels) {
     ASSERT_TRUE(d.ok()) << d.status();
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
-        Rgb<float> texel;
+        Rgbf texel;
         if (x < kWidth + spec.x && y >= spec.y) {
           const std::size_t i = 3 * (static_cast<std::size_t>(y - spec.y) * kWidth +
                                      static_cast<std::size_t>(x - spec.x));

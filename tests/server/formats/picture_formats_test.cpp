@@ -28,7 +28,7 @@ std::string codes_of(const std::string& name, const std::string& bytes) {
   std::string text;
   for (int y = 0; y < d->image->height(); ++y, text += "; ")
     for (int x = 0; x < d->image->width(); ++x) {
-      const Rgb<float> c = d->image->texel(x, y);
+      const Rgbf c = d->image->texel(x, y);
       text += x == 0 ? "" : ", ";
       for (const float v : {c.r, c.g, c.b}) text += std::to_string(std::lround(v * 255)) + " ";
       text.pop_back();

@@ -38,14 +38,13 @@ TEST(RadiancePicture, ExposuresAndColourCorrectionsAreDividedOut) {
   const auto with = [](const std::string& lines) {
     return first_texel(radiance(lines + kRgbe, "-Y 1 +X 1", {kTexel}));
   };
-  EXPECT_EQ(with(""), Rgb<float>(1, 0.5F, 0.25F));
-  EXPECT_EQ(with("EXPOSURE=2.0\n"), Rgb<float>(0.5F, 0.25F, 0.125F));
-  EXPECT_EQ(with("EXPOSURE= 2\nEXPOSURE=+4e0\n"), Rgb<float>(0.125F, 0.0625F, 0.03125F));
-  EXPECT_EQ(with("COLORCORR=2 4 8\nEXPOSURE=0.5\nCOLORCORR=1 1 0.5\n"),
-            Rgb<float>(1, 0.25F, 0.125F));
+  EXPECT_EQ(with(""), Rgbf(1, 0.5F, 0.25F));
+  EXPECT_EQ(with("EXPOSURE=2.0\n"), Rgbf(0.5F, 0.25F, 0.125F));
+  EXPECT_EQ(with("EXPOSURE= 2\nEXPOSURE=+4e0\n"), Rgbf(0.125F, 0.0625F, 0.03125F));
+  EXPECT_EQ(with("COLORCORR=2 4 8\nEXPOSURE=0.5\nCOLORCORR=1 1 0.5\n"), Rgbf(1, 0.25F, 0.125F));
   // Lines of an earlier picture begin with a tab.  Others have no meaning for the colours.
   EXPECT_EQ(with("\tEXPOSURE=2\nSOFTWARE=EXPOSURE=3\nexposure=5\nPIXASPECT=2\n"),
-            Rgb<float>(1, 0.5F, 0.25F));
+            Rgbf(1, 0.5F, 0.25F));
   EXPECT_EQ(remarks_of(decoded_picture(
                 radiance(std::string("EXPOSURE=2\n") + kRgbe, "-Y 1 +X 1", {kTexel}))),
             "");
@@ -56,7 +55,7 @@ TEST(RadiancePicture, AGammaIsARemark) {
     return decoded_picture(radiance(line + kRgbe, "-Y 1 +X 1", {kTexel}));
   };
   const DecodedImage d = with("GAMMA=2.2\n");
-  EXPECT_EQ(d.image->texel(0, 0), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_EQ(d.image->texel(0, 0), Rgbf(1, 0.5F, 0.25F));
   EXPECT_EQ(remarks_of(d),
             "a.hdr has the header line \"GAMMA=2.2\" -> its texels are taken as linear, as in "
             "pbrt-v4\n");
@@ -68,7 +67,7 @@ TEST(RadiancePicture, AGammaIsARemark) {
 TEST(RadiancePicture, LinesMayEndWithCrLf) {
   std::string bytes = "#?RGBE\r\nEXPOSURE=2\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 1 +X 1\r\n";
   for (const int byte : kTexel) bytes += static_cast<char>(byte);
-  EXPECT_EQ(first_texel(bytes), Rgb<float>(0.5F, 0.25F, 0.125F));
+  EXPECT_EQ(first_texel(bytes), Rgbf(0.5F, 0.25F, 0.125F));
 }
 
 TEST(RadiancePicture, PrimariesAreConvertedWithTheirLuminance) {
@@ -82,22 +81,22 @@ TEST(RadiancePicture, PrimariesAreConvertedWithTheirLuminance) {
   // [BT2087]: 0.5 of green and 1 of red, of luminance 0.2627 + 0.3390.
   const DecodedImage orange = with(rec2020, {128, 64, 0, 129});
   expect_near(orange.image->texel(0, 0), {1.6605 - 0.2938, -0.1246 + 0.56645, 0}, 0.02);
-  EXPECT_NEAR(luminance(Rgb<double>(orange.image->texel(0, 0))), 0.2627 + 0.3390, 1e-4);
+  EXPECT_NEAR(luminance(Rgb(orange.image->texel(0, 0))), 0.2627 + 0.3390, 1e-4);
   EXPECT_THAT(remarks_of(orange), HasSubstr("1 texel with a colour outside of Rec. 709"));
   // Radiance's own: luminances 0.265, 0.670, 0.065 and equal amounts of white.
   const std::string own = "0.640 0.330 0.290 0.600 0.150 0.060 0.3333 0.3333";
-  EXPECT_NEAR(luminance(Rgb<double>(with(own, {128, 0, 0, 129}).image->texel(0, 0))), 0.265, 5e-4);
-  EXPECT_NEAR(luminance(Rgb<double>(with(own, {0, 128, 0, 129}).image->texel(0, 0))), 0.670, 5e-4);
+  EXPECT_NEAR(luminance(Rgb(with(own, {128, 0, 0, 129}).image->texel(0, 0))), 0.265, 5e-4);
+  EXPECT_NEAR(luminance(Rgb(with(own, {0, 128, 0, 129}).image->texel(0, 0))), 0.670, 5e-4);
   const DecodedImage line = with("0.1 0.1 0.2 0.2 0.3 0.3 0.3 0.3", kTexel);
-  EXPECT_EQ(line.image->texel(0, 0), Rgb<float>(1, 0.5F, 0.25F));
+  EXPECT_EQ(line.image->texel(0, 0), Rgbf(1, 0.5F, 0.25F));
   EXPECT_THAT(remarks_of(line), HasSubstr("span no colour space -> treated as Rec. 709"));
 }
 
 TEST(RadiancePicture, XyzeIsConverted) {
   // X, Y and Z of D65 white, (0.9505, 1, 1.0891), at an exponent of 2^-7.
-  const Rgb<float> c = first_texel(radiance(kXyze, "-Y 1 +X 1", {{122, 128, 139, 129}}));
+  const Rgbf c = first_texel(radiance(kXyze, "-Y 1 +X 1", {{122, 128, 139, 129}}));
   expect_near(c, {1, 1, 1}, 0.02);
-  EXPECT_NEAR(luminance(Rgb<double>(c)), 1, 1e-6);  // Y
+  EXPECT_NEAR(luminance(Rgb(c)), 1, 1e-6);  // Y
 }
 
 TEST(RadiancePicture, AllEightResolutionStringsStandUpright) {
@@ -129,15 +128,15 @@ TEST(RadiancePicture, RunsOfOldAndNewFilesAreRead) {
   // (1, 1, 1, n) repeats the texel before n times, then 256 n times.
   std::vector<std::array<int, 4>> old{kTexel, {1, 1, 1, 3}, {1, 1, 1, 1}, {0, 0, 128, 129}};
   const DecodedImage d = decoded_picture(radiance(kRgbe, "-Y 1 +X 261", old));
-  EXPECT_EQ(d.image->texel(259, 0), Rgb<float>(1, 0.5F, 0.25F));
-  EXPECT_EQ(d.image->texel(260, 0), Rgb<float>(0, 0, 1));
+  EXPECT_EQ(d.image->texel(259, 0), Rgbf(1, 0.5F, 0.25F));
+  EXPECT_EQ(d.image->texel(260, 0), Rgbf(0, 0, 1));
   // A row of 8: a run of red, single greens, runs of the others.
   std::string fresh = "#?RADIANCE\n" + std::string(kRgbe) + "\n-Y 1 +X 8\n";
   for (const int byte : {2, 2, 0, 8, 136, 128, 8, 0, 1, 2, 3, 4, 5, 6, 128, 136, 0, 136, 129})
     fresh += static_cast<char>(byte);
   const DecodedImage n = decoded_picture(fresh);
-  EXPECT_EQ(n.image->texel(0, 0), Rgb<float>(1, 0, 0));
-  EXPECT_EQ(n.image->texel(7, 0), Rgb<float>(1, 1, 0));
+  EXPECT_EQ(n.image->texel(0, 0), Rgbf(1, 0, 0));
+  EXPECT_EQ(n.image->texel(7, 0), Rgbf(1, 1, 0));
 }
 
 TEST(RadiancePicture, WrongHeadersAndRowsAreErrorsThatSaySo) {
@@ -282,7 +281,7 @@ TEST(PictureHeaders, TheScaleOfAPfmFileIsApplied) {
     std::string bytes = grey ? "Pf\n1 1\n-2.5\n" : "PF\n1 1\n-2.5\n";
     const float values[3]{2, 4, 8};
     bytes.append(reinterpret_cast<const char*>(values), (grey ? 1 : 3) * sizeof(float));
-    EXPECT_EQ(first_texel(bytes), grey ? Rgb<float>(5) : Rgb<float>(5, 10, 20));
+    EXPECT_EQ(first_texel(bytes), grey ? Rgbf(5) : Rgbf(5, 10, 20));
   }
 }
 

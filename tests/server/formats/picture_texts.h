@@ -78,11 +78,11 @@ inline DecodedImage decoded_picture(const std::string& bytes, Encoding encoding 
   return *std::move(d);
 }
 
-inline Rgb<float> first_texel(const std::string& bytes, Encoding encoding = kSrgb) {
+inline Rgbf first_texel(const std::string& bytes, Encoding encoding = kSrgb) {
   return decoded_picture(bytes, encoding).image->texel(0, 0);
 }
 
-inline void expect_near(const Rgb<float>& c, const Rgb<double>& expected, double error) {
+inline void expect_near(const Rgbf& c, const Rgb& expected, double error) {
   EXPECT_NEAR(c.r, expected.r, error);
   EXPECT_NEAR(c.g, expected.g, error);
   EXPECT_NEAR(c.b, expected.b, error);

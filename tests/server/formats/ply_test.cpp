@@ -49,8 +49,8 @@ TEST(Ply, AsciiAndBothBinariesGiveTheSameMeshWithQuadsSplit) {
   for (const std::string& bytes : {text, binary_quad(false), binary_quad(true)}) {
     const auto mesh = parse_ply(bytes);
     ASSERT_TRUE(mesh.ok()) << mesh.status();
-    EXPECT_THAT(mesh->positions, ElementsAre(Vec3<double>(0, 0, 0), Vec3<double>(1, 0, 0),
-                                             Vec3<double>(1, 2, 0), Vec3<double>(0, 2, 7)));
+    EXPECT_THAT(mesh->positions,
+                ElementsAre(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 2, 0), Vec3(0, 2, 7)));
     EXPECT_THAT(mesh->indices, ElementsAre(0, 1, 2, 0, 2, 3));
     EXPECT_THAT(mesh->quads, ElementsAre(0));
     EXPECT_TRUE(mesh->normals.empty());
@@ -93,9 +93,9 @@ TEST(Ply, BulkReadsAllPropertiesInBothByteOrders) {
       ASSERT_EQ(mesh->positions.size(), kTriangles + 2U);
       ASSERT_EQ(mesh->indices.size(), 3U * kTriangles);
       for (int i = 0; i < kTriangles + 2; i += 101) {
-        EXPECT_EQ(mesh->positions[i], Vec3<double>(i + 0.25, i % 2, -i));
-        EXPECT_EQ(mesh->normals[i], Vec3<float>(0.5F, 0.25F, float(i)));
-        EXPECT_EQ(mesh->uv[i], (Vec2<float>{i * 2.F, i + 0.5F}));
+        EXPECT_EQ(mesh->positions[i], Vec3(i + 0.25, i % 2, -i));
+        EXPECT_EQ(mesh->normals[i], Vec3f(0.5F, 0.25F, float(i)));
+        EXPECT_EQ(mesh->uv[i], (Vec2f{i * 2.F, i + 0.5F}));
       }
       for (int i = 0; i < kTriangles; i += 101) EXPECT_EQ(mesh->indices[3 * i + 2], i + 2U);
     }
@@ -123,8 +123,7 @@ TEST(Ply, TextureCoordinatesHaveSeveralNames) {
               "\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
               "0.5 0 0 0 0.25\n0 1 0 0 1\n1 0 1 0 0\n3 0 1 2\n"));
     ASSERT_TRUE(mesh.ok()) << mesh.status();
-    EXPECT_THAT(mesh->uv,
-                ElementsAre(Vec2<float>{0.25F, 0.5F}, Vec2<float>{1, 0}, Vec2<float>{0, 1}));
+    EXPECT_THAT(mesh->uv, ElementsAre(Vec2f{0.25F, 0.5F}, Vec2f{1, 0}, Vec2f{0, 1}));
   }
   const auto half =
       parse_ply(ascii("element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -139,7 +138,7 @@ TEST(Ply, TextureCoordinatesHaveSeveralNames) {
                       "end_header\n0 0 0 1 nan\n"));
   ASSERT_TRUE(broken.ok()) << broken.status();
   EXPECT_EQ(broken->mended_uv, 1U);
-  EXPECT_THAT(broken->uv, ElementsAre(Vec2<float>{0, 0}));
+  EXPECT_THAT(broken->uv, ElementsAre(Vec2f{0, 0}));
 }
 
 TEST(Ply, OtherPropertiesElementsAndTypesAreSkipped) {
@@ -153,9 +152,9 @@ TEST(Ply, OtherPropertiesElementsAndTypesAreSkipped) {
       "255 0.1 0 0 0 0 2\n0 1 0 0 0 0 2\n0 0 1 -5 0 0 2\n"
       "0.25 3 2 1 0\n"));
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_EQ(mesh->positions[0], Vec3<double>(0.1, 0, 0));
-  EXPECT_EQ(mesh->positions[2], Vec3<double>(0, 1, -5));
-  EXPECT_EQ(mesh->normals[1], Vec3<float>(0, 0, 2));
+  EXPECT_EQ(mesh->positions[0], Vec3(0.1, 0, 0));
+  EXPECT_EQ(mesh->positions[2], Vec3(0, 1, -5));
+  EXPECT_EQ(mesh->normals[1], Vec3f(0, 0, 2));
   EXPECT_THAT(mesh->indices, ElementsAre(2, 1, 0));
 }
 
@@ -194,8 +193,8 @@ TEST(Ply, VerticesThatNoFaceUsesNeedNoPlace) {
     const auto mesh = parse_ply(file);
     ASSERT_TRUE(mesh.ok()) << mesh.status();
     // At a vertex of a face, so that the box of the mesh stays.
-    EXPECT_THAT(mesh->positions, ElementsAre(Vec3<double>(0, 0, 0), Vec3<double>(1, 0, 0),
-                                             Vec3<double>(1, 2, 0), Vec3<double>(0, 0, 0)));
+    EXPECT_THAT(mesh->positions,
+                ElementsAre(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 2, 0), Vec3(0, 0, 0)));
   }
   const auto empty = parse_ply(ascii(kQuadHeader) + "0 0 0 1 0 0 1 2 0 nan 0 0\n2 0 1\n");
   ASSERT_TRUE(empty.ok()) << empty.status();
@@ -215,8 +214,8 @@ TEST(Ply, ByteOrderMarksAndAllEndsOfLinesAreRead) {
         if (is_binary) bytes += whole.substr(header);
         const auto mesh = parse_ply(bytes);
         ASSERT_TRUE(mesh.ok()) << mesh.status();
-        EXPECT_THAT(mesh->positions, ElementsAre(Vec3<double>(0, 0, 0), Vec3<double>(1, 0, 0),
-                                                 Vec3<double>(1, 2, 0), Vec3<double>(0, 2, 7)));
+        EXPECT_THAT(mesh->positions,
+                    ElementsAre(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 2, 0), Vec3(0, 2, 7)));
         EXPECT_EQ(mesh->indices.size(), 6U);
       }
 }

@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using testing::Json;
 using testing::mesh_of;
 using ::testing::StartsWith;
-using Point = Vec3<double>;
+using Point = Vec3;
 
 const std::vector<float> kPoints{0, 0, 0, 1, 0, 0, 0, 1, 0};
 
@@ -157,7 +157,7 @@ TEST(GltfDraco, ATriangle) {
   EXPECT_EQ(mesh.positions[mesh.indices[1]], Point(1, 0, 0));
   EXPECT_EQ(mesh.positions[mesh.indices[2]], Point(0, 1, 0));
   ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
-  EXPECT_EQ(mesh.normals[0], Vec3<float>(0, 0, 1));
+  EXPECT_EQ(mesh.normals[0], Vec3f(0, 0, 1));
 }
 
 TEST(GltfDraco, Errors) {

@@ -84,7 +84,7 @@ TEST(GltfMaterials, TheFirstThreeOfFourEmissiveFactorsCount) {
   triangle["material"] = 0;
   file.add_node({{"mesh", file.add_mesh(triangle)}});
   const SceneDescription scene = file.scene();
-  EXPECT_EQ(scene.shapes.at(0).emission->radiance_cd_m2, Rgb<double>(1, 0.5, 0.25));
+  EXPECT_EQ(scene.shapes.at(0).emission->radiance_cd_m2, Rgb(1, 0.5, 0.25));
   EXPECT_THAT(gltf_remarks(scene),
               HasSubstr("/emissiveFactor: 4 numbers, which glTF limits to 3 -> the first 3"));
 }
@@ -131,8 +131,8 @@ TEST(GltfMaterials, SpecularGlossinessAloneIsASurfaceOfItsColours) {
   file.add_node({{"mesh", file.add_mesh(triangle)}});
   const SceneDescription scene = file.scene();
   const auto& surface = std::get<GltfSurfaceParams>(scene.materials.back().params);
-  EXPECT_EQ(surface.base.constant, Rgb<double>(0.5, 0.25, 0.125));
-  EXPECT_EQ(surface.surface.constant, Rgb<double>(1, 0.25, 0));  // roughness, no metal
+  EXPECT_EQ(surface.base.constant, Rgb(0.5, 0.25, 0.125));
+  EXPECT_EQ(surface.surface.constant, Rgb(1, 0.25, 0));  // roughness, no metal
   EXPECT_NEAR(surface.specular_colour.constant.r, 1, 1e-12);
   EXPECT_NEAR(surface.specular_colour.constant.b, 2, 1e-12);
 }

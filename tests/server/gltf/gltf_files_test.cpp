@@ -25,7 +25,7 @@ using testing::Json;
 using testing::message_of;
 using testing::png;
 using ::testing::StartsWith;
-using Point = Vec3<double>;
+using Point = Vec3;
 
 /// A triangle that shows a picture, with these (u, v) at its corners.
 GltfFile painted(const std::vector<float>& uv, const Json& texture_info = Json::object()) {
@@ -54,12 +54,12 @@ TEST(GltfPictures, AnEmbeddedPictureShinesFromItsTop) {
   const SceneDescription scene = file.scene();
   const auto& emission = scene.shapes.at(0).emission;
   ASSERT_TRUE(emission && emission->picture);
-  EXPECT_EQ(emission->radiance_cd_m2, Rgb<double>(50.0));
+  EXPECT_EQ(emission->radiance_cd_m2, Rgb(50.0));
   // v = 0 of the file is the top of the picture, which is v = 1 here.
   const auto& uv = testing::mesh_of(scene.shapes[0]).corner_uv;
-  EXPECT_THAT(uv, ElementsAre(Vec2<float>{0, 1}, Vec2<float>{0.25F, 1}, Vec2<float>{0, 0}));
-  EXPECT_EQ(emission->picture->at({0, 1}), Rgb<double>(1.0));
-  EXPECT_EQ(emission->picture->at({0, 0}), Rgb<double>(0.0));
+  EXPECT_THAT(uv, ElementsAre(Vec2f{0, 1}, Vec2f{0.25F, 1}, Vec2f{0, 0}));
+  EXPECT_EQ(emission->picture->at({0, 1}), Rgb(1.0));
+  EXPECT_EQ(emission->picture->at({0, 0}), Rgb(0.0));
   EXPECT_EQ(emission->picture->name, "scene.gltf#/images/0");
 }
 
@@ -69,7 +69,7 @@ TEST(GltfPictures, RepetitionsAreMovedToTheFirst) {
       Json::array({{{"bufferView", file.add_view(kPicture)}, {"mimeType", "image/png"}}});
   SceneDescription scene = file.scene();
   EXPECT_THAT(testing::mesh_of(scene.shapes.at(0)).corner_uv,
-              ElementsAre(Vec2<float>{0, 1}, Vec2<float>{0.5F, 1}, Vec2<float>{0, 0}));
+              ElementsAre(Vec2f{0, 1}, Vec2f{0.5F, 1}, Vec2f{0, 0}));
   EXPECT_THAT(gltf_remarks(scene), Not(HasSubstr("repeats")));
   file.json["materials"][0]["emissiveTexture"]["extensions"]["KHR_texture_transform"] = {
       {"scale", {4, 1}}};
@@ -91,7 +91,7 @@ TEST(GltfPictures, TextureTransforms) {
   file.json["textures"][0]["sampler"] = 0;
   const SceneDescription scene = file.scene();
   const auto& uv = testing::mesh_of(scene.shapes.at(0)).corner_uv;
-  const Vec2<float> expected[] = {{0.25F, 0.25F}, {0.25F, 0.75F}, {0.75F, 0.25F}};
+  const Vec2f expected[] = {{0.25F, 0.25F}, {0.25F, 0.75F}, {0.75F, 0.25F}};
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(uv[i].x, expected[i].x, 1e-6) << i;
     EXPECT_NEAR(uv[i].y, expected[i].y, 1e-6) << i;
@@ -116,8 +116,8 @@ TEST(GltfLuminaires, ShineAlongMinusZ) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto& light = std::get<GoniometricLightParams>(scene->lights.at(0).params);
   EXPECT_EQ(light.position_m, Point(1, 2, 3));
-  EXPECT_EQ(light.intensity, Rgb<double>(2, 1, 1));
-  const GoniometricIntensity<double> intensity(light);
+  EXPECT_EQ(light.intensity, Rgb(2, 1, 1));
+  const GoniometricIntensity intensity(light);
   EXPECT_NEAR(intensity.intensity({0, 0, -1}).r, 2 * 200, 1e-9);
   // The horizontal angle 0 is +x, and 90 degrees are +y: counter-clockwise seen from behind the
   // light, which is above a luminaire that hangs.
@@ -143,8 +143,7 @@ TEST(GltfLuminaires, TypesAAndBHaveTheirAnglesAboutMinusZ) {
                                 " 2 0 0 0\n1 1 50\n-90 0 90\n-90 0 90\n" + candela);
     const auto scene = files.load("scene.gltf");
     ASSERT_TRUE(scene.ok()) << scene.status();
-    const GoniometricIntensity<double> light(
-        std::get<GoniometricLightParams>(scene->lights.at(0).params));
+    const GoniometricIntensity light(std::get<GoniometricLightParams>(scene->lights.at(0).params));
     const auto at = [&](double x, double y) { return light.intensity({x, y, -1e-9}).r; };
     EXPECT_NEAR(light.intensity({0, 0, -1}).r, 9, 1e-6);
     EXPECT_NEAR(at(1, 0), 5, 1e-6) << "V = 90, type " << type;
@@ -196,15 +195,15 @@ TEST(GltfEnvironments, FacesPointAlongTheirAxes) {
   const auto scene = files.load("scene.gltf");
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto& sky = std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
-  EXPECT_EQ(sky.radiance_cd_m2, Rgb<double>(10.0));
+  EXPECT_EQ(sky.radiance_cd_m2, Rgb(10.0));
   const auto at = [&](const Point& w) {
     return sky.map->lookup(MapAxes(sky.world_from_map).map_from_world(w));
   };
-  EXPECT_EQ(at({1, 0, 0}), Rgb<double>(1, 0, 0));
-  EXPECT_EQ(at({-1, 0, 0}), Rgb<double>(0, 1, 0));
-  EXPECT_EQ(at({0, 1, 0}), Rgb<double>(0, 0, 1));
-  EXPECT_EQ(at({0, 0, 1}), Rgb<double>(1, 1, 1));
-  EXPECT_EQ(at({0, 0, -1}), Rgb<double>(0, 0, 0));
+  EXPECT_EQ(at({1, 0, 0}), Rgb(1, 0, 0));
+  EXPECT_EQ(at({-1, 0, 0}), Rgb(0, 1, 0));
+  EXPECT_EQ(at({0, 1, 0}), Rgb(0, 0, 1));
+  EXPECT_EQ(at({0, 0, 1}), Rgb(1, 1, 1));
+  EXPECT_EQ(at({0, 0, -1}), Rgb(0, 0, 0));
 }
 
 TEST(GltfEnvironments, AlphaDividesTheColour) {
@@ -335,7 +334,7 @@ TEST(GltfRooms, HaveTheSameLuxAsInPbrt) {
   for (const std::uint32_t bounces : {0U, 2U}) {
     const auto expected = lux(*pbrt, bounces), found = lux(gltf, bounces);
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      const Rgb<double> e(expected[i].irradiance_lx), f(found[i].irradiance_lx);
+      const Rgb e(expected[i].irradiance_lx), f(found[i].irradiance_lx);
       EXPECT_GT(e.g, 100);
       EXPECT_NEAR(f.r, e.r, 1e-5 * e.r) << bounces;
       EXPECT_NEAR(f.g, e.g, 1e-5 * e.g) << bounces;

@@ -63,15 +63,15 @@ TEST(GltfMaterials, WithoutFacetsTheyAreDiffuse) {
                                       {"metallicFactor", 0}};
   const SceneDescription scene = surfaced(material).scene();
   ASSERT_NE(material_of(scene).plain_diffuse(), nullptr);
-  EXPECT_EQ(*material_of(scene).plain_diffuse(), Rgb<double>(0.1, 0.2, 0.3));
+  EXPECT_EQ(*material_of(scene).plain_diffuse(), Rgb(0.1, 0.2, 0.3));
   EXPECT_FALSE(scene.shapes[0].emission);
   EXPECT_FALSE(scene.shapes[0].has_uv);
 }
 
 TEST(GltfMaterials, TheDefaultIsARoughWhiteMetal) {
   const SceneDescription scene = surfaced(Json::object()).scene();
-  EXPECT_EQ(surface_of(scene).base.constant, Rgb<double>(1.0));
-  EXPECT_EQ(surface_of(scene).surface.constant, Rgb<double>(1.0));
+  EXPECT_EQ(surface_of(scene).base.constant, Rgb(1.0));
+  EXPECT_EQ(surface_of(scene).surface.constant, Rgb(1.0));
 }
 
 TEST(GltfMaterials, ExtensionsSetTheirFactors) {
@@ -91,7 +91,7 @@ TEST(GltfMaterials, ExtensionsSetTheirFactors) {
   EXPECT_EQ(s.surface.constant.b, 0.25);
   EXPECT_EQ(s.ior, 1.33);
   EXPECT_EQ(s.specular.constant, 0.75);
-  EXPECT_EQ(s.specular_colour.constant, Rgb<double>(1, 2, 3));
+  EXPECT_EQ(s.specular_colour.constant, Rgb(1, 2, 3));
   EXPECT_EQ(s.transmission.constant, 0.125);
   EXPECT_EQ(s.coat.constant, 0.375);
   EXPECT_EQ(s.coat_roughness.constant.g, 0.625);
@@ -158,13 +158,13 @@ TEST(GltfTextures, BaseColoursAreCodedAndHaveAFactor) {
   const ShapeDescription& shape = scene.shapes.at(0);
   EXPECT_TRUE(shape.has_uv);
   // v = 0 of the file is the top of the picture, which is v = 1 here.
-  EXPECT_EQ(testing::mesh_of(shape).corner_uv[0], (Vec2<float>{0, 1}));
-  EXPECT_EQ(testing::mesh_of(shape).corner_uv[2], (Vec2<float>{0, 0}));
+  EXPECT_EQ(testing::mesh_of(shape).corner_uv[0], (Vec2f{0, 1}));
+  EXPECT_EQ(testing::mesh_of(shape).corner_uv[2], (Vec2f{0, 0}));
   const auto at = [&](double u, double v) {
     return scene.textures(surface_of(scene).base, {.uv = {u, v}});
   };
-  EXPECT_EQ(at(0.25, 0.75), Rgb<double>(0.5, 0, 0));
-  EXPECT_EQ(at(0.75, 0.75), Rgb<double>(0, 0.25, 0));
+  EXPECT_EQ(at(0.25, 0.75), Rgb(0.5, 0, 0));
+  EXPECT_EQ(at(0.75, 0.75), Rgb(0, 0.25, 0));
   // The code 188 is 0.5029 of sRGB.
   EXPECT_NEAR(at(0.75, 0.25).r, 0.5 * 0.50289, 1e-5);
   EXPECT_THAT(gltf_remarks(scene), Not(HasSubstr("alpha")));
@@ -177,7 +177,7 @@ TEST(GltfTextures, RoughnessIsGreenAndMetalIsBlue) {
                                     {"roughnessFactor", 0.25}}}},
                                  kFour);
   const SceneDescription scene = file.scene();
-  const Rgb<double> grey = scene.textures(surface_of(scene).surface, {.uv = {0.75, 0.25}});
+  const Rgb grey = scene.textures(surface_of(scene).surface, {.uv = {0.75, 0.25}});
   // Linear.
   EXPECT_NEAR(grey.g, 188 / 255.0 * 0.25, 1e-7);
   EXPECT_NEAR(grey.b, 188 / 255.0 * 0.5, 1e-7);
@@ -210,7 +210,7 @@ TEST(GltfTextures, TransformsAndSamplers) {
   EXPECT_EQ(t.wrap_t, TextureWrap::kMirror);
   EXPECT_EQ(t.filter, TextureFilter::kNearest);
   // (0.5, 0.25) of the file, whose v runs downwards.
-  const Vec2<double> st = t.mapping({.uv = {0.5, 0.75}});
+  const Vec2 st = t.mapping({.uv = {0.5, 0.75}});
   EXPECT_NEAR(st.x, 0.25 + 0.5 * 0.25, 1e-12);
   EXPECT_NEAR(st.y, 1 - (0.75 - 0.5 * 0.5), 1e-12);
 }
@@ -221,7 +221,7 @@ TEST(GltfTextures, OneSetOfCoordinatesIsUsed) {
                                     {"metallicRoughnessTexture", {{"index", 0}}}}}},
                                  kFour);
   const SceneDescription scene = file.scene();
-  EXPECT_EQ(testing::mesh_of(scene.shapes.at(0)).corner_uv[0], (Vec2<float>{0.5, 0.5}));
+  EXPECT_EQ(testing::mesh_of(scene.shapes.at(0)).corner_uv[0], (Vec2f{0.5, 0.5}));
   EXPECT_TRUE(surface_of(scene).surface.is_constant());
   EXPECT_THAT(gltf_remarks(scene),
               HasSubstr("scene.gltf#/materials/0/pbrMetallicRoughness/metallicRoughnessTexture: a "
@@ -261,7 +261,7 @@ TEST(GltfAlpha, BlendIsTheShareOfRaysAndMaskIsAllOrNothing) {
   const auto alpha = [](const std::string& mode) {
     const SceneDescription scene = textured(translucent(mode, 0.9), kFour).scene();
     std::vector<double> values;
-    for (const Vec2<double> uv : {Vec2<double>{0.25, 0.75}, {0.75, 0.75}, {0.25, 0.25}})
+    for (const Vec2 uv : {Vec2{0.25, 0.75}, {0.75, 0.75}, {0.25, 0.25}})
       values.push_back(scene.textures(scene.shapes.at(0).alpha, {.uv = uv}));
     return values;
   };

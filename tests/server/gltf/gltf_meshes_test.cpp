@@ -12,7 +12,7 @@ using testing::GltfFiles;
 using ::testing::HasSubstr;
 using testing::Json;
 using testing::mesh_of;
-using Point = Vec3<double>;
+using Point = Vec3;
 
 /// The mesh of a scene of one node with this primitive.
 TriangleMeshData mesh_with(GltfFile& file, const Json& primitive) {
@@ -110,7 +110,7 @@ TEST(GltfMeshes, InterleavedAttributesHaveAStride) {
   const TriangleMeshData mesh = mesh_with(file, {{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}});
   EXPECT_THAT(mesh.positions, ElementsAre(Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0)));
   ASSERT_EQ(mesh.normals.size(), 3U);
-  EXPECT_EQ(mesh.normals[2], Vec3<float>(0, 0, 1));
+  EXPECT_EQ(mesh.normals[2], Vec3f(0, 0, 1));
 }
 
 TEST(GltfMeshes, SparseAccessorsReplaceSomeElements) {

@@ -63,7 +63,7 @@ TEST(GltfPictureFormats, WebpIsReadFromItsExtension) {
     return scene.textures(std::get<GltfSurfaceParams>(scene.materials.at(0).params).base,
                           TexturePoint{.uv = {0.5, 0.5}});
   };
-  EXPECT_EQ(base(file.scene()), Rgb<double>(0, 1, 0));
+  EXPECT_EQ(base(file.scene()), Rgb(0, 1, 0));
   file.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 1;
   file.json["extensionsUsed"] = file.json["extensionsRequired"] = Json::array({"EXT_texture_webp"});
   const SceneDescription scene = file.scene();
@@ -90,9 +90,9 @@ TEST(GltfPictureFormats, UnreadableTexturesFollowTheirRole) {
   const SceneDescription scene = file.scene();
   const Material& material = scene.materials.at(0);
   const auto& surface = std::get<GltfSurfaceParams>(material.params);
-  EXPECT_EQ(scene.textures(surface.base, TexturePoint{}), Rgb<double>(0.25, 0.5, 0.5));
+  EXPECT_EQ(scene.textures(surface.base, TexturePoint{}), Rgb(0.25, 0.5, 0.5));
   ASSERT_TRUE(surface.surface.is_constant());
-  EXPECT_EQ(surface.surface.constant, Rgb<double>(1, 0.25, 1));
+  EXPECT_EQ(surface.surface.constant, Rgb(1, 0.25, 1));
   EXPECT_LT(material.normal_map, 0);
   ASSERT_TRUE(scene.shapes.at(0).alpha.is_constant());
   EXPECT_EQ(scene.shapes.at(0).alpha.constant, 0.75);

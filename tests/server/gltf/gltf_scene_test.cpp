@@ -16,7 +16,7 @@ using testing::GltfFile;
 using ::testing::HasSubstr;
 using testing::Json;
 using testing::mesh_of;
-using Point = Vec3<double>;
+using Point = Vec3;
 
 constexpr double kHalf = std::numbers::sqrt2 / 2;
 
@@ -164,7 +164,7 @@ TEST(GltfCameras, OrthographicOnesKeepTheirSize) {
   file.add_node({{"camera", 0}});
   const SceneDescription scene = file.scene();
   EXPECT_EQ(scene.camera.projection, Projection::kOrthographic);
-  EXPECT_EQ(scene.camera.screen_max, (Vec2<double>{3, 2}));
+  EXPECT_EQ(scene.camera.screen_max, (Vec2{3, 2}));
   EXPECT_EQ(scene.film.width, scene.film.height * 3 / 2);
 }
 
@@ -183,7 +183,7 @@ TEST(GltfLights, PointsAreInCandela) {
   const auto light =
       light_of<PointLightParams>({{"type", "point"}, {"intensity", 100}, {"color", {1, 0.5, 0.25}}},
                                  {{"translation", {1, 2, 3}}, {"scale", {9, 9, 9}}});
-  EXPECT_EQ(light.intensity_cd, Rgb<double>(100, 50, 25));
+  EXPECT_EQ(light.intensity_cd, Rgb(100, 50, 25));
   EXPECT_EQ(light.position_m, Point(1, 2, 3));
 }
 
@@ -191,14 +191,14 @@ TEST(GltfLights, DirectionalLightsAreInLuxAndShineAlongMinusZ) {
   const auto light =
       light_of<DistantLightParams>({{"type", "directional"}, {"intensity", 5000}},
                                    {{"rotation", {-kHalf, 0, 0, kHalf}}});  // -z becomes -y
-  EXPECT_EQ(light.illuminance_lx, Rgb<double>(5000.0));
+  EXPECT_EQ(light.illuminance_lx, Rgb(5000.0));
   expect_near(light.to_light, {0, 1, 0});
 }
 
 TEST(GltfLights, SpotsHaveHalfAngles) {
   const auto light = light_of<SpotLightParams>(
       {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.25}, {"outerConeAngle", 0.5}}}});
-  EXPECT_EQ(light.intensity_cd, Rgb<double>(1.0));
+  EXPECT_EQ(light.intensity_cd, Rgb(1.0));
   EXPECT_EQ(light.falloff_start_rad, 0.25);
   EXPECT_EQ(light.profile, SpotProfile::kQuadratic);
   EXPECT_EQ(light.cone_half_angle_rad, 0.5);
@@ -270,7 +270,7 @@ SceneDescription emissive(std::vector<int> places, bool double_sided) {
 TEST(GltfMaterials, EmissionIsFactorTimesStrength) {
   const SceneDescription scene = emissive({0}, false);
   ASSERT_TRUE(scene.shapes.at(0).emission);
-  EXPECT_EQ(scene.shapes[0].emission->radiance_cd_m2, Rgb<double>(1000, 500, 0));
+  EXPECT_EQ(scene.shapes[0].emission->radiance_cd_m2, Rgb(1000, 500, 0));
   EXPECT_FALSE(scene.shapes[0].emission->two_sided);
   EXPECT_TRUE(emissive({0}, true).shapes.at(0).emission->two_sided);
 }

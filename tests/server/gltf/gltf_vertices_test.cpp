@@ -36,13 +36,13 @@ GltfFile file_of(const Json& material, GltfFile file, Json attributes, Json node
 std::shared_ptr<const Scene> built(const GltfFile& file) { return *Scene::build(*file.load()); }
 
 SurfaceHit hit_at(const Scene& scene, double x, double y) {
-  const Vec3<double> from = Vec3<double>{x, y, 1} - scene.origin();
-  return *scene.closest_hit({Vec3<float>(from), {0, 0, -1}});
+  const Vec3 from = Vec3{x, y, 1} - scene.origin();
+  return *scene.closest_hit({Vec3f(from), {0, 0, -1}});
 }
 
-Rgb<double> reflectance_at(const Scene& scene, double x, double y) {
+Rgb reflectance_at(const Scene& scene, double x, double y) {
   SurfaceHit hit = hit_at(scene, x, y);
-  const Vec3<double> up{0, 0, 1};
+  const Vec3 up{0, 0, 1};
   return SurfaceScattering(scene, hit).value(up, up) * std::numbers::pi;
 }
 
@@ -55,7 +55,7 @@ TEST(GltfVertexColours, AreLinearFactorsOfTheBaseColour) {
                                        "VEC4", 5123, true)
                             : file.add_floats({1, 0, 0, 0, 1, 0, 0, 0, 1}, "VEC3");
     const auto scene = built(file_of(kDiffuse, file, {{"COLOR_0", colours}}));
-    const Rgb<double> at = reflectance_at(*scene, 0.25, 0.5);
+    const Rgb at = reflectance_at(*scene, 0.25, 0.5);
     EXPECT_NEAR(at.r, 0.5 * 0.25, 1e-6);
     EXPECT_NEAR(at.g, 0.25, 1e-6);
     EXPECT_NEAR(at.b, 0.5, 1e-6);
@@ -77,7 +77,7 @@ TEST(GltfVertexColours, BelongToTheirMesh) {
     const auto scene = built(file);
     for (double x = 0.25; x < (is_instanced ? 8 : 4); x += 2) {
       const bool is_coloured = x > 2 && x < 6;
-      const Rgb<double> at = reflectance_at(*scene, x, 0.25);
+      const Rgb at = reflectance_at(*scene, x, 0.25);
       EXPECT_NEAR(at.g, is_coloured ? 0 : 1, 1e-6) << x;
       EXPECT_NEAR(at.b, 1, 1e-6) << x;
     }
@@ -141,7 +141,7 @@ TEST(GltfVertices, NormalsAndTexturesWithoutANumberAreMended) {
   EXPECT_THAT(gltf_remarks(scene), HasSubstr("/attributes/NORMAL: 2 of 3 normals have no direction "
                                              "-> the mean of the faces around each"));
   for (const auto& normal : testing::mesh_of(scene.shapes.at(0)).normals)
-    EXPECT_EQ(normal, Vec3<float>(0, 0, 1));
+    EXPECT_EQ(normal, Vec3f(0, 0, 1));
   const GltfFile textured = tilted({0, 1, kNan, 1, 0, 0}, {}, Json::object());
   EXPECT_THAT(gltf_remarks(textured.scene()),
               HasSubstr("/attributes/TEXCOORD_0: the (u, v) of 1 vertices are not finite -> (u, v) "
@@ -157,7 +157,7 @@ TEST(GltfVertices, TangentsWithoutANumberLeaveTheFrameToTheCoordinates) {
   const auto scene = built(file);
   SurfaceHit hit = hit_at(*scene, 0.25, 0.25);
   const SurfaceScattering scattering(*scene, hit);
-  EXPECT_LT(length(hit.ns - Vec3<double>{0.6, 0.48, 0.64}), 0.01);
+  EXPECT_LT(length(hit.ns - Vec3{0.6, 0.48, 0.64}), 0.01);
 }
 
 struct TiltedCase {
@@ -165,8 +165,8 @@ struct TiltedCase {
   std::vector<float> uv;       ///< v downwards, as in the file
   std::vector<float> tangent;  ///< empty: none
   Json node;
-  double x, y;          ///< a point on the triangle
-  Vec3<double> normal;  ///< expected
+  double x, y;  ///< a point on the triangle
+  Vec3 normal;  ///< expected
 };
 
 TEST(GltfTangents, TurnTheFrameOfNormalMaps) {

@@ -14,7 +14,7 @@ constexpr int kSize = 64;
 
 std::shared_ptr<const Texels> picture(const std::function<double(int, int)>& value,
                                       int width = kSize, int height = kSize) {
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) texels.emplace_back(static_cast<float>(value(x, y)));
   auto made = std::make_shared<Texels>(**Image::create(width, height, texels));
@@ -51,7 +51,7 @@ TEST(ImageLookup, AConstantStaysConstant) {
         const double c = size * std::cos(turn), s = size * std::sin(turn);
         for (const double thin : {1.0, 1e-2, 1e-9, 0.0}) {
           const CoordinateSteps steps{{c, s}, {-s * thin, c * thin}};
-          const Rgb<double> value = look_up(texture(filter, image), {0.37, 0.61}, &steps);
+          const Rgb value = look_up(texture(filter, image), {0.37, 0.61}, &steps);
           EXPECT_NEAR(value.r, 0.7, 1e-4) << size << " " << turn << " " << thin;
         }
       }
@@ -60,7 +60,7 @@ TEST(ImageLookup, AConstantStaysConstant) {
 TEST(ImageLookup, WithoutAFootprintTheyAreBilinear) {
   const auto image = picture([](int x, int y) { return std::fmod(0.37 * x + 0.11 * x * y, 1); });
   for (int i = 0; i < 100; ++i) {
-    const Vec2<double> st{std::fmod(0.618 * i, 1), std::fmod(0.414 * i, 1)};
+    const Vec2 st{std::fmod(0.618 * i, 1), std::fmod(0.414 * i, 1)};
     const double bilinear = look_up(texture(TextureFilter::kBilinear, image), st, nullptr).r;
     const CoordinateSteps none{}, tiny{{1e-4, 0}, {0, 1e-4}}, wrong{{NAN, 0}, {0, INFINITY}};
     for (const TextureFilter filter : kFilters)
@@ -78,7 +78,7 @@ TEST(ImageLookup, WavesVanishWhereTheFootprintIsWide) {
   const auto contrast = [&](TextureFilter filter, const CoordinateSteps& steps) {
     double most = 0;
     for (int i = 0; i < 64; ++i) {
-      const Vec2<double> st{0.25 + i / 64.0 / 16, 0.5};
+      const Vec2 st{0.25 + i / 64.0 / 16, 0.5};
       most = std::max(most, std::fabs(look_up(texture(filter, image), st, &steps).r - 0.5));
     }
     return most;
@@ -104,7 +104,7 @@ TEST(ImageLookup, AnEllipseMayLieAcrossTheAxes) {
   const auto contrast = [&](const CoordinateSteps& steps) {
     double most = 0;
     for (int i = 0; i < 16; ++i) {
-      const Vec2<double> st{0.5 + i * texel / 4, 0.5};
+      const Vec2 st{0.5 + i * texel / 4, 0.5};
       most = std::max(most,
                       std::fabs(look_up(texture(TextureFilter::kEwa, image), st, &steps).r - 0.5));
     }
@@ -116,7 +116,7 @@ TEST(ImageLookup, AnEllipseMayLieAcrossTheAxes) {
 }
 
 TEST(ImageLookup, TheLimitCountsLevels) {
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   for (int i = 0; i < kSize * kSize; ++i) texels.emplace_back(static_cast<float>(i % 251));
   const auto image = *Image::create(kSize, kSize, texels);
   Textures plain;
@@ -136,7 +136,7 @@ TEST(ImageLookup, TheLimitCountsLevels) {
 TEST(ImageLookup, FootprintsPassTheMapping) {
   Textures textures;
   const auto image = [&] {
-    std::vector<Rgb<float>> texels;
+    std::vector<Rgbf> texels;
     for (int i = 0; i < kSize * kSize; ++i) texels.emplace_back(i % 2 == 0 ? 0.0F : 1.0F);
     return textures.picture("stripes", **Image::create(kSize, kSize, texels));
   }();
@@ -160,15 +160,15 @@ TEST(ImageLookup, FootprintsPassTheMapping) {
 
 TEST(ImageLookup, AStepOverTheSeamIsShort) {
   Textures textures;
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   for (int i = 0; i < kSize * kSize; ++i) texels.emplace_back(i % kSize < 32 ? 0.0F : 1.0F);
   ImageTexture t = texture(TextureFilter::kTrilinear,
                            textures.picture("halves", **Image::create(kSize, kSize, texels)));
   t.mapping = {.kind = TextureMapping::Kind::kCylindrical};
   const std::int32_t number = textures.add(t);
   // From 0.3 before the seam at -x to 0.05 behind it.
-  const auto at = [](double angle) { return Vec3<double>{std::cos(angle), std::sin(angle), 0.3}; };
-  const Vec3<double> from = at(std::numbers::pi - 0.3), to = at(std::numbers::pi + 0.05);
+  const auto at = [](double angle) { return Vec3{std::cos(angle), std::sin(angle), 0.3}; };
+  const Vec3 from = at(std::numbers::pi - 0.3), to = at(std::numbers::pi + 0.05);
   const Footprint step{.position_x = to - from, .position_y = {0, 0, 1e-3}, .uv_x = {}, .uv_y = {}};
   const TexturePoint p{.position = from, .footprint = &step};
   EXPECT_GT(textures(NumberValue{0, number}, p), 0.8);

@@ -11,11 +11,11 @@
 namespace lucerna::testing {
 namespace {
 
-using Params = MetallicRoughnessParams<double>;
-using Surface = MetallicRoughness<double>;
-using Sheet = ThinMetallicRoughness<double>;
-using Direction = Vec3<double>;
-using Colour = Rgb<double>;
+using Params = MetallicRoughnessParams;
+using Surface = MetallicRoughness;
+using Sheet = ThinMetallicRoughness;
+using Direction = Vec3;
+using Colour = Rgb;
 
 constexpr Direction kUp{0, 0, 1};
 
@@ -181,8 +181,7 @@ TEST(FacetAlbedo, IsWhatWhiteMetalsReflect) {
   for (const double alpha : {0.04, 0.3, 1.0})
     for (const double degrees : {0.0, 33.0, 60.0, 85.0}) {
       const Direction wo = tilted(degrees);
-      const Albedo a =
-          albedo(Conductor<double>(Colour(1.0), Colour(1e9), alpha, alpha), wo, 200'000);
+      const Albedo a = albedo(Conductor(Colour(1.0), Colour(1e9), alpha, alpha), wo, 200'000);
       EXPECT_NEAR(facet_albedo(wo.z, alpha).all, a.reflected, 4 * a.error + 2e-3)
           << alpha << " at " << degrees << " degrees";
     }
@@ -191,7 +190,7 @@ TEST(FacetAlbedo, IsWhatWhiteMetalsReflect) {
 TEST(FacetAlbedo, MeansAreIntegralsOverTheHemisphere) {
   constexpr int kSteps = 4000;
   for (const double alpha : {0.0, 0.1, 0.7}) {
-    FacetAlbedo<double> sum;
+    FacetAlbedo sum;
     for (int i = 0; i < kSteps; ++i) {
       const double cosine = (i + 0.5) / kSteps;
       sum.all += facet_albedo(cosine, alpha).all * 2 * cosine / kSteps;

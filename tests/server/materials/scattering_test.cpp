@@ -12,7 +12,7 @@
 namespace lucerna::testing {
 namespace {
 
-using Direction = Vec3<double>;
+using Direction = Vec3;
 
 Direction at_angle(double degrees, double azimuth = 0.7) {
   const double a = degrees * kPi / 180;
@@ -26,7 +26,7 @@ std::vector<Direction> eyes() {
   return all;
 }
 
-ScatterValues<double> random_values(RandomU& random) {
+ScatterValues random_values(RandomU& random) {
   const double choice = double{random.next()}, x = double{random.next()}, y = double{random.next()};
   return {choice, {x, y}};
 }
@@ -43,7 +43,7 @@ std::size_t bin_of(const Direction& w) {
 }
 
 /// The integral of the density over each bin, by a midpoint rule.
-std::vector<double> integrals(const Bsdf<double>& bsdf, const Direction& wo) {
+std::vector<double> integrals(const Bsdf& bsdf, const Direction& wo) {
   constexpr int kFiner = 80, kTurns = 24;
   std::vector<double> sums(kRows * kColumns);
   for (int row = 0; row < kRows; ++row) {
@@ -66,7 +66,7 @@ std::vector<double> integrals(const Bsdf<double>& bsdf, const Direction& wo) {
 }
 
 TEST(Scattering, SamplesFollowTheirDensity) {
-  for (const auto& s : every_scattering<double>()) {
+  for (const auto& s : every_scattering()) {
     if (s.bsdf.all_delta()) continue;
     for (const Direction& wo : eyes()) {
       RandomU random(1);
@@ -99,18 +99,17 @@ TEST(Scattering, SamplesFollowTheirDensity) {
 // The mean over all choices of what samples of single directions bring is the share of these.
 TEST(Scattering, SingleDirectionsHaveTheShareOfTheirSamples) {
   int smooth = 0;
-  for (const auto& s : every_scattering<double>())
+  for (const auto& s : every_scattering())
     for (const Direction& wo : eyes()) {
       constexpr int kChoices = 100'000;
-      Rgb<double> sampled[2];
+      Rgb sampled[2];
       for (int i = 0; i < kChoices; ++i) {
         const auto sample = s.bsdf.sample(wo, {(i + 0.5) / kChoices, {0.3, 0.6}});
         if (!sample || !sample->delta) continue;
         sampled[same_side(wo, sample->wi) ? 0 : 1] += sample->weight * (1.0 / kChoices);
       }
       for (const int side : {0, 1}) {
-        const Rgb<double> share =
-            s.bsdf.single(wo, side == 0 ? Side::kReflected : Side::kTransmitted);
+        const Rgb share = s.bsdf.single(wo, side == 0 ? Side::kReflected : Side::kTransmitted);
         smooth += share.is_black() ? 0 : 1;
         // A choice at the limit between two lobes.
         const double error = 1e-12 + 4e-5 * std::fmax(1, share.max_component());
@@ -123,7 +122,7 @@ TEST(Scattering, SingleDirectionsHaveTheShareOfTheirSamples) {
 }
 
 TEST(Scattering, WeightsAreValueOverDensity) {
-  for (const auto& s : every_scattering<double>()) {
+  for (const auto& s : every_scattering()) {
     RandomU random(2);
     for (const Direction& wo : eyes())
       for (int i = 0; i < 2000; ++i) {
@@ -136,8 +135,8 @@ TEST(Scattering, WeightsAreValueOverDensity) {
           continue;
         }
         ASSERT_NEAR(pdf / sample->pdf.per_sr, 1, 1e-9) << s.name;
-        const Rgb<double> value = s.bsdf.value(wo, sample->wi);
-        for (const auto channel : {&Rgb<double>::r, &Rgb<double>::g, &Rgb<double>::b})
+        const Rgb value = s.bsdf.value(wo, sample->wi);
+        for (const auto channel : {&Rgb::r, &Rgb::g, &Rgb::b})
           ASSERT_NEAR(value.*channel / pdf, sample->weight.*channel,
                       1e-7 * (sample->weight.*channel) + 1e-12)
               << s.name << " from z = " << wo.z << " to z = " << sample->wi.z;
@@ -146,7 +145,7 @@ TEST(Scattering, WeightsAreValueOverDensity) {
 }
 
 /// f, as the mean over directions nearby where it is an estimate.
-double f_of(const NamedScattering<double>& s, const Direction& wo, const Direction& wi) {
+double f_of(const NamedScattering& s, const Direction& wo, const Direction& wi) {
   const int repeats = s.is_estimate ? 100'000 : 1;
   double sum = 0;
   RandomU random(3);
@@ -163,14 +162,12 @@ double f_of(const NamedScattering<double>& s, const Direction& wo, const Directi
 }
 
 TEST(Scattering, IsReciprocal) {
-  for (const auto& s : every_scattering<double>()) {
+  for (const auto& s : every_scattering()) {
     RandomU random(4);
     const int pairs = s.is_estimate ? 3 : 400;
     for (int i = 0; i < pairs; ++i) {
-      const Direction wo =
-          sample_uniform_sphere<double>({double{random.next()}, double{random.next()}});
-      const Direction wi =
-          sample_uniform_sphere<double>({double{random.next()}, double{random.next()}});
+      const Direction wo = sample_uniform_sphere(random.pair());
+      const Direction wi = sample_uniform_sphere(random.pair());
       // Radiance over the square of the index is what refraction keeps.
       const auto squared_index = [&](const Direction& w) { return w.z < 0 ? s.eta * s.eta : 1; };
       const double there = f_of(s, wo, wi) / squared_index(wo),
@@ -182,7 +179,7 @@ TEST(Scattering, IsReciprocal) {
 }
 
 TEST(Scattering, ScattersAtMostAllLight) {
-  for (const auto& s : every_scattering<double>())
+  for (const auto& s : every_scattering())
     for (const Direction& wo : eyes()) {
       RandomU random(5);
       constexpr int kSamples = 40'000;
@@ -209,7 +206,7 @@ TEST(Scattering, ScattersAtMostAllLight) {
 TEST(Scattering, NumbersAreFiniteAtAllRoughnessAndGrazingAngles) {
   for (const double x : {0.0, 1e-4, 1.1e-3, 0.01, 0.5, 1.0})
     for (const double y : {0.0, 1.1e-3, 1.0})
-      for (const auto& s : every_scattering<double>(x, y)) {
+      for (const auto& s : every_scattering(x, y)) {
         RandomU random(6);
         for (const double z : {1e-6, -1e-6, 1e-3, 1.0})
           for (int i = 0; i < 200; ++i) {
@@ -227,29 +224,9 @@ TEST(Scattering, NumbersAreFiniteAtAllRoughnessAndGrazingAngles) {
       }
 }
 
-TEST(Scattering, FloatsAgreeWithDoubles) {
-  const auto floats = every_scattering<float>();
-  const auto doubles = every_scattering<double>();
-  for (std::size_t i = 0; i < doubles.size(); ++i) {
-    RandomU random(7);
-    for (int k = 0; k < 400; ++k) {
-      const Vec3<float> wo(
-          sample_uniform_sphere<double>({double{random.next()}, double{random.next()}}));
-      const Vec3<float> wi(
-          sample_uniform_sphere<double>({double{random.next()}, double{random.next()}}));
-      if (std::fabs(wo.z) < 0.05F || std::fabs(wi.z) < 0.05F) continue;
-      const double pdf = doubles[i].bsdf.pdf(Direction(wo), Direction(wi)).per_sr;
-      EXPECT_NEAR(floats[i].bsdf.pdf(wo, wi).per_sr, pdf, 1e-3 * pdf + 1e-6) << doubles[i].name;
-      if (doubles[i].is_estimate) continue;  // the walks differ
-      const double value = doubles[i].bsdf.value(Direction(wo), Direction(wi)).g;
-      EXPECT_NEAR(floats[i].bsdf.value(wo, wi).g, value, 1e-3 * value + 1e-6) << doubles[i].name;
-    }
-  }
-}
-
 TEST(Scattering, LightGoesStraightOnBetweenAlmostEqualIndices) {
   for (const double more : {0.0, 1e-12, 1e-9, 1e-6}) {
-    const Dielectric<double> glass(1 + more, 0, 0);
+    const Dielectric glass(1 + more, 0, 0);
     for (const double degrees : {0.0, 30.0, 80.0, 100.0, 179.0}) {
       const Direction wo = at_angle(degrees);
       const auto sample = glass.sample(wo, {0.5, {}});
@@ -280,7 +257,7 @@ TEST(Scattering, CoatedDiffuseSurfacesReflectAsTheSeriesOfReflections) {
       out += (1 - fresnel) * left / kSteps;
     }
     for (const double degrees : {5.0, 45.0, 75.0}) {
-      const auto coat = coated_diffuse<double>(c.alpha, c.reflectance, c.thickness);
+      const auto coat = coated_diffuse(c.alpha, c.reflectance, c.thickness);
       const Direction wo = at_angle(degrees);
       RandomU random(8);
       constexpr int kSamples = 60'000;
@@ -311,7 +288,7 @@ TEST(Scattering, RoughCoatsAgreeWithConnectionsFromOneEnd) {
   };
   for (const Case& c : {Case{0.1, 10, 0.29934}, Case{0.1, 45, 0.30652}, Case{0.1, 75, 0.40378},
                         Case{0.3, 10, 0.27102}, Case{0.3, 45, 0.27256}, Case{0.3, 75, 0.29982}}) {
-    const auto coat = coated_diffuse<double>(c.alpha, 0.5, 0.01);
+    const auto coat = coated_diffuse(c.alpha, 0.5, 0.01);
     RandomU random(9);
     constexpr int kSamples = 200'000;
     double sum = 0, squares = 0;
@@ -353,11 +330,11 @@ TEST(Fresnel, MatchesKnownReflectances) {
   const double across = (brewster - 1.5 * (brewster * 1.5)) / (brewster + 1.5 * (brewster * 1.5));
   EXPECT_NEAR(fresnel_dielectric(brewster, 1.5), across * across / 2, 1e-12);
   // ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2)
-  EXPECT_NEAR(fresnel_conductor(1.0, Rgb<double>(0.2), Rgb<double>(3)).g, 9.64 / 10.44, 1e-12);
+  EXPECT_NEAR(fresnel_conductor(1.0, Rgb(0.2), Rgb(3)).g, 9.64 / 10.44, 1e-12);
   // Without absorption a metal is a dielectric.
   for (const double cosine : {0.01, 0.3, 0.9})
-    EXPECT_NEAR(fresnel_conductor(cosine, Rgb<double>(1.5), Rgb<double>(0)).g,
-                fresnel_dielectric(cosine, 1.5), 1e-12);
+    EXPECT_NEAR(fresnel_conductor(cosine, Rgb(1.5), Rgb(0)).g, fresnel_dielectric(cosine, 1.5),
+                1e-12);
 }
 
 }  // namespace

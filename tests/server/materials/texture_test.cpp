@@ -10,12 +10,12 @@ namespace {
 
 /// Two rows of texels, from the top: 1 2 3 / 4 5 6.
 std::shared_ptr<const Texels> digits() {
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   for (int i = 1; i <= 6; ++i) texels.emplace_back(static_cast<float>(i));
   return std::make_shared<const Texels>(**Image::create(3, 2, texels));
 }
 
-double value_at(const ImageTexture& texture, Vec2<double> uv) {
+double value_at(const ImageTexture& texture, Vec2 uv) {
   Textures textures;
   return textures(NumberValue{0, textures.add(texture)}, {.uv = uv});
 }
@@ -67,15 +67,15 @@ TEST(Texture, AffineMappingsTurnAndMove) {
   m.kind = TextureMapping::Kind::kAffine;
   m.axis_s = {0, 2, 0.5};
   m.axis_t = {-3, 0, 0.25};
-  const Vec2<double> st = m({.uv = {10, 100}});
+  const Vec2 st = m({.uv = {10, 100}});
   EXPECT_EQ(st.x, 200.5);
   EXPECT_EQ(st.y, -29.75);
 }
 
 TEST(Texture, ACutOffIsAllOrNothing) {
   Textures textures;
-  const std::int32_t ramp = textures.add(
-      BilerpTexture{.corners = {Rgb<double>(0), Rgb<double>(0), Rgb<double>(1), Rgb<double>(1)}});
+  const std::int32_t ramp =
+      textures.add(BilerpTexture{.corners = {Rgb(0), Rgb(0), Rgb(1), Rgb(1)}});
   const std::int32_t cut = textures.add(CutOffTexture{{{}, ramp}, 0.25});
   const auto at = [&](double u) { return textures(NumberValue{0, cut}, {.uv = {u, 0}}); };
   EXPECT_EQ(at(0.24), 0);
@@ -99,7 +99,7 @@ TEST(Texture, ScaleAndInversion) {
 }
 
 TEST(Texture, MappingsGiveTheirCoordinates) {
-  const auto at = [](TextureMapping::Kind kind, const Vec3<double>& position) {
+  const auto at = [](TextureMapping::Kind kind, const Vec3& position) {
     TextureMapping m;
     m.kind = kind;
     m.axis_s = {0, 0, 2};
@@ -122,25 +122,25 @@ TEST(Texture, MappingsGiveTheirCoordinates) {
 TEST(Texture, PatternsAreMadeOfOtherTextures) {
   Textures textures;
   const std::int32_t checks = textures.add(CheckerboardTexture{
-      .mapping = {.scale = {4, 4}}, .parts = {ColourValue{Rgb<double>(0.8)}, ColourValue{}}});
-  const std::int32_t half = textures.add(ScaleTexture{{{}, checks}, ColourValue{Rgb<double>(0.5)}});
-  const std::int32_t mix = textures.add(
-      MixTexture{{ColourValue{{}, half}, ColourValue{Rgb<double>(1)}}, NumberValue{0.25}});
-  const auto value = [&](std::int32_t node, Vec2<double> uv, Vec3<double> normal = {}) {
+      .mapping = {.scale = {4, 4}}, .parts = {ColourValue{Rgb(0.8)}, ColourValue{}}});
+  const std::int32_t half = textures.add(ScaleTexture{{{}, checks}, ColourValue{Rgb(0.5)}});
+  const std::int32_t mix =
+      textures.add(MixTexture{{ColourValue{{}, half}, ColourValue{Rgb(1)}}, NumberValue{0.25}});
+  const auto value = [&](std::int32_t node, Vec2 uv, Vec3 normal = {}) {
     return textures(NumberValue{0, node}, {.uv = uv, .position = {}, .normal = normal});
   };
   EXPECT_EQ(value(half, {0.1, 0.1}), 0.4);
   EXPECT_EQ(value(half, {0.3, 0.1}), 0);
   EXPECT_EQ(value(half, {-0.1, 0.1}), 0);
   EXPECT_NEAR(value(mix, {0.1, 0.1}), 0.4 * 0.75 + 0.25, 1e-15);
-  const std::int32_t four = textures.add(
-      BilerpTexture{.corners = {Rgb<double>(0), Rgb<double>(1), Rgb<double>(2), Rgb<double>(3)}});
+  const std::int32_t four =
+      textures.add(BilerpTexture{.corners = {Rgb(0), Rgb(1), Rgb(2), Rgb(3)}});
   EXPECT_NEAR(value(four, {0.25, 0.5}), 0.25 * 2 + 0.5, 1e-15);
   const std::int32_t up =
-      textures.add(DirectionMixTexture{{ColourValue{Rgb<double>(1)}, ColourValue{}}, {0, 0, 1}});
+      textures.add(DirectionMixTexture{{ColourValue{Rgb(1)}, ColourValue{}}, {0, 0, 1}});
   EXPECT_NEAR(value(up, {}, {0, 0.6, -0.8}), 0.8, 1e-15);
   const std::int32_t dots =
-      textures.add(DotsTexture{.inside = ColourValue{Rgb<double>(1)}, .outside = ColourValue{}});
+      textures.add(DotsTexture{.inside = ColourValue{Rgb(1)}, .outside = ColourValue{}});
   int inside = 0;
   constexpr int kPoints = 200;
   for (int i = 0; i < kPoints; ++i)
@@ -151,7 +151,7 @@ TEST(Texture, PatternsAreMadeOfOtherTextures) {
 
 TEST(Texture, PicturesOverTheLimitAreHalvedTheLargestFirst) {
   const auto picture = [](int side, float step) {
-    std::vector<Rgb<float>> texels;
+    std::vector<Rgbf> texels;
     for (int i = 0; i < side * side; ++i)
       texels.emplace_back(step * static_cast<float>(i), 1.0F, static_cast<float>(i % 7));
     return *Image::create(side, side, std::move(texels));

@@ -7,7 +7,7 @@ namespace lucerna {
 namespace {
 
 using ::testing::HasSubstr;
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 Vector at(const CubicCurve& c, double u) {
   const double v = 1 - u;

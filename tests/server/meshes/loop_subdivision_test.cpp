@@ -12,7 +12,7 @@ namespace lucerna {
 namespace {
 
 using ::testing::HasSubstr;
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 std::string error_of(const ControlMesh& mesh, int levels = 1) {
   const absl::Status status = loop_subdivide(mesh, levels).status();

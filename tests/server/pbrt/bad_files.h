@@ -51,8 +51,7 @@ inline Outcome load(const std::string& source, const std::string& parameter,
     outcome.lumens = luminance(light.power((*scene)->sphere()).lumens);
     // A point that all of the lights illuminate.
     for (int i = 0; i < 16; ++i) {
-      const auto s =
-          light.sample_li(Receiver<double>(0.1, 0.2, 0.7), {(i % 4) / 4.0, (i / 4) / 4.0});
+      const auto s = light.sample_li(Receiver(0.1, 0.2, 0.7), {(i % 4) / 4.0, (i / 4) / 4.0});
       outcome.lit |= s.reason == NoLight::kNone && s.value.g > 0;
       EXPECT_TRUE(is_finite(s.value) && std::isfinite(s.pdf.per_sr));
     }

@@ -43,11 +43,11 @@ const std::string kImage =
     "AreaLightSource \"diffuse\" \"string filename\" \"four.pfm\" \"string filter\" \"nearest\" ";
 
 /// Radiance of the first light at a point, towards its front.
-float shown(const Scene& scene, const Vec3<double>& world) {
+float shown(const Scene& scene, const Vec3& world) {
   return visit(
       [&]<typename L>(const L& light) -> float {
         if constexpr (SeenOnSurface<L>) {
-          const Vec3<double> p = world - scene.origin();
+          const Vec3 p = world - scene.origin();
           const auto point = light.shape().locate(p);
           if (!point) throw std::runtime_error("not on the light");
           return light.le(*point, point->normal).r;
@@ -111,8 +111,8 @@ TEST(PbrtAreaImages, LieByTheUvOfVertices) {
 
 TEST(PbrtAreaImages, LieOnSpheresDisksAndCylindersLikeInPbrt4) {
   const auto sphere = scene_of(kImage + "Shape \"sphere\"");
-  EXPECT_EQ(shown(*sphere, Vec3<double>{0, 0.6, 0.8}), 1);
-  EXPECT_EQ(shown(*sphere, Vec3<double>{0, -0.6, -0.8}), 4);
+  EXPECT_EQ(shown(*sphere, Vec3{0, 0.6, 0.8}), 1);
+  EXPECT_EQ(shown(*sphere, Vec3{0, -0.6, -0.8}), 4);
   const auto disk = scene_of(kImage + "Shape \"disk\"");
   EXPECT_EQ(shown(*disk, {0, 0.25, 0}), 1);
   EXPECT_EQ(shown(*disk, {0, -0.75, 0}), 4);
@@ -154,7 +154,7 @@ TEST(PbrtAreaImages, TheSceneCountsThePictureOnce) {
     if (part.name == "images") {
       ++parts;
       EXPECT_EQ(part.why, "1 pictures of lights");
-      EXPECT_GE(part.bytes, 4 * sizeof(Rgb<float>));
+      EXPECT_GE(part.bytes, 4 * sizeof(Rgbf));
     }
   EXPECT_EQ(parts, 1);
 }
@@ -212,11 +212,11 @@ std::shared_ptr<const Scene> panel_scene(const std::string& world) {
 const std::string kProfile = "AreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" ";
 
 /// Luminous intensity of the whole panel towards the unit vector `w` [cd].
-double intensity(const Scene& scene, const Vec3<double>& w) {
+double intensity(const Scene& scene, const Vec3& w) {
   return visit(
       [&]<typename L>(const L& light) -> double {
         if constexpr (requires { light.shape().profile(); }) {
-          const auto s = light.shape().sample(Vec3<double>{0.1, 0.2, 50}, {0.5, 0.5});
+          const auto s = light.shape().sample(Vec3{0.1, 0.2, 50}, {0.5, 0.5});
           const double cosine = std::fabs(dot(s.point.normal, w));
           return light.le(s.point, w).r * cosine * light.area_m2();
         } else {

@@ -83,8 +83,8 @@ TEST(PbrtCamera, CoordinateSystemCameraIsWorldFromCamera) {
   const auto centre = [&](int i) {
     return std::get<SphereParams>(scene->shapes[i].geometry).world_from_object.point({0, 0, 0});
   };
-  EXPECT_EQ(centre(0), Vec3<double>(0, 0, -5));
-  EXPECT_EQ(centre(1), Vec3<double>(0, 0, 0));
+  EXPECT_EQ(centre(0), Vec3(0, 0, -5));
+  EXPECT_EQ(centre(1), Vec3(0, 0, 0));
   EXPECT_EQ(remarks_of(*scene),
             "1:132 coordinate system \"none\" is not defined -> the transform stays unchanged\n");
 }
@@ -105,8 +105,8 @@ TEST(PbrtCamera, OrthographicScreenIsInMetres) {
   EXPECT_NEAR(scene.camera.screen_max.y, 1, 1e-12);
   const auto window =
       description_of("Camera \"orthographic\" \"float screenwindow\" [-2 3 -.5 1]").camera;
-  EXPECT_EQ(window.screen_min, (Vec2<double>{-2, -.5}));
-  EXPECT_EQ(window.screen_max, (Vec2<double>{3, 1}));
+  EXPECT_EQ(window.screen_min, (Vec2{-2, -.5}));
+  EXPECT_EQ(window.screen_max, (Vec2{3, 1}));
 }
 
 TEST(PbrtCamera, LensesAndMappingsAreRead) {

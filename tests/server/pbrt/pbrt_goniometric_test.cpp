@@ -38,13 +38,12 @@ absl::StatusOr<SceneDescription> load_goniometric(const std::string& parameters,
   return files.load("scene.pbrt");
 }
 
-GoniometricLight<double> goniometric_light(const std::string& parameters, const std::string& image,
-                                           const std::string& transform = "") {
+GoniometricLight goniometric_light(const std::string& parameters, const std::string& image,
+                                   const std::string& transform = "") {
   auto scene = load_goniometric(parameters, image, transform);
   if (!scene.ok()) throw std::runtime_error(message(scene.status()));
   EXPECT_EQ(remarks_of(*scene), "");
-  return *GoniometricLight<double>::create(
-      std::get<GoniometricLightParams>(scene->lights.at(0).params));
+  return *GoniometricLight::create(std::get<GoniometricLightParams>(scene->lights.at(0).params));
 }
 
 /// The four quarters of a square picture.
@@ -57,27 +56,27 @@ TEST(PbrtGoniometric, ThePictureHasTheOrientationOfPbrt4) {
   EXPECT_EQ(l.params().file, "lamp.pfm");
   EXPECT_EQ(l.params().map->sphere_map().mapping(), SphereMapping::kEqualArea);
   EXPECT_EQ(l.params().map->sphere_map().filter(), ImageFilter::kNearest);
-  EXPECT_EQ(l.intensity({-0.5, 0.2, -0.5}), Rgb<double>(1));
-  EXPECT_EQ(l.intensity({0.5, -0.2, -0.5}), Rgb<double>(2));
-  EXPECT_EQ(l.intensity({-0.5, 0.2, 0.5}), Rgb<double>(3));
-  EXPECT_EQ(l.intensity({0.5, -0.2, 0.5}), Rgb<double>(4));
+  EXPECT_EQ(l.intensity({-0.5, 0.2, -0.5}), Rgb(1));
+  EXPECT_EQ(l.intensity({0.5, -0.2, -0.5}), Rgb(2));
+  EXPECT_EQ(l.intensity({-0.5, 0.2, 0.5}), Rgb(3));
+  EXPECT_EQ(l.intensity({0.5, -0.2, 0.5}), Rgb(4));
   // Four texels around the middle, +y.
   const auto middle =
       goniometric_light("", grey_pfm(4, 4, {0, 0, 0, 0, 0, 5, 5, 0, 0, 5, 5, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(middle.intensity({0, 1, 0}), Rgb<double>(5));
-  EXPECT_EQ(middle.intensity({0, 0, 1}), Rgb<double>(0));
-  EXPECT_EQ(middle.intensity({0, -1, 0}), Rgb<double>(0));
+  EXPECT_EQ(middle.intensity({0, 1, 0}), Rgb(5));
+  EXPECT_EQ(middle.intensity({0, 0, 1}), Rgb(0));
+  EXPECT_EQ(middle.intensity({0, -1, 0}), Rgb(0));
 }
 
 // pbrt-v2: +y at the top, longitude from +x by +z.
 TEST(PbrtGoniometric, LatitudesAndLongitudesHaveTheOrientationOfPbrt2) {
   const auto l =
       goniometric_light("\"string mapping\" \"latlong\"", grey_pfm(4, 2, {1, 2, 3, 4, 5, 6, 7, 8}));
-  EXPECT_EQ(l.intensity({1, 0.1, 1}), Rgb<double>(1));
-  EXPECT_EQ(l.intensity({-1, 0.1, 1}), Rgb<double>(2));
-  EXPECT_EQ(l.intensity({-1, 0.1, -1}), Rgb<double>(3));
-  EXPECT_EQ(l.intensity({1, 0.1, -1}), Rgb<double>(4));
-  EXPECT_EQ(l.intensity({1, -0.1, 1}), Rgb<double>(5));
+  EXPECT_EQ(l.intensity({1, 0.1, 1}), Rgb(1));
+  EXPECT_EQ(l.intensity({-1, 0.1, 1}), Rgb(2));
+  EXPECT_EQ(l.intensity({-1, 0.1, -1}), Rgb(3));
+  EXPECT_EQ(l.intensity({1, 0.1, -1}), Rgb(4));
+  EXPECT_EQ(l.intensity({1, -0.1, 1}), Rgb(5));
   const auto smooth =
       goniometric_light("\"string mapping\" \"latlong\" \"string filter\" \"bilinear\"",
                         grey_pfm(4, 2, {1, 2, 3, 4, 5, 6, 7, 8}));
@@ -88,7 +87,7 @@ TEST(PbrtGoniometric, LatitudesAndLongitudesHaveTheOrientationOfPbrt2) {
 TEST(PbrtGoniometric, LevelsMultiplyAndPowerSetsTheTotal) {
   EXPECT_EQ(
       goniometric_light("\"rgb I\" [3 3 3] \"float scale\" 2", kQuarters).intensity({1, 1, 1}),
-      Rgb<double>(24));
+      Rgb(24));
   for (const char* mapping : {"equalarea", "latlong"}) {
     for (const char* filter : {"nearest", "bilinear"}) {
       const auto l = goniometric_light(std::string("\"float power\" 640 \"string mapping\" \"") +
@@ -104,14 +103,14 @@ TEST(PbrtGoniometric, LevelsMultiplyAndPowerSetsTheTotal) {
 
 TEST(PbrtGoniometric, TransformsRotateMirrorAndStretch) {
   const auto turned = goniometric_light("", kQuarters, "Rotate 90 0 1 0 Scale 2 2 2");  // +z to +x
-  EXPECT_EQ(turned.intensity({0.5, 0.2, 0.5}), Rgb<double>(3));
+  EXPECT_EQ(turned.intensity({0.5, 0.2, 0.5}), Rgb(3));
   const auto mirrored = goniometric_light("", kQuarters, "Scale -1 1 1");
-  EXPECT_EQ(mirrored.intensity({0.5, 0.2, 0.5}), Rgb<double>(3));
+  EXPECT_EQ(mirrored.intensity({0.5, 0.2, 0.5}), Rgb(3));
   // The direction (1, 1, 1) of the light's own space is (1, 2, 1) in the world.
   const auto stretched = goniometric_light("", kQuarters, "Scale 1 2 1");
   const auto plain = goniometric_light("", kQuarters);
-  for (const Vec3<double>& own : {Vec3<double>{1, 1, 1}, {-1, 0.5, 2}, {1, -1, 0.1}, {-2, -1, -3}})
-    EXPECT_EQ(stretched.intensity(normalized(Vec3<double>{own.x, 2 * own.y, own.z})),
+  for (const Vec3& own : {Vec3{1, 1, 1}, {-1, 0.5, 2}, {1, -1, 0.1}, {-2, -1, -3}})
+    EXPECT_EQ(stretched.intensity(normalized(Vec3{own.x, 2 * own.y, own.z})),
               plain.intensity(normalized(own)));
 }
 
@@ -181,7 +180,7 @@ TEST(PbrtGoniometric, BadPicturesAreErrorsWithTheirPlace) {
       HasSubstr("scene.pbrt:2:56: the largest intensity of lamp.pfm times the light's level "
                 "= (1e+41, 1e+41, 1e+41), allowed: each channel finite"));
   // Valid but unusual: one texel, a row of 1e5, values below 0 (as 0, with a remark).
-  EXPECT_EQ(goniometric_light("", grey_pfm(1, 1, {3})).intensity({0.3, -0.4, 0.5}), Rgb<double>(3));
+  EXPECT_EQ(goniometric_light("", grey_pfm(1, 1, {3})).intensity({0.3, -0.4, 0.5}), Rgb(3));
   const auto row = goniometric_light("\"string mapping\" \"latlong\"",
                                      grey_pfm(100000, 1, std::vector<float>(100000, 2)));
   EXPECT_NEAR(row.power({}).lumens.r, 8 * kPi, 1e-9);

@@ -47,11 +47,11 @@ TEST(PbrtImageLights, DefaultsArePbrt4s) {
   const auto p = infinite_light("\"float scale\" 3", 4, 4);
   EXPECT_EQ(p.map->mapping(), SphereMapping::kEqualArea);
   EXPECT_EQ(p.map->filter(), ImageFilter::kNearest);
-  EXPECT_EQ(p.radiance_cd_m2, Rgb<double>(3));
+  EXPECT_EQ(p.radiance_cd_m2, Rgb(3));
   EXPECT_EQ(p.image_name, "sky.pfm");
   // The upper half of the picture has the directions with y < 0.
-  EXPECT_EQ(p.map->lookup({0.1, -0.99, 0.1}), Rgb<double>(2));
-  EXPECT_EQ(p.map->lookup({0.1, 0.99, 0.1}), Rgb<double>(0));
+  EXPECT_EQ(p.map->lookup({0.1, -0.99, 0.1}), Rgb(2));
+  EXPECT_EQ(p.map->lookup({0.1, 0.99, 0.1}), Rgb(0));
 }
 
 TEST(PbrtImageLights, MappingAndFilterAreApplied) {
@@ -59,9 +59,9 @@ TEST(PbrtImageLights, MappingAndFilterAreApplied) {
                                 4, "Rotate 90 1 0 0 Scale 2 2 2");
   EXPECT_EQ(p.map->mapping(), SphereMapping::kLatitudeLongitude);
   EXPECT_EQ(p.map->filter(), ImageFilter::kBilinear);
-  const auto made = *ImageInfiniteLight<double>::create(p);
-  EXPECT_EQ(made.le_escaped({}, {0, 0, 1}), Rgb<double>(2));  // rotated: +y became +z
-  EXPECT_EQ(made.le_escaped({}, {0, 0, -1}), Rgb<double>(0));
+  const auto made = *ImageInfiniteLight::create(p);
+  EXPECT_EQ(made.le_escaped({}, {0, 0, 1}), Rgb(2));  // rotated: +y became +z
+  EXPECT_EQ(made.le_escaped({}, {0, 0, -1}), Rgb(0));
 }
 
 TEST(PbrtImageLights, IlluminanceComesFromAboveForLatitudeLongitude) {
@@ -108,7 +108,7 @@ TEST(PbrtImageLights, UnequalScaleMovesDirections) {
   const auto light = [](const std::string& transform) {
     auto scene = load_infinite("", 64, 64, 2, transform);
     EXPECT_TRUE(scene.ok()) << scene.status();
-    return *ImageInfiniteLight<double>::create(
+    return *ImageInfiniteLight::create(
         std::get<ImageInfiniteLightParams>(scene->lights.at(0).params));
   };
   const auto plain = light(""), stretched = light("Scale 1 2 3");
@@ -118,9 +118,9 @@ TEST(PbrtImageLights, UnequalScaleMovesDirections) {
     for (int k = 0; k < 2 * kSteps; ++k) {
       const double z = (2 * i + 1.0) / kSteps - 1, r = std::sqrt(1 - z * z);
       const double phi = (k + 0.5) * kPi / kSteps;
-      const Vec3<double> w{r * std::cos(phi), r * std::sin(phi), z};
+      const Vec3 w{r * std::cos(phi), r * std::sin(phi), z};
       EXPECT_EQ(stretched.le_escaped({}, w),
-                plain.le_escaped({}, normalized(Vec3<double>{w.x, w.y / 2, w.z / 3})));
+                plain.le_escaped({}, normalized(Vec3{w.x, w.y / 2, w.z / 3})));
       sum += stretched.pdf_li({}, w).per_sr;
     }
   // The density integrates to 1 over the directions of the world.
@@ -137,15 +137,15 @@ PortalLightParams portal(const std::string& parameters, const std::string& trans
 
 TEST(PbrtPortals, CornersAreInWorldSpaceAndThePictureIsRotated) {
   const auto p = portal("\"float scale\" 3", "Translate 5 6 7 Rotate 90 1 0 0");
-  EXPECT_EQ(p.corners_m[2], (Vec3<double>{2, 1, 3}));
-  EXPECT_EQ(p.radiance_cd_m2, Rgb<double>(3));
+  EXPECT_EQ(p.corners_m[2], (Vec3{2, 1, 3}));
+  EXPECT_EQ(p.radiance_cd_m2, Rgb(3));
   EXPECT_EQ(p.image_name, "sky.pfm");
   // The bright half of the picture, y < 0, was rotated to z < 0.
-  const auto upside = *PortalLight<double>::create(p);
+  const auto upside = *PortalLight::create(p);
   EXPECT_LT(upside.le_escaped({1, 0.5F, 2.9F}, {0, 0, 1}).g, 1e-6F);
-  const auto still = *PortalLight<double>::create(portal("\"float scale\" 3"));
-  EXPECT_EQ(still.le_escaped({1, 0.3F, 2.9F}, normalized(Vec3<double>{0, -0.8F, 0.2F})).g, 0);
-  EXPECT_EQ(still.le_escaped({1, 0.9F, 2.9F}, normalized(Vec3<double>{0, -0.8F, 0.2F})).g, 6);
+  const auto still = *PortalLight::create(portal("\"float scale\" 3"));
+  EXPECT_EQ(still.le_escaped({1, 0.3F, 2.9F}, normalized(Vec3{0, -0.8F, 0.2F})).g, 0);
+  EXPECT_EQ(still.le_escaped({1, 0.9F, 2.9F}, normalized(Vec3{0, -0.8F, 0.2F})).g, 6);
 }
 
 TEST(PbrtPortals, AnEqualAreaPictureIsResampledUnlessAFilterIsGiven) {
@@ -163,11 +163,11 @@ TEST(PbrtPortals, WithoutAPictureTheSkyIsUniform) {
     if (!scene.ok()) throw std::runtime_error(message(scene.status()));
     return std::pair{std::get<PortalLightParams>(scene->lights.at(0).params), remarks_of(*scene)};
   };
-  EXPECT_EQ(of("\"rgb L\" [1 2 3] \"float scale\" 2").first.radiance_cd_m2, Rgb<double>(2, 4, 6));
+  EXPECT_EQ(of("\"rgb L\" [1 2 3] \"float scale\" 2").first.radiance_cd_m2, Rgb(2, 4, 6));
   EXPECT_EQ(of("\"rgb L\" [1 2 3]").first.map, nullptr);
   EXPECT_EQ(of("\"rgb L\" [1 2 3]").second, "");
   // The portal of 2 m2 passes pi L A.
-  const auto light = *PortalLight<double>::create(of("\"rgb L\" [1 2 3]").first);
+  const auto light = *PortalLight::create(of("\"rgb L\" [1 2 3]").first);
   EXPECT_NEAR(light.power({}).lumens.g, kPi * 2 * 2, 1e-9);
   // pbrt-v4: the cosine at the middle of its one texel is 1, times 2 pi.
   const auto [lit, remarks] = of("\"float illuminance\" 100");

@@ -28,19 +28,19 @@ ShapeDescription::Emission emission(const std::string& text) {
 
 TEST(PbrtLights, RgbIsTheLevelAndScaleMultipliesIt) {
   EXPECT_EQ(light_of<PointLightParams>("LightSource \"point\" \"rgb I\" [10 20 30]").intensity_cd,
-            Rgb<double>(10, 20, 30));
+            Rgb(10, 20, 30));
   EXPECT_EQ(light_of<PointLightParams>("LightSource \"point\" \"float scale\" 3").intensity_cd,
-            Rgb<double>(3));
+            Rgb(3));
   EXPECT_EQ(
       light_of<DistantLightParams>("LightSource \"distant\" \"rgb L\" [2 2 2]").illuminance_lx,
-      Rgb<double>(2));
+      Rgb(2));
   EXPECT_EQ(light_of<UniformInfiniteLightParams>("LightSource \"infinite\" \"rgb L\" [1 2 3] "
                                                  "\"float scale\" 2")
                 .radiance_cd_m2,
-            Rgb<double>(2, 4, 6));
+            Rgb(2, 4, 6));
   EXPECT_EQ(
       emission("AreaLightSource \"diffuse\" \"rgb L\" [5 6 7] Shape \"sphere\"").radiance_cd_m2,
-      Rgb<double>(5, 6, 7));
+      Rgb(5, 6, 7));
 }
 
 TEST(PbrtLights, PowerOfAPointIsSpreadOverTheSphere) {
@@ -93,12 +93,11 @@ TEST(PbrtLights, SpotDefaultsAndPlacement) {
   const auto spot = light_of<SpotLightParams>(
       "Translate 1 0 0 Scale 2 2 2 LightSource \"spot\" \"point3 from\" [0 0 1] \"point3 to\" [0 3 "
       "1]");
-  EXPECT_EQ(spot.position_m, Vec3<double>(1, 0, 2));
-  EXPECT_EQ(normalized(spot.axis), Vec3<double>(0, 1, 0));
+  EXPECT_EQ(spot.position_m, Vec3(1, 0, 2));
+  EXPECT_EQ(normalized(spot.axis), Vec3(0, 1, 0));
   EXPECT_NEAR(spot.cone_half_angle_rad, kPi / 6, 1e-15);
   EXPECT_NEAR(spot.falloff_start_rad, kPi * 25 / 180, 1e-15);
-  EXPECT_EQ(normalized(light_of<SpotLightParams>("LightSource \"spot\"").axis),
-            Vec3<double>(0, 0, 1));
+  EXPECT_EQ(normalized(light_of<SpotLightParams>("LightSource \"spot\"").axis), Vec3(0, 0, 1));
 }
 
 TEST(PbrtLights, ADistantLightWithAnAngularDiameterIsASun) {
@@ -106,8 +105,8 @@ TEST(PbrtLights, ADistantLightWithAnAngularDiameterIsASun) {
       "LightSource \"distant\" \"point3 from\" [0 0 5] \"point3 to\" [0 0 1] \"rgb L\" [1 2 3] "
       "\"float angulardiameter\" 0.5");
   EXPECT_NEAR(sun.angular_diameter_rad, kPi / 360, 1e-17);
-  EXPECT_EQ(normalized(sun.to_light), Vec3<double>(0, 0, 1));
-  EXPECT_EQ(sun.illuminance_lx, Rgb<double>(1, 2, 3));
+  EXPECT_EQ(normalized(sun.to_light), Vec3(0, 0, 1));
+  EXPECT_EQ(sun.illuminance_lx, Rgb(1, 2, 3));
   EXPECT_THAT(world_error_of("LightSource \"distant\" \"float angulardiameter\" 0"),
               HasSubstr("\"float angulardiameter\" = 0 degrees, allowed (0, 180]"));
   EXPECT_THAT(world_error_of("LightSource \"distant\" \"float angulardiameter\" 181"),
@@ -122,9 +121,9 @@ TEST(PbrtLights, DistantLightShinesFromTheFirstPointToTheSecond) {
       "\"float illuminance\" 1000");
   const auto to_light = normalized(distant.to_light);
   EXPECT_NEAR(to_light.y, -1, 1e-15);
-  EXPECT_EQ(distant.illuminance_lx, Rgb<double>(1000));
+  EXPECT_EQ(distant.illuminance_lx, Rgb(1000));
   EXPECT_EQ(normalized(light_of<DistantLightParams>("LightSource \"distant\"").to_light),
-            Vec3<double>(0, 0, -1));
+            Vec3(0, 0, -1));
 }
 
 TEST(PbrtLights, IlluminanceOfAnInfiniteLightIsPiTimesItsRadiance) {
@@ -241,11 +240,11 @@ TEST(PbrtLights, GoniometricLightsWithoutAFileTakeAnyTransform) {
       "\"float power\" 100");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene), "");
-  const auto made = GoniometricLight<double>::create(
-      std::get<GoniometricLightParams>(scene->lights.at(0).params));
+  const auto made =
+      GoniometricLight::create(std::get<GoniometricLightParams>(scene->lights.at(0).params));
   ASSERT_TRUE(made.ok()) << made.status();
-  EXPECT_EQ(made->params().position_m, Vec3<double>(1, 2, 3));
-  for (const Vec3<double>& way : {Vec3<double>{1, 0, 0}, {0, .6, -.8}, {0, 0, 1}})
+  EXPECT_EQ(made->params().position_m, Vec3(1, 2, 3));
+  for (const Vec3& way : {Vec3{1, 0, 0}, {0, .6, -.8}, {0, 0, 1}})
     EXPECT_NEAR(made->intensity(way).g, 100 / (4 * std::numbers::pi), 1e-12);
 }
 

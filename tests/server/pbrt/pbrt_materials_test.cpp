@@ -16,13 +16,13 @@ using testing::remarks_of;
 using testing::world_error_of;
 
 /// The reflectance of the disk after `text`, and the remarks.
-std::pair<Rgb<double>, std::string> surface(const std::string& text) {
+std::pair<Rgb, std::string> surface(const std::string& text) {
   const auto scene = load_world(text + " Shape \"disk\"");
   if (!scene.ok() || scene->shapes.size() != 1) {
     ADD_FAILURE() << text << ": " << scene.status();
     return {};
   }
-  const Rgb<double>* reflectance = scene->materials.at(scene->shapes[0].material).plain_diffuse();
+  const Rgb* reflectance = scene->materials.at(scene->shapes[0].material).plain_diffuse();
   if (reflectance == nullptr) {
     ADD_FAILURE() << text << ": not diffuse without textures";
     return {};
@@ -45,14 +45,13 @@ Params params_of(const std::string& text) {
 }
 
 TEST(PbrtMaterials, DiffuseTakesRgbFloatAndConstantSpectra) {
-  const std::pair<const char*, Rgb<double>> kCases[] = {
-      {"", Rgb<double>(.5)},
-      {"Material \"diffuse\"", Rgb<double>(.5)},
+  const std::pair<const char*, Rgb> kCases[] = {
+      {"", Rgb(.5)},
+      {"Material \"diffuse\"", Rgb(.5)},
       {"Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3]", {.1, .2, .3}},
-      {"Material \"diffuse\" \"float reflectance\" .7", Rgb<double>(.7)},
-      {"Material \"diffuse\" \"spectrum reflectance\" [300 .3 900 .3]", Rgb<double>(.3)},
-      {"Attribute \"material\" \"rgb reflectance\" [.1 .1 .1] Material \"diffuse\"",
-       Rgb<double>(.1)},
+      {"Material \"diffuse\" \"float reflectance\" .7", Rgb(.7)},
+      {"Material \"diffuse\" \"spectrum reflectance\" [300 .3 900 .3]", Rgb(.3)},
+      {"Attribute \"material\" \"rgb reflectance\" [.1 .1 .1] Material \"diffuse\"", Rgb(.1)},
       {"Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.2 .4 .6] Texture \"s\" "
        "\"spectrum\" "
        "\"scale\" \"texture tex\" \"t\" \"float scale\" .5 Material \"diffuse\" \"texture "
@@ -66,7 +65,7 @@ TEST(PbrtMaterials, DiffuseTakesRgbFloatAndConstantSpectra) {
       {"Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [.2 .2 .2] \"rgb tex2\" [.6 .6 .6] \"float "
        "amount\" "
        ".25 Material \"diffuse\" \"texture reflectance\" \"m\"",
-       Rgb<double>(.2 * .75 + .6 * .25)},
+       Rgb(.2 * .75 + .6 * .25)},
   };
   for (const auto& [text, expected] : kCases) {
     const auto [reflectance, remarks] = surface(text);
@@ -77,7 +76,7 @@ TEST(PbrtMaterials, DiffuseTakesRgbFloatAndConstantSpectra) {
 
 // The values are sums over steps of 0.001 nm, by numpy, of the same CIE tables.
 TEST(PbrtMaterials, ASpectrumBecomesItsColourUnderD65) {
-  const std::pair<const char*, Rgb<double>> kCases[] = {
+  const std::pair<const char*, Rgb> kCases[] = {
       {"\"spectrum reflectance\" [400 .2 700 .8]", {0.68232741, 0.48638649, 0.28096239}},
       {"\"spectrum reflectance\" [360 .1 560 .1 600 .7 830 .7]",
        {0.80936906, 0.13444573, 0.08145703}},
@@ -113,8 +112,7 @@ TEST(PbrtMaterials, AReflectanceMayBeAFileOfSamples) {
               "Shape \"disk\"");
   const auto scene = files.load("scene.pbrt");
   ASSERT_TRUE(scene.ok()) << scene.status();
-  const Rgb<double>* reflectance =
-      scene->materials.at(scene->shapes.at(0).material).plain_diffuse();
+  const Rgb* reflectance = scene->materials.at(scene->shapes.at(0).material).plain_diffuse();
   ASSERT_NE(reflectance, nullptr);
   EXPECT_NEAR(reflectance->g, 0.48638649, 1e-7);
   EXPECT_EQ(remarks_of(*scene), "");
@@ -143,7 +141,7 @@ TEST(PbrtMaterials, OthersBecomeDiffuseWithARemark) {
   };
   for (const auto& [text, expected, remark] : kCases) {
     const auto [reflectance, remarks] = surface(text);
-    EXPECT_EQ(reflectance, Rgb<double>(expected)) << text;
+    EXPECT_EQ(reflectance, Rgb(expected)) << text;
     EXPECT_EQ(remarks, remark) << text;
   }
 }
@@ -152,7 +150,7 @@ TEST(PbrtMaterials, MetalsHaveTheIndexOfTheirSpectra) {
   const auto flat = params_of<MetalParams>(
       "Material \"conductor\" \"spectrum eta\" [360 .2 830 .2] \"spectrum k\" [360 3 830 3] "
       "\"float roughness\" .3 \"bool remaproughness\" false");
-  for (const auto channel : {&Rgb<double>::r, &Rgb<double>::g, &Rgb<double>::b}) {
+  for (const auto channel : {&Rgb::r, &Rgb::g, &Rgb::b}) {
     EXPECT_NEAR(flat.eta.constant.*channel, 0.2, 1e-5);
     EXPECT_NEAR(flat.k.constant.*channel, 3, 1e-4);
   }
@@ -171,7 +169,7 @@ TEST(PbrtMaterials, MetalsHaveTheIndexOfTheirSpectra) {
   EXPECT_GT(copper.k.constant.r, copper.k.constant.b);
   EXPECT_EQ(params_of<MetalParams>("Material \"conductor\" \"rgb reflectance\" [.9 .5 .1]")
                 .reflectance->constant,
-            (Rgb<double>{.9, .5, .1}));
+            (Rgb{.9, .5, .1}));
 }
 
 TEST(PbrtMaterials, OtherMaterialsKeepTheirParameters) {
@@ -185,13 +183,13 @@ TEST(PbrtMaterials, OtherMaterialsKeepTheirParameters) {
       1.4);
   const auto leaf = params_of<DiffuseTransmissionParams>(
       "Material \"diffusetransmission\" \"rgb transmittance\" [.5 .5 .5] \"float scale\" .8");
-  EXPECT_EQ(leaf.reflectance.constant, Rgb<double>(.25));
-  EXPECT_EQ(leaf.transmittance.constant, Rgb<double>(.5));
+  EXPECT_EQ(leaf.reflectance.constant, Rgb(.25));
+  EXPECT_EQ(leaf.transmittance.constant, Rgb(.5));
   EXPECT_EQ(leaf.scale, .8);
   const auto paint = params_of<CoatedDiffuseParams>(
       "Material \"coateddiffuse\" \"rgb reflectance\" [.2 .2 .2] \"float roughness\" .1 "
       "\"float thickness\" .02 \"float eta\" 1.6");
-  EXPECT_EQ(paint.reflectance.constant, Rgb<double>(.2));
+  EXPECT_EQ(paint.reflectance.constant, Rgb(.2));
   EXPECT_EQ(paint.coat.roughness.u.constant, .1);
   EXPECT_EQ(paint.coat.thickness.constant, .02);
   EXPECT_EQ(paint.coat.eta.constant, 1.6);
@@ -210,7 +208,7 @@ TEST(PbrtMaterials, MixesReferToTheirParts) {
       "MakeNamedMaterial \"b\" \"string type\" \"conductor\" Shape \"disk\"");
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto& mix = std::get<MixParams>(scene->materials.at(scene->shapes[0].material).params);
-  EXPECT_EQ(*scene->materials[mix.materials[0]].plain_diffuse(), Rgb<double>(.3));
+  EXPECT_EQ(*scene->materials[mix.materials[0]].plain_diffuse(), Rgb(.3));
   EXPECT_TRUE(std::holds_alternative<MetalParams>(scene->materials[mix.materials[1]].params));
   EXPECT_EQ(mix.amount.constant, .3);
 }
@@ -235,8 +233,8 @@ TEST(PbrtMaterials, TexturesThatVaryBecomeNodes) {
   EXPECT_TRUE(scene->shapes[0].has_uv);
   const ColourValue& value =
       std::get<DiffuseParams>(scene->materials.at(scene->shapes[0].material).params).reflectance;
-  EXPECT_EQ(scene->textures(value, {.uv = {0.05, 0.5}}), Rgb<double>(.35));
-  EXPECT_EQ(scene->textures(value, {.uv = {0.2, 0.5}}), Rgb<double>(.05));
+  EXPECT_EQ(scene->textures(value, {.uv = {0.05, 0.5}}), Rgb(.35));
+  EXPECT_EQ(scene->textures(value, {.uv = {0.2, 0.5}}), Rgb(.05));
 }
 
 TEST(PbrtMaterials, NamedMaterialsMayBeUsedBeforeTheirDefinition) {
@@ -245,7 +243,7 @@ TEST(PbrtMaterials, NamedMaterialsMayBeUsedBeforeTheirDefinition) {
       "\"rgb reflectance\" [.3 .3 .3] Shape \"disk\" Material \"diffuse\" Material \"conductor\"");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(scene->materials.size(), 1U);  // unused materials are not built
-  EXPECT_EQ(*scene->materials[scene->shapes[1].material].plain_diffuse(), Rgb<double>(.3));
+  EXPECT_EQ(*scene->materials[scene->shapes[1].material].plain_diffuse(), Rgb(.3));
   EXPECT_EQ(remarks_of(*scene), "");
 }
 

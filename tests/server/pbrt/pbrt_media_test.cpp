@@ -19,8 +19,8 @@ TEST(PbrtMedia, CoefficientsAreAbsorptionPerMetreTimesTheScale) {
       "\"spectrum sigma_a\" [360 0.8 830 0.8] \"spectrum sigma_s\" [360 0 830 0]");
   ASSERT_TRUE(scene.ok()) << scene.status();
   ASSERT_EQ(scene->media.size(), 2U);
-  EXPECT_EQ(scene->media[0].absorption_per_m, Rgb<double>(2, 4, 6));
-  EXPECT_EQ(scene->media[1].absorption_per_m, Rgb<double>(0.8));
+  EXPECT_EQ(scene->media[0].absorption_per_m, Rgb(2, 4, 6));
+  EXPECT_EQ(scene->media[1].absorption_per_m, Rgb(0.8));
   EXPECT_EQ(remarks_of(*scene), "");
 }
 
@@ -29,7 +29,7 @@ TEST(PbrtMedia, AttributesApplyAndTheDefaultIsThatOfPbrt) {
       "AttributeBegin Attribute \"medium\" \"float scale\" 10 MakeNamedMedium \"a\" "
       "\"string type\" \"homogeneous\" \"rgb sigma_s\" [0 0 0] AttributeEnd");
   ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(scene->media[0].absorption_per_m, Rgb<double>(.0011, .0024, .014) * 10.0);
+  EXPECT_EQ(scene->media[0].absorption_per_m, Rgb(.0011, .0024, .014) * 10.0);
 }
 
 TEST(PbrtMedia, SurfacesSeparateTheMediaOfTheInterface) {

@@ -40,9 +40,9 @@ TEST(PbrtPhotometric, ALuminaireShinesAlongZ) {
   const auto p = luminaire("LightSource \"goniometric\" \"string filename\" \"lamp.ies\"");
   EXPECT_EQ(p.file, "lamp.ies");
   EXPECT_EQ(p.format, "IES LM-63-2002, type C");
-  const auto l = *GoniometricLight<double>::create(p);
-  EXPECT_EQ(l.intensity({0, 0, 1}), Rgb<double>(100));
-  EXPECT_EQ(l.intensity({0, 0, -1}), Rgb<double>());
+  const auto l = *GoniometricLight::create(p);
+  EXPECT_EQ(l.intensity({0, 0, 1}), Rgb(100));
+  EXPECT_EQ(l.intensity({0, 0, -1}), Rgb());
   EXPECT_NEAR(luminance(l.power({}).lumens), 200 * kPi, 1e-9);
 }
 
@@ -56,8 +56,7 @@ TEST(PbrtPhotometric, TypesAAndBHaveTheirPoles) {
                            " 2 0 0 0\n1 1 50\n-90 0 90\n-90 0 90\n" + candela);
     EXPECT_TRUE(scene.ok()) << scene.status();
     EXPECT_EQ(remarks_of(*scene), "");
-    return *GoniometricLight<double>::create(
-        std::get<GoniometricLightParams>(scene->lights.at(0).params));
+    return *GoniometricLight::create(std::get<GoniometricLightParams>(scene->lights.at(0).params));
   };
   // All V at H = -90, 0, 90.
   const auto b = light("2", "3 3 3\n1 9 5\n7 7 7\n");
@@ -93,9 +92,9 @@ TEST(PbrtPhotometric, APointHasARemarkAboutItsOpeningAndAPanelHasNone) {
 
 TEST(PbrtPhotometric, ScaleMultipliesTheCandelaAndPowerSetsTheTotal) {
   const std::string source = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\" ";
-  EXPECT_EQ(luminaire(source + "\"float scale\" 3").intensity, Rgb<double>(3));
-  EXPECT_EQ(luminaire(source + "\"rgb I\" [1 2 3]").intensity, Rgb<double>(1, 2, 3));
-  const auto l = *GoniometricLight<double>::create(luminaire(source + "\"float power\" 5000"));
+  EXPECT_EQ(luminaire(source + "\"float scale\" 3").intensity, Rgb(3));
+  EXPECT_EQ(luminaire(source + "\"rgb I\" [1 2 3]").intensity, Rgb(1, 2, 3));
+  const auto l = *GoniometricLight::create(luminaire(source + "\"float power\" 5000"));
   EXPECT_NEAR(luminance(l.power({}).lumens), 5000, 1e-8);
   const auto black = load_luminaire(source + "\"float power\" 5000",
                                     "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n0 0\n");
@@ -105,16 +104,16 @@ TEST(PbrtPhotometric, ScaleMultipliesTheCandelaAndPowerSetsTheTotal) {
 TEST(PbrtPhotometric, TransformsMoveRotateMirrorAndStretch) {
   const std::string source = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\"";
   const auto p = luminaire("Translate 1 2 3 Rotate 180 1 0 0 Scale 2 2 2 " + source);
-  EXPECT_EQ(p.position_m, Vec3<double>(1, 2, 3));
-  const auto l = *GoniometricLight<double>::create(p);
-  EXPECT_EQ(l.intensity({0, 0, -1}), Rgb<double>(100));
-  EXPECT_EQ(l.intensity({0, 0, 1}), Rgb<double>());
+  EXPECT_EQ(p.position_m, Vec3(1, 2, 3));
+  const auto l = *GoniometricLight::create(p);
+  EXPECT_EQ(l.intensity({0, 0, -1}), Rgb(100));
+  EXPECT_EQ(l.intensity({0, 0, 1}), Rgb());
   luminaire("Scale 1 1 -1 " + source);
-  const auto stretched = *GoniometricLight<double>::create(luminaire("Scale 1 1 2 " + source));
-  const auto plain = *GoniometricLight<double>::create(luminaire(source));
+  const auto stretched = *GoniometricLight::create(luminaire("Scale 1 1 2 " + source));
+  const auto plain = *GoniometricLight::create(luminaire(source));
   for (const double x : {0.0, 0.25, 0.5, 1.0})
-    EXPECT_NEAR(stretched.intensity(normalized(Vec3<double>{x, 0, 2})).g,
-                plain.intensity(normalized(Vec3<double>{x, 0, 1})).g, 1e-9);
+    EXPECT_NEAR(stretched.intensity(normalized(Vec3{x, 0, 2})).g,
+                plain.intensity(normalized(Vec3{x, 0, 1})).g, 1e-9);
 }
 
 TEST(PbrtPhotometric, WithoutAFileItIsAPointLight) {

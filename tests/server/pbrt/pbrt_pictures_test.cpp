@@ -31,18 +31,18 @@ SceneDescription load_data(const std::string& name) {
 }
 
 /// The radiance of the only sky towards +x and a little up [cd/m2].
-Rgb<double> sky_of(const SceneDescription& scene) {
+Rgb sky_of(const SceneDescription& scene) {
   const auto& sky = std::get<ImageInfiniteLightParams>(scene.lights.at(0).params);
   return sky.map->lookup({1, 0.1, 0.1}) * sky.radiance_cd_m2;
 }
 
 TEST(PbrtPictures, RadianceSkiesMeanWhatTheirHeadersSay) {
   const SceneDescription exposed = load_data("hdr_exposure.pbrt");
-  EXPECT_EQ(sky_of(exposed), Rgb<double>(1));
+  EXPECT_EQ(sky_of(exposed), Rgb(1));
   EXPECT_EQ(remarks_of(exposed), "");
   // The second row from the top: +Y stores rows from the bottom.
   const SceneDescription upright = load_data("hdr_plusY.pbrt");
-  EXPECT_EQ(sky_of(upright), Rgb<double>(2, 1.25, 0.5));
+  EXPECT_EQ(sky_of(upright), Rgb(2, 1.25, 0.5));
   EXPECT_EQ(remarks_of(upright), "");
   // X = Y = Z = 2.
   const SceneDescription xyz = load_data("hdr_xyze.pbrt");
@@ -91,7 +91,7 @@ TEST(PbrtPictures, ColourSpacesFollowBlocksAndIgnoreCase) {
   const auto intensity = [&](std::size_t i) {
     return std::get<PointLightParams>(scene->lights.at(i).params).intensity_cd;
   };
-  EXPECT_EQ(intensity(0), Rgb<double>(0.5, 0.5, 0.25));
+  EXPECT_EQ(intensity(0), Rgb(0.5, 0.5, 0.25));
   // [BT2087]
   EXPECT_NEAR(intensity(1).r, (1.6605 - 0.5876) / 2 - 0.0728 / 4, 1e-4);
   EXPECT_EQ(intensity(2), intensity(0));
@@ -131,7 +131,7 @@ TEST(PbrtPictures, AnUnreadableTextureIsGrey) {
     const auto scene = files.load("scene.pbrt");
     ASSERT_TRUE(scene.ok()) << scene.status();
     EXPECT_EQ(std::get<DiffuseParams>(scene->materials.back().params).reflectance.constant,
-              Rgb<double>(0.5));
+              Rgb(0.5));
     // A grey alpha would let half of the rays pass.
     EXPECT_TRUE(scene->shapes.at(0).alpha.is_constant());
     EXPECT_EQ(scene->shapes.at(0).alpha.constant, 1);

@@ -30,7 +30,7 @@ TEST(PbrtPly, NormalsWithoutDirectionBecomeTheMeanOfTheFacesAround) {
     const auto& mesh = std::get<TriangleMeshData>(scene->shapes.at(0).geometry);
     ASSERT_EQ(mesh.normals.size(), 6U);
     for (const std::size_t vertex : {2, 3})
-      EXPECT_NEAR(length(mesh.normals[vertex] - Vec3<float>(0, 0, 1)), 0, 0.35) << ridge;
+      EXPECT_NEAR(length(mesh.normals[vertex] - Vec3f(0, 0, 1)), 0, 0.35) << ridge;
     // The other normals decide the winding.
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
       const auto p = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };

@@ -51,17 +51,17 @@ const double kHalfPurple = (0.2126390058715104 + 0.0721923153607337) / 2;  // me
 TEST(PbrtProjection, DefaultsArePbrt4s) {
   const auto p =
       projection_light<ProjectionLightParams>(kSlide + "\"float scale\" 3", "Translate 1 2 3");
-  EXPECT_EQ(p.position_m, Vec3<double>(1, 2, 3));
-  EXPECT_EQ(p.intensity_cd, Rgb<double>(3));
+  EXPECT_EQ(p.position_m, Vec3(1, 2, 3));
+  EXPECT_EQ(p.intensity_cd, Rgb(3));
   EXPECT_EQ(p.image_name, "slide.pfm");
   EXPECT_EQ(p.picture->params().fov_rad, 90 * kDegree);
   EXPECT_EQ(p.picture->params().aspect, 2);
   EXPECT_EQ(p.picture->params().filter, ImageFilter::kNearest);
   // Its upper half has y > 0.
-  const auto made = *ProjectionLight<double>::create(p);
-  EXPECT_EQ(made.intensity({1.9, 0.9, 1}), Rgb<double>(3, 0, 0));
-  EXPECT_EQ(made.intensity({1.9, -0.9, 1}), Rgb<double>(0, 0, 3));
-  EXPECT_EQ(made.intensity({2.1, 0.9, 1}), Rgb<double>());
+  const auto made = *ProjectionLight::create(p);
+  EXPECT_EQ(made.intensity({1.9, 0.9, 1}), Rgb(3, 0, 0));
+  EXPECT_EQ(made.intensity({1.9, -0.9, 1}), Rgb(0, 0, 3));
+  EXPECT_EQ(made.intensity({2.1, 0.9, 1}), Rgb());
 }
 
 TEST(PbrtProjection, ScaleAlongTheLightsAxesChangesTheExtentOfThePicture) {
@@ -75,7 +75,7 @@ TEST(PbrtProjection, ScaleAlongTheLightsAxesChangesTheExtentOfThePicture) {
   // Equal scale changes nothing; a mirror changes only the side.
   const auto q = projection_light<ProjectionLightParams>(kSlide, "Scale -5 5 5");
   EXPECT_EQ(q.picture->params().fov_rad, 90 * kDegree);
-  EXPECT_EQ(q.axes.s, Vec3<double>(-5, 0, 0));
+  EXPECT_EQ(q.axes.s, Vec3(-5, 0, 0));
   const auto beam = projection_light<BeamLightParams>(
       kSlide + "\"string projection\" \"orthographic\" \"float extent\" 0.5", "Scale 3 2 7");
   EXPECT_EQ(beam.width_m, 3);  // 0.5 times the aspect of 2, times 3
@@ -94,22 +94,22 @@ TEST(PbrtProjection, PowerEqualsThatOfPbrt4) {
   // The rectangle of half sides 2 and 1 covers 4 asin(2 / sqrt 5 / sqrt 2).
   const double lumens = p.intensity_cd.g * kHalfPurple * 4 * std::asin(2 / std::sqrt(10.0));
   EXPECT_THAT(remarks_of(*scene), HasSubstr("from the same intensity as in pbrt-v4"));
-  EXPECT_NEAR(luminance(ProjectionLight<double>::create(p)->power({}).lumens), lumens, 1e-9);
+  EXPECT_NEAR(luminance(ProjectionLight::create(p)->power({}).lumens), lumens, 1e-9);
   EXPECT_THAT(remarks_of(*scene), HasSubstr(std::to_string(lumens).substr(0, 5)));
 }
 
 TEST(PbrtProjection, PowerIsExactForLightsThatPbrt4Lacks) {
   const auto bilinear = projection_light<ProjectionLightParams>(
       kSlide + "\"string filter\" \"bilinear\" \"float power\" 100");
-  EXPECT_NEAR(luminance(ProjectionLight<double>::create(bilinear)->power({}).lumens), 100, 1e-9);
+  EXPECT_NEAR(luminance(ProjectionLight::create(bilinear)->power({}).lumens), 100, 1e-9);
   const auto even = projection_light<ProjectionLightParams>("\"float power\" 100 \"float fov\" 40");
   EXPECT_EQ(even.picture->params().image, nullptr);
-  EXPECT_NEAR(luminance(ProjectionLight<double>::create(even)->power({}).lumens), 100, 1e-9);
+  EXPECT_NEAR(luminance(ProjectionLight::create(even)->power({}).lumens), 100, 1e-9);
   const std::string beam = "\"string projection\" \"orthographic\" \"float power\" 100 ";
   const auto with_picture = projection_light<BeamLightParams>(kSlide + beam);
   EXPECT_EQ(with_picture.width_m, 2);
   EXPECT_EQ(with_picture.height_m, 1);
-  EXPECT_NEAR(luminance(BeamLight<double>::create(with_picture)->power({}).lumens), 100, 1e-9);
+  EXPECT_NEAR(luminance(BeamLight::create(with_picture)->power({}).lumens), 100, 1e-9);
   EXPECT_NEAR(projection_light<BeamLightParams>(beam + "\"float extent\" 2").illuminance_lx.g, 25,
               1e-12);
 }
@@ -117,7 +117,7 @@ TEST(PbrtProjection, PowerIsExactForLightsThatPbrt4Lacks) {
 TEST(PbrtProjection, ColourMultipliesThePicture) {
   const auto p =
       projection_light<ProjectionLightParams>(kSlide + "\"rgb I\" [1 2 3] \"float scale\" 2");
-  EXPECT_EQ(p.intensity_cd, Rgb<double>(2, 4, 6));
+  EXPECT_EQ(p.intensity_cd, Rgb(2, 4, 6));
 }
 
 // The texels of the picture are RGB, so there is no spectrum to multiply.
@@ -192,7 +192,7 @@ TEST(PbrtProjection, PicturesOfOneTexelOrOneRowAreExact) {
   // One row, red: a rectangle of half sides a and b.
   const double b = std::tan(0.5 * kDegree), a = 1e5 * b;
   const double sr = 4 * std::asin(a / std::hypot(1, a) * b / std::hypot(1, b));
-  EXPECT_NEAR(ProjectionLight<double>::create(p)->power({}).lumens.r, sr, 1e-9 * sr);
+  EXPECT_NEAR(ProjectionLight::create(p)->power({}).lumens.r, sr, 1e-9 * sr);
 }
 
 TEST(PbrtProjection, APictureThatLightsShareIsReadAndCountedOnce) {

@@ -66,15 +66,15 @@ TEST(PbrtReference, ScenesLoadWithoutRemarks) {
 
 TEST(PbrtReference, LightsHaveTheLevelsOfTheFiles) {
   const auto spot = std::get<SpotLightParams>(reference("spot").lights[0].params);
-  EXPECT_EQ(spot.intensity_cd, Rgb<double>(40));
-  EXPECT_EQ(spot.position_m, Vec3<double>(2, -2.5, 3.5));
+  EXPECT_EQ(spot.intensity_cd, Rgb(40));
+  EXPECT_EQ(spot.position_m, Vec3(2, -2.5, 3.5));
   EXPECT_NEAR(spot.falloff_start_rad * 180 / M_PI, 18, 1e-12);
   const auto hard = std::get<SpotLightParams>(reference("spot_hard").lights[0].params);
   EXPECT_EQ(hard.falloff_start_rad, hard.cone_half_angle_rad);
   const auto point = std::get<PointLightParams>(reference("point_power").lights[0].params);
   EXPECT_NEAR(point.intensity_cd.b, 150 / (4 * M_PI), 1e-12);
   const auto distant = std::get<DistantLightParams>(reference("distant").lights[0].params);
-  EXPECT_EQ(distant.to_light, Vec3<double>(1.5, -2, 3));
+  EXPECT_EQ(distant.to_light, Vec3(1.5, -2, 3));
 }
 
 TEST(PbrtReference, TheRectangleShinesDownAndTheDiskTowardsTheScene) {
@@ -92,7 +92,7 @@ TEST(PbrtReference, TheBallIsAClosedSurfaceWithNormalsThatLeaveIt) {
   ASSERT_EQ(ball.positions.size(), 2112U);
   ASSERT_EQ(ball.indices.size(), 3 * 3968U);
   double volume = 0;
-  Vec3<double> centre{};
+  Vec3 centre{};
   for (const auto& position : ball.positions) centre += position / 2112.0;
   for (std::size_t i = 0; i < ball.indices.size(); i += 3) {
     const auto p = [&](int k) { return ball.positions[ball.indices[i + k]] - centre; };
@@ -100,7 +100,7 @@ TEST(PbrtReference, TheBallIsAClosedSurfaceWithNormalsThatLeaveIt) {
   }
   EXPECT_GT(volume, 0);
   for (std::size_t i = 0; i < ball.positions.size(); ++i)
-    EXPECT_GT(dot(Vec3<double>(ball.normals[i]), ball.positions[i] - centre), 0);
+    EXPECT_GT(dot(Vec3(ball.normals[i]), ball.positions[i] - centre), 0);
 }
 
 // Tests of the calls load this scene, so a light or a shape that is missing here is not tested.

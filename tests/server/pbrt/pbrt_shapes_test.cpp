@@ -98,10 +98,9 @@ TEST(PbrtShapes, InstancesComposeTheirTransformWithThoseInTheDefinition) {
   EXPECT_EQ(object.name, "o");
   // Translate 1 0 0 is in force at the definition: world = instance * definition.
   EXPECT_EQ(std::get<SphereParams>(object.shapes[0].geometry).world_from_object.point({1, 0, 0}),
-            Vec3<double>(3, 0, 0));
-  EXPECT_EQ(std::get<TriangleMeshData>(object.shapes[1].geometry).positions[1],
-            Vec3<double>(3, 0, 0));
-  EXPECT_EQ(scene->instances[1].world_from_object.point({3, 0, 0}), Vec3<double>(3, 0, 10));
+            Vec3(3, 0, 0));
+  EXPECT_EQ(std::get<TriangleMeshData>(object.shapes[1].geometry).positions[1], Vec3(3, 0, 0));
+  EXPECT_EQ(scene->instances[1].world_from_object.point({3, 0, 0}), Vec3(3, 0, 10));
 }
 
 TEST(PbrtShapes, InstancesMayStandBeforeTheirObject) {
@@ -120,7 +119,7 @@ TEST(PbrtShapes, LoopSubdivisionGivesTrianglesOfTheLimitSurface) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene), "");
   const auto& coarse = std::get<TriangleMeshData>(scene->shapes[0].geometry);
-  EXPECT_LT(length(coarse.positions[1] - Vec3<double>{3, 1, 4}), 1e-14);
+  EXPECT_LT(length(coarse.positions[1] - Vec3{3, 1, 4}), 1e-14);
   EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes[1].geometry).indices.size(), 3 * 64U);
   // The outside is against the winding of the control mesh, as in pbrt-v4.
   EXPECT_EQ(outside_z(kLoop), -1);
@@ -159,14 +158,14 @@ TEST(PbrtShapes, CurvesKeepTheirKindWidthAndPlace) {
   const auto curve = [&](int i, std::size_t k) { return cubic_curve(data(i), k); };
   EXPECT_EQ(data(0).kind, CurveKind::kFlat);
   EXPECT_NEAR(curve(0, 0).start_width_m, 2, 1e-15);
-  EXPECT_EQ(curve(0, 0).points[3], Vec3<double>(5, 0, 6));
+  EXPECT_EQ(curve(0, 0).points[3], Vec3(5, 0, 6));
   EXPECT_EQ(data(1).kind, CurveKind::kCylinder);
   EXPECT_NEAR(curve(1, 0).start_width_m, 1, 1e-15);
   EXPECT_NEAR(curve(1, 0).end_width_m, 0.5, 1e-15);
   EXPECT_EQ(data(2).kind, CurveKind::kRibbon);
   ASSERT_EQ(data(2).count(), 2U);
-  EXPECT_EQ(curve(2, 0).normals[0], Vec3<double>(1, 0, 0));
-  EXPECT_EQ(curve(2, 1).normals[0], Vec3<double>(0, 1, 0));
+  EXPECT_EQ(curve(2, 0).normals[0], Vec3(1, 0, 0));
+  EXPECT_EQ(curve(2, 1).normals[0], Vec3(0, 1, 0));
 }
 
 TEST(PbrtShapes, CurvesReportWhatIsNotModelled) {
@@ -207,7 +206,7 @@ TEST(PbrtShapes, SpheresAndDisksKeepTheirParametersAndTransform) {
   EXPECT_EQ(sphere.z_min_m, -.5);
   EXPECT_EQ(sphere.z_max_m, 1);
   EXPECT_NEAR(sphere.phi_max_rad, std::numbers::pi / 2, 1e-15);
-  EXPECT_EQ(sphere.world_from_object.point({0, 0, 0}), Vec3<double>(1, 2, 3));
+  EXPECT_EQ(sphere.world_from_object.point({0, 0, 0}), Vec3(1, 2, 3));
   const auto& disk = std::get<DiskParams>(scene->shapes[1].geometry);
   EXPECT_EQ(disk.radius_m, 3);
   EXPECT_EQ(disk.inner_radius_m, 1);
@@ -235,7 +234,7 @@ TEST(PbrtShapes, CylindersKeepTheirParametersAndHavePbrtsDefaults) {
   EXPECT_EQ(part.z_max_m, 4);
   EXPECT_NEAR(part.phi_max_rad, std::numbers::pi, 1e-15);
   EXPECT_TRUE(part.reverse_orientation);
-  EXPECT_EQ(part.world_from_object.point({0, 0, 0}), Vec3<double>(1, 2, 3));
+  EXPECT_EQ(part.world_from_object.point({0, 0, 0}), Vec3(1, 2, 3));
 }
 
 TEST(PbrtShapes, WrongMeshesAreRefused) {
@@ -369,8 +368,7 @@ TEST(PbrtShapes, PlyMeshesComeFromTheirFileAndItsErrorsNameBoth) {
   files.write("m/a.ply", header + "0 0 0 1 0 0 0 1 0 3 0 1 2");
   const auto scene = files.load("scene.pbrt");
   ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes[0].geometry).positions[2],
-            Vec3<double>(0, 1, 1));
+  EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes[0].geometry).positions[2], Vec3(0, 1, 1));
   EXPECT_EQ(scene->assets[1].name, "m/a.ply");
   files.write("m/a.ply", header + "0 0 0 1 0 0 0 nan 0 3 0 1 2");
   EXPECT_EQ(message(files.load("scene.pbrt").status()),

@@ -201,7 +201,7 @@ TEST(PbrtSyntax, IncludedFilesContinueTheFileThatIncludesThem) {
   const auto scene = files.load("sub/main.pbrt");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(std::get<SphereParams>(scene->shapes[0].geometry).world_from_object.point({0, 0, 0}),
-            Vec3<double>(1, 2, 3));
+            Vec3(1, 2, 3));
   ASSERT_EQ(scene->assets.size(), 2U);
   EXPECT_EQ(scene->assets[1].name, "sub/parts/a.pbrt");
 }
@@ -219,8 +219,7 @@ TEST(PbrtSyntax, CompressedFilesReadAsTheirContent) {
               "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
   const auto scene = files.load("main.pbrt.gz");
   ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes[0].geometry).positions[1],
-            Vec3<double>(2, 2, 3));
+  EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes[0].geometry).positions[1], Vec3(2, 2, 3));
   ASSERT_EQ(scene->assets.size(), 3U);
   EXPECT_EQ(scene->assets[0].bytes, gzipped(main).size());
 
@@ -271,9 +270,9 @@ TEST(PbrtSyntax, ImportKeepsItsStateToItself) {
   const auto scene = files.load("main.pbrt");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(std::get<SphereParams>(scene->shapes[0].geometry).world_from_object.point({0, 0, 0}),
-            Vec3<double>(1, 0, 0));
+            Vec3(1, 0, 0));
   EXPECT_EQ(std::get<SphereParams>(scene->shapes[1].geometry).world_from_object.point({0, 0, 0}),
-            Vec3<double>(0, 0, 0));
+            Vec3(0, 0, 0));
   files.write("a.pbrt", "AttributeBegin");
   EXPECT_EQ(message(files.load("main.pbrt").status()),
             "a.pbrt:1:1: AttributeBegin is not closed in this imported file");

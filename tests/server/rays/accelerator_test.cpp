@@ -24,9 +24,8 @@ GeometrySet triangle(float z) {
   return {.vertices = {{0, 0, z}, {1, 0, z}, {0, 1, z}}, .triangles = {0, 1, 2}};
 }
 
-Sphere<double> sphere(double radius, const Vec3<double>& centre) {
-  return *Sphere<double>::create(
-      {.radius_m = radius, .world_from_object = Transform::translate(centre)});
+Sphere sphere(double radius, const Vec3& centre) {
+  return *Sphere::create({.radius_m = radius, .world_from_object = Transform::translate(centre)});
 }
 
 TEST(Accelerator, FindsATriangleAndItsBarycentrics) {
@@ -46,13 +45,13 @@ TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
   GeometrySet set = triangle(5);
   // Along +z at (0.25, 0.25): sphere at 1..2, disk at 3, twisted patch at 4 + 1/16, triangle at 5,
   // a tube that lies across at 6.5..7.5.
-  set.of<Sphere<double>>() = {sphere(0.5, {0.25, 0.25, 1.5})};
-  set.of<Disk<double>>() = {*Disk<double>::create({.height_m = 3, .radius_m = 1})};
+  set.of<Sphere>() = {sphere(0.5, {0.25, 0.25, 1.5})};
+  set.of<Disk>() = {*Disk::create({.height_m = 3, .radius_m = 1})};
   set.patches = {{{0, 0, 4}, {1, 0, 4}, {0, 1, 4}, {1, 1, 5}}};
-  set.of<Cylinder<double>>() = {
-      *Cylinder<double>::create({.radius_m = 0.5,
-                                 .world_from_object = Transform::translate({0.25, 0, 7}) *
-                                                      *Transform::rotate(M_PI / 2, {1, 0, 0})})};
+  set.of<Cylinder>() = {
+      *Cylinder::create({.radius_m = 0.5,
+                         .world_from_object = Transform::translate({0.25, 0, 7}) *
+                                              *Transform::rotate(M_PI / 2, {1, 0, 0})})};
   const auto a = build_accelerator(std::move(set));
   const Ray ray{{0.25f, 0.25f, 0}, {0, 0, 1}};
   struct Expected {
@@ -86,7 +85,7 @@ TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
 
 TEST(Accelerator, TakesRaysOfAnyLengthInTheirOwnUnits) {
   GeometrySet set;
-  set.of<Sphere<double>>() = {sphere(1, {0, 0, 10})};
+  set.of<Sphere>() = {sphere(1, {0, 0, 10})};
   const auto a = build_accelerator(std::move(set));
   const auto hit = a->closest_hit({{0, 0, 0}, {0, 0, 4}});
   ASSERT_TRUE(hit);
@@ -114,7 +113,7 @@ TEST(Accelerator, TellsOtherObstaclesFromThoseThatAnEndMayLieOn) {
 
 TEST(Accelerator, ASurfaceBehindThatOfTheStartIsAnotherObstacle) {
   GeometrySet set = triangle(1);
-  set.of<Sphere<double>>() = {sphere(1, {0.2, 0.2, 5})};
+  set.of<Sphere>() = {sphere(1, {0.2, 0.2, 5})};
   const auto a = build_accelerator(std::move(set));
   const auto met = [&](const LooseEnds& ends, float t_max) {
     return a->obstacle({{0.2F, 0.2F, 0}, {0, 0, 1}, 0, t_max}, ends, Meets::kSurfaces);
@@ -134,7 +133,7 @@ TEST(Accelerator, TheSurfaceOfAnInstanceMayAlwaysBeThatOfAnEnd) {
 
 TEST(Accelerator, ReportsTheInstanceThatWasHit) {
   GeometrySet object = triangle(0);
-  object.of<Sphere<double>>() = {sphere(1, {0, 0, 8})};
+  object.of<Sphere>() = {sphere(1, {0, 0, 8})};
   const Transform twice = *Transform::scale({2, 2, 2});
   const auto a = build_accelerator(
       {}, {std::move(object)},
@@ -156,16 +155,16 @@ TEST(Accelerator, AgreesWithTryingEveryTriangle) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> u(-1, 1);
   GeometrySet set;
-  std::vector<Triangle<double>> all;
+  std::vector<Triangle> all;
   for (std::uint32_t i = 0; i < 500; ++i) {
-    const Vec3<float> a{u(random), u(random), u(random)};
-    const auto near = [&] { return a + Vec3<float>{u(random), u(random), u(random)} * 0.3f; };
-    const Vec3<float> b = near(), c = near();
+    const Vec3f a{u(random), u(random), u(random)};
+    const auto near = [&] { return a + Vec3f{u(random), u(random), u(random)} * 0.3f; };
+    const Vec3f b = near(), c = near();
     for (const auto& p : {a, b, c}) {
       set.triangles.push_back(static_cast<std::uint32_t>(set.vertices.size()));
       set.vertices.push_back(p);
     }
-    all.push_back({Vec3<double>(a), Vec3<double>(b), Vec3<double>(c)});
+    all.push_back({Vec3(a), Vec3(b), Vec3(c)});
   }
   const auto accelerator = build_accelerator(std::move(set));
   int hits = 0, mismatches = 0;
@@ -173,8 +172,7 @@ TEST(Accelerator, AgreesWithTryingEveryTriangle) {
     const Ray ray{{u(random) * 2, u(random) * 2, u(random) * 2}, {u(random), u(random), u(random)}};
     double nearest = INFINITY;
     for (const auto& t : all)
-      if (const auto h =
-              t.intersect(Vec3<double>(ray.origin), Vec3<double>(ray.direction), 0, nearest))
+      if (const auto h = t.intersect(Vec3(ray.origin), Vec3(ray.direction), 0, nearest))
         nearest = h->t;
     const auto hit = accelerator->closest_hit(ray);
     hits += hit ? 1 : 0;
@@ -262,7 +260,7 @@ TEST(Accelerator, CountsEmbreesMemoryAndItsOwn) {
   GeometrySet many;
   for (int i = 0; i < 10000; ++i) {
     const auto x = static_cast<float>(i);
-    for (const auto& p : {Vec3<float>{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}) {
+    for (const auto& p : {Vec3f{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}) {
       many.triangles.push_back(static_cast<std::uint32_t>(many.vertices.size()));
       many.vertices.push_back(p);
     }

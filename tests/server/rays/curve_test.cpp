@@ -15,7 +15,7 @@ namespace lucerna {
 namespace {
 
 using testing::build;
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 CubicCurve straight(const Vector& from, const Vector& to, double width) {
   return {{from, from + (to - from) / 3.0, from + (to - from) * (2.0 / 3), to}, width, width, {}};
@@ -42,9 +42,9 @@ class Random {
 };
 
 /// The first hit on any piece.
-std::optional<ShapeHit<double>> first_hit(const std::vector<CurvePiece>& pieces, const Vector& o,
-                                          const Vector& d) {
-  std::optional<ShapeHit<double>> best;
+std::optional<ShapeHit> first_hit(const std::vector<CurvePiece>& pieces, const Vector& o,
+                                  const Vector& d) {
+  std::optional<ShapeHit> best;
   for (const CurvePiece& piece : pieces)
     if (const auto hit = piece.intersect(o, d, 0, best ? best->t : 1e30)) best = hit;
   return best;
@@ -54,8 +54,7 @@ std::optional<ShapeHit<double>> first_hit(const std::vector<CurvePiece>& pieces,
 TEST(Curve, StraightTubeHidesWhatACylinderHides) {
   const auto tube = pieces_of(straight({0, 0, -40}, {0, 0, 40}, 0.5), CurveKind::kCylinder, {});
   EXPECT_EQ(tube.size(), 4U);
-  const auto cylinder =
-      *Cylinder<double>::create({.radius_m = 0.25, .z_min_m = -40, .z_max_m = 40});
+  const auto cylinder = *Cylinder::create({.radius_m = 0.25, .z_min_m = -40, .z_max_m = 40});
   Random random;
   int hits = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -165,7 +164,7 @@ TEST(Curve, PiecesJoinWithoutGaps) {
 TEST(Curve, NormalOfATubeTurnsEvenlyOverItsWidth) {
   const auto tube = pieces_of(straight({0, 0, -1}, {0, 0, 1}, 2), CurveKind::kCylinder, {});
   for (const double aside : {-0.9, -0.5, 0.0, 0.3, 0.8}) {
-    Vec2<double> uv;
+    Vec2 uv;
     const auto hit = tube[0].intersect({aside, -5, 0}, {0, 1, 0}, 0, 100, &uv);
     ASSERT_TRUE(hit);
     EXPECT_NEAR(uv.x, 0.5, 1e-9);
@@ -194,16 +193,16 @@ Spawned spawn(const Scene& scene, const Vector& middle, double size) {
   for (int i = 0; i < 5000; ++i) {
     const Vector o = middle + random.direction() * (size * random.in(1, 4)) - scene.origin();
     const Vector target = middle + random.in_cube(size * 0.5) - scene.origin();
-    const auto hit = scene.closest_hit({Vec3<float>(o), Vec3<float>(target - o)});
+    const auto hit = scene.closest_hit({Vec3f(o), Vec3f(target - o)});
     if (!hit) continue;
     const Vector side = dot(hit->ng, o - hit->position) < 0 ? -hit->ng : hit->ng;
     Vector d = random.direction();
     if (i % 3 == 0) d = d - side * dot(d, side) * 0.999;  // nearly along the surface
     if (dot(d, side) < 0) d = -d;
     ++count.rays;
-    count.again += scene.occluded(spawn_ray(*hit, Vec3<float>(d)));
-    Ray back = spawn_ray(*hit, Vec3<float>(side));
-    back.direction = Vec3<float>(-side);
+    count.again += scene.occluded(spawn_ray(*hit, Vec3f(d)));
+    Ray back = spawn_ray(*hit, Vec3f(side));
+    back.direction = Vec3f(-side);
     count.lost += !scene.occluded(back);
   }
   return count;
@@ -260,7 +259,7 @@ TEST(Curve, MovesWithItsShape) {
   for (const double time_s : {0.0, 0.5, 1.0})
     for (const double y : {0.0, 2.0, 4.0}) {
       const Vector o = Vector{0, y + 0.2, 5} - scene->origin();
-      Ray ray{Vec3<float>(o), {0, 0, -1}};
+      Ray ray{Vec3f(o), {0, 0, -1}};
       ray.time_s = time_s;
       EXPECT_EQ(scene->occluded(ray), y == 4 * time_s) << time_s << " " << y;
     }
@@ -278,7 +277,7 @@ TEST(Curve, BlocksShafts) {
     ASSERT_TRUE(receiver);
     // At half the height, the shaft reaches from (y - 0.2) / 2 to (y + 0.2) / 2.
     const bool blocked = (y - 0.2) / 2 < 0.31 && (y + 0.2) / 2 > 0.29;
-    EXPECT_EQ(shafts.is_empty(*receiver, Vec3<float>(receiver->ns), 0), !blocked) << y;
+    EXPECT_EQ(shafts.is_empty(*receiver, Vec3f(receiver->ns), 0), !blocked) << y;
   }
 }
 

@@ -11,9 +11,8 @@ namespace {
 
 /// Alpha 1 for u < 1/2, else 0.
 std::int32_t left_half(SceneDescription& d) {
-  return d.textures.add(
-      CheckerboardTexture{.mapping = {.scale = {2, 1}},
-                          .parts = {ColourValue{Rgb<double>(1)}, ColourValue{Rgb<double>(0)}}});
+  return d.textures.add(CheckerboardTexture{.mapping = {.scale = {2, 1}},
+                                            .parts = {ColourValue{Rgb(1)}, ColourValue{Rgb(0)}}});
 }
 
 /// A surface over (0, 0) to (1, 1) at z = 1 with holes where x > 1/2.
@@ -28,7 +27,7 @@ std::shared_ptr<const Scene> with_holes(ShapeDescription surface) {
 void expect_left_half(const Scene& scene, const char* what) {
   for (const double x : {0.05, 0.3, 0.45, 0.55, 0.7, 0.95})
     for (const double y : {0.1, 0.6}) {
-      const Ray ray{Vec3<float>(Vec3<double>{x, y, 0} - scene.origin()), {0, 0, 2}, 0, 1, 0};
+      const Ray ray{Vec3f(Vec3{x, y, 0} - scene.origin()), {0, 0, 2}, 0, 1, 0};
       EXPECT_EQ(scene.occluded(ray), x < 0.5) << what << " at " << x << ", " << y;
       EXPECT_EQ(scene.closest_hit(ray).has_value(), x < 0.5) << what << " at " << x << ", " << y;
     }
@@ -50,8 +49,8 @@ TEST(CutOuts, RaysPassThroughHolesOfEachKindOfMesh) {
 TEST(CutOuts, RaysMeetTheFarSideOfASphereThroughAHole) {
   // u turns about z from +x, so the half y < 0 is cut away.
   const auto scene = with_holes(shape(SphereParams{.radius_m = 1}));
-  const auto ray = [&](const Vec3<double>& from, const Vec3<double>& way) {
-    return Ray{Vec3<float>(from - scene->origin()), Vec3<float>(way), 0, 10, 0};
+  const auto ray = [&](const Vec3& from, const Vec3& way) {
+    return Ray{Vec3f(from - scene->origin()), Vec3f(way), 0, 10, 0};
   };
   const auto through = scene->closest_hit(ray({0, -3, 0}, {0, 1, 0}));
   ASSERT_TRUE(through.has_value());
@@ -65,20 +64,20 @@ TEST(CutOuts, RaysMeetTheFarSideOfASphereThroughAHole) {
 /// A texture that follows the world, in a scene whose coordinates begin elsewhere.
 TEST(CutOuts, TexturesOfTheWorldStayInPlaceFarFromZero) {
   SceneDescription d = description();
-  const Vec3<double> far{1e4, -3e4, 2e4};
+  const Vec3 far{1e4, -3e4, 2e4};
   TextureMapping planar;
   planar.kind = TextureMapping::Kind::kPlanar;
   planar.axis_s = {2, 0, 0}, planar.axis_t = {0, 0, 0};
   planar.shift = {-2 * far.x, 0.5};
-  const std::int32_t stripes = d.textures.add(CheckerboardTexture{
-      .mapping = planar, .parts = {ColourValue{Rgb<double>(1)}, ColourValue{Rgb<double>(0)}}});
-  d.shapes = {patch(far + Vec3<double>{0, 0, 1}, far + Vec3<double>{1, 0, 1},
-                    far + Vec3<double>{0, 1, 1}, far + Vec3<double>{1, 1, 1})};
+  const std::int32_t stripes = d.textures.add(
+      CheckerboardTexture{.mapping = planar, .parts = {ColourValue{Rgb(1)}, ColourValue{Rgb(0)}}});
+  d.shapes = {
+      patch(far + Vec3{0, 0, 1}, far + Vec3{1, 0, 1}, far + Vec3{0, 1, 1}, far + Vec3{1, 1, 1})};
   d.shapes[0].alpha = {0, stripes};
   const auto scene = build(std::move(d));
-  ASSERT_FALSE(scene->origin() == Vec3<double>{});
+  ASSERT_FALSE(scene->origin() == Vec3{});
   for (const double x : {0.1, 0.4, 0.6, 0.9}) {
-    const Ray ray{Vec3<float>(far + Vec3<double>{x, 0.5, 0} - scene->origin()), {0, 0, 2}, 0, 1, 0};
+    const Ray ray{Vec3f(far + Vec3{x, 0.5, 0} - scene->origin()), {0, 0, 2}, 0, 1, 0};
     EXPECT_EQ(scene->occluded(ray), x < 0.5) << x;
   }
 }
@@ -91,8 +90,8 @@ TEST(CutOuts, PartOfTheRaysPassAThinnedSurface) {
   int blocked = 0;
   constexpr int kRays = 4000;
   for (int i = 0; i < kRays; ++i) {
-    const Vec3<double> from{(i % 64 + 0.5) / 64, (i / 64 + 0.5) / 64, 0};
-    const Ray ray{Vec3<float>(from - scene->origin()), {0, 0, 2}, 0, 1, 0};
+    const Vec3 from{(i % 64 + 0.5) / 64, (i / 64 + 0.5) / 64, 0};
+    const Ray ray{Vec3f(from - scene->origin()), {0, 0, 2}, 0, 1, 0};
     blocked += scene->occluded(ray);
     EXPECT_EQ(scene->occluded(ray), scene->closest_hit(ray).has_value());
   }
@@ -110,8 +109,8 @@ TEST(CutOuts, SurfacesInARowLetRaysPassEachOnItsOwn) {
   int passed = 0, near = 0;
   constexpr int kRays = 8000;
   for (int i = 0; i < kRays; ++i) {
-    const Vec3<double> from{(i % 80 + 0.5) / 80, (i / 80 + 0.5) / 100, 0};
-    Ray ray{Vec3<float>(from - scene->origin()), {0, 0, 9}, 0, 1, 0};
+    const Vec3 from{(i % 80 + 0.5) / 80, (i / 80 + 0.5) / 100, 0};
+    Ray ray{Vec3f(from - scene->origin()), {0, 0, 9}, 0, 1, 0};
     passed += !scene->occluded(ray);  // two sheets, and both sides of the ball
     ray.t_max = 0.4F;
     near += !scene->occluded(ray);  // two sheets
@@ -129,7 +128,7 @@ TEST(CutOuts, MayHaveMaterialsWithTextures) {
   d.lights = {point_light({0.3, 0.5, 2}, 100)};
   const auto scene = build(std::move(d));
   EXPECT_EQ(scene->textures().size(), 2U);
-  const IrradiancePoint point{Vec3<double>{0.3, 0.5, 3} - scene->origin(), {}, {0, 0, -1}};
+  const IrradiancePoint point{Vec3{0.3, 0.5, 3} - scene->origin(), {}, {0, 0, -1}};
   const auto lux =
       estimate_irradiance(*scene, std::span(&point, 1),
                           {.samples_per_block = 64, .block_count = 16, .bounces = {}}, {});
@@ -144,7 +143,7 @@ LampLight light_of(ShapeDescription lamp, SceneDescription d) {
   d.shapes = {emissive(std::move(lamp), 10)};
   const auto scene = build(std::move(d));
   EXPECT_THAT(scene->remarks(), ::testing::IsEmpty());
-  const IrradiancePoint point{Vec3<double>{0.2, 0.3, 0} - scene->origin(), {}, {0, 0, 1}};
+  const IrradiancePoint point{Vec3{0.2, 0.3, 0} - scene->origin(), {}, {0, 0, 1}};
   LampLight light{};
   for (const Combination by : {Combination::kLights, Combination::kSurfaces}) {
     IrradianceSettings settings{.samples_per_block = 512, .block_count = 16, .bounces = 0};
@@ -180,10 +179,9 @@ TEST(CutOuts, ThinnedLampsEmitTheShareOfTheirAlpha) {
 TEST(CutOuts, LampsWithHolesEmitAsTheRestOfThemWould) {
   // Alpha is 1 where v < 1/2, which is x < 1/2 here.
   const auto holes = [](SceneDescription& d) {
-    return NumberValue{0,
-                       d.textures.add(CheckerboardTexture{
-                           .mapping = {.scale = {1, 2}},
-                           .parts = {ColourValue{Rgb<double>(1)}, ColourValue{Rgb<double>(0)}}})};
+    return NumberValue{
+        0, d.textures.add(CheckerboardTexture{
+               .mapping = {.scale = {1, 2}}, .parts = {ColourValue{Rgb(1)}, ColourValue{Rgb(0)}}})};
   };
   const LampLight half =
       light_of(patch({0, 0, 1}, {0, 1, 1}, {0.5, 0, 1}, {0.5, 1, 1}), description());
@@ -198,7 +196,7 @@ TEST(CutOuts, LampsWithHolesEmitAsTheRestOfThemWould) {
   TriangleMeshData mesh{.positions = {{0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}},
                         .normals = {},
                         .indices = {0, 1, 2, 1, 3, 2}};
-  const Vec2<float> uv[] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  const Vec2f uv[] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
   for (const std::uint32_t i : mesh.indices) mesh.corner_uv.push_back(uv[i]);
   ShapeDescription triangles = shape(std::move(mesh));
   triangles.alpha = lamp.alpha;
@@ -232,7 +230,7 @@ TEST(CutOuts, LightFallsThroughHoles) {
               emissive(patch({0.2, 0.4, 3}, {0.2, 0.6, 3}, {0.4, 0.4, 3}, {0.4, 0.6, 3}), 1, true)};
   const auto scene = build(std::move(d));
   const auto lx = [&](double x) {
-    const IrradiancePoint point{Vec3<double>{x, 0.5, 0} - scene->origin(), {}, {0, 0, 1}};
+    const IrradiancePoint point{Vec3{x, 0.5, 0} - scene->origin(), {}, {0, 0, 1}};
     return estimate_irradiance(*scene, std::span(&point, 1), {.bounces = 0}, {})
         .points[0]
         .irradiance_lx.g;

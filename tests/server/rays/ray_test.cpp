@@ -16,19 +16,18 @@ namespace {
 using testing::build;
 
 TEST(OffsetOrigin, LeavesTheErrorBoxOnTheSideOfTheDirection) {
-  const Vec3<float> p{1, -2, 3}, error{1e-6f, 2e-6f, 4e-6f};
-  const Vec3<double> n = normalized(Vec3<double>{1, 2, -2});
+  const Vec3f p{1, -2, 3}, error{1e-6f, 2e-6f, 4e-6f};
+  const Vec3 n = normalized(Vec3{1, 2, -2});
   // Every corner of the box lies below the plane through the new origin.
   for (const double side : {1.0, -1.0}) {
-    const Vec3<double> o(offset_origin(p, error, n, n * side));
+    const Vec3 o(offset_origin(p, error, n, n * side));
     for (int i = 0; i < 8; ++i) {
-      const Vec3<double> corner{p.x + (i & 1 ? 1.0 : -1.0) * error.x,
-                                p.y + (i & 2 ? 1.0 : -1.0) * error.y,
-                                p.z + (i & 4 ? 1.0 : -1.0) * error.z};
+      const Vec3 corner{p.x + (i & 1 ? 1.0 : -1.0) * error.x, p.y + (i & 2 ? 1.0 : -1.0) * error.y,
+                        p.z + (i & 4 ? 1.0 : -1.0) * error.z};
       EXPECT_GE(side * dot(o - corner, n), -1e-12);
     }
     // And not far beyond: |n| . error is 4.7e-6, and rounding adds an ulp of each coordinate.
-    EXPECT_LT(length(o - Vec3<double>(p)), 5.5e-6);
+    EXPECT_LT(length(o - Vec3(p)), 5.5e-6);
   }
 }
 
@@ -37,24 +36,23 @@ TEST(OffsetOrigin, GoesToTheNextFloatOutwards) {
   constexpr float kMost = std::numeric_limits<float>::max();
   for (const float p : {0.0F, -0.0F, kLeast, -kLeast, 0x1p-126F, -0x1p-126F, 1.0F, -1.0F, 0.7F,
                         kMost, -kMost, INFINITY, -INFINITY}) {
-    const Vec3<float> up = offset_origin({p, p, p}, {kLeast, kLeast, kLeast}, {1, 0, 0}, {1, 0, 0});
+    const Vec3f up = offset_origin({p, p, p}, {kLeast, kLeast, kLeast}, {1, 0, 0}, {1, 0, 0});
     EXPECT_EQ(up.x, std::nextafter(p + kLeast, INFINITY)) << p;
     EXPECT_EQ(up.y, p);
-    const Vec3<float> down =
-        offset_origin({p, p, p}, {kLeast, kLeast, kLeast}, {1, 0, 0}, {-1, 0, 0});
+    const Vec3f down = offset_origin({p, p, p}, {kLeast, kLeast, kLeast}, {1, 0, 0}, {-1, 0, 0});
     EXPECT_EQ(down.x, std::nextafter(p - kLeast, -INFINITY)) << p;
   }
 }
 
 TEST(OffsetOrigin, MovesAtLeastOneUlpWhereTheOffsetIsLost) {
-  const Vec3<float> p{1e6f, 0, 0};
+  const Vec3f p{1e6f, 0, 0};
   EXPECT_GT(offset_origin(p, {1e-5f, 0, 0}, {1, 0, 0}, {1, 0, 0}).x, 1e6f);
   EXPECT_LT(offset_origin(p, {1e-5f, 0, 0}, {1, 0, 0}, {-1, 0, 0}).x, 1e6f);
 }
 
 struct Place {
   double scale;
-  Vec3<double> offset;
+  Vec3 offset;
 };
 
 class SelfShadowing : public ::testing::TestWithParam<Place> {
@@ -74,22 +72,21 @@ class SelfShadowing : public ::testing::TestWithParam<Place> {
     const Transform scene_from_object = Transform::translate(-scene.origin()) * placed();
     int hits = 0, shadowed = 0;
     for (int i = 0; i < 20000; ++i) {
-      const auto from =
-          Vec3<double>(sample_uniform_sphere(Vec2<float>{u(random), u(random)})) * 3.0;
-      const auto to = Vec3<double>(sample_uniform_sphere(Vec2<float>{u(random), u(random)})) * 0.9;
-      const Ray ray{Vec3<float>(scene_from_object.point(from)),
-                    Vec3<float>(scene_from_object.vector(to - from))};
+      const auto from = Vec3(sample_uniform_sphere(Vec2f{u(random), u(random)})) * 3.0;
+      const auto to = Vec3(sample_uniform_sphere(Vec2f{u(random), u(random)})) * 0.9;
+      const Ray ray{Vec3f(scene_from_object.point(from)),
+                    Vec3f(scene_from_object.vector(to - from))};
       auto hit = scene.closest_hit(ray);
       if (!hit) continue;
       ++hits;
       hit->position_error = hit->position_error * error_factor;
-      const Vec3<float> ng(hit->ng), n = dot(ng, ray.direction) < 0 ? ng : -ng;
+      const Vec3f ng(hit->ng), n = dot(ng, ray.direction) < 0 ? ng : -ng;
       // Includes grazing directions, as far as floats resolve them from directions that
       // enter.
       const float c = std::max(std::pow(u(random), 4.0f), 1e-6f);
       const float phi = 2 * std::numbers::pi_v<float> * u(random), r = std::sqrt(1 - c * c);
-      const Vec3<float> w{r * std::cos(phi), r * std::sin(phi), c};
-      const Ray leaving = spawn_ray(*hit, Frame<float>::around(n).world_from_local(w));
+      const Vec3f w{r * std::cos(phi), r * std::sin(phi), c};
+      const Ray leaving = spawn_ray(*hit, Framef::around(n).world_from_local(w));
       shadowed += scene.occluded(leaving) ? 1 : 0;
     }
     EXPECT_GT(hits, 2000);
@@ -113,11 +110,11 @@ TEST_P(SelfShadowing, DoesNotHappenOnMovingSurfaces) {
   for (int kind = 0; kind < 3; ++kind) {
     SceneDescription d = testing::description();
     if (kind == 0)
-      d.shapes.push_back({testing::ball(3, [&](const Vec3<double>& p) { return first.point(p); })});
+      d.shapes.push_back({testing::ball(3, [&](const Vec3& p) { return first.point(p); })});
     if (kind == 1) d.shapes.push_back({SphereParams{.world_from_object = first}});
     if (kind < 2) d.shapes[0].motion = motion;
     if (kind == 2) {
-      d.objects = {{"ball", {{testing::ball(3, [](const Vec3<double>& p) { return p * 5.0; })}}}};
+      d.objects = {{"ball", {{testing::ball(3, [](const Vec3& p) { return p * 5.0; })}}}};
       d.instances = {{0, first * *Transform::scale({0.2, 0.1, 0.2}), motion}};
     }
     EXPECT_EQ(shadowed(*build(std::move(d))), 0) << kind;
@@ -126,8 +123,7 @@ TEST_P(SelfShadowing, DoesNotHappenOnMovingSurfaces) {
 
 TEST_P(SelfShadowing, CompanionHappensWithoutTheErrorBound) {
   const Transform t = placed();
-  const auto scene =
-      scene_of({testing::ball(0, [&](const Vec3<double>& p) { return t.point(p); })});
+  const auto scene = scene_of({testing::ball(0, [&](const Vec3& p) { return t.point(p); })});
   EXPECT_GT(shadowed(*scene, 0), 20);
 }
 
@@ -144,10 +140,9 @@ TEST(ShadowRay, IsBlockedOnlyByObstaclesBetweenItsEnds) {
     d.shapes = {testing::floor(1e4), testing::floor(5e3, z)};
     d.lights = {testing::point_light({0, 0, 1e4}, 1)};
     const auto scene = build(std::move(d));
-    const auto hit = scene->closest_hit({Vec3<float>{100, 100, 0.25f}, {0, 0, -1}});
+    const auto hit = scene->closest_hit({Vec3f{100, 100, 0.25f}, {0, 0, -1}});
     ASSERT_TRUE(hit);
-    const auto s =
-        scene->lights()[0].light.get_if<PointLight<double>>()->sample_li(hit->position, {});
+    const auto s = scene->lights()[0].light.get_if<PointLight>()->sample_li(hit->position, {});
     EXPECT_EQ(scene->occluded(shadow_ray(*hit, s)), z < 1e4) << z;
   }
 }

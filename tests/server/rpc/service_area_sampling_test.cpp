@@ -21,18 +21,18 @@ constexpr double kSky = 1;  // radiance of infinite.pbrt
 
 struct Place {
   std::string scene;
-  Vec3<double> receiver, normal;
+  Vec3 receiver, normal;
   double expected_lx;
 };
 
 /// Places in the reference scenes from which the light is unobstructed: above all other objects.
 std::vector<Place> places() {
-  const std::vector<Vec3<double>> triangle{{-0.5, -1.5, 3.2}, {0.7, -0.6, 3.4}, {1.1, -1.9, 2.9}};
-  const std::vector<Vec3<double>> rectangle{
+  const std::vector<Vec3> triangle{{-0.5, -1.5, 3.2}, {0.7, -0.6, 3.4}, {1.1, -1.9, 2.9}};
+  const std::vector<Vec3> rectangle{
       {-1.6, -1, 1.45}, {-1.6, 1.2, 1.45}, {1.6, 1.2, 1.45}, {1.6, -1, 1.45}};
-  const Vec3<double> centre{0.7, -1.2, 2.6};  // of a sphere of radius 0.35
-  const Vec3<double> up{0, 0, 1}, aside = normalized(Vec3<double>{1, 0.25, 0.125});
-  const Vec3<double> axis{-0.280429629, 0.560859258, -0.778971191};  // of a disk of radius 0.6
+  const Vec3 centre{0.7, -1.2, 2.6};  // of a sphere of radius 0.35
+  const Vec3 up{0, 0, 1}, aside = normalized(Vec3{1, 0.25, 0.125});
+  const Vec3 axis{-0.280429629, 0.560859258, -0.778971191};  // of a disk of radius 0.6
   return {{"triangle.pbrt", {0.5, -1, 2}, up, 12 * polygon_irradiance(triangle, {0.5, -1, 2}, up)},
           {"triangle.pbrt",
            {0.5, -1, 2},
@@ -47,8 +47,7 @@ std::vector<Place> places() {
            {0.5, -1, 2},
            aside,
            12 * sphere_irradiance(centre, 0.35, {0.5, -1, 2}, aside)},
-          {"disk.pbrt", Vec3<double>{0.9, -1.6, 3} + axis * 0.5, -axis,
-           12 * disk_irradiance(0.6, 0.5, 0)},
+          {"disk.pbrt", Vec3{0.9, -1.6, 3} + axis * 0.5, -axis, 12 * disk_irradiance(0.6, 0.5, 0)},
           // Above the wall, which is 5 m high.
           {"infinite.pbrt", {0.5, -1, 6}, up, kSky * std::numbers::pi}};
 }
@@ -88,7 +87,7 @@ class AreaSamplingTest : public ::testing::Test {
     return q;
   }
   /// The density of direction `w`.
-  float pdf(const Place& p, v1::AreaSampling way, const Vec3<float>& w, bool normals = true) {
+  float pdf(const Place& p, v1::AreaSampling way, const Vec3f& w, bool normals = true) {
     auto q = request<v1::PdfLiRequest>(p, way, normals);
     q.set_light_id(1);
     for (int i = 0; i < kSampledItems; ++i)
@@ -128,12 +127,12 @@ TEST_F(AreaSamplingTest, IrradianceEqualsTheClosedFormForEachMethod) {
 
 TEST_F(AreaSamplingTest, TheReportedDensityIsThatOfTheRequestedMethod) {
   Place p = places()[2];  // the near rectangle, 7.04 m2, overhead
-  p.normal = normalized(Vec3<double>{1, 0, 0.25});
-  const Vec3<float> up{0, 0, 1}, ahead{4, 0, 1}, behind{-1, 0, 1};
+  p.normal = normalized(Vec3{1, 0, 0.25});
+  const Vec3f up{0, 0, 1}, ahead{4, 0, 1}, behind{-1, 0, 1};
   const double height = 1.45 - 1.25;
   for (const auto way : {v1::AREA_SAMPLING_SQUARE_ROOT, v1::AREA_SAMPLING_LOW_DISTORTION})
     EXPECT_NEAR(pdf(p, way, up) / (height * height / 7.04), 1, 1e-5);
-  const Vec3<double> corner = Vec3<double>{-1.6, -1, 1.45} - p.receiver, x{3.2, 0, 0}, y{0, 2.2, 0};
+  const Vec3 corner = Vec3{-1.6, -1, 1.45} - p.receiver, x{3.2, 0, 0}, y{0, 2.2, 0};
   const double solid_angle =
       triangle_solid_angle(corner, x, y) + triangle_solid_angle(corner + x + y, -x, -y);
   for (const auto& w : {up, ahead, behind})

@@ -47,7 +47,7 @@ class LuminaireService : public ::testing::Test {
     load(path);
     return power().total().power_lm();
   }
-  double lux(const Vec3<double>& point, const Vec3<double>& normal) {
+  double lux(const Vec3& point, const Vec3& normal) {
     v1::EstimateIrradianceRequest request;
     request.set_scene_id(scene_);
     set(request.mutable_receivers()->mutable_offsets_m(), point.x, point.y, point.z);

@@ -42,8 +42,8 @@ class ReportedFiles : public ::testing::Test {
   }
 
   /// Without reflections [lx].
-  double illuminance_lx(const std::string& scene, const Vec3<double>& point,
-                        const Vec3<double>& normal, const v1::Accuracy& accuracy = {}) {
+  double illuminance_lx(const std::string& scene, const Vec3& point, const Vec3& normal,
+                        const v1::Accuracy& accuracy = {}) {
     v1::EstimateIrradianceRequest q;
     q.set_scene_id(scene);
     set(q.mutable_receivers()->mutable_offsets_m(), point.x, point.y, point.z);

@@ -23,7 +23,7 @@ TEST_F(SpectraServiceTest, SampleLiOfLightsWithSpectraIsTheirLuminanceTimesTheSp
   ASSERT_TRUE(call(sample_request(kF2, table_nm()), &r).ok());
   EXPECT_NEAR(summed(r.spectral_value()).y, 1, 1e-6);  // 1 lx
   // Chromaticity of F2: CIE 15, table T.6.
-  const Vec3<double> xyz = summed(r.spectral_value());
+  const Vec3 xyz = summed(r.spectral_value());
   EXPECT_NEAR(xyz.x / (xyz.x + xyz.y + xyz.z), 0.3721, 1e-4);
   EXPECT_NEAR(xyz.y / (xyz.x + xyz.y + xyz.z), 0.3751, 1e-4);
 }
@@ -41,7 +41,7 @@ TEST_F(SpectraServiceTest, RgbLightsIntegrateBackToTheirRgb) {
   for (const double nm : table_nm()) le.add_wavelengths_nm(nm);
   v1::LeResponse seen;
   ASSERT_TRUE(call(le, &seen).ok());
-  EXPECT_EQ(rgb(seen.radiance_cd_m2()), (Rgb<double>{2, 4, 9}));
+  EXPECT_EQ(rgb(seen.radiance_cd_m2()), (Rgb{2, 4, 9}));
   expect_looks_like(rgb(seen.radiance_cd_m2()), seen.spectral_radiance());
   for (int k = 95; k < 190; ++k) EXPECT_EQ(seen.spectral_radiance(k), 0);
 

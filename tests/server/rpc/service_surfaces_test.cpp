@@ -56,7 +56,7 @@ class SurfacesServiceTest : public ::testing::Test {
     return (static_cast<unsigned char>(answer_.found()[i / 8]) >> (i % 8) & 1) != 0;
   }
   /// Item `i` is the surface at this world point, with this normal.
-  void expect_at(int i, const Vec3<double>& point, const Vec3<double>& normal) const {
+  void expect_at(int i, const Vec3& point, const Vec3& normal) const {
     EXPECT_TRUE(found(i)) << i;
     const auto& origin = answer_.points().origin_m();
     const double sums[] = {origin.x(), origin.y(), origin.z()};

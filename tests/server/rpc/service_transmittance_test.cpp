@@ -91,8 +91,7 @@ TEST_F(TransmittanceService, SamplesHaveTheirShareAndEstimatesCountIt) {
   r.Clear();
   ASSERT_TRUE(status_of([&](auto* c) { return service_->lighting.SampleLi(c, q, &r); }).ok());
   const auto left = [&](double absorption) { return lx * kPane * std::exp(-0.75 * absorption); };
-  EXPECT_NEAR(r.estimates().illuminance_lx(0), luminance(Rgb<double>(left(.5), left(1), left(2))),
-              1e-4);
+  EXPECT_NEAR(r.estimates().illuminance_lx(0), luminance(Rgb(left(.5), left(1), left(2))), 1e-4);
 
   q.clear_accuracy();
   q.set_test_visibility(false);

@@ -108,7 +108,7 @@ TEST_F(SpectraServiceTest, ValuesBeyondFloatsAreOutOfRange) {
     // No number of such an item remains.
     EXPECT_EQ(lx.spectral_irradiance(0), 0);
     for (int i = 0; i < 2; ++i) {
-      EXPECT_EQ(rgb(lx.irradiance_lx(), i), Rgb<double>{});
+      EXPECT_EQ(rgb(lx.irradiance_lx(), i), Rgb{});
       EXPECT_EQ(lx.illuminance_lx(i), 0);
       EXPECT_EQ(lx.standard_error_lx(i), 0);
       EXPECT_EQ(lx.zero_bound_lx(i), 0);

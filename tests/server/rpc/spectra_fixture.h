@@ -43,8 +43,8 @@ inline std::vector<double> table_nm() {
 /// The XYZ that a client computes from an answer at every wavelength of the table, in the units of
 /// lumens.
 template <typename Values>
-Vec3<double> summed(const Values& values, int item = 0) {
-  Vec3<double> xyz{};
+Vec3 summed(const Values& values, int item = 0) {
+  Vec3 xyz{};
   for (std::size_t k = 0; k < 95; ++k)
     xyz += cie::observer()[k] * (683.0 * 5 * values[95 * item + static_cast<int>(k)]);
   return xyz;
@@ -53,8 +53,8 @@ Vec3<double> summed(const Values& values, int item = 0) {
 /// Expects the 5 nm sum of the answer to be the RGB `c`, each channel to a thousandth of the
 /// largest.  By the matrix of Rec. 709.
 template <typename Values>
-void expect_looks_like(const Rgb<double>& c, const Values& values, int item = 0) {
-  const Vec3<double> xyz = summed(values, item);
+void expect_looks_like(const Rgb& c, const Values& values, int item = 0) {
+  const Vec3 xyz = summed(values, item);
   const double r =
       3.2409699419045213 * xyz.x - 1.5373831775700935 * xyz.y - 0.4986107602930033 * xyz.z;
   const double g =
@@ -67,7 +67,7 @@ void expect_looks_like(const Rgb<double>& c, const Values& values, int item = 0)
   EXPECT_NEAR(b, c.b, 1e-3 * c.max_component());
 }
 
-inline Rgb<double> rgb(const google::protobuf::RepeatedField<float>& v, int i = 0) {
+inline Rgb rgb(const google::protobuf::RepeatedField<float>& v, int i = 0) {
   return {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 // From (1, 2, 3) along +y, +z up; 90 degrees wide, half as high.  Camera space is left-handed.  So
 // its +x, right in the picture, is cross(up, forward) = -x of the world.
-Camera camera(const Vec3<double>& origin = {}) {
+Camera camera(const Vec3& origin = {}) {
   CameraDescription c;
   c.world_from_camera = *Transform::look_at({1, 2, 3}, {1, 7, 3}, {0, 0, 1});
   c.screen_min = {-1, -0.5};
@@ -19,7 +19,7 @@ Camera camera(const Vec3<double>& origin = {}) {
   return {c, {.width = 200, .height = 100, .scale = 2}, origin};
 }
 
-void expect_direction(const Ray& ray, Vec3<double> expected) {
+void expect_direction(const Ray& ray, Vec3 expected) {
   expected = normalized(expected);
   EXPECT_NEAR(ray.direction.x, expected.x, 1e-7);
   EXPECT_NEAR(ray.direction.y, expected.y, 1e-7);
@@ -39,7 +39,7 @@ TEST(Camera, HasTheUpperLeftCornerAtZeroZero) {
 
 TEST(Camera, PositionIsRelativeToTheScenesOrigin) {
   const Ray ray = camera({1e6, 0, 0}).ray(3, 4);
-  EXPECT_EQ(ray.origin, (Vec3<float>{-999999, 2, 3}));
+  EXPECT_EQ(ray.origin, (Vec3f{-999999, 2, 3}));
   EXPECT_EQ(ray.direction, camera().ray(3, 4).direction);
 }
 
@@ -63,11 +63,11 @@ CameraDescription described(Projection projection, double lens_radius = 0) {
 
 constexpr int kWidth = 200, kHeight = 100;
 
-Camera of(const CameraDescription& c, const Vec3<double>& origin = {}) {
+Camera of(const CameraDescription& c, const Vec3& origin = {}) {
   return {c, {.width = kWidth, .height = kHeight}, origin};
 }
 
-void expect_point(const Vec3<float>& p, const Vec3<double>& expected, double tolerance = 1e-6) {
+void expect_point(const Vec3f& p, const Vec3& expected, double tolerance = 1e-6) {
   EXPECT_NEAR(p.x, expected.x, tolerance);
   EXPECT_NEAR(p.y, expected.y, tolerance);
   EXPECT_NEAR(p.z, expected.z, tolerance);
@@ -95,9 +95,7 @@ TEST(OrthographicCamera, ScalesWithItsTransform) {
   expect_direction(of(c).ray(0, 0), {0, 1, 0});
 }
 
-Vec3<double> point_at(const Ray& ray, double t) {
-  return Vec3<double>(ray.origin) + Vec3<double>(ray.direction) * t;
-}
+Vec3 point_at(const Ray& ray, double t) { return Vec3(ray.origin) + Vec3(ray.direction) * t; }
 
 TEST(ThinLens, RaysOfAFilmPositionMeetInThePlaneOfFocus) {
   for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
@@ -105,10 +103,10 @@ TEST(ThinLens, RaysOfAFilmPositionMeetInThePlaneOfFocus) {
     ASSERT_TRUE(camera.has_lens());
     for (const auto& [x, y] : {std::pair{0.0F, 0.0F}, {170.0F, 20.0F}, {100.0F, 50.0F}}) {
       const double size = projection == Projection::kPerspective ? 4 : 1;
-      const Vec3<double> focus{1 - (x / 100 - 1) * size, 6, 3 + (0.5 - y / 100) * size};
+      const Vec3 focus{1 - (x / 100 - 1) * size, 6, 3 + (0.5 - y / 100) * size};
       for (const float u : {0.0F, 0.3F, 0.99F}) {
         const Ray ray = camera.ray(x, y, 0, {u, 0.7F});
-        const Vec3<double> p = point_at(ray, 4 / ray.direction.y);
+        const Vec3 p = point_at(ray, 4 / ray.direction.y);
         EXPECT_NEAR(p.x, focus.x, 3e-6);
         EXPECT_NEAR(p.y, 6, 3e-6);
         EXPECT_NEAR(p.z, focus.z, 3e-6);
@@ -139,8 +137,8 @@ TEST(ThinLens, RaysLeaveADiskAroundTheCamera) {
 TEST(ThinLens, CentreIsThePinhole) {
   const Ray lens = of(described(Projection::kPerspective, 0.25)).ray(31, 77);
   const Ray pinhole = of(described(Projection::kPerspective)).ray(31, 77);
-  expect_point(lens.origin, Vec3<double>(pinhole.origin));
-  expect_direction(lens, Vec3<double>(pinhole.direction));
+  expect_point(lens.origin, Vec3(pinhole.origin));
+  expect_direction(lens, Vec3(pinhole.direction));
 }
 
 TEST(ThinLens, FocusCanBeVeryFarOrNear) {
@@ -172,8 +170,8 @@ TEST(SphericalCamera, EquirectangularIsInvertible) {
   const Camera camera = of(described(Projection::kEquirectangular));
   for (float y = 0.5F; y < 100; y += 11)
     for (float x = 0.5F; x < 200; x += 13) {
-      const Vec3<double> w(camera.ray(x, y).direction);
-      const Vec3<double> local{-w.x, w.z, w.y};
+      const Vec3 w(camera.ray(x, y).direction);
+      const Vec3 local{-w.x, w.z, w.y};
       const double phi = std::atan2(local.z, local.x), theta = std::acos(local.y);
       EXPECT_NEAR((phi < 0 ? phi + 2 * M_PI : phi) / (2 * M_PI) * 200, x, 1e-3);
       EXPECT_NEAR(theta / M_PI * 100, y, 1e-3);
@@ -212,10 +210,9 @@ TEST(SphericalCamera, EqualAreaGoesOnBesideTheFilm) {
   const Camera camera = of(described(Projection::kEqualArea));
   for (const float d : {0.01F, 30.0F, 250.0F})
     for (const float t : {10.0F, 73.0F}) {
-      expect_direction(camera.ray(-d, t), Vec3<double>(camera.ray(d, 100 - t).direction));
-      expect_direction(camera.ray(200 + d, t),
-                       Vec3<double>(camera.ray(200 - d, 100 - t).direction));
-      expect_direction(camera.ray(t, -d), Vec3<double>(camera.ray(200 - t, d).direction));
+      expect_direction(camera.ray(-d, t), Vec3(camera.ray(d, 100 - t).direction));
+      expect_direction(camera.ray(200 + d, t), Vec3(camera.ray(200 - d, 100 - t).direction));
+      expect_direction(camera.ray(t, -d), Vec3(camera.ray(200 - t, d).direction));
     }
   // Neighbours across the edge are neighbours on the sphere.
   EXPECT_LT(length(camera.ray(-0.01F, 10).direction - camera.ray(0.01F, 10).direction), 1e-2);
@@ -230,17 +227,17 @@ TEST(Camera, OfAnyKindRestsAtItsKeyFrames) {
     const std::array<KeyTransform, 2> frames{
         {{0, start.world_from_camera}, {2, end.world_from_camera}}};
     moves.motion = std::make_shared<const Motion>(*Motion::create(frames));
-    for (const Vec3<double>& origin : {Vec3<double>{}, Vec3<double>{7, 8, 9}})
+    for (const Vec3& origin : {Vec3{}, Vec3{7, 8, 9}})
       for (const auto& [x, y] : {std::pair{0.0F, 0.0F}, {151.0F, 20.0F}}) {
-        const Vec2<float> u{0.1F, 0.8F};
+        const Vec2f u{0.1F, 0.8F};
         const Ray first = of(moves, origin).ray(x, y, 0, u),
                   at_start = of(start, origin).ray(x, y, 0, u);
         EXPECT_EQ(first.origin, at_start.origin);
         EXPECT_EQ(first.direction, at_start.direction);
         const Ray last = of(moves, origin).ray(x, y, 2, u),
                   at_end = of(end, origin).ray(x, y, 0, u);
-        expect_point(last.origin, Vec3<double>(at_end.origin), 2e-6);
-        expect_direction(last, Vec3<double>(at_end.direction));
+        expect_point(last.origin, Vec3(at_end.origin), 2e-6);
+        expect_direction(last, Vec3(at_end.direction));
         EXPECT_EQ(last.time_s, 2);
       }
   }

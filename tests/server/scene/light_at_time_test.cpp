@@ -42,35 +42,33 @@ std::shared_ptr<const Scene> scene_of(bool moving) {
 }
 
 bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-bool same(const Rgb<double>& a, const Rgb<double>& b) {
-  return same(a.r, b.r) && same(a.g, b.g) && same(a.b, b.b);
-}
-bool same(const Vec3<double>& a, const Vec3<double>& b) {
+bool same(const Rgb& a, const Rgb& b) { return same(a.r, b.r) && same(a.g, b.g) && same(a.b, b.b); }
+bool same(const Vec3& a, const Vec3& b) {
   return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z);
 }
-bool same(const LightSample<double>& a, const LightSample<double>& b) {
+bool same(const LightSample& a, const LightSample& b) {
   return a.reason == b.reason && a.delta == b.delta && same(a.value, b.value) && same(a.wi, b.wi) &&
          same(a.pdf.per_sr, b.pdf.per_sr) && same(a.distance, b.distance) &&
          same(a.point, b.point) && same(a.normal, b.normal);
 }
-bool same(const EmissionSample<double>& a, const EmissionSample<double>& b) {
+bool same(const EmissionSample& a, const EmissionSample& b) {
   return a.reason == b.reason && same(a.value, b.value) && same(a.origin, b.origin) &&
          same(a.direction, b.direction) && same(a.normal, b.normal) &&
          same(a.pdf_position.per_m2, b.pdf_position.per_m2) &&
          same(a.pdf_direction.per_sr, b.pdf_direction.per_sr) && a.primitive == b.primitive;
 }
-bool same(const EmissionPdf<double>& a, const EmissionPdf<double>& b) {
+bool same(const EmissionPdf& a, const EmissionPdf& b) {
   return same(a.position.per_m2, b.position.per_m2) && same(a.direction.per_sr, b.direction.per_sr);
 }
 
 /// Compares all members of one light, for a receiver and a pair of random numbers.
 template <typename L>
-void expect_same(const LightAtTime& at_time, const L& light, const Receiver<double>& receiver,
-                 Vec2<double> u, const SceneSphere& sphere) {
-  const LightSample<double> s = light.sample_li(receiver, u);
+void expect_same(const LightAtTime& at_time, const L& light, const Receiver& receiver, Vec2 u,
+                 const SceneSphere& sphere) {
+  const LightSample s = light.sample_li(receiver, u);
   EXPECT_TRUE(same(at_time.sample_li(receiver, u), s));
   EXPECT_TRUE(same(at_time.pdf_li(receiver, s.wi).per_sr, light.pdf_li(receiver, s.wi).per_sr));
-  const EmissionSample<double> e = light.sample_le(u, {u.y, u.x}, sphere);
+  const EmissionSample e = light.sample_le(u, {u.y, u.x}, sphere);
   EXPECT_TRUE(same(at_time.sample_le(u, {u.y, u.x}, sphere), e));
   EXPECT_TRUE(same(at_time.pdf_le(e.origin, e.direction, sphere),
                    light.pdf_le(e.origin, e.direction, sphere)));
@@ -80,7 +78,7 @@ void expect_same(const LightAtTime& at_time, const L& light, const Receiver<doub
   EXPECT_EQ(at_time.leaves_freely(), LeavesFreely<L>);
   EXPECT_EQ(at_time.has_irradiance(), HasIrradiance<L>);
   if constexpr (SeenOnSurface<L>) {
-    const SurfacePoint<double> point{e.origin, e.normal, e.primitive};
+    const SurfacePoint point{e.origin, e.normal, e.primitive};
     EXPECT_TRUE(same(at_time.le(point, e.direction), light.le(point, e.direction)));
     EXPECT_TRUE(same(at_time.pdf_li(receiver, point).per_sr, light.pdf_li(receiver, point).per_sr));
     EXPECT_TRUE(same(at_time.ray_from(point, e.direction), light.ray_from(point, e.direction)));
@@ -118,14 +116,13 @@ void expect_bits_of_models(const Scene& scene) {
   for (const SceneLight& light : scene.lights())
     visit([&](const auto& model) { models.insert(typeid(model)); }, light.light);
   // Each model of the closed set takes part.
-  ASSERT_EQ(models.size(), std::variant_size_v<LightModels<double>>);
+  ASSERT_EQ(models.size(), std::variant_size_v<LightModels>);
   for (const SceneLight& light : scene.lights()) {
     SCOPED_TRACE(light.id);
     for (const double time_s : {-1.0, 0.75, 3.0})
-      for (const Vec2<double>& u : {Vec2<double>{0.3, 0.6}, {0.9, 0.2}, {0.5, 0.5}}) {
-        Receiver<double> receiver(scene.sphere().center_m +
-                                  Vec3<double>{u.x - 1, 2 * u.y, -3 * u.x});
-        receiver.normal = normalized(Vec3<double>{u.x, -u.y, 1});
+      for (const Vec2& u : {Vec2{0.3, 0.6}, {0.9, 0.2}, {0.5, 0.5}}) {
+        Receiver receiver(scene.sphere().center_m + Vec3{u.x - 1, 2 * u.y, -3 * u.x});
+        receiver.normal = normalized(Vec3{u.x, -u.y, 1});
         const LightAtTime at_time(light, time_s);
         visit_light(light, time_s, [&](const auto& model) {
           expect_same(at_time, model, receiver, u, scene.sphere());
@@ -147,13 +144,13 @@ TEST(LightAtTime, HasNoMemberThatItsModelLacks) {
   d.lights = {testing::point_light({0, 0, 3}, 100)};
   const auto scene = testing::build(std::move(d));
   const LightAtTime point(scene->lights()[0], 0);
-  const Vec3<double> up{0, 0, 1};
-  const SurfacePoint<double> nowhere{{}, up, 0};
+  const Vec3 up{0, 0, 1};
+  const SurfacePoint nowhere{{}, up, 0};
   EXPECT_TRUE(point.le(nowhere, up).is_black());
   EXPECT_TRUE(point.le_escaped({}, up).is_black());
   EXPECT_TRUE(point.le_leaving({}, up).is_black());
-  EXPECT_EQ(point.pdf_li(Receiver<double>(0, 0, 0), nowhere).per_sr, 0);
-  EXPECT_FALSE(point.irradiance(Receiver<double>(0, 0, 0)));
+  EXPECT_EQ(point.pdf_li(Receiver(0, 0, 0), nowhere).per_sr, 0);
+  EXPECT_FALSE(point.irradiance(Receiver(0, 0, 0)));
   EXPECT_FALSE(point.hides_itself());
 }
 

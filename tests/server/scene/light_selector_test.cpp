@@ -15,8 +15,8 @@ constexpr LightSelection kLightSelections[] = {LightSelection::kUniform, LightSe
                                                LightSelection::kBvh};
 
 LightSelector::Item lamp(double x, double lumens) {
-  const Vec3<double> at{x, 0, 3};
-  LightBounds<double> bounds{.lower = at, .upper = at};
+  const Vec3 at{x, 0, 3};
+  LightBounds bounds{.lower = at, .upper = at};
   bounds.cone_rad = bounds.normals_rad = std::numbers::pi;
   return {0, lumens, 0, bounds};
 }
@@ -40,8 +40,8 @@ LightSelector row_of_lamps(int lamps) {
   return LightSelector(numbered(std::move(items)));
 }
 
-Receiver<double> floor_at(double x) {
-  Receiver<double> r(Vec3<double>{x, 0, 0});
+Receiver floor_at(double x) {
+  Receiver r(Vec3{x, 0, 0});
   r.normal = {0, 0, 1};
   return r;
 }
@@ -50,7 +50,7 @@ TEST(LightSelector, ChoosesWithItsReportedProbability) {
   constexpr std::uint32_t kLights = 22, kChoices = 1 << 16;
   const LightSelector selector = row_of_lamps(kLights - 2);
   for (const LightSelection how : kLightSelections) {
-    const Receiver<double> receiver = floor_at(3);
+    const Receiver receiver = floor_at(3);
     std::vector<double> chosen(kLights);
     for (std::uint32_t i = 0; i < kChoices; ++i) {
       const auto choice = selector.choose(how, receiver, (i + 0.5) / kChoices);

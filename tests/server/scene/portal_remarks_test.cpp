@@ -11,8 +11,8 @@ std::shared_ptr<const Scene> room_from(double x0) {
   SceneDescription d = description();
   d.shapes = {patch({x0, -2, 0}, {3, -2, 0}, {x0, 2, 0}, {3, 2, 0})};
   PortalLightParams portal;
-  portal.radiance_cd_m2 = Rgb<double>(1000);
-  portal.corners_m = {Vec3<double>{0, 0, 1}, {0, 1, 1}, {0, 1, 2}, {0, 0, 2}};
+  portal.radiance_cd_m2 = Rgb(1000);
+  portal.corners_m = {Vec3{0, 0, 1}, {0, 1, 1}, {0, 1, 2}, {0, 0, 2}};
   d.lights = {{portal, {"test.pbrt", 9, 1}}};
   return build(std::move(d));
 }

@@ -18,7 +18,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 using testing::build;
 
 template <typename T>
@@ -35,7 +35,7 @@ ShapeDescription wave(const Vector& centre, double size) {
     for (int j = 0; j < kSide; ++j) {
       mesh.positions.push_back(
           centre + Vector{i / 4.0 - 0.5, j / 4.0 - 0.5, 0.1 * std::sin(i + 2 * j)} * size);
-      mesh.normals.push_back(Vec3<float>(normalized(Vector{0.1 * i, 0.1 * j, 1})));
+      mesh.normals.push_back(Vec3f(normalized(Vector{0.1 * i, 0.1 * j, 1})));
     }
   for (std::uint32_t i = 0; i + 1 < kSide; ++i)
     for (std::uint32_t j = 0; j + 1 < kSide; ++j) {
@@ -138,7 +138,7 @@ TEST_P(Moved, SurfacesHaveTheBitsOfASceneBuiltThere) {
       return Vector{uniform(random), uniform(random), 2 + 0.5 * uniform(random)} * size;
     };
     const Vector from = point(), to = point();
-    Ray ray{Vec3<float>(from), Vec3<float>(to - from)};
+    Ray ray{Vec3f(from), Vec3f(to - from)};
     ray.time_s = 0.1 * (i % 10);
     for (const Meets meets : {Meets::kSurfaces, Meets::kOpaque}) {
       ASSERT_EQ(moved->occluded(ray, meets), built->occluded(ray, meets)) << i;
@@ -168,7 +168,7 @@ TEST_P(Moved, LightsHaveTheBitsOfASceneBuiltThere) {
   const auto moved = value(Scene::revise(loaded, edits_of(moves)));
   const auto built = value(Scene::build_moved(every_shape(size, ground), moves));
   ASSERT_EQ(moved->lights().size(), built->lights().size());
-  Receiver<double> receiver;
+  Receiver receiver;
   receiver.position = Vector{0.1, 0.2, 0.3} * size;
   for (std::uint32_t i = 0; i < moved->lights().size(); ++i) {
     const LightAtTime a(moved->lights()[i], 0), b(built->lights()[i], 0);

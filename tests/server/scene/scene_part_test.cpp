@@ -60,7 +60,7 @@ TEST(ScenePart, MeshesHaveOneVertexOfUnusedRoom) {
   const auto bytes = [&](const char* name) {
     return std::ranges::find(parts, name, &ScenePart::name)->bytes;
   };
-  EXPECT_EQ(bytes("vertices"), (2 * 900 + 1) * sizeof(Vec3<float>));
+  EXPECT_EQ(bytes("vertices"), (2 * 900 + 1) * sizeof(Vec3f));
   EXPECT_EQ(bytes("triangles"), 2 * 900 * sizeof(std::uint32_t));
 }
 

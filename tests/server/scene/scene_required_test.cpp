@@ -22,7 +22,7 @@ using ::testing::Not;
 using testing::part_names;
 
 std::shared_ptr<const Image> grey(int width, int height) {
-  std::vector<Rgb<float>> texels;
+  std::vector<Rgbf> texels;
   for (int i = 0; i < width * height; ++i) texels.emplace_back(static_cast<float>(1 + i % 3));
   return *Image::create(width, height, std::move(texels));
 }
@@ -50,7 +50,7 @@ void query_irradiance(const Scene& scene, VisibilityMethod visibility) {
 
 /// A box of a medium that absorbs so much.
 void add_tank(SceneDescription& d, double absorption_per_m) {
-  d.media = {{Rgb<double>(absorption_per_m)}};
+  d.media = {{Rgb(absorption_per_m)}};
   ShapeDescription box = testing::shape(testing::room());
   box.is_interface = true;
   box.media = MediumSides{-1, 0};
@@ -75,7 +75,7 @@ std::vector<Case> cases() {
   const auto as_spot = [](SceneDescription& d) {  // its map has one face
     d.lights = {light_with(SpotLightParams{.position_m = {0, 0, 2},
                                            .axis = {0, 0, -1},
-                                           .intensity_cd = Rgb<double>(1),
+                                           .intensity_cd = Rgb(1),
                                            .cone_half_angle_rad = 0.5})};
   };
   const auto motion = std::make_shared<const Motion>(*Motion::create(keys));
@@ -88,7 +88,7 @@ std::vector<Case> cases() {
   web.vertical_deg = {0, 90};
   web.intensity_cd = {2, 1};
   GoniometricLightParams even, with_map, with_web;
-  even.intensity = with_map.intensity = with_web.intensity = Rgb<double>(1);
+  even.intensity = with_map.intensity = with_web.intensity = Rgb(1);
   with_web.web = *PhotometricWeb::create(web);
   with_map.map =
       *IntensityMap::create(grey(4, 4), SphereMapping::kEqualArea, ImageFilter::kBilinear);
@@ -102,8 +102,8 @@ std::vector<Case> cases() {
       {"lights", unchanged, [](SceneDescription& d) { d.lights.clear(); }},
       {"light choice", [](SceneDescription& d) { d.lights.push_back(d.lights[0]); }},
       {"image distributions", add_light(sky(grey(8, 4))),
-       add_light(UniformInfiniteLightParams{Rgb<double>(1)})},
-      {"images", add_light(sky(grey(8, 4))), add_light(UniformInfiniteLightParams{Rgb<double>(1)})},
+       add_light(UniformInfiniteLightParams{Rgb(1)})},
+      {"images", add_light(sky(grey(8, 4))), add_light(UniformInfiniteLightParams{Rgb(1)})},
       {"photometric webs", add_light(with_web), add_light(even)},
       {"intensity maps", add_light(with_map), add_light(even)},
       {"spectra",
@@ -135,7 +135,7 @@ std::vector<Case> cases() {
        .needs = as_spot,
        .needs_not =
            [](SceneDescription& d) {
-             d.lights = {light_with(UniformInfiniteLightParams{Rgb<double>(1)})};
+             d.lights = {light_with(UniformInfiniteLightParams{Rgb(1)})};
              d.shapes.push_back(testing::emissive(testing::floor(0.1, 2), 1));
            },
        .query = [](const Scene& s) { query_irradiance(s, VisibilityMethod::kShadowMaps); },
@@ -214,8 +214,7 @@ TEST(OnlyWhatASceneRequires, ObjectsWithoutInstancesAreLeftOut) {
   EXPECT_THAT(part_names(*scene), Contains("spheres"));
   EXPECT_THAT(part_names(*scene), Not(Contains("triangles")));
   EXPECT_EQ(scene->shape_count(), 1u);
-  const auto hit =
-      scene->closest_hit({Vec3<float>(Vec3<double>{0, 0, 9} - scene->origin()), {0, 0, -1}});
+  const auto hit = scene->closest_hit({Vec3f(Vec3{0, 0, 9} - scene->origin()), {0, 0, -1}});
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->t, 5, 1e-5);
 }

@@ -27,8 +27,8 @@ TEST(Scene, KeepsTheCoordinatesOfSceneNearTheirOwnZero) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(5, 0.125)};
   const auto scene = build(std::move(d));
-  EXPECT_EQ(scene->origin(), (Vec3<double>{}));
-  const Vec3<double> p = hit_below(*scene, 1.5f, 2, 3).position;
+  EXPECT_EQ(scene->origin(), (Vec3{}));
+  const Vec3 p = hit_below(*scene, 1.5f, 2, 3).position;
   EXPECT_NEAR(p.x, 1.5, 1e-6);
   EXPECT_NEAR(p.y, 2, 1e-6);
   EXPECT_EQ(p.z, 0.125f);
@@ -43,7 +43,7 @@ TEST(Scene, MovesItsOriginToGeometryFarAway) {
   EXPECT_EQ(scene->origin().x, 1000000);
   EXPECT_EQ(scene->origin().y, 4);
   EXPECT_EQ(scene->origin().z, 0);
-  const auto s = scene->lights()[0].light.get_if<PointLight<double>>()->sample_li({1, 0, 0}, {});
+  const auto s = scene->lights()[0].light.get_if<PointLight>()->sample_li({1, 0, 0}, {});
   EXPECT_FLOAT_EQ(s.distance, 1e-3f);
 }
 
@@ -51,7 +51,7 @@ TEST(Scene, NumbersLightsFromOneAreaLightsLast) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(1), testing::emissive(testing::floor(1, 1), 3),
               testing::emissive({SphereParams{}}, 4)};
-  d.lights = {testing::point_light({0, 0, 2}, 1), {UniformInfiniteLightParams{Rgb<double>(1)}, {}}};
+  d.lights = {testing::point_light({0, 0, 2}, 1), {UniformInfiniteLightParams{Rgb(1)}, {}}};
   const auto scene = build(std::move(d));
   ASSERT_EQ(scene->lights().size(), 4u);
   for (std::uint32_t i = 0; i < 4; ++i) {
@@ -60,8 +60,8 @@ TEST(Scene, NumbersLightsFromOneAreaLightsLast) {
   }
   EXPECT_FALSE(scene->find_light(0));
   EXPECT_FALSE(scene->find_light(5));
-  EXPECT_NE(scene->lights()[2].light.get_if<PatchMeshLight<double>>(), nullptr);
-  EXPECT_NE(scene->lights()[3].light.get_if<SphereLight<double>>(), nullptr);
+  EXPECT_NE(scene->lights()[2].light.get_if<PatchMeshLight>(), nullptr);
+  EXPECT_NE(scene->lights()[3].light.get_if<SphereLight>(), nullptr);
   EXPECT_THAT(std::vector(scene->infinite_lights().begin(), scene->infinite_lights().end()),
               ElementsAre(1u));
   EXPECT_EQ(hit_below(*scene, 0.9f, 0.9f, 0.5f).light, -1);
@@ -110,9 +110,9 @@ TEST(Scene, InterpolatesShadingNormalsAndTurnsThemToTheGeometricSide) {
     // Halfway to vertex 1: (0.3, 0, 0.9), normalised.
     EXPECT_NEAR(hit.ns.x, 0.3 / std::hypot(0.3, 0.9), 1e-6);
     EXPECT_NEAR(hit.ns.z, 0.9 / std::hypot(0.3, 0.9), 1e-6);
-    EXPECT_EQ(hit.ng, (Vec3<double>{0, 0, 1}));
+    EXPECT_EQ(hit.ng, (Vec3{0, 0, 1}));
   }
-  EXPECT_EQ(hit_below(*scene, 4.5f, 0.25f, 1).ns, (Vec3<double>{0, 0, 1}));
+  EXPECT_EQ(hit_below(*scene, 4.5f, 0.25f, 1).ns, (Vec3{0, 0, 1}));
 }
 
 TEST(Scene, MapsInstancedNormalsByTheInverseTransposeMirrorsIncluded) {
@@ -121,10 +121,10 @@ TEST(Scene, MapsInstancedNormalsByTheInverseTransposeMirrorsIncluded) {
   d.objects = {{"ramp", {testing::patch({-1, -1, -1}, {1, -1, 1}, {-1, 1, -1}, {1, 1, 1})}}};
   d.instances = {{0, Transform::translate({10, 0, 0}) * *Transform::scale({2, -1, 1})}};
   const auto scene = build(std::move(d));
-  const Vec3<double> o = scene->origin();
+  const Vec3 o = scene->origin();
   const SurfaceHit hit = hit_below(*scene, static_cast<float>(11 - o.x), 0.3f, 5);
   EXPECT_NEAR(hit.position.z, 0.5, 1e-6);
-  const Vec3<double> expected = normalized(Vec3<double>{-1, 0, 2});
+  const Vec3 expected = normalized(Vec3{-1, 0, 2});
   EXPECT_NEAR(hit.ng.x, expected.x, 1e-6);
   EXPECT_NEAR(hit.ng.y, 0, 1e-6);
   EXPECT_NEAR(hit.ng.z, expected.z, 1e-6);
@@ -135,25 +135,25 @@ TEST(Scene, BoundsTheErrorOfPositions) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> u(-1, 1);
   SceneDescription d = testing::description();
-  const Vec3<double> a{-3 + u(random), -3 + u(random), u(random)}, b{3, -3, u(random)},
+  const Vec3 a{-3 + u(random), -3 + u(random), u(random)}, b{3, -3, u(random)},
       c{u(random), 4, u(random)};
   d.shapes = {{TriangleMeshData{{a, b, c}, {}, {0, 1, 2}}},
               {SphereParams{.world_from_object = Transform::translate({0, 0, -3})}}};
   const auto scene = build(std::move(d));
-  ASSERT_EQ(scene->origin(), (Vec3<double>{}));
-  const Vec3<double> fa{Vec3<float>(a)}, fb{Vec3<float>(b)}, fc{Vec3<float>(c)};
-  const Vec3<double> n = normalized(cross(fb - fa, fc - fa));
+  ASSERT_EQ(scene->origin(), (Vec3{}));
+  const Vec3 fa{Vec3f(a)}, fb{Vec3f(b)}, fc{Vec3f(c)};
+  const Vec3 n = normalized(cross(fb - fa, fc - fa));
   for (int i = 0; i < 2000; ++i) {
     const auto x = static_cast<float>(u(random) / 2), y = static_cast<float>(u(random) / 2);
     SurfaceHit hit = hit_below(*scene, x, y, 9);
-    const auto reach = [&](const Vec3<double>& m) {
+    const auto reach = [&](const Vec3& m) {
       return std::fabs(m.x) * hit.position_error.x + std::fabs(m.y) * hit.position_error.y +
              std::fabs(m.z) * hit.position_error.z;
     };
-    EXPECT_LE(std::fabs(dot(Vec3<double>(hit.position) - fa, n)), reach(n));
+    EXPECT_LE(std::fabs(dot(Vec3(hit.position) - fa, n)), reach(n));
     EXPECT_LT(max_abs(hit.position_error), 1e-5f);
     hit = hit_below(*scene, x, y, -1.5f);
-    const Vec3<double> radius = Vec3<double>(hit.position) - Vec3<double>{0, 0, -3};
+    const Vec3 radius = Vec3(hit.position) - Vec3{0, 0, -3};
     EXPECT_LE(std::fabs(length(radius) - 1), reach(normalized(radius)));
   }
 }
@@ -215,7 +215,7 @@ TEST(Scene, ChoosesLightsByPower) {
   SceneDescription d = testing::description();
   d.lights = {testing::point_light({0, 0, 1}, 3), testing::point_light({0, 1, 1}, 1)};
   const auto scene = build(d);
-  const Receiver<double> r;
+  const Receiver r;
   const auto how = LightSelection::kAutomatic;
   EXPECT_NEAR(scene->light_selector().probability(how, r, 0), 0.9 * 0.75 + 0.05, 1e-12);
   EXPECT_EQ(choose_light(*scene, how, r, 0.99)->light, 1u);
@@ -228,7 +228,7 @@ TEST(Scene, ChoosesLightsByPower) {
 TEST(Scene, OfASinglePointChoosesInfiniteLights) {
   SceneDescription d = testing::description();
   d.lights = {testing::point_light({0, 0, 1}, 3), testing::point_light({0, 0, 1}, 3)};
-  d.lights[1].params = DistantLightParams{{0, 0, 1}, Rgb<double>(5)};
+  d.lights[1].params = DistantLightParams{{0, 0, 1}, Rgb(5)};
   const auto scene = build(d);
   EXPECT_EQ(scene->sphere().radius_m, 0);
   EXPECT_EQ(choose_light(*scene, LightSelection::kAutomatic, {}, 0.01)->light, 1u);

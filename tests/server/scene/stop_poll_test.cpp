@@ -86,10 +86,9 @@ ShapeDescription shape() {
 }
 
 TEST(StopPoll, EndsEachLoopOverContent) {
-  const std::vector<Triangle<double>> triangles(kMany, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
-  const std::vector<BilinearPatch<double>> patches(kMany,
-                                                   {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
-  const std::vector<Rgb<float>> texels(kMany, Rgb<float>(1, 1, 1));
+  const std::vector<Triangle> triangles(kMany, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  const std::vector<BilinearPatch> patches(kMany, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
+  const std::vector<Rgbf> texels(kMany, Rgbf(1, 1, 1));
   const auto image = Image::create(1, kMany, texels).value();
   SampledSpectrum spectrum;
   for (std::uint32_t i = 0; i < kMany; ++i) {
@@ -104,8 +103,8 @@ TEST(StopPoll, EndsEachLoopOverContent) {
   for (std::uint32_t i = 0; i < kMany; ++i) scene.shapes.push_back({});
   const LightChange moved{.shift_m = {1, 0, 0}};
   const std::vector<std::pair<const char*, std::function<void()>>> loops = {
-      {"triangles of a light", [&] { (void)TriangleMesh<double>::create(triangles); }},
-      {"patches of a light", [&] { (void)PatchMesh<double>::create(patches); }},
+      {"triangles of a light", [&] { (void)TriangleMesh::create(triangles); }},
+      {"patches of a light", [&] { (void)PatchMesh::create(patches); }},
       {"a light of a shape", [&] { (void)create_area_light(shape(), {}); }},
       {"texels", [&] { (void)Image::create(1, kMany, texels); }},
       {"a picture to draw from",
@@ -139,7 +138,7 @@ TEST(StopPoll, EndsEachLoopOverContent) {
 // Queries make parts of a scene at their first use.
 TEST(StopPoll, EndsTheBuildOfAPartThatTheNextCallBuildsAgain) {
   SceneDescription of = testing::description();
-  of.materials.push_back({.params = MetalParams{.reflectance = ColourValue{Rgb<double>(0.9)}}});
+  of.materials.push_back({.params = MetalParams{.reflectance = ColourValue{Rgb(0.9)}}});
   ShapeDescription mirror = shape();
   mirror.emission = {};
   mirror.material = 1;

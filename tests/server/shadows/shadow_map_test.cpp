@@ -29,16 +29,16 @@ SceneDescription board_scene(bool has_board = true) {
   if (has_board) d.shapes.push_back(testing::floor(1, kBoardHeight));
   return d;
 }
-LightDescription spot(const Vec3<double>& position, double cone_rad) {
+LightDescription spot(const Vec3& position, double cone_rad) {
   SpotLightParams p;
   p.position_m = position;
   p.axis = {0, 0, -1};
-  p.intensity_cd = Rgb<double>(100);
+  p.intensity_cd = Rgb(100);
   p.cone_half_angle_rad = cone_rad;
   return {p, {}};
 }
 LightDescription distant() {
-  return {DistantLightParams{.to_light = {0, 0, 1}, .illuminance_lx = Rgb<double>(10)}, {}};
+  return {DistantLightParams{.to_light = {0, 0, 1}, .illuminance_lx = Rgb(10)}, {}};
 }
 
 SurfaceHit floor_hit_at(double x, double y) {
@@ -50,9 +50,9 @@ SurfaceHit floor_hit_at(double x, double y) {
   return hit;
 }
 
-LightSample<double> sample_of(const Scene& scene, const SurfaceHit& hit) {
+LightSample sample_of(const Scene& scene, const SurfaceHit& hit) {
   return visit_light(scene.lights()[0], 0, [&](const auto& l) {
-    return l.sample_li(Receiver<double>(hit.position), {0.5, 0.5});
+    return l.sample_li(Receiver(hit.position), {0.5, 0.5});
   });
 }
 Ray ray_to(const Scene& scene, const SurfaceHit& hit) {
@@ -82,10 +82,9 @@ Agreement agreement(const Scene& scene, double half_shadow, double band, bool ha
   Agreement a;
   for_each_on_floor(600, [&](const SurfaceHit& hit) {
     if (sample_of(scene, hit).reason != NoLight::kNone) return;
-    const auto shadowed_by_map =
-        visibility.by_map(0, hit.position, has_normal ? hit.ng : Vec3<double>{});
+    const auto shadowed_by_map = visibility.by_map(0, hit.position, has_normal ? hit.ng : Vec3{});
     ASSERT_TRUE(shadowed_by_map.has_value());
-    const double outside = max_abs(Vec3<double>{hit.position.x, hit.position.y, 0}) - half_shadow;
+    const double outside = max_abs(Vec3{hit.position.x, hit.position.y, 0}) - half_shadow;
     ++a.tested;
     a.shadowed += *shadowed_by_map;
     if (*shadowed_by_map == (outside < 0)) return;
@@ -149,11 +148,11 @@ TEST(ShadowMap, LooksAllAroundALight) {
   SceneDescription d = testing::description();
   d.shapes = {testing::shape(testing::room()),
               testing::shape(testing::ball(2,
-                                           [](const Vec3<double>& p) {
-                                             return p * 0.2 + Vec3<double>{0.4, 0.3, 0.2};
+                                           [](const Vec3& p) {
+                                             return p * 0.2 + Vec3{0.4, 0.3, 0.2};
                                            })),
-              testing::shape(testing::ball(1, [](const Vec3<double>& p) {
-                return p * 0.2 - Vec3<double>{0.4, 0.5, 0.3};
+              testing::shape(testing::ball(1, [](const Vec3& p) {
+                return p * 0.2 - Vec3{0.4, 0.5, 0.3};
               }))};
   d.lights = {testing::point_light({0.05, -0.1, 0.07}, 1)};
   const auto scene = testing::build(std::move(d));
@@ -162,9 +161,8 @@ TEST(ShadowMap, LooksAllAroundALight) {
   for (int i = 0; i < 40000; ++i) {
     // Directions of a spiral about a point from which the shadows are visible.
     const double z = (2 * i + 1) / 40000.0 - 1, turn = 2.399963 * i, r = std::sqrt(1 - z * z);
-    const auto hit =
-        scene->closest_hit({{-0.5f, 0.6f, -0.4f},
-                            Vec3<float>(Vec3<double>{r * std::cos(turn), r * std::sin(turn), z})});
+    const auto hit = scene->closest_hit(
+        {{-0.5f, 0.6f, -0.4f}, Vec3f(Vec3{r * std::cos(turn), r * std::sin(turn), z})});
     ASSERT_TRUE(hit);
     if (!(dot(hit->ng, sample_of(*scene, *hit).wi) > 0)) continue;
     const Ray ray = ray_to(*scene, *hit);
@@ -232,7 +230,7 @@ TEST(ShadowMaps, AreMadeAtTheirFirstUse) {
   SceneDescription d = board_scene();
   d.lights = {spot({0, 0, kLampHeight}, pi / 4),
               testing::point_light({3, 0, 2}, 10),
-              {UniformInfiniteLightParams{Rgb<double>(1)}, {}}};
+              {UniformInfiniteLightParams{Rgb(1)}, {}}};
   const auto scene = testing::build(d);
   const IrradianceResult by_rays = irradiance(*scene, VisibilityMethod::kRays);
   EXPECT_EQ(by_rays.work.map_lookups, 0u);
@@ -273,20 +271,19 @@ TEST(ShadowMaps, OfManyLightsAreCoarserSoThatAllFit) {
 }
 
 TEST(ShadowMaps, AreNotMadeForAreaLightsAndMotion) {
-  const auto motion = [](const Vec3<double>& shift) {
+  const auto motion = [](const Vec3& shift) {
     const std::vector<KeyTransform> keys{{0, Transform()}, {1, Transform::translate(shift)}};
     return std::make_shared<const Motion>(*Motion::create(keys));
   };
   SceneDescription d = board_scene();
   d.shapes.push_back(testing::emissive(testing::floor(0.2, 2), 5));
-  d.lights = {
-      testing::point_light({0, 0, 3}, 10),
-      testing::point_light({1, 0, 3}, 10),
-      {SunLightParams{
-           .to_light = {0, 0, 1}, .angular_diameter_rad = 0.01, .illuminance_lx = Rgb<double>(1)},
-       {}},
-      {UniformInfiniteLightParams{Rgb<double>(1)}, {}},
-      distant()};
+  d.lights = {testing::point_light({0, 0, 3}, 10),
+              testing::point_light({1, 0, 3}, 10),
+              {SunLightParams{
+                   .to_light = {0, 0, 1}, .angular_diameter_rad = 0.01, .illuminance_lx = Rgb(1)},
+               {}},
+              {UniformInfiniteLightParams{Rgb(1)}, {}},
+              distant()};
   d.lights[1].motion = motion({0, 1, 0});
   {
     const auto scene = testing::build(d);

@@ -19,7 +19,7 @@ using testing::build;
 using testing::emissive;
 using testing::patch;
 using testing::shape;
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 SurfaceHit receiver_at(const Vector& position, const Vector& normal, double error = 1e-7) {
   SurfaceHit hit;
@@ -31,7 +31,7 @@ SurfaceHit receiver_at(const Vector& position, const Vector& normal, double erro
 }
 
 bool is_empty(const Scene& scene, const SurfaceHit& receiver, std::uint32_t light = 0) {
-  return Shafts(scene).is_empty(receiver, Vec3<float>(receiver.ns), light);
+  return Shafts(scene).is_empty(receiver, Vec3f(receiver.ns), light);
 }
 
 /// Samples whose light arrives above the receiver's horizon, and the number of their rays that meet
@@ -45,7 +45,7 @@ Rays shoot(const Scene& scene, const SurfaceHit& receiver, std::uint32_t light, 
   std::uniform_real_distribution<double> u(0, 1);
   Rays rays;
   const SceneLight& l = scene.lights()[light];
-  Receiver<double> r(receiver.position);
+  Receiver r(receiver.position);
   r.normal = receiver.ns;
   visit_light(l, 0, [&](const auto& model) {
     for (int i = 0; i < count; ++i) {
@@ -182,10 +182,10 @@ TEST(Shaft, OfInfiniteLights) {
     d.lights = {{std::move(params), {}}};
     return build(std::move(d));
   };
-  const SunLightParams sun{{0, 0, 1}, 0.01, Rgb<double>(1)};
+  const SunLightParams sun{{0, 0, 1}, 0.01, Rgb(1)};
   PortalLightParams portal;
   portal.corners_m = {Vector{-1, -1, 2}, {-1, 1, 2}, {1, 1, 2}, {1, -1, 2}};
-  const UniformInfiniteLightParams sky{Rgb<double>(1)};
+  const UniformInfiniteLightParams sky{Rgb(1)};
   const SurfaceHit receiver = receiver_at({0, 0, 0}, {0, 0, 1});
   EXPECT_TRUE(is_empty(*scene_of(sun, 0.01), receiver));
   EXPECT_FALSE(is_empty(*scene_of(sun, 0.004), receiver));
@@ -209,7 +209,7 @@ TEST(Shaft, OfAWideSunFindsObstaclesOfItsLowestRays) {
       d.shapes.push_back(
           patch({4, y, top - 0.4}, {4, y + 0.125, top - 0.4}, {4, y, top}, {4, y + 0.125, top}));
     // From 22 to 68 degrees over the horizon: 1.6 m over it at the wall.
-    d.lights = {{SunLightParams{{1, 0, 1}, 0.8, Rgb<double>(1)}, {}}};
+    d.lights = {{SunLightParams{{1, 0, 1}, 0.8, Rgb(1)}, {}}};
     return build(std::move(d));
   };
   for (const double top : {2.0, 1.5}) {
@@ -284,7 +284,7 @@ SceneDescription clutter(std::mt19937& random, double scale, const Vector& offse
   const auto around = [&](Vector p) { return offset + p * scale; };
   d.shapes.push_back(
       patch(around({-4, -4, -3}), around({4, -4, -3}), around({-4, 4, -3}), around({4, 4, -3})));
-  const SunLightParams sun{vector(), 0.05, Rgb<double>(1)};
+  const SunLightParams sun{vector(), 0.05, Rgb(1)};
   d.lights.emplace_back().params = sun;
   return d;
 }
@@ -301,20 +301,20 @@ TEST_P(ShaftProperty, NoRayMeetsAnythingWhereItIsEmpty) {
     const Shafts shafts(*scene);
     for (int i = 0; i < 60; ++i) {
       // A hit of a ray, with its normal turned as bump maps turn normals.
-      const auto w = sample_uniform_sphere(Vec2<float>{u(random), u(random)});
+      const auto w = sample_uniform_sphere(Vec2f{u(random), u(random)});
       const Vector from = offset - scene->origin() +
                           Vector{u(random) - 0.5, u(random) - 0.5, u(random) - 0.5} * (3 * scale);
-      const auto hit = scene->closest_hit({Vec3<float>(from), w});
+      const auto hit = scene->closest_hit({Vec3f(from), w});
       if (!hit) continue;
       SurfaceHit receiver = *hit;
       if (dot(receiver.ng, Vector(w)) > 0) receiver.ng = -receiver.ng;
       receiver.ns = receiver.ng;
       if (i % 5 == 0)
-        receiver.ns = normalized(
-            receiver.ns + Vector(sample_uniform_sphere(Vec2<float>{u(random), u(random)}) * 0.3F));
+        receiver.ns = normalized(receiver.ns +
+                                 Vector(sample_uniform_sphere(Vec2f{u(random), u(random)}) * 0.3F));
       for (std::uint32_t l = 0; l < scene->lights().size(); ++l) {
         if (static_cast<std::int32_t>(l) == receiver.light) continue;
-        const bool empty = shafts.is_empty(receiver, Vec3<float>(receiver.ns), l);
+        const bool empty = shafts.is_empty(receiver, Vec3f(receiver.ns), l);
         const Rays rays = shoot(*scene, receiver, l, empty ? 1000 : 100, random);
         if (rays.lit == 0) continue;
         ++tested, reported_empty += empty, open += rays.blocked == 0;
@@ -341,7 +341,7 @@ INSTANTIATE_TEST_SUITE_P(Scales, ShaftProperty,
 
 TEST(Shaft, OfAnEmptySceneIsEmpty) {
   SceneDescription d = testing::description();
-  d.lights = {{UniformInfiniteLightParams{Rgb<double>(2)}, {}}};
+  d.lights = {{UniformInfiniteLightParams{Rgb(2)}, {}}};
   const auto scene = build(std::move(d));
   EXPECT_TRUE(is_empty(*scene, receiver_at({0, 0, 0}, {0, 0, 1})));
 }

@@ -14,13 +14,13 @@ namespace {
 /// Small mirrors at random places, turned at random.
 std::vector<SmoothPart> mirrors(int count, std::mt19937& random) {
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Vec3<double>{normal(random), normal(random), normal(random)}; };
+  const auto vector = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
   std::vector<SmoothPart> parts;
   for (int i = 0; i < count; ++i) {
     SmoothPart p{.reflects = true, .reflected = 0.9};
     p.n = normalized(vector());
     p.middle = vector() * 3.0;
-    const Frame<double> frame = Frame<double>::around(p.n);
+    const Frame frame = Frame::around(p.n);
     p.half_u = frame.s * 0.3, p.half_v = frame.t * 0.2;
     parts.push_back(p);
   }
@@ -28,10 +28,10 @@ std::vector<SmoothPart> mirrors(int count, std::mt19937& random) {
 }
 
 /// Whether a mirror sends light from `light` to `to`.
-bool mirrors_light(const SmoothPart& p, const Vec3<double>& to, const Vec3<double>& light) {
-  const Vec3<double> way = light - mirror_image(p, to);
+bool mirrors_light(const SmoothPart& p, const Vec3& to, const Vec3& light) {
+  const Vec3 way = light - mirror_image(p, to);
   const double t = p.height(to) / dot(p.n, way);
-  const Vec3<double> at = mirror_image(p, to) + way * t;
+  const Vec3 at = mirror_image(p, to) + way * t;
   return t > 0 && t < 1 && p.may_contain(at);
 }
 
@@ -45,18 +45,18 @@ TEST(PartTree, VisitsEveryMirrorThatSendsLightAndFewOthers) {
   int sending = 0, visited = 0;
   constexpr int kTries = 200;
   for (int i = 0; i < kTries; ++i) {
-    const Vec3<double> to{place(random), place(random), place(random)};
-    const Vec3<double> lamp{place(random), place(random), place(random)};
+    const Vec3 to{place(random), place(random), place(random)};
+    const Vec3 lamp{place(random), place(random), place(random)};
     constexpr double kRadius = 0.05;
     std::vector<bool> found(parts.size());
     tree.visit([&](const PartTree::Node& node) { return node.may_mirror(to, lamp, kRadius); },
                [&](std::uint32_t part) { found[part] = true, ++visited; });
-    const Vec3<double> far = normalized(lamp);
+    const Vec3 far = normalized(lamp);
     std::vector<bool> found_far(parts.size());
     tree.visit([&](const PartTree::Node& node) { return node.may_mirror_from(to, far, 0.01); },
                [&](std::uint32_t part) { found_far[part] = true; });
     for (std::size_t p = 0; p < parts.size(); ++p) {
-      const Vec3<double> point = lamp + Vec3<double>{0.02, -0.03, 0.03};
+      const Vec3 point = lamp + Vec3{0.02, -0.03, 0.03};
       if (mirrors_light(parts[p], to, point)) {
         ++sending;
         EXPECT_TRUE(found[p]) << p;
@@ -74,7 +74,7 @@ TEST(PartTree, ChoosesWithTheProbabilityThatItSays) {
   std::mt19937 random(3);
   const std::vector<SmoothPart> parts = mirrors(40, random);
   const PartTree tree(parts);
-  const Vec3<double> from{1, 0, -1};
+  const Vec3 from{1, 0, -1};
   std::vector<double> share(parts.size()), said(parts.size());
   constexpr int kTries = 100000;
   for (int i = 0; i < kTries; ++i) {
@@ -100,8 +100,8 @@ TEST(PartTree, ChoosesOnlyWhatMaySendLight) {
   const PartTree tree(parts);
   int by_area = 0, chosen = 0;
   for (int pair = 0; pair < 20; ++pair) {
-    const Vec3<double> to{place(random), place(random), place(random)};
-    const Vec3<double> lamp{place(random), place(random), place(random)};
+    const Vec3 to{place(random), place(random), place(random)};
+    const Vec3 lamp{place(random), place(random), place(random)};
     const auto may = [&](const PartTree::Node& node) { return node.may_mirror(to, lamp, 0.01); };
     std::vector<bool> found(parts.size());
     constexpr int kTries = 5000;

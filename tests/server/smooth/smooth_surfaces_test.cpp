@@ -12,7 +12,7 @@ namespace lucerna::testing {
 namespace {
 
 Material mirror(double roughness = 0) {
-  return {.params = MetalParams{.reflectance = ColourValue{Rgb<double>(0.9)},
+  return {.params = MetalParams{.reflectance = ColourValue{Rgb(0.9)},
                                 .roughness = {{roughness}, {roughness}}}};
 }
 Material glass() { return {.params = DielectricParams{}}; }
@@ -94,7 +94,7 @@ TEST(SmoothSurfaces, AWholeMirrorBallIsAPart) {
 // Floats 1 km from the origin move corners by 0.03 mm.  The facets are turned by 1.5 degrees.
 TEST(SmoothSurfaces, SmallFacetsFarFromTheOriginStayApart) {
   const auto facet = [](double turn_rad, double y) {
-    const Vec3<double> c{1000, y, 0}, u{0, 0, 0.05},
+    const Vec3 c{1000, y, 0}, u{0, 0, 0.05},
         v{0.05 * std::sin(turn_rad), 0.05 * std::cos(turn_rad), 0};
     return patch(c - u - v, c + u - v, c - u + v, c + u + v);
   };
@@ -138,7 +138,7 @@ TEST(SmoothSurfaces, RoughMetalIsNotSmooth) {
 
 TEST(SmoothSurfaces, ShadingNormalsAndMapsBendLight) {
   TriangleMeshData bent = room();
-  bent.normals.assign(bent.positions.size(), Vec3<float>{0, 0, 1});
+  bent.normals.assign(bent.positions.size(), Vec3f{0, 0, 1});
   const Collected s(mirror(), {shape(std::move(bent))});
   EXPECT_TRUE(s->parts().empty());
   ASSERT_EQ(s->unsolved().size(), 1U);
@@ -209,7 +209,7 @@ TEST(SmoothRemarks, NameWhatLightMayBeMissed) {
   EXPECT_EQ(many->count, 7U);
   EXPECT_EQ(many->more.size(), 4U);
   EXPECT_THAT(many->instead, ::testing::HasSubstr("(light 1, 2, 3, 4 and 3 more)"));
-  d.lights = {{UniformInfiniteLightParams{Rgb<double>(1)}, {"test.pbrt", 6, 1}}};
+  d.lights = {{UniformInfiniteLightParams{Rgb(1)}, {"test.pbrt", 6, 1}}};
   const auto found = remark_of(d);
   ASSERT_TRUE(found);
   EXPECT_THAT(found->instead, ::testing::Not(::testing::HasSubstr("pictures")));

@@ -10,14 +10,14 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3<double>;
+using Vector = Vec3;
 
 SmoothPart plane(const Vector& n, const Vector& at, double eta = 1) {
   SmoothPart p;
   p.n = normalized(n);
   p.middle = at;
-  p.half_u = Frame<double>::around(p.n).s * 10.0;
-  p.half_v = Frame<double>::around(p.n).t * 10.0;
+  p.half_u = Frame::around(p.n).s * 10.0;
+  p.half_v = Frame::around(p.n).t * 10.0;
   p.eta = eta;
   return p;
 }

@@ -29,7 +29,7 @@ std::shared_ptr<const Scene> few_lights() {
   d.shapes = {testing::floor(20), testing::patch({0.5, -1, 1}, {2, -1, 1}, {0.5, 1, 1}, {2, 1, 1}),
               testing::emissive(testing::patch({-1, -1, 3}, {-1, 1, 3}, {1, -1, 3}, {1, 1, 3}), 5)};
   d.lights = {testing::point_light({2, 0, 3}, 20)};
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(0.5, 0.7, 1)}, {}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(0.5, 0.7, 1)}, {}});
   return build(std::move(d));
 }
 
@@ -46,7 +46,7 @@ std::shared_ptr<const Scene> several_lamps() {
                       .radius_m = 0.8, .world_from_object = Transform::translate({3, 0.5, 1.2})}),
                   3)};
   d.lights = {testing::point_light({2, 0, 2.5}, 1)};
-  d.lights.push_back({DistantLightParams{.illuminance_lx = Rgb<double>(0.5, 0.5, 0.5)}, {}});
+  d.lights.push_back({DistantLightParams{.illuminance_lx = Rgb(0.5, 0.5, 0.5)}, {}});
   return build(std::move(d));
 }
 
@@ -70,7 +70,7 @@ std::vector<Methods> all_methods() {
   return all;
 }
 
-IrradianceEstimate estimate(const Scene& scene, const Vec3<double>& world, const Methods& methods,
+IrradianceEstimate estimate(const Scene& scene, const Vec3& world, const Methods& methods,
                             std::uint32_t samples, std::optional<std::uint32_t> bounces) {
   const IrradiancePoint point{world - scene.origin(), {1e-5F, 1e-5F, 1e-5F}, {0, 0, 1}};
   const IrradianceSettings settings{.seed = 11,
@@ -81,7 +81,7 @@ IrradianceEstimate estimate(const Scene& scene, const Vec3<double>& world, const
   return estimate_irradiance(scene, std::span(&point, 1), settings, {}).points[0];
 }
 
-void expect_same_irradiance(const Scene& scene, const Vec3<double>& at,
+void expect_same_irradiance(const Scene& scene, const Vec3& at,
                             std::optional<std::uint32_t> bounces, std::uint32_t samples,
                             bool small_lamps = false) {
   const IrradianceEstimate truth = estimate(
@@ -114,7 +114,7 @@ TEST(Methods, OneOfSeveralLampsIsDrawnAfterAReflection) {
   const auto scene = several_lamps();
   const auto rays = [&](LightSelection selection) {
     const IrradiancePoint point{
-        Vec3<double>(1, 0.2, 0) - scene->origin(), {1e-5F, 1e-5F, 1e-5F}, {0, 0, 1}};
+        Vec3(1, 0.2, 0) - scene->origin(), {1e-5F, 1e-5F, 1e-5F}, {0, 0, 1}};
     const IrradianceSettings settings{.samples_per_block = 64,
                                       .block_count = 16,
                                       .bounces = 3,
@@ -130,7 +130,7 @@ TEST(Methods, OneOfSeveralLampsIsDrawnAfterAReflection) {
 TEST(Methods, GiveTheSameDirectLightOfEveryKindOfLight) {
   // At places that are not just below the luminaires.
   expect_same_irradiance(*build(testing::invariant_scene()),
-                         testing::kEveryLightMiddle + Vec3<double>{0.37, 0.21, 0}, 0, 8192, true);
+                         testing::kEveryLightMiddle + Vec3{0.37, 0.21, 0}, 0, 8192, true);
 }
 
 TEST(Methods, GiveTheSamePicture) {
@@ -214,13 +214,13 @@ TEST(Methods, FarLampsCountAsPointsAndNearOnesDoNot) {
   for (const double radii : {4.0, 8.0, 32.0}) {
     const double far = radii * std::sqrt(3.0);  // of the larger lamp
     const Methods methods{.far_light_radii = radii, .closed_forms = ClosedForms::kOff};
-    const auto at = [&](const Vec3<double>& p, const Methods& m) {
+    const auto at = [&](const Vec3& p, const Methods& m) {
       const IrradiancePoint point{p - scene->origin(), {1e-6F, 1e-6F, 1e-6F}, {-0.6F, 0, 0.8F}};
       const IrradianceSettings settings{
           .samples_per_block = 256, .block_count = 64, .bounces = 0, .methods = m};
       return estimate_irradiance(*scene, std::span(&point, 1), settings, {}).points[0];
     };
-    const Vec3<double> direction = normalized(Vec3<double>{0.7, 0.1, 0.3});
+    const Vec3 direction = normalized(Vec3{0.7, 0.1, 0.3});
     const IrradianceEstimate as_points = at(direction * (far + 4), methods);
     const IrradianceEstimate truth = at(direction * (far + 4), {.combination = Combination::kLights,
                                                                 .closed_forms = ClosedForms::kOff});

@@ -13,13 +13,12 @@ namespace lucerna::testing {
 namespace {
 
 constexpr double kFog = 0.7;
-const Rgb<double> kInk{0.5, 1, 2};
+const Rgb kInk{0.5, 1, 2};
 
 /// The outside of a box, normals outwards.
-TriangleMeshData box(const Vec3<double>& centre, const Vec3<double>& half) {
+TriangleMeshData box(const Vec3& centre, const Vec3& half) {
   TriangleMeshData mesh = room();
-  for (Vec3<double>& p : mesh.positions)
-    p = centre + Vec3<double>{p.x * half.x, p.y * half.y, p.z * half.z};
+  for (Vec3& p : mesh.positions) p = centre + Vec3{p.x * half.x, p.y * half.y, p.z * half.z};
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
     std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
   return mesh;
@@ -35,7 +34,7 @@ ShapeDescription boundary(TriangleMeshData mesh, std::int32_t inside, std::int32
 /// Media 0, which is grey, and 1, which has a colour.
 SceneDescription with_media() {
   SceneDescription d = description();
-  d.media = {{Rgb<double>(kFog)}, {kInk}};
+  d.media = {{Rgb(kFog)}, {kInk}};
   return d;
 }
 
@@ -57,9 +56,9 @@ double pane_share(double cosine, double eta = 1.5) {
   return (1 - r) / (1 + r);
 }
 
-Rgb<double> seen(const Scene& scene, const Vec3<double>& a, const Vec3<double>& b,
-                 ThinGlass thin_glass = ThinGlass::kPasses) {
-  const Vec3<float> from(a), to(b);
+Rgb seen(const Scene& scene, const Vec3& a, const Vec3& b,
+         ThinGlass thin_glass = ThinGlass::kPasses) {
+  const Vec3f from(a), to(b);
   const std::array f{from.x, from.y, from.z}, t{to.x, to.y, to.z};
   std::uint8_t visible = 0;
   std::array<float, 3> share{};
@@ -69,26 +68,25 @@ Rgb<double> seen(const Scene& scene, const Vec3<double>& a, const Vec3<double>& 
       {&visible, Transmittance(scene, thin_glass).is_partial() ? share.data() : nullptr, &status},
       {});
   EXPECT_EQ(status, static_cast<int>(ItemResult::kOk));
-  if (!Transmittance(scene, thin_glass).is_partial()) return Rgb<double>(visible);
+  if (!Transmittance(scene, thin_glass).is_partial()) return Rgb(visible);
   if (visible == 0) {
     EXPECT_EQ(share, (std::array<float, 3>{}));
   }
   return {share[0], share[1], share[2]};
 }
 
-void expect_near(const Rgb<double>& a, const Rgb<double>& b, double error, const char* what = "") {
+void expect_near(const Rgb& a, const Rgb& b, double error, const char* what = "") {
   EXPECT_NEAR(a.r, b.r, error) << what;
   EXPECT_NEAR(a.g, b.g, error) << what;
   EXPECT_NEAR(a.b, b.b, error) << what;
 }
 
-Rgb<double> left_of(const Rgb<double>& absorption, double metres) {
+Rgb left_of(const Rgb& absorption, double metres) {
   return {std::exp(-absorption.r * metres), std::exp(-absorption.g * metres),
           std::exp(-absorption.b * metres)};
 }
 
-IrradianceResult light_at(const Scene& scene, const Vec3<double>& at,
-                          const IrradianceSettings& settings) {
+IrradianceResult light_at(const Scene& scene, const Vec3& at, const IrradianceSettings& settings) {
   const IrradiancePoint point{at - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
   return estimate_irradiance(scene, std::span(&point, 1), settings, {});
 }
@@ -97,7 +95,7 @@ TEST(Media, SegmentsLoseLightOverTheirLengthWithinAMedium) {
   SceneDescription d = with_media();
   d.shapes = {boundary(box({2, 0, 0}, {1, 1, 1}), 1), boundary(box({6, 0, 0}, {1, 1, 1}), 0)};
   const auto scene = build(std::move(d));
-  const Rgb<double> fog(kFog), none(0);
+  const Rgb fog(kFog), none(0);
   struct Segment {
     double from, to;
     double in_ink, in_fog;  // metres
@@ -105,7 +103,7 @@ TEST(Media, SegmentsLoseLightOverTheirLengthWithinAMedium) {
   for (const Segment& s : {Segment{0, 8, 2, 2}, Segment{0, 0.9, 0, 0}, Segment{0, 2.5, 1.5, 0},
                            Segment{1.5, 2.75, 1.25, 0}, Segment{2.25, 4, 0.75, 0},
                            Segment{3.5, 4.5, 0, 0}, Segment{1.25, 6.5, 1.75, 1.5}}) {
-    const Rgb<double> expected = left_of(kInk, s.in_ink) * left_of(fog, s.in_fog);
+    const Rgb expected = left_of(kInk, s.in_ink) * left_of(fog, s.in_fog);
     expect_near(seen(*scene, {s.from, 0.1, 0.2}, {s.to, 0.1, 0.2}), expected, 1e-6);
     expect_near(seen(*scene, {s.to, 0.1, 0.2}, {s.from, 0.1, 0.2}), expected, 1e-6);
   }
@@ -116,7 +114,7 @@ TEST(Media, BoxesWithinBoxesEndWhereTheyEnd) {
   d.shapes = {boundary(box({0, 0, 0}, {2, 2, 2}), 0), boundary(box({0, 0, 0}, {1, 1, 1}), 1, 0)};
   const auto scene = build(std::move(d));
   const auto expected = [&](double fog, double ink) {
-    return left_of(Rgb<double>(kFog), fog) * left_of(kInk, ink);
+    return left_of(Rgb(kFog), fog) * left_of(kInk, ink);
   };
   expect_near(seen(*scene, {-3, 0.1, 0.2}, {5, 0.1, 0.2}), expected(2, 2), 1e-6);
   expect_near(seen(*scene, {0.5, 0.1, 0.2}, {1.5, 0.1, 0.2}), expected(0.5, 0.5), 1e-6);
@@ -127,12 +125,12 @@ TEST(Media, OpaqueSurfacesBlockAndMayBoundMedia) {
   SceneDescription d = with_media();
   // A tank with an opaque wall at x = 3; a stone within it that bounds nothing.
   d.shapes = {boundary(box({2, 0, 0}, {1, 1, 1}), 1), shape(ball(2, [](const auto& p) {
-                return p * 0.2 + Vec3<double>{2, 0, 0};
+                return p * 0.2 + Vec3{2, 0, 0};
               }))};
   d.shapes[0].is_interface = false;
   const auto scene = build(std::move(d));
-  expect_near(seen(*scene, {0, 0, 0}, {2, 0.5, 0}), Rgb<double>(0), 0, "through the wall");
-  expect_near(seen(*scene, {1.5, 0, 0}, {2.5, 0, 0}), Rgb<double>(0), 0, "through the stone");
+  expect_near(seen(*scene, {0, 0, 0}, {2, 0.5, 0}), Rgb(0), 0, "through the wall");
+  expect_near(seen(*scene, {1.5, 0, 0}, {2.5, 0, 0}), Rgb(0), 0, "through the stone");
   expect_near(seen(*scene, {1.25, 0, 0}, {1.75, 0, 0}), left_of(kInk, 0.5), 1e-6, "to the stone");
   expect_near(seen(*scene, {1.75, 0.5, 0}, {1.25, 0.5, 0}), left_of(kInk, 0.5), 1e-6);
 }
@@ -140,23 +138,23 @@ TEST(Media, OpaqueSurfacesBlockAndMayBoundMedia) {
 TEST(Media, TheSurroundingMediumIsWhereNoSurfaceBoundsOne) {
   SceneDescription d = with_media();
   d.surrounding_medium = 0;
-  d.lights = {point_light({0, 0, 2}, 100), {UniformInfiniteLightParams{Rgb<double>(1)}, {}}};
+  d.lights = {point_light({0, 0, 2}, 100), {UniformInfiniteLightParams{Rgb(1)}, {}}};
   d.shapes = {floor(5)};
   const auto scene = build(std::move(d));
-  expect_near(seen(*scene, {0, 0, 1}, {0, 3, 1}), left_of(Rgb<double>(kFog), 3), 1e-6);
+  expect_near(seen(*scene, {0, 0, 1}, {0, 3, 1}), left_of(Rgb(kFog), 3), 1e-6);
   // Light from infinitely far does not arrive.
   const auto lux = light_at(*scene, {0, 0, 0}, {.block_count = 2, .bounces = 0});
-  expect_near(lux.points[0].irradiance_lx, left_of(Rgb<double>(kFog), 2) * 25.0, 1e-4);
+  expect_near(lux.points[0].irradiance_lx, left_of(Rgb(kFog), 2) * 25.0, 1e-4);
 }
 
 TEST(Media, ASurroundingMediumTakesLightInScenesWithoutSurfaces) {
   SceneDescription d = with_media();
   d.surrounding_medium = 0;
-  d.lights = {point_light({0, 0, 2}, 100), {UniformInfiniteLightParams{Rgb<double>(1)}, {}}};
+  d.lights = {point_light({0, 0, 2}, 100), {UniformInfiniteLightParams{Rgb(1)}, {}}};
   const auto scene = build(std::move(d));
   const auto lux = light_at(*scene, {0, 0, 0}, {.block_count = 2, .bounces = 0, .per_light = true});
-  expect_near(lux.per_light[0].irradiance_lx, left_of(Rgb<double>(kFog), 2) * 25.0, 1e-4);
-  expect_near(lux.per_light[1].irradiance_lx, Rgb<double>(0), 0);
+  expect_near(lux.per_light[0].irradiance_lx, left_of(Rgb(kFog), 2) * 25.0, 1e-4);
+  expect_near(lux.per_light[1].irradiance_lx, Rgb(0), 0);
 }
 
 /// A tank that is open at the top: its water has one boundary, which is above.
@@ -188,12 +186,12 @@ TEST(Media, SurfacesInOnePlaceFollowEachOther) {
     d.shapes = {level(0, {-1, 1}), ink_first ? top_of_ink : bottom_of_fog,
                 ink_first ? bottom_of_fog : top_of_ink};
     const auto scene = build(std::move(d));
-    const Rgb<double> expected = left_of(kInk, 1) * left_of(Rgb<double>(kFog), 2);
+    const Rgb expected = left_of(kInk, 1) * left_of(Rgb(kFog), 2);
     // Also along the edge of two triangles.
     expect_near(seen(*scene, {0.1, 0.2, -1}, {0.1, 0.2, 3}), expected, 1e-6);
     expect_near(seen(*scene, {0.1, 0.1, -1}, {0.1, 0.1, 3}), expected, 1e-6);
     expect_near(seen(*scene, {0.1, 0.2, 3}, {0.1, 0.2, -1}), expected, 1e-6);
-    const Rgb<double> less = left_of(kInk, 0.5) * left_of(Rgb<double>(kFog), 2);
+    const Rgb less = left_of(kInk, 0.5) * left_of(Rgb(kFog), 2);
     expect_near(seen(*scene, {0.1, 0.2, 0.5}, {0.1, 0.2, 3}), less, 1e-6);
     expect_near(seen(*scene, {0.1, 0.2, 3}, {0.1, 0.2, 0.5}), less, 1e-6);
   }
@@ -217,14 +215,14 @@ TEST(Media, InterfacesOfInstancesAndOfQuadricsCount) {
   d.instances = {{0, Transform::translate({2, 0, 0}) * *Transform::scale({0.5, 2, 1})}};
   d.shapes = {floor(1, -4)};
   const auto scene = build(std::move(d));
-  expect_near(seen(*scene, {0, 0, 0}, {4, 0, 0}), left_of(Rgb<double>(kFog), 1), 1e-6);
-  expect_near(seen(*scene, {2, -3, 0}, {2, 1, 0}), left_of(Rgb<double>(kFog), 3), 1e-5);
+  expect_near(seen(*scene, {0, 0, 0}, {4, 0, 0}), left_of(Rgb(kFog), 1), 1e-6);
+  expect_near(seen(*scene, {2, -3, 0}, {2, 1, 0}), left_of(Rgb(kFog), 3), 1e-5);
   EXPECT_FALSE(scene->occluded(Ray{{0, 0, 0}, {4, 0, 0}, 0, 1}));
 }
 
 TEST(Media, LightOfEachCallLosesTheSame) {
   SceneDescription d = with_media();
-  const Vec3<double> lamp{0, 0, 3};
+  const Vec3 lamp{0, 0, 3};
   d.shapes = {floor(5), boundary(box({0, 0, 1}, {4, 4, 0.5}), 1),
               emissive(patch({-.1, -.1, 3.5}, {-.1, .1, 3.5}, {.1, -.1, 3.5}, {.1, .1, 3.5}), 50)};
   d.lights = {point_light(lamp, 90)};
@@ -242,7 +240,7 @@ TEST(Media, LightOfEachCallLosesTheSame) {
   const auto with = of(*scene, 64), without = of(*clear, 64);
   expect_near(with.per_light[0].irradiance_lx,
               without.per_light[0].irradiance_lx * left_of(kInk, 1), 1e-6, "point");
-  const Rgb<double> expected = without.per_light[1].irradiance_lx * left_of(kInk, 1);
+  const Rgb expected = without.per_light[1].irradiance_lx * left_of(kInk, 1);
   expect_near(with.per_light[1].irradiance_lx, expected, 2e-3 * expected.r, "area");
 
   const std::array<float, 3> from{0, 0, 0}, up{0, 0, 1};
@@ -263,7 +261,7 @@ TEST(Media, PathsLoseLightOnEachPart) {
   // the centre of a sphere of radius 1, direct light is exp(-fog) of that without fog; each
   // reflection sends light along chords of mean density cos / pi.
   SceneDescription d = description(0.5);
-  d.media = {{Rgb<double>(kFog)}};
+  d.media = {{Rgb(kFog)}};
   ShapeDescription wall = shape(SphereParams{.radius_m = 1, .reverse_orientation = true});
   wall.media = MediumSides{-1, 0};
   d.shapes = {wall};
@@ -359,12 +357,12 @@ TEST(ThinGlass, RoomsWithAPaneKeepTheirLight) {
       for (const double side : {-1.0, 1.0})
         for (int i = 0; i < 36; ++i) {
           const double a = (i % 6 + 0.5) / 3 - 1, b = (i / 6 + 0.5) / 3 - 1;
-          const Vec3<double> p = axis == 0   ? Vec3<double>{side, a, b}
-                                 : axis == 1 ? Vec3<double>{a, side, b}
-                                             : Vec3<double>{a, b, side};
-          const Vec3<double> n = axis == 0   ? Vec3<double>{-side, 0, 0}
-                                 : axis == 1 ? Vec3<double>{0, -side, 0}
-                                             : Vec3<double>{0, 0, -side};
+          const Vec3 p = axis == 0   ? Vec3{side, a, b}
+                         : axis == 1 ? Vec3{a, side, b}
+                                     : Vec3{a, b, side};
+          const Vec3 n = axis == 0   ? Vec3{-side, 0, 0}
+                         : axis == 1 ? Vec3{0, -side, 0}
+                                     : Vec3{0, 0, -side};
           points.push_back({p, {1e-6F, 1e-6F, 1e-6F}, n});
         }
     const auto lux = estimate_irradiance(
@@ -402,14 +400,14 @@ TEST(Sheets, WithAConstantAlphaPassTheRest) {
   d.lights = {point_light({0, 0, 2}, 10)};
   const auto scene = build(std::move(d));
   for (const double x : {0.0, 0.1, 0.3}) {
-    const Vec3<double> to = Vec3<double>{-x, 0, 2};
+    const Vec3 to = Vec3{-x, 0, 2};
     const double cosine = normalized(to).z;
     const double share = 0.75 * (0.5 + 0.5 * pane_share(cosine));
     EXPECT_NEAR(luminance(light_at(*scene, {x, 0, 0}, {.bounces = 0}).points[0].irradiance_lx),
                 10 * share * cosine / dot(to, to), 1e-5);
-    expect_near(seen(*scene, {x, 0, 0}, {0, 0, 2}), Rgb<double>(share), 1e-6);
+    expect_near(seen(*scene, {x, 0, 0}, {0, 0, 2}), Rgb(share), 1e-6);
   }
-  expect_near(seen(*scene, {0.1, 0, 0}, {0.1, 0, 1.2}), Rgb<double>(0.75), 1e-6);
+  expect_near(seen(*scene, {0.1, 0, 0}, {0.1, 0, 1.2}), Rgb(0.75), 1e-6);
 }
 
 }  // namespace

@@ -32,13 +32,13 @@ double series(double rho, std::uint32_t reflections) {
 
 /// A box of six quadrilaterals about (1, 2, 3) whose outsides face inwards.  `skew` moves the
 /// corners out of their cube.  Then the sides are bilinear patches whose straight edges still meet.
-std::vector<std::array<Vec3<double>, 4>> sides(double skew) {
+std::vector<std::array<Vec3, 4>> sides(double skew) {
   const auto corner = [&](int i) {
-    const Vec3<double> c{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0};
+    const Vec3 c{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0};
     const double pull = skew * ((i * 5) % 8) / 8.0;
-    return Vec3<double>{1, 2, 3} + c + Vec3<double>{-c.y, c.z, c.x} * pull;
+    return Vec3{1, 2, 3} + c + Vec3{-c.y, c.z, c.x} * pull;
   };
-  std::vector<std::array<Vec3<double>, 4>> all;
+  std::vector<std::array<Vec3, 4>> all;
   for (const auto& [a, b, c, d] : {std::array{0, 1, 2, 3},
                                    {4, 6, 5, 7},
                                    {0, 4, 1, 5},
@@ -63,7 +63,7 @@ ShapeList rectangles() {
 ShapeList patches() {
   PatchMeshData mesh;
   for (const auto& s : sides(0.4))
-    for (const Vec3<double>& p : s) {
+    for (const Vec3& p : s) {
       mesh.indices.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
       mesh.positions.push_back(p);
     }
@@ -71,7 +71,7 @@ ShapeList patches() {
 }
 
 const Transform kPlace =
-    Transform::translate({1, 2, 3}) * *Transform::rotate(0.7, Vec3<double>{1, -2, 0.5});
+    Transform::translate({1, 2, 3}) * *Transform::rotate(0.7, Vec3{1, -2, 0.5});
 
 ShapeList sphere() {
   return {emissive(
@@ -120,8 +120,8 @@ template <Shapes kOf>
 ShapeList painted() {
   auto shapes = kOf();
   for (ShapeDescription& s : shapes) {
-    s.emission->radiance_cd_m2 = Rgb<double>(kL / 4);
-    s.emission->picture = Picture{*Image::create(2, 2, std::vector<Rgb<float>>(4, Rgb<float>(4))),
+    s.emission->radiance_cd_m2 = Rgb(kL / 4);
+    s.emission->picture = Picture{*Image::create(2, 2, std::vector<Rgbf>(4, Rgbf(4))),
                                   ImageFilter::kBilinear, "grey"};
     if (auto* mesh = std::get_if<TriangleMeshData>(&s.geometry))
       for (std::size_t i = 0; i < mesh->indices.size(); i += 3)
@@ -147,7 +147,7 @@ void make_panel(ShapeDescription& shape, double area_m2) {
   PanelProfile& profile = shape.emission->panel.emplace();
   profile.web = web;
   profile.tangent = {1, 2, 3};  // not along any side's normal
-  shape.emission->radiance_cd_m2 = Rgb<double>(kL * area_m2);
+  shape.emission->radiance_cd_m2 = Rgb(kL * area_m2);
 }
 
 /// The sides of a cube, each a panel of one patch.
@@ -233,9 +233,9 @@ TEST_P(ClosedBox, IrradianceIsPiTimesTheRadianceEverywhere) {
   for (int i = 0; i < 24; ++i) {
     // In all directions, 0, 0.2 or 0.4 from the middle: within every box.
     const double z = (i % 8 + 0.5) / 4 - 1, phi = 2.4 * i, r = std::sqrt(1 - z * z);
-    const Vec3<double> n{r * std::cos(phi), r * std::sin(phi), z};
-    const Vec3<double> off = Vec3<double>{n.y, n.z, n.x} * (0.2 * (i / 8));
-    const Vec3<double> p = Vec3<double>{1, 2, 3} + off - room->origin();
+    const Vec3 n{r * std::cos(phi), r * std::sin(phi), z};
+    const Vec3 off = Vec3{n.y, n.z, n.x} * (0.2 * (i / 8));
+    const Vec3 p = Vec3{1, 2, 3} + off - room->origin();
     points.push_back({p, {1e-6F, 1e-6F, 1e-6F}, n});
   }
   const IrradianceResult result =
@@ -293,7 +293,7 @@ TEST(OpenBox, HasLessRadiance) {
   const IrradiancePoint point{{}, {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
   const auto room = build(std::move(d));
   IrradiancePoint p = point;
-  p.position = Vec3<double>{1, 2, 3} - room->origin();
+  p.position = Vec3{1, 2, 3} - room->origin();
   const auto e = estimate_irradiance(*room, std::span(&p, 1),
                                      {.seed = 6, .block_count = 16384, .bounces = kBounces}, {})
                      .points[0];

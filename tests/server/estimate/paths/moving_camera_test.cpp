@@ -25,8 +25,8 @@ std::shared_ptr<const Scene> scene_of_text(const std::string& text) {
   return build(*std::move(description));
 }
 
-void expect_near(const Vec3<float>& a, const Vec3<double>& b, double tolerance) {
-  EXPECT_LE(length(Vec3<double>(a) - b), tolerance)
+void expect_near(const Vec3f& a, const Vec3& b, double tolerance) {
+  EXPECT_LE(length(Vec3(a) - b), tolerance)
       << a.x << " " << a.y << " " << a.z << " against " << b.x << " " << b.y << " " << b.z;
 }
 
@@ -43,12 +43,12 @@ TEST(MovingCamera, TurnsHalfwayInHalfTheTime) {
   const Camera& camera = scene->camera();
   const double s = std::sqrt(0.5);
   // The middle of the right edge: 45 degrees from the axis.
-  for (const auto& [t, right] : {std::pair{-7.0, Vec3<double>{1, 0, 0}},
+  for (const auto& [t, right] : {std::pair{-7.0, Vec3{1, 0, 0}},
                                  {1.0, {1, 0, 0}},
                                  {2.0, {s, -s, 0}},
                                  {3.0, {0, -1, 0}},
                                  {9.0, {0, -1, 0}}}) {
-    expect_near(camera.ray(20, 10, t).direction, (right + Vec3<double>{0, 0, 1}) * s, 1e-7);
+    expect_near(camera.ray(20, 10, t).direction, (right + Vec3{0, 0, 1}) * s, 1e-7);
     expect_near(camera.ray(10, 10, t).direction, {0, 0, 1}, 1e-7);
     EXPECT_EQ(camera.ray(10, 10, t).time_s, t);
     expect_near(camera.ray(10, 10, t).origin, {}, 0);
@@ -183,7 +183,7 @@ TEST(MovingCamera, EqualsARestingCameraAtItsKeyFrames) {
       for (const double t : {2.0, 1e9}) {
         const Ray at = moves->camera().ray(x, y, t), there = last->camera().ray(x, y, t);
         EXPECT_EQ(at.origin, there.origin);
-        expect_near(at.direction, Vec3<double>(there.direction), 0x1p-23);
+        expect_near(at.direction, Vec3(there.direction), 0x1p-23);
       }
     }
   }
@@ -249,7 +249,7 @@ TEST(MovingCamera, MovesObjectsInItsCoordinates) {
 
 TEST(MovingCamera, KeepsItsPathFarFromTheWorldsZero) {
   // All numbers are exact in double precision at both places, and so are the scenes' origins.
-  const auto about = [](const Vec3<double>& o) {
+  const auto about = [](const Vec3& o) {
     const auto at = [&](double x, double y, double z) {
       return fmt::format("{} {} {} ", o.x + x, o.y + y, o.z + z);
     };
@@ -260,7 +260,7 @@ TEST(MovingCamera, KeepsItsPathFarFromTheWorldsZero) {
                          at(-4, 4, 0) + at(4, 4, 0) + "]");
   };
   const auto near = about({}), far = about({1e7, -2e7, 3e6});
-  EXPECT_EQ(far->origin(), Vec3<double>(1e7, -2e7, 3e6));
+  EXPECT_EQ(far->origin(), Vec3(1e7, -2e7, 3e6));
   for (const double t : {0.0, 0.3, 0.85, 1.0}) {
     for (const float x : {0.0F, 3.5F, 20.0F}) {
       EXPECT_EQ(near->camera().ray(x, 7, t).origin, far->camera().ray(x, 7, t).origin) << t;
@@ -279,7 +279,7 @@ TEST(MovingCamera, UsesTheTransformTimesBeforeIt) {
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].time_s, 0.5);
   EXPECT_EQ(frames[1].time_s, 2);
-  EXPECT_EQ(frames[1].position_m, Vec3<double>(0, 0, 2));
+  EXPECT_EQ(frames[1].position_m, Vec3(0, 0, 2));
   // As in pbrt-v4: directives after the camera apply to later objects only.
   const auto after = load_text(std::string(moving) + "TransformTimes 0.5 2 WorldBegin");
   ASSERT_TRUE(after.ok());

@@ -22,19 +22,17 @@ using ::testing::HasSubstr;
 void expect_same_hits(const Scene& moves, const Scene& still, double t) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
-  const auto somewhere = [&] {
-    return Vec3<double>{normal(random), normal(random), normal(random)};
-  };
-  const Vec3<double> centre = placed_at(t).point({});
-  const auto ray_in = [&](const Scene& scene, const Vec3<double>& from, const Vec3<double>& to) {
-    Ray ray{Vec3<float>(from - scene.origin()), Vec3<float>(to - from)};
+  const auto somewhere = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
+  const Vec3 centre = placed_at(t).point({});
+  const auto ray_in = [&](const Scene& scene, const Vec3& from, const Vec3& to) {
+    Ray ray{Vec3f(from - scene.origin()), Vec3f(to - from)};
     ray.time_s = t;
     return ray;
   };
   int hits = 0, differ = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Vec3<double> from = centre + normalized(somewhere()) * 4.0;
-    const Vec3<double> to = centre + normalized(somewhere()) * 0.7;
+    const Vec3 from = centre + normalized(somewhere()) * 4.0;
+    const Vec3 to = centre + normalized(somewhere()) * 0.7;
     const Ray m = ray_in(moves, from, to), s = ray_in(still, from, to);
     const auto a = moves.closest_hit(m), b = still.closest_hit(s);
     if (a.has_value() != b.has_value() || moves.occluded(m) != b.has_value()) {
@@ -43,8 +41,8 @@ void expect_same_hits(const Scene& moves, const Scene& still, double t) {
     }
     if (!a) continue;
     ++hits;
-    const Vec3<double> p = Vec3<double>(a->position) + moves.origin();
-    const Vec3<double> q = Vec3<double>(b->position) + still.origin();
+    const Vec3 p = Vec3(a->position) + moves.origin();
+    const Vec3 q = Vec3(b->position) + still.origin();
     // Only one of the rays passed an edge, and met a surface beyond it.
     if (length(p - q) > 1e-4) {
       ++differ;
@@ -76,9 +74,9 @@ TEST(MovingSurfaces, RaysHitThemAtTheirPlaceAtThatTime) {
 
 TEST(MovingSurfaces, RestBeforeAndAfterTheirKeyFrames) {
   const auto moves = scene_of(moved(kinds()[0]));
-  const Vec3<double> last = placed_at(2).point({}), first = placed_at(0).point({});
-  const auto seen = [&](const Vec3<double>& centre, double t) {
-    Ray ray{Vec3<float>(centre + Vec3<double>{0, 0, 5} - moves->origin()), {0, 0, -1}};
+  const Vec3 last = placed_at(2).point({}), first = placed_at(0).point({});
+  const auto seen = [&](const Vec3& centre, double t) {
+    Ray ray{Vec3f(centre + Vec3{0, 0, 5} - moves->origin()), {0, 0, -1}};
     ray.time_s = t;
     return moves->occluded(ray);
   };
@@ -93,8 +91,8 @@ TEST(MovingSurfaces, ScaledInstancesMove) {
     // A scene with its own size and zero around it, and an instance at rest.
     d.objects = {{"ball",
                   {shape(ball(2,
-                              [](const Vec3<double>& p) {
-                                return p + Vec3<double>{0.3, 0, 0};
+                              [](const Vec3& p) {
+                                return p + Vec3{0.3, 0, 0};
                               })),
                    shape(SphereParams{.radius_m = 0.9})}}};
     d.instances = {{0, Transform::translate({9, 9, 9})}, {0, placed_at(t) * stretched}};
@@ -111,10 +109,10 @@ TEST(MovingSurfaces, ScaledInstancesMove) {
 
 TEST(MovingSurfaces, KeepMaterialsShadingNormalsAndLightNumbers) {
   SceneDescription d = description();
-  d.materials.push_back(diffuse_material(Rgb<double>(0.25)));
+  d.materials.push_back(diffuse_material(Rgb(0.25)));
   d.shapes.push_back(emissive(floor(1, 0), 1));
   TriangleMeshData mesh{{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}}, {}, {0, 1, 2, 1, 3, 2}};
-  const Vec3<float> tilted = normalized(Vec3<float>{0, 0.6F, 0.8F});
+  const Vec3f tilted = normalized(Vec3f{0, 0.6F, 0.8F});
   mesh.normals = {tilted, tilted, tilted, tilted};
   d.shapes.push_back(emissive(shape(mesh), 2));
   d.shapes.push_back(emissive(floor(1, -1), 3));
@@ -125,7 +123,7 @@ TEST(MovingSurfaces, KeepMaterialsShadingNormalsAndLightNumbers) {
   const auto scene = build(std::move(d));
   ASSERT_EQ(scene->lights().size(), 3U);
   // (0.75, 0.75) of the mesh, its second triangle, is now at (-0.75, 0.75).
-  Ray ray{Vec3<float>(Vec3<double>{-0.75, 0.75, 5} - scene->origin()), {0, 0, -1}};
+  Ray ray{Vec3f(Vec3{-0.75, 0.75, 5} - scene->origin()), {0, 0, -1}};
   ray.time_s = 1;
   const auto hit = scene->closest_hit(ray);
   ASSERT_TRUE(hit);
@@ -133,7 +131,7 @@ TEST(MovingSurfaces, KeepMaterialsShadingNormalsAndLightNumbers) {
   EXPECT_EQ(hit->material, 1U);
   EXPECT_EQ(hit->light, 1);
   EXPECT_EQ(hit->light_primitive, 1U);
-  EXPECT_LE(length(hit->ns - Vec3<double>{-0.6, 0, 0.8}), 1e-6);
+  EXPECT_LE(length(hit->ns - Vec3{-0.6, 0, 0.8}), 1e-6);
   EXPECT_EQ(scene->lights()[2].moving, nullptr);
   EXPECT_EQ(scene->shape_count(), 3U);
 }
@@ -149,7 +147,7 @@ TEST(MovingSurfaces, ShadowPointsThatTheyPass) {
   const auto scene = build(std::move(d));
   const std::vector<float> from{0, 0, 0}, to{0, 0, 3};
   const std::vector<IrradiancePoint> meter{{{0, 0, 0}, {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}}};
-  ASSERT_EQ(scene->origin(), Vec3<double>{});
+  ASSERT_EQ(scene->origin(), Vec3{});
   for (int i = 0; i <= 40; ++i) {
     const double t = i / 20.0;
     if (std::fabs(std::fabs(4 * t - 4) - 0.5) < 1e-3) continue;
@@ -211,8 +209,8 @@ TEST(MovingSurfaces, TheScenesSphereHoldsTheirWholeMotion) {
   d.shapes.push_back(floor(1));
   d.shapes.back().motion = sliding({100, 0, 0}, 1);
   const auto scene = build(std::move(d));
-  const Vec3<double> centre = scene->origin() + scene->sphere().center_m;
-  EXPECT_LE(length(centre - Vec3<double>{50, 0, 0}), 1e-6);
+  const Vec3 centre = scene->origin() + scene->sphere().center_m;
+  EXPECT_LE(length(centre - Vec3{50, 0, 0}), 1e-6);
   EXPECT_NEAR(scene->sphere().radius_m, std::hypot(51, 1), 1e-6);
   bool reported = false;
   for (const ScenePart& part : scene->parts())
@@ -242,12 +240,12 @@ TEST(PbrtMotion, OfShapesAreaLightsAndInstancesIsRead) {
        {scene->shapes[0].motion, scene->shapes[1].motion, scene->instances[0].motion}) {
     ASSERT_NE(motion, nullptr);
     EXPECT_EQ(motion->key_frames()[0].time_s, 1);
-    EXPECT_LE(length(motion->at(2).point({1, 2, 3}) - Vec3<double>{3, 2, 3}), 1e-14);
+    EXPECT_LE(length(motion->at(2).point({1, 2, 3}) - Vec3{3, 2, 3}), 1e-14);
   }
   EXPECT_TRUE(scene->shapes[1].emission.has_value());
   EXPECT_EQ(scene->shapes[2].motion, nullptr);
   EXPECT_EQ(scene->instances[1].motion, nullptr);
-  EXPECT_EQ(scene->instances[0].world_from_object.point({}), Vec3<double>(1, 2, 3));
+  EXPECT_EQ(scene->instances[0].world_from_object.point({}), Vec3(1, 2, 3));
 }
 
 TEST(PbrtMotion, ThatIsNotRigidIsAnErrorForSurfaces) {

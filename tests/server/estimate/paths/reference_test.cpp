@@ -139,15 +139,15 @@ INSTANTIATE_TEST_SUITE_P(
 // correct for RGB input, because RGB does not determine a spectrum.  Each number here is the first
 // over the second.  colour_ratios.py computes them from the spectra, without either renderer.
 struct ColourOfProduct {
-  Rgb<double> surface;
-  Rgb<double> over_product[2];  // by light
+  Rgb surface;
+  Rgb over_product[2];  // by light
 };
 constexpr ColourOfProduct kColours[] = {
     {{0.5, 0.4, 0.3}, {{0.98012, 0.99629, 0.95939}, {1.05089, 1.01422, 1.01488}}},
     {{0.2, 0.4, 0.5}, {{1.10510, 1.00054, 1.03678}, {0.67252, 0.99417, 0.98333}}}};
 
 /// Indices of pixels that, like their neighbours, show only surfaces of this colour.
-std::vector<std::size_t> pixels_of(const Scene& scene, const Rgb<double>& surface) {
+std::vector<std::size_t> pixels_of(const Scene& scene, const Rgb& surface) {
   const Camera& camera = scene.camera();
   const auto shows = [&](int x, int y) {
     const auto hit = scene.closest_hit(camera.ray(float(x) + 0.5F, float(y) + 0.5F));
@@ -222,7 +222,7 @@ TEST(ColourReference, LuminanceIsWithinTheErrorOfRgb) {
   const auto grey = [](Picture picture) {
     for (std::size_t i = 0; i < picture.values.size(); i += 3) {
       double* const v = &picture.values[i];
-      v[0] = v[1] = v[2] = luminance(Rgb<double>(v[0], v[1], v[2]));
+      v[0] = v[1] = v[2] = luminance(Rgb(v[0], v[1], v[2]));
     }
     return picture;
   };

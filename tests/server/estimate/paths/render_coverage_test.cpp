@@ -23,7 +23,7 @@ struct PixelQuestion {
 };
 
 /// A camera of 1 x 1 pixels that sees `metres` of a surface 1 m away.
-void look(SceneDescription& d, const Vec3<double>& from, const Vec3<double>& at, double metres) {
+void look(SceneDescription& d, const Vec3& from, const Vec3& at, double metres) {
   d.film = {.width = 1, .height = 1};
   d.camera.world_from_camera = *Transform::look_at(from, at, {0.3, 1, 0});
   d.camera.screen_min = {-metres / 2, -metres / 2};
@@ -45,7 +45,7 @@ PixelQuestion edge_pixel(double share = 0.3) {
   SceneDescription d = description(0.5);
   const double end = share - 0.5;
   d.shapes = {patch({-9, -9, 0}, {end, -9, 0}, {-9, 9, 0}, {end, 9, 0})};
-  d.lights = {{DistantLightParams{{0, 0, 1}, Rgb<double>(10)}, {}}};
+  d.lights = {{DistantLightParams{{0, 0, 1}, Rgb(10)}, {}}};
   look(d, {0, 0, 1}, {}, 1);
   d.camera.world_from_camera = *Transform::look_at({0, 0, 1}, {}, {0, 1, 0});
   return {"edge " + std::to_string(share), build(std::move(d)), share * 0.5 * 10 / pi};
@@ -98,7 +98,7 @@ Answer answer(const PixelQuestion& q, TileSettings settings, std::uint64_t seed)
   const TileResult r = render_tile(*q.scene, settings, {});
   const auto n = static_cast<double>(settings.block_count);
   const auto value = [&](int c) { return r.channels[c].sum / n; };
-  const double mean = luminance(Rgb<double>{value(0), value(1), value(2)});
+  const double mean = luminance(Rgb{value(0), value(1), value(2)});
   if (settings.target) return {mean, r.intervals[0]};
   const FloatInterval i =
       pixel_intervals(r.moments, settings.block_count, settings.samples_per_block)[0];

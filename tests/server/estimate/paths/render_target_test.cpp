@@ -33,8 +33,8 @@ TileSettings within(const Scene& scene, double relative, std::uint64_t max_sampl
 }
 
 double luminance_of(const TileResult& r, std::size_t i) {
-  return luminance(Rgb<double>{r.channels[3 * i].sum, r.channels[3 * i + 1].sum,
-                               r.channels[3 * i + 2].sum}) /
+  return luminance(
+             Rgb{r.channels[3 * i].sum, r.channels[3 * i + 1].sum, r.channels[3 * i + 2].sum}) /
          32;
 }
 

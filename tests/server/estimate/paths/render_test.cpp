@@ -15,7 +15,7 @@ using testing::same;
 std::shared_ptr<const Scene> busy_scene() {
   SceneDescription d = testing::ball_under_a_lamp(4);
   d.lights = {testing::point_light({-2, -1, 3}, 10),
-              {UniformInfiniteLightParams{Rgb<double>(0.2, 0.3, 0.5)}, {}}};
+              {UniformInfiniteLightParams{Rgb(0.2, 0.3, 0.5)}, {}}};
   d.camera.world_from_camera = *Transform::look_at({0, -6, 3}, {0, 0, 0.5}, {0, 0, 1});
   return build(std::move(d));
 }
@@ -158,7 +158,7 @@ TEST(RenderTile, GivesTheSameMomentsForAnySplitAndTheSamePictureWithoutThem) {
   // The luminance of the picture.
   for (std::size_t i = 0; i < all.moments.size(); ++i) {
     const auto* c = &all.channels[3 * i];
-    const double sum = luminance(Rgb<double>{c[0].sum, c[1].sum, c[2].sum});
+    const double sum = luminance(Rgb{c[0].sum, c[1].sum, c[2].sum});
     EXPECT_NEAR(all.moments[i].blocks.sum, sum, 1e-12 * sum);
   }
 }
@@ -311,7 +311,7 @@ SceneDescription lit(int points, int kept) {
     if (kept < 0 || kept == i)
       d.lights.push_back(testing::point_light({-2.0 + 0.5 * i, -1, 3}, 2.0 + i));
   if (kept < 0 || kept == points + 1)
-    d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(0.3)}, {}});
+    d.lights.push_back({UniformInfiniteLightParams{Rgb(0.3)}, {}});
   return d;
 }
 

@@ -11,11 +11,11 @@
 namespace lucerna {
 namespace {
 
-std::vector<Vec3<float>> random_points(std::size_t n) {
+std::vector<Vec3f> random_points(std::size_t n) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> uniform(-3, 5);
-  std::vector<Vec3<float>> points(n);
-  for (Vec3<float>& p : points) p = {uniform(random), uniform(random), uniform(random)};
+  std::vector<Vec3f> points(n);
+  for (Vec3f& p : points) p = {uniform(random), uniform(random), uniform(random)};
   return points;
 }
 
@@ -32,7 +32,7 @@ std::vector<std::uint32_t> given_order(std::size_t n) {
   return order;
 }
 
-double mean_step(const std::vector<Vec3<float>>& points, const std::vector<std::uint32_t>& order) {
+double mean_step(const std::vector<Vec3f>& points, const std::vector<std::uint32_t>& order) {
   double sum = 0;
   for (std::size_t k = 1; k < order.size(); ++k)
     sum += length(points[order[k]] - points[order[k - 1]]);
@@ -47,7 +47,7 @@ TEST(CoherentOrder, HoldsEachRayOnceAndNeighboursNear) {
 }
 
 TEST(CoherentOrder, KeepsOrdersThatAreAsGood) {
-  std::vector<Vec3<float>> rows;
+  std::vector<Vec3f> rows;
   for (int i = 0; i < 4096; ++i)
     rows.push_back({static_cast<float>(i % 64), static_cast<float>(i / 64), 2});
   EXPECT_TRUE(coherent_order(rows).empty());
@@ -68,7 +68,7 @@ TEST(CoherentOrder, TakesAnyNumbers) {
       EXPECT_TRUE(has_each_once(order, points.size()));
     }
   }
-  EXPECT_TRUE(coherent_order(std::vector<Vec3<float>>(1024, {1, 2, 3})).empty());
+  EXPECT_TRUE(coherent_order(std::vector<Vec3f>(1024, {1, 2, 3})).empty());
 }
 
 }  // namespace

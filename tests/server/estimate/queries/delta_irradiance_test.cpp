@@ -10,7 +10,7 @@ namespace {
 
 using testing::build;
 
-const Vec3<float> kPositionError{1e-6F, 1e-6F, 1e-6F};
+const Vec3f kPositionError{1e-6F, 1e-6F, 1e-6F};
 const IrradianceSettings kDirect{.block_count = 16, .bounces = 0};
 
 // Delta lights are computed light by light.  The result equals that of point by point.
@@ -19,10 +19,10 @@ TEST(DeltaIrradiance, IsTheSameByEveryPathOfTheCode) {
   d.shapes = {testing::floor(9), testing::floor(1, 2)};
   d.lights = {testing::point_light({3, 0, 4}, 100),
               testing::point_light({0, 0, 5}, 70),
-              {DistantLightParams{.to_light = {1, 2, 3}, .illuminance_lx = Rgb<double>(40)}, {}},
+              {DistantLightParams{.to_light = {1, 2, 3}, .illuminance_lx = Rgb(40)}, {}},
               {SpotLightParams{.position_m = {-2, 1, 3},
                                .axis = {0, 0, -1},
-                               .intensity_cd = Rgb<double>(30),
+                               .intensity_cd = Rgb(30),
                                .cone_half_angle_rad = 0.8},
                {}}};
   const auto scene = build(std::move(d));
@@ -62,10 +62,10 @@ TEST(DeltaIrradiance, OfAPointLightIsTheSameByEveryPathAtAnyDistance) {
     SceneDescription d = testing::description();
     d.lights = {testing::point_light({1, -2, 0.5}, candela)};
     const auto scene = build(std::move(d));
-    const Vec3<double> light = Vec3<double>{1, -2, 0.5} - scene->origin();
+    const Vec3 light = Vec3{1, -2, 0.5} - scene->origin();
     std::vector<IrradiancePoint> points{{light, {}, {0, 0, 1}}};
     for (double size = 1e-200; size < 1e200; size *= 1e5)
-      for (const Vec3<double>& way : {Vec3<double>{1, 2, -3}, {-1, 0, 0}, {0, 0.3, 1}})
+      for (const Vec3& way : {Vec3{1, 2, -3}, {-1, 0, 0}, {0, 0.3, 1}})
         for (const float up : {-1.0F, 1.0F})
           points.push_back({light + way * size, kPositionError, {0, 0, up}});
     IrradianceSettings settings = kDirect;

@@ -38,14 +38,14 @@ SceneDescription panels() {
   SceneDescription d = description();
   d.shapes.push_back(testing::emissive(testing::floor(1, 2), 7));
   d.shapes.push_back(testing::floor(1, 3));
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(0.5)}, {"test.pbrt", 2, 1}});
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(0.25)}, {"test.pbrt", 3, 1}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(0.5)}, {"test.pbrt", 2, 1}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(0.25)}, {"test.pbrt", 3, 1}});
   return d;
 }
 
 std::uint64_t id_of_area_light(const Scene& scene) {
   for (const SceneLight& l : scene.lights()) {
-    if (l.light.get_if<PatchMeshLight<double>>() != nullptr) return l.id;
+    if (l.light.get_if<PatchMeshLight>() != nullptr) return l.id;
   }
   return 0;
 }
@@ -89,7 +89,7 @@ TEST(Le, FromAPointTypedOnASurfaceLooksAwayFromIt) {
   SceneDescription d = description();
   // Far from zero, where vertices are rounded.  The start is on the emitter itself.
   d.shapes.push_back(testing::emissive(testing::floor(1000, 1000.1), 7, true));
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(0.5)}, {"test.pbrt", 2, 1}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(0.5)}, {"test.pbrt", 2, 1}});
   const auto scene = build(std::move(d));
   const std::vector<float> offsets{1, 2, 0, 1, 2, 0, 1, 2, 1};
   const std::vector<float> directions{0.1F, 0, 1, 0, 0.2F, -1, 0, 0, -1};
@@ -114,7 +114,7 @@ TEST(Le, BadItemsFailAlone) {
 TEST(Le, IsOutOfRangeWhereASumDoesNotFitFloats) {
   SceneDescription d = description();
   for (int i = 0; i < 2; ++i) {
-    d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(3e38)}, {"test.pbrt", 2, 1}});
+    d.lights.push_back({UniformInfiniteLightParams{Rgb(3e38)}, {"test.pbrt", 2, 1}});
   }
   const auto scene = build(std::move(d));
   const std::vector<float> point{0, 0, 0}, direction{0, 0, 1};
@@ -178,8 +178,8 @@ TEST(SampleLe, StartsAreAboutTheScenesOrigin) {
   RayArrays rays(1);
   sample_le(*scene, {.rays = 1, .light = 0, .seed = SeedRange{}}, rays.answer(), {});
   EXPECT_EQ(rays.status[0], static_cast<int>(ItemResult::kOk));
-  const Vec3<double> at = scene->origin() + Vec3<double>(triple(rays.offsets, 0));
-  EXPECT_NEAR(length(at - Vec3<double>(1000, 2000, 3000)), 0, 1e-3);
+  const Vec3 at = scene->origin() + Vec3(triple(rays.offsets, 0));
+  EXPECT_NEAR(length(at - Vec3(1000, 2000, 3000)), 0, 1e-3);
   EXPECT_EQ(rays.value, (std::vector<float>{5, 5, 5}));
 }
 

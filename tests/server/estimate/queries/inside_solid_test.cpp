@@ -11,8 +11,7 @@ using testing::build;
 
 /// The box between two corners as triangles, normals outwards.  `sides` selects -x, +x, -y, +y, -z,
 /// +z.
-ShapeDescription box(const Vec3<double>& lower, const Vec3<double>& upper,
-                     std::uint32_t sides = 0b111111) {
+ShapeDescription box(const Vec3& lower, const Vec3& upper, std::uint32_t sides = 0b111111) {
   TriangleMeshData mesh;
   for (int i = 0; i < 8; ++i)
     mesh.positions.push_back(
@@ -35,14 +34,14 @@ ShapeDescription turned(ShapeDescription shape) {
   return shape;
 }
 
-std::shared_ptr<const Scene> scene_of(ShapeList shapes, const Vec3<double>& lamp = {0, 0, 2.5}) {
+std::shared_ptr<const Scene> scene_of(ShapeList shapes, const Vec3& lamp = {0, 0, 2.5}) {
   SceneDescription d = testing::description();
   d.shapes = std::move(shapes);
   d.lights = {testing::point_light(lamp, 100)};
   return build(std::move(d));
 }
 
-bool inside(const Scene& scene, const Vec3<double>& position) {
+bool inside(const Scene& scene, const Vec3& position) {
   constexpr float kError = 1e-6F;
   return is_inside_solid(scene, {position, {kError, kError, kError}, {0, 0, 1}}, 0);
 }
@@ -105,7 +104,7 @@ TEST(InsideSolid, FurnitureThatTouchesFloorAndWallIsASolid) {
 }
 
 TEST(InsideSolid, AReceiverOnASurfaceLooksAtTheSideOfItsNormal) {
-  const auto facing = [](const Scene& scene, const Vec3<double>& at, const Vec3<double>& normal) {
+  const auto facing = [](const Scene& scene, const Vec3& at, const Vec3& normal) {
     return is_inside_solid(scene, {at, {1e-6F, 1e-6F, 1e-6F}, normal}, 0);
   };
   // The floor lies at a height whose coordinates round.
@@ -171,7 +170,7 @@ std::shared_ptr<const Scene> under_a_ceiling(double gap, const ShapeList& more =
   return build(std::move(d));
 }
 
-bool covered(const Scene& scene, const Vec3<double>& position, double normal_z = -1) {
+bool covered(const Scene& scene, const Vec3& position, double normal_z = -1) {
   constexpr float kError = 1e-6F;
   return is_inside_solid(scene, {position, {kError, kError, kError}, {0, 0, normal_z}}, 0);
 }

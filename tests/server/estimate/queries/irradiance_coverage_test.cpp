@@ -17,7 +17,7 @@ Coverage coverage_of(const Question& q, IrradianceSettings settings, double wide
   settings.seed = 6;
   settings.methods.closed_forms = ClosedForms::kOff;
   const std::vector<IrradiancePoint> points(
-      repeats(), {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3<double>(q.normal)});
+      repeats(), {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3(q.normal)});
   const IrradianceResult r = estimate_irradiance(*q.scene, points, settings, {});
   Coverage c(q.truth);
   for (const IrradianceEstimate& e : r.points)
@@ -98,8 +98,7 @@ TEST(IrradianceCoverage, NoticesABias) {
 TEST(IrradianceTarget, IsReached) {
   for (const Question& q : {lamp(), half_a_sky(), furnace()}) {
     const std::vector<IrradiancePoint> points(
-        target_repeats(),
-        {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3<double>(q.normal)});
+        target_repeats(), {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3(q.normal)});
     const IrradianceSettings settings{.block_count = 16,
                                       .target = TargetError{.relative = kTargetRelative},
                                       .bounces = q.bounces,
@@ -113,7 +112,7 @@ TEST(IrradianceTarget, IsReached) {
 TEST(IrradianceTarget, HasTheBitsOfAQueryForItsCount) {
   for (const Question& q : {lamp(), furnace(), pinhole()}) {
     const std::vector<IrradiancePoint> points(
-        20, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3<double>(q.normal)});
+        20, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3(q.normal)});
     IrradianceSettings settings{.seed = 5,
                                 .block_count = 16,
                                 .target = TargetError{.relative = 0.1},

@@ -16,8 +16,8 @@ namespace lucerna::testing {
 struct Question {
   std::string name;
   std::shared_ptr<const Scene> scene;
-  Vec3<double> receiver;
-  Vec3<float> normal{0, 0, 1};
+  Vec3 receiver;
+  Vec3f normal{0, 0, 1};
   double truth;  // [lx]
   std::optional<std::uint32_t> bounces = 0;
 };
@@ -31,12 +31,12 @@ inline Question lamp() {
 inline Question half_a_sky() {
   SceneDescription d = description(0);
   d.shapes = {patch({0, -1e4, 0}, {0, 1e4, 0}, {0, -1e4, 1e4}, {0, 1e4, 1e4})};
-  d.lights = {{UniformInfiniteLightParams{Rgb<double>(3, 2, 1)}, {}}};
+  d.lights = {{UniformInfiniteLightParams{Rgb(3, 2, 1)}, {}}};
   // The part of the sky above and beside the wall has a share of 1e-5.
   return {.name = "half a sky",
           .scene = build(std::move(d)),
           .receiver = {0.1, 0, 0.1},
-          .truth = luminance(Rgb<double>(3, 2, 1)) * std::numbers::pi / 2};
+          .truth = luminance(Rgb(3, 2, 1)) * std::numbers::pi / 2};
 }
 
 inline Question partly_hidden(double end) {

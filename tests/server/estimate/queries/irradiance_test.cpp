@@ -12,7 +12,7 @@ using testing::build;
 
 constexpr float kError = 1e-6f;
 
-IrradiancePoint at(float x, float y, float z, const Vec3<double>& n = {0, 0, 1}) {
+IrradiancePoint at(float x, float y, float z, const Vec3& n = {0, 0, 1}) {
   return {{x, y, z}, {kError, kError, kError}, n};
 }
 
@@ -59,7 +59,7 @@ TEST(Irradiance, OutdoorsOfAPortalMayMissTheSky) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9)};
   PortalLightParams portal;
-  portal.radiance_cd_m2 = Rgb<double>(5);
+  portal.radiance_cd_m2 = Rgb(5);
   portal.corners_m = {{{1, -1, 0}, {1, -1, 2}, {1, 1, 2}, {1, 1, 0}}};
   d.lights.emplace_back().params = portal;
   using Kind = MissedLight::Kind;
@@ -78,7 +78,7 @@ TEST(Irradiance, OutdoorsOfAPortalMayMissTheSky) {
 TEST(Irradiance, UnderAUniformSkyIsPiTimesItsRadiance) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9)};
-  d.lights = {{UniformInfiniteLightParams{Rgb<double>(2)}, {}}};
+  d.lights = {{UniformInfiniteLightParams{Rgb(2)}, {}}};
   const auto scene = build(std::move(d));
   const IrradianceEstimate e = one(*scene, at(0, 0, 0), sampled(64));
   EXPECT_NEAR(e.irradiance_lx.g, 2 * pi, 5 * e.standard_error_lx.g);
@@ -189,7 +189,7 @@ std::uint64_t samples_for(const TargetError& target, const Scene& scene,
 TEST(Irradiance, OfATargetHasTheBitsOfAQueryForItsCount) {
   SceneDescription d = lamps(3000);
   for (LightDescription& l : d.lights) std::get<PointLightParams>(l.params).position_m.x *= 0.01;
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1, 2, 3)}, {}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(1, 2, 3)}, {}});
   d.shapes.push_back(
       testing::emissive({DiskParams{.height_m = 5, .reverse_orientation = true}}, 500));
   d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
@@ -203,7 +203,7 @@ TEST(Irradiance, OfATargetHasTheBitsOfAQueryForItsCount) {
 TEST(Irradiance, OfATargetTakesEnoughSamplesToSettleDeltaLights) {
   SceneDescription d = lamps(2256);
   for (LightDescription& l : d.lights) std::get<PointLightParams>(l.params).position_m.x *= 0.01;
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1)}, {}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(1)}, {}});
   d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
   const auto scene = build(std::move(d));
   EXPECT_EQ(samples_for({.relative = 0.05}, *scene, at(0.5F, 0, 0)), 192u);
@@ -214,7 +214,7 @@ TEST(Irradiance, OfATargetTakesEnoughSamplesToSettleDeltaLights) {
 // 512 lamps are settled from 43 samples on; the first pilot has more.
 TEST(Irradiance, OfATargetTakesAtMostTheLargestSampleCount) {
   SceneDescription d = lamps(512);
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1)}, {}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(1)}, {}});
   d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
   const auto scene = build(std::move(d));
   EXPECT_EQ(samples_for({.relative = 0.1, .max_samples = 16}, *scene, at(0, 0, 0)), 16u);
@@ -222,7 +222,7 @@ TEST(Irradiance, OfATargetTakesAtMostTheLargestSampleCount) {
 
 TEST(Irradiance, IsTheSumOfItsShares) {
   SceneDescription d = lamps(2);
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1, 2, 3)}, {}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(1, 2, 3)}, {}});
   d.shapes.push_back(
       testing::emissive({DiskParams{.height_m = 5, .reverse_orientation = true}}, 5));
   const auto scene = build(std::move(d));
@@ -232,7 +232,7 @@ TEST(Irradiance, IsTheSumOfItsShares) {
   const IrradianceResult r = estimate_irradiance(*scene, points, settings, {});
   ASSERT_EQ(r.per_light.size(), 8u);
   for (std::size_t p = 0; p < 2; ++p) {
-    Rgb<double> sum;
+    Rgb sum;
     for (std::size_t l = 0; l < 4; ++l) sum += r.per_light[4 * p + l].irradiance_lx;
     EXPECT_NEAR(sum.g / r.points[p].irradiance_lx.g, 1, 1e-6);
     EXPECT_NEAR(sum.b / r.points[p].irradiance_lx.b, 1, 1e-6);
@@ -265,7 +265,7 @@ TEST(Irradiance, OfZeroSamplesBoundsADimSky) {
   d.shapes = {testing::patch({-far, 0, -far}, {far, 0, -far}, {-far, 0, far}, {far, 0, far})};
   d.lights.resize(1);
   d.lights[0].params = ImageInfiniteLightParams{
-      *SphereMap::create(*Image::create(1, 2, {Rgb<float>(10), Rgb<float>(1)}),
+      *SphereMap::create(*Image::create(1, 2, {Rgbf(10), Rgbf(1)}),
                          SphereMapping::kLatitudeLongitude, ImageFilter::kNearest)};
   const IrradianceEstimate e = one(*build(std::move(d)), at(0, 1, 0, {0, -1, 0}), direct(16, 4));
   EXPECT_EQ(e.irradiance_lx.g, 0);
@@ -290,14 +290,14 @@ TEST(Irradiance, OfZeroSamplesBoundsTheMissedLightBesideExactLight) {
 
 TEST(Irradiance, HasNoStandardErrorFromOneReplicate) {
   SceneDescription d = testing::description();
-  d.lights = {{UniformInfiniteLightParams{Rgb<double>(2)}, {}}};
+  d.lights = {{UniformInfiniteLightParams{Rgb(2)}, {}}};
   const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), sampled(16, 1));
   EXPECT_TRUE(std::isinf(e.standard_error_lx.g));
 }
 
 TEST(Irradiance, GivesTheSameBitsForAnySplitOfABatch) {
   SceneDescription d = lamps(12);
-  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1, 2, 3)}, {}});
+  d.lights.push_back({UniformInfiniteLightParams{Rgb(1, 2, 3)}, {}});
   const auto scene = build(std::move(d));
   std::vector<IrradiancePoint> points;
   for (int i = 0; i < 40; ++i) points.push_back(at(static_cast<float>(i) * 0.1f, 0, 0));
@@ -317,7 +317,7 @@ TEST(Irradiance, StandardErrorMatchesTheScatter) {
   // standard deviation over 2000 points is below 0.05: half to double allows 10 of them.
   SceneDescription d = testing::description();
   d.shapes = {testing::patch({0, -1e3, 0}, {0, 1e3, 0}, {0, -1e3, 1e3}, {0, 1e3, 1e3})};
-  d.lights = {{UniformInfiniteLightParams{Rgb<double>(1)}, {}}};
+  d.lights = {{UniformInfiniteLightParams{Rgb(1)}, {}}};
   const auto scene = build(std::move(d));
   std::vector<IrradiancePoint> points(2000, at(0.1f, 0, 0.1f));
   const auto r = estimate_irradiance(*scene, points, direct(4), {});

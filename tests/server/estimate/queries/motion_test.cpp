@@ -137,10 +137,10 @@ TEST(PbrtMotion, OfALightIsReadWithItsTimesAndShutter) {
   const Motion& motion = *scene->lights[0].motion;
   EXPECT_EQ(motion.key_frames()[0].time_s, 0.5);
   EXPECT_EQ(motion.key_frames()[1].time_s, 2);
-  EXPECT_EQ(std::get<PointLightParams>(scene->lights[0].params).position_m, Vec3<double>(2, 2, 3));
+  EXPECT_EQ(std::get<PointLightParams>(scene->lights[0].params).position_m, Vec3(2, 2, 3));
   // At the end the light's origin is at (5, 2, 3), and its own (1, 0, 0) is a metre along +y from
   // there.
-  EXPECT_LE(length(motion.at(2).point({2, 2, 3}) - Vec3<double>{5, 3, 3}), 1e-14);
+  EXPECT_LE(length(motion.at(2).point({2, 2, 3}) - Vec3{5, 3, 3}), 1e-14);
   EXPECT_NE(scene->lights[1].motion, nullptr);
   const auto otherwise = load_world("LightSource \"point\"");
   EXPECT_EQ(otherwise->lights[0].motion, nullptr);

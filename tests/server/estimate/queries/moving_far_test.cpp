@@ -18,9 +18,9 @@ using testing::SceneFiles;
 
 /// The distance between floats here is a metre or more.  The numbers are multiples of the floor's
 /// extent, so that the scene's origin is exactly here.
-constexpr Vec3<double> kFar{1e7, -2e7, 3e6};
+constexpr Vec3 kFar{1e7, -2e7, 3e6};
 
-std::string text(const Vec3<double>& p) { return fmt::format("{} {} {} ", p.x, p.y, p.z); }
+std::string text(const Vec3& p) { return fmt::format("{} {} {} ", p.x, p.y, p.z); }
 
 /// A sky of 4 x 4 texels with different values.
 std::string sky_pfm() {
@@ -34,12 +34,12 @@ std::string sky_pfm() {
 
 /// `light(o)` above a floor of 8 m, both about `o`.
 template <typename Light>
-std::shared_ptr<const Scene> scene_about(const Vec3<double>& o, Light&& light) {
+std::shared_ptr<const Scene> scene_about(const Vec3& o, Light&& light) {
   const SceneFiles files;
   files.write("sky.pfm", sky_pfm());
   std::string corners;
   for (const auto& [x, y] : {std::pair{-4, -4}, {4, -4}, {-4, 4}, {4, 4}})
-    corners += text(o + Vec3<double>{double(x), double(y), 0});
+    corners += text(o + Vec3{double(x), double(y), 0});
   files.write("scene.pbrt", "WorldBegin Shape \"bilinearmesh\" \"point3 P\" [" + corners +
                                 "]\nActiveTransform EndTime " + light(o));
   auto description = files.load("scene.pbrt");
@@ -55,7 +55,7 @@ std::shared_ptr<const Scene> scene_about(const Vec3<double>& o, Light&& light) {
 struct Answers {
   struct Vector {
     const char* what;
-    Vec3<double> v;
+    Vec3 v;
     double tolerance;
   };
   struct Number {
@@ -74,13 +74,13 @@ Answers answers_of(const Scene& scene, double t) {
   visit_light(scene.lights()[0], t, [&](const auto& light) {
     for (int i = 0; i < 64; ++i) {
       const auto of = [&](double step) { return std::fmod(i * step, 1); };
-      const Vec2<double> u{of(0.618034), of(0.754878)}, v{of(0.569840), of(0.819173)};
-      const Receiver<double> r{{6 * of(0.324718) - 3, 6 * of(0.245122) - 3, of(0.141593)}};
+      const Vec2 u{of(0.618034), of(0.754878)}, v{of(0.569840), of(0.819173)};
+      const Receiver r{{6 * of(0.324718) - 3, 6 * of(0.245122) - 3, of(0.141593)}};
       const auto s = light.sample_li(r, u);
       all.reasons.push_back(s.reason);
       if (s.reason == NoLight::kNone) {
         ++all.lit;
-        all.vectors.push_back({"wi", Vec3<double>(s.wi), 2e-6});
+        all.vectors.push_back({"wi", Vec3(s.wi), 2e-6});
         all.numbers.push_back({"value", s.value.g});
         all.numbers.push_back({"pdf of a sample", s.pdf.per_sr});
         all.numbers.push_back({"pdf", light.pdf_li(r, s.wi).per_sr});
@@ -90,8 +90,8 @@ Answers answers_of(const Scene& scene, double t) {
       const auto ray = light.sample_le(u, v, scene.sphere());
       all.reasons.push_back(ray.reason);
       if (ray.reason != NoLight::kNone) continue;
-      all.vectors.push_back({"where a ray leaves", Vec3<double>(ray.origin), 1e-5});
-      all.vectors.push_back({"direction of a ray", Vec3<double>(ray.direction), 2e-6});
+      all.vectors.push_back({"where a ray leaves", Vec3(ray.origin), 1e-5});
+      all.vectors.push_back({"direction of a ray", Vec3(ray.direction), 2e-6});
       all.numbers.push_back({"density of a ray's position", ray.pdf_position.per_m2});
       all.numbers.push_back({"density of a ray's direction", ray.pdf_direction.per_sr});
       const auto known = light.pdf_le(ray.origin, ray.direction, scene.sphere());
@@ -124,22 +124,22 @@ void expect_the_same_far_off(Light&& light) {
 }
 
 /// A window of 2 m, 3 m up; light comes down through it.
-std::string portal(const Vec3<double>& o) {
+std::string portal(const Vec3& o) {
   std::string corners;
   for (const auto& [x, y] : {std::pair{-1, -1}, {-1, 1}, {1, 1}, {1, -1}})
-    corners += text(o + Vec3<double>{double(x), double(y), 3});
+    corners += text(o + Vec3{double(x), double(y), 3});
   return "\"point3 portal\" [" + corners + "]";
 }
 
 TEST(MovingFarOff, PortalsThatSlide) {
-  expect_the_same_far_off([](const Vec3<double>& o) {
+  expect_the_same_far_off([](const Vec3& o) {
     return "Translate 0.5 -0.25 1 ActiveTransform All LightSource \"infinite\" " + portal(o);
   });
 }
 
 TEST(MovingFarOff, PortalsThatTurnAboutTheirOwnCentre) {
   for (const std::string sky : {"", "\"string filename\" \"sky.pfm\" "})
-    expect_the_same_far_off([&](const Vec3<double>& o) {
+    expect_the_same_far_off([&](const Vec3& o) {
       return "ActiveTransform All Translate " + text(o) +
              "ActiveTransform EndTime Rotate 25 1 2 0 ActiveTransform All LightSource "
              "\"infinite\" " +
@@ -156,9 +156,8 @@ TEST(MovingFarOff, SkiesAndSunsThatTurnAboutTheWorldsZero) {
         "\"distant\" \"point3 from\" [1 2 5] \"point3 to\" [0 0 0] \"float angulardiameter\" 20",
         "\"distant\" \"point3 from\" [1 2 5] \"point3 to\" [0 0 0]"}) {
     SCOPED_TRACE(light);
-    expect_the_same_far_off([&](const Vec3<double>&) {
-      return "Rotate 70 1 2 2 ActiveTransform All LightSource " + light;
-    });
+    expect_the_same_far_off(
+        [&](const Vec3&) { return "Rotate 70 1 2 2 ActiveTransform All LightSource " + light; });
   }
 }
 
@@ -167,7 +166,7 @@ TEST(MovingFarOff, SkiesAndSunsHaveNoShift) {
   for (const std::string light : {"\"infinite\"", "\"distant\" \"float angulardiameter\" 20"}) {
     SCOPED_TRACE(light);
     const auto turning = [&](const std::string& shift) {
-      return scene_about({}, [&](const Vec3<double>&) {
+      return scene_about({}, [&](const Vec3&) {
         return shift + "Rotate 70 1 2 2 ActiveTransform All LightSource " + light;
       });
     };
@@ -190,7 +189,7 @@ TEST(MovingFarOff, PortalsBeyondTheRangeOfRaysAreAnError) {
 
 TEST(MovingFarOff, ASceneOfOnePortalHasItsOriginThere) {
   const auto description =
-      testing::load_world("LightSource \"infinite\" " + portal(kFar + Vec3<double>{3, 5, 7}));
+      testing::load_world("LightSource \"infinite\" " + portal(kFar + Vec3{3, 5, 7}));
   ASSERT_TRUE(description.ok()) << description.status();
   const auto scene = Scene::build(*description);
   ASSERT_TRUE(scene.ok()) << scene.status();

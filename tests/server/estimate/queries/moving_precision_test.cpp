@@ -20,7 +20,7 @@ namespace {
 const Transform kTilt = *Transform::rotate(0.7, {1, 2, 0.5});
 const Transform kStart = *Transform::rotate(1.1, {-1, 0.3, 2});
 
-std::array<Vec3<double>, 4> corners() {
+std::array<Vec3, 4> corners() {
   return {kStart.point({-64, -64, 0}), kStart.point({64, -64, 0}), kStart.point({-64, 64, 0}),
           kStart.point({64, 64, 0})};
 }
@@ -44,7 +44,7 @@ ShapeDescription plate_of_triangles() {
   return moved_there(shape(TriangleMeshData{{c[0], c[1], c[2], c[3]}, {}, {0, 1, 3, 0, 3, 2}}));
 }
 
-Vec3<double> normal_then() { return kTilt.vector({0, 0, 1}); }
+Vec3 normal_then() { return kTilt.vector({0, 0, 1}); }
 
 /// Points of the plate near its corner, a second later, x y z interleaved.
 std::vector<float> points_of_corner(int count) {
@@ -52,13 +52,13 @@ std::vector<float> points_of_corner(int count) {
   std::uniform_real_distribution<double> u(0.01, 0.5);
   std::vector<float> points;
   for (int i = 0; i < count; ++i) {
-    const Vec3<float> p(kTilt.point({u(random), u(random), 0}));
+    const Vec3f p(kTilt.point({u(random), u(random), 0}));
     points.insert(points.end(), {p.x, p.y, p.z});
   }
   return points;
 }
 
-std::vector<float> repeated(const Vec3<double>& v, int count) {
+std::vector<float> repeated(const Vec3& v, int count) {
   std::vector<float> all;
   for (int i = 0; i < count; ++i)
     for (const double c : {v.x, v.y, v.z}) all.push_back(static_cast<float>(c));
@@ -75,23 +75,22 @@ int bits_of(const std::vector<std::uint8_t>& bytes) {
 TEST(MovingPrecision, PositionsAreWithinTheirReportedErrors) {
   for (const ShapeDescription& s : {plate(), plate_of_triangles()}) {
     const auto scene = scene_of(s);
-    ASSERT_EQ(scene->origin(), Vec3<double>{});
-    const Vec3<double> n = normal_then();
+    ASSERT_EQ(scene->origin(), Vec3{});
+    const Vec3 n = normal_then();
     std::mt19937 random(5);
     std::uniform_real_distribution<double> u(0.01, 0.5);
     int hits = 0;
     double worst = 0;
     for (int i = 0; i < 2000; ++i) {
-      const Vec3<double> to = kTilt.point({u(random), u(random), 0});
-      const Vec3<double> from =
-          to + n * (1 + u(random)) + Vec3<double>{u(random), u(random), u(random)};
-      Ray ray{Vec3<float>(from), Vec3<float>(to - from)};
+      const Vec3 to = kTilt.point({u(random), u(random), 0});
+      const Vec3 from = to + n * (1 + u(random)) + Vec3{u(random), u(random), u(random)};
+      Ray ray{Vec3f(from), Vec3f(to - from)};
       ray.time_s = 1;
       const auto hit = scene->closest_hit(ray);
       if (!hit) continue;
       ++hits;
-      const double off = std::fabs(dot(Vec3<double>(hit->position), n));
-      const Vec3<float>& e = hit->position_error;
+      const double off = std::fabs(dot(Vec3(hit->position), n));
+      const Vec3f& e = hit->position_error;
       EXPECT_LE(off, std::fabs(n.x) * e.x + std::fabs(n.y) * e.y + std::fabs(n.z) * e.z);
       worst = std::fmax(worst, off);
     }
@@ -108,8 +107,8 @@ TEST(MovingPrecision, RaysFromPointsOnThemDoNotMeetThem) {
   const std::vector<float> normals = repeated(normal_then(), kPoints);
   for (const ShapeDescription& s : {plate(), plate_of_triangles()}) {
     const auto scene = scene_of(s);
-    const Vec3<double> along = kTilt.vector({3, 2, 1});
-    for (const Vec3<double>& towards : {normal_then() * 2.0, along}) {
+    const Vec3 along = kTilt.vector({3, 2, 1});
+    for (const Vec3& towards : {normal_then() * 2.0, along}) {
       const std::vector<float> directions = repeated(towards, kPoints);
       std::vector<std::uint8_t> visible((kPoints + 7) / 8);
       std::vector<int> status(kPoints);
@@ -129,7 +128,7 @@ TEST(MovingPrecision, PointsOnThemSeeLightsInFrontOfThem) {
   d.shapes = {plate()};
   d.lights = {point_light(kTilt.point({4, 3, 1}), 5)};
   const auto scene = build(std::move(d));
-  ASSERT_EQ(scene->origin(), Vec3<double>{});
+  ASSERT_EQ(scene->origin(), Vec3{});
   SampleLiQuery q;
   q.receivers = {{}, points};
   q.light = 0;
@@ -146,12 +145,12 @@ TEST(MovingPrecision, LightsDoNotHideTheirOwnPoints) {
   constexpr int kReceivers = 100;
   constexpr std::uint32_t kSamples = 16;
   std::vector<float> receivers = points_of_corner(kReceivers);
-  const Vec3<float> up(normal_then() * 0.02);
+  const Vec3f up(normal_then() * 0.02);
   for (std::size_t i = 0; i < receivers.size(); i += 3)
     receivers[i] += up.x, receivers[i + 1] += up.y, receivers[i + 2] += up.z;
   for (const ShapeDescription& shape : {plate(), plate_of_triangles()}) {
     const auto scene = scene_of(emissive(shape, 1, true));
-    ASSERT_EQ(scene->origin(), Vec3<double>{});
+    ASSERT_EQ(scene->origin(), Vec3{});
     SampleLiQuery q;
     q.receivers = {{}, receivers};
     q.samples = kSamples;
@@ -181,11 +180,11 @@ TEST(MovingPrecision, RaysKeepTheirEnds) {
     s.motion = sliding({8, 0, 0}, 2);
     const auto scene = scene_of(s);
     // From 5 m above the centre of a ball of radius 1.  The ray enters it at 4 m and leaves at 6.
-    const Vec3<double> from = Vec3<double>{4.05, 0.1, 5} - scene->origin();
+    const Vec3 from = Vec3{4.05, 0.1, 5} - scene->origin();
     const double sag = kind.name == std::string("mesh") ? 0.1 : 0.02;
     for (const float length : {1e-3F, 0.3F, 1.F, 7.F, 1e3F}) {
       const auto hit_m = [&](float begin_m, float end_m) {
-        Ray ray{Vec3<float>(from), {0, 0, -length}, begin_m / length, end_m / length};
+        Ray ray{Vec3f(from), {0, 0, -length}, begin_m / length, end_m / length};
         ray.time_s = 1;
         const auto hit = scene->closest_hit(ray);
         EXPECT_EQ(scene->occluded(ray), hit.has_value())
@@ -207,15 +206,15 @@ TEST(MovingPrecision, SpecksInALargeSceneAreFound) {
   constexpr double kRadius = 1e-9;
   SceneDescription d = description();
   d.shapes.push_back(floor(5000, -1));
-  d.shapes.push_back(shape(ball(2, [](const Vec3<double>& p) { return p * kRadius; })));
+  d.shapes.push_back(shape(ball(2, [](const Vec3& p) { return p * kRadius; })));
   d.shapes.back().motion = sliding({8e-8, 0, 0}, 1);
   const auto scene = build(std::move(d));
-  ASSERT_EQ(scene->origin(), Vec3<double>{});
+  ASSERT_EQ(scene->origin(), Vec3{});
   std::mt19937 random(2);
   std::uniform_real_distribution<double> u(-0.6 * kRadius, 0.6 * kRadius);
   for (int i = 0; i < 200; ++i) {
     const double x = u(random), y = u(random);
-    Ray ray{Vec3<float>(Vec3<double>{4e-8 + x, y, 1e-8}), {0, 0, -1}};
+    Ray ray{Vec3f(Vec3{4e-8 + x, y, 1e-8}), {0, 0, -1}};
     ray.time_s = 0.5;
     const auto hit = scene->closest_hit(ray);
     ASSERT_TRUE(hit);
@@ -224,11 +223,11 @@ TEST(MovingPrecision, SpecksInALargeSceneAreFound) {
     EXPECT_LE(1e-8 - hit->t, top + 1e-3 * kRadius);
     EXPECT_GE(1e-8 - hit->t, top - 0.2 * kRadius);
     // The ball is convex, so no ray that leaves it meets it again, at any angle.
-    const Frame<double> frame = Frame<double>::around(hit->ng);
+    const Frame frame = Frame::around(hit->ng);
     for (int k = 0; k < 64; ++k) {
       const double phi = 0.1 * k, up = std::exp2(-k / 4.0);
-      Ray away = spawn_ray(
-          *hit, Vec3<float>(frame.s * std::cos(phi) + frame.t * std::sin(phi) + frame.n * up));
+      Ray away =
+          spawn_ray(*hit, Vec3f(frame.s * std::cos(phi) + frame.t * std::sin(phi) + frame.n * up));
       away.t_max = 1e-6F;  // not the floor
       EXPECT_FALSE(scene->occluded(away)) << up;
     }

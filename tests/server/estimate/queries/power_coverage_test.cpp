@@ -87,11 +87,10 @@ TEST(PowerCoverage, NoticesIntervalsThatAreTooNarrowOrTooWide) {
 // Samples by the intensity, or by the cosine, are all equal.
 TEST(SampledPower, IsExactWhereTheDensityFollowsTheLight) {
   SceneDescription d = description();
-  d.lights = {
-      {SpotLightParams{
-           .intensity_cd = Rgb<double>(100), .cone_half_angle_rad = 1, .falloff_start_rad = 0.2},
-       {}},
-      point_light({1, 2, 3}, 5)};
+  d.lights = {{SpotLightParams{
+                   .intensity_cd = Rgb(100), .cone_half_angle_rad = 1, .falloff_start_rad = 0.2},
+               {}},
+              point_light({1, 2, 3}, 5)};
   d.shapes = {emissive(patch({-1, -1, 2}, {-1, 1, 2}, {1, -1, 2}, {1, 1, 2}), 5, true)};
   const auto scene = build(std::move(d));
   const std::uint32_t all[] = {0, 1, 2};

@@ -22,7 +22,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 SceneDescription one_point_light() {
   SceneDescription d = description();
   d.shapes.push_back(testing::floor(10));
-  d.lights.push_back({PointLightParams{{0, 0, 3}, Rgb<double>(18)}, {"test.pbrt", 2, 1}});
+  d.lights.push_back({PointLightParams{{0, 0, 3}, Rgb(18)}, {"test.pbrt", 2, 1}});
   return d;
 }
 
@@ -46,7 +46,7 @@ TEST(SampleLi, PlacesAreRelativeToTheOriginOfTheQuery) {
   const double far = 1e7;  // where floats are a metre apart
   d.shapes.push_back(
       testing::patch({far - 1, -1, 0}, {far + 1, -1, 0}, {far - 1, 1, 0}, {far + 1, 1, 0}));
-  d.lights.push_back({PointLightParams{{far + 0.25, 0, 3}, Rgb<double>(1)}, {}});
+  d.lights.push_back({PointLightParams{{far + 0.25, 0, 3}, Rgb(1)}, {}});
   const auto scene = build(d);
   const std::vector<float> points{0.25F, 0, 1};
   const std::vector<float> u(2, 0.5F);
@@ -103,7 +103,7 @@ TEST(SampleLi, AChosenLightHasTheSamplesOfANamedLight) {
       if (chosen.light_ids[i] != scene->lights()[light].id) continue;
       ++found;
       EXPECT_EQ(chosen.value[3 * i], named.value[3 * i]);
-      const Receiver<double> receiver(0.1F * float(i), 0, 0.5);
+      const Receiver receiver(0.1F * float(i), 0, 0.5);
       EXPECT_EQ(chosen.selection_probability[i],
                 scene->light_selector().probability(LightSelection::kAutomatic, receiver, light));
     }
@@ -117,22 +117,21 @@ struct Receivers {
   std::vector<float> offsets, normals, u;
   std::vector<double> u_light;
 
-  explicit Receivers(const Vec3<float>& light) {
+  explicit Receivers(const Vec3f& light) {
     constexpr float kInf = INFINITY, kMost = std::numeric_limits<float>::max();
     for (float size = 1e-42F; size < 1e38F; size *= 7)
-      for (const Vec3<float>& way : {Vec3<float>{1, 2, -3}, {-1, 0, 0}, {0, 0.3F, 1}})
-        add(light + way * size);
-    for (const Vec3<float>& at : {light,
-                                  Vec3<float>{kNan, 0, 0},
-                                  {0, kInf, 0},
-                                  {0, -kInf, kInf},
-                                  {kMost, kMost, kMost},
-                                  {kMost, -kMost, 0},
-                                  {0, 0, 0}})
+      for (const Vec3f& way : {Vec3f{1, 2, -3}, {-1, 0, 0}, {0, 0.3F, 1}}) add(light + way * size);
+    for (const Vec3f& at : {light,
+                            Vec3f{kNan, 0, 0},
+                            {0, kInf, 0},
+                            {0, -kInf, kInf},
+                            {kMost, kMost, kMost},
+                            {kMost, -kMost, 0},
+                            {0, 0, 0}})
       add(at);
     for (const std::size_t bad : {std::size_t{20}, u.size() - 1}) u[bad] = bad == 20 ? kNan : kInf;
   }
-  void add(const Vec3<float>& at) {
+  void add(const Vec3f& at) {
     offsets.insert(offsets.end(), {at.x, at.y, at.z});
     normals.insert(normals.end(), {0, 0, 1});
     u.insert(u.end(), {0.25F, 0.75F});
@@ -141,13 +140,13 @@ struct Receivers {
 };
 
 TEST(SampleLi, OfAPointLightIsTheSameByEveryPathOfTheCode) {
-  const Vec3<float> at{1, -2, 0.5F};
+  const Vec3f at{1, -2, 0.5F};
   for (const double candela : {0.0, 1e-30, 18.0, 1e30}) {
     SceneDescription d = description();
-    d.lights = {testing::point_light(Vec3<double>(at), candela)};
+    d.lights = {testing::point_light(Vec3(at), candela)};
     const auto scene = build(d);
     const Receivers r(at);
-    for (const Vec3<double>& origin : {Vec3<double>{}, {0.1, 0, -3e5}}) {
+    for (const Vec3& origin : {Vec3{}, {0.1, 0, -3e5}}) {
       SampleLiQuery query{.receivers = {origin, r.offsets}, .light = 0, .u = r.u};
       const LiSamples plain(*scene, query);
       query.normals = r.normals;  // which need each whole sample

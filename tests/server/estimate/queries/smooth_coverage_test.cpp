@@ -21,13 +21,13 @@ namespace {
 /// A row of truth.tsv.
 struct Truth {
   std::string file;
-  Vec3<double> point, normal;
+  Vec3 point, normal;
   double lux = 0, direct_lux = 0;
 };
 
-Vec3<double> triple(const std::string& text) {
+Vec3 triple(const std::string& text) {
   std::istringstream in(text);
-  Vec3<double> v;
+  Vec3 v;
   char comma = 0;
   in >> v.x >> comma >> v.y >> comma >> v.z;
   return v;

@@ -85,7 +85,7 @@ MeanIlluminance mean_illuminance(const Scene& scene, std::uint32_t bounces,
   settings.methods.combination = combination;
   settings.methods.closed_forms = ClosedForms::kOff;
   const std::vector<IrradiancePoint> points(
-      kAnswers, {Vec3<double>{0.2, -0.3, 0} - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}});
+      kAnswers, {Vec3{0.2, -0.3, 0} - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}});
   const IrradianceResult r = estimate_irradiance(scene, points, settings, {});
   double sum = 0, squares = 0;
   for (const IrradianceEstimate& e : r.points) {
@@ -190,10 +190,10 @@ TEST(SmoothLight, RoughnessIsOneContinuum) {
 }
 
 /// The answer at one receiver.
-IrradianceEstimate smooth_answer(const Scene& scene, const Vec3<double>& normal = {0, 0, 1},
+IrradianceEstimate smooth_answer(const Scene& scene, const Vec3& normal = {0, 0, 1},
                                  std::optional<std::uint32_t> bounces = {}) {
   const std::vector<IrradiancePoint> points{
-      {Vec3<double>{0.2, -0.3, 0} - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, normal}};
+      {Vec3{0.2, -0.3, 0} - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, normal}};
   return estimate_irradiance(scene, points,
                              {.samples_per_block = 16, .block_count = 16, .bounces = bounces}, {})
       .points[0];
@@ -343,7 +343,7 @@ Shape "bilinearmesh" "point3 P" [1 -50 -50  1 50 -50  1 -50 50  1 50 50]
       const double distance = std::hypot(k, 1), cosine = k / distance;
       right += 2 * std::pow(of_conductor(reflectance, cosine), k) / std::pow(distance, 3);
     }
-    const IrradiancePoint at{Vec3<double>{0.5, 0, 0} - scene->origin(), {}, {0, 0, 1}};
+    const IrradiancePoint at{Vec3{0.5, 0, 0} - scene->origin(), {}, {0, 0, 1}};
     const IrradianceEstimate e =
         estimate_irradiance(*scene, {&at, 1}, {.samples_per_block = 16, .block_count = 16}, {})
             .points[0];

@@ -84,9 +84,9 @@ struct Tilted {
   std::vector<float> points, normals, up, down;
 };
 
-Tilted tilted(double scale, const Vec3<double>& center) {
-  const Vec3<double> n = normalized(Vec3<double>{0.3, -0.5, 0.8});
-  const Frame<double> frame = Frame<double>::around(n);
+Tilted tilted(double scale, const Vec3& center) {
+  const Vec3 n = normalized(Vec3{0.3, -0.5, 0.8});
+  const Frame frame = Frame::around(n);
   const auto at = [&](double s, double t) { return center + frame.s * s + frame.t * t; };
   SceneDescription d = description();
   d.shapes.push_back(
@@ -96,9 +96,9 @@ Tilted tilted(double scale, const Vec3<double>& center) {
   std::uniform_real_distribution<double> uniform(-0.9 * scale, 0.9 * scale);
   for (int i = 0; i < 2000; ++i) {
     // Rounded like typed numbers.
-    const Vec3<float> p(at(uniform(random), uniform(random)));
+    const Vec3f p(at(uniform(random), uniform(random)));
     // 30 degrees off the plane.
-    const Vec3<float> w(normalized(n * 0.5 + frame.s * 0.866));
+    const Vec3f w(normalized(n * 0.5 + frame.s * 0.866));
     out.points.insert(out.points.end(), {p.x, p.y, p.z});
     out.normals.insert(out.normals.end(), {float(n.x), float(n.y), float(n.z)});
     out.up.insert(out.up.end(), {w.x, w.y, w.z});
@@ -108,7 +108,7 @@ Tilted tilted(double scale, const Vec3<double>& center) {
 
 TEST(TestVisibility, PointsTypedOnASurfaceDoNotShadowThemselves) {
   for (const double scale : {1e-4, 1.0, 1e4}) {
-    for (const Vec3<double>& center : {Vec3<double>{}, Vec3<double>{3, 5, -7} * scale}) {
+    for (const Vec3& center : {Vec3{}, Vec3{3, 5, -7} * scale}) {
       const Tilted t = tilted(scale, center);
       VisibilityQuery query{.from = {{}, t.points}, .directions = t.up};
       const Seen free = answer_to(*t.scene, query);
@@ -129,7 +129,7 @@ TEST(TestVisibility, PointsNearZeroOfALargeSurfaceDoNotShadowThemselves) {
   // Nearly 0 ulps of their own, on a plane that is rounded with vertices 1000 m away.  No height
   // of a corner is a float, so rounding moves the plane by more than the ulps of the points.
   SceneDescription d = description();
-  const auto at = [](double x, double y) { return Vec3<double>{x, y, x / 3 - y / 7}; };
+  const auto at = [](double x, double y) { return Vec3{x, y, x / 3 - y / 7}; };
   d.shapes.push_back(
       testing::patch(at(-900, -800), at(1100, -800), at(-900, 1200), at(1100, 1200)));
   const auto scene = build(d);
@@ -138,7 +138,7 @@ TEST(TestVisibility, PointsNearZeroOfALargeSurfaceDoNotShadowThemselves) {
   std::vector<float> points{0, 0, 0}, above{0, 0, 1}, below{0, 0, -1};
   std::vector<float> just_above{0, 0, 1e-3F}, just_below{0, 0, -1e-3F};
   for (int i = 1; i < 2000; ++i) {
-    const Vec3<float> p(at(uniform(random), uniform(random)));
+    const Vec3f p(at(uniform(random), uniform(random)));
     points.insert(points.end(), {p.x, p.y, p.z});
     above.insert(above.end(), {p.x, p.y, p.z + 1});
     below.insert(below.end(), {p.x, p.y, p.z - 1});
