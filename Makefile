@@ -1,8 +1,8 @@
-# make demo | test | deb | test-deb | web | fuzz | soak | reliability | extremes | mutants | test-slurm | bench | parts
+# make demo | test | deb | test-deb | web | fuzz | tidy | tsan | soak | reliability | extremes | mutants | test-slurm | bench | parts
 #    | tradeoff | automatic | fit | distributed | format
 # Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test deb test-deb web fuzz wire oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed format
+.PHONY: deps release programs demo test deb test-deb web fuzz wire tidy tsan oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed format
 
 deps:
 	@deploy/install-deps.sh
@@ -49,6 +49,18 @@ wire: deps
 	@test -f build/asan/build.ninja || cmake --preset asan
 	@cmake --build --preset asan --target wire_property_test
 	@LUCERNA_WIRE_ITEMS=$(ITEMS) build/asan/tests/server/extremes/wire_property_test
+
+# Checks with clang-tidy the rooms that all others include.  The preset `tidy` checks any target.
+tidy: deps
+	@deploy/install-deps.sh clang-14 clang-tidy-14
+	@test -f build/tidy/build.ninja || cmake --preset tidy
+	@cmake --build --preset tidy --target lucerna_lights_maths lucerna_server_runtime
+
+# Runs the tests of lanes and threads with ThreadSanitizer.
+tsan: deps
+	@test -f build/tsan/build.ninja || cmake --preset tsan
+	@cmake --build --preset tsan --target runtime_test
+	@TSAN_OPTIONS=suppressions=tests/tsan.supp build/tsan/tests/server/runtime_test
 
 # Compares the server's answers about random scenes with right answers.
 SCENES ?= 1000000

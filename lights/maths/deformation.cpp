@@ -57,7 +57,7 @@ double Deformation::own_sr_per_world_sr(const Vec3& w) const {
 // The edge of the cone becomes an elliptical cone.  The angle of its directions to the axis changes
 // at most by `step` between two of the tested ones.
 EmissionCone Deformation::world_cone(const EmissionCone& own) const {
-  const EmissionCone all{own.axis, std::numbers::pi};
+  EmissionCone all{own.axis, std::numbers::pi};
   constexpr double kWide = std::numbers::pi / 2 - 1e-3;  // a cone that is not convex, or nearly
   if (own.half_angle_rad > kWide) return all;
   constexpr int kDirections = 256;
