@@ -140,6 +140,7 @@ void add_photometric(const Document& document, const PlacedNode& node, const Vie
   light.file = content->name;
   light.format = file->format;
   light.web_unit = light.flux_unit = file->flux_unit;
+  if (const auto status = GoniometricIntensity::check(light, {}); !status.ok()) use.fail(status);
   if (const auto status =
           check_light_value("goniometric.intensity times the largest of the file",
                             light.intensity * light.web->max_cd(), "cd", kMostInAnswers);

@@ -1,5 +1,5 @@
-// Compares Embree's robust traversal with its default one in one run.  Not a test; `make precision`
-// writes its output to docs/precision.md.
+// Compares Embree's robust traversal with its default one in one run.  Not a test: its output is
+// the last table of docs/precision.md.
 //
 // Rays start inside of a closed mesh, so every ray has a hit.  A third of the rays has any
 // direction, a third goes through vertices, and a third through middles of edges, where

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lights/maths/validation.h"
+#include "lights/spectra/level_validation.h"
 #include "server/pbrt/lights/levels.h"
 #include "server/pbrt/lights/scales.h"
 
@@ -175,7 +177,10 @@ PortalLightParams portal(Context& context, const ParameterSet& params, const Pla
     // The transform has no effect on a uniform sky.
     light.world_from_map = Transform();
   }
-  if (const auto status = PortalLight::check(light); !status.ok())
+  absl::Status status = PortalLight::check(light);
+  for (const Vec3& corner : light.corners_m)
+    if (status.ok()) status = check_position("infinite.portal", corner, {}, kMostInAnswers);
+  if (!status.ok())
     fail(given.place, fmt::format("\"point3 portal\": {}", std::string(status.message())));
   return light;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -130,6 +131,13 @@ void set_level(Context& context, const Place& level_place, const Place* power_pl
     auto& beam = std::get<BeamLightParams>(projection.light);
     beam.illuminance_lx = level;
     if (const auto made = BeamLight::create(beam); !made.ok()) fail(level_place, made.status());
+    // Answers hold the density of a ray's place, which is 1 over the area.
+    const double per_m2 = 1 / (beam.width_m * beam.height_m);
+    if (!(per_m2 >= std::numeric_limits<float>::min() &&
+          per_m2 <= std::numeric_limits<float>::max()))
+      fail(level_place,
+           fmt::format("beam.width and height = {} and {} m, allowed: an area of 3e-39 to 8e37 m2",
+                       beam.width_m, beam.height_m));
     if (beam.image)
       require_level(level_place, "beam.illuminance of the brightest texel",
                     level * beam.image->brightest());

@@ -191,6 +191,8 @@ TEST(PbrtPortals, BadPortalsAreErrorsWithTheirPlace) {
   EXPECT_THAT(error("[0 0 3  0 1 3  2.5 1 3  2 0 3]"), HasSubstr("rectangle"));  // a trapezium
   EXPECT_THAT(error("[0 0 3  0 1 3  3 2 3  3 1 3]"), HasSubstr("rectangle"));    // a parallelogram
   EXPECT_THAT(error("[0 0 3  0 1 3  0 1 3  0 0 3]"), HasSubstr("rectangle"));    // no area
+  EXPECT_THAT(error("[0 0 1e39  0 1e39 1e39  1e39 1e39 1e39  1e39 0 1e39]"),
+              HasSubstr("scene.pbrt:2:24: \"point3 portal\": infinite.portal = (0, 0, 1e+39) m"));
 }
 
 TEST(PbrtImageLights, APictureThatLightsShareIsReadAndCountedOnce) {

@@ -156,6 +156,8 @@ TEST(PbrtProjection, InvalidInputIsAnErrorWithItsPlace) {
   EXPECT_THAT(error("\"string projection\" \"fisheye\""), HasSubstr("perspective, orthographic"));
   EXPECT_THAT(error("\"string projection\" \"orthographic\" \"float extent\" 0"),
               HasSubstr("\"float extent\" = 0 m, allowed: positive"));
+  EXPECT_THAT(error("\"string projection\" \"orthographic\" \"float extent\" 1e20"),
+              HasSubstr("beam.width and height"));
   EXPECT_THAT(error(kSlide + "\"string filter\" \"cubic\""), HasSubstr("nearest, bilinear"));
   EXPECT_THAT(error(kSlide + "\"float scale\" -1"), HasSubstr("\"float scale\" = -1"));
   EXPECT_THAT(error(kSlide + "\"float power\" -2"), HasSubstr("\"float power\" = -2"));
