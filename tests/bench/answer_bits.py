@@ -417,18 +417,25 @@ def compare(before, now):
     return differ
 
 
+def existing(text):
+    path = pathlib.Path(text)
+    if not path.exists():
+        raise argparse.ArgumentTypeError(f"{text} does not exist, allowed: an existing file or folder")
+    return path
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     recording = commands.add_parser("record")
     recording.add_argument("build", type=pathlib.Path)
     recording.add_argument("record", type=pathlib.Path)
-    recording.add_argument("folders", type=pathlib.Path, nargs="*", default=FOLDERS)
+    recording.add_argument("folders", type=existing, nargs="*", default=FOLDERS)
     recording.add_argument("--few", action="store_true")
     recording.add_argument("--threads", type=int, default=2, help="compute threads of each server")
     comparing = commands.add_parser("compare")
-    comparing.add_argument("before", type=pathlib.Path)
-    comparing.add_argument("now", type=pathlib.Path)
+    comparing.add_argument("before", type=existing)
+    comparing.add_argument("now", type=existing)
     options = parser.parse_args()
     if options.command == "record":
         result = record(options)
