@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "lights/models/all_lights.h"
 #include "lights/models/irradiance.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/inverse_square.h"
@@ -24,7 +25,7 @@ bool is_density(SolidAnglePdf pdf) { return pdf.per_sr > 0 && std::isfinite(pdf.
 
 template <typename Shape>
 AreaLight<Shape>::AreaLight(const DiffuseEmission& emission, Shape shape)
-    : emission_(emission),
+    : SurfaceLight(emission, kHasIrradiance),
       radiance_(emission.radiance_cd_m2),
       most_cd_m2_(luminance(emission.radiance_cd_m2)),
       shape_(std::move(shape)) {
@@ -147,11 +148,13 @@ SolidAnglePdf AreaLight<Shape>::pdf_li(const Receiver& receiver, const SurfacePo
 }
 
 template <typename Shape>
-std::optional<Rgb> AreaLight<Shape>::irradiance(const Receiver& receiver) const requires
-    HasProjectedSolidAngle<Shape> {
-  return irradiance_of(Rgb(radiance_), receiver, [&](const Vec3& normal) {
-    return shape_.projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
-  });
+std::optional<Rgb> AreaLight<Shape>::irradiance(const Receiver& receiver) const {
+  if constexpr (kHasIrradiance)
+    return irradiance_of(radiance_, receiver, [&](const Vec3& normal) {
+      return shape_.projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
+    });
+  else
+    return std::nullopt;
 }
 
 // A part dA of radiance L sends L cos(theta) cos(theta') dA / r^2.  The cosine at the receiver is
@@ -279,8 +282,9 @@ EmissionSample AreaLight<Shape>::sample_le(Vec2 u_position, Vec2 u_direction,
 }
 
 template <typename Shape>
-EmissionSample AreaLight<Shape>::ray_from(SurfacePoint point, const Vec3& direction,
+EmissionSample AreaLight<Shape>::ray_from(const SurfacePoint& given, const Vec3& direction,
                                           double slack_m) const {
+  SurfacePoint point = given;
   // The normal that pdf_le will use.  Along the surface, two normals that differ by a rounding give
   // completely different cosines.
   point.normal = shape_.located_normal(point, slack_m);
@@ -335,6 +339,16 @@ std::optional<LightBounds> AreaLight<Shape>::bounds() const {
                      .normals_rad = normals.half_angle_rad,
                      .two_sided = emission_.two_sided};
 }
+
+template <typename Shape>
+absl::StatusOr<std::shared_ptr<const Light>> AreaLight<Shape>::with_emission(
+    const DiffuseEmission& emission) const {
+  auto changed = create(emission, shape_);
+  if (!changed.ok()) return changed.status();
+  return std::make_shared<const AreaLight>(*std::move(changed));
+}
+
+std::optional<LightParams> SurfaceLight::made_from() const { return std::nullopt; }
 
 #define LUCERNA_AREA_LIGHT(Shape) template class AreaLight<Shape>;
 #define LUCERNA_PAINTED_LIGHT(Shape) LUCERNA_AREA_LIGHT(Painted##Shape)

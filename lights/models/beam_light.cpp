@@ -6,6 +6,7 @@
 
 #include "lights/maths/axes.h"
 #include "lights/maths/validation.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
 #include "lights/shapes/shape.h"
 #include "lights/spectra/level_validation.h"
@@ -54,7 +55,8 @@ absl::StatusOr<BeamLight> BeamLight::create(const Params& params, const Vec3& or
 }
 
 BeamLight::BeamLight(const Params& params, const Vec3& origin_m)
-    : params_(params),
+    : DeltaLight(/*leaves_freely=*/true),
+      params_(params),
       middle_(params.position_m - origin_m),
       axes_(orthonormal(params.axes)),
       direction_(axes_.n),
@@ -121,8 +123,6 @@ LightSample BeamLight::sample_li(const Receiver& receiver, Vec2) const {
   return sample;
 }
 
-SolidAnglePdf BeamLight::pdf_li(const Receiver&, const Vec3&) const { return {}; }
-
 EmissionSample BeamLight::sample_le(Vec2 u_position, Vec2, const SceneSphere&) const {
   EmissionSample sample;
   sample.direction = direction_;
@@ -169,5 +169,7 @@ std::optional<LightBounds> BeamLight::bounds() const {
   return LightBounds{
       .lower = lower, .upper = upper, .axis = direction_, .cone_rad = 4 * kInputRounding};
 }
+
+std::optional<LightParams> BeamLight::made_from() const { return params_; }
 
 }  // namespace lucerna

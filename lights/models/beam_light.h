@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "lights/models/light_model.h"
+#include "lights/models/light.h"
 #include "lights/pictures/image.h"
 #include "lights/pictures/image_distribution.h"
 #include "lights/sampling/light_sample.h"
@@ -33,10 +33,9 @@ struct BeamLightParams {
 std::pair<Vec3, Vec3> bounding_box(const BeamLightParams& params);
 
 /// The direction of its rays is certain.  Their start is not.
-class BeamLight {
+class BeamLight final : public DeltaLight {
  public:
   using Params = BeamLightParams;
-  static constexpr bool kDelta = true;
 
   /// Errors: a field out of its domain; corners that `double` cannot hold; the illuminance of the
   /// brightest texel out of its domain.
@@ -45,29 +44,28 @@ class BeamLight {
   /// The illuminance at the receiver's place in the rectangle, at any distance along the beam.
   /// `point` is the ray's start in the rectangle.  kBehind behind the rectangle and in its plane.
   /// kOutsideCone beside the beam and where the picture is black.
-  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
-  /// Delta: 0 everywhere.
-  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const override;
 
   /// A position in the rectangle by luminance, with the exact density for the filter.  The
   /// direction is certain.
-  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction,
+                           const SceneSphere& scene) const override;
   /// Illuminance [lx] that a ray from `position` carries; 0 beside the rectangle, as in pdf_le.
-  Rgb le_leaving(const Vec3& position, const Vec3& direction, double slack_m = 0) const;
+  Rgb le_leaving(const Vec3& position, const Vec3& direction, double slack_m = 0) const override;
   /// Both 0 where `position` is not in the rectangle, to within rounding and `slack_m`.
   EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene,
-                     double slack_m = 0) const;
+                     double slack_m = 0) const override;
 
   /// Illuminance times area times the picture's mean; exact for either filter.
-  Power power(const SceneSphere& scene) const;
+  Power power(const SceneSphere& scene) const override;
   /// The same: books have no other formula.
-  Power power_approximate(const SceneSphere& scene) const { return power(scene); }
+  Power power_approximate(const SceneSphere& scene) const override { return power(scene); }
 
   /// The rectangle's box and one direction, to within rounding.
-  std::optional<LightBounds> bounds() const;
+  std::optional<LightBounds> bounds() const override;
 
   /// The rectangle's area.
-  std::optional<double> cross_section_m2(const SceneSphere&) const {
+  std::optional<double> cross_section_m2(const SceneSphere&) const override {
     return params_.width_m * params_.height_m;
   }
   static LightPlace place(const Params& params) {
@@ -75,14 +73,12 @@ class BeamLight {
   }
   const Params& params() const { return params_; }
   /// The table from which positions are drawn.
-  LightBytes own_bytes() const {
+  LightBytes own_bytes() const override {
     const std::uint64_t tables = distribution_ ? distribution_->bytes() : 0;
-    return {.all = tables, .tables = tables};
+    return {.object = sizeof *this, .data = tables, .tables = tables};
   }
-  template <typename F>
-  void for_each_shared(F&& f) const {
-    if (params_.image) f(*params_.image);
-  }
+  SharedData shared_data() const override { return {.image = params_.image.get()}; }
+  std::optional<LightParams> made_from() const override;
 
  private:
   explicit BeamLight(const Params& params, const Vec3& origin_m);

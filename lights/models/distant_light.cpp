@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "lights/maths/validation.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
 #include "lights/spectra/level_validation.h"
 
@@ -18,7 +19,8 @@ absl::StatusOr<DistantLight> DistantLight::create(const Params& params, const Ve
 }
 
 DistantLight::DistantLight(const Params& params)
-    : params_(params),
+    : DeltaLight(/*leaves_freely=*/false),
+      params_(params),
       to_light_(normalized(params.to_light)),
       illuminance_(params.illuminance_lx) {}
 
@@ -35,8 +37,6 @@ LightSample DistantLight::sample_li(const Receiver& receiver, Vec2) const {
   if (illuminance_.is_black()) sample.reason = NoLight::kBlack;
   return sample;
 }
-
-SolidAnglePdf DistantLight::pdf_li(const Receiver&, const Vec3&) const { return {}; }
 
 Power DistantLight::power(const SceneSphere& scene) const {
   if (params_.illuminance_lx.is_black()) return {};
@@ -55,9 +55,11 @@ EmissionSample DistantLight::sample_le(Vec2 u_position, Vec2, const SceneSphere&
 }
 
 EmissionPdf DistantLight::pdf_le(const Vec3& position, const Vec3& direction,
-                                 const SceneSphere& scene) const {
+                                 const SceneSphere& scene, double) const {
   if (!same_direction(direction, -to_light_) || illuminance_.is_black()) return {};
   return {scene_disk_pdf(position, direction, scene), {}};
 }
+
+std::optional<LightParams> DistantLight::made_from() const { return params_; }
 
 }  // namespace lucerna

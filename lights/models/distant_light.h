@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "lights/models/light_model.h"
+#include "lights/models/light.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
@@ -15,31 +15,31 @@ struct DistantLightParams {
   Rgb illuminance_lx{};    ///< on a surface that faces it, per channel, finite, not negative
 };
 
-class DistantLight {
+class DistantLight final : public DeltaLight {
  public:
   using Params = DistantLightParams;
-  static constexpr bool kDelta = true;
-  static constexpr bool kSameForAllRays = true;
 
   static absl::StatusOr<DistantLight> create(const Params& params, const Vec3& origin_m = {});
-  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
-  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const override;
   /// Flux through the disk of the scene's sphere, E pi R^2.
-  Power power(const SceneSphere& scene) const;
+  Power power(const SceneSphere& scene) const override;
   /// The same: the book has this formula.  [Pharr23, 12.3]
-  Power power_approximate(const SceneSphere& scene) const;
+  Power power_approximate(const SceneSphere& scene) const override;
   /// From the disk of the scene's sphere that faces the light.  The direction is certain.
-  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
-  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene) const;
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction,
+                           const SceneSphere& scene) const override;
+  Rgb le_leaving(const Vec3&, const Vec3&, double) const override { return {}; }
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene,
+                     double slack_m = 0) const override;
   /// None: it is infinitely far.
-  std::optional<LightBounds> bounds() const { return std::nullopt; }
-  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+  std::optional<LightBounds> bounds() const override { return std::nullopt; }
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const override {
     return scene_disk_area_m2(scene);
   }
   static LightPlace place(const Params&) { return {}; }
-  LightBytes own_bytes() const { return {}; }
-  template <typename F>
-  void for_each_shared(F&&) const {}
+  LightBytes own_bytes() const override { return {.object = sizeof *this}; }
+  SharedData shared_data() const override { return {}; }
+  std::optional<LightParams> made_from() const override;
   const Params& params() const { return params_; }
 
  private:

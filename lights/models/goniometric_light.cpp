@@ -5,6 +5,7 @@
 
 #include "lights/maths/axes.h"
 #include "lights/maths/validation.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/inverse_square.h"
 #include "lights/sampling/sampling.h"
@@ -124,5 +125,7 @@ EmissionCone GoniometricIntensity::cone() const {
   const EmissionCone cone = distribution(everywhere, [](const auto& d) { return d.cone(); });
   return {axes_.world_from_local(cone.axis), cone.half_angle_rad};
 }
+
+template class IntensityLight<GoniometricIntensity>;
 
 }  // namespace lucerna

@@ -65,11 +65,11 @@ class GoniometricIntensity {
   /// The cone that holds all cells or texels with light.
   EmissionCone cone() const;
 
-  LightBytes own_bytes() const { return {}; }
-  template <typename F>
-  void for_each_shared(F&& f) const {
-    if (params_.web) f(*params_.web);
-    if (params_.map) f(*params_.map), f(params_.map->sphere_map().image());
+  std::uint64_t table_bytes() const { return 0; }
+  SharedData shared_data() const {
+    return {.image = params_.map ? &params_.map->sphere_map().image() : nullptr,
+            .web = params_.web.get(),
+            .map = params_.map.get()};
   }
 
   const Params& params() const { return params_; }
@@ -91,5 +91,6 @@ class GoniometricIntensity {
 };
 
 using GoniometricLight = IntensityLight<GoniometricIntensity>;
+extern template class IntensityLight<GoniometricIntensity>;
 
 }  // namespace lucerna

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "lights/maths/stop_poll.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
 #include "lights/spectra/level_validation.h"
 
@@ -50,7 +51,10 @@ absl::StatusOr<ImageInfiniteLight> ImageInfiniteLight::create(const Params& para
 
 ImageInfiniteLight::ImageInfiniteLight(const Params& params,
                                        std::shared_ptr<const Deformed> deformed)
-    : params_(params), axes_(params.world_from_map), deformed_(std::move(deformed)) {
+    : LightBeyond(/*leaves_freely=*/true, /*has_irradiance=*/false),
+      params_(params),
+      axes_(params.world_from_map),
+      deformed_(std::move(deformed)) {
   complete_ = std::make_shared<const SphereDistribution>(*params.map);
   const double mean = luminance(params.map->integral()) / (4 * kPi);
   auto compensated = std::make_shared<const SphereDistribution>(*params.map, mean);
@@ -135,7 +139,7 @@ EmissionSample ImageInfiniteLight::sample_le(Vec2 u_position, Vec2 u_direction,
 }
 
 EmissionPdf ImageInfiniteLight::pdf_le(const Vec3& position, const Vec3& direction,
-                                       const SceneSphere& scene) const {
+                                       const SceneSphere& scene, double) const {
   const AreaPdf at = scene_disk_pdf(position, direction, scene);
   if (!(at.per_m2 > 0)) return {};
   return {at, pdf_li(Vec3(), -direction)};
@@ -162,7 +166,9 @@ Power ImageInfiniteLight::power_approximate(const SceneSphere& scene) const {
 LightBytes ImageInfiniteLight::own_bytes() const {
   const std::uint64_t tables =
       complete_->bytes() + (compensated_ == complete_ ? 0 : compensated_->bytes());
-  return {.all = tables, .tables = tables};
+  return {.object = sizeof *this, .data = tables, .tables = tables};
 }
+
+std::optional<LightParams> ImageInfiniteLight::made_from() const { return params_; }
 
 }  // namespace lucerna

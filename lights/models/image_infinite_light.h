@@ -9,7 +9,7 @@
 
 #include "lights/maths/deformation.h"
 #include "lights/maths/transform.h"
-#include "lights/models/light_model.h"
+#include "lights/models/light.h"
 #include "lights/pictures/sphere_map.h"
 #include "lights/sampling/light_sample.h"
 
@@ -22,11 +22,10 @@ struct ImageInfiniteLightParams {
   Rgb radiance_cd_m2{1.0};     ///< of a texel of value 1, per channel, finite, not negative
 };
 
-class ImageInfiniteLight {
+class ImageInfiniteLight final : public LightBeyond {
  public:
   using Params = ImageInfiniteLightParams;
-  static constexpr bool kDelta = false;
-  static constexpr bool kHasIrradiance = false;
+  using LightBeyond::pdf_li;
 
   /// Errors: no map; a transform that flattens directions; a radiance that is negative or not
   /// finite; a brightest texel beyond the range of `double`.
@@ -40,45 +39,45 @@ class ImageInfiniteLight {
   /// Value and density belong to the rounded `wi`, which at a pole may show another texel. kBlack
   /// where the map or the radiance is black.  kOutsideCone if rounding leads into the dark.
   /// kOutOfRange where value or density is not a positive normal `double`.  [Karlik19]
-  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
-  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const override;
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const override;
+  std::optional<Rgb> irradiance(const Receiver&) const override { return std::nullopt; }
   /// Upper bounds of the illuminance on the side that `receiver` faces: the integral of the map,
   /// times the largest cosine.
-  MostIrradiance most_irradiance(const Receiver& receiver) const;
+  MostIrradiance most_irradiance(const Receiver& receiver) const override;
   /// Radiance [cd/m2] that a ray from anywhere meets when it leaves the scene towards the unit
   /// vector `w`.
-  Rgb le_escaped(const Vec3& origin, const Vec3& w) const;
+  Rgb le_escaped(const Vec3& origin, const Vec3& w) const override;
   /// The same for a ray that enters the scene towards `w`.
-  Rgb le_leaving(const Vec3& origin, const Vec3& w) const { return le_escaped(origin, -w); }
+  Rgb le_leaving(const Vec3& origin, const Vec3& w, double = 0) const override {
+    return le_escaped(origin, -w);
+  }
 
   /// From the disk of the scene's sphere that faces the sampled direction; kDegenerate where the
   /// sphere has no extent.
-  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
-  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene) const;
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction,
+                           const SceneSphere& scene) const override;
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene,
+                     double slack_m = 0) const override;
 
   /// Flux through the disk of the scene's sphere from all directions: pi R^2 times the integral of
   /// the radiance, exact.  Under unequal scale, a sum over directions with the difference to a
   /// coarser sum as its error.
-  Power power(const SceneSphere& scene) const;
+  Power power(const SceneSphere& scene) const override;
   /// Equal-area maps: 4 pi^2 R^2 times the mean texel, which is exact.  Latitude-longitude maps: pi
   /// R^2 times the mean texel, as in pbrt-v2 and pbrt-v3.  These omit the 4 pi of the sphere and
   /// the sines of the rows.
-  Power power_approximate(const SceneSphere& scene) const;
+  Power power_approximate(const SceneSphere& scene) const override;
 
-  /// Nothing: it is at infinity.
-  std::optional<LightBounds> bounds() const { return std::nullopt; }
-
-  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const override {
     return scene_disk_area_m2(scene);
   }
   static LightPlace place(const Params&) { return {}; }
   const Params& params() const { return params_; }
   /// The tables that it samples.
-  LightBytes own_bytes() const;
-  template <typename F>
-  void for_each_shared(F&& f) const {
-    f(params_.map->image());
-  }
+  LightBytes own_bytes() const override;
+  SharedData shared_data() const override { return {.image = &params_.map->image()}; }
+  std::optional<LightParams> made_from() const override;
 
  private:
   /// Set under unequal scale.

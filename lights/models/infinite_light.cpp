@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "lights/models/all_lights.h"
 #include "lights/models/irradiance.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/sampling.h"
@@ -19,7 +20,9 @@ absl::StatusOr<UniformInfiniteLight> UniformInfiniteLight::create(const Params& 
 }
 
 UniformInfiniteLight::UniformInfiniteLight(const Params& params)
-    : params_(params), radiance_(params.radiance_cd_m2) {}
+    : LightBeyond(/*leaves_freely=*/false, /*has_irradiance=*/true),
+      params_(params),
+      radiance_(params.radiance_cd_m2) {}
 
 LightSample UniformInfiniteLight::sample_li(const Receiver& receiver, Vec2 u) const {
   LightSample sample;
@@ -68,11 +71,13 @@ EmissionSample UniformInfiniteLight::sample_le(Vec2 u_position, Vec2 u_direction
 }
 
 EmissionPdf UniformInfiniteLight::pdf_le(const Vec3& position, const Vec3& direction,
-                                         const SceneSphere& scene) const {
+                                         const SceneSphere& scene, double) const {
   if (radiance_.is_black()) return {};
   const AreaPdf at = scene_disk_pdf(position, direction, scene);
   if (!(at.per_m2 > 0)) return {};
   return {at, uniform_sphere_pdf()};
 }
+
+std::optional<LightParams> UniformInfiniteLight::made_from() const { return params_; }
 
 }  // namespace lucerna

@@ -11,8 +11,8 @@
 
 #include "lights/maths/deformation.h"
 #include "lights/maths/emission_cone.h"
+#include "lights/models/light.h"
 #include "lights/models/light_bounds.h"
-#include "lights/models/light_model.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/inverse_square.h"
 #include "lights/sampling/light_sample.h"
@@ -28,7 +28,8 @@ namespace lucerna {
 /// - `sample(u, ray)`: sets direction, density, value and reason of a ray of a light that is not
 ///   black.  The density belongs to the rounded direction.
 /// - `per_sr(w)`: the density of `sample` at a finite `w` [1/sr]; 0 for black lights.
-/// - `power()`, `power_approximate()`, `own_bytes()`, `for_each_shared(f)`: as in LightModel.
+/// - `power()`, `power_approximate()`, `shared_data()`: as in Light.
+/// - `table_bytes()`: the memory of its tables.
 /// - `cone()`: a cone with all directions of light.
 /// Where the value depends on direction, `intensity(w)` is the intensity along `w` [cd].
 template <typename P>
@@ -45,8 +46,8 @@ concept IntensityProfile = requires(const P& profile, const typename P::Params& 
   { profile.power() } -> std::same_as<Power>;
   { profile.power_approximate() } -> std::same_as<Power>;
   { profile.cone() } -> std::same_as<EmissionCone>;
-  { profile.own_bytes() } -> std::same_as<LightBytes>;
-  profile.for_each_shared(AnySharedData());
+  { profile.table_bytes() } -> std::same_as<std::uint64_t>;
+  { profile.shared_data() } -> std::same_as<SharedData>;
 };
 
 /// Parameters of lights whose transform may scale unequally or shear.  Their member `own_space` has
@@ -60,12 +61,11 @@ concept Deformable = requires(const Params& params) {
 
 /// A light at one point.  Immutable, so safe to share between threads.
 template <typename Profile>
-class IntensityLight {
+class IntensityLight final : public DeltaLight {
   static_assert(IntensityProfile<Profile>);
 
  public:
   using Params = typename Profile::Params;
-  static constexpr bool kDelta = true;
   /// Profiles that depend on direction have `intensity(w)`; the others have `intensity_cd()`.
   static constexpr bool kSameForAllRays = requires(const Profile& p) { p.intensity_cd(); };
 
@@ -89,14 +89,17 @@ class IntensityLight {
     return profile_.intensity(is_deformed() ? own(w) : w);
   }
   /// The same, as the `value` of the ray that leaves the light towards `w`.
-  Rgb le_leaving(const Vec3&, const Vec3& w) const requires(!kSameForAllRays) {
-    return intensity(w);
+  Rgb le_leaving(const Vec3&, const Vec3& w, double = 0) const override {
+    if constexpr (kSameForAllRays)
+      return {};
+    else
+      return intensity(w);
   }
 
   /// Intensity over distance squared.  kDegenerate where the receiver is at the light's position.
   /// kOutsideCone where the profile is dark.  kOutOfRange where the receiver or the quotient is not
   /// finite.  [Pharr23, 12.2]
-  LightSample sample_li(const Receiver& receiver, Vec2 /*u*/) const {
+  LightSample sample_li(const Receiver& receiver, Vec2 /*u*/) const override {
     // Defined here for loops over receivers: a call takes longer than the point light's arithmetic.
     LightSample sample;
     const Way way = find_way(position_, receiver.position, sample);
@@ -133,14 +136,11 @@ class IntensityLight {
     return PlainSample{way->wi, distance, value};
   }
 
-  /// Delta: 0 everywhere.
-  SolidAnglePdf pdf_li(const Receiver&, const Vec3&) const { return {}; }
-
   /// The light's position and a direction of the profile.  kBlack where the light is black.
   /// kOutsideCone if rounding leads out of the light.  kOutOfRange where the density is not a
   /// positive `double`.
   EmissionSample sample_le(Vec2 /*u_position*/, Vec2 u_direction,
-                           const SceneSphere& /*scene*/) const {
+                           const SceneSphere& /*scene*/) const override {
     EmissionSample sample;
     sample.origin = position_;
     if (profile_.is_black())
@@ -150,43 +150,44 @@ class IntensityLight {
     return sample;
   }
   /// 0 at positions other than the light's and for directions that are not finite.
-  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction,
-                     const SceneSphere& /*scene*/) const {
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& /*scene*/,
+                     double = 0) const override {
     if (!same_float(position, position_) || !is_finite(direction)) return {};
     return {{}, {per_sr(direction)}};
   }
 
   /// That of the profile.  Under a deformation from a grid of directions, with the difference to a
   /// coarser grid as its error.
-  Power power(const SceneSphere& /*scene*/) const {
+  Power power(const SceneSphere& /*scene*/) const override {
     if (is_deformed()) return deformed_->power;
     return profile_.power();
   }
   /// Without the deformation, as in pbrt-v4.
-  Power power_approximate(const SceneSphere& /*scene*/) const {
+  Power power_approximate(const SceneSphere& /*scene*/) const override {
     const Power textbook = profile_.power_approximate();
     return is_deformed() ? approximate_power(textbook.lumens, deformed_->power) : textbook;
   }
 
   /// A point, and the profile's cone.
-  std::optional<LightBounds> bounds() const {
+  std::optional<LightBounds> bounds() const override {
     EmissionCone cone = profile_.cone();
     if (is_deformed()) cone = deformed_->map.world_cone(cone);
     return LightBounds{
         .lower = position_, .upper = position_, .axis = cone.axis, .cone_rad = cone.half_angle_rad};
   }
   /// None: illuminance falls off with distance.
-  std::optional<double> cross_section_m2(const SceneSphere& /*scene*/) const {
+  std::optional<double> cross_section_m2(const SceneSphere& /*scene*/) const override {
     return std::nullopt;
   }
   static LightPlace place(const Params& params) {
     return {.anchor_m = params.position_m, .box_m = Box{params.position_m, params.position_m}};
   }
-  LightBytes own_bytes() const { return profile_.own_bytes(); }
-  template <typename F>
-  void for_each_shared(F&& f) const {
-    profile_.for_each_shared(f);
+  LightBytes own_bytes() const override {
+    return {
+        .object = sizeof *this, .data = profile_.table_bytes(), .tables = profile_.table_bytes()};
   }
+  SharedData shared_data() const override { return profile_.shared_data(); }
+  std::optional<LightParams> made_from() const override;
 
   const Params& params() const {
     if (is_deformed()) return deformed_->params;
@@ -205,10 +206,12 @@ class IntensityLight {
   };
 
   IntensityLight(const Params& params, const Vec3& origin_m)
-      : profile_(params), position_(params.position_m - origin_m) {}
+      : DeltaLight(!kSameForAllRays), profile_(params), position_(params.position_m - origin_m) {}
   IntensityLight(const Params& params, const Vec3& origin_m,
                  const Deformation& map) requires Deformable<Params>
-      : profile_(in_space(params, map)), position_(params.position_m - origin_m) {
+      : DeltaLight(!kSameForAllRays),
+        profile_(in_space(params, map)),
+        position_(params.position_m - origin_m) {
     auto deformed = std::make_shared<Deformed>(Deformed{map, params});
     deformed_ = deformed;
     constexpr int kFine = 128;

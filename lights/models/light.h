@@ -1,144 +1,185 @@
-// The closed set of light models.  This is the one place that names all of them.  Code that depends
-// on the kind of light visits a Light, so code that forgets a kind does not compile.
+// The interface of all lights: what a light owes, on one page.  lights/models/all_lights.h lists
+// the kinds.  A light is immutable, so safe to share between threads.
 #pragma once
 
-#include <concepts>
 #include <cstdint>
-#include <memory>
-#include <type_traits>
+#include <numbers>
+#include <optional>
 #include <utility>
-#include <variant>
 
-#include "lights/models/area_light.h"
-#include "lights/models/beam_light.h"
-#include "lights/models/distant_light.h"
-#include "lights/models/goniometric_light.h"
-#include "lights/models/image_infinite_light.h"
-#include "lights/models/infinite_light.h"
-#include "lights/models/light_model.h"
-#include "lights/models/point_light.h"
-#include "lights/models/portal_light.h"
-#include "lights/models/projection_light.h"
-#include "lights/models/spot_light.h"
-#include "lights/models/sun_light.h"
+#include "lights/models/light_bounds.h"
+#include "lights/sampling/light_sample.h"
 
 namespace lucerna {
 
-// One type for each shape of LUCERNA_AREA_SHAPES: plain, with a picture, and as a panel.
-#define LUCERNA_LIGHT(Shape) , Shape##Light
-#define LUCERNA_PAINTED_LIGHT(Shape) , Painted##Shape##Light
-#define LUCERNA_PANEL_LIGHT(Shape) , Panel##Shape##Light
-/// The list of all of them.
-using LightModels =
-    std::variant<PointLight, SpotLight, DistantLight, SunLight, UniformInfiniteLight,
-                 ImageInfiniteLight  //
-                     LUCERNA_AREA_SHAPES(LUCERNA_LIGHT) LUCERNA_AREA_SHAPES(LUCERNA_PAINTED_LIGHT)
-                         LUCERNA_FLAT_SHAPES(LUCERNA_PANEL_LIGHT),
-                 GoniometricLight, ProjectionLight, BeamLight, PortalLight>;
-#undef LUCERNA_LIGHT
-#undef LUCERNA_PAINTED_LIGHT
-#undef LUCERNA_PANEL_LIGHT
+class Image;
+class IntensityMap;
+class PhotometricWeb;
+struct LightParams;  // lights/models/all_lights.h
 
-// A light that lacks a member does not compile here.  The message names the light and the member.
-template <LightModel... Models>
-constexpr bool are_light_models(const std::variant<Models...>*) {
-  return true;
-}
-template <HasMembersOfItsKind... Models>
-constexpr bool have_members_of_their_kinds(const std::variant<Models...>*) {
-  return true;
-}
-static_assert(are_light_models(static_cast<const LightModels*>(nullptr)) &&
-              have_members_of_their_kinds(static_cast<const LightModels*>(nullptr)));
-// Without plain samples, point lights would still work but be slower.
-static_assert(HasPlainSamples<PointLight>);
+using Box = std::pair<Vec3, Vec3>;  ///< lower and upper corner [m, world]
 
-namespace internal {
-template <typename Found, typename Models>
-struct ParamsOf;
-template <typename... Found>
-struct ParamsOf<std::variant<Found...>, std::variant<>> {
-  using type = std::variant<Found...>;
+/// Where a light without a surface is.
+struct LightPlace {
+  /// A point of the light or of its portal [m, world].  Coordinates near it are small.  None for
+  /// lights that have only directions.
+  std::optional<Vec3> anchor_m{};
+  /// The smallest box around the points where its rays start.  None for lights at infinity.
+  std::optional<Box> box_m{};
+  /// The smallest box around its portal.
+  std::optional<Box> portal_m{};
 };
-template <typename... Found, typename L, typename... Rest>
-struct ParamsOf<std::variant<Found...>, std::variant<L, Rest...>>
-    : ParamsOf<std::variant<Found...>, std::variant<Rest...>> {};
-template <typename... Found, typename L, typename... Rest>
-requires requires { typename L::Params; }
-struct ParamsOf<std::variant<Found...>, std::variant<L, Rest...>>
-    : ParamsOf<std::variant<Found..., typename L::Params>, std::variant<Rest...>> {};
-}  // namespace internal
 
-/// The parameters of each light without a surface, in the order of LightModels.
-using LightParams = internal::ParamsOf<std::variant<>, LightModels>::type;
+/// Memory of one light [bytes].  Data of SharedData are not counted.
+struct LightBytes {
+  std::uint64_t object = 0;  ///< the light itself
+  std::uint64_t data = 0;    ///< beside it
+  std::uint64_t tables = 0;  ///< the part of `data` from which points and directions are drawn
+};
 
-template <typename T, typename Types>
-inline constexpr bool kIsOneOf = false;
-template <typename T, typename... Types>
-inline constexpr bool kIsOneOf<T, std::variant<Types...>> = (std::is_same_v<T, Types> || ...);
+/// Data that other lights may share; null: none.
+struct SharedData {
+  const Image* image = nullptr;
+  const PhotometricWeb* web = nullptr;
+  const IntensityMap* map = nullptr;
 
-/// A light of one of the models, immutable.  Models larger than a point light are stored outside of
-/// it, and copies share them.  So entries in a table of lights have the size of a point light.  The
-/// largest model is ten times larger.
+  bool empty() const { return image == nullptr && web == nullptr && map == nullptr; }
+};
+
+/// Upper bounds of the illuminance at a receiver, or of the spherical illuminance if it has no
+/// normal.  `lx` is 0 only where certainly no light arrives.
+struct MostIrradiance {
+  double lx = 0;
+  /// Of one sample of `sample_li`: its value times the cosine, divided by the density.  Infinite if
+  /// no bound is known.
+  double sample_lx = 0;
+};
+
+/// What the members of a light can return.
+struct LightTraits {
+  bool is_delta = false;        ///< no density exists for its directions
+  bool has_surface = false;     ///< rays may hit it: `le`, `ray_from` and `pdf_li` of a point
+  bool is_seen_beyond = false;  ///< rays meet it when they leave the scene: `le_escaped`
+  bool leaves_freely = false;   ///< no surface, and `le_leaving` depends on start and direction
+  bool has_irradiance = false;  ///< `irradiance` may have a closed form
+};
+
+/// A light.  Positions are about the scene's origin [m], directions are unit vectors in world axes
+/// unless a member says otherwise.  `slack_m`: how far rounding may have moved a position off the
+/// light, in addition to the rounding to `double`; lights that do not compare places ignore it.
 class Light {
  public:
-  template <typename Model>
-  requires kIsOneOf<Model, LightModels>
-  // NOLINTNEXTLINE(google-explicit-constructor): a model is a light.
-  Light(Model model) : stored_(stored(std::move(model))) {}
+  virtual ~Light() = default;
 
-  /// The result of `f` called with the model.
-  template <typename F>
-  friend decltype(auto) visit(F&& f, const Light& light) {
-    return std::visit([&](const auto& stored) -> decltype(auto) { return f(model_in(stored)); },
-                      light.stored_);
-  }
+  const LightTraits& traits() const { return traits_; }
+  bool is_delta() const { return traits_.is_delta; }
+  bool has_surface() const { return traits_.has_surface; }
+  bool is_seen_beyond() const { return traits_.is_seen_beyond; }
+  bool leaves_freely() const { return traits_.leaves_freely; }
+  bool has_irradiance() const { return traits_.has_irradiance; }
 
-  /// Null if the light is of another model.
-  template <typename Model>
-  const Model* get_if() const {
-    const auto* stored = std::get_if<Stored<Model>>(&stored_);
-    return stored != nullptr ? &model_in(*stored) : nullptr;
-  }
+  /// Light that arrives at `receiver` without occlusion, from a direction drawn with `u`; or the
+  /// reason why there is none.
+  virtual LightSample sample_li(const Receiver& receiver, Vec2 u) const = 0;
+  /// The density with which `sample_li` chooses the direction `wi` [1/sr]; 0 for delta lights.
+  virtual SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const = 0;
+  /// The density with which it chooses a point of the surface [1/sr]; 0 without a surface.
+  virtual SolidAnglePdf pdf_li(const Receiver& receiver, const SurfacePoint& point) const = 0;
 
-  /// Memory of the model that is stored outside of the Light [bytes].
-  std::uint64_t bytes_beside() const {
-    return std::visit(
-        []<typename S>(const S& stored) -> std::uint64_t {
-          using Model = std::decay_t<decltype(model_in(stored))>;
-          return std::is_same_v<S, Model> ? 0 : sizeof(Model);
-        },
-        stored_);
-  }
+  /// Irradiance without occlusion on the side that `receiver` faces, in closed form [lx].  Nothing
+  /// if there is no such form, or if the receiver has no normal or is not finite.  A surface, or
+  /// the light itself (`hides_itself`), may block a part of it.
+  virtual std::optional<Rgb> irradiance(const Receiver& receiver) const = 0;
+  virtual bool hides_itself() const = 0;
+  virtual MostIrradiance most_irradiance(const Receiver& receiver) const = 0;
+
+  /// Radiance that leaves `point` of the surface towards `w` of any length [cd/m2]; 0 without a
+  /// surface.
+  virtual Rgb le(const SurfacePoint& point, const Vec3& w) const = 0;
+  /// Radiance that a ray from `origin` meets when it leaves the scene towards `w` [cd/m2]; 0 for
+  /// lights that are not seen beyond it.
+  virtual Rgb le_escaped(const Vec3& origin, const Vec3& w) const = 0;
+  /// The `value` of the ray of `sample_le` that leaves the light at `origin` towards `w`.  0 unless
+  /// `leaves_freely`.
+  virtual Rgb le_leaving(const Vec3& origin, const Vec3& w, double slack_m = 0) const = 0;
+
+  /// A ray that leaves the light, drawn with two pairs of numbers in [0, 1]; or the reason why
+  /// there is none.  `scene`: rays from infinity start on the disk of this sphere that faces them.
+  virtual EmissionSample sample_le(Vec2 u_position, Vec2 u_direction,
+                                   const SceneSphere& scene) const = 0;
+  /// The ray that leaves `point` of the surface, which may be rounded, towards `w`, with the
+  /// density of `sample_le`.  Empty without a surface.
+  virtual EmissionSample ray_from(const SurfacePoint& point, const Vec3& w,
+                                  double slack_m = 0) const = 0;
+  /// The densities of `sample_le` [1/m2, 1/sr]; 0 if a position or a direction is certain or has no
+  /// light.
+  virtual EmissionPdf pdf_le(const Vec3& position, const Vec3& w, const SceneSphere& scene,
+                             double slack_m = 0) const = 0;
+
+  /// Luminous flux [lm] with a bound on its error.  From infinity: through the disk of `scene`.
+  virtual Power power(const SceneSphere& scene) const = 0;
+  /// The same by the textbook's formula; its difference to `power` is part of the error.
+  virtual Power power_approximate(const SceneSphere& scene) const = 0;
+
+  /// A box and a cone that hold all of its rays.  None at infinity.
+  virtual std::optional<LightBounds> bounds() const = 0;
+  /// The area that all of its flux passes through at any distance [m2].  None if illuminance falls
+  /// off with distance.
+  virtual std::optional<double> cross_section_m2(const SceneSphere& scene) const = 0;
+
+  virtual LightBytes own_bytes() const = 0;
+  virtual SharedData shared_data() const = 0;
+  /// The parameters that it was made from.  Nothing for lights with a surface.
+  virtual std::optional<LightParams> made_from() const = 0;
+
+ protected:
+  explicit Light(const LightTraits& traits) : traits_(traits) {}
+  Light(const Light&) = default;
+  Light& operator=(const Light&) = default;
 
  private:
-  template <typename Model>
-  using Stored =
-      std::conditional_t<sizeof(Model) <= sizeof(PointLight), Model, std::shared_ptr<const Model>>;
-  template <typename Models>
-  struct Storage;
-  template <typename... Models>
-  struct Storage<std::variant<Models...>> {
-    using type = std::variant<Stored<Models>...>;
-  };
-
-  template <typename Model>
-  static Stored<Model> stored(Model model) {
-    if constexpr (std::is_same_v<Stored<Model>, Model>)
-      return model;
-    else
-      return std::make_shared<const Model>(std::move(model));
-  }
-  template <typename Model>
-  static const Model& model_in(const Model& model) {
-    return model;
-  }
-  template <typename Model>
-  static const Model& model_in(const std::shared_ptr<const Model>& model) {
-    return *model;
-  }
-
-  typename Storage<LightModels>::type stored_;
+  LightTraits traits_;
 };
+
+/// A light whose directions have no density.  Rays do not meet it.
+class DeltaLight : public Light {
+ public:
+  SolidAnglePdf pdf_li(const Receiver&, const Vec3&) const final { return {}; }
+  SolidAnglePdf pdf_li(const Receiver&, const SurfacePoint&) const final { return {}; }
+  std::optional<Rgb> irradiance(const Receiver&) const final { return std::nullopt; }
+  bool hides_itself() const final { return false; }
+  /// Of the only sample.
+  MostIrradiance most_irradiance(const Receiver& receiver) const final;
+  Rgb le(const SurfacePoint&, const Vec3&) const final { return {}; }
+  Rgb le_escaped(const Vec3&, const Vec3&) const final { return {}; }
+  EmissionSample ray_from(const SurfacePoint&, const Vec3&, double) const final { return {}; }
+
+ protected:
+  /// `leaves_freely`: as in LightTraits.
+  explicit DeltaLight(bool leaves_freely)
+      : Light({.is_delta = true, .leaves_freely = leaves_freely}) {}
+};
+
+/// A light at infinity that rays meet when they leave the scene.
+class LightBeyond : public Light {
+ public:
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const override = 0;
+  SolidAnglePdf pdf_li(const Receiver&, const SurfacePoint&) const final { return {}; }
+  bool hides_itself() const final { return false; }
+  Rgb le(const SurfacePoint&, const Vec3&) const final { return {}; }
+  EmissionSample ray_from(const SurfacePoint&, const Vec3&, double) const final { return {}; }
+  std::optional<LightBounds> bounds() const final { return std::nullopt; }
+
+ protected:
+  LightBeyond(bool leaves_freely, bool has_irradiance)
+      : Light({.is_seen_beyond = true,
+               .leaves_freely = leaves_freely,
+               .has_irradiance = has_irradiance}) {}
+};
+
+/// `cross_section_m2` of lights at infinity: the disk that covers the scene's sphere.
+inline double scene_disk_area_m2(const SceneSphere& scene) {
+  return std::numbers::pi * scene.radius_m * scene.radius_m;
+}
 
 }  // namespace lucerna

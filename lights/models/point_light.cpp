@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "lights/maths/validation.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/sampling.h"
 #include "lights/spectra/level_validation.h"
 
@@ -23,5 +24,7 @@ void IsotropicProfile::sample(Vec2 u, EmissionSample& ray) const {
 }
 
 double IsotropicProfile::per_sr(const Vec3&) const { return uniform_sphere_pdf().per_sr; }
+
+template class IntensityLight<IsotropicProfile>;
 
 }  // namespace lucerna

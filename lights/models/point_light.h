@@ -32,9 +32,8 @@ class IsotropicProfile {
   Power power_approximate() const { return power(); }
   EmissionCone cone() const { return {.half_angle_rad = std::numbers::pi}; }
 
-  LightBytes own_bytes() const { return {}; }
-  template <typename F>
-  void for_each_shared(F&&) const {}
+  std::uint64_t table_bytes() const { return 0; }
+  SharedData shared_data() const { return {}; }
 
   const Params& params() const { return params_; }
 
@@ -43,5 +42,6 @@ class IsotropicProfile {
 };
 
 using PointLight = IntensityLight<IsotropicProfile>;
+extern template class IntensityLight<IsotropicProfile>;
 
 }  // namespace lucerna

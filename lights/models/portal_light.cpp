@@ -9,6 +9,7 @@
 
 #include "lights/maths/stop_poll.h"
 #include "lights/maths/validation.h"
+#include "lights/models/all_lights.h"
 #include "lights/models/irradiance.h"
 #include "lights/pictures/rectified_map.h"
 #include "lights/sampling/emission.h"
@@ -84,7 +85,8 @@ absl::StatusOr<PortalLight> PortalLight::create(const Params& params, const Vec3
 }
 
 PortalLight::PortalLight(const Params& params, const Rectangle& r)
-    : params_(params),
+    : LightBeyond(/*leaves_freely=*/true, /*has_irradiance=*/true),
+      params_(params),
       map_axes_(params.world_from_map),
       corner_(r.corner),
       x_(r.x),
@@ -314,8 +316,10 @@ Power PortalLight::power_approximate(const SceneSphere& scene) const {
 
 LightBytes PortalLight::own_bytes() const {
   const std::uint64_t tables = table_->bytes() + (rectified_ == nullptr ? 0 : rectified_->bytes());
-  return {.all = tables, .tables = tables};
+  return {.object = sizeof *this, .data = tables, .tables = tables};
 }
+
+std::optional<LightParams> PortalLight::made_from() const { return params_; }
 
 std::optional<double> PortalLight::cross_section_m2(const SceneSphere&) const {
   const auto corners = corners_m();

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "lights/maths/transform.h"
-#include "lights/models/light_model.h"
+#include "lights/models/light.h"
 #include "lights/pictures/map_illuminance.h"
 #include "lights/pictures/sphere_map.h"
 #include "lights/sampling/light_sample.h"
@@ -35,11 +35,10 @@ struct PortalLightParams {
 /// A receiver sees a rectangle of the directions (tan alpha, tan beta, 1) in the portal's axes,
 /// with sides along alpha and beta.  It samples that window of a table over both angles.
 /// [Bitterli15]
-class PortalLight {
+class PortalLight final : public LightBeyond {
  public:
   using Params = PortalLightParams;
-  static constexpr bool kDelta = false;
-  static constexpr bool kHasIrradiance = true;
+  using LightBeyond::pdf_li;
   /// How far each corner may be from a rectangle, relative to its shorter side.  The light uses the
   /// rectangle with the same centre and the mean of opposite edges.
   static constexpr double kRectangleTolerance = 1e-3;
@@ -60,39 +59,36 @@ class PortalLight {
   /// - kBlack: map, radiance or the sampled part of the map is black, or below any normal `double`.
   /// - kOutOfRange: the density is not a positive normal `double`, or the portal looks narrower
   /// than the rounding of a direction.
-  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const override;
   /// 0 outside of the portal's edges.
-  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const override;
   /// Irradiance without occlusion on the side that `receiver` faces [lx].  Nothing with a map, or
   /// if the receiver has no normal or is not finite.
-  std::optional<Rgb> irradiance(const Receiver& receiver) const;
-  bool hides_itself() const { return false; }
+  std::optional<Rgb> irradiance(const Receiver& receiver) const override;
   /// Upper bounds of the illuminance on the side that `receiver` faces: the integral of the
   /// radiance over all directions that can pass through the portal.
-  MostIrradiance most_irradiance(const Receiver& receiver) const;
+  MostIrradiance most_irradiance(const Receiver& receiver) const override;
   /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets.  0 if the ray
   /// does not leave through the portal.
-  Rgb le_escaped(const Vec3& origin, const Vec3& w) const;
+  Rgb le_escaped(const Vec3& origin, const Vec3& w) const override;
   /// The same for a ray that enters towards `w` and starts in the portal.
-  Rgb le_leaving(const Vec3&, const Vec3& w) const { return radiance(-w); }
+  Rgb le_leaving(const Vec3&, const Vec3& w, double = 0) const override { return radiance(-w); }
 
   /// A ray that enters: a point of the portal by area, a direction by the whole table.  `normal` is
   /// that of the portal, towards the inside.  The scene's sphere is not used.
-  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction,
+                           const SceneSphere& scene) const override;
   /// `slack_m`: how far rounding may have moved `position` off the portal's plane, in addition to
   /// the rounding to `double`.
   EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene,
-                     double slack_m = 0) const;
+                     double slack_m = 0) const override;
 
   /// Flux through the portal: its area times the illuminance of the sky on it.  Exact without a map
   /// and for a rectified map; else by quadrature with a bound on the error.
-  Power power(const SceneSphere& scene) const;
+  Power power(const SceneSphere& scene) const override;
   /// The area times the integral of the radiance over the directions above it, without the cosine,
   /// as in pbrt-v4.
-  Power power_approximate(const SceneSphere& scene) const;
-
-  /// Nothing: it is at infinity.
-  std::optional<LightBounds> bounds() const { return std::nullopt; }
+  Power power_approximate(const SceneSphere& scene) const override;
 
   /// The rectangle that is used, relative to the scene's origin.
   std::array<Vec3, 4> corners_m() const {
@@ -103,15 +99,15 @@ class PortalLight {
   const Vec3& to_sky() const { return z_; }
   double portal_area_m2() const { return width_ * height_; }
   /// The portal's area.
-  std::optional<double> cross_section_m2(const SceneSphere& scene) const;
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const override;
   static LightPlace place(const Params& params);
   const Params& params() const { return params_; }
   /// The table that it samples and the picture that it resampled.
-  LightBytes own_bytes() const;
-  template <typename F>
-  void for_each_shared(F&& f) const {
-    if (params_.map) f(params_.map->image());
+  LightBytes own_bytes() const override;
+  SharedData shared_data() const override {
+    return {.image = params_.map ? &params_.map->image() : nullptr};
   }
+  std::optional<LightParams> made_from() const override;
 
  private:
   using Window = WindowedDistribution::Window;

@@ -7,6 +7,7 @@
 
 #include "lights/maths/axes.h"
 #include "lights/maths/validation.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/inverse_square.h"
 #include "lights/spectra/level_validation.h"
@@ -91,5 +92,7 @@ EmissionCone ProjectionIntensity::cone() const {
   const Vec2 half = params_.picture->half();
   return {axes_.n, std::atan(std::hypot(half.x, half.y)) + kTurned};
 }
+
+template class IntensityLight<ProjectionIntensity>;
 
 }  // namespace lucerna

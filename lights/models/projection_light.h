@@ -54,13 +54,8 @@ class ProjectionIntensity {
   /// The cone around the picture's corners.
   EmissionCone cone() const;
 
-  LightBytes own_bytes() const {
-    return {.all = params_.picture->bytes(), .tables = params_.picture->bytes()};
-  }
-  template <typename F>
-  void for_each_shared(F&& f) const {
-    if (params_.picture->params().image) f(*params_.picture->params().image);
-  }
+  std::uint64_t table_bytes() const { return params_.picture->bytes(); }
+  SharedData shared_data() const { return {.image = params_.picture->params().image.get()}; }
 
   const Params& params() const { return params_; }
 
@@ -79,5 +74,6 @@ class ProjectionIntensity {
 };
 
 using ProjectionLight = IntensityLight<ProjectionIntensity>;
+extern template class IntensityLight<ProjectionIntensity>;
 
 }  // namespace lucerna

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "lights/maths/validation.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/inverse_square.h"
 #include "lights/spectra/level_validation.h"
@@ -262,5 +263,7 @@ EmissionCone SpotIntensity::cone() const {
               std::max(std::sin(params_.cone_half_angle_rad), 1e-8);
   return {axis_, std::min(params_.cone_half_angle_rad + turned, std::numbers::pi)};
 }
+
+template class IntensityLight<SpotIntensity>;
 
 }  // namespace lucerna

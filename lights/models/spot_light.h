@@ -58,9 +58,8 @@ class SpotIntensity {
   Power power_approximate() const;
   EmissionCone cone() const;
 
-  LightBytes own_bytes() const { return {}; }
-  template <typename F>
-  void for_each_shared(F&&) const {}
+  std::uint64_t table_bytes() const { return 0; }
+  SharedData shared_data() const { return {}; }
 
   const Params& params() const { return params_; }
 
@@ -93,5 +92,6 @@ class SpotIntensity {
 };
 
 using SpotLight = IntensityLight<SpotIntensity>;
+extern template class IntensityLight<SpotIntensity>;
 
 }  // namespace lucerna

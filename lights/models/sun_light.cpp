@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "lights/maths/validation.h"
+#include "lights/models/all_lights.h"
 #include "lights/models/irradiance.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/projected_solid_angle.h"
@@ -36,7 +37,8 @@ absl::StatusOr<SunLight> SunLight::create(const Params& params, const Vec3&) {
 }
 
 SunLight::SunLight(const Params& params, const Rgb& radiance_cd_m2)
-    : params_(params),
+    : LightBeyond(/*leaves_freely=*/true, /*has_irradiance=*/true),
+      params_(params),
       axis_(normalized(params.to_light)),
       unit_axis_(normalized(axis_)),
       radiance_cd_m2_(radiance_cd_m2) {
@@ -129,13 +131,15 @@ EmissionSample SunLight::sample_le(Vec2 u_position, Vec2 u_direction,
   return sample;
 }
 
-EmissionPdf SunLight::pdf_le(const Vec3& position, const Vec3& direction,
-                             const SceneSphere& scene) const {
-  const SolidAnglePdf pdf = pdf_li({0, 0, 0}, -direction);
+EmissionPdf SunLight::pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene,
+                             double) const {
+  const SolidAnglePdf pdf = pdf_li(Receiver(), -direction);
   if (!(pdf.per_sr > 0)) return {};
   const AreaPdf at = scene_disk_pdf(position, direction, scene);
   if (!(at.per_m2 > 0)) return {};
   return {at, pdf};
 }
+
+std::optional<LightParams> SunLight::made_from() const { return params_; }
 
 }  // namespace lucerna

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "lights/models/irradiance.h"
-#include "lights/models/light_model.h"
+#include "lights/models/light.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
@@ -18,48 +18,48 @@ struct SunLightParams {
   Rgb illuminance_lx{};
 };
 
-class SunLight {
+class SunLight final : public LightBeyond {
  public:
   using Params = SunLightParams;
-  static constexpr bool kDelta = false;
-  static constexpr bool kHasIrradiance = true;
+  using LightBeyond::pdf_li;
 
   /// Errors: a field out of its domain; a radiance that does not fit `double`.
   static absl::StatusOr<SunLight> create(const Params& params, const Vec3& origin_m = {});
 
   /// Uniform over the disk's solid angle.  The radiance of a disk of half angle h that gives the
   /// illuminance E on a surface facing its centre is E / (pi sin^2 h).
-  LightSample sample_li(const Receiver& receiver, Vec2 u) const;
-  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const;
+  LightSample sample_li(const Receiver& receiver, Vec2 u) const override;
+  SolidAnglePdf pdf_li(const Receiver& receiver, const Vec3& wi) const override;
   /// Irradiance without occlusion on the side that `receiver` faces [lx].  Nothing if the receiver
   /// has no normal or is not finite.
-  std::optional<Rgb> irradiance(const Receiver& receiver) const;
-  bool hides_itself() const { return false; }
-  MostIrradiance most_irradiance(const Receiver& receiver) const {
+  std::optional<Rgb> irradiance(const Receiver& receiver) const override;
+  MostIrradiance most_irradiance(const Receiver& receiver) const override {
     return most_from_beyond(*this, receiver);
   }
   /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
-  Rgb le_escaped(const Vec3& origin, const Vec3& w) const;
+  Rgb le_escaped(const Vec3& origin, const Vec3& w) const override;
   /// The same for a ray that enters the scene towards `w`.
-  Rgb le_leaving(const Vec3& origin, const Vec3& w) const { return le_escaped(origin, -w); }
+  Rgb le_leaving(const Vec3& origin, const Vec3& w, double = 0) const override {
+    return le_escaped(origin, -w);
+  }
 
   /// Flux through the disk of the scene's sphere, which faces each of the sun's directions:
   /// radiance times solid angle times pi R^2.
-  Power power(const SceneSphere& scene) const;
+  Power power(const SceneSphere& scene) const override;
   /// The flux as if all light came from the centre, E pi R^2.  [Pharr23, 12.3]
-  Power power_approximate(const SceneSphere& scene) const;
+  Power power_approximate(const SceneSphere& scene) const override;
   /// From the disk of the scene's sphere that faces each direction.
-  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere& scene) const;
-  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene) const;
-  /// None: it is infinitely far.
-  std::optional<LightBounds> bounds() const { return std::nullopt; }
-  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+  EmissionSample sample_le(Vec2 u_position, Vec2 u_direction,
+                           const SceneSphere& scene) const override;
+  EmissionPdf pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere& scene,
+                     double slack_m = 0) const override;
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const override {
     return scene_disk_area_m2(scene);
   }
   static LightPlace place(const Params&) { return {}; }
-  LightBytes own_bytes() const { return {}; }
-  template <typename F>
-  void for_each_shared(F&&) const {}
+  LightBytes own_bytes() const override { return {.object = sizeof *this}; }
+  SharedData shared_data() const override { return {}; }
+  std::optional<LightParams> made_from() const override;
   const Params& params() const { return params_; }
 
  private:

@@ -16,7 +16,7 @@
 
 #include "lights/maths/motion.h"
 #include "lights/maths/transform.h"
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "lights/shapes/picture.h"
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset.h"

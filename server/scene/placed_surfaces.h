@@ -41,8 +41,8 @@ struct PlacedSurfaces {
   std::shared_ptr<const SurfaceMaterials> materials;
   /// A light whose surface was moved or added.
   struct EditedLight {
-    Light light;          ///< with the level of the file
-    std::int32_t number;  ///< Surface::light
+    std::shared_ptr<const Light> light;  ///< with the level of the file
+    std::int32_t number;                 ///< Surface::light
   };
   /// By id.  Empty if the whole scene was built with them at their places.
   std::map<std::uint64_t, EditedLight> lights;

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "lights/models/light.h"
-#include "lights/models/posed_light.h"
 #include "server/description/scene_contents.h"
 #include "server/description/scene_description.h"
 #include "server/rays/ray.h"
@@ -47,8 +46,8 @@ struct LightMotion {
 
 /// One light of the scene.
 struct SceneLight {
-  std::uint64_t id;  ///< stable, from 1, never reused
-  Light light;       ///< about the scene's origin; about its own if it moves
+  std::uint64_t id;                    ///< stable, from 1, never reused
+  std::shared_ptr<const Light> light;  ///< about the scene's origin; about its own if it moves
   std::shared_ptr<const LightMotion> moving;  ///< null if it does not move
   std::uint32_t samples = 1;  ///< points of each sample on it; the default of queries
   bool is_unseen = false;     ///< as in ShapeDescription::Emission
@@ -60,21 +59,6 @@ struct SceneLight {
   /// LightMotion::reach_m.
   float reach_m() const { return moving != nullptr ? moving->reach_m : 0; }
 };
-
-/// Calls `f` with the light at `time_s`, about the scene's origin: with the model itself or, if
-/// it moves, with its Posed form.  `f` is compiled for all of these types; LightAtTime compiles
-/// faster.
-template <typename F>
-auto visit_light(const SceneLight& light, double time_s, F&& f) {
-  return visit(
-      [&](const auto& model) {
-        if (light.moving == nullptr) [[likely]]
-          return f(model);
-        using Model = std::decay_t<decltype(model)>;
-        return f(Posed<Model>(model, light.moving->at(time_s)));
-      },
-      light.light);
-}
 
 /// All const members may be called from any thread.
 class Scene {

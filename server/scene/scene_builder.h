@@ -61,7 +61,8 @@ class Scene::Builder {
   absl::Status count_lights() const;
   absl::Status build_lights();
   /// `moving`: null if the light does not move; its reach is set from the light.
-  absl::StatusOr<SceneLight> scene_light(std::uint64_t id, absl::StatusOr<Light> light,
+  absl::StatusOr<SceneLight> scene_light(std::uint64_t id,
+                                         absl::StatusOr<std::shared_ptr<const Light>> light,
                                          const SourceLocation& where, std::uint32_t samples,
                                          std::unique_ptr<LightMotion> moving);
   absl::StatusOr<SceneLight> free_light(std::uint64_t id, const LightDescription& light);

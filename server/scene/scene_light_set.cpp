@@ -27,20 +27,14 @@ std::uint32_t Scene::Builder::file_number(const std::string& file) {
   return entry->second;
 }
 
-absl::StatusOr<SceneLight> Scene::Builder::scene_light(std::uint64_t id,
-                                                       absl::StatusOr<Light> light,
-                                                       const SourceLocation& where,
-                                                       std::uint32_t samples,
-                                                       std::unique_ptr<LightMotion> moving) {
+absl::StatusOr<SceneLight> Scene::Builder::scene_light(
+    std::uint64_t id, absl::StatusOr<std::shared_ptr<const Light>> light,
+    const SourceLocation& where, std::uint32_t samples, std::unique_ptr<LightMotion> moving) {
   if (!light.ok()) return located(light.status(), where);
-  if (moving != nullptr)
-    visit(
-        [&]<typename L>(const L& l) {
-          if constexpr (requires { l.shape(); })
-            moving->reach_m =
-                std::fmax(max_abs(l.shape().bounds().first), max_abs(l.shape().bounds().second));
-        },
-        *light);
+  if (moving != nullptr && (*light)->has_surface()) {
+    const LightBounds box = *(*light)->bounds();
+    moving->reach_m = static_cast<float>(std::fmax(max_abs(box.lower), max_abs(box.upper)));
+  }
   return SceneLight{.id = id,
                     .light = *std::move(light),
                     .moving = std::move(moving),
@@ -52,13 +46,11 @@ absl::StatusOr<SceneLight> Scene::Builder::scene_light(std::uint64_t id,
 
 void Scene::Builder::note_visible_lights() {
   StopPoll poll;
-  for (std::uint32_t i = 0; i < scene_->lights_.size(); ++i, poll())
-    visit(
-        [&]<typename L>(const L& l) {
-          if constexpr (SeenBeyond<L>) scene_->infinite_lights_.push_back(i);
-          scene_->has_visible_lights_ |= !l.kDelta && !scene_->lights_[i].is_unseen;
-        },
-        scene_->lights_[i].light);
+  for (std::uint32_t i = 0; i < scene_->lights_.size(); ++i, poll()) {
+    const SceneLight& l = scene_->lights_[i];
+    if (l.light->is_seen_beyond()) scene_->infinite_lights_.push_back(i);
+    scene_->has_visible_lights_ |= !l.light->is_delta() && !l.is_unseen;
+  }
 }
 
 absl::StatusOr<SceneLight> Scene::Builder::free_light(std::uint64_t id,
@@ -126,7 +118,8 @@ absl::Status Scene::Builder::count_lights() const {
       in_.lights.size() + static_cast<std::uint64_t>(std::ranges::count_if(in_.shapes, emits));
   // For the choice of a light: an item and two nodes of the tree.
   constexpr std::uint64_t kChoiceBytes = 256;
-  std::uint64_t bytes = count * (sizeof(SceneLight) + (count > 1 ? kChoiceBytes : 0));
+  constexpr std::uint64_t kLightBytes = sizeof(SceneLight) + sizeof(PointLight) + kLightHeapBytes;
+  std::uint64_t bytes = count * (kLightBytes + (count > 1 ? kChoiceBytes : 0));
   // The triangles of an emitter, and a table to draw from them.
   StopPoll poll;
   for (const ShapeDescription& s : in_.shapes) {
@@ -188,8 +181,8 @@ void Scene::Builder::report_lights(const Stopwatch& watch) {
   StopPoll poll;
   for (const SceneLight& l : scene_->lights_) {
     poll();
-    const LightBytes own = visit([](const auto& m) { return m.own_bytes(); }, l.light);
-    bytes += l.light.bytes_beside() + own.all - own.tables;
+    const LightBytes own = l.light->own_bytes();
+    bytes += kLightHeapBytes + own.object + own.data - own.tables;
     table_bytes += own.tables;
     tables += own.tables > 0;
   }
@@ -201,16 +194,19 @@ void Scene::Builder::report_lights(const Stopwatch& watch) {
 
 namespace {
 
-/// Data that lights share, each object once.  There is one overload for each kind, so a new kind
-/// does not compile until it is counted.
+/// Data that lights share, each object once.
 struct SharedByLights {
   std::set<const Image*> images;
   std::set<const PhotometricWeb*> webs;
   std::set<const IntensityMap*> maps;
 
-  void operator()(const Image& image) { images.insert(&image); }
-  void operator()(const PhotometricWeb& web) { webs.insert(&web); }
-  void operator()(const IntensityMap& map) { maps.insert(&map); }
+  /// A new kind of data does not compile here until it is counted.
+  void add(const SharedData& of_light) {
+    const auto [image, web, map] = of_light;
+    if (image != nullptr) images.insert(image);
+    if (web != nullptr) webs.insert(web);
+    if (map != nullptr) maps.insert(map);
+  }
 };
 
 }  // namespace
@@ -219,7 +215,7 @@ void Scene::Builder::report_shared_by_lights(std::size_t from, const Stopwatch& 
   SharedByLights shared;
   StopPoll poll;
   for (std::size_t i = from; i < scene_->lights_.size(); ++i, poll())
-    visit([&](const auto& m) { m.for_each_shared(shared); }, scene_->lights_[i].light);
+    shared.add(scene_->lights_[i].light->shared_data());
   std::uint64_t image_bytes = 0, web_bytes = 0, map_bytes = 0;
   for (const Image* image : shared.images) image_bytes += image->bytes();
   for (const PhotometricWeb* web : shared.webs) web_bytes += web->bytes();
@@ -237,7 +233,7 @@ namespace {
 
 /// Bounds of the light's place and directions over all time; nothing for lights at infinity.
 std::optional<LightBounds> bounds_of(const SceneLight& light) {
-  auto bounds = visit([](const auto& l) { return l.bounds(); }, light.light);
+  auto bounds = light.light->bounds();
   if (!bounds || light.moving == nullptr) return bounds;
   LightBounds swept = *bounds;
   swept.cone_rad = swept.normals_rad = std::numbers::pi;
@@ -256,12 +252,11 @@ std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_a
   for (std::uint32_t i = 0; i < scene.lights().size(); ++i, poll()) {
     const SceneLight& l = scene.lights()[i];
     const LightAtTime at_start(l, -std::numeric_limits<double>::infinity());
-    if (areas_alone && at_start.is_delta()) continue;
-    const Power power = at_start.power(sphere);
+    if (areas_alone && at_start->is_delta()) continue;
+    const Power power = at_start->power(sphere);
     // The largest channel and not the luminance: a light of one channel also causes noise.
     const double lumens = std::fmin(power.lumens.max_component(), 1e300);
-    const std::optional<double> section_m2 =
-        visit([&](const auto& m) { return m.cross_section_m2(sphere); }, l.light);
+    const std::optional<double> section_m2 = l.light->cross_section_m2(sphere);
     auto bounds = section_m2 ? std::nullopt : bounds_of(l);
     const double lux = section_m2 ? std::fmin(lumens / *section_m2, 1e300) : 0;
     items.push_back({i, lumens, lux, std::move(bounds)});

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <concepts>
+#include <memory>
 #include <utility>
 
 #include "lights/maths/stop_poll.h"
@@ -14,30 +14,21 @@
 
 namespace lucerna {
 
-namespace {
-
-/// The light model that is made from `Params`.
-template <typename Params, typename Lights>
-struct ModelOf;
-template <typename Params, typename L, typename... Rest>
-struct ModelOf<Params, std::variant<L, Rest...>> : ModelOf<Params, std::variant<Rest...>> {};
-template <typename Params, typename L, typename... Rest>
-requires std::same_as<typename L::Params, Params>
-struct ModelOf<Params, std::variant<L, Rest...>> {
-  using type = L;
-};
-
-}  // namespace
-
 LightPlace place_of(const LightDescription& light) {
   return std::visit(
-      []<typename Params>(const Params& params) {
-        return ModelOf<Params, LightModels>::type::place(params);
-      },
+      []<typename Params>(const Params& params) { return LightOf<Params>::place(params); },
       light.params);
 }
 
 namespace {
+
+using LightPointer = std::shared_ptr<const Light>;
+
+template <typename L>
+absl::StatusOr<LightPointer> as_pointer(absl::StatusOr<L> light) {
+  if (!light.ok()) return light.status();
+  return std::make_shared<const L>(*std::move(light));
+}
 
 /// OK if the light's positions about the scene's origin fit floats, which answers use.
 absl::Status check_place(const std::optional<Box>& box, const Vec3& origin) {
@@ -49,11 +40,10 @@ absl::Status check_place(const std::optional<Box>& box, const Vec3& origin) {
 
 }  // namespace
 
-absl::StatusOr<Light> create_light(const LightDescription& light, const Vec3& origin) {
+absl::StatusOr<LightPointer> create_light(const LightDescription& light, const Vec3& origin) {
   return std::visit(
-      [&]<typename Params>(const Params& params) -> absl::StatusOr<Light> {
-        using Model = typename ModelOf<Params, LightModels>::type;
-        const LightPlace place = Model::place(params);
+      [&]<typename Params>(const Params& params) -> absl::StatusOr<LightPointer> {
+        const LightPlace place = LightOf<Params>::place(params);
         for (const std::optional<Box>& box : {place.box_m, place.portal_m})
           if (auto s = check_place(box, origin); !s.ok()) return s;
         // Squares and products of levels must fit a double.  Answers that do not fit a float are
@@ -63,9 +53,7 @@ absl::StatusOr<Light> create_light(const LightDescription& light, const Vec3& or
         if (const double most = level_of(level).max_component(); most > kMostLevel)
           return absl::InvalidArgumentError(
               fmt::format("light.level = {}, allowed: up to {}", most, kMostLevel));
-        auto made = Model::create(params, origin);
-        if (!made.ok()) return made.status();
-        return Light(*std::move(made));
+        return as_pointer(LightOf<Params>::create(params, origin));
       },
       light.params);
 }
@@ -73,34 +61,30 @@ absl::StatusOr<Light> create_light(const LightDescription& light, const Vec3& or
 namespace {
 
 template <typename Shape, typename Painted>
-absl::StatusOr<Light> as_area_light(const ShapeDescription::Emission& emission,
-                                    absl::StatusOr<Shape> shape,
-                                    const std::vector<Vec2f>& corner_uv = {}) {
+absl::StatusOr<LightPointer> as_area_light(const ShapeDescription::Emission& emission,
+                                           absl::StatusOr<Shape> shape,
+                                           const std::vector<Vec2f>& corner_uv = {}) {
   LUCERNA_RETURN_IF_ERROR(shape.status());
   LUCERNA_RETURN_IF_ERROR(shape->emissive_error());
   const DiffuseEmission diffuse{emission.radiance_cd_m2, emission.two_sided};
   if (emission.picture) {
     LUCERNA_ASSIGN_OR_RETURN(auto painted,
                              Painted::create(*std::move(shape), *emission.picture, corner_uv));
-    LUCERNA_ASSIGN_OR_RETURN(auto light, (AreaLight<Painted>::create(diffuse, std::move(painted))));
-    return Light(std::move(light));
+    return as_pointer(AreaLight<Painted>::create(diffuse, std::move(painted)));
   }
-  LUCERNA_ASSIGN_OR_RETURN(auto light, (AreaLight<Shape>::create(diffuse, *std::move(shape))));
-  return Light(std::move(light));
+  return as_pointer(AreaLight<Shape>::create(diffuse, *std::move(shape)));
 }
 
 /// For shapes that can be flat.
 template <typename Shape, typename Painted, typename Panel>
-absl::StatusOr<Light> as_flat_light(const ShapeDescription::Emission& emission,
-                                    absl::StatusOr<Shape> shape,
-                                    const std::vector<Vec2f>& corner_uv = {}) {
+absl::StatusOr<LightPointer> as_flat_light(const ShapeDescription::Emission& emission,
+                                           absl::StatusOr<Shape> shape,
+                                           const std::vector<Vec2f>& corner_uv = {}) {
   if (!emission.panel || !shape.ok())
     return as_area_light<Shape, Painted>(emission, std::move(shape), corner_uv);
   LUCERNA_ASSIGN_OR_RETURN(auto panel, Panel::create(*std::move(shape), *emission.panel));
-  LUCERNA_ASSIGN_OR_RETURN(
-      auto light,
-      (AreaLight<Panel>::create({emission.radiance_cd_m2, emission.two_sided}, std::move(panel))));
-  return Light(std::move(light));
+  return as_pointer(
+      AreaLight<Panel>::create({emission.radiance_cd_m2, emission.two_sided}, std::move(panel)));
 }
 
 /// Has one overload for each shape.
@@ -109,7 +93,7 @@ class AreaLightMaker {
   AreaLightMaker(const ShapeDescription::Emission& emission, const Vec3& origin)
       : emission_(emission), origin_(origin) {}
 
-  absl::StatusOr<Light> operator()(const TriangleMeshData& mesh) const {
+  absl::StatusOr<LightPointer> operator()(const TriangleMeshData& mesh) const {
     const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
     std::vector<Triangle> triangles;
     triangles.reserve(mesh.indices.size() / 3);
@@ -120,7 +104,7 @@ class AreaLightMaker {
         emission_, TriangleMesh::create(std::move(triangles)), mesh.corner_uv);
   }
 
-  absl::StatusOr<Light> operator()(const PatchMeshData& mesh) const {
+  absl::StatusOr<LightPointer> operator()(const PatchMeshData& mesh) const {
     const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
     std::vector<BilinearPatch> patches;
     patches.reserve(mesh.indices.size() / 4);
@@ -131,16 +115,16 @@ class AreaLightMaker {
         emission_, PatchMesh::create(std::move(patches)), mesh.corner_uv);
   }
 
-  absl::StatusOr<Light> operator()(const CurveData&) const {
+  absl::StatusOr<LightPointer> operator()(const CurveData&) const {
     return absl::InvalidArgumentError("a curve that emits, allowed: other shapes");
   }
 
 #define LUCERNA_CURVED(Shape)                                                               \
-  absl::StatusOr<Light> operator()(const Shape##Params& params) const {                     \
+  absl::StatusOr<LightPointer> operator()(const Shape##Params& params) const {              \
     return as_area_light<Shape, Painted##Shape>(emission_, Shape::create(params, origin_)); \
   }
 #define LUCERNA_FLAT(Shape)                                                                    \
-  absl::StatusOr<Light> operator()(const Shape##Params& params) const {                        \
+  absl::StatusOr<LightPointer> operator()(const Shape##Params& params) const {                 \
     return as_flat_light<Shape, Painted##Shape, Panel##Shape>(emission_,                       \
                                                               Shape::create(params, origin_)); \
   }
@@ -156,19 +140,15 @@ class AreaLightMaker {
 
 }  // namespace
 
-absl::StatusOr<Light> create_area_light(const ShapeDescription& shape, const Vec3& origin) {
+absl::StatusOr<LightPointer> create_area_light(const ShapeDescription& shape, const Vec3& origin) {
   return std::visit(AreaLightMaker(*shape.emission, origin), shape.geometry);
 }
 
 std::uint64_t primitive_count(const Light& light) {
-  return visit(
-      [](const auto& l) -> std::uint64_t {
-        if constexpr (requires { l.shape(); })
-          return l.shape().size();
-        else
-          return 1;
-      },
-      light);
+  const auto* const surface = dynamic_cast<const SurfaceLight*>(&light);
+  if (surface == nullptr) return 1;
+  return std::visit([](const auto* shape) -> std::uint64_t { return shape->size(); },
+                    surface->surface());
 }
 
 }  // namespace lucerna

@@ -4,6 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -20,15 +21,20 @@ class Scene;
 LightPlace place_of(const LightDescription& light);
 
 /// Errors: those of the light.
-absl::StatusOr<Light> create_light(const LightDescription& light, const Vec3& origin);
+absl::StatusOr<std::shared_ptr<const Light>> create_light(const LightDescription& light,
+                                                          const Vec3& origin);
 
 /// The area light of an emissive shape.  Rays hit its vertices rounded to floats.  Light leaves
 /// the vertices in double, so that small lamps far from zero keep their size.  Errors: those of
 /// the light; a shape that cannot emit.
-absl::StatusOr<Light> create_area_light(const ShapeDescription& shape, const Vec3& origin);
+absl::StatusOr<std::shared_ptr<const Light>> create_area_light(const ShapeDescription& shape,
+                                                               const Vec3& origin);
 
 /// The number of primitives of its surface; 1 if it has no surface.
 std::uint64_t primitive_count(const Light& light);
+
+/// Reference counts and the allocator's header of a light on the heap [bytes].
+inline constexpr std::uint64_t kLightHeapBytes = 24;
 
 /// All lights, or all except delta lights, as items of a selector.
 std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone);

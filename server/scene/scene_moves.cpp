@@ -202,17 +202,13 @@ std::shared_ptr<const SurfaceMaterials> with_materials(
 /// The emission of a light without a picture and without a profile, as its file gives it.  Without
 /// spectrum, name and number of samples, which a light keeps when it moves.
 ShapeDescription::Emission emission_of(const Scene& scene, const SceneLight& light) {
-  return visit(
-      [&](const auto& model) {
-        ShapeDescription::Emission emission{.radiance_cd_m2 = {}, .where = scene.source_of(light)};
-        if constexpr (requires { model.emission(); }) {
-          emission.radiance_cd_m2 = model.emission().radiance_cd_m2;
-          emission.two_sided = model.emission().two_sided;
-          emission.is_unseen = light.is_unseen;
-        }
-        return emission;
-      },
-      light.light);
+  ShapeDescription::Emission emission{.radiance_cd_m2 = {}, .where = scene.source_of(light)};
+  if (const auto* surface = dynamic_cast<const SurfaceLight*>(light.light.get())) {
+    emission.radiance_cd_m2 = surface->emission().radiance_cd_m2;
+    emission.two_sided = surface->emission().two_sided;
+    emission.is_unseen = light.is_unseen;
+  }
+  return emission;
 }
 
 }  // namespace
@@ -349,7 +345,8 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
                                                                   detail_m, edited.number));
       if (!is_same) return std::shared_ptr<const PlacedSurfaces>();
     }
-    absl::StatusOr<Light> light = create_area_light(edited.shape, loaded.origin_);
+    absl::StatusOr<std::shared_ptr<const Light>> light =
+        create_area_light(edited.shape, loaded.origin_);
     if (!light.ok()) return located(light.status(), edited.shape.emission->where);
     to->lights.emplace(edited.id, PlacedSurfaces::EditedLight{*std::move(light), edited.number});
   }
@@ -362,9 +359,10 @@ absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& 
       Accelerator::with_moved(from.accelerator, std::move(set), edited_set.take_moved()));
   if (to->accelerator == nullptr) return std::shared_ptr<const PlacedSurfaces>();
   std::uint64_t bytes = to->accelerator->bytes() + to->surfaces.bytes();
-  for (const auto& [id, edited] : to->lights)
-    bytes += edited.light.bytes_beside() +
-             visit([](const auto& m) { return m.own_bytes().all; }, edited.light);
+  for (const auto& [id, edited] : to->lights) {
+    const LightBytes own = edited.light->own_bytes();
+    bytes += kLightHeapBytes + own.object + own.data;
+  }
   bytes += bytes_of(to->edits.added);
   for (const auto& [id, added] : to->edits.added)
     bytes += sizeof(AddedSurface) + array_bytes(added.surface->shape);

@@ -20,37 +20,23 @@ absl::Status about_light(std::uint64_t id, const absl::Status& status) {
   return {status.code(), fmt::format("light {}: {}", id, std::string(status.message()))};
 }
 
-bool has_surface(const Light& light) {
-  return visit(
-      [](const auto& l) {
-        return requires { l.shape(); };
-      },
-      light);
-}
-
 /// The light with another level.
-template <typename Model>
-absl::StatusOr<Light> with_level(const Model& light, const LightChange& change) {
-  DiffuseEmission emission = light.emission();
+absl::StatusOr<std::shared_ptr<const Light>> with_level(const Light& light,
+                                                        const LightChange& change) {
+  const auto* const surface = dynamic_cast<const SurfaceLight*>(&light);
+  if (surface == nullptr) return absl::InternalError("a light without a surface");
+  DiffuseEmission emission = surface->emission();
   emission.radiance_cd_m2 = changed_level(change, emission.radiance_cd_m2);
   LUCERNA_RETURN_IF_ERROR(
       check_light_value("light.level", emission.radiance_cd_m2, "cd/m2", kMostInAnswers));
-  LUCERNA_ASSIGN_OR_RETURN(auto changed, Model::create(emission, light.shape()));
-  return Light(std::move(changed));
+  return surface->with_emission(emission);
 }
 
 }  // namespace
 
 LightDescription Scene::Builder::describe(const Scene& loaded, std::uint32_t light) {
   const SceneLight& of = loaded.lights_[light];
-  LightDescription d{.params = visit(
-                         []<typename Model>(const Model& model) -> LightParams {
-                           if constexpr (requires { model.params(); })
-                             return model.params();
-                           else
-                             return {};
-                         },
-                         of.light),
+  LightDescription d{.params = of.light->made_from().value_or(LightParams()),
                      .where = loaded.source_of(of),
                      .samples = of.samples,
                      .name = std::string(loaded.light_names_.of(light))};
@@ -62,16 +48,7 @@ LightDescription Scene::Builder::describe(const Scene& loaded, std::uint32_t lig
 absl::StatusOr<SceneLight> Scene::Builder::revised_light(SceneLight next,
                                                          const LightChange& change) {
   if (change.has_level()) {
-    absl::StatusOr<Light> changed = visit(
-        [&]<typename Model>(const Model& model) -> absl::StatusOr<Light> {
-          if constexpr (requires { model.shape(); })
-            return with_level(model, change);
-          else
-            return absl::InternalError("a light without a surface");
-        },
-        next.light);
-    if (!changed.ok()) return changed.status();
-    next.light = *std::move(changed);
+    LUCERNA_ASSIGN_OR_RETURN(next.light, with_level(*next.light, change));
   }
   return next;
 }
@@ -106,7 +83,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     const auto replacement = edits.added.find(of.id);
     if (replacement != edits.added.end())
       described[i] = replacement->second.light;
-    else if (has_surface(of.light))
+    else if (of.light->has_surface())
       continue;
     else
       described[i] = describe(loaded, i);
@@ -159,7 +136,8 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
     if (changes[i].is_removed) continue;
     const std::uint32_t number_here = at++;
     absl::StatusOr<SceneLight> made = absl::InternalError("no light");
-    if (is_replaced || (!has_surface(of.light) && (is_elsewhere || changes[i] != LightChange()))) {
+    if (is_replaced ||
+        (!of.light->has_surface() && (is_elsewhere || changes[i] != LightChange()))) {
       note(described[i]->spectrum, described[i]->name);
       made = free_light(of.id, *described[i]);
     } else {
@@ -173,7 +151,8 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
       made = revised_light(std::move(revised), changes[i]);
     }
     if (!made.ok()) return about_light(of.id, made.status());
-    if (is_dark || changes[i] != LightChange()) bytes += made->light.bytes_beside();
+    if (is_dark || changes[i] != LightChange())
+      bytes += kLightHeapBytes + made->light->own_bytes().object;
     if (has_gaps)
       scene_->lights_.push_back(*std::move(made));
     else
@@ -208,8 +187,8 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::revise(
 
   const std::size_t added_from = scene_->lights_.size() - added.size();
   for (std::size_t i = added_from; i < scene_->lights_.size(); ++i, poll()) {
-    const Light& light = scene_->lights_[i].light;
-    bytes += light.bytes_beside() + visit([](const auto& m) { return m.own_bytes().all; }, light);
+    const LightBytes own = scene_->lights_[i].light->own_bytes();
+    bytes += kLightHeapBytes + own.object + own.data;
   }
   light_part("lights",
              bytes + edits.bytes() + scene_->lights_.bytes_beside(loaded.lights_) +
@@ -237,7 +216,7 @@ SurfaceEdits Scene::surface_edits(const LightEdits& edits) const {
     poll();
     if (!change.has_place() || change.is_removed) continue;
     const bool is_of_file = id <= base_->lights_.size() && !edits.added.contains(id) &&
-                            has_surface(base_->lights_[id - 1].light);
+                            base_->lights_[id - 1].light->has_surface();
     if (is_of_file || of.added.contains(id)) of.moved[id] = place_only(change);
   }
   return of;

@@ -17,14 +17,10 @@ constexpr double kNear = 8 * kTraversalBound;
 
 /// The place of a light without a size, in its own coordinates.
 std::optional<Vec3> place_of(const SceneLight& light) {
-  return visit(
-      [](const auto& l) -> std::optional<Vec3> {
-        if (!std::decay_t<decltype(l)>::kDelta) return std::nullopt;
-        const auto bounds = l.bounds();
-        if (!bounds || bounds->lower != bounds->upper) return std::nullopt;
-        return bounds->lower;
-      },
-      light.light);
+  if (!light.light->is_delta()) return std::nullopt;
+  const auto bounds = light.light->bounds();
+  if (!bounds || bounds->lower != bounds->upper) return std::nullopt;
+  return bounds->lower;
 }
 
 }  // namespace

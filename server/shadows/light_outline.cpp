@@ -78,11 +78,11 @@ LightOutline flat_mesh(const Mesh& mesh) {
   return outline;
 }
 
-LightOutline of_light(const TriangleMeshLight& l) { return flat_mesh(l.shape()); }
-LightOutline of_light(const PatchMeshLight& l) { return flat_mesh(l.shape()); }
-LightOutline of_light(const DiskLight& l) {
-  const DiskParams& params = l.shape().params();
-  const Transform& t = l.shape().world_from_object();
+LightOutline of_shape(const TriangleMesh& mesh) { return flat_mesh(mesh); }
+LightOutline of_shape(const PatchMesh& mesh) { return flat_mesh(mesh); }
+LightOutline of_shape(const Disk& disk) {
+  const DiskParams& params = disk.params();
+  const Transform& t = disk.world_from_object();
   LightOutline outline{LightOutline::Kind::kFlat};
   outline.axis = normalized(t.normal({0, 0, 1}));
   const auto corners =
@@ -91,14 +91,16 @@ LightOutline of_light(const DiskLight& l) {
   outline.corners.assign(corners.begin(), corners.end());
   return outline;
 }
-LightOutline of_light(const SphereLight& l) {
-  const SphereParams& params = l.shape().params();
-  const Transform& t = l.shape().world_from_object();
+LightOutline of_shape(const Sphere& sphere) {
+  const SphereParams& params = sphere.params();
+  const Transform& t = sphere.world_from_object();
   LightOutline outline{LightOutline::Kind::kSphere};
   outline.center = t.point({0, 0, 0});
   outline.radius = params.radius_m * params.world_from_object.uniform_scale().value_or(0);
   return outline;
 }
+/// Its irradiance has no closed form.
+LightOutline of_shape(const Cylinder&) { return {}; }
 LightOutline of_light(const SunLight& l) {
   LightOutline outline{LightOutline::Kind::kSun};
   outline.axis = normalized(l.params().to_light);
@@ -112,23 +114,25 @@ LightOutline of_light(const PortalLight& l) {
   outline.axis = l.to_sky();
   return outline;
 }
-LightOutline of_light(const UniformInfiniteLight&) { return {LightOutline::Kind::kSky}; }
+
+LightOutline of_kind(const Light& light) {
+  if (const auto* sun = dynamic_cast<const SunLight*>(&light)) return of_light(*sun);
+  if (const auto* portal = dynamic_cast<const PortalLight*>(&light)) return of_light(*portal);
+  if (const auto* surface = dynamic_cast<const SurfaceLight*>(&light))
+    return std::visit([](const auto* shape) { return of_shape(*shape); }, surface->surface());
+  if (dynamic_cast<const UniformInfiniteLight*>(&light)) return {LightOutline::Kind::kSky};
+  return {};
+}
 
 }  // namespace
 
 LightOutline outline_of(const SceneLight& light) {
-  if (light.moving != nullptr) return {};
-  return visit(
-      []<typename L>(const L& l) -> LightOutline {
-        if constexpr (HasIrradiance<L>) {
-          // A light without a closed form at one place has none at any place.
-          Receiver anywhere(0x1p40, 0x1p41, 0x1p42);
-          anywhere.normal = {0, 0, 1};
-          if (!l.hides_itself() && l.irradiance(anywhere)) return of_light(l);
-        }
-        return {};
-      },
-      light.light);
+  if (light.moving != nullptr || !light.light->has_irradiance()) return {};
+  // A light without a closed form at one place has none at any place.
+  Receiver anywhere(0x1p40, 0x1p41, 0x1p42);
+  anywhere.normal = {0, 0, 1};
+  if (light.light->hides_itself() || !light.light->irradiance(anywhere)) return {};
+  return of_kind(*light.light);
 }
 
 std::array<Vector, kOutlineCorners> polygon_around(const Vector& center, const Vector& x,

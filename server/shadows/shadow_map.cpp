@@ -40,34 +40,30 @@ ShadowMapView::Face face_about(const Vec3& forward) {
 
 std::optional<ShadowMapView> shadow_map_view(const SceneLight& light, const SceneSphere& sphere) {
   if (light.moving != nullptr) return std::nullopt;
-  return visit(
-      [&]<typename L>(const L& l) -> std::optional<ShadowMapView> {
-        ShadowMapView view{};
-        if constexpr (std::is_same_v<L, DistantLight>) {
-          if (!(sphere.radius_m > 0)) return std::nullopt;
-          view.from = sphere.center_m;
-          view.faces[0] = face_about(-normalized(l.params().to_light));
-          view.face_count = 1;
-          view.half = sphere.radius_m * kMargin;
-          view.is_distant = true;
-          return view;
-        }
-        const auto bounds = l.bounds();
-        if (!L::kDelta || !bounds || bounds->lower != bounds->upper) return std::nullopt;
-        view.from = bounds->lower;
-        if (bounds->cone_rad <= kWidestCone) {
-          view.faces[0] = face_about(bounds->axis);
-          view.face_count = 1;
-          view.half = std::tan(bounds->cone_rad) * kMargin;
-          return view;
-        }
-        for (const Vec3& forward :
-             {Vec3{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
-          view.faces[view.face_count++] = face_about(forward);
-        view.half = kMargin;
-        return view;
-      },
-      light.light);
+  ShadowMapView view{};
+  if (const auto* distant = dynamic_cast<const DistantLight*>(light.light.get())) {
+    if (!(sphere.radius_m > 0)) return std::nullopt;
+    view.from = sphere.center_m;
+    view.faces[0] = face_about(-normalized(distant->params().to_light));
+    view.face_count = 1;
+    view.half = sphere.radius_m * kMargin;
+    view.is_distant = true;
+    return view;
+  }
+  const auto bounds = light.light->bounds();
+  if (!light.light->is_delta() || !bounds || bounds->lower != bounds->upper) return std::nullopt;
+  view.from = bounds->lower;
+  if (bounds->cone_rad <= kWidestCone) {
+    view.faces[0] = face_about(bounds->axis);
+    view.face_count = 1;
+    view.half = std::tan(bounds->cone_rad) * kMargin;
+    return view;
+  }
+  for (const Vec3& forward :
+       {Vec3{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
+    view.faces[view.face_count++] = face_about(forward);
+  view.half = kMargin;
+  return view;
 }
 
 ShadowMap::ShadowMap(const Scene& scene, const ShadowMapView& view, std::uint32_t side)

@@ -274,7 +274,7 @@ class SmoothSurfaces::Collector {
     };
     if (scene_.lights().size() > kFewLights) return is_within(all_lights());
     return std::ranges::any_of(scene_.lights(), [&](const SceneLight& light) {
-      const auto bounds = LightAtTime(light, 0).bounds();
+      const auto bounds = LightAtTime(light, 0)->bounds();
       return bounds && is_within({bounds->lower, bounds->upper});
     });
   }
@@ -283,7 +283,7 @@ class SmoothSurfaces::Collector {
     if (!lights_m_) {
       lights_m_.emplace();
       for (const SceneLight& light : scene_.lights())
-        if (const auto bounds = LightAtTime(light, 0).bounds())
+        if (const auto bounds = LightAtTime(light, 0)->bounds())
           lights_m_->add(bounds->lower), lights_m_->add(bounds->upper);
     }
     return *lights_m_;
@@ -327,7 +327,7 @@ bool has_lamp_on(const Scene& scene, const SmoothPart& part) {
   if (part.is_sphere || !(part.glossy_alpha > 0 || (part.refracts && part.eta != 1))) return false;
   const double reach = max_abs(part.middle) + length(part.half_u) + length(part.half_v);
   return std::ranges::any_of(scene.lights(), [&](const SceneLight& light) {
-    const auto bounds = LightAtTime(light, 0).bounds();
+    const auto bounds = LightAtTime(light, 0)->bounds();
     return is_delta(light) && bounds && part.may_contain(bounds->lower) &&
            std::fabs(part.height(bounds->lower)) <= 4 * kFloatRoundoff * reach;
   });

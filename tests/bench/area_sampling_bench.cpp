@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/sobol.h"
 
 namespace lucerna {

@@ -27,20 +27,13 @@ using Estimates = std::array<double, kEstimators>;
 
 /// A light at a receiver.
 class Pair {
-  template <typename F>
-  auto visit(const F& f) const {
-    return visit_light(scene_.lights()[light_], 0, f);
-  }
-
  public:
   Pair(const Scene& scene, const SurfaceHit& hit, std::uint32_t light)
       : scene_(scene), hit_(hit), light_(light), receiver_(hit.position) {
     receiver_.normal = hit.ns;
-    visit([&]<typename L>(const L& l) {
-      if constexpr (HasIrradiance<L> && SeenOnSurface<L>) {
-        if (!l.hides_itself()) unshadowed_lx_ = luminance(l.irradiance(receiver_).value_or(Rgb()));
-      }
-    });
+    const Light& l = *scene_.lights()[light_].light;
+    if (l.has_surface() && !l.hides_itself())
+      unshadowed_lx_ = luminance(l.irradiance(receiver_).value_or(Rgb()));
   }
 
   /// 0 if there is no closed form.
@@ -53,9 +46,7 @@ class Pair {
     double all = 0, visible = 0, weighed = 0;
     for (std::uint32_t i = 0; i < samples; ++i) {
       const Vec2f u = sequence.pair(i, 0);
-      const auto s = visit([&](const auto& l) {
-        return l.sample_li(receiver, {double{u.x}, double{u.y}});
-      });
+      const auto s = scene_.lights()[light_].light->sample_li(receiver, {double{u.x}, double{u.y}});
       const double cosine = dot(receiver.normal, s.wi);
       if (s.reason == NoLight::kNone && cosine > 0) {
         const double lx = luminance(s.value) * cosine / s.pdf.per_sr;
@@ -83,15 +74,10 @@ class Pair {
     const Vec3f wi = PathTracer::cosine_direction(Vec3f(hit_.ns), Vec3f(hit_.ns), u);
     const auto hit = scene_.closest_hit(spawn_ray(hit_, wi));
     if (!hit || hit->light != static_cast<std::int32_t>(light_)) return 0;
-    return visit([&]<typename L>(const L& l) {
-      if constexpr (SeenOnSurface<L>) {
-        const double light_pdf = l.pdf_li(receiver, hit->on_light()).per_sr;
-        return std::numbers::pi * luminance(l.le(hit->on_light(), Vec3(-wi))) *
-               (1 - weight(light_pdf, dot(hit_.ns, Vec3(wi))));
-      } else {
-        return 0.0;
-      }
-    });
+    const Light& l = *scene_.lights()[light_].light;
+    const double light_pdf = l.pdf_li(receiver, hit->on_light()).per_sr;
+    return std::numbers::pi * luminance(l.le(hit->on_light(), Vec3(-wi))) *
+           (1 - weight(light_pdf, dot(hit_.ns, Vec3(wi))));
   }
 
   const Scene& scene_;

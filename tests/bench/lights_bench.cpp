@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/inverse_square.h"
 #include "lights/sampling/sobol.h"
 

@@ -55,7 +55,7 @@ class Recorder {
         last_depth_(static_cast<std::uint32_t>(scene.hints().max_depth.value_or(1) - 1)) {
     if (scene.lights().size() != 1 || scene.lights()[0].moving != nullptr)
       throw std::runtime_error("the scene must have one light that does not move");
-    light_ = scene.lights()[0].light.get_if<PointLight>();
+    light_ = dynamic_cast<const PointLight*>(scene.lights()[0].light.get());
     if (light_ == nullptr) throw std::runtime_error("the light must be a point light");
   }
 

@@ -57,9 +57,7 @@ std::string by_itself(const Scene& scene, const std::vector<IrradiancePoint>& re
     hit.ns = p.normal, hit.ng = p.normal;
     for (std::uint32_t l = 0; l < scene.lights().size(); ++l) {
       if (shadow_maps(scene).map(l) == nullptr) continue;
-      const auto sample = visit_light(scene.lights()[l], 0, [&](const auto& light) {
-        return light.sample_li(Receiver(p.position), {0.5, 0.5});
-      });
+      const auto sample = scene.lights()[l].light->sample_li(Receiver(p.position), {0.5, 0.5});
       if (sample.reason != NoLight::kNone || !(dot(hit.ng, sample.wi) > 0)) continue;
       items.push_back({l, hit.position, hit.ng, shadow_ray(hit, sample)});
     }

@@ -124,12 +124,8 @@ void measure(const std::string& name, SceneDescription description, const Vector
         return std::chrono::duration<double, std::nano>(Clock::now() - start).count() / repeats;
       };
       double lx = 0;
-      const double form_ns = timed(kRepeats, [&] {
-        visit_light(scene->lights()[l], 0, [&](const auto& model) {
-          if constexpr (requires { model.irradiance(receiver); })
-            lx = model.irradiance(receiver).value_or(Rgb()).g;
-        });
-      });
+      const double form_ns = timed(
+          kRepeats, [&] { lx = scene->lights()[l].light->irradiance(receiver).value_or(Rgb()).g; });
       if (!(lx > 0)) continue;
       form.push_back(form_ns);
       bool is_empty = false;
@@ -141,9 +137,7 @@ void measure(const std::string& name, SceneDescription description, const Vector
         const SobolSequence sequence(1, static_cast<std::uint64_t>(i), l);
         for (std::uint32_t k = 0; k < kSamples; ++k) {
           const Vec2f v = sequence.pair(k, 0);
-          const auto s = visit_light(scene->lights()[l], 0, [&](const auto& model) {
-            return model.sample_li(receiver, {v.x, v.y});
-          });
+          const auto s = scene->lights()[l].light->sample_li(receiver, {v.x, v.y});
           const double cosine = dot(receiver.normal, s.wi);
           if (s.reason != NoLight::kNone || !(cosine > 0)) continue;
           ++lit;
@@ -156,9 +150,7 @@ void measure(const std::string& name, SceneDescription description, const Vector
           }
         }
       }));
-      const auto s = visit_light(scene->lights()[l], 0, [&](const auto& model) {
-        return model.sample_li(receiver, {0.5, 0.5});
-      });
+      const auto s = scene->lights()[l].light->sample_li(receiver, {0.5, 0.5});
       const Ray ray = shadow_ray(r, s);
       ray_ns.push_back(timed(kRepeats, [&] { one_ray += scene->occluded(ray); }));
       sink = sink + sum + one_ray;

@@ -3,20 +3,21 @@
 
 #include <fmt/format.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lights/choice/light_tree.h"
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna::testing {
 
 struct LocalLight {
   std::string name;
-  Light light;
+  std::shared_ptr<const Light> light;
 };
 
 /// About 30 lights.  Their sizes are about that of the map; the map keeps angles.
@@ -38,7 +39,7 @@ class LocalLights {
   template <typename L>
   void add(std::string name, absl::StatusOr<L> light) {
     EXPECT_TRUE(light.ok()) << name << ": " << light.status();
-    lights_.push_back({std::move(name), *std::move(light)});
+    lights_.push_back({std::move(name), std::make_shared<const L>(*std::move(light))});
   }
 
   void add_points() {
@@ -133,19 +134,15 @@ class LocalLights {
   std::vector<LocalLight> lights_;
 };
 
-inline LightBounds bounds_of(const Light& light) {
-  return visit([](const auto& l) { return *l.bounds(); }, light);
-}
-inline double power_of(const Light& light) {
-  return visit([](const auto& l) { return l.power({}).lumens.max_component(); }, light);
-}
+inline LightBounds bounds_of(const LocalLight& l) { return *l.light->bounds(); }
+inline double power_of(const LocalLight& l) { return l.light->power({}).lumens.max_component(); }
 inline LightTree tree_of(const std::vector<LocalLight>& lights) {
   std::vector<LightTree::Item> items;
-  for (const LocalLight& l : lights) items.push_back({bounds_of(l.light), power_of(l.light)});
+  for (const LocalLight& l : lights) items.push_back({bounds_of(l), power_of(l)});
   return *LightTree::create(items);
 }
-inline LightSample sample_of(const Light& light, const Receiver& receiver, Vec2 u) {
-  return visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
+inline LightSample sample_of(const LocalLight& l, const Receiver& receiver, Vec2 u) {
+  return l.light->sample_li(receiver, u);
 }
 
 /// A map with a random rotation that scales by `size` and puts the origin within `size * spread` of

@@ -16,8 +16,7 @@ constexpr double kInvPi = std::numbers::inv_pi;
 
 /// The sample of an area light that counts as a point.  Nothing if the distance is below `radii`
 /// times the light's radius, or if the light has no closed form.
-std::optional<LightSample> far_sample(const LightAtTime& light, const Receiver& receiver,
-                                      double radii) {
+std::optional<LightSample> far_sample(const Light& light, const Receiver& receiver, double radii) {
   if (!light.has_surface() || !light.has_irradiance()) return std::nullopt;
   const auto bounds = light.bounds();
   if (!bounds || light.hides_itself()) return std::nullopt;
@@ -58,14 +57,8 @@ constexpr std::size_t kFewestDrawn = 3;
 
 /// Whether a light with a size is near and shines evenly.  The light tree then knows nearly what it
 /// contributes.
-bool is_even_lamp(const SceneLight& light) {
-  return visit(
-      [](const auto& l) {
-        bool has_picture = false;  // or photometry
-        l.for_each_shared([&](const auto&) { has_picture = true; });
-        return !has_picture && l.bounds().has_value();
-      },
-      light.light);
+bool is_even_lamp(const Light& light) {
+  return light.shared_data().empty() && light.bounds().has_value();
 }
 
 }  // namespace
@@ -73,7 +66,7 @@ bool is_even_lamp(const SceneLight& light) {
 MostIrradiance most_of(const LightAtTime& light, const Receiver& receiver, double probability) {
   // The probability is 0 only if the bounds of the light's cluster exclude light.
   if (!(probability > 0)) return {};
-  MostIrradiance most = light.most_irradiance(receiver);
+  MostIrradiance most = light->most_irradiance(receiver);
   // No part of a light that rays do not meet hides another part.
   if (light.is_unseen() && most.lx > 0) most.lx = most.sample_lx;
   return {most.lx, most.sample_lx / probability};
@@ -98,7 +91,7 @@ DirectLight::DirectLight(const Scene& scene, const Methods& methods, std::uint32
   if (methods_.light_selection == LightSelection::kAutomatic && spending_ == Spending::kEach &&
       scene.lights().size() - deltas_ >= kFewestDrawn &&
       std::ranges::all_of(scene.lights(), [](const SceneLight& l) {
-        return lucerna::is_delta(l) || is_even_lamp(l);
+        return lucerna::is_delta(l) || is_even_lamp(*l.light);
       }))
     later_spending_ = Spending::kOneArea;
 }
@@ -155,10 +148,10 @@ LightSample DirectLight::light_sample(const Vertex& v, std::uint32_t light, cons
   Receiver r = receiver(v.hit, v.wo, v.scattering);
   r.incomplete = r.incomplete && !l.is_unseen();
   if (methods_.far_light_radii)
-    if (const auto s = far_sample(l, r, *methods_.far_light_radii)) return *s;
-  if (l.is_delta()) return l.sample_li(r, {});  // has one sample, so it needs no random numbers
+    if (const auto s = far_sample(*l, r, *methods_.far_light_radii)) return *s;
+  if (l->is_delta()) return l->sample_li(r, {});  // has one sample, so it needs no random numbers
   const Vec2f u = at.pair(dimension);
-  return l.sample_li(r, {u.x, u.y});
+  return l->sample_li(r, {u.x, u.y});
 }
 
 DirectLight::Candidate DirectLight::candidate(const Vertex& v, const LightChoice& choice,
@@ -232,10 +225,10 @@ std::optional<Rgb> DirectLight::from_one_direction(const SurfaceHit& hit, const 
     return share > 0 ? shadowed(hit, light, s, s.value * share, work).value : Rgb{};
   };
   if (methods_.far_light_radii)
-    if (const auto s = far_sample(l, receiver(hit, wo), *methods_.far_light_radii))
+    if (const auto s = far_sample(*l, receiver(hit, wo), *methods_.far_light_radii))
       return arriving(*s);
-  if (!l.is_delta()) return std::nullopt;
-  return arriving(l.sample_li(receiver(hit, wo), {}));
+  if (!l->is_delta()) return std::nullopt;
+  return arriving(l->sample_li(receiver(hit, wo), {}));
 }
 
 bool DirectLight::uses_closed_forms(bool at_receiver) const {
@@ -249,10 +242,10 @@ std::optional<Rgb> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3
   const SceneLight& of = scene_.lights()[light];
   if (of.moving != nullptr || scene_.has_media()) return std::nullopt;
   const LightAtTime l(of, hit.time_s);
-  if (!l.has_irradiance() || l.hides_itself()) return std::nullopt;
+  if (!l->has_irradiance() || l->hides_itself()) return std::nullopt;
   const Receiver r = receiver(hit, wo);
   if (!shafts(scene_).is_empty(hit, Vec3f(r.normal), light)) return std::nullopt;
-  const std::optional<Rgb> lx = l.irradiance(r);
+  const std::optional<Rgb> lx = l->irradiance(r);
   if (!lx) return std::nullopt;
   return *lx * kInvPi;
 }
@@ -296,8 +289,8 @@ void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3f& 
 void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, const PathSample& s,
                                 std::uint32_t dimension) const {
   const SceneLight& light = scene_.lights()[choice.light];
-  const auto* point = light.light.get_if<PointLight>();
-  if (point != nullptr && light.moving == nullptr && v.scattering == nullptr) {
+  const PointLight* const point = resting_point_light(light);
+  if (point != nullptr && v.scattering == nullptr) {
     // As below, with the same bits.  A LightAtTime and its samples would take longer than the rest.
     if (const auto plain = point->plain_sample_li(v.hit.position)) {
       const double f = reflected_share(v.hit, v.wo, plain->wi);
@@ -377,12 +370,12 @@ double DirectLight::found_weight(Spending spending, const SurfaceHit& from, cons
   const Receiver r = receiver(from, wo, scattering);
   const LightAtTime l(scene_.lights()[light], ray.time_s);
   // Directions do not find a light that counts as a point.
-  if (methods_.far_light_radii && far_sample(l, r, *methods_.far_light_radii)) return 0;
+  if (methods_.far_light_radii && far_sample(*l, r, *methods_.far_light_radii)) return 0;
   SolidAnglePdf pdf{};
-  if (!l.has_surface())
-    pdf = l.pdf_li(r, Vec3(ray.direction));
+  if (!l->has_surface())
+    pdf = l->pdf_li(r, Vec3(ray.direction));
   else if (hit)
-    pdf = l.pdf_li(r, hit->on_light());
+    pdf = l->pdf_li(r, hit->on_light());
   // A density of infinity marks a light that directions cannot find.
   if (pdf.per_sr == std::numeric_limits<double>::infinity()) return 0;
   if (methods_.combination == Combination::kSurfaces) return 1;

@@ -50,12 +50,12 @@ auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3& from, std::uin
   const Vector image = mirror_image(part, from);
   Vector w;
   double distance = std::numeric_limits<double>::infinity();
-  if (const auto bounds = at.bounds()) {
+  if (const auto bounds = at->bounds()) {
     const Vector away = bounds->lower * 0.5 + bounds->upper * 0.5 - image;
     distance = length(away);
     w = away / distance;
   } else {
-    w = at.sample_li(Receiver(image), {}).wi;
+    w = at->sample_li(Receiver(image), {}).wi;
   }
   const double towards = dot(part.n, w), t = height / towards;
   if (!(t > 0 && t < distance)) return std::nullopt;
@@ -146,7 +146,7 @@ void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts
     if (!hit || surfaces_.part_of(*hit) != static_cast<std::int32_t>(number)) return;
     const SurfaceScattering scattering(scene_, *hit);
     const LightAtTime at(scene_.lights()[light], v.hit.time_s);
-    const LightSample sample = at.sample_li(Receiver(hit->position), {});
+    const LightSample sample = at->sample_li(Receiver(hit->position), {});
     if (sample.reason != NoLight::kNone) return;
     const double per_area = std::fabs(dot(part.n, w)) / (distance * distance);
     const double direction_pdf = v.scattering != nullptr

@@ -24,8 +24,8 @@ constexpr std::size_t kMostKept = 8192, kMostTried = 32768;
 constexpr int kMostSurfaces = 16;
 
 /// The start of a ray from a light towards a sphere.  Nothing if no light leaves there.
-std::optional<Ray> start_of(const LightAtTime& light, const Vector& middle, double radius, Vec2 u,
-                            Vec2 v, const Scene& scene) {
+std::optional<Ray> start_of(const Light& light, const Vector& middle, double radius, Vec2 u, Vec2 v,
+                            const Scene& scene) {
   const bool is_near = light.bounds().has_value();
   const EmissionSample e = is_near ? light.sample_le(u, {0.5, 0.5}, scene.sphere())
                                    : light.sample_le(u, v, SceneSphere{middle, radius});
@@ -115,7 +115,7 @@ LampRays::LampRays(const Scene& scene) {
     const LightAtTime light(scene.lights()[lights[chosen(choice.y, lights.size())]], 0);
     const Vec2f u = s.at(0, PathSample::kLight), v = s.at(0, PathSample::kLightPoint);
     const auto start =
-        start_of(light, middle, length(box.upper - middle), {u.x, u.y}, {v.x, v.y}, scene);
+        start_of(*light, middle, length(box.upper - middle), {u.x, u.y}, {v.x, v.y}, scene);
     if (!start) continue;
     if (const auto ray = follow(scene, surfaces, *start, s)) rays_.push_back(*ray);
   }

@@ -28,7 +28,7 @@ struct Aim {
   Vector direction_from(const Vector& p) const { return is_far ? place : normalized(place - p); }
 };
 
-Aim aim_of(const LightAtTime& light) {
+Aim aim_of(const Light& light) {
   const auto bounds = light.bounds();
   if (bounds) return {false, bounds->lower * 0.5 + bounds->upper * 0.5};
   return {true, light.sample_li(Receiver(Vector{}), {}).wi};
@@ -188,7 +188,7 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
   if (path.links.empty()) return std::nullopt;
 
   const LightAtTime at(scene_.lights()[light], receiver.time_s);
-  const Aim aim = aim_of(at);
+  const Aim aim = aim_of(*at);
   const double size = std::fmin(1, length(extent) / 2 / length(to));
   // Rays start at floats.  So their ends are off by about this share of the surface.
   const double blur = kFloatRoundoff / size;
@@ -253,7 +253,7 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
   if (!(cosine > 0)) return std::nullopt;
   // A receiver 1 m before a light without a size gets its intensity as illuminance.
   const Vector last = end->hit.position, along = aim.direction_from(last);
-  LightSample sample = at.sample_li(Receiver(aim.is_far ? last : aim.place - along), {});
+  LightSample sample = at->sample_li(Receiver(aim.is_far ? last : aim.place - along), {});
   if (sample.reason != NoLight::kNone) return std::nullopt;
   sample.wi = along, sample.point = aim.place;
   sample.distance = aim.is_far ? std::numeric_limits<double>::infinity() : length(aim.place - last);

@@ -17,13 +17,13 @@ constexpr std::size_t kMostPlaces = 20;
 auto SmoothLight::place_of(const SceneLight& light) -> std::optional<Place> {
   if (light.moving != nullptr) return std::nullopt;
   const LightAtTime at(light, 0);
-  if (const auto bounds = at.bounds()) {
+  if (const auto bounds = at->bounds()) {
     const Vector middle = bounds->lower * 0.5 + bounds->upper * 0.5;
     return Place{false, middle, length(bounds->upper - middle)};
   }
-  const auto* sun = light.light.get_if<SunLight>();
-  if (!at.is_delta() && sun == nullptr) return std::nullopt;
-  const Vector wi = at.sample_li(Receiver(Vector{}), {}).wi;
+  const auto* sun = dynamic_cast<const SunLight*>(light.light.get());
+  if (!at->is_delta() && sun == nullptr) return std::nullopt;
+  const Vector wi = at->sample_li(Receiver(Vector{}), {}).wi;
   return Place{true, wi, sun == nullptr ? 0 : sun->params().angular_diameter_rad};
 }
 

@@ -53,8 +53,8 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
   if (parts_.empty()) return;
   for (const SceneLight& light : scene.lights()) {
     const bool is_unsized = is_delta(light) || light.is_unseen;
-    const bool is_everywhere =
-        !is_unsized && !LightAtTime(light, 0).bounds() && light.light.get_if<SunLight>() == nullptr;
+    const bool is_everywhere = !is_unsized && !LightAtTime(light, 0)->bounds() &&
+                               dynamic_cast<const SunLight*>(light.light.get()) == nullptr;
     has_unsized_ |= is_unsized;
     has_sized_elsewhere_ |= !is_unsized && !is_everywhere;
     is_everywhere_.push_back(is_everywhere);
@@ -279,13 +279,13 @@ void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::u
                                const Found& found) const {
   const LightAtTime at(scene_.lights()[light], v.hit.time_s);
   // No direction finds delta lights and unseen ones.
-  if (!at.is_delta() && !at.is_unseen() &&
+  if (!at->is_delta() && !at.is_unseen() &&
       (!counts_at(v.counts_sizes, v.scattering, v.wo) || (is_everywhere_[light] && !v.is_receiver)))
     return;
   if (sequence.is_bent && is_portal(light)) return;
   const Vec2 point{u.x, u.y};
   const auto arriving =
-      sequence.is_bent ? by_solving(v, sequence, at, point) : by_images(v, sequence, at, point);
+      sequence.is_bent ? by_solving(v, sequence, *at, point) : by_images(v, sequence, *at, point);
   if (!arriving) return;
   const Rgb value = arriving->value * (sequence.weight / probability);
   if (value.is_black() || !is_finite(value)) return;
@@ -299,7 +299,7 @@ void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::u
 }
 
 /// By flat mirrors only: the light as the mirrored vertex sees it.
-auto SmoothLight::by_images(const Vertex& v, const Sequence& sequence, const LightAtTime& light,
+auto SmoothLight::by_images(const Vertex& v, const Sequence& sequence, const Light& light,
                             Vec2 u) const -> std::optional<Arriving> {
   Receiver from(sequence.image);
   from.normal = sequence.image_normal;
@@ -328,7 +328,7 @@ auto SmoothLight::by_images(const Vertex& v, const Sequence& sequence, const Lig
 }
 
 /// By surfaces that bend light: a path is solved to a point of the light, by area.
-auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const LightAtTime& light,
+auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const Light& light,
                              Vec2 u) const -> std::optional<Arriving> {
   Arriving a;
   LightSample& end = a.end;

@@ -98,7 +98,7 @@ class SmoothLight {
  private:
   /// A portal's light has another window for each point, so bent paths to it are left to chance.
   bool is_portal(std::uint32_t light) const {
-    return scene_.lights()[light].light.get_if<PortalLight>() != nullptr;
+    return dynamic_cast<const PortalLight*>(scene_.lights()[light].light.get()) != nullptr;
   }
   /// Random numbers of the choices, apart from those of direct light and of directions.
   static constexpr std::uint32_t kFirstPair = 3U << 30;
@@ -152,10 +152,10 @@ class SmoothLight {
     LightSample end;  ///< the sample of the light as the last surface sees it
     Rgb value;        ///< radiance that the vertex sends on
   };
-  std::optional<Arriving> by_images(const Vertex& v, const Sequence& sequence,
-                                    const LightAtTime& light, Vec2 u) const;
-  std::optional<Arriving> by_solving(const Vertex& v, const Sequence& sequence,
-                                     const LightAtTime& light, Vec2 u) const;
+  std::optional<Arriving> by_images(const Vertex& v, const Sequence& sequence, const Light& light,
+                                    Vec2 u) const;
+  std::optional<Arriving> by_solving(const Vertex& v, const Sequence& sequence, const Light& light,
+                                     Vec2 u) const;
   /// The share of light that arrives along a path.
   Rgb share_along(const Vertex& v, const Sequence& sequence, const Arriving& arriving,
                   std::uint32_t light, WorkCounts& work) const;

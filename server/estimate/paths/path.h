@@ -93,14 +93,14 @@ void PathTracer::for_each_emitter(const Sight& sight, const std::optional<Surfac
     if (hit->light < 0) return;
     const auto light = static_cast<std::uint32_t>(hit->light);
     const Rgb le =
-        LightAtTime(scene_.lights()[light], sight.time_s).le(hit->on_light(), -sight.direction);
+        LightAtTime(scene_.lights()[light], sight.time_s)->le(hit->on_light(), -sight.direction);
     // `le` contains the factor alpha.  Only this share of rays meets the surface.
     if (!le.is_black()) f(light, le / scene_.alpha(*hit));
     return;
   }
   for (const std::uint32_t light : scene_.infinite_lights()) {
-    const Rgb le =
-        LightAtTime(scene_.lights()[light], sight.time_s).le_escaped(sight.origin, sight.direction);
+    const Rgb le = LightAtTime(scene_.lights()[light], sight.time_s)
+                       ->le_escaped(sight.origin, sight.direction);
     if (!le.is_black()) f(light, le);
   }
 }

@@ -86,7 +86,7 @@ void DeltaIrradiance::add_light(const L& light, std::uint32_t index, std::size_t
   const float reach_m = scene_.lights()[index].reach_m();
   for (std::size_t p = begin; p < end; ++p) {
     const IrradiancePoint& point = points_[p];
-    if constexpr (HasPlainSamples<L>) {
+    if constexpr (std::is_same_v<L, PointLight>) {
       if (const auto s = light.plain_sample_li(point.position)) [[likely]] {
         add(index, p, lux_from(s->wi, s->value, point.normal), needs_rays, work, [&] {
           return ray_to_point(surface_at(point, settings_.time_s), s->wi, Vec3f(light.position()));

@@ -54,7 +54,7 @@ bool fits_float(double density) {
 
 /// Rounds origin and direction of a sampled ray to the floats of the answer.  Sets value and
 /// densities to those of the rounded ray, so that PdfLe returns the same densities for it.
-void set_wire_ray(const LightAtTime& light, const SceneSphere& scene, EmissionSample& s) {
+void set_wire_ray(const Light& light, const SceneSphere& scene, EmissionSample& s) {
   if (s.reason != NoLight::kNone) return;
   const Vec3 origin(as_floats(s.origin));
   const EmissionSample sampled = s;
@@ -116,8 +116,8 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
   if (!u.valid) return ItemResult::kInvalidInput;
   const LightAtTime l(scene.lights()[light], q.time_s);
   EmissionSample s =
-      l.sample_le({u.position.x, u.position.y}, {u.direction.x, u.direction.y}, scene.sphere());
-  set_wire_ray(l, scene.sphere(), s);
+      l->sample_le({u.position.x, u.position.y}, {u.direction.x, u.direction.y}, scene.sphere());
+  set_wire_ray(*l, scene.sphere(), s);
   return put(s, light, spectral, i, a);
 }
 
@@ -230,7 +230,7 @@ void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
     const Vec3f w = triple(directions, i);
     if (!is_direction(w)) return ItemResult::kInvalidInput;
     if (p.result != ItemResult::kOk) return p.result;
-    const EmissionPdf pdf = l.pdf_le(p.position, direction_of(w), scene.sphere());
+    const EmissionPdf pdf = l->pdf_le(p.position, direction_of(w), scene.sphere());
     if (!fits_float(pdf.position.per_m2) || !fits_float(pdf.direction.per_sr))
       return ItemResult::kOutOfRange;
     pdf_position_per_m2[i] = static_cast<float>(pdf.position.per_m2);

@@ -167,8 +167,7 @@ class Surroundings {
     const auto lights = scene_.lights();
     int placed = 0;
     for (std::size_t l = 0; l < lights.size() && placed < kMostLights; ++l) {
-      const auto bounds =
-          visit_light(lights[l], time_s_, [](const auto& light) { return light.bounds(); });
+      const auto bounds = LightAtTime(lights[l], time_s_)->bounds();
       if (!bounds) continue;
       ++placed;
       if (is_light_of(shape, static_cast<std::int32_t>(l))) continue;
@@ -213,7 +212,7 @@ bool is_enclosed(const Scene& scene, const Vec3& from, const Vec3& normal, const
         return false;
     if (hit->light < 0) continue;
     const LightAtTime light(scene.lights()[static_cast<std::size_t>(hit->light)], time_s);
-    if (!light.le(hit->on_light(), -w).is_black()) return false;
+    if (!light->le(hit->on_light(), -w).is_black()) return false;
   }
   return true;
 }
@@ -232,9 +231,9 @@ bool is_covered(const Scene& scene, const IrradiancePoint& point, const Vec3& fr
     if (!hit) return false;
     if (hit->light >= 0 && dot(hit->ng, normal) > 0) {
       const LightAtTime light(scene.lights()[static_cast<std::size_t>(hit->light)], time_s);
-      const auto bounds = light.bounds();
+      const auto bounds = light->bounds();
       const double gap = dot(hit->position - point.position, normal);
-      if (!bounds || !light.le(hit->on_light(), -normal).is_black()) return false;
+      if (!bounds || !light->le(hit->on_light(), -normal).is_black()) return false;
       const double diagonal = length(bounds->upper - bounds->lower);
       return gap <= kGap * diagonal ||
              (gap <= kClosedGap * diagonal &&

@@ -19,7 +19,7 @@ namespace {
 
 /// Rounds the direction of a sample of an infinite light to the floats of the answer.  Sets value
 /// and density to those of the rounded direction, so that PdfLi and Le return the same for it.
-void set_wire_wi(const LightAtTime& light, const Receiver& receiver, LightSample& sample) {
+void set_wire_wi(const Light& light, const Receiver& receiver, LightSample& sample) {
   if (sample.reason != NoLight::kNone || sample.delta) return;
   const auto wi_in_answer = wire_direction(sample.wi, [&](const Vec3& wi) {
     const Rgb value = light.le_escaped(receiver.position, wi);
@@ -245,8 +245,7 @@ template <typename L>
                                                             const Receiver& receiver,
                                                             Vec2 u) const {
   LightSample s = light.sample_li(receiver, u);
-  if constexpr (!HasPlainSamples<L>)
-    if (light.is_seen_beyond()) set_wire_wi(light, receiver, s);
+  if (light.is_seen_beyond()) set_wire_wi(light, receiver, s);
   return s;
 }
 
@@ -268,7 +267,7 @@ template <typename L>
 template <typename L>
 void LiSampler::fill_from(const L& light, const LiLayout& layout, std::size_t begin,
                           std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const {
-  if constexpr (HasPlainSamples<L>) {
+  if constexpr (std::is_same_v<L, PointLight>) {
     if (shares == nullptr && q_.normals.empty()) {
       for (std::size_t i = begin; i < end; ++i)
         if (!put_plain(light, layout.place(i).receiver, i, writer))
@@ -330,7 +329,7 @@ void LiSampler::sample(std::vector<Pending>& chunk) const {
     const LightAtTime at_time(scene_.lights()[light], q_.time_s);
     for (; i < order.size() && at(i).light == light; ++i) {
       Pending& p = at(i);
-      p.sample = sample(at_time, receiver_of(p.receiver, p.normal), p.u);
+      p.sample = sample(*at_time, receiver_of(p.receiver, p.normal), p.u);
       p.sampled = true;
     }
   }

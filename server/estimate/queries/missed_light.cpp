@@ -32,15 +32,10 @@ double most_projected_sr(const Bounds& box, const IrradiancePoint& receiver) {
 
 /// The luminance that a light with a size has at most [cd/m2]; infinite if it is not known.
 double most_luminance(const SceneLight& light) {
-  return visit(
-      [](const auto& l) {
-        bool has_picture = false;  // or photometry
-        l.for_each_shared([&](const auto&) { has_picture = true; });
-        if constexpr (requires { l.emission().radiance_cd_m2; })
-          if (!has_picture) return luminance(l.emission().radiance_cd_m2);
-        return std::numeric_limits<double>::infinity();
-      },
-      light.light);
+  const auto* surface = dynamic_cast<const SurfaceLight*>(light.light.get());
+  if (surface == nullptr || !surface->shared_data().empty())
+    return std::numeric_limits<double>::infinity();
+  return luminance(surface->emission().radiance_cd_m2);
 }
 
 }  // namespace
@@ -48,7 +43,8 @@ double most_luminance(const SceneLight& light) {
 std::vector<std::uint32_t> portal_lights(const Scene& scene) {
   std::vector<std::uint32_t> portals;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
-    if (scene.lights()[l].light.get_if<PortalLight>() != nullptr) portals.push_back(l);
+    if (dynamic_cast<const PortalLight*>(scene.lights()[l].light.get()) != nullptr)
+      portals.push_back(l);
   return portals;
 }
 
@@ -61,7 +57,7 @@ MissedLightRule::MissedLightRule(const Scene& scene, std::optional<std::uint32_t
   for (const SceneLight& light : scene.lights()) {
     if (is_delta(light) || light.is_unseen)
       has_deltas_ = true;
-    else if (LightAtTime(light, 0).bounds())
+    else if (LightAtTime(light, 0)->bounds())
       most_cd_m2_ = std::fmax(most_cd_m2_, most_luminance(light));
     else
       beyond_cd_m2 += most_luminance(light);
@@ -72,7 +68,7 @@ MissedLightRule::MissedLightRule(const Scene& scene, std::optional<std::uint32_t
 bool MissedLightRule::is_outdoors(const IrradiancePoint& receiver, double time_s) const {
   const bool is_behind = std::ranges::any_of(portals_, [&](std::uint32_t l) {
     const LightAtTime portal(scene_.lights()[l], time_s);
-    return portal.sample_li(receiver.position, {0.5, 0.5}).reason == NoLight::kBehind;
+    return portal->sample_li(receiver.position, {0.5, 0.5}).reason == NoLight::kBehind;
   });
   if (!is_behind || scene_.empty()) return is_behind;
   const SurfaceHit surface = surface_at(receiver, time_s);

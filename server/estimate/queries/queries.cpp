@@ -60,7 +60,7 @@ void pdf_li(const Scene& scene, const PdfLiQuery& q, float* pdf_per_sr, int* sta
     }
     if (p.result != ItemResult::kOk) return p.result;
     const auto pdf = static_cast<float>(
-        light.pdf_li(receiver_of(p, n, q.area_sampling), direction_of(w)).per_sr);
+        light->pdf_li(receiver_of(p, n, q.area_sampling), direction_of(w)).per_sr);
     if (!std::isfinite(pdf)) return ItemResult::kOutOfRange;
     pdf_per_sr[i] = pdf;
     return ItemResult::kOk;
@@ -78,11 +78,11 @@ constexpr double kFirstKeyFrame = -std::numeric_limits<double>::infinity();
 }  // namespace
 
 Power light_power(const Scene& scene, std::uint32_t light) {
-  return LightAtTime(scene.lights()[light], kFirstKeyFrame).power(scene.sphere());
+  return LightAtTime(scene.lights()[light], kFirstKeyFrame)->power(scene.sphere());
 }
 
 Power light_power_approximate(const Scene& scene, std::uint32_t light) {
-  return LightAtTime(scene.lights()[light], kFirstKeyFrame).power_approximate(scene.sphere());
+  return LightAtTime(scene.lights()[light], kFirstKeyFrame)->power_approximate(scene.sphere());
 }
 
 std::optional<std::uint32_t> hinted_bounces(const Scene& scene) {

@@ -88,7 +88,7 @@ class PowerEstimator {
     LightRun result;
     for (std::uint64_t b = these.first; b < these.first + these.count; ++b) {
       const SobolSequence points(settings_.seed, scene_.lights()[light].id, b);
-      const std::optional<Rgb> mean = block(l, points, these.samples, result);
+      const std::optional<Rgb> mean = block(*l, points, these.samples, result);
       if (!mean) return result;
       result.stream.add({mean->r, mean->g, mean->b, luminance(*mean)});
       result.block_lm.push_back(luminance(*mean));
@@ -98,7 +98,7 @@ class PowerEstimator {
   }
 
   /// The mean power of `n` rays [lm]; nothing if it was stopped.
-  std::optional<Rgb> block(const LightAtTime& light, const SobolSequence& points, std::uint32_t n,
+  std::optional<Rgb> block(const Light& light, const SobolSequence& points, std::uint32_t n,
                            LightRun& run) {
     const SceneSphere sphere = scene_.sphere();
     SampleSum sum;

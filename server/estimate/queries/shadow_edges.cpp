@@ -51,7 +51,7 @@ double light_at_shadow_edges(const Scene& scene, const SurfaceHit& receiver, std
   // Edges nearer than this share of the distance are found if they hide the light.
   constexpr double kNear = 1e-3;
   const LightAtTime at(scene.lights()[light], receiver.time_s);
-  const auto bounds = at.bounds();
+  const auto bounds = at->bounds();
   if (!bounds) return 0;
   const double radius_m = length(bounds->upper - bounds->lower) / 2;
   const Vec3 middle = bounds->lower * 0.5 + bounds->upper * 0.5;

@@ -39,7 +39,7 @@ Prepared handle_pdf_li(const Context& context, const v1::PdfLiRequest& request,
            fill(response->mutable_status(), n), stop);
     return finish_batch(response);
   };
-  return batch_task(pdf_seconds(scene->lights()[query.light].light, n), n, response, run);
+  return batch_task(pdf_seconds(*scene->lights()[query.light].light, n), n, response, run);
 }
 
 Prepared handle_pdf_le(const Context& context, const v1::PdfLeRequest& request,
@@ -61,7 +61,7 @@ Prepared handle_pdf_le(const Context& context, const v1::PdfLeRequest& request,
            stop);
     return finish_batch(response);
   };
-  return batch_task(pdf_seconds(scene->lights()[light].light, n), n, response, run);
+  return batch_task(pdf_seconds(*scene->lights()[light].light, n), n, response, run);
 }
 
 }  // namespace lucerna::rpc

@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <type_traits>
+#include <variant>
 
 #include "server/estimate/queries/queries.h"
 #include "server/rpc/messages/convert.h"
@@ -27,9 +29,9 @@ void set(const Frame& axes, v1::Axes* out) {
   set(normalized(axes.n), out->mutable_z());
 }
 
-void set_kind(const PointLight& l, v1::Light* out) {
-  set(l.params().position_m, out->mutable_point()->mutable_position_m());
-  set(l.params().intensity_cd, out->mutable_point()->mutable_intensity_cd());
+void set_kind(const PointLightParams& p, v1::Light* out) {
+  set(p.position_m, out->mutable_point()->mutable_position_m());
+  set(p.intensity_cd, out->mutable_point()->mutable_intensity_cd());
 }
 
 v1::SpotProfile to_proto(SpotProfile profile) {
@@ -44,30 +46,30 @@ v1::SpotProfile to_proto(SpotProfile profile) {
   return v1::SPOT_PROFILE_UNSPECIFIED;
 }
 
-void set_kind(const SpotLight& l, v1::Light* out) {
+void set_kind(const SpotLightParams& p, v1::Light* out) {
   v1::SpotLight* spot = out->mutable_spot();
-  set(l.params().position_m, spot->mutable_position_m());
-  set(l.params().axis, spot->mutable_axis());
-  set(l.params().intensity_cd, spot->mutable_intensity_cd());
-  spot->set_cone_half_angle_rad(l.params().cone_half_angle_rad);
-  spot->set_falloff_start_rad(l.params().falloff_start_rad);
-  spot->set_profile(to_proto(l.params().profile));
+  set(p.position_m, spot->mutable_position_m());
+  set(p.axis, spot->mutable_axis());
+  set(p.intensity_cd, spot->mutable_intensity_cd());
+  spot->set_cone_half_angle_rad(p.cone_half_angle_rad);
+  spot->set_falloff_start_rad(p.falloff_start_rad);
+  spot->set_profile(to_proto(p.profile));
 }
 
-void set_kind(const DistantLight& l, v1::Light* out) {
-  set(l.params().to_light, out->mutable_distant()->mutable_to_light());
-  set(l.params().illuminance_lx, out->mutable_distant()->mutable_illuminance_lx());
+void set_kind(const DistantLightParams& p, v1::Light* out) {
+  set(p.to_light, out->mutable_distant()->mutable_to_light());
+  set(p.illuminance_lx, out->mutable_distant()->mutable_illuminance_lx());
 }
 
-void set_kind(const SunLight& l, v1::Light* out) {
+void set_kind(const SunLightParams& p, v1::Light* out) {
   v1::SunLight* sun = out->mutable_sun();
-  set(l.params().to_light, sun->mutable_to_light());
-  set(l.params().illuminance_lx, sun->mutable_illuminance_lx());
-  sun->set_angular_diameter_rad(l.params().angular_diameter_rad);
+  set(p.to_light, sun->mutable_to_light());
+  set(p.illuminance_lx, sun->mutable_illuminance_lx());
+  sun->set_angular_diameter_rad(p.angular_diameter_rad);
 }
 
-void set_kind(const UniformInfiniteLight& l, v1::Light* out) {
-  set(l.params().radiance_cd_m2, out->mutable_uniform_infinite()->mutable_radiance_cd_m2());
+void set_kind(const UniformInfiniteLightParams& p, v1::Light* out) {
+  set(p.radiance_cd_m2, out->mutable_uniform_infinite()->mutable_radiance_cd_m2());
 }
 
 void set(const Image& image, ImageFilter filter, const std::string& name, v1::ImageInfo* out) {
@@ -85,22 +87,22 @@ void set(const SphereMap& map, const std::string& name, v1::SphereImage* out) {
                        : v1::SPHERE_MAPPING_LATITUDE_LONGITUDE);
 }
 
-void set_kind(const ImageInfiniteLight& l, v1::Light* out) {
+void set_kind(const ImageInfiniteLightParams& p, v1::Light* out) {
   v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
-  set(*l.params().map, l.params().image_name, infinite->mutable_map());
-  set(axes_of(l.params().world_from_map), infinite->mutable_axes());
-  set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
+  set(*p.map, p.image_name, infinite->mutable_map());
+  set(axes_of(p.world_from_map), infinite->mutable_axes());
+  set(p.radiance_cd_m2, infinite->mutable_radiance_cd_m2());
 }
 
-void set_kind(const PortalLight& l, v1::Light* out) {
+void set_kind(const PortalLightParams& p, v1::Light* out) {
   v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
-  if (l.params().map != nullptr) {
-    set(*l.params().map, l.params().image_name, infinite->mutable_map());
-    set(axes_of(l.params().world_from_map), infinite->mutable_axes());
+  if (p.map != nullptr) {
+    set(*p.map, p.image_name, infinite->mutable_map());
+    set(axes_of(p.world_from_map), infinite->mutable_axes());
   }
-  if (l.params().rectified) infinite->mutable_map()->mutable_image()->clear_filter();
-  set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
-  for (const Vec3& corner : l.params().corners_m) set(corner, infinite->add_portal_m());
+  if (p.rectified) infinite->mutable_map()->mutable_image()->clear_filter();
+  set(p.radiance_cd_m2, infinite->mutable_radiance_cd_m2());
+  for (const Vec3& corner : p.corners_m) set(corner, infinite->add_portal_m());
 }
 
 /// `source`: GoniometricLightParams with a web, or PanelProfile.
@@ -112,16 +114,16 @@ void set(const Source& source, v1::PhotometricFile* out) {
   out->set_flux_unit(source.web_unit);
 }
 
-void set_kind(const GoniometricLight& l, v1::Light* out) {
+void set_kind(const GoniometricLightParams& p, v1::Light* out) {
   v1::GoniometricLight* goniometric = out->mutable_goniometric();
-  set(l.params().position_m, goniometric->mutable_position_m());
-  set(l.params().intensity, goniometric->mutable_intensity());
-  if (l.params().web) {
-    set(l.params(), goniometric->mutable_photometric_file());
-  } else if (l.params().map) {
-    set(l.params().map->sphere_map(), l.params().file, goniometric->mutable_image());
+  set(p.position_m, goniometric->mutable_position_m());
+  set(p.intensity, goniometric->mutable_intensity());
+  if (p.web) {
+    set(p, goniometric->mutable_photometric_file());
+  } else if (p.map) {
+    set(p.map->sphere_map(), p.file, goniometric->mutable_image());
   }
-  if (l.params().web || l.params().map) set(l.params().axes, goniometric->mutable_axes());
+  if (p.web || p.map) set(p.axes, goniometric->mutable_axes());
 }
 
 /// Sets where a projector points, and the directions of its picture's sides.
@@ -132,27 +134,25 @@ void set_axes(const Frame& axes, Message* out) {
   set(normalized(axes.t), out->mutable_up());
 }
 
-void set_kind(const ProjectionLight& l, v1::Light* out) {
+void set_kind(const ProjectionLightParams& p, v1::Light* out) {
   v1::ProjectionLight* projection = out->mutable_projection();
-  const ProjectedPictureParams& picture = l.params().picture->params();
-  set(l.params().position_m, projection->mutable_position_m());
-  set_axes(l.params().axes, projection);
+  const ProjectedPictureParams& picture = p.picture->params();
+  set(p.position_m, projection->mutable_position_m());
+  set_axes(p.axes, projection);
   projection->set_fov_rad(picture.fov_rad);
   projection->set_aspect(picture.aspect);
-  set(l.params().intensity_cd, projection->mutable_intensity_cd());
-  if (picture.image)
-    set(*picture.image, picture.filter, l.params().image_name, projection->mutable_image());
+  set(p.intensity_cd, projection->mutable_intensity_cd());
+  if (picture.image) set(*picture.image, picture.filter, p.image_name, projection->mutable_image());
 }
 
-void set_kind(const BeamLight& l, v1::Light* out) {
+void set_kind(const BeamLightParams& p, v1::Light* out) {
   v1::BeamLight* beam = out->mutable_beam();
-  set(l.params().position_m, beam->mutable_position_m());
-  set_axes(l.params().axes, beam);
-  beam->set_width_m(l.params().width_m);
-  beam->set_height_m(l.params().height_m);
-  set(l.params().illuminance_lx, beam->mutable_illuminance_lx());
-  if (l.params().image)
-    set(*l.params().image, l.params().filter, l.params().image_name, beam->mutable_image());
+  set(p.position_m, beam->mutable_position_m());
+  set_axes(p.axes, beam);
+  beam->set_width_m(p.width_m);
+  beam->set_height_m(p.height_m);
+  set(p.illuminance_lx, beam->mutable_illuminance_lx());
+  if (p.image) set(*p.image, p.filter, p.image_name, beam->mutable_image());
 }
 
 template <typename Primitive>
@@ -219,31 +219,19 @@ void set_shape(const Cylinder& cylinder, const Vec3&, v1::DiffuseAreaLight* out)
   out->mutable_round()->set_z_max_m(scale * p.z_max_m);
 }
 
-/// The shape under a picture or a profile, or the shape itself.
-template <typename Shape>
-const auto& surface_of(const Shape& shape) {
-  if constexpr (requires { shape.surface(); }) {
-    return shape.surface();
-  } else {
-    return shape;
-  }
-}
-
-template <typename Shape>
-void set_kind(const AreaLight<Shape>& l, const Vec3& origin_m, v1::Light* out) {
+void set_kind(const SurfaceLight& l, const Vec3& origin_m, v1::Light* out) {
   v1::DiffuseAreaLight* area = out->mutable_diffuse_area();
   set(l.emission().radiance_cd_m2, area->mutable_radiance_cd_m2());
   area->set_two_sided(l.emission().two_sided);
-  set_shape(surface_of(l.shape()), origin_m, area);
-  if constexpr (requires { l.shape().picture(); }) {
-    const Picture& picture = l.shape().picture();
-    set(*picture.image, picture.filter, picture.name, area->mutable_image());
-  } else if constexpr (requires { l.shape().profile(); }) {
-    const PanelProfile& profile = l.shape().profile();
-    set(profile, area->mutable_profile());
-    const Vec3 down = normalized(Vec3(l.shape().normals().axis));
-    const Vec3 c0 = normalized(profile.tangent - down * dot(down, profile.tangent));
-    const Vec3 c90 = profile.mirrored ? cross(c0, down) : cross(down, c0);
+  std::visit([&](const auto* shape) { set_shape(*shape, origin_m, area); }, l.surface());
+  if (const Picture* picture = l.picture())
+    set(*picture->image, picture->filter, picture->name, area->mutable_image());
+  if (const PanelProfile* profile = l.profile()) {
+    set(*profile, area->mutable_profile());
+    const Vec3 down = normalized(
+        std::visit([](const auto* shape) { return shape->normals().axis; }, l.surface()));
+    const Vec3 c0 = normalized(profile->tangent - down * dot(down, profile->tangent));
+    const Vec3 c90 = profile->mirrored ? cross(c0, down) : cross(down, c0);
     set({c0, c90, down}, area->mutable_profile_axes());
     // The radiance of a surface with the same flux, equal in all directions.
     const double sides = l.emission().two_sided ? 2 : 1;
@@ -279,18 +267,51 @@ void set_motion(const Motion& motion, const Vec3& origin_m, v1::Motion* out) {
 }
 
 std::string power_unit(const Scene& scene, std::uint32_t light) {
-  return visit(
-      []<typename L>(const L& l) -> std::string {
-        if constexpr (requires { l.shape().profile(); }) {
-          return l.shape().profile().flux_unit;
-        } else if constexpr (requires { l.params().flux_unit; }) {
-          return l.params().flux_unit;
-        } else {
-          return {};
-        }
-      },
-      scene.lights()[light].light);
+  const Light& of = *scene.lights()[light].light;
+  if (const auto* surface = dynamic_cast<const SurfaceLight*>(&of))
+    return surface->profile() != nullptr ? surface->profile()->flux_unit : "";
+  const LightParams params = *of.made_from();
+  const auto* goniometric = std::get_if<GoniometricLightParams>(&params);
+  return goniometric != nullptr ? goniometric->flux_unit : "";
 }
+
+namespace {
+
+/// `exact_m`: the place of a light at a point as its file gives it, not rounded with an origin.
+void set_bounds(const LightBounds& bounds, const Vec3& origin_m, const std::optional<Vec3>& exact_m,
+                v1::Light* out) {
+  Vec3 lower = origin_m + bounds.lower, upper = origin_m + bounds.upper;
+  if (exact_m && lower == upper) lower = upper = *exact_m;
+  set(lower, out->mutable_bounds()->mutable_lower_m());
+  set(upper, out->mutable_bounds()->mutable_upper_m());
+  if (bounds.cone_rad < std::numbers::pi) {
+    set(bounds.axis, out->mutable_directions()->mutable_axis());
+    out->mutable_directions()->set_half_angle_rad(bounds.cone_rad);
+  }
+}
+
+template <typename Params>
+void set_free_light(const Params& p, v1::Light* out) {
+  if constexpr (requires { p.own_space; })
+    if (p.own_space) set_lengths(*p.own_space, out->mutable_own_axes());
+  if constexpr (requires { p.world_from_map; })
+    if (!p.world_from_map.uniform_scale())
+      set_lengths(axes_of(p.world_from_map), out->mutable_own_axes());
+  set_kind(p, out);
+}
+
+/// The position in the light's parameters, if they have one.
+std::optional<Vec3> position_of(const std::optional<LightParams>& params) {
+  if (!params) return std::nullopt;
+  return std::visit(
+      [](const auto& p) -> std::optional<Vec3> {
+        if constexpr (requires { p.position_m; }) return p.position_m;
+        return std::nullopt;
+      },
+      *params);
+}
+
+}  // namespace
 
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   const SceneLight& entry = scene.lights()[light];
@@ -302,37 +323,16 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
                       ? fmt::format("{}:{}:{}", where.file.str(), where.line, where.column)
                       : where.file.str());
   const Vec3& origin_m = scene.origin_of(entry);
-  visit(
-      [&]<typename L>(const L& l) {
-        out->set_delta(L::kDelta);
-        if constexpr (requires { l.area_m2(); }) out->set_area_m2(l.area_m2());
-        if (const auto bounds = l.bounds()) {
-          Vec3 lower = origin_m + Vec3(bounds->lower);
-          Vec3 upper = origin_m + Vec3(bounds->upper);
-          // A point has the exact position of the scene file, not one rounded to floats.
-          if constexpr (requires { l.params().position_m; }) {
-            if (lower == upper) lower = upper = l.params().position_m;
-          }
-          set(lower, out->mutable_bounds()->mutable_lower_m());
-          set(upper, out->mutable_bounds()->mutable_upper_m());
-          if (bounds->cone_rad < std::numbers::pi) {
-            set(Vec3(bounds->axis), out->mutable_directions()->mutable_axis());
-            out->mutable_directions()->set_half_angle_rad(bounds->cone_rad);
-          }
-        }
-        if constexpr (requires { l.params().own_space; })
-          if (l.params().own_space) set_lengths(*l.params().own_space, out->mutable_own_axes());
-        if constexpr (std::same_as<L, ImageInfiniteLight> || std::same_as<L, PortalLight>)
-          if (const Transform& t = l.params().world_from_map; !t.uniform_scale())
-            set_lengths(axes_of(t), out->mutable_own_axes());
-        if constexpr (requires { l.emission(); }) {
-          set_kind(l, origin_m, out);
-          out->mutable_diffuse_area()->set_invisible(entry.is_unseen);
-        } else {
-          set_kind(l, out);
-        }
-      },
-      entry.light);
+  const Light& of = *entry.light;
+  const std::optional<LightParams> params = of.made_from();
+  out->set_delta(of.is_delta());
+  if (const auto bounds = of.bounds()) set_bounds(*bounds, origin_m, position_of(params), out);
+  if (params) std::visit([&](const auto& p) { set_free_light(p, out); }, *params);
+  if (const auto* surface = dynamic_cast<const SurfaceLight*>(&of)) {
+    out->set_area_m2(surface->area_m2());
+    set_kind(*surface, origin_m, out);
+    out->mutable_diffuse_area()->set_invisible(entry.is_unseen);
+  }
   if (entry.moving != nullptr)
     set_motion(entry.moving->motion, scene.origin(), out->mutable_motion());
   const Power power = light_power(scene, light);

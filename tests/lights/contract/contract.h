@@ -54,6 +54,8 @@ struct CaseDefaults {
   /// The direction of the far field from the light's centre, a unit vector.
   static Vec3 far_direction() { return {0, 0, 1}; }
   static SceneSphere scene() { return {{}, 4}; }
+  /// A receiver at `p`, in the space of the placed light.
+  static Receiver receiver(const Vec3& p, const Placement&) { return p; }
 };
 
 inline Placement moved() {

@@ -9,50 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "lights/models/light_bounds.h"
-#include "lights/sampling/emission.h"
+#include "lights/models/light.h"
 #include "tests/lights/contract/contract_checks.h"
 
 namespace lucerna::testing {
-
-/// The functions of a light.  Functions that the light lacks are empty.
-struct CaseLight {
-  std::function<LightSample(const Vec3&, Vec2)> sample_li;
-  std::function<SolidAnglePdf(const Vec3&, const Vec3&)> pdf_li;
-  std::function<Power(const SceneSphere&)> power, power_approximate;
-  std::function<EmissionSample(Vec2, Vec2, const SceneSphere&)> sample_le;
-  std::function<EmissionPdf(const Vec3&, const Vec3&, const SceneSphere&)> pdf_le;
-  std::function<std::optional<LightBounds>()> bounds;
-  std::function<std::optional<double>(const SceneSphere&)> cross_section_m2;
-};
-
-template <typename Light>
-CaseLight case_light(Light made) {
-  const auto light = std::make_shared<const Light>(std::move(made));
-  CaseLight erased;
-  erased.sample_li = [light](const Vec3& p, Vec2 u) { return light->sample_li(p, u); };
-  erased.pdf_li = [light](const Vec3& p, const Vec3& w) { return light->pdf_li(p, w); };
-  erased.power = [light](const SceneSphere& scene) { return light->power(scene); };
-  if constexpr (requires(SceneSphere scene) { light->power_approximate(scene); })
-    erased.power_approximate = [light](const SceneSphere& s) {
-      return light->power_approximate(s);
-    };
-  if constexpr (requires(Vec2 u, SceneSphere scene) { light->sample_le(u, u, scene); }) {
-    erased.sample_le = [light](Vec2 up, Vec2 ud, const SceneSphere& scene) {
-      return light->sample_le(up, ud, scene);
-    };
-    erased.pdf_le = [light](const Vec3& p, const Vec3& w, const SceneSphere& scene) {
-      return light->pdf_le(p, w, scene);
-    };
-  }
-  if constexpr (requires { light->bounds(); })
-    erased.bounds = [light] { return std::optional<LightBounds>(light->bounds()); };
-  if constexpr (requires(SceneSphere scene) { light->cross_section_m2(scene); })
-    erased.cross_section_m2 = [light](const SceneSphere& scene) {
-      return std::optional<double>(light->cross_section_m2(scene));
-    };
-  return erased;
-}
 
 /// A region of directions: Region, or the test's own type.
 struct CaseRegion {
@@ -71,7 +31,8 @@ struct LightCase {
   std::function<Vec3()> centre, far_direction;
   std::function<SceneSphere()> scene;
   std::function<std::vector<Vec3>()> receivers;
-  std::function<CaseLight(const Placement&)> make;
+  std::function<std::unique_ptr<const Light>(const Placement&)> make;
+  std::function<Receiver(const Vec3&, const Placement&)> receiver;
   std::function<Rgb(const Vec3&, const Vec3&)> value{}, emitted{};
   std::function<CaseRegion(const Vec3&)> region{};
   std::function<double(const Vec3&)> distance_to_surface{};
@@ -100,7 +61,11 @@ LightCase light_case() {
               .far_direction = Case::far_direction,
               .scene = Case::scene,
               .receivers = Case::receivers,
-              .make = [](const Placement& at) { return case_light(Case::make(at)); }};
+              .make =
+                  [](const Placement& at) {
+                    return std::make_unique<const typename Case::Light>(Case::make(at));
+                  },
+              .receiver = Case::receiver};
   const Vec3 v;
   if constexpr (requires { Case::kConfined; }) c.confined = Case::kConfined;
   if constexpr (requires { Case::value(v, v); }) c.value = Case::value;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/contract/area_cases.h"
 #include "tests/lights/contract/contract_emission.h"
 

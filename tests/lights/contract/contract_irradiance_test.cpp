@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 
 namespace lucerna::testing {
 namespace {

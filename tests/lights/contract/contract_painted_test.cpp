@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/contract/area_helpers.h"
 #include "tests/lights/contract/contract.h"
 #include "tests/lights/contract/contract_emission.h"

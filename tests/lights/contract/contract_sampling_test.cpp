@@ -1,52 +1,33 @@
 // The contract suites on every area sampling method.  Here each method makes a light of its own,
 // whose receivers request it.
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/contract/area_cases.h"
 
 namespace lucerna::testing {
 namespace {
 
-/// A light together with the method that its receivers request.
-template <typename Light>
-class WithSampling {
- public:
-  WithSampling(Light light, AreaSampling way, const Vec3& normal)
-      : light_(std::move(light)), way_(way), normal_(normal) {}
-
-  LightSample sample_li(const Vec3& p, Vec2 u) const { return light_.sample_li(receiver(p), u); }
-  SolidAnglePdf pdf_li(const Vec3& p, const Vec3& wi) const {
-    return light_.pdf_li(receiver(p), wi);
-  }
-  Power power(const SceneSphere& scene) const { return light_.power(scene); }
-
- private:
-  Receiver receiver(const Vec3& p) const {
-    Receiver r(p);
-    r.normal = normal_;
-    r.area_sampling = way_;
-    return r;
-  }
-
-  Light light_;
-  AreaSampling way_;
-  Vec3 normal_;
-};
-
 /// Facing the light at an angle, so that some corners have larger weights.
 constexpr Vec3 kNormal{0.6, 0, -0.8};
 
-struct SampledCase : CaseDefaults {};
+template <AreaSampling kWay>
+struct SampledCase : CaseDefaults {
+  static Receiver receiver(const Vec3& p, const Placement& at) {
+    Receiver r(p);
+    r.normal = at.direction(kNormal);
+    r.area_sampling = kWay;
+    return r;
+  }
+};
 
 template <AreaSampling kWay>
-struct TriangleBy : SampledCase {
-  using Light = WithSampling<TriangleMeshLight>;
+struct TriangleBy : SampledCase<kWay> {
+  using Light = TriangleMeshLight;
   static Light make(const Placement& at) {
     const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
     // The triangle (0, 0), (1, 0), (0, 1) in two parts of unequal area.
-    return {*TriangleMeshLight::create(
-                {kLevel}, *TriangleMesh::create(
-                              {{p(0, 0), p(0.25, 0), p(0, 1)}, {p(0.25, 0), p(1, 0), p(0, 1)}})),
-            kWay, at.direction(kNormal)};
+    return *TriangleMeshLight::create(
+        {kLevel},
+        *TriangleMesh::create({{p(0, 0), p(0.25, 0), p(0, 1)}, {p(0.25, 0), p(1, 0), p(0, 1)}}));
   }
   /// The last receiver is near: the light covers a quarter of its sphere.
   static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {0.25, 0.25, 0.25}}; }
@@ -67,13 +48,12 @@ struct TriangleBy : SampledCase {
 };
 
 template <AreaSampling kWay>
-struct RectangleBy : SampledCase {
-  using Light = WithSampling<PatchMeshLight>;
+struct RectangleBy : SampledCase<kWay> {
+  using Light = PatchMeshLight;
   static Light make(const Placement& at) {
     const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
-    return {*PatchMeshLight::create(
-                {kLevel}, *PatchMesh::create({{p(-1, -0.5), p(1, -0.5), p(-1, 0.5), p(1, 0.5)}})),
-            kWay, at.direction(kNormal)};
+    return *PatchMeshLight::create(
+        {kLevel}, *PatchMesh::create({{p(-1, -0.5), p(1, -0.5), p(-1, 0.5), p(1, 0.5)}}));
   }
   static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {0.25, 0.25, 0.25}}; }
   static Region region(const Vec3& r) {
@@ -94,12 +74,11 @@ struct RectangleBy : SampledCase {
 /// A whole disk of radius 1 that emits upwards.  The second receiver is below its rim, the last one
 /// close.
 template <AreaSampling kWay>
-struct DiskBy : SampledCase {
-  using Light = WithSampling<DiskLight>;
+struct DiskBy : SampledCase<kWay> {
+  using Light = DiskLight;
   static Light make(const Placement& at) {
-    return {
-        *DiskLight::create({kLevel}, *Disk::create({.world_from_object = at.world_from_light()})),
-        kWay, at.direction(kNormal)};
+    return *DiskLight::create({kLevel},
+                              *Disk::create({.world_from_object = at.world_from_light()}));
   }
   static std::vector<Vec3> receivers() {
     return {{0, 0, 2}, {1, 0, 1}, {-2, 1, 0.5}, {0.25, 0.125, 0.375}};
@@ -120,14 +99,13 @@ struct DiskBy : SampledCase {
 
 /// A whole sphere, seen from inside.
 template <AreaSampling kWay>
-struct InwardSphereBy : SampledCase {
-  using Light = WithSampling<SphereLight>;
+struct InwardSphereBy : SampledCase<kWay> {
+  using Light = SphereLight;
   static Light make(const Placement& at) {
-    return {*SphereLight::create({kLevel},
-                                 *Sphere::create({.radius_m = 0.75,
-                                                  .reverse_orientation = true,
-                                                  .world_from_object = at.world_from_light()})),
-            kWay, at.direction(kNormal)};
+    return *SphereLight::create({kLevel},
+                                *Sphere::create({.radius_m = 0.75,
+                                                 .reverse_orientation = true,
+                                                 .world_from_object = at.world_from_light()}));
   }
   static std::vector<Vec3> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
   static Region region(const Vec3&) { return {}; }
@@ -179,13 +157,11 @@ struct SeenBall {
 /// A whole sphere, seen from outside; at least half of it faces away.  Near its silhouette the
 /// densities of rounded directions differ much from each other.  So it takes part only in tests of
 /// their sums and counts.
-struct SphereByArea : SampledCase {
-  using Light = WithSampling<SphereLight>;
+struct SphereByArea : SampledCase<AreaSampling::kLowDistortion> {
+  using Light = SphereLight;
   static Light make(const Placement& at) {
-    return {*SphereLight::create(
-                {kLevel},
-                *Sphere::create({.radius_m = 0.75, .world_from_object = at.world_from_light()})),
-            AreaSampling::kLowDistortion, at.direction(kNormal)};
+    return *SphereLight::create(
+        {kLevel}, *Sphere::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}));
   }
   static std::vector<Vec3> receivers() { return {{2, 1, 2}, {0, 0, -1}, {0.5, 0.5, 0.5}}; }
   static SeenBall region(const Vec3& r) { return {r, 0.75}; }

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/contract/area_helpers.h"
 #include "tests/lights/contract/contract.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lights/maths/gauss.h"
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/reference_table.h"
 #include "tests/sweep.h"
 

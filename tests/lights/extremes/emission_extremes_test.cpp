@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "lights/sampling/sampling.h"
 #include "tests/sweep.h"
 

@@ -48,7 +48,7 @@ class EdgeSearch {
 
   void search(std::uint32_t light, int receivers) {
     light_ = light;
-    bounds_ = bounds_of(lights_[light].light);
+    bounds_ = bounds_of(lights_[light]);
     const Vec3 center = bounds_.lower * 0.5 + bounds_.upper * 0.5;
     std::optional<Vec3> lit, dark;
     for (int i = 0; i < receivers; ++i) {
@@ -91,7 +91,7 @@ class EdgeSearch {
   }
   double next_to_nothing() { return std::pow(10, -18 * random_.next()); }
   bool arrives(const Receiver& receiver) {
-    const auto s = sample_of(lights_[light_].light, receiver, u_);
+    const auto s = sample_of(lights_[light_], receiver, u_);
     wi_ = s.wi;
     return s.reason == NoLight::kNone && s.value.max_component() > 0;
   }
@@ -175,7 +175,7 @@ TEST(LightTreeExtremes, ScenesOfAnyScale) {
     std::vector<LightTree::Item> items;
     for (int i = 0; i < 5; ++i)
       for (const LocalLight& l : LocalLights(random_place(random, 1, 4)).take())
-        items.push_back({bounds_of(l.light), power_of(l.light)});
+        items.push_back({bounds_of(l), power_of(l)});
     const LightTree tree = *LightTree::create(items);
     for (const int exponent : {-100, -60, -20, -10, -1, 1, 10, 20, 60, 96})
       for (const int of_power : {-99, 0, 1, 99}) {

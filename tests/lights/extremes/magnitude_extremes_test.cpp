@@ -5,7 +5,7 @@
 #include <numbers>
 #include <optional>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/reference_table.h"
 #include "tests/sweep.h"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/extremes/on_light.h"
 
 namespace lucerna::testing {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/extremes/on_light.h"
 
 namespace lucerna::testing {

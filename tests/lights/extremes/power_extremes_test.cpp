@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/extremes/map_pictures.h"
 
 namespace lucerna::testing {

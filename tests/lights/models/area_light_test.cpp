@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/contract/area_helpers.h"
 
 namespace lucerna::testing {

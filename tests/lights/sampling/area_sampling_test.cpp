@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/contract/area_helpers.h"
 
 namespace lucerna::testing {

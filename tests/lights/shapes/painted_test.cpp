@@ -8,7 +8,7 @@
 #include <numbers>
 #include <string>
 
-#include "lights/models/light.h"
+#include "lights/models/all_lights.h"
 #include "tests/lights/contract/area_helpers.h"
 #include "tests/lights/grey_picture.h"
 

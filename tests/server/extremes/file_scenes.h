@@ -38,17 +38,14 @@ inline FileScene scene_of(const std::string& text,
 inline double flux_lm(const Scene& scene) {
   double sum = 0;
   for (const SceneLight& l : scene.lights())
-    sum += visit([&](const auto& light) { return luminance(light.power(scene.sphere()).lumens); },
-                 l.light);
+    sum += luminance(l.light->power(scene.sphere()).lumens);
   return sum;
 }
 
 /// The bound on the error of that flux [lm].
 inline double flux_error_lm(const Scene& scene) {
   double sum = 0;
-  for (const SceneLight& l : scene.lights())
-    sum +=
-        visit([&](const auto& light) { return light.power(scene.sphere()).error_lumens; }, l.light);
+  for (const SceneLight& l : scene.lights()) sum += l.light->power(scene.sphere()).error_lumens;
   return sum;
 }
 

@@ -103,14 +103,15 @@ Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3f& wo) 
     WorkCounts work;
     sum.both += double(tracer.reflected(hit, wo, 0, s, work).value.g);
     const auto n = dot(hit.ns, Vec3(wo)) < 0 ? -hit.ns : hit.ns;
-    visit_light(scene.lights()[0], 0, [&](const auto& light) {
+    const auto add_by_light = [&](const Light& light) {
       const auto u = s.at(0, PathSample::kLightPoint);
       const auto sample = light.sample_li(hit.position, {u.x, u.y});
       const double cosine = dot(Vec3(n), Vec3(sample.wi));
       if (sample.reason != NoLight::kNone || cosine <= 0) return;
       if (scene.occluded(shadow_ray(hit, sample))) return;
       sum.by_light += double(sample.value.g) * cosine / std::numbers::pi / sample.pdf.per_sr;
-    });
+    };
+    add_by_light(*scene.lights()[0].light);
     const auto wi =
         PathTracer::cosine_direction(Vec3f(hit.ns), wo, s.at(0, PathSample::kDirection));
     const Ray ray = spawn_ray(hit, wi);

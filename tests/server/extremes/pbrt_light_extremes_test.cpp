@@ -22,7 +22,7 @@ namespace {
 using Row = ReferenceTable::Row;
 
 /// The only light of a .pbrt file, in world space.
-Light light_in(const std::string& text) {
+std::shared_ptr<const Light> light_in(const std::string& text) {
   const auto scene = load_world(text);
   if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
   auto light = scene->lights.empty() ? create_area_light(scene->shapes.at(0), {})
@@ -31,13 +31,12 @@ Light light_in(const std::string& text) {
   return *std::move(light);
 }
 
-LightSample sample(const Light& light, const Receiver& receiver, Vec2 u = {0.5, 0.5}) {
-  return visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
+LightSample sample(const std::shared_ptr<const Light>& light, const Receiver& receiver,
+                   Vec2 u = {0.5, 0.5}) {
+  return light->sample_li(receiver, u);
 }
 
-double power(const Light& light) {
-  return visit([](const auto& l) { return l.power({}).lumens.g; }, light);
-}
+double power(const std::shared_ptr<const Light>& light) { return light->power({}).lumens.g; }
 
 std::string spot(double cone_deg, double delta_deg) {
   return fmt::format(

@@ -122,7 +122,7 @@ void bounce(const Everything& e, Random& random, Count& count) {
   // answer.
   const std::uint64_t which = random();
   const std::uint32_t light = which % 8 == 0 ? 0 : 1 + (which >> 8) % 2;
-  visit_light(scene.lights()[light], 0, [&](const auto& model) {
+  const auto shoot_at = [&](const Light& model) {
     const float u = uniform(random), v = uniform(random);
     const auto sample = model.sample_li(hit->position, {u, v});
     if (sample.reason != NoLight::kNone) return;
@@ -141,7 +141,8 @@ void bounce(const Everything& e, Random& random, Count& count) {
     count.add(exact.along(shadow),
               scene.occluded(shadow_ray(*hit, sample, scene.lights()[light].reach_m())),
               scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
-  });
+  };
+  shoot_at(*scene.lights()[light].light);
 }
 
 /// A segment between two points on surfaces, as a user would type them: floats about a place.
@@ -224,7 +225,7 @@ void beneath(const Everything& e, Random& random, Count& count) {
     ++count.leaks;
     return;
   }
-  visit_light(scene.lights()[0], 0, [&](const auto& lamp) {
+  const auto shoot_at = [&](const Light& lamp) {
     const float u = uniform(random), v = uniform(random);
     const auto sample = lamp.sample_li(hit->position, {u, v});
     ++count.rays;
@@ -241,7 +242,8 @@ void beneath(const Everything& e, Random& random, Count& count) {
     ++count.rays;
     count.leaks += !scene.occluded(spawn_ray(*hit, Vec3f{0, 0, 1}));
     count.textbook += !scene.occluded({start, {0, 0, 1}, kEpsilon});
-  });
+  };
+  shoot_at(*scene.lights()[0].light);
 }
 
 TEST_F(ShadowExtremes, LeaksAndSelfShadowingAtAnySize) {

@@ -106,8 +106,7 @@ Items densities_of(const Scene& scene, std::uint32_t light, const Items& rays, d
 
 /// Compares the density before the direction was rounded with the density of the rounded direction,
 /// in the worst case: the textbook's way.
-template <typename L>
-void compare_unrounded(Sweep& sweep, const L& light, const SceneSphere& sphere) {
+void compare_unrounded(Sweep& sweep, const Light& light, const SceneSphere& sphere) {
   for (int i = 1; i < 64; ++i) {
     const auto s = light.sample_le({0.5, 0.5}, {i / 64.0, std::fmod(i * 0.618, 1)}, sphere);
     if (s.reason != NoLight::kNone || !(s.pdf_direction.per_sr > 0)) continue;
@@ -121,11 +120,7 @@ void compare_unrounded(Sweep& sweep, const L& light, const SceneSphere& sphere) 
 std::vector<std::uint32_t> lights_without_surface(const Scene& scene) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
-    visit(
-        [&]<typename L>(const L&) {
-          if constexpr (!SeenOnSurface<L>) found.push_back(l);
-        },
-        scene.lights()[l].light);
+    if (!scene.lights()[l].light->has_surface()) found.push_back(l);
   return found;
 }
 
@@ -197,8 +192,7 @@ TEST(TransmittedExtremes, RaysOfEveryLight) {
   const auto scene = every_light();
   for (std::uint32_t light = 0; light < scene->lights().size(); ++light) {
     compare_rays(sweep, *scene, light, 0);
-    visit([&](const auto& l) { compare_unrounded(sweep, l, scene->sphere()); },
-          scene->lights()[light].light);
+    compare_unrounded(sweep, *scene->lights()[light].light, scene->sphere());
   }
   sweep.expect_within(0);
 }
@@ -301,8 +295,7 @@ TEST(TransmittedExtremes, LightsNarrowerThanFloats) {
         "\"point3 to\" [0 0 0] \"float angulardiameter\" " + cone);
     ASSERT_TRUE(file.status.ok()) << file.status;
     const Scene& scene = *file.scene;
-    const double lumens = visit([&](const auto& l) { return l.power(scene.sphere()).lumens.g; },
-                                scene.lights()[0].light);
+    const double lumens = scene.lights()[0].light->power(scene.sphere()).lumens.g;
     const Items rays = rays_of(scene, 0, 200);
     const Items samples = samples_of(scene, 1, {{}, here}, 200);
     for (std::size_t i = 0; i < rays.n; ++i) {
@@ -356,8 +349,7 @@ TEST(TransmittedExtremes, NarrowSpots) {
         ASSERT_TRUE(t.has_light(i));
         sweep.compare(t.per_sr[i], evaluated.per_sr[i], cone);
       }
-      visit([&](const auto& l) { compare_unrounded(sweep, l, file.scene->sphere()); },
-            file.scene->lights()[0].light);
+      compare_unrounded(sweep, *file.scene->lights()[0].light, file.scene->sphere());
     }
   }
   sweep.expect_within(0);

@@ -47,15 +47,14 @@ inline Outcome load(const std::string& source, const std::string& parameter,
   outcome.is_left_out = (*scene)->lights().empty();
   if (outcome.is_left_out) return outcome;
   EXPECT_EQ((*scene)->lights().size(), 1U);
-  visit_light((*scene)->lights()[0], 0, [&](const auto& light) {
-    outcome.lumens = luminance(light.power((*scene)->sphere()).lumens);
-    // A point that all of the lights illuminate.
-    for (int i = 0; i < 16; ++i) {
-      const auto s = light.sample_li(Receiver(0.1, 0.2, 0.7), {(i % 4) / 4.0, (i / 4) / 4.0});
-      outcome.lit |= s.reason == NoLight::kNone && s.value.g > 0;
-      EXPECT_TRUE(is_finite(s.value) && std::isfinite(s.pdf.per_sr));
-    }
-  });
+  const Light& light = *(*scene)->lights()[0].light;
+  outcome.lumens = luminance(light.power((*scene)->sphere()).lumens);
+  // A point that all of the lights illuminate.
+  for (int i = 0; i < 16; ++i) {
+    const auto s = light.sample_li(Receiver(0.1, 0.2, 0.7), {(i % 4) / 4.0, (i / 4) / 4.0});
+    outcome.lit |= s.reason == NoLight::kNone && s.value.g > 0;
+    EXPECT_TRUE(is_finite(s.value) && std::isfinite(s.pdf.per_sr));
+  }
   return outcome;
 }
 

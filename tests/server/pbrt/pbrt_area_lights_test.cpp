@@ -44,18 +44,12 @@ const std::string kImage =
 
 /// Radiance of the first light at a point, towards its front.
 float shown(const Scene& scene, const Vec3& world) {
-  return visit(
-      [&]<typename L>(const L& light) -> float {
-        if constexpr (SeenOnSurface<L>) {
-          const Vec3 p = world - scene.origin();
-          const auto point = light.shape().locate(p);
-          if (!point) throw std::runtime_error("not on the light");
-          return light.le(*point, point->normal).r;
-        } else {
-          throw std::runtime_error("no surface");
-        }
-      },
-      scene.lights()[0].light);
+  const auto& light = dynamic_cast<const SurfaceLight&>(*scene.lights()[0].light);
+  const Vec3 p = world - scene.origin();
+  const auto point =
+      std::visit([&](const auto* shape) { return shape->locate(p, 0); }, light.surface());
+  if (!point) throw std::runtime_error("not on the light");
+  return static_cast<float>(light.le(*point, point->normal).r);
 }
 
 std::shared_ptr<const Scene> scene_of(const std::string& world) {
@@ -129,8 +123,7 @@ TEST(PbrtAreaImages, TheDefaultFilterIsPbrt4s) {
 
 TEST(PbrtAreaImages, PowerIsThatOfTheWholeLikeInPbrt4) {
   const auto lumens = [](const Scene& scene) {
-    return visit([&](const auto& l) { return luminance(l.power(scene.sphere()).lumens); },
-                 scene.lights()[0].light);
+    return luminance(scene.lights()[0].light->power(scene.sphere()).lumens);
   };
   // At level 1: pi A times the mean of 2.5.
   EXPECT_NEAR(lumens(*scene_of(kImage + kPatch)), 2.5 * kPi, 1e-6);
@@ -213,17 +206,11 @@ const std::string kProfile = "AreaLightSource \"diffuse\" \"string profile\" \"l
 
 /// Luminous intensity of the whole panel towards the unit vector `w` [cd].
 double intensity(const Scene& scene, const Vec3& w) {
-  return visit(
-      [&]<typename L>(const L& light) -> double {
-        if constexpr (requires { light.shape().profile(); }) {
-          const auto s = light.shape().sample(Vec3{0.1, 0.2, 50}, {0.5, 0.5});
-          const double cosine = std::fabs(dot(s.point.normal, w));
-          return light.le(s.point, w).r * cosine * light.area_m2();
-        } else {
-          throw std::runtime_error("no panel");
-        }
-      },
-      scene.lights()[0].light);
+  const auto& light = dynamic_cast<const SurfaceLight&>(*scene.lights()[0].light);
+  if (light.profile() == nullptr) throw std::runtime_error("no panel");
+  const LightSample s = light.sample_li(Vec3{0.1, 0.2, 50}, {0.5, 0.5});
+  const double cosine = std::fabs(dot(s.normal, w));
+  return light.le({s.point, s.normal, s.primitive}, w).r * cosine * light.area_m2();
 }
 
 const double kSlant = std::sqrt(0.5);
@@ -271,8 +258,7 @@ TEST(PbrtPanels, ChartsOfAnySizeTurnTheFile) {
 TEST(PbrtPanels, LevelsMultiplyTheFilesCandela) {
   const std::string disk = "Shape \"disk\"";
   const auto lumens = [](const Scene& scene) {
-    return visit([&](const auto& l) { return luminance(l.power(scene.sphere()).lumens); },
-                 scene.lights()[0].light);
+    return luminance(scene.lights()[0].light->power(scene.sphere()).lumens);
   };
   const double front = lumens(*panel_scene(kProfile + disk));
   const double both = lumens(*panel_scene(kProfile + "\"bool twosided\" true " + disk));

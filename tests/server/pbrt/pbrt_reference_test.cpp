@@ -113,7 +113,7 @@ TEST(EveryLightScene, HasEveryModelAndEveryShape) {
   for (const LightDescription& light : scene->lights) models.insert(light.params.index());
   for (const ShapeDescription& shape : scene->shapes)
     if (shape.emission) shapes.insert(shape.geometry.index());
-  EXPECT_EQ(models.size(), std::variant_size_v<LightParams>);
+  EXPECT_EQ(models.size(), FreeLights::kSize);
   // Curves do not emit.
   EXPECT_EQ(shapes.size(), std::variant_size_v<decltype(ShapeDescription::geometry)> - 1);
 }

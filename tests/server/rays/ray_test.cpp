@@ -142,7 +142,7 @@ TEST(ShadowRay, IsBlockedOnlyByObstaclesBetweenItsEnds) {
     const auto scene = build(std::move(d));
     const auto hit = scene->closest_hit({Vec3f{100, 100, 0.25f}, {0, 0, -1}});
     ASSERT_TRUE(hit);
-    const auto s = scene->lights()[0].light.get_if<PointLight>()->sample_li(hit->position, {});
+    const auto s = scene->lights()[0].light->sample_li(hit->position, {});
     EXPECT_EQ(scene->occluded(shadow_ray(*hit, s)), z < 1e4) << z;
   }
 }

@@ -172,10 +172,10 @@ TEST_P(Moved, LightsHaveTheBitsOfASceneBuiltThere) {
   receiver.position = Vector{0.1, 0.2, 0.3} * size;
   for (std::uint32_t i = 0; i < moved->lights().size(); ++i) {
     const LightAtTime a(moved->lights()[i], 0), b(built->lights()[i], 0);
-    const auto p = a.sample_li(receiver, {0.3, 0.6}), q = b.sample_li(receiver, {0.3, 0.6});
+    const auto p = a->sample_li(receiver, {0.3, 0.6}), q = b->sample_li(receiver, {0.3, 0.6});
     EXPECT_EQ(p.wi, q.wi) << i;
     EXPECT_EQ(p.distance, q.distance) << i;
-    EXPECT_EQ(a.power(moved->sphere()).lumens, b.power(built->sphere()).lumens) << i;
+    EXPECT_EQ(a->power(moved->sphere()).lumens, b->power(built->sphere()).lumens) << i;
   }
 }
 
@@ -219,8 +219,8 @@ TEST(MovedSurfaces, OfPlainTrianglesKeepAllThatTheirFileSays) {
     EXPECT_EQ(moved->source_of(a).file, built->source_of(b).file);
     EXPECT_EQ(a.samples, b.samples);
     EXPECT_EQ(moved->spectrum(i) == nullptr, built->spectrum(i) == nullptr);
-    EXPECT_EQ(LightAtTime(a, 0).power(moved->sphere()).lumens,
-              LightAtTime(b, 0).power(built->sphere()).lumens);
+    EXPECT_EQ(LightAtTime(a, 0)->power(moved->sphere()).lumens,
+              LightAtTime(b, 0)->power(built->sphere()).lumens);
     Ray ray{{static_cast<float>(0.1 * i - 0.97 + 0.3 * (i + 1)),
              static_cast<float>(0.03 - 0.2 * (i + 1)), 1},
             {0, 0, 10}};

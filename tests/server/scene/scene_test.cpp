@@ -43,7 +43,7 @@ TEST(Scene, MovesItsOriginToGeometryFarAway) {
   EXPECT_EQ(scene->origin().x, 1000000);
   EXPECT_EQ(scene->origin().y, 4);
   EXPECT_EQ(scene->origin().z, 0);
-  const auto s = scene->lights()[0].light.get_if<PointLight>()->sample_li({1, 0, 0}, {});
+  const auto s = scene->lights()[0].light->sample_li({1, 0, 0}, {});
   EXPECT_FLOAT_EQ(s.distance, 1e-3f);
 }
 
@@ -60,8 +60,8 @@ TEST(Scene, NumbersLightsFromOneAreaLightsLast) {
   }
   EXPECT_FALSE(scene->find_light(0));
   EXPECT_FALSE(scene->find_light(5));
-  EXPECT_NE(scene->lights()[2].light.get_if<PatchMeshLight>(), nullptr);
-  EXPECT_NE(scene->lights()[3].light.get_if<SphereLight>(), nullptr);
+  EXPECT_NE(dynamic_cast<const PatchMeshLight*>(scene->lights()[2].light.get()), nullptr);
+  EXPECT_NE(dynamic_cast<const SphereLight*>(scene->lights()[3].light.get()), nullptr);
   EXPECT_THAT(std::vector(scene->infinite_lights().begin(), scene->infinite_lights().end()),
               ElementsAre(1u));
   EXPECT_EQ(hit_below(*scene, 0.9f, 0.9f, 0.5f).light, -1);

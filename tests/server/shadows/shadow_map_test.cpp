@@ -51,9 +51,7 @@ SurfaceHit floor_hit_at(double x, double y) {
 }
 
 LightSample sample_of(const Scene& scene, const SurfaceHit& hit) {
-  return visit_light(scene.lights()[0], 0, [&](const auto& l) {
-    return l.sample_li(Receiver(hit.position), {0.5, 0.5});
-  });
+  return scene.lights()[0].light->sample_li(Receiver(hit.position), {0.5, 0.5});
 }
 Ray ray_to(const Scene& scene, const SurfaceHit& hit) {
   return shadow_ray(hit, sample_of(scene, hit));

@@ -47,18 +47,17 @@ Rays shoot(const Scene& scene, const SurfaceHit& receiver, std::uint32_t light, 
   const SceneLight& l = scene.lights()[light];
   Receiver r(receiver.position);
   r.normal = receiver.ns;
-  visit_light(l, 0, [&](const auto& model) {
-    for (int i = 0; i < count; ++i) {
-      // One of four samples is from the edges of the light.
-      const auto value = [&] { return i % 4 == 0 ? std::round(u(random)) : u(random); };
-      const auto s = model.sample_li(r, {value(), u(random)});
-      if (s.reason != NoLight::kNone || !(dot(r.normal, s.wi) > 0)) continue;
-      ++rays.lit;
-      // A ray to the very rim of a sphere may meet the sphere itself, which is not an obstacle.
-      const auto hit = scene.closest_hit(shadow_ray(receiver, s, l.reach_m()));
-      rays.blocked += hit && hit->light != static_cast<std::int32_t>(light) ? 1 : 0;
-    }
-  });
+  const Light& model = *l.light;
+  for (int i = 0; i < count; ++i) {
+    // One of four samples is from the edges of the light.
+    const auto value = [&] { return i % 4 == 0 ? std::round(u(random)) : u(random); };
+    const auto s = model.sample_li(r, {value(), u(random)});
+    if (s.reason != NoLight::kNone || !(dot(r.normal, s.wi) > 0)) continue;
+    ++rays.lit;
+    // A ray to the very rim of a sphere may meet the sphere itself, which is not an obstacle.
+    const auto hit = scene.closest_hit(shadow_ray(receiver, s, l.reach_m()));
+    rays.blocked += hit && hit->light != static_cast<std::int32_t>(light) ? 1 : 0;
+  }
   return rays;
 }
 

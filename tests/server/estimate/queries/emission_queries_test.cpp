@@ -45,7 +45,7 @@ SceneDescription panels() {
 
 std::uint64_t id_of_area_light(const Scene& scene) {
   for (const SceneLight& l : scene.lights()) {
-    if (l.light.get_if<PatchMeshLight>() != nullptr) return l.id;
+    if (l.light->has_surface()) return l.id;
   }
   return 0;
 }

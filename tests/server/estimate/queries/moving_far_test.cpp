@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "server/scene/light_at_time.h"
 #include "server/scene/scene.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
@@ -71,35 +72,35 @@ struct Answers {
 /// Samples, densities, radiance, rays and power.
 Answers answers_of(const Scene& scene, double t) {
   Answers all;
-  visit_light(scene.lights()[0], t, [&](const auto& light) {
-    for (int i = 0; i < 64; ++i) {
-      const auto of = [&](double step) { return std::fmod(i * step, 1); };
-      const Vec2 u{of(0.618034), of(0.754878)}, v{of(0.569840), of(0.819173)};
-      const Receiver r{{6 * of(0.324718) - 3, 6 * of(0.245122) - 3, of(0.141593)}};
-      const auto s = light.sample_li(r, u);
-      all.reasons.push_back(s.reason);
-      if (s.reason == NoLight::kNone) {
-        ++all.lit;
-        all.vectors.push_back({"wi", Vec3(s.wi), 2e-6});
-        all.numbers.push_back({"value", s.value.g});
-        all.numbers.push_back({"pdf of a sample", s.pdf.per_sr});
-        all.numbers.push_back({"pdf", light.pdf_li(r, s.wi).per_sr});
-        if constexpr (requires { light.le_escaped(r.position, s.wi); })
-          all.numbers.push_back({"radiance", light.le_escaped(r.position, s.wi).g});
-      }
-      const auto ray = light.sample_le(u, v, scene.sphere());
-      all.reasons.push_back(ray.reason);
-      if (ray.reason != NoLight::kNone) continue;
-      all.vectors.push_back({"where a ray leaves", Vec3(ray.origin), 1e-5});
-      all.vectors.push_back({"direction of a ray", Vec3(ray.direction), 2e-6});
-      all.numbers.push_back({"density of a ray's position", ray.pdf_position.per_m2});
-      all.numbers.push_back({"density of a ray's direction", ray.pdf_direction.per_sr});
-      const auto known = light.pdf_le(ray.origin, ray.direction, scene.sphere());
-      all.numbers.push_back({"position density of a known ray", known.position.per_m2});
-      all.numbers.push_back({"direction density of a known ray", known.direction.per_sr});
+  const LightAtTime at_time(scene.lights()[0], t);
+  const Light& light = *at_time;
+  for (int i = 0; i < 64; ++i) {
+    const auto of = [&](double step) { return std::fmod(i * step, 1); };
+    const Vec2 u{of(0.618034), of(0.754878)}, v{of(0.569840), of(0.819173)};
+    const Receiver r{{6 * of(0.324718) - 3, 6 * of(0.245122) - 3, of(0.141593)}};
+    const auto s = light.sample_li(r, u);
+    all.reasons.push_back(s.reason);
+    if (s.reason == NoLight::kNone) {
+      ++all.lit;
+      all.vectors.push_back({"wi", Vec3(s.wi), 2e-6});
+      all.numbers.push_back({"value", s.value.g});
+      all.numbers.push_back({"pdf of a sample", s.pdf.per_sr});
+      all.numbers.push_back({"pdf", light.pdf_li(r, s.wi).per_sr});
+      if (light.is_seen_beyond())
+        all.numbers.push_back({"radiance", light.le_escaped(r.position, s.wi).g});
     }
-    all.numbers.push_back({"power", light.power(scene.sphere()).lumens.g});
-  });
+    const auto ray = light.sample_le(u, v, scene.sphere());
+    all.reasons.push_back(ray.reason);
+    if (ray.reason != NoLight::kNone) continue;
+    all.vectors.push_back({"where a ray leaves", Vec3(ray.origin), 1e-5});
+    all.vectors.push_back({"direction of a ray", Vec3(ray.direction), 2e-6});
+    all.numbers.push_back({"density of a ray's position", ray.pdf_position.per_m2});
+    all.numbers.push_back({"density of a ray's direction", ray.pdf_direction.per_sr});
+    const auto known = light.pdf_le(ray.origin, ray.direction, scene.sphere());
+    all.numbers.push_back({"position density of a known ray", known.position.per_m2});
+    all.numbers.push_back({"direction density of a known ray", known.direction.per_sr});
+  }
+  all.numbers.push_back({"power", light.power(scene.sphere()).lumens.g});
   return all;
 }
 
