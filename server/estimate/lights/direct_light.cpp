@@ -217,8 +217,25 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
   return {value * visibility_.visible(light, hit.position, hit.ng, ray, work), value};
 }
 
+std::optional<LightEstimate> DirectLight::from_point_light(const SurfaceHit& hit, const Vec3f& wo,
+                                                           const LightChoice& choice,
+                                                           WorkCounts& work) const {
+  const PointLight* const point = resting_point_light(scene_.lights()[choice.light]);
+  if (point == nullptr) return std::nullopt;
+  const auto plain = point->plain_sample_li(hit.position);
+  if (!plain) return std::nullopt;
+  const double f = reflected_share(hit, wo, plain->wi);
+  if (!(f > 0)) return LightEstimate{};
+  const Rgb value = plain->value * (f / choice.probability);
+  if (value.is_black() || scene_.is_clear()) return LightEstimate{value, value};
+  const Ray ray = ray_to_point(hit, plain->wi, Vec3f(point->position()));
+  return LightEstimate{value * visibility_.visible(choice.light, hit.position, hit.ng, ray, work),
+                       value};
+}
+
 std::optional<Rgb> DirectLight::from_one_direction(const SurfaceHit& hit, const Vec3f& wo,
                                                    std::uint32_t light, WorkCounts& work) const {
+  if (const auto e = from_point_light(hit, wo, {light, 1}, work)) return e->value;
   const LightAtTime l(scene_.lights()[light], hit.time_s);
   const auto arriving = [&](const LightSample& s) {
     const double share = reflected_share(hit, wo, s);
@@ -288,22 +305,9 @@ void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3f& 
 
 void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, const PathSample& s,
                                 std::uint32_t dimension) const {
-  const SceneLight& light = scene_.lights()[choice.light];
-  const PointLight* const point = resting_point_light(light);
-  if (point != nullptr && v.scattering == nullptr) {
-    // As below, with the same bits.  A LightAtTime and its samples would take longer than the rest.
-    if (const auto plain = point->plain_sample_li(v.hit.position)) {
-      const double f = reflected_share(v.hit, v.wo, plain->wi);
-      if (!(f > 0)) return v.found(choice.light, {});
-      const Rgb value = plain->value * (f / choice.probability);
-      Rgb visible(1);
-      if (!value.is_black() && !scene_.is_clear())
-        visible =
-            visibility_.visible(choice.light, v.hit.position, v.hit.ng,
-                                ray_to_point(v.hit, plain->wi, Vec3f(point->position())), v.work);
-      return v.found(choice.light, {value * visible, value});
-    }
-  }
+  if (v.scattering == nullptr)
+    if (const auto e = from_point_light(v.hit, v.wo, choice, v.work))
+      return v.found(choice.light, *e);
   const std::uint32_t points = points_on(choice.light);
   LightEstimate sum;
   for (std::uint32_t j = 0; j < points; ++j) {

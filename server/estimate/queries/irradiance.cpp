@@ -13,7 +13,6 @@
 
 #include "server/estimate/lights/manifold_walks.h"
 #include "server/estimate/paths/path.h"
-#include "server/estimate/queries/delta_irradiance.h"
 #include "server/estimate/queries/irradiance_estimate.h"
 #include "server/estimate/queries/missed_light.h"
 #include "server/estimate/queries/settled_light.h"
@@ -29,6 +28,8 @@ namespace {
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
 // A chunk takes 0.1 to 10 ms; a sample takes 0.5 to 40 us.
 constexpr std::uint64_t kSamplesPerChunk = 256;
+// The same if each light takes one ray and no sample.
+constexpr std::size_t kRaysPerChunk = 8192;
 // A walk takes as long as 10 to 40 samples; so many find nearly every path.
 constexpr std::uint32_t kSamplesPerWalk = 2, kMostWalks = 32;
 
@@ -41,6 +42,11 @@ struct Sampled {
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
   std::uint64_t reflected = 0;                 // samples with light that surfaces reflect
 };
+
+/// Whether reflected light is part of the answer.
+bool gathers_reflected_light(const Scene& scene, const IrradianceSettings& settings) {
+  return settings.bounces.value_or(1) > 0 && !scene.empty() && !scene.lights().empty();
+}
 
 class IrradianceEstimator {
  public:
@@ -72,6 +78,9 @@ class IrradianceEstimator {
   }
 
   std::size_t points_per_chunk() const {
+    const std::size_t lights = std::max<std::size_t>(1, scene_.lights().size());
+    if (!gather_indirect_ && direct_.is_exact())
+      return std::max<std::size_t>(1, kRaysPerChunk / lights);
     if (settings_.target) return 1;
     return std::max<std::size_t>(1, kSamplesPerChunk / (samples_of(settings_.samples_per_block) +
                                                         LightSettler::kSamplesPerShafts));
@@ -421,19 +430,14 @@ IrradianceResult estimate_irradiance(const Scene& scene, std::span<const Irradia
   result.spectral.resize(points.size() * settings.wavelengths_nm.size());
   result.spectral_error.resize(result.spectral.size());
   std::mutex mutex;
-  const auto run = [&](auto estimator) {
-    parallel_chunks(points.size(), estimator.points_per_chunk(), stop,
-                    [&](std::size_t begin, std::size_t end) {
-                      const DenormalsAreZero denormals;
-                      const WorkCounts work = estimator.range(begin, end);
-                      const std::lock_guard lock(mutex);
-                      result.work += work;
-                    });
-  };
-  if (DeltaIrradiance::answers(scene, settings))
-    run(DeltaIrradiance(scene, points, settings, stop, result));
-  else
-    run(IrradianceEstimator(scene, points, settings, stop, result));
+  IrradianceEstimator estimator(scene, points, settings, stop, result);
+  parallel_chunks(points.size(), estimator.points_per_chunk(), stop,
+                  [&](std::size_t begin, std::size_t end) {
+                    const DenormalsAreZero denormals;
+                    const WorkCounts work = estimator.range(begin, end);
+                    const std::lock_guard lock(mutex);
+                    result.work += work;
+                  });
   result.stopped = stop.stop_requested();
   return result;
 }

@@ -77,9 +77,7 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
                            const SampleLiAnswer& answer, LiShare* shares) const {
   const LiAnswerWriter writer(answer, light_shift_m_);
   if (const std::optional<std::uint32_t> plain = plain_light()) {
-    with_fast_light(scene_.lights()[*plain], q_.time_s, [&](const auto& light) {
-      fill_from(light, layout, begin, end, writer, shares);
-    });
+    fill_from(scene_.lights()[*plain], layout, begin, end, writer, shares);
     if (!q_.light) put_only_choice(layout, begin, end, answer);
     return {};
   }
@@ -240,10 +238,7 @@ void LiSampler::prepare_all(const LiLayout& layout, std::size_t begin,
 }
 
 /// A sample with the precision of the answer.
-template <typename L>
-[[gnu::always_inline]] inline LightSample LiSampler::sample(const L& light,
-                                                            const Receiver& receiver,
-                                                            Vec2 u) const {
+LightSample LiSampler::sample(const Light& light, const Receiver& receiver, Vec2 u) {
   LightSample s = light.sample_li(receiver, u);
   if (light.is_seen_beyond()) set_wire_wi(light, receiver, s);
   return s;
@@ -251,10 +246,9 @@ template <typename L>
 
 /// Writes a plain sample of a receiver.  Returns false, with nothing written, in all other
 /// cases.
-template <typename L>
-[[gnu::always_inline]] inline bool LiSampler::put_plain(const L& light, std::size_t receiver,
-                                                        std::size_t i,
-                                                        const LiAnswerWriter& writer) const {
+[[gnu::always_inline]] inline bool LiSampler::put_point_light(const PointLight& light,
+                                                              std::size_t receiver, std::size_t i,
+                                                              const LiAnswerWriter& writer) const {
   if (!q_.seed && !std::isfinite(q_.u[2 * i] + q_.u[2 * i + 1])) return false;
   const ScenePoint at = to_scene_(receiver);
   if (at.result != ItemResult::kOk) return false;
@@ -264,22 +258,19 @@ template <typename L>
 
 /// Fills the answer from one light, without visibility and spectra.  Writes samples one by one,
 /// because a chunk of them takes longer than a point light.
-template <typename L>
-void LiSampler::fill_from(const L& light, const LiLayout& layout, std::size_t begin,
+void LiSampler::fill_from(const SceneLight& light, const LiLayout& layout, std::size_t begin,
                           std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const {
-  if constexpr (std::is_same_v<L, PointLight>) {
-    if (shares == nullptr && q_.normals.empty()) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (!put_plain(light, layout.place(i).receiver, i, writer))
-          fill_each(light, layout, i, i + 1, writer, nullptr);
-      return;
-    }
-  }
-  fill_each(light, layout, begin, end, writer, shares);
+  const LightAtTime at_time(light, q_.time_s);
+  const PointLight* const point = resting_point_light(light);
+  if (point == nullptr || shares != nullptr || !q_.normals.empty())
+    return fill_each(*at_time, layout, begin, end, writer, shares);
+  // The wire takes about as long as a LightAtTime: docs/decisions/016-one-point-light.md.
+  for (std::size_t i = begin; i < end; ++i)
+    if (!put_point_light(*point, layout.place(i).receiver, i, writer))
+      fill_each(*at_time, layout, i, i + 1, writer, nullptr);
 }
 
-template <typename L>
-void LiSampler::fill_each(const L& light, const LiLayout& layout, std::size_t begin,
+void LiSampler::fill_each(const Light& light, const LiLayout& layout, std::size_t begin,
                           std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const {
   // Random numbers are computed ahead of the samples.  The hashes of one wait for each other, but
   // the processor computes those of several at a time.

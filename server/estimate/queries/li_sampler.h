@@ -11,6 +11,7 @@
 #include "server/estimate/queries/li_answer_writer.h"
 #include "server/estimate/queries/li_layout.h"
 #include "server/estimate/queries/queries.h"
+#include "server/scene/light_at_time.h"
 
 namespace lucerna {
 
@@ -64,17 +65,13 @@ class LiSampler {
   SampleSequence sequence_of(const LiPlace& place) const;
   inline std::optional<Vec2> point_of(const LiPlace& place, std::size_t i) const;
   void prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const;
-  template <typename L>
-  inline LightSample sample(const L& light, const Receiver& receiver, Vec2 u) const;
-  template <typename L>
-  [[gnu::always_inline]] inline bool put_plain(const L& light, std::size_t receiver, std::size_t i,
-                                               const LiAnswerWriter& writer) const;
-  template <typename L>
-  void fill_from(const L& light, const LiLayout& layout, std::size_t begin, std::size_t end,
-                 const LiAnswerWriter& writer, LiShare* shares) const;
-  template <typename L>
-  void fill_each(const L& light, const LiLayout& layout, std::size_t begin, std::size_t end,
-                 const LiAnswerWriter& writer, LiShare* shares) const;
+  static LightSample sample(const Light& light, const Receiver& receiver, Vec2 u);
+  inline bool put_point_light(const PointLight& light, std::size_t receiver, std::size_t i,
+                              const LiAnswerWriter& writer) const;
+  void fill_from(const SceneLight& light, const LiLayout& layout, std::size_t begin,
+                 std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const;
+  void fill_each(const Light& light, const LiLayout& layout, std::size_t begin,
+                 std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const;
   void prepare_all(const LiLayout& layout, std::size_t begin, std::vector<Pending>& chunk) const;
   void sample(std::vector<Pending>& chunk) const;
   LiShare share(const Pending& sampled) const;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "server/estimate/queries/delta_irradiance.h"
 #include "server/scene/light_at_time.h"
 
 namespace lucerna {

@@ -330,6 +330,45 @@ TEST(Irradiance, StandardErrorMatchesTheScatter) {
   EXPECT_LT(square, 15.0 / 13 * 2);
 }
 
+TEST(Irradiance, OfDeltaLightsIsTheSameWithATargetAndWithWavelengths) {
+  SceneDescription d = testing::description();
+  d.shapes = {testing::floor(9), testing::floor(1, 2)};
+  d.lights = {testing::point_light({3, 0, 4}, 100),
+              {DistantLightParams{.to_light = {1, 2, 3}, .illuminance_lx = Rgb(40)}, {}},
+              {SpotLightParams{.position_m = {-2, 1, 3},
+                               .axis = {0, 0, -1},
+                               .intensity_cd = Rgb(30),
+                               .cone_half_angle_rad = 0.8},
+               {}}};
+  const auto scene = build(std::move(d));
+  std::vector<IrradiancePoint> points;
+  for (int i = 0; i < 150; ++i)
+    points.push_back(at(i % 13 - 6.0F, i % 11 - 5.0F, 0, {0, 0, i % 5 == 0 ? -1.0 : 1.0}));
+  IrradianceSettings settings = direct(1, 16);
+  settings.per_light = true;
+  const IrradianceResult plain = estimate_irradiance(*scene, points, settings, {});
+  const std::vector<double> wavelengths{555};
+  settings.wavelengths_nm = wavelengths;
+  const IrradianceResult spectral = estimate_irradiance(*scene, points, settings, {});
+  settings.target = TargetError{.relative = 0.01};
+  const IrradianceResult of_target = estimate_irradiance(*scene, points, settings, {});
+  EXPECT_GT(plain.work.shadow_rays, points.size());
+  // Points are timed only with a target.
+  for (const PointCost& cost : of_target.costs) EXPECT_GT(cost.time_s, 0);
+  for (const PointCost& cost : plain.costs) EXPECT_EQ(cost.time_s, 0);
+  for (const IrradianceResult& other : {spectral, of_target}) {
+    EXPECT_EQ(plain.work.shadow_rays, other.work.shadow_rays);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      EXPECT_TRUE(other.points[p].exact);
+      EXPECT_EQ(plain.points[p].irradiance_lx, other.points[p].irradiance_lx) << p;
+      EXPECT_EQ(plain.costs[p].rays, other.costs[p].rays) << p;
+      EXPECT_EQ(other.costs[p].samples, 0U);
+      for (std::size_t l = p * 3; l < p * 3 + 3; ++l)
+        EXPECT_EQ(plain.per_light[l].irradiance_lx, other.per_light[l].irradiance_lx) << l;
+    }
+  }
+}
+
 TEST(Irradiance, StopsOnRequest) {
   const auto scene = build(lamps(12));
   std::stop_source stop;
