@@ -9,9 +9,12 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <stop_token>
 
 #include "lights/maths/stop_poll.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/work_counts.h"
 
 namespace lucerna {
 
@@ -108,6 +111,22 @@ void parallel_chunks(std::size_t n, std::size_t grain, const std::stop_token& st
         },
         tbb::simple_partitioner());
   });
+}
+
+/// Calls `f(begin, end, work)` in the same way, with denormals as zeros.  Returns the sum of the
+/// work that the calls count.
+template <typename F>
+WorkCounts parallel_work(std::size_t n, std::size_t grain, const std::stop_token& stop, F&& f) {
+  std::mutex mutex;
+  WorkCounts sum;
+  parallel_chunks(n, grain, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    WorkCounts work;
+    f(begin, end, work);
+    const std::lock_guard lock(mutex);
+    sum += work;
+  });
+  return sum;
 }
 
 }  // namespace lucerna

@@ -6,14 +6,12 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <vector>
 
 #include "server/estimate/paths/path.h"
 #include "server/estimate/statistics/block_stream.h"
 #include "server/estimate/statistics/pilots.h"
 #include "server/estimate/statistics/sample_sum.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 
 namespace lucerna {
@@ -50,9 +48,7 @@ class TileEstimator {
   }
 
   // Renders pixels [begin, end) of the tile, in row order.
-  void pixels(std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
-    WorkCounts work;
+  void pixels(std::size_t begin, std::size_t end, WorkCounts& work) {
     for (std::size_t i = begin; i < end && !stopped_; ++i) {
       // Positions on the film, so a pixel has the same bits in a crop as in the whole picture.
       const FilmCrop& crop = scene_.camera().crop();
@@ -64,8 +60,6 @@ class TileEstimator {
         pixel_by_count(x, y, i, work);
       }
     }
-    const std::lock_guard lock(mutex_);
-    result_.work += work;
   }
 
   bool stopped() const { return stopped_; }
@@ -193,7 +187,6 @@ class TileEstimator {
   PathTracer tracer_;
   const std::stop_token& stop_;
   TileResult& result_;
-  std::mutex mutex_;
   std::atomic<bool> stopped_ = false;
 };
 
@@ -213,8 +206,10 @@ TileResult render_tile(const Scene& scene, const TileSettings& settings, std::st
   const std::uint64_t samples_per_pixel = settings.block_count * settings.samples_per_block;
   const std::size_t grain =
       settings.target ? 1 : std::max<std::uint64_t>(1, kSamplesPerChunk / samples_per_pixel);
-  parallel_chunks(pixels, grain, stop,
-                  [&](std::size_t begin, std::size_t end) { estimator.pixels(begin, end); });
+  result.work =
+      parallel_work(pixels, grain, stop, [&](std::size_t begin, std::size_t end, WorkCounts& work) {
+        estimator.pixels(begin, end, work);
+      });
   result.stopped = estimator.stopped() || stop.stop_requested();
   return result;
 }

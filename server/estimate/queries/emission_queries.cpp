@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <vector>
 
 #include "lights/sampling/sobol.h"
@@ -125,14 +124,15 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
 class LeChunk {
  public:
   LeChunk(const Scene& scene, const PathTracer& tracer, const LeQuery& query,
-          const LeAnswer& answer)
+          const LeAnswer& answer, WorkCounts& work)
       : scene_(scene),
         query_(query),
         answer_(answer),
         tracer_(tracer),
         to_scene_(scene, query.points, std::nullopt),
         spectral_(scene, query.wavelengths_nm),
-        at_wavelengths_(spectral_.size()) {}
+        at_wavelengths_(spectral_.size()),
+        work_(work) {}
 
   /// Fills the entries of ray `i` except its status, and returns the status.
   ItemResult ray(std::size_t i) {
@@ -153,7 +153,6 @@ class LeChunk {
     }
     return put(i, {p.position, direction_of(direction), query_.time_s}, hit, arriving);
   }
-  const WorkCounts& work() const { return work_; }
 
  private:
   /// Adds the radiance of all lights at the end of the ray.  `arriving`: the share of it.
@@ -185,7 +184,7 @@ class LeChunk {
   ToScene to_scene_;
   SpectralValues spectral_;
   std::vector<double> at_wavelengths_;
-  WorkCounts work_;
+  WorkCounts& work_;
 };
 
 }  // namespace
@@ -193,15 +192,11 @@ class LeChunk {
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop) {
   const PathTracer tracer(scene, 0, {.thin_glass = query.thin_glass});
-  std::mutex mutex;
-  WorkCounts work;
-  parallel_chunks(query.points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
-    LeChunk chunk(scene, tracer, query, answer);
+  const auto rays = [&](std::size_t begin, std::size_t end, WorkCounts& work) {
+    LeChunk chunk(scene, tracer, query, answer, work);
     for (std::size_t i = begin; i < end; ++i) answer.status[i] = static_cast<int>(chunk.ray(i));
-    const std::lock_guard lock(mutex);
-    work += chunk.work();
-  });
+  };
+  WorkCounts work = parallel_work(query.points.size(), kGrain, stop, rays);
   work.samples = query.points.size();
   return work;
 }

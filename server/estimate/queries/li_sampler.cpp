@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
 
 #include "server/estimate/lights/path_sample.h"
 #include "server/estimate/lights/wire_direction.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/queries/visibility.h"
 #include "server/runtime/bits.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/light_at_time.h"
 
@@ -424,15 +422,10 @@ bool one_sample_is_enough(const Scene& scene, std::optional<std::uint32_t> light
 WorkCounts fill_samples(const LiSampler& sampler, const LiLayout& layout,
                         const SampleLiAnswer& answer, std::span<LiShare> shares,
                         const std::stop_token& stop) {
-  std::mutex mutex;
-  WorkCounts work;
-  parallel_chunks(layout.size(), sampler.grain(), stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
-    const WorkCounts spent =
-        sampler.fill(layout, begin, end, answer, shares.empty() ? nullptr : shares.data());
-    const std::lock_guard lock(mutex);
-    work += spent;
-  });
+  const auto fill = [&](std::size_t begin, std::size_t end, WorkCounts& work) {
+    work = sampler.fill(layout, begin, end, answer, shares.empty() ? nullptr : shares.data());
+  };
+  WorkCounts work = parallel_work(layout.size(), sampler.grain(), stop, fill);
   work.samples = layout.size();
   return work;
 }

@@ -1,11 +1,9 @@
 #include "server/estimate/queries/surfaces.h"
 
-#include <atomic>
 #include <optional>
 #include <vector>
 
 #include "server/runtime/bits.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 
 namespace lucerna {
@@ -30,16 +28,13 @@ WorkCounts find_surfaces(const Scene& scene, const SurfacesQuery& query,
   const std::size_t n = query.size();
   // Bytes, because threads write them in any order.
   std::vector<std::uint8_t> found(n);
-  std::atomic<std::uint64_t> rays = 0;
-  parallel_chunks(n, kGrainOfPlaces, stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
-    std::uint64_t spent = 0;
+  const auto find = [&](std::size_t begin, std::size_t end, WorkCounts& work) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto ray =
           ray_at(scene.camera(), query.places[2 * i], query.places[2 * i + 1], query.time_s);
       answer.status[i] = static_cast<int>(ray ? ItemResult::kOk : ItemResult::kInvalidInput);
       if (!ray) continue;
-      ++spent;
+      ++work.camera_rays;
       const std::optional<SurfaceHit> hit = scene.closest_hit(*ray);
       if (!hit) continue;
       found[i] = 1;
@@ -49,11 +44,12 @@ WorkCounts find_surfaces(const Scene& scene, const SurfacesQuery& query,
       if (hit->light >= 0)
         answer.light_ids[i] = scene.lights()[static_cast<std::size_t>(hit->light)].id;
     }
-    rays += spent;
-  });
+  };
+  WorkCounts work = parallel_work(n, kGrainOfPlaces, stop, find);
+  work.samples = n;
   for (std::size_t i = 0; i < n; ++i)
     if (found[i] != 0) set_bit(answer.found, i);
-  return {.samples = n, .camera_rays = rays};
+  return work;
 }
 
 }  // namespace lucerna

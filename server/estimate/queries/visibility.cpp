@@ -2,13 +2,11 @@
 
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <vector>
 
 #include "server/estimate/queries/coherent_order.h"
 #include "server/rays/error_bounds.h"
 #include "server/runtime/bits.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 
 namespace lucerna {
@@ -150,11 +148,7 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
   const std::vector<std::uint32_t> order = coherent_order(middles_of(scene, query));
   // Bytes, because threads write them in any order.
   std::vector<std::uint8_t> visible(n);
-  std::mutex mutex;
-  WorkCounts work;
-  parallel_chunks(n, kGrain, stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
-    WorkCounts spent;
+  const auto test = [&](std::size_t begin, std::size_t end, WorkCounts& spent) {
     const auto put = [&](std::size_t i, const Rgb& share) {
       store(answer.transmittance, i, Vec3f(Vec3(share.r, share.g, share.b)));
     };
@@ -173,9 +167,8 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
       if (transmittance.is_partial())
         put(i, ray ? transmittance.along(*ray, to ? 1 : ray->t_max, spent) : Rgb(1));
     }
-    const std::lock_guard lock(mutex);
-    work += spent;
-  });
+  };
+  WorkCounts work = parallel_work(n, kGrain, stop, test);
   for (std::size_t i = 0; i < n; ++i)
     if (visible[i] != 0) set_bit(answer.visible, i);
   work.samples = n;
