@@ -67,9 +67,8 @@ struct MissedLight {
 
 struct IrradianceEstimate {
   Rgb irradiance_lx;
-  Rgb standard_error_lx;          ///< of each channel; infinite where block_count is 1 and the
-                                  ///< answer not exact
-  double illuminance_error_lx{};  ///< standard error of the luminance; infinite in the same cases
+  /// Standard error of the luminance; infinite where block_count is 1 and the answer not exact.
+  double illuminance_error_lx{};
   /// Interval for the converged illuminance, with the confidence of the settings.
   ConfidenceInterval illuminance_lx;
   /// Upper bound of the illuminance if every sample was 0 but light may have been missed, else 0.

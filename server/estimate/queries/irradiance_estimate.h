@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -98,14 +97,9 @@ inline IrradianceEstimate Estimate::result(const Rgb& exact, double block_count,
   const double exact_lx = luminance(exact);
   const auto total = blocks.total();
   const auto mean = [&](int i) { return total[i].sum / block_count; };
-  const auto standard_error = [&](int i) {
-    return block_count > 1 ? std::sqrt(total[i].deviation / (block_count * (block_count - 1)))
-                           : std::numeric_limits<double>::infinity();
-  };
   e.irradiance_lx += {mean(0), mean(1), mean(2)};
-  e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
-  e.illuminance_error_lx = standard_error(3);
-  const ConfidenceInterval sampled_lx = interval(mean(3), standard_error(3), rule, most);
+  e.illuminance_error_lx = standard_error(total[3], block_count);
+  const ConfidenceInterval sampled_lx = interval(mean(3), e.illuminance_error_lx, rule, most);
   e.illuminance_lx = {exact_lx + sampled_lx.lower, exact_lx + sampled_lx.upper};
   if (!(mean(3) > 0) && sampled_lx.upper > 0) e.zero_bound_lx = e.illuminance_lx.upper;
   return e;

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <mutex>
 
 #include "server/estimate/queries/irradiance_estimate.h"
 #include "server/estimate/statistics/pilots.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 
 namespace lucerna {
@@ -41,8 +38,8 @@ class Pilots {
   /// The number of samples in each replicate of an answer.
   std::uint32_t needed(std::size_t receiver, WorkCounts& work) {
     if (sampler_.receiver_result(receiver) != ItemResult::kOk) return 0;
-    const auto needed =
-        needed_samples(target_, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+    return needed_samples_per_block(
+        target_, replicates_, [&](const Blocks& these) -> std::optional<PilotEstimate> {
           const std::vector<LiShare> shares = pilot(receiver, these, work);
           if (stopped_) return std::nullopt;
           const IrradianceEstimate e =
@@ -50,9 +47,6 @@ class Pilots {
                        IntervalRule(target_.confidence, replicates_, shares.size()));
           return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
         });
-    const std::uint64_t most = std::max<std::uint64_t>(1, target_.max_samples / replicates_);
-    return static_cast<std::uint32_t>(
-        std::min(static_cast<double>(most), std::ceil(needed.value_or(1) / replicates_)));
   }
   bool stopped() const { return stopped_; }
 
@@ -93,15 +87,11 @@ std::optional<std::vector<std::uint32_t>> samples_needed(
   std::vector<std::uint32_t> needed(receivers);
   if (sampler.needs_one_sample()) return needed;
   Pilots pilots(sampler, target, replicates, stop);
-  std::mutex mutex;
-  parallel_chunks(receivers, 1, stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
-    WorkCounts spent;
-    for (std::size_t r = begin; r < end && !pilots.stopped(); ++r)
-      needed[r] = pilots.needed(r, spent);
-    const std::lock_guard lock(mutex);
-    work += spent;
-  });
+  work +=
+      parallel_work(receivers, 1, stop, [&](std::size_t begin, std::size_t end, WorkCounts& spent) {
+        for (std::size_t r = begin; r < end && !pilots.stopped(); ++r)
+          needed[r] = pilots.needed(r, spent);
+      });
   if (pilots.stopped() || stop.stop_requested()) return std::nullopt;
   return needed;
 }
@@ -176,9 +166,7 @@ LiEstimates estimates_of(const LiSampler& sampler, const LiLayout& layout, std::
       const BlockStatistics total = spectral_blocks(
           own, blocks, spectral_value.data() + begin * wavelengths + k, wavelengths);
       all.spectral[r * wavelengths + k] = total.sum / count;
-      if (!exact)
-        all.spectral_error[r * wavelengths + k] =
-            std::sqrt(total.deviation / (count * (count - 1)));
+      if (!exact) all.spectral_error[r * wavelengths + k] = standard_error(total, count);
     }
   }
   return all;

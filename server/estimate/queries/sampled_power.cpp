@@ -54,17 +54,14 @@ class PowerEstimator {
     const DenormalsAreZero denormals;
     std::uint32_t each = settings_.samples_per_block;
     if (settings_.target) {
-      const auto needed = needed_samples(
-          *settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
-            const LightRun pilot = run(light, these);
-            if (stopped_) return std::nullopt;
-            const SampledPower e = estimate(pilot, these, settings_.block_count);
-            return PilotEstimate{luminance(e.lumens), e.interval_lm};
-          });
-      const std::uint64_t most =
-          std::max<std::uint64_t>(1, settings_.target->max_samples / settings_.block_count);
-      each = static_cast<std::uint32_t>(std::min(
-          static_cast<double>(most), std::ceil(needed.value_or(1) / settings_.block_count)));
+      each = needed_samples_per_block(*settings_.target, settings_.block_count,
+                                      [&](const Blocks& these) -> std::optional<PilotEstimate> {
+                                        const LightRun pilot = run(light, these);
+                                        if (stopped_) return std::nullopt;
+                                        const SampledPower e =
+                                            estimate(pilot, these, settings_.block_count);
+                                        return PilotEstimate{luminance(e.lumens), e.interval_lm};
+                                      });
     }
     const Blocks these{0, settings_.block_count, each};
     LightRun answer = run(light, these);
@@ -123,8 +120,7 @@ class PowerEstimator {
     const auto total = run.stream.total();
     SampledPower e;
     e.lumens = {total[0].sum / count, total[1].sum / count, total[2].sum / count};
-    e.standard_error_lm = these.count > 1 ? std::sqrt(total[3].deviation / (count * (count - 1)))
-                                          : std::numeric_limits<double>::infinity();
+    e.standard_error_lm = standard_error(total[3], count);
     e.samples = these.count * these.samples;
     e.interval_lm =
         interval({total[3].sum / count, e.standard_error_lm, run.sum_of_squares, run.largest},
@@ -175,9 +171,7 @@ SampledPowers sample_powers(const Scene& scene, std::span<const std::uint32_t> l
   const BlockStatistics total = stream.total()[0];
   const double mean = total.sum / count;
   result.total.lumens = lumens.value();
-  result.total.standard_error_lm = settings.block_count > 1
-                                       ? std::sqrt(total.deviation / (count * (count - 1)))
-                                       : std::numeric_limits<double>::infinity();
+  result.total.standard_error_lm = standard_error(total, count);
   // The rays of all lights together are not rare events, so they count as equal samples.
   const std::uint64_t samples = std::max<std::uint64_t>(1, result.total.samples);
   result.total.interval_lm = estimator.interval(

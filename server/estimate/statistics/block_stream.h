@@ -4,7 +4,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "proto/common/tile_statistics.h"
@@ -21,6 +23,12 @@ ChannelStatistics<N> merge(const ChannelStatistics<N>& a, std::uint64_t na,
   ChannelStatistics<N> sum;
   for (std::size_t i = 0; i < N; ++i) sum[i] = merge(a[i], na, b[i], nb);
   return sum;
+}
+
+/// The standard error of the mean of independent blocks; infinite for one.
+inline double standard_error(const BlockStatistics& blocks, double count) {
+  return count > 1 ? std::sqrt(blocks.deviation / (count * (count - 1)))
+                   : std::numeric_limits<double>::infinity();
 }
 
 /// Merges the values of consecutive blocks; they have a function merge(a, na, b, nb).

@@ -82,4 +82,19 @@ std::optional<double> needed_samples(const TargetError& target, Pilot&& pilot) {
   }
 }
 
+/// The limit of `samples_per_block` in this many replicates.
+inline std::uint32_t most_samples_per_block(const TargetError& target, std::uint32_t replicates) {
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, target.max_samples / replicates));
+}
+
+/// The samples of each of the replicates that `needed_samples` returns together; 1 for each pilot
+/// that was stopped.
+template <typename Pilot>
+std::uint32_t needed_samples_per_block(const TargetError& target, std::uint32_t replicates,
+                                       Pilot&& pilot) {
+  const double needed = needed_samples(target, pilot).value_or(1);
+  return static_cast<std::uint32_t>(
+      std::min<double>(most_samples_per_block(target, replicates), std::ceil(needed / replicates)));
+}
+
 }  // namespace lucerna

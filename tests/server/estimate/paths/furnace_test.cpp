@@ -245,9 +245,9 @@ TEST_P(ClosedBox, IrradianceIsPiTimesTheRadianceEverywhere) {
   double sum = 0, variance = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const IrradianceEstimate& e = result.points[i];
-    EXPECT_NEAR(e.irradiance_lx.g, expected, 7 * e.standard_error_lx.g + 1e-5 * expected)
+    EXPECT_NEAR(e.irradiance_lx.g, expected, 7 * e.illuminance_error_lx + 1e-5 * expected)
         << "point " << i;
-    sum += e.irradiance_lx.g, variance += e.standard_error_lx.g * e.standard_error_lx.g;
+    sum += e.irradiance_lx.g, variance += e.illuminance_error_lx * e.illuminance_error_lx;
   }
   const double error = std::sqrt(variance) / n;
   EXPECT_LT(error, 0.01 * expected);
@@ -297,7 +297,7 @@ TEST(OpenBox, HasLessRadiance) {
   const auto e = estimate_irradiance(*room, std::span(&p, 1),
                                      {.seed = 6, .block_count = 16384, .bounces = kBounces}, {})
                      .points[0];
-  EXPECT_LT(e.irradiance_lx.g, std::numbers::pi * kL / 0.5 - 7 * e.standard_error_lx.g);
+  EXPECT_LT(e.irradiance_lx.g, std::numbers::pi * kL / 0.5 - 7 * e.illuminance_error_lx);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ TEST(Irradiance, OfAPointLightIsExact) {
   const IrradianceEstimate e = one(*scene, at(0, 0, 0));
   EXPECT_NEAR(e.irradiance_lx.g, 100.0 / 25 * 0.8, 1e-5);
   EXPECT_TRUE(e.exact);
-  EXPECT_EQ(e.standard_error_lx.g, 0);
+  EXPECT_EQ(e.illuminance_error_lx, 0);
   EXPECT_EQ(e.zero_bound_lx, 0);
 }
 
@@ -81,12 +81,12 @@ TEST(Irradiance, UnderAUniformSkyIsPiTimesItsRadiance) {
   d.lights = {{UniformInfiniteLightParams{Rgb(2)}, {}}};
   const auto scene = build(std::move(d));
   const IrradianceEstimate e = one(*scene, at(0, 0, 0), sampled(64));
-  EXPECT_NEAR(e.irradiance_lx.g, 2 * pi, 5 * e.standard_error_lx.g);
-  EXPECT_LT(e.standard_error_lx.g, 0.01 * 2 * pi);
+  EXPECT_NEAR(e.irradiance_lx.g, 2 * pi, 5 * e.illuminance_error_lx);
+  EXPECT_LT(e.illuminance_error_lx, 0.01 * 2 * pi);
   EXPECT_FALSE(e.exact);
   const IrradianceEstimate known = one(*scene, at(0, 0, 0));
   EXPECT_NEAR(known.irradiance_lx.g, 2 * pi, 1e-12);
-  EXPECT_EQ(known.standard_error_lx.g, 0);
+  EXPECT_EQ(known.illuminance_error_lx, 0);
   EXPECT_TRUE(known.exact);
 }
 
@@ -100,7 +100,7 @@ TEST(Irradiance, IsExactOnlyWithoutObstacles) {
   EXPECT_TRUE(open.exact);
   EXPECT_FALSE(shaded.exact);
   const IrradianceEstimate estimate = one(*scene, at(0, 0, 0), sampled(256));
-  EXPECT_NEAR(open.irradiance_lx.g, estimate.irradiance_lx.g, 5 * estimate.standard_error_lx.g);
+  EXPECT_NEAR(open.irradiance_lx.g, estimate.irradiance_lx.g, 5 * estimate.illuminance_error_lx);
   // Reflected light is sampled nevertheless.
   IrradianceSettings all = direct();
   all.bounces = 1;
@@ -163,8 +163,8 @@ TEST(Irradiance, OfChosenLightsIsTheSumOfAllLights) {
     settings.methods.light_selection = how;
     const IrradianceEstimate e = one(*scene, at(0, 0, 0), settings);
     EXPECT_FALSE(e.exact);
-    EXPECT_NEAR(e.irradiance_lx.g, of_lamps(12), 5 * e.standard_error_lx.g);
-    EXPECT_LT(e.standard_error_lx.g, 0.02 * of_lamps(12));
+    EXPECT_NEAR(e.irradiance_lx.g, of_lamps(12), 5 * e.illuminance_error_lx);
+    EXPECT_LT(e.illuminance_error_lx, 0.02 * of_lamps(12));
   }
 }
 
@@ -292,7 +292,7 @@ TEST(Irradiance, HasNoStandardErrorFromOneReplicate) {
   SceneDescription d = testing::description();
   d.lights = {{UniformInfiniteLightParams{Rgb(2)}, {}}};
   const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), sampled(16, 1));
-  EXPECT_TRUE(std::isinf(e.standard_error_lx.g));
+  EXPECT_TRUE(std::isinf(e.illuminance_error_lx));
 }
 
 TEST(Irradiance, GivesTheSameBitsForAnySplitOfABatch) {
@@ -307,7 +307,7 @@ TEST(Irradiance, GivesTheSameBitsForAnySplitOfABatch) {
   const auto rest = estimate_irradiance(*scene, std::span(points).subspan(17), settings, {});
   for (std::size_t i = 17; i < 40; ++i) {
     EXPECT_EQ(all.points[i].irradiance_lx, rest.points[i - 17].irradiance_lx);
-    EXPECT_EQ(all.points[i].standard_error_lx, rest.points[i - 17].standard_error_lx);
+    EXPECT_EQ(all.points[i].illuminance_error_lx, rest.points[i - 17].illuminance_error_lx);
   }
 }
 
@@ -325,7 +325,7 @@ TEST(Irradiance, StandardErrorMatchesTheScatter) {
   for (const auto& e : r.points) mean += e.irradiance_lx.g / 2000;
   EXPECT_NEAR(mean, pi / 2, 0.01);  // the half space x > 0
   for (const auto& e : r.points)
-    square += std::pow((e.irradiance_lx.g - mean) / e.standard_error_lx.g, 2) / 2000;
+    square += std::pow((e.irradiance_lx.g - mean) / e.illuminance_error_lx, 2) / 2000;
   EXPECT_GT(square, 15.0 / 13 / 2);
   EXPECT_LT(square, 15.0 / 13 * 2);
 }

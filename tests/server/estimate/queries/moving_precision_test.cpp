@@ -273,7 +273,7 @@ TEST(MovingPrecision, BouncesStartAtTheSurfaceOfThatTime) {
           .points[0];
     };
     const auto moved = of(*scene, t), still = of(*scene_at(t, false), 0);
-    const double error = std::hypot(moved.standard_error_lx.g, still.standard_error_lx.g);
+    const double error = std::hypot(moved.illuminance_error_lx, still.illuminance_error_lx);
     // Seven standard errors, which come from 64 blocks; exceeded by chance less than once in 1e8.
     EXPECT_NEAR(moved.irradiance_lx.g, still.irradiance_lx.g, 7 * error + 1e-4) << t;
     const double direct = 10 * 0.5 / std::pow(0.04 + 0.25, 1.5);
