@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "server/scene/light_at_time.h"
-#include "server/scene/light_choice.h"
 #include "server/shadows/shaft.h"
 
 namespace lucerna {
@@ -48,11 +47,8 @@ double reflected_share(const SurfaceHit& hit, const Vec3f& wo, const LightSample
   return sample.reason == NoLight::kNone ? reflected_share(hit, wo, sample.wi) : 0;
 }
 
-/// From this number of lights with a size on, one of them is drawn after a reflection.  Measured:
-/// squared error times time of irradiance, relative to samples of each.
-///
-/// 0.67, 0.61 and 0.49 with two, three and four of the panels of tests/bench/office.pbrt.  1.3 for
-/// the two different lamps of scenes/demo.pbrt.
+/// From this number of lights with a size on, one of them is drawn after a reflection
+/// (docs/decisions/054-lights-after-a-reflection.md).
 constexpr std::size_t kFewestDrawn = 3;
 
 /// Whether a light with a size is near and shines evenly.  The light tree then knows nearly what it
@@ -74,26 +70,25 @@ MostIrradiance most_of(const LightAtTime& light, const Receiver& receiver, doubl
 
 DirectLight::DirectLight(const Scene& scene, const Methods& methods, std::uint32_t candidates)
     : scene_(scene), methods_(methods), visibility_(scene, methods) {
-  for (std::uint32_t l = 0; l < scene.lights().size(); ++l) deltas_ += is_delta(l) ? 1 : 0;
-  switch (methods.light_selection) {
-    case LightSelection::kAll:
-      spending_ = Spending::kEach;
-      break;
-    case LightSelection::kAutomatic:
-      spending_ = scene.lights().size() <= kFewLights ? Spending::kEach : Spending::kDrawn;
-      candidates_ = candidates;
-      break;
-    default:
-      // With one light, there is nothing to choose.
-      spending_ = scene.lights().size() < 2 ? Spending::kEach : Spending::kDrawn;
-  }
-  later_spending_ = spending_;
-  if (methods_.light_selection == LightSelection::kAutomatic && spending_ == Spending::kEach &&
-      scene.lights().size() - deltas_ >= kFewestDrawn &&
-      std::ranges::all_of(scene.lights(), [](const SceneLight& l) {
-        return lucerna::is_delta(l) || is_even_lamp(*l.light);
-      }))
-    later_spending_ = Spending::kOneArea;
+  const auto& lights = scene.lights();
+  for (const SceneLight& l : lights) deltas_ += is_delta(l) ? 1 : 0;
+  const LightSelection how = methods.light_selection;
+  const bool automatic = how == LightSelection::kAutomatic;
+  const auto draw = [&](bool areas_only) -> std::unique_ptr<const LightStrategy> {
+    if (automatic && candidates > 1)
+      return std::make_unique<ResampledLights>(how, areas_only, candidates);
+    return std::make_unique<OneLight>(how, areas_only);
+  };
+  drawn_ = draw(false);
+  areas_drawn_ = draw(true);
+  // With one light, there is nothing to choose.
+  const bool all = how == LightSelection::kAll || lights.size() <= (automatic ? kFewLights : 1);
+  first_ = all ? &all_ : drawn_.get();
+  later_ = first_;
+  if (automatic && all && lights.size() - deltas_ >= kFewestDrawn &&
+      std::ranges::all_of(lights,
+                          [](const SceneLight& l) { return is_delta(l) || is_even_lamp(*l.light); }))
+    later_ = &one_area_;
 }
 
 double DirectLight::weight(double a, double b) const {
@@ -114,36 +109,29 @@ Receiver DirectLight::receiver(const SurfaceHit& hit, const Vec3f& wo,
   return r;
 }
 
-bool DirectLight::is_delta(std::uint32_t light) const {
-  return lucerna::is_delta(scene_.lights()[light]);
-}
-
 Combination DirectLight::combination(std::uint32_t light) const {
   return scene_.lights()[light].is_unseen ? Combination::kLights : methods_.combination;
 }
 
 std::uint32_t DirectLight::points_on(std::uint32_t light) const {
   const std::uint32_t points = methods_.samples_per_light.value_or(scene_.lights()[light].samples);
-  return points == 1 || is_delta(light) ? 1 : points;
+  return points == 1 || is_delta(scene_.lights()[light]) ? 1 : points;
 }
 
-const LightSelector& DirectLight::selector(Spending spending) const {
-  return spending == Spending::kAreasDrawn ? scene_.area_selector() : scene_.light_selector();
-}
-
-std::uint64_t DirectLight::settling_samples() const {
+std::uint64_t DirectLight::samples_for_exact_deltas() const {
   if (scene_.lights().size() <= kFewLights) return 0;
-  return (deltas_ + kSettledPerSample - 1) / kSettledPerSample;
+  return (deltas_ + kDeltasPerSample - 1) / kDeltasPerSample;
 }
 
-Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
-  if (methods_.light_selection != LightSelection::kAutomatic) return spending_;
-  if (samples < settling_samples()) return Spending::kDrawn;
-  return scene_.lights().size() - deltas_ <= kFewAreas ? Spending::kEach : Spending::kAreasDrawn;
+const LightStrategy& DirectLight::strategy_at_receiver(std::uint64_t samples) const {
+  if (methods_.light_selection != LightSelection::kAutomatic) return *first_;
+  if (samples < samples_for_exact_deltas()) return *drawn_;
+  if (scene_.lights().size() - deltas_ <= kFewAreas) return all_;
+  return *areas_drawn_;
 }
 
-LightSample DirectLight::light_sample(const Vertex& v, std::uint32_t light, const PathSample& at,
-                                      std::uint32_t dimension) const {
+LightSample DirectLight::light_sample(const LightVertex& v, std::uint32_t light,
+                                      const PathSample& at, std::uint32_t dimension) const {
   const LightAtTime l(scene_.lights()[light], v.hit.time_s);
   Receiver r = receiver(v.hit, v.wo, v.scattering);
   r.incomplete = r.incomplete && !l.is_unseen();
@@ -154,7 +142,7 @@ LightSample DirectLight::light_sample(const Vertex& v, std::uint32_t light, cons
   return l->sample_li(r, {u.x, u.y});
 }
 
-DirectLight::Candidate DirectLight::candidate(const Vertex& v, const LightChoice& choice,
+DirectLight::Candidate DirectLight::candidate(const LightVertex& v, const LightChoice& choice,
                                               std::uint32_t points, const PathSample& at,
                                               std::uint32_t dimension) const {
   Candidate c{light_sample(v, choice.light, at, dimension), {}, {}};
@@ -183,7 +171,7 @@ DirectLight::Candidate DirectLight::candidate(const Vertex& v, const LightChoice
   return c;
 }
 
-void DirectLight::scatter(const Vertex& v, const LightChoice& choice, std::uint32_t points,
+void DirectLight::scatter(const LightVertex& v, const LightChoice& choice, std::uint32_t points,
                           Candidate& c) const {
   const LightSample& s = c.sample;
   if (s.reason != NoLight::kNone) return;
@@ -208,13 +196,12 @@ void DirectLight::scatter(const Vertex& v, const LightChoice& choice, std::uint3
   }
 }
 
-LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
-                                    const LightSample& sample, const Rgb& value,
+LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light, const Candidate& c,
                                     WorkCounts& work) const {
-  if (value.is_black()) return {};
-  if (scene_.is_clear()) return {value, value};  // no ray is needed, and none is counted
-  const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m());
-  return {value * visibility_.visible(light, hit.position, hit.ng, ray, work), value};
+  if (c.value.is_black()) return {};
+  if (scene_.is_clear()) return {c.value, c.value};  // no ray is needed, and none is counted
+  const Ray ray = shadow_ray(hit, c.sample, scene_.lights()[light].reach_m());
+  return {c.value * visibility_.visible(light, hit.position, hit.ng, ray, work), c.value};
 }
 
 std::optional<LightEstimate> DirectLight::from_point_light(const SurfaceHit& hit, const Vec3f& wo,
@@ -239,7 +226,7 @@ std::optional<Rgb> DirectLight::from_one_direction(const SurfaceHit& hit, const 
   const LightAtTime l(scene_.lights()[light], hit.time_s);
   const auto arriving = [&](const LightSample& s) {
     const double share = reflected_share(hit, wo, s);
-    return share > 0 ? shadowed(hit, light, s, s.value * share, work).value : Rgb{};
+    return share > 0 ? shadowed(hit, light, {s, s.value * share, {}}, work).value : Rgb{};
   };
   if (methods_.far_light_radii)
     if (const auto s = far_sample(*l, receiver(hit, wo), *methods_.far_light_radii))
@@ -267,109 +254,33 @@ std::optional<Rgb> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3
   return *lx * kInvPi;
 }
 
-void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3f& wo,
-                         std::uint32_t depth, const PathSample& s, const LightSet& settled,
-                         WorkCounts& work, const Found& found,
-                         const SurfaceScattering* scattering) const {
-  const Vertex v{hit, wo, depth, settled, work, found, scattering};
-  if (spending == Spending::kEach) {
-    const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
-    for (std::uint32_t l = 0; l < lights; ++l)
-      if (!settled.has(l))
-        sample_points(v, {l, 1}, s, PathSample::kFirstVisited + depth * lights + l);
-    return;
-  }
-  if (spending == Spending::kOneArea) {
-    const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
-    for (std::uint32_t l = 0; l < lights && deltas_ > 0; ++l)
-      if (is_delta(l) && !settled.has(l)) sample_points(v, {l, 1}, s, 0);
-    const double u = choosing_value(s.at(depth, PathSample::kLight));
-    const auto choice =
-        scene_.area_selector().choose(LightSelection::kBvh, receiver(hit, wo, scattering), u);
-    if (choice && !settled.has(choice->light))
-      sample_points(v, *choice, s, PathSample::dimension(depth, PathSample::kLightPoint));
-    return;
-  }
-  if (candidates_ == 1) {
-    const double u = choosing_value(s.at(depth, PathSample::kLight));
-    const auto choice =
-        selector(spending).choose(methods_.light_selection, receiver(hit, wo, scattering), u);
-    if (choice && !settled.has(choice->light))
-      sample_points(v, *choice, s, PathSample::dimension(depth, PathSample::kLightPoint));
-    return;
-  }
-  const std::uint32_t times = methods_.samples_per_light.value_or(1);
-  for (std::uint32_t k = 0; k < times; ++k)
-    sample_one_of(v, spending, s.part(k, times), 1.0 / times);
-}
-
-void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, const PathSample& s,
-                                std::uint32_t dimension) const {
+void DirectLight::sample_light(const LightVertex& v, const LightChoice& choice, const PathSample& s,
+                               std::uint32_t dimension) const {
   if (v.scattering == nullptr)
     if (const auto e = from_point_light(v.hit, v.wo, choice, v.work))
-      return v.found(choice.light, *e);
+      return v.add(choice.light, *e);
   const std::uint32_t points = points_on(choice.light);
   LightEstimate sum;
   for (std::uint32_t j = 0; j < points; ++j) {
     const Candidate c = candidate(v, choice, points, s.part(j, points), dimension);
-    sum += shadowed(v.hit, choice.light, c.sample, c.value, v.work);
+    sum += shadowed(v.hit, choice.light, c, v.work);
     sum.unshadowed += c.found;
   }
   const double share = 1.0 / points;
-  v.found(choice.light, {sum.value * share, sum.unshadowed * share});
+  v.add(choice.light, {sum.value * share, sum.unshadowed * share});
 }
 
-void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSample& s,
-                                double share) const {
-  // One pass over the candidates.  Each replaces the kept candidate with the probability of its
-  // share in the sum so far.  [Chao82]
-  double u = s.at(v.depth, PathSample::kSurvival).y;
-  double sum = 0;
-  std::uint32_t light = 0;
-  Candidate kept{};
-  const auto weigh = [&](std::uint32_t of, const Candidate& c) {
-    if (!c.found.is_black()) v.found(of, {{}, c.found * share});
-    const double importance = c.value.max_component();
-    if (!(importance > 0)) return;
-    sum += importance;
-    const double part = importance / sum;
-    if (u < part) {
-      u /= part;
-      kept = c;
-      light = of;
-    } else {
-      u = (u - part) / (1 - part);
-    }
-  };
-  const Receiver from = receiver(v.hit, v.wo, v.scattering);
-  const LightSelector& lights = selector(spending);
-  for (std::uint32_t j = 0; j < candidates_; ++j) {
-    const PathSample part = s.part(j, candidates_);
-    const auto choice = lights.choose(methods_.light_selection, from,
-                                      choosing_value(part.at(v.depth, PathSample::kLight)));
-    if (!choice || v.settled.has(choice->light)) continue;
-    weigh(choice->light,
-          candidate(v, *choice, 1, part, PathSample::dimension(v.depth, PathSample::kLightPoint)));
-  }
-  share /= candidates_;
-  if (!(sum > 0 && std::isfinite(sum))) return;
-  const double scale = share * (sum / kept.value.max_component());
-  v.found(light, shadowed(v.hit, light, kept.sample, kept.value * scale, v.work));
-}
-
-MostIrradiance DirectLight::most(Spending spending, const SurfaceHit& hit, const Vec3f& wo,
-                                 std::uint32_t light) const {
+MostIrradiance DirectLight::most(const LightStrategy& strategy, const SurfaceHit& hit,
+                                 const Vec3f& wo, std::uint32_t light) const {
   const Receiver r = receiver(hit, wo);
-  double probability = 1;
-  if (spending == Spending::kDrawn || spending == Spending::kAreasDrawn)
-    probability = selector(spending).probability(methods_.light_selection, r, light);
-  return most_of(LightAtTime(scene_.lights()[light], hit.time_s), r, probability);
+  return most_of(LightAtTime(scene_.lights()[light], hit.time_s), r,
+                 strategy.probability(scene_, r, light));
 }
 
-double DirectLight::found_weight(Spending spending, const SurfaceHit& from, const Vec3f& wo,
-                                 const Ray& ray, const std::optional<SurfaceHit>& hit,
-                                 std::uint32_t light, double direction_pdf,
-                                 const SurfaceScattering* scattering) const {
+double DirectLight::found_weight(const LightStrategy& strategy, const SurfaceHit& from,
+                                 const Vec3f& wo, const Ray& ray,
+                                 const std::optional<SurfaceHit>& hit, std::uint32_t light,
+                                 double direction_pdf, const SurfaceScattering* scattering) const {
   if (methods_.combination == Combination::kSurfaces && !methods_.far_light_radii) return 1;
   const Receiver r = receiver(from, wo, scattering);
   const LightAtTime l(scene_.lights()[light], ray.time_s);
@@ -383,13 +294,8 @@ double DirectLight::found_weight(Spending spending, const SurfaceHit& from, cons
   // A density of infinity marks a light that directions cannot find.
   if (pdf.per_sr == std::numeric_limits<double>::infinity()) return 0;
   if (methods_.combination == Combination::kSurfaces) return 1;
-  double times = 1;  // number of points on the light, all equally likely
-  if (spending == Spending::kDrawn || spending == Spending::kAreasDrawn)
-    times = selector(spending).probability(methods_.light_selection, r, light);
-  if (spending == Spending::kOneArea)
-    times = scene_.area_selector().probability(LightSelection::kBvh, r, light);
-  if (spending == Spending::kEach || spending == Spending::kOneArea || candidates_ == 1)
-    times *= points_on(light);
+  double times = strategy.probability(scene_, r, light);  // points on the light, equally likely
+  if (strategy.takes_all_points()) times *= points_on(light);
   return weight(direction_pdf, pdf.per_sr * times);
 }
 

@@ -35,14 +35,23 @@ class LightVisibility {
   const Transmittance& transmittance() const { return transmittance_; }
 
   /// The share of light, by channel, that arrives at a position from the light, by map or by ray.
-  /// `ray`: from the surface to the light.
+  /// `normal`: of the surface, unit, or zero.  `ray`: from the surface to the light.
   Rgb visible(std::uint32_t light, const Vec3& position, const Vec3& normal, const Ray& ray,
               WorkCounts& work) const {
-    if (!transmittance_.is_partial()) [[likely]]
-      return Rgb(is_occluded(light, position, normal, ray, work) ? 0 : 1);
+    if (const auto occluded = by_map(light, position, normal)) {
+      ++work.map_lookups;
+      if (is_compared(ray)) {
+        ++work.shadow_rays;
+        compare(*occluded, scene_.occluded(ray), work);
+      }
+      return Rgb(*occluded ? 0 : 1);
+    }
     ++work.shadow_rays;
-    if (is_occluded_by_ray(light, position, ray)) return {};
-    return passed(light, position, ray, work);
+    const Meets blocking = transmittance_.blocking();
+    if (contacts_.touches(light) ? contacts_.is_hidden(light, position, ray, blocking)
+                                 : scene_.occluded(ray, blocking))
+      return {};
+    return transmittance_.is_partial() ? passed(light, position, ray, work) : Rgb(1);
   }
   /// The share of light that panes and media pass along a ray to the light that no surface blocks.
   /// `error_m`: as for LampContacts::is_hidden.
@@ -55,28 +64,11 @@ class LightVisibility {
   }
 
   /// Whether the light's map has an obstacle before a position.  Nothing if there is no map or the
-  /// position is outside of it: then a ray is needed.  `normal`: of the surface, unit, or zero.
+  /// position is outside of it: then a ray is needed.
   std::optional<bool> by_map(std::uint32_t light, const Vec3& position, const Vec3& normal) const {
     if (maps_ == nullptr || contacts_.touches(light)) return std::nullopt;
     const ShadowMap* map = maps_->map(light);
     return map == nullptr ? std::nullopt : map->is_occluded(position, normal);
-  }
-
-  /// Whether an obstacle is between a position and the light.  As `visible`, where light arrives
-  /// wholly or not at all.
-  bool is_occluded(std::uint32_t light, const Vec3& position, const Vec3& normal, const Ray& ray,
-                   WorkCounts& work) const {
-    const auto occluded = by_map(light, position, normal);
-    if (!occluded) {
-      ++work.shadow_rays;
-      return is_occluded_by_ray(light, position, ray);
-    }
-    ++work.map_lookups;
-    if (is_compared(ray)) {
-      ++work.shadow_rays;
-      compare(*occluded, scene_.occluded(ray), work);
-    }
-    return *occluded;
   }
 
   const LampContacts& contacts() const { return contacts_; }
@@ -102,12 +94,6 @@ class LightVisibility {
   }
 
  private:
-  bool is_occluded_by_ray(std::uint32_t light, const Vec3& position, const Ray& ray) const {
-    if (contacts_.touches(light)) [[unlikely]]
-      return contacts_.is_hidden(light, position, ray, transmittance_.blocking());
-    return scene_.occluded(ray, transmittance_.blocking());
-  }
-
   const Scene& scene_;
   Transmittance transmittance_;
   const LampContacts& contacts_;

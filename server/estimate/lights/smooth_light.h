@@ -15,8 +15,9 @@
 #include <span>
 #include <vector>
 
-#include "server/estimate/lights/direct_light.h"
 #include "server/estimate/lights/lamp_rays.h"
+#include "server/estimate/lights/light_strategy.h"
+#include "server/estimate/lights/light_visibility.h"
 #include "server/estimate/lights/path_sample.h"
 #include "server/estimate/lights/surface_scattering.h"
 #include "server/runtime/work_counts.h"
@@ -53,7 +54,7 @@ class SmoothLight {
   };
   /// Estimates the radiance [cd/m2] that the surface sends towards `wo`.  Calls `found` for each
   /// light that was sampled; the estimates add up.
-  using Found = DirectLight::Found;
+  using Found = AddLight;
   void sample(const Vertex& v, const PathSample& s, WorkCounts& work, const Found& found) const;
 
   /// The same for light of delta lights by way of planes that are nearly mirrors: a part of the

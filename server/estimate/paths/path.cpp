@@ -46,7 +46,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
   SurfaceHit hit = first;
   Vec3f wo = first_wo;
   Rgb throughput{1};
-  LightSet settled;
+  LightSet exact;
   // Later in a picture, samples of lamps with a size by way of mirrors cost more than they gain.
   const bool is_of_receiver = depth > 0;
   // Most surfaces are diffuse without textures, and need no scattering function.  Outside of the
@@ -65,7 +65,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
       for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
         const auto all = direct_.in_closed_form(hit, wo, l);
         if (!all) continue;
-        settled.add(l);
+        exact.add(l);
         sum += {throughput * *all, throughput * *all};
       }
     }
@@ -80,25 +80,20 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
       next_direction.pdf = std::fabs(dot(hit.ns, Vec3(next_direction.wi))) * kInvPi;
     }
 
-    if (!scattering || !scattering->all_delta())
-      direct_.sample(
-          direct_.spending(depth), hit, wo, depth, sample, settled, work,
-          [&](std::uint32_t light, const LightEstimate& e) {
-            const double weight = smooth_.any() ? smooth_.glossy_weight(before, hit, light) : 1;
-            sum.value += throughput * e.value * weight;
-            sum.unshadowed += throughput * e.unshadowed * weight;
-          },
-          scattering ? &*scattering : nullptr);
+    const SurfaceScattering* const surface = scattering ? &*scattering : nullptr;
+    if (surface == nullptr || !surface->all_delta()) {
+      const auto add = [&](std::uint32_t light, const LightEstimate& e) {
+        const double weight = smooth_.any() ? smooth_.glossy_weight(before, hit, light) : 1;
+        sum.value += throughput * e.value * weight;
+        sum.unshadowed += throughput * e.unshadowed * weight;
+      };
+      direct_.strategy(depth).sample(direct_, {hit, wo, depth, exact, work, add, surface}, sample);
+    }
 
     // Where a surface has both kinds of directions, paths come from its other ones too.
-    if (smooth_.any() && (!scattering || !scattering->all_delta())) {
-      const SmoothLight::Vertex v{hit,
-                                  wo,
-                                  scattering ? &*scattering : nullptr,
-                                  depth,
-                                  false,
-                                  most_steps(depth),
-                                  is_of_receiver || depth == 0};
+    if (smooth_.any() && (surface == nullptr || !surface->all_delta())) {
+      const SmoothLight::Vertex v{
+          hit, wo, surface, depth, false, most_steps(depth), is_of_receiver || depth == 0};
       const auto found = [&](std::uint32_t, const LightEstimate& e) {
         sum.value += throughput * e.value;
         sum.unshadowed += throughput * e.unshadowed;
@@ -118,9 +113,8 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
       next_direction = {Vec3f(scattered->wi), scattered->pdf.per_sr, scattered->delta};
     }
     if (!next_direction.is_single)
-      before = {
-          hit.position, next_direction.pdf, false,
-          smooth_.counts_at(is_of_receiver || depth == 0, scattering ? &*scattering : nullptr, wo)};
+      before = {hit.position, next_direction.pdf, false,
+                smooth_.counts_at(is_of_receiver || depth == 0, surface, wo)};
     else
       before = smooth_.after_single(before, hit, Vec3(wo), Vec3(next_direction.wi));
     // Lights do not sample single directions, so these always find lights.
@@ -140,14 +134,13 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray, direct_.transmittance().met());
     if (scene_.has_media()) throughput = throughput * left_by_media(ray, next);
     const auto found = [&](std::uint32_t light, const Rgb& le) {
-      if (settled.has(light) || (next_direction.is_single && smooth_.counts(before, light))) return;
+      if (exact.has(light) || (next_direction.is_single && smooth_.counts(before, light))) return;
       work.by_chance +=
           next_direction.is_single ? before.met_unsolved : next_direction.pdf > kNarrow;
-      const double weight =
-          next_direction.is_single
-              ? 1
-              : direct_.found_weight(direct_.spending(depth), hit, wo, ray, next, light,
-                                     next_direction.pdf, scattering ? &*scattering : nullptr);
+      const double weight = next_direction.is_single
+                                ? 1
+                                : direct_.found_weight(direct_.strategy(depth), hit, wo, ray, next,
+                                                       light, next_direction.pdf, surface);
       sum.value += throughput * le * weight;
       sum.unshadowed += throughput * le * weight;
     };
@@ -155,7 +148,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
     if (!next || last) return sum;
     hit = *next;
     wo = -wi;
-    settled.clear();
+    exact.clear();
   }
 }
 

@@ -71,12 +71,7 @@ class PathTracer {
   /// Number of reflections before Russian roulette begins: most light arrives with fewer.
   static constexpr std::uint32_t kSafeDepth = 2;
   /// Paths that survive the roulette have at least this weight.  With a weight of 1, a few paths
-  /// carry the light of many reflections.  Measured: squared error times time of irradiance,
-  /// relative to a weight of 1 from the third reflection on.
-  ///
-  /// tests/bench/office.pbrt: 0.83, 0.77, 0.79 and 0.86 for weights of 0.5, 0.3, 0.2 and 0.1.
-  ///
-  /// The same with white surfaces: 0.62, 0.49, 0.46 and 0.48.
+  /// carry the light of many reflections (docs/decisions/055-russian-roulette.md).
   static constexpr double kWeight = 0.3;
 
   const Scene& scene_;

@@ -8,18 +8,16 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <mutex>
 #include <numbers>
 
 #include "server/estimate/lights/manifold_walks.h"
 #include "server/estimate/paths/path.h"
+#include "server/estimate/queries/exact_light.h"
 #include "server/estimate/queries/irradiance_estimate.h"
 #include "server/estimate/queries/missed_light.h"
-#include "server/estimate/queries/settled_light.h"
 #include "server/estimate/queries/shadow_edges.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/statistics/pilots.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 
 namespace lucerna {
@@ -33,6 +31,14 @@ constexpr std::size_t kRaysPerChunk = 8192;
 // A walk takes as long as 10 to 40 samples; so many find nearly every path.
 constexpr std::uint32_t kSamplesPerWalk = 2, kMostWalks = 32;
 
+/// A point whose light is estimated.
+struct Item {
+  std::size_t number;
+  SurfaceHit receiver;
+  Vec3f n;  // its normal
+  ExactPart exact;
+};
+
 /// Sums over all samples of one point.
 struct Sampled {
   Estimate total;
@@ -40,7 +46,7 @@ struct Sampled {
   std::vector<Estimate> shares;  // of each light, with `per_light`
   BySpectrum by_spectrum;        // of the current block
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
-  std::uint64_t reflected = 0;                 // samples with light that surfaces reflect
+  FoundLight reflected;
 };
 
 /// Whether reflected light is part of the answer.
@@ -62,7 +68,7 @@ class IrradianceEstimator {
         direct_(tracer_.direct()),
         gather_indirect_(gathers_reflected_light(scene, settings)),
         by_way_(gather_indirect_ && tracer_.smooth().any()),
-        settler_(scene, settings, tracer_, gather_indirect_),
+        exact_(scene, settings, tracer_, gather_indirect_),
         walks_(scene, direct_.visibility(), tracer_.smooth()),
         by_walks_(gather_indirect_ && walks_.any()),
         missed_(scene, settings.bounces),
@@ -71,24 +77,17 @@ class IrradianceEstimator {
               std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),
         spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
 
-  WorkCounts range(std::size_t begin, std::size_t end) {
-    WorkCounts work;
-    for (std::size_t p = begin; p < end && !stopped_; ++p) point(p, work);
-    return work;
-  }
-
   std::size_t points_per_chunk() const {
     const std::size_t lights = std::max<std::size_t>(1, scene_.lights().size());
     if (!gather_indirect_ && direct_.is_exact())
       return std::max<std::size_t>(1, kRaysPerChunk / lights);
     if (settings_.target) return 1;
     return std::max<std::size_t>(1, kSamplesPerChunk / (samples_of(settings_.samples_per_block) +
-                                                        LightSettler::kSamplesPerShafts));
+                                                        ExactLight::kSamplesPerShafts));
   }
 
- private:
   void point(std::size_t p, WorkCounts& work) {
-    if (stop_.stop_requested()) {
+    if (stopped_ || stop_.stop_requested()) {
       stopped_ = true;
       return;
     }
@@ -97,7 +96,21 @@ class IrradianceEstimator {
     if (settings_.target) start = std::chrono::steady_clock::now();
     const std::uint64_t rays_before = work.indirect_rays + work.shadow_rays;
     const SurfaceHit receiver = surface_at(points_[p], settings_.time_s);
-    const std::uint64_t samples = put_estimate(p, receiver, work);
+    std::uint32_t per_block = settings_.samples_per_block;
+    const std::uint64_t expected = settings_.target
+                                       ? std::min(kFirstPilotSamples, samples_of(most_per_block()))
+                                       : samples_of(per_block);
+    Item item{p, receiver, Vec3f(receiver.ns), exact_.at(receiver, expected, work)};
+    if (settings_.target && item.exact.needs_samples) per_block = needed_per_block(item, work);
+    put_exact(item);
+    std::uint64_t samples = 0;
+    if (item.exact.needs_samples && !stopped_) {
+      Sampled e = no_samples(item.exact.shares.size(), settings_.wavelengths_nm.size());
+      blocks(item, {0, settings_.block_count, per_block}, e, work);
+      if (stopped_) return;
+      samples = samples_of(per_block);
+      put_sampled(item, e, samples);
+    }
     if (stopped_) return;
     MissedLight& missed = result_.points[p].missed;
     if (missed.kind == MissedLight::Kind::kNone && missed_.is_outdoors(points_[p], receiver.time_s))
@@ -107,57 +120,46 @@ class IrradianceEstimator {
     result_.costs[p] = {samples, work.indirect_rays + work.shadow_rays - rays_before, took.count()};
   }
 
-  /// Returns the number of samples of the estimate.
-  std::uint64_t put_estimate(std::size_t p, const SurfaceHit& receiver, WorkCounts& work) {
-    std::uint32_t per_block = settings_.samples_per_block;
-    const std::uint64_t expected = settings_.target
-                                       ? std::min(kFirstPilotSamples, samples_of(most_per_block()))
-                                       : samples_of(per_block);
-    Settled settled = settler_.settle(receiver, expected, work);
-    if (settings_.target && settled.needs_samples) {
-      per_block = needed_per_block(p, receiver, settled, work);
-      if (settled.spending == Spending::kDrawn &&
-          settler_.spending(samples_of(per_block)) != settled.spending) {
-        // With this many samples, settling delta lights costs less.
-        settled = settler_.settle(receiver, samples_of(per_block), work);
-        if (settled.needs_samples) per_block = needed_per_block(p, receiver, settled, work);
-      }
-      // A query with this sample count and no target must settle the same lights.  So the count is
-      // raised to the least one that settles them.
-      if (settler_.spending(samples_of(per_block)) != settled.spending)
-        per_block = settling_per_block();
+ private:
+  /// The samples in a block that this point needs for the target error.  Sets its exact part to
+  /// that of this number.
+  std::uint32_t needed_per_block(Item& item, WorkCounts& work) {
+    std::uint32_t per_block = by_pilots(item, work);
+    if (direct_.draws_deltas(*item.exact.strategy) &&
+        &exact_.strategy(samples_of(per_block)) != item.exact.strategy) {
+      // With this many samples, rays to all delta lights cost less.
+      item.exact = exact_.at(item.receiver, samples_of(per_block), work);
+      if (item.exact.needs_samples) per_block = by_pilots(item, work);
     }
-    put_exact(p, settled);
-    if (!settled.needs_samples || stopped_) return 0;
-    put_sampled(p, receiver, settled, per_block, work);
-    return samples_of(per_block);
+    // A query with this sample count and no target must have the same exact part.  So the count is
+    // raised to the least one that has it.
+    if (&exact_.strategy(samples_of(per_block)) != item.exact.strategy)
+      per_block = static_cast<std::uint32_t>(
+          (direct_.samples_for_exact_deltas() + settings_.block_count - 1) / settings_.block_count);
+    return per_block;
   }
 
-  void put_exact(std::size_t p, Settled& settled) {
-    set_exact(settled.exact, result_.points[p]);
-    for (std::size_t l = 0; l < settled.shares.size(); ++l)
-      set_exact(settled.shares[l], result_.per_light[p * settled.shares.size() + l]);
-    if (settled.by_spectrum.wanted()) settled.by_spectrum.put(spectral_.local(), 1, spectral(p));
+  void put_exact(Item& item) {
+    const std::size_t lights = item.exact.shares.size();
+    set_exact(item.exact.lx, result_.points[item.number]);
+    for (std::size_t l = 0; l < lights; ++l)
+      set_exact(item.exact.shares[l], result_.per_light[item.number * lights + l]);
+    if (item.exact.by_spectrum.wanted())
+      item.exact.by_spectrum.put(spectral_.local(), 1, spectral(item));
   }
 
-  /// Samples the remaining light and adds it to the exact part.
-  void put_sampled(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
-                   std::uint32_t per_block, WorkCounts& work) {
-    Sampled e = no_samples(settled.shares.size(), settings_.wavelengths_nm.size());
-    const std::uint64_t by_chance = work.by_chance, cut_short = work.cut_short;
-    blocks(p, receiver, {0, settings_.block_count, per_block}, settled, e, work);
-    if (stopped_) return;
+  /// Adds sampled light to the exact part.
+  void put_sampled(const Item& item, const Sampled& e, std::uint64_t samples) {
+    const std::size_t p = item.number;
     std::optional<IntervalRule> own;
-    if (settings_.target) own.emplace(confidence_, settings_.block_count, samples_of(per_block));
+    if (settings_.target) own.emplace(confidence_, settings_.block_count, samples);
     const IntervalRule& rule = own ? *own : rule_;
     const double count = settings_.block_count;
-    result_.points[p] = e.total.result(settled.exact, count, rule, [&](bool missed) {
-      return most(receiver, settled, missed ? &e.found : nullptr);
-    });
+    IrradianceEstimate& total = result_.points[p];
+    total = e.total.result(item.exact.lx, count, rule,
+                           [&](bool missed) { return most(item, missed ? &e.found : nullptr); });
     if (gather_indirect_) {
-      IrradianceEstimate& total = result_.points[p];
-      total.missed = missed_.at(
-          points_[p], {work.by_chance - by_chance, work.cut_short - cut_short, e.reflected}, rule);
+      total.missed = missed_.at(points_[p], e.reflected, rule);
       // An interval that ends above the answer has room for reflected light.
       constexpr double kRounded = 1e-9;
       if (total.missed.kind == MissedLight::Kind::kReflected &&
@@ -167,111 +169,104 @@ class IrradianceEstimator {
       if (total.zero_bound_lx > 0) total.zero_bound_lx = total.illuminance_lx.upper;
     }
     for (std::uint32_t l = 0; l < e.shares.size(); ++l)
-      if (is_sampled(settled, l))
+      if (is_sampled(item, l))
         result_.per_light[p * e.shares.size() + l] =
-            e.shares[l].result(settled.shares[l], count, rule, [&](bool missed) {
-              return missed || settled.lights.has(l) ? MostIrradiance{}
-                                                     : most(receiver, settled, l);
+            e.shares[l].result(item.exact.shares[l], count, rule, [&](bool missed) {
+              return missed || item.exact.lights.has(l) ? MostIrradiance{} : most(item, l);
             });
-    add_shadow_edges(p, receiver, settled, e);
-    const std::span<double> at_wavelengths = spectral(p);
+    add_shadow_edges(item, e);
+    const std::span<double> at_wavelengths = spectral(item);
     for (std::size_t k = 0; k < at_wavelengths.size(); ++k) {
       const BlockStatistics at = e.at_wavelengths[k].total()[0];
       at_wavelengths[k] += at.sum / count;
       if (count > 1)
-        result_.spectral_error[p * at_wavelengths.size() + k] =
-            std::sqrt(at.deviation / (count * (count - 1)));
+        result_.spectral_error[p * at_wavelengths.size() + k] = standard_error(at, count);
     }
   }
 
   /// Adds to intervals what the rounding of edges may change.
-  void add_shadow_edges(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
-                        const Sampled& e) {
+  void add_shadow_edges(const Item& item, const Sampled& e) {
     const auto widen = [](IrradianceEstimate& to, double lx) {
       to.illuminance_lx.lower = std::max(0.0, to.illuminance_lx.lower - lx);
       to.illuminance_lx.upper += lx;
     };
+    const std::size_t p = item.number;
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
-      if (!e.found.has(l) || settled.lights.has(l)) continue;
-      const double lx = light_at_shadow_edges(scene_, receiver, l, most(receiver, settled, l).lx);
+      if (!e.found.has(l) || item.exact.lights.has(l)) continue;
+      const double lx = light_at_shadow_edges(scene_, item.receiver, l, most(item, l).lx);
       if (!(lx > 0)) continue;
       widen(result_.points[p], lx);
       if (settings_.per_light) widen(result_.per_light[p * scene_.lights().size() + l], lx);
     }
   }
 
-  /// Upper bounds of the direct light of the lights that are not settled.  `found`: leaves out
-  /// these lights; then 0 if lights are drawn, because many are never drawn.  Reflected light has
-  /// no bound.
-  MostIrradiance most(const SurfaceHit& receiver, const Settled& settled,
-                      const LightSet* found) const {
+  /// Upper bounds of the direct light of the lights that are not exact.  `found`: leaves out these
+  /// lights; then 0 if lights are drawn, because many are never drawn.  Reflected light has no
+  /// bound.
+  MostIrradiance most(const Item& item, const LightSet* found) const {
     MostIrradiance sum;
-    if (found != nullptr && settled.spending != Spending::kEach) return sum;
+    if (found != nullptr && item.exact.strategy != &direct_.all_lights()) return sum;
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
-      if (settled.lights.has(l) || (found != nullptr && found->has(l))) continue;
-      const MostIrradiance one = most(receiver, settled, l);
+      if (item.exact.lights.has(l) || (found != nullptr && found->has(l))) continue;
+      const MostIrradiance one = most(item, l);
       sum.lx += one.lx, sum.sample_lx += one.sample_lx;
     }
     return sum;
   }
-  MostIrradiance most(const SurfaceHit& receiver, const Settled& settled,
-                      std::uint32_t light) const {
-    return direct_.most(settled.spending, receiver, Vec3f(receiver.ns), light);
+  MostIrradiance most(const Item& item, std::uint32_t light) const {
+    return direct_.most(*item.exact.strategy, item.receiver, item.n, light);
   }
 
   /// Whether samples find light of this light: directly, or by way of smooth surfaces.
-  bool is_sampled(const Settled& settled, std::uint32_t light) const {
-    return by_way_ || by_walks_ || !settled.lights.has(light);
+  bool is_sampled(const Item& item, std::uint32_t light) const {
+    return by_way_ || by_walks_ || !item.exact.lights.has(light);
   }
 
-  /// Entries of point `p`, one for each wavelength.
-  std::span<double> spectral(std::size_t p) {
+  /// Entries of a point, one for each wavelength.
+  std::span<double> spectral(const Item& item) {
     const std::size_t n = settings_.wavelengths_nm.size();
-    return {result_.spectral.data() + p * n, n};
+    return {result_.spectral.data() + item.number * n, n};
   }
 
   std::uint64_t samples_of(std::uint32_t per_block) const {
     return std::uint64_t{per_block} * settings_.block_count;
   }
-  /// The largest `samples_per_block` within the target's limit.
   std::uint32_t most_per_block() const {
-    return static_cast<std::uint32_t>(
-        std::max<std::uint64_t>(1, settings_.target->max_samples / settings_.block_count));
-  }
-  /// The least `samples_per_block` for which delta lights are settled.
-  std::uint32_t settling_per_block() const {
-    return static_cast<std::uint32_t>((direct_.settling_samples() + settings_.block_count - 1) /
-                                      settings_.block_count);
+    return most_samples_per_block(*settings_.target, settings_.block_count);
   }
   Sampled no_samples(std::size_t shares, std::size_t wavelengths) const {
     const Estimate none{.may_be_hidden = !scene_.is_clear()};
     return {none,
             {},
             std::vector<Estimate>(shares, none),
-            settler_.no_spectra(),
-            std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0))};
+            exact_.no_spectra(),
+            std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0)),
+            {}};
   }
-  void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these,
-              const Settled& settled, Sampled& e, WorkCounts& work) {
-    const std::uint64_t item =
-        settings_.first_item + (settings_.numbers.empty() ? p : settings_.numbers[p]);
+  void blocks(const Item& item, const Blocks& these, Sampled& e, WorkCounts& work) {
+    const std::uint64_t number =
+        settings_.first_item +
+        (settings_.numbers.empty() ? item.number : settings_.numbers[item.number]);
+    const std::uint64_t by_chance = work.by_chance, cut_short = work.cut_short;
     for (std::uint64_t b = 0; b < these.count; ++b) {
-      const SampleSequence sequence(settings_.methods.sampler, settings_.seed, item,
+      const SampleSequence sequence(settings_.methods.sampler, settings_.seed, number,
                                     these.first + b);
       for (std::uint32_t i = 0; i < these.samples; ++i) {
         if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
           stopped_ = true;
           return;
         }
-        sample(receiver, {sequence, i}, settled, e, work);
+        sample(item, {sequence, i}, e, work);
       }
-      if (by_walks_) walk(receiver, {sequence, 0}, these.samples, e, work);
+      if (by_walks_) walk(item, {sequence, 0}, these.samples, e, work);
       work.samples += these.samples;
       e.total.end_block(these.samples);
       for (std::uint32_t l = 0; l < e.shares.size(); ++l)
-        if (is_sampled(settled, l)) e.shares[l].end_block(these.samples);
+        if (is_sampled(item, l)) e.shares[l].end_block(these.samples);
       if (!e.at_wavelengths.empty()) end_spectral_block(these.samples, e);
     }
+    e.reflected.by_chance = work.by_chance - by_chance;
+    e.reflected.cut_short = work.cut_short - cut_short;
   }
 
   void end_spectral_block(std::uint32_t samples, Sampled& e) {
@@ -281,54 +276,58 @@ class IrradianceEstimator {
     for (std::size_t k = 0; k < at.size(); ++k) e.at_wavelengths[k].add({at[k]});
   }
 
-  /// The samples in a block that this point needs for the target error.
-  std::uint32_t needed_per_block(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
-                                 WorkCounts& work) {
+  /// The samples in a block that pilots choose.
+  std::uint32_t by_pilots(const Item& item, WorkCounts& work) {
     const std::uint32_t replicates = settings_.block_count;
-    const auto needed =
-        needed_samples(*settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+    return needed_samples_per_block(
+        *settings_.target, replicates, [&](const Blocks& these) -> std::optional<PilotEstimate> {
           Sampled pilot = no_samples(0, 0);
-          blocks(p, receiver, these, settled, pilot, work);
+          blocks(item, these, pilot, work);
           if (stopped_) return std::nullopt;
           const IntervalRule rule(confidence_, replicates, these.count * these.samples);
           const IrradianceEstimate e = pilot.total.result(
-              settled.exact, static_cast<double>(these.count), rule, [&](bool missed) {
-                return most(receiver, settled, missed ? &pilot.found : nullptr);
-              });
+              item.exact.lx, static_cast<double>(these.count), rule,
+              [&](bool missed) { return most(item, missed ? &pilot.found : nullptr); });
           return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
         });
-    return static_cast<std::uint32_t>(std::min(static_cast<double>(most_per_block()),
-                                               std::ceil(needed.value_or(1) / replicates)));
   }
 
-  /// One sample of the light that is not settled.
-  void sample(const SurfaceHit& receiver, const PathSample& s, const Settled& settled, Sampled& to,
-              WorkCounts& work) const {
+  /// One sample of the light that is not exact.
+  void sample(const Item& item, const PathSample& s, Sampled& to, WorkCounts& work) const {
     LightEstimate sum;
-    direct_.sample(settled.spending, receiver, Vec3f(receiver.ns), 0, s, settled.lights, work,
-                   [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
+    const auto add_light = [&](std::uint32_t light, const LightEstimate& e) {
+      add(light, e, sum, to);
+    };
+    item.exact.strategy->sample(direct_,
+                                {item.receiver, item.n, 0, item.exact.lights, work, add_light}, s);
     if (by_way_) {
-      const Vec3f n(receiver.ns);
       const SmoothLight::Vertex v{
-          receiver, n, nullptr, 0, true, tracer_.most_steps(0), true, settings_.per_light};
-      tracer_.smooth().sample(
-          v, s, work, [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
+          item.receiver,      item.n, nullptr, 0, true, tracer_.most_steps(0), true,
+          settings_.per_light};
+      tracer_.smooth().sample(v, s, work, add_light);
       tracer_.smooth().sample_glossy(v, s, work, [&](std::uint32_t, const LightEstimate& e) {
         add_reflected(e, Rgb(1), sum, to);
       });
     }
-    if (settled.gathers) gather(receiver, s, settled, sum, to, work);
+    if (item.exact.gathers) {
+      gather(PathTracer::cosine_direction(item.n, item.n, s.at(0, PathSample::kDirection)), false,
+             item, s, sum, to, work);
+      if (item.exact.guided.any()) {
+        const Vec3f wi = item.exact.guided.sample(s.pair(PathSample::kGuided));
+        if (dot(item.n, wi) > 0) gather(wi, true, item, s, sum, to, work);
+      }
+    }
     to.total.add(sum);
   }
 
   /// Adds light by way of curved smooth surfaces to a block.
-  void walk(const SurfaceHit& receiver, const PathSample& s, std::uint32_t samples, Sampled& to,
+  void walk(const Item& item, const PathSample& s, std::uint32_t samples, Sampled& to,
             WorkCounts& work) const {
-    walks_.sample(receiver, std::clamp(samples / kSamplesPerWalk, 1U, kMostWalks),
+    walks_.sample(item.receiver, std::clamp(samples / kSamplesPerWalk, 1U, kMostWalks),
                   tracer_.most_steps(0), s, work, [&](std::uint32_t light, const Rgb& lx) {
                     to.total.add_to_block(lx, samples);
                     if (!to.shares.empty()) to.shares[light].add_to_block(lx, samples);
-                    settler_.add_to(to.by_spectrum, light, lx * static_cast<double>(samples));
+                    exact_.add_to(to.by_spectrum, light, lx * static_cast<double>(samples));
                   });
   }
 
@@ -338,45 +337,36 @@ class IrradianceEstimator {
     sum += lx;
     if (!lx.unshadowed.is_black()) to.found.add(light);
     if (!to.shares.empty()) to.shares[light].add(lx);
-    settler_.add_to(to.by_spectrum, light, lx.value);
+    exact_.add_to(to.by_spectrum, light, lx.value);
   }
 
   /// Adds light that surfaces reflect, of which `left` arrives.
   static void add_reflected(const LightEstimate& e, const Rgb& left, LightEstimate& sum,
                             Sampled& to) {
     sum += {e.value * left * kPi, e.unshadowed * left * kPi};
-    to.reflected += e.unshadowed.is_black() ? 0 : 1;
+    to.reflected.reflected += e.unshadowed.is_black() ? 0 : 1;
   }
 
-  /// Adds the light that directions of the receiver find: lights, and light that surfaces reflect.
-  void gather(const SurfaceHit& receiver, const PathSample& s, const Settled& settled,
+  /// Adds the light that a direction of the receiver finds: lights, and light that surfaces
+  /// reflect.  `is_guided`: it was drawn for surfaces that are not plain; light from these counts
+  /// with the balance heuristic of both ways.  [Veach95]
+  void gather(const Vec3f& wi, bool is_guided, const Item& item, const PathSample& s,
               LightEstimate& sum, Sampled& to, WorkCounts& work) const {
-    const Vec3f n(receiver.ns);
-    gather_along(PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection)), false,
-                 receiver, s, settled, sum, to, work);
-    if (!settled.guided.any()) return;
-    const Vec3f wi = settled.guided.sample(s.pair(PathSample::kGuided));
-    if (dot(n, wi) > 0) gather_along(wi, true, receiver, s, settled, sum, to, work);
-  }
-  /// The same for one direction.  `is_guided`: it was drawn for surfaces that are not plain; light
-  /// from these counts with the balance heuristic of both ways. [Veach95]
-  void gather_along(const Vec3f& wi, bool is_guided, const SurfaceHit& receiver,
-                    const PathSample& s, const Settled& settled, LightEstimate& sum, Sampled& to,
-                    WorkCounts& work) const {
-    const Vec3f n(receiver.ns);
-    const double pdf = dot(n, wi) * std::numbers::inv_pi;
-    const Ray ray = spawn_ray(receiver, wi);
+    const GuidedDirections& guided = item.exact.guided;
+    const double pdf = dot(item.n, wi) * std::numbers::inv_pi;
+    const Ray ray = spawn_ray(item.receiver, wi);
     ++work.indirect_rays;
     const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
-    const bool both = settled.guided.any() && hit && scene_.plain_diffuse(hit->material) == nullptr;
+    const bool both = guided.any() && hit && scene_.plain_diffuse(hit->material) == nullptr;
     if (is_guided && !both) return;
     Rgb left(1);
-    if (both) left = left * (pdf / (pdf + settled.guided.pdf(wi)));
+    if (both) left = left * (pdf / (pdf + guided.pdf(wi)));
     if (scene_.has_media()) left = left * tracer_.left_by_media(ray, hit);
     const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
-      return settled.lights.has(light)
+      return item.exact.lights.has(light)
                  ? 0.0
-                 : direct_.found_weight(settled.spending, receiver, n, ray, end, light, pdf);
+                 : direct_.found_weight(*item.exact.strategy, item.receiver, item.n, ray, end,
+                                        light, pdf);
     };
     if (direct_.finds_lights()) {
       tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb& le) {
@@ -393,7 +383,7 @@ class IrradianceEstimator {
     if (hit && gather_indirect_) {
       const LightEstimate e = tracer_.reflected(
           *hit, -wi, 1, s, work,
-          {receiver.position, pdf, true, tracer_.smooth().counts_at(true, nullptr, n)});
+          {item.receiver.position, pdf, true, tracer_.smooth().counts_at(true, nullptr, item.n)});
       add_reflected(e, left, sum, to);
     }
   }
@@ -407,7 +397,7 @@ class IrradianceEstimator {
   const DirectLight& direct_;
   const bool gather_indirect_;
   const bool by_way_;  // of smooth surfaces, light is sampled
-  const LightSettler settler_;
+  const ExactLight exact_;
   const ManifoldWalks walks_;
   const bool by_walks_;  // of curved smooth surfaces, light of lamps without a size is sampled
   const MissedLightRule missed_;
@@ -429,15 +419,11 @@ IrradianceResult estimate_irradiance(const Scene& scene, std::span<const Irradia
   result.costs.resize(points.size());
   result.spectral.resize(points.size() * settings.wavelengths_nm.size());
   result.spectral_error.resize(result.spectral.size());
-  std::mutex mutex;
   IrradianceEstimator estimator(scene, points, settings, stop, result);
-  parallel_chunks(points.size(), estimator.points_per_chunk(), stop,
-                  [&](std::size_t begin, std::size_t end) {
-                    const DenormalsAreZero denormals;
-                    const WorkCounts work = estimator.range(begin, end);
-                    const std::lock_guard lock(mutex);
-                    result.work += work;
-                  });
+  result.work = parallel_work(points.size(), estimator.points_per_chunk(), stop,
+                              [&](std::size_t begin, std::size_t end, WorkCounts& work) {
+                                for (std::size_t p = begin; p < end; ++p) estimator.point(p, work);
+                              });
   result.stopped = stop.stop_requested();
   return result;
 }

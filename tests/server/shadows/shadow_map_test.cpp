@@ -183,7 +183,7 @@ WorkCounts looked_up(const Scene& scene, const Scene& maps_of) {
   const LightVisibility visibility(scene, &shadow_maps(maps_of));
   WorkCounts work;
   for_each_on_floor(600, [&](const SurfaceHit& hit) {
-    visibility.is_occluded(0, hit.position, hit.ng, ray_to(scene, hit), work);
+    visibility.visible(0, hit.position, hit.ng, ray_to(scene, hit), work);
   });
   return work;
 }

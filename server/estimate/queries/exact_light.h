@@ -1,4 +1,4 @@
-// The light of a receiver that needs no samples.
+// The part of a receiver's light that needs no samples.
 #pragma once
 
 #include <cstddef>
@@ -13,33 +13,34 @@
 
 namespace lucerna {
 
-/// The light of a point that does not need samples, and the light that remains to be sampled.
-struct Settled {
-  Rgb exact;                // [lx]
-  LightSet lights{};        // their direct light is part of `exact`
+/// The exact part of the light at a receiver, and how the rest is sampled.
+struct ExactPart {
+  Rgb lx;
+  LightSet lights{};        // their direct light is part of it
   std::vector<Rgb> shares;  // of each light, with `per_light` [lx]
-  BySpectrum by_spectrum;   // of `exact`
-  Spending spending{};
+  BySpectrum by_spectrum;
+  // Of the rest.
+  const LightStrategy* strategy;
   bool needs_samples = false;
   bool gathers = false;  // samples directions of the receiver too
   GuidedDirections guided{};
 };
 
 /// Immutable; may be called from any thread.
-class LightSettler {
+class ExactLight {
  public:
   /// Closed forms and shafts take as long as this many samples.
   static constexpr std::uint64_t kSamplesPerShafts = 4;
 
   /// All must outlive it.  `gathers`: light that surfaces reflect is part of the answer.
-  LightSettler(const Scene& scene, const IrradianceSettings& settings, const PathTracer& tracer,
-               bool gathers);
+  ExactLight(const Scene& scene, const IrradianceSettings& settings, const PathTracer& tracer,
+             bool gathers);
 
-  /// Settles light of a point that will take this many samples: lights of one direction, if each
-  /// light is visited, and lights in closed form.
-  Settled settle(const SurfaceHit& receiver, std::uint64_t samples, WorkCounts& work) const;
-  Spending spending(std::uint64_t samples) const {
-    return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
+  /// Of a point that will take this many samples: lights of one direction, unless they are drawn,
+  /// and lights in closed form.
+  ExactPart at(const SurfaceHit& receiver, std::uint64_t samples, WorkCounts& work) const;
+  const LightStrategy& strategy(std::uint64_t samples) const {
+    return settings_.per_light ? direct_.all_lights() : direct_.strategy_at_receiver(samples);
   }
 
   /// Sums by the spectra of lights; unused without wavelengths.
@@ -54,8 +55,6 @@ class LightSettler {
 
  private:
   bool uses_closed_forms(std::uint64_t samples) const;
-  bool settle_lights(const SurfaceHit& receiver, std::uint64_t samples, Settled& to,
-                     WorkCounts& work) const;
 
   const Scene& scene_;
   const IrradianceSettings& settings_;
