@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "lights/sampling/sobol.h"
+#include "server/estimate/lights/spectral_values.h"
 #include "server/estimate/lights/wire_direction.h"
 #include "server/estimate/paths/path.h"
-#include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/queries/visibility.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"

@@ -11,14 +11,14 @@
 #include <numbers>
 
 #include "server/estimate/lights/manifold_walks.h"
+#include "server/estimate/lights/missed_light.h"
+#include "server/estimate/lights/spectral_values.h"
 #include "server/estimate/paths/path.h"
 #include "server/estimate/queries/exact_light.h"
 #include "server/estimate/queries/irradiance_estimate.h"
-#include "server/estimate/queries/missed_light.h"
-#include "server/estimate/queries/shadow_edges.h"
-#include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/statistics/pilots.h"
 #include "server/runtime/parallel.h"
+#include "server/shadows/shadow_edges.h"
 
 namespace lucerna {
 namespace {
@@ -113,7 +113,7 @@ class IrradianceEstimator {
     }
     if (stopped_) return;
     MissedLight& missed = result_.points[p].missed;
-    if (missed.kind == MissedLight::Kind::kNone && missed_.is_outdoors(points_[p], receiver.time_s))
+    if (missed.kind == MissedLight::Kind::kNone && missed_.is_outdoors(item.receiver))
       missed.kind = MissedLight::Kind::kOutdoors;
     std::chrono::duration<double> took{};
     if (settings_.target) took = std::chrono::steady_clock::now() - start;
@@ -159,7 +159,7 @@ class IrradianceEstimator {
     total = e.total.result(item.exact.lx, count, rule,
                            [&](bool missed) { return most(item, missed ? &e.found : nullptr); });
     if (gather_indirect_) {
-      total.missed = missed_.at(points_[p], e.reflected, rule);
+      total.missed = missed_.at(item.receiver, e.reflected, rule);
       // An interval that ends above the answer has room for reflected light.
       constexpr double kRounded = 1e-9;
       if (total.missed.kind == MissedLight::Kind::kReflected &&

@@ -10,6 +10,7 @@
 
 #include "proto/common/confidence.h"
 #include "server/estimate/lights/methods.h"
+#include "server/estimate/lights/missed_light.h"
 #include "server/estimate/statistics/target_error.h"
 #include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
@@ -51,18 +52,6 @@ struct IrradianceSettings {
   /// Also direct light at these wavelengths.  Requires bounces = 0, because surfaces have no
   /// spectra.
   std::span<const double> wavelengths_nm{};
-};
-
-/// Light that may be missing from an answer, because samples cannot find it or found none.
-struct MissedLight {
-  enum class Kind : std::uint8_t {
-    kNone,
-    kByWay,      ///< of lamps, by way of smooth surfaces for which paths are not computed
-    kReflected,  ///< by rough surfaces
-    kOutdoors,   ///< of a sky that shines only through a portal
-  };
-  Kind kind = Kind::kNone;
-  double bound_lx = 0;  ///< 0: none is known
 };
 
 struct IrradianceEstimate {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "server/estimate/lights/path_sample.h"
+#include "server/estimate/lights/spectral_values.h"
 #include "server/estimate/lights/wire_direction.h"
-#include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/queries/visibility.h"
 #include "server/runtime/bits.h"
 #include "server/runtime/parallel.h"

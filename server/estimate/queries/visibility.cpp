@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "server/estimate/queries/coherent_order.h"
+#include "server/rays/coherent_order.h"
 #include "server/rays/error_bounds.h"
 #include "server/runtime/bits.h"
 #include "server/runtime/parallel.h"

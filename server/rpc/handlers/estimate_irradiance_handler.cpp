@@ -9,9 +9,8 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
-#include "server/estimate/queries/inside_solid.h"
+#include "server/estimate/lights/missed_light.h"
 #include "server/estimate/queries/irradiance.h"
-#include "server/estimate/queries/missed_light.h"
 #include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
@@ -22,6 +21,7 @@
 #include "server/rpc/messages/stop_rule.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/time_budget.h"
+#include "server/shadows/inside_solid.h"
 #include "server/smooth/smooth_surfaces.h"
 
 namespace lucerna::rpc {
@@ -209,18 +209,18 @@ void mark_missed_light(const IrradianceQuery& query, const Receivers& receivers,
 void mark_inside_solids(const IrradianceQuery& query, const Receivers& receivers,
                         const IrradianceResult& estimates, const std::stop_token& stop,
                         int* status) {
-  Receivers dark;
+  std::vector<SurfaceHit> dark;
+  std::vector<std::uint32_t> numbers;
   for (std::size_t k = 0; k < receivers.numbers.size(); ++k) {
     const std::uint32_t i = receivers.numbers[k];
     const bool is_ok = status[i] == static_cast<int>(ItemResult::kOk);
     if (!is_ok || !estimates.points[k].irradiance_lx.is_black()) continue;
-    dark.points.push_back(receivers.points[k]);
-    dark.numbers.push_back(i);
+    dark.push_back(surface_at(receivers.points[k], query.settings.time_s));
+    numbers.push_back(i);
   }
-  const std::vector<std::uint8_t> inside =
-      inside_solids(*query.scene, dark.points, query.settings.time_s, stop);
+  const std::vector<std::uint8_t> inside = inside_solids(*query.scene, dark, stop);
   for (std::size_t d = 0; d < inside.size(); ++d)
-    if (inside[d] != 0) status[dark.numbers[d]] = static_cast<int>(ItemResult::kInsideSolid);
+    if (inside[d] != 0) status[numbers[d]] = static_cast<int>(ItemResult::kInsideSolid);
 }
 
 absl::Status answer(const IrradianceQuery& query, const std::stop_token& stop,

@@ -11,10 +11,10 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
+#include "server/estimate/lights/spectral_values.h"
 #include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/sampled_power.h"
-#include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/statistics/sample_sum.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"

@@ -1,4 +1,4 @@
-#include "server/estimate/queries/coherent_order.h"
+#include "server/rays/coherent_order.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/estimate/queries/spectral_values.h"
+#include "server/estimate/lights/spectral_values.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 namespace lucerna {
 namespace {
 // Scenes usually have a few spectra.  This limits memory if there are a million.
-constexpr std::size_t kMostKept = 256;
+constexpr std::size_t kMostSpectra = 256;
 }  // namespace
 
 void SpectralValues::add(std::optional<std::uint32_t> spectrum, const Rgb& value,
@@ -21,7 +21,7 @@ void SpectralValues::add(std::optional<std::uint32_t> spectrum, const Rgb& value
     }
     return;
   }
-  if (per_lumen_.size() >= kMostKept && !per_lumen_.contains(*spectrum)) per_lumen_.clear();
+  if (per_lumen_.size() >= kMostSpectra && !per_lumen_.contains(*spectrum)) per_lumen_.clear();
   const auto [row, is_new] = per_lumen_.try_emplace(*spectrum);
   if (is_new)
     for (const double nm : wavelengths_nm_)

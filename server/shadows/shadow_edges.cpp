@@ -1,4 +1,4 @@
-#include "server/estimate/queries/shadow_edges.h"
+#include "server/shadows/shadow_edges.h"
 
 #include <algorithm>
 #include <cmath>

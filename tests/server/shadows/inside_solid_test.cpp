@@ -1,4 +1,4 @@
-#include "server/estimate/queries/inside_solid.h"
+#include "server/shadows/inside_solid.h"
 
 #include <gtest/gtest.h>
 
@@ -41,9 +41,16 @@ std::shared_ptr<const Scene> scene_of(ShapeList shapes, const Vec3& lamp = {0, 0
   return build(std::move(d));
 }
 
+SurfaceHit receiver(const Vec3& position, const Vec3& normal) {
+  SurfaceHit hit;
+  hit.position = position;
+  hit.position_error = {1e-6F, 1e-6F, 1e-6F};
+  hit.ng = hit.ns = normal;
+  return hit;
+}
+
 bool inside(const Scene& scene, const Vec3& position) {
-  constexpr float kError = 1e-6F;
-  return is_inside_solid(scene, {position, {kError, kError, kError}, {0, 0, 1}}, 0);
+  return is_inside_solid(scene, receiver(position, {0, 0, 1}));
 }
 
 TEST(InsideSolid, APointInAClosedBoxIsFlagged) {
@@ -105,7 +112,7 @@ TEST(InsideSolid, FurnitureThatTouchesFloorAndWallIsASolid) {
 
 TEST(InsideSolid, AReceiverOnASurfaceLooksAtTheSideOfItsNormal) {
   const auto facing = [](const Scene& scene, const Vec3& at, const Vec3& normal) {
-    return is_inside_solid(scene, {at, {1e-6F, 1e-6F, 1e-6F}, normal}, 0);
+    return is_inside_solid(scene, receiver(at, normal));
   };
   // The floor lies at a height whose coordinates round.
   for (const double z : {0.0, 3.3}) {
@@ -148,12 +155,11 @@ TEST(InsideSolid, TheLimitsAreAsDocumented) {
 
 TEST(InsideSolid, ManyPointsGetTheSameAnswers) {
   const auto scene = scene_of({testing::floor(9), box({-1, -1, 0}, {1, 1, 1})});
-  std::vector<IrradiancePoint> points;
-  for (int i = 0; i < 40; ++i)
-    points.push_back({{-2 + 0.1 * i, 0.05, 0.5}, {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}});
-  const auto flags = inside_solids(*scene, points, 0, {});
+  std::vector<SurfaceHit> points;
+  for (int i = 0; i < 40; ++i) points.push_back(receiver({-2 + 0.1 * i, 0.05, 0.5}, {0, 0, 1}));
+  const auto flags = inside_solids(*scene, points, {});
   for (std::size_t i = 0; i < points.size(); ++i) {
-    EXPECT_EQ(flags[i] != 0, is_inside_solid(*scene, points[i], 0)) << i;
+    EXPECT_EQ(flags[i] != 0, is_inside_solid(*scene, points[i])) << i;
     EXPECT_EQ(flags[i] != 0, i > 10 && i < 30) << i;
   }
 }
@@ -171,8 +177,7 @@ std::shared_ptr<const Scene> under_a_ceiling(double gap, const ShapeList& more =
 }
 
 bool covered(const Scene& scene, const Vec3& position, double normal_z = -1) {
-  constexpr float kError = 1e-6F;
-  return is_inside_solid(scene, {position, {kError, kError, kError}, {0, 0, normal_z}}, 0);
+  return is_inside_solid(scene, receiver(position, {0, 0, normal_z}));
 }
 
 TEST(InsideSolid, APointOfTheCeilingAboveAPanelIsFlagged) {

@@ -6,11 +6,13 @@
 #include <stop_token>
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
+#include "server/rays/ray.h"
+#include "server/scene/scene.h"
 
 namespace lucerna {
 
-/// True if a shape encloses the point, or if a lamp covers it.  Depends only on its arguments.
+/// True if a shape encloses the position of a receiver, or if a lamp covers it.  Depends only on
+/// its arguments.
 ///
 /// A lamp covers the point if a ray along the receiver's normal first meets the back of a one-sided
 /// area light, at most 1/16 of the diagonal of the light's box away.  So a point of a ceiling above
@@ -30,11 +32,11 @@ namespace lucerna {
 ///
 /// Not found: solids whose normals point inwards, solids of several open shapes, shapes with gaps.
 /// Wrongly found: a closed room of one shape, normals outwards, without lamps.
-bool is_inside_solid(const Scene& scene, const IrradiancePoint& point, double time_s);
+bool is_inside_solid(const Scene& scene, const SurfaceHit& receiver);
 
-/// The same for many points, 1 for true, in the oneTBB arena of the caller.  Not valid if `stop`
+/// The same for many receivers, 1 for true, in the oneTBB arena of the caller.  Not valid if `stop`
 /// was requested.
-std::vector<std::uint8_t> inside_solids(const Scene& scene, std::span<const IrradiancePoint> points,
-                                        double time_s, const std::stop_token& stop);
+std::vector<std::uint8_t> inside_solids(const Scene& scene, std::span<const SurfaceHit> receivers,
+                                        const std::stop_token& stop);
 
 }  // namespace lucerna

@@ -1,4 +1,4 @@
-#include "server/estimate/queries/inside_solid.h"
+#include "server/shadows/inside_solid.h"
 
 #include <algorithm>
 #include <array>
@@ -220,8 +220,8 @@ bool is_enclosed(const Scene& scene, const Vec3& from, const Vec3& normal, const
 /// Whether the back of a lamp covers a point with this normal: a ray along the normal meets it
 /// first, except for surfaces through the point itself.  `from`, `before`: just behind the point,
 /// and just before it.
-bool is_covered(const Scene& scene, const IrradiancePoint& point, const Vec3& from,
-                const Vec3& before, const Vec3& normal, double error, double time_s) {
+bool is_covered(const Scene& scene, const Vec3& point, const Vec3& from, const Vec3& before,
+                const Vec3& normal, double error, double time_s) {
   // The largest gap, relative to the diagonal of the lamp's box.  More light enters wider ones,
   // unless a rim closes them.
   constexpr double kGap = 1.0 / 16, kClosedGap = 1.0 / 4;
@@ -232,14 +232,14 @@ bool is_covered(const Scene& scene, const IrradiancePoint& point, const Vec3& fr
     if (hit->light >= 0 && dot(hit->ng, normal) > 0) {
       const LightAtTime light(scene.lights()[static_cast<std::size_t>(hit->light)], time_s);
       const auto bounds = light->bounds();
-      const double gap = dot(hit->position - point.position, normal);
+      const double gap = dot(hit->position - point, normal);
       if (!bounds || !light->le(hit->on_light(), -normal).is_black()) return false;
       const double diagonal = length(bounds->upper - bounds->lower);
       return gap <= kGap * diagonal ||
              (gap <= kClosedGap * diagonal &&
               is_enclosed(scene, before, normal, *bounds, 1.1 * gap, time_s));
     }
-    if (!is_on(*hit, point.position, error)) return false;
+    if (!is_on(*hit, point, error)) return false;
     ray.t_min = next_up(hit->t);
   }
   return false;
@@ -247,30 +247,30 @@ bool is_covered(const Scene& scene, const IrradiancePoint& point, const Vec3& fr
 
 }  // namespace
 
-bool is_inside_solid(const Scene& scene, const IrradiancePoint& point, double time_s) {
+bool is_inside_solid(const Scene& scene, const SurfaceHit& receiver) {
   if (scene.empty()) return false;
-  const double error = max_abs(point.position_error);
+  const Vec3& point = receiver.position;
+  const double time_s = receiver.time_s, error = max_abs(receiver.position_error);
   // A ray from a point on a surface may miss that surface.  One that begins before it does not.
-  const double rounding = max_abs(point.position) * std::numeric_limits<float>::epsilon();
-  const Vec3 normal = normalized(point.normal);
+  const double rounding = max_abs(point) * std::numeric_limits<float>::epsilon();
+  const Vec3 normal = normalized(receiver.ns);
   const double distance = kBeforeSurface * std::max(error, rounding);
-  const Vec3 before = point.position + normal * distance;
+  const Vec3 before = point + normal * distance;
   const auto surface = scene.closest_hit(
       Ray{Vec3f(before), Vec3f(-normal), 0, static_cast<float>(2 * distance), time_s});
-  const bool is_on_surface = surface && is_on(*surface, point.position, error + rounding);
-  if (is_covered(scene, point, point.position - normal * distance, before, normal, error + rounding,
-                 time_s))
+  const bool is_on_surface = surface && is_on(*surface, point, error + rounding);
+  if (is_covered(scene, point, point - normal * distance, before, normal, error + rounding, time_s))
     return true;
-  return Surroundings(scene, is_on_surface ? before : point.position, error, time_s).are_solid();
+  return Surroundings(scene, is_on_surface ? before : point, error, time_s).are_solid();
 }
 
-std::vector<std::uint8_t> inside_solids(const Scene& scene, std::span<const IrradiancePoint> points,
-                                        double time_s, const std::stop_token& stop) {
-  std::vector<std::uint8_t> inside(points.size());
-  parallel_chunks(points.size(), kPointsPerChunk, stop, [&](std::size_t begin, std::size_t end) {
+std::vector<std::uint8_t> inside_solids(const Scene& scene, std::span<const SurfaceHit> receivers,
+                                        const std::stop_token& stop) {
+  std::vector<std::uint8_t> inside(receivers.size());
+  parallel_chunks(receivers.size(), kPointsPerChunk, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
     for (std::size_t i = begin; i < end; ++i)
-      inside[i] = is_inside_solid(scene, points[i], time_s) ? 1 : 0;
+      inside[i] = is_inside_solid(scene, receivers[i]) ? 1 : 0;
   });
   return inside;
 }

@@ -1,4 +1,4 @@
-#include "server/estimate/queries/missed_light.h"
+#include "server/estimate/lights/missed_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@ namespace {
 constexpr std::uint64_t kEnough = 8;
 
 /// Whether a part of a box is above the receiver's horizon.
-bool reaches_above(const Bounds& box, const IrradiancePoint& receiver) {
+bool reaches_above(const Bounds& box, const SurfaceHit& receiver) {
   if (box.empty()) return false;
-  const Vec3& n = receiver.normal;
+  const Vec3& n = receiver.ns;
   const Vec3 highest{n.x > 0 ? box.upper.x : box.lower.x, n.y > 0 ? box.upper.y : box.lower.y,
                      n.z > 0 ? box.upper.z : box.lower.z};
   const double error = double{max_abs(receiver.position_error)} + 1e-6 * max_abs(highest);
@@ -23,7 +23,7 @@ bool reaches_above(const Bounds& box, const IrradiancePoint& receiver) {
 }
 
 /// The projected solid angle of a box is at most this [sr].
-double most_projected_sr(const Bounds& box, const IrradiancePoint& receiver) {
+double most_projected_sr(const Bounds& box, const SurfaceHit& receiver) {
   const Vec3 middle = box.lower * 0.5 + box.upper * 0.5;
   const double radius = length(box.upper - middle), distance = length(middle - receiver.position);
   return distance > radius ? kPi * (radius / distance) * (radius / distance) : kPi;
@@ -64,26 +64,25 @@ MissedLightRule::MissedLightRule(const Scene& scene, std::optional<std::uint32_t
   most_cd_m2_ = std::fmax(most_cd_m2_, beyond_cd_m2);
 }
 
-bool MissedLightRule::is_outdoors(const IrradiancePoint& receiver, double time_s) const {
+bool MissedLightRule::is_outdoors(const SurfaceHit& receiver) const {
   const bool is_behind = std::ranges::any_of(portals_, [&](std::uint32_t l) {
-    const LightAtTime portal(scene_.lights()[l], time_s);
+    const LightAtTime portal(scene_.lights()[l], receiver.time_s);
     return portal->sample_li(receiver.position, {0.5, 0.5}).reason == NoLight::kBehind;
   });
   if (!is_behind || scene_.empty()) return is_behind;
-  const SurfaceHit surface = surface_at(receiver, time_s);
-  const Frame frame = Frame::around(normalized(receiver.normal));
+  const Frame frame = Frame::around(normalized(receiver.ns));
   // Along the normal, and 60 degrees away from it.
   constexpr int kAround = 8;
   for (int i = 0; i <= kAround; ++i) {
     const double phi = 2 * kPi * i / kAround, sine = i == kAround ? 0 : std::sqrt(0.75);
     const Vec3 w = frame.s * (sine * std::cos(phi)) + frame.t * (sine * std::sin(phi)) +
                    frame.n * (i == kAround ? 1 : 0.5);
-    if (!scene_.closest_hit(spawn_ray(surface, Vec3f(w)))) return true;
+    if (!scene_.closest_hit(spawn_ray(receiver, Vec3f(w)))) return true;
   }
   return false;
 }
 
-MissedLight MissedLightRule::at(const IrradiancePoint& receiver, const FoundLight& found,
+MissedLight MissedLightRule::at(const SurfaceHit& receiver, const FoundLight& found,
                                 const IntervalRule& rule) const {
   if (surfaces_ == nullptr) return {};
   if (found.cut_short > 0) return {MissedLight::Kind::kByWay, 0};

@@ -6,11 +6,22 @@
 #include <vector>
 
 #include "proto/common/confidence.h"
-#include "server/estimate/queries/irradiance.h"
 #include "server/scene/scene.h"
 #include "server/smooth/smooth_surfaces.h"
 
 namespace lucerna {
+
+/// Light that may be missing from an answer, because samples cannot find it or found none.
+struct MissedLight {
+  enum class Kind : std::uint8_t {
+    kNone,
+    kByWay,      ///< of lamps, by way of smooth surfaces for which paths are not computed
+    kReflected,  ///< by rough surfaces
+    kOutdoors,   ///< of a sky that shines only through a portal
+  };
+  Kind kind = Kind::kNone;
+  double bound_lx = 0;  ///< 0: none is known
+};
 
 /// The lights that shine only through a portal.
 std::vector<std::uint32_t> portal_lights(const Scene& scene);
@@ -25,15 +36,15 @@ struct FoundLight {
 /// Immutable; may be called from any thread.
 class MissedLightRule {
  public:
-  /// `scene` must outlive this object.  `bounces`: as in IrradianceSettings.
+  /// `scene` must outlive this object.  `bounces`: the most reflections; unset: all.
   MissedLightRule(const Scene& scene, std::optional<std::uint32_t> bounces);
 
   /// `rule`: the interval rule of the answer's samples.
-  MissedLight at(const IrradiancePoint& receiver, const FoundLight& found,
+  MissedLight at(const SurfaceHit& receiver, const FoundLight& found,
                  const IntervalRule& rule) const;
   /// Whether the receiver is outdoors of a portal: on the side that its light comes from, and in
   /// sight of the sky.
-  bool is_outdoors(const IrradiancePoint& receiver, double time_s) const;
+  bool is_outdoors(const SurfaceHit& receiver) const;
 
  private:
   const Scene& scene_;
