@@ -11,9 +11,9 @@
 #include "proto/common/status_macros.h"
 #include "server/estimate/lights/missed_light.h"
 #include "server/estimate/queries/irradiance.h"
-#include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
+#include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/estimate_arrays.h"
@@ -90,13 +90,31 @@ absl::StatusOr<IrradianceQuery> parse(const Context& context,
 }
 
 double predicted_seconds(const IrradianceQuery& query) {
+  constexpr double kDirectSampleSeconds = 2e-6, kPathSampleSeconds = 8e-6;
+  constexpr double kSpectrumSeconds = 200e-9;  // a spectrum at a wavelength
+  // With the time to make the shafts of a scene, a thread of gRPC does not make them.
+  constexpr double kShaftsSeconds = 1e-3;
+  // Lights that a sample visits, unless each light has its own share.
+  constexpr double kVisitedLights = 8;
+  const Scene& scene = *query.scene;
+  const IrradianceSettings& settings = query.settings;
   const StopRule& rule = query.stop_rule;
   const std::size_t n = query.receivers.size();
-  const std::uint64_t samples = rule.target ? rule.target->max_samples : rule.samples;
-  return irradiance_fixed_seconds(*query.scene, query.settings, n) +
-         (rule.time_budget_s
-              ? *rule.time_budget_s
-              : irradiance_samples_seconds(*query.scene, query.settings, n, samples));
+  // Each spectrum is looked up once at each wavelength, and has a value there at each point.
+  const std::size_t spectra = scene.spectra().size() + 1;
+  double seconds = first_use_seconds(scene, settings.methods) +
+                   seconds_of(spectra * settings.wavelengths_nm.size(),
+                              kSpectrumSeconds + seconds_of(n, kWavelengthSeconds));
+  if (scene.has_visible_lights() && settings.methods.closed_forms != ClosedForms::kOff)
+    seconds += kShaftsSeconds;
+  if (rule.time_budget_s) return seconds + *rule.time_budget_s;
+  const auto samples = static_cast<double>(rule.target ? rule.target->max_samples : rule.samples);
+  const double lights =
+      settings.per_light ? static_cast<double>(scene.lights().size()) : kVisitedLights;
+  return seconds +
+         seconds_of(n, samples *
+                           (settings.bounces == 0U ? kDirectSampleSeconds : kPathSampleSeconds) *
+                           std::max(1.0, lights));
 }
 
 /// Sets the status of each receiver.  Returns those that are OK.

@@ -12,10 +12,10 @@
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
 #include "server/estimate/lights/spectral_values.h"
-#include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/sampled_power.h"
 #include "server/estimate/statistics/sample_sum.h"
+#include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
@@ -163,13 +163,14 @@ absl::StatusOr<PowerQuery> parse(const Context& context, const v1::EstimatePower
 }
 
 double predicted_seconds(const PowerQuery& query) {
-  const double seconds = power_seconds(query.lights, query.wavelengths_nm.size());
+  constexpr double kPowerSeconds = 300e-9, kPowerRaySeconds = 300e-9;
+  const double seconds = seconds_of(query.lights, kPowerSeconds, query.wavelengths_nm.size());
   if (!query.rule) return seconds;
   if (query.rule->time_budget_s) return seconds + *query.rule->time_budget_s;
   // With a target error, pilots may take as many samples as the answer.
   const std::uint64_t samples =
       query.rule->target ? 2 * query.rule->target->max_samples : query.rule->samples;
-  return seconds + sampled_power_seconds(query.lights, samples);
+  return seconds + seconds_of(query.lights, static_cast<double>(samples) * kPowerRaySeconds);
 }
 
 /// Indices of the lights that the request names, or of all lights.

@@ -1,8 +1,8 @@
 #include "server/rpc/handlers/find_surfaces_handler.h"
 
 #include "proto/common/status_macros.h"
-#include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/surfaces.h"
+#include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
@@ -38,7 +38,7 @@ Prepared handle_find_surfaces(const Context& context, const v1::FindSurfacesRequ
         .status = fill(response->mutable_status(), n)};
     return finish_batch(response, find_surfaces(*scene, query, answer, stop));
   };
-  return batch_task(visibility_seconds(n), n, response, run);
+  return batch_task(seconds_of(n, kRaySeconds), n, response, run);
 }
 
 }  // namespace lucerna::rpc

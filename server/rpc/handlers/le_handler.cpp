@@ -2,7 +2,7 @@
 
 #include "proto/common/status_macros.h"
 #include "server/estimate/queries/emission_queries.h"
-#include "server/estimate/queries/predicted_time.h"
+#include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/requested_methods.h"
 
@@ -41,7 +41,7 @@ Prepared handle_le(const Context& context, const v1::LeRequest& request, v1::LeR
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const LeQuery query, parse(context, *scene, request));
   const std::size_t n = query.points.size();
-  return batch_task(le_seconds(n, query.wavelengths_nm.size()), n, response,
+  return batch_task(seconds_of(n, kRaySeconds, query.wavelengths_nm.size()), n, response,
                     [scene, query, response](const std::stop_token& stop) {
                       return finish_batch(response,
                                           le(*scene, query, sized_arrays(query, response), stop));

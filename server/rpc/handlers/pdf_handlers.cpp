@@ -2,10 +2,11 @@
 
 #include "proto/common/status_macros.h"
 #include "server/estimate/queries/emission_queries.h"
-#include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
+#include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/requested_methods.h"
+#include "server/scene/scene_lights.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -27,6 +28,13 @@ absl::StatusOr<PdfLiQuery> parse(const Context& context, const Scene& scene,
   return query;
 }
 
+/// A density searches all primitives of the light.
+double predicted_seconds(const Scene& scene, std::uint32_t light, std::size_t items) {
+  constexpr double kPdfSeconds = 200e-9, kPrimitiveSeconds = 20e-9;
+  const auto primitives = static_cast<double>(primitive_count(*scene.lights()[light].light));
+  return seconds_of(items, kPdfSeconds + kPrimitiveSeconds * primitives);
+}
+
 }  // namespace
 
 Prepared handle_pdf_li(const Context& context, const v1::PdfLiRequest& request,
@@ -39,7 +47,7 @@ Prepared handle_pdf_li(const Context& context, const v1::PdfLiRequest& request,
            fill(response->mutable_status(), n), stop);
     return finish_batch(response);
   };
-  return batch_task(pdf_seconds(*scene->lights()[query.light].light, n), n, response, run);
+  return batch_task(predicted_seconds(*scene, query.light, n), n, response, run);
 }
 
 Prepared handle_pdf_le(const Context& context, const v1::PdfLeRequest& request,
@@ -61,7 +69,7 @@ Prepared handle_pdf_le(const Context& context, const v1::PdfLeRequest& request,
            stop);
     return finish_batch(response);
   };
-  return batch_task(pdf_seconds(*scene->lights()[light].light, n), n, response, run);
+  return batch_task(predicted_seconds(*scene, light, n), n, response, run);
 }
 
 }  // namespace lucerna::rpc

@@ -2,7 +2,7 @@
 
 #include "proto/common/status_macros.h"
 #include "server/estimate/queries/emission_queries.h"
-#include "server/estimate/queries/predicted_time.h"
+#include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
@@ -53,7 +53,8 @@ Prepared handle_sample_le(const Context& context, const v1::SampleLeRequest& req
     set(scene->origin(), response->mutable_points()->mutable_origin_m());
     return finish_batch(response, sample_le(*scene, query, sized_arrays(query, response), stop));
   };
-  const double seconds = sample_le_seconds(query.rays, query.wavelengths_nm.size());
+  constexpr double kEmissionSeconds = 500e-9;
+  const double seconds = seconds_of(query.rays, kEmissionSeconds, query.wavelengths_nm.size());
   return batch_task(seconds, query.rays, response, run);
 }
 

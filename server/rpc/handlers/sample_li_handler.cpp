@@ -9,8 +9,8 @@
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
 #include "server/estimate/queries/li_estimates.h"
-#include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
+#include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/estimate_arrays.h"
@@ -213,16 +213,19 @@ absl::StatusOr<LiRequest> parse(const Context& context, const v1::SampleLiReques
 }
 
 double predicted_seconds(const LiRequest& li) {
+  constexpr double kLightSampleSeconds = 400e-9, kShadowRaySeconds = 1e-6;
+  const double of_sample =
+      seconds_of(1, kLightSampleSeconds + (li.query.test_visibility ? kShadowRaySeconds : 0),
+                 li.query.wavelengths_nm.size());
   const auto receivers = static_cast<double>(li.query.receivers.size());
   double seconds = li.query.test_visibility ? first_use_seconds(*li.scene, li.query.methods) : 0;
   if (li.stop_rule.target) {
-    seconds += sample_li_seconds(li.query, kWithPilots * li.most_samples * receivers);
+    seconds += kWithPilots * li.most_samples * receivers * of_sample;
   } else if (li.stop_rule.time_budget_s) {
     // The least number of samples is always taken.
-    seconds +=
-        std::max(*li.stop_rule.time_budget_s, sample_li_seconds(li.query, kReplicates * receivers));
+    seconds += std::max(*li.stop_rule.time_budget_s, kReplicates * receivers * of_sample);
   } else {
-    seconds += sample_li_seconds(li.query, static_cast<double>(li.samples()));
+    seconds += static_cast<double>(li.samples()) * of_sample;
   }
   return seconds;
 }

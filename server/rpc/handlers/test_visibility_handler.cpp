@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include "proto/common/status_macros.h"
-#include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/visibility.h"
+#include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/requested_methods.h"
@@ -86,7 +86,7 @@ Prepared handle_test_visibility(const Context& context, const v1::TestVisibility
         .status = fill(response->mutable_status(), n)};
     return finish_batch(response, test_visibility(*scene, parsed.query, answer, stop));
   };
-  return batch_task(visibility_seconds(n), n, response, run);
+  return batch_task(seconds_of(n, kRaySeconds), n, response, run);
 }
 
 }  // namespace lucerna::rpc

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "proto/common/sample_blocks.h"
-#include "server/estimate/queries/predicted_time.h"
 #include "server/rpc/handlers/estimate_irradiance_handler.h"
 #include "server/rpc/handlers/le_handler.h"
+#include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/handlers/sample_le_handler.h"
 #include "server/rpc/handlers/sample_li_handler.h"
 #include "server/store/scene_store.h"
