@@ -144,7 +144,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
       sum.value += throughput * le * weight;
       sum.unshadowed += throughput * le * weight;
     };
-    if (finds) for_each_emitter(ray, next, found);
+    if (finds) for_each_emitter(scene_, ray, next, found);
     if (!next || last) return sum;
     hit = *next;
     wo = -wi;
@@ -157,7 +157,7 @@ LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample, Wor
   ++work.camera_rays;
   const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
   Rgb seen;
-  for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb& le) { seen += le; });
+  for_each_emitter(scene_, ray, hit, [&](std::uint32_t, const Rgb& le) { seen += le; });
   LightEstimate sum{seen, seen};
   if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work, {}, neighbours);
   if (!scene_.has_media()) return sum;

@@ -26,6 +26,27 @@ struct Sight {
   Sight(const Ray& ray) : Sight(Vec3(ray.origin), Vec3(ray.direction), ray.time_s) {}
 };
 
+/// Calls `f(light, radiance)` for each light at the ray's end: the light at `hit` or, without a
+/// hit, the infinite lights.
+template <typename F>
+void for_each_emitter(const Scene& scene, const Sight& sight, const std::optional<SurfaceHit>& hit,
+                      F&& f) {
+  if (hit) {
+    if (hit->light < 0) return;
+    const auto light = static_cast<std::uint32_t>(hit->light);
+    const Rgb le =
+        LightAtTime(scene.lights()[light], sight.time_s)->le(hit->on_light(), -sight.direction);
+    // `le` contains the factor alpha.  Only this share of rays meets the surface.
+    if (!le.is_black()) f(light, le / scene.alpha(*hit));
+    return;
+  }
+  for (const std::uint32_t light : scene.infinite_lights()) {
+    const Rgb le =
+        LightAtTime(scene.lights()[light], sight.time_s)->le_escaped(sight.origin, sight.direction);
+    if (!le.is_black()) f(light, le);
+  }
+}
+
 /// Immutable; may be called from any thread.
 class PathTracer {
  public:
@@ -56,11 +77,6 @@ class PathTracer {
                           SmoothLight::Before before = {},
                           const NeighbourRays* neighbours = nullptr) const;
 
-  /// Calls `f(light, radiance)` for each light at the ray's end: the light at `hit` or,
-  /// without a hit, the infinite lights.
-  template <typename F>
-  void for_each_emitter(const Sight& sight, const std::optional<SurfaceHit>& hit, F&& f) const;
-
   /// The share of light that media leave on the way along a ray to its end, or to infinity.
   Rgb left_by_media(Ray ray, const std::optional<SurfaceHit>& end) const;
 
@@ -80,24 +96,5 @@ class PathTracer {
   std::uint32_t last_depth_;
   bool endless_;
 };
-
-template <typename F>
-void PathTracer::for_each_emitter(const Sight& sight, const std::optional<SurfaceHit>& hit,
-                                  F&& f) const {
-  if (hit) {
-    if (hit->light < 0) return;
-    const auto light = static_cast<std::uint32_t>(hit->light);
-    const Rgb le =
-        LightAtTime(scene_.lights()[light], sight.time_s)->le(hit->on_light(), -sight.direction);
-    // `le` contains the factor alpha.  Only this share of rays meets the surface.
-    if (!le.is_black()) f(light, le / scene_.alpha(*hit));
-    return;
-  }
-  for (const std::uint32_t light : scene_.infinite_lights()) {
-    const Rgb le = LightAtTime(scene_.lights()[light], sight.time_s)
-                       ->le_escaped(sight.origin, sight.direction);
-    if (!le.is_black()) f(light, le);
-  }
-}
 
 }  // namespace lucerna

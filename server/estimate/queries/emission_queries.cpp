@@ -123,12 +123,11 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
 /// The rays of one chunk of a LeQuery.
 class LeChunk {
  public:
-  LeChunk(const Scene& scene, const PathTracer& tracer, const LeQuery& query,
-          const LeAnswer& answer, WorkCounts& work)
+  LeChunk(const Scene& scene, const LeQuery& query, const LeAnswer& answer, WorkCounts& work)
       : scene_(scene),
         query_(query),
         answer_(answer),
-        tracer_(tracer),
+        transmittance_(scene, query.thin_glass),
         to_scene_(scene, query.points, std::nullopt),
         spectral_(scene, query.wavelengths_nm),
         at_wavelengths_(spectral_.size()),
@@ -142,14 +141,13 @@ class LeChunk {
     if (p.result != ItemResult::kOk) return p.result;
     Ray ray{Vec3f(p.position), normalized(direction), kStartWithoutNormal * p.error};
     ray.time_s = query_.time_s;
-    const Transmittance& transmittance = tracer_.direct().transmittance();
     const auto hit =
-        first_other_surface(scene_, ray, {{p.position, p.error}, {}}, transmittance.blocking());
+        first_other_surface(scene_, ray, {{p.position, p.error}, {}}, transmittance_.blocking());
     ++work_.indirect_rays;
     Rgb arriving(1);
-    if (transmittance.is_partial()) {
+    if (transmittance_.is_partial()) {
       if (hit) ray.t_max = hit->t;
-      arriving = transmittance.along(ray, work_);
+      arriving = transmittance_.along(ray, work_);
     }
     return put(i, {p.position, direction_of(direction), query_.time_s}, hit, arriving);
   }
@@ -161,7 +159,7 @@ class LeChunk {
     Rgb sum;
     std::uint64_t first_id = 0;
     std::ranges::fill(at_wavelengths_, 0);
-    tracer_.for_each_emitter(sight, hit, [&](std::uint32_t light, const Rgb& le) {
+    for_each_emitter(scene_, sight, hit, [&](std::uint32_t light, const Rgb& le) {
       if (query_.light && light != *query_.light) return;
       const Rgb radiance = le * arriving;
       if (first_id == 0) first_id = scene_.lights()[light].id;
@@ -180,7 +178,7 @@ class LeChunk {
   const Scene& scene_;
   const LeQuery& query_;
   const LeAnswer& answer_;
-  const PathTracer& tracer_;
+  Transmittance transmittance_;
   ToScene to_scene_;
   SpectralValues spectral_;
   std::vector<double> at_wavelengths_;
@@ -191,9 +189,8 @@ class LeChunk {
 
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop) {
-  const PathTracer tracer(scene, 0, {.thin_glass = query.thin_glass});
   const auto rays = [&](std::size_t begin, std::size_t end, WorkCounts& work) {
-    LeChunk chunk(scene, tracer, query, answer, work);
+    LeChunk chunk(scene, query, answer, work);
     for (std::size_t i = begin; i < end; ++i) answer.status[i] = static_cast<int>(chunk.ray(i));
   };
   WorkCounts work = parallel_work(query.points.size(), kGrain, stop, rays);

@@ -369,14 +369,14 @@ class IrradianceEstimator {
                                         light, pdf);
     };
     if (direct_.finds_lights()) {
-      tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb& le) {
+      for_each_emitter(scene_, ray, hit, [&](std::uint32_t light, const Rgb& le) {
         const Rgb e = le * left * weight(light, hit);
         add(light, {e, e}, sum, to);
       });
       // Light behind an obstacle counts as hidden.  Light samples may choose only values above a
       // light's mean.  Then only this shows that the light exists.
       if (hit && !is_guided)
-        tracer_.for_each_emitter(ray, std::nullopt, [&](std::uint32_t light, const Rgb& le) {
+        for_each_emitter(scene_, ray, std::nullopt, [&](std::uint32_t light, const Rgb& le) {
           add(light, {{}, le * weight(light, std::nullopt)}, sum, to);
         });
     }

@@ -115,9 +115,8 @@ Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3f& wo) 
     const auto wi =
         PathTracer::cosine_direction(Vec3f(hit.ns), wo, s.at(0, PathSample::kDirection));
     const Ray ray = spawn_ray(hit, wi);
-    tracer.for_each_emitter(ray, scene.closest_hit(ray), [&](std::uint32_t, const auto& le) {
-      sum.by_direction += double(le.g);
-    });
+    for_each_emitter(scene, ray, scene.closest_hit(ray),
+                     [&](std::uint32_t, const auto& le) { sum.by_direction += double(le.g); });
   }
   return {sum.both / kSamples, sum.by_light / kSamples, sum.by_direction / kSamples};
 }
