@@ -11,7 +11,7 @@
 #include "proto/common/confidence.h"
 #include "server/estimate/lights/methods.h"
 #include "server/estimate/lights/missed_light.h"
-#include "server/estimate/statistics/target_error.h"
+#include "server/estimate/statistics/pilots.h"
 #include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
 

@@ -9,7 +9,7 @@
 
 #include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/li_sampler.h"
-#include "server/estimate/statistics/target_error.h"
+#include "server/estimate/statistics/pilots.h"
 
 namespace lucerna {
 

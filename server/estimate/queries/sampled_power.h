@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "proto/common/confidence.h"
-#include "server/estimate/statistics/target_error.h"
+#include "server/estimate/statistics/pilots.h"
 #include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
 

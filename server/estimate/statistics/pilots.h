@@ -1,4 +1,4 @@
-// Chooses the number of samples for a target error.
+// The accuracy that a query requests, and the number of samples that it needs.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +7,16 @@
 #include <optional>
 
 #include "proto/common/confidence.h"
-#include "server/estimate/statistics/target_error.h"
 
 namespace lucerna {
+
+/// The accuracy at which an estimate is good enough.
+struct TargetError {
+  double relative = 0;        ///< of the estimate, > 0
+  double absolute_floor = 0;  ///< the error does not have to be smaller; in the estimate's unit
+  double confidence = kConfidence;  ///< of the interval, in (0, 1)
+  std::uint64_t max_samples = 1U << 16;
+};
 
 /// Blocks of independent points.
 struct Blocks {
