@@ -86,8 +86,8 @@ DirectLight::DirectLight(const Scene& scene, const Methods& methods, std::uint32
   first_ = all ? &all_ : drawn_.get();
   later_ = first_;
   if (automatic && all && lights.size() - deltas_ >= kFewestDrawn &&
-      std::ranges::all_of(lights,
-                          [](const SceneLight& l) { return is_delta(l) || is_even_lamp(*l.light); }))
+      std::ranges::all_of(
+          lights, [](const SceneLight& l) { return is_delta(l) || is_even_lamp(*l.light); }))
     later_ = &one_area_;
 }
 

@@ -10,8 +10,6 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// With at most this many pairs of a plane and a light, a receiver visits each.
 constexpr std::size_t kFewPairs = 16;
 /// Pairs of random numbers, apart from those of smooth_light.cpp.
@@ -22,19 +20,19 @@ constexpr std::uint32_t kGlossyPairsOfVertex = 64;
 
 /// The part of a plane that mirrors a light towards a point.
 struct SmoothLight::GlossySpot {
-  Vector middle;         ///< where a mirror would show the light
-  Vector along, across;  ///< in the plane, unit: along the plane of incidence, and across it
+  Vec3 middle;         ///< where a mirror would show the light
+  Vec3 along, across;  ///< in the plane, unit: along the plane of incidence, and across it
   double per_along, per_across;  ///< slope of the facets that mirror, over the distance [1/m]
   double alpha;
 
   /// GGX of slopes: alpha^2 / (pi (alpha^2 + slope^2)^2).
-  Vector point(const Vec2f& u) const {
+  Vec3 point(const Vec2f& u) const {
     const double r = alpha * std::sqrt(double{u.x} / (1 - double{u.x})), turn = 2 * kPi * u.y;
     return middle + along * (r * std::cos(turn) / per_along) +
            across * (r * std::sin(turn) / per_across);
   }
   /// Density of `point` [1/m2].
-  double pdf(const Vector& p) const {
+  double pdf(const Vec3& p) const {
     const double a = dot(p - middle, along) * per_along, b = dot(p - middle, across) * per_across;
     const double q = alpha * alpha + a * a + b * b;
     return alpha * alpha / (kPi * q * q) * per_along * per_across;
@@ -47,11 +45,11 @@ auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3& from, std::uin
   const double height = part.height(from);
   if (height == 0) return std::nullopt;
   // The light as the mirrored point sees it.
-  const Vector image = mirror_image(part, from);
-  Vector w;
+  const Vec3 image = mirror_image(part, from);
+  Vec3 w;
   double distance = std::numeric_limits<double>::infinity();
   if (const auto bounds = at->bounds()) {
-    const Vector away = bounds->lower * 0.5 + bounds->upper * 0.5 - image;
+    const Vec3 away = bounds->lower * 0.5 + bounds->upper * 0.5 - image;
     distance = length(away);
     w = away / distance;
   } else {
@@ -62,7 +60,7 @@ auto SmoothLight::glossy_spot(const SmoothPart& part, const Vec3& from, std::uin
   // To the point, and to the light.
   const double curvature = 1 / t + 1 / (distance - t), cosine = std::fabs(towards);
   GlossySpot spot{.middle = image + w * t, .alpha = part.glossy_alpha};
-  const Vector in_plane = w - part.n * towards;
+  const Vec3 in_plane = w - part.n * towards;
   spot.along = length(in_plane) > 1e-6 ? normalized(in_plane) : Frame::around(part.n).s;
   spot.across = cross(part.n, spot.along);
   spot.per_along = curvature * cosine / 2;
@@ -79,10 +77,10 @@ void SmoothLight::guide(const SurfaceHit& receiver, GuidedDirections& to) const 
       if (is_delta(light) || light.is_unseen) continue;
       const auto place = place_of(light);
       if (!place) continue;
-      const Vector image = place->is_direction
-                               ? mirror_vector(part, place->middle)
-                               : mirror_image(part, place->middle) - receiver.position;
-      const Vector axis = normalized(image);
+      const Vec3 image = place->is_direction
+                             ? mirror_vector(part, place->middle)
+                             : mirror_image(part, place->middle) - receiver.position;
+      const Vec3 axis = normalized(image);
       const double t = -part.height(receiver.position) / dot(part.n, axis);
       if (!(t > 0) || !(dot(receiver.ns, axis) > 0)) continue;
       const double sine = place->radius / length(image);
@@ -112,7 +110,7 @@ double SmoothLight::glossy_weight(const Before& before, const SurfaceHit& hit,
   if (!(part.glossy_alpha > 0)) return 1;
   const auto spot = glossy_spot(part, before.position, light, hit.time_s);
   if (!spot) return 1;
-  const Vector away = hit.position - before.position;
+  const Vec3 away = hit.position - before.position;
   const double distance2 = dot(away, away);
   const double by_direction =
       before.pdf * std::fabs(dot(hit.ng, away)) / (distance2 * std::sqrt(distance2));
@@ -132,12 +130,12 @@ void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts
     const SmoothPart& part = parts_[number];
     const auto spot = glossy_spot(part, v.hit.position, light, v.hit.time_s);
     if (!spot) return;
-    const Vector p = spot->point(u);
+    const Vec3 p = spot->point(u);
     const double density = probability * spot->pdf(p);
     if (!(density > 0) || !part.may_contain(p)) return;
-    const Vector away = p - v.hit.position;
+    const Vec3 away = p - v.hit.position;
     const double distance = length(away);
-    const Vector w = away / distance;
+    const Vec3 w = away / distance;
     const Rgb f = scattered(v, w);
     if (f.is_black()) return;
     const Ray ray = spawn_ray(v.hit, Vec3f(w));
@@ -150,7 +148,7 @@ void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts
     if (sample.reason != NoLight::kNone) return;
     const double per_area = std::fabs(dot(part.n, w)) / (distance * distance);
     const double direction_pdf = v.scattering != nullptr
-                                     ? v.scattering->pdf(Vector(v.wo), w)
+                                     ? v.scattering->pdf(Vec3(v.wo), w)
                                      : std::fabs(dot(v.hit.ns, w)) * std::numbers::inv_pi;
     const Rgb value = f * scattering.value(-w, sample.wi) * sample.value *
                       (per_area / (density + direction_pdf * per_area));

@@ -17,14 +17,12 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// Rays are followed until so many were kept or tried.
 constexpr std::size_t kMostKept = 8192, kMostTried = 32768;
 constexpr int kMostSurfaces = 16;
 
 /// The start of a ray from a light towards a sphere.  Nothing if no light leaves there.
-std::optional<Ray> start_of(const Light& light, const Vector& middle, double radius, Vec2 u, Vec2 v,
+std::optional<Ray> start_of(const Light& light, const Vec3& middle, double radius, Vec2 u, Vec2 v,
                             const Scene& scene) {
   const bool is_near = light.bounds().has_value();
   const EmissionSample e = is_near ? light.sample_le(u, {0.5, 0.5}, scene.sphere())
@@ -33,12 +31,12 @@ std::optional<Ray> start_of(const Light& light, const Vector& middle, double rad
     if (e.value.is_black()) return std::nullopt;
     return Ray{Vec3f(e.origin), Vec3f(e.direction)};
   }
-  const Vector to = middle - e.origin;
+  const Vec3 to = middle - e.origin;
   const double distance = length(to), sine = radius / distance;
-  const Vector w = sine < 1 ? Frame::around(to / distance)
-                                  .world_from_local(sample_uniform_cone(
-                                      v, sine * sine / (1 + std::sqrt(1 - sine * sine))))
-                            : sample_uniform_sphere(v);
+  const Vec3 w = sine < 1 ? Frame::around(to / distance)
+                                .world_from_local(sample_uniform_cone(
+                                    v, sine * sine / (1 + std::sqrt(1 - sine * sine))))
+                          : sample_uniform_sphere(v);
   if (!is_finite(w) || light.le({e.origin, e.normal, e.primitive}, w).is_black())
     return std::nullopt;
   // The ray must not meet the light's own surface.
@@ -57,7 +55,7 @@ std::optional<LampRay> follow(const Scene& scene, const SmoothSurfaces& surfaces
     if (!hit || scene.plain_diffuse(hit->material) != nullptr) break;
     const SurfaceScattering scattering(scene, *hit);
     const auto on =
-        scattering.sample(-Vector(ray.direction),
+        scattering.sample(-Vec3(ray.direction),
                           {s.pair(PathSample::kFirstLobe + k).x,
                            {s.at(k, PathSample::kDirection).x, s.at(k, PathSample::kDirection).y}});
     if (!on || !(on->delta || on->pdf.per_sr > kNarrow)) break;
@@ -111,7 +109,7 @@ LampRays::LampRays(const Scene& scene) {
     const Vec2f choice = s.pair(PathSample::kFilm);
     const Bounds& box = unsolved[chosen(choice.x, unsolved.size())].bounds_m;
     if (box.empty()) continue;
-    const Vector middle = box.lower * 0.5 + box.upper * 0.5;
+    const Vec3 middle = box.lower * 0.5 + box.upper * 0.5;
     const LightAtTime light(scene.lights()[lights[chosen(choice.y, lights.size())]], 0);
     const Vec2f u = s.at(0, PathSample::kLight), v = s.at(0, PathSample::kLightPoint);
     const auto start =

@@ -11,8 +11,6 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// With more lights than this, each set of walks is for one of them.
 constexpr std::size_t kMostLamps = 4;
 /// Steps of Newton's method, and halvings of one step.
@@ -23,20 +21,20 @@ constexpr double kLastTurn = 1e-4;
 /// A lamp without a size, as a target of rays.
 struct Aim {
   bool is_far;
-  Vector place;  ///< of the lamp, or the unit direction to it
+  Vec3 place;  ///< of the lamp, or the unit direction to it
 
-  Vector direction_from(const Vector& p) const { return is_far ? place : normalized(place - p); }
+  Vec3 direction_from(const Vec3& p) const { return is_far ? place : normalized(place - p); }
 };
 
 Aim aim_of(const Light& light) {
   const auto bounds = light.bounds();
   if (bounds) return {false, bounds->lower * 0.5 + bounds->upper * 0.5};
-  return {true, light.sample_li(Receiver(Vector{}), {}).wi};
+  return {true, light.sample_li(Receiver(Vec3{}), {}).wi};
 }
 
 /// The single direction of a surface on a side.
-std::optional<Vector> single_direction(const SurfaceScattering& scattering, const SurfaceHit& hit,
-                                       const Vector& wo, bool passes) {
+std::optional<Vec3> single_direction(const SurfaceScattering& scattering, const SurfaceHit& hit,
+                                     const Vec3& wo, bool passes) {
   for (const double choice : {0.0, 1 - 0x1p-24}) {
     const auto s = scattering.sample(wo, {choice, {0.5, 0.5}});
     if (s && s->delta && (dot(hit.ng, wo) * dot(hit.ng, s->wi) < 0) == passes) return s->wi;
@@ -109,7 +107,7 @@ void ManifoldWalks::sample(const SurfaceHit& receiver, std::uint32_t walks,
   }
 }
 
-std::optional<SurfaceHit> ManifoldWalks::next_surface(const SurfaceHit& from, const Vector& along,
+std::optional<SurfaceHit> ManifoldWalks::next_surface(const SurfaceHit& from, const Vec3& along,
                                                       Rgb& share, WorkCounts& work) const {
   const bool passes_panes = visibility_.transmittance().blocking() == Meets::kOpaque;
   SurfaceHit at = from;
@@ -128,12 +126,12 @@ std::optional<SurfaceHit> ManifoldWalks::next_surface(const SurfaceHit& from, co
   }
 }
 
-auto ManifoldWalks::choose_links(const SurfaceHit& receiver, const Vector& start,
+auto ManifoldWalks::choose_links(const SurfaceHit& receiver, const Vec3& start,
                                  std::uint32_t most_steps, Numbers& numbers, WorkCounts& work) const
     -> Links {
   Links links;
   SurfaceHit at = receiver;
-  Vector along = start;
+  Vec3 along = start;
   Rgb share(1);
   while (links.size() < most_steps) {
     std::optional<SurfaceHit> next = next_surface(at, along, share, work);
@@ -154,7 +152,7 @@ auto ManifoldWalks::choose_links(const SurfaceHit& receiver, const Vector& start
   return links;
 }
 
-auto ManifoldWalks::follow(const SurfaceHit& receiver, const Vector& start, const Links& links,
+auto ManifoldWalks::follow(const SurfaceHit& receiver, const Vec3& start, const Links& links,
                            WorkCounts& work) const -> std::optional<End> {
   End end{.hit = receiver, .along = start};
   end.before.counted = end.before.is_receiver = true;
@@ -177,10 +175,10 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
                          Numbers& numbers, WorkCounts& work) const -> std::optional<Path> {
   // Points of the box show a flat one, such as water, as well as a ball.
   const Bounds& box = surfaces_[numbers.below(surfaces_.size())];
-  const Vector extent = box.upper - box.lower;
-  const Vector within{extent.x * numbers.uniform(), extent.y * numbers.uniform(),
-                      extent.z * numbers.uniform()};
-  const Vector to = box.lower + within - receiver.position;
+  const Vec3 extent = box.upper - box.lower;
+  const Vec3 within{extent.x * numbers.uniform(), extent.y * numbers.uniform(),
+                    extent.z * numbers.uniform()};
+  const Vec3 to = box.lower + within - receiver.position;
   Path path;
   path.start = normalized(to);
   if (!is_finite(path.start) || !(dot(receiver.ns, path.start) > 0)) return std::nullopt;
@@ -199,10 +197,10 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
   for (int turn = 0;; ++turn) {
     if (!end || turn == kMostTurns) return std::nullopt;
     // The last leg has to have the direction `wanted`.
-    const Vector wanted = aim.direction_from(end->hit.position);
+    const Vec3 wanted = aim.direction_from(end->hit.position);
     const Frame across = Frame::around(wanted), around = Frame::around(path.start);
     const auto off = [&](const End& e) {
-      const Vector d = e.along - aim.direction_from(e.hit.position);
+      const Vec3 d = e.along - aim.direction_from(e.hit.position);
       return Vec2{dot(d, across.s), dot(d, across.t)};
     };
     const auto turned = [&](double a, double b) {
@@ -252,7 +250,7 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
   const double cosine = dot(receiver.ns, path.start);
   if (!(cosine > 0)) return std::nullopt;
   // A receiver 1 m before a light without a size gets its intensity as illuminance.
-  const Vector last = end->hit.position, along = aim.direction_from(last);
+  const Vec3 last = end->hit.position, along = aim.direction_from(last);
   LightSample sample = at->sample_li(Receiver(aim.is_far ? last : aim.place - along), {});
   if (sample.reason != NoLight::kNone) return std::nullopt;
   sample.wi = along, sample.point = aim.place;

@@ -7,8 +7,6 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// More lamps than this count as one place.
 constexpr std::size_t kMostPlaces = 20;
 
@@ -18,12 +16,12 @@ auto SmoothLight::place_of(const SceneLight& light) -> std::optional<Place> {
   if (light.moving != nullptr) return std::nullopt;
   const LightAtTime at(light, 0);
   if (const auto bounds = at->bounds()) {
-    const Vector middle = bounds->lower * 0.5 + bounds->upper * 0.5;
+    const Vec3 middle = bounds->lower * 0.5 + bounds->upper * 0.5;
     return Place{false, middle, length(bounds->upper - middle)};
   }
   const auto* sun = dynamic_cast<const SunLight*>(light.light.get());
   if (!at->is_delta() && sun == nullptr) return std::nullopt;
-  const Vector wi = at->sample_li(Receiver(Vector{}), {}).wi;
+  const Vec3 wi = at->sample_li(Receiver(Vec3{}), {}).wi;
   return Place{true, wi, sun == nullptr ? 0 : sun->params().angular_diameter_rad};
 }
 
@@ -40,7 +38,7 @@ void SmoothLight::find_places() {
     if (!p.is_direction) all.add(p.middle);
   // Many lamps are in one place.
   if (places_.size() > kMostPlaces && !all.empty()) {
-    const Vector middle = all.lower * 0.5 + all.upper * 0.5;
+    const Vec3 middle = all.lower * 0.5 + all.upper * 0.5;
     Place one{false, middle, 0};
     for (const Place& p : places_)
       if (!p.is_direction) one.radius = std::fmax(one.radius, length(p.middle - middle) + p.radius);

@@ -9,8 +9,6 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// Longer sequences that leave less than this share of light are chosen at random.
 constexpr double kLeastShare = 1e-3;
 /// The most sequences that a receiver visits, all of those that go on in every way.
@@ -100,7 +98,7 @@ bool SmoothLight::may_follow(const Vertex& v, const Sequence& parent, const Smoo
     // Light that arrives below the horizon does not count.
     if (v.scattering == nullptr || !v.scattering->transmits()) {
       SmoothPart horizon;
-      horizon.n = dot(v.hit.ns, Vector(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
+      horizon.n = dot(v.hit.ns, Vec3(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
       horizon.middle = v.hit.position;
       if (!(part.heights_over(horizon).second > 0)) return false;
     }
@@ -177,7 +175,7 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
   root.image = v.hit.position;
   // Without a normal, light arrives from both sides.
   if (v.scattering == nullptr || !v.scattering->transmits())
-    root.image_normal = dot(v.hit.ns, Vector(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
+    root.image_normal = dot(v.hit.ns, Vec3(v.wo)) < 0 ? -v.hit.ns : v.hit.ns;
   if (!surfaces_.tree().empty()) return sample_crowd(v, root, choices, s, work, found);
   // Paths by balls and glass are solved, which takes as long as ten images.
   const std::size_t most = !v.is_receiver ? kMostFirstOnPaths : bends_ ? kMostBent : kMostVisited;
@@ -192,7 +190,7 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
     double sum = 0;
     for (const Next& next : nexts) {
       const SmoothPart& part = *next.step.part;
-      const Vector away = part.middle - v.hit.position;
+      const Vec3 away = part.middle - v.hit.position;
       const double size2 = part.is_sphere ? part.radius_m * part.radius_m
                                           : length(part.half_u) * length(part.half_v);
       sums.push_back(sum += next.share * size2 / (dot(away, away) + size2));
@@ -270,7 +268,7 @@ void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t
 }
 
 Rgb SmoothLight::scattered(const Vertex& v, const Vec3& wi) const {
-  if (v.scattering != nullptr) return v.scattering->value(Vector(v.wo), wi);
+  if (v.scattering != nullptr) return v.scattering->value(Vec3(v.wo), wi);
   return Rgb(reflected_share(v.hit, v.wo, wi));
 }
 
@@ -307,7 +305,7 @@ auto SmoothLight::by_images(const Vertex& v, const Sequence& sequence, const Lig
   a.end = light.sample_li(from, u);
   if (a.end.reason != NoLight::kNone) return std::nullopt;
   // From the light back to the vertex.
-  Vector p = sequence.image, w = a.end.wi;
+  Vec3 p = sequence.image, w = a.end.wi;
   double later = a.end.distance + on_mirror(*sequence.steps.back().part, a.end);
   a.path.end = w;
   for (std::size_t i = sequence.steps.size(); i-- > 0;) {
@@ -345,7 +343,7 @@ auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const Li
     density = on.pdf_position.per_m2;
   }
   const bool is_far = light.is_delta() ? !std::isfinite(end.distance) : !bounds;
-  if (!(density > 0) || (is_far && end.wi == Vector{})) return std::nullopt;
+  if (!(density > 0) || (is_far && end.wi == Vec3{})) return std::nullopt;
   const auto path = is_far ? path_to_direction(v.hit.position, sequence.steps, end.wi)
                            : path_to_point(v.hit.position, sequence.steps, end.point);
   if (!path) return std::nullopt;
@@ -353,7 +351,7 @@ auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const Li
     if (!sequence.steps[i].part->is_sphere && !sequence.steps[i].part->may_contain(path->points[i]))
       return std::nullopt;
   a.path = *path;
-  const Vector& last = path->points[sequence.steps.size() - 1];
+  const Vec3& last = path->points[sequence.steps.size() - 1];
   end.wi = path->end;
   end.reason = NoLight::kNone;
   if (light.is_delta()) {
@@ -393,7 +391,7 @@ Rgb SmoothLight::share_along(const Vertex& v, const Sequence& sequence, const Ar
       arrived = surfaces_.part_of(*next) == number;
       if (!arrived && !(passes_panes && scene_.is_pane(*next))) return {};
       const bool passes = !arrived || step.passes;
-      share = share * mean_single(scene_, *next, -Vector(towards),
+      share = share * mean_single(scene_, *next, -Vec3(towards),
                                   passes ? Side::kTransmitted : Side::kReflected);
       if (share.is_black()) return {};
       at = *next;
