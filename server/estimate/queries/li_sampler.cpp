@@ -267,6 +267,7 @@ LightSample LiSampler::sample(const Light& light, const Receiver& receiver, Vec2
                                                               std::size_t receiver, std::size_t i,
                                                               const LiAnswerWriter& writer) const {
   if (!q_.seed && !std::isfinite(q_.u[2 * i] + q_.u[2 * i + 1])) return false;
+  if (!q_.normals.empty() && !is_direction(triple(q_.normals, receiver))) return false;
   const ScenePoint at = to_scene_(receiver);
   if (at.result != ItemResult::kOk) return false;
   const auto s = light.plain_sample_li(at.position);
@@ -279,7 +280,7 @@ void LiSampler::fill_from(const SceneLight& light, const LiLayout& layout, std::
                           std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const {
   const LightAtTime at_time(light, q_.time_s);
   const PointLight* const point = resting_point_light(light);
-  if (point == nullptr || shares != nullptr || !q_.normals.empty())
+  if (point == nullptr || shares != nullptr)
     return fill_each(*at_time, layout, begin, end, writer, shares);
   // The wire takes about as long as a LightAtTime: docs/decisions/016-one-point-light.md.
   for (std::size_t i = begin; i < end; ++i)
