@@ -11,7 +11,7 @@
 
 #include "lights/sampling/sobol.h"
 #include "server/estimate/paths/path.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/runtime/denormals.h"
 #include "tests/bench/shipped_scene.h"
 

@@ -8,8 +8,8 @@
 
 #include "server/estimate/lights/lamp_rays.h"
 #include "server/estimate/paths/path.h"
-#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/irradiance_estimate.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 
 namespace lucerna {
 

@@ -14,7 +14,7 @@
 #include "proto/common/confidence.h"
 #include "server/estimate/lights/direct_light.h"
 #include "server/estimate/lights/spectral_values.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/estimate/statistics/block_stream.h"
 #include "server/estimate/statistics/sample_sum.h"
 

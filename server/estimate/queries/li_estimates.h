@@ -7,8 +7,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/li_sampler.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/estimate/statistics/pilots.h"
 
 namespace lucerna {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/estimate/lights/spectral_values.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/rpc/messages/checks.h"
 
 namespace lucerna::rpc {

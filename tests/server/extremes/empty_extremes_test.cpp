@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "server/estimate/paths/render.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/extremes/file_scenes.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"

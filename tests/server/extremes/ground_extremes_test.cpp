@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "server/estimate/paths/render.h"
-#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/estimate/queries/visibility.h"
 #include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/scene/scenes.h"

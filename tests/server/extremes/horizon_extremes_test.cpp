@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/lights/closed_forms.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "server/estimate/paths/render.h"
-#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/estimate/queries/li_samples.h"
 #include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/extremes/scaled_scene.h"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lights/sampling/sobol.h"
-#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 

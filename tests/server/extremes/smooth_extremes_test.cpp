@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/materials/fresnel.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"

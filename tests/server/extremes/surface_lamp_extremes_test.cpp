@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/estimate/queries/visibility.h"
 #include "server/materials/fresnel.h"
 #include "tests/server/estimate/queries/li_samples.h"

@@ -6,7 +6,7 @@
 
 #include "gltf_fixture.h"
 #include "lights/pictures/sphere_map.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
 #include "server/store/scene_store.h"

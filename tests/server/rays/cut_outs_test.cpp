@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna::testing {

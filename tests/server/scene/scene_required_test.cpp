@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/shadows/shaft.h"
 #include "tests/server/scene/scenes.h"
 

@@ -11,7 +11,7 @@
 
 #include "server/estimate/lights/light_visibility.h"
 #include "server/estimate/paths/render.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/shadows/shadow_maps.h"
 #include "tests/server/scene/scenes.h"
 

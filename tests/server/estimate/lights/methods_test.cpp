@@ -7,7 +7,7 @@
 
 #include "server/estimate/lights/direct_light.h"
 #include "server/estimate/paths/render.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/scene/scenes.h"
 

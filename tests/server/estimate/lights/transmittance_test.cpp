@@ -5,7 +5,7 @@
 
 #include "server/estimate/paths/render.h"
 #include "server/estimate/queries/emission_queries.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/estimate/queries/visibility.h"
 #include "tests/server/scene/scenes.h"
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "server/estimate/paths/render.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/estimate/queries/visibility.h"
 #include "tests/server/estimate/moving_shapes.h"
 #include "tests/server/pbrt/pbrt_fixture.h"

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/estimate/coverage.h"
 #include "tests/server/estimate/queries/irradiance_questions.h"
 

@@ -1,7 +1,6 @@
-#include "server/estimate/queries/irradiance.h"
-
 #include <gtest/gtest.h>
 
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {

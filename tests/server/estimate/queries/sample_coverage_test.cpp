@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/li_estimates.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "tests/server/estimate/coverage.h"
 #include "tests/server/estimate/queries/irradiance_questions.h"
 #include "tests/server/estimate/queries/li_samples.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/assets/asset_reader.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/pbrt/load.h"
 #include "tests/paths.h"
 #include "tests/server/estimate/coverage.h"

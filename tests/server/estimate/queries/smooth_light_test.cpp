@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/assets/asset_reader.h"
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/pbrt/load.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/temp_directory.h"

@@ -1,6 +1,6 @@
 // The irradiance at a point is computed as the first vertex of a path.  Its surface reflects all
 // light; the result is multiplied by pi.
-#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/receiver_irradiance.h"
 
 #include <tbb/enumerable_thread_specific.h>
 
