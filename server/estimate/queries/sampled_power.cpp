@@ -19,9 +19,9 @@ namespace {
 
 // A ray takes about a tenth of a microsecond, so the stop token is polled every few tens of
 // microseconds.
-constexpr std::uint32_t kSamplesBetweenPolls = 256;
+constexpr std::uint32_t kEmittedBetweenPolls = 256;
 // A chunk of lights takes about a millisecond.
-constexpr std::uint64_t kSamplesPerChunk = 8192;
+constexpr std::uint64_t kEmittedPerChunk = 8192;
 
 /// The estimate of the light's power from one ray [lm].
 Rgb power_of(const EmissionSample& s) {
@@ -100,7 +100,7 @@ class PowerEstimator {
     const SceneSphere sphere = scene_.sphere();
     SampleSum sum;
     for (std::uint32_t i = 0; i < n; ++i) {
-      if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
+      if (i % kEmittedBetweenPolls == 0 && stop_.stop_requested()) {
         stopped_ = true;
         return std::nullopt;
       }
@@ -146,7 +146,7 @@ SampledPowers sample_powers(const Scene& scene, std::span<const std::uint32_t> l
   PowerEstimator estimator(scene, settings, stop);
   const std::uint64_t each = std::uint64_t{settings.block_count} * settings.samples_per_block;
   const std::size_t grain =
-      settings.target ? 1 : std::max<std::uint64_t>(1, kSamplesPerChunk / each);
+      settings.target ? 1 : std::max<std::uint64_t>(1, kEmittedPerChunk / each);
   parallel_chunks(lights.size(), grain, stop, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end && !estimator.stopped(); ++i)
       result.lights[i] = estimator.light(lights[i], block_lm[i]);
