@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <typeinfo>
-#include <utility>
 
 #include "lights/models/moved_light.h"
 #include "lights/models/point_light.h"
@@ -40,14 +39,6 @@ inline bool is_delta(const SceneLight& light) { return light.light->is_delta(); 
 inline const PointLight* resting_point_light(const SceneLight& light) {
   const bool is_one = light.moving == nullptr && typeid(*light.light) == typeid(PointLight);
   return is_one ? static_cast<const PointLight*>(light.light.get()) : nullptr;
-}
-
-/// Calls `f` with the light at `time_s`: with a PointLight, whose samples take less time than a
-/// call, or with any Light.
-template <typename F>
-void with_fast_light(const SceneLight& light, double time_s, F&& f) {
-  if (const PointLight* point = resting_point_light(light)) return f(*point);
-  f(*LightAtTime(light, time_s));
 }
 
 }  // namespace lucerna
