@@ -11,7 +11,7 @@
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/rays/surface_table.h"
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 
 namespace lucerna {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lights/choice/light_tree.h"
-#include "server/scene/light_choice.h"
+#include "server/scene/light_distribution.h"
 #include "server/scene/scene_part.h"
 
 namespace lucerna {

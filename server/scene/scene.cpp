@@ -10,7 +10,7 @@
 #include "proto/common/status_macros.h"
 #include "server/runtime/denormals.h"
 #include "server/scene/scene_builder.h"
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 
 namespace lucerna {
 

@@ -19,7 +19,7 @@
 #include "server/scene/camera.h"
 #include "server/scene/light_names.h"
 #include "server/scene/light_selector.h"
-#include "server/scene/placed_surfaces.h"
+#include "server/scene/movable_surfaces.h"
 #include "server/scene/scene_part.h"
 
 namespace lucerna {

@@ -1,5 +1,5 @@
 // The steps that build a scene from its description.  Used by scene.cpp and the files of the
-// steps: scene_place.cpp, scene_light_set.cpp and scene_geometry.cpp.
+// steps: scene_frame.cpp, lights_builder.cpp and geometry_builder.cpp.
 #pragma once
 
 #include <absl/status/status.h>

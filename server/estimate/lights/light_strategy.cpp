@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "server/estimate/lights/direct_light.h"
-#include "server/scene/light_choice.h"
+#include "server/scene/light_distribution.h"
 
 namespace lucerna {
 

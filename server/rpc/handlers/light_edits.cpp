@@ -14,7 +14,7 @@
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/scene_manifest.h"
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 
 namespace lucerna::rpc {
 namespace {

@@ -6,7 +6,7 @@
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/requested_methods.h"
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 
 namespace lucerna::rpc {
 namespace {

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 #include "tests/reference_table.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 #include "tests/sweep.h"

@@ -14,7 +14,7 @@
 #include "server/rays/surface_table.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/light_edit.h"
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 #include "server/smooth/smooth_surfaces.h"
 #include "tests/server/scene/scenes.h"
 

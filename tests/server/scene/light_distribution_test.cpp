@@ -1,4 +1,4 @@
-#include "server/scene/light_choice.h"
+#include "server/scene/light_distribution.h"
 
 #include <gtest/gtest.h>
 

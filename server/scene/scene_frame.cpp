@@ -9,7 +9,7 @@
 #include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/scene/scene_builder.h"
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 
 namespace lucerna {
 namespace {

@@ -16,7 +16,7 @@
 #include "server/scene/emitter_alpha.h"
 #include "server/scene/light_at_time.h"
 #include "server/scene/scene_builder.h"
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 
 namespace lucerna {
 

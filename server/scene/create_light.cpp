@@ -1,4 +1,4 @@
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 
 #include <fmt/format.h>
 

@@ -11,7 +11,7 @@
 #include "server/description/load_meter.h"
 #include "server/runtime/denormals.h"
 #include "server/scene/scene_builder.h"
-#include "server/scene/scene_lights.h"
+#include "server/scene/create_light.h"
 
 namespace lucerna {
 namespace {
