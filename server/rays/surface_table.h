@@ -5,13 +5,13 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/description/scene_description.h"
 #include "server/rays/accelerator.h"
+#include "server/rays/bounds.h"
 
 namespace lucerna {
 
@@ -96,19 +96,6 @@ struct SurfaceTable {
   /// Whether a ray that meets only `meets` passes through the surface at a hit.  Where chance
   /// decides, the bits of the ray and of the hit choose, so that a ray has one answer.
   bool lets_pass(HitKind kind, std::uint32_t primitive, Meets meets, const RayAtSurface& ray) const;
-};
-
-struct Bounds {
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
-  bool empty() const { return lower.x > upper.x; }
-  void add(const Vec3& p) {
-    // Compiles to x86's own minimum and maximum; std::fmin is a call.
-    const auto lesser = [](double a, double least) { return a < least ? a : least; };
-    const auto larger = [](double a, double most) { return a > most ? a : most; };
-    lower = {lesser(p.x, lower.x), lesser(p.y, lower.y), lesser(p.z, lower.z)};
-    upper = {larger(p.x, upper.x), larger(p.y, upper.y), larger(p.z, upper.z)};
-  }
 };
 
 /// Bounds of a shape in its own space.  Errors: values that are not finite or out of their

@@ -69,8 +69,8 @@ void add_parts(const std::vector<StoredScene>& scenes,
     std::vector<ScenePart> without;
     if (loaded != nullptr) without = loaded->parts();
     // Several revisions may have the same moved surfaces.
-    if (stored.scene->has_own_surfaces() && !counted.insert(stored.scene->placed().get()).second)
-      for (ScenePart& part : stored.scene->placed()->reports()) without.push_back(std::move(part));
+    if (stored.scene->has_own_geometry() && !counted.insert(&stored.scene->geometry()).second)
+      for (ScenePart& part : stored.scene->geometry().parts()) without.push_back(std::move(part));
     add(*stored.scene, without);
   }
 }

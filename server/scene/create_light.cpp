@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "lights/maths/stop_poll.h"
 #include "lights/maths/validation.h"
@@ -21,8 +23,6 @@ LightPlace place_of(const LightDescription& light) {
 }
 
 namespace {
-
-using LightPointer = std::shared_ptr<const Light>;
 
 template <typename L>
 absl::StatusOr<LightPointer> as_pointer(absl::StatusOr<L> light) {

@@ -5,38 +5,27 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <utility>
-#include <vector>
 
-#include "lights/models/light.h"
 #include "server/description/scene_description.h"
-#include "server/scene/light_selector.h"
+#include "server/scene/scene_light.h"
 
 namespace lucerna {
-
-class Scene;
 
 /// Where a light without a surface is.
 LightPlace place_of(const LightDescription& light);
 
 /// Errors: those of the light.
-absl::StatusOr<std::shared_ptr<const Light>> create_light(const LightDescription& light,
-                                                          const Vec3& origin);
+absl::StatusOr<LightPointer> create_light(const LightDescription& light, const Vec3& origin);
 
 /// The area light of an emissive shape.  Rays hit its vertices rounded to floats.  Light leaves
 /// the vertices in double, so that small lamps far from zero keep their size.  Errors: those of
 /// the light; a shape that cannot emit.
-absl::StatusOr<std::shared_ptr<const Light>> create_area_light(const ShapeDescription& shape,
-                                                               const Vec3& origin);
+absl::StatusOr<LightPointer> create_area_light(const ShapeDescription& shape, const Vec3& origin);
 
 /// The number of primitives of its surface; 1 if it has no surface.
 std::uint64_t primitive_count(const Light& light);
 
 /// Reference counts and the allocator's header of a light on the heap [bytes].
 inline constexpr std::uint64_t kLightHeapBytes = 24;
-
-/// All lights, or all except delta lights, as items of a selector.
-std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone);
 
 }  // namespace lucerna

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -59,8 +61,7 @@ Picture times_alpha(const std::optional<Picture>& picture, const NumberValue& al
   return result;
 }
 
-}  // namespace
-
+/// A remark if the shape becomes opaque.
 std::optional<std::string> apply_alpha(ShapeDescription& shape, const Textures& textures) {
   auto& emission = *shape.emission;
   if (shape.alpha.is_constant()) {
@@ -77,6 +78,21 @@ std::optional<std::string> apply_alpha(ShapeDescription& shape, const Textures& 
   if (!is_within_picture(shape)) return opaque("whose (u, v) leave the square from 0 to 1");
   emission.picture = times_alpha(emission.picture, shape.alpha, textures);
   return std::nullopt;
+}
+
+}  // namespace
+
+bool apply_alpha(SceneDescription& scene) {
+  bool any = false;
+  StopPoll poll;
+  for (ShapeDescription& s : scene.shapes) {
+    poll();
+    if (!s.emission || (s.alpha.is_constant() && s.alpha.constant >= 1)) continue;
+    if (auto what = apply_alpha(s, scene.textures))
+      scene.remarks.push_back({s.where, *std::move(what), "opaque"});
+    any = true;
+  }
+  return any;
 }
 
 }  // namespace lucerna

@@ -1,4 +1,5 @@
-// Prepares the surfaces of a scene for rays.
+#include "server/scene/geometry_builder.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/description/load_meter.h"
-#include "server/scene/scene_builder.h"
 
 namespace lucerna {
 namespace {
@@ -67,11 +67,57 @@ std::uint64_t unused_bytes(const GeometrySet& set) {
          (set.triangles.capacity() - set.triangles.size()) * sizeof set.triangles[0];
 }
 
-}  // namespace
+/// Builds a geometry step by step.
+class GeometryBuilder {
+ public:
+  GeometryBuilder(SceneDescription& scene, const ShapeExtents& extents, const Vec3& origin,
+                  const std::stop_token& stop, LoadBudget* budget)
+      : in_(scene), extents_(extents), origin_(origin), stop_(stop), budget_(budget) {}
+
+  absl::StatusOr<std::shared_ptr<const SceneGeometry>> build(bool has_cut_lights,
+                                                             const MovedSurfaces& moved,
+                                                             const std::string& isa);
+
+ private:
+  absl::Status append(ShapeDescription& shape, const Vec3& origin, std::int32_t light,
+                      GeometrySet& set, SurfaceTable& table);
+  /// Notes whether rays find a mirror or a pane in the shape that was appended last.
+  void note_smooth(const ShapeDescription& shape, bool emits, SurfaceTable& table);
+  /// Frees the arrays of a shape that was appended.
+  void drop(ShapeDescription& shape);
+  absl::Status add_shapes();
+  absl::Status add_objects();
+  absl::Status add_instances();
+  std::shared_ptr<const SurfaceMaterials> take_materials();
+  void connect_textures();
+  void report_movable();
+  void report_primitives(const Stopwatch& watch);
+  void report_surfaces(const SurfaceMaterials& materials, const Stopwatch& watch);
+
+  std::shared_ptr<const Motion> about_scene(const Motion& motion, const Vec3& from) const {
+    return std::make_shared<const Motion>(motion.about(from, origin_));
+  }
+  void part(std::string name, std::uint64_t bytes, const Stopwatch& watch, std::string why) {
+    parts_.push_back({std::move(name), bytes, 1e3 * watch.seconds(), std::move(why)});
+  }
+
+  SceneDescription& in_;
+  const ShapeExtents& extents_;
+  const Vec3& origin_;
+  const std::stop_token& stop_;
+  LoadBudget* budget_;  // null: no limit
+  std::shared_ptr<FixedGeometry> fixed_ = std::make_shared<FixedGeometry>();
+  std::shared_ptr<SurfaceTable> surfaces_ = std::make_shared<SurfaceTable>();
+  GeometrySet set_;
+  std::vector<GeometrySet> objects_;
+  std::vector<GeometryInstance> instances_;
+  std::vector<ScenePart> parts_;
+  std::uint64_t read_by_embree_ = 0;  // bytes of geometry that Embree reads and also counts
+};
 
 /// Appends the shape and frees its arrays.  Leaves out a light that rays do not meet.
-absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3& origin, std::int32_t light,
-                                    GeometrySet& set, SurfaceTable& table) {
+absl::Status GeometryBuilder::append(ShapeDescription& shape, const Vec3& origin,
+                                     std::int32_t light, GeometrySet& set, SurfaceTable& table) {
   if (shape.emission && shape.emission->is_unseen) {
     if (shape.motion) drop(shape);
     return absl::OkStatus();
@@ -83,13 +129,18 @@ absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3& origin,
     // The arrays for rays take less than those of the description.
     LoadBudget::Share work(budget_);
     LUCERNA_RETURN_IF_ERROR(work.resize(array_bytes(shape)));
-    LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m_, light, set, table));
+    LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, extents_.detail_m, light, set, table));
   }
   // The budget counts the arrays for rays until the end of the load.
   if (budget_ != nullptr) LUCERNA_RETURN_IF_ERROR(budget_->claim(bytes() - before));
   // Edits can move a light that does not move by itself.
   if (!shape.emission || shape.motion) drop(shape);
-  if (shape.is_interface) return absl::OkStatus();
+  note_smooth(shape, light >= 0, table);
+  return absl::OkStatus();
+}
+
+void GeometryBuilder::note_smooth(const ShapeDescription& shape, bool emits, SurfaceTable& table) {
+  if (shape.is_interface) return;
   const auto of_scene = [&](std::uint32_t i) -> const Material& { return in_.materials[i]; };
   const SmoothTraits traits = smooth_traits(of_scene, shape.material);
   if (traits.is_smooth() || traits.is_glossy() || traits.is_nearly_smooth ||
@@ -98,15 +149,14 @@ absl::Status Scene::Builder::append(ShapeDescription& shape, const Vec3& origin,
   // A pane that emits is met by all rays, which find its light.
   const Material& material = in_.materials[shape.material];
   const auto* pane = std::get_if<ThinDielectricParams>(&material.params);
-  if (pane != nullptr && material.normal_map < 0 && light < 0) {
+  if (pane != nullptr && material.normal_map < 0 && !emits) {
     table.surfaces.back().pane_eta = pane->eta;
-    scene_->has_panes_ = true;
+    fixed_->has_panes = true;
   }
-  scene_->has_panes_ |= table.surfaces.back().is_sheet();
-  return absl::OkStatus();
+  fixed_->has_panes |= table.surfaces.back().is_sheet();
 }
 
-void Scene::Builder::drop(ShapeDescription& shape) {
+void GeometryBuilder::drop(ShapeDescription& shape) {
   const std::uint64_t held = std::min(listed_bytes(shape), in_.held_bytes);
   if (auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry)) *mesh = {};
   if (auto* mesh = std::get_if<PatchMeshData>(&shape.geometry)) *mesh = {};
@@ -115,95 +165,126 @@ void Scene::Builder::drop(ShapeDescription& shape) {
   if (budget_ != nullptr) budget_->release(held);
 }
 
-absl::Status Scene::Builder::build_geometry(const std::string& isa) {
-  Stopwatch watch;
-  GeometrySet set;
-  std::vector<GeometrySet> objects(in_.objects.size() + moving_origins_.size());
-  std::vector<GeometryInstance> instances;
-  scene_->object_surfaces_.resize(objects.size());
+absl::Status GeometryBuilder::add_shapes() {
   auto light = static_cast<std::int32_t>(in_.lights.size());
   std::size_t moving_shape = 0;
-  reserve(in_.shapes, false, set);
+  reserve(in_.shapes, false, set_);
   // A list that grows would copy the arrays of its shapes.
-  scene_->movable_.reserve(static_cast<std::size_t>(std::ranges::count_if(
+  fixed_->movable.reserve(static_cast<std::size_t>(std::ranges::count_if(
       in_.shapes, [](const ShapeDescription& s) { return s.emission.has_value(); })));
   for (; !in_.shapes.empty(); in_.shapes.pop_front()) {
     ShapeDescription& s = in_.shapes.front();
-    LUCERNA_RETURN_IF_ERROR(check_stop());
+    LUCERNA_RETURN_IF_ERROR(check_stop(stop_));
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
-      LUCERNA_RETURN_IF_ERROR(append(s, scene_->origin_, emitter, set, placed_->surfaces));
-      if (s.emission) scene_->movable_.add(std::move(s));
+      LUCERNA_RETURN_IF_ERROR(append(s, origin_, emitter, set_, *surfaces_));
+      if (s.emission) fixed_->movable.add(std::move(s));
       continue;
     }
     // A moving shape is an object about its own origin with one instance.
-    const Vec3& origin = moving_origins_[moving_shape];
+    const Vec3& origin = extents_.moving_origins[moving_shape];
     const std::size_t object = in_.objects.size() + moving_shape++;
-    LUCERNA_RETURN_IF_ERROR(
-        append(s, origin, emitter, objects[object], scene_->object_surfaces_[object]));
-    if (!objects[object].empty())
-      instances.push_back(
+    LUCERNA_RETURN_IF_ERROR(append(s, origin, emitter, objects_[object], fixed_->objects[object]));
+    if (!objects_[object].empty())
+      instances_.push_back(
           {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
-    if (s.emission) scene_->movable_.add(std::move(s));
+    if (s.emission) fixed_->movable.add(std::move(s));
   }
+  return absl::OkStatus();
+}
+
+absl::Status GeometryBuilder::add_objects() {
   std::vector<bool> is_placed(in_.objects.size());
   StopPoll poll;
   for (const auto& i : in_.instances) poll(), is_placed[i.object] = true;
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
-    reserve(in_.objects[i].shapes, true, objects[i]);
+    reserve(in_.objects[i].shapes, true, objects_[i]);
     for (ShapeList& of_object = in_.objects[i].shapes; !of_object.empty(); of_object.pop_front()) {
-      LUCERNA_RETURN_IF_ERROR(check_stop());
-      LUCERNA_RETURN_IF_ERROR(append(of_object.front(), object_origins_[i], -1, objects[i],
-                                     scene_->object_surfaces_[i]));
+      LUCERNA_RETURN_IF_ERROR(check_stop(stop_));
+      LUCERNA_RETURN_IF_ERROR(append(of_object.front(), extents_.object_origins[i], -1, objects_[i],
+                                     fixed_->objects[i]));
     }
   }
+  return absl::OkStatus();
+}
+
+absl::Status GeometryBuilder::add_instances() {
   for (const auto& i : in_.instances) {
-    LUCERNA_RETURN_IF_ERROR(check_stop());
-    if (objects[i.object].empty()) continue;
-    const Transform scene_from_object = Transform::translate(-scene_->origin_) *
-                                        i.world_from_object *
-                                        Transform::translate(object_origins_[i.object]);
+    LUCERNA_RETURN_IF_ERROR(check_stop(stop_));
+    if (objects_[i.object].empty()) continue;
+    const Transform scene_from_object = Transform::translate(-origin_) * i.world_from_object *
+                                        Transform::translate(extents_.object_origins[i.object]);
     if (i.motion)
-      instances.push_back({i.object, scene_from_object, about_scene(*i.motion, scene_->origin_)});
+      instances_.push_back({i.object, scene_from_object, about_scene(*i.motion, origin_)});
     else
-      instances.push_back({i.object, rounded_to_float(scene_from_object)});
+      instances_.push_back({i.object, rounded_to_float(scene_from_object)});
   }
-  fit(set);
-  for (GeometrySet& object : objects) fit(object);
-  keep_textures(set, objects);
-  report_motion(instances);
-  if (!set.empty() || !instances.empty()) keep_materials();
-  report_geometry(set, objects, watch);
-  keep_movable(set.bytes());
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<const SceneGeometry>> GeometryBuilder::build(
+    bool has_cut_lights, const MovedSurfaces& moved, const std::string& isa) {
+  Stopwatch watch;
+  objects_.resize(in_.objects.size() + extents_.moving_origins.size());
+  fixed_->objects.resize(objects_.size());
+  fixed_->has_cut_lights = has_cut_lights;
+  fixed_->movable.others_m = extents_.others_m;
+  fixed_->movable.others_detail_m = extents_.others_detail_m;
+  fixed_->media = std::move(in_.media);
+  fixed_->surrounding_medium = in_.surrounding_medium;
+  if (const std::vector<Medium>& media = fixed_->media; !media.empty())
+    part("media", media.capacity() * sizeof(Medium), watch,
+         fmt::format("{} media that absorb light", media.size()));
+  LUCERNA_RETURN_IF_ERROR(add_shapes());
+  LUCERNA_RETURN_IF_ERROR(add_objects());
+  LUCERNA_RETURN_IF_ERROR(add_instances());
+  fit(set_);
+  for (GeometrySet& object : objects_) fit(object);
+  connect_textures();
+  const bool is_empty = set_.empty() && instances_.empty();
+  auto materials = is_empty ? std::make_shared<const SurfaceMaterials>() : take_materials();
+  report_primitives(watch);
+  report_surfaces(*materials, watch);
+  report_movable();
   in_.objects = {};
   if (budget_ != nullptr) budget_->release(std::exchange(in_.held_bytes, 0));
 
   watch = Stopwatch();
-  const std::size_t instance_count = instances.size();
-  LUCERNA_ASSIGN_OR_RETURN(placed_->accelerator,
-                           Accelerator::build(std::move(set), std::move(objects),
-                                              std::move(instances), isa, stop_, budget_));
-  if (placed_->accelerator->empty()) return absl::OkStatus();
-  const std::uint64_t all = placed_->accelerator->bytes();
-  part("bvh", all > read_by_embree_ ? all - read_by_embree_ : 0, watch,
-       fmt::format("rays against {} primitives{}", scene_->primitive_count(),
-                   instance_count > 0 ? fmt::format(", {} instances", instance_count) : ""));
-  return absl::OkStatus();
+  std::uint64_t primitives = set_.primitives();
+  for (const GeometrySet& object : objects_) primitives += object.primitives();
+  const std::string with_instances =
+      instances_.empty() ? "" : fmt::format(", {} instances", instances_.size());
+  GeometryData data{.origin = origin_,
+                    .world_m = extents_.world_m,
+                    .edits = {.moved = moved, .added = {}},
+                    .fixed = fixed_,
+                    .surfaces = surfaces_,
+                    .materials = std::move(materials)};
+  LUCERNA_ASSIGN_OR_RETURN(data.accelerator,
+                           Accelerator::build(std::move(set_), std::move(objects_),
+                                              std::move(instances_), isa, stop_, budget_));
+  const std::uint64_t bytes = data.accelerator->bytes();
+  if (!data.accelerator->empty())
+    part("bvh", bytes > read_by_embree_ ? bytes - read_by_embree_ : 0, watch,
+         fmt::format("rays against {} primitives{}", primitives, with_instances));
+  data.parts = std::move(parts_);
+  return std::make_shared<const SceneGeometry>(std::move(data));
 }
 
 /// Keeps the shapes of lights, so that edits can move them, unless they take much of the memory.
-void Scene::Builder::keep_movable(std::uint64_t geometry_bytes) {
-  MovableSurfaces& movable = scene_->movable_;
+void GeometryBuilder::report_movable() {
+  MovableSurfaces& movable = fixed_->movable;
   const std::uint64_t bytes = movable.bytes();
-  movable.is_complete = bytes <= std::max(MovableSurfaces::kLeastBytes, geometry_bytes / 100);
+  movable.is_complete =
+      bytes <= std::max(MovableSurfaces::kLeastBytes, std::uint64_t{set_.bytes()} / 100);
   if (!movable.is_complete) movable.clear();
   if (!movable.empty())
     part("movable surfaces", bytes, Stopwatch(), "shapes of lights, which edits can move");
 }
 
 /// Diffuse materials without textures keep only their reflectance, unless the scene has others.
-void Scene::Builder::keep_materials() {
+std::shared_ptr<const SurfaceMaterials> GeometryBuilder::take_materials() {
   auto materials = std::make_shared<SurfaceMaterials>();
   for (const Material& m : in_.materials) {
     const Rgb* reflectance = m.plain_diffuse();
@@ -213,56 +294,31 @@ void Scene::Builder::keep_materials() {
   if (std::ranges::find(materials->plain, false) != materials->plain.end()) {
     materials->all.assign(std::make_move_iterator(in_.materials.begin()),
                           std::make_move_iterator(in_.materials.end()));
-    if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
+    if (fixed_->textures.empty()) fixed_->textures = std::move(in_.textures);
   }
-  placed_->materials = std::move(materials);
+  return materials;
 }
 
 /// Textures of sheer surfaces are needed even if all materials are plain.
-void Scene::Builder::keep_textures(GeometrySet& set, std::vector<GeometrySet>& objects) {
+void GeometryBuilder::connect_textures() {
   const auto connect = [&](GeometrySet& of, SurfaceTable& table, const Vec3& origin) {
     if (!table.has_sheer()) return;
-    if (scene_->textures_.empty()) scene_->textures_ = std::move(in_.textures);
-    table.textures = &scene_->textures_;
+    if (fixed_->textures.empty()) fixed_->textures = std::move(in_.textures);
+    table.textures = &fixed_->textures;
     table.origin_m = origin;
     of.sheer = &table;
   };
-  connect(set, placed_->surfaces, scene_->origin_);
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    connect(objects[i], scene_->object_surfaces_[i],
-            i < object_origins_.size() ? object_origins_[i]
-                                       : moving_origins_[i - object_origins_.size()]);
+  connect(set_, *surfaces_, origin_);
+  const std::size_t objects = extents_.object_origins.size();
+  for (std::size_t i = 0; i < objects_.size(); ++i)
+    connect(objects_[i], fixed_->objects[i],
+            i < objects ? extents_.object_origins[i] : extents_.moving_origins[i - objects]);
 }
 
-void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instances) {
-  std::uint64_t lights = 0, surfaces = 0, bytes = 0;
-  for (const SceneLight& l : scene_->lights_) {
-    if (l.moving == nullptr) continue;
-    ++lights;
-    bytes += sizeof(LightMotion) + l.moving->motion.bytes();
-  }
-  StopPoll poll;
-  for (const GeometryInstance& i : instances) {
-    poll();
-    if (!i.motion) continue;
-    ++surfaces;
-    bytes += sizeof(Motion) + i.motion->bytes();
-  }
-  if (in_.camera.motion) bytes += sizeof(Motion) + in_.camera.motion->bytes();
-  if (lights + surfaces == 0 && !in_.camera.motion) return;
-  scene_->moves_ = true;
-  scene_->others_move_ = surfaces > 0 || in_.camera.motion;
-  part("motion", bytes, Stopwatch(),
-       fmt::format("{} lights, {} shapes and instances{} move", lights, surfaces,
-                   in_.camera.motion ? " and the camera" : ""));
-}
-
-void Scene::Builder::report_geometry(const GeometrySet& set,
-                                     const std::vector<GeometrySet>& objects,
-                                     const Stopwatch& watch) {
+void GeometryBuilder::report_primitives(const Stopwatch& watch) {
   // Vertices, then primitives by HitKind.
   std::array<std::uint64_t, 1 + kHitKinds> counts{}, bytes{};
-  std::uint64_t surface_bytes = placed_->surfaces.bytes(), wide = 0, wide_bytes = 0;
+  std::uint64_t wide = 0, wide_bytes = 0;
   const auto count = [&](const GeometrySet& s) {
     std::size_t next = 0;
     const auto add = [&](const auto& v, std::size_t per = 1) {
@@ -273,9 +329,8 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
     s.for_each_kind_of_surface([&](const auto& surfaces) { add(surfaces); });
     wide += s.wide.size(), wide_bytes += s.wide.capacity() * sizeof(WideTriangle);
   };
-  count(set);
-  for (const auto& o : objects) count(o);
-  for (const auto& t : scene_->object_surfaces_) surface_bytes += t.bytes();
+  count(set_);
+  for (const auto& o : objects_) count(o);
   struct Name {
     std::string one, many;
   };
@@ -296,9 +351,14 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
          fmt::format("{} triangles that rays meet in double precision", wide));
     read_by_embree_ += wide_bytes;
   }
+}
+
+void GeometryBuilder::report_surfaces(const SurfaceMaterials& materials, const Stopwatch& watch) {
+  std::uint64_t surface_bytes = surfaces_->bytes();
+  for (const auto& t : fixed_->objects) surface_bytes += t.bytes();
   if (surface_bytes > 0)
     part("surfaces", surface_bytes, watch, "materials, shading normals and lights of surfaces");
-  if (const SurfaceMaterials& materials = *placed_->materials; !materials.reflectances.empty())
+  if (!materials.reflectances.empty())
     part("materials",
          materials.reflectances.capacity() * sizeof(Rgb) + materials.plain.capacity() / 8 +
              materials.all.capacity() * sizeof(Material),
@@ -306,13 +366,45 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
          materials.all.empty()
              ? fmt::format("{} diffuse reflectances", materials.reflectances.size())
              : fmt::format("{} materials", materials.all.size()));
-  if (!scene_->textures_.empty())
-    part("textures", scene_->textures_.bytes(), watch,
-         fmt::format(
-             "{} textures of surfaces{}", scene_->textures_.size(),
-             scene_->textures_.limit_bytes() < std::numeric_limits<std::size_t>::max()
-                 ? fmt::format("; pictures at most {} bytes", scene_->textures_.limit_bytes())
-                 : ""));
+  if (const Textures& textures = fixed_->textures; !textures.empty())
+    part("textures", textures.bytes(), watch,
+         fmt::format("{} textures of surfaces{}", textures.size(),
+                     textures.limit_bytes() < std::numeric_limits<std::size_t>::max()
+                         ? fmt::format("; pictures at most {} bytes", textures.limit_bytes())
+                         : ""));
+}
+
+}  // namespace
+
+void simplify_media(SceneDescription& scene) {
+  const auto kept = [&](std::int32_t medium) {
+    return medium >= 0 && scene.media[static_cast<std::size_t>(medium)].absorption_per_m.is_black()
+               ? -1
+               : medium;
+  };
+  const auto simplify = [&](ShapeList& shapes) {
+    StopPoll poll;
+    for (ShapeDescription& s : shapes) {
+      poll();
+      if (!s.media) continue;
+      s.media = MediumSides{kept(s.media->inside), kept(s.media->outside)};
+      if (s.media->inside == s.media->outside) s.media.reset();
+    }
+    const auto bounds_nothing = [](const auto& s) { return s.is_interface && !s.media; };
+    shapes.erase(std::remove_if(shapes.begin(), shapes.end(), bounds_nothing), shapes.end());
+    return std::ranges::any_of(shapes, [](const auto& s) { return s.media.has_value(); });
+  };
+  bool has_media = simplify(scene.shapes);
+  for (ObjectDefinition& o : scene.objects) has_media = simplify(o.shapes) || has_media;
+  scene.surrounding_medium = kept(scene.surrounding_medium);
+  if (!has_media && scene.surrounding_medium < 0) scene.media = {};
+}
+
+absl::StatusOr<std::shared_ptr<const SceneGeometry>> build_geometry(
+    SceneDescription& scene, const ShapeExtents& extents, const Vec3& origin, bool has_cut_lights,
+    const MovedSurfaces& moved, const std::string& isa, const std::stop_token& stop,
+    LoadBudget* budget) {
+  return GeometryBuilder(scene, extents, origin, stop, budget).build(has_cut_lights, moved, isa);
 }
 
 }  // namespace lucerna

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "server/rays/error_bounds.h"
-#include "server/scene/scene.h"
+#include "server/scene/scene_geometry.h"
 
 namespace lucerna {
 namespace {
@@ -168,27 +168,21 @@ void meet_plane(const Ray& ray, LocalHit& hit) {
 
 }  // namespace
 
-std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray, Meets meets) const {
-  const std::optional<RawHit> raw = placed_->accelerator->closest_hit(ray, meets);
+std::optional<SurfaceHit> SceneGeometry::closest_hit(const Ray& ray, Meets meets) const {
+  const std::optional<RawHit> raw = accelerator().closest_hit(ray, meets);
   if (!raw) return std::nullopt;
   // Made in place, because a copy would wait for the bytes just stored.
   struct Made {
-    const Scene& scene;
+    const SceneGeometry& geometry;
     const RawHit& raw;
     const Ray& ray;
-    operator SurfaceHit() const { return scene.surface_hit(raw, ray); }  // NOLINT
+    operator SurfaceHit() const { return geometry.surface_hit(raw, ray); }  // NOLINT
   };
   return std::optional<SurfaceHit>(std::in_place, Made{*this, *raw, ray});
 }
 
-SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
-  const GeometryInstance* instance =
-      raw.instance >= 0 ? &placed_->accelerator->instance(raw.instance) : nullptr;
-  const GeometrySet& set =
-      instance ? placed_->accelerator->object(instance->object) : placed_->accelerator->scene();
-  const SurfaceTable& table =
-      instance ? base_->object_surfaces_[instance->object] : placed_->surfaces;
-
+SurfaceHit SceneGeometry::surface_hit(const RawHit& raw, const Ray& ray) const {
+  const auto& [instance, set, table] = primitives_of(raw.instance);
   LocalHit local = raw.kind == HitKind::kTriangle ? triangle_hit(set, table, raw)
                                                   : analytic_hit(set, table, raw, ray);
   Vector error{local.error, local.error, local.error};
@@ -217,7 +211,7 @@ SurfaceHit Scene::surface_hit(const RawHit& raw, const Ray& ray) const {
   const PrimitiveRun& run = table.run(raw.kind, raw.primitive);
   const Surface& surface = table.surfaces[run.surface];
   hit.material = surface.material;
-  hit.light = light_of(surface);
+  hit.light = surface.light;
   // Instance -1 is the scene's own geometry.
   hit.shape = (static_cast<std::uint64_t>(raw.instance + 1) << 32) | run.surface;
   hit.kind = raw.kind;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/scene/scene.h"
+#include "server/scene/scene_geometry.h"
 
 namespace lucerna {
 namespace {
@@ -100,14 +100,9 @@ Coordinates on_quadric(const Quadric& quadric, const Vector& position, const Vec
 
 }  // namespace
 
-Scene::ShadingPoint Scene::shading_point(const SurfaceHit& hit) const {
+SceneGeometry::ShadingPoint SceneGeometry::shading_point(const SurfaceHit& hit) const {
   const auto number = static_cast<std::int32_t>(hit.shape >> 32) - 1;
-  const GeometryInstance* instance =
-      number >= 0 ? &placed_->accelerator->instance(number) : nullptr;
-  const GeometrySet& set = instance != nullptr ? placed_->accelerator->object(instance->object)
-                                               : placed_->accelerator->scene();
-  const SurfaceTable& table =
-      instance != nullptr ? base_->object_surfaces_[instance->object] : placed_->surfaces;
+  const auto& [instance, set, table] = primitives_of(number);
   Coordinates c;
   const auto pose = [&] { return instance->motion->at(hit.time_s); };
   switch (hit.kind) {
@@ -142,7 +137,7 @@ Scene::ShadingPoint Scene::shading_point(const SurfaceHit& hit) const {
       if (instance->motion) *v = pose().vector(*v);
     }
   }
-  return {{c.uv, hit.position + origin_, hit.ns, c.colour}, c.dpdu, c.dpdv};
+  return {{c.uv, hit.position + origin(), hit.ns, c.colour}, c.dpdu, c.dpdv};
 }
 
 }  // namespace lucerna

@@ -35,6 +35,9 @@ LightSelector::LightSelector(std::vector<Item> items) {
     beside_share_ = lux.empty() ? 0 : lumens.empty() ? 1 : 0.5;
   else
     beside_share_ = is_lit(lux) ? 1 : 0;
+  if (automatic() != LightSelection::kBvh) return;
+  tree();
+  items_ = std::vector<LightTree::Item>();  // {} would keep its room
 }
 
 std::optional<std::uint32_t> LightSelector::Group::place(std::uint32_t light) const {
@@ -57,12 +60,6 @@ const LightTree& LightSelector::tree() const {
                    ? fmt::format("{} local lights; a query selected the tree", items_.size())
                    : fmt::format("{} local lights, {} or more", items_.size(), kTreeFrom);
       });
-}
-
-void LightSelector::build_tree_if_used() {
-  if (automatic() != LightSelection::kBvh) return;
-  tree();
-  items_ = std::vector<LightTree::Item>();  // {} would keep its room
 }
 
 LightSelection LightSelector::automatic() const {
@@ -110,8 +107,7 @@ double LightSelector::probability(LightSelection how, const Receiver& receiver,
 }
 
 std::size_t LightSelector::bytes() const {
-  std::size_t sum =
-      tree_.bytes() + by_flux_.bytes() + beside_.distribution.bytes() + local_.distribution.bytes();
+  std::size_t sum = by_flux_.bytes() + beside_.distribution.bytes() + local_.distribution.bytes();
   for (const Group* group : {&beside_, &local_})
     sum += group->lights.capacity() * sizeof(std::uint32_t);
   return sum + items_.capacity() * sizeof(LightTree::Item);

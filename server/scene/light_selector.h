@@ -40,6 +40,7 @@ class LightSelector {
   /// With at least this many local lights, the tree is the default.
   static constexpr std::size_t kTreeFrom = 9;
 
+  /// Builds the tree if it is the default.
   explicit LightSelector(std::vector<Item> items);
 
   /// A light for `u` in [0, 1).  `u` needs enough bits for the number of lights: 24 bits reach
@@ -56,10 +57,8 @@ class LightSelector {
   /// The choice among all items by flux, for rays that leave lights.
   const LightDistribution& by_flux() const { return by_flux_; }
 
-  /// Includes the tree if it is built.
+  /// Without the tree.
   std::size_t bytes() const;
-  /// Builds the tree if it is the default.
-  void build_tree_if_used();
   const LazyPart<LightTree>& tree_part() const { return tree_; }
 
  private:

@@ -1,4 +1,5 @@
-// Moves and adds surfaces of lights, without building everything else again.
+#include "server/scene/moved_geometry.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,11 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
 #include "server/description/load_meter.h"
 #include "server/runtime/denormals.h"
-#include "server/scene/scene_builder.h"
 #include "server/scene/create_light.h"
+#include "server/scene/scene_frame.h"
 
 namespace lucerna {
 namespace {
@@ -81,10 +83,10 @@ GeometrySet copy_of(const GeometrySet& set) {
 /// A copy of the scene's own geometry with other shapes of lights.
 class EditedSet {
  public:
-  EditedSet(const PlacedSurfaces& from, PlacedSurfaces& to)
-      : from_set_(from.accelerator->scene()), to_(to), set_(copy_of(from_set_)) {
-    to_.surfaces = from.surfaces;
-  }
+  explicit EditedSet(const SceneGeometry& from)
+      : from_set_(from.accelerator().scene()),
+        set_(copy_of(from_set_)),
+        table_(std::make_shared<SurfaceTable>(from.surfaces())) {}
 
   /// Puts a moved shape in its own place.  False if it has other primitives now.
   absl::StatusOr<bool> put(const ShapeDescription& shape, const Vec3& origin, double detail_m,
@@ -92,7 +94,7 @@ class EditedSet {
     GeometrySet piece;
     SurfaceTable alone;
     LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m, light, piece, alone));
-    SurfaceTable& table = to_.surfaces;
+    SurfaceTable& table = *table_;
     const auto found = std::ranges::find(table.surfaces, light, &Surface::light);
     if (found == table.surfaces.end()) return absl::InternalError("a light without a surface");
     const auto surface = static_cast<std::uint32_t>(found - table.surfaces.begin());
@@ -113,7 +115,7 @@ class EditedSet {
                    std::int32_t light) {
     const auto before = set_.counts();
     const std::size_t vertices = set_.vertices.size();
-    LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m, light, set_, to_.surfaces));
+    LUCERNA_RETURN_IF_ERROR(append_shape(shape, origin, detail_m, light, set_, *table_));
     if (set_.unit_m != 1)
       for (std::size_t i = vertices; i < set_.vertices.size(); ++i)
         set_.vertices[i] = Vec3f(Vec3(set_.vertices[i]) / set_.unit_m);
@@ -126,6 +128,7 @@ class EditedSet {
   }
 
   const GeometrySet& set() const { return set_; }
+  const std::shared_ptr<SurfaceTable>& table() const { return table_; }
   GeometrySet take_set() { return std::move(set_); }
   std::vector<PrimitiveRange> take_moved() { return std::move(moved_); }
 
@@ -136,8 +139,8 @@ class EditedSet {
     for (std::size_t i = 0; i < piece.vertices.size(); ++i)
       set_.vertices[vertex + i] =
           set_.unit_m == 1 ? piece.vertices[i] : Vec3f(Vec3(piece.vertices[i]) / set_.unit_m);
-    replace(to_.surfaces.vertex_normals, vertex, alone.vertex_normals);
-    replace(to_.surfaces.vertex_tangents, vertex, alone.vertex_tangents);
+    replace(table_->vertex_normals, vertex, alone.vertex_normals);
+    replace(table_->vertex_tangents, vertex, alone.vertex_tangents);
     const auto count = static_cast<std::uint32_t>(piece.triangles.size() / 3);
     std::erase_if(set_.wide, [&](const WideTriangle& w) { return w.triangle - first < count; });
     const auto after = std::ranges::lower_bound(set_.wide, first, {}, &WideTriangle::triangle);
@@ -149,7 +152,7 @@ class EditedSet {
   void put_surfaces(const GeometrySet& piece, const SurfaceTable& alone, const Extent& at) {
     constexpr auto kPatches = static_cast<std::size_t>(HitKind::kPatch);
     replace(set_.patches, at.first[kPatches], piece.patches);
-    replace(to_.surfaces.patch_normals, at.first[kPatches], alone.patch_normals);
+    replace(table_->patch_normals, at.first[kPatches], alone.patch_normals);
     std::size_t kind = static_cast<std::size_t>(HitKind::kCurve) + 1;
     const auto put = [&](auto& into, const auto& by) { replace(into, at.first[kind++], by); };
     std::apply(
@@ -160,8 +163,8 @@ class EditedSet {
   }
 
   const GeometrySet& from_set_;
-  PlacedSurfaces& to_;
   GeometrySet set_;
+  std::shared_ptr<SurfaceTable> table_;
   std::vector<PrimitiveRange> moved_;
 };
 
@@ -199,177 +202,167 @@ std::shared_ptr<const SurfaceMaterials> with_materials(
   return materials;
 }
 
-/// The emission of a light without a picture and without a profile, as its file gives it.  Without
-/// spectrum, name and number of samples, which a light keeps when it moves.
-ShapeDescription::Emission emission_of(const Scene& scene, const SceneLight& light) {
-  ShapeDescription::Emission emission{.radiance_cd_m2 = {}, .where = scene.source_of(light)};
-  if (const auto* surface = dynamic_cast<const SurfaceLight*>(light.light.get())) {
-    emission.radiance_cd_m2 = surface->emission().radiance_cd_m2;
-    emission.two_sided = surface->emission().two_sided;
-    emission.is_unseen = light.is_unseen;
-  }
-  return emission;
-}
-
-}  // namespace
-
-bool MovableSurfaces::is_plain(const ShapeDescription& shape) {
-  const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry);
-  return mesh != nullptr && mesh->normals.empty() && mesh->corner_uv.empty() &&
-         mesh->colours.empty() && mesh->tangents.empty() && shape.alpha.is_constant() &&
-         shape.alpha.constant >= 1 && !shape.media && !shape.is_interface && !shape.motion &&
-         !shape.emission->picture && !shape.emission->panel;
-}
-
-void MovableSurfaces::add(ShapeDescription&& shape) {
-  if (!is_plain(shape)) {
-    kept_.emplace_back(std::make_unique<const ShapeDescription>(std::move(shape)));
-    return;
-  }
-  auto& mesh = std::get<TriangleMeshData>(shape.geometry);
-  kept_.emplace_back(PlainMesh{std::move(mesh.positions), std::move(mesh.indices)});
-}
-
-ShapeDescription MovableSurfaces::shape(std::size_t i, const Scene& loaded,
-                                        const SceneLight& light) const {
-  if (const auto* whole = std::get_if<std::unique_ptr<const ShapeDescription>>(&kept_[i]))
-    return **whole;
-  const auto& mesh = std::get<PlainMesh>(kept_[i]);
-  ShapeDescription shape;
-  shape.geometry = TriangleMeshData{mesh.positions, {}, mesh.indices};
-  shape.emission = emission_of(loaded, light);
-  return shape;
-}
-
-absl::StatusOr<std::optional<Bounds>> MovableSurfaces::still_bounds(std::size_t i) const {
-  ShapeDescription plain;
-  const ShapeDescription* shape = &plain;
-  if (const auto* whole = std::get_if<std::unique_ptr<const ShapeDescription>>(&kept_[i])) {
-    shape = whole->get();
-    if (shape->motion) return std::nullopt;
-  } else {
-    const auto& mesh = std::get<PlainMesh>(kept_[i]);
-    plain.geometry = TriangleMeshData{mesh.positions, {}, mesh.indices};
-  }
-  LUCERNA_ASSIGN_OR_RETURN(const Bounds bounds, shape_bounds(*shape));
-  return bounds;
-}
-
-std::uint64_t MovableSurfaces::bytes() const {
-  std::uint64_t sum = kept_.capacity() * sizeof(Kept);
-  for (const Kept& kept : kept_) {
-    if (const auto* whole = std::get_if<std::unique_ptr<const ShapeDescription>>(&kept))
-      sum += sizeof(ShapeDescription) + array_bytes(**whole);
-    else
-      sum += std::get<PlainMesh>(kept).positions.capacity() * sizeof(Vec3) +
-             std::get<PlainMesh>(kept).indices.capacity() * sizeof(std::uint32_t);
-  }
-  return sum;
-}
-
-absl::StatusOr<std::shared_ptr<const PlacedSurfaces>> Scene::place(const Scene& loaded,
-                                                                   const SurfaceEdits& edits,
-                                                                   const std::stop_token& stop) {
-  const DenormalsAreZero denormals;
-  const Stopwatch watch;
-  const MovableSurfaces& movable = loaded.movable_;
-  const PlacedSurfaces& from = *loaded.placed_;
-  const auto count = static_cast<std::int32_t>(loaded.lights_.size());
-  const std::uint64_t first_id = loaded.lights_.size() - movable.size() + 1;
-  if (!movable.is_complete) return std::shared_ptr<const PlacedSurfaces>();
-  // Those that `loaded` was built with are where they should be.
-  MovedSurfaces moved = edits.moved;
-  if (!from.edits.moved.empty()) {
-    std::erase_if(moved, [&](const auto& m) { return edits.added.contains(m.first); });
-    if (moved != from.edits.moved) return std::shared_ptr<const PlacedSurfaces>();
-    moved.clear();
-  }
-  auto to = std::make_shared<PlacedSurfaces>();
-  to->edits = edits;
-  to->world_m = movable.others_m;
-  double detail_m = movable.others_detail_m, old_detail_m = movable.others_detail_m;
+/// The shapes of lights that edits move and add, and the extents of all shapes with them.
+struct EditedShapes {
   std::vector<EditedShape> shapes;
-  const auto stopped = [&] { return stop.stop_requested(); };
-  const auto cancelled = [] { return absl::CancelledError("the edit was cancelled"); };
+  Bounds world_m;
+  double detail_m, old_detail_m;
+};
+
+absl::Status check_edit(const std::stop_token& stop) {
+  return stop.stop_requested() ? absl::CancelledError("the edit was cancelled") : absl::OkStatus();
+}
+
+/// `moved`: the moves of lights of the file.
+absl::Status add_moved(const MovableSurfaces& movable, const SceneLights& loaded,
+                       const MovedSurfaces& moved, const std::stop_token& stop, EditedShapes& all) {
+  const std::uint64_t first_id = loaded.size() - movable.size() + 1;
   for (std::size_t i = 0; i < movable.size(); ++i) {
-    if (stopped()) return cancelled();
+    LUCERNA_RETURN_IF_ERROR(check_edit(stop));
     const std::uint64_t id = first_id + i;
     const auto change = moved.find(id);
     const bool is_moved = change != moved.end();
     if (is_moved) {
-      shapes.push_back({id, movable.shape(i, loaded, loaded.lights_[id - 1]),
-                        static_cast<std::int32_t>(id - 1), false});
-      LUCERNA_RETURN_IF_ERROR(move_surface(id, change->second, shapes.back().shape));
+      all.shapes.push_back(
+          {id, movable.shape(i, loaded, loaded[id - 1]), static_cast<std::int32_t>(id - 1), false});
+      LUCERNA_RETURN_IF_ERROR(move_surface(id, change->second, all.shapes.back().shape));
     }
     LUCERNA_ASSIGN_OR_RETURN(const std::optional<Bounds> before, movable.still_bounds(i));
     if (!before) continue;
     Bounds unused;
-    add_shape(*before, unused, old_detail_m);
-    if (!is_moved) add_shape(*before, to->world_m, detail_m);
+    add_shape(*before, unused, all.old_detail_m);
+    if (!is_moved) add_shape(*before, all.world_m, all.detail_m);
   }
-  if (shapes.size() != static_cast<std::size_t>(std::ranges::count_if(
-                           moved, [&](const auto& m) { return !edits.added.contains(m.first); })))
-    return absl::InternalError("a surface to move that the scene does not have");
-  std::int32_t number = count;
-  for (const auto& [id, added] : edits.added) {
-    if (stopped()) return cancelled();
-    shapes.push_back({id, added.surface->shape, number++, true});
-    if (const auto change = edits.moved.find(id); change != edits.moved.end())
-      LUCERNA_RETURN_IF_ERROR(move_surface(id, change->second, shapes.back().shape));
-  }
-  for (const EditedShape& edited : shapes) {
-    if (stopped()) return cancelled();
-    LUCERNA_ASSIGN_OR_RETURN(const Bounds after, shape_bounds(edited.shape));
-    add_shape(after, to->world_m, detail_m);
-  }
-  const auto changes = [&](const GeometrySet& set) {
-    return changes_wide(set, old_detail_m, detail_m);
-  };
-  bool fits = !from.accelerator->empty() && origin_for(to->world_m) == loaded.origin_ &&
-              !changes(from.accelerator->scene());
-  for (std::uint32_t i = 0; fits && i < from.accelerator->object_count(); ++i)
-    fits = !changes(from.accelerator->object(i));
-  if (!fits) return std::shared_ptr<const PlacedSurfaces>();
+  if (all.shapes.size() == moved.size()) return absl::OkStatus();
+  return absl::InternalError("a surface to move that the scene does not have");
+}
 
-  to->materials = with_materials(from.materials, edits, shapes);
-  EditedSet edited_set(from, *to);
-  for (const EditedShape& edited : shapes) {
-    if (stopped()) return cancelled();
+absl::StatusOr<EditedShapes> edited_shapes(const MovableSurfaces& movable,
+                                           const SceneLights& loaded, const MovedSurfaces& moved,
+                                           const SurfaceEdits& edits, const std::stop_token& stop) {
+  EditedShapes all{.shapes = {},
+                   .world_m = movable.others_m,
+                   .detail_m = movable.others_detail_m,
+                   .old_detail_m = movable.others_detail_m};
+  LUCERNA_RETURN_IF_ERROR(add_moved(movable, loaded, moved, stop, all));
+  auto number = static_cast<std::int32_t>(loaded.size());
+  for (const auto& [id, added] : edits.added) {
+    LUCERNA_RETURN_IF_ERROR(check_edit(stop));
+    all.shapes.push_back({id, added.surface->shape, number++, true});
+    if (const auto change = edits.moved.find(id); change != edits.moved.end())
+      LUCERNA_RETURN_IF_ERROR(move_surface(id, change->second, all.shapes.back().shape));
+  }
+  for (const EditedShape& edited : all.shapes) {
+    LUCERNA_RETURN_IF_ERROR(check_edit(stop));
+    LUCERNA_ASSIGN_OR_RETURN(const Bounds after, shape_bounds(edited.shape));
+    add_shape(after, all.world_m, all.detail_m);
+  }
+  return all;
+}
+
+/// Whether the geometry keeps its origin and its wide triangles.
+bool fits(const SceneGeometry& from, const EditedShapes& edited) {
+  const auto changes = [&](const GeometrySet& set) {
+    return changes_wide(set, edited.old_detail_m, edited.detail_m);
+  };
+  if (from.empty() || origin_for(edited.world_m) != from.origin() ||
+      changes(from.accelerator().scene()))
+    return false;
+  for (std::uint32_t i = 0; i < from.accelerator().object_count(); ++i)
+    if (changes(from.accelerator().object(i))) return false;
+  return true;
+}
+
+/// False if a shape has other primitives now.
+absl::StatusOr<bool> put(const EditedShapes& all, const Vec3& origin, const std::stop_token& stop,
+                         EditedSet& set, GeometryData& to) {
+  for (const EditedShape& edited : all.shapes) {
+    LUCERNA_RETURN_IF_ERROR(check_edit(stop));
     if (edited.shape.emission->is_unseen) {
       // Rays do not meet it.
     } else if (edited.is_new) {
-      LUCERNA_RETURN_IF_ERROR(
-          edited_set.add(edited.shape, loaded.origin_, detail_m, edited.number));
+      LUCERNA_RETURN_IF_ERROR(set.add(edited.shape, origin, all.detail_m, edited.number));
     } else {
-      LUCERNA_ASSIGN_OR_RETURN(const bool is_same, edited_set.put(edited.shape, loaded.origin_,
-                                                                  detail_m, edited.number));
-      if (!is_same) return std::shared_ptr<const PlacedSurfaces>();
+      LUCERNA_ASSIGN_OR_RETURN(const bool is_same,
+                               set.put(edited.shape, origin, all.detail_m, edited.number));
+      if (!is_same) return false;
     }
-    absl::StatusOr<std::shared_ptr<const Light>> light =
-        create_area_light(edited.shape, loaded.origin_);
+    absl::StatusOr<LightPointer> light = create_area_light(edited.shape, origin);
     if (!light.ok()) return located(light.status(), edited.shape.emission->where);
-    to->lights.emplace(edited.id, PlacedSurfaces::EditedLight{*std::move(light), edited.number});
+    to.edited_lights.emplace(edited.id,
+                             GeometryData::EditedLight{*std::move(light), edited.number});
   }
-  if (edited_set.set().wide.size() > kMostWideTriangles)
-    return std::shared_ptr<const PlacedSurfaces>();
-  GeometrySet set = edited_set.take_set();
-  if (from.accelerator->scene().sheer != nullptr) set.sheer = &to->surfaces;
-  LUCERNA_ASSIGN_OR_RETURN(
-      to->accelerator,
-      Accelerator::with_moved(from.accelerator, std::move(set), edited_set.take_moved()));
-  if (to->accelerator == nullptr) return std::shared_ptr<const PlacedSurfaces>();
-  std::uint64_t bytes = to->accelerator->bytes() + to->surfaces.bytes();
-  for (const auto& [id, edited] : to->lights) {
+  return set.set().wide.size() <= kMostWideTriangles;
+}
+
+std::uint64_t bytes_of(const GeometryData& to) {
+  std::uint64_t bytes = to.accelerator->bytes() + to.surfaces->bytes();
+  for (const auto& [id, edited] : to.edited_lights) {
     const LightBytes own = edited.light->own_bytes();
     bytes += kLightHeapBytes + own.object + own.data;
   }
-  bytes += bytes_of(to->edits.added);
-  for (const auto& [id, added] : to->edits.added)
+  bytes += bytes_of(to.edits.added);
+  for (const auto& [id, added] : to.edits.added)
     bytes += sizeof(AddedSurface) + array_bytes(added.surface->shape);
-  to->parts.push_back({"edited surfaces", bytes, 1e3 * watch.seconds(),
-                       fmt::format("{} {} of lights that edits moved or added", shapes.size(),
-                                   shapes.size() == 1 ? "surface" : "surfaces")});
-  return to;
+  return bytes;
+}
+
+}  // namespace
+
+SurfaceEdits surface_edits(const SceneLights& loaded, const LightEdits& edits) {
+  SurfaceEdits of;
+  StopPoll poll;
+  for (const auto& [id, light] : edits.added) {
+    poll();
+    if (light.surface != nullptr) of.added.emplace(id, light);
+  }
+  for (const auto& [id, change] : edits.changes) {
+    poll();
+    if (!change.has_place() || change.is_removed) continue;
+    const bool is_of_file =
+        id <= loaded.size() && !edits.added.contains(id) && loaded[id - 1].light->has_surface();
+    if (is_of_file || of.added.contains(id)) of.moved[id] = place_only(change);
+  }
+  return of;
+}
+
+absl::StatusOr<std::shared_ptr<const SceneGeometry>> moved_geometry(const SceneGeometry& from,
+                                                                    const SceneLights& loaded,
+                                                                    const SurfaceEdits& edits,
+                                                                    const std::stop_token& stop) {
+  const DenormalsAreZero denormals;
+  const Stopwatch watch;
+  const std::shared_ptr<const SceneGeometry> none;
+  const MovableSurfaces& movable = from.data().fixed->movable;
+  if (!movable.is_complete) return none;
+  // Those that `from` was built with are where they should be.
+  MovedSurfaces moved = edits.moved;
+  std::erase_if(moved, [&](const auto& m) { return edits.added.contains(m.first); });
+  if (!from.edits().moved.empty()) {
+    if (moved != from.edits().moved) return none;
+    moved.clear();
+  }
+  LUCERNA_ASSIGN_OR_RETURN(EditedShapes all, edited_shapes(movable, loaded, moved, edits, stop));
+  if (!fits(from, all)) return none;
+  GeometryData to{.origin = from.origin(),
+                  .world_m = all.world_m,
+                  .edits = edits,
+                  .fixed = from.data().fixed,
+                  .materials = with_materials(from.data().materials, edits, all.shapes)};
+  EditedSet edited(from);
+  LUCERNA_ASSIGN_OR_RETURN(const bool is_same, put(all, from.origin(), stop, edited, to));
+  if (!is_same) return none;
+  to.surfaces = edited.table();
+  GeometrySet set = edited.take_set();
+  if (from.accelerator().scene().sheer != nullptr) set.sheer = to.surfaces.get();
+  LUCERNA_ASSIGN_OR_RETURN(
+      to.accelerator,
+      Accelerator::with_moved(from.data().accelerator, std::move(set), edited.take_moved()));
+  if (to.accelerator == nullptr) return none;
+  to.parts.push_back({"edited surfaces", bytes_of(to), 1e3 * watch.seconds(),
+                      fmt::format("{} {} of lights that edits moved or added", all.shapes.size(),
+                                  all.shapes.size() == 1 ? "surface" : "surfaces")});
+  return std::make_shared<const SceneGeometry>(std::move(to));
 }
 
 }  // namespace lucerna

@@ -4,107 +4,80 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "lights/maths/stop_poll.h"
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 #include "server/runtime/denormals.h"
-#include "server/scene/scene_builder.h"
-#include "server/scene/create_light.h"
+#include "server/scene/emitter_alpha.h"
+#include "server/scene/geometry_builder.h"
+#include "server/scene/lights_builder.h"
+#include "server/scene/lights_revision.h"
+#include "server/scene/moved_geometry.h"
+#include "server/scene/portal_remarks.h"
+#include "server/scene/scene_frame.h"
 
 namespace lucerna {
+namespace {
 
-std::string scene_id(const std::vector<Asset>& assets, const std::vector<HalvedPicture>& halved,
-                     const LevelFactors& factors) {
-  std::string text;
-  for (const Asset& a : assets) {
-    // Lengths come first, so that different lists of assets give different bytes.
-    text += fmt::format("{}:{}{}:", a.name.size(), a.name, a.sha256.size());
-    text += a.sha256;
-  }
-  for (const HalvedPicture& h : halved)
-    text += fmt::format("halved:{}:{}{}x{}:", h.name.size(), h.name, h.kept_width, h.kept_height);
-  // Shortest decimal numbers: different factors give different texts.
-  if (factors != LevelFactors())
-    text += fmt::format("levels:{}:{}:{}:", factors.lamps, factors.suns, factors.emission);
-  return hexadecimal(sha256(text));
-}
-
-absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::string& isa) {
-  const DenormalsAreZero denormals;
-  LUCERNA_RETURN_IF_ERROR(check_references());
-  report_halved_pictures();
-  simplify_media();
-  scene_->contents_ = contents_of(in_);
-  LUCERNA_RETURN_IF_ERROR(place());
-  LUCERNA_RETURN_IF_ERROR(report_portals());
-  LUCERNA_RETURN_IF_ERROR(count_lights());
-  LUCERNA_RETURN_IF_ERROR(build_lights());
-  LUCERNA_RETURN_IF_ERROR(build_geometry(isa));
-  LUCERNA_RETURN_IF_ERROR(prepare_choice());
-  scene_->id_ = scene_id(in_.assets, halved_, in_.level_factors);
-  scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
-  scene_->camera_description_ = in_.camera;
-  scene_->film_ = in_.film;
-  scene_->hints_ = in_.hints;
-  scene_->level_factors_ = in_.level_factors;
-  scene_->remarks_ = std::move(in_.remarks);
-  scene_->assets_ = std::move(in_.assets);
-  return scene_;
-}
-
-void Scene::Builder::report_halved_pictures() {
-  halved_ = in_.textures.halved();
-  for (const HalvedPicture& h : halved_) {
-    Remark& remark = in_.remarks.emplace_back();
-    remark.where.file = h.name;
-    remark.what = fmt::format("a picture of {} x {} texels exceeds the memory of textures", h.width,
-                              h.height);
-    remark.instead =
-        fmt::format("{} x {}, each the mean of several texels", h.kept_width, h.kept_height);
-  }
-}
-
-absl::Status Scene::Builder::check_references() const {
-  const auto check = [&](const ShapeDescription& s) -> absl::Status {
-    const auto is_medium = [&](std::int32_t medium) {
-      return medium >= -1 && medium < static_cast<std::int32_t>(in_.media.size());
-    };
-    if (s.media && !(is_medium(s.media->inside) && is_medium(s.media->outside)))
-      return located(absl::InvalidArgumentError(
-                         fmt::format("media number {} and {}, allowed: -1 for none, less than {}",
-                                     s.media->inside, s.media->outside, in_.media.size())),
-                     s.where);
-    if (s.is_interface || s.material < in_.materials.size()) return absl::OkStatus();
-    return located(
-        absl::InvalidArgumentError(fmt::format("material number {}, allowed: less than {}",
-                                               s.material, in_.materials.size())),
-        s.where);
-  };
+/// Nothing if nothing moves.
+std::optional<ScenePart> motion_part(const SceneLights& of_lights, const Accelerator& accelerator,
+                                     const Motion* camera) {
+  std::uint64_t lights = 0, surfaces = 0, bytes = 0;
   StopPoll poll;
-  for (const auto& s : in_.shapes) {
+  for (const SceneLight& l : of_lights) {
     poll();
-    LUCERNA_RETURN_IF_ERROR(check(s));
+    if (l.moving == nullptr) continue;
+    ++lights;
+    bytes += sizeof(LightMotion) + l.moving->motion.bytes();
   }
-  for (const auto& o : in_.objects)
-    for (const auto& s : o.shapes) {
-      poll();
-      LUCERNA_RETURN_IF_ERROR(check(s));
+  for (std::uint32_t i = 0; i < accelerator.instance_count(); ++i, poll()) {
+    const Motion* motion = accelerator.instance(i).motion.get();
+    if (motion == nullptr) continue;
+    ++surfaces;
+    bytes += sizeof(Motion) + motion->bytes();
+  }
+  if (camera != nullptr) bytes += sizeof(Motion) + camera->bytes();
+  if (lights + surfaces == 0 && camera == nullptr) return std::nullopt;
+  return ScenePart{"motion", bytes, 0,
+                   fmt::format("{} lights, {} shapes and instances{} move", lights, surfaces,
+                               camera != nullptr ? " and the camera" : "")};
+}
+
+/// Errors: edits that remove the light of an emissive pane.
+absl::Status check_panes(const Scene& loaded, const LightEdits& edits) {
+  const SceneGeometry& geometry = loaded.geometry();
+  // Light passes a pane of thin glass straight on, unless it emits.
+  const auto is_pane = [&](const Surface& surface) {
+    if (surface.is_interface || geometry.materials().empty()) return false;
+    const Material& material = geometry.materials()[surface.material];
+    return std::holds_alternative<ThinDielectricParams>(material.params) && material.normal_map < 0;
+  };
+  const auto check = [&](const SurfaceTable& table) -> absl::Status {
+    for (const Surface& surface : table.surfaces) {
+      if (surface.light < 0 || !is_pane(surface)) continue;
+      const std::uint64_t id = loaded.lights()[static_cast<std::size_t>(surface.light)].id;
+      const auto change = edits.changes.find(id);
+      if (edits.added.contains(id) || (change != edits.changes.end() && change->second.is_removed))
+        return absl::InvalidArgumentError(
+            fmt::format("light {}: removal of a pane of thin glass that emits, allowed: off", id));
     }
-  for (const auto& i : in_.instances) {
-    poll();
-    if (i.object >= in_.objects.size())
-      return absl::InvalidArgumentError(
-          fmt::format("object number {}, allowed: less than {}", i.object, in_.objects.size()));
-  }
+    return absl::OkStatus();
+  };
+  LUCERNA_RETURN_IF_ERROR(check(geometry.surfaces()));
+  for (const SurfaceTable& table : geometry.data().fixed->objects)
+    LUCERNA_RETURN_IF_ERROR(check(table));
   return absl::OkStatus();
 }
+
+}  // namespace
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::build(SceneDescription description,
                                                           const std::string& isa,
                                                           std::stop_token stop,
                                                           LoadBudget* budget) {
-  return Builder(description, std::move(stop), budget).build(isa);
+  return build_moved(std::move(description), {}, isa, std::move(stop), budget);
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::build_moved(SceneDescription description,
@@ -113,141 +86,101 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::build_moved(SceneDescription
                                                                 std::stop_token stop,
                                                                 LoadBudget* budget) {
   LUCERNA_RETURN_IF_ERROR(move_surfaces(moved, description));
-  Builder builder(description, std::move(stop), budget);
-  builder.note_moved(moved);
-  return builder.build(isa);
+  const DenormalsAreZero denormals;
+  LUCERNA_RETURN_IF_ERROR(check_references(description));
+  const std::vector<HalvedPicture> halved = description.textures.halved();
+  remark_on_halved_pictures(halved, description);
+  simplify_media(description);
+  SceneContents contents = contents_of(description);
+  LUCERNA_ASSIGN_OR_RETURN(const ShapeExtents extents, shape_extents(description, stop));
+  LUCERNA_ASSIGN_OR_RETURN(const SceneFrame frame,
+                           scene_frame(extents.world_m, description.lights, stop));
+  LUCERNA_RETURN_IF_ERROR(remark_on_portals(description, stop));
+  if (budget != nullptr) LUCERNA_RETURN_IF_ERROR(count_lights(description, *budget));
+  const bool has_cut_lights = apply_alpha(description);
+  std::shared_ptr<Scene> scene(new Scene);
+  LUCERNA_ASSIGN_OR_RETURN(scene->lights_, build_lights(description, extents, frame, stop));
+  LUCERNA_ASSIGN_OR_RETURN(
+      scene->geometry_,
+      build_geometry(description, extents, frame.origin, has_cut_lights, moved, isa, stop, budget));
+  if (scene->lights_->size() > 1) scene->lights_->selector();
+  scene->id_ = scene_id(description.assets, halved, description.level_factors);
+  scene->camera_ = Camera(description.camera, description.film, scene->origin());
+  auto motion = motion_part(*scene->lights_, scene->geometry_->accelerator(),
+                            description.camera.motion.get());
+  scene->moves_ = motion.has_value();
+  scene->report_ =
+      std::make_shared<const SceneReport>(SceneReport{.camera = std::move(description.camera),
+                                                      .film = std::move(description.film),
+                                                      .hints = description.hints,
+                                                      .level_factors = description.level_factors,
+                                                      .contents = std::move(contents),
+                                                      .remarks = std::move(description.remarks),
+                                                      .assets = std::move(description.assets),
+                                                      .motion = std::move(motion)});
+  return scene;
 }
 
-std::optional<std::uint32_t> Scene::find_light(std::uint64_t id) const {
-  // Ids ascend; without edits there are no gaps.
-  const auto found = std::ranges::lower_bound(lights_, id, {}, &SceneLight::id);
-  if (found == lights_.end() || found->id != id) return std::nullopt;
-  return static_cast<std::uint32_t>(found - lights_.begin());
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(
+    std::shared_ptr<const Scene> loaded, std::shared_ptr<const SceneGeometry> geometry,
+    LightEdits edits, std::stop_token stop) {
+  if (edits.empty() && loaded->geometry().edits().empty()) return loaded;
+  const DenormalsAreZero denormals;
+  if (geometry->edits() != surface_edits(loaded->lights(), edits))
+    return absl::InternalError("surfaces that are elsewhere");
+  LUCERNA_RETURN_IF_ERROR(check_panes(*loaded, edits));
+  std::shared_ptr<Scene> scene(new Scene);
+  LUCERNA_ASSIGN_OR_RETURN(scene->lights_,
+                           revised_lights(loaded->lights(), *geometry, edits, stop));
+  scene->geometry_ = std::move(geometry);
+  scene->report_ = loaded->report_;
+  scene->camera_ = Camera(scene->report_->camera, scene->report_->film, scene->origin());
+  scene->moves_ =
+      scene->lights_->moves() || scene->geometry_->moves() || scene->camera_.motion() != nullptr;
+  scene->id_ = hexadecimal(sha256("edited:" + loaded->id_ + ":" + edits.canonical()));
+  scene->edits_ = std::move(edits);
+  scene->loaded_ = std::move(loaded);
+  return scene;
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(std::shared_ptr<const Scene> loaded,
+                                                           LightEdits edits) {
+  const SurfaceEdits surfaces = surface_edits(loaded->lights(), edits);
+  std::shared_ptr<const SceneGeometry> geometry = loaded->geometry_;
+  if (geometry->edits() != surfaces) {
+    LUCERNA_ASSIGN_OR_RETURN(geometry, moved_geometry(*geometry, loaded->lights(), surfaces));
+    if (geometry == nullptr)
+      return absl::FailedPreconditionError("edits of surfaces that need the scene's files again");
+  }
+  return revise(std::move(loaded), std::move(geometry), std::move(edits));
 }
 
 std::int32_t Scene::surface_number(const SceneLight& light) const {
-  if (light.id <= base_->lights_.size()) return static_cast<std::int32_t>(light.id - 1);
-  const auto added = placed_->lights.find(light.id);
-  return added != placed_->lights.end() ? added->second.number : kNoSurface;
-}
-
-std::uint64_t Scene::shape_count() const {
-  std::uint64_t sum = placed_->surfaces.surfaces.size();
-  for (const SurfaceTable& o : base_->object_surfaces_) sum += o.surfaces.size();
-  return sum;
-}
-
-std::uint64_t Scene::primitive_count() const {
-  std::uint64_t sum = placed_->accelerator->scene().primitives();
-  for (std::uint32_t i = 0; i < base_->object_surfaces_.size(); ++i)
-    sum += placed_->accelerator->object(i).primitives();
-  return sum;
-}
-
-std::vector<ScenePart> PlacedSurfaces::reports() const {
-  std::vector<ScenePart> all = parts;
-  attached_parts.for_each([&](const AttachedPart& attached) {
-    if (auto part = attached.report()) all.push_back(*std::move(part));
-  });
-  return all;
-}
-
-std::uint64_t PlacedSurfaces::bytes() const {
-  std::uint64_t sum = 0;
-  for (const ScenePart& part : parts) sum += part.bytes;
-  attached_parts.for_each([&](const AttachedPart& attached) { sum += attached.bytes(); });
-  return sum;
+  if (light.id <= without_edits().lights().size()) return static_cast<std::int32_t>(light.id - 1);
+  const auto added = geometry_->edited_lights().find(light.id);
+  return added != geometry_->edited_lights().end() ? added->second.number : kNoSurface;
 }
 
 std::vector<ScenePart> Scene::parts() const {
-  std::vector<ScenePart> all = shared_parts();
-  all.insert(all.end(), parts_.begin(), parts_.end());
-  if (light_selector_)
-    if (auto tree = light_selector_->tree_part().report()) all.push_back(*std::move(tree));
-  if (auto choice = revised_selector_.report()) all.push_back(*std::move(choice));
-  if (auto areas = area_selector_.report()) all.push_back(*std::move(areas));
-  const auto attached_from = static_cast<std::ptrdiff_t>(all.size());
-  attached_.for_each([&](const AttachedPart& attached) {
-    if (auto part = attached.report()) all.push_back(*std::move(part));
-  });
-  if (has_own_surfaces())
-    for (ScenePart& part : placed_->reports()) all.push_back(std::move(part));
-  // Sorted by name, so that the order does not depend on the order of first uses.
-  std::sort(all.begin() + attached_from, all.end(),
-            [](const ScenePart& a, const ScenePart& b) { return a.name > b.name; });
+  std::vector<ScenePart> all = geometry_->parts();
+  const auto add = [&](const std::vector<ScenePart>& parts) {
+    all.insert(all.end(), parts.begin(), parts.end());
+  };
+  if (loaded_ != nullptr) {
+    if (has_own_geometry()) add(loaded_->geometry_->parts());
+    add(loaded_->lights_->data().pictures);
+  }
+  if (report_->motion) all.push_back(*report_->motion);
+  add(lights_->parts());
+  attached_.add_reports(all);
   return all;
 }
 
-std::vector<ScenePart> Scene::shared_parts() const {
-  std::vector<ScenePart> shared;
-  if (loaded_ == nullptr) return shared;
-  for (const ScenePart& part : loaded_->parts_)
-    if (!part.is_of_lights) shared.push_back(part);
-  return shared;
-}
-
-std::uint64_t Scene::bytes() const {
-  std::uint64_t sum = own_bytes();
-  for (const ScenePart& part : shared_parts()) sum += part.bytes;
-  return sum;
-}
-
 std::uint64_t Scene::own_bytes() const {
-  std::uint64_t sum = area_selector_.bytes() + revised_selector_.bytes();
-  if (light_selector_) sum += light_selector_->tree_part().bytes();
-  attached_.for_each([&](const AttachedPart& attached) { sum += attached.bytes(); });
-  for (const ScenePart& part : parts_) sum += part.bytes;
-  return has_own_surfaces() ? sum + placed_->bytes() : sum;
-}
-
-const LightSelector& Scene::revised_selector() const {
-  return revised_selector_.get(
-      [this] {
-        auto made = std::make_unique<LightSelector>(selector_items(*this, false));
-        made->build_tree_if_used();
-        return std::unique_ptr<const LightSelector>(std::move(made));
-      },
-      [this](const LightSelector&) {
-        return fmt::format("{} lights to choose from", lights_.size());
-      });
-}
-
-const LightSelector& Scene::area_selector() const {
-  return area_selector_.get(
-      [this] {
-        auto made = std::make_unique<LightSelector>(selector_items(*this, true));
-        made->build_tree_if_used();
-        return std::unique_ptr<const LightSelector>(std::move(made));
-      },
-      [](const LightSelector&) { return "a query sampled lights other than delta lights"; });
-}
-
-std::string Scene::isa() const { return placed_->accelerator->isa(); }
-
-namespace {
-
-// kAll visits each light once, so each is equally likely.
-LightSelection selection_of_one(LightSelection how) {
-  return how == LightSelection::kAll ? LightSelection::kUniform : how;
-}
-
-}  // namespace
-
-std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
-                                        const Receiver& receiver, double u) {
-  if (scene.lights().size() == 1) return LightChoice{0, 1};
-  return scene.light_selector().choose(selection_of_one(how), receiver, u);
-}
-
-double choice_probability(const Scene& scene, LightSelection how, const Receiver& receiver,
-                          std::uint32_t light) {
-  if (scene.lights().size() == 1) return 1;
-  return scene.light_selector().probability(selection_of_one(how), receiver, light);
-}
-
-LightChoice choose_emitter(const Scene& scene, double u) {
-  if (scene.lights().size() == 1) return {0, 1};
-  return scene.light_selector().by_flux().choose(u);
+  std::uint64_t sum = lights_->bytes() + attached_.bytes();
+  if (has_own_geometry()) sum += geometry_->bytes();
+  if (loaded_ == nullptr && report_->motion) sum += report_->motion->bytes;
+  return sum;
 }
 
 }  // namespace lucerna

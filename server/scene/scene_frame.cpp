@@ -1,14 +1,12 @@
-// Chooses the zero of the scene's coordinates, and computes the scene's sphere.  Finds the shapes
-// that portals leave dark.
+#include "server/scene/scene_frame.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 #include <variant>
 
 #include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
-#include "server/scene/scene_builder.h"
 #include "server/scene/create_light.h"
 
 namespace lucerna {
@@ -60,13 +58,6 @@ absl::Status sweep(const Bounds& still, const Motion& motion, const SourceLocati
   return absl::OkStatus();
 }
 
-/// Illuminance of a surface in the open, the mean over all its directions [lx].
-double mean_lx(const PortalLightParams& light) {
-  // The mean of the cosine, 0 on the other side, is a quarter.
-  const Rgb sr = light.map ? light.map->integral() : Rgb(4 * std::numbers::pi);
-  return luminance(light.radiance_cd_m2 * sr) / 4;
-}
-
 }  // namespace
 
 Vec3 origin_for(const Bounds& bounds) {
@@ -87,80 +78,104 @@ void add_shape(const Bounds& shape, Bounds& all, double& detail_m) {
     detail_m = std::fmin(detail_m, extent);
 }
 
-absl::Status Scene::Builder::place() {
-  std::vector<Bounds> object_bounds(in_.objects.size());
-  // Of all shapes but those of lights, and of those of lights.
-  Bounds others, of_lights;
-  double others_detail_m = Bounds::kInfinity, lights_detail_m = Bounds::kInfinity;
-  const auto grow = [](Bounds& bounds, const ShapeDescription& shape,
-                       double& detail_m) -> absl::Status {
-    LUCERNA_ASSIGN_OR_RETURN(const Bounds b, shape_bounds(shape));
-    add_shape(b, bounds, detail_m);
-    return absl::OkStatus();
-  };
-  for (const auto& s : in_.shapes) {
-    LUCERNA_RETURN_IF_ERROR(check_stop());
+namespace {
+
+/// The smallest box around a box after `world_from_box`; empty for an empty one.
+Bounds transformed(const Transform& world_from_box, const Bounds& box) {
+  Bounds world;
+  if (box.empty()) return world;
+  for (const Vec3& corner : box.corners()) world.add(world_from_box.point(corner));
+  return world;
+}
+
+absl::Status grow(Bounds& bounds, const ShapeDescription& shape, double& detail_m) {
+  LUCERNA_ASSIGN_OR_RETURN(const Bounds b, shape_bounds(shape));
+  add_shape(b, bounds, detail_m);
+  return absl::OkStatus();
+}
+
+void add(const Bounds& bounds, Bounds& all) {
+  if (!bounds.empty()) all.add(bounds.lower), all.add(bounds.upper);
+}
+
+/// The scene's own shapes.
+absl::Status add_shapes(const ShapeList& shapes, const std::stop_token& stop, ShapeExtents& all) {
+  Bounds of_lights;
+  double lights_detail_m = Bounds::kInfinity;
+  for (const auto& s : shapes) {
+    LUCERNA_RETURN_IF_ERROR(check_stop(stop));
     Bounds still;
     const bool can_be_moved = s.emission && !s.motion;
     LUCERNA_RETURN_IF_ERROR(grow(s.motion       ? still
                                  : can_be_moved ? of_lights
-                                                : others,
-                                 s, can_be_moved ? lights_detail_m : others_detail_m));
+                                                : all.others_m,
+                                 s, can_be_moved ? lights_detail_m : all.others_detail_m));
     if (!s.motion) continue;
-    LUCERNA_RETURN_IF_ERROR(sweep(still, *s.motion, s.where, others));
-    moving_origins_.push_back(origin_for(still));
+    LUCERNA_RETURN_IF_ERROR(sweep(still, *s.motion, s.where, all.others_m));
+    all.moving_origins.push_back(origin_for(still));
   }
-  for (std::size_t i = 0; i < in_.objects.size(); ++i) {
-    for (const auto& s : in_.objects[i].shapes) {
-      LUCERNA_RETURN_IF_ERROR(check_stop());
-      LUCERNA_RETURN_IF_ERROR(grow(object_bounds[i], s, others_detail_m));
+  all.world_m = of_lights;
+  all.detail_m = lights_detail_m;
+  return absl::OkStatus();
+}
+
+absl::Status add_objects(const SceneDescription& scene, const std::stop_token& stop,
+                         ShapeExtents& all) {
+  std::vector<Bounds> object_bounds(scene.objects.size());
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const ShapeList& shapes = scene.objects[i].shapes;
+    for (const auto& s : shapes) {
+      LUCERNA_RETURN_IF_ERROR(check_stop(stop));
+      LUCERNA_RETURN_IF_ERROR(grow(object_bounds[i], s, all.others_detail_m));
     }
-    object_origins_.push_back(origin_for(object_bounds[i]));
-    if (in_.objects[i].shapes.empty()) continue;
-    LUCERNA_RETURN_IF_ERROR(check_extent(object_bounds[i], in_.objects[i].shapes.front().where));
+    all.object_origins.push_back(origin_for(object_bounds[i]));
+    if (shapes.empty()) continue;
+    LUCERNA_RETURN_IF_ERROR(check_extent(object_bounds[i], shapes.front().where));
   }
-  for (const auto& instance : in_.instances) {
-    LUCERNA_RETURN_IF_ERROR(check_stop());
-    const Bounds& b = object_bounds[instance.object];
-    Bounds placed;
-    for (int corner = 0; corner < 8 && !b.empty(); ++corner)
-      placed.add(instance.world_from_object.point({corner & 1 ? b.upper.x : b.lower.x,
-                                                   corner & 2 ? b.upper.y : b.lower.y,
-                                                   corner & 4 ? b.upper.z : b.lower.z}));
-    if (instance.motion) {
-      LUCERNA_RETURN_IF_ERROR(sweep(placed, *instance.motion, instance.where, others));
-    } else if (!placed.empty()) {
-      others.add(placed.lower), others.add(placed.upper);
-    }
+  for (const auto& instance : scene.instances) {
+    LUCERNA_RETURN_IF_ERROR(check_stop(stop));
+    const Bounds placed = transformed(instance.world_from_object, object_bounds[instance.object]);
+    if (instance.motion)
+      LUCERNA_RETURN_IF_ERROR(sweep(placed, *instance.motion, instance.where, all.others_m));
+    else
+      add(placed, all.others_m);
   }
-  Bounds world = others;
-  if (!of_lights.empty()) world.add(of_lights.lower), world.add(of_lights.upper);
-  detail_m_ = std::fmin(others_detail_m, lights_detail_m);
-  scene_->movable_.others_m = others;
-  scene_->movable_.others_detail_m = others_detail_m;
-  if (!in_.shapes.empty() || !in_.instances.empty()) {
-    const SourceLocation& first =
-        in_.shapes.empty() ? in_.instances.front().where : in_.shapes.front().where;
-    LUCERNA_RETURN_IF_ERROR(check_extent(world, first));
-  }
+  return absl::OkStatus();
+}
+
+absl::Status check_sizes(const ShapeList& shapes) {
   StopPoll poll;
-  for (const auto& s : in_.shapes) {
+  for (const auto& s : shapes) {
     poll();
     LUCERNA_RETURN_IF_ERROR(check_size(s));
   }
-  for (const auto& object : in_.objects)
-    for (const auto& s : object.shapes) {
-      poll();
-      LUCERNA_RETURN_IF_ERROR(check_size(s));
-    }
-  placed_->world_m = world;
-  return place_lights();
+  return absl::OkStatus();
 }
 
-absl::Status Scene::Builder::place_lights() {
+}  // namespace
+
+absl::StatusOr<ShapeExtents> shape_extents(const SceneDescription& scene,
+                                           const std::stop_token& stop) {
+  ShapeExtents all;
+  LUCERNA_RETURN_IF_ERROR(add_shapes(scene.shapes, stop, all));
+  LUCERNA_RETURN_IF_ERROR(add_objects(scene, stop, all));
+  add(all.others_m, all.world_m);
+  all.detail_m = std::fmin(all.others_detail_m, all.detail_m);
+  if (!scene.shapes.empty() || !scene.instances.empty())
+    LUCERNA_RETURN_IF_ERROR(check_extent(all.world_m, scene.shapes.empty()
+                                                          ? scene.instances.front().where
+                                                          : scene.shapes.front().where));
+  LUCERNA_RETURN_IF_ERROR(check_sizes(scene.shapes));
+  for (const auto& object : scene.objects) LUCERNA_RETURN_IF_ERROR(check_sizes(object.shapes));
+  return all;
+}
+
+absl::StatusOr<SceneFrame> scene_frame(const Bounds& shapes_m,
+                                       const LongList<LightDescription>& lights,
+                                       const std::stop_token& stop) {
   // A distant light must not make the geometry less exact, so the origin is that of the geometry if
   // there is any.
-  Bounds with_lights = scene_->placed_->world_m, portals;
+  Bounds with_lights = shapes_m, portals;
   const auto hold = [&](const LightDescription& light, const std::optional<Box>& box,
                         Bounds& bounds) -> absl::Status {
     if (!box || !is_finite(box->first) || !is_finite(box->second)) return absl::OkStatus();
@@ -170,68 +185,20 @@ absl::Status Scene::Builder::place_lights() {
     bounds.add(box->first), bounds.add(box->second);
     return absl::OkStatus();
   };
-  for (const auto& light : in_.lights) {
-    LUCERNA_RETURN_IF_ERROR(check_stop());
+  for (const auto& light : lights) {
+    LUCERNA_RETURN_IF_ERROR(check_stop(stop));
     const LightPlace place = place_of(light);
     if (absl::Status s = hold(light, place.box_m, with_lights); !s.ok()) return s;
     if (absl::Status s = hold(light, place.portal_m, portals); !s.ok()) return s;
   }
+  SceneFrame frame;
   const Bounds& of_lights = with_lights.empty() ? portals : with_lights;
-  const Bounds& world = scene_->placed_->world_m;
-  scene_->origin_ = origin_for(world.empty() ? of_lights : world);
+  frame.origin = origin_for(shapes_m.empty() ? of_lights : shapes_m);
   if (!with_lights.empty()) {
     const Vec3 centre = with_lights.lower * 0.5 + with_lights.upper * 0.5;
-    scene_->sphere_ = {centre - scene_->origin_, length(with_lights.upper - centre)};
+    frame.sphere = {centre - frame.origin, length(with_lights.upper - centre)};
   }
-  return absl::OkStatus();
-}
-
-absl::Status Scene::Builder::report_portals() {
-  for (const LightDescription& light : in_.lights) {
-    const auto* portal = std::get_if<PortalLightParams>(&light.params);
-    if (portal == nullptr) continue;
-    const auto& c = portal->corners_m;
-    const Vec3 outwards = normalized(cross(c[3] - c[0], c[1] - c[0]));
-    // A pane or a frame in the opening is no surface outdoors.
-    const double beyond_m = std::fmin(length(c[3] - c[0]), length(c[1] - c[0])) / 2;
-    const auto is_outdoors = [&](const Bounds& box, const Transform& world_from_box) {
-      for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
-        const Vec3 p = world_from_box.point({corner & 1 ? box.upper.x : box.lower.x,
-                                             corner & 2 ? box.upper.y : box.lower.y,
-                                             corner & 4 ? box.upper.z : box.lower.z});
-        if (dot(outwards, p - c[0]) > beyond_m) return true;
-      }
-      return false;
-    };
-    const auto box_of = [](const ShapeDescription& shape) {
-      return shape_bounds(shape).value_or(Bounds{});
-    };
-    std::size_t shapes = in_.shapes.size(), outdoors = 0;
-    for (const ShapeDescription& shape : in_.shapes) {
-      LUCERNA_RETURN_IF_ERROR(check_stop());
-      outdoors += is_outdoors(box_of(shape), Transform()) ? 1 : 0;
-    }
-    for (const InstanceDescription& instance : in_.instances) {
-      const ShapeList& own = in_.objects[instance.object].shapes;
-      shapes += own.size();
-      for (const ShapeDescription& shape : own) {
-        LUCERNA_RETURN_IF_ERROR(check_stop());
-        outdoors += is_outdoors(box_of(shape), instance.world_from_object) ? 1 : 0;
-      }
-    }
-    if (outdoors == 0) continue;
-    Remark& remark = in_.remarks.emplace_back();
-    remark.where = light.where;
-    remark.what = fmt::format(
-        "an infinite light with a portal, and {} of {} shapes reach outdoors: onto the side that "
-        "its light comes from",
-        outdoors, shapes);
-    remark.instead = fmt::format(
-        "it lights nothing outdoors, as in pbrt-v4; without the portal it would give {:.4g} lx in "
-        "the open, the mean over all directions of a surface",
-        mean_lx(*portal));
-  }
-  return absl::OkStatus();
+  return frame;
 }
 
 }  // namespace lucerna

@@ -1,6 +1,7 @@
 // The parts of a scene, as GetScene lists them, and parts that are made at their first use.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <concepts>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "proto/common/stopwatch.h"
 
@@ -19,9 +21,14 @@ struct ScenePart {
   std::string name;  ///< "bvh", "vertices", "lights", ...
   std::uint64_t bytes;
   double build_ms;
-  std::string why;            ///< the reason: a property of the scene, or the query that needed it
-  bool is_of_lights = false;  ///< revisions of a scene have another
+  std::string why;  ///< the reason: a property of the scene, or the query that needed it
 };
+
+inline std::uint64_t bytes_of(const std::vector<ScenePart>& parts) {
+  std::uint64_t sum = 0;
+  for (const ScenePart& part : parts) sum += part.bytes;
+  return sum;
+}
 
 /// Data that other code keeps with a scene: made at its first use, freed with the scene.
 /// Members may be called from any thread.
@@ -59,12 +66,20 @@ class AttachedParts {
     return made;
   }
 
-  /// Calls `f` with each attached part, the newest first.
-  template <typename F>
-  void for_each(const F& f) const {
+  /// Adds the reports of those that are built, by name: the order of first uses may differ.
+  void add_reports(std::vector<ScenePart>& parts) const {
+    const auto from = static_cast<std::ptrdiff_t>(parts.size());
     for (const Node* node = head_.load(std::memory_order_acquire); node != nullptr;
          node = node->next)
-      f(*node->part);
+      if (auto part = node->part->report()) parts.push_back(*std::move(part));
+    std::ranges::sort(parts.begin() + from, parts.end(), {}, &ScenePart::name);
+  }
+  std::uint64_t bytes() const {
+    std::uint64_t sum = 0;
+    for (const Node* node = head_.load(std::memory_order_acquire); node != nullptr;
+         node = node->next)
+      sum += node->part->bytes();
+    return sum;
   }
 
  private:

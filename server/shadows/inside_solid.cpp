@@ -164,7 +164,7 @@ class Surroundings {
   }
 
   bool holds_light(std::uint64_t shape) const {
-    const auto lights = scene_.lights();
+    const SceneLights& lights = scene_.lights();
     int placed = 0;
     for (std::size_t l = 0; l < lights.size() && placed < kMostLights; ++l) {
       const auto bounds = LightAtTime(lights[l], time_s_)->bounds();
@@ -248,7 +248,7 @@ bool is_covered(const Scene& scene, const Vec3& point, const Vec3& from, const V
 }  // namespace
 
 bool is_inside_solid(const Scene& scene, const SurfaceHit& receiver) {
-  if (scene.empty()) return false;
+  if (scene.geometry().empty()) return false;
   const Vec3& point = receiver.position;
   const double time_s = receiver.time_s, error = max_abs(receiver.position_error);
   // A ray from a point on a surface may miss that surface.  One that begins before it does not.

@@ -41,7 +41,7 @@ LampContacts::Contact LampContacts::find(std::uint32_t light) const {
     }
     const Vec3 middle = places.lower * 0.5 + places.upper * 0.5;
     const double reach = max_abs(middle) + 2 * largest_coordinate(scene_);
-    touches = scene_.accelerator().may_touch(
+    touches = scene_.geometry().accelerator().may_touch(
         middle, length(places.upper - middle) + kNear * reach + double{kLeastError});
   }
   const Contact contact = touches ? Contact::kSome : Contact::kNone;
@@ -57,9 +57,9 @@ bool LampContacts::is_hidden(std::uint32_t light, const Vec3& receiver, Ray ray,
 double LampContacts::through_panes(std::uint32_t light, const Vec3& receiver, Ray ray,
                                    float error_m) const {
   double share = 1;
-  if (!scene_.has_panes()) return share;
+  if (!scene_.geometry().has_panes()) return share;
   while (const auto hit = between(light, receiver, ray, Meets::kPanes, error_m)) {
-    share *= scene_.through_pane(*hit, ray.direction);
+    share *= scene_.geometry().through_pane(*hit, ray.direction);
     // Past the other triangle, if the ray meets an edge.
     const float error_t = max_abs(hit->position_error) / length(ray.direction);
     ray.t_min = std::nextafter(hit->t + error_t, INFINITY);

@@ -104,7 +104,7 @@ std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const
 }
 
 bool is_blocked(const Scene& scene, const Ray& ray, const LooseEnds& ends, Meets blocking) {
-  const Obstacle obstacle = scene.obstacle(ray, ends, blocking);
+  const Obstacle obstacle = scene.geometry().obstacle(ray, ends, blocking);
   return obstacle == Obstacle::kOther ||
          (obstacle == Obstacle::kPerhapsOwn && first_other_surface(scene, ray, ends, blocking));
 }

@@ -90,7 +90,7 @@ ShadowMap::ShadowMap(const Scene& scene, const ShadowMapView& view, std::uint32_
             ray.origin = Vec3f(view.from);
             ray.direction = Vec3f(f.forward + across);
           }
-          const auto hit = scene.accelerator().closest_hit(ray);
+          const auto hit = scene.geometry().accelerator().closest_hit(ray);
           depths_[i] = hit ? hit->t : std::numeric_limits<float>::infinity();
         }
       });

@@ -22,7 +22,7 @@ bool has_moving_surfaces(const Accelerator& accelerator) {
 
 ShadowMaps::ShadowMaps(const Scene& scene) : scene_(scene), number_(scene.lights().size(), -1) {
   // In an empty scene, rays cost nothing.
-  if (scene.empty() || has_moving_surfaces(scene.accelerator())) return;
+  if (scene.geometry().empty() || has_moving_surfaces(scene.geometry().accelerator())) return;
   std::uint64_t faces = 0;
   for (std::size_t l = 0; l < number_.size(); ++l) {
     const auto view = shadow_map_view(scene.lights()[l], scene.sphere());

@@ -208,8 +208,8 @@ FloatBox box_of(const GeometryInstance& instance, const FloatBox& object) {
 
 /// Boxes around all surfaces.  Revisions of a scene share them.
 struct Shafts::Boxes {
-  explicit Boxes(const PlacedSurfaces& placed)
-      : accelerator(*placed.accelerator), surfaces(placed.surfaces) {
+  explicit Boxes(const SceneGeometry& geometry)
+      : accelerator(geometry.accelerator()), surfaces(geometry.surfaces()) {
     for (std::uint32_t i = 0; i < accelerator.object_count(); ++i)
       objects.emplace_back(accelerator.object(i));
     for (std::uint32_t i = 0; i < accelerator.instance_count(); ++i) {
@@ -275,18 +275,18 @@ struct Shafts::Boxes {
 /// The boxes, made at their first use.
 class Shafts::AttachedBoxes : public AttachedPart {
  public:
-  explicit AttachedBoxes(const PlacedSurfaces& placed) : placed_(placed) {}
+  explicit AttachedBoxes(const SceneGeometry& geometry) : geometry_(geometry) {}
 
   const Boxes& get() const {
     return boxes_.get(
-        [this] { return std::make_unique<const Boxes>(placed_); },
+        [this] { return std::make_unique<const Boxes>(geometry_); },
         [](const Boxes&) { return "closed forms test whether surfaces block the light"; });
   }
   std::optional<ScenePart> report() const override { return boxes_.report(); }
   std::uint64_t bytes() const override { return boxes_.bytes(); }
 
  private:
-  const PlacedSurfaces& placed_;
+  const SceneGeometry& geometry_;
   LazyPart<Boxes> boxes_{"boxes of surfaces"};
 };
 
@@ -298,7 +298,7 @@ struct Shafts::State {
 
 Shafts::Shafts(const Scene& scene) : state_(std::make_unique<State>()) {
   State& state = *state_;
-  state.boxes = &scene.placed()->attached<AttachedBoxes>().get();
+  state.boxes = &scene.geometry().attached<AttachedBoxes>().get();
   for (const SceneLight& light : scene.lights()) {
     state.outlines.push_back(outline_of(light));
     state.light_surfaces.push_back(scene.surface_number(light));

@@ -16,9 +16,11 @@ using Kind = UnsolvedSurface::Kind;
 
 /// Without any, nothing is collected, and no part of the scene is built.
 bool has_smooth_surfaces(const Scene& scene) {
-  bool any = !scene.surfaces().smooth.empty();
-  for (std::uint32_t i = 0; !any && i < scene.accelerator().instance_count(); ++i)
-    any = !scene.surfaces_of(scene.accelerator().instance(i).object).smooth.empty();
+  bool any = !scene.geometry().surfaces().smooth.empty();
+  for (std::uint32_t i = 0; !any && i < scene.geometry().accelerator().instance_count(); ++i)
+    any = !scene.geometry()
+               .surfaces_of(scene.geometry().accelerator().instance(i).object)
+               .smooth.empty();
   return any;
 }
 

@@ -45,9 +45,11 @@ class AttachedSmoothSurfaces final : public AttachedPart {
 
 /// The place of the first smooth surface.
 SourceLocation first_smooth(const Scene& scene) {
-  if (!scene.surfaces().smooth.empty()) return scene.surfaces().smooth[0].where;
-  for (std::uint32_t i = 0; i < scene.accelerator().instance_count(); ++i)
-    if (const auto& own = scene.surfaces_of(scene.accelerator().instance(i).object).smooth;
+  if (!scene.geometry().surfaces().smooth.empty())
+    return scene.geometry().surfaces().smooth[0].where;
+  for (std::uint32_t i = 0; i < scene.geometry().accelerator().instance_count(); ++i)
+    if (const auto& own =
+            scene.geometry().surfaces_of(scene.geometry().accelerator().instance(i).object).smooth;
         !own.empty())
       return own[0].where;
   return {};
@@ -77,9 +79,9 @@ class SmoothSurfaces::Collector {
   Collector(const Scene& scene, SmoothSurfaces& to) : scene_(scene), to_(to) {}
 
   void collect() {
-    const std::span<const Material> materials = scene_.materials();
+    const std::span<const Material> materials = scene_.geometry().materials();
     // Without a list of materials, all are diffuse.
-    to_.has_rough_surfaces_ = materials.empty() && !scene_.empty();
+    to_.has_rough_surfaces_ = materials.empty() && !scene_.geometry().empty();
     for (std::uint32_t m = 0; m < materials.size(); ++m)
       to_.has_rough_surfaces_ |= traits_of(m).is_rough;
     add_all();
@@ -114,10 +116,10 @@ class SmoothSurfaces::Collector {
   };
 
   void add_all() {
-    add(scene_.accelerator().scene(), scene_.surfaces(), -1);
-    for (std::uint32_t i = 0; i < scene_.accelerator().instance_count(); ++i) {
-      const std::uint32_t object = scene_.accelerator().instance(i).object;
-      add(scene_.accelerator().object(object), scene_.surfaces_of(object),
+    add(scene_.geometry().accelerator().scene(), scene_.geometry().surfaces(), -1);
+    for (std::uint32_t i = 0; i < scene_.geometry().accelerator().instance_count(); ++i) {
+      const std::uint32_t object = scene_.geometry().accelerator().instance(i).object;
+      add(scene_.geometry().accelerator().object(object), scene_.geometry().surfaces_of(object),
           static_cast<std::int32_t>(i));
     }
   }
@@ -146,8 +148,9 @@ class SmoothSurfaces::Collector {
     const Surface& surface = table.surfaces[s.surface];
     const SmoothTraits traits = traits_of(surface.material);
     const GeometryInstance* placed =
-        instance < 0 ? nullptr
-                     : &scene_.accelerator().instance(static_cast<std::uint32_t>(instance));
+        instance < 0
+            ? nullptr
+            : &scene_.geometry().accelerator().instance(static_cast<std::uint32_t>(instance));
     SmoothPart like{.reflects = traits.reflects,
                     .refracts = traits.passes && !surface.pane_eta,
                     .glossy_alpha = traits.glossy_alpha,
@@ -187,8 +190,9 @@ class SmoothSurfaces::Collector {
   }
 
   SmoothTraits traits_of(std::uint32_t material) const {
-    return smooth_traits([&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; },
-                         material);
+    return smooth_traits(
+        [&](std::uint32_t i) -> const Material& { return scene_.geometry().materials()[i]; },
+        material);
   }
   /// Whether a material with a texture sends light nearly in one direction somewhere.
   bool may_be_narrow(std::uint32_t material) const {
@@ -196,16 +200,17 @@ class SmoothSurfaces::Collector {
     constexpr double kNarrow = 2;  // [1/sr]
     const Vector w{0.28, 0, 0.96};
     bool is_narrow = false;
-    for_each_of_mix([&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; },
-                    material,
-                    [&](const Material& m) {
-                      for (int i = 0; i < kLooks * kLooks && !is_narrow; ++i) {
-                        TexturePoint p;
-                        p.uv = {(i % kLooks + 0.5) / kLooks, (i / kLooks + 0.5) / kLooks};
-                        const Bsdf bsdf = bsdf_of(m, scene_.textures(), p);
-                        is_narrow = !bsdf.all_delta() && bsdf.pdf(w, mirrored(w)).per_sr > kNarrow;
-                      }
-                    });
+    for_each_of_mix(
+        [&](std::uint32_t i) -> const Material& { return scene_.geometry().materials()[i]; },
+        material,
+        [&](const Material& m) {
+          for (int i = 0; i < kLooks * kLooks && !is_narrow; ++i) {
+            TexturePoint p;
+            p.uv = {(i % kLooks + 0.5) / kLooks, (i / kLooks + 0.5) / kLooks};
+            const Bsdf bsdf = bsdf_of(m, scene_.geometry().textures(), p);
+            is_narrow = !bsdf.all_delta() && bsdf.pdf(w, mirrored(w)).per_sr > kNarrow;
+          }
+        });
     return is_narrow;
   }
   /// The share that a material reflects along its normal.  Textures have other values elsewhere.
@@ -214,14 +219,15 @@ class SmoothSurfaces::Collector {
     // GGX along the normal is 1 / (4 pi alpha^2) times this share.
     const double facets = 4 * kPi * glossy_alpha * glossy_alpha;
     double most = 0;
-    for_each_of_mix([&](std::uint32_t i) -> const Material& { return scene_.materials()[i]; },
-                    material,
-                    [&](const Material& m) {
-                      const Bsdf bsdf = bsdf_of(m, scene_.textures(), TexturePoint{});
-                      const Rgb single = bsdf.single(kNormal, Side::kReflected);
-                      const Rgb glossy = bsdf.value(kNormal, kNormal) * facets;
-                      most = std::max(most, (single + glossy).max_component());
-                    });
+    for_each_of_mix(
+        [&](std::uint32_t i) -> const Material& { return scene_.geometry().materials()[i]; },
+        material,
+        [&](const Material& m) {
+          const Bsdf bsdf = bsdf_of(m, scene_.geometry().textures(), TexturePoint{});
+          const Rgb single = bsdf.single(kNormal, Side::kReflected);
+          const Rgb glossy = bsdf.value(kNormal, kNormal) * facets;
+          most = std::max(most, (single + glossy).max_component());
+        });
     return most;
   }
 

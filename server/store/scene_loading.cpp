@@ -11,6 +11,7 @@
 #include "proto/common/status_macros.h"
 #include "server/assets/asset_reader.h"
 #include "server/runtime/memory.h"
+#include "server/scene/moved_geometry.h"
 #include "server/store/scene_file.h"
 #include "server/store/store_state.h"
 
@@ -214,9 +215,9 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
       AssetReader::open(state_->options.root, reader_options(limits, options.stop));
   if (!reader.ok()) return absl::InternalError(reader.status().ToString());
   if (known) {
-    const absl::StatusOr<std::vector<Asset>> now = reader->rehash(known->scene->assets());
+    const absl::StatusOr<std::vector<Asset>> now = reader->rehash(known->scene->report().assets);
     // If a file is gone, the load below fails with its name and place.
-    if (now.ok() && same_files(*now, known->scene->assets())) {
+    if (now.ok() && same_files(*now, known->scene->report().assets)) {
       // If it is not found, another thread unloaded the scene while its files were read.
       const std::lock_guard lock(state_->mutex);
       const auto found = state_->scenes.find(known->scene->id());
@@ -244,7 +245,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
   for (auto& [id, entry] : state_->scenes) {
     if (!entry.stored.uploaded || entry.stored.path != name) continue;
     if (entry.stored.scene->loaded() != nullptr) continue;  // a revision
-    if (options.factors && *options.factors != entry.stored.scene->level_factors()) continue;
+    if (options.factors && *options.factors != entry.stored.scene->report().level_factors) continue;
     if (latest == nullptr || entry.used > latest->used) latest = &entry;
   }
   if (latest == nullptr) return not_found(name, state_->root, options.factors.has_value());
@@ -286,7 +287,7 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
                                                     const SurfaceEdits& edits,
                                                     const std::stop_token& stop) {
   std::shared_ptr<const Scene> loaded = of.scene->loaded() ? of.scene->loaded() : of.scene;
-  if (loaded->placed()->edits == edits) return Moved{loaded, loaded->placed()};
+  if (loaded->geometry().edits() == edits) return Moved{loaded, loaded->shared_geometry()};
   {
     const std::lock_guard lock(state_->mutex);
     const std::string id = loaded->id();
@@ -294,13 +295,13 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
       const std::shared_ptr<const Scene>& scene = entry.stored.scene;
       const std::shared_ptr<const Scene>& other = scene->loaded() ? scene->loaded() : scene;
       if (other->id() != id) continue;
-      if (scene->placed()->edits == edits) return Moved{other, scene->placed()};
-      if (other->placed()->edits.empty()) loaded = other;
+      if (scene->geometry().edits() == edits) return Moved{other, scene->shared_geometry()};
+      if (other->geometry().edits().empty()) loaded = other;
     }
   }
-  LUCERNA_ASSIGN_OR_RETURN(std::shared_ptr<const PlacedSurfaces> placed,
-                           Scene::place(*loaded, edits, stop));
-  if (placed != nullptr) return Moved{std::move(loaded), std::move(placed)};
+  LUCERNA_ASSIGN_OR_RETURN(std::shared_ptr<const SceneGeometry> geometry,
+                           moved_geometry(loaded->geometry(), loaded->lights(), edits, stop));
+  if (geometry != nullptr) return Moved{std::move(loaded), std::move(geometry)};
   const LoadOptions options{.stop = stop, .factors = of.factors};
   LoadMemory memory(*state_);
   LUCERNA_ASSIGN_OR_RETURN(
@@ -318,9 +319,10 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
   absl::StatusOr<std::shared_ptr<const Scene>> built = Scene::build_moved(
       *std::move(found.description), moves, state_->options.isa, stop, &memory.budget());
   if (!built.ok()) return memory.explained(built.status());
-  if (edits.added.empty()) return Moved{*built, (*built)->placed()};
-  LUCERNA_ASSIGN_OR_RETURN(placed, Scene::place(**built, edits, stop));
-  if (placed != nullptr) return Moved{*built, std::move(placed)};
+  if (edits.added.empty()) return Moved{*built, (*built)->shared_geometry()};
+  LUCERNA_ASSIGN_OR_RETURN(geometry,
+                           moved_geometry((*built)->geometry(), (*built)->lights(), edits, stop));
+  if (geometry != nullptr) return Moved{*built, std::move(geometry)};
   return absl::InvalidArgumentError(
       "an added surface lies outside of the scene, or its size would change the unit of rays, "
       "allowed: surfaces within the scene; load the scene with the surface in its file");
@@ -331,9 +333,10 @@ absl::StatusOr<LoadedScene> SceneStore::revise(const StoredScene& of, LightEdits
   using Revised = absl::StatusOr<std::shared_ptr<const Scene>>;
   LUCERNA_ASSIGN_OR_RETURN(
       const std::shared_ptr<const Scene> scene, stoppable(options.stop, [&]() -> Revised {
-        LUCERNA_ASSIGN_OR_RETURN(Moved from,
-                                 moved(of, of.scene->surface_edits(edits), options.stop));
-        return Scene::revise(std::move(from.loaded), std::move(from.placed), std::move(edits),
+        LUCERNA_ASSIGN_OR_RETURN(
+            Moved from,
+            moved(of, surface_edits(of.scene->without_edits().lights(), edits), options.stop));
+        return Scene::revise(std::move(from.loaded), std::move(from.geometry), std::move(edits),
                              options.stop);
       }));
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock

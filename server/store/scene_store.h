@@ -191,9 +191,9 @@ class SceneStore {
   absl::StatusOr<LoadedScene> load_uploaded(const std::string& name, const LoadOptions& options);
   struct Moved {
     std::shared_ptr<const Scene> loaded;
-    std::shared_ptr<const PlacedSurfaces> placed;
+    std::shared_ptr<const SceneGeometry> geometry;
   };
-  /// The scene without edits, and its surfaces with these edits: from memory, from editing them, or
+  /// The scene without edits, and its geometry with these edits: from memory, from editing them, or
   /// from building the scene again.
   absl::StatusOr<Moved> moved(const StoredScene& of, const SurfaceEdits& edits,
                               const std::stop_token& stop);

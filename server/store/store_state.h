@@ -93,15 +93,15 @@ struct Shared {
 /// Calls `f` with the address and the memory of all that the scene may share with others.
 template <typename F>
 void for_each_shared(const Scene& scene, const F& f) {
-  const Scene& loaded = scene.loaded() != nullptr ? *scene.loaded() : scene;
+  const Scene& loaded = scene.without_edits();
   f(&loaded, loaded.own_bytes());
-  if (scene.placed() != loaded.placed()) f(scene.placed().get(), scene.placed()->bytes());
+  if (&scene.geometry() != &loaded.geometry()) f(&scene.geometry(), scene.geometry().bytes());
 }
 
 /// The memory of a scene without all that for_each_shared() counts.
 inline std::uint64_t unshared_bytes(const Scene& scene) {
   if (scene.loaded() == nullptr) return 0;
-  return scene.own_bytes() - (scene.has_own_surfaces() ? scene.placed()->bytes() : 0);
+  return scene.own_bytes() - (scene.has_own_geometry() ? scene.geometry().bytes() : 0);
 }
 
 inline absl::Status over_quota(const std::string& what) {

@@ -51,7 +51,7 @@ class Pair {
       if (s.reason == NoLight::kNone && cosine > 0) {
         const double lx = luminance(s.value) * cosine / s.pdf.per_sr;
         all += lx;
-        if (!scene_.occluded(shadow_ray(hit_, s, scene_.lights()[light_].reach_m()))) {
+        if (!scene_.geometry().occluded(shadow_ray(hit_, s, scene_.lights()[light_].reach_m()))) {
           visible += lx;
           weighed += lx * weight(s.pdf.per_sr, cosine);
         }

@@ -71,7 +71,7 @@ double median_ms(const std::function<void(int)>& f) {
 int run() {
   const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
   const auto scene = value(Scene::build(describe()));
-  fmt::print("scene: {} triangles, {} lights, {:.1f} MB\n", scene->primitive_count(),
+  fmt::print("scene: {} triangles, {} lights, {:.1f} MB\n", scene->geometry().primitive_count(),
              scene->lights().size(), static_cast<double>(scene->bytes()) / 1e6);
   std::shared_ptr<const Scene> revision;
   const auto time = [&](const char* what, std::uint64_t light,

@@ -174,7 +174,7 @@ Ours render(const std::string& name, bool in_blocks) {
       .rect = {0, 0, scene->camera().width(), scene->camera().height()},
       .samples_per_block = kSamplesPerBlock,
       .block_count = kBlocks,
-      .bounces = static_cast<std::uint32_t>(scene->hints().max_depth.value_or(1) - 1),
+      .bounces = static_cast<std::uint32_t>(scene->report().hints.max_depth.value_or(1) - 1),
       .one_sequence = !in_blocks};
   std::vector<double> seconds;
   double error = 0;

@@ -125,7 +125,7 @@ void irradiance_bare(const Lamp& lamp, const std::vector<IrradiancePoint>& point
     if (!(cosine > 0)) continue;
     if (scene != nullptr) {
       const Vec3f start = offset_origin(Vec3f(p.position), p.position_error, Vec3(p.normal), to);
-      if (scene->occluded({start, Vec3f(lamp.position) - start, 0, 1})) continue;
+      if (scene->geometry().occluded({start, Vec3f(lamp.position) - start, 0, 1})) continue;
     }
     answer[i] = lamp.intensity * (cosine / squared);
   }
@@ -151,7 +151,7 @@ IrradianceResult irradiance_whole(const Lamp& lamp, const std::vector<Irradiance
       ++answer.work.shadow_rays;
       answer.costs[i].rays = 1;
       const Vec3f start = offset_origin(Vec3f(p.position), p.position_error, Vec3(p.normal), to);
-      if (scene->occluded({start, Vec3f(lamp.position) - start, 0, 1})) continue;
+      if (scene->geometry().occluded({start, Vec3f(lamp.position) - start, 0, 1})) continue;
     }
     const Rgb lux =
         is_safe_square(squared) ? lamp.intensity / squared : lamp.intensity / distance / distance;

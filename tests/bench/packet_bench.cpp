@@ -52,7 +52,7 @@ class Recorder {
   Recorder(const Scene& scene, const RaySpace& space)
       : scene_(scene),
         space_(space),
-        last_depth_(static_cast<std::uint32_t>(scene.hints().max_depth.value_or(1) - 1)) {
+        last_depth_(static_cast<std::uint32_t>(scene.report().hints.max_depth.value_or(1) - 1)) {
     if (scene.lights().size() != 1 || scene.lights()[0].moving != nullptr)
       throw std::runtime_error("the scene must have one light that does not move");
     light_ = dynamic_cast<const PointLight*>(scene.lights()[0].light.get());
@@ -70,7 +70,7 @@ class Recorder {
       const auto hit = scene_.closest_hit(ray);
       if (!hit) return;
       const Vec3f wo = -ray.direction;
-      const Rgb* reflectance = scene_.plain_diffuse(hit->material);
+      const Rgb* reflectance = scene_.geometry().plain_diffuse(hit->material);
       if (reflectance == nullptr) throw std::runtime_error("a surface is not plain and diffuse");
       throughput = throughput * *reflectance;
       if (throughput.is_black()) return;
@@ -303,7 +303,7 @@ struct Way {
 int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
   const DenormalsAreZero denormals;
   const auto scene = load_scene(file);
-  const GeometrySet& set = scene->accelerator().scene();
+  const GeometrySet& set = scene->geometry().accelerator().scene();
   double reach = 0;
   for (const Vec3f& v : set.vertices) reach = std::max(reach, double{max_abs(v)});
   const RaySpace space(reach * set.unit_m);

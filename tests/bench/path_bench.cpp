@@ -30,7 +30,7 @@ int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
   const TileSettings settings{
       .rect = {0, 0, scene->camera().width(), scene->camera().height()},
       .samples_per_block = samples,
-      .bounces = static_cast<std::uint32_t>(scene->hints().max_depth.value_or(1) - 1)};
+      .bounces = static_cast<std::uint32_t>(scene->report().hints.max_depth.value_or(1) - 1)};
   std::vector<double> rates;
   WorkCounts work;
   std::uint64_t hash = 0;

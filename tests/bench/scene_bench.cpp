@@ -37,7 +37,7 @@ void BM_RenderTile(benchmark::State& state, const std::string& name,
   settings.rect = {48, 28, 112, 92};
   settings.samples_per_block = 4;
   settings.block_count = 4;
-  settings.bounces = static_cast<std::uint32_t>(scene->hints().max_depth.value_or(1) - 1);
+  settings.bounces = static_cast<std::uint32_t>(scene->report().hints.max_depth.value_or(1) - 1);
   std::uint64_t rays = 0;
   for (auto _ : state) {
     const TileResult tile = render_tile(*scene, settings, {});

@@ -70,7 +70,7 @@ std::string by_itself(const Scene& scene, const std::vector<IrradiancePoint>& re
     const double n = 1e-6 * static_cast<double>(items.size());
     occluded = wrong = 0;
     rays.push_back(ms([&] {
-                     for (const Item& at : items) occluded += scene.occluded(at.ray);
+                     for (const Item& at : items) occluded += scene.geometry().occluded(at.ray);
                    }) /
                    n);
     std::size_t by_map = 0;
@@ -82,7 +82,8 @@ std::string by_itself(const Scene& scene, const std::vector<IrradiancePoint>& re
                    n);
   }
   for (const Item& at : items)
-    wrong += visibility.by_map(at.light, at.position, at.normal) != scene.occluded(at.ray);
+    wrong +=
+        visibility.by_map(at.light, at.position, at.normal) != scene.geometry().occluded(at.ray);
   return fmt::format(
       "a ray {:.0f} ns, a look-up {:.0f} ns; of all {}, {:.1f}% are occluded, and {:.2f}% disagree",
       median(rays), median(maps), items.size(),

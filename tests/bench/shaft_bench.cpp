@@ -142,7 +142,7 @@ void measure(const std::string& name, SceneDescription description, const Vector
           if (s.reason != NoLight::kNone || !(cosine > 0)) continue;
           ++lit;
           const Ray ray = shadow_ray(r, s);
-          if (scene->occluded(ray)) {
+          if (scene->geometry().occluded(ray)) {
             ++blocked;
             if (k == 0) one_ray = 0;
           } else {
@@ -152,7 +152,7 @@ void measure(const std::string& name, SceneDescription description, const Vector
       }));
       const auto s = scene->lights()[l].light->sample_li(receiver, {0.5, 0.5});
       const Ray ray = shadow_ray(r, s);
-      ray_ns.push_back(timed(kRepeats, [&] { one_ray += scene->occluded(ray); }));
+      ray_ns.push_back(timed(kRepeats, [&] { one_ray += scene->geometry().occluded(ray); }));
       sink = sink + sum + one_ray;
       ++pairs, open += lit > 0 && blocked == 0, empty += is_empty;
       wrong += is_empty && blocked > 0;
@@ -164,8 +164,8 @@ void measure(const std::string& name, SceneDescription description, const Vector
       "  median ns: closed form {:.0f}, shaft if empty {:.0f}, if not {:.0f}, a shadow ray {:.0f}, "
       "{} "
       "samples {:.0f}\n",
-      name, build_ms, shafts.bytes(), scene->primitive_count(), pairs, open, kSamples, empty,
-      100.0 * empty / std::max(1, open), wrong, median(form),
+      name, build_ms, shafts.bytes(), scene->geometry().primitive_count(), pairs, open, kSamples,
+      empty, 100.0 * empty / std::max(1, open), wrong, median(form),
       empty_ns.empty() ? 0 : median(empty_ns), full_ns.empty() ? 0 : median(full_ns),
       median(ray_ns), kSamples, median(samples_ns));
 }

@@ -35,7 +35,7 @@ client::Picture in_process(const std::string& file) {
        .seed = kSeed,
        .samples_per_block = kPerBlock,
        .block_count = kBlocks,
-       .bounces = static_cast<std::uint32_t>((*scene)->hints().max_depth.value_or(1) - 1)},
+       .bounces = static_cast<std::uint32_t>((*scene)->report().hints.max_depth.value_or(1) - 1)},
       {});
   client::Picture picture{static_cast<std::uint32_t>(camera.width()),
                           static_cast<std::uint32_t>(camera.height()),

@@ -199,7 +199,8 @@ void DirectLight::scatter(const LightVertex& v, const LightChoice& choice, std::
 LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light, const Candidate& c,
                                     WorkCounts& work) const {
   if (c.value.is_black()) return {};
-  if (scene_.is_clear()) return {c.value, c.value};  // no ray is needed, and none is counted
+  if (scene_.geometry().is_clear())
+    return {c.value, c.value};  // no ray is needed, and none is counted
   const Ray ray = shadow_ray(hit, c.sample, scene_.lights()[light].reach_m());
   return {c.value * visibility_.visible(light, hit.position, hit.ng, ray, work), c.value};
 }
@@ -214,7 +215,7 @@ std::optional<LightEstimate> DirectLight::from_point_light(const SurfaceHit& hit
   const double f = reflected_share(hit, wo, plain->wi);
   if (!(f > 0)) return LightEstimate{};
   const Rgb value = plain->value * (f / choice.probability);
-  if (value.is_black() || scene_.is_clear()) return LightEstimate{value, value};
+  if (value.is_black() || scene_.geometry().is_clear()) return LightEstimate{value, value};
   const Ray ray = ray_to_point(hit, plain->wi, Vec3f(point->position()));
   return LightEstimate{value * visibility_.visible(choice.light, hit.position, hit.ng, ray, work),
                        value};
@@ -244,7 +245,7 @@ bool DirectLight::uses_closed_forms(bool at_receiver) const {
 std::optional<Rgb> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3f& wo,
                                                std::uint32_t light) const {
   const SceneLight& of = scene_.lights()[light];
-  if (of.moving != nullptr || scene_.has_media()) return std::nullopt;
+  if (of.moving != nullptr || scene_.geometry().has_media()) return std::nullopt;
   const LightAtTime l(of, hit.time_s);
   if (!l->has_irradiance() || l->hides_itself()) return std::nullopt;
   const Receiver r = receiver(hit, wo);

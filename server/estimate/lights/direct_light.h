@@ -83,7 +83,7 @@ class DirectLight {
 
   /// Whether directions of surfaces are sampled and may find lights.
   bool finds_lights() const {
-    return methods_.combination != Combination::kLights && scene_.has_visible_lights();
+    return methods_.combination != Combination::kLights && scene_.lights().has_visible();
   }
   /// The weight of light that a direction with density `direction_pdf` found from `from`.
   /// Samples of `strategy` with the same `wo` may choose the same light.

@@ -154,10 +154,10 @@ void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts
                       (per_area / (density + direction_pdf * per_area));
     if (value.is_black() || !is_finite(value)) return;
     Rgb share(1);
-    if (scene_.has_media()) {
+    if (scene_.geometry().has_media()) {
       Ray way = ray;
       way.t_max = hit->t;
-      share = scene_.through_media(way);
+      share = scene_.geometry().through_media(way);
     }
     const Ray last = shadow_ray(*hit, sample, scene_.lights()[light].reach_m());
     share = share * visibility_.visible(light, hit->position, hit->ng, last, work);

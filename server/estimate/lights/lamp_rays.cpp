@@ -52,7 +52,7 @@ std::optional<LampRay> follow(const Scene& scene, const SmoothSurfaces& surfaces
   bool met_unsolved = false, met_ball = false;
   for (std::uint32_t k = 0; k < kMostSurfaces; ++k) {
     std::optional<SurfaceHit> hit = scene.closest_hit(ray);
-    if (!hit || scene.plain_diffuse(hit->material) != nullptr) break;
+    if (!hit || scene.geometry().plain_diffuse(hit->material) != nullptr) break;
     const SurfaceScattering scattering(scene, *hit);
     const auto on =
         scattering.sample(-Vec3(ray.direction),

@@ -16,12 +16,13 @@ void AllLights::sample(const DirectLight& direct, const LightVertex& v, const Pa
 
 std::optional<LightChoice> OneLight::choose(const Scene& scene, const Receiver& receiver,
                                             double u) const {
-  return (areas_only_ ? scene.area_selector() : scene.light_selector()).choose(how_, receiver, u);
+  return (areas_only_ ? scene.lights().area_selector() : scene.lights().selector())
+      .choose(how_, receiver, u);
 }
 
 double OneLight::probability(const Scene& scene, const Receiver& receiver,
                              std::uint32_t light) const {
-  return (areas_only_ ? scene.area_selector() : scene.light_selector())
+  return (areas_only_ ? scene.lights().area_selector() : scene.lights().selector())
       .probability(how_, receiver, light);
 }
 

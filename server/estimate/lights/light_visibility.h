@@ -42,14 +42,14 @@ class LightVisibility {
       ++work.map_lookups;
       if (is_compared(ray)) {
         ++work.shadow_rays;
-        compare(*occluded, scene_.occluded(ray), work);
+        compare(*occluded, scene_.geometry().occluded(ray), work);
       }
       return Rgb(*occluded ? 0 : 1);
     }
     ++work.shadow_rays;
     const Meets blocking = transmittance_.blocking();
     if (contacts_.touches(light) ? contacts_.is_hidden(light, position, ray, blocking)
-                                 : scene_.occluded(ray, blocking))
+                                 : scene_.geometry().occluded(ray, blocking))
       return {};
     return transmittance_.is_partial() ? passed(light, position, ray, work) : Rgb(1);
   }

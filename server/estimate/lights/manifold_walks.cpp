@@ -116,11 +116,11 @@ std::optional<SurfaceHit> ManifoldWalks::next_surface(const SurfaceHit& from, co
     ++work.indirect_rays;
     std::optional<SurfaceHit> next = scene_.closest_hit(ray);
     if (!next) return std::nullopt;
-    if (scene_.has_media()) {
+    if (scene_.geometry().has_media()) {
       ray.t_max = next->t;
-      share = share * scene_.through_media(ray);
+      share = share * scene_.geometry().through_media(ray);
     }
-    if (!(passes_panes && scene_.is_pane(*next))) return next;
+    if (!(passes_panes && scene_.geometry().is_pane(*next))) return next;
     share = share * SurfaceScattering(scene_, *next).single(-along, Side::kTransmitted);
     at = *next;
   }
@@ -135,7 +135,7 @@ auto ManifoldWalks::choose_links(const SurfaceHit& receiver, const Vec3& start,
   Rgb share(1);
   while (links.size() < most_steps) {
     std::optional<SurfaceHit> next = next_surface(at, along, share, work);
-    if (!next || scene_.plain_diffuse(next->material) != nullptr) break;
+    if (!next || scene_.geometry().plain_diffuse(next->material) != nullptr) break;
     const SurfaceScattering scattering(scene_, *next);
     const double reflected = scattering.single(-along, Side::kReflected).max_component(),
                  passed = scattering.single(-along, Side::kTransmitted).max_component();

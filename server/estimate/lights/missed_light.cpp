@@ -49,7 +49,7 @@ std::vector<std::uint32_t> portal_lights(const Scene& scene) {
 
 MissedLightRule::MissedLightRule(const Scene& scene, std::optional<std::uint32_t> bounces)
     : scene_(scene), portals_(portal_lights(scene)), once_(bounces && *bounces == 1) {
-  if (bounces.value_or(1) == 0 || scene.empty() || scene.lights().empty()) return;
+  if (bounces.value_or(1) == 0 || scene.geometry().empty() || scene.lights().empty()) return;
   surfaces_ = &smooth_surfaces(scene);
   // A direction that leaves the scene meets all lights at infinity.
   double beyond_cd_m2 = 0;
@@ -69,7 +69,7 @@ bool MissedLightRule::is_outdoors(const SurfaceHit& receiver) const {
     const LightAtTime portal(scene_.lights()[l], receiver.time_s);
     return portal->sample_li(receiver.position, {0.5, 0.5}).reason == NoLight::kBehind;
   });
-  if (!is_behind || scene_.empty()) return is_behind;
+  if (!is_behind || scene_.geometry().empty()) return is_behind;
   const Frame frame = Frame::around(normalized(receiver.ns));
   // Along the normal, and 60 degrees away from it.
   constexpr int kAround = 8;
@@ -103,7 +103,7 @@ MissedLight MissedLightRule::at(const SurfaceHit& receiver, const FoundLight& fo
     return missed;
   }
   if (found.reflected > 0 || !surfaces_->has_rough_surfaces()) return {};
-  Bounds all = scene_.placed()->world_m;
+  Bounds all = scene_.geometry().world_m();
   all.lower = all.lower - scene_.origin();
   all.upper = all.upper - scene_.origin();
   if (!reaches_above(all, receiver)) return {};

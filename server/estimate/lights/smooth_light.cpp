@@ -259,7 +259,7 @@ void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t
   Receiver from(sequence.image);
   from.normal = sequence.image_normal;
   // The image of a bent sequence is not where its light comes from.
-  const auto choice = scene_.light_selector().choose(
+  const auto choice = scene_.lights().selector().choose(
       sequence.is_bent ? LightSelection::kPower : LightSelection::kBvh, from,
       choosing_value(s.pair(first + kFewLights)));
   if (!choice || !counts(choice->light)) return;
@@ -384,12 +384,12 @@ Rgb SmoothLight::share_along(const Vertex& v, const Sequence& sequence, const Ar
       ++work.indirect_rays;
       std::optional<SurfaceHit> next = scene_.closest_hit(ray);
       if (!next) return {};
-      if (scene_.has_media()) {
+      if (scene_.geometry().has_media()) {
         ray.t_max = next->t;
-        share = share * scene_.through_media(ray);
+        share = share * scene_.geometry().through_media(ray);
       }
       arrived = surfaces_.part_of(*next) == number;
-      if (!arrived && !(passes_panes && scene_.is_pane(*next))) return {};
+      if (!arrived && !(passes_panes && scene_.geometry().is_pane(*next))) return {};
       const bool passes = !arrived || step.passes;
       share = share * mean_single(scene_, *next, -Vec3(towards),
                                   passes ? Side::kTransmitted : Side::kReflected);

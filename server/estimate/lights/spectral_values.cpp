@@ -25,7 +25,7 @@ void SpectralValues::add(std::optional<std::uint32_t> spectrum, const Rgb& value
   const auto [row, is_new] = per_lumen_.try_emplace(*spectrum);
   if (is_new)
     for (const double nm : wavelengths_nm_)
-      row->second.push_back(scene_.spectra()[*spectrum]->per_lumen(nm));
+      row->second.push_back(scene_.lights().spectra()[*spectrum]->per_lumen(nm));
   const double lumens = luminance(value);
   for (std::size_t k = 0; k < size(); ++k) sum[k] += lumens * row->second[k];
 }

@@ -28,7 +28,7 @@ class SpectralValues {
   /// Adds to sum[k] the spectral value of `value` of light `light` at wavelength k [unit of
   /// value / lm W / nm].
   void add(std::uint32_t light, const Rgb& value, std::span<double> sum) {
-    add(scene_.spectrum_number(light), value, sum);
+    add(scene_.lights().spectrum_number(light), value, sum);
   }
   /// The same for a spectrum of the scene by its number; unset: for lights with RGB values.
   void add(std::optional<std::uint32_t> spectrum, const Rgb& value, std::span<double> sum);

@@ -7,7 +7,7 @@ namespace lucerna {
 namespace {
 
 /// A frame about the unit vector `n` whose first axis is near dpdu.
-Frame frame_along(const Vec3& n, const Scene::ShadingPoint& at, FrameAlong second) {
+Frame frame_along(const Vec3& n, const SceneGeometry::ShadingPoint& at, FrameAlong second) {
   const Vec3 along = normalized(at.dpdu);
   const Vec3 s = along - n * dot(along, n);
   // A direction along the normal tells nothing.
@@ -20,7 +20,8 @@ Frame frame_along(const Vec3& n, const Scene::ShadingPoint& at, FrameAlong secon
 
 /// The normal of the surface with its bumps.  The height is differentiated over a small step, as in
 /// pbrt-v4.  [Pharr23, 10.5.3]
-Vec3 bumped_normal(const Textures& textures, std::int32_t bumps, const Scene::ShadingPoint& at) {
+Vec3 bumped_normal(const Textures& textures, std::int32_t bumps,
+                   const SceneGeometry::ShadingPoint& at) {
   constexpr double kStep = 0.0005;  // of u and v
   const Vec3& n = at.texture.normal;
   const auto height = [&](double du, double dv) {
@@ -39,7 +40,7 @@ Vec3 bumped_normal(const Textures& textures, std::int32_t bumps, const Scene::Sh
 
 /// Where the neighbours meet the plane of the surface, from the hit.
 Footprint footprint_of(const NeighbourRays& rays, const SurfaceHit& hit,
-                       const Scene::ShadingPoint& at) {
+                       const SceneGeometry::ShadingPoint& at) {
   const auto step = [&](const Ray& ray) {
     const Vec3 o = Vec3(ray.origin) - hit.position, d(ray.direction);
     return o - d * (dot(hit.ng, o) / dot(hit.ng, d));
@@ -59,33 +60,34 @@ Footprint footprint_of(const NeighbourRays& rays, const SurfaceHit& hit,
 
 SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets,
                                      const NeighbourRays* neighbours) {
-  if (meets == Meets::kPanesByChance && scene.is_pane(hit)) {
+  if (meets == Meets::kPanesByChance && scene.geometry().is_pane(hit)) {
     is_mirror_ = true;
     frame_ = Frame::around(hit.ng);
     return;
   }
-  Scene::ShadingPoint at = scene.shading_point(hit);
+  SceneGeometry::ShadingPoint at = scene.geometry().shading_point(hit);
   Footprint footprint;
   if (neighbours != nullptr) {
     footprint = footprint_of(*neighbours, hit, at);
     at.texture.footprint = &footprint;
   }
-  set(scene, hit, at, chosen(scene.materials(), hit.material, scene.textures(), at.texture));
+  set(scene, hit, at,
+      chosen(scene.geometry().materials(), hit.material, scene.geometry().textures(), at.texture));
 }
 
-void SurfaceScattering::set(const Scene& scene, SurfaceHit& hit, const Scene::ShadingPoint& at,
-                            std::uint32_t number) {
-  const Material& material = scene.materials()[number];
-  bsdf_ = bsdf_of(material, scene.textures(), at.texture);
+void SurfaceScattering::set(const Scene& scene, SurfaceHit& hit,
+                            const SceneGeometry::ShadingPoint& at, std::uint32_t number) {
+  const Material& material = scene.geometry().materials()[number];
+  bsdf_ = bsdf_of(material, scene.geometry().textures(), at.texture);
   frame_ = frame_along(hit.ns, at, material.second_axis);
   Vec3 n;
   if (material.normal_map >= 0) {
     const Rgb texel =
-        scene.textures()(ColourValue{{}, material.normal_map}, at.texture) * 2 - Rgb(1);
+        scene.geometry().textures()(ColourValue{{}, material.normal_map}, at.texture) * 2 - Rgb(1);
     n = normalized(frame_.world_from_local(
         {texel.r * material.normal_scale, texel.g * material.normal_scale, texel.b}));
   } else if (material.bumps >= 0) {
-    n = bumped_normal(scene.textures(), material.bumps, at);
+    n = bumped_normal(scene.geometry().textures(), material.bumps, at);
   } else {
     return;
   }
@@ -96,15 +98,16 @@ void SurfaceScattering::set(const Scene& scene, SurfaceHit& hit, const Scene::Sh
 }
 
 Rgb mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Side side) {
-  const Scene::ShadingPoint at = scene.shading_point(hit);
+  const SceneGeometry::ShadingPoint at = scene.geometry().shading_point(hit);
   Rgb sum;
   // Parts of a mix have smaller numbers.  So each is visited once, with all of its shares.
   std::map<std::uint32_t, double> shares{{hit.material, 1}};
   while (!shares.empty()) {
     const auto [number, share] = *shares.rbegin();
     shares.erase(number);
-    if (const auto* mix = std::get_if<MixParams>(&scene.materials()[number].params)) {
-      const double amount = std::clamp(scene.textures()(mix->amount, at.texture), 0.0, 1.0);
+    if (const auto* mix = std::get_if<MixParams>(&scene.geometry().materials()[number].params)) {
+      const double amount =
+          std::clamp(scene.geometry().textures()(mix->amount, at.texture), 0.0, 1.0);
       shares[mix->materials[0]] += share * (1 - amount);
       shares[mix->materials[1]] += share * amount;
       continue;

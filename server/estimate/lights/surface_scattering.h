@@ -52,7 +52,7 @@ class SurfaceScattering {
 
  private:
   SurfaceScattering() = default;
-  void set(const Scene& scene, SurfaceHit& hit, const Scene::ShadingPoint& at,
+  void set(const Scene& scene, SurfaceHit& hit, const SceneGeometry::ShadingPoint& at,
            std::uint32_t material);
   friend Rgb mean_single(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Side side);
   Vec3 local(const Vec3& w) const { return frame_.local_from_world(w); }

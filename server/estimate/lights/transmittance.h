@@ -12,8 +12,8 @@ class Transmittance {
  public:
   Transmittance(const Scene& scene, ThinGlass thin_glass)
       : scene_(scene),
-        through_panes_(scene.has_panes() && thin_glass == ThinGlass::kPasses),
-        is_partial_(through_panes_ || scene.has_media()) {}
+        through_panes_(scene.geometry().has_panes() && thin_glass == ThinGlass::kPasses),
+        is_partial_(through_panes_ || scene.geometry().has_media()) {}
 
   bool through_panes() const { return through_panes_; }
   /// Whether light may arrive in part.  Otherwise all of it arrives or none.
@@ -28,7 +28,7 @@ class Transmittance {
   /// The same if the way ends at `t_end`, later than the ray.  Rays start and end beside the
   /// surfaces that their ends may lie on.  Media fill the whole way.
   Rgb along(const Ray& ray, float t_end, WorkCounts& work) const {
-    return along(ray, t_end, through_panes_ ? scene_.through_panes(ray) : 1, work);
+    return along(ray, t_end, through_panes_ ? scene_.geometry().through_panes(ray) : 1, work);
   }
   /// The same if all panes together pass `of_panes` of the light.  1 unless panes pass light.
   Rgb along(const Ray& ray, float t_end, double of_panes, WorkCounts& work) const {
@@ -36,7 +36,7 @@ class Transmittance {
     way.t_min = 0;
     way.t_max = t_end;
     if (of_panes < 1) ++work.through_panes;
-    return scene_.through_media(way) * of_panes;
+    return scene_.geometry().through_media(way) * of_panes;
   }
 
  private:

@@ -34,7 +34,7 @@ Vec3f PathTracer::cosine_direction(const Vec3f& ns, const Vec3f& wo, Vec2f u) {
 
 Rgb PathTracer::left_by_media(Ray ray, const std::optional<SurfaceHit>& end) const {
   if (end) ray.t_max = end->t;
-  return scene_.through_media(ray);
+  return scene_.geometry().through_media(ray);
 }
 
 LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_wo,
@@ -54,7 +54,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
   std::optional<SurfaceScattering> scattering;
   for (;; ++depth) {
     scattering.reset();
-    if (const Rgb* reflectance = scene_.plain_diffuse(hit.material)) [[likely]] {
+    if (const Rgb* reflectance = scene_.geometry().plain_diffuse(hit.material)) [[likely]] {
       throughput = throughput * *reflectance;
       if (throughput.is_black()) return sum;
     } else {
@@ -119,7 +119,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
       before = smooth_.after_single(before, hit, Vec3(wo), Vec3(next_direction.wi));
     // Lights do not sample single directions, so these always find lights.
     const bool finds =
-        next_direction.is_single ? scene_.has_visible_lights() : direct_.finds_lights();
+        next_direction.is_single ? scene_.lights().has_visible() : direct_.finds_lights();
     if (last && !finds) return sum;
     if (depth >= (endless_ ? kSafeDepth : kLongDepth)) {
       // Below 1 even if nothing is absorbed, so that every path ends.
@@ -132,7 +132,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
     const Ray ray = spawn_ray(hit, wi);
     ++work.indirect_rays;
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray, direct_.transmittance().met());
-    if (scene_.has_media()) throughput = throughput * left_by_media(ray, next);
+    if (scene_.geometry().has_media()) throughput = throughput * left_by_media(ray, next);
     const auto found = [&](std::uint32_t light, const Rgb& le) {
       if (exact.has(light) || (next_direction.is_single && smooth_.counts(before, light))) return;
       work.by_chance +=
@@ -160,7 +160,7 @@ LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample, Wor
   for_each_emitter(scene_, ray, hit, [&](std::uint32_t, const Rgb& le) { seen += le; });
   LightEstimate sum{seen, seen};
   if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work, {}, neighbours);
-  if (!scene_.has_media()) return sum;
+  if (!scene_.geometry().has_media()) return sum;
   const Rgb left = left_by_media(ray, hit);
   return {sum.value * left, sum.unshadowed * left};
 }

@@ -37,10 +37,10 @@ void for_each_emitter(const Scene& scene, const Sight& sight, const std::optiona
     const Rgb le =
         LightAtTime(scene.lights()[light], sight.time_s)->le(hit->on_light(), -sight.direction);
     // `le` contains the factor alpha.  Only this share of rays meets the surface.
-    if (!le.is_black()) f(light, le / scene.alpha(*hit));
+    if (!le.is_black()) f(light, le / scene.geometry().alpha(*hit));
     return;
   }
-  for (const std::uint32_t light : scene.infinite_lights()) {
+  for (const std::uint32_t light : scene.lights().infinite()) {
     const Rgb le =
         LightAtTime(scene.lights()[light], sight.time_s)->le_escaped(sight.origin, sight.direction);
     if (!le.is_black()) f(light, le);

@@ -33,7 +33,7 @@ class TileEstimator {
       : scene_(scene),
         settings_(settings),
         shutter_(settings.shutter.value_or(
-            Shutter{scene.hints().shutter_open_s, scene.hints().shutter_close_s})),
+            Shutter{scene.report().hints.shutter_open_s, scene.report().hints.shutter_close_s})),
         tracer_(scene, settings.bounces, settings.methods,
                 settings.one_sequence ? DirectLight::kCandidatesOfOneSequence
                                       : DirectLight::kCandidates),
@@ -155,7 +155,7 @@ class TileEstimator {
                           has_lens ? sample.pair(PathSample::kLens) : Vec2f{0.5F, 0.5F});
       };
       std::optional<NeighbourRays> neighbours;
-      if (scene_.textures().uses_footprints())
+      if (scene_.geometry().textures().uses_footprints())
         neighbours = {ray_at(kFootprint, 0), ray_at(0, kFootprint)};
       LightEstimate e =
           tracer_.radiance(ray_at(0, 0), sample, work, neighbours ? &*neighbours : nullptr);

@@ -107,7 +107,7 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
   std::uint32_t light = q.light.value_or(0);
   if (!q.light) {
     std::optional<LightChoice> choice;
-    if (!scene.lights().empty()) choice = choose_emitter(scene, u.light);
+    if (!scene.lights().empty()) choice = scene.lights().choose_emitter(u.light);
     put_choice(scene, choice, i, a.light_ids, a.selection_probability);
     if (!choice) return u.valid ? ItemResult::kBlack : ItemResult::kInvalidInput;
     light = choice->light;

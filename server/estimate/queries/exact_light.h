@@ -45,11 +45,11 @@ class ExactLight {
 
   /// Sums by the spectra of lights; unused without wavelengths.
   BySpectrum no_spectra() const {
-    return BySpectrum(settings_.wavelengths_nm.empty() ? 0 : scene_.spectra().size() + 1);
+    return BySpectrum(settings_.wavelengths_nm.empty() ? 0 : scene_.lights().spectra().size() + 1);
   }
   void add_to(BySpectrum& groups, std::uint32_t light, const Rgb& lx) const {
     if (!groups.wanted()) return;
-    const auto number = scene_.spectrum_number(light);
+    const auto number = scene_.lights().spectrum_number(light);
     groups.add(number ? *number + 1 : 0, lx);
   }
 

@@ -180,7 +180,7 @@ MostIrradiance LiSampler::most(std::size_t receiver) const {
   MostIrradiance sum;
   for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
     const MostIrradiance one =
-        of_light(l, choice_probability(scene_, q_.methods.light_selection, r, l));
+        of_light(l, scene_.lights().probability(q_.methods.light_selection, r, l));
     sum.lx += one.lx, sum.sample_lx += one.sample_lx;
   }
   return sum;
@@ -229,8 +229,8 @@ void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pendi
     p.receiver.result = ItemResult::kInvalidInput;
   }
   if (!scene_.lights().empty() && p.receiver.result == ItemResult::kOk)
-    p.choice = choose_light(scene_, q_.methods.light_selection, receiver_of(p.receiver, p.normal),
-                            u_light);
+    p.choice = scene_.lights().choose(q_.methods.light_selection, receiver_of(p.receiver, p.normal),
+                                      u_light);
   if (!p.choice) return;
   p.light = p.choice->light;
   // Fetched while the next samples choose their lights.
@@ -424,7 +424,7 @@ std::optional<bool> LiSampler::by_map(const Pending& p, const Ray& ray, WorkCoun
   if (!occluded) return std::nullopt;
   ++work.map_lookups;
   if (LightVisibility::is_compared(ray)) {
-    const bool by_ray = scene_.occluded(ray) &&
+    const bool by_ray = scene_.geometry().occluded(ray) &&
                         (!starts_loose() || first_other_surface(scene_, ray, {p.start(), {}}));
     ++work.shadow_rays;
     LightVisibility::compare(*occluded, by_ray, work);

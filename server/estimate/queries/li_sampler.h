@@ -73,7 +73,7 @@ class LiSampler {
   WorkCounts take(std::span<const LiPlace> places, std::span<LiShare> shares) const;
 
   /// Whether samples have shadows.
-  bool tests_visibility() const { return q_.test_visibility && !scene_.is_clear(); }
+  bool tests_visibility() const { return q_.test_visibility && !scene_.geometry().is_clear(); }
   /// one_sample_is_enough() for the query.
   bool needs_one_sample() const;
   /// The status of a receiver before any sample.
@@ -103,8 +103,8 @@ class LiSampler {
                               const LiAnswerWriter& writer) const;
   void fill_from(const SceneLight& light, const LiLayout& layout, std::size_t begin,
                  std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const;
-  void fill_each(const Light& light, const LiLayout& layout, std::size_t begin,
-                 std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const;
+  void fill_each(const Light& light, const LiLayout& layout, std::size_t begin, std::size_t end,
+                 const LiAnswerWriter& writer, LiShare* shares) const;
   void prepare_all(const LiLayout& layout, std::size_t begin, std::vector<Pending>& chunk) const;
   void sample(std::vector<Pending>& chunk) const;
   LiShare share(const Pending& sampled) const;

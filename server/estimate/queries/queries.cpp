@@ -86,8 +86,8 @@ Power light_power_approximate(const Scene& scene, std::uint32_t light) {
 }
 
 std::optional<std::uint32_t> hinted_bounces(const Scene& scene) {
-  if (!scene.hints().max_depth) return std::nullopt;
-  return static_cast<std::uint32_t>(std::max(*scene.hints().max_depth - 1, 0));
+  if (!scene.report().hints.max_depth) return std::nullopt;
+  return static_cast<std::uint32_t>(std::max(*scene.report().hints.max_depth - 1, 0));
 }
 
 }  // namespace lucerna

@@ -51,7 +51,7 @@ struct Sampled {
 
 /// Whether reflected light is part of the answer.
 bool gathers_reflected_light(const Scene& scene, const IrradianceSettings& settings) {
-  return settings.bounces.value_or(1) > 0 && !scene.empty() && !scene.lights().empty();
+  return settings.bounces.value_or(1) > 0 && !scene.geometry().empty() && !scene.lights().empty();
 }
 
 class IrradianceEstimator {
@@ -235,7 +235,7 @@ class IrradianceEstimator {
     return most_samples_per_block(*settings_.target, settings_.block_count);
   }
   Sampled no_samples(std::size_t shares, std::size_t wavelengths) const {
-    const Estimate none{.may_be_hidden = !scene_.is_clear()};
+    const Estimate none{.may_be_hidden = !scene_.geometry().is_clear()};
     return {none,
             {},
             std::vector<Estimate>(shares, none),
@@ -357,11 +357,12 @@ class IrradianceEstimator {
     const Ray ray = spawn_ray(item.receiver, wi);
     ++work.indirect_rays;
     const std::optional<SurfaceHit> hit = scene_.closest_hit(ray, direct_.transmittance().met());
-    const bool both = guided.any() && hit && scene_.plain_diffuse(hit->material) == nullptr;
+    const bool both =
+        guided.any() && hit && scene_.geometry().plain_diffuse(hit->material) == nullptr;
     if (is_guided && !both) return;
     Rgb left(1);
     if (both) left = left * (pdf / (pdf + guided.pdf(wi)));
-    if (scene_.has_media()) left = left * tracer_.left_by_media(ray, hit);
+    if (scene_.geometry().has_media()) left = left * tracer_.left_by_media(ray, hit);
     const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
       return item.exact.lights.has(light)
                  ? 0.0

@@ -101,11 +101,11 @@ double predicted_seconds(const IrradianceQuery& query) {
   const StopRule& rule = query.stop_rule;
   const std::size_t n = query.receivers.size();
   // Each spectrum is looked up once at each wavelength, and has a value there at each point.
-  const std::size_t spectra = scene.spectra().size() + 1;
+  const std::size_t spectra = scene.lights().spectra().size() + 1;
   double seconds = first_use_seconds(scene, settings.methods) +
                    seconds_of(spectra * settings.wavelengths_nm.size(),
                               kSpectrumSeconds + seconds_of(n, kWavelengthSeconds));
-  if (scene.has_visible_lights() && settings.methods.closed_forms != ClosedForms::kOff)
+  if (scene.lights().has_visible() && settings.methods.closed_forms != ClosedForms::kOff)
     seconds += kShaftsSeconds;
   if (rule.time_budget_s) return seconds + *rule.time_budget_s;
   const auto samples = static_cast<double>(rule.target ? rule.target->max_samples : rule.samples);
@@ -215,7 +215,8 @@ void mark_missed_light(const IrradianceQuery& query, const Receivers& receivers,
     const std::vector<std::uint32_t> portals = portal_lights(*query.scene);
     for (std::size_t l = 0; l < std::min(kMostNamed, portals.size()); ++l)
       response->add_missed_surfaces(
-          text_of(query.scene->source_of(query.scene->lights()[portals[l]])) + " (a portal)");
+          text_of(query.scene->lights().source_of(query.scene->lights()[portals[l]])) +
+          " (a portal)");
   }
   if (!by_way) return;
   const auto unsolved = smooth_surfaces(*query.scene).unsolved();

@@ -44,7 +44,7 @@ RadiantPower radiant_power(const Scene& scene, std::uint32_t light, const Power&
   RadiantPower power{.luminous = luminous,
                      .w_per_nm = std::vector<double>(spectral.size()),
                      .unit = power_unit(scene, light)};
-  if (const Spectrum* spectrum = scene.spectrum(light)) {
+  if (const Spectrum* spectrum = scene.lights().spectrum(light)) {
     power.watts = luminance(luminous.lumens) * spectrum->watts_per_lumen();
   }
   spectral.add(light, luminous.lumens, power.w_per_nm);

@@ -16,7 +16,8 @@ constexpr double kEntrySeconds = 2e-6;
 Prepared handle_get_scene(const Context& context, const v1::GetSceneRequest& request,
                           v1::GetSceneResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const StoredScene stored, find_stored(context, request.scene_id()));
-  const std::size_t entries = 1 + stored.scene->remarks().size() + stored.scene->assets().size();
+  const std::size_t entries =
+      1 + stored.scene->report().remarks.size() + stored.scene->report().assets.size();
   const auto run = [stored, response](const std::stop_token&) {
     set_summary(stored, response->mutable_summary());
     add_remarks(*stored.scene, response->mutable_remarks());

@@ -178,8 +178,7 @@ class Editor {
       : context_(context), stop_(stop), ids_(scene.edits().added) {
     result_.edits = scene.edits();
     result_.memory = context.scenes.start_counting();
-    const Scene& loaded = scene.loaded() != nullptr ? *scene.loaded() : scene;
-    loaded_ids_ = loaded.lights().size();
+    loaded_ids_ = scene.without_edits().lights().size();
   }
 
   absl::Status apply(const std::string& field, const v1::LightEdit& edit) {

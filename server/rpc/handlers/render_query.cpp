@@ -83,7 +83,7 @@ absl::StatusOr<std::optional<Shutter>> check_shutter(const Scene& scene, const R
     return bad_field("shutter", "set, as well as time_s", "one of the two");
   }
   const v1::Shutter& s = request.shutter();
-  const RenderHints& hints = scene.hints();
+  const RenderHints& hints = scene.report().hints;
   Shutter shutter{hints.shutter_open_s + s.offset_s(), hints.shutter_close_s + s.offset_s()};
   if (!std::isfinite(shutter.open_s) || !std::isfinite(shutter.close_s)) {
     return bad_field("shutter.offset_s", s.offset_s(),
@@ -149,7 +149,7 @@ template absl::StatusOr<RenderQuery> check_render(const Context&, const Scene&,
                                                   const v1::RenderImageRequest&, std::uint32_t);
 
 std::uint32_t proposed_samples(const Context& context, const Scene& scene) {
-  const auto hint = static_cast<std::uint32_t>(scene.hints().samples_per_pixel.value_or(0));
+  const auto hint = static_cast<std::uint32_t>(scene.report().hints.samples_per_pixel.value_or(0));
   return std::min(hint > 0 ? hint : kPixelSamples, context.limits.max_samples);
 }
 

@@ -45,14 +45,14 @@ absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
 }
 
 absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id) {
-  const std::optional<std::uint32_t> light = scene.find_light(light_id);
+  const std::optional<std::uint32_t> light = scene.lights().find(light_id);
   if (!light) return unknown_light(light_id);
   return *light;
 }
 
 absl::StatusOr<std::uint32_t> find_named_light(const Scene& scene, const std::string& name,
                                                const std::string& field) {
-  const LightNames& names = scene.light_names();
+  const LightNames& names = scene.lights().names();
   const std::span<const std::uint32_t> found = names.lights(name);
   if (found.size() == 1) return found[0];
   if (found.size() > 1)
@@ -140,7 +140,7 @@ absl::StatusOr<std::span<const double>> check_wavelengths(
 }
 
 absl::Status check_grey_media(const Scene& scene, std::span<const double> wavelengths_nm) {
-  if (wavelengths_nm.empty() || scene.media_are_grey()) return absl::OkStatus();
+  if (wavelengths_nm.empty() || scene.geometry().media_are_grey()) return absl::OkStatus();
   return bad_field("wavelengths_nm", fmt::format("{} numbers", wavelengths_nm.size()),
                    "none in this scene, since its media have a colour and no spectrum");
 }

@@ -9,15 +9,15 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
   const Scene& scene = *stored.scene;
   out->set_scene_id(scene.id());
   out->set_path(stored.path);
-  out->set_shapes(scene.shape_count());
-  out->set_primitives(scene.primitive_count());
+  out->set_shapes(scene.geometry().shape_count());
+  out->set_primitives(scene.geometry().primitive_count());
   out->set_lights(scene.lights().size());
   set(scene.origin(), out->mutable_origin_m());
   set(scene.origin() + scene.sphere().center_m, out->mutable_center_m());
   out->set_radius_m(scene.sphere().radius_m);
   out->set_image_width(static_cast<std::uint32_t>(scene.camera().width()));
   out->set_image_height(static_cast<std::uint32_t>(scene.camera().height()));
-  const RenderHints& hints = scene.hints();
+  const RenderHints& hints = scene.report().hints;
   if (hints.samples_per_pixel) {
     out->set_samples_per_pixel(static_cast<std::uint32_t>(*hints.samples_per_pixel));
   }
@@ -35,7 +35,7 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
     crop->set_film_width(static_cast<std::uint32_t>(camera.film_width()));
     crop->set_film_height(static_cast<std::uint32_t>(camera.film_height()));
   }
-  if (const LevelFactors& factors = scene.level_factors(); factors != LevelFactors()) {
+  if (const LevelFactors& factors = scene.report().level_factors; factors != LevelFactors()) {
     v1::LevelFactors* const levels = out->mutable_level_factors();
     levels->set_lamps(factors.lamps);
     levels->set_suns(factors.suns);
@@ -69,12 +69,12 @@ void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Rema
       p->set_column(static_cast<std::uint32_t>(place.column));
     }
   };
-  for (const Remark& remark : scene.remarks()) add(remark);
+  for (const Remark& remark : scene.report().remarks) add(remark);
   if (const auto remark = remark_on_smooth_surfaces(scene)) add(*remark);
 }
 
 void set_contents(const Scene& scene, v1::SceneContents* out) {
-  const SceneContents& contents = scene.contents();
+  const SceneContents& contents = scene.report().contents;
   const auto add = [](const std::vector<KindCount>& counts, auto* to) {
     for (const KindCount& kind : counts) {
       v1::KindCount* k = to->Add();
@@ -107,7 +107,7 @@ void set_parts(const Scene& scene, v1::GetSceneResponse* out) {
     p->set_build_ms(part.build_ms);
     p->set_why(part.why);
   }
-  for (const Asset& asset : scene.assets()) {
+  for (const Asset& asset : scene.report().assets) {
     v1::NamedAsset* a = out->add_assets();
     a->set_name(asset.name);
     a->set_sha256(asset.sha256);

@@ -316,13 +316,13 @@ std::optional<Vec3> position_of(const std::optional<LightParams>& params) {
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   const SceneLight& entry = scene.lights()[light];
   out->set_id(entry.id);
-  out->set_name(std::string(scene.light_names().of(light)));
+  out->set_name(std::string(scene.lights().names().of(light)));
   out->set_samples_per_light(entry.samples);
-  const SourceLocation where = scene.source_of(entry);
+  const SourceLocation where = scene.lights().source_of(entry);
   out->set_source(where.line > 0
                       ? fmt::format("{}:{}:{}", where.file.str(), where.line, where.column)
                       : where.file.str());
-  const Vec3& origin_m = scene.origin_of(entry);
+  const Vec3& origin_m = scene.lights().origin_of(entry);
   const Light& of = *entry.light;
   const std::optional<LightParams> params = of.made_from();
   out->set_delta(of.is_delta());
@@ -339,7 +339,7 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   out->set_power_lm(luminance(power.lumens));
   out->set_power_error_lm(power.error_lumens);
   out->set_power_unit(power_unit(scene, light));
-  if (const Spectrum* spectrum = scene.spectrum(light)) {
+  if (const Spectrum* spectrum = scene.lights().spectrum(light)) {
     set_spectrum(*spectrum, out->mutable_spectrum());
     out->set_power_w(out->power_lm() * spectrum->watts_per_lumen());
   }

@@ -40,7 +40,8 @@ TEST(CoplanarExtremes, SegmentsThatEndBeforeTheSheet) {
       const double near = size * (2.5 + unit(random)), far = near + size * (1.1 + unit(random));
       const Ray ray{Vec3f(target + way * far - scene->origin()), Vec3f(way * (near - far)), 0, 1,
                     0};
-      if (scene->occluded(ray) || scene->accelerator().closest_hit(ray)) ++wrong;
+      if (scene->geometry().occluded(ray) || scene->geometry().accelerator().closest_hit(ray))
+        ++wrong;
     }
   }
   sweep.expect_none(wrong, cases, 0);

@@ -127,7 +127,7 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
   for (const Mesh& mesh : degenerate_meshes()) {
     const FileScene loaded = scene_of("AreaLightSource \"diffuse\" Shape " + mesh.shape);
     ASSERT_TRUE(loaded.status.ok()) << loaded.status;
-    EXPECT_GT(loaded.scene->contents().shapes.at(0).without_area, 0U) << mesh.shape;
+    EXPECT_GT(loaded.scene->report().contents.shapes.at(0).without_area, 0U) << mesh.shape;
     EXPECT_EQ(loaded.remarks, "") << mesh.shape;
     EXPECT_NEAR(flux_lm(*loaded.scene), kPi * mesh.area, 1e-6);
     const Light& light = *loaded.scene->lights()[0].light;

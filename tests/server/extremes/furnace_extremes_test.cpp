@@ -108,7 +108,7 @@ Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3f& wo) 
       const auto sample = light.sample_li(hit.position, {u.x, u.y});
       const double cosine = dot(Vec3(n), Vec3(sample.wi));
       if (sample.reason != NoLight::kNone || cosine <= 0) return;
-      if (scene.occluded(shadow_ray(hit, sample))) return;
+      if (scene.geometry().occluded(shadow_ray(hit, sample))) return;
       sum.by_light += double(sample.value.g) * cosine / std::numbers::pi / sample.pdf.per_sr;
     };
     add_by_light(*scene.lights()[0].light);

@@ -76,7 +76,7 @@ Answers answers_of(const SceneDescription& description, double s, std::uint32_t 
   const Receiver receiver(kEveryLightMiddle * s - scene->origin());
   for (std::uint32_t l = 0; l < scene->lights().size(); ++l)
     for (const LightSelection how : {LightSelection::kPower, LightSelection::kBvh})
-      a.choices.push_back(scene->light_selector().probability(how, receiver, l));
+      a.choices.push_back(scene->lights().selector().probability(how, receiver, l));
   return a;
 }
 

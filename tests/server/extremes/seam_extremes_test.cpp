@@ -66,7 +66,7 @@ void at_seam(const Closed& c, double size, Random& random, Count& count) {
   Ray ray{Vec3f(c.centre + Point{around(), around(), around()}), {}};
   ray.direction = seam - ray.origin;
   ++count.rays;
-  count.leaks += !c.scene->occluded(ray);
+  count.leaks += !c.scene->geometry().occluded(ray);
   // One ray in 16 also goes through the textbook's formula: all of them would take as long again.
   if (random() % 16 != 0) return;
   count.textbook += 16 * std::ranges::none_of(
@@ -92,9 +92,9 @@ void within_plane(const Scene& scene, int axis, double size, Random& random, Cou
   const Vec3f w =
       straight ? pick(0, random() % 2 ? 1 : -1, 0) : pick(0, std::cos(turn), std::sin(turn));
   ++count.rays;
-  count.shadows += scene.occluded(spawn_ray(*hit, w));
+  count.shadows += scene.geometry().occluded(spawn_ray(*hit, w));
   const Vec3f p(hit->position);
-  count.textbook += scene.occluded({p, w, kEpsilon});
+  count.textbook += scene.geometry().occluded({p, w, kEpsilon});
 }
 
 TEST_F(SeamExtremes, NothingLeavesAClosedMesh) {

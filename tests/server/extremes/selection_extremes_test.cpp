@@ -46,7 +46,7 @@ TEST(SelectionExtremes, EachOfSeveralInfiniteLightsIsSampled) {
           std::to_string(lamps) + " lamps, way " + std::to_string(static_cast<int>(how));
       double sum = 0;
       for (std::uint32_t l = 0; l < lights; ++l) {
-        const double p = scene->light_selector().probability(how, receiver, l);
+        const double p = scene->lights().selector().probability(how, receiver, l);
         // At least a hundredth of the choices where there are two dozen lights.
         EXPECT_GT(p, 0.01) << l << ", " << way;
         sum += p;
@@ -54,7 +54,7 @@ TEST(SelectionExtremes, EachOfSeveralInfiniteLightsIsSampled) {
       sweep.compare(sum, 1, way);
       std::vector<int> found(lights);
       for (int i = 0; i < 4096; ++i)
-        if (const auto choice = choose_light(*scene, how, receiver, (i + 0.5) / 4096))
+        if (const auto choice = scene->lights().choose(how, receiver, (i + 0.5) / 4096))
           ++found[choice->light];
       for (std::uint32_t l = 0; l < lights; ++l) EXPECT_GT(found[l], 0) << l << ", " << way;
     }
@@ -101,8 +101,8 @@ TEST(SelectionExtremes, OneFarObjectStarvesNoLight) {
       EXPECT_GT(scene->sphere().radius_m, far / 4);
       for (const LightSelection how : kWays)
         for (std::uint32_t l = 0; l < scene->lights().size(); ++l) {
-          const double p = scene->light_selector().probability(how, on_floor(*scene), l);
-          const double without = alone->light_selector().probability(how, on_floor(*alone), l);
+          const double p = scene->lights().selector().probability(how, on_floor(*scene), l);
+          const double without = alone->lights().selector().probability(how, on_floor(*alone), l);
           sweep.compare(p, without,
                         "light " + std::to_string(l) + ", way " +
                             std::to_string(static_cast<int>(how)) + ", " + std::to_string(far));

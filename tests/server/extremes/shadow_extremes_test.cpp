@@ -115,8 +115,8 @@ void bounce(const Everything& e, Random& random, Count& count) {
     ++count.rays, ++count.left_out;
     return;
   }
-  count.add(exact.along(leaves), scene.occluded(spawn_ray(*hit, w)),
-            scene.occluded({world_float(e, p), w, kEpsilon}));
+  count.add(exact.along(leaves), scene.geometry().occluded(spawn_ray(*hit, w)),
+            scene.geometry().occluded({world_float(e, p), w, kEpsilon}));
 
   // The lamp just above the floor is taken less often: near its floor most rays have no right
   // answer.
@@ -139,8 +139,8 @@ void bounce(const Everything& e, Random& random, Count& count) {
                     .from_normal = dot(hit->ng, q - p) < 0 ? -hit->ng : hit->ng};
     const Vec3f start = world_float(e, p), way = world_float(e, q) - start;
     count.add(exact.along(shadow),
-              scene.occluded(shadow_ray(*hit, sample, scene.lights()[light].reach_m())),
-              scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
+              scene.geometry().occluded(shadow_ray(*hit, sample, scene.lights()[light].reach_m())),
+              scene.geometry().occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
   };
   shoot_at(*scene.lights()[light].light);
 }
@@ -201,8 +201,9 @@ Count typed(const Everything& e, TypedSegments s, bool with_normals) {
       const Vec3f start = world_float(e, s.exact[i].origin),
                   way = world_float(e, s.exact[i].origin + s.exact[i].direction) - start;
       EXPECT_EQ(status[i], 1);
-      counts.local().add(e.exact().along(s.exact[i]), (visible[i / 8] >> (i % 8) & 1) == 0,
-                         scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
+      counts.local().add(
+          e.exact().along(s.exact[i]), (visible[i / 8] >> (i % 8) & 1) == 0,
+          scene.geometry().occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
     }
   });
   Count sum;
@@ -234,14 +235,14 @@ void beneath(const Everything& e, Random& random, Count& count) {
       return;
     }
     const Point p(hit->position), q(sample.point);
-    count.shadows += scene.occluded(shadow_ray(*hit, sample));
+    count.shadows += scene.geometry().occluded(shadow_ray(*hit, sample));
     const Vec3f start = world_float(e, p), way = world_float(e, q) - start;
-    count.textbook += scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon});
+    count.textbook += scene.geometry().occluded({start, way, kEpsilon / length(way), 1 - kEpsilon});
     // A ray from the floor past the sample must not pass through the lamp.
     if (sample.normal.z < -0.5F || !under) return;
     ++count.rays;
-    count.leaks += !scene.occluded(spawn_ray(*hit, Vec3f{0, 0, 1}));
-    count.textbook += !scene.occluded({start, {0, 0, 1}, kEpsilon});
+    count.leaks += !scene.geometry().occluded(spawn_ray(*hit, Vec3f{0, 0, 1}));
+    count.textbook += !scene.geometry().occluded({start, {0, 0, 1}, kEpsilon});
   };
   shoot_at(*scene.lights()[0].light);
 }

@@ -107,10 +107,10 @@ TEST(GltfLevels, EachSetOfFactorsIsASceneInTheStore) {
     return store->load("scene.gltf", {.factors = factors}).value();
   };
   const LoadedScene plain = load({}), bright = load(LevelFactors{1, 1, 683});
-  EXPECT_EQ(plain.stored.scene->id(), scene_id(plain.stored.scene->assets()));
-  EXPECT_EQ(plain.stored.scene->level_factors(), LevelFactors());
+  EXPECT_EQ(plain.stored.scene->id(), scene_id(plain.stored.scene->report().assets));
+  EXPECT_EQ(plain.stored.scene->report().level_factors, LevelFactors());
   EXPECT_NE(bright.stored.scene->id(), plain.stored.scene->id());
-  EXPECT_EQ(bright.stored.scene->level_factors(), (LevelFactors{1, 1, 683}));
+  EXPECT_EQ(bright.stored.scene->report().level_factors, (LevelFactors{1, 1, 683}));
   // Any of the three factors makes another scene.
   EXPECT_FALSE(load(LevelFactors{683, 1, 1}).already_loaded);
   EXPECT_FALSE(load(LevelFactors{1, 683, 1}).already_loaded);

@@ -126,7 +126,7 @@ TEST(GltfMaterials, ClearSmoothSheetsArePanes) {
   EXPECT_EQ(pane->eta.constant, 1.45);
   const auto built = Scene::build(scene);
   ASSERT_TRUE(built.ok()) << built.status();
-  EXPECT_TRUE((*built)->has_panes());
+  EXPECT_TRUE((*built)->geometry().has_panes());
   // Tinted, rough and partly diffuse sheets are not.
   for (const Json& change :
        {Json{{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0.9, 1, 1}}}}},

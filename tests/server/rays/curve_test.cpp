@@ -200,10 +200,10 @@ Spawned spawn(const Scene& scene, const Vector& middle, double size) {
     if (i % 3 == 0) d = d - side * dot(d, side) * 0.999;  // nearly along the surface
     if (dot(d, side) < 0) d = -d;
     ++count.rays;
-    count.again += scene.occluded(spawn_ray(*hit, Vec3f(d)));
+    count.again += scene.geometry().occluded(spawn_ray(*hit, Vec3f(d)));
     Ray back = spawn_ray(*hit, Vec3f(side));
     back.direction = Vec3f(-side);
-    count.lost += !scene.occluded(back);
+    count.lost += !scene.geometry().occluded(back);
   }
   return count;
 }
@@ -245,9 +245,9 @@ TEST(Curve, HitsOfObjectsAreInTheirPlace) {
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->position.z + placed->origin().z, 1, 1e-6);
   EXPECT_NEAR(hit->ng.z, 1, 1e-6);
-  EXPECT_FALSE(placed->occluded({{0, 1.01F, 5}, {0, 0, -1}}));
-  EXPECT_TRUE(placed->occluded({{0, 0.99F, 5}, {0, 0, -1}}));
-  EXPECT_EQ(placed->primitive_count(), 1U);
+  EXPECT_FALSE(placed->geometry().occluded({{0, 1.01F, 5}, {0, 0, -1}}));
+  EXPECT_TRUE(placed->geometry().occluded({{0, 0.99F, 5}, {0, 0, -1}}));
+  EXPECT_EQ(placed->geometry().primitive_count(), 1U);
 }
 
 TEST(Curve, MovesWithItsShape) {
@@ -261,7 +261,7 @@ TEST(Curve, MovesWithItsShape) {
       const Vector o = Vector{0, y + 0.2, 5} - scene->origin();
       Ray ray{Vec3f(o), {0, 0, -1}};
       ray.time_s = time_s;
-      EXPECT_EQ(scene->occluded(ray), y == 4 * time_s) << time_s << " " << y;
+      EXPECT_EQ(scene->geometry().occluded(ray), y == 4 * time_s) << time_s << " " << y;
     }
 }
 

@@ -28,7 +28,7 @@ void expect_left_half(const Scene& scene, const char* what) {
   for (const double x : {0.05, 0.3, 0.45, 0.55, 0.7, 0.95})
     for (const double y : {0.1, 0.6}) {
       const Ray ray{Vec3f(Vec3{x, y, 0} - scene.origin()), {0, 0, 2}, 0, 1, 0};
-      EXPECT_EQ(scene.occluded(ray), x < 0.5) << what << " at " << x << ", " << y;
+      EXPECT_EQ(scene.geometry().occluded(ray), x < 0.5) << what << " at " << x << ", " << y;
       EXPECT_EQ(scene.closest_hit(ray).has_value(), x < 0.5) << what << " at " << x << ", " << y;
     }
 }
@@ -58,7 +58,7 @@ TEST(CutOuts, RaysMeetTheFarSideOfASphereThroughAHole) {
   const auto near = scene->closest_hit(ray({0, 3, 0}, {0, -1, 0}));
   ASSERT_TRUE(near.has_value());
   EXPECT_NEAR(near->t, 2, 1e-5);
-  EXPECT_FALSE(scene->occluded(ray({-3, -0.5, 0}, {1, 0, 0})));
+  EXPECT_FALSE(scene->geometry().occluded(ray({-3, -0.5, 0}, {1, 0, 0})));
 }
 
 /// A texture that follows the world, in a scene whose coordinates begin elsewhere.
@@ -78,7 +78,7 @@ TEST(CutOuts, TexturesOfTheWorldStayInPlaceFarFromZero) {
   ASSERT_FALSE(scene->origin() == Vec3{});
   for (const double x : {0.1, 0.4, 0.6, 0.9}) {
     const Ray ray{Vec3f(far + Vec3{x, 0.5, 0} - scene->origin()), {0, 0, 2}, 0, 1, 0};
-    EXPECT_EQ(scene->occluded(ray), x < 0.5) << x;
+    EXPECT_EQ(scene->geometry().occluded(ray), x < 0.5) << x;
   }
 }
 
@@ -92,8 +92,8 @@ TEST(CutOuts, PartOfTheRaysPassAThinnedSurface) {
   for (int i = 0; i < kRays; ++i) {
     const Vec3 from{(i % 64 + 0.5) / 64, (i / 64 + 0.5) / 64, 0};
     const Ray ray{Vec3f(from - scene->origin()), {0, 0, 2}, 0, 1, 0};
-    blocked += scene->occluded(ray);
-    EXPECT_EQ(scene->occluded(ray), scene->closest_hit(ray).has_value());
+    blocked += scene->geometry().occluded(ray);
+    EXPECT_EQ(scene->geometry().occluded(ray), scene->closest_hit(ray).has_value());
   }
   EXPECT_NEAR(blocked / double(kRays), 0.3, 0.04);
 }
@@ -111,9 +111,9 @@ TEST(CutOuts, SurfacesInARowLetRaysPassEachOnItsOwn) {
   for (int i = 0; i < kRays; ++i) {
     const Vec3 from{(i % 80 + 0.5) / 80, (i / 80 + 0.5) / 100, 0};
     Ray ray{Vec3f(from - scene->origin()), {0, 0, 9}, 0, 1, 0};
-    passed += !scene->occluded(ray);  // two sheets, and both sides of the ball
+    passed += !scene->geometry().occluded(ray);  // two sheets, and both sides of the ball
     ray.t_max = 0.4F;
-    near += !scene->occluded(ray);  // two sheets
+    near += !scene->geometry().occluded(ray);  // two sheets
   }
   EXPECT_NEAR(near / double(kRays), 1.0 / 4, 0.02);
   EXPECT_NEAR(passed / double(kRays), 1.0 / 16, 0.02);
@@ -127,7 +127,7 @@ TEST(CutOuts, MayHaveMaterialsWithTextures) {
   d.materials = {{.params = DiffuseParams{{{}, left_half(d)}}}};
   d.lights = {point_light({0.3, 0.5, 2}, 100)};
   const auto scene = build(std::move(d));
-  EXPECT_EQ(scene->textures().size(), 2U);
+  EXPECT_EQ(scene->geometry().textures().size(), 2U);
   const IrradiancePoint point{Vec3{0.3, 0.5, 3} - scene->origin(), {}, {0, 0, -1}};
   const auto lux =
       estimate_irradiance(*scene, std::span(&point, 1),
@@ -142,7 +142,7 @@ struct LampLight {
 LampLight light_of(ShapeDescription lamp, SceneDescription d) {
   d.shapes = {emissive(std::move(lamp), 10)};
   const auto scene = build(std::move(d));
-  EXPECT_THAT(scene->remarks(), ::testing::IsEmpty());
+  EXPECT_THAT(scene->report().remarks, ::testing::IsEmpty());
   const IrradiancePoint point{Vec3{0.2, 0.3, 0} - scene->origin(), {}, {0, 0, 1}};
   LampLight light{};
   for (const Combination by : {Combination::kLights, Combination::kSurfaces}) {
@@ -214,10 +214,10 @@ TEST(CutOuts, LampsWhoseAlphaFollowsThePlaceAreOpaqueAndReported) {
   d.shapes = {emissive(patch({0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}), 10)};
   d.shapes[0].alpha = {0, d.textures.add(CheckerboardTexture{.mapping = planar})};
   const auto scene = build(std::move(d));
-  ASSERT_EQ(scene->remarks().size(), 1U);
-  EXPECT_EQ(scene->remarks()[0].what,
+  ASSERT_EQ(scene->report().remarks.size(), 1U);
+  EXPECT_EQ(scene->report().remarks[0].what,
             "\"alpha\" of a light that follows the place in space is not modelled");
-  EXPECT_EQ(scene->remarks()[0].instead, "opaque");
+  EXPECT_EQ(scene->report().remarks[0].instead, "opaque");
   EXPECT_NEAR(light_power(*scene, 0).lumens.g, 10 * std::numbers::pi, 1e-9);
 }
 

@@ -87,7 +87,7 @@ class SelfShadowing : public ::testing::TestWithParam<Place> {
       const float phi = 2 * std::numbers::pi_v<float> * u(random), r = std::sqrt(1 - c * c);
       const Vec3f w{r * std::cos(phi), r * std::sin(phi), c};
       const Ray leaving = spawn_ray(*hit, Framef::around(n).world_from_local(w));
-      shadowed += scene.occluded(leaving) ? 1 : 0;
+      shadowed += scene.geometry().occluded(leaving) ? 1 : 0;
     }
     EXPECT_GT(hits, 2000);
     return shadowed;
@@ -143,7 +143,7 @@ TEST(ShadowRay, IsBlockedOnlyByObstaclesBetweenItsEnds) {
     const auto hit = scene->closest_hit({Vec3f{100, 100, 0.25f}, {0, 0, -1}});
     ASSERT_TRUE(hit);
     const auto s = scene->lights()[0].light->sample_li(hit->position, {});
-    EXPECT_EQ(scene->occluded(shadow_ray(*hit, s)), z < 1e4) << z;
+    EXPECT_EQ(scene->geometry().occluded(shadow_ray(*hit, s)), z < 1e4) << z;
   }
 }
 

@@ -18,11 +18,11 @@ std::shared_ptr<const Scene> room_from(double x0) {
 }
 
 TEST(PortalRemarks, CountShapesOutdoorsAndTheIlluminanceTheyLose) {
-  EXPECT_TRUE(room_from(0)->remarks().empty());
-  EXPECT_TRUE(room_from(-0.2)->remarks().empty());  // the sill
+  EXPECT_TRUE(room_from(0)->report().remarks.empty());
+  EXPECT_TRUE(room_from(-0.2)->report().remarks.empty());  // the sill
   const auto scene = room_from(-4);
-  ASSERT_EQ(scene->remarks().size(), 1U);
-  const Remark& remark = scene->remarks()[0];
+  ASSERT_EQ(scene->report().remarks.size(), 1U);
+  const Remark& remark = scene->report().remarks[0];
   EXPECT_EQ(remark.where.line, 9);
   EXPECT_THAT(remark.what, ::testing::HasSubstr("1 of 1 shapes reach outdoors"));
   // pi times the luminance.

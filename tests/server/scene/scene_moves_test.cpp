@@ -12,6 +12,7 @@
 
 #include "lights/maths/motion.h"
 #include "server/scene/light_at_time.h"
+#include "server/scene/moved_geometry.h"
 #include "server/scene/scene.h"
 #include "tests/server/scene/scenes.h"
 
@@ -25,6 +26,11 @@ template <typename T>
 T value(absl::StatusOr<T> result) {
   if (!result.ok()) throw std::runtime_error(result.status().ToString());
   return *std::move(result);
+}
+
+absl::StatusOr<std::shared_ptr<const SceneGeometry>> edited(const Scene& loaded,
+                                                            const SurfaceEdits& edits) {
+  return moved_geometry(loaded.geometry(), loaded.lights(), edits);
 }
 
 /// A sheet of triangles that is not flat, with normals, about `centre`.
@@ -122,13 +128,14 @@ TEST_P(Moved, SurfacesHaveTheBitsOfASceneBuiltThere) {
   const auto [size, ground] = GetParam();
   const MovedSurfaces moves = moves_of(size);
   const auto loaded = build(every_shape(size, ground));
-  const auto placed = value(Scene::place(*loaded, {moves, {}}));
+  const auto placed = value(edited(*loaded, {moves, {}}));
   ASSERT_NE(placed, nullptr);
   const auto moved = value(Scene::revise(loaded, placed, edits_of(moves)));
   const auto built = value(Scene::build_moved(every_shape(size, ground), moves));
-  EXPECT_EQ(built->surfaces().runs[0].size(), moved->surfaces().runs[0].size());
+  EXPECT_EQ(built->geometry().surfaces().runs[0].size(),
+            moved->geometry().surfaces().runs[0].size());
   if (ground > 1e3) {
-    EXPECT_FALSE(moved->accelerator().scene().wide.empty());
+    EXPECT_FALSE(moved->geometry().accelerator().scene().wide.empty());
   }
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-3, 3);
@@ -141,7 +148,8 @@ TEST_P(Moved, SurfacesHaveTheBitsOfASceneBuiltThere) {
     Ray ray{Vec3f(from), Vec3f(to - from)};
     ray.time_s = 0.1 * (i % 10);
     for (const Meets meets : {Meets::kSurfaces, Meets::kOpaque}) {
-      ASSERT_EQ(moved->occluded(ray, meets), built->occluded(ray, meets)) << i;
+      ASSERT_EQ(moved->geometry().occluded(ray, meets), built->geometry().occluded(ray, meets))
+          << i;
       const auto a = moved->closest_hit(ray, meets), b = built->closest_hit(ray, meets);
       ASSERT_EQ(a.has_value(), b.has_value()) << i;
       if (!a) continue;
@@ -150,7 +158,7 @@ TEST_P(Moved, SurfacesHaveTheBitsOfASceneBuiltThere) {
     }
     const auto all = [&](const Scene& scene) {
       std::multiset<std::tuple<int, std::uint32_t, std::int32_t>> hits;
-      for (const RawHit& hit : scene.accelerator().all_hits(ray, Meets::kSurfaces))
+      for (const RawHit& hit : scene.geometry().accelerator().all_hits(ray, Meets::kSurfaces))
         hits.emplace(static_cast<int>(hit.kind), hit.primitive, hit.instance);
       return hits;
     };
@@ -207,18 +215,18 @@ TEST(MovedSurfaces, OfPlainTrianglesKeepAllThatTheirFileSays) {
   for (std::uint64_t light = 1; light <= kCount; ++light)
     moves[light] = {.shift_m = Vector{0.3, -0.2, 0.1} * static_cast<double>(light)};
   const auto loaded = build(triangles(kCount));
-  const auto placed = value(Scene::place(*loaded, {moves, {}}));
+  const auto placed = value(edited(*loaded, {moves, {}}));
   ASSERT_NE(placed, nullptr);
   const auto moved = value(Scene::revise(loaded, placed, edits_of(moves)));
   const auto built = value(Scene::build_moved(triangles(kCount), moves));
   ASSERT_EQ(moved->lights().size(), built->lights().size());
   for (std::uint32_t i = 0; i < kCount; ++i) {
     const SceneLight &a = moved->lights()[i], &b = built->lights()[i];
-    EXPECT_EQ(moved->light_names().of(i), built->light_names().of(i));
-    EXPECT_EQ(moved->source_of(a).line, built->source_of(b).line);
-    EXPECT_EQ(moved->source_of(a).file, built->source_of(b).file);
+    EXPECT_EQ(moved->lights().names().of(i), built->lights().names().of(i));
+    EXPECT_EQ(moved->lights().source_of(a).line, built->lights().source_of(b).line);
+    EXPECT_EQ(moved->lights().source_of(a).file, built->lights().source_of(b).file);
     EXPECT_EQ(a.samples, b.samples);
-    EXPECT_EQ(moved->spectrum(i) == nullptr, built->spectrum(i) == nullptr);
+    EXPECT_EQ(moved->lights().spectrum(i) == nullptr, built->lights().spectrum(i) == nullptr);
     EXPECT_EQ(LightAtTime(a, 0)->power(moved->sphere()).lumens,
               LightAtTime(b, 0)->power(built->sphere()).lumens);
     Ray ray{{static_cast<float>(0.1 * i - 0.97 + 0.3 * (i + 1)),
@@ -245,7 +253,7 @@ TEST(MovedSurfaces, ShareTheMemoryOfAllOthers) {
   d.shapes.push_back(testing::shape(std::move(many)));
   const auto loaded = build(std::move(d));
   const auto moved = value(Scene::revise(loaded, edits_of(moves_of(1))));
-  EXPECT_TRUE(moved->has_own_surfaces());
+  EXPECT_TRUE(moved->has_own_geometry());
   EXPECT_EQ(moved->loaded(), loaded);
   // Vertices and their numbers are copied, and the BVH is shared.
   const std::vector<ScenePart> parts = loaded->parts();
@@ -254,15 +262,15 @@ TEST(MovedSurfaces, ShareTheMemoryOfAllOthers) {
   // A level shares the surfaces too.
   LightEdits edits = moved->edits();
   edits.changes[8].scale = 0.5;
-  const auto dimmed = value(Scene::revise(loaded, moved->placed(), edits));
-  EXPECT_EQ(dimmed->placed(), moved->placed());
+  const auto dimmed = value(Scene::revise(loaded, moved->shared_geometry(), edits));
+  EXPECT_EQ(dimmed->shared_geometry(), moved->shared_geometry());
 }
 
 TEST(MovedSurfaces, NeedABuildIfTheSceneChangesItsOrigin) {
   const auto loaded = build(every_shape(1, 4));
   MovedSurfaces far;
   far[4] = {.shift_m = {1e6, 0, 0}};
-  EXPECT_EQ(value(Scene::place(*loaded, {far, {}})), nullptr);
+  EXPECT_EQ(value(edited(*loaded, {far, {}})), nullptr);
   EXPECT_EQ(Scene::revise(loaded, edits_of(far)).status().code(),
             absl::StatusCode::kFailedPrecondition);
 }
@@ -271,14 +279,14 @@ TEST(MovedSurfaces, NeedABuildIfTheShapesOfLightsTakeTooMuchMemory) {
   SceneDescription d = every_shape(1, 4);
   MovedSurfaces moves;
   moves[4] = {.shift_m = {0.1, 0, 0}};
-  EXPECT_NE(value(Scene::place(*build(d), {moves, {}})), nullptr);
+  EXPECT_NE(value(edited(*build(d), {moves, {}})), nullptr);
   // 2 MB of vertices in a lamp.
   d.shapes.push_back(testing::emissive(
       testing::shape(testing::ball(6, [](const Vector& p) { return p * 0.5; })), 1));
   const auto loaded = build(std::move(d));
   const auto names = testing::part_names(*loaded);
   EXPECT_EQ(std::ranges::count(names, "movable surfaces"), 0);
-  EXPECT_EQ(value(Scene::place(*loaded, {moves, {}})), nullptr);
+  EXPECT_EQ(value(edited(*loaded, {moves, {}})), nullptr);
 }
 
 TEST(MovedSurfaces, NeedABuildIfAFlatPatchIsNotFlatAnyMore) {
@@ -292,9 +300,9 @@ TEST(MovedSurfaces, NeedABuildIfAFlatPatchIsNotFlatAnyMore) {
   const auto loaded = build(std::move(d));
   MovedSurfaces moves;
   moves[1] = {.shift_m = {0, 0, 1}};
-  EXPECT_NE(value(Scene::place(*loaded, {moves, {}})), nullptr);
+  EXPECT_NE(value(edited(*loaded, {moves, {}})), nullptr);
   moves[1] = {.shift_m = c * -1.0};
-  EXPECT_EQ(value(Scene::place(*loaded, {moves, {}})), nullptr);
+  EXPECT_EQ(value(edited(*loaded, {moves, {}})), nullptr);
 }
 
 TEST(MovedSurfaces, NeedABuildIfOtherTrianglesAreNotWideAnyMore) {
@@ -309,12 +317,12 @@ TEST(MovedSurfaces, NeedABuildIfOtherTrianglesAreNotWideAnyMore) {
       testing::emissive(
           testing::patch({0, 0, 1e4}, {side, 0, 1e4}, {0, side, 1e4}, {side, side, 1e4}), 1)};
   const auto loaded = build(std::move(d));
-  ASSERT_EQ(loaded->accelerator().scene().wide.size(), 1U);
+  ASSERT_EQ(loaded->geometry().accelerator().scene().wide.size(), 1U);
   MovedSurfaces moves;
   moves[1] = {.shift_m = {1, 0, 0}};
-  EXPECT_NE(value(Scene::place(*loaded, {moves, {}})), nullptr);
+  EXPECT_NE(value(edited(*loaded, {moves, {}})), nullptr);
   moves[1] = {.turn_axis = {0, 0, 1}, .turn_rad = std::numbers::pi / 4};
-  EXPECT_EQ(value(Scene::place(*loaded, {moves, {}})), nullptr);
+  EXPECT_EQ(value(edited(*loaded, {moves, {}})), nullptr);
 }
 
 TEST(MovedSurfaces, RefuseALightThatMovesByItself) {
@@ -326,7 +334,7 @@ TEST(MovedSurfaces, RefuseALightThatMovesByItself) {
   const auto loaded = build(std::move(d));
   MovedSurfaces moves;
   moves[1] = {.shift_m = {1, 0, 0}};
-  EXPECT_EQ(Scene::place(*loaded, {moves, {}}).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(edited(*loaded, {moves, {}}).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -173,11 +173,11 @@ TEST(OnlyWhatASceneRequires, AnEmptySceneHasNoParts) {
   const auto scene = testing::build(testing::description());
   EXPECT_THAT(part_names(*scene), IsEmpty());
   EXPECT_EQ(scene->bytes(), 0u);
-  EXPECT_EQ(scene->accelerator().bytes(), 0u);
-  EXPECT_TRUE(scene->empty());  // an empty hierarchy of Embree takes 0 bytes too
+  EXPECT_EQ(scene->geometry().accelerator().bytes(), 0u);
+  EXPECT_TRUE(scene->geometry().empty());  // an empty hierarchy of Embree takes 0 bytes too
   EXPECT_FALSE(scene->closest_hit({{0, 0, 1}, {0, 0, -1}}));
-  EXPECT_FALSE(scene->occluded({{0, 0, 1}, {0, 0, -1}}));
-  EXPECT_FALSE(scene->isa().empty());
+  EXPECT_FALSE(scene->geometry().occluded({{0, 0, 1}, {0, 0, -1}}));
+  EXPECT_FALSE(scene->geometry().isa().empty());
 }
 
 TEST(OnlyWhatASceneRequires, ArraysOfMeshesHaveNoUnusedRoom) {
@@ -213,7 +213,7 @@ TEST(OnlyWhatASceneRequires, ObjectsWithoutInstancesAreLeftOut) {
   const auto scene = testing::build(d);
   EXPECT_THAT(part_names(*scene), Contains("spheres"));
   EXPECT_THAT(part_names(*scene), Not(Contains("triangles")));
-  EXPECT_EQ(scene->shape_count(), 1u);
+  EXPECT_EQ(scene->geometry().shape_count(), 1u);
   const auto hit = scene->closest_hit({Vec3f(Vec3{0, 0, 9} - scene->origin()), {0, 0, -1}});
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->t, 5, 1e-5);

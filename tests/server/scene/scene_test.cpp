@@ -56,13 +56,13 @@ TEST(Scene, NumbersLightsFromOneAreaLightsLast) {
   ASSERT_EQ(scene->lights().size(), 4u);
   for (std::uint32_t i = 0; i < 4; ++i) {
     EXPECT_EQ(scene->lights()[i].id, i + 1);
-    EXPECT_EQ(scene->find_light(i + 1), i);
+    EXPECT_EQ(scene->lights().find(i + 1), i);
   }
-  EXPECT_FALSE(scene->find_light(0));
-  EXPECT_FALSE(scene->find_light(5));
+  EXPECT_FALSE(scene->lights().find(0));
+  EXPECT_FALSE(scene->lights().find(5));
   EXPECT_NE(dynamic_cast<const PatchMeshLight*>(scene->lights()[2].light.get()), nullptr);
   EXPECT_NE(dynamic_cast<const SphereLight*>(scene->lights()[3].light.get()), nullptr);
-  EXPECT_THAT(std::vector(scene->infinite_lights().begin(), scene->infinite_lights().end()),
+  EXPECT_THAT(std::vector(scene->lights().infinite().begin(), scene->lights().infinite().end()),
               ElementsAre(1u));
   EXPECT_EQ(hit_below(*scene, 0.9f, 0.9f, 0.5f).light, -1);
   EXPECT_EQ(hit_below(*scene, 0.9f, 0.9f, 3).light, 2);
@@ -85,7 +85,7 @@ TEST(Scene, ReportsThePrimitiveOfALightAlsoForFlatPatchesOfTwoTriangles) {
   d.shapes = {testing::floor(9, -1), {mesh}};
   d.shapes[1] = testing::emissive(d.shapes[1], 1);
   const auto scene = build(std::move(d));
-  EXPECT_EQ(scene->primitive_count(), 2 + 3 * 2 + 1u);
+  EXPECT_EQ(scene->geometry().primitive_count(), 2 + 3 * 2 + 1u);
   for (const float y : {0.1f, 0.9f})
     for (int x = 0; x < 4; ++x) {
       const SurfaceHit hit = hit_below(*scene, static_cast<float>(x) + 0.5f, y, 3);
@@ -128,7 +128,7 @@ TEST(Scene, MapsInstancedNormalsByTheInverseTransposeMirrorsIncluded) {
   EXPECT_NEAR(hit.ng.x, expected.x, 1e-6);
   EXPECT_NEAR(hit.ng.y, 0, 1e-6);
   EXPECT_NEAR(hit.ng.z, expected.z, 1e-6);
-  EXPECT_EQ(scene->shape_count(), 1u);
+  EXPECT_EQ(scene->geometry().shape_count(), 1u);
 }
 
 TEST(Scene, BoundsTheErrorOfPositions) {
@@ -163,10 +163,10 @@ TEST(Scene, ReportsOnlyBuiltParts) {
   d.shapes = {testing::floor(1)};
   d.lights = {testing::point_light({0, 0, 1}, 1)};
   EXPECT_THAT(part_names(*build(d)),
-              ElementsAre("lights", "vertices", "triangles", "surfaces", "materials", "bvh"));
+              ElementsAre("vertices", "triangles", "surfaces", "materials", "bvh", "lights"));
   d.lights.push_back(testing::point_light({0, 1, 1}, 1));
-  EXPECT_THAT(part_names(*build(d)), ElementsAre("lights", "vertices", "triangles", "surfaces",
-                                                 "materials", "bvh", "light choice"));
+  EXPECT_THAT(part_names(*build(d)), ElementsAre("vertices", "triangles", "surfaces", "materials",
+                                                 "bvh", "lights", "light choice"));
   d.shapes = {{SphereParams{}}};
   d.lights.clear();
   const auto scene = build(d);
@@ -179,9 +179,9 @@ TEST(Scene, OfRgbLightsStoresNoSpectra) {
   d.shapes = {testing::emissive(testing::floor(1), 1)};
   d.lights = {testing::point_light({0, 0, 1}, 1)};
   const auto scene = build(d);
-  EXPECT_TRUE(scene->spectra().empty());
+  EXPECT_TRUE(scene->lights().spectra().empty());
   EXPECT_THAT(part_names(*scene), ::testing::Not(::testing::Contains("spectra")));
-  for (std::uint32_t l = 0; l < 2; ++l) EXPECT_EQ(scene->spectrum(l), nullptr);
+  for (std::uint32_t l = 0; l < 2; ++l) EXPECT_EQ(scene->lights().spectrum(l), nullptr);
 }
 
 TEST(Scene, StoresEachSpectrumOnceAndReportsItsBytes) {
@@ -196,13 +196,13 @@ TEST(Scene, StoresEachSpectrumOnceAndReportsItsBytes) {
   d.lights[1].spectrum = body;
   d.lights[2].spectrum = samples;
   const auto scene = build(d);
-  ASSERT_EQ(scene->spectra().size(), 2u);
-  EXPECT_EQ(scene->spectrum(0), nullptr);
-  EXPECT_EQ(scene->spectrum_number(0), std::nullopt);
-  EXPECT_EQ(scene->spectrum(1), body.get());
-  EXPECT_EQ(scene->spectrum(2), samples.get());
-  EXPECT_EQ(scene->spectrum(3), samples.get());  // the area light comes last
-  EXPECT_EQ(scene->spectrum_number(2), scene->spectrum_number(3));
+  ASSERT_EQ(scene->lights().spectra().size(), 2u);
+  EXPECT_EQ(scene->lights().spectrum(0), nullptr);
+  EXPECT_EQ(scene->lights().spectrum_number(0), std::nullopt);
+  EXPECT_EQ(scene->lights().spectrum(1), body.get());
+  EXPECT_EQ(scene->lights().spectrum(2), samples.get());
+  EXPECT_EQ(scene->lights().spectrum(3), samples.get());  // the area light comes last
+  EXPECT_EQ(scene->lights().spectrum_number(2), scene->lights().spectrum_number(3));
   const std::vector<ScenePart> parts = scene->parts();
   const auto part = std::ranges::find(parts, "spectra", &ScenePart::name);
   ASSERT_NE(part, parts.end());
@@ -217,12 +217,12 @@ TEST(Scene, ChoosesLightsByPower) {
   const auto scene = build(d);
   const Receiver r;
   const auto how = LightSelection::kAutomatic;
-  EXPECT_NEAR(scene->light_selector().probability(how, r, 0), 0.9 * 0.75 + 0.05, 1e-12);
-  EXPECT_EQ(choose_light(*scene, how, r, 0.99)->light, 1u);
-  EXPECT_EQ(choose_emitter(*scene, 0.99).light, 1u);
+  EXPECT_NEAR(scene->lights().selector().probability(how, r, 0), 0.9 * 0.75 + 0.05, 1e-12);
+  EXPECT_EQ(scene->lights().choose(how, r, 0.99)->light, 1u);
+  EXPECT_EQ(scene->lights().choose_emitter(0.99).light, 1u);
   d.lights.pop_back();
-  EXPECT_EQ(choose_light(*build(d), how, r, 0.99)->probability, 1);
-  EXPECT_EQ(choose_emitter(*build(d), 0.99).probability, 1);
+  EXPECT_EQ(build(d)->lights().choose(how, r, 0.99)->probability, 1);
+  EXPECT_EQ(build(d)->lights().choose_emitter(0.99).probability, 1);
 }
 
 TEST(Scene, OfASinglePointChoosesInfiniteLights) {
@@ -231,9 +231,9 @@ TEST(Scene, OfASinglePointChoosesInfiniteLights) {
   d.lights[1].params = DistantLightParams{{0, 0, 1}, Rgb(5)};
   const auto scene = build(d);
   EXPECT_EQ(scene->sphere().radius_m, 0);
-  EXPECT_EQ(choose_light(*scene, LightSelection::kAutomatic, {}, 0.01)->light, 1u);
-  EXPECT_EQ(choose_light(*scene, LightSelection::kAutomatic, {}, 0.01)->probability, 0.5);
-  EXPECT_EQ(choose_emitter(*scene, 0.99).light, 1u);
+  EXPECT_EQ(scene->lights().choose(LightSelection::kAutomatic, {}, 0.01)->light, 1u);
+  EXPECT_EQ(scene->lights().choose(LightSelection::kAutomatic, {}, 0.01)->probability, 0.5);
+  EXPECT_EQ(scene->lights().choose_emitter(0.99).light, 1u);
 }
 
 TEST(Scene, HasASphereAroundGeometryAndLocalLights) {
@@ -250,13 +250,13 @@ TEST(Scene, HasASphereAroundGeometryAndLocalLights) {
 TEST(Scene, AnswersWithoutGeometryAndWithoutAnything) {
   SceneDescription d = testing::description();
   const auto nothing = build(d);
-  EXPECT_TRUE(nothing->empty());
+  EXPECT_TRUE(nothing->geometry().empty());
   EXPECT_FALSE(nothing->closest_hit({{0, 0, 0}, {0, 0, 1}}));
-  EXPECT_EQ(nothing->primitive_count(), 0u);
+  EXPECT_EQ(nothing->geometry().primitive_count(), 0u);
   EXPECT_EQ(nothing->id().size(), 64u);
   d.lights = {testing::point_light({5e6, 0, 1}, 3)};
   const auto lit = build(d);
-  EXPECT_FALSE(lit->occluded(Ray{{0, 0, 0}, {0, 0, 1}}));
+  EXPECT_FALSE(lit->geometry().occluded(Ray{{0, 0, 0}, {0, 0, 1}}));
   // The only light decides the origin, which is near it.
   EXPECT_LE(std::fabs(lit->origin().x - 5e6), 1);
 }

@@ -164,7 +164,7 @@ TEST(ShadowMap, LooksAllAroundALight) {
     ASSERT_TRUE(hit);
     if (!(dot(hit->ng, sample_of(*scene, *hit).wi) > 0)) continue;
     const Ray ray = ray_to(*scene, *hit);
-    const bool by_ray = scene->occluded(ray);
+    const bool by_ray = scene->geometry().occluded(ray);
     ++tested;
     shadowed += by_ray;
     wrong += visibility.by_map(0, hit->position, hit->ng).value() != by_ray;

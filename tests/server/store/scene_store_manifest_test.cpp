@@ -75,7 +75,7 @@ TEST_F(ManifestTest, LoadsCompressedFiles) {
   EXPECT_THAT(missing(), ElementsAre("a.ply.gz"));
   put("a.ply.gz", gzipped(kPly));
   EXPECT_THAT(missing(), IsEmpty());
-  EXPECT_EQ(load()->stored.scene->primitive_count(), 1U);
+  EXPECT_EQ(load()->stored.scene->geometry().primitive_count(), 1U);
   put("a.ply.gz", gzipped(kPly).substr(0, 40));
   EXPECT_THAT(message(load().status()),
               HasSubstr("file \"a.ply.gz\": its gzip data are broken or incomplete"));
@@ -102,7 +102,7 @@ TEST_F(ManifestTest, ReportsAllMissingFilesAtOnce) {
   EXPECT_THAT(missing(), IsEmpty());
   EXPECT_EQ(store_->size(), 1U);
   EXPECT_EQ(store_->list("", 1)[0].path, "room.pbrt");
-  EXPECT_EQ(store_->list("", 1)[0].scene->shape_count(), 3U);
+  EXPECT_EQ(store_->list("", 1)[0].scene->geometry().shape_count(), 3U);
   EXPECT_TRUE(load()->already_loaded);
   EXPECT_EQ(store_->builds(), 1U);
 }

@@ -62,17 +62,18 @@ TEST_F(SceneStoreTest, PicturesOverTheLimitAreHalvedWhichChangesTheId) {
         "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"tiles.pfm\" "
         "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"disk\"");
   const auto whole = load("tiles.pbrt").stored.scene;
-  EXPECT_TRUE(whole->remarks().empty());
+  EXPECT_TRUE(whole->report().remarks.empty());
   auto small = SceneStore::open({.root = root_.string(), .texture_bytes = 10'000});
   ASSERT_TRUE(small.ok()) << small.status();
   const auto halved = (*small)->load("tiles.pbrt");
   ASSERT_TRUE(halved.ok()) << halved.status();
   const Scene& scene = *halved->stored.scene;
   EXPECT_NE(scene.id(), whole->id());
-  ASSERT_EQ(scene.remarks().size(), 1U);
-  EXPECT_EQ(scene.remarks()[0].where.file, "tiles.pfm");
-  EXPECT_EQ(scene.remarks()[0].what, "a picture of 64 x 64 texels exceeds the memory of textures");
-  EXPECT_EQ(scene.remarks()[0].instead, "32 x 32, each the mean of several texels");
+  ASSERT_EQ(scene.report().remarks.size(), 1U);
+  EXPECT_EQ(scene.report().remarks[0].where.file, "tiles.pfm");
+  EXPECT_EQ(scene.report().remarks[0].what,
+            "a picture of 64 x 64 texels exceeds the memory of textures");
+  EXPECT_EQ(scene.report().remarks[0].instead, "32 x 32, each the mean of several texels");
   for (const ScenePart& part : scene.parts())
     if (part.name == "textures") {
       EXPECT_LE(part.bytes, 11'000U);
@@ -238,7 +239,7 @@ TEST_F(SceneStoreTest, RevisionsNeedRoomOnlyForWhatNoOtherHas) {
     for (const LightEdits& edits : {moved, dimmed}) {
       const auto revision = store.revise(scene->stored, edits, leased);
       EXPECT_TRUE(revision.ok()) << revision.status();
-      EXPECT_TRUE(!revision.ok() || revision->stored.scene->has_own_surfaces());
+      EXPECT_TRUE(!revision.ok() || revision->stored.scene->has_own_geometry());
     }
     return store.bytes();
   };

@@ -97,7 +97,7 @@ TEST(Footprints, FollowTheDistanceOfTheCameraRay) {
   d.shapes = {patch({-500, -500, 0}, {500, -500, 0}, {-500, 500, 0}, {500, 500, 0})};
   d.shapes[0].has_uv = true;
   const auto scene = build(std::move(d));
-  EXPECT_TRUE(scene->textures().uses_footprints());
+  EXPECT_TRUE(scene->geometry().textures().uses_footprints());
   const auto contrast = [&](double distance, double angle) {
     double most = 0;
     for (int i = 0; i < 32; ++i) {

@@ -202,8 +202,8 @@ TEST(Media, InterfacesWithoutAbsorptionLeaveNothingBehind) {
   d.media[1] = {};
   d.shapes = {floor(1), boundary(box({2, 0, 0}, {1, 1, 1}), 1)};
   const auto scene = build(std::move(d));
-  EXPECT_FALSE(scene->has_media());
-  EXPECT_EQ(scene->shape_count(), 1U);
+  EXPECT_FALSE(scene->geometry().has_media());
+  EXPECT_EQ(scene->geometry().shape_count(), 1U);
 }
 
 TEST(Media, InterfacesOfInstancesAndOfQuadricsCount) {
@@ -217,7 +217,7 @@ TEST(Media, InterfacesOfInstancesAndOfQuadricsCount) {
   const auto scene = build(std::move(d));
   expect_near(seen(*scene, {0, 0, 0}, {4, 0, 0}), left_of(Rgb(kFog), 1), 1e-6);
   expect_near(seen(*scene, {2, -3, 0}, {2, 1, 0}), left_of(Rgb(kFog), 3), 1e-5);
-  EXPECT_FALSE(scene->occluded(Ray{{0, 0, 0}, {4, 0, 0}, 0, 1}));
+  EXPECT_FALSE(scene->geometry().occluded(Ray{{0, 0, 0}, {4, 0, 0}, 0, 1}));
 }
 
 TEST(Media, LightOfEachCallLosesTheSame) {

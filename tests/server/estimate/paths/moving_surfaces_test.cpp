@@ -35,7 +35,7 @@ void expect_same_hits(const Scene& moves, const Scene& still, double t) {
     const Vec3 to = centre + normalized(somewhere()) * 0.7;
     const Ray m = ray_in(moves, from, to), s = ray_in(still, from, to);
     const auto a = moves.closest_hit(m), b = still.closest_hit(s);
-    if (a.has_value() != b.has_value() || moves.occluded(m) != b.has_value()) {
+    if (a.has_value() != b.has_value() || moves.geometry().occluded(m) != b.has_value()) {
       ++differ;
       continue;
     }
@@ -78,7 +78,7 @@ TEST(MovingSurfaces, RestBeforeAndAfterTheirKeyFrames) {
   const auto seen = [&](const Vec3& centre, double t) {
     Ray ray{Vec3f(centre + Vec3{0, 0, 5} - moves->origin()), {0, 0, -1}};
     ray.time_s = t;
-    return moves->occluded(ray);
+    return moves->geometry().occluded(ray);
   };
   for (const double t : {-1e300, -1.0, 0.0}) EXPECT_TRUE(seen(first, t) && !seen(last, t)) << t;
   for (const double t : {2.0, 7.0, 1e300}) EXPECT_TRUE(seen(last, t) && !seen(first, t)) << t;
@@ -133,7 +133,7 @@ TEST(MovingSurfaces, KeepMaterialsShadingNormalsAndLightNumbers) {
   EXPECT_EQ(hit->light_primitive, 1U);
   EXPECT_LE(length(hit->ns - Vec3{-0.6, 0, 0.8}), 1e-6);
   EXPECT_EQ(scene->lights()[2].moving, nullptr);
-  EXPECT_EQ(scene->shape_count(), 3U);
+  EXPECT_EQ(scene->geometry().shape_count(), 3U);
 }
 
 TEST(MovingSurfaces, ShadowPointsThatTheyPass) {

@@ -53,7 +53,7 @@ Rendered render(const Scene& scene, std::uint32_t samples_per_block) {
       .seed = 1,
       .samples_per_block = samples_per_block,
       .block_count = kBlocks,
-      .bounces = static_cast<std::uint32_t>(scene.hints().max_depth.value_or(1) - 1),
+      .bounces = static_cast<std::uint32_t>(scene.report().hints.max_depth.value_or(1) - 1),
       .one_sequence = true};
   const TileResult tile = render_tile(scene, settings, {});
   Rendered out{{camera.width(), camera.height(), {}}, {camera.width(), camera.height(), {}}};
@@ -151,7 +151,7 @@ std::vector<std::size_t> pixels_of(const Scene& scene, const Rgb& surface) {
   const Camera& camera = scene.camera();
   const auto shows = [&](int x, int y) {
     const auto hit = scene.closest_hit(camera.ray(float(x) + 0.5F, float(y) + 0.5F));
-    return hit && *scene.plain_diffuse(hit->material) == surface;
+    return hit && *scene.geometry().plain_diffuse(hit->material) == surface;
   };
   std::vector<std::size_t> pixels;
   for (int y = 1; y + 1 < camera.height(); ++y)

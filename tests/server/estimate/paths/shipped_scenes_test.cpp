@@ -91,7 +91,7 @@ TEST(ShippedScenes, LoadWithoutRemarksAndHaveTheExpectedLights) {
     const auto built = Scene::build(std::move(scene));
     ASSERT_TRUE(built.ok()) << built.status();
     // The reveal of the room's window reaches outdoors, where its portal lights nothing.
-    const auto& remarks = (*built)->remarks();
+    const auto& remarks = (*built)->report().remarks;
     ASSERT_EQ(remarks.size(), name == std::string("room") ? 1U : 0U);
     for (const Remark& r : remarks) EXPECT_NE(r.what.find("portal"), std::string::npos) << r.what;
     EXPECT_EQ((*built)->lights().size(), static_cast<std::size_t>(sum));

@@ -65,7 +65,7 @@ TEST(Le, IsThatOfTheFirstSurfaceElseOfAllSkies) {
   EXPECT_EQ(red(3), 0.75F);
   EXPECT_EQ(red(4), 0);
   const std::uint64_t area = id_of_area_light(*scene);
-  const std::uint64_t sky = scene->lights()[scene->infinite_lights()[0]].id;
+  const std::uint64_t sky = scene->lights()[scene->lights().infinite()[0]].id;
   EXPECT_EQ(a.lights, (std::vector<std::uint64_t>{area, 0, 0, sky, 0}));
   EXPECT_EQ(a.rays, 5U);
 }
@@ -74,12 +74,12 @@ TEST(Le, OfOneLightIgnoresOtherLights) {
   const auto scene = build(panels());
   const std::vector<float> points{0, 0, 2.5F, 5, 0, 0};
   const std::vector<float> directions{0, 0, -1, 0, 0, 1};
-  const std::uint32_t second_sky = scene->infinite_lights()[1];
+  const std::uint32_t second_sky = scene->lights().infinite()[1];
   const LeArrays sky =
       answer_to(*scene, {.points = {{}, points}, .directions = directions, .light = second_sky});
   EXPECT_EQ(sky.radiance, (std::vector<float>{0, 0, 0, 0.25F, 0.25F, 0.25F}));
   EXPECT_EQ(sky.lights, (std::vector<std::uint64_t>{0, scene->lights()[second_sky].id}));
-  const std::uint32_t area = *scene->find_light(id_of_area_light(*scene));
+  const std::uint32_t area = *scene->lights().find(id_of_area_light(*scene));
   const LeArrays panel =
       answer_to(*scene, {.points = {{}, points}, .directions = directions, .light = area});
   EXPECT_EQ(panel.radiance, (std::vector<float>{7, 7, 7, 0, 0, 0}));

@@ -187,7 +187,7 @@ TEST(MovingPrecision, RaysKeepTheirEnds) {
         Ray ray{Vec3f(from), {0, 0, -length}, begin_m / length, end_m / length};
         ray.time_s = 1;
         const auto hit = scene->closest_hit(ray);
-        EXPECT_EQ(scene->occluded(ray), hit.has_value())
+        EXPECT_EQ(scene->geometry().occluded(ray), hit.has_value())
             << begin_m << " " << end_m << " " << length;
         return hit ? hit->t * length : -1;
       };
@@ -229,7 +229,7 @@ TEST(MovingPrecision, SpecksInALargeSceneAreFound) {
       Ray away =
           spawn_ray(*hit, Vec3f(frame.s * std::cos(phi) + frame.t * std::sin(phi) + frame.n * up));
       away.t_max = 1e-6F;  // not the floor
-      EXPECT_FALSE(scene->occluded(away)) << up;
+      EXPECT_FALSE(scene->geometry().occluded(away)) << up;
     }
   }
 }

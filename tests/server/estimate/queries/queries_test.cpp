@@ -104,8 +104,8 @@ TEST(SampleLi, AChosenLightHasTheSamplesOfANamedLight) {
       ++found;
       EXPECT_EQ(chosen.value[3 * i], named.value[3 * i]);
       const Receiver receiver(0.1F * float(i), 0, 0.5);
-      EXPECT_EQ(chosen.selection_probability[i],
-                scene->light_selector().probability(LightSelection::kAutomatic, receiver, light));
+      EXPECT_EQ(chosen.selection_probability[i], scene->lights().selector().probability(
+                                                     LightSelection::kAutomatic, receiver, light));
     }
     EXPECT_GT(found, 0) << light;
   }
