@@ -50,9 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!description.ok()) return 0;
   const lucerna::Textures& textures = description->textures;
   // A scene would also open an Embree device, which takes far longer than the picture.
-  for (lucerna::ShapeDescription& shape : description->shapes)
-    if (shape.emission && !shape.alpha.is_constant())
-      static_cast<void>(lucerna::apply_alpha(shape, textures));
+  static_cast<void>(lucerna::apply_alpha(*description));
   // No area, a round one, a long one, and one that covers the picture many times.
   const lucerna::Footprint round{{0.1, 0, 0}, {0, 0.1, 0}, {0.1, 0}, {0, 0.1}},
       slim{{0.3, 0.2, 0}, {0, 1e-3, 0}, {0.3, 0.2}, {0, 1e-3}},
