@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "lights/choice/light_choice.h"
 #include "lights/maths/two_doubles.h"
 #include "lights/models/light_bounds.h"
 #include "lights/sampling/light_sample.h"
@@ -16,11 +17,6 @@
 namespace lucerna {
 
 struct LightCluster;
-
-struct LightChoice {
-  std::uint32_t light;
-  double probability;
-};
 
 /// Chooses among lights by bounds on their contribution to a receiver. It walks down a binary tree,
 /// and at each node the more important child has the greater probability.  Importance is I c / (d1

@@ -23,18 +23,10 @@
 #include "server/assets/load_limits.h"
 #include "server/description/boxed.h"
 #include "server/description/pixel_filter.h"
-#include "server/description/shared_text.h"
+#include "server/description/source_location.h"
 #include "server/materials/material.h"
 
 namespace lucerna {
-
-/// A place in a file.  `file` is relative to the scene root.  In a glTF file it ends with "#" and a
-/// JSON pointer, such as "room.gltf#/nodes/3", and `line` is 0.
-struct SourceLocation {
-  SharedText file;
-  int line = 0;    ///< from 1; 0: the file as a whole
-  int column = 0;  ///< from 1
-};
 
 /// Parts of files that are not modelled, and what happens instead.  Equal parts are one remark.
 struct Remark {
@@ -172,7 +164,7 @@ struct LightDescription {
   /// Motion in the world; null if it does not move.  `params` are at the first key frame.
   std::shared_ptr<const Motion> motion{};
   std::uint32_t samples = 1;  ///< the same as in SceneLight
-  std::string name{};         ///< a light name (server/formats/printable.h); empty: none
+  std::string name{};         ///< a light name (server/formats/light_name.h); empty: none
 };
 
 /// How a camera maps film positions to rays.  [Pharr23, 5]

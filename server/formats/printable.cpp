@@ -53,8 +53,4 @@ bool is_printable(std::string_view text) {
   return true;
 }
 
-bool is_light_name(std::string_view text) {
-  return !text.empty() && text.size() <= kMostLightNameBytes && is_printable(text);
-}
-
 }  // namespace lucerna

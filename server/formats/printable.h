@@ -1,7 +1,6 @@
 // Text from files, made fit for messages.
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -12,9 +11,5 @@ std::string printable(std::string_view text);
 
 /// Whether `text` is well-formed UTF-8 without control characters.
 bool is_printable(std::string_view text);
-
-/// Whether `text` may be the name of a light: is_printable(), from 1 to kMostLightNameBytes.
-bool is_light_name(std::string_view text);
-inline constexpr std::size_t kMostLightNameBytes = 256;
 
 }  // namespace lucerna

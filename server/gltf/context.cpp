@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "server/formats/light_name.h"
+
 namespace lucerna::gltf {
 
 SourceLocation Context::location(const std::string& pointer) const {

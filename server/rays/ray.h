@@ -51,7 +51,7 @@ struct SurfaceHit {
   /// Shading normal, unit, on the side of ng.  In double, because the error of a float would be
   /// large against the cosine of grazing light.
   Vec3 ns;
-  std::uint32_t material{};         ///< index into Scene::materials()
+  std::uint32_t material{};         ///< index into SceneGeometry::materials()
   std::int32_t light = -1;          ///< index into Scene::lights() if the surface emits
   std::uint32_t light_primitive{};  ///< the primitive of that light's shape
   std::uint64_t shape{};            ///< the same for all hits on one shape of one instance

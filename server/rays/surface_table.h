@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "server/description/scene_description.h"
@@ -113,11 +112,5 @@ bool is_flat_and_convex(const std::array<Vec3, 4>& corners);
 /// with an error of more than a thousandth of `detail_m` become wide, up to 4096 in a set.
 absl::Status append_shape(const ShapeDescription& shape, const Vec3& origin, double detail_m,
                           std::int32_t light, GeometrySet& set, SurfaceTable& table);
-
-/// "file:line:column".  Files without lines have their place in the name.
-std::string text_of(const SourceLocation& where);
-
-/// `status` with file:line:column before its message.  OK is returned unchanged.
-absl::Status located(const absl::Status& status, const SourceLocation& where);
 
 }  // namespace lucerna

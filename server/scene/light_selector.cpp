@@ -40,7 +40,7 @@ LightSelector::LightSelector(std::vector<Item> items) {
   items_ = std::vector<LightTree::Item>();  // {} would keep its room
 }
 
-std::optional<std::uint32_t> LightSelector::Group::place(std::uint32_t light) const {
+std::optional<std::uint32_t> LightSelector::Group::index_of(std::uint32_t light) const {
   const auto at = std::ranges::lower_bound(lights, light);
   if (at == lights.end() || *at != light) return std::nullopt;
   return static_cast<std::uint32_t>(at - lights.begin());
@@ -98,12 +98,12 @@ double LightSelector::probability(LightSelection how, const Receiver& receiver,
   if (how == LightSelection::kAutomatic) how = automatic();
   if (how == LightSelection::kUniform)
     return 1 / static_cast<double>(beside_.lights.size() + local_.lights.size());
-  if (const auto place = beside_.place(light))
-    return beside_.distribution.probability(*place) * beside_share_;
-  const std::uint32_t place = *local_.place(light);
+  if (const auto index = beside_.index_of(light))
+    return beside_.distribution.probability(*index) * beside_share_;
+  const std::uint32_t index = *local_.index_of(light);
   const double share = 1 - beside_share_;
-  return share * (how == LightSelection::kPower ? local_.distribution.probability(place)
-                                                : tree().probability(receiver, place));
+  return share * (how == LightSelection::kPower ? local_.distribution.probability(index)
+                                                : tree().probability(receiver, index));
 }
 
 std::size_t LightSelector::bytes() const {

@@ -67,7 +67,7 @@ class LightSelector {
     std::vector<std::uint32_t> lights;  // ascending
     LightDistribution distribution;
 
-    std::optional<std::uint32_t> place(std::uint32_t light) const;
+    std::optional<std::uint32_t> index_of(std::uint32_t light) const;
     LightChoice choose(double u) const;
   };
   const LightTree& tree() const;

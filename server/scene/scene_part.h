@@ -153,4 +153,23 @@ class LazyPart {
   mutable ScenePart report_{};
 };
 
+/// An attached part that is one LazyPart.  `T` is made by `T(source)` and has `kPartName`, `why()`
+/// and `bytes()`.
+template <typename T, typename Source>
+class AttachedLazyPart final : public AttachedPart {
+ public:
+  explicit AttachedLazyPart(const Source& source) : source_(source) {}
+
+  const T& get() const {
+    return part_.get([this] { return std::make_unique<const T>(source_); },
+                     [](const T& part) { return part.why(); });
+  }
+  std::optional<ScenePart> report() const override { return part_.report(); }
+  std::uint64_t bytes() const override { return part_.bytes(); }
+
+ private:
+  const Source& source_;
+  LazyPart<T> part_{T::kPartName};
+};
+
 }  // namespace lucerna

@@ -194,11 +194,8 @@ class SetBoxes {
 /// The box of an object placed by an instance, over all time.
 FloatBox box_of(const GeometryInstance& instance, const FloatBox& object) {
   Bounds placed;
-  for (int corner = 0; corner < 8; ++corner)
-    placed.add(
-        instance.scene_from_object.point({(corner & 1) != 0 ? object.upper.x : object.lower.x,
-                                          (corner & 2) != 0 ? object.upper.y : object.lower.y,
-                                          (corner & 4) != 0 ? object.upper.z : object.lower.z}));
+  for (const Vec3& corner : Bounds{Vec3(object.lower), Vec3(object.upper)}.corners())
+    placed.add(instance.scene_from_object.point(corner));
   if (!instance.motion) return FloatBox::around(placed.lower, placed.upper);
   const auto [lower, upper] = instance.motion->bounds(placed.lower, placed.upper);
   return FloatBox::around(lower, upper);
@@ -208,6 +205,7 @@ FloatBox box_of(const GeometryInstance& instance, const FloatBox& object) {
 
 /// Boxes around all surfaces.  Revisions of a scene share them.
 struct Shafts::Boxes {
+  static constexpr const char* kPartName = "boxes of surfaces";
   explicit Boxes(const SceneGeometry& geometry)
       : accelerator(geometry.accelerator()), surfaces(geometry.surfaces()) {
     for (std::uint32_t i = 0; i < accelerator.object_count(); ++i)
@@ -258,6 +256,8 @@ struct Shafts::Boxes {
                            });
   }
 
+  std::string why() const { return "closed forms test whether surfaces block the light"; }
+
   const Accelerator& accelerator;
   const SurfaceTable& surfaces;
   std::vector<SetBoxes> objects;
@@ -272,24 +272,6 @@ struct Shafts::Boxes {
   Bounds hittable;              ///< of everything that can be hit
 };
 
-/// The boxes, made at their first use.
-class Shafts::AttachedBoxes : public AttachedPart {
- public:
-  explicit AttachedBoxes(const SceneGeometry& geometry) : geometry_(geometry) {}
-
-  const Boxes& get() const {
-    return boxes_.get(
-        [this] { return std::make_unique<const Boxes>(geometry_); },
-        [](const Boxes&) { return "closed forms test whether surfaces block the light"; });
-  }
-  std::optional<ScenePart> report() const override { return boxes_.report(); }
-  std::uint64_t bytes() const override { return boxes_.bytes(); }
-
- private:
-  const SceneGeometry& geometry_;
-  LazyPart<Boxes> boxes_{"boxes of surfaces"};
-};
-
 struct Shafts::State {
   const Boxes* boxes = nullptr;
   std::vector<LightOutline> outlines;        ///< of each light
@@ -297,8 +279,9 @@ struct Shafts::State {
 };
 
 Shafts::Shafts(const Scene& scene) : state_(std::make_unique<State>()) {
+  const DenormalsAreZero denormals;
   State& state = *state_;
-  state.boxes = &scene.geometry().attached<AttachedBoxes>().get();
+  state.boxes = &scene.geometry().attached<AttachedLazyPart<Boxes, SceneGeometry>>().get();
   for (const SceneLight& light : scene.lights()) {
     state.outlines.push_back(outline_of(light));
     state.light_surfaces.push_back(scene.surface_number(light));
@@ -324,30 +307,8 @@ std::size_t Shafts::bytes() const {
   return sum;
 }
 
-namespace {
-
-class AttachedShafts : public AttachedPart {
- public:
-  explicit AttachedShafts(const Scene& scene) : scene_(scene) {}
-
-  const Shafts& get() const {
-    return shafts_.get(
-        [this] {
-          const DenormalsAreZero denormals;
-          return std::make_unique<const Shafts>(scene_);
-        },
-        [](const Shafts&) { return "a query used closed forms"; });
-  }
-  std::optional<ScenePart> report() const override { return shafts_.report(); }
-  std::uint64_t bytes() const override { return shafts_.bytes(); }
-
- private:
-  const Scene& scene_;
-  LazyPart<Shafts> shafts_{"shafts"};
-};
-
-}  // namespace
-
-const Shafts& shafts(const Scene& scene) { return scene.attached<AttachedShafts>().get(); }
+const Shafts& shafts(const Scene& scene) {
+  return scene.attached<AttachedLazyPart<Shafts, Scene>>().get();
+}
 
 }  // namespace lucerna

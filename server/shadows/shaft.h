@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "server/description/scene_description.h"
 #include "server/rays/ray.h"
@@ -26,6 +27,7 @@ struct SurfaceTable;
 /// Immutable once built; all const members may be called from any thread.
 class Shafts {
  public:
+  static constexpr const char* kPartName = "shafts";
   explicit Shafts(const Scene& scene);
   ~Shafts();
   Shafts(const Shafts&) = delete;
@@ -48,10 +50,10 @@ class Shafts {
   bool has_outline(std::uint32_t light) const;
 
   std::size_t bytes() const;
+  std::string why() const { return "a query used closed forms"; }
 
  private:
   struct Boxes;
-  class AttachedBoxes;
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -23,26 +23,6 @@ constexpr std::size_t kMostPlanes = 1024, kMostRefractingPlanes = 16;
 /// Of all parts together.
 constexpr std::size_t kMostParts = 4096, kMostFaces = 1 << 22;
 
-class AttachedSmoothSurfaces final : public AttachedPart {
- public:
-  explicit AttachedSmoothSurfaces(const Scene& scene) : scene_(scene) {}
-
-  const SmoothSurfaces& get() const {
-    return part_.get([this] { return std::make_unique<const SmoothSurfaces>(scene_); },
-                     [](const SmoothSurfaces& s) {
-                       return fmt::format(
-                           "{} mirrors, panes and glass faces; {} curved smooth surfaces",
-                           s.parts().size(), s.unsolved().size());
-                     });
-  }
-  std::optional<ScenePart> report() const override { return part_.report(); }
-  std::uint64_t bytes() const override { return part_.bytes(); }
-
- private:
-  const Scene& scene_;
-  LazyPart<SmoothSurfaces> part_{"smooth surfaces"};
-};
-
 /// The place of the first smooth surface.
 SourceLocation first_smooth(const Scene& scene) {
   if (!scene.geometry().surfaces().smooth.empty())
@@ -382,6 +362,11 @@ std::int32_t SmoothSurfaces::part_of(const SurfaceHit& hit) const {
   return i < of->second.parts.size() ? of->second.parts[i] : kNone;
 }
 
+std::string SmoothSurfaces::why() const {
+  return fmt::format("{} mirrors, panes and glass faces; {} curved smooth surfaces", parts_.size(),
+                     unsolved_.size());
+}
+
 std::size_t SmoothSurfaces::bytes() const {
   std::size_t sum = tree_.bytes() + parts_.capacity() * sizeof(SmoothPart) +
                     unsolved_.capacity() * sizeof(UnsolvedSurface);
@@ -391,7 +376,7 @@ std::size_t SmoothSurfaces::bytes() const {
 }
 
 const SmoothSurfaces& smooth_surfaces(const Scene& scene) {
-  return scene.attached<AttachedSmoothSurfaces>().get();
+  return scene.attached<AttachedLazyPart<SmoothSurfaces, Scene>>().get();
 }
 
 }  // namespace lucerna

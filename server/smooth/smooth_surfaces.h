@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct UnsolvedSurface {
 /// The smooth surfaces of a scene.  Immutable; may be read from any thread.
 class SmoothSurfaces {
  public:
+  static constexpr const char* kPartName = "smooth surfaces";
   explicit SmoothSurfaces(const Scene& scene);
 
   bool empty() const { return parts_.empty() && unsolved_.empty(); }
@@ -54,6 +56,7 @@ class SmoothSurfaces {
   /// Whether any material of the scene scatters light in more than single directions.
   bool has_rough_surfaces() const { return has_rough_surfaces_; }
   std::size_t bytes() const;
+  std::string why() const;
 
  private:
   class Collector;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "proto/common/defaults.h"
+#include "server/formats/light_name.h"
 #include "server/pbrt/lights/image_lights.h"
 #include "server/pbrt/lights/levels.h"
 #include "server/pbrt/lights/photometric_lights.h"

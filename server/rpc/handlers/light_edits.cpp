@@ -9,6 +9,7 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
+#include "server/formats/light_name.h"
 #include "server/formats/printable.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
