@@ -133,11 +133,9 @@ Bounds Accelerator::State::whole(const GeometrySet& set) const {
   for (const GeometryInstance& instance : instances) {
     poll();
     const Bounds& box = object_boxes[instance.object];
+    if (box.empty()) continue;
     Bounds placed;
-    for (int corner = 0; corner < 8 && !box.empty(); ++corner)
-      placed.add(instance.scene_from_object.point({corner & 1 ? box.upper.x : box.lower.x,
-                                                   corner & 2 ? box.upper.y : box.lower.y,
-                                                   corner & 4 ? box.upper.z : box.lower.z}));
+    for (const Vec3& corner : box.corners()) placed.add(instance.scene_from_object.point(corner));
     if (placed.empty()) continue;
     const auto [lower, upper] = instance.motion
                                     ? instance.motion->bounds(placed.lower, placed.upper)

@@ -417,10 +417,7 @@ MovingInstance::MovingInstance(const GeometryInstance& instance, RTCScene object
       space(space),
       scene_unit_m(scene_unit_m) {
   Bounds placed;
-  for (int corner = 0; corner < 8; ++corner)
-    placed.add(instance.scene_from_object.point({corner & 1 ? box.upper.x : box.lower.x,
-                                                 corner & 2 ? box.upper.y : box.lower.y,
-                                                 corner & 4 ? box.upper.z : box.lower.z}));
+  for (const Vec3& corner : box.corners()) placed.add(instance.scene_from_object.point(corner));
   swept = rounded(motion->bounds(placed.lower, placed.upper), scene_unit_m);
 }
 

@@ -65,18 +65,10 @@ void replace(std::vector<T>& values, std::size_t first, const std::vector<T>& by
   std::ranges::copy(by, values.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-/// Copies of the arrays that moves change.
 GeometrySet copy_of(const GeometrySet& set) {
-  GeometrySet copy;
-  copy.vertices.reserve(set.vertices.size() + 1);  // Embree reads beyond the last vertex
-  copy.vertices = set.vertices;
-  copy.triangles = set.triangles;
-  copy.patches = set.patches;
-  copy.curves = set.curves;
-  copy.quadrics = set.quadrics;
-  copy.wide = set.wide;
-  copy.unit_m = set.unit_m;
-  copy.narrow_error_m = set.narrow_error_m;
+  GeometrySet copy = set;
+  copy.sheer = nullptr;
+  copy.vertices.reserve(copy.vertices.size() + 1);  // Embree reads beyond the last vertex
   return copy;
 }
 
