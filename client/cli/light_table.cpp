@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "client/cli/area_shape.h"
+#include "client/terminal/luminance.h"
 #include "client/terminal/output.h"
 
 namespace lucerna::cli {
@@ -22,15 +23,13 @@ std::string xyz(const v1::Vector3& v) {
 
 std::string degrees(double radians) { return number(radians * 180 / std::numbers::pi) + " deg"; }
 
-/// One number for a level that is grey in the printed digits.  The weights are those of Rec. 709
-/// with white D65, the RGB of the contract.  [ITU-R BT.709]
+/// One number for a level that is grey in the printed digits.
 std::string level(const v1::Rgb& c, const std::string& unit = {}) {
   const std::string r = number(c.r()), g = number(c.g()), b = number(c.b());
   const std::string behind = unit.empty() ? "" : " " + unit;
   if (r == g && g == b) return g + behind;
-  return fmt::format("{}{} (RGB {} {} {})",
-                     number(0.212639 * c.r() + 0.715169 * c.g() + 0.072192 * c.b()), behind, r, g,
-                     b);
+  const double rgb[] = {c.r(), c.g(), c.b()};
+  return fmt::format("{}{} (RGB {} {} {})", number(luminance(rgb)), behind, r, g, b);
 }
 
 std::string describe_light(const v1::ImageInfo& image, const char* mapping = nullptr) {

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "client/files/map_file.h"
+#include "client/files/srgb.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::client {
@@ -137,9 +138,7 @@ absl::StatusOr<PictureFormat> picture_format(const std::string& path) {
 std::uint8_t srgb8(float linear) {
   // Also turns NaN into 0.
   const double value = linear > 0 ? std::min(static_cast<double>(linear), 1.0) : 0.0;
-  const double coded =
-      value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255 * coded));
+  return static_cast<std::uint8_t>(std::lround(255 * srgb_encoded(value)));
 }
 
 PictureFile::PictureFile(std::string path, std::string temporary, PictureFormat format)

@@ -8,7 +8,8 @@ namespace lucerna::cli {
 /// The Y row of the matrix of the Rec. 709 primaries and the D65 white point (0.3127, 0.3290).  It
 /// has as many digits as in the server.  The usual four digits have an error of 2e-5, which the
 /// trade-off study would count as an error of the setting.  [BT709]
-inline double luminance(const float* rgb) {
+template <typename Value>
+double luminance(const Value* rgb) {
   return 0.2126390058715104 * rgb[0] + 0.7151686787677559 * rgb[1] + 0.0721923153607337 * rgb[2];
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/files/srgb.h"
 #include "client/verify/comparison.h"
 #include "client/verify/rotation.h"
 
@@ -106,11 +107,6 @@ void add_sides(const v1::Light& light, const std::vector<double>& ours, const Re
   }
 }
 
-double encoded(double x) {
-  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-}
-double decoded(double x) { return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4); }
-
 template <class Curve>
 Double3 by_channel(const Double3& rgb, const Double3& level, Curve&& curve) {
   Double3 result{};
@@ -127,10 +123,10 @@ std::vector<double> times(std::vector<double> values, double factor) {
 }  // namespace
 
 Double3 not_linearised(const Double3& rgb, const Double3& level) {
-  return by_channel(rgb, level, encoded);
+  return by_channel(rgb, level, srgb_encoded);
 }
 Double3 linearised_twice(const Double3& rgb, const Double3& level) {
-  return by_channel(rgb, level, decoded);
+  return by_channel(rgb, level, srgb_decoded);
 }
 
 Double3 texel_level(const v1::Light& light) {
