@@ -39,16 +39,21 @@ ordered_json details_of(const absl::Status& error) {
   return details;
 }
 
+/// With the details of `status`.
+absl::Status with_message(const absl::Status& status, const std::string& message) {
+  absl::Status changed(status.code(), message);
+  status.ForEachPayload(
+      [&](absl::string_view url, const absl::Cord& payload) { changed.SetPayload(url, payload); });
+  return changed;
+}
+
 }  // namespace
 
 CommandError::CommandError(ExitStatus exit, const std::string& message)
     : CommandError(exit, absl::Status(code_of(exit), message), message) {}
 
 CommandError::CommandError(ExitStatus exit, const absl::Status& status, const std::string& message)
-    : std::runtime_error(message), exit_(exit), status_(status.code(), message) {
-  status.ForEachPayload(
-      [&](absl::string_view url, const absl::Cord& payload) { status_.SetPayload(url, payload); });
-}
+    : StatusError(with_message(status, message)), exit_(exit) {}
 
 void wrong_use(const std::string& message) { throw CommandError(kWrongUse, message); }
 

@@ -1,10 +1,10 @@
 // Errors that end the program, and how they are printed.
 #pragma once
 
-#include <stdexcept>
 #include <string>
 
 #include "absl/status/status.h"
+#include "proto/common/status_error.h"
 
 namespace lucerna::cli {
 
@@ -17,7 +17,7 @@ enum ExitStatus : int {
 };
 
 /// Ends the program with a message.
-class CommandError : public std::runtime_error {
+class CommandError : public StatusError {
  public:
   /// The status code depends on `exit`: INVALID_ARGUMENT for kWrongUse, CANCELLED after a signal,
   /// else UNKNOWN.
@@ -26,11 +26,9 @@ class CommandError : public std::runtime_error {
   CommandError(ExitStatus exit, const absl::Status& status, const std::string& message);
 
   ExitStatus exit_status() const { return exit_; }
-  const absl::Status& status() const { return status_; }
 
  private:
   ExitStatus exit_;
-  absl::Status status_;
 };
 
 /// Throws a CommandError with exit status 2.

@@ -20,8 +20,8 @@ void Context::fail(const std::string& pointer, const std::string& what) const {
 }
 
 void Context::fail(const std::string& pointer, const absl::Status& status) const {
-  throw Failure{absl::Status(status.code(), fmt::format("{}: {}", location(pointer).file.str(),
-                                                        std::string(status.message())))};
+  throw StatusError(absl::Status(status.code(), fmt::format("{}: {}", location(pointer).file.str(),
+                                                            std::string(status.message()))));
 }
 
 std::string Context::light_name(const std::string& pointer,
@@ -67,7 +67,7 @@ void Context::claim_for_good(const std::string& pointer, std::uint64_t count,
 }
 
 void Context::poll() {
-  if (stop.stop_requested()) throw Failure{absl::CancelledError("loading was cancelled")};
+  if (stop.stop_requested()) throw StatusError(absl::CancelledError("loading was cancelled"));
   require(meter.count_lists());
 }
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/common/status_error.h"
 #include "server/assets/asset_reader.h"
 #include "server/description/load_meter.h"
 #include "server/description/remark_groups.h"
@@ -19,11 +20,6 @@
 #include "server/formats/printable.h"
 
 namespace lucerna::gltf {
-
-/// Thrown within this folder and caught in load_gltf: a status whose message begins with the place.
-struct Failure {
-  absl::Status status;
-};
 
 /// The most bytes of vertices, indices and pictures that one file may unpack to.  A short file may
 /// name the same bytes many times, so the size of the file is no limit.
@@ -79,7 +75,7 @@ struct Context {
   void poll();
   /// Fails if `status` is an error.
   static void require(const absl::Status& status) {
-    if (!status.ok()) throw Failure{status};
+    if (!status.ok()) throw StatusError(status);
   }
 
  private:

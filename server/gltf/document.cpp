@@ -147,7 +147,7 @@ bool is_data_uri(const std::string& uri) { return absl::StartsWithIgnoreCase(uri
 
 Document::Document(Context& context) : context_(context) {
   absl::StatusOr<AssetContent> content = context.assets.read(context.file);
-  if (!content.ok()) throw Failure{content.status()};
+  if (!content.ok()) throw StatusError(content.status());
   const std::string_view text = split_container(content->bytes);
   parse(text, static_cast<std::size_t>(text.data() - content->bytes.data()));
   content->bytes = std::string();
@@ -210,9 +210,9 @@ void Document::parse(std::string_view text, std::size_t start) {
     if (start > 0)
       context_.fail(
           "", fmt::format("invalid JSON at byte {}: {}", start + error.byte, reason_of(error)));
-    throw Failure{absl::InvalidArgumentError(fmt::format("{}:{}: invalid JSON: {}", context_.file,
-                                                         line_and_column(text, error.byte),
-                                                         reason_of(error)))};
+    throw StatusError(absl::InvalidArgumentError(
+        fmt::format("{}:{}: invalid JSON: {}", context_.file, line_and_column(text, error.byte),
+                    reason_of(error))));
   } catch (const Json::exception& error) {  // a number beyond the range of a double
     context_.fail("", fmt::format("invalid JSON: {}", reason_of(error)));
   }
@@ -323,7 +323,7 @@ void Document::remark_on(const View& place, const std::vector<ImageRemark>& rema
 bool Document::is_decoded(const View& place, const absl::Status& status,
                           const char* instead) const {
   if (status.ok()) return true;
-  if (absl::IsCancelled(status)) throw Failure{status};  // has no place
+  if (absl::IsCancelled(status)) throw StatusError(status);  // has no place
   if (!absl::IsInvalidArgument(status)) place.fail(status);
   context_.remark(place.pointer(), std::string(status.message()), instead);
   return false;
@@ -416,7 +416,7 @@ std::shared_ptr<const Texels> Document::texels(std::size_t index, PictureKind ki
 }
 
 void Document::require_all_files() const {
-  if (!missing_.ok()) throw Failure{missing_};
+  if (!missing_.ok()) throw StatusError(missing_);
 }
 
 }  // namespace lucerna::gltf

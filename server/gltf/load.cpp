@@ -32,8 +32,8 @@ absl::StatusOr<SceneDescription> load_gltf(AssetReader& assets, const std::strin
     gltf::add_environment(document, tree);
     gltf::set_camera(document, tree.nodes());
     context.finish_remarks();
-  } catch (const gltf::Failure& failure) {
-    return failure.status;
+  } catch (const StatusError& failure) {
+    return failure.status();
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError("not enough memory to load the scene");
   }

@@ -18,8 +18,8 @@ absl::StatusOr<SceneDescription> load_pbrt(AssetReader& assets, const std::strin
     pbrt::Builder builder(context);
     pbrt::Parser(context, builder).parse();
     context.finish_remarks();
-  } catch (const pbrt::Failure& failure) {
-    return failure.status;
+  } catch (const StatusError& failure) {
+    return failure.status();
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError("not enough memory to load the scene");
   }

@@ -37,16 +37,16 @@ void Parser::parse() {
     if (token.kind != Token::Kind::kEnd) {
       try {
         directive(token);
-      } catch (const Failure& failure) {
+      } catch (const StatusError& failure) {
         // The file may still arrive.  Continue, so that all missing files are found at once.
-        if (!absl::IsFailedPrecondition(failure.status)) throw;
-        incomplete_ = failure.status;
+        if (!absl::IsFailedPrecondition(failure.status())) throw;
+        incomplete_ = failure.status();
       }
       continue;
     }
     // `next` stops at the end of imported files and of the first file.
     if (files_.size() == 1) {
-      if (!incomplete_.ok()) throw Failure{incomplete_};
+      if (!incomplete_.ok()) throw StatusError(incomplete_);
       return builder_.finish(token.place);
     }
     builder_.import_end();

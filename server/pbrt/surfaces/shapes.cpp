@@ -171,7 +171,7 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   AssetContent content = context.read(*file);
   auto ply = parse_ply(content.bytes, context.stop, context.meter.budget());
   if (absl::IsCancelled(ply.status()) || absl::IsResourceExhausted(ply.status()))
-    throw Failure{ply.status()};
+    throw StatusError(ply.status());
   if (!ply.ok()) {
     const std::string message(ply.status().message().data(), ply.status().message().size());
     fail(file->place, fmt::format("file \"{}\": {}", content.name, message));

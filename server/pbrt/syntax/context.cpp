@@ -50,7 +50,7 @@ AssetContent Context::read(const Parameter& parameter) {
 }
 
 void Context::poll() {
-  if (stop.stop_requested()) throw Failure{absl::CancelledError("loading was cancelled")};
+  if (stop.stop_requested()) throw StatusError(absl::CancelledError("loading was cancelled"));
   require(meter.count_lists());
 }
 

@@ -78,7 +78,7 @@ struct Context {
   void count(std::uint64_t bytes) { require(tables_.grow(bytes)); }
   /// Fails if `status` is an error.
   static void require(const absl::Status& status) {
-    if (!status.ok()) throw Failure{status};
+    if (!status.ok()) throw StatusError(status);
   }
 
  private:

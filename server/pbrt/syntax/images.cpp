@@ -25,7 +25,7 @@ std::optional<Picture> decoded(Context& context, const Parameter& filename,
     picture = decode(content, context.image_options(encoding));
   }
   const absl::Status& status = picture.status();
-  if (absl::IsCancelled(status)) throw Failure{status};
+  if (absl::IsCancelled(status)) throw StatusError(status);
   const std::string what =
       fmt::format("\"string {}\": {}", filename.name, std::string(status.message()));
   if (absl::IsInvalidArgument(status)) {

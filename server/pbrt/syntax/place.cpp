@@ -19,9 +19,9 @@ void fail(const Place& place, const std::string& what) {
 
 void fail(const Place& place, const absl::Status& status) {
   const std::string message(status.message().data(), status.message().size());
-  throw Failure{absl::Status(
+  throw StatusError(absl::Status(
       status.code(),
-      place.file == nullptr ? message : fmt::format("{}: {}", to_string(place), message))};
+      place.file == nullptr ? message : fmt::format("{}: {}", to_string(place), message)));
 }
 
 }  // namespace lucerna::pbrt

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "proto/common/status_error.h"
 #include "server/description/scene_description.h"
 #include "server/formats/printable.h"
 
@@ -25,12 +26,7 @@ std::string to_string(const Place& place);
 using lucerna::is_printable;
 using lucerna::printable;
 
-/// Thrown within this folder and caught in load_pbrt: a status whose message begins with the place.
-struct Failure {
-  absl::Status status;
-};
-
-/// Throws INVALID_ARGUMENT at a place.
+/// Throws a StatusError: INVALID_ARGUMENT with the place before its message.
 [[noreturn]] void fail(const Place& place, const std::string& what);
 
 /// Throws `status` (not OK) with the place before its message.

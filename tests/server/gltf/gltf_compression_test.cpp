@@ -262,8 +262,8 @@ TEST(GltfDraco, AttributesOverTheBudgetAreRefusedBeforeTheyAreDecoded) {
       try {
         (void)gltf::decode_draco(gltf::View(context, json, "/here"),
                                  {buffer.data(), buffer.size()});
-      } catch (const gltf::Failure& failure) {
-        return failure.status;
+      } catch (const StatusError& failure) {
+        return failure.status();
       }
       return absl::OkStatus();
     };

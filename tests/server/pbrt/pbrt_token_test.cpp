@@ -21,8 +21,8 @@ template <typename F>
 std::string failure(F&& f) {
   try {
     f();
-  } catch (const Failure& failure) {
-    return std::string(failure.status.message().data(), failure.status.message().size());
+  } catch (const StatusError& failure) {
+    return std::string(failure.status().message().data(), failure.status().message().size());
   }
   return "";
 }
