@@ -24,7 +24,7 @@ Vec3 half_box(const BeamLightParams& params) {
 
 }  // namespace
 
-std::pair<Vec3, Vec3> bounding_box(const BeamLightParams& params) {
+Bounds bounding_box(const BeamLightParams& params) {
   const Vec3 half = half_box(params);
   return {params.position_m - half, params.position_m + half};
 }

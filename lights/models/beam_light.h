@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "lights/models/light.h"
 #include "lights/pictures/image.h"
@@ -29,8 +28,8 @@ struct BeamLightParams {
   std::string image_name{};                    ///< reported by ListLights, else unused
 };
 
-/// The smallest box around the rectangle: its corners {lower, upper}, world [m].
-std::pair<Vec3, Vec3> bounding_box(const BeamLightParams& params);
+/// The smallest box around the rectangle: world [m].
+Bounds bounding_box(const BeamLightParams& params);
 
 /// The direction of its rays is certain.  Their start is not.
 class BeamLight final : public DeltaLight {

@@ -180,7 +180,7 @@ class IntensityLight final : public DeltaLight {
     return std::nullopt;
   }
   static LightPlace place(const Params& params) {
-    return {.anchor_m = params.position_m, .box_m = Box{params.position_m, params.position_m}};
+    return {.anchor_m = params.position_m, .box_m = Bounds{params.position_m, params.position_m}};
   }
   LightBytes own_bytes() const override {
     return {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
-#include <utility>
 
+#include "lights/maths/bounds.h"
 #include "lights/models/light_bounds.h"
 #include "lights/sampling/light_sample.h"
 
@@ -17,17 +17,15 @@ class IntensityMap;
 class PhotometricWeb;
 struct LightParams;  // lights/models/all_lights.h
 
-using Box = std::pair<Vec3, Vec3>;  ///< lower and upper corner [m, world]
-
 /// Where a light without a surface is.
 struct LightPlace {
   /// A point of the light or of its portal [m, world].  Coordinates near it are small.  None for
   /// lights that have only directions.
   std::optional<Vec3> anchor_m{};
   /// The smallest box around the points where its rays start.  None for lights at infinity.
-  std::optional<Box> box_m{};
+  std::optional<Bounds> box_m{};
   /// The smallest box around its portal.
-  std::optional<Box> portal_m{};
+  std::optional<Bounds> portal_m{};
 };
 
 /// Memory of one light [bytes].  Data of SharedData are not counted.

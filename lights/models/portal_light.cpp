@@ -327,14 +327,9 @@ std::optional<double> PortalLight::cross_section_m2(const SceneSphere&) const {
 }
 
 LightPlace PortalLight::place(const Params& params) {
-  const auto& corners = params.corners_m;
-  Box box{corners[0], corners[0]};
-  for (const Vec3& p : corners) {
-    const auto& [lower, upper] = box;
-    box = {{std::fmin(lower.x, p.x), std::fmin(lower.y, p.y), std::fmin(lower.z, p.z)},
-           {std::fmax(upper.x, p.x), std::fmax(upper.y, p.y), std::fmax(upper.z, p.z)}};
-  }
-  return {.anchor_m = corners[0], .portal_m = box};
+  Bounds box;
+  for (const Vec3& corner : params.corners_m) box.add(corner);
+  return {.anchor_m = params.corners_m[0], .portal_m = box};
 }
 
 }  // namespace lucerna

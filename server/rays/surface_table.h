@@ -10,7 +10,7 @@
 
 #include "server/description/scene_description.h"
 #include "server/rays/accelerator.h"
-#include "server/rays/bounds.h"
+#include "lights/maths/bounds.h"
 
 namespace lucerna {
 

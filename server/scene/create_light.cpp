@@ -31,9 +31,9 @@ absl::StatusOr<LightPointer> as_pointer(absl::StatusOr<L> light) {
 }
 
 /// OK if the light's positions about the scene's origin fit floats, which answers use.
-absl::Status check_place(const std::optional<Box>& box, const Vec3& origin) {
+absl::Status check_place(const std::optional<Bounds>& box, const Vec3& origin) {
   if (!box) return absl::OkStatus();
-  for (const Vec3& corner : {box->first, box->second})
+  for (const Vec3& corner : {box->lower, box->upper})
     LUCERNA_RETURN_IF_ERROR(check_position("light.position", corner, origin, kMostInAnswers));
   return absl::OkStatus();
 }
@@ -44,7 +44,7 @@ absl::StatusOr<LightPointer> create_light(const LightDescription& light, const V
   return std::visit(
       [&]<typename Params>(const Params& params) -> absl::StatusOr<LightPointer> {
         const LightPlace place = LightOf<Params>::place(params);
-        for (const std::optional<Box>& box : {place.box_m, place.portal_m})
+        for (const std::optional<Bounds>& box : {place.box_m, place.portal_m})
           if (auto s = check_place(box, origin); !s.ok()) return s;
         // Squares and products of levels must fit a double.  Answers that do not fit a float are
         // OUT_OF_RANGE.

@@ -176,13 +176,13 @@ absl::StatusOr<SceneFrame> scene_frame(const Bounds& shapes_m,
   // A distant light must not make the geometry less exact, so the origin is that of the geometry if
   // there is any.
   Bounds with_lights = shapes_m, portals;
-  const auto hold = [&](const LightDescription& light, const std::optional<Box>& box,
+  const auto hold = [&](const LightDescription& light, const std::optional<Bounds>& box,
                         Bounds& bounds) -> absl::Status {
-    if (!box || !is_finite(box->first) || !is_finite(box->second)) return absl::OkStatus();
+    if (!box || !is_finite(box->lower) || !is_finite(box->upper)) return absl::OkStatus();
     Bounds still;
-    still.add(box->first), still.add(box->second);
+    still.add(box->lower), still.add(box->upper);
     if (light.motion) return sweep(still, *light.motion, light.where, bounds);
-    bounds.add(box->first), bounds.add(box->second);
+    bounds.add(box->lower), bounds.add(box->upper);
     return absl::OkStatus();
   };
   for (const auto& light : lights) {
