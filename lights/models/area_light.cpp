@@ -23,82 +23,145 @@ bool is_density(SolidAnglePdf pdf) { return pdf.per_sr > 0 && std::isfinite(pdf.
 
 }  // namespace
 
-template <typename Shape>
-AreaLight<Shape>::AreaLight(const DiffuseEmission& emission, Shape shape)
-    : SurfaceLight(emission, kHasIrradiance),
-      radiance_(emission.radiance_cd_m2),
-      most_cd_m2_(luminance(emission.radiance_cd_m2)),
-      shape_(std::move(shape)) {
-  // Points are drawn by the luminance of the picture alone, without the colour of the radiance.
-  if constexpr (kPainted)
-    most_cd_m2_ =
-        emission.radiance_cd_m2.max_component() * luminance(shape_.picture().image->brightest());
+absl::StatusOr<Frame> photometric_axes(const Shape& shape, const PanelProfile& profile) {
+  // A thousandth turns the photometry by less than the precision of its own angles.
+  constexpr double kFlat = 1e-3;
+  const NormalCone normals = shape.normals();
+  if (!(normals.half_angle_rad <= kFlat))
+    return absl::InvalidArgumentError(
+        fmt::format("panel.surface has normals up to {:.3g} rad from their mean, allowed for a "
+                    "profile: flat, up to {} rad",
+                    normals.half_angle_rad, kFlat));
+  const Vec3 n = normalized(normals.axis);
+  const Vec3& t = profile.tangent;
+  const Vec3 along = normalized(t);
+  const Vec3 s = along - n * dot(along, n);
+  if (!is_finite(t) || !(length(s) > kFlat))
+    return absl::InvalidArgumentError(fmt::format(
+        "panel.tangent = ({}, {}, {}), allowed: finite, not along the normal ({}, {}, {})", t.x,
+        t.y, t.z, n.x, n.y, n.z));
+  Frame axes;
+  axes.n = n;
+  axes.s = normalized(s);
+  axes.t = profile.mirrored ? cross(axes.s, n) : cross(n, axes.s);
+  return axes;
 }
 
-template <typename Shape>
-absl::StatusOr<AreaLight<Shape>> AreaLight<Shape>::create(const DiffuseEmission& emission,
-                                                          Shape shape) {
+AreaLight::AreaLight(const DiffuseEmission& emission, std::shared_ptr<const Shape> shape,
+                     std::shared_ptr<const Pattern> pattern)
+    : Light(
+          {.has_surface = true, .has_irradiance = pattern == nullptr && shape->has_closed_form()}),
+      emission_(emission),
+      most_cd_m2_(luminance(emission.radiance_cd_m2)),
+      shape_(std::move(shape)),
+      pattern_(std::move(pattern)) {
+  // Points are drawn by the luminance of the picture alone, without the colour of the radiance.
+  if (painted() != nullptr)
+    most_cd_m2_ =
+        emission.radiance_cd_m2.max_component() * luminance(painted()->picture.image->brightest());
+}
+
+absl::StatusOr<AreaLight> AreaLight::create(const DiffuseEmission& emission,
+                                            std::shared_ptr<const Shape> shape,
+                                            EmissionPattern pattern) {
+  if (absl::Status status = shape->emissive_error(); !status.ok()) return status;
+  if (!pattern.picture && !pattern.profile) return checked(emission, std::move(shape), nullptr);
+  auto made = std::make_shared<Pattern>();
+  if (pattern.profile) {
+    auto axes = photometric_axes(*shape, *pattern.profile);
+    if (!axes.ok()) return axes.status();
+    made->panel = Panel{*std::move(pattern.profile), *axes, shape->area()};
+  }
+  if (pattern.picture) {
+    const PaintedArea area = shape->painted_area(*pattern.picture);
+    auto distribution = shape->distribution(*pattern.picture);
+    made->painted = Painted{*std::move(pattern.picture), area, std::move(distribution)};
+  }
+  return checked(emission, std::move(shape), std::move(made));
+}
+
+absl::StatusOr<AreaLight> AreaLight::checked(const DiffuseEmission& emission,
+                                             std::shared_ptr<const Shape> shape,
+                                             std::shared_ptr<const Pattern> pattern) {
   if (absl::Status status = check_light_value("area.radiance", emission.radiance_cd_m2, "cd/m2");
       !status.ok())
     return status;
-  if constexpr (kPainted) {
+  if (pattern != nullptr && pattern->painted) {
     if (absl::Status status = check_light_value(
             "area.radiance of the brightest texel",
-            emission.radiance_cd_m2 * shape.picture().image->brightest(), "cd/m2");
+            emission.radiance_cd_m2 * pattern->painted->picture.image->brightest(), "cd/m2");
         !status.ok())
       return status;
   }
-  if (absl::Status status = shape.emissive_error(); !status.ok()) return status;
-  if (const double area = shape.area(); !(area > 0) || !std::isfinite(area))
+  if (const double area = shape->area(); !(area > 0) || !std::isfinite(area))
     return absl::InvalidArgumentError(
         fmt::format("area.area_m2 = {} m2, allowed: finite and > 0", area));
-  return AreaLight(emission, std::move(shape));
+  return AreaLight(emission, std::move(shape), std::move(pattern));
 }
 
-template <typename Shape>
-bool AreaLight<Shape>::emits_towards(const SurfacePoint& point, const Vec3& w) const {
-  return emits_to_side(dot(point.normal, w));
+absl::StatusOr<std::shared_ptr<const Light>> AreaLight::with_emission(
+    const DiffuseEmission& emission) const {
+  auto changed = checked(emission, shape_, pattern_);
+  if (!changed.ok()) return changed.status();
+  return std::make_shared<const AreaLight>(*std::move(changed));
 }
 
-template <typename Shape>
-bool AreaLight<Shape>::emits_towards(const SurfacePoint& point, const Vec3& w,
-                                     const Vec3& receiver) const {
+bool AreaLight::emits_towards(const SurfacePoint& point, const Vec3& w,
+                              const Vec3& receiver) const {
   const double side = dot(point.normal, w);
   // Nearly along a flat surface, the rounding of point and normal decides the sign.
   constexpr double kNearly = 8 * std::numeric_limits<double>::epsilon();
   const double scale = std::fmax(max_abs(w), max_abs(point.position));
   if (std::fabs(side) <= kNearly * scale)
-    return emits_to_side(shape_.height_over(point, receiver).value_or(side));
+    return emits_to_side(shape_->height_over(point, receiver).value_or(side));
   return emits_to_side(side);
 }
 
-template <typename Shape>
-bool AreaLight<Shape>::is_black() const {
-  if constexpr (kPanel)
-    if (!(shape_.flux_lm(true) > 0)) return true;
+bool AreaLight::is_black() const {
+  if (panel() != nullptr && !(panel()->flux_lm(true) > 0)) return true;
   return emission_.radiance_cd_m2.is_black();
 }
 
-template <typename Shape>
-Rgb AreaLight<Shape>::radiance_at(const SurfacePoint& point, const Vec3& w) const {
-  if constexpr (kPainted) {
-    return Rgb(emission_.radiance_cd_m2 * shape_.tint(point));
-  } else if constexpr (kPanel) {
-    const Rgb radiance(emission_.radiance_cd_m2 * shape_.radiance(normalized(w), point.normal));
-    return is_finite(radiance) ? radiance : Rgb{};
-  } else {
-    return radiance_;
-  }
+NoLight AreaLight::reason_without() const {
+  if (painted() != nullptr) return NoLight::kBlack;
+  return panel() != nullptr ? NoLight::kOutsideCone : NoLight::kOutOfRange;
 }
 
-template <typename Shape>
-LightSample AreaLight<Shape>::sample_li(const Receiver& receiver, Vec2 u) const {
+Rgb AreaLight::Panel::radiance(const Vec3& w, const Vec3& normal, const Rgb& level) const {
+  const double cd = profile.web->at(axes.local_from_world(w));
+  // Uses the point's own cosine.  The cosine of the mean plane is 0 at slightly different
+  // directions.  Not finite along the surface if the file has light in that direction.
+  const Rgb radiance = level * (cd > 0 ? cd / std::fabs(dot(w, normal)) / area_m2 : 0);
+  return is_finite(radiance) ? radiance : Rgb{};
+}
+
+Rgb AreaLight::radiance_at(const SurfacePoint& point, const Vec3& w) const {
+  if (pattern_ == nullptr) return emission_.radiance_cd_m2;
+  Rgb radiance = emission_.radiance_cd_m2;
+  if (painted() != nullptr) radiance = radiance * painted()->picture.at(shape_->uv(point));
+  return panel() == nullptr ? radiance : panel()->radiance(normalized(w), point.normal, radiance);
+}
+
+ShapeSample AreaLight::sample_point(const Receiver& receiver, Vec2 u) const {
+  const Painted* const by = chosen_by();
+  if (by == nullptr) return shape_->sample(receiver, u);
+  const SurfacePoint point = shape_->sample_picture(by->picture, *by->distribution, u);
+  return {point, pdf_seen_from(receiver.position, point, pdf_area(point))};
+}
+
+AreaPdf AreaLight::pdf_area(const SurfacePoint& point) const {
+  const Painted* const by = chosen_by();
+  return by == nullptr ? shape_->pdf_area(point)
+                       : shape_->pdf_picture(by->picture, *by->distribution, point);
+}
+
+LightSample AreaLight::sample_li(const Receiver& receiver, Vec2 u) const {
   LightSample sample;
   sample.pdf = {1};
   sample.reason = NoLight::kOutOfRange;
   if (!is_finite(receiver.position)) return sample;
 
-  const ShapeSample chosen = shape_.sample(receiver, u);
+  const ShapeSample chosen = sample_point(receiver, u);
   sample.point = chosen.point.position;
   sample.normal = chosen.point.normal;
   sample.primitive = chosen.point.primitive;
@@ -119,8 +182,8 @@ LightSample AreaLight<Shape>::sample_li(const Receiver& receiver, Vec2 u) const 
     sample.reason = NoLight::kBlack;
   } else if (emits && is_density(chosen.pdf)) {
     sample.value = radiance_at(chosen.point, -to_light);
-    sample.reason = sample.value.is_black() ? kWithout : NoLight::kNone;
-  } else if (shape_.touches(receiver.position, chosen.point.primitive)) {
+    sample.reason = sample.value.is_black() ? reason_without() : NoLight::kNone;
+  } else if (shape_->touches(receiver.position, chosen.point.primitive)) {
     sample.reason = NoLight::kDegenerate;
   } else if (!emits) {
     sample.reason = NoLight::kBehind;
@@ -128,60 +191,53 @@ LightSample AreaLight<Shape>::sample_li(const Receiver& receiver, Vec2 u) const 
   return sample;
 }
 
-template <typename Shape>
-SolidAnglePdf AreaLight<Shape>::pdf_li(const Receiver& receiver, const Vec3& wi) const {
+SolidAnglePdf AreaLight::pdf_li(const Receiver& receiver, const Vec3& wi) const {
   if (!is_finite(receiver.position) || !is_finite(wi)) return {0};
   SolidAnglePdf sum;
-  shape_.for_each_hit(receiver.position, wi, [&](const SurfacePoint& point) {
+  shape_->for_each_hit(receiver.position, wi, [&](const SurfacePoint& point) {
     sum.per_sr += pdf_li(receiver, point).per_sr;
   });
   return is_density(sum) ? sum : SolidAnglePdf{0};
 }
 
-template <typename Shape>
-SolidAnglePdf AreaLight<Shape>::pdf_li(const Receiver& receiver, const SurfacePoint& point) const {
+SolidAnglePdf AreaLight::pdf_li(const Receiver& receiver, const SurfacePoint& point) const {
   if (!is_finite(receiver.position) ||
       !emits_towards(point, receiver.position - point.position, receiver.position))
     return {0};
-  const SolidAnglePdf pdf = shape_.pdf(receiver, point);
+  const SolidAnglePdf pdf = chosen_by() == nullptr
+                                ? shape_->pdf(receiver, point)
+                                : pdf_seen_from(receiver.position, point, pdf_area(point));
   return is_density(pdf) ? pdf : SolidAnglePdf{0};
 }
 
-template <typename Shape>
-std::optional<Rgb> AreaLight<Shape>::irradiance(const Receiver& receiver) const {
-  if constexpr (kHasIrradiance)
-    return irradiance_of(radiance_, receiver, [&](const Vec3& normal) {
-      return shape_.projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
-    });
-  else
-    return std::nullopt;
+std::optional<Rgb> AreaLight::irradiance(const Receiver& receiver) const {
+  if (!has_irradiance()) return std::nullopt;
+  return irradiance_of(emission_.radiance_cd_m2, receiver, [&](const Vec3& normal) {
+    return shape_->projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
+  });
 }
 
 // A part dA of radiance L sends L cos(theta) cos(theta') dA / r^2.  The cosine at the receiver is
 // at most the part's height over r.  A panel sends at most I cos(theta') / r^2 for the file's
 // largest intensity I.
-template <typename Shape>
-MostIrradiance AreaLight<Shape>::most_irradiance(const Receiver& receiver) const {
+MostIrradiance AreaLight::most_irradiance(const Receiver& receiver) const {
   if (!(most_cd_m2_ > 0) || is_black()) return {};
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Vec3 p(receiver.position), n(receiver.normal);
   const bool all_around = n == Vec3{};
-  const double height = all_around ? kInfinity : shape_.height_above(p, n);
+  const double height = all_around ? kInfinity : shape_->height_above(p, n);
   if (!(height > 0) || !bounds()->reaches(receiver.position)) return {};
   // The illuminance if this radiance came from all directions.
-  double lx = kPanel ? kInfinity : most_cd_m2_ * std::numbers::pi * (all_around ? 4 : 1);
-  constexpr bool kDisk = requires { shape_.height_of(receiver.position); };
-  if constexpr (kDisk) {
-    // The closed form of a disk that the horizon cuts takes too long.
-    if (!emits_to_side(shape_.height_of(receiver.position))) return {};
-  } else if constexpr (kHasIrradiance) {
-    // A sum over all primitives, which takes too long for large meshes.
-    constexpr std::size_t kMany = 1024;
-    if (shape_.size() <= kMany)
-      if (const auto known = irradiance(receiver)) lx = luminance(Rgb(*known));
+  double lx =
+      panel() != nullptr ? kInfinity : most_cd_m2_ * std::numbers::pi * (all_around ? 4 : 1);
+  if (has_irradiance() && shape_->has_fast_closed_form()) {
+    if (const auto known = irradiance(receiver)) lx = luminance(*known);
     if (lx == 0) return {};
+  } else if (has_irradiance() && shape_->size() == 1) {
+    const auto height_m = shape_->height_over({}, receiver.position);
+    if (height_m && !emits_to_side(*height_m)) return {};
   }
-  const auto [lower, upper] = shape_.bounds();
+  const auto [lower, upper] = shape_->bounds();
   const auto outside = [](double at, double from, double to) {
     return std::max({0.0, from - at, at - to});
   };
@@ -190,10 +246,7 @@ MostIrradiance AreaLight<Shape>::most_irradiance(const Receiver& receiver) const
                   outside(p.z, lower.z, upper.z)});
   if (!(distance > 0)) return {lx, kInfinity};
   double most_cd = most_cd_m2_;
-  if constexpr (kPanel)
-    most_cd *= shape_.profile().web->max_cd();
-  else
-    most_cd *= area_m2();
+  most_cd *= panel() != nullptr ? panel()->profile.web->max_cd() : shape_->area();
   // The density of points of patches and pictures is at least half of the uniform one.
   constexpr double kLeastDensity = 0.5;
   const double sample_lx =
@@ -201,58 +254,63 @@ MostIrradiance AreaLight<Shape>::most_irradiance(const Receiver& receiver) const
   return {std::min(lx, sample_lx), sample_lx};
 }
 
-template <typename Shape>
-Rgb AreaLight<Shape>::le(const SurfacePoint& point, const Vec3& w) const {
+Rgb AreaLight::le(const SurfacePoint& point, const Vec3& w) const {
   const Vec3 v(w);
   return emits_towards(point, v) ? radiance_at(point, v) : Rgb{};
 }
 
-template <typename Shape>
-Power AreaLight<Shape>::power(const SceneSphere&) const {
-  const double sides = emission_.two_sided ? 2 : 1;
-  if constexpr (kPainted) {
-    const PaintedArea& painted = shape_.painted_area();
-    return {emission_.radiance_cd_m2 * painted.m2 * (sides * std::numbers::pi),
-            luminance(emission_.radiance_cd_m2) * painted.error_m2 * (sides * std::numbers::pi)};
-  } else if constexpr (kPanel) {
+Power AreaLight::power(const SceneSphere&) const {
+  const Rgb& level = emission_.radiance_cd_m2;
+  const double sr = sides() * std::numbers::pi;
+  const double area = shape_->area(), area_error = shape_->area_error_m2();
+  if (panel() == nullptr) {
+    if (painted() == nullptr) return {level * (sr * area), luminance(level) * sr * area_error};
+    return {level * painted()->area.m2 * sr, luminance(level) * painted()->area.error_m2 * sr};
+  }
+  // A flat shape's normals are a few roundings of its vertices apart, and so is their mean.
+  constexpr double kRounding = 16 * kInputRounding;
+  const double lean = shape_->normals().half_angle_rad;
+  // On one side, a point's own hemisphere lacks the directions between its plane and the mean
+  // plane.  On the other side it has as many more.
+  const double bend_lm = emission_.two_sided || lean <= kRounding
+                             ? 0
+                             : panel()->profile.web->horizon_flux_bound_lm(lean);
+  const double flux_lm = panel()->flux_lm(emission_.two_sided);
+  const double of_area = area_error / area;
+  if (painted() == nullptr) {
     // The radiance is the file's intensity over the area, and each point's true area multiplies it.
-    const Rgb lumens = emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided);
-    const double of_area = shape_.area_error_m2() / area_m2();
-    const double of_bend =
-        luminance(emission_.radiance_cd_m2) * shape_.flux_error_lm(emission_.two_sided);
-    return {lumens, luminance(lumens) * of_area + of_bend * (1 + of_area)};
-  } else {
-    const double sr = sides * std::numbers::pi;
-    return {emission_.radiance_cd_m2 * (sr * area_m2()),
-            luminance(emission_.radiance_cd_m2) * sr * shape_.area_error_m2()};
+    const Rgb lumens = level * flux_lm;
+    return {lumens, luminance(lumens) * of_area + luminance(level) * bend_lm * (1 + of_area)};
   }
+  // The mean of the picture multiplies it.
+  const Rgb lumens = level * painted()->area.m2 * (flux_lm / area);
+  const double brightest = luminance(level * painted()->picture.image->brightest());
+  return {lumens, luminance(lumens) * of_area +
+                      luminance(level) * painted()->area.error_m2 * (flux_lm / area) +
+                      brightest * bend_lm * (1 + of_area)};
 }
 
-template <typename Shape>
-Power AreaLight<Shape>::power_approximate(const SceneSphere& scene) const {
-  if constexpr (kPainted) {
-    const double sides = emission_.two_sided ? 2 : 1;
-    const Rgb mean = emission_.radiance_cd_m2 * shape_.picture().image->mean();
-    return approximate_power(mean * (sides * std::numbers::pi * area_m2()), power(scene));
-  } else {
-    return power(scene);
-  }
+Power AreaLight::power_approximate(const SceneSphere& scene) const {
+  if (painted() == nullptr) return power(scene);
+  const Rgb mean = emission_.radiance_cd_m2 * painted()->picture.image->mean();
+  const double factor = panel() == nullptr ? sides() * std::numbers::pi * shape_->area()
+                                           : panel()->flux_lm(emission_.two_sided);
+  return approximate_power(mean * factor, power(scene));
 }
 
-template <typename Shape>
-EmissionPdf AreaLight<Shape>::emission_pdf(const SurfacePoint& point, const Vec3& direction) const {
+EmissionPdf AreaLight::emission_pdf(const SurfacePoint& point, const Vec3& direction) const {
   const Vec3 w(direction);
   if (!emits_towards(point, w)) return {};
-  if constexpr (kPanel) return {{shape_.pdf_area(point).per_m2}, {shape_.pdf_direction(w).per_sr}};
+  const AreaPdf by_area = pdf_area(point);
+  if (panel() != nullptr)
+    return {by_area, panel()->profile.web->pdf(panel()->axes.local_from_world(w))};
   const double cosine = std::fabs(dot(point.normal, w));
-  const double sides = emission_.two_sided ? 2 : 1;
-  return {{shape_.pdf_area(point).per_m2}, {cosine * std::numbers::inv_pi / sides}};
+  return {by_area, {cosine * std::numbers::inv_pi / sides()}};
 }
 
-template <typename Shape>
-Vec3 AreaLight<Shape>::emission_direction(const SurfacePoint& point, Vec2 u_direction) const {
+Vec3 AreaLight::emission_direction(const SurfacePoint& point, Vec2 u_direction) const {
   Vec2 u{u_direction.x, u_direction.y};
-  if constexpr (kPanel) return shape_.sample_direction(u);
+  if (panel() != nullptr) return panel()->axes.world_from_local(panel()->profile.web->sample(u));
   double side = 1;
   if (emission_.two_sided) {
     side = u.x < 0.5 ? 1 : -1;
@@ -269,25 +327,22 @@ Vec3 AreaLight<Shape>::emission_direction(const SurfacePoint& point, Vec2 u_dire
   return Frame::around(point.normal).world_from_local({d.x, d.y, side * cosine});
 }
 
-template <typename Shape>
-EmissionSample AreaLight<Shape>::sample_le(Vec2 u_position, Vec2 u_direction,
-                                           const SceneSphere&) const {
+EmissionSample AreaLight::sample_le(Vec2 u_position, Vec2 u_direction, const SceneSphere&) const {
   // Sample by area.  The receiver that requests this is inside the shape: from there a sphere has
   // no cone of directions.
-  const auto [lower, upper] = shape_.bounds();
+  const auto [lower, upper] = shape_->bounds();
   Receiver by_area((lower + upper) * 0.5);
   by_area.area_sampling = AreaSampling::kLowDistortion;
-  const SurfacePoint point = shape_.sample(by_area, u_position).point;
+  const SurfacePoint point = sample_point(by_area, u_position).point;
   return ray_from(point, normalized(emission_direction(point, u_direction)));
 }
 
-template <typename Shape>
-EmissionSample AreaLight<Shape>::ray_from(const SurfacePoint& given, const Vec3& direction,
-                                          double slack_m) const {
+EmissionSample AreaLight::ray_from(const SurfacePoint& given, const Vec3& direction,
+                                   double slack_m) const {
   SurfacePoint point = given;
   // The normal that pdf_le will use.  Along the surface, two normals that differ by a rounding give
   // completely different cosines.
-  point.normal = shape_.located_normal(point, slack_m);
+  point.normal = shape_->located_normal(point, slack_m);
   EmissionSample sample;
   sample.origin = point.position;
   sample.normal = point.normal;
@@ -305,17 +360,16 @@ EmissionSample AreaLight<Shape>::ray_from(const SurfacePoint& given, const Vec3&
     sample.reason = NoLight::kOutOfRange;
   } else {
     sample.value = radiance_at(point, sample.direction);
-    if (sample.value.is_black()) sample.reason = kWithout;
+    if (sample.value.is_black()) sample.reason = reason_without();
   }
   if (!std::isfinite(pdf.position.per_m2)) sample.pdf_position = {};
   return sample;
 }
 
-template <typename Shape>
-EmissionPdf AreaLight<Shape>::pdf_le(const Vec3& position, const Vec3& direction,
-                                     const SceneSphere&, double slack_m) const {
+EmissionPdf AreaLight::pdf_le(const Vec3& position, const Vec3& direction, const SceneSphere&,
+                              double slack_m) const {
   if (!is_finite(position) || !is_finite(direction)) return {};
-  const auto point = shape_.locate(position, slack_m);
+  const auto point = shape_->locate(position, slack_m);
   if (!point) return {};
   const EmissionPdf pdf = emission_pdf(*point, direction);
   const bool good =
@@ -323,13 +377,17 @@ EmissionPdf AreaLight<Shape>::pdf_le(const Vec3& position, const Vec3& direction
   return good ? pdf : EmissionPdf{};
 }
 
-template <typename Shape>
-std::optional<LightBounds> AreaLight<Shape>::bounds() const {
-  const auto [lower, upper] = shape_.bounds();
-  const NormalCone normals = shape_.normals();
-  if constexpr (kPanel) {
-    const NormalCone cone = shape_.directions(emission_.two_sided);
-    return LightBounds{lower, upper, cone.axis, cone.half_angle_rad};
+std::optional<LightBounds> AreaLight::bounds() const {
+  const auto [lower, upper] = shape_->bounds();
+  const NormalCone normals = shape_->normals();
+  if (panel() != nullptr) {
+    const EmissionCone& file = panel()->profile.web->cone();
+    // Each normal has its own hemisphere.
+    const double hemisphere = kPi / 2 + normals.half_angle_rad;
+    if (emission_.two_sided || file.half_angle_rad <= hemisphere)
+      return LightBounds{lower, upper, panel()->axes.world_from_local(file.axis),
+                         file.half_angle_rad};
+    return LightBounds{lower, upper, panel()->axes.n, hemisphere};
   }
   const double cone = emission_.two_sided ? kPi : std::min(kPi, normals.half_angle_rad + kPi / 2);
   return LightBounds{.lower = lower,
@@ -340,21 +398,21 @@ std::optional<LightBounds> AreaLight<Shape>::bounds() const {
                      .two_sided = emission_.two_sided};
 }
 
-template <typename Shape>
-absl::StatusOr<std::shared_ptr<const Light>> AreaLight<Shape>::with_emission(
-    const DiffuseEmission& emission) const {
-  auto changed = create(emission, shape_);
-  if (!changed.ok()) return changed.status();
-  return std::make_shared<const AreaLight>(*std::move(changed));
+LightBytes AreaLight::own_bytes() const {
+  LightBytes bytes{.object = sizeof *this, .data = shape_->bytes()};
+  if (pattern_ != nullptr) bytes.data += sizeof(Pattern);
+  if (const Painted* const by = chosen_by()) {
+    bytes.tables = by->distribution->bytes();
+    bytes.data += bytes.tables - sizeof *by->distribution;
+  }
+  return bytes;
 }
 
-std::optional<LightParams> SurfaceLight::made_from() const { return std::nullopt; }
+SharedData AreaLight::shared_data() const {
+  return {.image = painted() != nullptr ? painted()->picture.image.get() : nullptr,
+          .web = panel() != nullptr ? panel()->profile.web.get() : nullptr};
+}
 
-#define LUCERNA_AREA_LIGHT(Shape) template class AreaLight<Shape>;
-#define LUCERNA_PAINTED_LIGHT(Shape) LUCERNA_AREA_LIGHT(Painted##Shape)
-#define LUCERNA_PANEL_LIGHT(Shape) LUCERNA_AREA_LIGHT(Panel##Shape)
-LUCERNA_AREA_SHAPES(LUCERNA_AREA_LIGHT)
-LUCERNA_AREA_SHAPES(LUCERNA_PAINTED_LIGHT)
-LUCERNA_FLAT_SHAPES(LUCERNA_PANEL_LIGHT)
+std::optional<LightParams> AreaLight::made_from() const { return std::nullopt; }
 
 }  // namespace lucerna

@@ -84,7 +84,7 @@ struct EmissionPdf {
 /// A point of a light's surface, found by sampling or by a ray.
 struct SurfacePoint {
   Vec3 position;  ///< about the scene's origin [m]
-  Vec3 normal;    ///< geometric, unit, on the emitting side of a one-sided light
+  Vec3 normal{};  ///< geometric, unit, on the emitting side of a one-sided light
   std::uint32_t primitive{};
 };
 

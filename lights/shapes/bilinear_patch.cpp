@@ -68,7 +68,7 @@ AreaPdf pdf_area(const BilinearPatch& patch, const BilinearForm& p, const Corner
 }
 
 /// The corners' weights are computed once for a point and its density.
-ChosenPoint sample_area_from(const BilinearPatch& patch, const BilinearForm& p,
+ShapeSample sample_area_from(const BilinearPatch& patch, const BilinearForm& p,
                              const Receiver& receiver, Vec2 u) {
   const CornerWeights weights(p);
   const SurfacePoint point = sample_area(p, weights, u);
@@ -207,7 +207,7 @@ bool BilinearPatch::touches(const Vec3& p) const {
   return true;
 }
 
-ChosenPoint BilinearPatch::sample(const Receiver& receiver, Vec2 u) const {
+ShapeSample BilinearPatch::sample(const Receiver& receiver, Vec2 u) const {
   const BilinearForm p(*this);
   const Seen seen(*this, p, receiver);
   SurfacePoint point;
@@ -226,7 +226,7 @@ ChosenPoint BilinearPatch::sample(const Receiver& receiver, Vec2 u) const {
   return {point, pdf_of(*this, p, seen, receiver, point), to_point};
 }
 
-ChosenPoint BilinearPatch::sample_area(const Receiver& receiver, Vec2 u) const {
+ShapeSample BilinearPatch::sample_area(const Receiver& receiver, Vec2 u) const {
   return sample_area_from(*this, BilinearForm(*this), receiver, u);
 }
 

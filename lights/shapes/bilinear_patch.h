@@ -33,7 +33,7 @@ struct BilinearPatch {
   /// between them.  Uniform on flat convex patches.  `u` in [0, 1]^2.  [Pharr23, 6.6.2]
   SurfacePoint sample_area(Vec2 u) const;
   /// The same with the density at `receiver`.
-  ChosenPoint sample_area(const Receiver& receiver, Vec2 u) const;
+  ShapeSample sample_area(const Receiver& receiver, Vec2 u) const;
   /// Density of sample_area at a point of the patch, summed over all (u, v) of that point.
   AreaPdf pdf_area(const Vec3& position) const;
   /// |dp/du x dp/dv| [m2]
@@ -55,7 +55,7 @@ struct BilinearPatch {
   /// For a rectangle: a point chosen in the way that `receiver` requests.  Uses sample_area if
   /// there is no density by solid angle.  Without the cosine's warp if
   /// lights/sampling/spherical_fan.h applies.  `u` in [0, 1]^2.  [Urena13]
-  ChosenPoint sample(const Receiver& receiver, Vec2 u) const;
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const;
   /// Density of `sample` at a point of the rectangle.
   SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const;
   /// Nearest hit in (t_min, t_max). Its (u, v) goes to `*uv_hit` if that is not null. [Reshetov19]

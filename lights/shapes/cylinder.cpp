@@ -136,8 +136,8 @@ NormalCone Cylinder::normals() const {
           std::min(middle + kNormalSlackRad, std::numbers::pi)};
 }
 
-Vec2 Cylinder::uv(const Vec3& position) const {
-  const Vec3 p = object_from_world_.point(position);
+Vec2 Cylinder::uv(const SurfacePoint& point) const {
+  const Vec3 p = object_from_world_.point(point.position);
   const double v = (p.z - params_.z_min_m) / (params_.z_max_m - params_.z_min_m);
   return {share_of_sweep(p, params_.phi_max_rad), std::clamp(v, 0.0, 1.0)};
 }

@@ -31,9 +31,8 @@ struct CylinderParams {
 /// Normals are geometric.  They point away from the axis, also under mirrors, unless
 /// `reverse_orientation` is set.  Immutable, so safe to share between threads.  Calls allocate only
 /// for error messages.
-class Cylinder : public Quadric<Cylinder, CylinderParams> {
+class Cylinder final : public Quadric<Cylinder, CylinderParams> {
  public:
-  static constexpr bool kHasProjectedSolidAngle = false;
   static constexpr std::string_view kName = "cylinder";
 
   /// Errors: a field out of its domain; bounds that `double` cannot hold.
@@ -41,30 +40,37 @@ class Cylinder : public Quadric<Cylinder, CylinderParams> {
 
   /// OK where this shape can carry a light: equal factors across the axis, any factor along it, no
   /// shear.  Else InvalidArgument with the factors.
-  absl::Status emissive_error() const;
+  absl::Status emissive_error() const override;
 
   /// Uniform by area.  [Pharr23, 6.3.3]
-  ShapeSample sample(const Receiver& receiver, Vec2 u) const;
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const override;
   /// The density of `sample` at a point of the surface.
-  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const;
+  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const override;
 
   /// Whether `p` lies on it, to within the rounding of doubles.
-  bool touches(const Vec3& p, std::uint32_t primitive = 0) const;
+  bool touches(const Vec3& p, std::uint32_t primitive = 0) const override;
 
+  bool has_closed_form() const override { return false; }
+  bool has_fast_closed_form() const override { return false; }
+  std::optional<double> projected_solid_angle_sr(const Vec3&, const Vec3&, bool) const override {
+    return std::nullopt;
+  }
+  bool hides_itself() const override { return false; }
   /// All directions for a whole cylinder; for a part a cone around its middle.
-  NormalCone normals() const;
+  NormalCone normals() const override;
 
   /// The mapping of pictures: u is the share of the sweep, v runs from the lower end (0) to the
   /// upper end (1).  [Pharr23, 6.3.2]
-  Vec2 uv(const Vec3& position) const;
-  BandArea area_of(const Band& band) const;
-  /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
-  SurfacePoint at_shares(Vec2 shares) const;
+  Vec2 uv(const SurfacePoint& point) const override;
+  BandArea area_of(const Band& band) const override;
+  SurfacePoint at_shares(Vec2 shares) const override;
 
   /// World bounds about the origin, {lower, upper}. A part has the bounds of the whole cylinder.
-  std::pair<Vec3, Vec3> bounds() const;
+  std::pair<Vec3, Vec3> bounds() const override;
   /// None: the cylinder is not flat.
-  std::optional<double> height_over(const SurfacePoint&, const Vec3&) const { return std::nullopt; }
+  std::optional<double> height_over(const SurfacePoint&, const Vec3&) const override {
+    return std::nullopt;
+  }
 
   /// The whole cylinder, with its ends.
   RoundEnclosure enclosure() const {

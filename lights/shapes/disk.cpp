@@ -133,7 +133,7 @@ ShapeSample Disk::sample(const Receiver& receiver, Vec2 u) const {
 SolidAnglePdf Disk::pdf(const Seen& seen, const Receiver& receiver,
                         const SurfacePoint& point) const {
   if (!seen.ellipse)
-    return as_seen_from(receiver.position, point, AreaPdf{1 / area_m2_}, seen.height_m);
+    return pdf_seen_from(receiver.position, point, AreaPdf{1 / area_m2_}, seen.height_m);
   const Vec3 p = object_from_world_.point(point.position);
   const Vec2 q{p.x * seen.x + p.y * seen.y, p.y * seen.x - p.x * seen.y};
   return {seen.ellipse->pdf(q)};
@@ -183,8 +183,8 @@ std::optional<Vec3> Disk::nearest(const Vec3& p) const {
 
 NormalCone Disk::normals() const { return {normal_, 0}; }
 
-Vec2 Disk::uv(const Vec3& position) const {
-  const Vec3 p = object_from_world_.point(position);
+Vec2 Disk::uv(const SurfacePoint& point) const {
+  const Vec3 p = object_from_world_.point(point.position);
   const double v =
       (params_.radius_m - std::hypot(p.x, p.y)) / (params_.radius_m - params_.inner_radius_m);
   return {share_of_sweep(p, params_.phi_max_rad), std::clamp(v, 0.0, 1.0)};

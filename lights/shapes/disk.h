@@ -31,50 +31,50 @@ struct DiskParams {
 /// The normal stays on the side of object space's +z, also under mirrors, unless
 /// `reverse_orientation` is set.  Immutable, so safe to share between threads.  Calls allocate only
 /// for error messages.
-class Disk : public Quadric<Disk, DiskParams> {
+class Disk final : public Quadric<Disk, DiskParams> {
  public:
-  static constexpr bool kHasProjectedSolidAngle = true;
   static constexpr std::string_view kName = "disk";
 
   /// Errors: a field out of its domain; bounds that `double` cannot hold.
   static absl::StatusOr<Disk> create(const DiskParams& params, const Vec3& origin_m = {});
 
-  /// Always OK.
-  absl::Status emissive_error() const { return absl::OkStatus(); }
+  absl::Status emissive_error() const override { return absl::OkStatus(); }
 
   /// A point chosen in the way that `receiver` requests.  kSolidAngle applies to a whole disk under
   /// a map of equal scale, if lights/sampling/spherical_ellipse.h has a density at the receiver.
   /// All other cases are uniform by area.  [Pharr23, 6.4.3; Guillen17]
-  ShapeSample sample(const Receiver& receiver, Vec2 u) const;
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const override;
   /// The density of `sample` at a point of the surface.
-  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const;
+  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const override;
 
   /// How far `p` is above the plane, on the side of the normal [m]; as in Triangle.
   double height_of(const Vec3& p) const;
-  std::optional<double> height_over(const SurfacePoint&, const Vec3& p) const {
+  std::optional<double> height_over(const SurfacePoint&, const Vec3& p) const override {
     return height_of(p);
   }
   /// Whether `p`, which is in the plane, is within the disk or on its edges to 1e-14.
-  bool touches(const Vec3& p, std::uint32_t primitive = 0) const;
+  bool touches(const Vec3& p, std::uint32_t primitive = 0) const override;
 
+  bool has_closed_form() const override { return true; }
+  /// Where the horizon cuts a disk, the form takes too long.
+  bool has_fast_closed_form() const override { return false; }
   /// The projected solid angle [sr] of the sides that emit towards `position`, above the horizon of
   /// the unit vector `normal`.  Nothing for shapes that are not a whole circle.
   std::optional<double> projected_solid_angle_sr(const Vec3& position, const Vec3& normal,
-                                                 bool two_sided) const;
-  bool hides_itself() const { return false; }
+                                                 bool two_sided) const override;
+  bool hides_itself() const override { return false; }
 
   /// The single normal.
-  NormalCone normals() const;
+  NormalCone normals() const override;
 
   /// The mapping of pictures: u is the share of the sweep, v runs from the rim (0) to the inner
   /// edge (1).  [Pharr23, 6.4.2]
-  Vec2 uv(const Vec3& position) const;
-  BandArea area_of(const Band& band) const;
-  /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
-  SurfacePoint at_shares(Vec2 shares) const;
+  Vec2 uv(const SurfacePoint& point) const override;
+  BandArea area_of(const Band& band) const override;
+  SurfacePoint at_shares(Vec2 shares) const override;
 
   /// World bounds about the origin, {lower, upper}. A sector has the bounds of the whole disk.
-  std::pair<Vec3, Vec3> bounds() const;
+  std::pair<Vec3, Vec3> bounds() const override;
 
   /// The whole ellipse, as a prism of height 0.
   RoundEnclosure enclosure() const {

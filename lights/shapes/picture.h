@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lights/pictures/image.h"
-#include "lights/shapes/shape.h"
 
 namespace lucerna {
 
@@ -21,6 +20,19 @@ struct Picture {
   std::string name;  ///< name that ListLights reports
 
   Rgb at(Vec2 uv) const { return image->lookup({uv.x, 1 - uv.y}, filter, ImageBorder::kClamp); }
+};
+
+/// A band across a picture from side to side, in shares of its height, which add up to 1. All three
+/// are stored, because differences would lose digits for thin bands.
+struct Band {
+  double above, height, below;
+};
+
+/// The part of a surface's area that a band of its picture covers.
+struct BandArea {
+  double share;  ///< of the whole
+  double tilt;   ///< integral over the band, in shares, of a weight from -1 at its top to 1 at its
+                 ///< bottom
 };
 
 /// A picture integrated over a surface's area.

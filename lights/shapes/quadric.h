@@ -18,7 +18,7 @@
 
 #include "lights/maths/normal_cone.h"
 #include "lights/maths/transform.h"
-#include "lights/shapes/shape.h"
+#include "lights/shapes/round_shape.h"
 
 namespace lucerna {
 
@@ -57,25 +57,23 @@ struct RoundEnclosure {
   bool is_prism;
 };
 
-/// `Shape` derives from this class and has the private members
+/// `Self` derives from this class and has the private members
 /// - `roots(origin, direction, t_min, t_max, out)`: finds where a world ray meets the surface with
 ///   t in (t_min, t_max), by increasing t.  Returns the number of roots.
 /// - `nearest(q)`: the point nearest to `q` on the surface with a full sweep, object space. None if
 ///   `q` has no nearest point.
 /// - `normal_at(p)`: the world normal at a point of the surface.
 /// and the public member `bounds`.
-template <typename Shape, typename ShapeParams>
-class Quadric {
+template <typename Self, typename ShapeParams>
+class Quadric : public RoundShape {
  public:
   using Params = ShapeParams;
 
-  /// The area [m2]; 0 if `emissive_error` does not allow the map.
-  double area() const { return area_m2_; }
-  /// The area is exact.
-  double area_error_m2() const { return 0; }
-  /// One surface has one primitive.
-  std::size_t size() const { return 1; }
-  std::size_t bytes() const { return sizeof(Shape); }
+  /// 0 if `emissive_error` does not allow the map.
+  double area() const override { return area_m2_; }
+  double area_error_m2() const override { return 0; }
+  std::size_t size() const override { return 1; }
+  std::size_t bytes() const override { return sizeof(Self); }
 
   /// First hit with t in (t_min, t_max), `direction` of any length.  Rays pass through the part
   /// that is cut away.  The hit is moved onto the surface, which removes rounding.
@@ -93,17 +91,14 @@ class Quadric {
     for (int i = 0; i < count; ++i) found.add(root[i].t, surface_point(root[i].p));
     return found;
   }
-  /// Calls `f(surface_point)` for every point of the surface along the unit vector `wi`.
-  template <typename F>
-  void for_each_hit(const Vec3& receiver, const Vec3& wi, F&& f) const {
+  void for_each_hit(const Vec3& receiver, const Vec3& wi,
+                    absl::FunctionRef<void(const SurfacePoint&)> f) const override {
     const auto found = hits(receiver, wi, 0, std::numeric_limits<double>::infinity());
     for (int i = 0; i < found.count; ++i) f(found.hit[i].point);
   }
 
-  /// Density of points chosen by area: 1 / area.
-  AreaPdf pdf_area(const SurfacePoint&) const { return {1 / area_m2_}; }
-  /// The point of the surface at `position`, if there is one to within rounding and `slack_m`.
-  std::optional<SurfacePoint> locate(const Vec3& position, double slack_m = 0) const {
+  AreaPdf pdf_area(const SurfacePoint&) const override { return {1 / area_m2_}; }
+  std::optional<SurfacePoint> locate(const Vec3& position, double slack_m = 0) const override {
     std::optional<Vec3> q = self().nearest(object_from_world_.point(position));
     if (!q) return std::nullopt;
     q = nearest_swept(*q, params_.phi_max_rad);
@@ -111,15 +106,13 @@ class Quadric {
     if (!(length(nearest - position) <= rounding_m(self().bounds()) + slack_m)) return std::nullopt;
     return SurfacePoint{position, self().normal_at(*q)};
   }
-  /// The normal that `locate` finds at the position of `p`.
-  Vec3 located_normal(const SurfacePoint& p, double slack_m) const {
+  Vec3 located_normal(const SurfacePoint& p, double slack_m) const override {
     const auto found = locate(p.position, slack_m);
     return found ? found->normal : p.normal;
   }
 
-  /// A bound on the height of its points over the plane through `p` with the unit normal `n` [m]:
-  /// the height of the enclosure.
-  double height_above(const Vec3& p, const Vec3& n) const {
+  /// The height of the enclosure.
+  double height_above(const Vec3& p, const Vec3& n) const override {
     const RoundEnclosure e = self().enclosure();
     const double x = dot(e.x, n), y = dot(e.y, n), z = dot(e.z, n);
     return dot(e.center - p, n) +
@@ -138,8 +131,8 @@ class Quadric {
 
   /// `shape` if its bounds fit `double`.  Else InvalidArgument with the world position of `what`,
   /// such as "the disk", which is `at` in object space.
-  static absl::StatusOr<Shape> with_finite_bounds(Shape shape, std::string_view name,
-                                                  std::string_view what, const Vec3& at) {
+  static absl::StatusOr<Self> with_finite_bounds(Self shape, std::string_view name,
+                                                 std::string_view what, const Vec3& at) {
     const auto [lower, upper] = shape.bounds();
     if (is_finite(lower) && is_finite(upper)) return shape;
     const Vec3 p = shape.world_from_object_.point(at);
@@ -175,7 +168,7 @@ class Quadric {
   }
   /// The density of points chosen uniformly by area, seen from a receiver.
   SolidAnglePdf pdf_by_area(const Receiver& receiver, const SurfacePoint& point) const {
-    return as_seen_from(receiver.position, point, AreaPdf{1 / area_m2_});
+    return pdf_seen_from(receiver.position, point, AreaPdf{1 / area_m2_});
   }
 
   /// The two parameters at which a line meets a circle or sphere of radius `r`, the smaller first.
@@ -195,7 +188,7 @@ class Quadric {
   double area_m2_ = 0;                               // 0: the map does not preserve shares of area
 
  private:
-  const Shape& self() const { return static_cast<const Shape&>(*this); }
+  const Self& self() const { return static_cast<const Self&>(*this); }
 };
 
 }  // namespace lucerna

@@ -1,18 +1,25 @@
-// Types and functions that the shapes of area lights share, including the conversion of densities
-// from area to solid angle.
+// The interface of shapes: what an area light needs from its shape.  Also types and functions that
+// shapes share.  lights/shapes/all_shapes.h lists the shapes.
 //
-// Shapes store their numbers in `double` or double and compute in double.  A point is rounded to
-// `double` first, and its density belongs to the rounded point.  So a sample's density has the same
-// bits as a later call of `pdf` for its point.
+// A sample's density has the same bits as a later call of `pdf` for its point.
 #pragma once
+
+#include <absl/functional/function_ref.h>
+#include <absl/status/status.h>
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
+#include "lights/maths/normal_cone.h"
+#include "lights/pictures/image_distribution.h"
 #include "lights/sampling/light_sample.h"
+#include "lights/shapes/picture.h"
 
 namespace lucerna {
 
@@ -22,13 +29,6 @@ struct ShapeSample {
   SolidAnglePdf pdf;  ///< not positive or not finite: no direction exists for this point
   /// From the receiver to the point before rounding.  Zero: the difference of the positions is as
   /// exact.  Close to the light, rounding moves the point by more than its distance.
-  Vec3 to_point{};
-};
-
-/// The same for a primitive of a mesh.
-struct ChosenPoint {
-  SurfacePoint point;
-  SolidAnglePdf pdf;
   Vec3 to_point{};
 };
 
@@ -45,6 +45,85 @@ struct ShapeHits {
 
   void add(double t, const SurfacePoint& point) { hit[count++] = {t, point}; }
 };
+
+/// A shape that can be an area light.  Positions are about the scene's origin [m].  Immutable, so
+/// safe to share between threads.
+class Shape {
+ public:
+  virtual ~Shape() = default;
+
+  /// The area, and a bound on its error, 0 where it is exact [m2].
+  virtual double area() const = 0;
+  virtual double area_error_m2() const = 0;
+  /// OK where the shape can carry a light.
+  virtual absl::Status emissive_error() const = 0;
+  /// How many primitives it has.
+  virtual std::size_t size() const = 0;
+  /// Its memory, with its vectors.
+  virtual std::size_t bytes() const = 0;
+
+  /// A point seen from `receiver`, chosen in the way that it requests.
+  virtual ShapeSample sample(const Receiver& receiver, Vec2 u) const = 0;
+  /// The density of `sample` at a point of the shape.
+  virtual SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const = 0;
+  /// The density of points chosen by area.
+  virtual AreaPdf pdf_area(const SurfacePoint& point) const = 0;
+
+  /// Calls `f` with each point of the shape along the unit vector `wi`.
+  virtual void for_each_hit(const Vec3& position, const Vec3& wi,
+                            absl::FunctionRef<void(const SurfacePoint&)> f) const = 0;
+  /// Whether a position lies on a primitive; of flat ones, one that sees it edge-on.
+  virtual bool touches(const Vec3& position, std::uint32_t primitive) const = 0;
+  /// How far a position is above the plane of the primitive of `point`.  None for curved ones.
+  virtual std::optional<double> height_over(const SurfacePoint& point,
+                                            const Vec3& position) const = 0;
+  /// A bound on the height of its points over the plane through `p` with the unit normal `n` [m].
+  virtual double height_above(const Vec3& p, const Vec3& n) const = 0;
+  /// The point at `position`, if there is one to within rounding and `slack_m`; the normal that
+  /// this finds at the position of `point`, on its primitive.
+  virtual std::optional<SurfacePoint> locate(const Vec3& position, double slack_m) const = 0;
+  virtual Vec3 located_normal(const SurfacePoint& point, double slack_m) const = 0;
+  /// A cone with all normals, and the box {lower, upper}.
+  virtual NormalCone normals() const = 0;
+  virtual std::pair<Vec3, Vec3> bounds() const = 0;
+
+  /// Whether `projected_solid_angle_sr` may have a closed form, and whether that is fast.
+  virtual bool has_closed_form() const = 0;
+  virtual bool has_fast_closed_form() const = 0;
+  /// The projected solid angle [sr] of all sides that emit towards `position`, above the horizon of
+  /// the unit vector `normal`, without occlusion between primitives.  Nothing without closed form.
+  virtual std::optional<double> projected_solid_angle_sr(const Vec3& position, const Vec3& normal,
+                                                         bool two_sided) const = 0;
+  /// Whether a part of it may occlude another, if it has a closed form.
+  virtual bool hides_itself() const = 0;
+
+  /// The (u, v) of a picture at a point of the shape.
+  virtual Vec2 uv(const SurfacePoint& point) const = 0;
+  /// The integral of a picture over the shape.
+  virtual PaintedArea painted_area(const Picture& picture) const = 0;
+  /// From which the next two choose points by a picture's luminance, for
+  /// - disks and spheres, up to the curvature within a row of texels, and cylinders;
+  /// - meshes of unfolded patches that each show the whole picture, in (u, v);
+  /// - two triangles that show the whole picture together.
+  /// None for others and for black pictures: choose points as if there were no picture.
+  virtual std::optional<ImageDistribution> distribution(const Picture& picture) const = 0;
+  virtual SurfacePoint sample_picture(const Picture& picture, const ImageDistribution& distribution,
+                                      Vec2 u) const = 0;
+  /// The density, which is exact in every case.
+  virtual AreaPdf pdf_picture(const Picture& picture, const ImageDistribution& distribution,
+                              const SurfacePoint& point) const = 0;
+
+ protected:
+  Shape() = default;
+  Shape(const Shape&) = default;
+  Shape& operator=(const Shape&) = default;
+};
+
+/// `distribution`, or nothing if it is that of a black picture, which may show at any point.
+inline std::optional<ImageDistribution> if_not_black(ImageDistribution distribution) {
+  if (!(distribution.integral() > 0)) return std::nullopt;
+  return distribution;
+}
 
 /// The density by solid angle at `receiver` for a `point` with the density `pdf` by area. Infinite
 /// if the receiver is in the plane of the point.  0 if the receiver is the point or not finite.
@@ -63,15 +142,6 @@ inline SolidAnglePdf pdf_seen_from(const Vec3& receiver, const SurfacePoint& poi
   if (!(distance > 0) || !std::isfinite(distance)) return {0};
   return to_solid_angle(pdf, distance, std::fabs(height) / distance);
 }
-/// The same in `double`.
-inline SolidAnglePdf as_seen_from(const Vec3& receiver, const SurfacePoint& point, AreaPdf pdf) {
-  return {pdf_seen_from(receiver, point, pdf).per_sr};
-}
-inline SolidAnglePdf as_seen_from(const Vec3& receiver, const SurfacePoint& point, AreaPdf pdf,
-                                  double height) {
-  return {pdf_seen_from(receiver, point, pdf, height).per_sr};
-}
-
 /// The weight of a light's corner in kCosineSolidAngle.  `to_corner` starts at a receiver with
 /// `normal`.
 inline double cosine_weight(const Vec3& normal, const Vec3& to_corner) {
@@ -108,19 +178,6 @@ inline double share_of_sweep(const Vec3& p, double phi_max_rad) {
   if (phi <= phi_max_rad) return phi / phi_max_rad;
   return is_nearer_to_last(phi, phi_max_rad) ? 1 : 0;
 }
-
-/// A band across a picture from side to side, in shares of its height, which add up to 1. All three
-/// are stored, because differences would lose digits for thin bands.
-struct Band {
-  double above, height, below;
-};
-
-/// The part of a surface's area that a band of its picture covers.
-struct BandArea {
-  double share;  ///< of the whole
-  double tilt;   ///< integral over the band, in shares, of a weight from -1 at its top to 1 at its
-                 ///< bottom
-};
 
 /// The box {lower, upper}, wider by a rounding on each side.
 inline std::pair<Vec3, Vec3> rounded_outwards(const Vec3& lower, const Vec3& upper) {

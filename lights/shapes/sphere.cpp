@@ -203,8 +203,8 @@ NormalCone Sphere::normals() const {
           std::min(std::min(up, down) + kNormalSlackRad, std::numbers::pi)};
 }
 
-Vec2 Sphere::uv(const Vec3& position) const {
-  const Vec3 p = object_from_world_.point(position);
+Vec2 Sphere::uv(const SurfacePoint& point) const {
+  const Vec3 p = object_from_world_.point(point.position);
   // atan2: the arccosine of z loses half of its digits near the poles.
   const double theta = std::atan2(std::hypot(p.x, p.y), p.z);
   const double bottom = polar_angle(z_min_m_, params_.radius_m);

@@ -30,9 +30,8 @@ struct SphereParams {
 
 /// Normals are geometric.  They point outwards, also under mirrors, unless `reverse_orientation` is
 /// set.  Immutable, so safe to share between threads.  Calls allocate only for error messages.
-class Sphere : public Quadric<Sphere, SphereParams> {
+class Sphere final : public Quadric<Sphere, SphereParams> {
  public:
-  static constexpr bool kHasProjectedSolidAngle = true;
   static constexpr std::string_view kName = "sphere";
 
   /// Errors: a field out of its domain; nothing left of the sphere; bounds that `double` cannot
@@ -40,42 +39,45 @@ class Sphere : public Quadric<Sphere, SphereParams> {
   static absl::StatusOr<Sphere> create(const SphereParams& params, const Vec3& origin_m = {});
 
   /// OK where this shape can carry a light.  Else InvalidArgument with the unequal factors.
-  absl::Status emissive_error() const;
+  absl::Status emissive_error() const override;
 
   /// A point seen from `receiver`, chosen in the way that it requests.  With kSolidAngle, a whole
   /// sphere is sampled uniformly in its cone from outside, and uniformly over all directions from
   /// inside.  Cut spheres, and receivers within a thousandth of the radius below the surface, use
   /// area sampling.  [Pharr23, 6.2.4]
-  ShapeSample sample(const Receiver& receiver, Vec2 u) const;
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const override;
   /// The density of `sample` at a point of the surface.  For a whole sphere seen from outside, 0 on
   /// the far side, which is never sampled.
-  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const;
+  SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const override;
 
   /// Whether `p` lies on it, to within the rounding of doubles.
-  bool touches(const Vec3& p, std::uint32_t primitive = 0) const;
+  bool touches(const Vec3& p, std::uint32_t primitive = 0) const override;
 
+  bool has_closed_form() const override { return true; }
+  bool has_fast_closed_form() const override { return true; }
   /// The projected solid angle [sr] of the sides that emit towards `position`, above the horizon of
   /// the unit vector `normal`. From outside, the near side counts; from inside, all.  Nothing for
   /// cut spheres, and for positions on the surface to within the rounding of doubles.
   std::optional<double> projected_solid_angle_sr(const Vec3& position, const Vec3& normal,
-                                                 bool two_sided) const;
+                                                 bool two_sided) const override;
   /// No part of its near side occludes another.
-  bool hides_itself() const { return false; }
+  bool hides_itself() const override { return false; }
 
   /// All directions for a whole sphere; for a part a cone that contains its normals.
-  NormalCone normals() const;
+  NormalCone normals() const override;
 
   /// The mapping of pictures: u is the share of the sweep, v runs from the lower end (0) to the
   /// upper end (1).  [Pharr23, 6.2.2]
-  Vec2 uv(const Vec3& position) const;
-  BandArea area_of(const Band& band) const;
-  /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
-  SurfacePoint at_shares(Vec2 shares) const;
+  Vec2 uv(const SurfacePoint& point) const override;
+  BandArea area_of(const Band& band) const override;
+  SurfacePoint at_shares(Vec2 shares) const override;
 
   /// World bounds about the origin, {lower, upper}.
-  std::pair<Vec3, Vec3> bounds() const;
+  std::pair<Vec3, Vec3> bounds() const override;
   /// None: the sphere is not flat.
-  std::optional<double> height_over(const SurfacePoint&, const Vec3&) const { return std::nullopt; }
+  std::optional<double> height_over(const SurfacePoint&, const Vec3&) const override {
+    return std::nullopt;
+  }
 
   /// The ellipsoid that it is a part of.
   RoundEnclosure enclosure() const {

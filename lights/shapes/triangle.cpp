@@ -76,7 +76,7 @@ SurfacePoint Triangle::sample_area(Vec2 u, AreaSampling way) const {
 
 AreaPdf Triangle::pdf_area(const Vec3&) const { return uniform_triangle_pdf(area()); }
 
-ChosenPoint Triangle::sample(const Receiver& receiver, Vec2 u) const {
+ShapeSample Triangle::sample(const Receiver& receiver, Vec2 u) const {
   const Seen seen(*this, receiver);
   SurfacePoint point;
   Vec3 to_point;

@@ -28,7 +28,7 @@ struct Triangle {
   /// A point chosen in the way that `receiver` requests.  Uses area sampling if there is no density
   /// by solid angle.  Without the cosine's warp if lights/sampling/low_triangle.h applies.  The
   /// density of the point has the same bits as `pdf`.  [Arvo95]
-  ChosenPoint sample(const Receiver& receiver, Vec2 u) const;
+  ShapeSample sample(const Receiver& receiver, Vec2 u) const;
   /// Density of `sample` at a point of the triangle.
   SolidAnglePdf pdf(const Receiver& receiver, const SurfacePoint& point) const;
   /// The hit, if its t is in (t_min, t_max); `direction` of any length.  Edges and vertices belong

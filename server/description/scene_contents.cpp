@@ -22,10 +22,13 @@ static_assert(kTextures.size() == std::variant_size_v<TextureNode>);
 constexpr std::array<std::string_view, 4> kCameras{"perspective", "orthographic",
                                                    "spherical, equal area", "spherical"};
 
-#define LUCERNA_NAME(Shape) , Shape::kName
-constexpr std::array<std::string_view, std::variant_size_v<decltype(ShapeDescription::geometry)>>
-    kShapes{"triangle mesh", "bilinear mesh", "curve" LUCERNA_QUADRICS(LUCERNA_NAME)};
-#undef LUCERNA_NAME
+constexpr auto kShapes = [] {
+  std::array<std::string_view, std::variant_size_v<Geometry>> names{"triangle mesh",
+                                                                    "bilinear mesh", "curve"};
+  std::size_t next = 3;
+  Quadrics::for_each([&]<typename Shape>() { names[next++] = Shape::kName; });
+  return names;
+}();
 
 /// Counts by the index of a variant.
 template <std::size_t kSize>

@@ -17,7 +17,7 @@
 #include "lights/maths/motion.h"
 #include "lights/maths/transform.h"
 #include "lights/models/all_lights.h"
-#include "lights/shapes/picture.h"
+#include "lights/shapes/all_shapes.h"
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset.h"
 #include "server/assets/load_limits.h"
@@ -101,11 +101,17 @@ struct CurveData {
   }
 };
 
+namespace internal {
+template <typename... Shapes>
+std::variant<TriangleMeshData, PatchMeshData, CurveData, typename Shapes::Params...> geometry_of(
+    ShapeTypes<Shapes...>);
+}  // namespace internal
+
+/// The parameters of any shape.
+using Geometry = decltype(internal::geometry_of(Quadrics()));
+
 struct ShapeDescription {
-#define LUCERNA_PARAMS(Shape) , Shape##Params
-  std::variant<TriangleMeshData, PatchMeshData, CurveData LUCERNA_QUADRICS(LUCERNA_PARAMS)>
-      geometry;
-#undef LUCERNA_PARAMS
+  Geometry geometry;
   std::uint32_t material = 0;  ///< index into SceneDescription::materials
   bool has_uv = false;         ///< whether textures use the (u, v) of its surface
   /// The share of rays that meet the surface; the others pass it.  The radiance of a surface that

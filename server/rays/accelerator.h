@@ -18,7 +18,7 @@
 
 #include "lights/maths/motion.h"
 #include "lights/maths/transform.h"
-#include "lights/shapes/area_shape.h"
+#include "lights/shapes/all_shapes.h"
 #include "lights/shapes/bilinear_patch.h"
 #include "server/assets/load_budget.h"
 #include "server/rays/curve.h"
@@ -27,18 +27,31 @@
 
 namespace lucerna {
 
-/// A vector for each kind of quadric.  The list begins with a comma, so the first type is ignored.
-template <typename, typename... Shapes>
-using VectorsOf = std::tuple<std::vector<Shapes>...>;
-#define LUCERNA_SHAPE(Shape) , Shape
-using Quadrics = VectorsOf<void LUCERNA_QUADRICS(LUCERNA_SHAPE)>;
-#undef LUCERNA_SHAPE
+namespace internal {
+template <typename... Shapes>
+std::tuple<std::vector<Shapes>...> vectors_of(ShapeTypes<Shapes...>);
+}  // namespace internal
 
-/// Kinds of primitives: triangles, patches, pieces of curves, then kSphere and the other quadrics.
-#define LUCERNA_KIND(Shape) , k##Shape
-enum class HitKind : std::uint8_t { kTriangle, kPatch, kCurve LUCERNA_QUADRICS(LUCERNA_KIND) };
-#undef LUCERNA_KIND
-inline constexpr std::size_t kHitKinds = 3 + std::tuple_size_v<Quadrics>;
+/// A vector for each kind of quadric.
+using QuadricVectors = decltype(internal::vectors_of(Quadrics()));
+
+/// Kinds of primitives.  kFirstQuadric and the numbers after it are the kinds of `Quadrics`.
+enum class HitKind : std::uint8_t { kTriangle, kPatch, kCurve, kFirstQuadric };
+inline constexpr std::size_t kQuadrics = std::tuple_size_v<QuadricVectors>;
+inline constexpr std::size_t kFirstQuadric = static_cast<std::size_t>(HitKind::kFirstQuadric);
+inline constexpr std::size_t kHitKinds = kFirstQuadric + kQuadrics;
+
+/// The kind of a quadric, such as Sphere.
+template <QuadricShape S>
+inline constexpr HitKind kHitKind = [] {
+  auto kind = static_cast<int>(HitKind::kFirstQuadric);
+  bool found = false;
+  Quadrics::for_each([&]<typename Shape>() {
+    found = found || std::is_same_v<Shape, S>;
+    if (!found) ++kind;
+  });
+  return static_cast<HitKind>(kind);
+}();
 
 struct SurfaceTable;
 
@@ -58,7 +71,7 @@ struct GeometrySet {
   std::vector<std::uint32_t> triangles{};  ///< three vertex numbers for each triangle
   std::vector<BilinearPatch> patches{};
   std::vector<CurvePiece> curves{};
-  Quadrics quadrics{};
+  QuadricVectors quadrics{};
   std::vector<WideTriangle> wide{};  ///< of `triangles`, in ascending order
   double narrow_error_m = 0;         ///< the largest ray_error_of() of any other triangle
   /// Set if rays pass some of its surfaces; null if none is sheer.
@@ -92,17 +105,17 @@ struct GeometrySet {
   /// kTriangle.
   template <typename F>
   auto visit_surface(HitKind kind, std::uint32_t primitive, F&& f) const {
-    switch (kind) {
-#define LUCERNA_CASE(Shape) \
-  case HitKind::k##Shape:   \
-    return f(of<Shape>()[primitive]);
-      LUCERNA_QUADRICS(LUCERNA_CASE)
-#undef LUCERNA_CASE
-      case HitKind::kCurve:
-        return f(curves[primitive]);
-      default:
-        return f(patches[primitive]);
-    }
+    if (kind == HitKind::kPatch) return f(patches[primitive]);
+    if (kind == HitKind::kCurve) return f(curves[primitive]);
+    return visit_quadric<0>(static_cast<std::size_t>(kind) - kFirstQuadric, primitive, f);
+  }
+
+  /// The same for a quadric, by the number of its kind.
+  template <std::size_t kNumber, typename F>
+  auto visit_quadric(std::size_t number, std::uint32_t primitive, F&& f) const {
+    if constexpr (kNumber + 1 < kQuadrics)
+      if (number != kNumber) return visit_quadric<kNumber + 1>(number, primitive, f);
+    return f(std::get<kNumber>(quadrics)[primitive]);
   }
 
   /// Number of primitives of each kind, by HitKind.

@@ -73,15 +73,6 @@ absl::Status append_values(const char* name, const std::vector<Value>& values, s
   return absl::OkStatus();
 }
 
-/// The kind of a quadric's type.
-template <typename Shape>
-constexpr HitKind kind_of = HitKind::kTriangle;
-#define LUCERNA_KIND(Shape) \
-  template <>               \
-  constexpr HitKind kind_of<Shape> = HitKind::k##Shape;
-LUCERNA_QUADRICS(LUCERNA_KIND)
-#undef LUCERNA_KIND
-
 class Appender {
  public:
   Appender(const Vec3& origin, double detail_m, std::uint32_t surface, GeometrySet& set,
@@ -176,7 +167,7 @@ class Appender {
   absl::Status operator()(const Params& params) {
     using Shape = QuadricOf<Params>;
     LUCERNA_ASSIGN_OR_RETURN(Shape shape, Shape::create(params, origin_));
-    begin_run(kind_of<Shape>, set_.of<Shape>().size(), 0, 1);
+    begin_run(kHitKind<Shape>, set_.of<Shape>().size(), 0, 1);
     set_.of<Shape>().push_back(std::move(shape));
     return absl::OkStatus();
   }

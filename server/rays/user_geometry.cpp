@@ -81,7 +81,7 @@ bool passes(const PrimitivesOfSet& shapes, unsigned primitive, const RTCRay& ray
   TexturePoint at{.uv = {}, .position = found.hit.point.position, .normal = found.hit.point.normal};
   at.uv = shapes.set->visit_surface(shapes.kind, primitive, [&](const auto& surface) -> Vec2 {
     if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
-      return surface.uv(at.position);
+      return surface.uv({at.position});
     else
       return table->patch_uv_at(primitive, found.uv.x, found.uv.y);
   });

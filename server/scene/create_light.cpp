@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <optional>
 #include <utility>
-#include <vector>
 
-#include "lights/maths/stop_poll.h"
 #include "lights/maths/validation.h"
 #include "lights/spectra/level_validation.h"
 #include "proto/common/status_macros.h"
+#include "server/description/described_shape.h"
 #include "server/rays/surface_table.h"
 #include "server/scene/light_edit.h"
 
@@ -24,10 +22,11 @@ LightPlace place_of(const LightDescription& light) {
 
 namespace {
 
-template <typename L>
-absl::StatusOr<LightPointer> as_pointer(absl::StatusOr<L> light) {
-  if (!light.ok()) return light.status();
-  return std::make_shared<const L>(*std::move(light));
+/// A shared pointer to what was made.
+template <typename T>
+absl::StatusOr<std::shared_ptr<const T>> as_pointer(absl::StatusOr<T> made) {
+  if (!made.ok()) return made.status();
+  return std::make_shared<const T>(*std::move(made));
 }
 
 /// OK if the light's positions about the scene's origin fit floats, which answers use.
@@ -58,97 +57,17 @@ absl::StatusOr<LightPointer> create_light(const LightDescription& light, const V
       light.params);
 }
 
-namespace {
-
-template <typename Shape, typename Painted>
-absl::StatusOr<LightPointer> as_area_light(const ShapeDescription::Emission& emission,
-                                           absl::StatusOr<Shape> shape,
-                                           const std::vector<Vec2f>& corner_uv = {}) {
-  LUCERNA_RETURN_IF_ERROR(shape.status());
-  LUCERNA_RETURN_IF_ERROR(shape->emissive_error());
-  const DiffuseEmission diffuse{emission.radiance_cd_m2, emission.two_sided};
-  if (emission.picture) {
-    LUCERNA_ASSIGN_OR_RETURN(auto painted,
-                             Painted::create(*std::move(shape), *emission.picture, corner_uv));
-    return as_pointer(AreaLight<Painted>::create(diffuse, std::move(painted)));
-  }
-  return as_pointer(AreaLight<Shape>::create(diffuse, *std::move(shape)));
-}
-
-/// For shapes that can be flat.
-template <typename Shape, typename Painted, typename Panel>
-absl::StatusOr<LightPointer> as_flat_light(const ShapeDescription::Emission& emission,
-                                           absl::StatusOr<Shape> shape,
-                                           const std::vector<Vec2f>& corner_uv = {}) {
-  if (!emission.panel || !shape.ok())
-    return as_area_light<Shape, Painted>(emission, std::move(shape), corner_uv);
-  LUCERNA_ASSIGN_OR_RETURN(auto panel, Panel::create(*std::move(shape), *emission.panel));
-  return as_pointer(
-      AreaLight<Panel>::create({emission.radiance_cd_m2, emission.two_sided}, std::move(panel)));
-}
-
-/// Has one overload for each shape.
-class AreaLightMaker {
- public:
-  AreaLightMaker(const ShapeDescription::Emission& emission, const Vec3& origin)
-      : emission_(emission), origin_(origin) {}
-
-  absl::StatusOr<LightPointer> operator()(const TriangleMeshData& mesh) const {
-    const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
-    std::vector<Triangle> triangles;
-    triangles.reserve(mesh.indices.size() / 3);
-    StopPoll poll;
-    for (std::size_t i = 0; i < mesh.indices.size() / 3; ++i, poll())
-      triangles.push_back({vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)});
-    return as_flat_light<TriangleMesh, PaintedTriangleMesh, PanelTriangleMesh>(
-        emission_, TriangleMesh::create(std::move(triangles)), mesh.corner_uv);
-  }
-
-  absl::StatusOr<LightPointer> operator()(const PatchMeshData& mesh) const {
-    const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
-    std::vector<BilinearPatch> patches;
-    patches.reserve(mesh.indices.size() / 4);
-    StopPoll poll;
-    for (std::size_t i = 0; i < mesh.indices.size() / 4; ++i, poll())
-      patches.push_back({vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)});
-    return as_flat_light<PatchMesh, PaintedPatchMesh, PanelPatchMesh>(
-        emission_, PatchMesh::create(std::move(patches)), mesh.corner_uv);
-  }
-
-  absl::StatusOr<LightPointer> operator()(const CurveData&) const {
-    return absl::InvalidArgumentError("a curve that emits, allowed: other shapes");
-  }
-
-#define LUCERNA_CURVED(Shape)                                                               \
-  absl::StatusOr<LightPointer> operator()(const Shape##Params& params) const {              \
-    return as_area_light<Shape, Painted##Shape>(emission_, Shape::create(params, origin_)); \
-  }
-#define LUCERNA_FLAT(Shape)                                                                    \
-  absl::StatusOr<LightPointer> operator()(const Shape##Params& params) const {                 \
-    return as_flat_light<Shape, Painted##Shape, Panel##Shape>(emission_,                       \
-                                                              Shape::create(params, origin_)); \
-  }
-  LUCERNA_CURVED_QUADRICS(LUCERNA_CURVED)
-  LUCERNA_FLAT_QUADRICS(LUCERNA_FLAT)
-#undef LUCERNA_CURVED
-#undef LUCERNA_FLAT
-
- private:
-  const ShapeDescription::Emission& emission_;
-  const Vec3& origin_;
-};
-
-}  // namespace
-
 absl::StatusOr<LightPointer> create_area_light(const ShapeDescription& shape, const Vec3& origin) {
-  return std::visit(AreaLightMaker(*shape.emission, origin), shape.geometry);
+  const ShapeDescription::Emission& emission = *shape.emission;
+  LUCERNA_ASSIGN_OR_RETURN(auto made,
+                           create_shape(shape.geometry, origin, emission.picture.has_value()));
+  return as_pointer(AreaLight::create({emission.radiance_cd_m2, emission.two_sided},
+                                      std::move(made), {emission.picture, emission.panel}));
 }
 
 std::uint64_t primitive_count(const Light& light) {
-  const auto* const surface = dynamic_cast<const SurfaceLight*>(&light);
-  if (surface == nullptr) return 1;
-  return std::visit([](const auto* shape) -> std::uint64_t { return shape->size(); },
-                    surface->surface());
+  const auto* const area = dynamic_cast<const AreaLight*>(&light);
+  return area != nullptr ? area->shape().size() : 1;
 }
 
 }  // namespace lucerna

@@ -334,12 +334,13 @@ void GeometryBuilder::report_primitives(const Stopwatch& watch) {
   struct Name {
     std::string one, many;
   };
-#define LUCERNA_NAME(Shape) \
-  , Name { std::string(Shape::kName), fmt::format("{}s", Shape::kName) }
-  const std::array names{
-      Name{"vertex", "vertices"}, Name{"triangle", "triangles"}, Name{"patch", "patches"},
-      Name{"piece of a curve", "pieces of curves"} LUCERNA_QUADRICS(LUCERNA_NAME)};
-#undef LUCERNA_NAME
+  std::vector<Name> names{{"vertex", "vertices"},
+                          {"triangle", "triangles"},
+                          {"patch", "patches"},
+                          {"piece of a curve", "pieces of curves"}};
+  Quadrics::for_each([&]<typename Shape>() {
+    names.push_back({std::string(Shape::kName), fmt::format("{}s", Shape::kName)});
+  });
   for (std::size_t i = 0; i < names.size(); ++i)
     if (counts[i] > 0) {
       part(names[i].many, bytes[i], watch,

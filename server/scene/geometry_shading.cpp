@@ -79,14 +79,14 @@ Coordinates on_quadric(const Quadric& quadric, const Vector& position, const Vec
   const Transform& to_set = quadric.world_from_object();
   const Vector q = to_set.inverse().point(position);
   const Vector turn = to_set.vector({-q.y, q.x, 0});
-  Coordinates c{quadric.uv(position), turn, {}};
+  Coordinates c{quadric.uv({position}), turn, {}};
   // (u, v) of near points give their derivatives along the surface.
   const Vector along = normalized(turn);
   if (!is_finite(along)) return c;
   const Vector across = normalized(cross(normal, along));
   const double step = 1e-4 * length(turn);
   const auto change = [&](const Vector& w) {
-    const Vec2 a = quadric.uv(position - w * step), b = quadric.uv(position + w * step);
+    const Vec2 a = quadric.uv({position - w * step}), b = quadric.uv({position + w * step});
     const auto per_m = [&](double x) { return (x - std::round(x)) / (2 * step); };  // past the seam
     return Vec2{per_m(b.x - a.x), per_m(b.y - a.y)};
   };

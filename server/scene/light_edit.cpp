@@ -45,10 +45,9 @@ class Mover {
   void operator()(TriangleMeshData& mesh) const { vertices(mesh); }
   void operator()(PatchMeshData& mesh) const { vertices(mesh); }
   void operator()(CurveData&) const {}  // does not emit
-#define LUCERNA_MOVE(Shape) \
-  void operator()(Shape##Params& p) const { p.world_from_object = map() * p.world_from_object; }
-  LUCERNA_QUADRICS(LUCERNA_MOVE)
-#undef LUCERNA_MOVE
+  template <typename Params>
+  requires requires { typename QuadricOf<Params>; }
+  void operator()(Params& p) const { p.world_from_object = map() * p.world_from_object; }
   void direction(Vec3& w) const {
     if (turn_) w = turn_->vector(w);
   }

@@ -23,13 +23,13 @@ absl::Status about_light(std::uint64_t id, const absl::Status& status) {
 
 /// The light with another level.
 absl::StatusOr<LightPointer> with_level(const Light& light, const LightChange& change) {
-  const auto* const surface = dynamic_cast<const SurfaceLight*>(&light);
-  if (surface == nullptr) return absl::InternalError("a light without a surface");
-  DiffuseEmission emission = surface->emission();
+  const auto* const area = dynamic_cast<const AreaLight*>(&light);
+  if (area == nullptr) return absl::InternalError("a light without a surface");
+  DiffuseEmission emission = area->emission();
   emission.radiance_cd_m2 = changed_level(change, emission.radiance_cd_m2);
   LUCERNA_RETURN_IF_ERROR(
       check_light_value("light.level", emission.radiance_cd_m2, "cd/m2", kMostInAnswers));
-  return surface->with_emission(emission);
+  return area->with_emission(emission);
 }
 
 /// A light of a scene without edits that has no surface, as its file gives it.

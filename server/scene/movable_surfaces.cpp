@@ -15,7 +15,7 @@ namespace {
 /// spectrum, name and number of samples, which a light keeps when it moves.
 ShapeDescription::Emission emission_of(const SceneLights& lights, const SceneLight& light) {
   ShapeDescription::Emission emission{.radiance_cd_m2 = {}, .where = lights.source_of(light)};
-  if (const auto* surface = dynamic_cast<const SurfaceLight*>(light.light.get())) {
+  if (const auto* surface = dynamic_cast<const AreaLight*>(light.light.get())) {
     emission.radiance_cd_m2 = surface->emission().radiance_cd_m2;
     emission.two_sided = surface->emission().two_sided;
     emission.is_unseen = light.is_unseen;

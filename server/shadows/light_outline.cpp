@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "lights/maths/stop_poll.h"
+#include "lights/shapes/all_shapes.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {
@@ -99,8 +100,8 @@ LightOutline of_shape(const Sphere& sphere) {
   outline.radius = params.radius_m * params.world_from_object.uniform_scale().value_or(0);
   return outline;
 }
-/// Its irradiance has no closed form.
-LightOutline of_shape(const Cylinder&) { return {}; }
+/// Shapes without a closed form.
+LightOutline of_shape(const Shape&) { return {}; }
 LightOutline of_light(const SunLight& l) {
   LightOutline outline{LightOutline::Kind::kSun};
   outline.axis = normalized(l.params().to_light);
@@ -118,8 +119,11 @@ LightOutline of_light(const PortalLight& l) {
 LightOutline of_kind(const Light& light) {
   if (const auto* sun = dynamic_cast<const SunLight*>(&light)) return of_light(*sun);
   if (const auto* portal = dynamic_cast<const PortalLight*>(&light)) return of_light(*portal);
-  if (const auto* surface = dynamic_cast<const SurfaceLight*>(&light))
-    return std::visit([](const auto* shape) { return of_shape(*shape); }, surface->surface());
+  if (const auto* area = dynamic_cast<const AreaLight*>(&light)) {
+    LightOutline outline;
+    visit_shape(area->shape(), [&](const auto& shape) { outline = of_shape(shape); });
+    return outline;
+  }
   if (dynamic_cast<const UniformInfiniteLight*>(&light)) return {LightOutline::Kind::kSky};
   return {};
 }

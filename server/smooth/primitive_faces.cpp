@@ -51,13 +51,13 @@ Face face_of(const GeometrySet& set, HitKind kind, std::uint32_t i) {
     if (!(std::fabs(dot(p.p10 - p.p00, n)) <= kNearlyFlat * length(across))) return {};
     return {p.p00, p.p10, p.p11, p.p01};
   }
-  if (kind != HitKind::kDisk) return {};
+  if (kind != kHitKind<Disk>) return {};
   const RoundEnclosure e = set.of<Disk>()[i].enclosure();
   return {e.center - e.x - e.y, e.center + e.x - e.y, e.center + e.x + e.y, e.center - e.x + e.y};
 }
 
 Vector face_normal(const GeometrySet& set, HitKind kind, std::uint32_t i) {
-  if (kind == HitKind::kDisk) return set.of<Disk>()[i].normals().axis;
+  if (kind == kHitKind<Disk>) return set.of<Disk>()[i].normals().axis;
   if (kind == HitKind::kPatch) {
     const BilinearPatch& p = set.patches[i];
     return normalized(cross(p.p11 - p.p00, p.p01 - p.p10));  // of the diagonals

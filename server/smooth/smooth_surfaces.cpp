@@ -218,7 +218,7 @@ class SmoothSurfaces::Collector {
     std::vector<std::int32_t>& planes = found.kinds.back().planes;
     StopPoll poll;
     for (std::uint32_t i = run.first; i < run.first + run.count; ++i, poll()) {
-      if (run.kind == HitKind::kSphere) {
+      if (run.kind == kHitKind<Sphere>) {
         auto sphere = whole_sphere(set.of<Sphere>()[i], placed, like);
         if (!sphere || like.refracts || !like.reflects || may_hold_light(sphere->part))
           return false;

@@ -17,6 +17,7 @@
 
 #include "lights/models/all_lights.h"
 #include "lights/sampling/sobol.h"
+#include "lights/shapes/all_shapes.h"
 
 namespace lucerna {
 namespace {
@@ -171,7 +172,7 @@ void run() {
   const Rgb level(1);
   using V = Vec3f;
   const auto triangle = [&](const V& a, const V& b, const V& c) {
-    return *TriangleMeshLight::create({level}, *TriangleMesh::create({{a, b, c}}));
+    return *AreaLight::create({level}, *TriangleMesh::create({{a, b, c}}));
   };
   const std::vector<Way> triangle_ways{kLowDistortion,
                                        {"square-root", AreaSampling::kSquareRoot, false},
@@ -188,20 +189,20 @@ void run() {
   table("slim triangle", triangle({0.5F, 0.1F, 0}, {-0.5F, -0.05F, 0}, {-0.5F, 0.05F, 0}),
         triangle_ways);
   const auto rectangle = [&](float x, float y) {
-    return *PatchMeshLight::create(
+    return *AreaLight::create(
         {level}, *PatchMesh::create({{V{-x, -y, 0}, V{-x, y, 0}, V{x, -y, 0}, V{x, y, 0}}}));
   };
   const std::vector<Way> ways{kLowDistortion, kSolidAngle, kCosine, kAutomaticBlind, kAutomatic};
   table("square", rectangle(0.5F, 0.5F), ways);
   table("strip 5 : 1", rectangle(0.5F, 0.1F), ways);
-  table("sphere", *SphereLight::create({level}, *Sphere::create({.radius_m = 0.5})),
+  table("sphere", *AreaLight::create({level}, *Sphere::create({.radius_m = 0.5})),
         {kLowDistortion, kSolidAngle, kAutomatic});
-  table("sphere from within",
-        *SphereLight::create({level},
-                             *Sphere::create({.radius_m = 0.5, .reverse_orientation = true})),
-        {kLowDistortion, kSolidAngle, kAutomatic}, places_within());
+  table(
+      "sphere from within",
+      *AreaLight::create({level}, *Sphere::create({.radius_m = 0.5, .reverse_orientation = true})),
+      {kLowDistortion, kSolidAngle, kAutomatic}, places_within());
   table("disk",
-        *DiskLight::create({level}, *Disk::create({.radius_m = 0.5, .reverse_orientation = true})),
+        *AreaLight::create({level}, *Disk::create({.radius_m = 0.5, .reverse_orientation = true})),
         {kLowDistortion, kSolidAngle, kAutomatic});
 }
 

@@ -9,6 +9,7 @@
 #include "lights/models/all_lights.h"
 #include "lights/sampling/inverse_square.h"
 #include "lights/sampling/sobol.h"
+#include "lights/shapes/all_shapes.h"
 
 namespace lucerna {
 namespace {
@@ -120,13 +121,13 @@ BENCHMARK(BM_SampleLiUniformInfinite);
 
 void BM_SampleLiTriangle(benchmark::State& state) {
   std::vector<Triangle> triangle = {{{0, 0, 2}, {0, 1, 2}, {1, 0, 2}}};
-  sample_li(state, *TriangleMeshLight::create({Rgb(1), true}, *TriangleMesh::create(triangle)));
+  sample_li(state, *AreaLight::create({Rgb(1), true}, *TriangleMesh::create(triangle)));
 }
 BENCHMARK(BM_SampleLiTriangle);
 
 void BM_SampleLiPatch(benchmark::State& state) {
   std::vector<BilinearPatch> patch = {{{0, 0, 2}, {0, 1, 2}, {1, 0, 2}, {1, 1, 2}}};
-  sample_li(state, *PatchMeshLight::create({Rgb(1), true}, *PatchMesh::create(patch)));
+  sample_li(state, *AreaLight::create({Rgb(1), true}, *PatchMesh::create(patch)));
 }
 BENCHMARK(BM_SampleLiPatch);
 
@@ -134,7 +135,7 @@ void BM_SampleLiSphere(benchmark::State& state) {
   SphereParams params;
   params.radius_m = 0.5;
   params.world_from_object = Transform::translate({0, 0, 2});
-  sample_li(state, *SphereLight::create({Rgb(1)}, *Sphere::create(params)));
+  sample_li(state, *AreaLight::create({Rgb(1)}, *Sphere::create(params)));
 }
 BENCHMARK(BM_SampleLiSphere);
 
@@ -142,7 +143,7 @@ void BM_SampleLiDisk(benchmark::State& state) {
   DiskParams params;
   params.height_m = 2;
   params.reverse_orientation = true;
-  sample_li(state, *DiskLight::create({Rgb(1)}, *Disk::create(params)));
+  sample_li(state, *AreaLight::create({Rgb(1)}, *Disk::create(params)));
 }
 BENCHMARK(BM_SampleLiDisk);
 

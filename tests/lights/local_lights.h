@@ -11,6 +11,7 @@
 
 #include "lights/choice/light_tree.h"
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna::testing {
@@ -104,30 +105,26 @@ class LocalLights {
     tube.world_from_object = at_;
     const auto sphere = *Sphere::create(ball);
     const auto cylinder = *Cylinder::create(tube);
-    add(named("triangle"), TriangleMeshLight::create(emission, triangle));
-    add(named("bent mesh"), TriangleMeshLight::create(emission, bent));
-    add(named("rectangle"), PatchMeshLight::create(emission, rectangle));
-    add(named("saddle"), PatchMeshLight::create(emission, saddle));
-    add(named("disk"), DiskLight::create(emission, disk));
-    add(named("sphere"), SphereLight::create(emission, sphere));
-    add(named("cap"), SphereLight::create(emission, *Sphere::create(cap)));
-    add(named("cylinder"), CylinderLight::create(emission, cylinder));
+    add(named("triangle"), AreaLight::create(emission, triangle));
+    add(named("bent mesh"), AreaLight::create(emission, bent));
+    add(named("rectangle"), AreaLight::create(emission, rectangle));
+    add(named("saddle"), AreaLight::create(emission, saddle));
+    add(named("disk"), AreaLight::create(emission, disk));
+    add(named("sphere"), AreaLight::create(emission, sphere));
+    add(named("cap"), AreaLight::create(emission, *Sphere::create(cap)));
+    add(named("cylinder"), AreaLight::create(emission, cylinder));
 
     PanelProfile profile;
     profile.web =
         *PhotometricWeb::create({PhotometricType::kC, {0, 40, 80, 90}, {0}, {9, 6, 1, 0}});
     profile.tangent = at_.vector({1, 0.5, 0});
-    add(named("panel"),
-        PanelPatchMeshLight::create(emission, *PanelPatchMesh::create(rectangle, profile)));
-    add(named("round panel"), PanelDiskLight::create(emission, *PanelDisk::create(disk, profile)));
+    add(named("panel"), AreaLight::create(emission, rectangle, {.profile = profile}));
+    add(named("round panel"), AreaLight::create(emission, disk, {.profile = profile}));
     const Picture picture{*Image::create(2, 2, {Rgbf(1), Rgbf(0), Rgbf(2), Rgbf(0.5F)}),
                           ImageFilter::kNearest, "partly black"};
-    add(named("painted rectangle"),
-        PaintedPatchMeshLight::create(emission, *PaintedPatchMesh::create(rectangle, picture)));
-    add(named("painted sphere"),
-        PaintedSphereLight::create(emission, *PaintedSphere::create(sphere, picture)));
-    add(named("painted cylinder"),
-        PaintedCylinderLight::create(emission, *PaintedCylinder::create(cylinder, picture)));
+    add(named("painted rectangle"), AreaLight::create(emission, rectangle, {.picture = picture}));
+    add(named("painted sphere"), AreaLight::create(emission, sphere, {.picture = picture}));
+    add(named("painted cylinder"), AreaLight::create(emission, cylinder, {.picture = picture}));
   }
 
   Transform at_;

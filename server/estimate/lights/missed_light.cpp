@@ -31,7 +31,7 @@ double most_projected_sr(const Bounds& box, const SurfaceHit& receiver) {
 
 /// The luminance that a light with a size has at most [cd/m2]; infinite if it is not known.
 double most_luminance(const SceneLight& light) {
-  const auto* surface = dynamic_cast<const SurfaceLight*>(light.light.get());
+  const auto* surface = dynamic_cast<const AreaLight*>(light.light.get());
   if (surface == nullptr || !surface->shared_data().empty())
     return std::numeric_limits<double>::infinity();
   return luminance(surface->emission().radiance_cd_m2);

@@ -4,10 +4,10 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "lights/maths/stop_poll.h"
-#include "lights/shapes/bilinear_patch.h"
-#include "lights/shapes/triangle.h"
+#include "server/description/described_shape.h"
 #include "server/pbrt/lights/image_lights.h"
 #include "server/pbrt/lights/levels.h"
 #include "server/pbrt/lights/lights.h"
@@ -44,6 +44,15 @@ Vec3 tangent_of(const Mesh& mesh, F&& normal) {
   return {};
 }
 
+[[noreturn]] void refuse_profile(const Place& shape_place, std::string_view name) {
+  std::string flat_names = "bilinearmesh, trianglemesh, plymesh";
+  Quadrics::for_each([&]<typename Shape>() {
+    if (FlatShape<Shape>) flat_names += fmt::format(", {}", Shape::kName);
+  });
+  fail(shape_place, fmt::format("a light with \"profile\" on a {}, allowed: flat shapes ({})", name,
+                                flat_names));
+}
+
 Vec3 tangent_of(const Geometry& geometry, const Place& shape_place) {
   if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry))
     return tangent_of<3>(*mesh, [](const auto& p) { return Triangle{p[0], p[1], p[2]}.normal(); });
@@ -51,55 +60,17 @@ Vec3 tangent_of(const Geometry& geometry, const Place& shape_place) {
     return tangent_of<4>(*mesh, [](const auto& p) {
       return BilinearPatch{p[0], p[1], p[2], p[3]}.normal({0.5, 0.5});
     });
-#define LUCERNA_TANGENT(Shape)                                  \
-  if (const auto* flat = std::get_if<Shape##Params>(&geometry)) \
-    return flat->world_from_object.vector({1, 0, 0});
-  LUCERNA_FLAT_QUADRICS(LUCERNA_TANGENT)
-#undef LUCERNA_TANGENT
-  const std::string_view name = std::visit(
-      []<typename Params>(const Params&) -> std::string_view {
-        if constexpr (requires { QuadricOf<Params>::kName; })
-          return QuadricOf<Params>::kName;
-        else
-          return "mesh";
+  return std::visit(
+      [&]<typename Params>(const Params& params) -> Vec3 {
+        if constexpr (requires { typename QuadricOf<Params>; }) {
+          if constexpr (FlatShape<QuadricOf<Params>>)
+            return params.world_from_object.vector({1, 0, 0});
+          else
+            refuse_profile(shape_place, QuadricOf<Params>::kName);
+        }
+        refuse_profile(shape_place, "mesh");
       },
       geometry);
-  std::string flat_names = "bilinearmesh, trianglemesh, plymesh";
-#define LUCERNA_ADD_NAME(Shape) flat_names += fmt::format(", {}", Shape::kName);
-  LUCERNA_FLAT_QUADRICS(LUCERNA_ADD_NAME)
-#undef LUCERNA_ADD_NAME
-  fail(shape_place, fmt::format("a light with \"profile\" on a {}, allowed: flat shapes ({})", name,
-                                flat_names));
-}
-
-/// The error if the shape cannot have the profile.
-absl::Status check_panel(const Geometry& geometry, const PanelProfile& profile) {
-  const auto made = [&]<typename Surface>(absl::StatusOr<Surface> surface) -> absl::Status {
-    if (!surface.ok()) return surface.status();
-    return Panel<Surface>::create(*std::move(surface), profile).status();
-  };
-  if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry)) {
-    std::vector<Triangle> triangles;
-    StopPoll poll;
-    for (std::size_t i = 0; i + 3 <= mesh->indices.size(); i += 3, poll())
-      triangles.push_back({mesh->positions[mesh->indices[i]], mesh->positions[mesh->indices[i + 1]],
-                           mesh->positions[mesh->indices[i + 2]]});
-    return made(TriangleMesh::create(std::move(triangles)));
-  }
-  if (const auto* mesh = std::get_if<PatchMeshData>(&geometry)) {
-    std::vector<BilinearPatch> patches;
-    StopPoll poll;
-    for (std::size_t i = 0; i + 4 <= mesh->indices.size(); i += 4, poll())
-      patches.push_back({mesh->positions[mesh->indices[i]], mesh->positions[mesh->indices[i + 1]],
-                         mesh->positions[mesh->indices[i + 2]],
-                         mesh->positions[mesh->indices[i + 3]]});
-    return made(PatchMesh::create(std::move(patches)));
-  }
-#define LUCERNA_MADE(Shape) \
-  if (const auto* flat = std::get_if<Shape##Params>(&geometry)) return made(Shape::create(*flat));
-  LUCERNA_FLAT_QUADRICS(LUCERNA_MADE)
-#undef LUCERNA_MADE
-  return absl::InternalError("a panel on a curved shape");  // tangent_of refuses it before
 }
 
 /// The emission image of "string filename"; nothing if there is none.  Fails if "L" is given too.
@@ -136,8 +107,10 @@ std::optional<PanelProfile> area_profile(Context& context, const ParameterSet& p
                        .format = std::move(named.file.format),
                        .web_unit = std::move(named.file.flux_unit),
                        .flux_unit = std::move(named.flux_unit)};
-  if (const absl::Status status = check_panel(geometry, profile); !status.ok())
-    fail(shape_place, status);
+  const auto shape = create_shape(geometry, {}, false);
+  if (!shape.ok()) fail(shape_place, shape.status());
+  if (const auto axes = photometric_axes(**shape, profile); !axes.ok())
+    fail(shape_place, axes.status());
   return profile;
 }
 
@@ -156,40 +129,25 @@ bool has_equal_texels(const Geometry& geometry) {
   return true;
 }
 
-double finite_area(const Place& place, double area) {
-  if (!std::isfinite(area)) fail(place, "the area of an emitting mesh is not finite");
-  return area;
-}
-
-double area_of(const Place& place, const TriangleMeshData& mesh) {
-  double area = 0;
-  StopPoll poll;
-  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3, poll())
-    area += Triangle{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
-                     mesh.positions[mesh.indices[i + 2]]}
-                .area();
-  return finite_area(place, area);
-}
-
-double area_of(const Place& place, const PatchMeshData& mesh) {
-  double area = 0;
-  StopPoll poll;
-  for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4, poll())
-    area += BilinearPatch{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
-                          mesh.positions[mesh.indices[i + 2]], mesh.positions[mesh.indices[i + 3]]}
-                .area();
-  return finite_area(place, area);
-}
-
-/// make_emission refuses curves before.
-double area_of(const Place&, const CurveData&) { return 0; }
-
-template <typename Params>
-double area_of(const Place& place, const Params& params) {
-  const auto shape = QuadricOf<Params>::create(params);
-  if (!shape.ok()) fail(place, shape.status());
-  if (const auto status = shape->emissive_error(); !status.ok()) fail(place, status);
-  return shape->area();
+/// The area of the shape [m2].  0 for a curve: make_emission refuses it before.
+double area_of(const Place& place, const Geometry& geometry) {
+  return std::visit(
+      [&]<typename Params>(const Params& params) -> double {
+        double area = 0;
+        if constexpr (requires { typename QuadricOf<Params>; }) {
+          const auto shape = QuadricOf<Params>::create(params);
+          if (!shape.ok()) fail(place, shape.status());
+          if (const auto status = shape->emissive_error(); !status.ok()) fail(place, status);
+          area = shape->area();
+        } else if constexpr (!std::is_same_v<Params, CurveData>) {
+          StopPoll poll;
+          for (const auto& primitive : lucerna::primitives_of(params, {}))
+            poll(), area += primitive.area();
+          if (!std::isfinite(area)) fail(place, "the area of an emitting mesh is not finite");
+        }
+        return area;
+      },
+      geometry);
 }
 
 std::size_t primitives_of(const Geometry& geometry) {
@@ -299,8 +257,7 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
   emission.where = location(light.place);
   emission.samples = samples_of(params);
   emission.name = name_of(params);
-  const double area =
-      std::visit([&](const auto& shape) { return area_of(shape_place, shape); }, geometry);
+  const double area = area_of(shape_place, geometry);
   if (!(area > 0)) {
     refuse_power_without_area(params, shape_place);
     return std::nullopt;

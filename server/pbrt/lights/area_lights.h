@@ -12,7 +12,6 @@
 #include <optional>
 #include <string>
 
-#include "lights/models/panel.h"
 #include "server/pbrt/surfaces/shapes.h"
 #include "server/pbrt/syntax/images.h"
 

@@ -22,8 +22,6 @@ struct ShapeDirective {
 /// The positions in world space.  Fails on one that is not finite.
 std::vector<Vec3> world_positions(const ShapeDirective& shape, std::vector<Vec3> positions);
 
-using Geometry = decltype(ShapeDescription::geometry);
-
 /// The geometry of a Shape directive.  Nothing, and a remark, for shapes that are not modelled.
 /// Fails on unknown shapes and on invalid parameters.
 std::optional<Geometry> make_geometry(Context& context, const ShapeDirective& shape);

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "lights/shapes/all_shapes.h"
 #include "server/estimate/queries/queries.h"
 #include "server/rpc/messages/convert.h"
 
@@ -219,23 +220,22 @@ void set_shape(const Cylinder& cylinder, const Vec3&, v1::DiffuseAreaLight* out)
   out->mutable_round()->set_z_max_m(scale * p.z_max_m);
 }
 
-void set_kind(const SurfaceLight& l, const Vec3& origin_m, v1::Light* out) {
+void set_kind(const AreaLight& l, const Vec3& origin_m, v1::Light* out) {
   v1::DiffuseAreaLight* area = out->mutable_diffuse_area();
   set(l.emission().radiance_cd_m2, area->mutable_radiance_cd_m2());
   area->set_two_sided(l.emission().two_sided);
-  std::visit([&](const auto* shape) { set_shape(*shape, origin_m, area); }, l.surface());
+  visit_shape(l.shape(), [&](const auto& shape) { set_shape(shape, origin_m, area); });
   if (const Picture* picture = l.picture())
     set(*picture->image, picture->filter, picture->name, area->mutable_image());
   if (const PanelProfile* profile = l.profile()) {
     set(*profile, area->mutable_profile());
-    const Vec3 down = normalized(
-        std::visit([](const auto* shape) { return shape->normals().axis; }, l.surface()));
+    const Vec3 down = normalized(l.shape().normals().axis);
     const Vec3 c0 = normalized(profile->tangent - down * dot(down, profile->tangent));
     const Vec3 c90 = profile->mirrored ? cross(c0, down) : cross(down, c0);
     set({c0, c90, down}, area->mutable_profile_axes());
     // The radiance of a surface with the same flux, equal in all directions.
     const double sides = l.emission().two_sided ? 2 : 1;
-    set(l.power({}).lumens / (sides * std::numbers::pi * l.area_m2()),
+    set(l.power({}).lumens / (sides * std::numbers::pi * l.shape().area()),
         area->mutable_radiance_cd_m2());
   }
 }
@@ -268,7 +268,7 @@ void set_motion(const Motion& motion, const Vec3& origin_m, v1::Motion* out) {
 
 std::string power_unit(const Scene& scene, std::uint32_t light) {
   const Light& of = *scene.lights()[light].light;
-  if (const auto* surface = dynamic_cast<const SurfaceLight*>(&of))
+  if (const auto* surface = dynamic_cast<const AreaLight*>(&of))
     return surface->profile() != nullptr ? surface->profile()->flux_unit : "";
   const LightParams params = *of.made_from();
   const auto* goniometric = std::get_if<GoniometricLightParams>(&params);
@@ -328,8 +328,8 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   out->set_delta(of.is_delta());
   if (const auto bounds = of.bounds()) set_bounds(*bounds, origin_m, position_of(params), out);
   if (params) std::visit([&](const auto& p) { set_free_light(p, out); }, *params);
-  if (const auto* surface = dynamic_cast<const SurfaceLight*>(&of)) {
-    out->set_area_m2(surface->area_m2());
+  if (const auto* surface = dynamic_cast<const AreaLight*>(&of)) {
+    out->set_area_m2(surface->shape().area());
     set_kind(*surface, origin_m, out);
     out->mutable_diffuse_area()->set_invisible(entry.is_unseen);
   }

@@ -90,7 +90,7 @@ template <typename Case>
 class AnyLight : public ::testing::Test {
  protected:
   AnyLight() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("AnyLight");
+  static inline const bool kTakesPart = takes_part<Case>("AnyLight");
 };
 TYPED_TEST_SUITE_P(AnyLight);
 
@@ -127,7 +127,7 @@ template <typename Case>
 class LightWithDensity : public ::testing::Test {
  protected:
   LightWithDensity() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("LightWithDensity");
+  static inline const bool kTakesPart = takes_part<Case>("LightWithDensity");
 };
 TYPED_TEST_SUITE_P(LightWithDensity);
 
@@ -146,7 +146,7 @@ template <typename Case>
 class DeltaLight : public ::testing::Test {
  protected:
   DeltaLight() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("DeltaLight");
+  static inline const bool kTakesPart = takes_part<Case>("DeltaLight");
 };
 TYPED_TEST_SUITE_P(DeltaLight);
 
@@ -160,7 +160,7 @@ template <typename Case>
 class LocalLight : public ::testing::Test {
  protected:
   LocalLight() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("LocalLight");
+  static inline const bool kTakesPart = takes_part<Case>("LocalLight");
 };
 TYPED_TEST_SUITE_P(LocalLight);
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_cases.h"
 #include "tests/lights/contract/contract_emission.h"
 #include "tests/lights/contract/contract_irradiance.h"
@@ -13,7 +14,7 @@ namespace lucerna::testing {
 namespace {
 
 struct TriangleCase : AreaCase {
-  using Light = TriangleMeshLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
     // The triangle (0, 0), (1, 0), (0, 1) in two parts of unequal area.
@@ -48,7 +49,7 @@ struct TriangleCase : AreaCase {
 
 /// A saddle z = x y / 2 over |x|, |y| < 1 that emits on both sides.
 struct PatchCase : AreaCase {
-  using Light = PatchMeshLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     const auto p = [&](double x, double y) { return at.point({x, y, x * y / 2}); };
     return *Light::create({kLevel, true},
@@ -119,7 +120,7 @@ struct PatchCase : AreaCase {
 
 /// A closed box, |x| < 1, |y| < 1/2, |z| < 1/4, that emits outwards.  Parts of it always face away.
 struct BoxCase : AreaCase {
-  using Light = PatchMeshLight;
+  using Light = AreaLight;
   static Vec3 half_size() { return {1, 0.5, 0.25}; }
   static Light make(const Placement& at) {
     std::vector<BilinearPatch> faces;
@@ -209,7 +210,7 @@ struct BoxCase : AreaCase {
 
 /// Half of an annulus of 0.5 to 1 that emits upwards.
 struct DiskCase : AreaCase {
-  using Light = DiskLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     return *Light::create({kLevel}, *Disk::create({.radius_m = 1,
                                                    .inner_radius_m = 0.5,

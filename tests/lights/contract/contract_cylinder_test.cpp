@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_cases.h"
 #include "tests/lights/contract/contract_emission.h"
 
@@ -25,7 +26,7 @@ std::optional<std::pair<double, double>> roots(const Vec3& r, const Vec3& wi) {
 /// A quarter of a tube that emits outwards, seen from places that all of it faces.  At a silhouette
 /// the density by area has a pole, which no quadrature on a grid resolves.
 struct QuarterTubeCase : CaseDefaults {
-  using Light = CylinderLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     return *Light::create({kLevel},
                           *Cylinder::create({.radius_m = kRadius,

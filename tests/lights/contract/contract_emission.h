@@ -84,7 +84,7 @@ template <typename Case>
 class EmittingLight : public ::testing::Test {
  protected:
   EmittingLight() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("EmittingLight");
+  static inline const bool kTakesPart = takes_part<Case>("EmittingLight");
 };
 TYPED_TEST_SUITE_P(EmittingLight);
 
@@ -121,7 +121,7 @@ template <typename Case>
 class EmittingSurface : public ::testing::Test {
  protected:
   EmittingSurface() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("EmittingSurface");
+  static inline const bool kTakesPart = takes_part<Case>("EmittingSurface");
 };
 TYPED_TEST_SUITE_P(EmittingSurface);
 
@@ -135,7 +135,7 @@ template <typename Case>
 class EmittingDirections : public ::testing::Test {
  protected:
   EmittingDirections() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("EmittingDirections");
+  static inline const bool kTakesPart = takes_part<Case>("EmittingDirections");
 };
 TYPED_TEST_SUITE_P(EmittingDirections);
 
@@ -149,7 +149,7 @@ template <typename Case>
 class BoundedLight : public ::testing::Test {
  protected:
   BoundedLight() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("BoundedLight");
+  static inline const bool kTakesPart = takes_part<Case>("BoundedLight");
 };
 TYPED_TEST_SUITE_P(BoundedLight);
 
@@ -178,7 +178,7 @@ template <typename Case>
 class UnboundedLight : public ::testing::Test {
  protected:
   UnboundedLight() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("UnboundedLight");
+  static inline const bool kTakesPart = takes_part<Case>("UnboundedLight");
 };
 TYPED_TEST_SUITE_P(UnboundedLight);
 

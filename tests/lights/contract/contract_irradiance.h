@@ -40,7 +40,7 @@ class LightWithIrradiance : public ::testing::Test {
 
  protected:
   LightWithIrradiance() { static_cast<void>(kTakesPart); }
-  static inline const bool kTakesPart = takes_part<typename Case::Light>("LightWithIrradiance");
+  static inline const bool kTakesPart = takes_part<Case>("LightWithIrradiance");
 };
 TYPED_TEST_SUITE_P(LightWithIrradiance);
 

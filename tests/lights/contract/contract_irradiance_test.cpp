@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 
 namespace lucerna::testing {
 namespace {
@@ -12,7 +13,7 @@ constexpr Rgb kLevel{1, 2, 4};
 
 /// A trapezoid that emits on both sides.
 struct TrapezoidCase : CaseDefaults {
-  using Light = PatchMeshLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
     return *Light::create({kLevel, true},
@@ -24,7 +25,7 @@ struct TrapezoidCase : CaseDefaults {
 };
 
 struct WholeDiskCase : CaseDefaults {
-  using Light = DiskLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     return *Light::create(
         {kLevel}, *Disk::create({.radius_m = 1.5, .world_from_object = at.world_from_light()}));
@@ -49,8 +50,8 @@ TEST(LightWithIrradiance, IsZeroBehindOneSidedLights) {
 TEST(LightWithIrradiance, ChangesSidesAtTheSurfaceOfSpheres) {
   for (const bool inwards : {false, true})
     for (const bool two_sided : {false, true}) {
-      const auto light = *SphereLight::create({kLevel, two_sided},
-                                              *Sphere::create({.reverse_orientation = inwards}));
+      const auto light = *AreaLight::create({kLevel, two_sided},
+                                            *Sphere::create({.reverse_orientation = inwards}));
       Receiver inside(0.5, 0.25, 0), outside(0, 0, 2), on(0, 0, 1);
       inside.normal = outside.normal = on.normal = {0, 0, -1};
       EXPECT_EQ(light.irradiance(inside)->g,

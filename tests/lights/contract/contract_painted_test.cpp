@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_helpers.h"
 #include "tests/lights/contract/contract.h"
 #include "tests/lights/contract/contract_emission.h"
@@ -72,14 +73,13 @@ struct PaintedCase : CaseDefaults {
 
 /// A parallelogram that faces +z.
 struct ScreenCase : PaintedCase {
-  using Light = PaintedPatchMeshLight;
+  using Light = AreaLight;
   static Vec3 at(double u, double v) { return {2 * u + 0.5 * v - 1.25, v - 0.5, 0}; }
   static Vec2 uv(const Vec3& p) { return {(p.x + 1.25 - 0.5 * (p.y + 0.5)) / 2, p.y + 0.5}; }
   static Light make(const Placement& placement) {
     const auto p = [&](double u, double v) { return placement.point(at(u, v)); };
-    return *Light::create({kLevel}, *PaintedPatchMesh::create(
-                                        *PatchMesh::create({{p(0, 0), p(1, 0), p(0, 1), p(1, 1)}}),
-                                        picture(ImageFilter::kBilinear)));
+    return *Light::create({kLevel}, *PatchMesh::create({{p(0, 0), p(1, 0), p(0, 1), p(1, 1)}}),
+                          {.picture = picture(ImageFilter::kBilinear)});
   }
   static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}}; }
   static Region region(const Vec3& r) { return seen(r, 1.4); }
@@ -103,20 +103,20 @@ struct ScreenCase : PaintedCase {
 
 /// The same as two triangles, cut from corner to corner.
 struct TwoTrianglesCase : ScreenCase {
-  using Light = PaintedTriangleMeshLight;
+  using Light = AreaLight;
   static Light make(const Placement& placement) {
     const auto p = [&](double u, double v) { return placement.point(at(u, v)); };
     return *Light::create(
         {kLevel},
-        *PaintedTriangleMesh::create(
-            *TriangleMesh::create({{p(1, 0), p(1, 1), p(0, 0)}, {p(0, 1), p(0, 0), p(1, 1)}}),
-            picture(ImageFilter::kBilinear), {{1, 0}, {1, 1}, {0, 0}, {0, 1}, {0, 0}, {1, 1}}));
+        *TriangleMesh::create({{p(1, 0), p(1, 1), p(0, 0)}, {p(0, 1), p(0, 0), p(1, 1)}},
+                              {{1, 0}, {1, 1}, {0, 0}, {0, 1}, {0, 0}, {1, 1}}),
+        {.picture = picture(ImageFilter::kBilinear)});
   }
 };
 
 /// A two-sided trapezoid.  The picture lies on its side and shows its texels without a filter.
 struct TrapezoidCase : PaintedCase {
-  using Light = PaintedPatchMeshLight;
+  using Light = AreaLight;
   static Vec3 at(double s, double t) { return {(2 * s - 1) * (1 - t / 2), 2 * t - 1, 0}; }
   static Vec2 st(const Vec3& p) {
     const double t = (p.y + 1) / 2;
@@ -125,9 +125,9 @@ struct TrapezoidCase : PaintedCase {
   static Light make(const Placement& placement) {
     const auto p = [&](double s, double t) { return placement.point(at(s, t)); };
     return *Light::create({kLevel, true},
-                          *PaintedPatchMesh::create(
-                              *PatchMesh::create({{p(0, 0), p(1, 0), p(0, 1), p(1, 1)}}),
-                              picture(ImageFilter::kNearest), {{1, 0}, {1, 1}, {0, 0}, {0, 1}}));
+                          *PatchMesh::create({{p(0, 0), p(1, 0), p(0, 1), p(1, 1)}},
+                                             {{1, 0}, {1, 1}, {0, 0}, {0, 1}}),
+                          {.picture = picture(ImageFilter::kNearest)});
   }
   static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {0.5, -1, -2.5}}; }
   static Region region(const Vec3& r) { return seen(r, 1.42); }
@@ -162,7 +162,7 @@ struct TrapezoidCase : PaintedCase {
 
 /// Two triangles of one plane.  The picture's border continues beyond u = 1.
 struct PaintedTriangleCase : PaintedCase {
-  using Light = PaintedTriangleMeshLight;
+  using Light = AreaLight;
   static Vec2 uv(const Vec3& p) { return {0.25 + 1.0 * p.x, 0.125 + 0.25 * p.x + 0.75 * p.y}; }
   static Light make(const Placement& at) {
     std::vector<Triangle> triangles;
@@ -177,9 +177,9 @@ struct PaintedTriangleCase : PaintedCase {
       }
       triangles.push_back({p[0], p[1], p[2]});
     }
-    return *Light::create({kLevel}, *PaintedTriangleMesh::create(
-                                        *TriangleMesh::create(std::move(triangles)),
-                                        picture(ImageFilter::kBilinear), std::move(corner_uv)));
+    return *Light::create({kLevel},
+                          *TriangleMesh::create(std::move(triangles), std::move(corner_uv)),
+                          {.picture = picture(ImageFilter::kBilinear)});
   }
   static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {0, 3, 1.5}}; }
   /// A cone about the middle: about a corner, edges would run along the cells of the quadrature.
@@ -218,14 +218,14 @@ struct PaintedTriangleCase : PaintedCase {
 
 /// Half of an annulus of 0.5 to 1.
 struct PaintedDiskCase : PaintedCase {
-  using Light = PaintedDiskLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
-    return *Light::create(
-        {kLevel}, *PaintedDisk::create(*Disk::create({.radius_m = 1,
-                                                      .inner_radius_m = 0.5,
-                                                      .phi_max_rad = kPi,
-                                                      .world_from_object = at.world_from_light()}),
-                                       picture(ImageFilter::kBilinear)));
+    return *Light::create({kLevel},
+                          *Disk::create({.radius_m = 1,
+                                         .inner_radius_m = 0.5,
+                                         .phi_max_rad = kPi,
+                                         .world_from_object = at.world_from_light()}),
+                          {.picture = picture(ImageFilter::kBilinear)});
   }
   static std::vector<Vec3> receivers() { return {{0, 0.5, 2}, {2, -1, 1.5}}; }
   static Region region(const Vec3& r) { return seen(r, 1.02); }
@@ -257,16 +257,15 @@ struct PaintedDiskCase : PaintedCase {
 
 /// A quarter of the cap z > 0.75 of a sphere of radius 1, seen without its silhouette.
 struct PaintedCapCase : PaintedCase {
-  using Light = PaintedSphereLight;
+  using Light = AreaLight;
   static double widest() { return std::acos(0.75); }
   static Light make(const Placement& at) {
-    return *Light::create(
-        {kLevel},
-        *PaintedSphere::create(*Sphere::create({.radius_m = 1,
-                                                .z_min_m = 0.75,
-                                                .phi_max_rad = kPi / 2,
-                                                .world_from_object = at.world_from_light()}),
-                               picture(ImageFilter::kBilinear)));
+    return *Light::create({kLevel},
+                          *Sphere::create({.radius_m = 1,
+                                           .z_min_m = 0.75,
+                                           .phi_max_rad = kPi / 2,
+                                           .world_from_object = at.world_from_light()}),
+                          {.picture = picture(ImageFilter::kBilinear)});
   }
   static std::vector<Vec3> receivers() { return {{0, 0.5, 3}, {1, 0, 3}}; }
   static Region region(const Vec3& r) { return seen(r, 1); }
@@ -300,16 +299,15 @@ struct PaintedCapCase : PaintedCase {
 
 /// A quarter of a tube of radius 0.5, -0.75 < z < 0.75.
 struct PaintedTubeCase : PaintedCase {
-  using Light = PaintedCylinderLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
-    return *Light::create(
-        {kLevel},
-        *PaintedCylinder::create(*Cylinder::create({.radius_m = 0.5,
-                                                    .z_min_m = -0.75,
-                                                    .z_max_m = 0.75,
-                                                    .phi_max_rad = kPi / 2,
-                                                    .world_from_object = at.world_from_light()}),
-                                 picture(ImageFilter::kBilinear)));
+    return *Light::create({kLevel},
+                          *Cylinder::create({.radius_m = 0.5,
+                                             .z_min_m = -0.75,
+                                             .z_max_m = 0.75,
+                                             .phi_max_rad = kPi / 2,
+                                             .world_from_object = at.world_from_light()}),
+                          {.picture = picture(ImageFilter::kBilinear)});
   }
   static std::vector<Vec3> receivers() { return {{2, 1.5, 0.25}, {1, 2, -2}}; }
   static Region region(const Vec3& r) { return seen(r, 0.91); }

@@ -1,6 +1,7 @@
 // The contract suites on every area sampling method.  Here each method makes a light of its own,
 // whose receivers request it.
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_cases.h"
 
 namespace lucerna::testing {
@@ -21,13 +22,12 @@ struct SampledCase : CaseDefaults {
 
 template <AreaSampling kWay>
 struct TriangleBy : SampledCase<kWay> {
-  using Light = TriangleMeshLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
     // The triangle (0, 0), (1, 0), (0, 1) in two parts of unequal area.
-    return *TriangleMeshLight::create(
-        {kLevel},
-        *TriangleMesh::create({{p(0, 0), p(0.25, 0), p(0, 1)}, {p(0.25, 0), p(1, 0), p(0, 1)}}));
+    return *AreaLight::create({kLevel}, *TriangleMesh::create({{p(0, 0), p(0.25, 0), p(0, 1)},
+                                                               {p(0.25, 0), p(1, 0), p(0, 1)}}));
   }
   /// The last receiver is near: the light covers a quarter of its sphere.
   static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {0.25, 0.25, 0.25}}; }
@@ -49,10 +49,10 @@ struct TriangleBy : SampledCase<kWay> {
 
 template <AreaSampling kWay>
 struct RectangleBy : SampledCase<kWay> {
-  using Light = PatchMeshLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
-    return *PatchMeshLight::create(
+    return *AreaLight::create(
         {kLevel}, *PatchMesh::create({{p(-1, -0.5), p(1, -0.5), p(-1, 0.5), p(1, 0.5)}}));
   }
   static std::vector<Vec3> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {0.25, 0.25, 0.25}}; }
@@ -75,9 +75,9 @@ struct RectangleBy : SampledCase<kWay> {
 /// close.
 template <AreaSampling kWay>
 struct DiskBy : SampledCase<kWay> {
-  using Light = DiskLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
-    return *DiskLight::create({kLevel},
+    return *AreaLight::create({kLevel},
                               *Disk::create({.world_from_object = at.world_from_light()}));
   }
   static std::vector<Vec3> receivers() {
@@ -100,12 +100,12 @@ struct DiskBy : SampledCase<kWay> {
 /// A whole sphere, seen from inside.
 template <AreaSampling kWay>
 struct InwardSphereBy : SampledCase<kWay> {
-  using Light = SphereLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
-    return *SphereLight::create({kLevel},
-                                *Sphere::create({.radius_m = 0.75,
-                                                 .reverse_orientation = true,
-                                                 .world_from_object = at.world_from_light()}));
+    return *AreaLight::create({kLevel},
+                              *Sphere::create({.radius_m = 0.75,
+                                               .reverse_orientation = true,
+                                               .world_from_object = at.world_from_light()}));
   }
   static std::vector<Vec3> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
   static Region region(const Vec3&) { return {}; }
@@ -158,9 +158,9 @@ struct SeenBall {
 /// densities of rounded directions differ much from each other.  So it takes part only in tests of
 /// their sums and counts.
 struct SphereByArea : SampledCase<AreaSampling::kLowDistortion> {
-  using Light = SphereLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
-    return *SphereLight::create(
+    return *AreaLight::create(
         {kLevel}, *Sphere::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}));
   }
   static std::vector<Vec3> receivers() { return {{2, 1, 2}, {0, 0, -1}, {0.5, 0.5, 0.5}}; }

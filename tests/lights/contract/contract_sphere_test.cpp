@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_cases.h"
 #include "tests/lights/contract/contract_emission.h"
 #include "tests/lights/contract/contract_irradiance.h"
@@ -17,7 +18,7 @@ bool meets_ball(const Vec3& r, const Vec3& wi, double radius) {
 }
 
 struct SphereCase : AreaCase {
-  using Light = SphereLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     return *Light::create(
         {kLevel}, *Sphere::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}));
@@ -62,7 +63,7 @@ struct InwardSphereCase : SphereCase {
 /// The cap z > 0.75 of a sphere of radius 1 that emits outwards.  It is seen without its
 /// silhouette.  There the density by area has a pole, which no quadrature on a grid resolves.
 struct CapCase : AreaCase {
-  using Light = SphereLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     return *Light::create({kLevel}, *Sphere::create({.radius_m = 1,
                                                      .z_min_m = 0.75,

@@ -4,22 +4,24 @@
 #include <utility>
 #include <vector>
 
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/contract_time.h"
 
 namespace lucerna::testing {
 namespace {
 
-template <typename Light, typename Shape>
-Light emitting(Shape shape, bool two_sided = false) {
-  return *Light::create({MovingCase::level(), two_sided}, std::move(shape));
+template <typename S>
+AreaLight emitting(S shape, EmissionPattern pattern = {}, bool two_sided = false) {
+  return *AreaLight::create({MovingCase::level(), two_sided}, std::move(shape), std::move(pattern));
 }
 
 // ---- Shapes. ----
 
-TriangleMesh bent_triangles(const Transform& world_from_light) {
+TriangleMesh bent_triangles(const Transform& world_from_light, std::vector<Vec2f> uv = {}) {
   const auto at = [&](double x, double y, double z) { return world_from_light.point({x, y, z}); };
   return *TriangleMesh::create(
-      {{at(0, 0, 1), at(1, 0, 1), at(0, 2, 1)}, {at(1, 0, 1), at(1, 2, 2), at(0, 2, 1)}});
+      {{at(0, 0, 1), at(1, 0, 1), at(0, 2, 1)}, {at(1, 0, 1), at(1, 2, 2), at(0, 2, 1)}},
+      std::move(uv));
 }
 
 TriangleMesh flat_triangles(const Transform& world_from_light) {
@@ -55,32 +57,32 @@ Cylinder tube(const Transform& world_from_light) {
 // ---- Diffuse. ----
 
 struct MovingTriangles : MovingCase {
-  static TriangleMeshLight make(const Transform& world_from_light) {
-    return emitting<TriangleMeshLight>(bent_triangles(world_from_light));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(bent_triangles(world_from_light));
   }
 };
 
 struct MovingPatches : MovingCase {
-  static PatchMeshLight make(const Transform& world_from_light) {
-    return emitting<PatchMeshLight>(patch(world_from_light, 1));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(patch(world_from_light, 1));
   }
 };
 
 struct MovingSphere : MovingCase {
-  static SphereLight make(const Transform& world_from_light) {
-    return emitting<SphereLight>(sphere(world_from_light));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(sphere(world_from_light));
   }
 };
 
 struct MovingDisk : MovingCase {
-  static DiskLight make(const Transform& world_from_light) {
-    return emitting<DiskLight>(disk(world_from_light));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(disk(world_from_light));
   }
 };
 
 struct MovingCylinder : MovingCase {
-  static CylinderLight make(const Transform& world_from_light) {
-    return emitting<CylinderLight>(tube(world_from_light));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(tube(world_from_light));
   }
 };
 
@@ -99,38 +101,34 @@ struct PaintedMovingCase : MovingCase {
 };
 
 struct MovingPaintedTriangles : PaintedMovingCase {
-  static PaintedTriangleMeshLight make(const Transform& world_from_light) {
-    return emitting<PaintedTriangleMeshLight>(
-        *PaintedTriangleMesh::create(bent_triangles(world_from_light), picture(),
-                                     {{0, 0}, {1, 0}, {0, 1}, {1, 0}, {1, 1}, {0, 1}}));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(
+        bent_triangles(world_from_light, {{0, 0}, {1, 0}, {0, 1}, {1, 0}, {1, 1}, {0, 1}}),
+        {.picture = picture()});
   }
 };
 
 struct MovingPaintedPatches : PaintedMovingCase {
-  static PaintedPatchMeshLight make(const Transform& world_from_light) {
-    return emitting<PaintedPatchMeshLight>(
-        *PaintedPatchMesh::create(patch(world_from_light, 1), picture()));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(patch(world_from_light, 1), {.picture = picture()});
   }
 };
 
 struct MovingPaintedSphere : PaintedMovingCase {
-  static PaintedSphereLight make(const Transform& world_from_light) {
-    return emitting<PaintedSphereLight>(
-        *PaintedSphere::create(sphere(world_from_light), picture()));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(sphere(world_from_light), {.picture = picture()});
   }
 };
 
 struct MovingPaintedDisk : PaintedMovingCase {
-  static PaintedDiskLight make(const Transform& world_from_light) {
-    return emitting<PaintedDiskLight>(*PaintedDisk::create(disk(world_from_light), picture()),
-                                      true);
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(disk(world_from_light), {.picture = picture()}, true);
   }
 };
 
 struct MovingPaintedCylinder : PaintedMovingCase {
-  static PaintedCylinderLight make(const Transform& world_from_light) {
-    return emitting<PaintedCylinderLight>(
-        *PaintedCylinder::create(tube(world_from_light), picture()));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(tube(world_from_light), {.picture = picture()});
   }
 };
 
@@ -152,23 +150,20 @@ struct PanelMovingCase : MovingCase {
 };
 
 struct MovingPanelTriangles : PanelMovingCase {
-  static PanelTriangleMeshLight make(const Transform& world_from_light) {
-    return emitting<PanelTriangleMeshLight>(
-        *PanelTriangleMesh::create(flat_triangles(world_from_light), profile(world_from_light)));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(flat_triangles(world_from_light), {.profile = profile(world_from_light)});
   }
 };
 
 struct MovingPanelPatches : PanelMovingCase {
-  static PanelPatchMeshLight make(const Transform& world_from_light) {
-    return emitting<PanelPatchMeshLight>(
-        *PanelPatchMesh::create(patch(world_from_light, 0), profile(world_from_light)));
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(patch(world_from_light, 0), {.profile = profile(world_from_light)});
   }
 };
 
 struct MovingPanelDisk : PanelMovingCase {
-  static PanelDiskLight make(const Transform& world_from_light) {
-    return emitting<PanelDiskLight>(
-        *PanelDisk::create(disk(world_from_light), profile(world_from_light)), true);
+  static AreaLight make(const Transform& world_from_light) {
+    return emitting(disk(world_from_light), {.profile = profile(world_from_light)}, true);
   }
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_helpers.h"
 #include "tests/lights/contract/contract.h"
 
@@ -78,14 +79,13 @@ struct PanelCase : CaseDefaults {
 
 /// A rectangle of 2 x 1 m that faces +z, with C0 along its longer side.
 struct RectanglePanelCase : PanelCase {
-  using Light = PanelPatchMeshLight;
+  using Light = AreaLight;
   static constexpr double kArea = 2;
   static Light make(const Placement& at) {
     const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
-    return *Light::create(
-        {kPanelLevel}, *PanelPatchMesh::create(
-                           *PatchMesh::create({{p(-1, -0.5), p(1, -0.5), p(-1, 0.5), p(1, 0.5)}}),
-                           profile(web(), at.direction({1, 0, 0}))));
+    return *Light::create({kPanelLevel},
+                          *PatchMesh::create({{p(-1, -0.5), p(1, -0.5), p(-1, 0.5), p(1, 0.5)}}),
+                          {.profile = profile(web(), at.direction({1, 0, 0}))});
   }
   /// The candela of the file do not depend on the size.
   static constexpr int kValueLengthPower = -2;
@@ -111,15 +111,14 @@ struct RectanglePanelCase : PanelCase {
 
 /// The same as three triangles of unequal area, with C0 towards (1, 2).
 struct TrianglePanelCase : RectanglePanelCase {
-  using Light = PanelTriangleMeshLight;
+  using Light = AreaLight;
   static Light make(const Placement& at) {
     const auto p = [&](double x, double y) { return at.point({x, y, 0}); };
-    return *Light::create(
-        {kPanelLevel},
-        *PanelTriangleMesh::create(*TriangleMesh::create({{p(-1, -0.5), p(0.5, -0.5), p(-1, 0.5)},
-                                                          {p(0.5, -0.5), p(1, -0.5), p(1, 0.5)},
-                                                          {p(0.5, -0.5), p(1, 0.5), p(-1, 0.5)}}),
-                                   profile(web(), at.direction({1, 2, 0}))));
+    return *Light::create({kPanelLevel},
+                          *TriangleMesh::create({{p(-1, -0.5), p(0.5, -0.5), p(-1, 0.5)},
+                                                 {p(0.5, -0.5), p(1, -0.5), p(1, 0.5)},
+                                                 {p(0.5, -0.5), p(1, 0.5), p(-1, 0.5)}}),
+                          {.profile = profile(web(), at.direction({1, 2, 0}))});
   }
   static Rgb emitted(const Vec3&, const Vec3& w) {
     const double s = std::sqrt(0.2);
@@ -134,14 +133,13 @@ struct TrianglePanelCase : RectanglePanelCase {
 
 /// A disk of radius 0.75 that emits on both sides, mirrored, with C0 towards (1, 1).
 struct DiskPanelCase : PanelCase {
-  using Light = PanelDiskLight;
+  using Light = AreaLight;
   static constexpr double kArea = kPi * 0.75 * 0.75;
   static Light make(const Placement& at) {
     return *Light::create(
         {kPanelLevel, true},
-        *PanelDisk::create(
-            *Disk::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}),
-            profile(web(), at.direction({1, 1, 0.5}), true)));
+        *Disk::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}),
+        {.profile = profile(web(), at.direction({1, 1, 0.5}), true)});
   }
   static constexpr int kValueLengthPower = -2;
   static constexpr int kPowerLengthPower = 0;

@@ -2,22 +2,31 @@
 #pragma once
 
 #include <map>
-#include <set>
+#include <string>
 #include <string_view>
-#include <typeindex>
+#include <vector>
+
+#include "tests/lights/area_lights.h"
 
 namespace lucerna::testing {
 
-/// The float types of the lights of all cases, by the name of the suite.  Complete once main() has
-/// begun.
-inline std::map<std::string_view, std::set<std::type_index>>& participants() {
-  static std::map<std::string_view, std::set<std::type_index>> all;
+struct Participant {
+  std::string kind;
+  LightTraits traits;
+};
+
+/// Makes the lights of all cases, by the name of the suite.  Complete once main() has begun.
+inline std::map<std::string_view, std::vector<Participant (*)()>>& participants() {
+  static std::map<std::string_view, std::vector<Participant (*)()>> all;
   return all;
 }
 
-template <typename Light>
+template <typename Case>
 bool takes_part(std::string_view suite) {
-  participants()[suite].insert(typeid(Light));
+  participants()[suite].push_back([] {
+    const auto light = Case::make({});
+    return Participant{kind_of(light), light.traits()};
+  });
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/area_extremes.h"
 #include "tests/lights/statistics.h"
 

@@ -9,6 +9,7 @@
 
 #include "lights/maths/gauss.h"
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/reference_table.h"
 #include "tests/sweep.h"
 
@@ -33,13 +34,13 @@ inline double textbook_irradiance(float solid_angle_sr, const ReferenceTable::Ro
   return solid_angle_sr * dot(vector_in(row, "normal"), normalized(-vector_in(row, "receiver")));
 }
 
-inline TriangleMeshLight triangle_light(const std::array<Vec3, 3>& corner) {
-  return *TriangleMeshLight::create({Rgb(1), true},
-                                    *TriangleMesh::create({{corner[0], corner[1], corner[2]}}));
+inline AreaLight triangle_light(const std::array<Vec3, 3>& corner) {
+  return *AreaLight::create({Rgb(1), true},
+                            *TriangleMesh::create({{corner[0], corner[1], corner[2]}}));
 }
-inline PatchMeshLight patch_light(const std::array<Vec3, 4>& corner) {
-  return *PatchMeshLight::create(
-      {Rgb(1), true}, *PatchMesh::create({{corner[0], corner[1], corner[2], corner[3]}}));
+inline AreaLight patch_light(const std::array<Vec3, 4>& corner) {
+  return *AreaLight::create({Rgb(1), true},
+                            *PatchMesh::create({{corner[0], corner[1], corner[2], corner[3]}}));
 }
 
 /// Sums over samples of the whole unit square.

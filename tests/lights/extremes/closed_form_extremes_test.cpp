@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/area_extremes.h"
 
 namespace lucerna::testing {
@@ -133,11 +134,11 @@ TEST(ClosedFormExtremes, PolygonsThatTheHorizonCuts) {
   sweep.expect_within(1e-11);
 }
 
-DiskLight disk_light(double radius, const Transform& world_from_object) {
+AreaLight disk_light(double radius, const Transform& world_from_object) {
   DiskParams params;
   params.radius_m = radius;
   params.world_from_object = world_from_object;
-  return *DiskLight::create({Rgb(1), true}, *Disk::create(params));
+  return *AreaLight::create({Rgb(1), true}, *Disk::create(params));
 }
 
 TEST(ClosedFormExtremes, SmallLowAndGrazingDisks) {
@@ -194,11 +195,11 @@ TEST(ClosedFormExtremes, DisksThatTheHorizonCuts) {
   sweep.expect_within(1e-11);
 }
 
-SphereLight sphere_light(double radius, const Vec3& center) {
+AreaLight sphere_light(double radius, const Vec3& center) {
   SphereParams params;
   params.radius_m = radius;
   params.world_from_object = Transform::translate(center);
-  return *SphereLight::create({Rgb(1)}, *Sphere::create(params));
+  return *AreaLight::create({Rgb(1)}, *Sphere::create(params));
 }
 
 TEST(ClosedFormExtremes, Spheres) {

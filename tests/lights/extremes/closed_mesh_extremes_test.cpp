@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/area_extremes.h"
 
 namespace lucerna::testing {
@@ -69,23 +70,22 @@ void sweep_box(const Light& light, int count, By by_y, Sweep& sweep) {
 TEST(ClosedMeshExtremes, IrradianceFromABoxOfTriangles) {
   Sweep sweep(30, "closed emissive box of 12 triangles", "1e-9 ... 1e9 of its size away",
               "solid angle and irradiance");
-  sweep_box(*TriangleMeshLight::create({Rgb(1)}, *TriangleMesh::create(box_triangles())), 12,
-            By::kRoot, sweep);
+  sweep_box(*AreaLight::create({Rgb(1)}, *TriangleMesh::create(box_triangles())), 12, By::kRoot,
+            sweep);
   sweep.expect_within(1e-5);
 }
 
 TEST(ClosedMeshExtremes, IrradianceFromABoxOfPatches) {
   Sweep sweep(30, "closed emissive box of 6 bilinear patches", "1e-9 ... 1e9 of its size away",
               "solid angle and irradiance");
-  sweep_box(*PatchMeshLight::create({Rgb(1)}, *PatchMesh::create(box_faces())), 6, By::kShare,
-            sweep);
+  sweep_box(*AreaLight::create({Rgb(1)}, *PatchMesh::create(box_faces())), 6, By::kShare, sweep);
   sweep.expect_within(1e-5);
 }
 
 TEST(ClosedMeshExtremes, DensityOfDirectionsIgnoresFacesTurnedAway) {
   Sweep sweep(30, "closed emissive box of 12 triangles", "1e-9 ... 1e9 of its size away",
               "density of a sample's direction");
-  const auto light = *TriangleMeshLight::create({Rgb(1)}, *TriangleMesh::create(box_triangles()));
+  const auto light = *AreaLight::create({Rgb(1)}, *TriangleMesh::create(box_triangles()));
   const auto mesh = *TriangleMesh::create(box_triangles());
   const ReferenceTable table("closed_box");
   for (const auto& row : table.rows()) {
@@ -113,7 +113,7 @@ TEST(ClosedMeshExtremes, DensityOfDirectionsIgnoresFacesTurnedAway) {
 TEST(ClosedMeshExtremes, ReceiversInsideGetNoLight) {
   Sweep sweep(30, "closed emissive box, the receiver inside", "1e-12 ... 0.5 below a face",
               "answer");
-  const auto light = *TriangleMeshLight::create({Rgb(1)}, *TriangleMesh::create(box_triangles()));
+  const auto light = *AreaLight::create({Rgb(1)}, *TriangleMesh::create(box_triangles()));
   for (double depth = 0.5; depth > 1e-12; depth /= 10)
     for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kLowDistortion}) {
       Receiver receiver(0.125, 0.0625, 0.5 - depth);

@@ -8,6 +8,7 @@
 
 #include "lights/models/all_lights.h"
 #include "lights/sampling/sampling.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {
@@ -33,12 +34,12 @@ template <typename F>
 void for_each_level_light(bool two_sided, F&& f) {
   const DiffuseEmission one{Rgb(1), two_sided};
   const std::vector<Triangle> triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
-  f(*TriangleMeshLight::create(one, *TriangleMesh::create(triangle)), "triangle");
+  f(*AreaLight::create(one, *TriangleMesh::create(triangle)), "triangle");
   const std::vector<BilinearPatch> patch{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}};
-  f(*PatchMeshLight::create(one, *PatchMesh::create(patch)), "patch");
+  f(*AreaLight::create(one, *PatchMesh::create(patch)), "patch");
   DiskParams disk;
   disk.radius_m = 1;
-  f(*DiskLight::create(one, *Disk::create(disk)), "disk");
+  f(*AreaLight::create(one, *Disk::create(disk)), "disk");
 }
 
 TEST(EmissionExtremes, CosinesOfRaysNearlyAlongTheSurface) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/area_extremes.h"
 
 namespace lucerna::testing {
@@ -14,16 +15,16 @@ namespace {
 constexpr AreaSampling kWays[] = {AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle,
                                   AreaSampling::kAutomatic, AreaSampling::kSquareRoot};
 
-TriangleMeshLight triangle_in(const ReferenceTable::Row& row) {
+AreaLight triangle_in(const ReferenceTable::Row& row) {
   return triangle_light({vector_in(row, "p00"), vector_in(row, "p10"), vector_in(row, "p01")});
 }
-PatchMeshLight rectangle_in(const ReferenceTable::Row& row) {
+AreaLight rectangle_in(const ReferenceTable::Row& row) {
   return patch_light(
       {vector_in(row, "p00"), vector_in(row, "p10"), vector_in(row, "p01"), vector_in(row, "p11")});
 }
 
 /// The rectangle with its second side halved.  It lies in the same plane, to the last bit.
-PatchMeshLight trapezoid_in(const ReferenceTable::Row& row) {
+AreaLight trapezoid_in(const ReferenceTable::Row& row) {
   const Vec3 a = vector_in(row, "p00"), b = vector_in(row, "p10"), c = vector_in(row, "p01");
   return patch_light({a, b, c, b + (c - a) * 0.5});
 }
@@ -166,7 +167,7 @@ TEST(GrazingExtremes, DisksSeenFromTheirPlaneAreDark) {
   for (const auto& [params, receivers] :
        {std::pair{plain, std::vector<Vec3>{{0, 0, 0}, {5, 7, 0}, {-1e6, 1, 0}}},
         std::pair{tilted, std::vector<Vec3>{{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}}}) {
-    const auto disk = *DiskLight::create({Rgb(1), true}, *Disk::create(params));
+    const auto disk = *AreaLight::create({Rgb(1), true}, *Disk::create(params));
     for (const Vec3& receiver : receivers) sample_within(disk, receiver, sweep);
   }
   sweep.expect_answers(NoLight::kBehind);
@@ -178,11 +179,11 @@ TEST(GrazingExtremes, PointsSeenFromTheirTangentPlaneAreDark) {
   SphereParams ball;
   ball.radius_m = 3;
   ball.world_from_object = Transform::translate({1, 2, 3});
-  const auto sphere = *SphereLight::create({Rgb(1), true}, *Sphere::create(ball));
+  const auto sphere = *AreaLight::create({Rgb(1), true}, *Sphere::create(ball));
   CylinderParams pipe;
   pipe.radius_m = 3;
   pipe.world_from_object = Transform::translate({1, 2, 3});
-  const auto tube = *CylinderLight::create({Rgb(1), true}, *Cylinder::create(pipe));
+  const auto tube = *AreaLight::create({Rgb(1), true}, *Cylinder::create(pipe));
   const auto sample = [&](const auto& light, const Vec3& at, const Vec3& position, Vec2 u) {
     Receiver receiver(position);
     receiver.area_sampling = AreaSampling::kSquareRoot;
@@ -208,7 +209,7 @@ TEST(GrazingExtremes, SpheresByAreaUpToTheirRim) {
   for (const double share : {0.9, 0.5, 1e-1, 1e-3, 1e-6, 1e-9}) {
     SphereParams params;
     params.radius_m = share;
-    const auto light = *SphereLight::create({Rgb(1)}, *Sphere::create(params));
+    const auto light = *AreaLight::create({Rgb(1)}, *Sphere::create(params));
     Receiver receiver(0, 0, 1);
     receiver.normal = {0, 0, -1};
     receiver.area_sampling = AreaSampling::kLowDistortion;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/reference_table.h"
 #include "tests/sweep.h"
 
@@ -124,24 +125,24 @@ void visit_shape(const std::string& name, double s, F&& f) {
   const DiffuseEmission both{Rgb(1), true};
   if (name == "triangle") {
     std::vector<Triangle> one{{{0, 0, 0}, {s, 0, s / 4}, {s / 8, s, 0}}};
-    f(*TriangleMeshLight::create(both, *TriangleMesh::create(one)));
+    f(*AreaLight::create(both, *TriangleMesh::create(one)));
   } else if (name == "rectangle") {
     std::vector<BilinearPatch> one{{{0, 0, 0}, {s, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}}};
-    f(*PatchMeshLight::create(both, *PatchMesh::create(one)));
+    f(*AreaLight::create(both, *PatchMesh::create(one)));
   } else if (name == "disk") {
     DiskParams disk;
     disk.radius_m = s;
-    f(*DiskLight::create(both, *Disk::create(disk)));
+    f(*AreaLight::create(both, *Disk::create(disk)));
   } else if (name == "cylinder") {
     CylinderParams cylinder;
     cylinder.radius_m = s;
     cylinder.z_min_m = -s;
     cylinder.z_max_m = s;
-    f(*CylinderLight::create(both, *Cylinder::create(cylinder)));
+    f(*AreaLight::create(both, *Cylinder::create(cylinder)));
   } else {
     SphereParams sphere;
     sphere.radius_m = s;
-    f(*SphereLight::create(both, *Sphere::create(sphere)));
+    f(*AreaLight::create(both, *Sphere::create(sphere)));
   }
 }
 

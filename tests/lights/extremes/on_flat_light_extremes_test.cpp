@@ -7,6 +7,7 @@
 #include <random>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/on_light.h"
 
 namespace lucerna::testing {
@@ -17,8 +18,7 @@ TEST(OnLightExtremes, Triangles) {
   for (const Place& f : frames())
     for (const bool two_sided : {false, true}) {
       const Vec3 a = f.point(1, 2, 3), b = f.point(9, -6, 11), c = f.point(-7, 10, 19);
-      const auto light =
-          TriangleMeshLight::create({Rgb(1), two_sided}, *TriangleMesh::create({{a, b, c}}));
+      const auto light = AreaLight::create({Rgb(1), two_sided}, *TriangleMesh::create({{a, b, c}}));
       const Vec3 normal = normalized(cross(b - a, c - a));
       // Shares of a, b and c in eighths, so that all points are exact.
       for (const Vec3& share : {Vec3{8, 0, 0},
@@ -33,7 +33,7 @@ TEST(OnLightExtremes, Triangles) {
         const Vec3 on = a + (b - a) * (share.y / 8) + (c - a) * (share.z / 8);
         record_samples(*light, on, sweep);
         textbook(Vec3f(a * 0.5 + b * 0.25 + c * 0.25) - Vec3f(on), Vec3f(normal),
-                 static_cast<float>(light->area_m2()), sweep);
+                 static_cast<float>(light->shape().area()), sweep);
       }
     }
   sweep.expect_answers(NoLight::kDegenerate);
@@ -48,7 +48,7 @@ TEST(OnLightExtremes, Rectangles) {
         const auto at = [&](double u, double v) {
           return tilted ? f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v) : f.point(3 * u, 5 * v, 0);
         };
-        const auto light = PatchMeshLight::create(
+        const auto light = AreaLight::create(
             {Rgb(1), two_sided}, *PatchMesh::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 8)}}));
         for (const Vec2& p : {Vec2{0, 0},
                               {4, 0},
@@ -64,7 +64,7 @@ TEST(OnLightExtremes, Rectangles) {
           record_samples(*light, at(p.x, p.y), sweep);
           textbook(Vec3f(at(1, 1)) - Vec3f(at(p.x, p.y)),
                    Vec3f(normalized(cross(at(1, 0) - at(0, 0), at(0, 1) - at(0, 0)))),
-                   static_cast<float>(light->area_m2()), sweep);
+                   static_cast<float>(light->shape().area()), sweep);
         }
       }
   sweep.expect_answers(NoLight::kDegenerate);
@@ -79,7 +79,7 @@ TEST(OnLightExtremes, Trapezoids) {
       const auto at = [&](double u, double v) {
         return f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v);
       };
-      const auto light = PatchMeshLight::create(
+      const auto light = AreaLight::create(
           {Rgb(1), two_sided}, *PatchMesh::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 4)}}));
       for (const Vec2& p :
            {Vec2{0, 0}, {4, 0}, {0, 8}, {4, 4}, {2, 0}, {0, 5}, {4, 3}, {2, 6}, {1, 2}, {3, 0.5}})
@@ -127,15 +127,15 @@ TEST(OnLightExtremes, CornersWithRandomDigits) {
       const Vec3 a = any(), e = any(), way = any();
       const Vec3 h = normalized(cross(e, way)) * 0.7;
       const DiffuseEmission emission{Rgb(1), i % 2 == 0};
-      const auto triangle = TriangleMeshLight::create(
-          emission, *TriangleMesh::create({{at(a), at(a + e), at(a + way)}}));
+      const auto triangle =
+          AreaLight::create(emission, *TriangleMesh::create({{at(a), at(a + e), at(a + way)}}));
       const Vec3 within = (a * 2 + (a + e) + (a + way)) / 4;
       for (const Vec3& corner : {a, a + e, a + way}) {
         record_samples(*triangle, at(corner), sweep);
         textbook(Vec3f(at(within)) - Vec3f(at(corner)), Vec3f(normalized(cross(e, way))),
-                 static_cast<float>(triangle->area_m2()), sweep);
+                 static_cast<float>(triangle->shape().area()), sweep);
       }
-      const auto rectangle = PatchMeshLight::create(
+      const auto rectangle = AreaLight::create(
           emission, *PatchMesh::create({{at(a), at(a + e), at(a + h), at(a + e + h)}}));
       for (const Vec3& corner : {a, a + e, a + h, a + e + h})
         record_samples(*rectangle, at(corner), sweep);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/on_light.h"
 
 namespace lucerna::testing {
@@ -51,7 +52,8 @@ TEST(OnLightExtremes, PicturesAndPanels) {
       const auto at = [&](double u, double v) {
         return f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v);
       };
-      const auto triangle = *TriangleMesh::create({{at(0, 0), at(4, 0), at(0, 8)}});
+      const auto triangle =
+          *TriangleMesh::create({{at(0, 0), at(4, 0), at(0, 8)}}, {{0, 0}, {1, 0}, {0, 1}});
       const auto rectangle = *PatchMesh::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 8)}});
       DiskParams params;
       params.radius_m = 8 * f.size;
@@ -60,19 +62,14 @@ TEST(OnLightExtremes, PicturesAndPanels) {
       const auto all = [&](const Vec2& p, const auto&... light) {
         (record_samples(light, at(p.x, p.y), sweep), ...);
       };
-      const auto painted_triangle = *PaintedTriangleMeshLight::create(
-          emission, *PaintedTriangleMesh::create(triangle, picture, {{0, 0}, {1, 0}, {0, 1}}));
-      const auto painted_rectangle =
-          *PaintedPatchMeshLight::create(emission, *PaintedPatchMesh::create(rectangle, picture));
-      const auto panel_triangle =
-          *PanelTriangleMeshLight::create(emission, *PanelTriangleMesh::create(triangle, profile));
-      const auto panel_rectangle =
-          *PanelPatchMeshLight::create(emission, *PanelPatchMesh::create(rectangle, profile));
+      const auto painted_triangle = *AreaLight::create(emission, triangle, {.picture = picture});
+      const auto painted_rectangle = *AreaLight::create(emission, rectangle, {.picture = picture});
+      const auto panel_triangle = *AreaLight::create(emission, triangle, {.profile = profile});
+      const auto panel_rectangle = *AreaLight::create(emission, rectangle, {.profile = profile});
       for (const Vec2& p : {Vec2{0, 0}, {4, 0}, {0, 8}, {2, 0}, {0, 5}, {2, 4}, {1, 2}})
         all(p, painted_triangle, painted_rectangle, panel_triangle, panel_rectangle);
-      const auto painted_disk =
-          *PaintedDiskLight::create(emission, *PaintedDisk::create(disk, picture));
-      const auto panel_disk = *PanelDiskLight::create(emission, *PanelDisk::create(disk, profile));
+      const auto painted_disk = *AreaLight::create(emission, disk, {.picture = picture});
+      const auto panel_disk = *AreaLight::create(emission, disk, {.profile = profile});
       for (const Vec2& p : {Vec2{0, 0}, {8, 0}, {0, -8}, {1, 2}, {-3, 0.5}}) {
         record_samples(painted_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);
         record_samples(panel_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/on_light.h"
 
 namespace lucerna::testing {
@@ -19,14 +20,14 @@ TEST(OnLightExtremes, CutSpheresAndRims) {
     SphereParams whole;
     whole.radius_m = 9 * f.size;
     whole.world_from_object = Transform::translate(f.point(1, 2, 3));
-    const auto ball = *SphereLight::create({Rgb(1)}, *Sphere::create(whole));
+    const auto ball = *AreaLight::create({Rgb(1)}, *Sphere::create(whole));
     for (const Vec3& p : {Vec3{1, 4, 8}, {-4, 7, 4}, {6, -3, -6}, {8, 4, -1}})
       record_samples(ball, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
     SphereParams part = whole;
     part.radius_m = 5 * f.size;
     part.z_min_m = -4 * f.size;
     part.z_max_m = 3 * f.size;
-    const auto cut = *SphereLight::create({Rgb(1)}, *Sphere::create(part));
+    const auto cut = *AreaLight::create({Rgb(1)}, *Sphere::create(part));
     for (const Vec3& p : {Vec3{4, 0, 3}, {0, -4, 3}, {-3, 0, -4}, {3, 4, 0}})
       record_samples(cut, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
     CylinderParams cylinder;
@@ -34,7 +35,7 @@ TEST(OnLightExtremes, CutSpheresAndRims) {
     cylinder.z_min_m = -8 * f.size;
     cylinder.z_max_m = 8 * f.size;
     cylinder.world_from_object = whole.world_from_object;
-    const auto tube = *CylinderLight::create({Rgb(1)}, *Cylinder::create(cylinder));
+    const auto tube = *AreaLight::create({Rgb(1)}, *Cylinder::create(cylinder));
     for (const Vec3& p : {Vec3{5, 0, 8}, {3, 4, 8}, {-4, 3, -8}, {-3, -4, 1}})
       record_samples(tube, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
   }
@@ -48,11 +49,11 @@ TEST(OnLightExtremes, Disks) {
       DiskParams params;
       params.radius_m = 4 * f.size;
       params.world_from_object = Transform::translate(f.point(1, 2, 3));
-      const auto light = DiskLight::create({Rgb(1), two_sided}, *Disk::create(params));
+      const auto light = AreaLight::create({Rgb(1), two_sided}, *Disk::create(params));
       for (const Vec2& p : {Vec2{0, 0}, {4, 0}, {0, -4}, {-4, 0}, {1, 2}, {-3, 0.5}, {2, -2}}) {
         record_samples(*light, f.point(1 + p.x, 2 + p.y, 3), sweep);
         textbook(Vec3f(f.point(1, 2.5, 3)) - Vec3f(f.point(1 + p.x, 2 + p.y, 3)), {0, 0, 1},
-                 static_cast<float>(light->area_m2()), sweep);
+                 static_cast<float>(light->shape().area()), sweep);
       }
     }
   sweep.expect_answers(NoLight::kDegenerate);
@@ -64,19 +65,19 @@ TEST(OnLightExtremes, SpheresAndCylindersFromOutside) {
     SphereParams sphere;
     sphere.radius_m = 4 * f.size;
     sphere.world_from_object = Transform::translate(f.point(1, 2, 3));
-    const auto ball = SphereLight::create({Rgb(1)}, *Sphere::create(sphere));
+    const auto ball = AreaLight::create({Rgb(1)}, *Sphere::create(sphere));
     CylinderParams cylinder;
     cylinder.radius_m = 4 * f.size;
     cylinder.z_min_m = -8 * f.size;
     cylinder.z_max_m = 8 * f.size;
     cylinder.world_from_object = sphere.world_from_object;
-    const auto tube = CylinderLight::create({Rgb(1)}, *Cylinder::create(cylinder));
+    const auto tube = AreaLight::create({Rgb(1)}, *Cylinder::create(cylinder));
     for (const Vec2& p : {Vec2{4, 0}, {0, -4}, {-4, 0}}) {
       const Vec3 on = f.point(1 + p.x, 2 + p.y, 3);
       record_samples(*ball, on, sweep);
       record_samples(*tube, on, sweep);
-      textbook(Vec3f(f.point(1, 2, 7)) - Vec3f(on), {0, 0, 1}, static_cast<float>(ball->area_m2()),
-               sweep);
+      textbook(Vec3f(f.point(1, 2, 7)) - Vec3f(on), {0, 0, 1},
+               static_cast<float>(ball->shape().area()), sweep);
     }
   }
   sweep.expect_answers(NoLight::kDegenerate);
@@ -96,7 +97,7 @@ TEST(OnLightExtremes, SpheresFromWithin) {
       params.radius_m = 4 * f.size;
       params.reverse_orientation = !two_sided;
       params.world_from_object = Transform::translate(f.point(1, 2, 3));
-      const auto light = SphereLight::create({Rgb(1), two_sided}, *Sphere::create(params));
+      const auto light = AreaLight::create({Rgb(1), two_sided}, *Sphere::create(params));
       for (const Vec3& outwards : {Vec3{1, 0, 0}, {0, -1, 0}, {-1, 0, 0}, {0, 0, 1}})
         for (const double x : {0.125, 0.4, 0.75})
           for (const double y : {0.1, 0.3, 0.6, 0.9}) {
@@ -112,7 +113,7 @@ TEST(OnLightExtremes, SpheresFromWithin) {
             const float d2 = dot(way, way);
             const float cos_light = -dot(Vec3f(sample.normal), way) / std::sqrt(d2);
             sweep.compare_textbook(
-                d2 / (std::fabs(cos_light) * static_cast<float>(light->area_m2())), truth);
+                d2 / (std::fabs(cos_light) * static_cast<float>(light->shape().area())), truth);
           }
     }
   sweep.expect_within(bound(farthest));

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/map_pictures.h"
 
 namespace lucerna::testing {
@@ -96,9 +97,9 @@ TEST(PowerExtremes, BilinearProjectedPictures) {
   sweep.expect_within(2e-14);
 }
 
-template <typename Shape>
-AreaLight<Shape> shining(absl::StatusOr<Shape> shape) {
-  return *AreaLight<Shape>::create({Rgb(1)}, *std::move(shape));
+template <typename S>
+AreaLight shining(absl::StatusOr<S> shape, EmissionPattern pattern = {}) {
+  return *AreaLight::create({Rgb(1)}, *std::move(shape), std::move(pattern));
 }
 
 void check_areas(Sweep& sweep, bool bent) {
@@ -110,29 +111,26 @@ void check_areas(Sweep& sweep, bool bent) {
     const auto v = [s](double x, double y, double z) { return Vec3{s * x, s * y, s * z}; };
     if (name == "sphere") {
       const SphereParams p{.radius_m = s, .z_min_m = -s / 2, .z_max_m = 0.75 * s, .phi_max_rad = 2};
-      check_power(sweep, shining<Sphere>(Sphere::create(p)), truth, at);
+      check_power(sweep, shining(Sphere::create(p)), truth, at);
     } else if (name == "disk") {
       const DiskParams p{.radius_m = s, .inner_radius_m = s / 4, .phi_max_rad = 2};
-      check_power(sweep, shining<Disk>(Disk::create(p)), truth, at);
+      check_power(sweep, shining(Disk::create(p)), truth, at);
     } else if (name == "cylinder") {
       const CylinderParams p{.radius_m = s / 2, .z_min_m = 0, .z_max_m = 3 * s, .phi_max_rad = 2};
-      check_power(sweep, shining<Cylinder>(Cylinder::create(p)), truth, at);
+      check_power(sweep, shining(Cylinder::create(p)), truth, at);
     } else if (name == "triangle") {
-      check_power(
-          sweep,
-          shining<TriangleMesh>(TriangleMesh::create({{v(0, 0, 0), v(1, 0, 0), v(0, 2, 2)}})),
-          truth, at);
+      check_power(sweep, shining(TriangleMesh::create({{v(0, 0, 0), v(1, 0, 0), v(0, 2, 2)}})),
+                  truth, at);
       // The cross product in floats, whose squares exceed their range.
       const auto f = static_cast<float>(s);
       const float area = std::sqrt(2 * (2 * f * f) * (2 * f * f)) / 2;
       sweep.compare_textbook(kFloatPi * area, truth);
     } else {
       const bool flat = name == "flat";
-      check_power(
-          sweep,
-          shining<PatchMesh>(PatchMesh::create({{v(0, 0, 0), v(flat ? 2 : 1, 0, 0), v(0, 1, 0),
-                                                 v(flat ? 2 : 1, 1, flat ? 0 : 0.5)}})),
-          truth, at);
+      check_power(sweep,
+                  shining(PatchMesh::create({{v(0, 0, 0), v(flat ? 2 : 1, 0, 0), v(0, 1, 0),
+                                              v(flat ? 2 : 1, 1, flat ? 0 : 0.5)}})),
+                  truth, at);
     }
   }
 }
@@ -169,10 +167,8 @@ TEST(PowerExtremes, PhotometryAndPictures) {
           truth, "web " + row.text("size"));
     } else {
       const Picture picture{grey_image(4, 3, patchy_texel), ImageFilter::kNearest, ""};
-      check_power(sweep,
-                  shining<PaintedSphere>(
-                      PaintedSphere::create(*Sphere::create({.radius_m = size}), picture)),
-                  truth, "painted sphere " + row.text("size"));
+      check_power(sweep, shining(Sphere::create({.radius_m = size}), {.picture = picture}), truth,
+                  "painted sphere " + row.text("size"));
     }
   }
   sweep.expect_within(1e-14);

@@ -12,7 +12,7 @@
 namespace lucerna::testing {
 namespace {
 
-PatchMeshLight light_in(const ReferenceTable::Row& row) {
+AreaLight light_in(const ReferenceTable::Row& row) {
   return patch_light(
       {vector_in(row, "p00"), vector_in(row, "p10"), vector_in(row, "p01"), vector_in(row, "p11")});
 }

@@ -5,17 +5,18 @@
 #include <numbers>
 
 #include "lights/maths/vec.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/area_extremes.h"
 
 namespace lucerna::testing {
 namespace {
 
 /// The disk of a row, seen from the origin.
-DiskLight disk_in(const ReferenceTable::Row& row) {
+AreaLight disk_in(const ReferenceTable::Row& row) {
   DiskParams params;
   params.radius_m = row["radius_m"];
   params.world_from_object = Transform::translate({row["offset_m"], 0, row["height_m"]});
-  return *DiskLight::create({Rgb(1), true}, *Disk::create(params));
+  return *AreaLight::create({Rgb(1), true}, *Disk::create(params));
 }
 
 Receiver at_origin(const ReferenceTable::Row& row, AreaSampling way) {
@@ -43,7 +44,7 @@ Seen seen_in_quarters(const Light& light, const Receiver& receiver) {
   return seen;
 }
 
-Seen seen_disk(const DiskLight& light, const Receiver& receiver) {
+Seen seen_disk(const AreaLight& light, const Receiver& receiver) {
   Receiver by_area = receiver;
   by_area.area_sampling = AreaSampling::kLowDistortion;
   // Without a density by solid angle, points are sampled by area, smooth in the radius.
@@ -106,7 +107,7 @@ TEST(DiskExtremes, TiltedGrazingDisks) {
   DiskParams params;
   params.world_from_object =
       *Transform::from_matrix({{{1, 2, 2, -3}, {2, 1, -2, -6}, {2, -2, 1, -6}}});
-  const auto light = *DiskLight::create({Rgb(1), true}, *Disk::create(params));
+  const auto light = *AreaLight::create({Rgb(1), true}, *Disk::create(params));
   const ReferenceTable table("tilted_disks");
   for (const auto& row : table.rows()) {
     const Seen seen = seen_by<32>(light, receiver_in(row, AreaSampling::kLowDistortion), By::kRoot);
@@ -122,12 +123,12 @@ TEST(DiskExtremes, TiltedGrazingDisks) {
   sweep.expect_within(1e-11);
 }
 
-CylinderLight cylinder_in(const ReferenceTable::Row& row) {
+AreaLight cylinder_in(const ReferenceTable::Row& row) {
   CylinderParams params;
   params.radius_m = row["radius_m"];
   params.z_min_m = row["z_min_m"];
   params.z_max_m = row["z_max_m"];
-  return *CylinderLight::create({Rgb(1)}, *Cylinder::create(params));
+  return *AreaLight::create({Rgb(1)}, *Cylinder::create(params));
 }
 
 void sweep_cylinders(const std::string& name, Sweep& sweep) {
@@ -170,7 +171,7 @@ TEST(CylinderExtremes, TubesSeenAlongTheirAxis) {
     params.radius_m = row["radius_m"];
     params.z_min_m = 1;
     params.z_max_m = 2;
-    const auto light = *CylinderLight::create({Rgb(1), true}, *Cylinder::create(params));
+    const auto light = *AreaLight::create({Rgb(1), true}, *Cylinder::create(params));
     Receiver receiver(0, 0, 0);
     receiver.normal = {0, 0, 1};
     const Seen seen = seen_by(light, receiver);

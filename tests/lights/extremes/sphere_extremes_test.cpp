@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/area_extremes.h"
 
 namespace lucerna::testing {
@@ -27,7 +28,7 @@ TEST(SphereExtremes, DensityOfFarSpheres) {
   for (const auto& row : table.rows()) {
     SphereParams params;
     params.radius_m = row["radius_m"];
-    const auto light = SphereLight::create({Rgb(1)}, *Sphere::create(params));
+    const auto light = AreaLight::create({Rgb(1)}, *Sphere::create(params));
     const Vec3 receiver(0, 0, row["distance_m"]);
     const auto sample = light->sample_li(receiver, {0.5, 0.5});
     sweep.compare(sample.pdf.per_sr, row["pdf_per_sr"], row.text("radius_m"));
@@ -38,10 +39,10 @@ TEST(SphereExtremes, DensityOfFarSpheres) {
   sweep.expect_within(1e-14);
 }
 
-SphereLight sphere_light(double radius_m, bool two_sided = false) {
+AreaLight sphere_light(double radius_m, bool two_sided = false) {
   SphereParams params;
   params.radius_m = radius_m;
-  return *SphereLight::create({Rgb(1), two_sided}, *Sphere::create(params));
+  return *AreaLight::create({Rgb(1), two_sided}, *Sphere::create(params));
 }
 
 /// The directions of samples from (0, 0, d) to a sphere about 0.
@@ -184,7 +185,7 @@ std::vector<Inside> places_inside() {
 /// integrand has a kink at the horizon.  For directions that is half of u.x; for points it is the
 /// share of z up to the receiver.  Near the latter the integrand changes within a layer of the
 /// depth.  Gauss's rule is applied between these places.
-Seen seen_along_x(const SphereLight& light, const Receiver& receiver, const Inside& place) {
+Seen seen_along_x(const AreaLight& light, const Receiver& receiver, const Inside& place) {
   const double edge = place.side > 0 ? 1 - place.depth / 2 : place.depth / 2;
   std::set<double> ends{0, 0.5, edge, 1};
   for (double step = place.depth / 8; step < 1; step *= 4)
@@ -212,7 +213,7 @@ TEST(SphereExtremes, IrradianceInside) {
       params.radius_m = place.radius;
       params.reverse_orientation = !two_sided;
       params.world_from_object = Transform::translate(place.center);
-      const auto light = *SphereLight::create({Rgb(1), two_sided}, *Sphere::create(params));
+      const auto light = *AreaLight::create({Rgb(1), two_sided}, *Sphere::create(params));
       Receiver receiver(place.center + Vec3{0, 0, place.side * place.radius * (1 - place.depth)});
       receiver.normal = {0, 0, -place.side};
       receiver.area_sampling = place.way;

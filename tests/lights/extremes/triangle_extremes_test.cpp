@@ -9,7 +9,7 @@
 namespace lucerna::testing {
 namespace {
 
-TriangleMeshLight light_in(const ReferenceTable::Row& row) {
+AreaLight light_in(const ReferenceTable::Row& row) {
   return triangle_light({vector_in(row, "a"), vector_in(row, "b"), vector_in(row, "c")});
 }
 

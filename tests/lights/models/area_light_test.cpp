@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_helpers.h"
 
 namespace lucerna::testing {
@@ -14,10 +15,9 @@ using ::testing::HasSubstr;
 constexpr Rgb kLevel{1, 2, 4};
 
 /// The square |x|, |y| < 1 in the plane z = 0, emitting upwards.
-AreaLight<TriangleMesh> square(bool two_sided = false, double size = 1) {
+AreaLight square(bool two_sided = false, double size = 1) {
   const Vec3 a{-size, -size, 0}, b{size, -size, 0}, c{size, size, 0}, d{-size, size, 0};
-  return *AreaLight<TriangleMesh>::create({kLevel, two_sided},
-                                          *TriangleMesh::create({{a, b, c}, {a, c, d}}));
+  return *AreaLight::create({kLevel, two_sided}, *TriangleMesh::create({{a, b, c}, {a, c, d}}));
 }
 
 /// A box about the origin, from -1 to 1, as patches that face outwards.
@@ -50,8 +50,8 @@ TEST(AreaLight, LambertsFormulaOfTheTestsAgreesWithADistantSquare) {
 }
 
 TEST(AreaLight, OnlyFacesTurnedToTheReceiverCountForAClosedMesh) {
-  const auto light = *AreaLight<PatchMesh>::create({Rgb(1), false}, *PatchMesh::create(box()));
-  EXPECT_DOUBLE_EQ(light.area_m2(), 24);
+  const auto light = *AreaLight::create({Rgb(1), false}, *PatchMesh::create(box()));
+  EXPECT_DOUBLE_EQ(light.shape().area(), 24);
   const Vec3 receiver{3, 2, 0.5};
   const Vec3 r(receiver), n = normalized(-r);
   const double closed_form =
@@ -59,7 +59,7 @@ TEST(AreaLight, OnlyFacesTurnedToTheReceiverCountForAClosedMesh) {
       lambert_polygon({{-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}}, r, n);
   expect_estimates(illuminance(light, receiver, n, 62), closed_form, 0.02);
   // The companion: for a two-sided light, the far faces would count too.
-  const auto both = *AreaLight<PatchMesh>::create({Rgb(1), true}, *PatchMesh::create(box()));
+  const auto both = *AreaLight::create({Rgb(1), true}, *PatchMesh::create(box()));
   EXPECT_GT(illuminance(both, receiver, n, 62).mean, 1.2 * closed_form);
   // From within, all faces are dark: no sample carries light.
   EXPECT_EQ(illuminance(light, Vec3{0.5, 0.25, 0}, {0, 0, 1}, 63).mean, 0);
@@ -67,8 +67,8 @@ TEST(AreaLight, OnlyFacesTurnedToTheReceiverCountForAClosedMesh) {
 
 TEST(AreaLight, DensityOfADirectionCountsOnlyFacesTurnedToTheReceiver) {
   const auto mesh = *PatchMesh::create(box());
-  const auto one = *AreaLight<PatchMesh>::create({kLevel, false}, mesh);
-  const auto two = *AreaLight<PatchMesh>::create({kLevel, true}, mesh);
+  const auto one = *AreaLight::create({kLevel, false}, mesh);
+  const auto two = *AreaLight::create({kLevel, true}, mesh);
   // From (3, 0, 0) towards the centre: faces at distances 2 and 4, both seen face on, of area 24.
   const Vec3 r{3, 0.25, 0}, wi{-1, 0, 0};
   EXPECT_DOUBLE_EQ(one.pdf_li(by_area(r), wi).per_sr, 4 / 24.0);
@@ -126,7 +126,7 @@ TEST(AreaLight, ReceiverOnTheLightIsDegenerate) {
 }
 
 TEST(AreaLight, ReceiversThatAreNotFiniteGiveNoLight) {
-  const auto sphere = *AreaLight<Sphere>::create({kLevel}, *Sphere::create({}));
+  const auto sphere = *AreaLight::create({kLevel}, *Sphere::create({}));
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
     const auto s = sphere.sample_li({0, bad, 0}, {0.5, 0.5});
     EXPECT_EQ(s.reason, NoLight::kOutOfRange);
@@ -153,7 +153,7 @@ TEST(AreaLight, SizesOf1eMinus18To1e18GiveTheSameDensities) {
 }
 
 TEST(AreaLight, BlackLightGivesItsReasonAndHasADensity) {
-  const auto light = *AreaLight<Disk>::create({}, *Disk::create({}));
+  const auto light = *AreaLight::create({}, *Disk::create({}));
   const auto s = light.sample_li({0, 0, 2}, {0.5, 0.5});
   EXPECT_EQ(s.reason, NoLight::kBlack);
   EXPECT_EQ(s.pdf, light.pdf_li({0, 0, 2}, {s.point, s.normal}));
@@ -179,8 +179,7 @@ TEST(AreaLight, PowerOfABentPatchStatesItsQuadratureError) {
   // z = x y over the unit square, beside a flat patch.  Each square metre emits pi L on both sides.
   const BilinearPatch saddle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
   const BilinearPatch flat{{2, 0, 0}, {4, 0, 0}, {2, 1, 0}, {4, 1, 0}};
-  const auto light =
-      *AreaLight<PatchMesh>::create({kLevel, true}, *PatchMesh::create({saddle, flat}));
+  const auto light = *AreaLight::create({kLevel, true}, *PatchMesh::create({saddle, flat}));
   // The integral of sqrt(1 + x^2 + y^2): along x in closed form, then by Simpson's rule.
   constexpr int kSteps = 2000;
   double area = 0;
@@ -201,7 +200,7 @@ TEST(AreaLight, MirroredCutSphereEmitsOutwards) {
   // outside is visible.  The disk of its rim (radius sqrt 3, height 6) sends as much light.
   const Transform map = Transform::translate({0, 0, 7}) * *Transform::scale({1, 1, -1});
   const auto cap = *Sphere::create({.radius_m = 2, .z_min_m = 1, .world_from_object = map});
-  const auto light = *AreaLight<Sphere>::create({Rgb(1)}, cap);
+  const auto light = *AreaLight::create({Rgb(1)}, cap);
   expect_estimates(illuminance(light, Vec3{}, {0, 0, 1}, 64), kPi * 3 / (3 + 36), 0.01);
 }
 
@@ -209,17 +208,16 @@ TEST(AreaLight, HalfSphereSeenFromTheSideGivesHalfTheLight) {
   // The upper half of a sphere gives half of pi L sin^2, by symmetry.  Its silhouette and far side
   // are sampled too.
   const auto half = *Sphere::create({.radius_m = 2, .z_min_m = 0});
-  const auto light = *AreaLight<Sphere>::create({Rgb(1)}, half);
+  const auto light = *AreaLight::create({Rgb(1)}, half);
   expect_estimates(illuminance(light, Vec3{5, 0, 0}, {-1, 0, 0}, 65, 160000), kPi * 4 / 25 / 2,
                    0.01);
 }
 
 TEST(AreaLight, RefusesShapesThatCannotEmit) {
   const auto message = [](const Rgb& radiance, const Transform& map) {
-    return std::string(
-        AreaLight<Sphere>::create({radiance}, *Sphere::create({.world_from_object = map}))
-            .status()
-            .message());
+    return std::string(AreaLight::create({radiance}, *Sphere::create({.world_from_object = map}))
+                           .status()
+                           .message());
   };
   EXPECT_THAT(message({1, -1, 1}, {}), HasSubstr("area.radiance = (1, -1, 1) cd/m2, allowed"));
   EXPECT_THAT(message({1, 1, NAN}, {}), HasSubstr("area.radiance"));

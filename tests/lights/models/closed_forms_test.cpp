@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_helpers.h"
 
 namespace lucerna::testing {
@@ -50,9 +51,9 @@ void expect_every_way(const Light& light, const std::vector<Place>& places, doub
 
 const std::vector<Vec3> kTriangle{{0, 0, 2}, {1, 3, 2.5}, {2, -1, 2.25}};
 
-TriangleMeshLight triangle_light() {
+AreaLight triangle_light() {
   const auto v = [](int i) { return Vec3(kTriangle[i]); };
-  return *TriangleMeshLight::create({Rgb(1), true}, *TriangleMesh::create({{v(0), v(1), v(2)}}));
+  return *AreaLight::create({Rgb(1), true}, *TriangleMesh::create({{v(0), v(1), v(2)}}));
 }
 
 Place at(const std::string& name, const Vec3& receiver, const Vec3& direction,
@@ -75,7 +76,7 @@ const std::vector<Vec3> kRectangle{{-1, -0.5, 2}, {1, -0.5, 2}, {1, 0.5, 2}, {-1
 TEST(ClosedForms, RectanglesFollowLambertsFormulaForEachMethod) {
   const auto v = [](int i) { return Vec3(kRectangle[i]); };
   const auto light =
-      *PatchMeshLight::create({Rgb(1), true}, *PatchMesh::create({{v(0), v(1), v(3), v(2)}}));
+      *AreaLight::create({Rgb(1), true}, *PatchMesh::create({{v(0), v(1), v(3), v(2)}}));
   expect_every_way(light,
                    {at("above the horizon", {0.5, 0.25, 0}, {0, 0.25, 1}, kRectangle),
                     at("cut by the horizon", {0.5, 0.25, 0}, {1, -0.5, 0}, kRectangle),
@@ -85,11 +86,11 @@ TEST(ClosedForms, RectanglesFollowLambertsFormulaForEachMethod) {
                    0.02);
 }
 
-SphereLight sphere_light(const Vec3& centre, double radius, bool inwards = false) {
-  return *SphereLight::create({Rgb(1)},
-                              *Sphere::create({.radius_m = radius,
-                                               .reverse_orientation = inwards,
-                                               .world_from_object = Transform::translate(centre)}));
+AreaLight sphere_light(const Vec3& centre, double radius, bool inwards = false) {
+  return *AreaLight::create({Rgb(1)},
+                            *Sphere::create({.radius_m = radius,
+                                             .reverse_orientation = inwards,
+                                             .world_from_object = Transform::translate(centre)}));
 }
 
 TEST(ClosedForms, SpheresWholeOrCutByTheHorizonAgreeForEachMethod) {
@@ -127,8 +128,8 @@ TEST(ClosedForms, InsideOfASphereGivesPiForEachMethod) {
       0.02);
 }
 
-DiskLight disk_light(const Vec3& centre, double radius) {
-  return *DiskLight::create({Rgb(1)},
+AreaLight disk_light(const Vec3& centre, double radius) {
+  return *AreaLight::create({Rgb(1)},
                             *Disk::create({.radius_m = radius,
                                            .reverse_orientation = true,
                                            .world_from_object = Transform::translate(centre)}));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/panel_cases.h"
 
 namespace lucerna::testing {
@@ -34,9 +35,9 @@ TEST(PanelLight, NearFieldEqualsThatOfAUniformOpening) {
   const auto patch = [] {
     return *PatchMesh::create({{{-1, -0.5, 0}, {1, -0.5, 0}, {-1, 0.5, 0}, {1, 0.5, 0}}});
   };
-  const auto panel = *AreaLight<PanelPatchMesh>::create(
-      {Rgb(1)}, *PanelPatchMesh::create(patch(), profile(*PhotometricWeb::create(params))));
-  const auto lambertian = *AreaLight<PatchMesh>::create({Rgb(5)}, patch());  // 10 cd / 2 m2
+  const auto panel =
+      *AreaLight::create({Rgb(1)}, patch(), {.profile = profile(*PhotometricWeb::create(params))});
+  const auto lambertian = *AreaLight::create({Rgb(5)}, patch());  // 10 cd / 2 m2
   RandomU random(8);
   for (int i = 0; i < 200; ++i) {
     const Vec2 u = random.pair();
@@ -66,8 +67,8 @@ TEST(PanelLight, EmitsToItsFrontOnlyUnlessTwoSided) {
 TEST(PanelLight, DarkDirectionsGiveTheirReason) {
   const auto narrow = *PhotometricWeb::create(
       {.vertical_deg = {0, 30, 31, 90}, .horizontal_deg = {0}, .intensity_cd = {10, 10, 0, 0}});
-  const auto panel = *AreaLight<PanelDisk>::create(
-      {Rgb(1)}, *PanelDisk::create(*Disk::create({.radius_m = 0.1}), profile(narrow)));
+  const auto panel =
+      *AreaLight::create({Rgb(1)}, *Disk::create({.radius_m = 0.1}), {.profile = profile(narrow)});
   EXPECT_EQ(panel.sample_li(Vec3{0, 0, 1}, {0.5, 0.5}).reason, NoLight::kNone);
   const auto s = panel.sample_li(Vec3{2, 0, 1}, {0.5, 0.5});
   EXPECT_EQ(s.reason, NoLight::kOutsideCone);
@@ -80,8 +81,8 @@ TEST(PanelLight, GrazingDirectionsHaveAValueOrAReason) {
   // 20 cd along the plane: the radiance is unbounded, the light that arrives is not.
   const auto even = *PhotometricWeb::create(
       {.vertical_deg = {0, 90}, .horizontal_deg = {0}, .intensity_cd = {20, 20}});
-  const auto panel = *AreaLight<PanelDisk>::create(
-      {Rgb(1)}, *PanelDisk::create(*Disk::create({.radius_m = 0.5}), profile(even)));
+  const auto panel =
+      *AreaLight::create({Rgb(1)}, *Disk::create({.radius_m = 0.5}), {.profile = profile(even)});
   for (const float z : {1e-3, 1e-10, 1e-20, 1e-30, 1e-38}) {
     Receiver receiver(Vec3{2, 0, z});
     receiver.area_sampling = AreaSampling::kLowDistortion;
@@ -97,10 +98,9 @@ TEST(PanelLight, NearlyFlatShapesEmitByTheirOwnNormals) {
   // Bent by less than 1e-3: a receiver near the mean plane sees each point at another angle.
   const auto even = *PhotometricWeb::create(
       {.vertical_deg = {0, 90}, .horizontal_deg = {0}, .intensity_cd = {20, 20}});
-  const auto panel = *AreaLight<PanelPatchMesh>::create(
-      {Rgb(1), true},
-      *PanelPatchMesh::create(
-          *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.001}}}), profile(even)));
+  const auto panel = *AreaLight::create(
+      {Rgb(1), true}, *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.001}}}),
+      {.profile = profile(even)});
   Receiver receiver(Vec3{4, 0.5, 0.002});
   receiver.area_sampling = AreaSampling::kLowDistortion;
   RandomU random(5);
@@ -113,8 +113,8 @@ TEST(PanelLight, NearlyFlatShapesEmitByTheirOwnNormals) {
 
 /// The flux from the front of `panel`, a bent patch over the unit square, within `width` of the
 /// mean plane on both sides.  Integrates radiance times cosine by the midpoint rule.
-double flux_along_plane(const AreaLight<PanelPatchMesh>& panel, double width) {
-  const auto& surface = panel.shape().surface();
+double flux_along_plane(const AreaLight& panel, double width) {
+  const auto& surface = dynamic_cast<const PatchMesh&>(panel.shape());
   const Frame axes = Frame::around(surface.normals().axis);
   constexpr int kSide = 12, kHeights = 64, kAzimuths = 120;
   double sum = 0;
@@ -130,7 +130,7 @@ double flux_along_plane(const AreaLight<PanelPatchMesh>& panel, double width) {
         sum += panel.le(point, w).r * dot(w, point.normal);
       }
   }
-  return sum * panel.area_m2() * 4 * kPi * std::sin(width) / (kSide * kSide * kHeights * kAzimuths);
+  return sum * surface.area() * 4 * kPi * std::sin(width) / (kSide * kSide * kHeights * kAzimuths);
 }
 
 TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
@@ -147,10 +147,9 @@ TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
   const double lean = std::sqrt(0.5) * 1e-3;  // of the normals at the patch's corners from the mean
   const auto panel = [](double z, const std::shared_ptr<const PhotometricWeb>& web,
                         bool two_sided) {
-    return *AreaLight<PanelPatchMesh>::create(
-        {Rgb(1), two_sided},
-        *PanelPatchMesh::create(*PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, z}}}),
-                                profile(web)));
+    return *AreaLight::create({Rgb(1), two_sided},
+                              *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, z}}}),
+                              {.profile = profile(web)});
   };
   struct Case {
     std::shared_ptr<const PhotometricWeb> web;
@@ -176,7 +175,7 @@ TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
     EXPECT_NEAR(off, 20 * wedge, 0.02 * 20 * wedge);
     EXPECT_GE(power.error_lumens, off);
     EXPECT_NEAR(power.error_lumens, 20 * c.band_sr_per_rad * lean, 1e-3 * band);
-    EXPECT_EQ(panel(0.001, c.web, true).shape().flux_error_lm(true), 0);
+    EXPECT_EQ(panel(0.001, c.web, true).power({}).error_lumens, 0);
     EXPECT_EQ(panel(0, c.web, false).power({}).error_lumens, 0);
   }
   // Triangles are flat, whatever plane their rounded corners lie in.
@@ -186,19 +185,19 @@ TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
   };
   for (int i = 0; i < 50; ++i) {
     const auto triangle =
-        *PanelTriangleMesh::create(*TriangleMesh::create({{next(), next(), next()}}),
-                                   profile(lit(kC, {0, 90}, {20, 20}), {1, 0.1, 0.2}));
-    EXPECT_EQ(triangle.flux_error_lm(false), 0);
+        *AreaLight::create({Rgb(1)}, *TriangleMesh::create({{next(), next(), next()}}),
+                           {.profile = profile(lit(kC, {0, 90}, {20, 20}), {1, 0.1, 0.2})});
+    EXPECT_EQ(triangle.power({}).error_lumens, 0);
   }
 }
 
 TEST(PanelLight, ShapesThatAreNotFlatAreRefused) {
   const auto bent = *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.1}}});
-  const auto status = PanelPatchMesh::create(bent, profile(web())).status();
+  const auto status = photometric_axes(bent, profile(web())).status();
   EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("allowed for a profile: flat"));
   const auto flat = *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}});
   for (const Vec3& tangent : {Vec3{0, 0, 1}, {0, 0, 0}, {NAN, 0, 0}})
-    EXPECT_FALSE(PanelPatchMesh::create(flat, profile(web(), tangent)).ok());
+    EXPECT_FALSE(photometric_axes(flat, profile(web(), tangent)).ok());
 }
 
 TEST(PhotometricWebFlux, DownwardFluxIsTowardsPlusZ) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_helpers.h"
 
 namespace lucerna::testing {
@@ -99,14 +100,14 @@ double mean(const Light& light, const Vec3& at, const Vec3& n) {
 
 TEST(AreaSamplingRule, VarianceIsNearTheLeastOfAllMethods) {
   using V = Vec3;
-  const auto square = *PatchMeshLight::create(
+  const auto square = *AreaLight::create(
       {Rgb(1), true}, *PatchMesh::create({{V{-0.5F, -0.5F, 0}, V{0.5F, -0.5F, 0}, V{-0.5F, 0.5F, 0},
                                            V{0.5F, 0.5F, 0}}}));
-  const auto triangle = *TriangleMeshLight::create(
+  const auto triangle = *AreaLight::create(
       {Rgb(1), true},
       *TriangleMesh::create({{V{-0.5F, -0.5F, 0}, V{0.5F, -0.5F, 0}, V{-0.5F, 0.5F, 0}}}));
-  const auto disk = *DiskLight::create({Rgb(1), true}, *Disk::create({.radius_m = 0.5}));
-  const auto sphere = *SphereLight::create({Rgb(1)}, *Sphere::create({.radius_m = 0.04}));
+  const auto disk = *AreaLight::create({Rgb(1), true}, *Disk::create({.radius_m = 0.5}));
+  const auto sphere = *AreaLight::create({Rgb(1)}, *Sphere::create({.radius_m = 0.04}));
   for (const double d : {0.1, 0.5, 2., 10.})
     for (const Vec3& direction : {Vec3{0, 0, -1}, {1, 0.2, -0.1}, {0.3, 0.2, -1}}) {
       const Vec3 n = normalized(direction), at{0.1 * d, 0.05 * d, d};

@@ -179,7 +179,7 @@ TEST(Cylinder, IlluminanceOnItsAxisEqualsTheClosedForm) {
   // Seen from the middle of its lower end, facing along the axis.  The tube covers the hemisphere
   // minus the open upper end, pi L (1 - R^2 / (R^2 + h^2)).  The fraction is the sine squared of
   // that end's half-angle.
-  const auto light = *AreaLight<Cylinder>::create(
+  const auto light = *AreaLight::create(
       {Rgb(3)},
       *Cylinder::create({.radius_m = 2, .z_min_m = 0, .z_max_m = 4, .reverse_orientation = true}));
   const auto e = illuminance(light, Vec3{0, 0, 0}, {0, 0, 1}, 34);

@@ -159,8 +159,8 @@ TEST(Disk, HitsAboutADistantOriginStayInThePlane) {
 
 TEST(Disk, CoaxialIlluminanceEqualsTheClosedForm) {
   // pi L R^2 / (R^2 + h^2): the sine squared of the half-angle.
-  const auto light = *AreaLight<Disk>::create(
-      {Rgb(3)}, *Disk::create({.radius_m = 2, .reverse_orientation = true}));
+  const auto light =
+      *AreaLight::create({Rgb(3)}, *Disk::create({.radius_m = 2, .reverse_orientation = true}));
   const auto e = illuminance(light, Vec3{0, 0, -1}, {0, 0, 1}, 23);
   expect_estimates(e, 3 * kPi * 4 / 5, 0.01);
 }

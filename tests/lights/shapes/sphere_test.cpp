@@ -237,16 +237,16 @@ TEST(Sphere, IlluminanceOfAWholeSphereEqualsTheClosedForm) {
   for (const bool mirrored : {false, true}) {
     const Transform map =
         Transform::translate({0, 0, 5}) * *Transform::scale({mirrored ? -1. : 1., 1, 1});
-    const auto light = *AreaLight<Sphere>::create(
-        {Rgb(7)}, *Sphere::create({.radius_m = 2, .world_from_object = map}));
+    const auto light =
+        *AreaLight::create({Rgb(7)}, *Sphere::create({.radius_m = 2, .world_from_object = map}));
     expect_estimates(illuminance(light, Vec3{}, {0.8, 0, 0.6}, 36), 7 * kPi * (4. / 25) * 0.6,
                      0.01);
   }
 }
 
 TEST(Sphere, InsideOfAnInwardSphereGivesPiL) {
-  const auto light = *AreaLight<Sphere>::create(
-      {Rgb(7)}, *Sphere::create({.radius_m = 2, .reverse_orientation = true}));
+  const auto light =
+      *AreaLight::create({Rgb(7)}, *Sphere::create({.radius_m = 2, .reverse_orientation = true}));
   expect_estimates(illuminance(light, Vec3{1, 0.5, -0.25}, {0, 0.6, 0.8}, 37), 7 * kPi, 0.02);
 }
 

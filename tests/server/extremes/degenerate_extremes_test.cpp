@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lights/models/area_light.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/reference_table.h"
 #include "tests/server/extremes/file_scenes.h"
 #include "tests/sweep.h"
@@ -21,12 +22,12 @@ Vec3 point(const ReferenceTable::Row& row, const std::string& name) {
   return {row[name + "x"], row[name + "y"], row[name + "z"]};
 }
 
-AreaLight<TriangleMesh> needle(const ReferenceTable::Row& row) {
+AreaLight needle(const ReferenceTable::Row& row) {
   const Triangle t{point(row, "a"), point(row, "b"), point(row, "c")};
   DiffuseEmission emission;
   emission.radiance_cd_m2 = Rgb(1);
   emission.two_sided = true;
-  auto light = AreaLight<TriangleMesh>::create(emission, *TriangleMesh::create({t}));
+  auto light = AreaLight::create(emission, *TriangleMesh::create({t}));
   if (!light.ok()) throw std::runtime_error(light.status().ToString());
   return *std::move(light);
 }

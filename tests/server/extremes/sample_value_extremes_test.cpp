@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "lights/sampling/sampling.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/server/extremes/every_light_scene.h"
 #include "tests/server/extremes/quad.h"
 #include "tests/sweep.h"
@@ -146,13 +147,13 @@ TEST(SampleValueExtremes, PointsLieOnTheirLights) {
   for (const SceneLight& l : scene->lights()) {
     const std::string at = "light " + std::to_string(l.id);
     const Light& light = *l.light;
-    const auto* surface = dynamic_cast<const SurfaceLight*>(&light);
+    const auto* surface = dynamic_cast<const AreaLight*>(&light);
     if (surface == nullptr) continue;
     const auto compare = [&](const Vec3& p, std::uint32_t primitive) {
       const Quad3 point(Quad(p.x) + origin.x, Quad(p.y) + origin.y, Quad(p.z) + origin.z);
-      const double away =
-          std::visit([&](const auto* shape) { return off(*shape, primitive, point, Quad3(p)); },
-                     surface->surface());
+      double away = 0;
+      visit_shape(surface->shape(),
+                  [&](const auto& shape) { away = off(shape, primitive, point, Quad3(p)); });
       sweep.compare(1 + away, 1, at);
     };
     for_each_pair([&](Vec2 pair) {
@@ -166,8 +167,7 @@ TEST(SampleValueExtremes, PointsLieOnTheirLights) {
           compare(s.point, s.primitive);
         }
       const auto ray = light.sample_le(u, {0.5, 0.5}, scene->sphere());
-      const auto found = std::visit([&](const auto* shape) { return shape->locate(ray.origin, 0); },
-                                    surface->surface());
+      const auto found = surface->shape().locate(ray.origin, 0);
       ASSERT_TRUE(found.has_value()) << at;
       compare(ray.origin, found->primitive);
     });

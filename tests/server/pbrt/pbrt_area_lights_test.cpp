@@ -44,10 +44,9 @@ const std::string kImage =
 
 /// Radiance of the first light at a point, towards its front.
 float shown(const Scene& scene, const Vec3& world) {
-  const auto& light = dynamic_cast<const SurfaceLight&>(*scene.lights()[0].light);
+  const auto& light = dynamic_cast<const AreaLight&>(*scene.lights()[0].light);
   const Vec3 p = world - scene.origin();
-  const auto point =
-      std::visit([&](const auto* shape) { return shape->locate(p, 0); }, light.surface());
+  const auto point = light.shape().locate(p, 0);
   if (!point) throw std::runtime_error("not on the light");
   return static_cast<float>(light.le(*point, point->normal).r);
 }
@@ -206,11 +205,11 @@ const std::string kProfile = "AreaLightSource \"diffuse\" \"string profile\" \"l
 
 /// Luminous intensity of the whole panel towards the unit vector `w` [cd].
 double intensity(const Scene& scene, const Vec3& w) {
-  const auto& light = dynamic_cast<const SurfaceLight&>(*scene.lights()[0].light);
+  const auto& light = dynamic_cast<const AreaLight&>(*scene.lights()[0].light);
   if (light.profile() == nullptr) throw std::runtime_error("no panel");
   const LightSample s = light.sample_li(Vec3{0.1, 0.2, 50}, {0.5, 0.5});
   const double cosine = std::fabs(dot(s.normal, w));
-  return light.le({s.point, s.normal, s.primitive}, w).r * cosine * light.area_m2();
+  return light.le({s.point, s.normal, s.primitive}, w).r * cosine * light.shape().area();
 }
 
 const double kSlant = std::sqrt(0.5);

@@ -58,13 +58,13 @@ TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
     float from, t;
     HitKind kind;
   };
-  for (const Expected& e : {Expected{0, 1, HitKind::kSphere},
-                            {1.5f, 2, HitKind::kSphere},
-                            {2.5f, 3, HitKind::kDisk},
+  for (const Expected& e : {Expected{0, 1, kHitKind<Sphere>},
+                            {1.5f, 2, kHitKind<Sphere>},
+                            {2.5f, 3, kHitKind<Disk>},
                             {3.5f, 4.0625f, HitKind::kPatch},
                             {4.5f, 5, HitKind::kTriangle},
-                            {5.5f, 6.5f, HitKind::kCylinder},
-                            {7, 7.5f, HitKind::kCylinder}}) {
+                            {5.5f, 6.5f, kHitKind<Cylinder>},
+                            {7, 7.5f, kHitKind<Cylinder>}}) {
     Ray from = ray;
     from.t_min = e.from;
     const auto hit = a->closest_hit(from);
@@ -145,7 +145,7 @@ TEST(Accelerator, ReportsTheInstanceThatWasHit) {
   EXPECT_FLOAT_EQ(hit->t, 2);
   hit = a->closest_hit({{20, 0, 3}, {0, 0, 1}});
   ASSERT_TRUE(hit);
-  EXPECT_EQ(hit->kind, HitKind::kSphere);
+  EXPECT_EQ(hit->kind, kHitKind<Sphere>);
   EXPECT_FLOAT_EQ(hit->t, 2 + 14 - 3);    // centre 2 + 16, radius 2
   EXPECT_NEAR(hit->position.z, 7, 1e-6);  // in the object's own space
   EXPECT_FALSE(a->closest_hit({{0.2f, 0.2f, -1}, {0, 0, 1}}));

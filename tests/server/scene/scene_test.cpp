@@ -60,8 +60,11 @@ TEST(Scene, NumbersLightsFromOneAreaLightsLast) {
   }
   EXPECT_FALSE(scene->lights().find(0));
   EXPECT_FALSE(scene->lights().find(5));
-  EXPECT_NE(dynamic_cast<const PatchMeshLight*>(scene->lights()[2].light.get()), nullptr);
-  EXPECT_NE(dynamic_cast<const SphereLight*>(scene->lights()[3].light.get()), nullptr);
+  const auto shape_of = [&](std::size_t i) {
+    return &dynamic_cast<const AreaLight&>(*scene->lights()[i].light).shape();
+  };
+  EXPECT_NE(dynamic_cast<const PatchMesh*>(shape_of(2)), nullptr);
+  EXPECT_NE(dynamic_cast<const Sphere*>(shape_of(3)), nullptr);
   EXPECT_THAT(std::vector(scene->lights().infinite().begin(), scene->lights().infinite().end()),
               ElementsAre(1u));
   EXPECT_EQ(hit_below(*scene, 0.9f, 0.9f, 0.5f).light, -1);

@@ -1,14 +1,18 @@
-#include "lights/shapes/painted.h"
-
+// Pictures on shapes: which points show what, and how they are chosen.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "lights/models/all_lights.h"
+#include "lights/shapes/all_shapes.h"
 #include "tests/lights/contract/area_helpers.h"
 #include "tests/lights/grey_picture.h"
 
@@ -17,25 +21,48 @@ namespace {
 
 using ::testing::HasSubstr;
 
-PaintedPatchMesh screen(Picture picture, std::vector<Vec2f> corner_uv = {}) {
-  return *PaintedPatchMesh::create(
-      *PatchMesh::create({{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}}}), std::move(picture),
-      std::move(corner_uv));
+/// A shape with a picture on it.
+template <typename S>
+struct Painted {
+  Painted(absl::StatusOr<S> of, Picture with)
+      : shape(*std::move(of)),
+        picture(std::move(with)),
+        distribution(shape.distribution(picture)),
+        painted_area(shape.painted_area(picture)) {}
+
+  bool is_by_picture() const { return distribution.has_value(); }
+  SurfacePoint sample(Vec2 u) const { return shape.sample_picture(picture, *distribution, u); }
+  absl::StatusOr<AreaLight> light(const Rgb& level) const {
+    return AreaLight::create({level}, shape, {.picture = picture});
+  }
+  Rgb tint(const SurfacePoint& point) const { return picture.at(shape.uv(point)); }
+
+  S shape;
+  Picture picture;
+  std::optional<ImageDistribution> distribution;
+  PaintedArea painted_area;
+};
+
+Painted<PatchMesh> screen(Picture picture, std::vector<Vec2f> corner_uv = {}) {
+  return {PatchMesh::create({{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}}}, std::move(corner_uv)),
+          std::move(picture)};
 }
 
 /// Value over density of position is the same for all rays.  Only the cosine varies, and it is not
 /// part of the ratio.
-template <typename Shape>
-void expect_no_variance(const Shape& shape) {
+template <typename S>
+void expect_no_variance(const Painted<S>& painted) {
   RandomU random(3);
   double first = 0;
   for (int i = 0; i < 1000; ++i) {
-    const auto s = shape.sample({Vec3{0.3, 0.2, 5}}, random.pair());
-    const double ratio = luminance(shape.tint(s.point)) / shape.pdf_area(s.point).per_m2;
+    const SurfacePoint p = painted.sample(random.pair());
+    const double ratio =
+        luminance(painted.tint(p)) /
+        painted.shape.pdf_picture(painted.picture, *painted.distribution, p).per_m2;
     if (i == 0) first = ratio;
     EXPECT_NEAR(ratio, first, 1e-9 * first);
   }
-  EXPECT_NEAR(first, luminance(shape.painted_area().m2), 1e-9 * first);
+  EXPECT_NEAR(first, luminance(painted.painted_area.m2), 1e-9 * first);
 }
 
 TEST(Painted, PointsAreChosenInProportionWhereTheMapKeepsArea) {
@@ -43,30 +70,30 @@ TEST(Painted, PointsAreChosenInProportionWhereTheMapKeepsArea) {
   for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
     expect_no_variance(screen(grey(3, 2, values, filter)));
     expect_no_variance(
-        *PaintedCylinder::create(*Cylinder::create({.radius_m = 0.5, .reverse_orientation = true}),
-                                 grey(3, 2, values, filter)));
+        Painted<Cylinder>(Cylinder::create({.radius_m = 0.5, .reverse_orientation = true}),
+                          grey(3, 2, values, filter)));
   }
   // Texel by texel on curved shapes too.
-  expect_no_variance(*PaintedDisk::create(*Disk::create({.radius_m = 2}), grey(3, 2, values)));
-  expect_no_variance(*PaintedSphere::create(*Sphere::create({}), grey(3, 2, values)));
+  expect_no_variance(Painted<Disk>(Disk::create({.radius_m = 2}), grey(3, 2, values)));
+  expect_no_variance(Painted<Sphere>(Sphere::create({}), grey(3, 2, values)));
 }
 
 TEST(Painted, CoordinatesAreThoseOfPbrt4) {
-  const auto uv_on = [](const auto& shape, const Vec3& p) { return shape.uv({p, {0, 0, 1}}); };
+  const auto uv_on = [](const auto& shape, const Vec3& p) { return shape.shape.uv({p}); };
   const Picture one = grey(1, 1, {1});
   const auto expect_uv = [](Vec2 uv, double u, double v) {
     EXPECT_NEAR(uv.x, u, 1e-12);
     EXPECT_NEAR(uv.y, v, 1e-12);
   };
-  const auto disk = *PaintedDisk::create(*Disk::create({.radius_m = 2, .inner_radius_m = 1}), one);
+  const auto disk = Painted<Disk>(Disk::create({.radius_m = 2, .inner_radius_m = 1}), one);
   expect_uv(uv_on(disk, {0, 2, 0}), 0.25, 0);
   expect_uv(uv_on(disk, {-1.5, 0, 0}), 0.5, 0.5);
-  const auto sphere = *PaintedSphere::create(*Sphere::create({}), one);
+  const auto sphere = Painted<Sphere>(Sphere::create({}), one);
   expect_uv(uv_on(sphere, {0, 0, -1}), 0, 0);
   expect_uv(uv_on(sphere, {0, -1, 0}), 0.75, 0.5);
   expect_uv(uv_on(sphere, {std::sqrt(0.5), 0, std::sqrt(0.5)}), 0, 0.75);
-  const auto tube = *PaintedCylinder::create(
-      *Cylinder::create({.z_min_m = 1, .z_max_m = 3, .phi_max_rad = kPi}), one);
+  const auto tube =
+      Painted<Cylinder>(Cylinder::create({.z_min_m = 1, .z_max_m = 3, .phi_max_rad = kPi}), one);
   expect_uv(uv_on(tube, {0, 1, 2.5}), 0.5, 0.75);
   expect_uv(uv_on(screen(one), {1.5, 0.25, 0}), 0.75, 0.25);
 }
@@ -80,24 +107,24 @@ TEST(Painted, TheFirstRowOfThePictureIsAtTheTop) {
 }
 
 TEST(Painted, BlackTexelsAreNeverChosen) {
-  const auto shape = screen(grey(4, 1, {0, 1e9, 1, 0}));
+  const auto light = *screen(grey(4, 1, {0, 1e9, 1, 0})).light(Rgb(1));
   RandomU random(4);
   int faint = 0;
   for (int i = 0; i < 10000; ++i) {
-    const auto s = shape.sample(Vec3{1, 1, 1}, random.pair());
-    EXPECT_GT(s.point.position.x, 0.5);
-    EXPECT_LT(s.point.position.x, 1.5);
-    faint += s.point.position.x > 1 ? 1 : 0;
+    const auto s = light.sample_li(Vec3{1, 1, 1}, random.pair());
+    EXPECT_GT(s.point.x, 0.5);
+    EXPECT_LT(s.point.x, 1.5);
+    faint += s.point.x > 1 ? 1 : 0;
   }
   EXPECT_LE(faint, 1);  // 1e-5 expected
   // A texel that is not negligible beside 1e9 is sampled by the matching u.
-  const auto s = shape.sample(Vec3{1, 1, 1}, Vec2{1, 0.5});
-  EXPECT_GT(s.point.position.x, 1);
+  const auto s = light.sample_li(Vec3{1, 1, 1}, Vec2{1, 0.5});
+  EXPECT_GT(s.point.x, 1);
   EXPECT_GT(s.pdf.per_sr, 0);
 }
 
 TEST(Painted, ABlackPictureIsABlackLight) {
-  const auto light = *AreaLight<PaintedPatchMesh>::create({Rgb(1)}, screen(grey(2, 1, {0, 0})));
+  const auto light = *screen(grey(2, 1, {0, 0})).light(Rgb(1));
   const auto s = light.sample_li(Vec3{1, 0.5, 1}, {0.25, 0.5});
   EXPECT_EQ(s.reason, NoLight::kBlack);
   EXPECT_GT(s.pdf.per_sr, 0);
@@ -108,8 +135,7 @@ TEST(Painted, ABlackPictureIsABlackLight) {
 TEST(Painted, PowerOfADiskWeighsRowsByTheirRings) {
   // v = 1 - r on a whole disk.  The upper row is the inner half of the radius, a quarter of the
   // area.
-  const auto light = *AreaLight<PaintedDisk>::create(
-      {Rgb(10)}, *PaintedDisk::create(*Disk::create({}), grey(1, 2, {4, 1})));
+  const auto light = *Painted<Disk>(Disk::create({}), grey(1, 2, {4, 1})).light(Rgb(10));
   EXPECT_NEAR(light.power({}).lumens.g, 10 * kPi * kPi * (4 * 0.25 + 1 * 0.75), 1e-10);
   EXPECT_EQ(light.power({}).error_lumens, 0);
   // pbrt's Phi weights both halves equally.
@@ -120,8 +146,7 @@ TEST(Painted, PowerOfADiskWeighsRowsByTheirRings) {
 
 TEST(Painted, PowerOfASphereWeighsRowsByTheirZones) {
   // Zones of 45 degrees.  Each polar zone has 1 - cos(45 degrees) of its hemisphere.
-  const auto light = *AreaLight<PaintedSphere>::create(
-      {Rgb(1)}, *PaintedSphere::create(*Sphere::create({}), grey(1, 4, {3, 1, 5, 7})));
+  const auto light = *Painted<Sphere>(Sphere::create({}), grey(1, 4, {3, 1, 5, 7})).light(Rgb(1));
   const double polar = (1 - std::sqrt(0.5)) / 2, equatorial = std::sqrt(0.5) / 2;
   EXPECT_NEAR(light.power({}).lumens.r, 4 * kPi * kPi * ((3 + 7) * polar + (1 + 5) * equatorial),
               1e-10);
@@ -163,14 +188,13 @@ TEST(Painted, OneRowOfManyIsWeighedToTheLastDigits) {
           const std::string where =
               fmt::format("row {} of {} from the {}", k, n, from_top ? "top" : "bottom");
           const double sphere =
-              PaintedSphere::create(*Sphere::create({}), picture)->painted_area().m2.g / (4 * kPi);
+              Painted<Sphere>(Sphere::create({}), picture).painted_area.m2.g / (4 * kPi);
           const long double zone = row_share(filter, k, [n](long double at) {
             return std::sin(kWidePi * at / n) * kWidePi / (2 * n);
           });
           EXPECT_NEAR(sphere / static_cast<double>(zone), 1, 2e-15) << where;
           // The top row of a picture is at the disk's inner edge.
-          const double disk =
-              PaintedDisk::create(*Disk::create({}), picture)->painted_area().m2.g / kPi;
+          const double disk = Painted<Disk>(Disk::create({}), picture).painted_area.m2.g / kPi;
           const long double ring = row_share(
               filter, k, [&](long double at) { return 2 * (from_top ? at : n - at) / n / n; });
           EXPECT_NEAR(disk / static_cast<double>(ring), 1, 2e-15) << where;
@@ -180,8 +204,8 @@ TEST(Painted, OneRowOfManyIsWeighedToTheLastDigits) {
 TEST(Painted, PowerOfASaddleIsWithinItsError) {
   const auto p = [](double x, double y) { return Vec3{x, y, x * y}; };
   const Picture picture = grey(2, 2, {1, 6, 3, 2}, ImageFilter::kBilinear);
-  const auto saddle = *PaintedPatchMesh::create(
-      *PatchMesh::create({{p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)}}), picture);
+  const auto saddle =
+      Painted<PatchMesh>(PatchMesh::create({{p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)}}), picture);
   constexpr int kGrid = 2000;
   double sum = 0;
   for (int i = 0; i < kGrid; ++i)
@@ -190,7 +214,7 @@ TEST(Painted, PowerOfASaddleIsWithinItsError) {
       const double x = 2 * u - 1, y = 2 * v - 1;
       sum += picture.at({u, v}).r * std::sqrt(1 + x * x + y * y) * 4 / (double(kGrid) * kGrid);
     }
-  const PaintedArea& area = saddle.painted_area();
+  const PaintedArea& area = saddle.painted_area;
   EXPECT_GT(area.error_m2, 0);
   EXPECT_LT(area.error_m2, 1e-3 * sum);
   EXPECT_NEAR(area.m2.r, sum, area.error_m2 + 1e-6 * sum);
@@ -200,7 +224,7 @@ TEST(Painted, PatchesThatShowAPartAreSampledByAreaAndMeasuredByPoints) {
   // The right half of the picture on a square: texels 5 and 9.
   const auto shape = screen(grey(2, 2, {1, 5, 2, 9}), {{0.5, 0}, {1, 0}, {0.5, 1}, {1, 1}});
   EXPECT_FALSE(shape.is_by_picture());
-  const PaintedArea& area = shape.painted_area();
+  const PaintedArea& area = shape.painted_area;
   EXPECT_NEAR(area.m2.r, 5 + 9, area.error_m2);
   EXPECT_LT(area.error_m2, 0.02 * 14);
 }
@@ -211,7 +235,7 @@ TEST(Painted, PartsFinerThanThePointsAreMeasuredWithinTheirError) {
   for (std::size_t x = 0; x < 1024; ++x) (x % 2 == 0 ? even : odd)[x] = 1;
   one[301] = 1;
   const auto measured = [](const std::vector<float>& texels) {
-    return screen(grey(1024, 1, texels), {{0, 0}, {1, 0}, {0, 0.5}, {1, 0.5}}).painted_area();
+    return screen(grey(1024, 1, texels), {{0, 0}, {1, 0}, {0, 0.5}, {1, 0.5}}).painted_area;
   };
   for (const auto& texels : {even, odd}) {
     const PaintedArea area = measured(texels);
@@ -226,9 +250,10 @@ TEST(Painted, PartsFinerThanThePointsAreMeasuredWithinTheirError) {
 TEST(Painted, TwoTrianglesThatShowItTogetherAreSampledByThePicture) {
   const std::vector<float> values{1, 5, 0.25, 3, 9, 2};
   const auto two = [&](std::vector<Vec2f> uv) {
-    return *PaintedTriangleMesh::create(*TriangleMesh::create({{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}},
-                                                               {{0, 0, 0}, {2, 1, 0}, {0, 1, 0}}}),
-                                        grey(3, 2, values), std::move(uv));
+    return Painted<TriangleMesh>(
+        TriangleMesh::create({{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}}, {{0, 0, 0}, {2, 1, 0}, {0, 1, 0}}},
+                             std::move(uv)),
+        grey(3, 2, values));
   };
   expect_no_variance(two({{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}));
   expect_no_variance(two({{1, 1}, {1, 0}, {0, 0}, {1, 1}, {0, 0}, {0, 1}}));
@@ -239,10 +264,11 @@ TEST(Painted, TwoTrianglesThatShowItTogetherAreSampledByThePicture) {
 
 TEST(Painted, TrianglesOfAnySizeShowThePictureAtItsPlace) {
   for (const double size : {1e-100, 1e-70, 1.0, 1e78, 1e100, 1e150}) {
-    const auto shape = *PaintedTriangleMesh::create(
-        *TriangleMesh::create({{{0, 0, 0}, {2 * size, 0, 0}, {0, size, 0}}}), grey(2, 1, {1, 5}),
-        {{0, 0}, {1, 0}, {0, 1}});
-    const Vec2 uv = shape.uv({{0.5 * size, 0.25 * size, 0}, {0, 0, 1}});
+    const auto shape =
+        Painted<TriangleMesh>(TriangleMesh::create({{{0, 0, 0}, {2 * size, 0, 0}, {0, size, 0}}},
+                                                   {{0, 0}, {1, 0}, {0, 1}}),
+                              grey(2, 1, {1, 5}));
+    const Vec2 uv = shape.shape.uv({{0.5 * size, 0.25 * size, 0}});
     EXPECT_NEAR(uv.x, 0.25, 1e-14) << size;
     EXPECT_NEAR(uv.y, 0.25, 1e-14) << size;
   }
@@ -251,40 +277,66 @@ TEST(Painted, TrianglesOfAnySizeShowThePictureAtItsPlace) {
 TEST(Painted, AZoneThinnerThanItsAnglesShowsThePicture) {
   for (double z = 0.4; z < 0.6; z += 0.01) {
     const auto sphere = *Sphere::create({.z_min_m = z, .z_max_m = std::nextafter(z, 1.0)});
-    const auto shape = *PaintedSphere::create(sphere, grey(1, 2, {2, 2}));
-    EXPECT_NEAR(shape.painted_area().m2.r, 2 * sphere.area(), 1e-12 * sphere.area()) << z;
-    const auto s = shape.sample({Vec3{0, 0, 3}}, {0.25, 0.75});
-    EXPECT_EQ(shape.tint(s.point).r, 2) << z;
-    EXPECT_TRUE(std::isfinite(shape.uv(s.point).y)) << z;
-    EXPECT_GT(s.pdf.per_sr, 0) << z;
+    const auto shape = Painted<Sphere>(sphere, grey(1, 2, {2, 2}));
+    EXPECT_NEAR(shape.painted_area.m2.r, 2 * sphere.area(), 1e-12 * sphere.area()) << z;
+    const SurfacePoint p = shape.sample({0.25, 0.75});
+    EXPECT_EQ(shape.tint(p).r, 2) << z;
+    EXPECT_TRUE(std::isfinite(sphere.uv(p).y)) << z;
+    EXPECT_GT(shape.light(Rgb(1))->sample_li(Vec3{0, 0, 3}, {0.25, 0.75}).pdf.per_sr, 0) << z;
   }
 }
 
 TEST(Painted, AFoldedPatchIsSampledByArea) {
   // A bow tie: its sides cross.
-  const auto bow = *PaintedPatchMesh::create(
-      *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}), grey(2, 1, {1, 2}));
+  const auto bow = Painted<PatchMesh>(
+      PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}), grey(2, 1, {1, 2}));
   EXPECT_FALSE(bow.is_by_picture());
 }
 
 TEST(Painted, RefusesInvalidCorners) {
-  const auto mesh = *TriangleMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
-  const auto without = PaintedTriangleMesh::create(mesh, grey(1, 1, {1}));
-  EXPECT_THAT(std::string(without.status().message()),
-              HasSubstr("corner_uv has 0 entries, allowed: one for each of 3 corners"));
-  const auto bad =
-      PaintedTriangleMesh::create(mesh, grey(1, 1, {1}), {{0, 0}, {1, 0}, {0, INFINITY}});
+  const std::vector<Triangle> triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  const auto few = TriangleMesh::create(triangle, {{0, 0}, {1, 0}});
+  EXPECT_THAT(std::string(few.status().message()),
+              HasSubstr("corner_uv has 2 entries, allowed: one for each of 3 corners"));
+  const auto bad = TriangleMesh::create(triangle, {{0, 0}, {1, 0}, {0, INFINITY}});
   EXPECT_THAT(std::string(bad.status().message()), HasSubstr("corner_uv[2]"));
 }
 
 TEST(Painted, ATexelTimesTheLevelMustFit) {
-  const auto light = AreaLight<PaintedDisk>::create(
-      {Rgb(1e300)}, *PaintedDisk::create(*Disk::create({}), grey(1, 1, {1e10})));
+  const auto light = Painted<Disk>(Disk::create({}), grey(1, 1, {1e10})).light(Rgb(1e300));
   EXPECT_THAT(std::string(light.status().message()),
               HasSubstr("area.radiance of the brightest texel = (inf"));
 }
 
-// ---- Integrals of pictures. ----
+/// A picture multiplies the radiance of the photometry at each point.
+TEST(Painted, APictureAndAProfileMultiply) {
+  const std::shared_ptr<const PhotometricWeb> web = *PhotometricWeb::create(
+      {.vertical_deg = {0, 60, 90}, .horizontal_deg = {0}, .intensity_cd = {10, 5, 0}});
+  PanelProfile profile;
+  profile.web = web;
+  const Painted<PatchMesh> shown = screen(grey(2, 1, {1, 3}));
+  const auto both =
+      *AreaLight::create({Rgb(2)}, shown.shape, {.picture = shown.picture, .profile = profile});
+  const auto panel = *AreaLight::create({Rgb(2)}, shown.shape, {.profile = profile});
+  RandomU random(12);
+  double lumens = 0;
+  constexpr int kRays = 20000;
+  for (int i = 0; i < kRays; ++i) {
+    const Receiver receiver(Vec3{4 * random.next() - 1, random.next(), 0.5 + random.next()});
+    const LightSample s = both.sample_li(receiver, random.pair());
+    const SurfacePoint p{s.point, s.normal, s.primitive};
+    EXPECT_NEAR(s.value.r, shown.tint(p).r * panel.le(p, -s.wi).r, 1e-12 * s.value.r);
+    EXPECT_EQ(s.pdf, both.pdf_li(receiver, p));
+    const EmissionSample ray = both.sample_le(random.pair(), random.pair(), {});
+    if (ray.reason == NoLight::kNone)
+      lumens += ray.value.r * std::fabs(dot(ray.normal, ray.direction)) /
+                (ray.pdf_position.per_m2 * ray.pdf_direction.per_sr);
+  }
+  const Power power = both.power({});
+  EXPECT_NEAR(power.lumens.r, 2 * 2 * web->downward_flux_lm(), 1e-9);  // a mean of 2, level 2
+  EXPECT_NEAR(lumens / kRays, power.lumens.r, 0.01 * power.lumens.r);
+  EXPECT_FALSE(both.irradiance(Receiver(Vec3{0, 0, 1})).has_value());
+}
 
 }  // namespace
 }  // namespace lucerna::testing
