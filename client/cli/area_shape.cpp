@@ -1,5 +1,7 @@
 #include "client/cli/area_shape.h"
 
+#include <absl/strings/ascii.h>
+#include <absl/strings/strip.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -73,10 +75,16 @@ std::string describe_disk(const v1::RoundShape& round) {
   return text + swept(round);
 }
 
-std::string describe_cylinder(const v1::RoundShape& round) {
-  const std::string text =
-      fmt::format("cylinder of diameter {} m, length {} m{}", number(2 * round.radius_m()),
-                  number(round.z_max_m() - round.z_min_m()), swept(round));
+/// Other shapes that run along z.  A server may know more shapes than this program.
+std::string describe_other(const v1::DiffuseAreaLight& area) {
+  const std::string& name = v1::AreaShape_Name(area.shape());
+  if (name.empty() || area.shape() == v1::AREA_SHAPE_UNSPECIFIED)
+    return fmt::format("shape {}", static_cast<int>(area.shape()));
+  const v1::RoundShape& round = area.round();
+  const std::string text = fmt::format(
+      "{} of diameter {} m, length {} m{}",
+      absl::AsciiStrToLower(absl::StripPrefix(name, "AREA_SHAPE_")), number(2 * round.radius_m()),
+      number(round.z_max_m() - round.z_min_m()), swept(round));
   return round.reverse_orientation() ? text + ", shining inwards" : text;
 }
 
@@ -93,10 +101,8 @@ std::string describe_shape(const v1::DiffuseAreaLight& area) {
       return describe_sphere(area.round());
     case v1::AREA_SHAPE_DISK:
       return describe_disk(area.round());
-    case v1::AREA_SHAPE_CYLINDER:
-      return describe_cylinder(area.round());
     default:
-      return fmt::format("shape {}", static_cast<int>(area.shape()));
+      return describe_other(area);
   }
 }
 

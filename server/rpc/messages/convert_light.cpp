@@ -1,4 +1,6 @@
 // Lights as messages, one function for each kind.
+#include <absl/strings/ascii.h>
+#include <absl/strings/str_cat.h>
 #include <fmt/core.h>
 
 #include <cmath>
@@ -211,9 +213,14 @@ void set_shape(const Disk& disk, const Vec3&, v1::DiffuseAreaLight* out) {
   if (!is_circle) round->set_radius_y_m(y * p.radius_m);
 }
 
-void set_shape(const Cylinder& cylinder, const Vec3&, v1::DiffuseAreaLight* out) {
-  const CylinderParams& p = cylinder.params();
-  out->set_shape(v1::AREA_SHAPE_CYLINDER);
+/// Other shapes that run along z.
+template <QuadricShape S>
+void set_shape(const S& shape, const Vec3&, v1::DiffuseAreaLight* out) {
+  const auto& p = shape.params();
+  v1::AreaShape kind = v1::AREA_SHAPE_UNSPECIFIED;
+  v1::AreaShape_Parse(absl::StrCat("AREA_SHAPE_", absl::AsciiStrToUpper(std::string(S::kName))),
+                      &kind);
+  out->set_shape(kind);
   out->set_primitives(1);
   const double scale = set_round(p, {}, out->mutable_round()).along;
   out->mutable_round()->set_z_min_m(scale * p.z_min_m);

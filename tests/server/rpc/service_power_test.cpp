@@ -249,6 +249,8 @@ TEST_F(EveryLightTest, OnlyThoseAtInfinityHaveNoBounds) {
                              light.has_uniform_infinite() || light.has_image_infinite();
     EXPECT_EQ(light.has_bounds(), !at_infinity) << light.ShortDebugString();
     EXPECT_EQ(light.has_area_m2(), light.has_diffuse_area()) << light.ShortDebugString();
+    if (light.has_diffuse_area())
+      EXPECT_NE(light.diffuse_area().shape(), v1::AREA_SHAPE_UNSPECIFIED);
     EXPECT_FALSE(at_infinity && light.has_directions()) << light.ShortDebugString();
   }
 }
