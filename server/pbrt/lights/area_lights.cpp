@@ -86,15 +86,13 @@ std::optional<Picture> area_picture(Context& context, const ParameterSet& params
   return Picture{std::move(named.image), image_filter(params, "bilinear"), std::move(named.name)};
 }
 
-/// The photometry of "string profile"; nothing if there is none.  Fails if an image is given too,
-/// on files of other kinds, and on shapes that are not flat.
+/// The photometry of "string profile"; nothing if there is none.  Fails on files of other kinds,
+/// and on shapes that are not flat.
 std::optional<PanelProfile> area_profile(Context& context, const ParameterSet& params,
                                          const Geometry& geometry, const Place& shape_place,
                                          bool mirrored) {
   const Parameter* file = params.find("profile", {"string"});
   if (file == nullptr) return std::nullopt;
-  if (params.find("filename", {"string"}) != nullptr)
-    fail(file->place, "\"profile\" and \"filename\" are both given, allowed: one of them");
   if (file->strings().size() != 1 || !names_photometric_file(file->strings().front()))
     fail(file->place,
          fmt::format("\"string profile\" = \"{}\", allowed: the name of an .ies or .ldt file",
@@ -187,9 +185,9 @@ double panel_lumens(Context& context, const ParameterSet& params,
 /// Luminous flux of the shape at level 1 [lm].
 double lumens_of_unit_level(Context& context, const ParameterSet& params,
                             const ShapeDescription::Emission& emission, double area) {
-  if (emission.panel) return panel_lumens(context, params, emission);
   // pbrt-v4 uses a picture's mean, as if all of its texels had the same area on the shape.
   const double mean = emission.picture ? luminance(emission.picture->image->mean()) : 1;
+  if (emission.panel) return panel_lumens(context, params, emission) * mean;
   return sides(emission) * kPi * area * mean;
 }
 

@@ -6,7 +6,7 @@
 //                    this photometry as a whole.  Its normal is straight down from the luminaire
 //                    and dp/du lies in the plane C0.  Meshes use dp/du of their first primitive,
 //                    disks use +x.  "L" and "scale" multiply the file's candela; "power" is the
-//                    flux that leaves the shape.
+//                    flux that leaves the shape.  A picture multiplies the radiance.
 #pragma once
 
 #include <optional>
