@@ -24,10 +24,8 @@ namespace lucerna::testing {
 class Answers {
  public:
   Answers(Service& service, const std::string& scene) : service_(service), scene_(scene) {
-    v1::ListLightsRequest list;
-    list.set_scene_id(scene);
-    const grpc::Status listed =
-        status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights_); });
+    auto list = about<v1::ListLightsRequest>(scene);
+    const grpc::Status listed = service_.call(list, &lights_);
     EXPECT_TRUE(listed.ok()) << listed.error_message();
     for (v1::Light& light : *lights_.mutable_lights()) light.clear_source();
     add("lights", lights_);
@@ -155,8 +153,7 @@ class Answers {
 
   void pictures() {
     auto tile = request<v1::RenderTileRequest>();
-    tile.mutable_rect()->set_x1(16);
-    tile.mutable_rect()->set_y1(12);
+    set_rect(&tile, 16, 12);
     tile.mutable_accuracy()->set_samples(8);
     tile.set_bounces(2);
     call<v1::RenderTileResponse>(
@@ -177,8 +174,7 @@ class Edit : public ::testing::Test {
     std::filesystem::create_directory(root_.path() / "reference");
     for (const char* file : {"sky.exr", "slide.exr", "screen.exr"})
       std::filesystem::copy_file(data / "reference" / file, root_.path() / "reference" / file);
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = root_.path().string();
+    rpc::ServerOptions options = scenes_in(root_.path());
     service_ = std::make_unique<Service>(options);
   }
 
@@ -193,25 +189,14 @@ class Edit : public ::testing::Test {
     std::ifstream file(root_.path() / "lights/every_light.pbrt");
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  grpc::Status edit(const v1::EditLightsRequest& request, v1::EditLightsResponse* response) {
-    return status_of([&](auto* c) { return service_->scenes.EditLights(c, request, response); });
-  }
   /// The id of the revision.
   std::string edited(const v1::EditLightsRequest& request) {
-    v1::EditLightsResponse response;
-    const grpc::Status s = edit(request, &response);
-    EXPECT_TRUE(s.ok()) << s.error_message();
+    const auto response = service_->answer(request);
     new_ids_.assign(response.light_ids().begin(), response.light_ids().end());
     return response.scene_id();
   }
   v1::ListLightsResponse list(const std::string& scene) {
-    v1::ListLightsRequest request;
-    request.set_scene_id(scene);
-    v1::ListLightsResponse response;
-    const grpc::Status s =
-        status_of([&](auto* c) { return service_->scenes.ListLights(c, request, &response); });
-    EXPECT_TRUE(s.ok()) << s.error_message();
-    return response;
+    return service_->answer(about<v1::ListLightsRequest>(scene));
   }
   static v1::LightChange* change(v1::EditLightsRequest& request, std::uint64_t light) {
     v1::LightChange* const change = request.add_edits()->mutable_change();
@@ -219,37 +204,27 @@ class Edit : public ::testing::Test {
     return change;
   }
   static v1::EditLightsRequest request_for(const std::string& scene) {
-    v1::EditLightsRequest request;
-    request.set_scene_id(scene);
+    auto request = about<v1::EditLightsRequest>(scene);
     return request;
   }
   /// A digest of the bits of a whole picture.
   std::string picture(const std::string& scene) {
-    v1::RenderTileRequest q;
-    q.set_scene_id(scene);
-    q.mutable_rect()->set_x1(16);
-    q.mutable_rect()->set_y1(12);
+    auto q = about<v1::RenderTileRequest>(scene);
+    set_rect(&q, 16, 12);
     q.mutable_accuracy()->set_samples(16);
     q.set_bounces(3);
-    v1::RenderTileResponse r;
-    const grpc::Status s =
-        status_of([&](auto* c) { return service_->render.RenderTile(c, q, &r); });
-    EXPECT_TRUE(s.ok()) << s.error_message();
+    auto r = service_->answer(q);
     r.clear_cost();
     return hexadecimal(sha256(r.SerializeAsString()));
   }
   /// The illuminance of a few points, exact to the bit.
   std::vector<double> total_lux(const std::string& scene) {
-    v1::EstimateIrradianceRequest q;
-    q.set_scene_id(scene);
+    auto q = about<v1::EstimateIrradianceRequest>(scene);
     for (float x = -3; x <= 3; ++x) {
       for (const float v : {x, 0.25F, 0.F}) q.mutable_receivers()->add_offsets_m(v);
       for (const float v : {0.F, 0.F, 1.F}) q.add_normals(v);
     }
-    v1::EstimateIrradianceResponse r;
-    const grpc::Status s =
-        status_of([&](auto* c) { return service_->lighting.EstimateIrradiance(c, q, &r); });
-    EXPECT_TRUE(s.ok()) << s.error_message();
+    const auto r = service_->answer(q);
     return {r.irradiance_lx().begin(), r.irradiance_lx().end()};
   }
   void expect_same(const std::string& revision, const std::string& fresh) {

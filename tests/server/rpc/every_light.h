@@ -19,39 +19,19 @@ inline double luminance_of(double r, double g, double b) {
   return 0.212639 * r + 0.715169 * g + 0.072192 * b;  // [ITU-R BT.709]
 }
 
-inline rpc::ServerOptions all_data() {
-  rpc::ServerOptions options = service_options();
-  options.scenes.root = test_data();
-  return options;
-}
+inline rpc::ServerOptions all_data() { return scenes_in(test_data()); }
 
 class EveryLightTest : public ::testing::Test {
  protected:
   EveryLightTest() {
-    v1::ListLightsRequest list;
-    list.set_scene_id(scene_);
-    EXPECT_TRUE(
-        status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights_); }).ok());
-    v1::GetSceneRequest get;
-    get.set_scene_id(scene_);
-    v1::GetSceneResponse scene;
-    EXPECT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
+    auto list = about<v1::ListLightsRequest>(scene_);
+    lights_ = service_.answer(list);
+    const auto scene = service_.answer(about<v1::GetSceneRequest>(scene_));
     summary_ = scene.summary();
   }
 
-  grpc::Status sample(const v1::SampleLeRequest& q, v1::SampleLeResponse* r) {
-    return status_of([&](auto* c) { return service_.lighting.SampleLe(c, q, r); });
-  }
-  grpc::Status pdf(const v1::PdfLeRequest& q, v1::PdfLeResponse* r) {
-    return status_of([&](auto* c) { return service_.lighting.PdfLe(c, q, r); });
-  }
-  grpc::Status power(const v1::EstimatePowerRequest& q, v1::EstimatePowerResponse* r) {
-    return status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, r); });
-  }
-
   v1::SampleLeRequest rays(std::uint32_t count, std::uint64_t seed = 1) const {
-    v1::SampleLeRequest q;
-    q.set_scene_id(scene_);
+    auto q = about<v1::SampleLeRequest>(scene_);
     q.set_count(count);
     q.mutable_seed()->set_seed(seed);
     return q;
@@ -63,8 +43,7 @@ class EveryLightTest : public ::testing::Test {
     return q;
   }
   v1::PdfLeRequest density_of(const v1::Light& light) const {
-    v1::PdfLeRequest q;
-    q.set_scene_id(scene_);
+    auto q = about<v1::PdfLeRequest>(scene_);
     q.set_light_id(light.id());
     return q;
   }
@@ -93,17 +72,11 @@ class EveryLightTest : public ::testing::Test {
 class PowerTest : public EveryLightTest {
  protected:
   v1::EstimatePowerRequest request(v1::EstimatePowerRequest::Method method) const {
-    v1::EstimatePowerRequest q;
-    q.set_scene_id(scene_);
+    auto q = about<v1::EstimatePowerRequest>(scene_);
     q.set_method(method);
     return q;
   }
-  v1::EstimatePowerResponse answer(const v1::EstimatePowerRequest& q) {
-    v1::EstimatePowerResponse r;
-    const grpc::Status status = power(q, &r);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return r;
-  }
+  v1::EstimatePowerResponse answer(const v1::EstimatePowerRequest& q) { return service_.answer(q); }
 };
 
 }  // namespace lucerna::testing

@@ -61,12 +61,8 @@ class AssetServiceTest : public ::testing::Test {
 
   v1::FindMissingAssetsResponse find(const std::vector<std::string>& digests) {
     v1::FindMissingAssetsRequest request;
-    v1::FindMissingAssetsResponse response;
     for (const auto& digest : digests) request.add_sha256(digest);
-    const auto s = status_of(
-        [&](auto* c) { return service_.scenes.FindMissingAssets(c, request, &response); });
-    EXPECT_TRUE(s.ok()) << s.error_message();
-    return response;
+    return service_.answer(request);
   }
 
   static void name(v1::LoadSceneRequest* request, const std::string& name,
@@ -74,9 +70,6 @@ class AssetServiceTest : public ::testing::Test {
     v1::NamedAsset* asset = request->mutable_manifest()->add_assets();
     asset->set_name(name);
     asset->set_sha256(digest);
-  }
-  grpc::Status load(const v1::LoadSceneRequest& request, v1::LoadSceneResponse* response) {
-    return status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
   }
 
   SceneFiles files_;
@@ -88,8 +81,7 @@ TEST_F(AssetServiceTest, AnUploadedSceneIsLoadedByItsManifest) {
   v1::LoadSceneRequest request;
   request.mutable_manifest()->set_main("my/room.pbrt");
   name(&request, "my/room.pbrt", sha256(kScene));
-  v1::LoadSceneResponse response;
-  ASSERT_TRUE(load(request, &response).ok());
+  auto response = service_.answer(request);
   EXPECT_EQ(response.scene_id(), "");
   ASSERT_EQ(response.missing_size(), 1);
   EXPECT_EQ(response.missing(0).name(), "my/room.pbrt");
@@ -101,7 +93,7 @@ TEST_F(AssetServiceTest, AnUploadedSceneIsLoadedByItsManifest) {
   EXPECT_EQ(received_, sizeof kScene - 1);
   EXPECT_THAT(find({sha256(kScene)}).missing_sha256(), IsEmpty());
   request.set_lease_s(60);
-  ASSERT_TRUE(load(request, &response).ok());
+  response = service_.answer(request);
   EXPECT_THAT(response.missing(), IsEmpty());
   EXPECT_EQ(response.scene_id().size(), 64U);
   EXPECT_FALSE(response.already_loaded());
@@ -109,8 +101,7 @@ TEST_F(AssetServiceTest, AnUploadedSceneIsLoadedByItsManifest) {
   EXPECT_EQ(response.lease_s(), 60);
   EXPECT_GT(response.cost().wall_time_s(), 0);
 
-  v1::ListScenesResponse scenes;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.ListScenes(c, {}, &scenes); }).ok());
+  const auto scenes = service_.answer(v1::ListScenesRequest());
   ASSERT_EQ(scenes.scenes_size(), 1);
   EXPECT_EQ(scenes.scenes(0).path(), "my/room.pbrt");
   EXPECT_GT(scenes.scenes(0).leased_s(), 0);
@@ -125,33 +116,31 @@ TEST_F(AssetServiceTest, TheLightLevelsOfBlenderMakeAnotherScene) {
   v1::LoadSceneRequest request;
   request.mutable_manifest()->set_main("lamp.gltf");
   name(&request, "lamp.gltf", sha256(lamp));
-  v1::LoadSceneResponse plain, bright, again;
-  ASSERT_TRUE(load(request, &plain).ok());
+  const auto plain = service_.answer(request);
   request.mutable_blender()->set_mode(v1::BLENDER_LIGHTING_MODE_UNITLESS);
-  ASSERT_TRUE(load(request, &bright).ok());
+  const auto bright = service_.answer(request);
   EXPECT_EQ(plain.scene_id().size(), 64U);
   EXPECT_EQ(bright.scene_id().size(), 64U);
   EXPECT_NE(bright.scene_id(), plain.scene_id());
-  ASSERT_TRUE(load(request, &again).ok());
+  auto again = service_.answer(request);
   EXPECT_EQ(again.scene_id(), bright.scene_id());
   EXPECT_TRUE(again.already_loaded());
 
   // By name: the scene with these factors; without factors, the one used last.
   v1::LoadSceneRequest by_name;
   by_name.set_path("lamp.gltf");
-  ASSERT_TRUE(load(by_name, &again).ok());
+  again = service_.answer(by_name);
   EXPECT_EQ(again.scene_id(), bright.scene_id());
   request.clear_blender();
-  ASSERT_TRUE(load(request, &again).ok());
+  again = service_.answer(request);
   EXPECT_EQ(again.scene_id(), plain.scene_id());
   by_name.mutable_blender()->set_mode(v1::BLENDER_LIGHTING_MODE_UNITLESS);
-  ASSERT_TRUE(load(by_name, &again).ok());
+  again = service_.answer(by_name);
   EXPECT_EQ(again.scene_id(), bright.scene_id());
   by_name.mutable_blender()->set_mode(v1::BLENDER_LIGHTING_MODE_RAW);
-  const grpc::Status none = load(by_name, &again);
-  EXPECT_EQ(none.error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_THAT(none.error_message(), HasSubstr("no uploaded scene has this name and these light "
-                                              "levels"));
+  expect_error(service_.call(by_name, &again), grpc::StatusCode::NOT_FOUND,
+               "no uploaded scene has this name and these light "
+               "levels");
 }
 
 TEST_F(AssetServiceTest, ABrokenUploadContinues) {
@@ -209,9 +198,8 @@ TEST_F(AssetServiceTest, StreamsOutOfOrderAreRefused) {
 }
 
 TEST_F(AssetServiceTest, FilesOverTheLimitAreRefusedBeforeTheirBytes) {
-  const grpc::Status status = send({header(sha256("abc"), (8 << 20) + 1)});
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_THAT(status.error_message(), HasSubstr("header.size_bytes = 8388609"));
+  expect_error(send({header(sha256("abc"), (8 << 20) + 1)}), grpc::StatusCode::RESOURCE_EXHAUSTED,
+               "header.size_bytes = 8388609");
 }
 
 TEST_F(AssetServiceTest, ASecondWriterMustWait) {
@@ -223,8 +211,7 @@ TEST_F(AssetServiceTest, ASecondWriterMustWait) {
   while (find({sha256("abc")}).received_bytes(0) < 2) {
   }
   const grpc::Status status = put("abc");
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
-  EXPECT_EQ(detail<google::rpc::ErrorInfo>(status).reason(), "ASSET_BEING_UPLOADED");
+  expect_error(status, grpc::StatusCode::FAILED_PRECONDITION, "", "ASSET_BEING_UPLOADED");
   EXPECT_GT(detail<google::rpc::RetryInfo>(status).retry_delay().nanos(), 0);
   ASSERT_TRUE(stream->Write(chunk("c")));
   stream->WritesDone();
@@ -233,46 +220,40 @@ TEST_F(AssetServiceTest, ASecondWriterMustWait) {
 }
 
 TEST_F(AssetServiceTest, ManifestsAreChecked) {
-  v1::LoadSceneResponse response;
   v1::LoadSceneRequest request;
   request.mutable_manifest()->set_main("a.pbrt");
-  expect_bad_field(load(request, &response), "manifest.main");
+  expect_bad_field(service_.status(request), "manifest.main");
   name(&request, "a.pbrt", "short");
-  expect_bad_field(load(request, &response), "manifest.assets[0].sha256");
+  expect_bad_field(service_.status(request), "manifest.assets[0].sha256");
   for (const char* bad : {"", "/a.pbrt", "../a.pbrt", "b/../a.pbrt", "./a.pbrt", "b//a", "b/"}) {
     request.mutable_manifest()->mutable_assets(0)->set_name(bad);
-    expect_bad_field(load(request, &response), "manifest.assets[0].name");
+    expect_bad_field(service_.status(request), "manifest.assets[0].name");
   }
   request.mutable_manifest()->clear_assets();
   name(&request, "a.pbrt", sha256("a"));
   name(&request, "a.pbrt", sha256("b"));
-  expect_bad_field(load(request, &response), "manifest.assets[1].name");
+  expect_bad_field(service_.status(request), "manifest.assets[1].name");
   request.mutable_manifest()->mutable_assets()->RemoveLast();
   request.set_lease_s(-1);
-  expect_bad_field(load(request, &response), "lease_s");
+  expect_bad_field(service_.status(request), "lease_s");
 
   v1::FindMissingAssetsRequest find;
-  v1::FindMissingAssetsResponse found;
   find.add_sha256("short");
-  expect_bad_field(
-      status_of([&](auto* c) { return service_.scenes.FindMissingAssets(c, find, &found); }),
-      "sha256[0]");
+  expect_bad_field(service_.status(find), "sha256[0]");
 }
 
 TEST_F(AssetServiceTest, LeasesAreRenewedAndEnded) {
   const std::string id = service_.load("point.pbrt");
   const auto renew = [&](double seconds, const std::string& lease, v1::RenewLeaseResponse* out) {
-    v1::RenewLeaseRequest request;
-    request.set_scene_id(id);
+    auto request = about<v1::RenewLeaseRequest>(id);
     request.set_lease_s(seconds);
     request.set_lease_id(lease);
-    return status_of([&](auto* c) { return service_.scenes.RenewLease(c, request, out); });
+    return service_.call(request, out);
   };
   const auto release = [&](const std::string& lease, v1::ReleaseSceneResponse* out) {
-    v1::ReleaseSceneRequest request;
-    request.set_scene_id(id);
+    auto request = about<v1::ReleaseSceneRequest>(id);
     request.set_lease_id(lease);
-    return status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, request, out); });
+    return service_.call(request, out);
   };
   v1::RenewLeaseResponse mine, yours, again;
   expect_bad_field(renew(0, "", &mine), "lease_s");
@@ -287,9 +268,8 @@ TEST_F(AssetServiceTest, LeasesAreRenewedAndEnded) {
   EXPECT_EQ(again.lease_s(), 1000);
 
   v1::ReleaseSceneResponse released;
-  const grpc::Status held = release("", &released);
-  EXPECT_EQ(held.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
-  EXPECT_THAT(held.error_message(), HasSubstr("leased for another 86"));
+  expect_error(release("", &released), grpc::StatusCode::FAILED_PRECONDITION,
+               "leased for another 86");
   ASSERT_TRUE(release(mine.lease_id(), &released).ok());
   EXPECT_TRUE(released.still_loaded());
   ASSERT_TRUE(release(yours.lease_id(), &released).ok());
@@ -303,20 +283,17 @@ TEST(MemoryBudget, LeasesThatLeaveNoRoomAreReportedWithARetryDelay) {
   options.scenes.memory_budget_bytes = 1 << 20;  // point.pbrt takes the larger part of it
   Service service(options);
   v1::LoadSceneRequest request;
-  v1::LoadSceneResponse response;
   request.set_path("point.pbrt");
   request.set_lease_s(7200);
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service.scenes.LoadScene(c, request, &response); }).ok());
+  auto response = service.answer(request);
   grpc::Status status = grpc::Status::OK;
   // All loaded scenes are leased, so one of these does not fit.
   for (const char* path : {"spot.pbrt", "rectangle.pbrt", "sphere.pbrt", "disk.pbrt"}) {
     request.set_path(path);
-    status = status_of([&](auto* c) { return service.scenes.LoadScene(c, request, &response); });
+    status = service.call(request, &response);
     if (!status.ok()) break;
   }
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
-  EXPECT_EQ(detail<google::rpc::ErrorInfo>(status).reason(), "MEMORY_LEASED");
+  expect_error(status, grpc::StatusCode::RESOURCE_EXHAUSTED, "", "MEMORY_LEASED");
   const auto retry = detail<google::rpc::RetryInfo>(status);
   EXPECT_GT(retry.retry_delay().seconds(), 3600);
   EXPECT_LE(retry.retry_delay().seconds(), 7200);
@@ -336,9 +313,8 @@ TEST_F(StalledUploadTest, TheServerEndsItAndKeepsWhatArrived) {
     v1::UploadAssetResponse response;
     const auto stream = service_.scenes.UploadAsset(&context, &response);
     for (const auto& request : requests) stream->Write(request);
-    const grpc::Status status = stream->Finish();
-    EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
-    EXPECT_THAT(status.error_message(), HasSubstr("the upload sent less than 65536 bytes in 1 s"));
+    expect_error(stream->Finish(), grpc::StatusCode::DEADLINE_EXCEEDED,
+                 "the upload sent less than 65536 bytes in 1 s");
   };
   stall_after({});
   // A busy machine may pause between the messages for so long that the server ends the stream
@@ -367,19 +343,16 @@ TEST_F(StalledUploadTest, EmptyAndTinyChunksDoNotKeepItAlive) {
     for (; sent < 6000 && stream->Write(chunk(bytes)); ++sent)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     EXPECT_LT(sent, 6000);
-    const grpc::Status status = stream->Finish();
-    EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
-    EXPECT_THAT(status.error_message(), HasSubstr("less than 65536 bytes in 1 s"));
+    expect_error(stream->Finish(), grpc::StatusCode::DEADLINE_EXCEEDED,
+                 "less than 65536 bytes in 1 s");
   }
 }
 
 TEST_F(AssetServiceTest, NamesOfScenesAreBounded) {
   v1::LoadSceneRequest request;
-  v1::LoadSceneResponse response;
   request.set_path(std::string(5000, 'a'));
-  const grpc::Status status = load(request, &response);
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(status.error_message(), HasSubstr("path = 5000 bytes, allowed: at most 4096 bytes"));
+  expect_error(service_.status(request), grpc::StatusCode::INVALID_ARGUMENT,
+               "path = 5000 bytes, allowed: at most 4096 bytes");
 }
 
 }  // namespace

@@ -88,11 +88,7 @@ class BadLightsTest : public ::testing::Test {
     files_.write("lamp.ies", kIes);
   }
 
-  static rpc::ServerOptions options(const SceneFiles& files) {
-    rpc::ServerOptions o = service_options();
-    o.scenes.root = files.path().string();
-    return o;
-  }
+  static rpc::ServerOptions options(const SceneFiles& files) { return scenes_in(files.path()); }
   /// Writes the line with a valid light before it, and a surface and a valid light after it.
   void write(const std::string& line) const {
     files_.write("scene.pbrt", "WorldBegin\nLightSource \"point\"\nAttributeBegin\n" + line +
@@ -101,22 +97,17 @@ class BadLightsTest : public ::testing::Test {
   grpc::Status load(v1::LoadSceneResponse* response) {
     v1::LoadSceneRequest request;
     request.set_path("scene.pbrt");
-    return status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
+    return service_.call(request, response);
   }
   /// Ids and paths of the loaded scenes.
   std::vector<std::pair<std::string, std::string>> loaded() {
-    v1::ListScenesResponse list;
-    EXPECT_TRUE(status_of([&](auto* c) { return service_.scenes.ListScenes(c, {}, &list); }).ok());
+    const auto list = service_.answer(v1::ListScenesRequest());
     std::vector<std::pair<std::string, std::string>> all;
     for (const auto& scene : list.scenes()) all.emplace_back(scene.scene_id(), scene.path());
     return all;
   }
   int lights_of(const std::string& id) {
-    v1::ListLightsRequest request;
-    request.set_scene_id(id);
-    v1::ListLightsResponse lights;
-    EXPECT_TRUE(
-        status_of([&](auto* c) { return service_.scenes.ListLights(c, request, &lights); }).ok());
+    const auto lights = service_.answer(about<v1::ListLightsRequest>(id));
     return lights.lights_size();
   }
   void expect_error(const BadLight& bad, const grpc::Status& status) {
@@ -152,12 +143,7 @@ TEST_F(BadLightsTest, LeaveNothingOfTheirSceneAndLoadWhenFixed) {
     EXPECT_EQ(lights_of(response.scene_id()), 3);
     ASSERT_EQ(loaded().size(), 1U);
     EXPECT_EQ(loaded()[0].second, "scene.pbrt");
-    v1::ReleaseSceneRequest release;
-    release.set_scene_id(response.scene_id());
-    v1::ReleaseSceneResponse nothing;
-    ASSERT_TRUE(status_of([&](auto* c) {
-                  return service_.scenes.ReleaseScene(c, release, &nothing);
-                }).ok());
+    EXPECT_TRUE(service_.status(about<v1::ReleaseSceneRequest>(response.scene_id())).ok());
   }
 }
 

@@ -12,14 +12,10 @@ namespace {
 class BlenderServiceTest : public ::testing::Test {
  protected:
   /// The scenes in tests/data/gltf.
-  static rpc::ServerOptions options() {
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = test_data("gltf");
-    return options;
-  }
+  static rpc::ServerOptions options() { return scenes_in(test_data("gltf")); }
 
   grpc::Status load(const v1::LoadSceneRequest& request) {
-    return status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, &loaded_); });
+    return service_.call(request, &loaded_);
   }
   std::string id(const v1::LoadSceneRequest& request) {
     const grpc::Status status = load(request);
@@ -27,11 +23,7 @@ class BlenderServiceTest : public ::testing::Test {
     return loaded_.scene_id();
   }
   v1::SceneSummary summary(const std::string& id) {
-    v1::GetSceneRequest request;
-    request.set_scene_id(id);
-    v1::GetSceneResponse scene;
-    EXPECT_TRUE(
-        status_of([&](auto* c) { return service_.scenes.GetScene(c, request, &scene); }).ok());
+    const auto scene = service_.answer(about<v1::GetSceneRequest>(id));
     return scene.summary();
   }
   static v1::LoadSceneRequest request(v1::BlenderLightingMode mode) {
@@ -80,11 +72,8 @@ TEST_F(BlenderServiceTest, EachModeHasItsFactors) {
 }
 
 TEST_F(BlenderServiceTest, LightsHaveTheLevels) {
-  v1::ListLightsRequest list;
-  list.set_scene_id(id(request(v1::BLENDER_LIGHTING_MODE_STANDARD)));
-  v1::ListLightsResponse lights;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  const auto lights = service_.answer(
+      about<v1::ListLightsRequest>(id(request(v1::BLENDER_LIGHTING_MODE_STANDARD))));
   ASSERT_EQ(lights.lights_size(), 4);
   EXPECT_EQ(lights.lights(0).point().intensity_cd().r(), 40);
   EXPECT_EQ(lights.lights(3).name(), "panel");

@@ -54,14 +54,12 @@ TEST_F(Edit, AddedFilesThatDoNotFitAreRefusedWhileTheyAreRead) {
   write("mesh.pbrt",
         "WorldBegin\nAreaLightSource \"diffuse\"\nShape \"trianglemesh\" \"point3 P\" [" + points +
             "] \"integer indices\" [" + indices + "]\n");
-  rpc::ServerOptions options = service_options();
-  options.scenes.root = root_.path().string();
+  rpc::ServerOptions options = scenes_in(root_.path());
   options.scenes.memory_budget_bytes = 32 << 20;
   service_ = std::make_unique<Service>(options);
   v1::EditLightsRequest request = request_for(load("placed.pbrt", placed("")));
   for (int i = 0; i < 200; ++i) request.add_edits()->mutable_add()->set_path("mesh.pbrt");
-  v1::EditLightsResponse response;
-  const grpc::Status status = edit(request, &response);
+  const grpc::Status status = service_->status(request);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
   // A mesh takes about 1.4 MB.
   EXPECT_THAT(status.error_message(), ::testing::MatchesRegex("edits\\[[0-9]{1,2}\\].add: .*"));

@@ -102,8 +102,7 @@ TEST_F(Edit, ShiftedSurfacesOfEveryKindHaveTheBitsOfAFileThatShiftsThem) {
   EXPECT_NE(edited(request), scene);
   request = request_for(scene);
   change(request, 1)->mutable_placement()->mutable_shift_m()->set_x(1e6);
-  v1::EditLightsResponse response;
-  EXPECT_EQ(edit(request, &response).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_EQ(service_->status(request).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
 }
 
 TEST_F(Edit, TurnedSurfacesTurnAboutTheirMiddle) {
@@ -138,13 +137,10 @@ TEST_F(Edit, NewLightsShineAsThoseOfAFile) {
       load("two.pbrt",
            start + "LightSource \"point\" \"rgb I\" [100 100 100] \"point3 from\" [0 0 3]\n");
   const auto lux = [&](const std::string& of) {
-    v1::EstimateIrradianceRequest q;
-    q.set_scene_id(of);
+    auto q = about<v1::EstimateIrradianceRequest>(of);
     for (const float v : {0.5F, 0.25F, 0.F}) q.mutable_receivers()->add_offsets_m(v);
     for (const float v : {0.F, 0.F, 1.F}) q.add_normals(v);
-    v1::EstimateIrradianceResponse r;
-    EXPECT_TRUE(
-        status_of([&](auto* c) { return service_->lighting.EstimateIrradiance(c, q, &r); }).ok());
+    const auto r = service_->answer(q);
     return r.irradiance_lx(0);
   };
   EXPECT_EQ(lux(edited(by_message)), lux(fresh));
@@ -228,8 +224,7 @@ TEST_F(Edit, NewSurfacesThatCannotBeAddedAreRefused) {
     write("lamp.pbrt", "WorldBegin\n" + text);
     v1::EditLightsRequest request = request_for(scene);
     request.add_edits()->mutable_add()->set_path("lamp.pbrt");
-    v1::EditLightsResponse response;
-    const grpc::Status s = edit(request, &response);
+    const grpc::Status s = service_->status(request);
     EXPECT_EQ(s.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << text;
     return s.error_message();
   };

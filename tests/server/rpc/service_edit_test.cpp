@@ -94,14 +94,12 @@ TEST_F(Edit, ARemovedLampDoesNotShineAsTheNextLight) {
       load("lamps.pbrt", "WorldBegin\n" + lamp("-2 0 3", "[1 1 1]") + lamp("2 0 3", "[5 5 5]"));
   v1::EditLightsRequest request = request_for(scene);
   request.add_edits()->set_remove(1);
-  v1::LeRequest rays;
-  rays.set_scene_id(edited(request));
+  auto rays = about<v1::LeRequest>(edited(request));
   for (const float x : {-2.0F, 2.0F}) {
     for (const float p : {x, 0.0F, 0.0F}) rays.mutable_points()->add_offsets_m(p);
     for (const float w : {0.0F, 0.0F, 1.0F}) rays.add_directions(w);
   }
-  v1::LeResponse answer;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_->lighting.Le(c, rays, &answer); }).ok());
+  const auto answer = service_->answer(rays);
   EXPECT_THAT(answer.light_ids(), ElementsAre(0, 2));
   EXPECT_THAT(answer.radiance_cd_m2(), ElementsAre(0, 0, 0, Gt(0), Gt(0), Gt(0)));
 }
@@ -133,14 +131,9 @@ TEST_F(Edit, TheIdFollowsFromTheLightsAndNotFromTheWayToThem) {
   v1::LoadSceneRequest load;
   load.set_path("placed.pbrt");
   *load.mutable_edits() = both.edits();
-  rpc::ServerOptions options = service_options();
-  options.scenes.root = root_.path().string();
-  Service other(options);
+  Service other(scenes_in(root_.path()));
   for (Service* service : {service_.get(), &other}) {
-    v1::LoadSceneResponse loaded;
-    const grpc::Status s =
-        status_of([&](auto* c) { return service->scenes.LoadScene(c, load, &loaded); });
-    EXPECT_TRUE(s.ok()) << s.error_message();
+    const auto loaded = service->answer(load);
     EXPECT_EQ(loaded.scene_id(), at_once);
   }
 }
@@ -152,29 +145,20 @@ TEST_F(Edit, RevisionsShareMemoryAndOutliveTheirScene) {
   request.set_lease_s(60);
   change(request, 1)->set_scale(0.5);
   const std::string revision = edited(request);
-  v1::GetSceneRequest get;
-  get.set_scene_id(revision);
-  v1::GetSceneResponse of;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_->scenes.GetScene(c, get, &of); }).ok());
+  const auto of = service_->answer(about<v1::GetSceneRequest>(revision));
   EXPECT_EQ(of.summary().loaded_scene_id(), scene);
   EXPECT_EQ(of.summary().edited_lights(), 1U);
   EXPECT_GT(of.summary().leased_s(), 0);
   EXPECT_LT(of.summary().own_bytes(), of.summary().bytes());
   EXPECT_EQ(service_->server->scenes().bytes(), alone + of.summary().own_bytes());
-  v1::ReleaseSceneRequest release;
-  release.set_scene_id(scene);
-  v1::ReleaseSceneResponse gone;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_->scenes.ReleaseScene(c, release, &gone); }).ok());
+  auto release = about<v1::ReleaseSceneRequest>(scene);
+  auto gone = service_->answer(release);
   // The shared part is still in use.
   EXPECT_EQ(service_->server->scenes().bytes(), alone + of.summary().own_bytes());
   EXPECT_NE(Answers(*service_, revision).lights().lights_size(), 0);
   release.set_scene_id(revision);
   release.set_lease_id("");
-  EXPECT_EQ(status_of([&](auto* c) {
-              return service_->scenes.ReleaseScene(c, release, &gone);
-            }).error_code(),
-            grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_EQ(service_->call(release, &gone).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
 }
 
 // Trying one id after another would take minutes.
@@ -199,8 +183,7 @@ TEST_F(Edit, WrongEditsNameTheirFieldAndMakeNothing) {
     v1::EditLightsRequest request = request_for(scene);
     change(request, 1)->set_scale(0.5);  // a good edit before the bad one
     set(request);
-    v1::EditLightsResponse response;
-    return edit(request, &response);
+    return service_->status(request);
   };
   expect_bad_field(fails([](auto& r) { r.add_edits(); }), "edits[1].edit");
   for (const double scale : {-1.0, 2e9, std::nan("")})
@@ -238,27 +221,22 @@ TEST_F(Edit, WrongEditsNameTheirFieldAndMakeNothing) {
     change(r, 2)->set_scale(1);
   });
   EXPECT_EQ(twice.error_code(), grpc::StatusCode::NOT_FOUND);
-  const grpc::Status sun =
-      fails([](auto& r) { change(r, 7)->mutable_placement()->mutable_shift_m()->set_x(1); });
-  EXPECT_EQ(sun.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(sun.error_message(), HasSubstr("light 7: the light is at infinity, allowed: turns"));
+  expect_error(
+      fails([](auto& r) { change(r, 7)->mutable_placement()->mutable_shift_m()->set_x(1); }),
+      grpc::StatusCode::INVALID_ARGUMENT, "light 7: the light is at infinity, allowed: turns");
   const grpc::Status negative = fails([](auto& r) {
     *r.add_edits()->mutable_put() = point_light(2);
     r.mutable_edits(1)->mutable_put()->mutable_point()->mutable_intensity_cd()->set_r(-1);
   });
-  EXPECT_EQ(negative.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(negative.error_message(), HasSubstr("edits[1].put"));
+  expect_error(negative, grpc::StatusCode::INVALID_ARGUMENT, "edits[1].put");
   write("shapes.pbrt", "WorldBegin\nShape \"sphere\"\n");
-  const grpc::Status shapes =
-      fails([](auto& r) { r.add_edits()->mutable_add()->set_path("shapes.pbrt"); });
-  EXPECT_EQ(shapes.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(shapes.error_message(), HasSubstr("shapes.pbrt:2:1: a shape that does not emit"));
+  expect_error(fails([](auto& r) { r.add_edits()->mutable_add()->set_path("shapes.pbrt"); }),
+               grpc::StatusCode::INVALID_ARGUMENT, "shapes.pbrt:2:1: a shape that does not emit");
   EXPECT_EQ(
       fails([](auto& r) { r.add_edits()->mutable_add()->set_path("none.pbrt"); }).error_code(),
       grpc::StatusCode::NOT_FOUND);
   v1::EditLightsRequest request = request_for(std::string(64, '0'));
-  v1::EditLightsResponse response;
-  EXPECT_EQ(edit(request, &response).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(service_->status(request).error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_EQ(service_->server->scenes().size(), 1U);
 }
 

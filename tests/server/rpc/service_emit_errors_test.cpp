@@ -10,14 +10,8 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 
 class EmitErrors : public EveryLightTest {
  protected:
-  grpc::Status sample(const v1::SampleLeRequest& q) {
-    v1::SampleLeResponse r;
-    return EveryLightTest::sample(q, &r);
-  }
-  grpc::Status pdf(const v1::PdfLeRequest& q) {
-    v1::PdfLeResponse r;
-    return EveryLightTest::pdf(q, &r);
-  }
+  grpc::Status sample(const v1::SampleLeRequest& q) { return service_.status(q); }
+  grpc::Status pdf(const v1::PdfLeRequest& q) { return service_.status(q); }
   /// One ray with its own sample values, from a named light.
   v1::SampleLeRequest own_values() const {
     v1::SampleLeRequest q = rays_of(first(v1::AREA_SHAPE_SPHERE), 1);
@@ -62,55 +56,33 @@ TEST_F(EmitErrors, UnknownScenesAndLightsAreNotFound) {
   expect_bad_field(pdf(p), "scene_id");
 }
 
-TEST_F(EmitErrors, MismatchedLengthsAreNamed) {
-  v1::SampleLeRequest s = own_values();
-  s.mutable_u()->add_u(0.5F);
-  expect_bad_field(sample(s), "u.u");
-  s = own_values();
-  s.set_count(2);
-  expect_bad_field(sample(s), "u.u");
-  s = own_values();
-  s.mutable_u()->add_u_light(0.5);  // the light is named
-  expect_bad_field(sample(s), "u.u_light");
-  s = own_values();
-  s.clear_light_id();
-  expect_bad_field(sample(s), "u.u_light");
-  s = own_values();
-  s.clear_u();
-  EXPECT_TRUE(sample(s).ok());  // seed 0
-  EXPECT_TRUE(sample(own_values()).ok());
+TEST_F(EmitErrors, BadFieldsAreNamed) {
+  expect_bad_fields<v1::SampleLeRequest>(
+      service_, own_values(),
+      {{"u.u", [](auto& q) { q.mutable_u()->add_u(0.5F); }},
+       {"u.u", [](auto& q) { q.set_count(2); }},
+       {"u.u_light", [](auto& q) { q.mutable_u()->add_u_light(0.5); }},  // the light is named
+       {"u.u_light", [](auto& q) { q.clear_light_id(); }},
+       {"u.u[3]", [](auto& q) { q.mutable_u()->set_u(3, 1.5F); }},
+       {"u.u[3]", [](auto& q) { q.mutable_u()->set_u(3, -0.5F); }},
+       {"u.u_light[0]", [](auto& q) { q.clear_light_id(), q.mutable_u()->add_u_light(1); }}});
+  v1::SampleLeRequest good = own_values();
+  good.mutable_u()->set_u(3, 1);
+  EXPECT_TRUE(service_.status(good).ok());
+  good.clear_light_id();
+  good.mutable_u()->add_u_light(0x1.fffffffffffffp-1);
+  EXPECT_TRUE(service_.status(good).ok());
+  good = own_values();
+  good.clear_u();
+  EXPECT_TRUE(service_.status(good).ok());  // seed 0
 
-  v1::PdfLeRequest p = one_ray();
-  p.add_directions(1);
-  expect_bad_field(pdf(p), "directions");
-  p = one_ray();
-  p.mutable_points()->add_offsets_m(1);
-  expect_bad_field(pdf(p), "points.offsets_m");
-  p = one_ray();
-  p.mutable_points()->mutable_origin_m()->set_y(kNan);
-  expect_bad_field(pdf(p), "points.origin_m.y");
-  EXPECT_TRUE(pdf(one_ray()).ok());
-}
-
-TEST_F(EmitErrors, ValuesOutOfRangeAreNamed) {
-  v1::SampleLeRequest s = own_values();
-  s.mutable_u()->set_u(3, 1.5F);
-  expect_bad_field(sample(s), "u.u[3]");
-  s.mutable_u()->set_u(3, -0.5F);
-  expect_bad_field(sample(s), "u.u[3]");
-  s.mutable_u()->set_u(3, 1);  // allowed
-  EXPECT_TRUE(sample(s).ok());
-  s.clear_light_id();
-  s.mutable_u()->add_u_light(1);
-  expect_bad_field(sample(s), "u.u_light[0]");
-  s.mutable_u()->set_u_light(0, 0x1.fffffffffffffp-1);
-  EXPECT_TRUE(sample(s).ok());
-  s = own_values();
-  s.set_time_s(kNan);
-  expect_bad_field(sample(s), "time_s");
-  v1::PdfLeRequest p = one_ray();
-  p.set_time_s(kInf);
-  expect_bad_field(pdf(p), "time_s");
+  expect_bad_fields<v1::PdfLeRequest>(
+      service_, one_ray(),
+      {{"directions", [](auto& q) { q.add_directions(1); }},
+       {"points.offsets_m", [](auto& q) { q.mutable_points()->add_offsets_m(1); }},
+       {"points.origin_m.y",
+        [](auto& q) { q.mutable_points()->mutable_origin_m()->set_y(kNan); }}});
+  EXPECT_TRUE(service_.status(one_ray()).ok());
 }
 
 TEST_F(EmitErrors, MoreItemsThanTheLimitAreResourceExhausted) {
@@ -129,14 +101,12 @@ TEST_F(EmitErrors, MoreItemsThanTheLimitAreResourceExhausted) {
 
 TEST_F(EmitErrors, EmptyRequestsHaveEmptyAnswers) {
   v1::SampleLeRequest s = rays(0);
-  v1::SampleLeResponse sr;
-  EXPECT_TRUE(EveryLightTest::sample(s, &sr).ok());
+  const auto sr = service_.answer(s);
   EXPECT_EQ(sr.value_size() + sr.light_ids_size() + sr.points().offsets_m_size(), 0);
   v1::PdfLeRequest p = one_ray();
   p.mutable_points()->clear_offsets_m();
   p.clear_directions();
-  v1::PdfLeResponse pr;
-  EXPECT_TRUE(EveryLightTest::pdf(p, &pr).ok());
+  const auto pr = service_.answer(p);
   EXPECT_EQ(pr.pdf_position_per_m2_size() + pr.pdf_direction_per_sr_size(), 0);
 }
 
@@ -145,8 +115,7 @@ TEST_F(EmitErrors, RaysThatAreNotFiniteFailAlone) {
   set(s.mutable_u()->mutable_u(), 0.5, 0.5, 0.5, 0.5, 0.5, kNan, 0.5, 0.5,  //
       0.5, 0.5, 0.5, kInf, 0.5, 0.5, 0.5, 0.5);
   for (const double u : {0.5, 0.5, 0.5, double{kNan}}) s.mutable_u()->add_u_light(u);
-  v1::SampleLeResponse sr;
-  ASSERT_TRUE(EveryLightTest::sample(s, &sr).ok());
+  const auto sr = service_.answer(s);
   ASSERT_EQ(sr.status_size(), 4);
   EXPECT_EQ(sr.status(0), v1::ITEM_STATUS_OK);
   for (int i = 1; i < 4; ++i) {
@@ -161,8 +130,7 @@ TEST_F(EmitErrors, RaysThatAreNotFiniteFailAlone) {
   v1::PdfLeRequest p = one_ray();
   set(p.mutable_points()->mutable_offsets_m(), 0, 0, 0, kNan, 0, 0, 0, 0, 0, 0, 0, 0, 0, kInf, 0);
   set(p.mutable_directions(), 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, kNan, 0, 0, 0, 1);
-  v1::PdfLeResponse pr;
-  ASSERT_TRUE(EveryLightTest::pdf(p, &pr).ok());
+  const auto pr = service_.answer(p);
   ASSERT_EQ(pr.status_size(), 5);
   EXPECT_EQ(pr.status(0), v1::ITEM_STATUS_OK);
   EXPECT_NEAR(pr.pdf_direction_per_sr(0), 1 / (4 * std::numbers::pi), 1e-7);
@@ -176,8 +144,7 @@ TEST_F(EmitErrors, DirectionsOfExtremeLengthsAreDirections) {
   v1::PdfLeRequest p = one_ray();
   set(p.mutable_points()->mutable_offsets_m(), 0, 0, 0, 0, 0, 0, 0, 0, 0);
   set(p.mutable_directions(), 0, 0, 2e-38, 0, 2e38, -2e38, 0, 1e-45, 0);
-  v1::PdfLeResponse r;
-  ASSERT_TRUE(EveryLightTest::pdf(p, &r).ok());
+  const auto r = service_.answer(p);
   EXPECT_NEAR(r.pdf_direction_per_sr(0), 1 / (4 * std::numbers::pi), 1e-7);
   EXPECT_NEAR(r.pdf_direction_per_sr(1), 1 / (4 * std::numbers::pi), 1e-7);
   // Servers treat denormal numbers as 0.

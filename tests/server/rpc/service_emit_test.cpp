@@ -41,16 +41,9 @@ void expect_mean(const v1::SampleLeResponse& r, double lumens, const std::string
   EXPECT_LT(error, 0.02 * lumens) << what;
 }
 
-template <typename Response>
-std::string without_cost(Response r) {
-  r.clear_cost();
-  return r.SerializeAsString();
-}
-
 TEST_F(EveryLightTest, SeedsAreAsAccurateAsOwnSampleValues) {
   for (const v1::Light& light : lights_.lights()) {
-    v1::SampleLeResponse r;
-    ASSERT_TRUE(sample(rays_of(light, 16384, 7), &r).ok());
+    const auto r = service_.answer(rays_of(light, 16384, 7));
     // Owen scrambling has at most sqrt(e) times the error of random numbers.
     expect_mean(r, light.power_lm(), light.ShortDebugString());
   }
@@ -58,8 +51,7 @@ TEST_F(EveryLightTest, SeedsAreAsAccurateAsOwnSampleValues) {
 
 TEST_F(EveryLightTest, ChosenLightsAddUpToTheScene) {
   constexpr int kRays = 65536;
-  v1::SampleLeResponse r;
-  ASSERT_TRUE(sample(rays(kRays, 3), &r).ok());
+  const auto r = service_.answer(rays(kRays, 3));
   ASSERT_EQ(r.light_ids_size(), kRays);
   std::map<std::uint64_t, double> probability, count;
   for (int i = 0; i < kRays; ++i) {
@@ -93,8 +85,7 @@ TEST_F(EveryLightTest, OwnValuesThatChooseLightsCutTheUnitInterval) {
     for (int k = 0; k < 4; ++k) q.mutable_u()->add_u(0.5F);
     q.mutable_u()->add_u_light((i + 0.5) / kRays);
   }
-  v1::SampleLeResponse r;
-  ASSERT_TRUE(sample(q, &r).ok());
+  const auto r = service_.answer(q);
   std::map<std::uint64_t, double> probability, share;
   for (int i = 0; i < kRays; ++i) {
     share[r.light_ids(i)] += 1.0 / kRays;
@@ -106,11 +97,10 @@ TEST_F(EveryLightTest, OwnValuesThatChooseLightsCutTheUnitInterval) {
 
 TEST_F(EveryLightTest, RangesOfASeedJoin) {
   v1::SampleLeRequest q = rays(6000, 3);
-  v1::SampleLeResponse whole, part;
-  ASSERT_TRUE(sample(q, &whole).ok());
+  auto whole = service_.answer(q);
   q.set_count(2000);
   q.mutable_seed()->set_first_item(4000);
-  ASSERT_TRUE(sample(q, &part).ok());
+  auto part = service_.answer(q);
   const auto end_of = [](const auto& of, const auto& all) {
     return std::equal(of.begin(), of.end(), all.end() - of.size());
   };
@@ -122,35 +112,33 @@ TEST_F(EveryLightTest, RangesOfASeedJoin) {
   // Where the index of a 32-bit sequence ends, the next sequence begins.
   q.set_count(4);
   q.mutable_seed()->set_first_item((std::uint64_t{1} << 32) - 2);
-  ASSERT_TRUE(sample(q, &whole).ok());
+  whole = service_.answer(q);
   q.set_count(2);
   q.mutable_seed()->set_first_item(std::uint64_t{1} << 32);
-  ASSERT_TRUE(sample(q, &part).ok());
+  part = service_.answer(q);
   EXPECT_TRUE(end_of(part.directions(), whole.directions()));
   q.mutable_seed()->set_first_item(0);
-  ASSERT_TRUE(sample(q, &part).ok());
+  part = service_.answer(q);
   EXPECT_FALSE(end_of(part.directions(), whole.directions()));
 }
 
 TEST_F(EveryLightTest, RaysDependOnSeedAndNotOnThreads) {
   v1::SampleLeRequest q = rays(3000, 3);
-  v1::SampleLeResponse two_threads, one_thread, other_seed;
-  ASSERT_TRUE(sample(q, &two_threads).ok());
+  const auto two_threads = service_.answer(q);
   rpc::ServerOptions options = all_data();
   options.lanes.threads = 1;
   Service alone(options);
   alone.load("lights/every_light.pbrt");
-  ASSERT_TRUE(status_of([&](auto* c) { return alone.lighting.SampleLe(c, q, &one_thread); }).ok());
+  const auto one_thread = alone.answer(q);
   EXPECT_TRUE(without_cost(two_threads) == without_cost(one_thread));
   q.mutable_seed()->set_seed(4);
-  ASSERT_TRUE(sample(q, &other_seed).ok());
+  const auto other_seed = service_.answer(q);
   EXPECT_FALSE(without_cost(two_threads) == without_cost(other_seed));
 }
 
 TEST_F(EveryLightTest, CertainPositionsAndDirectionsHaveNoDensity) {
   for (const v1::Light& light : lights_.lights()) {
-    v1::SampleLeResponse r;
-    ASSERT_TRUE(sample(rays_of(light, 64), &r).ok());
+    const auto r = service_.answer(rays_of(light, 64));
     const bool point =
         light.has_point() || light.has_spot() || light.has_goniometric() || light.has_projection();
     const bool one_direction = light.has_distant() || light.has_beam();
@@ -166,16 +154,14 @@ TEST_F(EveryLightTest, CertainPositionsAndDirectionsHaveNoDensity) {
 
 TEST_F(EveryLightTest, PdfLeReportsTheDensitiesOfSampledRays) {
   for (const v1::Light& light : lights_.lights()) {
-    v1::SampleLeResponse r;
-    ASSERT_TRUE(sample(rays_of(light, 512, 5), &r).ok());
+    const auto r = service_.answer(rays_of(light, 512, 5));
     v1::PdfLeRequest q = density_of(light);
     *q.mutable_points() = r.points();
     *q.mutable_directions() = r.directions();
     // A direction of any length.
     for (int i = 0; i < 3 * 512; ++i)
       q.set_directions(i, q.directions(i) * (0.25F + 0.01F * (i / 3)));
-    v1::PdfLeResponse d;
-    ASSERT_TRUE(pdf(q, &d).ok());
+    auto d = service_.answer(q);
     EXPECT_EQ(d.status_size(), 0);
     const auto expect_same = [&](float reported, float sampled) {
       EXPECT_NEAR(reported, sampled, 2e-4F * sampled) << light.ShortDebugString();
@@ -191,14 +177,13 @@ TEST_F(EveryLightTest, PdfLeReportsTheDensitiesOfSampledRays) {
       one.mutable_points()->add_offsets_m(q.points().offsets_m(c));
       one.add_directions(q.directions(c));
     }
-    v1::PdfLeResponse alone;
-    ASSERT_TRUE(pdf(one, &alone).ok());
+    const auto alone = service_.answer(one);
     ASSERT_EQ(alone.pdf_direction_per_sr_size(), 1);
     EXPECT_EQ(alone.pdf_position_per_m2(0), d.pdf_position_per_m2(100));
     EXPECT_EQ(alone.pdf_direction_per_sr(0), d.pdf_direction_per_sr(100));
     // No ray of the light starts elsewhere.
     q.mutable_points()->mutable_origin_m()->set_z(q.points().origin_m().z() + 1000);
-    ASSERT_TRUE(pdf(q, &d).ok());
+    d = service_.answer(q);
     for (int i = 0; i < 512; ++i) {
       EXPECT_EQ(d.pdf_position_per_m2(i), 0) << light.ShortDebugString();
       EXPECT_EQ(d.pdf_direction_per_sr(i), 0) << light.ShortDebugString();

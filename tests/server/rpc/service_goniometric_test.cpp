@@ -24,14 +24,8 @@ TEST(GoniometricService, ListLightsReportsTheDistribution) {
               "LightSource \"goniometric\" \"string filename\" \"lamps/down.ies\" "
               "\"float scale\" 0.5\n"
               "LightSource \"goniometric\" \"rgb I\" [7 7 7]\n");
-  rpc::ServerOptions options = service_options();
-  options.scenes.root = files.path().string();
-  Service service(options);
-  v1::ListLightsRequest request;
-  request.set_scene_id(service.load("scene.pbrt"));
-  v1::ListLightsResponse response;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service.scenes.ListLights(c, request, &response); }).ok());
+  Service service(scenes_in(files.path()));
+  const auto response = service.answer(about<v1::ListLightsRequest>(service.load("scene.pbrt")));
   ASSERT_EQ(response.lights_size(), 4);
   for (const v1::Light& light : response.lights()) {
     EXPECT_EQ(light.kind_case(), v1::Light::kGoniometric);

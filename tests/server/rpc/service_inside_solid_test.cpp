@@ -18,19 +18,13 @@ class InsideSolidService : public ::testing::Test {
  protected:
   v1::EstimateIrradianceResponse estimate(v1::EstimateIrradianceRequest request) {
     files_.write("cube.pbrt", kCube);
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = files_.path().string();
-    Service service(options);
+    Service service(scenes_in(files_.path()));
     request.set_scene_id(service.load("cube.pbrt"));
     // In the cube, above it, beside it facing down, not finite.
     set(request.mutable_receivers()->mutable_offsets_m(), 0, 0, 0.5, 0, 0, 1.5, 2, 0, 0.5, NAN, 0,
         0);
     set(request.mutable_normals(), 0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 1);
-    v1::EstimateIrradianceResponse response;
-    const grpc::Status s = status_of(
-        [&](auto* c) { return service.lighting.EstimateIrradiance(c, request, &response); });
-    EXPECT_TRUE(s.ok()) << s.error_message();
-    return response;
+    return service.answer(request);
   }
 
   SceneFiles files_;

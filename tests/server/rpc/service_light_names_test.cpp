@@ -1,7 +1,7 @@
 // Lights by their names: ListLights shows them, and every request that takes an id takes a name.
 #include <gmock/gmock.h>
 
-#include "service_fixture.h"
+#include "every_query.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna::testing {
@@ -27,45 +27,11 @@ class LightNamesService : public ::testing::Test {
 
   static rpc::ServerOptions options(const SceneFiles& files) {
     files.write("scene.pbrt", kScene);
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = files.path().string();
-    return options;
+    return scenes_in(files.path());
   }
 
-  /// The answers to two requests, without their costs, which differ from call to call.
-  template <typename Response, typename Request, typename Call>
-  void expect_equal(const Request& by_name, const Request& by_id, const Call& call) {
-    Response of_name, of_id;
-    const grpc::Status s =
-        status_of([&](auto* c) { return (service_.lighting.*call)(c, by_name, &of_name); });
-    ASSERT_TRUE(s.ok()) << s.error_message();
-    const grpc::Status t =
-        status_of([&](auto* c) { return (service_.lighting.*call)(c, by_id, &of_id); });
-    ASSERT_TRUE(t.ok()) << t.error_message();
-    of_name.clear_cost();
-    of_id.clear_cost();
-    EXPECT_EQ(of_name.DebugString(), of_id.DebugString());
-    EXPECT_GT(of_name.ByteSizeLong(), 0U);
-  }
-
-  /// Both forms of a request: with a name, and with the id of the same light.
-  template <typename Request>
-  std::pair<Request, Request> requests(const Request& base) const {
-    std::pair<Request, Request> both{base, base};
-    both.first.set_scene_id(id_);
-    both.second.set_scene_id(id_);
-    both.first.set_light_name("desk");
-    both.second.set_light_id(2);
-    return both;
-  }
-
-  grpc::Status pdf(const v1::PdfLiRequest& request) {
-    v1::PdfLiResponse response;
-    return status_of([&](auto* c) { return service_.lighting.PdfLi(c, request, &response); });
-  }
   v1::PdfLiRequest named(const std::string& name) const {
-    v1::PdfLiRequest request;
-    request.set_scene_id(id_);
+    auto request = about<v1::PdfLiRequest>(id_);
     request.set_light_name(name);
     return request;
   }
@@ -75,14 +41,8 @@ class LightNamesService : public ::testing::Test {
   std::string id_;
 };
 
-using Stub = v1::LightingService::Stub;
-
 TEST_F(LightNamesService, ListLightsShowsThem) {
-  v1::ListLightsRequest request;
-  request.set_scene_id(id_);
-  v1::ListLightsResponse response;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.scenes.ListLights(c, request, &response); }).ok());
+  const auto response = service_.answer(about<v1::ListLightsRequest>(id_));
   std::vector<std::string> names;
   for (const v1::Light& light : response.lights()) names.push_back(light.name());
   EXPECT_THAT(names, ElementsAre("", "desk", "twin", "twin",
@@ -91,47 +51,26 @@ TEST_F(LightNamesService, ListLightsShowsThem) {
 }
 
 TEST_F(LightNamesService, EveryQueryAnswersForANameAsForTheId) {
-  v1::SampleLiRequest sample;
-  set(sample.mutable_receivers()->mutable_offsets_m(), 0, 0, 0, 1, 0, 0);
-  sample.mutable_u()->mutable_u()->Add(0.25F);
-  sample.mutable_u()->mutable_u()->Add(0.5F);
-  sample.mutable_u()->mutable_u()->Add(0.25F);
-  sample.mutable_u()->mutable_u()->Add(0.5F);
-  const auto [li, li_id] = requests(sample);
-  expect_equal<v1::SampleLiResponse>(
-      li, li_id,
-      static_cast<grpc::Status (Stub::*)(grpc::ClientContext*, const v1::SampleLiRequest&,
-                                         v1::SampleLiResponse*)>(&Stub::SampleLi));
-  v1::PdfLiRequest pdf;
-  set(pdf.mutable_receivers()->mutable_offsets_m(), 0, 0, 0);
-  set(pdf.mutable_wi(), 0, 0, 1);
-  const auto [density, density_id] = requests(pdf);
-  expect_equal<v1::PdfLiResponse>(density, density_id, &Stub::PdfLi);
-  v1::SampleLeRequest emit;
-  emit.set_count(3);
-  const auto [le, le_id] = requests(emit);
-  expect_equal<v1::SampleLeResponse>(le, le_id, &Stub::SampleLe);
-  v1::PdfLeRequest emitted;
-  set(emitted.mutable_points()->mutable_offsets_m(), 0, 0, 2);
-  set(emitted.mutable_directions(), 0, 0, 1);
-  const auto [ray, ray_id] = requests(emitted);
-  expect_equal<v1::PdfLeResponse>(ray, ray_id, &Stub::PdfLe);
-  v1::LeRequest seen;
-  set(seen.mutable_points()->mutable_offsets_m(), 0, 0, 0);
-  set(seen.mutable_directions(), 0, 0, 1);
-  const auto [look, look_id] = requests(seen);
-  expect_equal<v1::LeResponse>(look, look_id, &Stub::Le);
+  int queries = 0;
+  for_each_query(id_, 3, [&](auto by_name) {
+    if constexpr (requires { by_name.set_light_name("desk"); }) {
+      ++queries;
+      auto by_id = by_name;
+      by_name.clear_light_id();
+      by_name.set_light_name("desk");
+      by_id.set_light_id(2);
+      EXPECT_EQ(without_cost(service_.answer(by_name)), without_cost(service_.answer(by_id)))
+          << by_id.GetTypeName();
+    }
+  });
+  EXPECT_EQ(queries, 5);
 }
 
 TEST_F(LightNamesService, PowerTakesIdsAndNames) {
-  v1::EstimatePowerRequest request;
-  request.set_scene_id(id_);
+  auto request = about<v1::EstimatePowerRequest>(id_);
   request.add_light_names("desk");
   request.add_light_ids(1);
-  v1::EstimatePowerResponse response;
-  const grpc::Status s =
-      status_of([&](auto* c) { return service_.lighting.EstimatePower(c, request, &response); });
-  ASSERT_TRUE(s.ok()) << s.error_message();
+  auto response = service_.answer(request);
   ASSERT_EQ(response.lights_size(), 2);
   EXPECT_EQ(response.lights(0).light_id(), 1U);
   EXPECT_EQ(response.lights(1).light_id(), 2U);
@@ -139,14 +78,12 @@ TEST_F(LightNamesService, PowerTakesIdsAndNames) {
   EXPECT_NEAR(response.total().power_lm(), 12 * kPi, 1e-9);
 
   request.add_light_names("dsk");
-  const grpc::Status t =
-      status_of([&](auto* c) { return service_.lighting.EstimatePower(c, request, &response); });
-  EXPECT_EQ(t.error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_THAT(t.error_message(), HasSubstr("light_names[1] = \"dsk\", which the scene does not"));
+  expect_error(service_.call(request, &response), grpc::StatusCode::NOT_FOUND,
+               "light_names[1] = \"dsk\", which the scene does not");
 }
 
 TEST_F(LightNamesService, AnUnknownNameIsNotFoundAndTheSimilarOnesAreListed) {
-  const grpc::Status status = pdf(named("Desk"));
+  const grpc::Status status = service_.status(named("Desk"));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_EQ(status.error_message(),
             "light_name = \"Desk\", which the scene does not have; similar names: \"desk\", "
@@ -156,7 +93,7 @@ TEST_F(LightNamesService, AnUnknownNameIsNotFoundAndTheSimilarOnesAreListed) {
 }
 
 TEST_F(LightNamesService, ANameOfSeveralLightsIsRefusedWithTheirIds) {
-  const grpc::Status status = pdf(named("twin"));
+  const grpc::Status status = service_.status(named("twin"));
   expect_bad_field(status, "light_name");
   EXPECT_THAT(status.error_message(),
               HasSubstr("the name of one light; 2 lights have this name: use an id, 3, 4"));
@@ -165,41 +102,33 @@ TEST_F(LightNamesService, ANameOfSeveralLightsIsRefusedWithTheirIds) {
 TEST_F(LightNamesService, AnIdBesideANameIsRefused) {
   v1::PdfLiRequest request = named("desk");
   request.set_light_id(2);
-  expect_bad_field(pdf(request), "light_name");
-  v1::LeRequest le;
-  le.set_scene_id(id_);
+  expect_bad_field(service_.status(request), "light_name");
+  auto le = about<v1::LeRequest>(id_);
   le.set_light_name("desk");
   le.set_light_id(0);
-  v1::LeResponse response;
-  expect_bad_field(status_of([&](auto* c) { return service_.lighting.Le(c, le, &response); }),
-                   "light_name");
+  expect_bad_field(service_.status(le), "light_name");
 }
 
 TEST_F(LightNamesService, ARequiredLightMustBeNamed) {
-  expect_bad_field(pdf(named("")), "light_id");
+  expect_bad_field(service_.status(named("")), "light_id");
 }
 
 TEST_F(LightNamesService, ANamedLightNeedsNoValueThatChoosesIt) {
-  v1::SampleLiRequest request;
-  request.set_scene_id(id_);
+  auto request = about<v1::SampleLiRequest>(id_);
   request.set_light_name("desk");
   set(request.mutable_receivers()->mutable_offsets_m(), 0, 0, 0);
   request.mutable_u()->mutable_u()->Add(0);
   request.mutable_u()->mutable_u()->Add(0);
   request.mutable_u()->add_u_light(0.5);
-  v1::SampleLiResponse response;
-  expect_bad_field(
-      status_of([&](auto* c) { return service_.lighting.SampleLi(c, request, &response); }),
-      "u.u_light");
+  expect_bad_field(service_.status(request), "u.u_light");
 }
 
 TEST_F(LightNamesService, ASceneWithoutNamesSaysSo) {
   files_.write("plain.pbrt", "WorldBegin LightSource \"point\"\n");
   v1::PdfLiRequest request = named("desk");
   request.set_scene_id(service_.load("plain.pbrt"));
-  const grpc::Status status = pdf(request);
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_THAT(status.error_message(), HasSubstr("none of its lights has a name"));
+  expect_error(service_.status(request), grpc::StatusCode::NOT_FOUND,
+               "none of its lights has a name");
 }
 
 }  // namespace

@@ -19,15 +19,8 @@ std::vector<v1::Light> lights_of(const std::string& text) {
   files.write("slide.pfm", picture);
   files.write("lamp.ies",
               "IESNA:LM-63-1995\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n");
-  rpc::ServerOptions options = service_options();
-  options.scenes.root = files.path().string();
-  Service service(options);
-  v1::ListLightsRequest request;
-  request.set_scene_id(service.load("scene.pbrt"));
-  v1::ListLightsResponse response;
-  const grpc::Status status =
-      status_of([&](auto* c) { return service.scenes.ListLights(c, request, &response); });
-  EXPECT_TRUE(status.ok()) << status.error_message();
+  Service service(scenes_in(files.path()));
+  const auto response = service.answer(about<v1::ListLightsRequest>(service.load("scene.pbrt")));
   return {response.lights().begin(), response.lights().end()};
 }
 

@@ -12,11 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-rpc::ServerOptions luminaires() {
-  rpc::ServerOptions options = service_options();
-  options.scenes.root = test_data("luminaires");
-  return options;
-}
+rpc::ServerOptions luminaires() { return scenes_in(test_data("luminaires")); }
 
 class LuminaireService : public ::testing::Test {
  protected:
@@ -24,10 +20,7 @@ class LuminaireService : public ::testing::Test {
   std::vector<std::string> load(const std::string& path) {
     v1::LoadSceneRequest request;
     request.set_path(path);
-    v1::LoadSceneResponse response;
-    const auto status =
-        status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, &response); });
-    EXPECT_TRUE(status.ok()) << status.error_message();
+    const auto response = service_.answer(request);
     scene_ = response.scene_id();
     std::vector<std::string> remarks;
     for (const v1::Remark& remark : response.remarks())
@@ -35,28 +28,18 @@ class LuminaireService : public ::testing::Test {
     return remarks;
   }
   v1::EstimatePowerResponse power() {
-    v1::EstimatePowerRequest request;
-    request.set_scene_id(scene_);
-    v1::EstimatePowerResponse response;
-    EXPECT_TRUE(status_of([&](auto* c) {
-                  return service_.lighting.EstimatePower(c, request, &response);
-                }).ok());
-    return response;
+    return service_.answer(about<v1::EstimatePowerRequest>(scene_));
   }
   double lumens(const std::string& path) {
     load(path);
     return power().total().power_lm();
   }
   double lux(const Vec3& point, const Vec3& normal) {
-    v1::EstimateIrradianceRequest request;
-    request.set_scene_id(scene_);
+    auto request = about<v1::EstimateIrradianceRequest>(scene_);
     set(request.mutable_receivers()->mutable_offsets_m(), point.x, point.y, point.z);
     set(request.mutable_normals(), normal.x, normal.y, normal.z);
     request.set_bounces(0);
-    v1::EstimateIrradianceResponse response;
-    EXPECT_TRUE(status_of([&](auto* c) {
-                  return service_.lighting.EstimateIrradiance(c, request, &response);
-                }).ok());
+    const auto response = service_.answer(request);
     return response.illuminance_lx_size() == 1 ? response.illuminance_lx(0) : -1;
   }
 
@@ -95,11 +78,7 @@ TEST_F(LuminaireService, RadiantIntensitiesAreNotCalledLumens) {
   EXPECT_EQ(answer.lights(1).power_unit(), "");
   EXPECT_NEAR(answer.lights(1).power_lm(), 100, 1e-9);
   EXPECT_EQ(answer.total().power_unit(), "mixed");
-  v1::ListLightsRequest request;
-  request.set_scene_id(scene_);
-  v1::ListLightsResponse lights;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.scenes.ListLights(c, request, &lights); }).ok());
+  const auto lights = service_.answer(about<v1::ListLightsRequest>(scene_));
   EXPECT_EQ(lights.lights(0).power_unit(), "mW");
   EXPECT_EQ(lights.lights(1).power_unit(), "");
   for (const v1::Light& light : lights.lights())

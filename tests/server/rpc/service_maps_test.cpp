@@ -21,15 +21,8 @@ v1::Light light_of(const std::string& parameters) {
   files.write("wide.pfm", sky_pfm(8, 2));
   files.write("scene.pbrt", "WorldBegin LightSource \"infinite\" " + parameters +
                                 " Shape \"sphere\" \"float radius\" 1");
-  rpc::ServerOptions options = service_options();
-  options.scenes.root = files.path().string();
-  Service service(options);
-  v1::ListLightsRequest request;
-  request.set_scene_id(service.load("scene.pbrt"));
-  v1::ListLightsResponse response;
-  const grpc::Status s =
-      status_of([&](auto* c) { return service.scenes.ListLights(c, request, &response); });
-  EXPECT_TRUE(s.ok()) << s.error_message();
+  Service service(scenes_in(files.path()));
+  const auto response = service.answer(about<v1::ListLightsRequest>(service.load("scene.pbrt")));
   EXPECT_EQ(response.lights_size(), 1);
   return response.lights_size() == 1 ? response.lights(0) : v1::Light();
 }

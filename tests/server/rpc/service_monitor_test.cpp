@@ -43,8 +43,7 @@ class Monitored : public ::testing::Test {
 };
 
 v1::SampleLiRequest li(const std::string& scene, int items) {
-  v1::SampleLiRequest q;
-  q.set_scene_id(scene);
+  auto q = about<v1::SampleLiRequest>(scene);
   q.mutable_receivers()->mutable_offsets_m()->Resize(3 * items, 0.5F);
   q.mutable_seed();
   return q;
@@ -112,8 +111,7 @@ TEST_F(Monitored, ACallWithoutAUsableIdGetsOne) {
 // A scene id of a request may be any text.
 TEST_F(Monitored, RecordsHoldNoTextOfTheRequest) {
   Service service(options());
-  v1::GetSceneRequest q;
-  q.set_scene_id("my secret");
+  auto q = about<v1::GetSceneRequest>("my secret");
   v1::GetSceneResponse r;
   grpc::ClientContext context;
   EXPECT_EQ(service.scenes.GetScene(&context, q, &r).error_code(), grpc::StatusCode::NOT_FOUND);
@@ -123,8 +121,7 @@ TEST_F(Monitored, RecordsHoldNoTextOfTheRequest) {
 
 TEST_F(Monitored, StreamsAreRecordedOnce) {
   Service service(options());
-  v1::RenderImageRequest q;
-  q.set_scene_id(service.load("point.pbrt"));
+  auto q = about<v1::RenderImageRequest>(service.load("point.pbrt"));
   q.mutable_accuracy()->set_samples(2);
   q.set_final_only(true);
   grpc::ClientContext context;
@@ -139,8 +136,7 @@ TEST_F(Monitored, StreamsAreRecordedOnce) {
   EXPECT_EQ(record.samples, 2 * record.items);
   EXPECT_EQ(trailer(context, "x-request-id"), record.request_id);
 
-  v1::GetStatsResponse stats;
-  ASSERT_TRUE(status_of([&](auto* c) { return service.admin.GetStats(c, {}, &stats); }).ok());
+  const auto stats = service.answer(v1::GetStatsRequest());
   for (const v1::CallStats& call : stats.calls()) {
     const bool self = call.method() == "lucerna.v1.AdminService/GetStats";  // it still runs
     EXPECT_EQ(call.succeeded(), self ? 0U : 1U) << call.method();
@@ -152,8 +148,7 @@ TEST_F(Monitored, StatisticsDescribeTheServer) {
   Service service(options());
   service.load("point.pbrt");
   service.load("point.pbrt");
-  v1::GetStatsResponse stats;
-  ASSERT_TRUE(status_of([&](auto* c) { return service.admin.GetStats(c, {}, &stats); }).ok());
+  const auto stats = service.answer(v1::GetStatsRequest());
   EXPECT_EQ(stats.scenes(), 1U);
   EXPECT_EQ(stats.scenes_built(), 1U);
   EXPECT_EQ(stats.already_loaded(), 1U);
@@ -175,19 +170,18 @@ TEST_F(Monitored, StatisticsDescribeTheServer) {
 TEST_F(Monitored, MalformedMessagesAreInvalidAndHaveAReason) {
   Service service(options());
   grpc::ClientContext bytes_context, text_context;
-  const grpc::Status bytes = send_bytes(service, bytes_context, "/lucerna.v1.SceneService/GetScene",
-                                        "\x0a\x05"
-                                        "abc");
-  EXPECT_EQ(bytes.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(bytes.error_message(), HasSubstr("5 bytes that are not a message of the type "
-                                               "lucerna.v1.GetSceneRequest"));
-  EXPECT_EQ(detail<google::rpc::ErrorInfo>(bytes).reason(), "MALFORMED_MESSAGE");
+  expect_error(send_bytes(service, bytes_context, "/lucerna.v1.SceneService/GetScene",
+                          "\x0a\x05"
+                          "abc"),
+               grpc::StatusCode::INVALID_ARGUMENT,
+               "5 bytes that are not a message of the type "
+               "lucerna.v1.GetSceneRequest",
+               "MALFORMED_MESSAGE");
   EXPECT_EQ(last().code, grpc::StatusCode::INVALID_ARGUMENT);
   // The parser names the field of a text that is not UTF-8.
-  const grpc::Status text =
-      send_bytes(service, text_context, "/lucerna.v1.SceneService/GetScene", "\x0a\x02\xff\xfe");
-  EXPECT_EQ(text.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(text.error_message(), HasSubstr("lucerna.v1.GetSceneRequest.scene_id"));
+  expect_error(
+      send_bytes(service, text_context, "/lucerna.v1.SceneService/GetScene", "\x0a\x02\xff\xfe"),
+      grpc::StatusCode::INVALID_ARGUMENT, "lucerna.v1.GetSceneRequest.scene_id");
 }
 
 TEST_F(Monitored, OtherCallsAreRecorded) {
@@ -224,9 +218,8 @@ TEST_F(Monitored, AMalformedPartOfAnUploadIsInvalid) {
   for (const char* method :
        {"/lucerna.v1.SceneService/UploadAsset", "/lucerna.v1.RenderService/RenderImage"}) {
     grpc::ClientContext context;
-    const grpc::Status s = send_bytes(service, context, method, "\xff\xff\xff");
-    EXPECT_EQ(s.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << s.error_message();
-    EXPECT_EQ(detail<google::rpc::ErrorInfo>(s).reason(), "MALFORMED_MESSAGE");
+    expect_error(send_bytes(service, context, method, "\xff\xff\xff"),
+                 grpc::StatusCode::INVALID_ARGUMENT, "", "MALFORMED_MESSAGE");
   }
 }
 
@@ -243,15 +236,12 @@ TEST_F(Monitored, ACallWithoutADeadlineEndsAtTheServersLimit) {
   const grpc::Status load_status = service.scenes.LoadScene(&of_load, load, &loaded);
   ASSERT_TRUE(load_status.ok()) << load_status.error_message();
   const std::string& scene = loaded.scene_id();
-  v1::RenderTileRequest tile;
-  tile.set_scene_id(scene);
+  auto tile = about<v1::RenderTileRequest>(scene);
   tile.mutable_accuracy()->set_samples(1 << 20);  // takes hours
   v1::RenderTileResponse r;
-  const grpc::Status s = status_of([&](auto* c) { return service.render.RenderTile(c, tile, &r); });
-  EXPECT_EQ(s.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
-  EXPECT_THAT(s.error_message(), HasSubstr("the call computed for 1e-06 s"));
-  v1::RenderImageRequest image;
-  image.set_scene_id(scene);
+  expect_error(service.call(tile, &r), grpc::StatusCode::DEADLINE_EXCEEDED,
+               "the call computed for 1e-06 s");
+  auto image = about<v1::RenderImageRequest>(scene);
   image.mutable_accuracy()->set_samples(1 << 20);
   grpc::ClientContext context;
   const auto reader = service.render.RenderImage(&context, image);
@@ -295,22 +285,18 @@ TEST(TimeModel, ExpectsTheMeanOfTheLastCalls) {
 
 TEST_F(Monitored, WorkThatCannotMeetItsDeadlineIsNotStarted) {
   Service service(options());
-  v1::RenderTileRequest tile;
-  tile.set_scene_id(service.load("rectangle.pbrt"));
+  auto tile = about<v1::RenderTileRequest>(service.load("rectangle.pbrt"));
   tile.mutable_accuracy()->set_samples(256);
-  tile.mutable_rect()->set_x1(16);
-  tile.mutable_rect()->set_y1(16);
-  v1::RenderTileResponse r;
-  for (int i = 0; i < 8; ++i)
-    ASSERT_TRUE(status_of([&](auto* c) { return service.render.RenderTile(c, tile, &r); }).ok());
+  set_rect(&tile, 16, 16);
+  for (int i = 0; i < 8; ++i) EXPECT_TRUE(service.status(tile).ok());
   // These tiles take longer than a millisecond, and the next takes 300000 times as long.
   tile.clear_rect();
   tile.mutable_accuracy()->set_samples(1 << 20);
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(2));
-  const grpc::Status s = service.render.RenderTile(&context, tile, &r);
-  EXPECT_EQ(s.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
-  EXPECT_THAT(s.error_message(), HasSubstr("the work was not started: it takes about"));
+  v1::RenderTileResponse r;
+  expect_error(service.call(&context, tile, &r), grpc::StatusCode::DEADLINE_EXCEEDED,
+               "the work was not started: it takes about");
   EXPECT_EQ(last().compute_s, 0);
 }
 
@@ -319,8 +305,7 @@ TEST_F(Monitored, WorkThatCannotMeetItsDeadlineIsNotStarted) {
 TEST_F(Monitored, StreamsThatNobodyReadsDoNotDelayATile) {
   Service service(options());
   const std::string scene = service.load("rectangle.pbrt");
-  v1::RenderImageRequest image;
-  image.set_scene_id(scene);
+  auto image = about<v1::RenderImageRequest>(scene);
   image.mutable_accuracy()->set_samples(1 << 20);
   std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
   std::vector<std::unique_ptr<grpc::ClientReader<v1::RenderImageResponse>>> streams;
@@ -329,16 +314,12 @@ TEST_F(Monitored, StreamsThatNobodyReadsDoNotDelayATile) {
     streams.push_back(service.render.RenderImage(contexts.back().get(), image));
   }
   while (service.server->lanes().pending(Lane::kBulk) < 30) std::this_thread::yield();
-  v1::RenderTileRequest tile;
-  tile.set_scene_id(scene);
-  tile.mutable_rect()->set_x1(8);
-  tile.mutable_rect()->set_y1(8);
+  auto tile = about<v1::RenderTileRequest>(scene);
+  set_rect(&tile, 8, 8);
   tile.mutable_accuracy()->set_samples(1);
-  v1::RenderTileResponse r;
-  EXPECT_TRUE(status_of([&](auto* c) { return service.render.RenderTile(c, tile, &r); }).ok());
+  EXPECT_TRUE(service.status(tile).ok());
   // 30 streams had a step before the tile if they were first come, first served.
-  v1::GetStatsResponse stats;
-  ASSERT_TRUE(status_of([&](auto* c) { return service.admin.GetStats(c, {}, &stats); }).ok());
+  const auto stats = service.answer(v1::GetStatsRequest());
   EXPECT_GE(stats.lanes(1).waiting(), 20U);
   for (const auto& context : contexts) context->TryCancel();
   for (const auto& stream : streams) stream->Finish();

@@ -1,6 +1,5 @@
 // The moving camera and the requested shutter, in calls.
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "service_fixture.h"
@@ -12,37 +11,11 @@ class MovingCameraServiceTest : public ::testing::Test {
  protected:
   MovingCameraServiceTest() {
     tile_.set_scene_id(scene_);
-    tile_.mutable_rect()->set_x1(4);
-    tile_.mutable_rect()->set_y1(2);
+    set_rect(&tile_, 4, 2);
     tile_.mutable_accuracy()->set_samples(1024);
     image_.set_scene_id(scene_);
     image_.set_final_only(true);
     image_.mutable_accuracy()->set_samples(1024);
-  }
-  grpc::Status render(v1::Tile* tile) {
-    v1::RenderTileResponse r;
-    const grpc::Status s =
-        status_of([&](auto* c) { return service_.render.RenderTile(c, tile_, &r); });
-    *tile = r.tile();
-    return s;
-  }
-  grpc::Status render_image(v1::Tile* tile) {
-    grpc::ClientContext context;
-    const auto reader = service_.render.RenderImage(&context, image_);
-    v1::RenderImageResponse r;
-    if (reader->Read(&r)) *tile = r.tile();
-    while (reader->Read(&r)) continue;
-    return reader->Finish();
-  }
-  static double mean(const v1::Tile& tile) {
-    double sum = 0;
-    const std::size_t n = tile.sum().size() / sizeof(double);
-    for (std::size_t i = 0; i < n; ++i) {
-      double v = 0;
-      std::memcpy(&v, tile.sum().data() + i * sizeof v, sizeof v);
-      sum += v / static_cast<double>(tile.block_count());
-    }
-    return sum / static_cast<double>(n);
   }
   /// Radiance at reflectance 0.5 below the camera, while it is over x = 2 t: 0.5 / pi I h / d^3.
   static double radiance(double t) { return 0.5 / kPi * 18 * 3 / std::pow(4 * t * t + 9, 1.5); }
@@ -53,24 +26,21 @@ class MovingCameraServiceTest : public ::testing::Test {
   }
   /// Checks both kinds of picture.  All visible points lie within 2 mm.
   void expect_mean(double expected, double tolerance) {
-    v1::Tile tile;
-    ASSERT_TRUE(render(&tile).ok());
-    EXPECT_NEAR(mean(tile), expected, tolerance);
-    ASSERT_TRUE(render_image(&tile).ok());
-    EXPECT_NEAR(mean(tile), expected, tolerance);
+    EXPECT_NEAR(mean_of(service_.answer(tile_).tile()), expected, tolerance);
+    const auto sent = service_.answer(image_);
+    ASSERT_FALSE(sent.empty());
+    EXPECT_NEAR(mean_of(sent[0].tile()), expected, tolerance);
   }
 
-  Service service_{pbrt_options()};
+  Service service_{scenes_in(test_data("pbrt"))};
   std::string scene_ = service_.load("moving_camera.pbrt");
   v1::RenderTileRequest tile_;
   v1::RenderImageRequest image_;
 };
 
 TEST_F(MovingCameraServiceTest, GetSceneReportsItsMotion) {
-  v1::GetSceneRequest q;
-  v1::GetSceneResponse r;
-  q.set_scene_id(scene_);
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
+  auto q = about<v1::GetSceneRequest>(scene_);
+  auto r = service_.answer(q);
   EXPECT_EQ(r.remarks_size(), 0);
   const v1::Motion& motion = r.summary().camera_motion();
   ASSERT_EQ(motion.key_frames_size(), 2);
@@ -81,7 +51,7 @@ TEST_F(MovingCameraServiceTest, GetSceneReportsItsMotion) {
   EXPECT_NEAR(motion.key_frames(1).position_m().z(), 2, 1e-12);
   EXPECT_NEAR(motion.key_frames(1).angle_rad(), 0, 1e-12);
   q.set_scene_id(service_.load("moving_point.pbrt"));  // the camera is at rest there
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
+  r = service_.answer(q);
   EXPECT_FALSE(r.summary().has_camera_motion());
 }
 
@@ -121,26 +91,23 @@ TEST_F(MovingCameraServiceTest, PicturesAreOfTheRequestedShutter) {
   shut(-2, {});
   expect_mean(radiance(0), 2e-3 * radiance(0));
   // As wide as the scene's own shutter: the same bits.
-  v1::Tile plain, shifted, twice;
+  const auto bits = [&] { return service_.answer(tile_).tile().sum(); };
   tile_.clear_shutter();
-  ASSERT_TRUE(render(&plain).ok());
+  const std::string plain = bits();
   shut(0, 2);
-  ASSERT_TRUE(render(&shifted).ok());
-  EXPECT_EQ(plain.sum(), shifted.sum());
+  EXPECT_EQ(bits(), plain);
   shut(0.5, 1);
-  ASSERT_TRUE(render(&shifted).ok());
-  ASSERT_TRUE(render(&twice).ok());
-  EXPECT_EQ(shifted.sum(), twice.sum());
-  EXPECT_NE(plain.sum(), shifted.sum());
+  const std::string shifted = bits();
+  EXPECT_EQ(bits(), shifted);
+  EXPECT_NE(plain, shifted);
 }
 
 TEST_F(MovingCameraServiceTest, InvalidShuttersAreNamed) {
   const auto refused = [&](const v1::Shutter& shutter, const std::string& field) {
-    v1::Tile tile;
     *tile_.mutable_shutter() = shutter;
     *image_.mutable_shutter() = shutter;
-    expect_bad_field(render(&tile), field);
-    expect_bad_field(render_image(&tile), field);
+    expect_bad_field(service_.status(tile_), field);
+    expect_bad_field(service_.status(image_), field);
   };
   v1::Shutter shutter;
   for (const double bad : {double{NAN}, double{INFINITY}, -double{INFINITY}}) {

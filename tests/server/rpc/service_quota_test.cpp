@@ -5,8 +5,8 @@
 #include <mutex>
 #include <vector>
 
+#include "every_query.h"
 #include "proto/common/sha256.h"
-#include "service_fixture.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna::testing {
@@ -64,21 +64,12 @@ class Quotas : public ::testing::Test {
     EXPECT_TRUE(good.ok()) << good.error_message();
     authorize(second, name);
     const grpc::Status refused = call(&second);
-    EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-    EXPECT_THAT(refused.error_message(), HasSubstr("\"" + name + "\" requested "));
+    expect_error(refused, grpc::StatusCode::RESOURCE_EXHAUSTED, "\"" + name + "\" requested ");
     EXPECT_THAT(refused.error_message(), HasSubstr(" items, allowed: 1 per second"));
     EXPECT_EQ(detail<google::rpc::ErrorInfo>(refused).reason(), "OVER_QUOTA");
     const auto delay = detail<google::rpc::RetryInfo>(refused).retry_delay();
     EXPECT_GT(delay.seconds() + 1e-9 * delay.nanos(), 0);
   }
-
-  template <typename Request>
-  Request request() const {
-    Request q;
-    q.set_scene_id(scene_);
-    return q;
-  }
-  static void set_points(v1::Points* points) { points->mutable_offsets_m()->Resize(600, 0.5F); }
 
   TempDirectory directory_;
   std::mutex mutex_;
@@ -88,91 +79,17 @@ class Quotas : public ::testing::Test {
 };
 
 TEST_F(Quotas, EveryQueryCountsItsItems) {
-  auto& lighting = service_->lighting;
-  expect_counts("SampleLi", [&](auto* c) {
-    auto q = request<v1::SampleLiRequest>();
-    set_points(q.mutable_receivers());
-    q.mutable_seed();
-    v1::SampleLiResponse r;
-    return lighting.SampleLi(c, q, &r);
-  });
-  expect_counts("PdfLi", [&](auto* c) {
-    auto q = request<v1::PdfLiRequest>();
-    set_points(q.mutable_receivers());
-    q.set_light_id(1);
-    q.mutable_wi()->Resize(600, 1);
-    v1::PdfLiResponse r;
-    return lighting.PdfLi(c, q, &r);
-  });
-  expect_counts("SampleLe", [&](auto* c) {
-    auto q = request<v1::SampleLeRequest>();
-    q.set_count(200);
-    q.mutable_seed();
-    v1::SampleLeResponse r;
-    return lighting.SampleLe(c, q, &r);
-  });
-  expect_counts("PdfLe", [&](auto* c) {
-    auto q = request<v1::PdfLeRequest>();
-    set_points(q.mutable_points());
-    q.set_light_id(1);
-    q.mutable_directions()->Resize(600, 1);
-    v1::PdfLeResponse r;
-    return lighting.PdfLe(c, q, &r);
-  });
-  expect_counts("Le", [&](auto* c) {
-    auto q = request<v1::LeRequest>();
-    set_points(q.mutable_points());
-    q.mutable_directions()->Resize(600, 1);
-    v1::LeResponse r;
-    return lighting.Le(c, q, &r);
-  });
-  expect_counts("TestVisibility", [&](auto* c) {
-    auto q = request<v1::TestVisibilityRequest>();
-    set_points(q.mutable_segments()->mutable_from());
-    set_points(q.mutable_segments()->mutable_to());
-    v1::TestVisibilityResponse r;
-    return lighting.TestVisibility(c, q, &r);
-  });
-  expect_counts("EstimateIrradiance", [&](auto* c) {
-    auto q = request<v1::EstimateIrradianceRequest>();
-    set_points(q.mutable_receivers());
-    q.mutable_normals()->Resize(600, 1);
-    q.mutable_accuracy()->set_samples(1);
-    v1::EstimateIrradianceResponse r;
-    return lighting.EstimateIrradiance(c, q, &r);
-  });
-}
-
-TEST_F(Quotas, LightsAndPixelsAreItemsToo) {
-  expect_counts("EstimatePower", [&](auto* c) {
-    auto q = request<v1::EstimatePowerRequest>();
-    for (int i = 0; i < 200; ++i) q.add_light_ids(1);
-    v1::EstimatePowerResponse r;
-    return service_->lighting.EstimatePower(c, q, &r);
-  });
-  expect_counts("RenderTile", [&](auto* c) {
-    auto q = request<v1::RenderTileRequest>();
-    q.mutable_rect()->set_x1(16);
-    q.mutable_rect()->set_y1(16);
-    q.mutable_accuracy()->set_samples(1);
-    v1::RenderTileResponse r;
-    return service_->render.RenderTile(c, q, &r);
-  });
-  expect_counts("RenderImage", [&](auto* c) {
-    auto q = request<v1::RenderImageRequest>();
-    q.mutable_accuracy()->set_samples(1);
-    const auto stream = service_->render.RenderImage(c, q);
-    v1::RenderImageResponse r;
-    while (stream->Read(&r)) {
-    }
-    return stream->Finish();
+  for_each_query(scene_, 150, [&]<typename Request>(const Request& q) {
+    ResponseTo<Request> r;
+    expect_counts(q.GetTypeName(),
+                  [&](grpc::ClientContext* c) { return service_->call(c, q, &r); });
   });
 }
 
 // Items of many samples count by the processor time that they took.
 TEST_F(Quotas, CallsCountWhatTheyCompute) {
   add("farm", "roles = [\"query\"]\nmax-items-per-second = 10");
-  auto q = request<v1::EstimatePowerRequest>();
+  auto q = about<v1::EstimatePowerRequest>(scene_);
   for (int i = 0; i < 9; ++i) q.add_light_ids(1);
   q.set_method(v1::EstimatePowerRequest::METHOD_SAMPLED);
   q.mutable_accuracy()->set_samples(1 << 20);
@@ -190,7 +107,7 @@ TEST_F(Quotas, CallsCountWhatTheyCompute) {
 
 TEST_F(Quotas, PowersCountAllLights) {
   add("farm", "roles = [\"query\"]\nmax-items-per-second = 1");
-  auto q = request<v1::EstimatePowerRequest>();
+  auto q = about<v1::EstimatePowerRequest>(scene_);
   for (int i = 0; i < 7; ++i) q.add_light_ids(1);
   q.set_page_size(1);
   grpc::Status status;
@@ -208,7 +125,7 @@ TEST_F(Quotas, ANewFileChangesTheRateAtOnce) {
   const auto sample = [&] {
     grpc::ClientContext context;
     authorize(context, "farm");
-    auto q = request<v1::SampleLiRequest>();
+    auto q = about<v1::SampleLiRequest>(scene_);
     q.mutable_receivers()->mutable_offsets_m()->Resize(3000, 0.5F);
     q.mutable_seed();
     v1::SampleLiResponse r;

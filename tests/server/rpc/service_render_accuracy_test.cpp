@@ -29,34 +29,15 @@ class RenderAccuracyTest : public ::testing::Test {
   using Place = std::pair<std::uint32_t, std::uint32_t>;
 
   v1::RenderTileRequest tile_request() const {
-    v1::RenderTileRequest q;
-    q.set_scene_id(scene_);
-    q.mutable_rect()->set_x0(60);
-    q.mutable_rect()->set_x1(100);
-    q.mutable_rect()->set_y0(40);
-    q.mutable_rect()->set_y1(60);
+    auto q = about<v1::RenderTileRequest>(scene_);
+    set_rect(&q, 60, 40, 100, 60);
     q.set_seed(5);
     return q;
   }
   v1::RenderImageRequest image_request() const {
-    v1::RenderImageRequest q;
-    q.set_scene_id(scene_);
+    auto q = about<v1::RenderImageRequest>(scene_);
     q.set_seed(5);
     return q;
-  }
-  grpc::Status render(const v1::RenderTileRequest& q, v1::RenderTileResponse* r) {
-    r->Clear();
-    return testing::status_of([&](auto* c) { return service_.render.RenderTile(c, q, r); });
-  }
-  /// All sent messages, in order.
-  std::vector<v1::RenderImageResponse> image(const v1::RenderImageRequest& q) {
-    grpc::ClientContext context;
-    const auto reader = service_.render.RenderImage(&context, q);
-    std::vector<v1::RenderImageResponse> all;
-    for (v1::RenderImageResponse r; reader->Read(&r);) all.push_back(r);
-    const grpc::Status s = reader->Finish();
-    EXPECT_TRUE(s.ok()) << s.error_message();
-    return all;
   }
   static Place place(const v1::Tile& tile) { return {tile.rect().x0(), tile.rect().y0()}; }
 
@@ -69,8 +50,7 @@ TEST_F(RenderAccuracyTest, ATargetErrorReportsSamplesAndIntervalsOfEachPixel) {
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
   q.mutable_accuracy()->mutable_target_error()->set_max_samples(512);
   q.set_bounces(0);
-  v1::RenderTileResponse r;
-  ASSERT_TRUE(render(q, &r).ok());
+  const auto r = service_.answer(q);
   const v1::Tile& t = r.tile();
   EXPECT_EQ(t.block_count(), 32U);
   EXPECT_EQ(t.samples_per_block(), 0U);
@@ -97,8 +77,7 @@ TEST_F(RenderAccuracyTest, ATargetErrorReportsSamplesAndIntervalsOfEachPixel) {
     v1::RenderTileRequest again = q;
     again.mutable_accuracy()->set_samples(count);
     again.set_samples_per_block(count / 32);
-    v1::RenderTileResponse same;
-    ASSERT_TRUE(render(again, &same).ok());
+    const auto same = service_.answer(again);
     EXPECT_EQ(same.tile().block_count(), 32U);
     EXPECT_TRUE(same.tile().samples().empty());
     EXPECT_TRUE(same.tile().lower().empty());
@@ -116,7 +95,7 @@ TEST_F(RenderAccuracyTest, ImagesWithATargetErrorHaveTheBitsOfTiles) {
   q.mutable_accuracy()->mutable_target_error()->set_max_samples(64);
   q.set_tile_size(50);
   q.set_bounces(0);
-  const auto sent = image(q);
+  const auto sent = service_.answer(q);
   ASSERT_EQ(sent.size(), 12U);  // each tile once
   std::uint64_t done = 0;
   for (const v1::RenderImageResponse& r : sent) {
@@ -125,14 +104,12 @@ TEST_F(RenderAccuracyTest, ImagesWithATargetErrorHaveTheBitsOfTiles) {
     EXPECT_EQ(r.samples_total(), 0U);
     // A third of the tiles is rendered again.
     if ((&r - sent.data()) % 3 != 0) continue;
-    v1::RenderTileRequest one;
-    one.set_scene_id(scene_);
+    auto one = about<v1::RenderTileRequest>(scene_);
     one.set_seed(5);
     *one.mutable_rect() = r.tile().rect();
     *one.mutable_accuracy() = q.accuracy();
     one.set_bounces(0);
-    v1::RenderTileResponse same;
-    ASSERT_TRUE(render(one, &same).ok());
+    const auto same = service_.answer(one);
     EXPECT_EQ(same.tile().SerializeAsString(), r.tile().SerializeAsString());
   }
 }
@@ -141,13 +118,12 @@ TEST_F(RenderAccuracyTest, ACountReportsIntervalsIfTheyAreRequested) {
   v1::RenderTileRequest q = tile_request();
   q.mutable_accuracy()->set_samples(64);
   q.set_bounces(1);
-  v1::RenderTileResponse plain, r;
-  ASSERT_TRUE(render(q, &plain).ok());
+  auto plain = service_.answer(q);
   for (const std::string* bytes :
        {&plain.tile().lower(), &plain.tile().upper(), &plain.tile().moments()})
     EXPECT_TRUE(bytes->empty());
   q.set_intervals(true);
-  ASSERT_TRUE(render(q, &r).ok());
+  const auto r = service_.answer(q);
   EXPECT_EQ(r.tile().sum(), plain.tile().sum());
   EXPECT_EQ(r.tile().deviation(), plain.tile().deviation());
   EXPECT_TRUE(r.tile().samples().empty());
@@ -169,17 +145,17 @@ TEST_F(RenderAccuracyTest, ACountReportsIntervalsIfTheyAreRequested) {
 TEST_F(RenderAccuracyTest, OneSequenceHasNoIntervals) {
   v1::RenderTileRequest q = tile_request();
   q.mutable_accuracy()->set_samples(64);
-  v1::RenderTileResponse blocks, one;
-  ASSERT_TRUE(render(q, &blocks).ok());
+  const auto blocks = service_.answer(q);
   q.set_one_sequence(true);
-  ASSERT_TRUE(render(q, &one).ok());
+  auto one = service_.answer(q);
   EXPECT_NE(one.tile().sum(), blocks.tile().sum());
   q.set_intervals(true);
-  EXPECT_THAT(render(q, &one).error_message(),
+  EXPECT_THAT(service_.call(q, &one).error_message(),
               HasSubstr("one_sequence = true, allowed: false with intervals"));
   q.set_intervals(false);
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
-  EXPECT_THAT(render(q, &one).error_message(), HasSubstr("one_sequence = true, allowed: false"));
+  EXPECT_THAT(service_.call(q, &one).error_message(),
+              HasSubstr("one_sequence = true, allowed: false"));
 }
 
 TEST_F(RenderAccuracyTest, OneSequenceEndsWhereItsNumbersEnd) {
@@ -188,11 +164,10 @@ TEST_F(RenderAccuracyTest, OneSequenceEndsWhereItsNumbersEnd) {
   q.set_bounces(0);
   q.set_one_sequence(true);
   constexpr std::uint64_t kEnd = std::uint64_t{1} << 28;
-  v1::RenderTileResponse r;
   q.set_first_sample(kEnd - 64);
-  EXPECT_TRUE(render(q, &r).ok());
+  auto r = service_.answer(q);
   q.set_first_sample(kEnd);
-  EXPECT_THAT(render(q, &r).error_message(),
+  EXPECT_THAT(service_.call(q, &r).error_message(),
               HasSubstr("first_sample = 268435456, allowed: [0, 268435392]"));
 }
 
@@ -203,21 +178,19 @@ TEST_F(RenderAccuracyTest, ImagesHaveTheIntervalsOfTiles) {
   q.set_intervals(true);
   q.set_tile_size(50);
   q.set_bounces(0);
-  const auto sent = image(q);
+  const auto sent = service_.answer(q);
   ASSERT_FALSE(sent.empty());
   for (const v1::RenderImageResponse& message : sent) {
     const v1::Tile& t = message.tile();
     if (!std::has_single_bit(t.block_count())) continue;
-    v1::RenderTileRequest one;
-    one.set_scene_id(scene_);
+    auto one = about<v1::RenderTileRequest>(scene_);
     one.set_seed(5);
     *one.mutable_rect() = t.rect();
     one.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(2 * t.block_count()));
     one.set_samples_per_block(2);
     one.set_bounces(0);
     one.set_intervals(true);
-    v1::RenderTileResponse same;
-    ASSERT_TRUE(render(one, &same).ok());
+    const auto same = service_.answer(one);
     EXPECT_EQ(same.tile().SerializeAsString(), t.SerializeAsString());
   }
   EXPECT_EQ(sent.back().tile().block_count(), 12U);
@@ -230,8 +203,7 @@ TEST_F(RenderAccuracyTest, ATimeBudgetReportsItsSampleCount) {
     for (const double budget : {1e-9, 0.3}) {
       q.mutable_accuracy()->set_time_budget_s(budget);
       if (block > 0) q.set_samples_per_block(block);
-      v1::RenderTileResponse r, same;
-      ASSERT_TRUE(render(q, &r).ok());
+      const auto r = service_.answer(q);
       const v1::Tile& t = r.tile();
       const std::uint64_t samples = t.block_count() * t.samples_per_block();
       EXPECT_TRUE(std::has_single_bit(samples));
@@ -244,7 +216,7 @@ TEST_F(RenderAccuracyTest, ATimeBudgetReportsItsSampleCount) {
       }
       v1::RenderTileRequest again = q;
       again.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(samples));
-      ASSERT_TRUE(render(again, &same).ok());
+      const auto same = service_.answer(again);
       EXPECT_EQ(t.SerializeAsString(), same.tile().SerializeAsString()) << budget;
       EXPECT_EQ(r.cost().samples(), samples * 800);
     }
@@ -257,7 +229,7 @@ TEST_F(RenderAccuracyTest, ImagesWithATimeBudgetReportTheirSampleCounts) {
     for (const double budget : {1e-9, 0.2}) {
       q.mutable_accuracy()->set_time_budget_s(budget);
       q.set_final_only(final_only);
-      const auto sent = image(q);
+      const auto sent = service_.answer(q);
       std::map<Place, v1::Tile> tiles;
       for (const v1::RenderImageResponse& r : sent) {
         EXPECT_EQ(r.samples_total(), 0U);
@@ -283,7 +255,7 @@ TEST_F(RenderAccuracyTest, ImagesWithATimeBudgetReportTheirSampleCounts) {
         counted.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(8 * t.block_count()));
         counted.set_final_only(true);
         if (where != Place{0, 0} && where != Place{128, 64}) continue;
-        for (const v1::RenderImageResponse& r : image(counted)) {
+        for (const v1::RenderImageResponse& r : service_.answer(counted)) {
           if (place(r.tile()) == where) {
             EXPECT_EQ(r.tile().SerializeAsString(), t.SerializeAsString());
           }
@@ -302,60 +274,41 @@ TEST_F(RenderAccuracyTest, ALongTimeBudgetEndsAtTheLargestSampleCount) {
   service.load("rectangle.pbrt");
   v1::RenderTileRequest q = tile_request();
   q.mutable_accuracy()->set_time_budget_s(1e300);
-  v1::RenderTileResponse r;
-  ASSERT_TRUE(
-      testing::status_of([&](auto* c) { return service.render.RenderTile(c, q, &r); }).ok());
+  auto r = service.answer(q);
   EXPECT_EQ(r.tile().block_count() * r.tile().samples_per_block(), 64U);
   q.mutable_accuracy()->mutable_target_error()->set_relative(1e-6);
-  ASSERT_TRUE(
-      testing::status_of([&](auto* c) { return service.render.RenderTile(c, q, &r); }).ok());
+  r = service.answer(q);
   EXPECT_THAT(plane<std::uint32_t>(r.tile().samples()), ::testing::Each(64U));
   v1::RenderImageRequest image = image_request();
   image.mutable_accuracy()->set_time_budget_s(1e300);
-  grpc::ClientContext context;
-  const auto reader = service.render.RenderImage(&context, image);
-  v1::RenderImageResponse last;
-  while (reader->Read(&last)) {
-  }
-  ASSERT_TRUE(reader->Finish().ok());
-  EXPECT_EQ(last.samples_done(), 160U * 120 * 64);
+  EXPECT_EQ(service.answer(image).back().samples_done(), 160U * 120 * 64);
 }
 
 TEST_F(RenderAccuracyTest, InvalidSettingsAreNamed) {
-  v1::RenderTileResponse r;
-  const auto status_with = [&](auto&& change) {
-    v1::RenderTileRequest q = tile_request();
-    change(q);
-    return render(q, &r);
+  v1::RenderTileRequest target = tile_request(), time = target;
+  target.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
+  time.mutable_accuracy()->set_time_budget_s(0.1);
+  const auto no_error = [](auto& q) {
+    q.mutable_accuracy()->mutable_target_error()->set_relative(0);
   };
-  using Q = v1::RenderTileRequest;
-  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
-  for (const double bad : {0.0, -1.0, nan, inf}) {
-    expect_bad_field(
-        status_with([&](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_relative(bad); }),
-        "accuracy.target_error.relative");
-    expect_bad_field(status_with([&](Q& q) { q.mutable_accuracy()->set_time_budget_s(bad); }),
-                     "accuracy.time_budget_s");
-    v1::RenderImageRequest image = image_request();
-    image.mutable_accuracy()->set_time_budget_s(bad);
-    expect_bad_field(testing::status_of(
-                         [&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); }),
-                     "accuracy.time_budget_s");
-  }
-  const auto target = [](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_relative(0.1); };
-  const auto time = [](Q& q) { q.mutable_accuracy()->set_time_budget_s(0.1); };
-  expect_bad_field(status_with([&](Q& q) { target(q), q.set_first_sample(64); }), "first_sample");
-  expect_bad_field(status_with([&](Q& q) { time(q), q.set_first_sample(64); }), "first_sample");
-  expect_bad_field(status_with([&](Q& q) { target(q), q.set_samples_per_block(8); }),
-                   "samples_per_block");
-  expect_bad_field(status_with([&](Q& q) { time(q), q.set_samples_per_block(3); }),
-                   "samples_per_block");
-  expect_bad_field(status_with([&](Q& q) { time(q), q.set_samples_per_block(1U << 28); }),
-                   "samples_per_block");
-  expect_bad_field(status_with([&](Q& q) {
-                     target(q), q.mutable_accuracy()->mutable_target_error()->set_max_samples(63);
-                   }),
-                   "accuracy.target_error.max_samples");
+  const auto few_samples = [](auto& q) {
+    q.mutable_accuracy()->mutable_target_error()->set_max_samples(63);
+  };
+  expect_bad_fields<v1::RenderTileRequest>(
+      service_, target,
+      {{"accuracy.target_error.relative", no_error},
+       {"accuracy.target_error.max_samples", few_samples},
+       {"first_sample", [](auto& q) { q.set_first_sample(64); }},
+       {"samples_per_block", [](auto& q) { q.set_samples_per_block(8); }}});
+  expect_bad_fields<v1::RenderTileRequest>(
+      service_, time,
+      {{"accuracy.time_budget_s", [](auto& q) { q.mutable_accuracy()->set_time_budget_s(-1); }},
+       {"first_sample", [](auto& q) { q.set_first_sample(64); }},
+       {"samples_per_block", [](auto& q) { q.set_samples_per_block(3); }},
+       {"samples_per_block", [](auto& q) { q.set_samples_per_block(1U << 28); }}});
+  v1::RenderImageRequest image = image_request();
+  image.mutable_accuracy()->set_time_budget_s(0);
+  expect_bad_field(service_.status(image), "accuracy.time_budget_s");
 }
 
 TEST_F(RenderAccuracyTest, CancelledTilesAndImagesEnd) {
@@ -394,7 +347,7 @@ TEST_F(RenderAccuracyTest, CancelledTilesAndImagesEnd) {
   }
   wait_for_the_end();
   q.mutable_accuracy()->set_samples(8);
-  EXPECT_TRUE(render(q, &r).ok());
+  r = service_.answer(q);
 }
 
 }  // namespace

@@ -16,45 +16,29 @@ constexpr double kPi = std::numbers::pi;
 
 class ReportedFiles : public ::testing::Test {
  protected:
-  static rpc::ServerOptions options() {
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = test_data("reported");
-    return options;
-  }
+  static rpc::ServerOptions options() { return scenes_in(test_data("reported")); }
 
   v1::LoadSceneResponse load(const std::string& path) {
     v1::LoadSceneRequest q;
     q.set_path(path);
-    v1::LoadSceneResponse r;
-    const grpc::Status s = status_of([&](auto* c) { return service_.scenes.LoadScene(c, q, &r); });
-    EXPECT_TRUE(s.ok()) << path << ": " << s.error_message();
-    return r;
+    return service_.answer(q);
   }
 
   double power_lm(const std::string& scene) {
-    v1::EstimatePowerRequest q;
-    q.set_scene_id(scene);
-    v1::EstimatePowerResponse r;
-    const grpc::Status s =
-        status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &r); });
-    EXPECT_TRUE(s.ok()) << s.error_message();
+    const auto r = service_.answer(about<v1::EstimatePowerRequest>(scene));
     return r.total().power_lm();
   }
 
   /// Without reflections [lx].
   double illuminance_lx(const std::string& scene, const Vec3& point, const Vec3& normal,
                         const v1::Accuracy& accuracy = {}) {
-    v1::EstimateIrradianceRequest q;
-    q.set_scene_id(scene);
+    auto q = about<v1::EstimateIrradianceRequest>(scene);
     set(q.mutable_receivers()->mutable_offsets_m(), point.x, point.y, point.z);
     set(q.mutable_normals(), normal.x, normal.y, normal.z);
     q.set_bounces(0);
     q.mutable_seed()->set_seed(1);
     *q.mutable_accuracy() = accuracy;
-    v1::EstimateIrradianceResponse r;
-    const grpc::Status s =
-        status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); });
-    EXPECT_TRUE(s.ok()) << s.error_message();
+    const auto r = service_.answer(q);
     return r.irradiance_lx_size() == 3 ? r.irradiance_lx(1) : kNan;
   }
 
@@ -84,42 +68,29 @@ TEST_F(ReportedFiles, AnAreaLightWithoutAlphaIsInvisibleAndShines) {
 
 TEST_F(ReportedFiles, AnInvisibleLightIsMetByNoRay) {
   const std::string scene = load("alpha0_area_light.pbrt").scene_id();
-  v1::LeRequest le;
-  le.set_scene_id(scene);
+  auto le = about<v1::LeRequest>(scene);
   set(le.mutable_points()->mutable_offsets_m(), 0, 0, 0);
   set(le.mutable_directions(), 0, 0, 1);
-  v1::LeResponse radiance;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.lighting.Le(c, le, &radiance); }).ok());
+  const auto radiance = service_.answer(le);
   EXPECT_EQ(radiance.radiance_cd_m2(1), 0);
   EXPECT_EQ(radiance.light_ids(0), 0U);
-  v1::TestVisibilityRequest through;
-  through.set_scene_id(scene);
+  auto through = about<v1::TestVisibilityRequest>(scene);
   set(through.mutable_segments()->mutable_from()->mutable_offsets_m(), 0, 0, 1);
   set(through.mutable_segments()->mutable_to()->mutable_offsets_m(), 0, 0, 9);
-  v1::TestVisibilityResponse seen;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.lighting.TestVisibility(c, through, &seen); }).ok());
+  const auto seen = service_.answer(through);
   EXPECT_EQ(seen.visible(), std::string(1, '\1'));
-  v1::ListLightsRequest list;
-  list.set_scene_id(scene);
-  v1::ListLightsResponse lights;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  const auto lights = service_.answer(about<v1::ListLightsRequest>(scene));
   EXPECT_TRUE(lights.lights(0).diffuse_area().invisible());
 }
 
 TEST_F(ReportedFiles, AnInvisibleLightThatAnEditMovesStaysInvisible) {
   const std::string scene = load("alpha0_area_light.pbrt").scene_id();
-  v1::EditLightsRequest edit;
-  edit.set_scene_id(scene);
+  auto edit = about<v1::EditLightsRequest>(scene);
   v1::LightChange* change = edit.add_edits()->mutable_change();
   change->set_light_id(1);
   change->set_scale(2);
   change->mutable_placement()->mutable_shift_m()->set_z(5);
-  v1::EditLightsResponse edited;
-  const grpc::Status s =
-      status_of([&](auto* c) { return service_.scenes.EditLights(c, edit, &edited); });
-  ASSERT_TRUE(s.ok()) << s.error_message();
+  const auto edited = service_.answer(edit);
   EXPECT_NEAR(illuminance_lx(edited.scene_id(), {0, 0, 0}, {0, 0, 1}), kPi * 100 / 100, 1e-5);
   EXPECT_NEAR(illuminance_lx(edited.scene_id(), {0, 0, 20}, {0, 0, -1}), kPi * 100 / 100, 1e-5);
 }

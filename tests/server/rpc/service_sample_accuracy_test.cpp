@@ -7,7 +7,7 @@
 #include "proto/common/defaults.h"
 #include "tests/server/rpc/service_fixture.h"
 
-namespace lucerna {
+namespace lucerna::testing {
 namespace {
 
 double luminance_of(const float* rgb) {
@@ -22,8 +22,7 @@ class SampleAccuracy : public ::testing::Test {
  protected:
   /// Three receivers below the lamp of the scene, and one that is NaN.
   v1::SampleLiRequest question() {
-    v1::SampleLiRequest q;
-    q.set_scene_id(scene_);
+    auto q = about<v1::SampleLiRequest>(scene_);
     for (const float v :
          {0.0F, -2.0F, 0.5F, 1.0F, -2.5F, 0.7F, std::nanf(""), 0.0F, 0.0F, -1.0F, -3.0F, 1.0F})
       q.mutable_receivers()->add_offsets_m(v);
@@ -33,18 +32,8 @@ class SampleAccuracy : public ::testing::Test {
     q.set_test_visibility(true);
     return q;
   }
-  grpc::Status sample(const v1::SampleLiRequest& q, v1::SampleLiResponse* r) {
-    r->Clear();
-    return testing::status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
-  }
-  v1::SampleLiResponse answer(const v1::SampleLiRequest& q) {
-    v1::SampleLiResponse r;
-    const grpc::Status s = sample(q, &r);
-    EXPECT_TRUE(s.ok()) << s.error_message();
-    return r;
-  }
 
-  testing::Service service_;
+  Service service_;
   const std::string scene_ = service_.load("bounces.pbrt");
 };
 
@@ -63,7 +52,7 @@ TEST_F(SampleAccuracy, EstimatesHaveTheMeanOfTheSamplesAndTheErrorOfTheirReplica
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.03);
   q.add_wavelengths_nm(450);
   q.add_wavelengths_nm(600);
-  const v1::SampleLiResponse r = answer(q);
+  const v1::SampleLiResponse r = service_.answer(q);
   const v1::ReceiverEstimates& e = r.estimates();
   ASSERT_EQ(e.samples_size(), 4);
   ASSERT_EQ(e.status_size(), 4);
@@ -111,27 +100,6 @@ TEST_F(SampleAccuracy, EstimatesHaveTheMeanOfTheSamplesAndTheErrorOfTheirReplica
   EXPECT_GT(r.cost().samples(), static_cast<std::uint64_t>(first));
 }
 
-TEST_F(SampleAccuracy, EstimatesAgreeWithTheIrradiance) {
-  v1::SampleLiRequest q = question();
-  q.mutable_accuracy()->mutable_target_error()->set_relative(0.005);
-  const v1::SampleLiResponse r = answer(q);
-  v1::EstimateIrradianceRequest direct;
-  direct.set_scene_id(scene_);
-  *direct.mutable_receivers() = q.receivers();
-  *direct.mutable_normals() = q.normals();
-  direct.set_bounces(0);
-  direct.mutable_accuracy()->set_samples(1 << 16);
-  v1::EstimateIrradianceResponse lux;
-  ASSERT_TRUE(testing::status_of([&](auto* c) {
-                return service_.lighting.EstimateIrradiance(c, direct, &lux);
-              }).ok());
-  for (const int p : {0, 1, 3}) {
-    const double error = std::hypot(r.estimates().standard_error_lx(p), lux.standard_error_lx(p));
-    EXPECT_GT(lux.illuminance_lx(p), 0);
-    EXPECT_NEAR(r.estimates().illuminance_lx(p), lux.illuminance_lx(p), 6 * error) << p;
-  }
-}
-
 TEST_F(SampleAccuracy, LessErrorOrMoreConfidenceTakesMoreSamples) {
   v1::SampleLiRequest q = question();
   // Sampling by area.  By the cosine, samples of the lamp would be nearly equal.
@@ -140,7 +108,7 @@ TEST_F(SampleAccuracy, LessErrorOrMoreConfidenceTakesMoreSamples) {
   const auto samples = [&](double relative, double confidence) {
     target->set_relative(relative);
     target->set_confidence(confidence);
-    return answer(q).estimates().samples(0);
+    return service_.answer(q).estimates().samples(0);
   };
   const std::uint32_t coarse = samples(0.02, 0.95);
   EXPECT_GT(samples(0.001, 0.95), 4 * coarse);
@@ -151,14 +119,14 @@ TEST_F(SampleAccuracy, BatchesOfAnySizeHaveTheSameBits) {
   v1::SampleLiRequest q = question();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.02);
   q.mutable_accuracy()->mutable_target_error()->set_max_samples(8192);
-  v1::SampleLiResponse whole = answer(q), again = answer(q);
+  v1::SampleLiResponse whole = service_.answer(q), again = service_.answer(q);
   whole.clear_cost(), again.clear_cost();
   EXPECT_EQ(whole.SerializeAsString(), again.SerializeAsString());
   v1::SampleLiRequest last = q;
   last.mutable_receivers()->mutable_offsets_m()->ExtractSubrange(0, 9, nullptr);
   last.mutable_normals()->Truncate(3);
   last.mutable_seed()->set_first_item(3);
-  const v1::SampleLiResponse alone = answer(last);
+  const v1::SampleLiResponse alone = service_.answer(last);
   ASSERT_EQ(alone.estimates().samples_size(), 1);
   EXPECT_EQ(alone.estimates().samples(0), whole.estimates().samples(3));
   EXPECT_EQ(alone.estimates().illuminance_lx(0), whole.estimates().illuminance_lx(3));
@@ -168,10 +136,10 @@ TEST_F(SampleAccuracy, BatchesOfAnySizeHaveTheSameBits) {
 TEST_F(SampleAccuracy, TheFirstReplicateHasTheSamplesOfAQueryForItsCount) {
   v1::SampleLiRequest q = question();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.02);
-  const v1::SampleLiResponse r = answer(q);
+  const v1::SampleLiResponse r = service_.answer(q);
   const std::uint32_t each = r.estimates().samples(0) / kReplicates;
   q.mutable_accuracy()->set_samples(each);
-  const v1::SampleLiResponse count = answer(q);
+  const v1::SampleLiResponse count = service_.answer(q);
   EXPECT_FALSE(count.has_estimates());
   for (int i = 0; i < static_cast<int>(3 * each); ++i) {
     EXPECT_EQ(count.wi(i), r.wi(i));
@@ -184,7 +152,7 @@ TEST_F(SampleAccuracy, ADeltaLightTakesOneSample) {
   q.set_scene_id(service_.load("point.pbrt"));
   q.clear_normals();
   const auto expect_exact = [&] {
-    const v1::SampleLiResponse r = answer(q);
+    const v1::SampleLiResponse r = service_.answer(q);
     for (int p = 0; p < 4; ++p) {
       EXPECT_EQ(r.estimates().samples(p), 1U);
       EXPECT_EQ(r.estimates().standard_error_lx(p), 0);
@@ -209,7 +177,7 @@ TEST_F(SampleAccuracy, ATimeBudgetGivesEachReceiverEquallyManySamples) {
   v1::SampleLiRequest q = question();
   for (const double budget : {1e-9, 0.05, 1e300}) {
     q.mutable_accuracy()->set_time_budget_s(budget);
-    const v1::SampleLiResponse r = answer(q);
+    const v1::SampleLiResponse r = service_.answer(q);
     const std::uint32_t n = r.estimates().samples(0);
     EXPECT_EQ(n % kReplicates, 0U);
     EXPECT_GE(n, kReplicates);
@@ -234,35 +202,33 @@ TEST_F(SampleAccuracy, EmptyRequestsHaveEmptyAnswers) {
   q.mutable_receivers()->clear_offsets_m();
   q.clear_normals();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
-  EXPECT_EQ(answer(q).pdf_per_sr_size(), 0);
+  EXPECT_EQ(service_.answer(q).pdf_per_sr_size(), 0);
   q.mutable_accuracy()->set_time_budget_s(0.01);
-  EXPECT_EQ(answer(q).estimates().samples_size(), 0);
+  EXPECT_EQ(service_.answer(q).estimates().samples_size(), 0);
 }
 
 TEST_F(SampleAccuracy, InvalidSettingsAreNamed) {
-  const auto status_with = [&](auto&& change) {
-    v1::SampleLiRequest q = question();
-    q.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
-    change(q);
-    v1::SampleLiResponse r;
-    return sample(q, &r);
+  v1::SampleLiRequest target = question();
+  target.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
+  const auto time_and_values = [](auto& q) {
+    q.mutable_accuracy()->set_time_budget_s(1);
+    q.mutable_u();
   };
-  using Q = v1::SampleLiRequest;
-  testing::expect_bad_field(status_with([](Q& q) { q.mutable_u()->add_u(0.5F); }), "u");
-  testing::expect_bad_field(status_with([](Q& q) {
-                              q.mutable_accuracy()->set_time_budget_s(1);
-                              q.mutable_u();
-                            }),
-                            "u");
-  EXPECT_TRUE(status_with([](Q& q) { q.clear_seed(); }).ok());  // seed 0
-  testing::expect_bad_field(
-      status_with([](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_relative(0); }),
-      "accuracy.target_error.relative");
-  testing::expect_bad_field(
-      status_with([](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_max_samples(63); }),
-      "accuracy.target_error.max_samples");
-  testing::expect_bad_field(status_with([](Q& q) { q.mutable_accuracy()->set_time_budget_s(-1); }),
-                            "accuracy.time_budget_s");
+  const auto no_error = [](auto& q) {
+    q.mutable_accuracy()->mutable_target_error()->set_relative(0);
+  };
+  const auto few_samples = [](auto& q) {
+    q.mutable_accuracy()->mutable_target_error()->set_max_samples(63);
+  };
+  expect_bad_fields<v1::SampleLiRequest>(
+      service_, target,
+      {{"u", [](auto& q) { q.mutable_u()->add_u(0.5F); }},
+       {"u", time_and_values},
+       {"accuracy.target_error.relative", no_error},
+       {"accuracy.target_error.max_samples", few_samples},
+       {"accuracy.time_budget_s", [](auto& q) { q.mutable_accuracy()->set_time_budget_s(-1); }}});
+  target.clear_seed();
+  EXPECT_TRUE(service_.status(target).ok());  // seed 0
 }
 
 TEST_F(SampleAccuracy, TooLargeBatchesAreRefusedBeforehand) {
@@ -272,13 +238,11 @@ TEST_F(SampleAccuracy, TooLargeBatchesAreRefusedBeforehand) {
     q.clear_normals();
     q.mutable_receivers()->mutable_offsets_m()->Resize(static_cast<int>(3 * receivers), 1);
     change(*q.mutable_accuracy());
-    v1::SampleLiResponse r;
-    return sample(q, &r);
+    return service_.status(q);
   };
   using A = v1::Accuracy;
   const auto expect_refused = [&](const grpc::Status& s, const std::string& words) {
-    EXPECT_EQ(s.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-    EXPECT_NE(s.error_message().find(words), std::string::npos) << s.error_message();
+    expect_error(s, grpc::StatusCode::RESOURCE_EXHAUSTED, words);
     EXPECT_NE(s.error_message().find("limit of this server: " + std::to_string(most)),
               std::string::npos)
         << s.error_message();
@@ -299,4 +263,4 @@ TEST_F(SampleAccuracy, TooLargeBatchesAreRefusedBeforehand) {
 }
 
 }  // namespace
-}  // namespace lucerna
+}  // namespace lucerna::testing

@@ -14,18 +14,14 @@ class SceneServiceTest : public ::testing::Test {
   grpc::Status load(const std::string& path, v1::LoadSceneResponse* response) {
     v1::LoadSceneRequest request;
     request.set_path(path);
-    return status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
+    return service_.call(request, response);
   }
   Service service_;
 };
 
 TEST_F(SceneServiceTest, ListsTheImageOfAnAreaLight) {
   const std::string id = service_.load("textured.pbrt");
-  v1::ListLightsRequest list;
-  list.set_scene_id(id);
-  v1::ListLightsResponse lights;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  const auto lights = service_.answer(about<v1::ListLightsRequest>(id));
   ASSERT_EQ(lights.lights_size(), 1);
   const v1::Light& light = lights.lights(0);
   EXPECT_FALSE(light.delta());
@@ -42,10 +38,7 @@ TEST_F(SceneServiceTest, ListsTheImageOfAnAreaLight) {
   EXPECT_GT(light.power_lm(), 0);
   EXPECT_EQ(light.power_error_lm(), 0);
 
-  v1::GetSceneRequest get;
-  get.set_scene_id(id);
-  v1::GetSceneResponse scene;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
+  const auto scene = service_.answer(about<v1::GetSceneRequest>(id));
   const auto is_images = [](const v1::ScenePart& part) { return part.name() == "images"; };
   EXPECT_EQ(std::count_if(scene.parts().begin(), scene.parts().end(), is_images), 1);
 }
@@ -60,10 +53,8 @@ TEST_F(SceneServiceTest, LoadsListsAndReleasesAScene) {
   EXPECT_TRUE(again.already_loaded());
   EXPECT_EQ(service_.server->scenes().builds(), 1U);
 
-  v1::GetSceneRequest get;
-  get.set_scene_id(loaded.scene_id());
-  v1::GetSceneResponse scene;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
+  auto get = about<v1::GetSceneRequest>(loaded.scene_id());
+  auto scene = service_.answer(get);
   EXPECT_EQ(scene.summary().path(), "point.pbrt");
   EXPECT_EQ(scene.summary().lights(), 1U);
   EXPECT_EQ(scene.summary().image_width(), 160U);
@@ -74,55 +65,35 @@ TEST_F(SceneServiceTest, LoadsListsAndReleasesAScene) {
   EXPECT_EQ(scene.assets(1).name(), "ball.ply");
   EXPECT_GT(scene.parts_size(), 0);
 
-  v1::ListLightsRequest list;
-  list.set_scene_id(loaded.scene_id());
-  v1::ListLightsResponse lights;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  const auto lights = service_.answer(about<v1::ListLightsRequest>(loaded.scene_id()));
   ASSERT_EQ(lights.lights_size(), 1);
   EXPECT_EQ(lights.lights(0).source(), "point.pbrt:10:1");
   EXPECT_TRUE(lights.lights(0).delta());
   EXPECT_DOUBLE_EQ(lights.lights(0).point().position_m().y(), -1.5);
   EXPECT_NEAR(lights.lights(0).power_lm(), 125.66370614359172, 1e-9);  // 4 pi 10 cd
 
-  v1::ReleaseSceneRequest release;
-  release.set_scene_id(loaded.scene_id());
-  v1::ReleaseSceneResponse nothing;
-  EXPECT_TRUE(
-      status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, release, &nothing); }).ok());
-  const grpc::Status gone =
-      status_of([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); });
-  EXPECT_EQ(gone.error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_EQ(detail<google::rpc::ErrorInfo>(gone).reason(), "SCENE_NOT_LOADED");
-  EXPECT_EQ(status_of([&](auto* c) {
-              return service_.scenes.ReleaseScene(c, release, &nothing);
-            }).error_code(),
-            grpc::StatusCode::NOT_FOUND);
+  auto release = about<v1::ReleaseSceneRequest>(loaded.scene_id());
+  auto nothing = service_.answer(release);
+  expect_error(service_.call(get, &scene), grpc::StatusCode::NOT_FOUND, "", "SCENE_NOT_LOADED");
+  EXPECT_EQ(service_.call(release, &nothing).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
 TEST_F(SceneServiceTest, ListsInPages) {
   for (const char* name : {"point.pbrt", "spot.pbrt", "sphere.pbrt"}) service_.load(name);
   v1::ListScenesRequest request;
   request.set_page_size(2);
-  v1::ListScenesResponse first, second;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.scenes.ListScenes(c, request, &first); }).ok());
+  const auto first = service_.answer(request);
   EXPECT_EQ(first.scenes_size(), 2);
   ASSERT_FALSE(first.next_page_token().empty());
   request.set_page_token(first.next_page_token());
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }).ok());
+  auto second = service_.answer(request);
   ASSERT_EQ(second.scenes_size(), 1);
   EXPECT_GT(second.scenes(0).scene_id(), first.scenes(1).scene_id());
   EXPECT_TRUE(second.next_page_token().empty());
   request.set_page_token("garbage");
-  expect_bad_field(
-      status_of([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }),
-      "page_token");
+  expect_bad_field(service_.call(request, &second), "page_token");
   request.set_page_size(100000);
-  expect_bad_field(
-      status_of([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }),
-      "page_size");
+  expect_bad_field(service_.call(request, &second), "page_size");
 }
 
 TEST_F(SceneServiceTest, PagesOfLightsBelongToOneScene) {
@@ -132,7 +103,7 @@ TEST_F(SceneServiceTest, PagesOfLightsBelongToOneScene) {
     request.set_scene_id(scene);
     request.set_page_token(token);
     page.Clear();
-    return status_of([&](auto* c) { return service_.scenes.ListLights(c, request, &page); });
+    return service_.call(request, &page);
   };
   const std::string many = service_.load("many_points.pbrt");
   const std::string other = service_.load("many_triangles.pbrt");
@@ -153,28 +124,21 @@ TEST_F(SceneServiceTest, PagesOfLightsBelongToOneScene) {
   power.set_scene_id(many);
   power.set_page_size(2);
   power.set_page_token(token);
-  const auto estimate = [&] {
-    return status_of([&](auto* c) { return service_.lighting.EstimatePower(c, power, &powers); });
-  };
+  const auto estimate = [&] { return service_.call(power, &powers); };
   expect_bad_field(estimate(), "page_token");
   power.clear_page_token();
   ASSERT_TRUE(estimate().ok());
   expect_bad_field(list(many, powers.next_page_token()), "page_token");
   v1::ListScenesRequest scenes;
-  v1::ListScenesResponse listed;
   scenes.set_page_token(token);
-  expect_bad_field(
-      status_of([&](auto* c) { return service_.scenes.ListScenes(c, scenes, &listed); }),
-      "page_token");
+  expect_bad_field(service_.status(scenes), "page_token");
 }
 
 TEST_F(SceneServiceTest, AvailableScenesComeInPagesRelativeToTheRoot) {
   const std::string root = service_options().scenes.root;
   v1::ListAvailableScenesRequest request;
   v1::ListAvailableScenesResponse all;
-  const auto list = [&](v1::ListAvailableScenesResponse* r) {
-    return status_of([&](auto* c) { return service_.scenes.ListAvailableScenes(c, request, r); });
-  };
+  const auto list = [&](v1::ListAvailableScenesResponse* r) { return service_.call(request, r); };
   ASSERT_TRUE(list(&all).ok());
   EXPECT_EQ(std::filesystem::canonical(all.root()), std::filesystem::canonical(root));
   EXPECT_FALSE(all.incomplete());
@@ -214,15 +178,9 @@ TEST_F(SceneServiceTest, NotFoundNamesTheRootAndTheUpload) {
 }
 
 TEST_F(SceneServiceTest, AnEmptyIdIsABadFieldOfEveryCall) {
-  v1::GetSceneResponse got;
-  v1::ListLightsResponse lights;
-  v1::RenewLeaseResponse renewed;
-  v1::ReleaseSceneResponse released;
   for (const grpc::Status& s :
-       {status_of([&](auto* c) { return service_.scenes.GetScene(c, {}, &got); }),
-        status_of([&](auto* c) { return service_.scenes.ListLights(c, {}, &lights); }),
-        status_of([&](auto* c) { return service_.scenes.RenewLease(c, {}, &renewed); }),
-        status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, {}, &released); })})
+       {service_.status(v1::GetSceneRequest()), service_.status(v1::ListLightsRequest()),
+        service_.status(v1::RenewLeaseRequest()), service_.status(v1::ReleaseSceneRequest())})
     expect_bad_field(s, "scene_id");
 }
 
@@ -240,8 +198,7 @@ TEST_F(SceneServiceTest, PathsOutOfTheRootAllHaveTheSameError) {
 }
 
 TEST_F(SceneServiceTest, GetServerInfoDescribesTheServer) {
-  v1::GetServerInfoResponse info;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.admin.GetServerInfo(c, {}, &info); }).ok());
+  const auto info = service_.answer(v1::GetServerInfoRequest());
   EXPECT_EQ(info.version(), "test");
   EXPECT_EQ(info.threads(), 2U);
   EXPECT_EQ(info.limits().max_batch_items(), 65536U);
@@ -260,14 +217,9 @@ TEST(ServicePanel, ReportsItsPhotometryAndHasItsRadiance) {
   files.write("scene.pbrt",
               "WorldBegin\nAreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" "
               "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0]");
-  rpc::ServerOptions options = service_options();
-  options.scenes.root = files.path().string();
-  Service service(options);
+  Service service(scenes_in(files.path()));
   const std::string id = service.load("scene.pbrt");
-  v1::ListLightsRequest list;
-  list.set_scene_id(id);
-  v1::ListLightsResponse lights;
-  ASSERT_TRUE(status_of([&](auto* c) { return service.scenes.ListLights(c, list, &lights); }).ok());
+  const auto lights = service.answer(about<v1::ListLightsRequest>(id));
   ASSERT_EQ(lights.lights_size(), 1);
   const v1::DiffuseAreaLight& area = lights.lights(0).diffuse_area();
   EXPECT_EQ(area.profile().name(), "lamp.ies");
@@ -280,15 +232,13 @@ TEST(ServicePanel, ReportsItsPhotometryAndHasItsRadiance) {
               1e-9);
 
   // Looking at its middle from 60 degrees off its normal, towards C0 and away from it.
-  v1::LeRequest request;
-  request.set_scene_id(id);
+  auto request = about<v1::LeRequest>(id);
   for (const float x : {1.0F, -1.0F}) {
     for (const float v : {1 + x * std::sqrt(3.0F), 0.5F, 1.0F})
       request.mutable_points()->add_offsets_m(v);
     for (const float v : {-x * std::sqrt(3.0F), 0.0F, -1.0F}) request.add_directions(v);
   }
-  v1::LeResponse seen;
-  ASSERT_TRUE(status_of([&](auto* c) { return service.lighting.Le(c, request, &seen); }).ok());
+  const auto seen = service.answer(request);
   // I / (A cos): 200 / (2 / 2).
   EXPECT_NEAR(seen.radiance_cd_m2()[1], 200, 1e-3);
   EXPECT_NEAR(seen.radiance_cd_m2()[4], 0, 1e-3);

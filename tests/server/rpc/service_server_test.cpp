@@ -50,11 +50,8 @@ TEST(ServerTest, HealthIsReportedForEachServiceAndChangesWhileDraining) {
   service.server->begin_drain();
   EXPECT_EQ(health(service, ""), HealthResponse::NOT_SERVING);
   EXPECT_EQ(health(service, "lucerna.v1.RenderService"), HealthResponse::NOT_SERVING);
-  v1::GetServerInfoResponse info;
-  const grpc::Status s =
-      status_of([&](auto* c) { return service.admin.GetServerInfo(c, {}, &info); });
-  EXPECT_EQ(s.error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_EQ(detail<google::rpc::ErrorInfo>(s).reason(), "DRAINING");
+  expect_error(service.status(v1::GetServerInfoRequest()), grpc::StatusCode::UNAVAILABLE, "",
+               "DRAINING");
 }
 
 TEST(ServerTest, RunningCallsEndWhileDraining) {
@@ -63,11 +60,9 @@ TEST(ServerTest, RunningCallsEndWhileDraining) {
   auto busy = std::make_unique<BusyLane>(*service.server, Lane::kBulk);
   std::promise<grpc::Status> answer;
   std::thread caller([&] {
-    v1::RenderTileRequest q;
-    q.set_scene_id(scene);
+    auto q = about<v1::RenderTileRequest>(scene);
     q.mutable_accuracy()->set_samples(1);
-    v1::RenderTileResponse r;
-    answer.set_value(status_of([&](auto* c) { return service.render.RenderTile(c, q, &r); }));
+    answer.set_value(service.status(q));
   });
   while (service.server->lanes().pending(Lane::kBulk) < 3) std::this_thread::yield();
   std::thread drain([&] { service.server->drain(std::chrono::hours(1)); });
@@ -83,11 +78,9 @@ TEST(ServerTest, DrainingEndsCallsThatTakeTooLong) {
   Service service;
   const std::string scene = service.load("point.pbrt");
   std::thread caller([&] {
-    v1::RenderTileRequest q;
-    q.set_scene_id(scene);
+    auto q = about<v1::RenderTileRequest>(scene);
     q.mutable_accuracy()->set_samples(1 << 20);
-    v1::RenderTileResponse r;
-    EXPECT_FALSE(status_of([&](auto* c) { return service.render.RenderTile(c, q, &r); }).ok());
+    EXPECT_FALSE(service.status(q).ok());
   });
   while (service.server->lanes().pending(Lane::kBulk) == 0) std::this_thread::yield();
   service.server->drain(std::chrono::milliseconds(10));
@@ -188,9 +181,8 @@ TEST(Errors, LongNamesReachTheCaller) {
   v1::LoadSceneRequest load;
   load.set_path("../" + std::string(20000, 'a'));
   v1::LoadSceneResponse loaded;
-  const grpc::Status leaves = service.scenes.LoadScene(&load_context, load, &loaded);
-  EXPECT_EQ(leaves.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << leaves.error_message();
-  EXPECT_NE(leaves.error_message().find("4096"), std::string::npos) << leaves.error_message();
+  expect_error(service.scenes.LoadScene(&load_context, load, &loaded),
+               grpc::StatusCode::INVALID_ARGUMENT, "4096");
   v1::GetSceneRequest get;
   for (int i = 0; i < 10000; ++i) *get.mutable_scene_id() += "é";
   v1::GetSceneResponse got;

@@ -6,19 +6,12 @@
 
 #include "tests/server/rpc/service_fixture.h"
 
-namespace lucerna {
+namespace lucerna::testing {
 namespace {
 
 class ShadowMapsTest : public ::testing::Test {
  protected:
-  v1::GetSceneResponse scene() {
-    v1::GetSceneRequest q;
-    q.set_scene_id(scene_);
-    v1::GetSceneResponse r;
-    EXPECT_TRUE(
-        testing::status_of([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
-    return r;
-  }
+  v1::GetSceneResponse scene() { return service_.answer(about<v1::GetSceneRequest>(scene_)); }
   int maps_listed() {
     const v1::GetSceneResponse r = scene();
     return static_cast<int>(std::ranges::count_if(
@@ -40,7 +33,7 @@ class ShadowMapsTest : public ::testing::Test {
     return q;
   }
 
-  testing::Service service_;
+  Service service_;
   const std::string scene_ = service_.load("point.pbrt");
 };
 
@@ -54,10 +47,7 @@ TEST_F(ShadowMapsTest, AnswersReportHowOftenTheyDisagreed) {
   auto q = on_the_ground<v1::EstimateIrradianceRequest>(v1::VISIBILITY_RAYS);
   q.set_bounces(0);
   v1::EstimateIrradianceResponse by_rays, by_maps;
-  const auto call = [&](v1::EstimateIrradianceResponse* r) {
-    return testing::status_of(
-        [&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
-  };
+  const auto call = [&](v1::EstimateIrradianceResponse* r) { return service_.call(q, r); };
   ASSERT_TRUE(call(&by_rays).ok());
   EXPECT_EQ(by_rays.cost().shadow_map_lookups(), 0U);
   EXPECT_EQ(by_rays.cost().shadow_map_compared(), 0U);
@@ -89,9 +79,7 @@ TEST_F(ShadowMapsTest, AreUsedBySampleLi) {
   q.set_light_id(1);
   q.mutable_seed()->set_seed(1);
   v1::SampleLiResponse r, by_rays;
-  const auto call = [&](v1::SampleLiResponse* r) {
-    return testing::status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
-  };
+  const auto call = [&](v1::SampleLiResponse* r) { return service_.call(q, r); };
   // The request does not include visibility.
   ASSERT_TRUE(call(&r).ok());
   EXPECT_EQ(r.cost().shadow_map_lookups(), 0U);
@@ -118,18 +106,13 @@ TEST_F(ShadowMapsTest, AreUsedBySampleLi) {
 }
 
 TEST_F(ShadowMapsTest, AreUsedByPictures) {
-  v1::RenderTileRequest q;
-  q.set_scene_id(scene_);
-  q.mutable_rect()->set_x1(160);
-  q.mutable_rect()->set_y1(120);
+  auto q = about<v1::RenderTileRequest>(scene_);
+  set_rect(&q, 160, 120);
   q.mutable_accuracy()->set_samples(2);
   q.mutable_accuracy()->set_visibility(v1::VISIBILITY_SHADOW_MAPS);
-  v1::RenderTileResponse r;
-  const grpc::Status status =
-      testing::status_of([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
-  ASSERT_TRUE(status.ok()) << status.error_message();
+  const auto r = service_.answer(q);
   expect_agreement(r.cost(), 10000);
 }
 
 }  // namespace
-}  // namespace lucerna
+}  // namespace lucerna::testing

@@ -6,21 +6,20 @@ namespace {
 
 TEST_F(SpectraServiceTest, SampleLiOfLightsWithSpectraIsTheirLuminanceTimesTheSpectrum) {
   const std::vector<double> nm = {650, 400, 555, 100, 2000};
-  v1::SampleLiResponse r;
-  ASSERT_TRUE(call(sample_request(kBlackBody, nm), &r).ok());
+  auto r = service_.answer(sample_request(kBlackBody, nm));
   ASSERT_EQ(r.spectral_value_size(), 5);
   // 10 cd at 3 m.
   for (int k = 0; k < 5; ++k) {
     const double expected = 10.0 / 9 * planck_per_lumen(nm[k], 3000);
     EXPECT_NEAR(r.spectral_value(k), expected, 1e-6 * expected) << nm[k];
   }
-  ASSERT_TRUE(call(sample_request(kSampled, nm), &r).ok());
+  r = service_.answer(sample_request(kSampled, nm));
   // 1 cd; 3, 1 and 0 aside: the value does not include the cosine.
   for (int k = 0; k < 5; ++k) {
     const double expected = 0.1 * sampled_value(nm[k]) / sampled_lumens_per_unit();
     EXPECT_NEAR(r.spectral_value(k), expected, 1e-5 * expected) << nm[k];
   }
-  ASSERT_TRUE(call(sample_request(kF2, table_nm()), &r).ok());
+  ASSERT_TRUE(service_.call(sample_request(kF2, table_nm()), &r).ok());
   EXPECT_NEAR(summed(r.spectral_value()).y, 1, 1e-6);  // 1 lx
   // Chromaticity of F2: CIE 15, table T.6.
   const Vec3 xyz = summed(r.spectral_value());
@@ -29,30 +28,25 @@ TEST_F(SpectraServiceTest, SampleLiOfLightsWithSpectraIsTheirLuminanceTimesTheSp
 }
 
 TEST_F(SpectraServiceTest, RgbLightsIntegrateBackToTheirRgb) {
-  v1::SampleLiResponse li;
-  ASSERT_TRUE(call(sample_request(kRgb, table_nm()), &li).ok());
+  const auto li = service_.answer(sample_request(kRgb, table_nm()));
   EXPECT_NEAR(li.value(0), 0.9, 1e-6);
   expect_looks_like(rgb(li.value()), li.spectral_value());
 
-  v1::LeRequest le;
-  le.set_scene_id(lamps_);
+  auto le = about<v1::LeRequest>(lamps_);
   set(le.mutable_points()->mutable_offsets_m(), 0, -1, 0, 0, -1, 0);
   set(le.mutable_directions(), 0, 0, 1, 1, 0, 0);
   for (const double nm : table_nm()) le.add_wavelengths_nm(nm);
-  v1::LeResponse seen;
-  ASSERT_TRUE(call(le, &seen).ok());
+  const auto seen = service_.answer(le);
   EXPECT_EQ(rgb(seen.radiance_cd_m2()), (Rgb{2, 4, 9}));
   expect_looks_like(rgb(seen.radiance_cd_m2()), seen.spectral_radiance());
   for (int k = 95; k < 190; ++k) EXPECT_EQ(seen.spectral_radiance(k), 0);
 
-  v1::SampleLeRequest emit;
-  emit.set_scene_id(lamps_);
+  auto emit = about<v1::SampleLeRequest>(lamps_);
   emit.set_light_id(kRgbSphere);
   emit.set_count(3);
   emit.mutable_seed()->set_seed(1);
   for (const double nm : table_nm()) emit.add_wavelengths_nm(nm);
-  v1::SampleLeResponse rays;
-  ASSERT_TRUE(call(emit, &rays).ok());
+  const auto rays = service_.answer(emit);
   for (int i = 0; i < 3; ++i) expect_looks_like(rgb(rays.value(), i), rays.spectral_value(), i);
 
   const v1::LightPower flux = power(lamps_, {kRgb}, table_nm()).lights(0);
@@ -62,24 +56,19 @@ TEST_F(SpectraServiceTest, RgbLightsIntegrateBackToTheirRgb) {
 
 TEST_F(SpectraServiceTest, EveryCallReportsTheSameSpectrum) {
   const std::vector<double> nm = {450, 555, 700};
-  v1::LeRequest le;
-  le.set_scene_id(lamps_);
+  auto le = about<v1::LeRequest>(lamps_);
   set(le.mutable_points()->mutable_offsets_m(), 0, 1, 0);
   set(le.mutable_directions(), 0, 0, 1);
   le.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
-  v1::LeResponse seen;
-  ASSERT_TRUE(call(le, &seen).ok());
-  v1::SampleLeRequest emit;
-  emit.set_scene_id(lamps_);
+  const auto seen = service_.answer(le);
+  auto emit = about<v1::SampleLeRequest>(lamps_);
   emit.set_light_id(kBlackBodySphere);
   emit.set_count(1);
   emit.mutable_seed();
   emit.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
-  v1::SampleLeResponse rays;
-  ASSERT_TRUE(call(emit, &rays).ok());
-  v1::SampleLiResponse li;
+  const auto rays = service_.answer(emit);
   v1::SampleLiRequest from_below = sample_request(kBlackBodySphere, nm);
-  ASSERT_TRUE(call(from_below, &li).ok());
+  const auto li = service_.answer(from_below);
   // pi L A of a sphere of radius 0.3, at 7 cd/m2.
   const v1::LightPower flux = power(lamps_, {kBlackBodySphere}, nm).lights(0);
   const double area_pi = kPi * 4 * kPi * 0.3 * 0.3;

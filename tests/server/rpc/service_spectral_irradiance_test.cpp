@@ -20,9 +20,7 @@ TEST_F(SpectraServiceTest, IrradianceIsTheSumOverLightsOfEachShareTimesItsSpectr
   v1::EstimateIrradianceRequest q = irradiance_request(nm);
   q.set_scene_id(load("grey.pbrt", grey));
   q.set_per_light(true);
-  v1::EstimateIrradianceResponse r;
-  const grpc::Status s = call(q, &r);
-  ASSERT_TRUE(s.ok()) << s.error_message();
+  const auto r = service_.answer(q);
   ASSERT_EQ(r.spectral_irradiance_size(), 2 * 4);
   const Spectrum f2 = *Spectrum::create(CieIlluminant{"F2"});
   const Spectrum d65 = *Spectrum::create(CieIlluminant{"D65"});
@@ -50,10 +48,9 @@ TEST_F(SpectraServiceTest, WavelengthsChangeNoOtherResult) {
   for (const std::string& scene : {lamps_, load("many.pbrt", many_lights())}) {
     v1::EstimateIrradianceRequest q = irradiance_request(table_nm());
     q.set_scene_id(scene);
-    v1::EstimateIrradianceResponse with, without;
-    ASSERT_TRUE(call(q, &with).ok());
+    auto with = service_.answer(q);
     q.clear_wavelengths_nm();
-    ASSERT_TRUE(call(q, &without).ok());
+    auto without = service_.answer(q);
     EXPECT_EQ(without.spectral_irradiance_size(), 0);
     with.clear_spectral_irradiance();
     with.clear_spectral_standard_error();
@@ -62,11 +59,10 @@ TEST_F(SpectraServiceTest, WavelengthsChangeNoOtherResult) {
     EXPECT_EQ(with.SerializeAsString(), without.SerializeAsString());
   }
 
-  v1::SampleLiResponse sampled, plain;
   v1::SampleLiRequest li = sample_request(kF2, {555});
-  ASSERT_TRUE(call(li, &sampled).ok());
+  auto sampled = service_.answer(li);
   li.clear_wavelengths_nm();
-  ASSERT_TRUE(call(li, &plain).ok());
+  auto plain = service_.answer(li);
   sampled.clear_spectral_value();
   sampled.clear_cost();
   plain.clear_cost();
@@ -77,8 +73,7 @@ TEST_F(SpectraServiceTest, WavelengthsChangeNoOtherResult) {
 TEST_F(SpectraServiceTest, IrradianceOfManyLightsIntegratesBackToItsIlluminance) {
   v1::EstimateIrradianceRequest q = irradiance_request(table_nm());
   q.set_scene_id(load("many.pbrt", many_lights()));
-  v1::EstimateIrradianceResponse r;
-  ASSERT_TRUE(call(q, &r).ok());
+  const auto r = service_.answer(q);
   for (int p = 0; p < 2; ++p) {
     EXPECT_GT(r.illuminance_lx(p), 0);
     expect_looks_like(rgb(r.irradiance_lx(), p), r.spectral_irradiance(), p);
@@ -87,15 +82,14 @@ TEST_F(SpectraServiceTest, IrradianceOfManyLightsIntegratesBackToItsIlluminance)
 
 TEST_F(SpectraServiceTest, ReflectedLightHasNoSpectrum) {
   v1::EstimateIrradianceRequest q = irradiance_request({555});
-  v1::EstimateIrradianceResponse r;
   q.clear_bounces();
-  expect_bad_field(call(q, &r), "bounces");
+  expect_bad_field(service_.status(q), "bounces");
   q.set_bounces(1);
-  const grpc::Status s = call(q, &r);
+  const grpc::Status s = service_.status(q);
   expect_bad_field(s, "bounces");
   EXPECT_THAT(s.error_message(), HasSubstr("surfaces have a colour and no spectrum"));
   q.set_bounces(0);
-  EXPECT_TRUE(call(q, &r).ok());
+  EXPECT_TRUE(service_.status(q).ok());
 }
 
 }  // namespace

@@ -156,8 +156,7 @@ TEST_F(Stopped, Queries) {
   constexpr int kPoints = 60000;
   v1::Points points;
   for (int i = 0; i < 3 * kPoints; ++i) points.add_offsets_m(0.001F * static_cast<float>(i % 701));
-  v1::EstimateIrradianceRequest irradiance;
-  irradiance.set_scene_id(scene);
+  auto irradiance = about<v1::EstimateIrradianceRequest>(scene);
   *irradiance.mutable_receivers() = points;
   for (int i = 0; i < kPoints; ++i)
     for (const float n : {0.0F, 0.0F, 1.0F}) irradiance.add_normals(n);
@@ -167,8 +166,7 @@ TEST_F(Stopped, Queries) {
     v1::EstimateIrradianceResponse response;
     return service_->lighting.EstimateIrradiance(c, irradiance, &response);
   });
-  v1::EstimatePowerRequest power;
-  power.set_scene_id(scene);
+  auto power = about<v1::EstimatePowerRequest>(scene);
   power.set_method(v1::EstimatePowerRequest::METHOD_SAMPLED);
   power.mutable_accuracy()->set_samples(1 << 20);
   expect_stops([&](grpc::ClientContext* c) {

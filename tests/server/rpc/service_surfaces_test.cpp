@@ -37,21 +37,14 @@ class SurfacesServiceTest : public ::testing::Test {
     std::ofstream(root_.path() / "scene.pbrt") << text;
     return service_.load("scene.pbrt");
   }
-  grpc::Status find(const v1::FindSurfacesRequest& q) {
-    return status_of([&](auto* c) { return service_.render.FindSurfaces(c, q, &answer_); });
-  }
+  grpc::Status find(const v1::FindSurfacesRequest& q) { return service_.call(q, &answer_); }
   static v1::FindSurfacesRequest request(const std::string& scene,
                                          const std::vector<float>& places) {
-    v1::FindSurfacesRequest q;
-    q.set_scene_id(scene);
+    auto q = about<v1::FindSurfacesRequest>(scene);
     q.mutable_places()->Add(places.begin(), places.end());
     return q;
   }
-  rpc::ServerOptions options() const {
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = root_.path();
-    return options;
-  }
+  rpc::ServerOptions options() const { return scenes_in(root_.path()); }
   bool found(int i) const {
     return (static_cast<unsigned char>(answer_.found()[i / 8]) >> (i % 8) & 1) != 0;
   }
@@ -94,14 +87,11 @@ TEST_F(SurfacesServiceTest, PlacesAreThePointsThatTheCameraSees) {
 TEST_F(SurfacesServiceTest, TheirPointsAreReceivers) {
   const std::string scene = load(std::string(kCamera) + kFloorAndLight);
   ASSERT_TRUE(find(request(scene, {8, 4, 9.5, 4})).ok());
-  v1::EstimateIrradianceRequest q;
-  q.set_scene_id(scene);
+  auto q = about<v1::EstimateIrradianceRequest>(scene);
   q.set_bounces(0);
   *q.mutable_receivers() = answer_.points();
   *q.mutable_normals() = answer_.normals();
-  v1::EstimateIrradianceResponse r;
-  ASSERT_TRUE(
-      status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); }).ok());
+  const auto r = service_.answer(q);
   // The lamp of 90 cd is 3 m over (2, 1): I cos / d^2 = I h / d^3.  The square light shines
   // upwards.
   EXPECT_NEAR(r.illuminance_lx(0), 10, 1e-4);
@@ -155,9 +145,7 @@ TEST_F(SurfacesServiceTest, WrongRequestsAreRefused) {
   q.set_time_s(kNan);
   expect_bad_field(find(q), "time_s");
   const std::vector<float> many(2 * 65537, 1);
-  const grpc::Status over = find(request(scene, many));
-  EXPECT_EQ(over.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_NE(over.error_message().find("65536"), std::string::npos) << over.error_message();
+  expect_error(find(request(scene, many)), grpc::StatusCode::RESOURCE_EXHAUSTED, "65536");
   ASSERT_TRUE(find(request(scene, {})).ok());
   EXPECT_EQ(answer_.normals_size(), 0);
 }

@@ -30,24 +30,18 @@ class TransmittanceService : public ::testing::Test {
  protected:
   TransmittanceService() {
     files_.write("tank.pbrt", kTank);
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = files_.path().string();
+    rpc::ServerOptions options = scenes_in(files_.path());
     service_.emplace(options);
     id_ = service_->load("tank.pbrt");
   }
 
   v1::TestVisibilityResponse see(v1::ThinGlass thin_glass) {
-    v1::TestVisibilityRequest q;
-    q.set_scene_id(id_);
+    auto q = about<v1::TestVisibilityRequest>(id_);
     q.mutable_accuracy()->set_thin_glass(thin_glass);
     // Through 1 m of ink and the pane; past both; through the floor.
     set(q.mutable_segments()->mutable_from()->mutable_offsets_m(), 0, 0, 0.25, 2, 0, 1, 0, 0, 1.5);
     set(q.mutable_segments()->mutable_to()->mutable_offsets_m(), 0, 0, 2.5, 2, 0, 3, 0, 0, -1);
-    v1::TestVisibilityResponse r;
-    const grpc::Status s =
-        status_of([&](auto* c) { return service_->lighting.TestVisibility(c, q, &r); });
-    EXPECT_TRUE(s.ok()) << s.error_message();
-    return r;
+    return service_->answer(q);
   }
 
   SceneFiles files_;
@@ -75,13 +69,11 @@ TEST_F(TransmittanceService, ThinGlassBlocksIfItIsAskedTo) {
 }
 
 TEST_F(TransmittanceService, SamplesHaveTheirShareAndEstimatesCountIt) {
-  v1::SampleLiRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::SampleLiRequest>(id_);
   q.set_test_visibility(true);
   set(q.mutable_receivers()->mutable_offsets_m(), 0, 0, 0.25);
   set(q.mutable_normals(), 0, 0, 1);
-  v1::SampleLiResponse r;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_->lighting.SampleLi(c, q, &r); }).ok());
+  auto r = service_->answer(q);
   const double lx = 100 / (2.75 * 2.75);
   EXPECT_NEAR(r.value(1), lx, 1e-4);
   ASSERT_EQ(r.transmittance_size(), 3);
@@ -89,51 +81,39 @@ TEST_F(TransmittanceService, SamplesHaveTheirShareAndEstimatesCountIt) {
 
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.01);
   r.Clear();
-  ASSERT_TRUE(status_of([&](auto* c) { return service_->lighting.SampleLi(c, q, &r); }).ok());
+  r = service_->answer(q);
   const auto left = [&](double absorption) { return lx * kPane * std::exp(-0.75 * absorption); };
   EXPECT_NEAR(r.estimates().illuminance_lx(0), luminance(Rgb(left(.5), left(1), left(2))), 1e-4);
 
   q.clear_accuracy();
   q.set_test_visibility(false);
   r.Clear();
-  ASSERT_TRUE(status_of([&](auto* c) { return service_->lighting.SampleLi(c, q, &r); }).ok());
+  r = service_->answer(q);
   EXPECT_EQ(r.transmittance_size(), 0);
 }
 
 TEST_F(TransmittanceService, WavelengthsNeedMediaWithoutColour) {
-  v1::EstimateIrradianceRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::EstimateIrradianceRequest>(id_);
   q.set_bounces(0);
   set(q.mutable_receivers()->mutable_offsets_m(), 0, 0, 0.25);
   set(q.mutable_normals(), 0, 0, 1);
   q.add_wavelengths_nm(555);
-  v1::EstimateIrradianceResponse r;
-  const grpc::Status s =
-      status_of([&](auto* c) { return service_->lighting.EstimateIrradiance(c, q, &r); });
-  EXPECT_EQ(s.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(s.error_message(), ::testing::HasSubstr("its media have a colour"));
+  expect_error(service_->status(q), grpc::StatusCode::INVALID_ARGUMENT, "its media have a colour");
 }
 
 TEST_F(TransmittanceService, UnknownWaysAreErrors) {
-  v1::TestVisibilityRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::TestVisibilityRequest>(id_);
   q.mutable_segments();
   q.mutable_accuracy()->set_thin_glass(static_cast<v1::ThinGlass>(7));
-  v1::TestVisibilityResponse r;
-  const grpc::Status s =
-      status_of([&](auto* c) { return service_->lighting.TestVisibility(c, q, &r); });
-  EXPECT_EQ(s.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(s.error_message(), ::testing::HasSubstr("accuracy.thin_glass"));
+  expect_error(service_->status(q), grpc::StatusCode::INVALID_ARGUMENT, "accuracy.thin_glass");
 }
 
 TEST(Transmittance, ScenesWithoutMediaAndPanesAnswerBitsOnly) {
   Service service;
-  v1::TestVisibilityRequest q;
-  q.set_scene_id(service.load("point.pbrt"));
+  auto q = about<v1::TestVisibilityRequest>(service.load("point.pbrt"));
   set(q.mutable_segments()->mutable_from()->mutable_offsets_m(), 0, 0, 1);
   set(q.mutable_segments()->mutable_to()->mutable_offsets_m(), 0, 0, 2);
-  v1::TestVisibilityResponse r;
-  ASSERT_TRUE(status_of([&](auto* c) { return service.lighting.TestVisibility(c, q, &r); }).ok());
+  const auto r = service.answer(q);
   EXPECT_EQ(r.transmittance_size(), 0);
 }
 

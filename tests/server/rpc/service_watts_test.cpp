@@ -63,10 +63,7 @@ TEST_F(SpectraServiceTest, TotalsHaveWattsWhereAllLightsHave) {
 }
 
 TEST_F(SpectraServiceTest, ListLightsReportsSpectraAndWatts) {
-  v1::ListLightsRequest q;
-  q.set_scene_id(lamps_);
-  v1::ListLightsResponse r;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.ListLights(c, q, &r); }).ok());
+  const auto r = service_.answer(about<v1::ListLightsRequest>(lamps_));
   ASSERT_EQ(r.lights_size(), 6);
   EXPECT_EQ(r.lights(kBlackBody - 1).spectrum().black_body_k(), 3000);
   EXPECT_EQ(r.lights(kF2 - 1).spectrum().illuminant(), "F2");
@@ -88,15 +85,13 @@ TEST_F(SpectraServiceTest, PagesOfLightsWithLongSpectraAreShort) {
   for (int i = 0; i < 70000; ++i) table += std::to_string(300 + i / 100.0) + " 1\n";
   files_.write("long.spd", table);
   const std::string light = "LightSource \"point\" \"spectrum I\" \"long.spd\"\n";
-  v1::ListLightsRequest q;
-  q.set_scene_id(load("long.pbrt", "WorldBegin\n" + light + light));
-  v1::ListLightsResponse r;
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.ListLights(c, q, &r); }).ok());
+  auto q = about<v1::ListLightsRequest>(load("long.pbrt", "WorldBegin\n" + light + light));
+  auto r = service_.answer(q);
   ASSERT_EQ(r.lights_size(), 1);
   EXPECT_EQ(r.lights(0).spectrum().sampled().values_size(), 70000);
   q.set_page_token(r.next_page_token());
   r.Clear();
-  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.ListLights(c, q, &r); }).ok());
+  r = service_.answer(q);
   ASSERT_EQ(r.lights_size(), 1);
   EXPECT_EQ(r.lights(0).id(), 2U);
   EXPECT_EQ(r.next_page_token(), "");
@@ -104,10 +99,7 @@ TEST_F(SpectraServiceTest, PagesOfLightsWithLongSpectraAreShort) {
 
 TEST_F(SpectraServiceTest, GetSceneListsSpectraOnlyIfThereAreAny) {
   const auto spectra = [&](const std::string& scene) {
-    v1::GetSceneRequest q;
-    q.set_scene_id(scene);
-    v1::GetSceneResponse r;
-    EXPECT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
+    const auto r = service_.answer(about<v1::GetSceneRequest>(scene));
     std::vector<v1::ScenePart> found;
     for (const auto& part : r.parts())
       if (part.name() == "spectra") found.push_back(part);

@@ -1,6 +1,7 @@
 // Invalid wavelengths, too many wavelengths, and light that exceeds floats.
 #include <limits>
 
+#include "every_query.h"
 #include "spectra_fixture.h"
 
 namespace lucerna::testing {
@@ -9,26 +10,15 @@ namespace {
 TEST_F(SpectraServiceTest, WavelengthsAreCheckedEverywhere) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const auto expect_refused = [&](const std::vector<double>& nm, const std::string& field) {
-    v1::SampleLiResponse li;
-    expect_bad_field(call(sample_request(1, nm), &li), field);
-    v1::EstimateIrradianceResponse irradiance;
-    expect_bad_field(call(irradiance_request(nm), &irradiance), field);
-    v1::LeRequest le;
-    le.set_scene_id(lamps_);
-    le.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
-    v1::LeResponse seen;
-    expect_bad_field(call(le, &seen), field);
-    v1::SampleLeRequest emit;
-    emit.set_scene_id(lamps_);
-    emit.mutable_seed();
-    emit.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
-    v1::SampleLeResponse rays;
-    expect_bad_field(call(emit, &rays), field);
-    v1::EstimatePowerRequest power;
-    power.set_scene_id(lamps_);
-    power.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
-    v1::EstimatePowerResponse watts;
-    expect_bad_field(call(power, &watts), field);
+    int queries = 0;
+    for_each_query(lamps_, 1, [&](auto q) {
+      if constexpr (requires { q.mutable_wavelengths_nm(); }) {
+        ++queries;
+        q.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
+        expect_bad_field(service_.status(q), field);
+      }
+    });
+    EXPECT_EQ(queries, 5);
   };
   expect_refused({99.9}, "wavelengths_nm[0]");
   expect_refused({555, 1000001}, "wavelengths_nm[1]");
@@ -36,9 +26,8 @@ TEST_F(SpectraServiceTest, WavelengthsAreCheckedEverywhere) {
   expect_refused({std::numeric_limits<double>::infinity()}, "wavelengths_nm[0]");
   expect_refused({-555}, "wavelengths_nm[0]");
   expect_refused(std::vector<double>(129, 555), "wavelengths_nm");
-  v1::SampleLiResponse r;
-  EXPECT_TRUE(call(sample_request(1, std::vector<double>(128, 1e6)), &r).ok());
-  EXPECT_TRUE(call(sample_request(1, {100}), &r).ok());
+  EXPECT_TRUE(service_.status(sample_request(1, std::vector<double>(128, 1e6))).ok());
+  EXPECT_TRUE(service_.status(sample_request(1, {100})).ok());
 }
 
 TEST_F(SpectraServiceTest, TheLargestBatchAtTheMostWavelengthsFitsAMessage) {
@@ -48,9 +37,7 @@ TEST_F(SpectraServiceTest, TheLargestBatchAtTheMostWavelengthsFitsAMessage) {
   q.clear_light_id();
   q.set_test_visibility(true);
   q.mutable_receivers()->mutable_offsets_m()->Resize(3 * 65536, 0);
-  v1::SampleLiResponse r;
-  const grpc::Status s = call(q, &r);
-  ASSERT_TRUE(s.ok()) << s.error_message();
+  const auto r = service_.answer(q);
   EXPECT_EQ(r.spectral_value_size(), 65536 * 128);
   EXPECT_LT(r.ByteSizeLong(), options().limits.max_message_bytes);
 }
@@ -66,28 +53,22 @@ TEST_F(SpectraServiceTest, ValuesBeyondFloatsAreOutOfRange) {
     const double nm = infrared ? 29000 : 800;
     v1::SampleLiRequest q = sample_request(1, {nm});
     q.set_scene_id(scene);
-    v1::SampleLiResponse li;
-    ASSERT_TRUE(call(q, &li).ok());
-    v1::LeRequest le;
-    le.set_scene_id(scene);
+    const auto li = service_.answer(q);
+    auto le = about<v1::LeRequest>(scene);
     set(le.mutable_points()->mutable_offsets_m(), 0, 1, 0);
     set(le.mutable_directions(), 0, 0, 1);
     le.add_wavelengths_nm(nm);
-    v1::LeResponse seen;
-    ASSERT_TRUE(call(le, &seen).ok());
-    v1::SampleLeRequest emit;
-    emit.set_scene_id(scene);
+    const auto seen = service_.answer(le);
+    auto emit = about<v1::SampleLeRequest>(scene);
     emit.set_light_id(2);
     emit.set_count(1);
     emit.mutable_seed();
     emit.add_wavelengths_nm(nm);
-    v1::SampleLeResponse rays;
-    ASSERT_TRUE(call(emit, &rays).ok());
+    const auto rays = service_.answer(emit);
     v1::EstimateIrradianceRequest irradiance = irradiance_request({nm});
     irradiance.set_scene_id(scene);
     irradiance.set_per_light(true);
-    v1::EstimateIrradianceResponse lx;
-    ASSERT_TRUE(call(irradiance, &lx).ok());
+    const auto lx = service_.answer(irradiance);
     if (!infrared) {
       EXPECT_EQ(li.status_size() + seen.status_size() + rays.status_size() + lx.status_size(), 0);
       EXPECT_GT(li.spectral_value(0), 0);

@@ -115,19 +115,14 @@ inline std::string many_lights() {
 
 class SpectraServiceTest : public ::testing::Test {
  protected:
-  rpc::ServerOptions options() const {
-    rpc::ServerOptions o = service_options();
-    o.scenes.root = files_.path().string();
-    return o;
-  }
+  rpc::ServerOptions options() const { return scenes_in(files_.path()); }
   std::string load(const std::string& name, const std::string& text) {
     files_.write(name, text);
     return service_.load(name);
   }
   /// One sample of `light` at the origin.
   v1::SampleLiRequest sample_request(std::uint64_t light, const std::vector<double>& nm) const {
-    v1::SampleLiRequest q;
-    q.set_scene_id(lamps_);
+    auto q = about<v1::SampleLiRequest>(lamps_);
     q.set_light_id(light);
     set(q.mutable_receivers()->mutable_offsets_m(), 0, 0, 0);
     set(q.mutable_u()->mutable_u(), 0.5, 0.5);
@@ -135,8 +130,7 @@ class SpectraServiceTest : public ::testing::Test {
     return q;
   }
   v1::EstimateIrradianceRequest irradiance_request(const std::vector<double>& nm) const {
-    v1::EstimateIrradianceRequest q;
-    q.set_scene_id(lamps_);
+    auto q = about<v1::EstimateIrradianceRequest>(lamps_);
     q.set_bounces(0);
     q.mutable_accuracy()->set_samples(32);
     set(q.mutable_receivers()->mutable_offsets_m(), 0, 0, 0, 0.5, 0.25, 0.125);
@@ -144,34 +138,15 @@ class SpectraServiceTest : public ::testing::Test {
     q.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
     return q;
   }
-  grpc::Status call(const v1::SampleLiRequest& q, v1::SampleLiResponse* r) {
-    return status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
-  }
-  grpc::Status call(const v1::LeRequest& q, v1::LeResponse* r) {
-    return status_of([&](auto* c) { return service_.lighting.Le(c, q, r); });
-  }
-  grpc::Status call(const v1::SampleLeRequest& q, v1::SampleLeResponse* r) {
-    return status_of([&](auto* c) { return service_.lighting.SampleLe(c, q, r); });
-  }
-  grpc::Status call(const v1::EstimatePowerRequest& q, v1::EstimatePowerResponse* r) {
-    return status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, r); });
-  }
-  grpc::Status call(const v1::EstimateIrradianceRequest& q, v1::EstimateIrradianceResponse* r) {
-    return status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
-  }
   v1::EstimatePowerResponse power(
       const std::string& scene, std::vector<std::uint64_t> lights = {},
       const std::vector<double>& nm = {},
       v1::EstimatePowerRequest::Method method = v1::EstimatePowerRequest::METHOD_EXACT) {
-    v1::EstimatePowerRequest q;
-    q.set_scene_id(scene);
+    auto q = about<v1::EstimatePowerRequest>(scene);
     q.set_method(method);
     q.mutable_light_ids()->Add(lights.begin(), lights.end());
     q.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
-    v1::EstimatePowerResponse r;
-    const grpc::Status s = call(q, &r);
-    EXPECT_TRUE(s.ok()) << s.error_message();
-    return r;
+    return service_.answer(q);
   }
 
   SceneFiles files_;
