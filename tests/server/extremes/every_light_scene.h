@@ -2,23 +2,23 @@
 #pragma once
 
 #include <memory>
-#include <stdexcept>
+#include <utility>
 
 #include "server/assets/asset_reader.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
 #include "tests/paths.h"
+#include "tests/value_of.h"
 
 namespace lucerna::testing {
 
+inline SceneDescription every_light_description() {
+  auto assets = value_of(AssetReader::open(test_data()));
+  return value_of(load_pbrt(assets, "lights/every_light.pbrt"));
+}
+
 inline std::shared_ptr<const Scene> every_light() {
-  absl::StatusOr<AssetReader> reader = AssetReader::open(test_data());
-  if (!reader.ok()) throw std::runtime_error(reader.status().ToString());
-  auto description = load_pbrt(*reader, "lights/every_light.pbrt", {});
-  if (!description.ok()) throw std::runtime_error(description.status().ToString());
-  auto scene = Scene::build(*std::move(description));
-  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
-  return *std::move(scene);
+  return value_of(Scene::build(every_light_description()));
 }
 
 }  // namespace lucerna::testing

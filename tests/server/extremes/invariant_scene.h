@@ -1,13 +1,7 @@
 // A scene with one light of each kind, and an instance.
 #pragma once
 
-#include <stdexcept>
-#include <string>
-#include <utility>
-
-#include "server/assets/asset_reader.h"
-#include "server/pbrt/load.h"
-#include "tests/paths.h"
+#include "tests/server/extremes/every_light_scene.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna::testing {
@@ -17,15 +11,12 @@ inline const Vec3 kEveryLightMiddle{100, -50, 0};
 
 /// With these settings the bits depend on nothing but the size.
 inline SceneDescription invariant_scene() {
-  auto assets = AssetReader::open(test_data());
-  if (!assets.ok()) throw std::runtime_error(assets.status().ToString());
-  auto scene = load_pbrt(*assets, "lights/every_light.pbrt");
-  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
-  scene->objects = {{"ball", {{ball(2, [](const Vec3& p) { return p * 3.0; })}}}};
-  scene->instances = {
+  SceneDescription scene = every_light_description();
+  scene.objects = {{"ball", {{ball(2, [](const Vec3& p) { return p * 3.0; })}}}};
+  scene.instances = {
       {0, Transform::translate({101.5, -49, 0.7}) * *Transform::rotate(0.5, {1, 2, 3}) *
               *Transform::scale({0.2, 0.1, 0.2})}};
-  return *std::move(scene);
+  return scene;
 }
 
 }  // namespace lucerna::testing

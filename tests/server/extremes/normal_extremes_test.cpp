@@ -25,11 +25,8 @@ LightSource "distant" "rgb L" [1 1 1] "point3 from" [0.3 0.7 0.4] "point3 to" [0
 TEST(NormalExtremes, GrazingLight) {
   SceneFiles files;
   files.write("lights.pbrt", kScene);
-  rpc::ServerOptions options = service_options();
-  options.scenes.root = files.path().string();
-  Service service(options);
-  v1::EstimateIrradianceRequest request;
-  request.set_scene_id(service.load("lights.pbrt"));
+  Service service(scenes_in(files.path().string()));
+  auto request = about<v1::EstimateIrradianceRequest>(service.load("lights.pbrt"));
   request.set_bounces(0);
   request.set_per_light(true);
 
@@ -58,10 +55,7 @@ TEST(NormalExtremes, GrazingLight) {
       }
     }
   }
-  v1::EstimateIrradianceResponse response;
-  const grpc::Status s = status_of(
-      [&](auto* c) { return service.lighting.EstimateIrradiance(c, request, &response); });
-  ASSERT_TRUE(s.ok()) << s.error_message();
+  const auto response = service.answer(request);
   ASSERT_EQ(response.shares_size(), 2);
   Sweep sweep(40, "receivers whose light grazes them; a distant light and a narrow sun",
               "cosine 1e-6 ... 0.1", "illuminance, of the normal in the request's floats");

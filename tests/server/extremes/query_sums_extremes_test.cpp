@@ -76,16 +76,12 @@ TEST(QuerySumsExtremes, TotalOfVeryDifferentFluxes) {
     }
     const std::string name = fmt::format("{}.pbrt", large);
     std::ofstream(folder.path() / name) << text;
-    v1::EstimatePowerRequest request;
-    request.set_scene_id(service.load(name));
+    auto request = about<v1::EstimatePowerRequest>(service.load(name));
     const double truth = flux(large * (1 + 4e-14));
     for (const auto method :
          {v1::EstimatePowerRequest::METHOD_EXACT, v1::EstimatePowerRequest::METHOD_APPROXIMATE}) {
       request.set_method(method);
-      v1::EstimatePowerResponse answer;
-      const grpc::Status status =
-          status_of([&](auto* c) { return service.lighting.EstimatePower(c, request, &answer); });
-      ASSERT_TRUE(status.ok()) << status.error_message();
+      const auto answer = service.answer(request);
       sweep.compare(answer.total().rgb_lm().g(), truth, fmt::format("{} cd", large));
     }
     sweep.compare_textbook(textbook, truth);

@@ -13,7 +13,6 @@
 
 #include "server/rpc/services.h"
 #include "tests/server/extremes/wire_methods.h"
-#include "tests/server/rpc/service_fixture.h"
 
 namespace lucerna::testing {
 namespace {
@@ -33,50 +32,6 @@ std::string bytes_of(const std::vector<Number>& numbers) {
   std::string bytes(numbers.size() * sizeof(Number), '\0');
   std::memcpy(bytes.data(), numbers.data(), bytes.size());
   return bytes;
-}
-
-TEST(WrongNumbers, AreFoundInAPlainField) {
-  v1::RenewLeaseResponse r;
-  r.set_lease_s(0);
-  EXPECT_THAT(wrong_numbers(r), IsEmpty());
-  r.set_lease_s(kNan);
-  EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.RenewLeaseResponse.lease_s[0] = nan"));
-  r.set_lease_s(kInfinity);
-  EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.RenewLeaseResponse.lease_s[0] = inf"));
-  r.set_lease_s(-std::numeric_limits<double>::min());
-  EXPECT_EQ(wrong_numbers(r).size(), 1u);
-  r.set_lease_s(-0.0);  // not below 0
-  EXPECT_THAT(wrong_numbers(r), IsEmpty());
-}
-
-TEST(WrongNumbers, AreFoundInANestedMessage) {
-  v1::ListLightsResponse r;
-  r.add_lights()->mutable_point()->mutable_intensity_cd()->set_g(1);
-  v1::KeyFrame* key = r.add_lights()->mutable_motion()->add_key_frames();
-  key->mutable_position_m()->set_z(-3);
-  key->set_time_s(-1);
-  EXPECT_THAT(wrong_numbers(r), IsEmpty());
-  key->set_angle_rad(-1);
-  EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.KeyFrame.angle_rad[0] = -1"));
-  key->set_angle_rad(1);
-  key->mutable_position_m()->set_z(-kInfinity);
-  EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.Vector3.z[0] = -inf"));
-  key->mutable_position_m()->set_z(kNan);
-  EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.Vector3.z[0] = nan"));
-}
-
-TEST(WrongNumbers, AreFoundInARepeatedField) {
-  v1::SampleLiResponse r;
-  set(r.mutable_value(), 1, 2, 3, 4, 5, 6);
-  set(r.mutable_wi(), 0, 0, -1, 0, -1, 0);
-  EXPECT_THAT(wrong_numbers(r), IsEmpty());
-  r.set_value(5, -6);
-  EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.SampleLiResponse.value[5] = -6"));
-  r.set_value(5, std::numeric_limits<float>::infinity());
-  EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.SampleLiResponse.value[5] = inf"));
-  r.set_value(5, 6);
-  r.set_wi(3, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.SampleLiResponse.wi[3] = nan"));
 }
 
 TEST(WrongNumbers, AreFoundInTheBytesOfTilesAndStreamedPictures) {

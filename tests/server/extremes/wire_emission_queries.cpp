@@ -4,8 +4,7 @@
 namespace lucerna::testing {
 
 void WireQueries::sample_le(const v1::Light* light) {
-  v1::SampleLeRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::SampleLeRequest>(scene_id_);
   if (light != nullptr) q.set_light_id(light->id());
   q.set_count(static_cast<std::uint32_t>(batch()));
   const std::size_t n = q.count();
@@ -19,8 +18,7 @@ void WireQueries::sample_le(const v1::Light* light) {
   if (n_.chance(0.5)) q.set_time_s(n_.scalar());
   wavelengths(q.mutable_wavelengths_nm());
   v1::SampleLeResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.lighting.SampleLe(c, q, &r); });
-  if (!answered("SampleLe", s, q, r)) return;
+  if (!ask(q, &r)) return;
   const auto spectral = static_cast<std::size_t>(q.wavelengths_nm_size());
   expect("SampleLe", r.points().offsets_m_size(), 3 * n, "points");
   expect("SampleLe", r.directions_size(), 3 * n, "directions");
@@ -55,15 +53,13 @@ void WireQueries::sample_le(const v1::Light* light) {
 }
 
 void WireQueries::pdf_le(const v1::Light& light) {
-  v1::PdfLeRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::PdfLeRequest>(scene_id_);
   q.set_light_id(light.id());
   Items items = points(batch(), q.mutable_points());
   directions(q.mutable_directions(), items);
   if (n_.chance(0.5)) q.set_time_s(n_.scalar());
   v1::PdfLeResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.lighting.PdfLe(c, q, &r); });
-  if (!answered("PdfLe", s, q, r)) return;
+  if (!ask(q, &r)) return;
   expect("PdfLe", r.pdf_position_per_m2_size(), items.size(), "pdf_position_per_m2");
   expect("PdfLe", r.pdf_direction_per_sr_size(), items.size(), "pdf_direction_per_sr");
   const std::vector<v1::ItemStatus> status = statuses("PdfLe", r.status(), items, false);
@@ -75,16 +71,14 @@ void WireQueries::pdf_le(const v1::Light& light) {
 }
 
 void WireQueries::le(const v1::Light* light) {
-  v1::LeRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::LeRequest>(scene_id_);
   if (light != nullptr) q.set_light_id(light->id());
   Items items = points(batch(), q.mutable_points());
   directions(q.mutable_directions(), items, &q.points());
   if (n_.chance(0.5)) q.set_time_s(n_.scalar());
   wavelengths(q.mutable_wavelengths_nm(), true);
   v1::LeResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.lighting.Le(c, q, &r); });
-  if (!answered("Le", s, q, r)) return;
+  if (!ask(q, &r)) return;
   const auto spectral = static_cast<std::size_t>(q.wavelengths_nm_size());
   expect("Le", r.radiance_cd_m2_size(), 3 * items.size(), "radiance_cd_m2");
   expect("Le", r.light_ids_size(), items.size(), "light_ids");

@@ -4,8 +4,7 @@
 namespace lucerna::testing {
 
 void WireQueries::sample_li(const v1::Light* light) {
-  v1::SampleLiRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::SampleLiRequest>(scene_id_);
   int samples = 1;
   bool estimated = false;
   Items items = points(batch(), q.mutable_receivers());
@@ -35,8 +34,7 @@ void WireQueries::sample_li(const v1::Light* light) {
   wavelengths(q.mutable_wavelengths_nm(), q.test_visibility());
 
   v1::SampleLiResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
-  if (!answered("SampleLi", s, q, r)) return;
+  if (!ask(q, &r)) return;
   expect("SampleLi", r.has_estimates(), estimated, "messages of estimates");
   if (estimated) expect("SampleLi", r.estimates().samples_size(), items.size(), "counts");
   if (!failures_.empty()) return;
@@ -129,8 +127,7 @@ void WireQueries::estimates(const v1::ReceiverEstimates& r, const Items& items,
 }
 
 void WireQueries::pdf_li(const v1::Light& light) {
-  v1::PdfLiRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::PdfLiRequest>(scene_id_);
   q.set_light_id(light.id());
   Items items = points(batch(), q.mutable_receivers());
   directions(q.mutable_wi(), items, &q.receivers());
@@ -138,8 +135,7 @@ void WireQueries::pdf_li(const v1::Light& light) {
   if (n_.chance(0.4)) normals(q.mutable_normals(), items);
   methods(q.mutable_accuracy());
   v1::PdfLiResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); });
-  if (!answered("PdfLi", s, q, r)) return;
+  if (!ask(q, &r)) return;
   expect("PdfLi", r.pdf_per_sr_size(), items.size(), "pdf_per_sr");
   const std::vector<v1::ItemStatus> status = statuses("PdfLi", r.status(), items, false);
   for (std::size_t i = 0; i < items.size() && failures_.empty(); ++i)

@@ -6,8 +6,7 @@
 namespace lucerna::testing {
 
 void WireQueries::visibility() {
-  v1::TestVisibilityRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::TestVisibilityRequest>(scene_id_);
   Items items;
   if (n_.chance(0.5)) {
     const int n = batch();
@@ -34,8 +33,7 @@ void WireQueries::visibility() {
   if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
   if (n_.chance(0.5)) q.mutable_accuracy()->set_thin_glass(v1::THIN_GLASS_BLOCKS);
   v1::TestVisibilityResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.lighting.TestVisibility(c, q, &r); });
-  if (!answered("TestVisibility", s, q, r)) return;
+  if (!ask(q, &r)) return;
   expect("TestVisibility", r.count(), items.size(), "count");
   expect("TestVisibility", r.visible().size(), (items.size() + 7) / 8, "visible");
   if (!failures_.empty()) return;
@@ -70,8 +68,7 @@ void WireQueries::target_or_time(v1::Accuracy* out) {
 }
 
 void WireQueries::irradiance() {
-  v1::EstimateIrradianceRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::EstimateIrradianceRequest>(scene_id_);
   // An item has several samples of several rays each: 256 by default.
   const bool by_default = n_.chance(1.0 / 16);
   Items items =
@@ -87,9 +84,7 @@ void WireQueries::irradiance() {
   if (!by_default) stop_rule(q.mutable_accuracy());
   methods(q.mutable_accuracy());
   v1::EstimateIrradianceResponse r;
-  const grpc::Status s =
-      call([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); });
-  if (!answered("EstimateIrradiance", s, q, r)) return;
+  if (!ask(q, &r)) return;
   const std::size_t n = items.size();
   const auto spectral = static_cast<std::size_t>(q.wavelengths_nm_size());
   expect("EstimateIrradiance", r.irradiance_lx_size(), 3 * n, "irradiance_lx");

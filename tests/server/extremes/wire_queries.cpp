@@ -10,21 +10,15 @@ namespace lucerna::testing {
 WireQueries::WireQueries(Service& service, ExtremeNumbers& numbers, const WireScene& scene,
                          int batch)
     : service_(service), n_(numbers), scene_(scene), scene_id_(scene.id), batch_(batch) {
-  v1::ListLightsRequest list;
-  list.set_scene_id(scene_id_);
+  auto list = about<v1::ListLightsRequest>(scene_id_);
   v1::ListLightsResponse lights;
-  const grpc::Status listed =
-      call([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); });
-  answered("ListLights", listed, list, lights);
+  ask(list, &lights);
   lights_.assign(lights.lights().begin(), lights.lights().end());
   count("ListLights", lights_.size());
 
-  v1::GetSceneRequest get;
-  get.set_scene_id(scene_id_);
+  auto get = about<v1::GetSceneRequest>(scene_id_);
   v1::GetSceneResponse got_scene;
-  const grpc::Status got =
-      call([&](auto* c) { return service_.scenes.GetScene(c, get, &got_scene); });
-  answered("GetScene", got, get, got_scene);
+  ask(get, &got_scene);
   summary_ = got_scene.summary();
   count("GetScene", 1);
 
@@ -70,8 +64,7 @@ void WireQueries::query_points() {
 
 /// The power of all lights, page by page, or of some lights, one of them possibly twice.
 void WireQueries::power(bool all) {
-  v1::EstimatePowerRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::EstimatePowerRequest>(scene_id_);
   if (!all && !lights_.empty())
     for (std::uint64_t n = 1 + n_.below(8); n > 0; --n) q.add_light_ids(n_.one_of(lights_).id());
   std::vector<std::uint64_t> requested(q.light_ids().begin(), q.light_ids().end());
@@ -86,8 +79,7 @@ void WireQueries::power(bool all) {
   std::size_t listed = 0;
   do {
     v1::EstimatePowerResponse r;
-    const grpc::Status s = call([&](auto* c) { return service_.lighting.EstimatePower(c, q, &r); });
-    if (!answered("EstimatePower", s, q, r)) return;
+    if (!ask(q, &r)) return;
     hold(r.has_total(), "EstimatePower", listed, "no total");
     for (const v1::LightPower& power : r.lights()) {
       hold(listed < requested.size() && power.light_id() == requested[listed], "EstimatePower",
@@ -104,8 +96,7 @@ void WireQueries::power(bool all) {
 
 void WireQueries::query_edit() {
   if (lights_.empty()) return;
-  v1::EditLightsRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::EditLightsRequest>(scene_id_);
   v1::LightChange& change = *q.add_edits()->mutable_change();
   change.set_light_id(lights_[n_.below(lights_.size())].id());
   if (n_.chance(0.5)) change.set_scale(double{n_.component()});
@@ -117,7 +108,7 @@ void WireQueries::query_edit() {
     change.mutable_placement()->set_turn_rad(double{n_.component()});
   }
   v1::EditLightsResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.scenes.EditLights(c, q, &r); });
+  const grpc::Status s = send(q, &r);
   count("EditLights", 1);
   if (!s.ok()) {
     hold(s.error_code() == grpc::StatusCode::INVALID_ARGUMENT, "EditLights", 0,
@@ -125,27 +116,21 @@ void WireQueries::query_edit() {
     return;
   }
   if (!answered("EditLights", s, q, r) || r.scene_id() == scene_id_) return;
-  v1::ListLightsRequest list;
-  list.set_scene_id(r.scene_id());
+  auto list = about<v1::ListLightsRequest>(r.scene_id());
   v1::ListLightsResponse lights;
-  const grpc::Status listed =
-      call([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); });
-  answered("ListLights", listed, list, lights);
-  v1::ReleaseSceneRequest end;
-  end.set_scene_id(r.scene_id());
+  ask(list, &lights);
+  auto end = about<v1::ReleaseSceneRequest>(r.scene_id());
   v1::ReleaseSceneResponse ended;
-  const grpc::Status e =
-      call([&](auto* c) { return service_.scenes.ReleaseScene(c, end, &ended); });
+  const grpc::Status e = send(end, &ended);
   hold(e.ok(), "ReleaseScene", 0, e.error_message());
 }
 
 void WireQueries::query_lease() {
-  v1::RenewLeaseRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::RenewLeaseRequest>(scene_id_);
   q.set_lease_s(n_.chance(0.5) ? double{n_.component()}
                                : n_.with_sign(n_.magnitude(1e-300, 1e300)));
   v1::RenewLeaseResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.scenes.RenewLease(c, q, &r); });
+  const grpc::Status s = send(q, &r);
   count("RenewLease", 1);
   if (!(q.lease_s() > 0) || !std::isfinite(q.lease_s())) {
     hold(s.error_code() == grpc::StatusCode::INVALID_ARGUMENT, "RenewLease", 0,
@@ -156,17 +141,13 @@ void WireQueries::query_lease() {
 
   v1::ListScenesRequest list;
   v1::ListScenesResponse scenes;
-  const grpc::Status listed =
-      call([&](auto* c) { return service_.scenes.ListScenes(c, list, &scenes); });
-  answered("ListScenes", listed, list, scenes);
+  ask(list, &scenes);
   count("ListScenes", scenes.scenes_size());
 
-  v1::ReleaseSceneRequest end;
-  end.set_scene_id(scene_id_);
+  auto end = about<v1::ReleaseSceneRequest>(scene_id_);
   end.set_lease_id(r.lease_id());
   v1::ReleaseSceneResponse ended;
-  const grpc::Status e =
-      call([&](auto* c) { return service_.scenes.ReleaseScene(c, end, &ended); });
+  const grpc::Status e = send(end, &ended);
   // The shortest leases have expired by now.
   hold(e.ok() || e.error_code() == grpc::StatusCode::NOT_FOUND, "ReleaseScene", 0,
        e.error_message());
@@ -179,14 +160,13 @@ void WireQueries::send_invalid() {
          "refusal", 0, fmt::format("{}: {} {}", field, int(s.error_code()), s.error_message()));
   };
   if (lights_.empty()) return;
-  v1::SampleLiRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::SampleLiRequest>(scene_id_);
   q.mutable_receivers()->mutable_offsets_m()->Resize(3, 1);
   q.mutable_u()->mutable_u()->Resize(2, 0.5F);
   q.set_light_id(lights_[0].id());
   const auto sample = [&] {
     v1::SampleLiResponse r;
-    return call([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
+    return send(q, &r);
   };
   const double bad = n_.chance(0.5) ? NAN : n_.with_sign(INFINITY);
   q.mutable_receivers()->mutable_origin_m()->set_y(bad);

@@ -113,6 +113,17 @@ class WireQueries {
     context.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(2));
     return invoke(&context);
   }
+  template <typename Request>
+  grpc::Status send(const Request& request, ResponseTo<Request>* response) {
+    return call([&](grpc::ClientContext* c) { return service_.call(c, request, response); });
+  }
+  /// Sends a request, and checks its answer as `answered` does.
+  template <typename Request>
+  bool ask(const Request& request, ResponseTo<Request>* response) {
+    std::string name = Request::descriptor()->name();
+    name.resize(name.size() - std::string("Request").size());
+    return answered(name, send(request, response), request, *response);
+  }
   /// Whether the call was answered.  Checks the numbers of the answer first.
   bool answered(const std::string& name, const grpc::Status& status,
                 const google::protobuf::Message& request,

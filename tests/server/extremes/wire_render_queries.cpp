@@ -59,8 +59,7 @@ void WireQueries::tile_holds(const std::string& name, const v1::Tile& tile,
 }
 
 void WireQueries::tile() {
-  v1::RenderTileRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::RenderTileRequest>(scene_id_);
   q.set_seed(n_.seed());
   bounces(&q);
   methods(q.mutable_accuracy());
@@ -92,14 +91,12 @@ void WireQueries::tile() {
     rect.set_y1(summary_.image_height());
   }
   v1::RenderTileResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
-  if (answered("RenderTile", s, q, r))
+  if (ask(q, &r))
     tile_holds("RenderTile", r.tile(), rect, q.accuracy().has_target_error(), q.intervals());
 }
 
 void WireQueries::image() {
-  v1::RenderImageRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::RenderImageRequest>(scene_id_);
   q.set_seed(n_.seed());
   bounces(&q);
   methods(q.mutable_accuracy());
@@ -146,8 +143,7 @@ void WireQueries::image() {
 
 /// Places on the picture, at its edges, beside it, and numbers of any size.
 void WireQueries::surfaces() {
-  v1::FindSurfacesRequest q;
-  q.set_scene_id(scene_id_);
+  auto q = about<v1::FindSurfacesRequest>(scene_id_);
   if (n_.chance(0.5)) q.set_time_s(n_.chance(0.5) ? 0.5 : 0);
   Items items(static_cast<std::size_t>(batch()));
   for (Item& item : items) {
@@ -162,8 +158,7 @@ void WireQueries::surfaces() {
     }
   }
   v1::FindSurfacesResponse r;
-  const grpc::Status s = call([&](auto* c) { return service_.render.FindSurfaces(c, q, &r); });
-  if (!answered("FindSurfaces", s, q, r)) return;
+  if (!ask(q, &r)) return;
   expect("FindSurfaces", r.points().offsets_m_size(), 3 * items.size(), "offsets");
   expect("FindSurfaces", r.normals_size(), 3 * items.size(), "numbers of normals");
   expect("FindSurfaces", r.found().size(), (items.size() + 7) / 8, "bytes of found");

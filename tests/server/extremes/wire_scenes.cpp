@@ -90,11 +90,8 @@ WireScene WireScenes::load(std::uint64_t number, ExtremeNumbers& numbers) {
 }
 
 void WireScenes::release(const std::string& id) {
-  v1::ReleaseSceneRequest request;
-  request.set_scene_id(id);
-  v1::ReleaseSceneResponse response;
-  const grpc::Status s =
-      status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, request, &response); });
+  auto request = about<v1::ReleaseSceneRequest>(id);
+  const grpc::Status s = service_.status(request);
   EXPECT_TRUE(s.ok() || s.error_code() == grpc::StatusCode::NOT_FOUND) << s.error_message();
 }
 
@@ -113,8 +110,7 @@ grpc::Status WireScenes::load_text(const std::vector<SceneLine>& lines, bool upl
   else
     request.set_path(kMain);
   v1::LoadSceneResponse response;
-  const grpc::Status s =
-      status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, &response); });
+  const grpc::Status s = service_.call(request, &response);
   ++items_["LoadScene"];
   *id = response.scene_id();
   for (const std::string& wrong : wrong_numbers(response)) ADD_FAILURE() << wrong;
@@ -132,9 +128,7 @@ void WireScenes::upload(v1::SceneManifest* manifest) {
   }
   manifest->set_main(kMain);
   v1::FindMissingAssetsResponse missing;
-  expect_answer(
-      status_of([&](auto* c) { return service_.scenes.FindMissingAssets(c, find, &missing); }),
-      missing);
+  expect_answer(service_.call(find, &missing), missing);
   ++items_["FindMissingAssets"];
   const std::set<std::string> wanted(missing.missing_sha256().begin(),
                                      missing.missing_sha256().end());
