@@ -27,9 +27,7 @@ AreaLight needle(const ReferenceTable::Row& row) {
   DiffuseEmission emission;
   emission.radiance_cd_m2 = Rgb(1);
   emission.two_sided = true;
-  auto light = AreaLight::create(emission, *TriangleMesh::create({t}));
-  if (!light.ok()) throw std::runtime_error(light.status().ToString());
-  return *std::move(light);
+  return value_of(AreaLight::create(emission, *TriangleMesh::create({t})));
 }
 
 /// Heron's formula, in float.

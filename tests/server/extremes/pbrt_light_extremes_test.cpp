@@ -23,12 +23,9 @@ using Row = ReferenceTable::Row;
 
 /// The only light of a .pbrt file, in world space.
 std::shared_ptr<const Light> light_in(const std::string& text) {
-  const auto scene = load_world(text);
-  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
-  auto light = scene->lights.empty() ? create_area_light(scene->shapes.at(0), {})
-                                     : create_light(scene->lights.at(0), {});
-  if (!light.ok()) throw std::runtime_error(light.status().ToString());
-  return *std::move(light);
+  const auto scene = value_of(load_world(text));
+  return value_of(scene.lights.empty() ? create_area_light(scene.shapes.at(0), {})
+                                       : create_light(scene.lights.at(0), {}));
 }
 
 LightSample sample(const std::shared_ptr<const Light>& light, const Receiver& receiver,

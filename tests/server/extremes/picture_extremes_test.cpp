@@ -162,11 +162,9 @@ TEST(PictureExtremes, SingleLitRowsThroughAPortal) {
     const SceneFiles folder;
     folder.write("row.pfm", pfm(1, 20'000, values));
     folder.write("scene.pbrt", "WorldBegin\n" + text_of(light, "row.pfm"));
-    const auto description = folder.load("scene.pbrt");
-    ASSERT_TRUE(description.ok()) << description.status();
+    const auto description = value_of(folder.load("scene.pbrt"));
     const auto portal =
-        PortalLight::create(std::get<PortalLightParams>(description->lights.at(0).params));
-    ASSERT_TRUE(portal.ok()) << portal.status();
+        value_of(PortalLight::create(std::get<PortalLightParams>(description.lights.at(0).params)));
     // All around the ring of the row, from a point that sees all of it.
     const Vec3 receiver{0.1, 0.2, 1.999999};
     const auto angle_seen = [&](double at) {
@@ -178,10 +176,10 @@ TEST(PictureExtremes, SingleLitRowsThroughAPortal) {
       const double azimuth = k * kPi / 8;
       const Vec3 w{std::sin(polar) * std::cos(azimuth), std::cos(polar),
                    std::sin(polar) * std::sin(azimuth)};
-      if (portal->le_escaped(receiver, w).is_black()) continue;
+      if (portal.le_escaped(receiver, w).is_black()) continue;
       // Even over the angles alpha, beta of (tan alpha, tan beta, 1).
       const double even = w.z / ((1 - w.x * w.x) * (1 - w.y * w.y) * window);
-      const double share = portal->pdf_li(receiver, w).per_sr / even;
+      const double share = portal.pdf_li(receiver, w).per_sr / even;
       sweep.answer(share > (1 - 1e-9) / 16 ? "1/16 or more" : "less: " + std::to_string(share));
     }
   }
@@ -278,6 +276,11 @@ TEST(PictureExtremes, InvalidPictures) {
   const std::string grey_infinite = written("a.exr", two, std::vector<float>(8, kInfinity));
   // More than a float holds.
   const std::string beyond = written("a.tif", doubles, std::vector<double>(12, 1e300));
+  OIIO::ImageSpec normals(4, 4, 3, OIIO::TypeDesc::FLOAT);
+  const OIIO::ImageSpec codes(4, 4, 3, OIIO::TypeDesc::UINT8);
+  const std::string exr = written("a.exr", normals, std::vector<float>(48, 1));
+  const std::string png = written("a.png", codes, std::vector<std::uint8_t>(48, 200));
+  normals.channelnames = {"n.x", "n.y", "n.z"};
   const std::pair<std::string, std::string> kFiles[] = {
       {"none.pfm", "PF\n0 0\n-1.0\n"},
       {"flat.pfm", "PF\n4 0\n-1.0\n"},
@@ -293,6 +296,9 @@ TEST(PictureExtremes, InvalidPictures) {
       {"beyond.tif", beyond},
       {"codes.tif", written("a.tif", whole_numbers, std::vector<std::uint32_t>(12, 7))},
       {"short.pfm", whole.substr(0, whole.size() - 1)},
+      {"short.exr", exr.substr(0, exr.size() / 2)},
+      {"short.png", png.substr(0, png.size() / 2)},
+      {"normals.exr", written("a.exr", normals, std::vector<float>(48, 1))},
       {"empty.exr", ""},
       {"words.png", "no picture"},
   };

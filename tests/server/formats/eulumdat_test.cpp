@@ -352,6 +352,13 @@ TEST(Eulumdat, ErrorsNameLineAndAllowedValues) {
   f = {};
   f.intensities[1] = "-5";
   EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:48: an intensity per 1000 lm = -5"));
+  f.intensities[1] = "nan";
+  EXPECT_EQ(ldt_error(f.text()),
+            "lamp.ldt:48: an intensity per 1000 lm is \"nan\", allowed: a finite number");
+  f = {};
+  f.symmetry = f.mc = 0;
+  EXPECT_EQ(ldt_error(f.text()),
+            "lamp.ldt:4: the number Mc of C-planes = 0, allowed: a positive whole number");
   EXPECT_THAT(ldt_error("made up\n"), HasSubstr("the file ends before the symmetry Isym (line 3)"));
 }
 

@@ -326,6 +326,9 @@ TEST(Ies, ErrorsNameLineAndAllowedValues) {
               StartsWith("lamp.ies:5: lumens per lamp is \"x\", allowed: a finite number"));
   EXPECT_THAT(with(&Ies::lamps, "1 nan 1"), HasSubstr("is \"nan\""));
   EXPECT_THAT(with(&Ies::counts, "2.5 1"), HasSubstr("the number of vertical angles = 2.5"));
+  EXPECT_THAT(with(&Ies::counts, "0 1"), HasSubstr("vertical angles = 0, allowed: 2 or more"));
+  EXPECT_THAT(with(&Ies::counts, "3 1.5"),
+              HasSubstr("horizontal angles = 1.5, allowed: 1 or more"));
   EXPECT_THAT(with(&Ies::units, "3 0 0 0\n"),
               HasSubstr("units = 3, allowed: 1 (feet), 2 (metres)"));
   EXPECT_EQ(with(&Ies::ballast, "-1 1 10\n"),
@@ -340,6 +343,8 @@ TEST(Ies, ErrorsNameLineAndAllowedValues) {
           "lamp.ies:7: vertical angle 3 = 40 degrees, allowed: more than the previous angle"));
   EXPECT_THAT(with(&Ies::candela, "100 50 -10\n"),
               StartsWith("lamp.ies:9: candela value 3 = -10, allowed: finite, not neg"));
+  EXPECT_THAT(with(&Ies::candela, "100 1e999 10\n"),
+              StartsWith("lamp.ies:9: candela value 2 is \"1e999\", allowed: a finite number"));
   EXPECT_EQ(with(&Ies::candela, "100 50"), "lamp.ies:9: the file ends before candela value 3");
   EXPECT_THAT(ies_error(""), StartsWith("lamp.ies:0: no line \"TILT=\""));
   Ies more;

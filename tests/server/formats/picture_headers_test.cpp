@@ -247,10 +247,9 @@ TEST(PictureHeaders, OrientationsInExifTurnThePicture) {
        {std::pair<std::string, std::string>{"a.webp", webp_with_exif(exif(6))},
         {"b.webp", webp_with_exif(std::string("Exif\0\0", 6) + exif(6))},
         {"a.png", png_with(png_chunk("eXIf", exif(6)))}}) {
-    const auto d = decode_image({name, bytes});
-    ASSERT_TRUE(d.ok()) << d.status();
-    EXPECT_EQ(d->image->width(), 2) << name;
-    EXPECT_EQ(d->image->height(), 3) << name;
+    const auto d = testing::value_of(decode_image({name, bytes}));
+    EXPECT_EQ(d.image->width(), 2) << name;
+    EXPECT_EQ(d.image->height(), 3) << name;
   }
   for (const std::string& block : {exif(1), exif(0), exif(9), exif(6).substr(0, 12), std::string()})
     EXPECT_EQ(decoded_picture(webp_with_exif(block)).image->width(), 3);

@@ -73,9 +73,7 @@ inline std::string exr_parts(const std::vector<OIIO::ImageSpec>& specs,
 }
 
 inline DecodedImage decoded_picture(const std::string& bytes, Encoding encoding = kSrgb) {
-  auto d = decode_image({"a.hdr", bytes}, {.encoding = encoding});
-  if (!d.ok()) throw std::runtime_error(message(d.status()));
-  return *std::move(d);
+  return value_of(decode_image({"a.hdr", bytes}, {.encoding = encoding}));
 }
 
 inline Rgbf first_texel(const std::string& bytes, Encoding encoding = kSrgb) {

@@ -112,9 +112,8 @@ TEST(GltfLuminaires, ShineAlongMinusZ) {
   const GltfFiles files;
   files.write("scene.gltf", file.text());
   files.write("lamp.ies", kIes);
-  const auto scene = files.load("scene.gltf");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  const auto& light = std::get<GoniometricLightParams>(scene->lights.at(0).params);
+  const auto scene = testing::value_of(files.load("scene.gltf"));
+  const auto& light = std::get<GoniometricLightParams>(scene.lights.at(0).params);
   EXPECT_EQ(light.position_m, Point(1, 2, 3));
   EXPECT_EQ(light.intensity, Rgb(2, 1, 1));
   const GoniometricIntensity intensity(light);
@@ -141,9 +140,8 @@ TEST(GltfLuminaires, TypesAAndBHaveTheirAnglesAboutMinusZ) {
     files.write("scene.gltf", file.text());
     files.write("lamp.ies", std::string("IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 3 ") + type +
                                 " 2 0 0 0\n1 1 50\n-90 0 90\n-90 0 90\n" + candela);
-    const auto scene = files.load("scene.gltf");
-    ASSERT_TRUE(scene.ok()) << scene.status();
-    const GoniometricIntensity light(std::get<GoniometricLightParams>(scene->lights.at(0).params));
+    const auto scene = testing::value_of(files.load("scene.gltf"));
+    const GoniometricIntensity light(std::get<GoniometricLightParams>(scene.lights.at(0).params));
     const auto at = [&](double x, double y) { return light.intensity({x, y, -1e-9}).r; };
     EXPECT_NEAR(light.intensity({0, 0, -1}).r, 9, 1e-6);
     EXPECT_NEAR(at(1, 0), 5, 1e-6) << "V = 90, type " << type;
@@ -192,9 +190,8 @@ TEST(GltfEnvironments, FacesPointAlongTheirAxes) {
   GltfFile file;
   const GltfFiles files;
   files.write("scene.gltf", environment(file, files, 255));
-  const auto scene = files.load("scene.gltf");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  const auto& sky = std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
+  const auto scene = testing::value_of(files.load("scene.gltf"));
+  const auto& sky = std::get<ImageInfiniteLightParams>(scene.lights.at(0).params);
   EXPECT_EQ(sky.radiance_cd_m2, Rgb(10.0));
   const auto at = [&](const Point& w) {
     return sky.map->lookup(MapAxes(sky.world_from_map).map_from_world(w));
@@ -210,11 +207,10 @@ TEST(GltfEnvironments, AlphaDividesTheColour) {
   GltfFile file;
   const GltfFiles files;
   files.write("scene.gltf", environment(file, files, 51));  // a fifth
-  const auto scene = files.load("scene.gltf");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  const auto& sky = std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
+  const auto scene = testing::value_of(files.load("scene.gltf"));
+  const auto& sky = std::get<ImageInfiniteLightParams>(scene.lights.at(0).params);
   EXPECT_NEAR(sky.map->brightest().r, 5, 1e-6);
-  EXPECT_THAT(gltf_remarks(*scene), Not(HasSubstr("alpha")));
+  EXPECT_THAT(gltf_remarks(scene), Not(HasSubstr("alpha")));
 }
 
 TEST(GltfEnvironments, NegativeTexelsAreReported) {
@@ -224,9 +220,8 @@ TEST(GltfEnvironments, NegativeTexelsAreReported) {
   file.json["images"][5]["uri"] = "face5.pfm";
   files.write("face5.pfm", "PF\n1 1\n-1.0\n" + testing::bytes_of(std::vector<float>{1, -2, 3}));
   files.write("scene.gltf", file.text());
-  const auto scene = files.load("scene.gltf");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_THAT(gltf_remarks(*scene), HasSubstr("1 texel with a value below 0"));
+  const auto scene = testing::value_of(files.load("scene.gltf"));
+  EXPECT_THAT(gltf_remarks(scene), HasSubstr("1 texel with a value below 0"));
 }
 
 // A picture of two texels across: each face is upright and not mirrored from the inside.
@@ -240,9 +235,8 @@ TEST(GltfEnvironments, FacesAreNotMirrored) {
     files.write("face" + std::to_string(f) + ".png", png(2, 2, std::vector<std::uint8_t>(16, 0)));
   file.json["extensions"]["EXT_lights_image_based"]["lights"][0]["specularImageSize"] = 2;
   files.write("scene.gltf", file.text());
-  const auto scene = files.load("scene.gltf");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  const auto& sky = std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
+  const auto scene = testing::value_of(files.load("scene.gltf"));
+  const auto& sky = std::get<ImageInfiniteLightParams>(scene.lights.at(0).params);
   const auto at = [&](const Point& w) { return sky.map->lookup(normalized(w)); };
   EXPECT_GT(at({-0.5, 0.5, -1}).r, 0.9);
   EXPECT_GT(at({0.5, 0.5, -1}).b, 0.9);
@@ -328,11 +322,10 @@ TEST(GltfRooms, HaveTheSameLuxAsInPbrt) {
   const GltfFiles files;
   files.write("room.pbrt", kRoom);
   auto reader = AssetReader::open(files.path().string());
-  auto pbrt = load_pbrt(*reader, "room.pbrt");
-  ASSERT_TRUE(pbrt.ok()) << pbrt.status();
+  auto pbrt = testing::value_of(load_pbrt(*reader, "room.pbrt"));
   const SceneDescription gltf = room().scene();
   for (const std::uint32_t bounces : {0U, 2U}) {
-    const auto expected = lux(*pbrt, bounces), found = lux(gltf, bounces);
+    const auto expected = lux(pbrt, bounces), found = lux(gltf, bounces);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const Rgb e(expected[i].irradiance_lx), f(found[i].irradiance_lx);
       EXPECT_GT(e.g, 100);

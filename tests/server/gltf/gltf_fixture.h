@@ -17,6 +17,7 @@
 
 #include "server/gltf/load.h"
 #include "tests/temp_directory.h"
+#include "tests/value_of.h"
 
 namespace lucerna::testing {
 

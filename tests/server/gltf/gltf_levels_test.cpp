@@ -59,17 +59,16 @@ void write_every_kind(const GltfFiles& files) {
 void expect_factors(const LevelFactors& given, double lamps, double suns, double emission) {
   const GltfFiles files;
   write_every_kind(files);
-  const auto scene = files.load("scene.gltf", given);
-  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto scene = testing::value_of(files.load("scene.gltf", given));
   const Rgb level(2, 1, 0.5);
-  ASSERT_EQ(scene->lights.size(), 5U);
-  const auto& lights = scene->lights;
+  ASSERT_EQ(scene.lights.size(), 5U);
+  const auto& lights = scene.lights;
   EXPECT_EQ(std::get<PointLightParams>(lights[0].params).intensity_cd, level * lamps);
   EXPECT_EQ(std::get<SpotLightParams>(lights[1].params).intensity_cd, level * lamps);
   EXPECT_EQ(std::get<DistantLightParams>(lights[2].params).illuminance_lx, level * suns);
   EXPECT_EQ(std::get<GoniometricLightParams>(lights[3].params).intensity, level);
   EXPECT_EQ(std::get<ImageInfiniteLightParams>(lights[4].params).radiance_cd_m2, Rgb(2 * emission));
-  EXPECT_EQ(scene->shapes.at(0).emission->radiance_cd_m2, level * emission);
+  EXPECT_EQ(scene.shapes.at(0).emission->radiance_cd_m2, level * emission);
 }
 
 TEST(GltfLevels, StandardFilesNeed683ForEmission) {

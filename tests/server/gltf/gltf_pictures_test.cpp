@@ -35,16 +35,14 @@ void add_picture(GltfFile& file, const std::string& bytes) {
 }
 
 TEST(GltfPictureFormats, TheFirstBytesDecideAndNotTheName) {
-  auto assets = AssetReader::open(test_data("pictures"));
-  ASSERT_TRUE(assets.ok()) << assets.status();
-  const auto scene = load_gltf(*assets, "gltf_png_named_jpg.gltf", {}, {}, {});
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  const auto& emission = scene->shapes.at(0).emission;
+  auto assets = testing::value_of(AssetReader::open(test_data("pictures")));
+  const auto scene = testing::value_of(load_gltf(assets, "gltf_png_named_jpg.gltf", {}, {}, {}));
+  const auto& emission = scene.shapes.at(0).emission;
   ASSERT_TRUE(emission && emission->picture);
   // pi times the area of 4 m2 times the mean of the texels is 6.319 lm.
   EXPECT_NEAR(kPi * 4 * luminance(emission->picture->image->mean()), 6.319, 1e-3);
   EXPECT_EQ(
-      gltf_remarks(*scene),
+      gltf_remarks(scene),
       "gltf_png_named_jpg.gltf: the scene has no camera -> one at the origin that looks along "
       "-z\n");
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "server/scene/scene.h"
-#include "tests/server/pbrt/pbrt_fixture.h"
+#include "tests/server/formats/picture_texts.h"
 
 namespace lucerna {
 namespace {
@@ -18,17 +18,18 @@ using testing::remarks_of;
 using testing::SceneFiles;
 
 /// Two by two texels: 1 2 above, 3 4 below.
-std::string four_texels() {
-  std::string bytes = "PF\n2 2\n-1.0\n";
-  for (const float v : {3.F, 4.F, 1.F, 2.F})  // from the bottom
-    for (int channel = 0; channel < 3; ++channel)
-      bytes.append(reinterpret_cast<const char*>(&v), sizeof v);
-  return bytes;
-}
+std::string four_texels() { return testing::pfm(2, 2, {1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4}); }
 
-absl::StatusOr<SceneDescription> load_pictured(const std::string& world) {
+/// A downlight that is brighter in plane C0 than in C90 and emits a little upwards.
+const std::string kPanelIes =
+    "IESNA:LM-63-2002\n[TEST] none\n[TESTLAB] none\n[ISSUEDATE] 2024\n[MANUFAC] none\nTILT=NONE\n"
+    "1 1000 1 5 3 1 2 0.6 0.6 0\n1 1 10\n0 45 90 135 180\n0 90 180\n"
+    "100 90 0 0 10\n100 50 0 0 10\n100 30 0 0 10\n";
+
+absl::StatusOr<SceneDescription> load_lights(const std::string& world) {
   const SceneFiles files;
   files.write("four.pfm", four_texels());
+  files.write("lamp.ies", kPanelIes);
   // A quad in the form of three programs, with its picture rotated by 180 degrees.
   files.write("quad.ply",
               "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
@@ -52,11 +53,8 @@ float shown(const Scene& scene, const Vec3& world) {
 }
 
 std::shared_ptr<const Scene> scene_of(const std::string& world) {
-  auto description = load_pictured(world);
-  if (!description.ok()) throw std::runtime_error(message(description.status()));
-  auto scene = Scene::build(*std::move(description));
-  if (!scene.ok()) throw std::runtime_error(message(scene.status()));
-  return *scene;
+  auto description = testing::value_of(load_lights(world));
+  return testing::value_of(Scene::build(std::move(description)));
 }
 
 TEST(PbrtAreaImages, LieOnPatchesByTheirCorners) {
@@ -126,29 +124,16 @@ TEST(PbrtAreaImages, PowerIsThatOfTheWholeLikeInPbrt4) {
   };
   // At level 1: pi A times the mean of 2.5.
   EXPECT_NEAR(lumens(*scene_of(kImage + kPatch)), 2.5 * kPi, 1e-6);
-  const auto patch = load_pictured(kImage + "\"float power\" 50 \"bool twosided\" true " + kPatch);
+  const auto patch = load_lights(kImage + "\"float power\" 50 \"bool twosided\" true " + kPatch);
   EXPECT_EQ(remarks_of(*patch), "");
   EXPECT_NEAR(lumens(*scene_of(kImage + "\"float power\" 50 \"bool twosided\" true " + kPatch)), 50,
               1e-4);
   // On a disk v < 1/2 (texels 3 and 4) has three quarters of the area.
   const std::string disk = kImage + "\"float power\" 50 Shape \"disk\"";
   EXPECT_NEAR(lumens(*scene_of(disk)), 50 * (3.5 * 0.75 + 1.5 * 0.25) / 2.5, 1e-4);
-  EXPECT_THAT(remarks_of(*load_pictured(disk)),
+  EXPECT_THAT(remarks_of(*load_lights(disk)),
               HasSubstr("\"power\" of a picture on a shape that shows its texels on unequal areas "
                         "-> that of the picture's mean, the same as in pbrt-v4"));
-}
-
-TEST(PbrtAreaImages, TheSceneCountsThePictureOnce) {
-  const auto scene = scene_of(kImage + kPatch + "Translate 2 0 0 " + kPatch);
-  ASSERT_EQ(scene->lights().size(), 2U);
-  int parts = 0;
-  for (const ScenePart& part : scene->parts())
-    if (part.name == "images") {
-      ++parts;
-      EXPECT_EQ(part.why, "1 pictures of lights");
-      EXPECT_GE(part.bytes, 4 * sizeof(Rgbf));
-    }
-  EXPECT_EQ(parts, 1);
 }
 
 TEST(PbrtAreaImages, ErrorsHaveTheirPlace) {
@@ -169,7 +154,7 @@ TEST(PbrtAreaImages, ErrorsHaveTheirPlace) {
        "the brightest texel of four.pfm times the light's level = (4e+38"},
   };
   for (const auto& [world, expected] : kCases) {
-    auto scene = load_pictured(world);
+    auto scene = load_lights(world);
     absl::Status status = scene.status();
     if (scene.ok()) status = Scene::build(*std::move(scene)).status();
     EXPECT_THAT(message(status), HasSubstr(expected)) << world;
@@ -178,28 +163,6 @@ TEST(PbrtAreaImages, ErrorsHaveTheirPlace) {
 }
 
 // ---- Profiles: the photometry of luminaires on flat shapes. ----
-
-/// A downlight that is brighter in plane C0 than in C90 and emits a little upwards.
-const std::string kPanelIes =
-    "IESNA:LM-63-2002\n[TEST] none\n[TESTLAB] none\n[ISSUEDATE] 2024\n[MANUFAC] none\nTILT=NONE\n"
-    "1 1000 1 5 3 1 2 0.6 0.6 0\n1 1 10\n0 45 90 135 180\n0 90 180\n"
-    "100 90 0 0 10\n100 50 0 0 10\n100 30 0 0 10\n";
-
-absl::StatusOr<SceneDescription> load_panel(const std::string& world) {
-  const SceneFiles files;
-  files.write("lamp.ies", kPanelIes);
-  files.write("four.pfm", four_texels());
-  files.write("scene.pbrt", "WorldBegin\n" + world);
-  return files.load("scene.pbrt");
-}
-
-std::shared_ptr<const Scene> panel_scene(const std::string& world) {
-  auto description = load_panel(world);
-  if (!description.ok()) throw std::runtime_error(message(description.status()));
-  auto scene = Scene::build(*std::move(description));
-  if (!scene.ok()) throw std::runtime_error(message(scene.status()));
-  return *scene;
-}
 
 const std::string kProfile = "AreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" ";
 
@@ -222,7 +185,7 @@ TEST(PbrtPanels, TakeTheirAxesFromTheShape) {
         std::string("Shape \"trianglemesh\" \"point3 P\" [0 0 0 2 0 0 2 1 0 0 1 0] "
                     "\"integer indices\" [0 1 2 0 2 3]"),
         std::string("Shape \"disk\" \"float radius\" 2")}) {
-    const auto scene = panel_scene(kProfile + shape);
+    const auto scene = scene_of(kProfile + shape);
     EXPECT_NEAR(intensity(*scene, {0, 0, 1}), 100, 1e-3) << shape;
     EXPECT_NEAR(intensity(*scene, {kSlant, 0, kSlant}), 90, 1e-3) << shape;
     EXPECT_NEAR(intensity(*scene, {-kSlant, 0, kSlant}), 30, 1e-3) << shape;
@@ -231,15 +194,15 @@ TEST(PbrtPanels, TakeTheirAxesFromTheShape) {
     EXPECT_EQ(intensity(*scene, {0, 0, -1}), 0) << shape;
   }
   // Flipped about dp/du.
-  const auto over = panel_scene(kProfile + "ReverseOrientation " +
-                                "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0]");
+  const auto over = scene_of(kProfile + "ReverseOrientation " +
+                             "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0]");
   EXPECT_NEAR(intensity(*over, {kSlant, 0, -kSlant}), 90, 1e-3);
   EXPECT_NEAR(intensity(*over, {-kSlant, 0, -kSlant}), 30, 1e-3);
   // The (u, v) of the vertices let u run along -y.
-  const auto by_uv = panel_scene(kProfile +
-                                 "Shape \"bilinearmesh\" "
-                                 "\"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0] "
-                                 "\"point2 uv\" [1 0 1 1 0 0 0 1]");
+  const auto by_uv = scene_of(kProfile +
+                              "Shape \"bilinearmesh\" "
+                              "\"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0] "
+                              "\"point2 uv\" [1 0 1 1 0 0 0 1]");
   EXPECT_NEAR(intensity(*by_uv, {0, -kSlant, kSlant}), 90, 1e-3);
 }
 
@@ -247,10 +210,10 @@ TEST(PbrtPanels, ChartsOfAnySizeTurnTheFile) {
   // u runs along -y again, over a millionth of the picture.  A degenerate chart uses the first
   // edge, +x.
   const std::string square = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0] ";
-  const auto tiny = panel_scene(kProfile + square + "\"point2 uv\" [1e-6 0 1e-6 1e-6 0 0 0 1e-6]");
+  const auto tiny = scene_of(kProfile + square + "\"point2 uv\" [1e-6 0 1e-6 1e-6 0 0 0 1e-6]");
   EXPECT_NEAR(intensity(*tiny, {0, -kSlant, kSlant}), 90, 1e-3);
   EXPECT_NEAR(intensity(*tiny, {kSlant, 0, kSlant}), 50, 1e-3);
-  const auto line = panel_scene(kProfile + square + "\"point2 uv\" [0 0 1 1 2 2 3 3]");
+  const auto line = scene_of(kProfile + square + "\"point2 uv\" [0 0 1 1 2 2 3 3]");
   EXPECT_NEAR(intensity(*line, {kSlant, 0, kSlant}), 90, 1e-3);
 }
 
@@ -259,27 +222,16 @@ TEST(PbrtPanels, LevelsMultiplyTheFilesCandela) {
   const auto lumens = [](const Scene& scene) {
     return luminance(scene.lights()[0].light->power(scene.sphere()).lumens);
   };
-  const double front = lumens(*panel_scene(kProfile + disk));
-  const double both = lumens(*panel_scene(kProfile + "\"bool twosided\" true " + disk));
+  const double front = lumens(*scene_of(kProfile + disk));
+  const double both = lumens(*scene_of(kProfile + "\"bool twosided\" true " + disk));
   EXPECT_GT(front, 100);
   EXPECT_GT(both, front);
-  EXPECT_NEAR(lumens(*panel_scene(kProfile + "\"float scale\" 3 " + disk)), 3 * front, 1e-9);
-  EXPECT_NEAR(lumens(*panel_scene(kProfile + "\"float power\" 800 " + disk)), 800, 1e-9);
-  const auto remarks = remarks_of(*load_panel(kProfile + disk));
+  EXPECT_NEAR(lumens(*scene_of(kProfile + "\"float scale\" 3 " + disk)), 3 * front, 1e-9);
+  EXPECT_NEAR(lumens(*scene_of(kProfile + "\"float power\" 800 " + disk)), 800, 1e-9);
+  const auto remarks = remarks_of(*load_lights(kProfile + disk));
   EXPECT_THAT(remarks, HasSubstr("lm go to the back of a panel that emits from its front only -> "
                                  "left out; \"bool twosided\" true includes them"));
-  EXPECT_EQ(remarks_of(*load_panel(kProfile + "\"bool twosided\" true " + disk)), "");
-}
-
-TEST(PbrtPanels, TheSceneCountsTheFileOnce) {
-  const auto scene = panel_scene(kProfile + "Shape \"disk\" Translate 3 0 0 Shape \"disk\"");
-  int parts = 0;
-  for (const ScenePart& part : scene->parts())
-    if (part.name == "photometric webs") {
-      ++parts;
-      EXPECT_EQ(part.why, "1 luminaires");
-    }
-  EXPECT_EQ(parts, 1);
+  EXPECT_EQ(remarks_of(*load_lights(kProfile + "\"bool twosided\" true " + disk)), "");
 }
 
 TEST(PbrtPanels, APictureMultipliesTheProfile) {
@@ -316,7 +268,7 @@ TEST(PbrtPanels, ErrorsHaveTheirPlace) {
        "level = ("},
   };
   for (const auto& [world, expected] : kCases)
-    EXPECT_THAT(message(load_panel(world).status()), HasSubstr(expected)) << world;
+    EXPECT_THAT(message(load_lights(world).status()), HasSubstr(expected)) << world;
 }
 
 }  // namespace

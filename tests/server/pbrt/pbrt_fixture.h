@@ -10,6 +10,7 @@
 
 #include "server/pbrt/load.h"
 #include "tests/temp_directory.h"
+#include "tests/value_of.h"
 
 namespace lucerna::testing {
 

@@ -175,12 +175,11 @@ TEST(PbrtLights, BlackBodiesHaveLuminanceOneBeforeScale) {
 }
 
 TEST(PbrtLights, ObjectsNeverEmit) {
-  const auto scene = load_world(
-      "ObjectBegin \"o\" AreaLightSource \"diffuse\"\nShape \"disk\" ObjectEnd Shape \"disk\"");
-  ASSERT_TRUE(scene.ok());
-  EXPECT_FALSE(scene->objects[0].shapes[0].emission);
-  EXPECT_FALSE(scene->shapes[0].emission);  // ObjectEnd restores the state of ObjectBegin
-  EXPECT_EQ(remarks_of(*scene),
+  const auto scene = testing::value_of(load_world(
+      "ObjectBegin \"o\" AreaLightSource \"diffuse\"\nShape \"disk\" ObjectEnd Shape \"disk\""));
+  EXPECT_FALSE(scene.objects[0].shapes[0].emission);
+  EXPECT_FALSE(scene.shapes[0].emission);  // ObjectEnd restores the state of ObjectBegin
+  EXPECT_EQ(remarks_of(scene),
             "2:1 an area light within an object definition -> the shape emits nothing\n");
 }
 
@@ -210,42 +209,38 @@ TEST(PbrtLights, ParametersOfPicturesAreCheckedWithoutAPicture) {
   for (const std::string light :
        {"LightSource \"infinite\"", "LightSource \"goniometric\"",
         "LightSource \"infinite\" \"point3 portal\" [0 0 1 1 0 1 1 1 1 0 1 1]"}) {
-    const auto scene = load_world("\n" + light +
-                                  "\n\"string mapping\" \"latlong\"\n"
-                                  "\"string filter\" \"bilinear\"");
-    ASSERT_TRUE(scene.ok()) << scene.status();
+    const auto scene = testing::value_of(load_world("\n" + light +
+                                                    "\n\"string mapping\" \"latlong\"\n"
+                                                    "\"string filter\" \"bilinear\""));
     EXPECT_EQ(
-        remarks_of(*scene),
+        remarks_of(scene),
         "3:1 \"string mapping\" without a picture (\"string filename\") -> it changes nothing\n"
         "4:1 \"string filter\" without a picture (\"string filename\") -> it changes nothing\n");
   }
   for (const std::string light :
        {"LightSource \"projection\"", "AreaLightSource \"diffuse\" #\n"}) {
-    const auto scene = load_world(light + " \"string filter\" \"bilinear\" Shape \"disk\"");
-    ASSERT_TRUE(scene.ok()) << scene.status();
-    EXPECT_THAT(remarks_of(*scene), HasSubstr(" \"string filter\" without a picture"));
-    EXPECT_THAT(remarks_of(*scene), ::testing::Not(HasSubstr("not known")));
+    const auto scene =
+        testing::value_of(load_world(light + " \"string filter\" \"bilinear\" Shape \"disk\""));
+    EXPECT_THAT(remarks_of(scene), HasSubstr(" \"string filter\" without a picture"));
+    EXPECT_THAT(remarks_of(scene), ::testing::Not(HasSubstr("not known")));
   }
   // Parameters of an Attribute directive may stay unused.
-  const auto scene =
-      load_world("Attribute \"light\" \"string filter\" \"bilinear\" LightSource \"infinite\"");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(remarks_of(*scene), "");
+  const auto scene = testing::value_of(
+      load_world("Attribute \"light\" \"string filter\" \"bilinear\" LightSource \"infinite\""));
+  EXPECT_EQ(remarks_of(scene), "");
 }
 
 // The light is equal in all directions, so no transform changes it.
 TEST(PbrtLights, GoniometricLightsWithoutAFileTakeAnyTransform) {
-  const auto scene = load_world(
-      "Translate 1 2 3 Scale 1 -2 3 Rotate 40 1 2 3 LightSource \"goniometric\" "
-      "\"float power\" 100");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(remarks_of(*scene), "");
-  const auto made =
-      GoniometricLight::create(std::get<GoniometricLightParams>(scene->lights.at(0).params));
-  ASSERT_TRUE(made.ok()) << made.status();
-  EXPECT_EQ(made->params().position_m, Vec3(1, 2, 3));
+  const auto scene = testing::value_of(
+      load_world("Translate 1 2 3 Scale 1 -2 3 Rotate 40 1 2 3 LightSource \"goniometric\" "
+                 "\"float power\" 100"));
+  EXPECT_EQ(remarks_of(scene), "");
+  const auto made = testing::value_of(
+      GoniometricLight::create(std::get<GoniometricLightParams>(scene.lights.at(0).params)));
+  EXPECT_EQ(made.params().position_m, Vec3(1, 2, 3));
   for (const Vec3& way : {Vec3{1, 0, 0}, {0, .6, -.8}, {0, 0, 1}})
-    EXPECT_NEAR(made->intensity(way).g, 100 / (4 * std::numbers::pi), 1e-12);
+    EXPECT_NEAR(made.intensity(way).g, 100 / (4 * std::numbers::pi), 1e-12);
 }
 
 TEST(PbrtLights, InvalidLevelsAreErrors) {
@@ -318,21 +313,20 @@ TEST(PbrtLights, ErrorsStandAtTheParameterThatIsWrong) {
 }
 
 TEST(PbrtLights, LightsAndAreaLightsHaveNames) {
-  const auto scene = load_world(
+  const auto scene = testing::value_of(load_world(
       "LightSource \"point\" \"string name\" \"lamp \xc3\xbc\" LightSource \"point\" "
       "Attribute \"light\" \"string name\" \"all others\" LightSource \"distant\" "
       "AreaLightSource \"diffuse\" Shape \"disk\" "
-      "AreaLightSource \"diffuse\" \"string name\" \"panel\" Shape \"disk\" Shape \"disk\"");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  ASSERT_EQ(scene->lights.size(), 3U);
-  EXPECT_EQ(scene->lights[0].name, "lamp \xc3\xbc");
-  EXPECT_EQ(scene->lights[1].name, "");
-  EXPECT_EQ(scene->lights[2].name, "all others");
-  ASSERT_EQ(scene->shapes.size(), 3U);
-  EXPECT_EQ(scene->shapes[0].emission->name, "all others");
-  EXPECT_EQ(scene->shapes[1].emission->name, "panel");
-  EXPECT_EQ(scene->shapes[2].emission->name, "panel");
-  EXPECT_TRUE(scene->remarks.empty());
+      "AreaLightSource \"diffuse\" \"string name\" \"panel\" Shape \"disk\" Shape \"disk\""));
+  ASSERT_EQ(scene.lights.size(), 3U);
+  EXPECT_EQ(scene.lights[0].name, "lamp \xc3\xbc");
+  EXPECT_EQ(scene.lights[1].name, "");
+  EXPECT_EQ(scene.lights[2].name, "all others");
+  ASSERT_EQ(scene.shapes.size(), 3U);
+  EXPECT_EQ(scene.shapes[0].emission->name, "all others");
+  EXPECT_EQ(scene.shapes[1].emission->name, "panel");
+  EXPECT_EQ(scene.shapes[2].emission->name, "panel");
+  EXPECT_TRUE(scene.remarks.empty());
 }
 
 TEST(PbrtLights, NamesArePrintableAndShort) {

@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "tests/paths.h"
 #include "tests/server/extremes/file_scenes.h"
+#include "tests/server/formats/photometric_texts.h"
 #include "tests/server/formats/picture_texts.h"
 
 namespace lucerna {
@@ -23,11 +26,8 @@ using testing::scene_of;
 using testing::written;
 
 SceneDescription load_data(const std::string& name) {
-  auto assets = AssetReader::open(test_data("pictures"));
-  if (!assets.ok()) throw std::runtime_error(message(assets.status()));
-  auto scene = load_pbrt(*assets, name, {});
-  if (!scene.ok()) throw std::runtime_error(message(scene.status()));
-  return *std::move(scene);
+  auto assets = testing::value_of(AssetReader::open(test_data("pictures")));
+  return testing::value_of(load_pbrt(assets, name, {}));
 }
 
 /// The radiance of the only sky towards +x and a little up [cd/m2].
@@ -82,32 +82,30 @@ TEST(PbrtPictures, RgbOfTheColourSpaceIsConvertedToRec709) {
 }
 
 TEST(PbrtPictures, ColourSpacesFollowBlocksAndIgnoreCase) {
-  const auto scene = testing::load_world(
+  const auto scene = testing::value_of(testing::load_world(
       "LightSource \"point\" \"rgb I\" [0.5 0.5 0.25] "
       "AttributeBegin ColorSpace \"REC2020\" LightSource \"point\" \"rgb I\" [0.5 0.5 0.25] "
       "AttributeEnd LightSource \"point\" \"rgb I\" [0.5 0.5 0.25] "
-      "ColorSpace \"dci-p3\" LightSource \"point\" \"rgb I\" [1 1 1]");
-  ASSERT_TRUE(scene.ok()) << scene.status();
+      "ColorSpace \"dci-p3\" LightSource \"point\" \"rgb I\" [1 1 1]"));
   const auto intensity = [&](std::size_t i) {
-    return std::get<PointLightParams>(scene->lights.at(i).params).intensity_cd;
+    return std::get<PointLightParams>(scene.lights.at(i).params).intensity_cd;
   };
   EXPECT_EQ(intensity(0), Rgb(0.5, 0.5, 0.25));
   // [BT2087]
   EXPECT_NEAR(intensity(1).r, (1.6605 - 0.5876) / 2 - 0.0728 / 4, 1e-4);
   EXPECT_EQ(intensity(2), intensity(0));
   EXPECT_NEAR(intensity(3).r, 1, 1e-12);  // the white is D65, as in pbrt-v4
-  EXPECT_EQ(remarks_of(*scene), "");
+  EXPECT_EQ(remarks_of(scene), "");
 }
 
 TEST(PbrtPictures, ReflectancesOfAnotherWhiteKeepWhite) {
-  const auto scene = testing::load_world(
+  const auto scene = testing::value_of(testing::load_world(
       "ColorSpace \"aces2065-1\" Material \"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5] "
-      "Shape \"sphere\" LightSource \"point\" \"rgb I\" [1 1 1]");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  const auto& grey = std::get<DiffuseParams>(scene->materials.back().params).reflectance.constant;
+      "Shape \"sphere\" LightSource \"point\" \"rgb I\" [1 1 1]"));
+  const auto& grey = std::get<DiffuseParams>(scene.materials.back().params).reflectance.constant;
   EXPECT_NEAR(grey.r, 0.5, 1e-12);
   EXPECT_NEAR(grey.b, 0.5, 1e-12);
-  const auto light = std::get<PointLightParams>(scene->lights.at(0).params).intensity_cd;
+  const auto light = std::get<PointLightParams>(scene.lights.at(0).params).intensity_cd;
   EXPECT_NEAR(luminance(light), 1, 1e-12);
   EXPECT_GT(light.r, light.b);  // 6000 K
 }
@@ -128,15 +126,14 @@ TEST(PbrtPictures, AnUnreadableTextureIsGrey) {
                                   "Texture \"a\" \"float\" " + file +
                                   "Material \"diffuse\" \"texture reflectance\" \"c\" "
                                   "Shape \"disk\" \"texture alpha\" \"a\"");
-    const auto scene = files.load("scene.pbrt");
-    ASSERT_TRUE(scene.ok()) << scene.status();
-    EXPECT_EQ(std::get<DiffuseParams>(scene->materials.back().params).reflectance.constant,
+    const auto scene = testing::value_of(files.load("scene.pbrt"));
+    EXPECT_EQ(std::get<DiffuseParams>(scene.materials.back().params).reflectance.constant,
               Rgb(0.5));
     // A grey alpha would let half of the rays pass.
-    EXPECT_TRUE(scene->shapes.at(0).alpha.is_constant());
-    EXPECT_EQ(scene->shapes.at(0).alpha.constant, 1);
-    EXPECT_THAT(remarks_of(*scene), HasSubstr("2:35 \"string filename\": " + std::string(name)));
-    EXPECT_THAT(remarks_of(*scene), HasSubstr("-> grey 0.5; as an alpha, 1"));
+    EXPECT_TRUE(scene.shapes.at(0).alpha.is_constant());
+    EXPECT_EQ(scene.shapes.at(0).alpha.constant, 1);
+    EXPECT_THAT(remarks_of(scene), HasSubstr("2:35 \"string filename\": " + std::string(name)));
+    EXPECT_THAT(remarks_of(scene), HasSubstr("-> grey 0.5; as an alpha, 1"));
   }
 }
 
@@ -145,10 +142,9 @@ TEST(PbrtPictures, AnUnreadableNormalMapIsLeftOut) {
   files.write("n.png", "no picture");
   files.write("scene.pbrt",
               "WorldBegin Material \"diffuse\" \"string normalmap\" \"n.png\" Shape \"sphere\"");
-  const auto scene = files.load("scene.pbrt");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_LT(scene->materials.back().normal_map, 0);
-  EXPECT_THAT(remarks_of(*scene), HasSubstr("-> no normal map"));
+  const auto scene = testing::value_of(files.load("scene.pbrt"));
+  EXPECT_LT(scene.materials.back().normal_map, 0);
+  EXPECT_THAT(remarks_of(scene), HasSubstr("-> no normal map"));
 }
 
 TEST(PbrtPictures, ALightWithAnUnreadablePictureIsLeftOut) {
@@ -172,6 +168,38 @@ TEST(PbrtPictures, ALightWithAnUnreadablePictureIsLeftOut) {
       EXPECT_THAT(scene.remarks, HasSubstr(name));
       EXPECT_THAT(scene.remarks, HasSubstr("-> the light is left out"));
     }
+}
+
+TEST(PbrtPictures, FilesThatLightsShareCountOnce) {
+  const std::string area = "AreaLightSource \"diffuse\" ", disk = "Shape \"disk\" ";
+  const std::string goniometric = "LightSource \"goniometric\" \"string filename\" ";
+  const std::string picture = "\"string filename\" \"a.pfm\" ";
+  const std::tuple<std::string, const char*, const char*> kCases[] = {
+      {"LightSource \"infinite\" " + picture, "images", nullptr},
+      {"LightSource \"projection\" " + picture, "images", nullptr},
+      {goniometric + "\"a.pfm\" ", "images", nullptr},
+      {goniometric + "\"a.pfm\" ", "intensity maps", nullptr},
+      {area + picture + disk, "images", "1 pictures of lights"},
+      {goniometric + "\"a.ies\" ", "photometric webs", "1 luminaires"},
+      {area + "\"string profile\" \"a.ies\" " + disk, "photometric webs", "1 luminaires"},
+  };
+  for (const auto& [light, name, why] : kCases) {
+    SCOPED_TRACE(light + name);
+    const auto part = [name = std::string(name)](const std::string& text) {
+      const FileScene loaded =
+          scene_of(text, {{"a.pfm", even_pfm(16, 16, 1)}, {"a.ies", testing::Ies().text()}});
+      if (!loaded.status.ok()) throw std::runtime_error(message(loaded.status));
+      const auto parts = loaded.scene->parts();
+      EXPECT_EQ(std::ranges::count(parts, name, &ScenePart::name), 1);
+      return *std::ranges::find(parts, name, &ScenePart::name);
+    };
+    const ScenePart one = part(light), two = part(light + light);
+    EXPECT_GT(one.bytes, 0U);
+    EXPECT_EQ(two.bytes, one.bytes);
+    if (why != nullptr) {
+      EXPECT_EQ(two.why, why);
+    }
+  }
 }
 
 TEST(PbrtPictures, AMissingPictureAndLimitsAreStillErrors) {

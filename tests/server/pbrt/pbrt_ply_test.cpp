@@ -22,12 +22,11 @@ TEST(PbrtPly, NormalsWithoutDirectionBecomeTheMeanOfTheFacesAround) {
     const testing::SceneFiles files;
     files.write("roof.ply", roof(ridge));
     files.write("scene.pbrt", "WorldBegin Shape \"plymesh\" \"string filename\" \"roof.ply\"");
-    const auto scene = files.load("scene.pbrt");
-    ASSERT_TRUE(scene.ok()) << ridge << scene.status();
-    EXPECT_EQ(remarks_of(*scene),
+    const auto scene = testing::value_of(files.load("scene.pbrt"));
+    EXPECT_EQ(remarks_of(scene),
               "1:12 2 of 6 vertex normals of this mesh have no direction -> the mean of the faces "
               "around each\n");
-    const auto& mesh = std::get<TriangleMeshData>(scene->shapes.at(0).geometry);
+    const auto& mesh = std::get<TriangleMeshData>(scene.shapes.at(0).geometry);
     ASSERT_EQ(mesh.normals.size(), 6U);
     for (const std::size_t vertex : {2, 3})
       EXPECT_NEAR(length(mesh.normals[vertex] - Vec3f(0, 0, 1)), 0, 0.35) << ridge;
@@ -47,14 +46,13 @@ TEST(PbrtPly, FacesThatPbrt4LeavesOutAreCountedInRemarks) {
               "uchar int vertex_indices\nend_header\n0 0 0 0 nan\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n"
               "-1 0 0 0 0\n0\n1 7\n2 0 1\n3 0 1 2\n5 0 1 2 3 4\n4 0 1 2 3\n");
   files.write("scene.pbrt", "WorldBegin Shape \"plymesh\" \"string filename\" \"m.ply\"");
-  const auto scene = files.load("scene.pbrt");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(remarks_of(*scene),
+  const auto scene = testing::value_of(files.load("scene.pbrt"));
+  EXPECT_EQ(remarks_of(scene),
             "1:28 3 faces of mesh \"m.ply\" have fewer than 3 corners -> left out, as in pbrt-v4\n"
             "1:28 1 faces of mesh \"m.ply\" have more than 4 corners -> left out, as in pbrt-v4; "
             "triangles keep them\n"
             "1:28 the (u, v) of 1 vertices of mesh \"m.ply\" are not finite -> (u, v) 0, 0\n");
-  EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes.at(0).geometry).indices.size(), 9U);
+  EXPECT_EQ(std::get<TriangleMeshData>(scene.shapes.at(0).geometry).indices.size(), 9U);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/scene/scene.h"
-#include "tests/server/pbrt/pbrt_fixture.h"
+#include "tests/server/formats/picture_texts.h"
 
 namespace lucerna {
 namespace {
@@ -19,13 +19,10 @@ constexpr double kDegree = kPi / 180;
 
 /// A .pfm file, red in the upper half of its rows and blue below.
 std::string slide_pfm(int width, int height, float value = 1) {
-  std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
-  for (int y = 0; y < height; ++y)  // from the bottom
-    for (int i = 0; i < 3 * width; ++i) {
-      const float v = i % 3 == (y < height / 2 ? 2 : 0) ? value : 0;
-      bytes.append(reinterpret_cast<const char*>(&v), sizeof v);
-    }
-  return bytes;
+  std::vector<float> rgb(std::size_t{3} * width * height, 0);
+  for (int i = 0; i < width * height; ++i)
+    rgb[3 * i + (i < width * ((height + 1) / 2) ? 0 : 2)] = value;
+  return testing::pfm(width, height, rgb);
 }
 
 absl::StatusOr<SceneDescription> load_projection(const std::string& parameters,
@@ -40,9 +37,8 @@ absl::StatusOr<SceneDescription> load_projection(const std::string& parameters,
 
 template <typename Params>
 Params projection_light(const std::string& parameters, const std::string& transform = "") {
-  auto scene = load_projection(parameters, transform);
-  if (!scene.ok()) throw std::runtime_error(message(scene.status()));
-  return std::get<Params>(scene->lights.at(0).params);
+  auto scene = testing::value_of(load_projection(parameters, transform));
+  return std::get<Params>(scene.lights.at(0).params);
 }
 
 const std::string kSlide = "\"string filename\" \"slide.pfm\" ";
@@ -87,15 +83,14 @@ TEST(PbrtProjection, PowerEqualsThatOfPbrt4) {
   // centres at x = +-1.5 and +-0.5, y = +-0.5.
   const double near = std::pow(1.5, -1.5), far = std::pow(3.5, -1.5);
   const double counted = kHalfPurple * 4 * (near + far);
-  auto scene = load_projection(kSlide + "\"float power\" 100 \"float scale\" 2");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  const auto p = std::get<ProjectionLightParams>(scene->lights.at(0).params);
+  auto scene = testing::value_of(load_projection(kSlide + "\"float power\" 100 \"float scale\" 2"));
+  const auto p = std::get<ProjectionLightParams>(scene.lights.at(0).params);
   EXPECT_NEAR(p.intensity_cd.g, 2 * 100 / counted, 1e-9);
   // The rectangle of half sides 2 and 1 covers 4 asin(2 / sqrt 5 / sqrt 2).
   const double lumens = p.intensity_cd.g * kHalfPurple * 4 * std::asin(2 / std::sqrt(10.0));
-  EXPECT_THAT(remarks_of(*scene), HasSubstr("from the same intensity as in pbrt-v4"));
+  EXPECT_THAT(remarks_of(scene), HasSubstr("from the same intensity as in pbrt-v4"));
   EXPECT_NEAR(luminance(ProjectionLight::create(p)->power({}).lumens), lumens, 1e-9);
-  EXPECT_THAT(remarks_of(*scene), HasSubstr(std::to_string(lumens).substr(0, 5)));
+  EXPECT_THAT(remarks_of(scene), HasSubstr(std::to_string(lumens).substr(0, 5)));
 }
 
 TEST(PbrtProjection, PowerIsExactForLightsThatPbrt4Lacks) {
@@ -123,26 +118,24 @@ TEST(PbrtProjection, ColourMultipliesThePicture) {
 // The texels of the picture are RGB, so there is no spectrum to multiply.
 TEST(PbrtProjection, ASpectrumBesideAPictureBecomesRgbWithARemark) {
   for (const std::string kind : {"", "\"string projection\" \"orthographic\" "}) {
-    const auto scene = load_projection(kind + kSlide + "\n\"blackbody I\" 2700");
-    ASSERT_TRUE(scene.ok()) << scene.status();
-    EXPECT_EQ(scene->lights[0].spectrum, nullptr);
+    const auto scene = testing::value_of(load_projection(kind + kSlide + "\n\"blackbody I\" 2700"));
+    EXPECT_EQ(scene.lights[0].spectrum, nullptr);
     EXPECT_THAT(
-        remarks_of(*scene),
+        remarks_of(scene),
         ::testing::MatchesRegex(
             "3:1 blackbody \"I\" of a light with a picture, whose colours are RGB -> the spectrum "
             "becomes RGB \\[1\\.[0-9]+ 0\\.[0-9]+ 0\\.[0-9]+\\] of luminance 1, also for "
             "queries by wavelength\n"));
     // Outside of the RGB gamut: no remark that wavelengths are exact.
-    const auto red = load_projection(kind + kSlide + "\"spectrum I\" [699 0 700 1 701 0]");
-    ASSERT_TRUE(red.ok()) << red.status();
-    EXPECT_THAT(remarks_of(*red), HasSubstr("2:"));
-    EXPECT_THAT(remarks_of(*red), HasSubstr("spectrum \"I\" of a light with a picture"));
-    EXPECT_THAT(remarks_of(*red), ::testing::Not(HasSubstr("exact")));
+    const auto red =
+        testing::value_of(load_projection(kind + kSlide + "\"spectrum I\" [699 0 700 1 701 0]"));
+    EXPECT_THAT(remarks_of(red), HasSubstr("2:"));
+    EXPECT_THAT(remarks_of(red), HasSubstr("spectrum \"I\" of a light with a picture"));
+    EXPECT_THAT(remarks_of(red), ::testing::Not(HasSubstr("exact")));
     EXPECT_EQ(remarks_of(*load_projection(kind + kSlide + "\"rgb I\" [1 .5 .2]")), "");
-    const auto without = load_projection(kind + "\"blackbody I\" 2700");
-    ASSERT_TRUE(without.ok()) << without.status();
-    EXPECT_NE(without->lights[0].spectrum, nullptr);
-    EXPECT_EQ(remarks_of(*without), "");
+    const auto without = testing::value_of(load_projection(kind + "\"blackbody I\" 2700"));
+    EXPECT_NE(without.lights[0].spectrum, nullptr);
+    EXPECT_EQ(remarks_of(without), "");
   }
 }
 
@@ -172,58 +165,15 @@ TEST(PbrtProjection, InvalidInputIsAnErrorWithItsPlace) {
   };
   EXPECT_THAT(with_bytes(slide_pfm(2, 2, 0), "\"float power\" 5"),
               HasSubstr("for a light that illuminates nothing"));
-  const auto left_out = [](const std::string& bytes) {
-    const auto scene = load_projection(kSlide, "", bytes);
-    EXPECT_TRUE(scene.ok() && scene->lights.empty()) << scene.status();
-    return remarks_of(*scene);
-  };
-  EXPECT_THAT(left_out(slide_pfm(2, 2, NAN)),
-              HasSubstr("2:26 \"string filename\": slide.pfm: texel (0, 0)"));
-  EXPECT_THAT(left_out("PF\n0 0\n-1.0\n"), HasSubstr("slide.pfm"));
-  EXPECT_THAT(left_out("no picture"), HasSubstr("slide.pfm"));
   EXPECT_THAT(with_bytes(slide_pfm(2, 2, 1e30F), "\"float scale\" 1e30"),
               HasSubstr("scene.pbrt:2:56: projection.intensity of the brightest texel"));
 }
 
-// Row 32 of docs/extremes.md: a picture of one row.
-TEST(PbrtProjection, PicturesOfOneTexelOrOneRowAreExact) {
-  auto scene = load_projection(kSlide + "\"float fov\" 1", "", slide_pfm(100000, 1));
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  const auto p = std::get<ProjectionLightParams>(scene->lights.at(0).params);
-  EXPECT_EQ(p.picture->params().aspect, 1e5);
-  // One row, red: a rectangle of half sides a and b.
-  const double b = std::tan(0.5 * kDegree), a = 1e5 * b;
-  const double sr = 4 * std::asin(a / std::hypot(1, a) * b / std::hypot(1, b));
-  EXPECT_NEAR(ProjectionLight::create(p)->power({}).lumens.r, sr, 1e-9 * sr);
-}
-
-TEST(PbrtProjection, APictureThatLightsShareIsReadAndCountedOnce) {
-  const SceneFiles files;
-  files.write("slide.pfm", slide_pfm(64, 64));
-  const std::string one = "LightSource \"projection\" " + kSlide;
-  files.write("scene.pbrt", "WorldBegin " + one + one + "\"string projection\" \"orthographic\" " +
-                                one + "\"float fov\" 30");
-  auto description = files.load("scene.pbrt");
-  ASSERT_TRUE(description.ok()) << description.status();
-  EXPECT_EQ(description->assets.size(), 2U);  // the scene and the picture
-  const auto scene = Scene::build(*std::move(description));
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  std::uint64_t images = 0, tables = 0;
-  for (const ScenePart& part : (*scene)->parts()) {
-    if (part.name == "images") images += part.bytes;
-    if (part.name == "image distributions") tables += part.bytes;
-  }
-  EXPECT_GE(images, 64U * 64 * 12);
-  EXPECT_LT(images, 2U * 64 * 64 * 12);
-  EXPECT_GT(tables, 3U * 64 * 64 * 8);  // sampling tables of each light
-}
-
 TEST(PbrtProjection, TheScenesSphereHoldsABeamsRectangle) {
-  auto description = load_projection("\"string projection\" \"orthographic\" \"float extent\" 8");
-  ASSERT_TRUE(description.ok()) << description.status();
-  const auto scene = Scene::build(*std::move(description));
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_NEAR((*scene)->sphere().radius_m, std::sqrt(32.0), 1e-9);
+  auto description = testing::value_of(
+      load_projection("\"string projection\" \"orthographic\" \"float extent\" 8"));
+  const auto scene = testing::value_of(Scene::build(std::move(description)));
+  EXPECT_NEAR(scene->sphere().radius_m, std::sqrt(32.0), 1e-9);
 }
 
 }  // namespace

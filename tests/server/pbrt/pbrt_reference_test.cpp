@@ -105,13 +105,11 @@ TEST(PbrtReference, TheBallIsAClosedSurfaceWithNormalsThatLeaveIt) {
 
 // Tests of the calls load this scene, so a light or a shape that is missing here is not tested.
 TEST(EveryLightScene, HasEveryModelAndEveryShape) {
-  auto assets = AssetReader::open(test_data());
-  ASSERT_TRUE(assets.ok()) << assets.status();
-  const auto scene = load_pbrt(*assets, "lights/every_light.pbrt");
-  ASSERT_TRUE(scene.ok()) << scene.status();
+  auto assets = testing::value_of(AssetReader::open(test_data()));
+  const auto scene = testing::value_of(load_pbrt(assets, "lights/every_light.pbrt"));
   std::set<std::size_t> models, shapes;
-  for (const LightDescription& light : scene->lights) models.insert(light.params.index());
-  for (const ShapeDescription& shape : scene->shapes)
+  for (const LightDescription& light : scene.lights) models.insert(light.params.index());
+  for (const ShapeDescription& shape : scene.shapes)
     if (shape.emission) shapes.insert(shape.geometry.index());
   EXPECT_EQ(models.size(), FreeLights::kSize);
   // Curves do not emit.

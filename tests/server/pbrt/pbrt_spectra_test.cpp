@@ -45,12 +45,11 @@ TEST(PbrtSpectra, ComeFromFiles) {
   const SceneFiles files;
   files.write("scene.pbrt", "WorldBegin LightSource \"point\" \"spectrum I\" \"lamp.spd\"");
   files.write("lamp.spd", "# a lamp\r\n400 1 # violet\n500 +2.5\n\n700\t5e-1");
-  const auto scene = files.load("scene.pbrt");
-  ASSERT_TRUE(scene.ok()) << message(scene.status());
-  const auto& s = std::get<SampledSpectrum>(scene->lights[0].spectrum->source());
+  const auto scene = testing::value_of(files.load("scene.pbrt"));
+  const auto& s = std::get<SampledSpectrum>(scene.lights[0].spectrum->source());
   EXPECT_THAT(s.wavelengths_nm, ElementsAre(400, 500, 700));
   EXPECT_THAT(s.values, ElementsAre(1, 2.5, 0.5));
-  EXPECT_EQ(scene->assets.back().name, "lamp.spd");
+  EXPECT_EQ(scene.assets.back().name, "lamp.spd");
   files.write("lamp.spd", "400 1\n500 two");
   EXPECT_THAT(message(files.load("scene.pbrt").status()),
               HasSubstr("lamp.spd:2: \"two\", expected a finite number"));

@@ -21,7 +21,7 @@ using ::testing::StartsWith;
 using testing::world_error_of;
 
 TEST(PbrtSyntax, EveryDirectiveIsRead) {
-  const auto scene = load_text(R"(
+  const auto scene = testing::value_of(load_text(R"(
     Option "disablepixeljitter" true
     ColorSpace "srgb"
     TransformTimes 0 1
@@ -53,27 +53,25 @@ TEST(PbrtSyntax, EveryDirectiveIsRead) {
     ObjectBegin "o" Shape "disk" ObjectEnd
     ObjectInstance "o"
     AreaLightSource "diffuse" "bool twosided" true "spectrum L" "stdillum-D65"
-    Shape "sphere")");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(remarks_of(*scene),
+    Shape "sphere")"));
+  EXPECT_EQ(remarks_of(scene),
             "2:5 Option \"disablepixeljitter\" is not modelled -> it changes nothing\n"
             "16:5 scattering within medium \"fog\" is not modelled -> absorption only\n");
-  EXPECT_EQ(scene->shapes.size(), 2U);
-  EXPECT_EQ(std::get<SphereParams>(scene->shapes[0].geometry).radius_m, 2);
-  EXPECT_TRUE(std::get<SphereParams>(scene->shapes[0].geometry).reverse_orientation);
-  EXPECT_FALSE(std::get<SphereParams>(scene->shapes[1].geometry).reverse_orientation);
-  EXPECT_EQ(std::get<SphereParams>(scene->shapes[1].geometry).radius_m, 1);
-  EXPECT_EQ(scene->hints.max_depth, 3);
-  EXPECT_EQ(scene->hints.samples_per_pixel, 4);
-  EXPECT_EQ(scene->instances.size(), 1U);
+  EXPECT_EQ(scene.shapes.size(), 2U);
+  EXPECT_EQ(std::get<SphereParams>(scene.shapes[0].geometry).radius_m, 2);
+  EXPECT_TRUE(std::get<SphereParams>(scene.shapes[0].geometry).reverse_orientation);
+  EXPECT_FALSE(std::get<SphereParams>(scene.shapes[1].geometry).reverse_orientation);
+  EXPECT_EQ(std::get<SphereParams>(scene.shapes[1].geometry).radius_m, 1);
+  EXPECT_EQ(scene.hints.max_depth, 3);
+  EXPECT_EQ(scene.hints.samples_per_pixel, 4);
+  EXPECT_EQ(scene.instances.size(), 1U);
 }
 
 TEST(PbrtSyntax, BracketsAreOptionalAndBooleansMayBeQuoted) {
   for (const char* value : {"true", "[true]", "\"true\"", "[ \"true\" ]"}) {
-    const auto scene = load_world(std::string("AreaLightSource \"diffuse\" \"bool twosided\" ") +
-                                  value + " Shape \"disk\"");
-    ASSERT_TRUE(scene.ok()) << scene.status();
-    EXPECT_TRUE(scene->shapes[0].emission->two_sided) << value;
+    const auto scene = testing::value_of(load_world(
+        std::string("AreaLightSource \"diffuse\" \"bool twosided\" ") + value + " Shape \"disk\""));
+    EXPECT_TRUE(scene.shapes[0].emission->two_sided) << value;
   }
 }
 
@@ -182,9 +180,9 @@ TEST(PbrtSyntax, WorldDirectivesNeedWorldBegin) {
 }
 
 TEST(PbrtSyntax, UnknownParametersGetRemarks) {
-  const auto scene = load_world("Shape \"sphere\" \"float foo\" 1 \"float radius\" 2");
-  ASSERT_TRUE(scene.ok());
-  EXPECT_EQ(remarks_of(*scene),
+  const auto scene =
+      testing::value_of(load_world("Shape \"sphere\" \"float foo\" 1 \"float radius\" 2"));
+  EXPECT_EQ(remarks_of(scene),
             "1:27 parameter \"foo\" of Shape \"sphere\" is not known -> it changes nothing\n");
 }
 
@@ -198,12 +196,11 @@ TEST(PbrtSyntax, IncludedFilesContinueTheFileThatIncludesThem) {
   EXPECT_EQ(message(missing.status()), "sub/main.pbrt:2:9: file \"nothing\" does not exist");
 
   files.write("sub/main.pbrt", "WorldBegin Include \"parts/a.pbrt\" 3 Shape \"sphere\"");
-  const auto scene = files.load("sub/main.pbrt");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(std::get<SphereParams>(scene->shapes[0].geometry).world_from_object.point({0, 0, 0}),
+  const auto scene = testing::value_of(files.load("sub/main.pbrt"));
+  EXPECT_EQ(std::get<SphereParams>(scene.shapes[0].geometry).world_from_object.point({0, 0, 0}),
             Vec3(1, 2, 3));
-  ASSERT_EQ(scene->assets.size(), 2U);
-  EXPECT_EQ(scene->assets[1].name, "sub/parts/a.pbrt");
+  ASSERT_EQ(scene.assets.size(), 2U);
+  EXPECT_EQ(scene.assets[1].name, "sub/parts/a.pbrt");
 }
 
 TEST(PbrtSyntax, CompressedFilesReadAsTheirContent) {
@@ -217,11 +214,10 @@ TEST(PbrtSyntax, CompressedFilesReadAsTheirContent) {
       gzipped("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
               "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
               "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
-  const auto scene = files.load("main.pbrt.gz");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes[0].geometry).positions[1], Vec3(2, 2, 3));
-  ASSERT_EQ(scene->assets.size(), 3U);
-  EXPECT_EQ(scene->assets[0].bytes, gzipped(main).size());
+  const auto scene = testing::value_of(files.load("main.pbrt.gz"));
+  EXPECT_EQ(std::get<TriangleMeshData>(scene.shapes[0].geometry).positions[1], Vec3(2, 2, 3));
+  ASSERT_EQ(scene.assets.size(), 3U);
+  EXPECT_EQ(scene.assets[0].bytes, gzipped(main).size());
 
   // Errors name the compressed file and count the lines of its content.
   files.write("parts/a.pbrt.gz", gzipped("Translate 1 2 3\nFoo"));
@@ -267,11 +263,10 @@ TEST(PbrtSyntax, ImportKeepsItsStateToItself) {
   files.write(
       "a.pbrt",
       "Translate 1 0 0 MakeNamedMaterial \"m\" \"string type\" \"diffuse\" Shape \"sphere\"");
-  const auto scene = files.load("main.pbrt");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(std::get<SphereParams>(scene->shapes[0].geometry).world_from_object.point({0, 0, 0}),
+  const auto scene = testing::value_of(files.load("main.pbrt"));
+  EXPECT_EQ(std::get<SphereParams>(scene.shapes[0].geometry).world_from_object.point({0, 0, 0}),
             Vec3(1, 0, 0));
-  EXPECT_EQ(std::get<SphereParams>(scene->shapes[1].geometry).world_from_object.point({0, 0, 0}),
+  EXPECT_EQ(std::get<SphereParams>(scene.shapes[1].geometry).world_from_object.point({0, 0, 0}),
             Vec3(0, 0, 0));
   files.write("a.pbrt", "AttributeBegin");
   EXPECT_EQ(message(files.load("main.pbrt").status()),
@@ -308,11 +303,10 @@ TEST(PbrtSyntax, AByteOrderMarkIsSkipped) {
   files.write("a.pbrt", mark + "Shape \"sphere\"");
   files.write("b.pbrt", mark + "LightSource \"point\" \"spectrum I\" \"a.spd\"");
   files.write("a.spd", mark + "400 1 700 1");
-  const auto scene = files.load("scene.pbrt");
-  ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(scene->shapes.size(), 1U);
-  ASSERT_EQ(scene->lights.size(), 1U);
-  EXPECT_NE(scene->lights[0].spectrum, nullptr);
+  const auto scene = testing::value_of(files.load("scene.pbrt"));
+  EXPECT_EQ(scene.shapes.size(), 1U);
+  ASSERT_EQ(scene.lights.size(), 1U);
+  EXPECT_NE(scene.lights[0].spectrum, nullptr);
   // Columns are counted like in editors.
   files.write("a.pbrt", mark + "  Shape \"sphere\" 1");
   EXPECT_THAT(message(files.load("scene.pbrt").status()), StartsWith("a.pbrt:1:18: "));
@@ -342,10 +336,9 @@ TEST(PbrtSyntax, RemarksAreCountedBeyondAThousand) {
   std::string text;
   for (int i = 0; i < 1200; ++i)
     text += "Texture \"t" + std::to_string(i) + "\" \"float\" \"fbm\"\n";
-  const auto scene = load_world(text);
-  ASSERT_TRUE(scene.ok());
-  ASSERT_EQ(scene->remarks.size(), 1001U);
-  EXPECT_EQ(scene->remarks.back().what, "200 more things are not modelled");
+  const auto scene = testing::value_of(load_world(text));
+  ASSERT_EQ(scene.remarks.size(), 1001U);
+  EXPECT_EQ(scene.remarks.back().what, "200 more things are not modelled");
 }
 
 }  // namespace
