@@ -87,7 +87,7 @@ std::string found_of(const Report& report) {
   const bool items =
       std::ranges::any_of(report.rows, [](const Row& r) { return r.figures.items > 0; });
   std::string text;
-  for (const Found& found : report.found) {
+  for (const HighestRate& found : report.found) {
     const std::string batch = items ? fmt::format("batch {}: ", found.batch) : "";
     text += found.rate ? fmt::format("{}{} holds up to {} calls/s\n", batch, name(*report.limit),
                                      short_number(*found.rate))
@@ -128,7 +128,7 @@ std::string json_of(const Report& report) {
     out["limit"] = {{"quantile", quantile_name(report.limit->quantile)},
                     {"latencyS", report.limit->latency_s}};
     out["highest"] = Json::array();
-    for (const Found& found : report.found)
+    for (const HighestRate& found : report.found)
       out["highest"].push_back(
           {{"batch", found.batch}, {"rate", found.rate ? Json(*found.rate) : Json()}});
   }

@@ -25,7 +25,7 @@ struct Row {
 };
 
 /// The result of a search for the highest rate.
-struct Found {
+struct HighestRate {
   std::uint64_t batch = 0;
   /// Nothing if no rate holds the limit [1/s].
   std::optional<double> rate;
@@ -35,7 +35,7 @@ struct Report {
   std::string server, question, scene_id;
   std::vector<Row> rows;
   std::optional<LatencyLimit> limit;
-  std::vector<Found> found;
+  std::vector<HighestRate> found;
 };
 
 /// Whether the load had answers only, kept up with its rate, and holds the limit.

@@ -74,7 +74,7 @@ class CsvFile final : public VectorFile {
   std::string path_;
   std::ifstream in_;
   CsvReader reader_;
-  std::vector<CsvReader::Place> marks_;
+  std::vector<CsvReader::RowPosition> marks_;
   std::uint64_t rows_ = 0;
   std::uint64_t next_ = 0;  // the reader's next row
   std::size_t columns_ = 0;
@@ -123,13 +123,13 @@ absl::Status parse_fields(const std::vector<std::string_view>& fields, std::vect
   return absl::OkStatus();
 }
 
-CsvReader::Place CsvReader::place() {
-  Place here = now_;
+CsvReader::RowPosition CsvReader::place() {
+  RowPosition here = now_;
   here.offset = input_.tellg();
   return here;
 }
 
-void CsvReader::seek(const Place& place) {
+void CsvReader::seek(const RowPosition& place) {
   input_.clear();
   input_.seekg(place.offset);
   now_ = place;

@@ -28,7 +28,7 @@ absl::Status parse_fields(const std::vector<std::string_view>& fields, std::vect
 class CsvReader {
  public:
   /// The position of a row, and the state that depends on the rows before it.
-  struct Place {
+  struct RowPosition {
     std::streamoff offset = 0;
     std::size_t line = 1;     // its number
     std::size_t columns = 0;  // 0: not known yet
@@ -38,9 +38,9 @@ class CsvReader {
   CsvReader(std::istream& input, std::string name) : input_(input), name_(std::move(name)) {}
 
   /// The position of the next line; its offset is -1 at the end.
-  Place place();
+  RowPosition place();
   /// Continues at `place`.
-  void seek(const Place& place);
+  void seek(const RowPosition& place);
   /// The numbers of the next row; null after the last.
   absl::StatusOr<const std::vector<double>*> next();
   /// Skips the next row without parsing its numbers; false after the last.
@@ -53,7 +53,7 @@ class CsvReader {
 
   std::istream& input_;
   std::string name_;
-  Place now_;  // `line` is the number of the next line
+  RowPosition now_;  // `line` is the number of the next line
   std::string text_;
   std::vector<std::string_view> fields_;  // views into text_
   std::vector<double> numbers_;

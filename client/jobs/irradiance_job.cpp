@@ -85,13 +85,13 @@ class Limits {
 };
 
 /// Receivers [first, end).
-struct Run {
+struct ReceiverRun {
   std::uint64_t first, end;
 };
 
 /// A journal record: a run of rows that are in the file of results.
 struct JournalRecord {
-  Run run;
+  ReceiverRun run;
   std::array<char, 8> sum;  // first bytes of the rows' SHA-256
 
   std::string bytes() const { return {reinterpret_cast<const char*>(this), sizeof(JournalRecord)}; }
@@ -147,7 +147,7 @@ class Irradiance final : public DistributedWork {
       options_.job.on_event(options_.results + " lacks " + std::to_string(lost_) +
                             " of the runs in " + options_.journal + ": they are computed again");
     std::sort(done_.begin(), done_.end(),
-              [](const Run& a, const Run& b) { return a.first < b.first; });
+              [](const ReceiverRun& a, const ReceiverRun& b) { return a.first < b.first; });
     std::uint64_t next = 0;
     const auto cut_until = [&](std::uint64_t end) {
       for (; next < end; next = pieces_.back().end)
@@ -158,7 +158,7 @@ class Irradiance final : public DistributedWork {
       return absl::InvalidArgumentError("the receivers need " + std::to_string(most) +
                                         " pieces of " + std::to_string(items_per_piece) +
                                         ", allowed: " + std::to_string(kMostPieces));
-    for (const Run& run : done_) {
+    for (const ReceiverRun& run : done_) {
       cut_until(run.first);
       if (run.end > next) {
         from_journal_ += run.end - next;
@@ -167,7 +167,7 @@ class Irradiance final : public DistributedWork {
       }
     }
     cut_until(receivers_.size());
-    std::vector<Run>().swap(done_);
+    std::vector<ReceiverRun>().swap(done_);
     return absl::OkStatus();
   }
 
@@ -175,7 +175,7 @@ class Irradiance final : public DistributedWork {
 
   void start(std::size_t number, const Client& client, const std::string& scene_id,
              const CallOptions& options, Done done) override {
-    const Run& run = pieces_[number];
+    const ReceiverRun& run = pieces_[number];
     const std::size_t count = run.end - run.first;
     if (absl::Status s = receivers_.read(run.first, count, points_, normals_); !s.ok()) {
       failed_ = s;
@@ -194,7 +194,7 @@ class Irradiance final : public DistributedWork {
 
   absl::Status accept(std::size_t number, Result result) override {
     const auto& response = static_cast<v1::EstimateIrradianceResponse&>(*result);
-    const Run& run = pieces_[number];
+    const ReceiverRun& run = pieces_[number];
     LUCERNA_RETURN_IF_ERROR(to_rows(response, run.end - run.first));
     LUCERNA_RETURN_IF_ERROR(results_.write(run.first, rows_));
     count_statuses();
@@ -234,7 +234,7 @@ class Irradiance final : public DistributedWork {
     JournalRecord record{};
     const bool fits = bytes.size() == sizeof record;
     if (fits) std::memcpy(&record, bytes.data(), sizeof record);
-    const Run& run = record.run;
+    const ReceiverRun& run = record.run;
     if (!fits || run.first >= run.end || run.end > results_.rows())
       return absl::FailedPreconditionError(options_.journal +
                                            ": has a record that is not a piece of this job");
@@ -249,7 +249,7 @@ class Irradiance final : public DistributedWork {
   }
 
   /// Counts the statuses of a run that the file holds.
-  absl::Status count(const Run& run) {
+  absl::Status count(const ReceiverRun& run) {
     rows_.resize((run.end - run.first) * results_.columns());
     LUCERNA_RETURN_IF_ERROR(results_.read(run.first, rows_));
     count_statuses();
@@ -306,9 +306,9 @@ class Irradiance final : public DistributedWork {
   ResultFile results_;
   const Limits& limits_;
   std::optional<Journal> journal_;
-  std::vector<Run> done_;  // filled while the journal is read
-  std::size_t lost_ = 0;   // records whose rows are not in the file
-  std::vector<Run> pieces_;
+  std::vector<ReceiverRun> done_;  // filled while the journal is read
+  std::size_t lost_ = 0;           // records whose rows are not in the file
+  std::vector<ReceiverRun> pieces_;
   // Buffers of the current piece.
   std::vector<Double3> points_;
   std::vector<float> normals_, rows_;

@@ -121,7 +121,7 @@ class Render final : public DistributedWork {
   const v1::Cost& cost() const { return cost_; }
 
  private:
-  struct Run {
+  struct BlockRun {
     std::uint64_t first, blocks;
   };
   struct Piece {
@@ -134,7 +134,7 @@ class Render final : public DistributedWork {
   /// samples.
   Piece piece(std::size_t number) const {
     const std::uint64_t tiles = across_ * down_, tile = number % tiles;
-    const Run& run = runs_[static_cast<std::size_t>(number / tiles)];
+    const BlockRun& run = runs_[static_cast<std::size_t>(number / tiles)];
     Piece piece{{}, run.first, run.blocks, static_cast<std::size_t>(tile)};
     const auto x = static_cast<std::uint32_t>(tile % across_ * edge_),
                y = static_cast<std::uint32_t>(tile / across_ * edge_);
@@ -153,7 +153,7 @@ class Render final : public DistributedWork {
 
   /// The number of the piece that equals the tile; nothing if no piece does.
   std::optional<std::size_t> number_of(const v1::Tile& tile) const {
-    const auto before = [](const Run& run, std::uint64_t first) { return run.first < first; };
+    const auto before = [](const BlockRun& run, std::uint64_t first) { return run.first < first; };
     const auto run = std::lower_bound(runs_.begin(), runs_.end(), tile.first_block(), before);
     const std::uint64_t x = tile.rect().x0() / edge_, y = tile.rect().y0() / edge_;
     if (run == runs_.end() || run->first != tile.first_block() || x >= across_ || y >= down_)
@@ -229,8 +229,8 @@ class Render final : public DistributedWork {
   const RenderJobOptions& options_;
   v1::SceneSummary scene_;
   std::uint32_t per_block_ = 1;
-  bool by_area_ = false;   // each tile is one piece with all of its samples
-  std::vector<Run> runs_;  // of blocks, in order
+  bool by_area_ = false;        // each tile is one piece with all of its samples
+  std::vector<BlockRun> runs_;  // of blocks, in order
   std::uint32_t edge_ = 1;
   std::uint64_t across_ = 0, down_ = 0;  // tiles
   std::vector<std::size_t> to_do_;       // pieces, by number

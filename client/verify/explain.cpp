@@ -11,7 +11,7 @@ namespace lucerna::verify {
 namespace {
 
 // A mistake shows in this many rows as well as in all.
-constexpr std::size_t kMostRows = 400;
+constexpr std::size_t kMostExplainedRows = 400;
 
 std::vector<double> luminances(const std::vector<Double3>& all) {
   std::vector<double> result;
@@ -258,7 +258,7 @@ Geometry geometry_of(Truth& truth, const v1::Light& light, const Records& rows) 
 
 void explain_values(Truth& truth, const v1::Light& light, const Records& all_rows,
                     const std::vector<double>& all_ours, Finding* finding) {
-  const std::vector<std::size_t> chosen = some_rows(all_rows.rows, kMostRows);
+  const std::vector<std::size_t> chosen = some_rows(all_rows.rows, kMostExplainedRows);
   const Records rows = rows_of(all_rows, chosen);
   const std::vector<double> ours = at_rows(all_ours, chosen);
   const LightValues values(truth, light);
@@ -298,7 +298,7 @@ void explain_values(Truth& truth, const v1::Light& light, const Records& all_row
 
 void explain_densities(Truth& truth, const v1::Light& light, const Records& all_rows,
                        const std::vector<Way>& ways, Finding* finding) {
-  const Records rows = rows_of(all_rows, some_rows(all_rows.rows, kMostRows));
+  const Records rows = rows_of(all_rows, some_rows(all_rows.rows, kMostExplainedRows));
   if (rows.rows == 0) return;
   const Geometry geometry = geometry_of(truth, light, rows);
   const std::vector<Variation> changed = variations(truth, light);

@@ -33,7 +33,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMaxShownPixels = std::uint64_t{1} << 30;
 // A packet of kMostEdge squared pixels fits into the first receive buffer of tev, one mebibyte.
 constexpr std::uint32_t kMostEdge = 256;
 constexpr milliseconds kTryAgain(2000);
@@ -191,7 +191,7 @@ class TevSender::Impl {
     v1::PixelRect rect;
     bool waiting = false;
   };
-  using Place = std::array<std::uint32_t, 4>;
+  using Corners = std::array<std::uint32_t, 4>;
 
   void queue(const v1::PixelRect& rect) {
     const auto [at, is_new] =
@@ -281,10 +281,10 @@ class TevSender::Impl {
   std::condition_variable_any changed_;
   std::string name_;
   Canvas picture_;
-  std::vector<Cell> cells_;                // all rectangles of the picture
-  std::map<Place, std::size_t> by_place_;  // index into cells_
-  std::deque<std::size_t> waiting_;        // indices into cells_ of unsent rectangles
-  bool created_ = false;                   // the viewer has created the picture
+  std::vector<Cell> cells_;                  // all rectangles of the picture
+  std::map<Corners, std::size_t> by_place_;  // index into cells_
+  std::deque<std::size_t> waiting_;          // indices into cells_ of unsent rectangles
+  bool created_ = false;                     // the viewer has created the picture
   bool sending_ = false;
   bool connected_ = false;
   bool reported_ = false;
@@ -305,7 +305,7 @@ absl::StatusOr<std::unique_ptr<TevSender>> TevSender::create(
 }
 
 absl::Status TevSender::begin(const std::string& name, std::uint32_t width, std::uint32_t height) {
-  if (width == 0 || height == 0 || std::uint64_t{width} * height > kMaxPixels) {
+  if (width == 0 || height == 0 || std::uint64_t{width} * height > kMaxShownPixels) {
     return absl::InvalidArgumentError("a picture of " + std::to_string(width) + " x " +
                                       std::to_string(height) + " pixels, allowed: 1 to 2^30");
   }

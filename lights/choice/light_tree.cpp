@@ -174,7 +174,7 @@ double LightTree::probability(const Receiver& receiver, std::uint32_t light) con
   if (size() == 1) return importance(0, *from)[0] > 0 ? 1 : 0;
   // Shares from the leaf upwards.  The list grows as deep as the tree.
   absl::InlinedVector<double, 64> shares;
-  for (Place at = leaf_of_[light];; at = parents_[at / 2]) {
+  for (NodeIndex at = leaf_of_[light];; at = parents_[at / 2]) {
     const std::uint32_t pair = at / 2;
     if (pair > 0) prefetch(parents_[pair] / 2);
     const TwoDoubles both = importance(pair, *from);
@@ -191,7 +191,7 @@ double LightTree::probability(const Receiver& receiver, std::uint32_t light) con
 
 std::size_t LightTree::bytes() const {
   return pairs_.capacity() * sizeof(Pair) + cones_.capacity() * sizeof(Cones) +
-         (parents_.capacity() + leaf_of_.capacity()) * sizeof(Place);
+         (parents_.capacity() + leaf_of_.capacity()) * sizeof(NodeIndex);
 }
 
 }  // namespace lucerna

@@ -81,7 +81,7 @@ class LightTree {
   static_assert(sizeof(Cones) == 64);
 
   /// A child by number: twice that of its pair, plus 1 for the right one.
-  using Place = std::uint32_t;
+  using NodeIndex = std::uint32_t;
 
   /// A receiver in the tree's coordinates.
   struct Query {
@@ -89,7 +89,7 @@ class LightTree {
     bool has_normal;
   };
 
-  void set(Place place, const LightCluster& cluster);
+  void set(NodeIndex place, const LightCluster& cluster);
   std::optional<Query> query_from(const Receiver& receiver) const;
   /// Starts to load a pair into the cache.
   void prefetch(std::uint32_t pair) const;
@@ -98,12 +98,12 @@ class LightTree {
 
   std::vector<Pair> pairs_;   // the children of the root, then the left child's before the right's
   std::vector<Cones> cones_;  // of each pair; empty if all lights shine in all directions
-  std::vector<Place> parents_;  // of each pair but the first
-  std::vector<Place> leaf_of_;  // of each item; kNoLeaf
-  std::size_t size_ = 0;        // a single light is the left child of the only pair
-  double scale_ = 1;            // to the tree's coordinates, a power of two
+  std::vector<NodeIndex> parents_;  // of each pair but the first
+  std::vector<NodeIndex> leaf_of_;  // of each item; kNoLeaf
+  std::size_t size_ = 0;            // a single light is the left child of the only pair
+  double scale_ = 1;                // to the tree's coordinates, a power of two
 
-  static constexpr Place kNoLeaf = ~Place{0};
+  static constexpr NodeIndex kNoLeaf = ~NodeIndex{0};
 };
 
 }  // namespace lucerna

@@ -42,7 +42,7 @@ class LightTree::Builder {
   /// Makes the tree below `place` from the lights order_[begin, end).
   struct Task {
     std::uint32_t begin, end;
-    Place place;  ///< that of the root is not used
+    NodeIndex place;  ///< that of the root is not used
     LightCluster cluster;
   };
   struct Split {
@@ -132,7 +132,7 @@ LightCluster LightTree::Builder::cluster_of(std::span<const std::uint32_t> light
   return all;
 }
 
-void LightTree::set(Place place, const LightCluster& cluster) {
+void LightTree::set(NodeIndex place, const LightCluster& cluster) {
   Pair& pair = pairs_[place / 2];
   const int side = static_cast<int>(place % 2);
   constexpr float kInfinity = std::numeric_limits<float>::infinity();

@@ -228,7 +228,7 @@ void PhotometricWeb::bound() {
   cone_.half_angle_rad = std::min(kPi, cone_.half_angle_rad + kSlack);
 }
 
-PhotometricWeb::Place PhotometricWeb::find(const Vec3& w) const {
+PhotometricWeb::GridPosition PhotometricWeb::find(const Vec3& w) const {
   const Axes axes = axes_of(type_);
   const double x = dot(w, axes.zero), y = dot(w, axes.ninety), z = dot(w, axes.pole);
   const double polar = std::atan2(std::hypot(x, y), z);
@@ -242,7 +242,7 @@ PhotometricWeb::Place PhotometricWeb::find(const Vec3& w) const {
   const bool inside =
       polar >= polar_rad_.front() && polar <= polar_rad_.back() &&
       (around || at_pole || (azimuth >= azimuth_rad_.front() && azimuth <= azimuth_rad_.back()));
-  Place place{0, 0, 0, 0, inside, at_pole};
+  GridPosition place{0, 0, 0, 0, inside, at_pole};
   if (!inside) return place;
   const auto locate = [](const std::vector<double>& grid, double at, std::size_t& cell,
                          double& within) {
@@ -256,7 +256,7 @@ PhotometricWeb::Place PhotometricWeb::find(const Vec3& w) const {
 }
 
 double PhotometricWeb::at(const Vec3& w) const {
-  const Place p = find(w);
+  const GridPosition p = find(w);
   if (!p.inside) return 0;
   // A pole has no azimuth.
   if (p.at_pole) return mean_of_column(p.column) * (1 - p.t) + mean_of_column(p.column + 1) * p.t;
@@ -318,7 +318,7 @@ Vec3 PhotometricWeb::sample(Vec2 u) const {
 }
 
 SolidAnglePdf PhotometricWeb::pdf(const Vec3& w) const {
-  const Place p = find(w);
+  const GridPosition p = find(w);
   if (!p.inside || !(flux_lm_ > 0)) return {};
   // Uses the flux of the cell.  A difference of sums would lose a faint cell beside bright ones.
   return {cell_flux(p.row, p.column) / flux_lm_ / solid_angle(p.row, p.column)};

@@ -62,7 +62,7 @@ class PhotometricWeb {
 
  private:
   /// A place on the grid: the cell, and the position in it from 0 to 1.
-  struct Place {
+  struct GridPosition {
     std::size_t row, column;
     double s, t;
     bool inside, at_pole;
@@ -71,7 +71,7 @@ class PhotometricWeb {
   void write_out(const PhotometricWebParams& params);
   void integrate();
   void bound();
-  Place find(const Vec3& w) const;
+  GridPosition find(const Vec3& w) const;
   double value(std::size_t row, std::size_t column) const {
     return cd_[row * polar_rad_.size() + column];
   }

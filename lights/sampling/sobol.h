@@ -23,9 +23,9 @@ inline std::uint64_t mix_bits(std::uint64_t v) {
 /// Thread-compatible; copying is cheap.
 class SobolSequence {
  public:
-  /// `replicate` numbers independent randomisations of the same item.
-  SobolSequence(std::uint64_t seed, std::uint64_t item, std::uint64_t replicate = 0)
-      : key_(mix_bits(mix_bits(mix_bits(seed + kGolden) + item + kGolden) + replicate + kGolden)) {}
+  /// `block` numbers independent randomisations of the same item.
+  SobolSequence(std::uint64_t seed, std::uint64_t item, std::uint64_t block = 0)
+      : key_(mix_bits(mix_bits(mix_bits(seed + kGolden) + item + kGolden) + block + kGolden)) {}
 
   /// Point `index` in dimensions (2 pair, 2 pair + 1), each in [0, 1) as multiples of 2^-24, so
   /// that no float rounds to 1.

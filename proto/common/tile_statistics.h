@@ -40,10 +40,10 @@ class BlockTotal {
 
   /// Adds the next blocks.  Their number is a power of two, and the first one a multiple of it.
   void add(Value value, std::uint64_t blocks = 1) {
-    Run run{next_, blocks, std::move(value)};
+    BlockRun run{next_, blocks, std::move(value)};
     next_ += blocks;
     while (!runs_.empty()) {
-      Run& low = runs_.back();
+      BlockRun& low = runs_.back();
       if (low.blocks != run.blocks || low.first % (2 * low.blocks) != 0) break;
       run = joined(std::move(low), run);
       runs_.pop_back();
@@ -56,18 +56,18 @@ class BlockTotal {
   /// All blocks so far.
   Value total() const {
     if (runs_.empty()) return {};
-    Run sum = runs_.front();
+    BlockRun sum = runs_.front();
     for (std::size_t i = 1; i < runs_.size(); ++i) sum = joined(std::move(sum), runs_[i]);
     return std::move(sum.value);
   }
 
  private:
-  struct Run {
+  struct BlockRun {
     std::uint64_t first, blocks;
     Value value;
   };
 
-  static Run joined(Run low, const Run& high) {
+  static BlockRun joined(BlockRun low, const BlockRun& high) {
     low.value = merge(std::move(low.value), low.blocks, high.value, high.blocks);
     low.blocks += high.blocks;
     return low;
@@ -76,7 +76,7 @@ class BlockTotal {
   std::uint64_t first_, next_;
   // Runs grow to the largest and then shrink.  An array for the largest possible number of
   // runs would have 10 kB to clear for each exact answer.
-  std::vector<Run> runs_;
+  std::vector<BlockRun> runs_;
 };
 
 /// The BlockTotal of `size` values at once: 3 channels for each pixel, pixels in row order; or

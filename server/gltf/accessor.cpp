@@ -128,7 +128,7 @@ std::size_t components_of(const Document& document, std::size_t index) {
 
 std::vector<double> read_numbers(const Document& document, std::size_t index,
                                  std::size_t components, bool is_mended) {
-  Context& context = document.context();
+  LoadState& context = document.context();
   const tinygltf::Accessor& accessor = document.model().accessors[index];
   const std::string pointer = accessor_pointer(index);
   if (components_of(document, index) != components)

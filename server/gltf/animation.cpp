@@ -90,7 +90,7 @@ Animations::Animations(const Document& document) : document_(document) {
 
 void Animations::add(const View& channel, const tinygltf::Animation& animation,
                      const tinygltf::AnimationChannel& source, const View& animation_place) {
-  Context& context = document_.context();
+  LoadState& context = document_.context();
   context.poll();
   const std::string& path = source.target_path;
   if (source.target_node < 0) return;  // the target of an extension

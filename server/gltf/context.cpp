@@ -6,7 +6,7 @@
 
 namespace lucerna::gltf {
 
-SourceLocation Context::location(const std::string& pointer) const {
+SourceLocation LoadState::location(const std::string& pointer) const {
   // Keys of the file may be long or hold anything.
   constexpr std::size_t kMostBytes = 1000;
   const bool is_fit = pointer.size() <= kMostBytes && is_printable(pointer);
@@ -15,17 +15,17 @@ SourceLocation Context::location(const std::string& pointer) const {
       0};
 }
 
-void Context::fail(const std::string& pointer, const std::string& what) const {
+void LoadState::fail(const std::string& pointer, const std::string& what) const {
   fail(pointer, absl::InvalidArgumentError(what));
 }
 
-void Context::fail(const std::string& pointer, const absl::Status& status) const {
+void LoadState::fail(const std::string& pointer, const absl::Status& status) const {
   throw StatusError(absl::Status(status.code(), fmt::format("{}: {}", location(pointer).file.str(),
                                                             std::string(status.message()))));
 }
 
-std::string Context::light_name(const std::string& pointer,
-                                std::initializer_list<std::string_view> names) {
+std::string LoadState::light_name(const std::string& pointer,
+                                  std::initializer_list<std::string_view> names) {
   for (const std::string_view name : names) {
     if (name.empty()) continue;
     if (is_light_name(name)) return std::string(name);
@@ -38,14 +38,14 @@ std::string Context::light_name(const std::string& pointer,
   return {};
 }
 
-void Context::remark(const std::string& pointer, std::string what, std::string instead) {
+void LoadState::remark(const std::string& pointer, std::string what, std::string instead) {
   remarks_.add(location(pointer), std::move(what), std::move(instead));
 }
 
-void Context::finish_remarks() { scene.remarks = remarks_.take(file); }
+void LoadState::finish_remarks() { scene.remarks = remarks_.take(file); }
 
-void Context::count_unpacked(const std::string& pointer, std::uint64_t count,
-                             std::uint64_t bytes_each) {
+void LoadState::count_unpacked(const std::string& pointer, std::uint64_t count,
+                               std::uint64_t bytes_each) {
   // Counts of accessors are below 2^32 and elements below 1 KiB, so the product cannot overflow.
   unpacked_ += count * bytes_each;
   if (unpacked_ > kMostUnpackedBytes)
@@ -55,18 +55,18 @@ void Context::count_unpacked(const std::string& pointer, std::uint64_t count,
                                   count, bytes_each, unpacked_, kMostUnpackedBytes)));
 }
 
-void Context::claim(const std::string& pointer, std::uint64_t count, std::uint64_t bytes_each) {
+void LoadState::claim(const std::string& pointer, std::uint64_t count, std::uint64_t bytes_each) {
   count_unpacked(pointer, count, bytes_each);
   require(scratch_.grow(count * bytes_each));
 }
 
-void Context::claim_for_good(const std::string& pointer, std::uint64_t count,
-                             std::uint64_t bytes_each) {
+void LoadState::claim_for_good(const std::string& pointer, std::uint64_t count,
+                               std::uint64_t bytes_each) {
   count_unpacked(pointer, count, bytes_each);
   require(meter.keep(count * bytes_each));
 }
 
-void Context::poll() {
+void LoadState::poll() {
   if (stop.stop_requested()) throw StatusError(absl::CancelledError("loading was cancelled"));
   require(meter.count_lists());
 }

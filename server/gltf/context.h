@@ -25,9 +25,9 @@ namespace lucerna::gltf {
 /// name the same bytes many times, so the size of the file is no limit.
 inline constexpr std::uint64_t kMostUnpackedBytes = std::uint64_t{8} << 30;
 
-struct Context {
-  Context(AssetReader& assets, SceneDescription& scene, std::stop_token stop, std::string file,
-          const LoadLimits& limits)
+struct LoadState {
+  LoadState(AssetReader& assets, SceneDescription& scene, std::stop_token stop, std::string file,
+            const LoadLimits& limits)
       : assets(assets),
         scene(scene),
         stop(std::move(stop)),

@@ -44,7 +44,7 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
 /// its time grows with the square of the length of arrays.
 class JsonLimits : public Json::json_sax_t {
  public:
-  explicit JsonLimits(Context& context) : context_(context) {}
+  explicit JsonLimits(LoadState& context) : context_(context) {}
 
   bool null() override { return value(); }
   bool boolean(bool) override { return value(); }
@@ -82,7 +82,7 @@ class JsonLimits : public Json::json_sax_t {
     return true;
   }
 
-  Context& context_;
+  LoadState& context_;
   std::size_t values_ = 0;
   int level_ = 0;
 };
@@ -145,7 +145,7 @@ bool has_scheme(std::string_view uri) {
 
 bool is_data_uri(const std::string& uri) { return absl::StartsWithIgnoreCase(uri, "data:"); }
 
-Document::Document(Context& context) : context_(context) {
+Document::Document(LoadState& context) : context_(context) {
   absl::StatusOr<AssetContent> content = context.assets.read(context.file);
   if (!content.ok()) throw StatusError(content.status());
   const std::string_view text = split_container(content->bytes);
@@ -389,7 +389,7 @@ std::optional<Texels> Document::read_texels(const AssetContent& content, const V
     return Texels(picture->codes->width, picture->codes->height, picture->codes->is_grey,
                   std::move(picture->codes->codes), std::move(picture->codes->values));
   // Texels have at most the bytes of the picture.
-  Context::require(share.grow(picture->image->bytes()));
+  LoadState::require(share.grow(picture->image->bytes()));
   return Texels(*picture->image);
 }
 

@@ -31,9 +31,9 @@ bool is_data_uri(const std::string& uri);
 class Document {
  public:
   /// Reads and checks the file `context.file`, a .gltf or a .glb file, and all its buffers.
-  explicit Document(Context& context);
+  explicit Document(LoadState& context);
 
-  Context& context() const { return context_; }
+  LoadState& context() const { return context_; }
   /// The JSON text.  Types and indices are checked (structure.h), those of extensions are not.
   View root() const { return {context_, json_, ""}; }
   const tinygltf::Model& model() const { return model_; }
@@ -70,7 +70,7 @@ class Document {
   std::optional<Texels> read_texels(const AssetContent& content, const View& place,
                                     PictureKind kind, LoadBudget::Share& share) const;
 
-  Context& context_;
+  LoadState& context_;
   Json json_;
   tinygltf::Model model_;
   std::string embedded_;  ///< the binary chunk of a .glb file

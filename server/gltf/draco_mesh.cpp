@@ -15,7 +15,7 @@ namespace {
 /// What the decoder may allocate.  It outlives the decoder, which knows no errors of ours.
 class Allowance {
  public:
-  explicit Allowance(const Context& context)
+  explicit Allowance(const LoadState& context)
       : most_faces_(context.meter.limits().max_primitives), share_(context.meter.budget()) {}
 
   bool allows_faces(std::uint64_t faces) {

@@ -168,7 +168,7 @@ void add_lights(const Document& document, const PlacedNode& node) {
 }
 
 void set_camera(const Document& document, const std::vector<PlacedNode>& nodes) {
-  Context& context = document.context();
+  LoadState& context = document.context();
   CameraDescription& camera = context.scene.camera;
   Film& film = context.scene.film;
   const PlacedNode* chosen = nullptr;

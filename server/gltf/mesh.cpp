@@ -129,7 +129,7 @@ void morph(const Document& document, const tinygltf::Primitive& primitive,
 std::vector<Matrix> skinned(const Document& document, const Attributes& attributes,
                             const std::string& pointer, const std::vector<Matrix>& joints,
                             std::size_t count) {
-  Context& context = document.context();
+  LoadState& context = document.context();
   context.claim(pointer, count, sizeof(Matrix));
   std::vector<Matrix> result(count, Matrix{});
   std::vector<double> total(count, 0.0);
@@ -165,7 +165,7 @@ std::vector<Matrix> skinned(const Document& document, const Attributes& attribut
 }
 
 /// Sets the unit normals.  Mends those without a direction, with a remark.
-void set_normals(Context& context, const std::vector<Vec3>& normals, Part& part) {
+void set_normals(LoadState& context, const std::vector<Vec3>& normals, Part& part) {
   part.mesh.normals.reserve(normals.size());
   StopPoll poll;
   for (const Vec3& normal : normals) {
@@ -184,7 +184,7 @@ void set_normals(Context& context, const std::vector<Vec3>& normals, Part& part)
 
 /// The (u, v) of the corners in the picture.  Triangles within one repetition of the picture are
 /// moved to it.
-std::vector<Vec2f> corner_uv(Context& context, const std::string& pointer,
+std::vector<Vec2f> corner_uv(LoadState& context, const std::string& pointer,
                              const MaterialEmission& emission, const std::vector<double>& uv,
                              const std::vector<std::uint32_t>& indices) {
   std::vector<Vec2f> result;
@@ -231,7 +231,7 @@ std::vector<Vec2f> texture_uv(const std::vector<double>& uv,
 }
 
 /// Sets the (u, v) that the material of a part needs.
-void set_uv(Context& context, const Attributes& attributes, std::size_t count, Part& part) {
+void set_uv(LoadState& context, const Attributes& attributes, std::size_t count, Part& part) {
   const auto* emission =
       part.use.emission && part.use.emission->picture ? part.use.emission.get() : nullptr;
   if (emission == nullptr && !part.use.uv_set) return;
@@ -264,7 +264,7 @@ void set_uv(Context& context, const Attributes& attributes, std::size_t count, P
 }
 
 /// Sets the colours of the vertices, linear as in the file.  [glTF2, 3.7.2.1]
-void set_colours(Context& context, const Attributes& attributes, std::size_t count, Part& part) {
+void set_colours(LoadState& context, const Attributes& attributes, std::size_t count, Part& part) {
   const std::string at = part.pointer + "/attributes/COLOR_0";
   const std::size_t components = attributes.components("COLOR_0");
   if (components != 3 && components != 4)
@@ -288,7 +288,7 @@ void set_colours(Context& context, const Attributes& attributes, std::size_t cou
 }
 
 /// The tangents of the vertices.  Without them the frame follows (u, v).  [glTF2, 3.7.2.1]
-std::vector<VertexTangent> tangents(Context& context, const std::string& pointer,
+std::vector<VertexTangent> tangents(LoadState& context, const std::string& pointer,
                                     const std::vector<Vec3>& along,
                                     const std::vector<double>& given) {
   std::vector<VertexTangent> result;
@@ -311,7 +311,7 @@ std::vector<VertexTangent> tangents(Context& context, const std::string& pointer
 std::optional<Part> make_part(const Document& document, Materials& materials,
                               const tinygltf::Mesh& mesh, const tinygltf::Primitive& primitive,
                               const View& place, const Deformation& deformation) {
-  Context& context = document.context();
+  LoadState& context = document.context();
   const std::string& pointer = place.pointer();
   context.poll();
   const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
@@ -416,7 +416,7 @@ std::vector<Part> make_parts(const Document& document, Materials& materials, std
   return parts;
 }
 
-TriangleMeshData transformed(const Context& context, const std::string& pointer,
+TriangleMeshData transformed(const LoadState& context, const std::string& pointer,
                              TriangleMeshData mesh, const Transform& transform) {
   StopPoll poll;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i, poll()) {

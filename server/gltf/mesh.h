@@ -31,7 +31,7 @@ std::vector<Part> make_parts(const Document& document, Materials& materials, std
                              const Deformation& deformation);
 
 /// Moves a mesh to another frame.  Its outside stays its outside.
-TriangleMeshData transformed(const Context& context, const std::string& pointer,
+TriangleMeshData transformed(const LoadState& context, const std::string& pointer,
                              TriangleMeshData mesh, const Transform& transform);
 
 }  // namespace lucerna::gltf

@@ -54,7 +54,7 @@ class Placer {
   void count(const ShapeDescription& shape, const Part& part);
 
   const Document& document_;
-  Context& context_;
+  LoadState& context_;
   Materials& materials_;
   const Tree& tree_;
   std::map<std::size_t, std::vector<MeshPlace>> places_;  ///< by mesh

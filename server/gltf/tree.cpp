@@ -119,7 +119,7 @@ Matrix Tree::world(std::size_t node, std::optional<double> time_s) const {
 
 /// The motion of a node with an animation, with that of the nodes above it.
 Tree::Moved Tree::move(std::size_t node) const {
-  Context& context = document_.context();
+  LoadState& context = document_.context();
   const std::string pointer = fmt::format("/nodes/{}", node);
   std::vector<std::size_t> moving;
   std::uint64_t depth = 0;

@@ -26,11 +26,11 @@ inline constexpr Range kUnit{0, 1};
 /// with the JSON pointer, the value and what is allowed.
 class View {
  public:
-  View(Context& context, const Json& value, std::string pointer)
+  View(LoadState& context, const Json& value, std::string pointer)
       : context_(&context), value_(&value), pointer_(std::move(pointer)) {}
 
   const std::string& pointer() const { return pointer_; }
-  Context& context() const { return *context_; }
+  LoadState& context() const { return *context_; }
   const Json& json() const { return *value_; }
 
   /// The member `key` of an object; nothing if it does not exist.
@@ -72,7 +72,7 @@ class View {
  private:
   [[noreturn]] void refuse(std::string_view allowed) const;
 
-  Context* context_;
+  LoadState* context_;
   const Json* value_;
   std::string pointer_;
 };

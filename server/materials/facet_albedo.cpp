@@ -70,12 +70,14 @@ class Table {
   }
 
  private:
-  struct Place {
+  struct TablePosition {
     int first;
     double share;
   };
-  static Place alpha_place(double alpha) { return place(std::sqrt(std::sqrt(alpha)), kAlphas); }
-  static Place place(double x, int n) {
+  static TablePosition alpha_place(double alpha) {
+    return place(std::sqrt(std::sqrt(alpha)), kAlphas);
+  }
+  static TablePosition place(double x, int n) {
     const double at = std::clamp(x, 0.0, 1.0) * (n - 1);
     const int first = std::min(static_cast<int>(at), n - 2);
     return {first, at - first};

@@ -36,11 +36,11 @@ const char* name_of_opener(int kind) {
 
 }  // namespace
 
-void Builder::require_world(const char* directive, const Place& place) const {
+void Builder::require_world(const char* directive, const FilePosition& place) const {
   if (!in_world_) fail(place, fmt::format("{} is not allowed before WorldBegin", directive));
 }
 
-void Builder::require_before_world(const std::string& directive, const Place& place) const {
+void Builder::require_before_world(const std::string& directive, const FilePosition& place) const {
   if (in_world_) fail(place, fmt::format("{} is not allowed after WorldBegin", directive));
 }
 
@@ -61,7 +61,7 @@ void Builder::coordinate_system(const std::string& name) {
   if (is_new) context_.count(transforms * sizeof(Transform) + kNodeBytes + name.size());
 }
 
-void Builder::coord_sys_transform(const std::string& name, const Place& place) {
+void Builder::coord_sys_transform(const std::string& name, const FilePosition& place) {
   const auto found = coordinate_systems_.find(name);
   if (found == coordinate_systems_.end()) {
     context_.remark(place, fmt::format("coordinate system \"{}\" is not defined", printable(name)),
@@ -76,7 +76,7 @@ void Builder::active_transform(bool start, bool end) {
   state_.end_active = end;
 }
 
-const Transform& Builder::still_transform(const char* directive, const Place& place) {
+const Transform& Builder::still_transform(const char* directive, const FilePosition& place) {
   const MovingTransform& moving = state_.world_from_object;
   if (moving.moves())
     context_.remark(place, fmt::format("motion of {} is not modelled", directive),
@@ -85,7 +85,7 @@ const Transform& Builder::still_transform(const char* directive, const Place& pl
 }
 
 std::shared_ptr<const Motion> Builder::motion(const char* directive, const MovingTransform& moving,
-                                              const Place& place) {
+                                              const FilePosition& place) {
   if (!is_in_range(moving.start()) || !is_in_range(moving.end()))
     fail(place,
          fmt::format("{}: the product of the transforms exceeds the range of a double", directive));
@@ -103,7 +103,7 @@ std::shared_ptr<const Motion> Builder::motion(const char* directive, const Movin
 }
 
 void Builder::setting(const std::string& directive, const std::string& type, Parameters params,
-                      const Place& place) {
+                      const FilePosition& place) {
   require_before_world(directive, place);
   Setting setting{type, ParameterSet(std::move(params), {}), place};
   if (directive == "Camera") {
@@ -126,7 +126,7 @@ void Builder::setting(const std::string& directive, const std::string& type, Par
   }  // Accelerator: no effect on the result.
 }
 
-void Builder::world_begin(const Place& place) {
+void Builder::world_begin(const FilePosition& place) {
   require_before_world("WorldBegin", place);
   in_world_ = true;
   state_.world_from_object = {};
@@ -135,18 +135,18 @@ void Builder::world_begin(const Place& place) {
   apply(context_, settings_);
 }
 
-void Builder::transform_times(double start_s, double end_s, const Place& place) {
+void Builder::transform_times(double start_s, double end_s, const FilePosition& place) {
   require_before_world("TransformTimes", place);
   start_s_ = start_s;
   end_s_ = end_s;
 }
 
-void Builder::attribute_begin(const Place& place) {
+void Builder::attribute_begin(const FilePosition& place) {
   require_world("AttributeBegin", place);
   open(Opened::Kind::kAttribute, place);
 }
 
-void Builder::open(Opened::Kind kind, const Place& place) {
+void Builder::open(Opened::Kind kind, const FilePosition& place) {
   if (opened_.size() == kMostOpenBlocks)
     fail(place, fmt::format("blocks are open {} deep, allowed: at most {}", opened_.size() + 1,
                             kMostOpenBlocks));
@@ -158,7 +158,7 @@ void Builder::count_materials(std::size_t before, std::size_t parameters) {
   context_.count(added * (Materials::bytes_of_one() + kNodeBytes) + parameters * kParameterBytes);
 }
 
-void Builder::close(Opened::Kind kind, const char* directive, const Place& place) {
+void Builder::close(Opened::Kind kind, const char* directive, const FilePosition& place) {
   if (opened_.empty() || opened_.back().kind == Opened::Kind::kImport)
     fail(place, fmt::format("{} has nothing to close{}", directive,
                             opened_.empty() ? "" : " in this imported file"));
@@ -170,12 +170,13 @@ void Builder::close(Opened::Kind kind, const char* directive, const Place& place
   opened_.pop_back();
 }
 
-void Builder::attribute_end(const Place& place) {
+void Builder::attribute_end(const FilePosition& place) {
   require_world("AttributeEnd", place);
   close(Opened::Kind::kAttribute, "AttributeEnd", place);
 }
 
-void Builder::attribute(const std::string& target, const Parameters& params, const Place& place) {
+void Builder::attribute(const std::string& target, const Parameters& params,
+                        const FilePosition& place) {
   Parameters* attributes = nullptr;
   if (target == "shape") attributes = &state_.shape_attributes;
   if (target == "light") attributes = &state_.light_attributes;
@@ -198,12 +199,12 @@ void Builder::attribute(const std::string& target, const Parameters& params, con
   }
 }
 
-void Builder::reverse_orientation(const Place& place) {
+void Builder::reverse_orientation(const FilePosition& place) {
   require_world("ReverseOrientation", place);
   state_.reverse_orientation = !state_.reverse_orientation;
 }
 
-void Builder::material(const std::string& type, Parameters params, const Place& place) {
+void Builder::material(const std::string& type, Parameters params, const FilePosition& place) {
   require_world("Material", place);
   const std::size_t before = materials_.size(), parameters = params.size();
   state_.material =
@@ -211,38 +212,40 @@ void Builder::material(const std::string& type, Parameters params, const Place& 
   count_materials(before, parameters);
 }
 
-void Builder::make_named_material(const std::string& name, Parameters params, const Place& place) {
+void Builder::make_named_material(const std::string& name, Parameters params,
+                                  const FilePosition& place) {
   require_world("MakeNamedMaterial", place);
   const std::size_t before = materials_.size(), parameters = params.size();
   materials_.make_named(name, ParameterSet(std::move(params), state_.material_attributes), place);
   count_materials(before, parameters);
 }
 
-void Builder::named_material(const std::string& name, const Place& place) {
+void Builder::named_material(const std::string& name, const FilePosition& place) {
   require_world("NamedMaterial", place);
   const std::size_t before = materials_.size();
   state_.material = materials_.named(name, place);
   count_materials(before, 0);
 }
 
-void Builder::make_named_medium(const std::string& name, Parameters params, const Place& place) {
+void Builder::make_named_medium(const std::string& name, Parameters params,
+                                const FilePosition& place) {
   media_.make(context_, name, ParameterSet(std::move(params), state_.medium_attributes), place);
 }
 
 void Builder::medium_interface(const std::string& inside, const std::string& outside,
-                               const Place& place) {
+                               const FilePosition& place) {
   state_.media = {media_.named(context_, inside, place), media_.named(context_, outside, place)};
 }
 
 void Builder::texture(const std::string& name, const std::string& kind, const std::string& type,
-                      Parameters params, const Place& place) {
+                      Parameters params, const FilePosition& place) {
   require_world("Texture", place);
   materials_.textures().make(context_, name, kind, type,
                              ParameterSet(std::move(params), state_.texture_attributes), place,
                              still_transform("a texture", place));
 }
 
-void Builder::shape(const std::string& type, Parameters params, const Place& place) {
+void Builder::shape(const std::string& type, Parameters params, const FilePosition& place) {
   require_world("Shape", place);
   ParameterSet set(std::move(params), state_.shape_attributes);
   // A moving shape in an object would need one motion for each instance.
@@ -279,7 +282,7 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   shapes.push_back(std::move(shape));
 }
 
-void Builder::light_source(const std::string& type, Parameters params, const Place& place) {
+void Builder::light_source(const std::string& type, Parameters params, const FilePosition& place) {
   require_world("LightSource", place);
   const ParameterSet set(std::move(params), state_.light_attributes);
   LightDescription light;
@@ -295,13 +298,14 @@ void Builder::light_source(const std::string& type, Parameters params, const Pla
   context_.scene.lights.push_back(std::move(light));
 }
 
-void Builder::area_light_source(const std::string& type, Parameters params, const Place& place) {
+void Builder::area_light_source(const std::string& type, Parameters params,
+                                const FilePosition& place) {
   require_world("AreaLightSource", place);
   state_.area_light = std::make_shared<const AreaLightDirective>(
       AreaLightDirective{type, ParameterSet(std::move(params), state_.light_attributes), place});
 }
 
-void Builder::object_begin(const std::string& name, const Place& place) {
+void Builder::object_begin(const std::string& name, const FilePosition& place) {
   require_world("ObjectBegin", place);
   if (open_object_) fail(place, "ObjectBegin within an object definition");
   auto& objects = context_.scene.objects;
@@ -312,13 +316,13 @@ void Builder::object_begin(const std::string& name, const Place& place) {
   objects.push_back({printable(name), {}});
 }
 
-void Builder::object_end(const Place& place) {
+void Builder::object_end(const FilePosition& place) {
   require_world("ObjectEnd", place);
   close(Opened::Kind::kObject, "ObjectEnd", place);
   open_object_.reset();
 }
 
-void Builder::object_instance(const std::string& name, const Place& place) {
+void Builder::object_instance(const std::string& name, const FilePosition& place) {
   require_world("ObjectInstance", place);
   if (open_object_) fail(place, "ObjectInstance within an object definition");
   context_.scene.instances.push_back(
@@ -331,7 +335,7 @@ void Builder::object_instance(const std::string& name, const Place& place) {
   context_.count(sizeof(Use) + name.size());
 }
 
-void Builder::import_begin(const Place& place) {
+void Builder::import_begin(const FilePosition& place) {
   require_world("Import", place);
   open(Opened::Kind::kImport, place);
 }
@@ -354,7 +358,7 @@ void Builder::resolve_materials(ShapeList& shapes) {
   StopPoll poll;
   for (ShapeDescription& shape : shapes) {
     poll();
-    const Place place{&shape.where.file, shape.where.line, shape.where.column};
+    const FilePosition place{&shape.where.file, shape.where.line, shape.where.column};
     if (const auto index = materials_.resolve(context_, shape.material)) {
       shape.material = *index;
       keep(shape);
@@ -374,7 +378,7 @@ void Builder::resolve_materials(ShapeList& shapes) {
   shapes.erase(end, shapes.end());
 }
 
-void Builder::finish(const Place& end) {
+void Builder::finish(const FilePosition& end) {
   if (!in_world_) fail(end, "expected WorldBegin, found the end of the file");
   if (!opened_.empty())
     fail(opened_.back().place,

@@ -65,13 +65,13 @@ struct GraphicsState {
 /// Receives the directives of a scene in the order of the file.
 class Builder {
  public:
-  explicit Builder(Context& context) : context_(context) {}
+  explicit Builder(LoadState& context) : context_(context) {}
 
   // Transforms.
   void set_transform(const Transform& transform);
   void concatenate(const Transform& transform);
   void coordinate_system(const std::string& name);
-  void coord_sys_transform(const std::string& name, const Place& place);
+  void coord_sys_transform(const std::string& name, const FilePosition& place);
   void active_transform(bool start, bool end);
 
   /// The primaries of rgb parameters from here on; null: Rec. 709.
@@ -81,68 +81,69 @@ class Builder {
   // Before WorldBegin.
   /// `directive` is Camera, Film, Integrator, Sampler, PixelFilter or Accelerator.
   void setting(const std::string& directive, const std::string& type, Parameters params,
-               const Place& place);
-  void world_begin(const Place& place);
-  void transform_times(double start_s, double end_s, const Place& place);
+               const FilePosition& place);
+  void world_begin(const FilePosition& place);
+  void transform_times(double start_s, double end_s, const FilePosition& place);
 
   // The world.
-  void attribute_begin(const Place& place);
-  void attribute_end(const Place& place);
-  void attribute(const std::string& target, const Parameters& params, const Place& place);
-  void reverse_orientation(const Place& place);
-  void material(const std::string& type, Parameters params, const Place& place);
-  void make_named_material(const std::string& name, Parameters params, const Place& place);
-  void named_material(const std::string& name, const Place& place);
-  void make_named_medium(const std::string& name, Parameters params, const Place& place);
-  void medium_interface(const std::string& inside, const std::string& outside, const Place& place);
+  void attribute_begin(const FilePosition& place);
+  void attribute_end(const FilePosition& place);
+  void attribute(const std::string& target, const Parameters& params, const FilePosition& place);
+  void reverse_orientation(const FilePosition& place);
+  void material(const std::string& type, Parameters params, const FilePosition& place);
+  void make_named_material(const std::string& name, Parameters params, const FilePosition& place);
+  void named_material(const std::string& name, const FilePosition& place);
+  void make_named_medium(const std::string& name, Parameters params, const FilePosition& place);
+  void medium_interface(const std::string& inside, const std::string& outside,
+                        const FilePosition& place);
   void texture(const std::string& name, const std::string& kind, const std::string& type,
-               Parameters params, const Place& place);
-  void shape(const std::string& type, Parameters params, const Place& place);
-  void light_source(const std::string& type, Parameters params, const Place& place);
-  void area_light_source(const std::string& type, Parameters params, const Place& place);
-  void object_begin(const std::string& name, const Place& place);
-  void object_end(const Place& place);
-  void object_instance(const std::string& name, const Place& place);
+               Parameters params, const FilePosition& place);
+  void shape(const std::string& type, Parameters params, const FilePosition& place);
+  void light_source(const std::string& type, Parameters params, const FilePosition& place);
+  void area_light_source(const std::string& type, Parameters params, const FilePosition& place);
+  void object_begin(const std::string& name, const FilePosition& place);
+  void object_end(const FilePosition& place);
+  void object_instance(const std::string& name, const FilePosition& place);
 
   /// An imported file begins or ends.  It must close every block that it opens, and it has its own
   /// state.
-  void import_begin(const Place& place);
+  void import_begin(const FilePosition& place);
   void import_end();
 
   /// Ends the scene: checks that everything opened is closed, and resolves names.
-  void finish(const Place& end);
+  void finish(const FilePosition& end);
 
  private:
   struct Opened {
     enum class Kind : std::uint8_t { kAttribute, kObject, kImport };
     Kind kind;
-    Place place;
+    FilePosition place;
     GraphicsState saved;
   };
   struct Use {
     std::size_t instance;  ///< index into `scene.instances`
     std::string name;
-    Place place;
+    FilePosition place;
   };
   /// Saves the state.  Fails if too many blocks are open.
-  void open(Opened::Kind kind, const Place& place);
+  void open(Opened::Kind kind, const FilePosition& place);
   /// Counts the memory of materials that were added since `before`.
   void count_materials(std::size_t before, std::size_t parameters);
-  void require_world(const char* directive, const Place& place) const;
-  void require_before_world(const std::string& directive, const Place& place) const;
-  void close(Opened::Kind kind, const char* directive, const Place& place);
+  void require_world(const char* directive, const FilePosition& place) const;
+  void require_before_world(const std::string& directive, const FilePosition& place) const;
+  void close(Opened::Kind kind, const char* directive, const FilePosition& place);
   /// The current transform at the start of the exposure.  Adds a remark if it moves.
-  const Transform& still_transform(const char* directive, const Place& place);
+  const Transform& still_transform(const char* directive, const FilePosition& place);
   /// The motion of the current transform; null if it does not move.  Fails on a motion that is not
   /// rigid, and on a transform beyond the range.
-  std::shared_ptr<const Motion> motion(const char* directive, const Place& place) {
+  std::shared_ptr<const Motion> motion(const char* directive, const FilePosition& place) {
     return motion(directive, state_.world_from_object, place);
   }
   std::shared_ptr<const Motion> motion(const char* directive, const MovingTransform& moving,
-                                       const Place& place);
+                                       const FilePosition& place);
   void resolve_materials(ShapeList& shapes);
 
-  Context& context_;
+  LoadState& context_;
   GraphicsState state_;
   std::deque<Opened> opened_;
   std::map<std::string, MovingTransform> coordinate_systems_;

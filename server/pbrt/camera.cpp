@@ -37,7 +37,7 @@ std::vector<double> bounds_of(const Setting& setting, const char* name) {
 
 /// The part of the film that the picture shows.  As in pbrt-v4, the crop window counts if both are
 /// given.
-void apply_crop(Context& context, const Setting& setting) {
+void apply_crop(LoadState& context, const Setting& setting) {
   Film& film = context.scene.film;
   const std::vector<double> window = bounds_of(setting, "cropwindow");
   const std::vector<double> bounds = bounds_of(setting, "pixelbounds");
@@ -90,7 +90,7 @@ PixelFilterParams filter_params(const Setting& setting) {
   return with_radius(1.5, GaussianFilter{params.number("sigma", 0.5)});
 }
 
-void apply_filter(Context& context, const Settings& settings) {
+void apply_filter(LoadState& context, const Settings& settings) {
   static const Setting kDefault{"gaussian", {}, {}};
   const Setting& setting = settings.filter ? *settings.filter : kDefault;
   check_type(setting, "PixelFilter", {"box", "gaussian", "mitchell", "sinc", "triangle"});
@@ -104,7 +104,7 @@ void apply_filter(Context& context, const Settings& settings) {
   context.scene.film.filter = *std::move(filter);
 }
 
-void apply_film(Context& context, const Settings& settings) {
+void apply_film(LoadState& context, const Settings& settings) {
   static const Setting kDefault{"rgb", {}, {}};
   const Setting& setting = settings.film ? *settings.film : kDefault;
   check_type(setting, "Film", {"rgb", "gbuffer", "spectral"});
@@ -190,7 +190,7 @@ std::vector<double> screen_of(const Setting& setting, double aspect) {
 }
 
 /// A perspective or orthographic camera.
-void apply_lens_and_screen(Context& context, const Setting& setting) {
+void apply_lens_and_screen(LoadState& context, const Setting& setting) {
   const ParameterSet& params = setting.params;
   CameraDescription& camera = context.scene.camera;
   double fov = 90;
@@ -220,7 +220,7 @@ Projection spherical_projection(const Setting& setting) {
   return Projection::kEqualArea;
 }
 
-void apply_camera(Context& context, const Settings& settings) {
+void apply_camera(LoadState& context, const Settings& settings) {
   static const Setting kDefault{"perspective", {}, {}};
   const Setting& setting = settings.camera ? *settings.camera : kDefault;
   check_type(setting, "Camera", {"perspective", "orthographic", "realistic", "spherical"});
@@ -245,7 +245,7 @@ void apply_camera(Context& context, const Settings& settings) {
   setting.params.remark_unused(context, fmt::format("Camera \"{}\"", setting.type));
 }
 
-void apply_hints(Context& context, const Settings& settings) {
+void apply_hints(LoadState& context, const Settings& settings) {
   RenderHints& hints = context.scene.hints;
   hints.max_depth = 5;
   hints.samples_per_pixel = 16;
@@ -294,7 +294,7 @@ void apply_hints(Context& context, const Settings& settings) {
 
 }  // namespace
 
-void apply(Context& context, const Settings& settings) {
+void apply(LoadState& context, const Settings& settings) {
   apply_film(context, settings);
   apply_filter(context, settings);
   apply_camera(context, settings);

@@ -13,7 +13,7 @@ namespace lucerna::pbrt {
 struct Setting {
   std::string type;
   ParameterSet params;
-  Place place;
+  FilePosition place;
 };
 
 struct Settings {
@@ -23,6 +23,6 @@ struct Settings {
 };
 
 /// Fills camera, film and hints of `context.scene`, with the defaults of pbrt-v4.
-void apply(Context& context, const Settings& settings);
+void apply(LoadState& context, const Settings& settings);
 
 }  // namespace lucerna::pbrt

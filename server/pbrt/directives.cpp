@@ -112,12 +112,13 @@ bool Parser::settings_directive(const Token& word) {
 
 bool Parser::world_directive(const Token& word) {
   const std::string name(word.text);
-  const Place& place = word.place;
+  const FilePosition& place = word.place;
   // Reads a name or type and then parameters.
-  const auto pass_on = [&](void (Builder::*take)(const std::string&, Parameters, const Place&)) {
-    const std::string type = string(name);
-    (builder_.*take)(type, parameters(), place);
-  };
+  const auto pass_on =
+      [&](void (Builder::*take)(const std::string&, Parameters, const FilePosition&)) {
+        const std::string type = string(name);
+        (builder_.*take)(type, parameters(), place);
+      };
   // TransformBegin and TransformEnd are the older names in pbrt-v4.
   if (name == "AttributeBegin" || name == "TransformBegin") {
     builder_.attribute_begin(place);

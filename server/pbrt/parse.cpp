@@ -54,7 +54,7 @@ void Parser::parse() {
   }
 }
 
-void Parser::open(const Place& place, const std::string& name, bool imported) {
+void Parser::open(const FilePosition& place, const std::string& name, bool imported) {
   if (const std::uint64_t most = context_.meter.limits().max_include_depth; files_.size() >= most)
     fail(place, absl::ResourceExhaustedError(
                     fmt::format("files include each other more than {} deep, the limit of the "
@@ -112,7 +112,7 @@ std::string Parser::string(const std::string& directive) {
   return unescaped(token);
 }
 
-Transform::Matrix Parser::matrix(const std::string& name, const Place& place) {
+Transform::Matrix Parser::matrix(const std::string& name, const FilePosition& place) {
   if (const Token token = next(); token.kind != Token::Kind::kOpen)
     fail(token.place, fmt::format("expected '[' after {}, found {}", name, described(token)));
   std::array<double, 16> n;
@@ -131,7 +131,7 @@ Transform::Matrix Parser::matrix(const std::string& name, const Place& place) {
 }
 
 void Parser::concatenate(const std::optional<Transform>& transform, const std::string& directive,
-                         const Place& place) {
+                         const FilePosition& place) {
   if (!transform) fail(place, fmt::format("this {} has no inverse", directive));
   builder_.concatenate(*transform);
 }
@@ -218,7 +218,7 @@ void Parser::hold(Parameter& parameter, std::uint64_t bytes) const {
   constexpr std::uint64_t kLongBytes = 1 << 15;
   if (bytes < kLongBytes || bytes == parameter.share.bytes()) return;
   if (parameter.share.bytes() == 0) parameter.share = LoadBudget::Share(context_.meter.budget());
-  Context::require(parameter.share.resize(bytes));
+  LoadState::require(parameter.share.resize(bytes));
 }
 
 void Parser::value(const Token& token, std::size_t index, Parameter& parameter) {

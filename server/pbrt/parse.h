@@ -13,7 +13,7 @@ namespace lucerna::pbrt {
 
 class Parser {
  public:
-  Parser(Context& context, Builder& builder) : context_(context), builder_(builder) {}
+  Parser(LoadState& context, Builder& builder) : context_(context), builder_(builder) {}
 
   /// Reads `context.scene_file` and all files that it includes.
   void parse();
@@ -27,7 +27,7 @@ class Parser {
     LoadBudget::Share share;  ///< of the contents
   };
 
-  void open(const Place& place, const std::string& name, bool imported);
+  void open(const FilePosition& place, const std::string& name, bool imported);
   /// The next token.  Its text is valid until the next call, since an included file is released at
   /// its end.
   Token next();
@@ -40,9 +40,9 @@ class Parser {
 
   double number(const std::string& directive);
   std::string string(const std::string& directive);
-  Transform::Matrix matrix(const std::string& directive, const Place& place);
+  Transform::Matrix matrix(const std::string& directive, const FilePosition& place);
   void concatenate(const std::optional<Transform>& transform, const std::string& directive,
-                   const Place& place);
+                   const FilePosition& place);
   Parameters parameters();
   std::shared_ptr<Parameter> parameter(const Token& declaration);
   /// Makes room for a list of this many words.
@@ -52,7 +52,7 @@ class Parser {
   /// Adds value `index`, the next one.
   void value(const Token& token, std::size_t index, Parameter& parameter);
 
-  Context& context_;
+  LoadState& context_;
   Builder& builder_;
   std::map<std::string, SharedText> names_;  ///< file names, to which places point
   std::deque<OpenFile> files_;

@@ -14,9 +14,9 @@ Arrangement::Arrangement(const OIIO::ImageSpec& spec, bool has_display_window)
   y_ = std::int64_t{spec.full_y} - spec.y;
 }
 
-Arrangement::Place Arrangement::stored_place(int x, int y) const {
+Arrangement::TexelPosition Arrangement::stored_place(int x, int y) const {
   const int right = display_width_ - 1, bottom = display_height_ - 1;
-  Place p{x, y};
+  TexelPosition p{x, y};
   switch (orientation_) {
     case 2:
       p = {right - x, y};

@@ -35,12 +35,12 @@ class Arrangement {
   std::vector<Value> arranged(const std::vector<Value>& stored, std::size_t each) const;
 
  private:
-  struct Place {
+  struct TexelPosition {
     std::int64_t x, y;
   };
   bool is_turned() const { return orientation_ >= 5; }
   /// The place in the stored rows, also outside of them.
-  Place stored_place(int x, int y) const;
+  TexelPosition stored_place(int x, int y) const;
 
   int orientation_ = 1;
   int stored_width_, stored_height_, display_width_, display_height_;
@@ -54,7 +54,7 @@ std::vector<Value> Arrangement::arranged(const std::vector<Value>& stored, std::
   StopPoll poll;
   for (int y = 0; y < height(); ++y)
     for (int x = 0; x < width(); ++x, to += static_cast<std::ptrdiff_t>(each), poll()) {
-      const Place from = stored_place(x, y);
+      const TexelPosition from = stored_place(x, y);
       if (from.x < 0 || from.y < 0 || from.x >= stored_width_ || from.y >= stored_height_) continue;
       const auto texel = static_cast<std::size_t>(from.y * stored_width_ + from.x);
       for (std::size_t i = 0; i < each; ++i)

@@ -64,7 +64,7 @@ bool check_near(RTCPointQueryFunctionArguments* args) {
           Vec3(set->vertices[set->triangles[3 * std::size_t{args->primID} + k]]) * set->unit_m;
     touches = query.touches(corners);
   } else if (set != nullptr && args->geomID == kWide) {
-    touches = query.touches(set->wide[args->primID].corners);
+    touches = query.touches(set->large[args->primID].corners);
   }
   if (!touches) return false;
   query.found = true;
@@ -77,7 +77,7 @@ bool check_near(RTCPointQueryFunctionArguments* args) {
 Accelerator::Accelerator(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Accelerator::~Accelerator() = default;
 
-std::optional<RawHit> Accelerator::closest_hit(const Ray& ray, Meets meets) const {
+std::optional<RawHit> Accelerator::closest_hit(const Ray& ray, RayFilter filter) const {
   const State& state = *state_;
   if (state.rays == nullptr) return std::nullopt;
   const std::optional<UnitRay> start = unit_ray(ray, state.space);
@@ -86,7 +86,7 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray, Meets meets) cons
   set_ray(query.ray, *start);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  QueryContext context(ray.time_s, start->t_max, meets, state.placed);
+  QueryContext context(ray.time_s, start->t_max, filter, state.placed);
   if (state.moved_scene == nullptr) [[likely]]
     rtcIntersect1(state.rays, &context.embree, &query);
   else
@@ -116,14 +116,14 @@ void Accelerator::State::intersect_all(QueryContext& context, RTCRayHit& query) 
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
     query.ray.tfar = before;
     query.hit = shared_hit;
-  } else if (query.hit.geomID >= kFirstInstance) {  // else a wide triangle, with its number
+  } else if (query.hit.geomID >= kFirstInstance) {  // else a large triangle, with its number
     const PrimitiveRange& range = moved[query.hit.geomID - kFirstInstance];
     query.hit.geomID = static_cast<unsigned>(range.kind);
     query.hit.primID += range.first;
   }
 }
 
-std::vector<RawHit> Accelerator::all_hits(const Ray& ray, Meets meets) const {
+std::vector<RawHit> Accelerator::all_hits(const Ray& ray, RayFilter filter) const {
   const State& state = *state_;
   std::vector<RawHit> hits;
   if (state.rays == nullptr) return hits;
@@ -133,7 +133,7 @@ std::vector<RawHit> Accelerator::all_hits(const Ray& ray, Meets meets) const {
   set_ray(query.ray, *start);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  QueryContext context(ray.time_s, start->t_max, meets, state.placed);
+  QueryContext context(ray.time_s, start->t_max, filter, state.placed);
   context.kept = &hits;
   if (state.moved_scene == nullptr)
     rtcIntersect1(state.rays, &context.embree, &query);
@@ -142,18 +142,18 @@ std::vector<RawHit> Accelerator::all_hits(const Ray& ray, Meets meets) const {
   return hits;
 }
 
-bool Accelerator::occluded(const Ray& ray, Meets meets) const {
-  return obstacle(ray, {}, meets) != Obstacle::kNone;
+bool Accelerator::occluded(const Ray& ray, RayFilter filter) const {
+  return obstacle(ray, {}, filter) != Obstacle::kNone;
 }
 
-Obstacle Accelerator::obstacle(const Ray& ray, const LooseEnds& ends, Meets meets) const {
+Obstacle Accelerator::obstacle(const Ray& ray, const EndTolerances& ends, RayFilter filter) const {
   const State& state = *state_;
   if (state.rays == nullptr) return Obstacle::kNone;
   const std::optional<UnitRay> start = unit_ray(ray, state.space);
   if (!start) return Obstacle::kNone;
   alignas(16) RTCRay query;
   set_ray(query, *start);
-  QueryContext context(ray.time_s, start->t_max, meets, state.placed);
+  QueryContext context(ray.time_s, start->t_max, filter, state.placed);
   if (ends.any()) context.ends = &ends;
   if (state.moved_scene != nullptr) [[unlikely]] {
     rtcOccluded1(state.moved_scene.get(), &context.embree, &query);

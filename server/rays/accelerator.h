@@ -22,8 +22,8 @@
 #include "lights/shapes/bilinear_patch.h"
 #include "server/assets/load_budget.h"
 #include "server/rays/curve.h"
+#include "server/rays/large_triangle.h"
 #include "server/rays/ray.h"
-#include "server/rays/wide_triangle.h"
 
 namespace lucerna {
 
@@ -56,7 +56,7 @@ inline constexpr HitKind kHitKind = [] {
 struct SurfaceTable;
 
 /// Which surfaces a ray meets.
-enum class Meets : std::uint8_t {
+enum class RayFilter : std::uint8_t {
   kSurfaces,       ///< all but interfaces, which only bound media
   kPanesByChance,  ///< the same, but a smooth thin pane only with the probability of a reflection
   kOpaque,         ///< the same without smooth thin panes and sheets with a constant alpha
@@ -72,17 +72,17 @@ struct GeometrySet {
   std::vector<BilinearPatch> patches{};
   std::vector<CurvePiece> curves{};
   QuadricVectors quadrics{};
-  std::vector<WideTriangle> wide{};  ///< of `triangles`, in ascending order
-  double narrow_error_m = 0;         ///< the largest ray_error_of() of any other triangle
-  /// Set if rays pass some of its surfaces; null if none is sheer.
-  const SurfaceTable* sheer = nullptr;
+  std::vector<LargeTriangle> large{};  ///< of `triangles`, in ascending order
+  double other_error_m = 0;            ///< the largest ray_error_of() of any other triangle
+  /// Set if rays pass some of its surfaces; null if none is non-opaque.
+  const SurfaceTable* non_opaque = nullptr;
   /// The unit of Embree's space for this set (ray_limits.h).  The Accelerator chooses it.
   double unit_m = 1;
 
-  /// The triangle of this number if it is wide, or null.
-  const WideTriangle* wide_triangle(std::uint32_t number) const {
-    const auto at = std::ranges::lower_bound(wide, number, {}, &WideTriangle::triangle);
-    return at != wide.end() && at->triangle == number ? &*at : nullptr;
+  /// The triangle of this number if it is large, or null.
+  const LargeTriangle* large_triangle(std::uint32_t number) const {
+    const auto at = std::ranges::lower_bound(large, number, {}, &LargeTriangle::triangle);
+    return at != large.end() && at->triangle == number ? &*at : nullptr;
   }
 
   /// The quadrics of one type, such as Sphere.
@@ -132,7 +132,7 @@ struct GeometrySet {
   bool empty() const { return primitives() == 0; }
   std::size_t bytes() const {
     const auto bytes_of = [](const auto& v) { return v.capacity() * sizeof v[0]; };
-    std::size_t sum = bytes_of(vertices) + bytes_of(triangles) + bytes_of(wide);
+    std::size_t sum = bytes_of(vertices) + bytes_of(triangles) + bytes_of(large);
     for_each_kind_of_surface([&](const auto& surfaces) { sum += bytes_of(surfaces); });
     return sum;
   }
@@ -201,15 +201,15 @@ class Accelerator {
 
   /// The first surface along the ray.  Nothing for rays that are not finite or have direction
   /// 0.
-  std::optional<RawHit> closest_hit(const Ray& ray, Meets meets = Meets::kSurfaces) const;
+  std::optional<RawHit> closest_hit(const Ray& ray, RayFilter filter = RayFilter::kSurfaces) const;
   /// All surfaces along the ray, in no order.  A triangle may occur twice.  Their t is 0: floats
   /// cannot tell the order of surfaces that are close to each other but far from the ray's origin.
-  std::vector<RawHit> all_hits(const Ray& ray, Meets meets) const;
+  std::vector<RawHit> all_hits(const Ray& ray, RayFilter filter) const;
   /// Whether anything is at t in (t_min, t_max).
-  bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const;
+  bool occluded(const Ray& ray, RayFilter filter = RayFilter::kSurfaces) const;
   /// What is at t in (t_min, t_max).  A surface may be an end's own if its plane passes near that
   /// end, even if the hit is far from the end.
-  Obstacle obstacle(const Ray& ray, const LooseEnds& ends, Meets meets) const;
+  Obstacle obstacle(const Ray& ray, const EndTolerances& ends, RayFilter filter) const;
 
   /// Whether a surface may be within `radius_m` of the point.  Triangles are tested by their planes
   /// and boxes, other surfaces by their boxes.

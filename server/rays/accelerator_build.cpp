@@ -204,7 +204,7 @@ SceneHandle Accelerator::State::commit(GeometrySet& set, Primitives& primitives,
     RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, set.vertices.data(),
                                0, sizeof(Vec3f), set.vertices.size());
-    if (set.wide.empty()) {
+    if (set.large.empty()) {
       rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                  set.triangles.data(), 0, 3 * sizeof(std::uint32_t),
                                  set.triangles.size() / 3);
@@ -215,7 +215,7 @@ SceneHandle Accelerator::State::commit(GeometrySet& set, Primitives& primitives,
                                   3 * sizeof(std::uint32_t), set.triangles.size() / 3));
       if (indices != nullptr) {  // else Embree has no memory, which status() reports
         std::ranges::copy(set.triangles, indices);
-        for (const WideTriangle& w : set.wide)
+        for (const LargeTriangle& w : set.large)
           std::fill_n(indices + 3 * std::size_t{w.triangle}, 3,
                       indices[3 * std::size_t{w.triangle}]);
       }
@@ -224,8 +224,8 @@ SceneHandle Accelerator::State::commit(GeometrySet& set, Primitives& primitives,
     check_along(g, &primitives[0]);
     attach(g, static_cast<unsigned>(HitKind::kTriangle));
     primitives[kWide] = primitives[0];
-    if (!set.wide.empty())
-      attach(wide_geometry(device.get(), &primitives[kWide], set.wide.size()), kWide);
+    if (!set.large.empty())
+      attach(large_geometry(device.get(), &primitives[kWide], set.large.size()), kWide);
   }
   const auto counts = set.counts();
   for (unsigned kind = 1; kind < kHitKinds; ++kind) {
@@ -313,23 +313,23 @@ SceneHandle Accelerator::State::commit_moved() {
   };
   for (const PrimitiveRange& range : moved)
     moved_primitives.push_back({&scene, range.kind, range.first});
-  const auto wide_of = [this](const PrimitiveRange& range) {
+  const auto large_of = [this](const PrimitiveRange& range) {
     const auto from =
-        std::ranges::lower_bound(scene.wide, range.first, {}, &WideTriangle::triangle);
-    const auto to = std::ranges::lower_bound(from, scene.wide.end(), range.first + range.count, {},
-                                             &WideTriangle::triangle);
+        std::ranges::lower_bound(scene.large, range.first, {}, &LargeTriangle::triangle);
+    const auto to = std::ranges::lower_bound(from, scene.large.end(), range.first + range.count, {},
+                                             &LargeTriangle::triangle);
     return std::span(from, to);
   };
-  std::vector<std::size_t> wide_counts;
+  std::vector<std::size_t> large_counts;
   for (const PrimitiveRange& range : moved) {
     if (range.kind != HitKind::kTriangle) continue;
-    const auto wide = wide_of(range);
-    moved_primitives.push_back(
-        {&scene, HitKind::kTriangle, static_cast<std::uint32_t>(wide.data() - scene.wide.data())});
-    wide_counts.push_back(wide.size());
+    const auto large = large_of(range);
+    moved_primitives.push_back({&scene, HitKind::kTriangle,
+                                static_cast<std::uint32_t>(large.data() - scene.large.data())});
+    large_counts.push_back(large.size());
   }
   // From here on the vector keeps its place, to which callbacks refer.
-  PrimitivesOfSet* wide_primitives = moved_primitives.data() + moved.size();
+  PrimitivesOfSet* large_primitives = moved_primitives.data() + moved.size();
   for (std::size_t i = 0; i < moved.size(); ++i) {
     const PrimitiveRange& range = moved[i];
     if (range.kind != HitKind::kTriangle) {
@@ -344,7 +344,7 @@ SceneHandle Accelerator::State::commit_moved() {
     if (indices != nullptr) {  // else Embree has no memory, which status() reports
       std::copy_n(&scene.triangles[3 * std::size_t{range.first}], 3 * std::size_t{range.count},
                   indices);
-      for (const WideTriangle& w : wide_of(range)) {
+      for (const LargeTriangle& w : large_of(range)) {
         std::uint32_t* const corners = indices + 3 * std::size_t{w.triangle - range.first};
         std::fill_n(corners, 3, corners[0]);
       }
@@ -352,9 +352,9 @@ SceneHandle Accelerator::State::commit_moved() {
     check_along(g, &moved_primitives[i]);
     attach(g);
   }
-  for (const std::size_t count : wide_counts) {
-    if (count > 0) attach(wide_geometry(of, wide_primitives, count));
-    ++wide_primitives;
+  for (const std::size_t count : large_counts) {
+    if (count > 0) attach(large_geometry(of, large_primitives, count));
+    ++large_primitives;
   }
   rtcCommitScene(s);
   return handle;

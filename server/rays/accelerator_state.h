@@ -66,7 +66,7 @@ struct Accelerator::State {
   std::shared_ptr<const Accelerator> still;
   const State& shared() const { return still != nullptr ? *still->state_ : *this; }
   std::vector<PrimitiveRange> moved;              // in order
-  std::vector<PrimitivesOfSet> moved_primitives;  // as `moved`, then the wide triangles among them
+  std::vector<PrimitivesOfSet> moved_primitives;  // as `moved`, then the large triangles among them
   SceneHandle moved_scene;                        // geometry kFirstInstance + i: range i
 };
 

@@ -20,21 +20,21 @@ Vec3f larger(const Vec3f& a, const Vec3f& b) {
 
 }  // namespace
 
-FloatBox FloatBox::around(const Vec3& lower, const Vec3& upper) {
+Boundsf Boundsf::around(const Vec3& lower, const Vec3& upper) {
   const auto down = [](double v) { return std::nextafter(static_cast<float>(v), -INFINITY); };
   const auto up = [](double v) { return std::nextafter(static_cast<float>(v), INFINITY); };
   return {{down(lower.x), down(lower.y), down(lower.z)}, {up(upper.x), up(upper.y), up(upper.z)}};
 }
 
-BoxTree::BoxTree(std::span<const FloatBox> boxes) : order_(boxes.size()) {
+BoxTree::BoxTree(std::span<const Boundsf> boxes) : order_(boxes.size()) {
   std::iota(order_.begin(), order_.end(), 0);
   if (!boxes.empty()) build(boxes, 0, static_cast<std::uint32_t>(boxes.size()));
   nodes_.shrink_to_fit();
 }
 
-void BoxTree::build(std::span<const FloatBox> boxes, std::uint32_t begin, std::uint32_t end) {
+void BoxTree::build(std::span<const Boundsf> boxes, std::uint32_t begin, std::uint32_t end) {
   const std::size_t self = nodes_.size();
-  FloatBox box = boxes[order_[begin]];
+  Boundsf box = boxes[order_[begin]];
   // The centre is half the sum of both corners.  They are halved first, so that large floats do not
   // overflow.
   const auto middle = [&](std::uint32_t item) {
@@ -43,7 +43,7 @@ void BoxTree::build(std::span<const FloatBox> boxes, std::uint32_t begin, std::u
   Vec3f first = middle(order_[begin]), last = first;
   StopPoll poll;
   for (std::uint32_t i = begin + 1; i < end; ++i, poll()) {
-    const FloatBox& b = boxes[order_[i]];
+    const Boundsf& b = boxes[order_[i]];
     box = {smaller(box.lower, b.lower), larger(box.upper, b.upper)};
     first = smaller(first, middle(order_[i])), last = larger(last, middle(order_[i]));
   }

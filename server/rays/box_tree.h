@@ -13,11 +13,11 @@
 namespace lucerna {
 
 /// A box in floats that contains its item.
-struct FloatBox {
+struct Boundsf {
   Vec3f lower, upper;
 
   /// Rounded outwards.
-  static FloatBox around(const Vec3& lower, const Vec3& upper);
+  static Boundsf around(const Vec3& lower, const Vec3& upper);
 };
 
 /// Immutable once built; may be called from any thread.
@@ -25,7 +25,7 @@ class BoxTree {
  public:
   BoxTree() = default;
   /// Item i has boxes[i].
-  explicit BoxTree(std::span<const FloatBox> boxes);
+  explicit BoxTree(std::span<const Boundsf> boxes);
 
   /// Whether `found(item)` is true for any item within boxes that `may_hold(box)` accepts.
   /// `may_hold` must accept each box that contains an accepted box.  All items of a small
@@ -52,7 +52,7 @@ class BoxTree {
   }
 
   /// The box of all items.  Requires at least one item.
-  const FloatBox& box() const { return nodes_.front().box; }
+  const Boundsf& box() const { return nodes_.front().box; }
   bool empty() const { return nodes_.empty(); }
   std::size_t bytes() const {
     return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(std::uint32_t);
@@ -63,12 +63,12 @@ class BoxTree {
   static constexpr int kMostDepth = 33;
 
   struct Node {
-    FloatBox box;
+    Boundsf box;
     std::uint32_t first;  ///< first of its items in `order_`; for an inner node, its second child
     std::uint32_t count;  ///< 0: an inner node, whose first child is the next node
   };
 
-  void build(std::span<const FloatBox> boxes, std::uint32_t begin, std::uint32_t end);
+  void build(std::span<const Boundsf> boxes, std::uint32_t begin, std::uint32_t end);
 
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> order_;

@@ -24,13 +24,13 @@ struct Ray {
 };
 
 /// The end of a ray at a point that may lie on a surface with an unknown normal.
-struct LooseEnd {
+struct EndTolerance {
   Vec3 position;
   float error = -1;  ///< below 0: not such an end
 };
 
-struct LooseEnds {
-  LooseEnd start, end;
+struct EndTolerances {
+  EndTolerance start, end;
   /// The positions are exact, while the ray between them is rounded.  So a surface that does not
   /// separate them is not between them, even if the ray meets it.
   bool are_exact = false;

@@ -195,10 +195,10 @@ class Appender {
     const std::array corners{positions[v[0]] - origin_, positions[v[1]] - origin_,
                              positions[v[2]] - origin_};
     const double error_m = ray_error_of(corners);
-    if (error_m > kWideShare * detail_m_ && set_.wide.size() < kMostWideTriangles)
-      set_.wide.push_back({static_cast<std::uint32_t>(set_.triangles.size() / 3), corners});
+    if (error_m > kLargeShare * detail_m_ && set_.large.size() < kMostLargeTriangles)
+      set_.large.push_back({static_cast<std::uint32_t>(set_.triangles.size() / 3), corners});
     else
-      set_.narrow_error_m = std::fmax(set_.narrow_error_m, error_m);
+      set_.other_error_m = std::fmax(set_.other_error_m, error_m);
     for (const std::uint32_t i : v) set_.triangles.push_back(base + i);
   }
 
@@ -282,7 +282,9 @@ const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) con
   return *run;
 }
 
-bool SurfaceTable::has_sheer() const { return std::ranges::any_of(surfaces, &Surface::is_sheer); }
+bool SurfaceTable::has_non_opaque() const {
+  return std::ranges::any_of(surfaces, &Surface::is_non_opaque);
+}
 
 const std::array<Vec2f, 3>& SurfaceTable::uv_of_triangle(std::uint32_t triangle) const {
   if (triangle_uv.empty()) return kTriangleUv;
@@ -312,17 +314,18 @@ Vec2 SurfaceTable::patch_uv_at(std::uint32_t patch, double s, double t) const {
   return {mix(&Vec2f::x), mix(&Vec2f::y)};
 }
 
-bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
+bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, RayFilter filter,
                              const RayAtSurface& ray) const {
   const Surface& surface = surfaces[run(kind, primitive).surface];
   // Holes of a surface do not let a medium flow out.
-  if (meets == Meets::kBoundaries) return !surface.media;
-  if (surface.is_interface || (meets == Meets::kPanes && !surface.pane_eta && !surface.is_sheet()))
+  if (filter == RayFilter::kBoundaries) return !surface.media;
+  if (surface.is_interface ||
+      (filter == RayFilter::kPanes && !surface.pane_eta && !surface.is_sheet()))
     return true;
-  if (!surface.is_sheer()) return false;
+  if (!surface.is_non_opaque()) return false;
   // Direct light passes sheets in part.
-  if (surface.is_sheet() && (meets == Meets::kOpaque || meets == Meets::kPanes))
-    return meets == Meets::kOpaque;
+  if (surface.is_sheet() && (filter == RayFilter::kOpaque || filter == RayFilter::kPanes))
+    return filter == RayFilter::kOpaque;
   const Vec3 &p = ray.at.position, &o = ray.origin, &d = ray.direction;
   double u = hash_number({o.x, o.y, o.z, d.x, d.y, d.z, p.x, p.y, p.z, double(primitive)});
   TexturePoint at = ray.at;
@@ -332,8 +335,9 @@ bool SurfaceTable::lets_pass(HitKind kind, std::uint32_t primitive, Meets meets,
     if (!(alpha > 0) || u > alpha) return true;
     u /= alpha;  // again even in [0, 1)
   }
-  if (!surface.pane_eta || meets == Meets::kSurfaces || meets == Meets::kPanes) return false;
-  if (meets == Meets::kOpaque) return true;
+  if (!surface.pane_eta || filter == RayFilter::kSurfaces || filter == RayFilter::kPanes)
+    return false;
+  if (filter == RayFilter::kOpaque) return true;
   return u < pane_transmittance(*surface.pane_eta, *textures, at, ray.cosine);
 }
 

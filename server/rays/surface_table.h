@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "lights/maths/bounds.h"
 #include "server/description/scene_description.h"
 #include "server/rays/accelerator.h"
-#include "lights/maths/bounds.h"
 
 namespace lucerna {
 
@@ -27,7 +27,7 @@ struct Surface {
   /// Whether the same share of rays passes everywhere.
   bool is_sheet() const { return alpha.is_constant() && alpha.constant > 0 && alpha.constant < 1; }
   /// Whether some rays pass the surface.
-  bool is_sheer() const { return is_cut_out() || pane_eta || media || is_interface; }
+  bool is_non_opaque() const { return is_cut_out() || pane_eta || media || is_interface; }
 };
 
 /// A ray at a surface that some rays pass.
@@ -77,15 +77,15 @@ struct SurfaceTable {
   std::vector<std::array<Vec2f, 3>> triangle_uv;
   std::vector<std::array<Vec2f, 4>> patch_uv;
 
-  /// Where the values of alpha textures are; null if no surface is sheer.
+  /// Where the values of alpha textures are; null if no surface is non-opaque.
   const Textures* textures = nullptr;
-  /// World position of the zero of the set's coordinates, for textures of sheer surfaces.  For
+  /// World position of the zero of the set's coordinates, for textures of non-opaque surfaces.  For
   /// objects it is in the space of their definition, where pbrt-v4 evaluates alpha too.
   Vec3 origin_m{};
 
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;
   std::size_t bytes() const;
-  bool has_sheer() const;
+  bool has_non_opaque() const;
   /// (u, v) at the corners; those of kTriangleUv and kPatchUv if they are not stored.
   const std::array<Vec2f, 3>& uv_of_triangle(std::uint32_t triangle) const;
   const std::array<Vec2f, 4>& uv_of_patch(std::uint32_t patch) const;
@@ -94,7 +94,8 @@ struct SurfaceTable {
   Vec2 patch_uv_at(std::uint32_t patch, double s, double t) const;
   /// Whether a ray that meets only `meets` passes through the surface at a hit.  Where chance
   /// decides, the bits of the ray and of the hit choose, so that a ray has one answer.
-  bool lets_pass(HitKind kind, std::uint32_t primitive, Meets meets, const RayAtSurface& ray) const;
+  bool lets_pass(HitKind kind, std::uint32_t primitive, RayFilter filter,
+                 const RayAtSurface& ray) const;
 };
 
 /// Bounds of a shape in its own space.  Errors: values that are not finite or out of their
@@ -109,7 +110,7 @@ inline Vec3f about(const Vec3& position, const Vec3& origin) { return Vec3f(posi
 bool is_flat_and_convex(const std::array<Vec3, 4>& corners);
 
 /// Adds one shape to `set` and `table`, with positions about `origin`.  Triangles that Embree finds
-/// with an error of more than a thousandth of `detail_m` become wide, up to 4096 in a set.
+/// with an error of more than a thousandth of `detail_m` become large, up to 4096 in a set.
 absl::Status append_shape(const ShapeDescription& shape, const Vec3& origin, double detail_m,
                           std::int32_t light, GeometrySet& set, SurfaceTable& table);
 

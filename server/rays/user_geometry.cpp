@@ -67,16 +67,16 @@ bool is_hidden(const RTCIntersectContext* context, HitKind kind, std::uint32_t p
 }
 
 /// Whether any surface of the set lets a ray of this query pass.
-bool may_pass(const GeometrySet& set, Meets meets) {
-  return set.sheer != nullptr || meets >= Meets::kPanes;
+bool may_pass(const GeometrySet& set, RayFilter filter) {
+  return set.non_opaque != nullptr || filter >= RayFilter::kPanes;
 }
 
 /// Whether the ray passes through the surface at this hit.
 bool passes(const PrimitivesOfSet& shapes, unsigned primitive, const RTCRay& ray,
             const RTCIntersectContext* context, const AnalyticHit& found) {
-  const Meets meets = query_of(context).meets;
-  if (!may_pass(*shapes.set, meets)) return false;
-  const SurfaceTable* table = shapes.set->sheer;
+  const RayFilter filter = query_of(context).filter;
+  if (!may_pass(*shapes.set, filter)) return false;
+  const SurfaceTable* table = shapes.set->non_opaque;
   if (table == nullptr) return true;
   TexturePoint at{.uv = {}, .position = found.hit.point.position, .normal = found.hit.point.normal};
   at.uv = shapes.set->visit_surface(shapes.kind, primitive, [&](const auto& surface) -> Vec2 {
@@ -86,7 +86,7 @@ bool passes(const PrimitivesOfSet& shapes, unsigned primitive, const RTCRay& ray
       return table->patch_uv_at(primitive, found.uv.x, found.uv.y);
   });
   const Vec3 d = direction_of(ray);
-  return table->lets_pass(shapes.kind, primitive, meets,
+  return table->lets_pass(shapes.kind, primitive, filter,
                           {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
 }
 
@@ -115,7 +115,7 @@ bool may_be_own(RTCIntersectContext* context, const Vec3& normal, const Vec3& po
     return false;
   // Far more than the rounding of a hit, so that no surface of an end stops a ray here.
   constexpr double kRounding = 0x1p-14;
-  const auto is_near = [&](const LooseEnd& end) {
+  const auto is_near = [&](const EndTolerance& end) {
     const double away = dot(normal, end.position - position);
     const double most = 4 * (double{end.error} + kRounding * size + kLeastError);
     return end.error >= 0 && !(away * away > most * most * dot(normal, normal));
@@ -205,19 +205,19 @@ void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
 /// The same for a triangle with these barycentric coordinates.
 bool passes(const GeometrySet& set, std::uint32_t triangle, const Vec2& uv, const RTCRay& ray,
             const RTCIntersectContext* context) {
-  const Meets meets = query_of(context).meets;
-  if (!may_pass(set, meets)) return false;
-  if (set.sheer == nullptr) return true;
+  const RayFilter filter = query_of(context).filter;
+  if (!may_pass(set, filter)) return false;
+  if (set.non_opaque == nullptr) return true;
   const auto vertex = [&](std::size_t k) {
     return Vec3(set.vertices[set.triangles[3 * std::size_t{triangle} + k]]) * set.unit_m;
   };
   const Vec3 a = vertex(0), ab = vertex(1) - a, ac = vertex(2) - a;
-  const TexturePoint at{.uv = set.sheer->triangle_uv_at(triangle, uv.x, uv.y),
+  const TexturePoint at{.uv = set.non_opaque->triangle_uv_at(triangle, uv.x, uv.y),
                         .position = a + ab * uv.x + ac * uv.y,
                         .normal = normalized(cross(ab, ac))};
   const Vec3 d = direction_of(ray);
-  return set.sheer->lets_pass(HitKind::kTriangle, triangle, meets,
-                              {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
+  return set.non_opaque->lets_pass(HitKind::kTriangle, triangle, filter,
+                                   {at, origin_of(ray), d, cosine_in_scene(context, at.normal, d)});
 }
 
 /// The same for a triangle [m].
@@ -227,8 +227,8 @@ bool plane_may_be_own(RTCIntersectContext* context, const std::array<Vec3, 3>& c
                     max_abs(corners[0]) + max_abs(ab) + max_abs(ac));
 }
 
-std::optional<WideHit> intersect_wide(const GeometrySet& set, const WideTriangle& triangle,
-                                      const RTCRay& ray, const RTCIntersectContext* context) {
+std::optional<WideHit> intersect_large(const GeometrySet& set, const LargeTriangle& triangle,
+                                       const RTCRay& ray, const RTCIntersectContext* context) {
   if (is_hidden(context, HitKind::kTriangle, triangle.triangle)) return std::nullopt;
   const auto found = intersect(triangle, origin_of(ray) * set.unit_m,
                                direction_of(ray) * set.unit_m, ray.tnear, ray.tfar);
@@ -238,19 +238,19 @@ std::optional<WideHit> intersect_wide(const GeometrySet& set, const WideTriangle
   return found;
 }
 
-void wide_bounds(const RTCBoundsFunctionArguments* args) {
+void large_bounds(const RTCBoundsFunctionArguments* args) {
   const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
   Bounds box;
-  for (const Vec3& corner : of.set->wide[of.first + args->primID].corners) box.add(corner);
+  for (const Vec3& corner : of.set->large[of.first + args->primID].corners) box.add(corner);
   *args->bounds_o = rounded({box.lower, box.upper}, of.set->unit_m);
 }
 
-void intersect_wide(const RTCIntersectFunctionNArguments* args) {
+void intersect_large(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
-  const WideTriangle& triangle = of.set->wide[of.first + args->primID];
+  const LargeTriangle& triangle = of.set->large[of.first + args->primID];
   auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const auto found = intersect_wide(*of.set, triangle, query.ray, args->context);
+  const auto found = intersect_large(*of.set, triangle, query.ray, args->context);
   if (!found) return;
   query.ray.tfar = static_cast<float>(found->t);
   query.hit.u = static_cast<float>(found->uv.x);
@@ -260,12 +260,12 @@ void intersect_wide(const RTCIntersectFunctionNArguments* args) {
   query.hit.instID[0] = args->context->instID[0];
 }
 
-void occluded_wide(const RTCOccludedFunctionNArguments* args) {
+void occluded_large(const RTCOccludedFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& of = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr);
-  const WideTriangle& triangle = of.set->wide[of.first + args->primID];
+  const LargeTriangle& triangle = of.set->large[of.first + args->primID];
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (!intersect_wide(*of.set, triangle, ray, args->context)) return;
+  if (!intersect_large(*of.set, triangle, ray, args->context)) return;
   if (plane_may_be_own(args->context, triangle.corners)) return;
   ray.tfar = -INFINITY;
 }
@@ -292,7 +292,7 @@ bool is_along(const RTCRay& ray, const RTCHit& hit) {
     return;
   }
   if (is_along(ray, hit)) [[unlikely]] {
-    WideTriangle triangle;
+    LargeTriangle triangle;
     for (std::size_t k = 0; k < 3; ++k)
       triangle.corners[k] = Vec3(set.vertices[set.triangles[3 * std::size_t{number} + k]]);
     if (!intersect(triangle, origin_of(ray), direction_of(ray), ray.tnear,
@@ -317,7 +317,7 @@ void check_hit(const RTCFilterFunctionNArguments* args) {
   const QueryContext& query = query_of(args->context);
   const GeometrySet& set = *static_cast<const PrimitivesOfSet*>(args->geometryUserPtr)->set;
   const bool takes_any = query.hidden == nullptr && query.kept == nullptr &&
-                         query.ends == nullptr && !may_pass(set, query.meets);
+                         query.ends == nullptr && !may_pass(set, query.filter);
   if (!takes_any || is_along(*reinterpret_cast<const RTCRay*>(args->ray),
                              *reinterpret_cast<const RTCHit*>(args->hit)))
     check_any_hit(args);
@@ -432,8 +432,8 @@ RTCGeometry analytic_geometry(RTCDevice device, PrimitivesOfSet* shapes, std::si
                        occluded_analytic);
 }
 
-RTCGeometry wide_geometry(RTCDevice device, PrimitivesOfSet* wide, std::size_t count) {
-  return user_geometry(device, count, wide, wide_bounds, intersect_wide, occluded_wide);
+RTCGeometry large_geometry(RTCDevice device, PrimitivesOfSet* large, std::size_t count) {
+  return user_geometry(device, count, large, large_bounds, intersect_large, occluded_large);
 }
 
 RTCGeometry moving_geometry(RTCDevice device, std::vector<MovingInstance>* instances) {

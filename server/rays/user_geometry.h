@@ -21,15 +21,15 @@ enum GeometryId : unsigned { kWide = kHitKinds, kMoving, kFirstInstance };
 /// query, the surfaces that it meets, and the exact hit.
 struct QueryContext {
   /// `instances`: of the scene, from kFirstInstance on.
-  QueryContext(double time_s, float t_max, Meets meets, const GeometryInstance* instances)
-      : time_s(time_s), t_max(t_max), meets(meets), instances(instances) {
+  QueryContext(double time_s, float t_max, RayFilter filter, const GeometryInstance* instances)
+      : time_s(time_s), t_max(t_max), filter(filter), instances(instances) {
     rtcInitIntersectContext(&embree);
   }
 
   RTCIntersectContext embree;  // first, so that its address is this object's
   double time_s;
   float t_max;  ///< of the ray in the space that Embree traverses
-  Meets meets;
+  RayFilter filter;
   const GeometryInstance* instances;
   /// The scene's own primitives that rays pass, because they are elsewhere; null if there are none.
   const std::vector<PrimitiveRange>* hidden = nullptr;
@@ -37,7 +37,7 @@ struct QueryContext {
   std::vector<RawHit>* kept = nullptr;
   /// Set if the ends of the ray may lie on surfaces.  The query then ignores surfaces on which an
   /// end may lie, and sets `may_be_own`.
-  const LooseEnds* ends = nullptr;
+  const EndTolerances* ends = nullptr;
   bool may_be_own = false;
   Vec3 position, normal;
 };
@@ -66,14 +66,14 @@ struct MovingInstance {
 };
 
 /// Installs a filter on the triangles.  It rejects false hits of rays nearly parallel to a
-/// triangle, and hits on surfaces that the ray passes (Meets).
+/// triangle, and hits on surfaces that the ray passes (RayFilter).
 void check_along(RTCGeometry geometry, PrimitivesOfSet* triangles);
 
-/// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes`, `wide` and
-/// `instances`.  `wide->first` is an index of GeometrySet::wide.  A hit on a wide triangle is one
-/// of the geometry kTriangle, with the number of the triangle in the set.
+/// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes`, `large` and
+/// `instances`.  `large->first` is an index of GeometrySet::large.  A hit on a large triangle is
+/// one of the geometry kTriangle, with the number of the triangle in the set.
 RTCGeometry analytic_geometry(RTCDevice device, PrimitivesOfSet* shapes, std::size_t count);
-RTCGeometry wide_geometry(RTCDevice device, PrimitivesOfSet* wide, std::size_t count);
+RTCGeometry large_geometry(RTCDevice device, PrimitivesOfSet* large, std::size_t count);
 RTCGeometry moving_geometry(RTCDevice device, std::vector<MovingInstance>* instances);
 
 }  // namespace lucerna

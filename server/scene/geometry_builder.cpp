@@ -299,14 +299,14 @@ std::shared_ptr<const SurfaceMaterials> GeometryBuilder::take_materials() {
   return materials;
 }
 
-/// Textures of sheer surfaces are needed even if all materials are plain.
+/// Textures of non-opaque surfaces are needed even if all materials are plain.
 void GeometryBuilder::connect_textures() {
   const auto connect = [&](GeometrySet& of, SurfaceTable& table, const Vec3& origin) {
-    if (!table.has_sheer()) return;
+    if (!table.has_non_opaque()) return;
     if (fixed_->textures.empty()) fixed_->textures = std::move(in_.textures);
     table.textures = &fixed_->textures;
     table.origin_m = origin;
-    of.sheer = &table;
+    of.non_opaque = &table;
   };
   connect(set_, *surfaces_, origin_);
   const std::size_t objects = extents_.object_origins.size();
@@ -318,7 +318,7 @@ void GeometryBuilder::connect_textures() {
 void GeometryBuilder::report_primitives(const Stopwatch& watch) {
   // Vertices, then primitives by HitKind.
   std::array<std::uint64_t, 1 + kHitKinds> counts{}, bytes{};
-  std::uint64_t wide = 0, wide_bytes = 0;
+  std::uint64_t large = 0, large_bytes = 0;
   const auto count = [&](const GeometrySet& s) {
     std::size_t next = 0;
     const auto add = [&](const auto& v, std::size_t per = 1) {
@@ -327,7 +327,7 @@ void GeometryBuilder::report_primitives(const Stopwatch& watch) {
     };
     add(s.vertices), add(s.triangles, 3);
     s.for_each_kind_of_surface([&](const auto& surfaces) { add(surfaces); });
-    wide += s.wide.size(), wide_bytes += s.wide.capacity() * sizeof(WideTriangle);
+    large += s.large.size(), large_bytes += s.large.capacity() * sizeof(LargeTriangle);
   };
   count(set_);
   for (const auto& o : objects_) count(o);
@@ -347,10 +347,10 @@ void GeometryBuilder::report_primitives(const Stopwatch& watch) {
            fmt::format("{} {}", counts[i], counts[i] == 1 ? names[i].one : names[i].many));
       read_by_embree_ += bytes[i];
     }
-  if (wide > 0) {
-    part("wide triangles", wide_bytes, watch,
-         fmt::format("{} triangles that rays meet in double precision", wide));
-    read_by_embree_ += wide_bytes;
+  if (large > 0) {
+    part("large triangles", large_bytes, watch,
+         fmt::format("{} triangles that rays meet in double precision", large));
+    read_by_embree_ += large_bytes;
   }
 }
 

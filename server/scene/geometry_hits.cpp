@@ -29,9 +29,9 @@ struct LocalHit {
 
 LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const RawHit& raw) {
   const std::uint32_t* v = &set.triangles[3 * std::size_t{raw.primitive}];
-  const WideTriangle* wide = set.wide.empty() ? nullptr : set.wide_triangle(raw.primitive);
+  const LargeTriangle* large = set.large.empty() ? nullptr : set.large_triangle(raw.primitive);
   const auto vertex = [&](int i) {
-    return wide != nullptr ? wide->corners[i] : Vector(set.vertices[v[i]]) * set.unit_m;
+    return large != nullptr ? large->corners[i] : Vector(set.vertices[v[i]]) * set.unit_m;
   };
   const Vector a = vertex(0), b = vertex(1), c = vertex(2);
   const Vector ab = b - a, ac = c - a, bc = c - b;
@@ -58,8 +58,8 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
   // of the axes has no error.
   const double along = 24 * kTraversalBound * (reach.x * reach.y * reach.z) / n_length;
   const Vector across = absolute(hit.ng);
-  // Rays meet wide triangles in double.
-  const double to_double = wide != nullptr ? 0x1p-53 / kFloatRoundoff : 1;
+  // Rays meet large triangles in double.
+  const double to_double = large != nullptr ? 0x1p-53 / kFloatRoundoff : 1;
   // A triangle without area has no `along`.
   const double isotropic = hit.plane_error * (across.x + across.y + across.z);
   hit.normal_error = to_double * (along < isotropic ? along : isotropic);
@@ -168,8 +168,8 @@ void meet_plane(const Ray& ray, LocalHit& hit) {
 
 }  // namespace
 
-std::optional<SurfaceHit> SceneGeometry::closest_hit(const Ray& ray, Meets meets) const {
-  const std::optional<RawHit> raw = accelerator().closest_hit(ray, meets);
+std::optional<SurfaceHit> SceneGeometry::closest_hit(const Ray& ray, RayFilter filter) const {
+  const std::optional<RawHit> raw = accelerator().closest_hit(ray, filter);
   if (!raw) return std::nullopt;
   // Made in place, because a copy would wait for the bytes just stored.
   struct Made {

@@ -24,11 +24,12 @@ double SceneGeometry::alpha_of(const Surface& surface, const SurfaceHit& hit) co
   return textures()(surface.alpha, shading_point(hit).texture);
 }
 
-std::vector<SceneGeometry::Crossing> SceneGeometry::crossings(const Ray& ray, Meets meets) const {
+std::vector<SceneGeometry::Crossing> SceneGeometry::crossings(const Ray& ray,
+                                                              RayFilter filter) const {
   const Vec3 origin(ray.origin), direction(ray.direction);
   const double metres_per_t = length(direction);
   std::vector<Crossing> all;
-  for (const RawHit& raw : accelerator().all_hits(ray, meets)) {
+  for (const RawHit& raw : accelerator().all_hits(ray, filter)) {
     Crossing c{.hit = surface_hit(raw, ray)};
     c.t = dot(c.hit.position - origin, direction) / metres_per_t / metres_per_t;
     c.error_t = max_abs(c.hit.position_error) / metres_per_t;
@@ -53,7 +54,7 @@ std::vector<SceneGeometry::Crossing> SceneGeometry::crossings(const Ray& ray, Me
 double SceneGeometry::through_panes(const Ray& ray) const {
   double share = 1;
   if (!has_panes()) return share;
-  for (const Crossing& c : crossings(ray, Meets::kPanes))
+  for (const Crossing& c : crossings(ray, RayFilter::kPanes))
     share *= through_pane(c.hit, ray.direction);
   return share;
 }
@@ -89,11 +90,11 @@ Rgb SceneGeometry::through_media(const Ray& ray) const {
   };
   Ray line = ray;
   line.t_max = INFINITY;  // what lies beyond the end tells the medium before it
-  std::vector<Crossing> all = crossings(line, Meets::kBoundaries);
+  std::vector<Crossing> all = crossings(line, RayFilter::kBoundaries);
   std::int32_t medium = data_.fixed->surrounding_medium;
   if (all.empty()) {
     const Ray back{ray.origin, -ray.direction, 0, INFINITY, ray.time_s};
-    const std::vector<Crossing> behind = crossings(back, Meets::kBoundaries);
+    const std::vector<Crossing> behind = crossings(back, RayFilter::kBoundaries);
     if (!behind.empty()) medium = sides(behind.front()).first;
   }
   double from = ray.t_min;

@@ -67,7 +67,7 @@ void replace(std::vector<T>& values, std::size_t first, const std::vector<T>& by
 
 GeometrySet copy_of(const GeometrySet& set) {
   GeometrySet copy = set;
-  copy.sheer = nullptr;
+  copy.non_opaque = nullptr;
   copy.vertices.reserve(copy.vertices.size() + 1);  // Embree reads beyond the last vertex
   return copy;
 }
@@ -134,11 +134,11 @@ class EditedSet {
     replace(table_->vertex_normals, vertex, alone.vertex_normals);
     replace(table_->vertex_tangents, vertex, alone.vertex_tangents);
     const auto count = static_cast<std::uint32_t>(piece.triangles.size() / 3);
-    std::erase_if(set_.wide, [&](const WideTriangle& w) { return w.triangle - first < count; });
-    const auto after = std::ranges::lower_bound(set_.wide, first, {}, &WideTriangle::triangle);
-    const auto put = set_.wide.insert(after, piece.wide.begin(), piece.wide.end());
-    for (std::size_t i = 0; i < piece.wide.size(); ++i) put[i].triangle += first;
-    set_.narrow_error_m = std::fmax(set_.narrow_error_m, piece.narrow_error_m);
+    std::erase_if(set_.large, [&](const LargeTriangle& w) { return w.triangle - first < count; });
+    const auto after = std::ranges::lower_bound(set_.large, first, {}, &LargeTriangle::triangle);
+    const auto put = set_.large.insert(after, piece.large.begin(), piece.large.end());
+    for (std::size_t i = 0; i < piece.large.size(); ++i) put[i].triangle += first;
+    set_.other_error_m = std::fmax(set_.other_error_m, piece.other_error_m);
   }
 
   void put_surfaces(const GeometrySet& piece, const SurfaceTable& alone, const Extent& at) {
@@ -160,12 +160,12 @@ class EditedSet {
   std::vector<PrimitiveRange> moved_;
 };
 
-/// Whether other triangles than the set's wide ones would be wide.
+/// Whether other triangles than the set's large ones would be large.
 bool changes_wide(const GeometrySet& set, double detail_m, double new_detail_m) {
-  if (set.wide.size() >= kMostWideTriangles) return true;
-  if (new_detail_m < detail_m) return set.narrow_error_m > kWideShare * new_detail_m;
-  return new_detail_m > detail_m && std::ranges::any_of(set.wide, [&](const WideTriangle& w) {
-           return ray_error_of(w.corners) <= kWideShare * new_detail_m;
+  if (set.large.size() >= kMostLargeTriangles) return true;
+  if (new_detail_m < detail_m) return set.other_error_m > kLargeShare * new_detail_m;
+  return new_detail_m > detail_m && std::ranges::any_of(set.large, [&](const LargeTriangle& w) {
+           return ray_error_of(w.corners) <= kLargeShare * new_detail_m;
          });
 }
 
@@ -252,7 +252,7 @@ absl::StatusOr<EditedShapes> edited_shapes(const MovableSurfaces& movable,
   return all;
 }
 
-/// Whether the geometry keeps its origin and its wide triangles.
+/// Whether the geometry keeps its origin and its large triangles.
 bool fits(const SceneGeometry& from, const EditedShapes& edited) {
   const auto changes = [&](const GeometrySet& set) {
     return changes_wide(set, edited.old_detail_m, edited.detail_m);
@@ -284,7 +284,7 @@ absl::StatusOr<bool> put(const EditedShapes& all, const Vec3& origin, const std:
     to.edited_lights.emplace(edited.id,
                              GeometryData::EditedLight{*std::move(light), edited.number});
   }
-  return set.set().wide.size() <= kMostWideTriangles;
+  return set.set().large.size() <= kMostLargeTriangles;
 }
 
 std::uint64_t bytes_of(const GeometryData& to) {
@@ -346,7 +346,7 @@ absl::StatusOr<std::shared_ptr<const SceneGeometry>> moved_geometry(const SceneG
   if (!is_same) return none;
   to.surfaces = edited.table();
   GeometrySet set = edited.take_set();
-  if (from.accelerator().scene().sheer != nullptr) set.sheer = to.surfaces.get();
+  if (from.accelerator().scene().non_opaque != nullptr) set.non_opaque = to.surfaces.get();
   LUCERNA_ASSIGN_OR_RETURN(
       to.accelerator,
       Accelerator::with_moved(from.data().accelerator, std::move(set), edited.take_moved()));

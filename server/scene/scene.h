@@ -77,8 +77,9 @@ class Scene {
   bool moves() const { return moves_; }
 
   /// SurfaceHit::light is an index into lights(), or -1.
-  std::optional<SurfaceHit> closest_hit(const Ray& ray, Meets meets = Meets::kSurfaces) const {
-    std::optional<SurfaceHit> hit = geometry_->closest_hit(ray, meets);
+  std::optional<SurfaceHit> closest_hit(const Ray& ray,
+                                        RayFilter filter = RayFilter::kSurfaces) const {
+    std::optional<SurfaceHit> hit = geometry_->closest_hit(ray, filter);
     if (hit) hit->light = lights_->of_surface(hit->light);
     return hit;
   }

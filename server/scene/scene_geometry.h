@@ -101,12 +101,13 @@ class SceneGeometry {
   std::string isa() const { return data_.accelerator->isa(); }
 
   /// SurfaceHit::light is Surface::light: Scene::closest_hit returns the light of the scene.
-  std::optional<SurfaceHit> closest_hit(const Ray& ray, Meets meets = Meets::kSurfaces) const;
-  bool occluded(const Ray& ray, Meets meets = Meets::kSurfaces) const {
-    return data_.accelerator->occluded(ray, meets);
+  std::optional<SurfaceHit> closest_hit(const Ray& ray,
+                                        RayFilter filter = RayFilter::kSurfaces) const;
+  bool occluded(const Ray& ray, RayFilter filter = RayFilter::kSurfaces) const {
+    return data_.accelerator->occluded(ray, filter);
   }
-  Obstacle obstacle(const Ray& ray, const LooseEnds& ends, Meets meets) const {
-    return data_.accelerator->obstacle(ray, ends, meets);
+  Obstacle obstacle(const Ray& ray, const EndTolerances& ends, RayFilter filter) const {
+    return data_.accelerator->obstacle(ray, ends, filter);
   }
   /// Where a surface was hit, as textures need it.
   struct ShadingPoint {
@@ -168,7 +169,7 @@ class SceneGeometry {
     return {&of, data_.accelerator->object(of.object), surfaces_of(of.object)};
   }
   /// All surfaces along the ray in their order, each once.
-  std::vector<Crossing> crossings(const Ray& ray, Meets meets) const;
+  std::vector<Crossing> crossings(const Ray& ray, RayFilter filter) const;
   SurfaceHit surface_hit(const RawHit& raw, const Ray& ray) const;
   const Surface& surface_of(const SurfaceHit& hit) const;
   double alpha_of(const Surface& surface, const SurfaceHit& hit) const;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "server/rays/error_bounds.h"
-#include "server/shadows/loose_ends.h"
+#include "server/shadows/end_tolerance.h"
 
 namespace lucerna {
 namespace {
@@ -49,7 +49,7 @@ LampContacts::Contact LampContacts::find(std::uint32_t light) const {
   return contact;
 }
 
-bool LampContacts::is_hidden(std::uint32_t light, const Vec3& receiver, Ray ray, Meets blocking,
+bool LampContacts::is_hidden(std::uint32_t light, const Vec3& receiver, Ray ray, RayFilter blocking,
                              float error_m) const {
   return between(light, receiver, ray, blocking, error_m).has_value();
 }
@@ -58,7 +58,7 @@ double LampContacts::through_panes(std::uint32_t light, const Vec3& receiver, Ra
                                    float error_m) const {
   double share = 1;
   if (!scene_.geometry().has_panes()) return share;
-  while (const auto hit = between(light, receiver, ray, Meets::kPanes, error_m)) {
+  while (const auto hit = between(light, receiver, ray, RayFilter::kPanes, error_m)) {
     share *= scene_.geometry().through_pane(*hit, ray.direction);
     // Past the other triangle, if the ray meets an edge.
     const float error_t = max_abs(hit->position_error) / length(ray.direction);
@@ -68,7 +68,7 @@ double LampContacts::through_panes(std::uint32_t light, const Vec3& receiver, Ra
 }
 
 std::optional<SurfaceHit> LampContacts::between(std::uint32_t light, const Vec3& receiver, Ray ray,
-                                                Meets meets, float error_m) const {
+                                                RayFilter filter, float error_m) const {
   const SceneLight& of = scene_.lights()[light];
   Vec3 lamp = *place_of(of);
   if (of.moving != nullptr) lamp = of.moving->at(ray.time_s).point(lamp);
@@ -77,8 +77,9 @@ std::optional<SurfaceHit> LampContacts::between(std::uint32_t light, const Vec3&
   ray.t_max = kBeyond;
   if (!(ray.t_min < ray.t_max)) return std::nullopt;
   const auto rounding_m = static_cast<float>(kFloatRoundoff * max_abs(receiver)) + kLeastError;
-  const LooseEnds ends{{receiver, std::max(error_m, rounding_m)}, {lamp, 0}, /*are_exact=*/true};
-  return first_other_surface(scene_, ray, ends, meets);
+  const EndTolerances ends{
+      {receiver, std::max(error_m, rounding_m)}, {lamp, 0}, /*are_exact=*/true};
+  return first_other_surface(scene_, ray, ends, filter);
 }
 
 std::optional<ScenePart> LampContacts::report() const {

@@ -31,7 +31,7 @@ class LampContacts : public AttachedPart {
   /// Whether a surface is between a receiver and a light that touches one.  `ray`: from the
   /// receiver to the light; its t is 1 there.  `error_m`: of the receiver's position, if that may
   /// lie on a surface of unknown normal.
-  bool is_hidden(std::uint32_t light, const Vec3& receiver, Ray ray, Meets blocking,
+  bool is_hidden(std::uint32_t light, const Vec3& receiver, Ray ray, RayFilter blocking,
                  float error_m = 0) const;
   /// The share of light that panes between the receiver and such a light pass.
   double through_panes(std::uint32_t light, const Vec3& receiver, Ray ray, float error_m = 0) const;
@@ -43,8 +43,8 @@ class LampContacts : public AttachedPart {
   enum class Contact : std::uint8_t { kUnknown, kNone, kSome };
   Contact find(std::uint32_t light) const;
   /// The first surface that separates both.  `ray`: may start behind surfaces found before.
-  std::optional<SurfaceHit> between(std::uint32_t light, const Vec3& receiver, Ray ray, Meets meets,
-                                    float error_m) const;
+  std::optional<SurfaceHit> between(std::uint32_t light, const Vec3& receiver, Ray ray,
+                                    RayFilter filter, float error_m) const;
 
   const Scene& scene_;
   std::unique_ptr<std::atomic<Contact>[]> contacts_;  // of each light

@@ -6,7 +6,7 @@
 
 #include "server/rays/error_bounds.h"
 #include "server/scene/light_at_time.h"
-#include "server/shadows/loose_ends.h"
+#include "server/shadows/end_tolerance.h"
 
 namespace lucerna {
 

@@ -22,7 +22,7 @@ using Vector = Vec3;
 /// The least sine of a ray over a horizon that floats can resolve.
 constexpr double kLeastRise = 4 * kFloatRoundoff;
 
-bool is_outside(const FloatBox& box, std::span<const HalfSpace> planes) {
+bool is_outside(const Boundsf& box, std::span<const HalfSpace> planes) {
   for (const HalfSpace& h : planes) {
     const auto least = [](double n, double low, double high) { return n * (n > 0 ? low : high); };
     if (least(h.n.x, box.lower.x, box.upper.x) + least(h.n.y, box.lower.y, box.upper.y) +
@@ -33,7 +33,7 @@ bool is_outside(const FloatBox& box, std::span<const HalfSpace> planes) {
   return false;
 }
 
-bool overlaps(const FloatBox& box, const Bounds& other) {
+bool overlaps(const Boundsf& box, const Bounds& other) {
   return box.lower.x <= other.upper.x && box.upper.x >= other.lower.x &&
          box.lower.y <= other.upper.y && box.upper.y >= other.lower.y &&
          box.lower.z <= other.upper.z && box.upper.z >= other.lower.z;
@@ -118,8 +118,8 @@ bool is_outside(const CurvePiece& c, std::span<const HalfSpace> planes) {
 class SetBoxes {
  public:
   /// `others`: boxes of items that are not primitives, numbered from first_other() on.
-  explicit SetBoxes(const GeometrySet& set, std::span<const FloatBox> others = {}) : set_(set) {
-    std::vector<FloatBox> boxes;
+  explicit SetBoxes(const GeometrySet& set, std::span<const Boundsf> others = {}) : set_(set) {
+    std::vector<Boundsf> boxes;
     add_to(boxes);
     boxes.insert(boxes.end(), others.begin(), others.end());
     tree_ = BoxTree(boxes);
@@ -148,7 +148,7 @@ class SetBoxes {
       return set_.visit_surface(item.kind, i, [&](const auto& surface) {
         if (scene_from_object == nullptr && !shaft.box.empty()) {
           const auto [lower, upper] = surface.bounds();
-          if (!overlaps(FloatBox::around(lower, upper), shaft.box)) return false;
+          if (!overlaps(Boundsf::around(lower, upper), shaft.box)) return false;
         }
         if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
           return !is_outside(surface.enclosure(), planes);
@@ -171,18 +171,18 @@ class SetBoxes {
     return Vector(set_.vertices[set_.triangles[corner]]) * set_.unit_m;
   }
 
-  void add_to(std::vector<FloatBox>& boxes) const {
+  void add_to(std::vector<Boundsf>& boxes) const {
     StopPoll poll;
     for (std::size_t t = 0; t < set_.triangles.size(); t += 3, poll()) {
       Bounds box;
       for (std::size_t k = 0; k < 3; ++k) box.add(vertex(t + k));
-      boxes.push_back(FloatBox::around(box.lower, box.upper));
+      boxes.push_back(Boundsf::around(box.lower, box.upper));
     }
     set_.for_each_kind_of_surface([&](const auto& surfaces) {
       for (const auto& surface : surfaces) {
         poll();
         const auto [lower, upper] = surface.bounds();
-        boxes.push_back(FloatBox::around(lower, upper));
+        boxes.push_back(Boundsf::around(lower, upper));
       }
     });
   }
@@ -192,13 +192,13 @@ class SetBoxes {
 };
 
 /// The box of an object placed by an instance, over all time.
-FloatBox box_of(const GeometryInstance& instance, const FloatBox& object) {
+Boundsf box_of(const GeometryInstance& instance, const Boundsf& object) {
   Bounds placed;
   for (const Vec3& corner : Bounds{Vec3(object.lower), Vec3(object.upper)}.corners())
     placed.add(instance.scene_from_object.point(corner));
-  if (!instance.motion) return FloatBox::around(placed.lower, placed.upper);
+  if (!instance.motion) return Boundsf::around(placed.lower, placed.upper);
   const auto [lower, upper] = instance.motion->bounds(placed.lower, placed.upper);
-  return FloatBox::around(lower, upper);
+  return Boundsf::around(lower, upper);
 }
 
 }  // namespace
@@ -221,7 +221,7 @@ struct Shafts::Boxes {
     }
   }
 
-  static bool may_hold(const FloatBox& box, const ShaftRegion& shaft) {
+  static bool may_hold(const Boundsf& box, const ShaftRegion& shaft) {
     return (shaft.box.empty() || overlaps(box, shaft.box)) && !is_outside(box, shaft.half_spaces());
   }
 
@@ -232,7 +232,7 @@ struct Shafts::Boxes {
     const ShaftRegion there = in_object(shaft, instance.scene_from_object);
     const SetBoxes& object = objects[instance.object];
     return object.tree().any(
-        [&](const FloatBox& box) { return !is_outside(box, there.half_spaces()); },
+        [&](const Boundsf& box) { return !is_outside(box, there.half_spaces()); },
         [&](std::uint32_t number) {
           return object.may_reach(object.item(number), there.half_spaces(), shaft,
                                   &instance.scene_from_object);
@@ -246,7 +246,7 @@ struct Shafts::Boxes {
   }
 
   bool meets(const ShaftRegion& shaft, std::int32_t light) const {
-    return own->tree().any([&](const FloatBox& box) { return may_hold(box, shaft); },
+    return own->tree().any([&](const Boundsf& box) { return may_hold(box, shaft); },
                            [&](std::uint32_t number) {
                              if (number >= own->first_other())
                                return meets_instance(number - own->first_other(), shaft);
@@ -261,10 +261,10 @@ struct Shafts::Boxes {
   const Accelerator& accelerator;
   const SurfaceTable& surfaces;
   std::vector<SetBoxes> objects;
-  std::vector<FloatBox> instance_boxes;
+  std::vector<Boundsf> instance_boxes;
   std::size_t bytes() const {
     std::size_t sum = sizeof *this + own->tree().bytes() + objects.capacity() * sizeof(SetBoxes) +
-                      instance_boxes.capacity() * sizeof(FloatBox);
+                      instance_boxes.capacity() * sizeof(Boundsf);
     for (const SetBoxes& o : objects) sum += o.tree().bytes();
     return sum;
   }

@@ -11,7 +11,7 @@ namespace {
 using Vector = Vec3;
 
 Vector vertex(const GeometrySet& set, std::uint32_t triangle, int i) {
-  if (const WideTriangle* wide = set.wide.empty() ? nullptr : set.wide_triangle(triangle))
+  if (const LargeTriangle* wide = set.large.empty() ? nullptr : set.large_triangle(triangle))
     return wide->corners[i];
   return Vector(set.vertices[set.triangles[3 * std::size_t{triangle} + i]]) * set.unit_m;
 }

@@ -79,13 +79,13 @@ class SmoothSurfaces::Collector {
 
  private:
   /// Consecutive primitives of one kind and one surface.
-  struct Run {
+  struct PrimitiveRun {
     std::uint32_t surface;
     HitKind kind;
     std::uint32_t first, count;
   };
   /// The planes of one surface, before they join those of the scene.
-  struct Found {
+  struct SurfacePlanes {
     std::vector<FacePlane> planes;
     struct OfKind {
       HitKind kind;
@@ -106,7 +106,7 @@ class SmoothSurfaces::Collector {
 
   void add(const GeometrySet& set, const SurfaceTable& table, std::int32_t instance) {
     if (table.smooth.empty()) return;
-    std::vector<Run> runs;
+    std::vector<PrimitiveRun> runs;
     const auto counts = set.counts();
     for (std::size_t kind = 0; kind < kHitKinds; ++kind)
       for (std::size_t r = 0; r < table.runs[kind].size(); ++r) {
@@ -116,15 +116,15 @@ class SmoothSurfaces::Collector {
         runs.push_back({run.surface, static_cast<HitKind>(kind), run.first,
                         static_cast<std::uint32_t>(end - run.first)});
       }
-    std::ranges::stable_sort(runs, {}, &Run::surface);
+    std::ranges::stable_sort(runs, {}, &PrimitiveRun::surface);
     for (const SurfaceTable::SmoothSurface& s : table.smooth) {
-      const auto of_surface = std::ranges::equal_range(runs, s.surface, {}, &Run::surface);
+      const auto of_surface = std::ranges::equal_range(runs, s.surface, {}, &PrimitiveRun::surface);
       add(set, table, instance, s, {of_surface.begin(), of_surface.end()});
     }
   }
 
   void add(const GeometrySet& set, const SurfaceTable& table, std::int32_t instance,
-           const SurfaceTable::SmoothSurface& s, std::span<const Run> runs) {
+           const SurfaceTable::SmoothSurface& s, std::span<const PrimitiveRun> runs) {
     const Surface& surface = table.surfaces[s.surface];
     const SmoothTraits traits = traits_of(surface.material);
     const GeometryInstance* placed =
@@ -139,13 +139,14 @@ class SmoothSurfaces::Collector {
                     .material = surface.material};
     const bool moves = placed != nullptr && placed->motion != nullptr;
     std::size_t faces = 0;
-    for (const Run& run : runs) faces += run.count;
+    for (const PrimitiveRun& run : runs) faces += run.count;
     const bool bends = like.refracts && traits.eta != 1;
     const bool sends = traits.is_smooth() || traits.is_glossy();
     bool solved = sends && !moves && !traits.turns_normals && faces_ + faces <= kMostFaces &&
                   (!bends || (solves_refraction_ && traits.eta.has_value()));
-    Found found;
-    for (const Run& run : runs) solved = solved && find(set, table, placed, run, like, found);
+    SurfacePlanes found;
+    for (const PrimitiveRun& run : runs)
+      solved = solved && find(set, table, placed, run, like, found);
     if (solved && planes_.size() + found.planes.size() <= kMostParts) {
       faces_ += faces;
       join(found, static_cast<std::uint64_t>(instance + 1) << 32 | s.surface);
@@ -159,7 +160,8 @@ class SmoothSurfaces::Collector {
                            (traits.has_roughness_texture && may_be_narrow(surface.material));
     if ((solved || !traits.is_smooth()) && !is_nearly) return;
     Bounds bounds;
-    for (const Run& run : runs) add_bounds(set, placed, {run.kind, run.first, run.count}, bounds);
+    for (const PrimitiveRun& run : runs)
+      add_bounds(set, placed, {run.kind, run.first, run.count}, bounds);
     using Kind = UnsolvedSurface::Kind;
     const Kind kind = traits.is_smooth() && !solved ? Kind::kSmooth : Kind::kNearlySmooth;
     if (to_.unsolved_.size() < kMostParts) return to_.unsolved_.push_back({s.where, bounds, kind});
@@ -213,7 +215,7 @@ class SmoothSurfaces::Collector {
 
   /// Finds the planes of a run.  Returns false if it is curved or has too many.
   bool find(const GeometrySet& set, const SurfaceTable& table, const GeometryInstance* placed,
-            const Run& run, const SmoothPart& like, Found& found) const {
+            const PrimitiveRun& run, const SmoothPart& like, SurfacePlanes& found) const {
     found.kinds.push_back({run.kind, run.first, {}});
     std::vector<std::int32_t>& planes = found.kinds.back().planes;
     StopPoll poll;
@@ -275,7 +277,7 @@ class SmoothSurfaces::Collector {
     return *lights_m_;
   }
   /// Adds the planes of a surface to those of the scene.
-  void join(const Found& found, std::uint64_t shape) {
+  void join(const SurfacePlanes& found, std::uint64_t shape) {
     std::vector<std::int32_t> numbers;
     StopPoll poll;
     for (const FacePlane& p : found.planes) {
@@ -288,7 +290,7 @@ class SmoothSurfaces::Collector {
       else
         same->add(p.rectangle());
     }
-    for (const Found::OfKind& of : found.kinds) {
+    for (const SurfacePlanes::OfKind& of : found.kinds) {
       ShapeParts& parts = to_.of_shape_[key(shape, of.kind)];
       if (parts.parts.empty()) parts.first = of.first;
       // Runs of one shape follow each other, except for those of other kinds between them.

@@ -132,7 +132,7 @@ TEST(ShippedScenes, CornellBoxHasTheLightOfItsLampMinusShadowsOfItsBlocks) {
   const std::vector<Reading> readings = direct_light("cornell");
   for (const Reading& reading : readings) {
     const double full = unshadowed(reading);
-    // Twelve standard errors of 16 replicates or more: Student's t exceeds that by chance in 1e-6
+    // Twelve standard errors of 16 blocks or more: Student's t exceeds that by chance in 1e-6
     // of runs with 400 readings.  Plus the error of the midpoint rule, near the plane of the lamp.
     const double slack = 12 * reading.standard_error + 1e-3 * full;
     EXPECT_LT(reading.lux, full + slack);

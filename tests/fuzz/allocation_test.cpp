@@ -55,7 +55,7 @@ TEST(Allocations, PlyHoldsAtMostEightTimesItsSize) {
   };
   const std::string triangle{3, 0, 1, 2}, quad{4, 0, 1, 2, 3};
   const std::string wide_quad{4, 0, 0, 1, 0, 2, 0, 3, 0};
-  const std::string wide_triangle{3, 0, 0, 1, 0, 2, 0};
+  const std::string large_triangle{3, 0, 0, 1, 0, 2, 0};
   for (const std::string& bytes : {
            ply(little,
                fmt::format("element vertex {}\nproperty char x\nproperty char y\n"
@@ -68,7 +68,7 @@ TEST(Allocations, PlyHoldsAtMostEightTimesItsSize) {
            ply(little, faces(2 * kFaces, "uchar"), corners + repeated(quad + triangle, kFaces)),
            ply(little, faces(kFaces, "ushort"), corners + repeated(wide_quad, kFaces)),
            ply(little, faces(kFaces, "ushort"),
-               corners + repeated(wide_triangle, kFaces / 2) + repeated(wide_quad, kFaces / 2)),
+               corners + repeated(large_triangle, kFaces / 2) + repeated(wide_quad, kFaces / 2)),
            ply("ascii", faces(kFaces, "uchar"),
                repeated("0 0 0\n", 4) + repeated("4 0 1 2 3\n", kFaces)),
            ply("ascii", "comment " + filled("a ") + "\n", ""),

@@ -52,7 +52,7 @@ TEST(Confidence, OfRareEqualSamplesIsPoissonsInterval) {
   }
 }
 
-// Each of 16 replicates has chosen a mirror in 2 of 8 samples, by a probability near 1/4.
+// Each of 16 blocks has chosen a mirror in 2 of 8 samples, by a probability near 1/4.
 TEST(Confidence, OfEqualReplicatesHasRoomForOneMoreSample) {
   constexpr double kFew = 1, kMany = 5;
   const double mean = (6 * kFew + 2 * kMany) / 8, squares = 6 * kFew * kFew + 2 * kMany * kMany;
@@ -179,7 +179,7 @@ TEST(Confidence, OfNoSignedLightBoundsBothSigns) {
   EXPECT_EQ(one.upper, std::numeric_limits<double>::infinity());
 }
 
-// A flat field: the values are 1.2 and -1.2, and all replicates have the same mean.  One sample of
+// A flat field: the values are 1.2 and -1.2, and all blocks have the same mean.  One sample of
 // the other sign changes the mean by 2.4 / 64; the rule of three allows for three of them.
 TEST(Confidence, OfSignedSamplesIncludesOneMoreOfTheOtherSign) {
   const double mean = 1.05, deviation = std::sqrt(1.2 * 1.2 - mean * mean);

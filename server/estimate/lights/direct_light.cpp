@@ -11,8 +11,6 @@
 namespace lucerna {
 namespace {
 
-constexpr double kInvPi = std::numbers::inv_pi;
-
 /// The sample of an area light that counts as a point.  Nothing if the distance is below `radii`
 /// times the light's radius, or if the light has no closed form.
 std::optional<LightSample> far_sample(const Light& light, const Receiver& receiver, double radii) {
@@ -252,7 +250,7 @@ std::optional<Rgb> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3
   if (!shafts(scene_).is_empty(hit, Vec3f(r.normal), light)) return std::nullopt;
   const std::optional<Rgb> lx = l->irradiance(r);
   if (!lx) return std::nullopt;
-  return *lx * kInvPi;
+  return *lx * std::numbers::inv_pi;
 }
 
 void DirectLight::sample_light(const LightVertex& v, const LightChoice& choice, const PathSample& s,

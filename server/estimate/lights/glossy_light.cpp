@@ -75,7 +75,7 @@ void SmoothLight::guide(const SurfaceHit& receiver, GuidedDirections& to) const 
     const SmoothPart& part = parts_[g];
     for (const SceneLight& light : scene_.lights()) {
       if (is_delta(light) || light.is_unseen) continue;
-      const auto place = place_of(light);
+      const auto place = target_of(light);
       if (!place) continue;
       const Vec3 image = place->is_direction
                              ? mirror_vector(part, place->middle)
@@ -119,7 +119,7 @@ double SmoothLight::glossy_weight(const Before& before, const SurfaceHit& hit,
 }
 
 void SmoothLight::sample_glossy(const Vertex& v, const PathSample& s, WorkCounts& work,
-                                const Found& found) const {
+                                const AddLight& found) const {
   if (deltas_.empty() || v.most_steps == 0) return;
   const std::size_t pairs = glossy_.size() * deltas_.size();
   const double probability = glossy_choice(v.is_receiver);

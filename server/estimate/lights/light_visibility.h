@@ -47,7 +47,7 @@ class LightVisibility {
       return Rgb(*occluded ? 0 : 1);
     }
     ++work.shadow_rays;
-    const Meets blocking = transmittance_.blocking();
+    const RayFilter blocking = transmittance_.blocking();
     if (contacts_.touches(light) ? contacts_.is_hidden(light, position, ray, blocking)
                                  : scene_.geometry().occluded(ray, blocking))
       return {};

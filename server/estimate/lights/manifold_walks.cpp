@@ -78,7 +78,7 @@ ManifoldWalks::ManifoldWalks(const Scene& scene, const LightVisibility& visibili
 
 void ManifoldWalks::sample(const SurfaceHit& receiver, std::uint32_t walks,
                            std::uint32_t most_steps, const PathSample& s, WorkCounts& work,
-                           const Found& found) const {
+                           const AddIrradiance& found) const {
   Numbers numbers(s);
   const bool each = lights_.size() <= kMostLamps;
   const std::size_t chosen = each ? 0 : numbers.below(lights_.size());
@@ -109,7 +109,7 @@ void ManifoldWalks::sample(const SurfaceHit& receiver, std::uint32_t walks,
 
 std::optional<SurfaceHit> ManifoldWalks::next_surface(const SurfaceHit& from, const Vec3& along,
                                                       Rgb& share, WorkCounts& work) const {
-  const bool passes_panes = visibility_.transmittance().blocking() == Meets::kOpaque;
+  const bool passes_panes = visibility_.transmittance().blocking() == RayFilter::kOpaque;
   SurfaceHit at = from;
   for (;;) {
     Ray ray = spawn_ray(at, Vec3f(along));

@@ -34,9 +34,9 @@ class ManifoldWalks {
   /// Estimates the irradiance [lx] at a receiver for each light that a set of `walks` walks finds.
   /// `most_steps`: the most surfaces of a path.  A path that fewer than one of kMostSets sets find
   /// counts too little.
-  using Found = absl::FunctionRef<void(std::uint32_t light, const Rgb& lx)>;
+  using AddIrradiance = absl::FunctionRef<void(std::uint32_t light, const Rgb& lx)>;
   void sample(const SurfaceHit& receiver, std::uint32_t walks, std::uint32_t most_steps,
-              const PathSample& s, WorkCounts& work, const Found& found) const;
+              const PathSample& s, WorkCounts& work, const AddIrradiance& found) const;
   static constexpr std::uint32_t kMostSets = 256;
 
  private:

@@ -8,16 +8,16 @@
 
 namespace lucerna {
 
-/// The sample points of one replicate of one pixel or item.
+/// The sample points of one block of one pixel or item.
 class SampleSequence {
  public:
-  SampleSequence(Sampler sampler, std::uint64_t seed, std::uint64_t item, std::uint64_t replicate)
-      : sobol_(seed, item, replicate),
+  SampleSequence(Sampler sampler, std::uint64_t seed, std::uint64_t item, std::uint64_t block)
+      : sobol_(seed, item, block),
         // Keys of different sequences differ, because each mixes in its own constant.  One that is
         // not used would take as long as that of Sobol points.
         key_(sampler == Sampler::kSobol
                  ? 0
-                 : mix_bits(mix_bits(mix_bits(seed ^ kIndependent) + item) + replicate)),
+                 : mix_bits(mix_bits(mix_bits(seed ^ kIndependent) + item) + block)),
         sampler_(sampler) {}
 
   /// As SobolSequence::pair.  Independent points have any two dimensions.

@@ -8,47 +8,47 @@ namespace lucerna {
 namespace {
 
 /// More lamps than this count as one place.
-constexpr std::size_t kMostPlaces = 20;
+constexpr std::size_t kMostTargets = 20;
 
 }  // namespace
 
-auto SmoothLight::place_of(const SceneLight& light) -> std::optional<Place> {
+auto SmoothLight::target_of(const SceneLight& light) -> std::optional<LightTarget> {
   if (light.moving != nullptr) return std::nullopt;
   const LightAtTime at(light, 0);
   if (const auto bounds = at->bounds()) {
     const Vec3 middle = bounds->lower * 0.5 + bounds->upper * 0.5;
-    return Place{false, middle, length(bounds->upper - middle)};
+    return LightTarget{false, middle, length(bounds->upper - middle)};
   }
   const auto* sun = dynamic_cast<const SunLight*>(light.light.get());
   if (!at->is_delta() && sun == nullptr) return std::nullopt;
   const Vec3 wi = at->sample_li(Receiver(Vec3{}), {}).wi;
-  return Place{true, wi, sun == nullptr ? 0 : sun->params().angular_diameter_rad};
+  return LightTarget{true, wi, sun == nullptr ? 0 : sun->params().angular_diameter_rad};
 }
 
-void SmoothLight::find_places() {
-  paths_use_places_ = !has_unsized_;
+void SmoothLight::find_targets() {
+  paths_use_targets_ = !has_unsized_;
   for (std::size_t l = 0; l < scene_.lights().size(); ++l) {
-    const auto place = place_of(scene_.lights()[l]);
-    has_place_.push_back(place.has_value());
-    if (place) places_.push_back(*place);
-    paths_use_places_ &= place.has_value() || is_everywhere_[l];
+    const auto place = target_of(scene_.lights()[l]);
+    has_target_.push_back(place.has_value());
+    if (place) targets_.push_back(*place);
+    paths_use_targets_ &= place.has_value() || is_everywhere_[l];
   }
   Bounds all;
-  for (const Place& p : places_)
+  for (const LightTarget& p : targets_)
     if (!p.is_direction) all.add(p.middle);
   // Many lamps are in one place.
-  if (places_.size() > kMostPlaces && !all.empty()) {
+  if (targets_.size() > kMostTargets && !all.empty()) {
     const Vec3 middle = all.lower * 0.5 + all.upper * 0.5;
-    Place one{false, middle, 0};
-    for (const Place& p : places_)
+    LightTarget one{false, middle, 0};
+    for (const LightTarget& p : targets_)
       if (!p.is_direction) one.radius = std::fmax(one.radius, length(p.middle - middle) + p.radius);
-    std::erase_if(places_, [](const Place& p) { return !p.is_direction; });
-    places_.push_back(one);
+    std::erase_if(targets_, [](const LightTarget& p) { return !p.is_direction; });
+    targets_.push_back(one);
   }
 }
 
 bool SmoothLight::may_mirror(const Vertex& v, const PartTree::Node& node) const {
-  return std::ranges::any_of(places_, [&](const Place& place) {
+  return std::ranges::any_of(targets_, [&](const LightTarget& place) {
     return place.is_direction ? node.may_mirror_from(v.hit.position, place.middle, place.radius)
                               : node.may_mirror(v.hit.position, place.middle, place.radius);
   });
@@ -57,9 +57,9 @@ bool SmoothLight::may_mirror(const Vertex& v, const PartTree::Node& node) const 
 // Of many surfaces, a receiver visits those that alone may send light to it.  On paths one is
 // chosen.  Random walks find lights without a size by way of several; directions find the others.
 void SmoothLight::sample_crowd(const Vertex& v, const Sequence& root, Choices& choices,
-                               const PathSample& s, WorkCounts& work, const Found& found) const {
+                               const PathSample& s, WorkCounts& work, const AddLight& found) const {
   const PartTree& tree = surfaces_.tree();
-  const bool visits = v.is_receiver && !places_.empty();
+  const bool visits = v.is_receiver && !targets_.empty();
   std::uint32_t number = 0;
   Nexts nexts;
   if (visits)
@@ -70,9 +70,9 @@ void SmoothLight::sample_crowd(const Vertex& v, const Sequence& root, Choices& c
                  for (const Next& next : nexts)
                    visit(v, extended(root, next), number++, s, work, found, Lights::kWithPlace);
                });
-  const bool all_visited = visits && std::ranges::find(has_place_, false) == has_place_.end();
+  const bool all_visited = visits && std::ranges::find(has_target_, false) == has_target_.end();
   if (all_visited && !has_unsized_) return;
-  const bool only_places = !v.is_receiver && paths_use_places_;
+  const bool only_places = !v.is_receiver && paths_use_targets_;
   const auto may_choose = [&](const PartTree::Node& node) {
     return !only_places || may_mirror(v, node);
   };

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "server/rays/error_bounds.h"
-#include "server/shadows/loose_ends.h"
+#include "server/shadows/end_tolerance.h"
 
 namespace lucerna {
 namespace {
@@ -57,7 +57,7 @@ SmoothLight::SmoothLight(const Scene& scene, const Methods& methods,
     has_sized_elsewhere_ |= !is_unsized && !is_everywhere;
     is_everywhere_.push_back(is_everywhere);
   }
-  if (!surfaces_.tree().empty()) find_places();
+  if (!surfaces_.tree().empty()) find_targets();
   if (glossy_.empty()) return;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
     if (is_delta(scene.lights()[l])) deltas_.push_back(l);
@@ -162,7 +162,7 @@ auto SmoothLight::extended(const Sequence& parent, const Next& next) -> Sequence
 }
 
 void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
-                         const Found& found) const {
+                         const AddLight& found) const {
   const bool finds_sized =
       samples_sizes_ && v.counts_sizes && (v.is_receiver || has_sized_elsewhere_);
   if (!has_steps_ || v.most_steps == 0 || !(finds_sized || has_unsized_)) return;
@@ -237,11 +237,11 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
 }
 
 void SmoothLight::visit(const Vertex& v, const Sequence& sequence, std::uint32_t number,
-                        const PathSample& s, WorkCounts& work, const Found& found,
+                        const PathSample& s, WorkCounts& work, const AddLight& found,
                         Lights which) const {
   const auto counts = [&](std::uint32_t light) {
     if (which == Lights::kAll) return true;
-    if (which != Lights::kUnsized) return has_place_[light] == (which == Lights::kWithPlace);
+    if (which != Lights::kUnsized) return has_target_[light] == (which == Lights::kWithPlace);
     return is_delta(scene_.lights()[light]) || scene_.lights()[light].is_unseen;
   };
   const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
@@ -274,7 +274,7 @@ Rgb SmoothLight::scattered(const Vertex& v, const Vec3& wi) const {
 
 void SmoothLight::sample_light(const Vertex& v, const Sequence& sequence, std::uint32_t light,
                                double probability, Vec2f u, WorkCounts& work,
-                               const Found& found) const {
+                               const AddLight& found) const {
   const LightAtTime at(scene_.lights()[light], v.hit.time_s);
   // No direction finds delta lights and unseen ones.
   if (!at->is_delta() && !at.is_unseen() &&
@@ -372,7 +372,7 @@ auto SmoothLight::by_solving(const Vertex& v, const Sequence& sequence, const Li
 
 Rgb SmoothLight::share_along(const Vertex& v, const Sequence& sequence, const Arriving& arriving,
                              std::uint32_t light, WorkCounts& work) const {
-  const bool passes_panes = visibility_.transmittance().blocking() == Meets::kOpaque;
+  const bool passes_panes = visibility_.transmittance().blocking() == RayFilter::kOpaque;
   SurfaceHit at = v.hit;
   Rgb share(1);
   for (std::size_t i = 0; i < sequence.steps.size(); ++i) {

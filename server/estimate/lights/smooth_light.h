@@ -54,13 +54,12 @@ class SmoothLight {
   };
   /// Estimates the radiance [cd/m2] that the surface sends towards `wo`.  Calls `found` for each
   /// light that was sampled; the estimates add up.
-  using Found = AddLight;
-  void sample(const Vertex& v, const PathSample& s, WorkCounts& work, const Found& found) const;
+  void sample(const Vertex& v, const PathSample& s, WorkCounts& work, const AddLight& found) const;
 
   /// The same for light of delta lights by way of planes that are nearly mirrors: a part of the
   /// light that these reflect.  Directions find the rest (`glossy_weight`).
   void sample_glossy(const Vertex& v, const PathSample& s, WorkCounts& work,
-                     const Found& found) const;
+                     const AddLight& found) const;
 
   /// Adds the directions from which planes that are nearly mirrors send light of lamps with a size.
   void guide(const SurfaceHit& receiver, GuidedDirections& to) const;
@@ -135,7 +134,7 @@ class SmoothLight {
 
   /// `sample` where parts are many.
   void sample_crowd(const Vertex& v, const Sequence& root, Choices& choices, const PathSample& s,
-                    WorkCounts& work, const Found& found) const;
+                    WorkCounts& work, const AddLight& found) const;
   /// Whether a light may reach the vertex by a flat mirror of the node alone.
   bool may_mirror(const Vertex& v, const PartTree::Node& node) const;
   void add_next(const Vertex& v, const Sequence& parent, Nexts& to) const;
@@ -144,9 +143,9 @@ class SmoothLight {
   bool may_follow(const Vertex& v, const Sequence& parent, const SmoothPart& part, int& side) const;
   enum class Lights : std::uint8_t { kAll, kWithPlace, kWithoutPlace, kUnsized };
   void visit(const Vertex& v, const Sequence& sequence, std::uint32_t number, const PathSample& s,
-             WorkCounts& work, const Found& found, Lights which = Lights::kAll) const;
+             WorkCounts& work, const AddLight& found, Lights which = Lights::kAll) const;
   void sample_light(const Vertex& v, const Sequence& sequence, std::uint32_t light,
-                    double probability, Vec2f u, WorkCounts& work, const Found& found) const;
+                    double probability, Vec2f u, WorkCounts& work, const AddLight& found) const;
   /// The path of a sample, and what it brings without the losses on its way.
   struct Arriving {
     SpecularPath path;
@@ -173,18 +172,18 @@ class SmoothLight {
   const SmoothSurfaces& surfaces_;
   std::span<const SmoothPart> parts_;
   /// Where light comes from.
-  struct Place {
+  struct LightTarget {
     bool is_direction;
     Vec3 middle;    ///< or the direction, unit
     double radius;  ///< [m], or [rad] about the direction
   };
-  static std::optional<Place> place_of(const SceneLight& light);
-  void find_places();
+  static std::optional<LightTarget> target_of(const SceneLight& light);
+  void find_targets();
   /// If parts are many: the places of lights, and which of the lights these are.
-  std::vector<Place> places_;
-  std::vector<bool> has_place_;
+  std::vector<LightTarget> targets_;
+  std::vector<bool> has_target_;
   /// Whether vertices of paths sample lights by way of one part only, and all of these have places.
-  bool paths_use_places_ = false;
+  bool paths_use_targets_ = false;
   bool has_unsized_ = false;  ///< lights that no direction finds
   /// Lights that most directions find, such as a sky.  Only receivers sample them.
   std::vector<bool> is_everywhere_;

@@ -58,9 +58,9 @@ Footprint footprint_of(const NeighbourRays& rays, const SurfaceHit& hit,
 
 }  // namespace
 
-SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets,
+SurfaceScattering::SurfaceScattering(const Scene& scene, SurfaceHit& hit, RayFilter filter,
                                      const NeighbourRays* neighbours) {
-  if (meets == Meets::kPanesByChance && scene.geometry().is_pane(hit)) {
+  if (filter == RayFilter::kPanesByChance && scene.geometry().is_pane(hit)) {
     is_mirror_ = true;
     frame_ = Frame::around(hit.ng);
     return;

@@ -28,7 +28,7 @@ class SurfaceScattering {
   /// `meets`: what the ray met.  With kPanesByChance, a pane counts as a mirror.
   /// `neighbours`: of the camera ray that met the surface, for scenes whose textures use
   /// footprints; else null.
-  SurfaceScattering(const Scene& scene, SurfaceHit& hit, Meets meets = Meets::kSurfaces,
+  SurfaceScattering(const Scene& scene, SurfaceHit& hit, RayFilter filter = RayFilter::kSurfaces,
                     const NeighbourRays* neighbours = nullptr);
 
   bool all_delta() const { return is_mirror_ || bsdf_.all_delta(); }

@@ -19,9 +19,11 @@ class Transmittance {
   /// Whether light may arrive in part.  Otherwise all of it arrives or none.
   bool is_partial() const { return is_partial_; }
   /// The surfaces that block direct light.
-  Meets blocking() const { return through_panes_ ? Meets::kOpaque : Meets::kSurfaces; }
+  RayFilter blocking() const { return through_panes_ ? RayFilter::kOpaque : RayFilter::kSurfaces; }
   /// The surfaces that rays meet when they search for lights or for the next surface.
-  Meets met() const { return through_panes_ ? Meets::kPanesByChance : Meets::kSurfaces; }
+  RayFilter met() const {
+    return through_panes_ ? RayFilter::kPanesByChance : RayFilter::kSurfaces;
+  }
 
   /// The share of light, by channel, that passes along a ray that no surface blocks.
   Rgb along(const Ray& ray, WorkCounts& work) const { return along(ray, ray.t_max, work); }

@@ -9,8 +9,6 @@
 namespace lucerna {
 namespace {
 
-constexpr double kInvPi = std::numbers::inv_pi;
-
 /// From this depth on, Russian roulette ends paths for any requested number of bounces.  2^32
 /// bounces between surfaces that do not absorb would take minutes.
 constexpr std::uint32_t kLongDepth = 256;
@@ -77,7 +75,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3f& first_
       // processor computes this.
       next_direction.wi =
           cosine_direction(Vec3f(hit.ns), wo, sample.at(depth, PathSample::kDirection));
-      next_direction.pdf = std::fabs(dot(hit.ns, Vec3(next_direction.wi))) * kInvPi;
+      next_direction.pdf = std::fabs(dot(hit.ns, Vec3(next_direction.wi))) * std::numbers::inv_pi;
     }
 
     const SurfaceScattering* const surface = scattering ? &*scattering : nullptr;

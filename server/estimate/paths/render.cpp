@@ -106,9 +106,9 @@ class TileEstimator {
   }
 
   void pixel_within_target(int x, int y, std::size_t i, WorkCounts& work) {
-    const std::uint64_t replicates = settings_.block_count;
+    const std::uint64_t blocks = settings_.block_count;
     const auto interval = [&](const EstimateMoments& m, std::uint64_t samples) {
-      return IntervalRule(settings_.target->confidence, replicates, samples).interval(m);
+      return IntervalRule(settings_.target->confidence, blocks, samples).interval(m);
     };
     const auto needed =
         needed_samples(*settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
@@ -124,7 +124,7 @@ class TileEstimator {
     const std::uint64_t samples =
         std::min(std::bit_ceil(static_cast<std::uint64_t>(std::ceil(*needed))),
                  std::bit_floor(settings_.target->max_samples));
-    const Blocks these{0, replicates, static_cast<std::uint32_t>(samples / replicates)};
+    const Blocks these{0, blocks, static_cast<std::uint32_t>(samples / blocks)};
     LuminanceMoments moments;
     const ChannelStatistics<3> channels = pixel(x, y, these, &moments, work);
     if (stopped_) return;

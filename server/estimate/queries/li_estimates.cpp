@@ -31,11 +31,11 @@ IrradianceEstimate estimate(const LiSampler& sampler, std::size_t receiver,
 /// Finds the number of samples that receivers need.
 class Pilots {
  public:
-  Pilots(const LiSampler& sampler, const TargetError& target, std::uint32_t replicates,
+  Pilots(const LiSampler& sampler, const TargetError& target, std::uint32_t blocks,
          const std::stop_token& stop)
-      : sampler_(sampler), target_(target), replicates_(replicates), stop_(stop) {}
+      : sampler_(sampler), target_(target), replicates_(blocks), stop_(stop) {}
 
-  /// The number of samples in each replicate of an answer.
+  /// The number of samples in each block of an answer.
   std::uint32_t needed(std::size_t receiver, WorkCounts& work) {
     if (sampler_.receiver_result(receiver) != ItemResult::kOk) return 0;
     return needed_samples_per_block(
@@ -83,10 +83,10 @@ class Pilots {
 
 std::optional<std::vector<std::uint32_t>> samples_needed(
     const LiSampler& sampler, std::size_t receivers, const TargetError& target,
-    std::uint32_t replicates, const std::stop_token& stop, WorkCounts& work) {
+    std::uint32_t blocks, const std::stop_token& stop, WorkCounts& work) {
   std::vector<std::uint32_t> needed(receivers);
   if (sampler.needs_one_sample()) return needed;
-  Pilots pilots(sampler, target, replicates, stop);
+  Pilots pilots(sampler, target, blocks, stop);
   work +=
       parallel_work(receivers, 1, stop, [&](std::size_t begin, std::size_t end, WorkCounts& spent) {
         for (std::size_t r = begin; r < end && !pilots.stopped(); ++r)
@@ -97,11 +97,11 @@ std::optional<std::vector<std::uint32_t>> samples_needed(
 }
 
 std::vector<std::uint32_t> equally_many(const LiSampler& sampler, std::size_t receivers,
-                                        std::uint32_t samples_per_replicate) {
+                                        std::uint32_t samples_per_block) {
   std::vector<std::uint32_t> each(receivers);
   if (sampler.needs_one_sample()) return each;
   for (std::size_t r = 0; r < receivers; ++r)
-    if (sampler.receiver_result(r) == ItemResult::kOk) each[r] = samples_per_replicate;
+    if (sampler.receiver_result(r) == ItemResult::kOk) each[r] = samples_per_block;
   return each;
 }
 
@@ -135,9 +135,9 @@ BlockStatistics spectral_blocks(std::span<const LiShare> shares, std::size_t blo
 }  // namespace
 
 LiEstimates estimates_of(const LiSampler& sampler, const LiLayout& layout, std::size_t receivers,
-                         std::uint32_t replicates, double confidence,
-                         std::span<const LiShare> shares, std::span<const int> status,
-                         std::span<const float> spectral_value, std::size_t wavelengths) {
+                         std::uint32_t blocks, double confidence, std::span<const LiShare> shares,
+                         std::span<const int> status, std::span<const float> spectral_value,
+                         std::size_t wavelengths) {
   const DenormalsAreZero denormals;
   LiEstimates all;
   all.points.resize(receivers);
@@ -152,15 +152,15 @@ LiEstimates estimates_of(const LiSampler& sampler, const LiLayout& layout, std::
     all.results[r] = result_of(status.subspan(begin, n));
     if (all.results[r] != ItemResult::kOk) continue;
     const std::span<const LiShare> own = shares.subspan(begin, n);
-    const bool exact = n < replicates;
+    const bool exact = n < blocks;
     if (exact) {
       set_exact(own[0].lx.value, all.points[r]);
     } else {
-      if (rule_samples != n) rule.emplace(confidence, replicates, n);
+      if (rule_samples != n) rule.emplace(confidence, blocks, n);
       rule_samples = n;
-      all.points[r] = estimate(sampler, r, own, n / replicates, *rule);
+      all.points[r] = estimate(sampler, r, own, n / blocks, *rule);
     }
-    const std::size_t blocks = exact ? 1 : replicates;
+    const std::size_t blocks = exact ? 1 : blocks;
     const auto count = static_cast<double>(blocks);
     for (std::size_t k = 0; k < wavelengths; ++k) {
       const BlockStatistics total = spectral_blocks(

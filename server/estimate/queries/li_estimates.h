@@ -13,17 +13,17 @@
 
 namespace lucerna {
 
-/// The number of samples in each of `replicates` that each receiver needs for `target`, independent
+/// The number of samples in each of `blocks` that each receiver needs for `target`, independent
 /// of the other receivers.  0 if one sample is enough (one_sample_is_enough) or the receiver is
-/// invalid.  Pilot samples come from replicates that no answer uses.  Requires the query's `seed`.
+/// invalid.  Pilot samples come from blocks that no answer uses.  Requires the query's `seed`.
 /// Adds the cost to `work`.  Nothing if it was stopped.
 std::optional<std::vector<std::uint32_t>> samples_needed(
     const LiSampler& sampler, std::size_t receivers, const TargetError& target,
-    std::uint32_t replicates, const std::stop_token& stop, WorkCounts& work);
+    std::uint32_t blocks, const std::stop_token& stop, WorkCounts& work);
 
 /// The same number for each receiver, but 0 in the cases above.
 std::vector<std::uint32_t> equally_many(const LiSampler& sampler, std::size_t receivers,
-                                        std::uint32_t samples_per_replicate);
+                                        std::uint32_t samples_per_block);
 
 /// Estimates for each receiver.
 struct LiEstimates {
@@ -38,8 +38,8 @@ struct LiEstimates {
 /// Estimates from all samples of an answer: their shares, their status and, sample by sample,
 /// their values at `wavelengths` wavelengths.
 LiEstimates estimates_of(const LiSampler& sampler, const LiLayout& layout, std::size_t receivers,
-                         std::uint32_t replicates, double confidence,
-                         std::span<const LiShare> shares, std::span<const int> status,
-                         std::span<const float> spectral_value, std::size_t wavelengths);
+                         std::uint32_t blocks, double confidence, std::span<const LiShare> shares,
+                         std::span<const int> status, std::span<const float> spectral_value,
+                         std::size_t wavelengths);
 
 }  // namespace lucerna

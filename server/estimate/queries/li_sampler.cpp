@@ -32,12 +32,12 @@ void set_wire_wi(const Light& light, const Receiver& receiver, LightSample& samp
 
 }  // namespace
 
-LiLayout::LiLayout(std::span<const std::uint32_t> samples_per_replicate, std::uint32_t replicates)
-    : replicates_(replicates) {
-  begins_.reserve(samples_per_replicate.size() + 1);
-  for (const std::uint32_t each : samples_per_replicate) {
+LiLayout::LiLayout(std::span<const std::uint32_t> samples_per_block, std::uint32_t blocks)
+    : replicates_(blocks) {
+  begins_.reserve(samples_per_block.size() + 1);
+  for (const std::uint32_t each : samples_per_block) {
     begins_.push_back(size_);
-    size_ += each > 0 ? std::size_t{each} * replicates : 1;
+    size_ += each > 0 ? std::size_t{each} * blocks : 1;
   }
   begins_.push_back(size_);
 }
@@ -52,7 +52,7 @@ LiPlace LiLayout::own_place(std::size_t i) const {
 }
 
 /// One sample of a chunk, from its receiver to its light.
-struct LiSampler::Pending {
+struct LiSampler::UnwrittenSample {
   ScenePoint receiver;
   Vec3 normal;
   Vec2 u;
@@ -62,7 +62,7 @@ struct LiSampler::Pending {
   LightSample sample;
   Rgb visible{1};  ///< the share of its light that arrives
 
-  LooseEnd start() const { return {receiver.position, receiver.error}; }
+  EndTolerance start() const { return {receiver.position, receiver.error}; }
 };
 
 LiSampler::LiSampler(const Scene& scene, const SampleLiQuery& query)
@@ -98,11 +98,11 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
     if (!q_.light) put_only_choice(layout, begin, end, answer);
     return {};
   }
-  std::vector<Pending> chunk(end - begin);
+  std::vector<UnwrittenSample> chunk(end - begin);
   prepare_all(layout, begin, chunk);
   sample(chunk);
   for (std::size_t i = begin; i < end; ++i) {
-    Pending& p = chunk[i - begin];
+    UnwrittenSample& p = chunk[i - begin];
     if (!q_.light) put_choice(scene_, p.choice, i, answer.light_ids, answer.selection_probability);
     if (p.sampled)
       p.receiver.result = writer.put(i, p.sample);
@@ -113,7 +113,7 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
   WorkCounts work;
   if (q_.test_visibility) work = test(begin, chunk, answer.visible);
   for (std::size_t i = begin; answer.transmittance != nullptr && i < end; ++i) {
-    const Pending& p = chunk[i - begin];
+    const UnwrittenSample& p = chunk[i - begin];
     if (p.receiver.result != ItemResult::kOk) continue;
     store(answer.transmittance, i, Vec3f(Vec3(p.visible.r, p.visible.g, p.visible.b)));
   }
@@ -135,8 +135,8 @@ void LiSampler::put_only_choice(const LiLayout& layout, std::size_t begin, std::
 }
 
 WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> shares) const {
-  std::vector<Pending> chunk(places.size());
-  At at_receiver;
+  std::vector<UnwrittenSample> chunk(places.size());
+  LiReceiver at_receiver;
   for (std::size_t k = 0; k < chunk.size(); ++k) {
     if (k == 0 || places[k].receiver != places[k - 1].receiver)
       at_receiver = at(places[k].receiver);
@@ -145,7 +145,7 @@ WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> s
   sample(chunk);
   WorkCounts work;
   std::vector<std::uint8_t> visible((chunk.size() + 7) / 8);
-  for (Pending& p : chunk)
+  for (UnwrittenSample& p : chunk)
     if (p.receiver.result == ItemResult::kOk)
       p.receiver.result = p.sampled ? item_result(p.sample.reason) : ItemResult::kBlack;
   if (q_.test_visibility) work = test(0, chunk, visible.data());
@@ -155,8 +155,8 @@ WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> s
 
 // Functions that are always inlined here are part of the loop over samples of one light.  A call
 // takes longer than a point light.
-[[gnu::always_inline]] inline LiSampler::At LiSampler::at(std::size_t receiver) const {
-  At at{.point = to_scene_(receiver)};
+[[gnu::always_inline]] inline LiSampler::LiReceiver LiSampler::at(std::size_t receiver) const {
+  LiReceiver at{.point = to_scene_(receiver)};
   if (q_.normals.empty()) return at;
   const Vec3f n = triple(q_.normals, receiver);
   if (!is_direction(n)) at.point.result = ItemResult::kInvalidInput;
@@ -171,7 +171,7 @@ ItemResult LiSampler::receiver_result(std::size_t receiver) const {
 }
 
 MostIrradiance LiSampler::most(std::size_t receiver) const {
-  const At here = at(receiver);
+  const LiReceiver here = at(receiver);
   const Receiver r = receiver_of(here.point, here.normal);
   const auto of_light = [&](std::uint32_t light, double probability) {
     return most_of(LightAtTime(scene_.lights()[light], q_.time_s), r, probability);
@@ -195,7 +195,7 @@ Receiver LiSampler::receiver_of(const ScenePoint& point, const Vec3& normal) con
 }
 
 SampleSequence LiSampler::sequence_of(const LiPlace& place) const {
-  return {q_.methods.sampler, q_.seed->seed, q_.seed->first_item + place.receiver, place.replicate};
+  return {q_.methods.sampler, q_.seed->seed, q_.seed->first_item + place.receiver, place.block};
 }
 
 /// The random numbers that place sample `i` on its light.  Nothing if those of the query are not
@@ -211,7 +211,8 @@ SampleSequence LiSampler::sequence_of(const LiPlace& place) const {
   return Vec2{x, y};
 }
 
-void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const {
+void LiSampler::prepare(const LiPlace& place, const LiReceiver& at, std::size_t i,
+                        UnwrittenSample& p) const {
   p.receiver = at.point;
   p.normal = at.normal;
   if (const auto u = point_of(place, i))
@@ -241,8 +242,8 @@ void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pendi
 
 /// Prepares the entries from `begin` on.
 void LiSampler::prepare_all(const LiLayout& layout, std::size_t begin,
-                            std::vector<Pending>& chunk) const {
-  At at_receiver;
+                            std::vector<UnwrittenSample>& chunk) const {
+  LiReceiver at_receiver;
   std::optional<std::size_t> receiver;
   for (std::size_t k = 0; k < chunk.size(); ++k) {
     const LiPlace place = layout.place(begin + k);
@@ -294,7 +295,7 @@ void LiSampler::fill_each(const Light& light, const LiLayout& layout, std::size_
   // the processor computes those of several at a time.
   constexpr std::size_t kAhead = 32;
   std::array<std::optional<Vec2>, kAhead> ahead;
-  At at_receiver;
+  LiReceiver at_receiver;
   Receiver of_light;
   std::optional<std::size_t> receiver;
   for (std::size_t i = begin; i < end; ++i) {
@@ -321,7 +322,7 @@ void LiSampler::fill_each(const Light& light, const LiLayout& layout, std::size_
 }
 
 /// Visits each light once for all samples of the chunk that chose it.
-void LiSampler::sample(std::vector<Pending>& chunk) const {
+void LiSampler::sample(std::vector<UnwrittenSample>& chunk) const {
   // The light above the number in the chunk: comparing such keys reads nothing else.
   std::vector<std::uint64_t> order;
   order.reserve(chunk.size());
@@ -330,21 +331,21 @@ void LiSampler::sample(std::vector<Pending>& chunk) const {
       order.push_back(std::uint64_t{*chunk[k].light} << 32 | k);
   }
   if (!q_.light) std::ranges::sort(order);
-  const auto at = [&](std::size_t i) -> Pending& {
+  const auto at = [&](std::size_t i) -> UnwrittenSample& {
     return chunk[static_cast<std::uint32_t>(order[i])];
   };
   for (std::size_t i = 0; i < order.size();) {
     const std::uint32_t light = *at(i).light;
     const LightAtTime at_time(scene_.lights()[light], q_.time_s);
     for (; i < order.size() && at(i).light == light; ++i) {
-      Pending& p = at(i);
+      UnwrittenSample& p = at(i);
       p.sample = sample(*at_time, receiver_of(p.receiver, p.normal), p.u);
       p.sampled = true;
     }
   }
 }
 
-LiShare LiSampler::share(const Pending& p) const {
+LiShare LiSampler::share(const UnwrittenSample& p) const {
   if (p.receiver.result != ItemResult::kOk) return {};
   return share(p.normal, p.choice ? p.choice->probability : 1, p.sample, p.visible);
 }
@@ -362,12 +363,12 @@ LiShare LiSampler::share(const Pending& p) const {
   return result;
 }
 
-void LiSampler::put_spectral(std::size_t begin, std::vector<Pending>& chunk,
+void LiSampler::put_spectral(std::size_t begin, std::vector<UnwrittenSample>& chunk,
                              const SampleLiAnswer& a) const {
   SpectralValues values(scene_, q_.wavelengths_nm);
   std::vector<double> at(values.size());
   for (std::size_t k = 0; k < chunk.size(); ++k) {
-    Pending& p = chunk[k];
+    UnwrittenSample& p = chunk[k];
     if (p.receiver.result != ItemResult::kOk) continue;
     std::ranges::fill(at, 0);
     values.add(*p.light, Rgb(p.sample.value), at);
@@ -379,12 +380,12 @@ void LiSampler::put_spectral(std::size_t begin, std::vector<Pending>& chunk,
   }
 }
 
-WorkCounts LiSampler::test(std::size_t begin, std::vector<Pending>& chunk,
+WorkCounts LiSampler::test(std::size_t begin, std::vector<UnwrittenSample>& chunk,
                            std::uint8_t* visible) const {
   WorkCounts work;
   const Transmittance& transmittance = visibility_.transmittance();
   for (std::size_t k = 0; k < chunk.size(); ++k) {
-    Pending& p = chunk[k];
+    UnwrittenSample& p = chunk[k];
     if (p.receiver.result != ItemResult::kOk) continue;
     p.visible = {};
     const float reach_m = p.sampled ? scene_.lights()[*p.light].reach_m() : 0;
@@ -399,15 +400,15 @@ WorkCounts LiSampler::test(std::size_t begin, std::vector<Pending>& chunk,
     p.visible = !transmittance.is_partial() ? Rgb(1)
                 : !p.light                  ? transmittance.along(ray, work)
                            : visibility_.passed(*p.light, p.receiver.position, ray, work,
-                                                starts_loose() ? p.start().error : -1);
+                                                start_is_rounded() ? p.start().error : -1);
   }
   return work;
 }
 
-bool LiSampler::is_hidden(const Pending& p, const Ray& ray) const {
-  const Meets blocking = visibility_.transmittance().blocking();
-  LooseEnds ends;
-  if (starts_loose()) ends.start = p.start();
+bool LiSampler::is_hidden(const UnwrittenSample& p, const Ray& ray) const {
+  const RayFilter blocking = visibility_.transmittance().blocking();
+  EndTolerances ends;
+  if (start_is_rounded()) ends.start = p.start();
   if (p.light && visibility_.contacts().touches(*p.light)) [[unlikely]]
     return visibility_.contacts().is_hidden(*p.light, p.receiver.position, ray, blocking,
                                             ends.start.error);
@@ -415,17 +416,18 @@ bool LiSampler::is_hidden(const Pending& p, const Ray& ray) const {
 }
 
 /// Whether rays may start on surfaces of unknown normal.
-bool LiSampler::starts_loose() const { return q_.normals.empty() && !q_.position_error_m; }
+bool LiSampler::start_is_rounded() const { return q_.normals.empty() && !q_.position_error_m; }
 
 /// The result of the light's shadow map; nothing if a ray is needed.
-std::optional<bool> LiSampler::by_map(const Pending& p, const Ray& ray, WorkCounts& work) const {
+std::optional<bool> LiSampler::by_map(const UnwrittenSample& p, const Ray& ray,
+                                      WorkCounts& work) const {
   if (!p.light) return std::nullopt;
   const auto occluded = visibility_.by_map(*p.light, p.receiver.position, p.normal);
   if (!occluded) return std::nullopt;
   ++work.map_lookups;
   if (LightVisibility::is_compared(ray)) {
     const bool by_ray = scene_.geometry().occluded(ray) &&
-                        (!starts_loose() || first_other_surface(scene_, ray, {p.start(), {}}));
+                        (!start_is_rounded() || first_other_surface(scene_, ray, {p.start(), {}}));
     ++work.shadow_rays;
     LightVisibility::compare(*occluded, by_ray, work);
   }

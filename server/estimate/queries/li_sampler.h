@@ -23,21 +23,21 @@ struct LiShare {
   LightEstimate lx{};
 };
 
-/// The sample of an entry: point `index` of that replicate of the receiver's points.
+/// The sample of an entry: point `index` of that block of the receiver's points.
 struct LiPlace {
   std::size_t receiver;
-  std::uint64_t replicate;
+  std::uint64_t block;
   std::uint32_t index;
 };
 
 /// The samples of an answer, receiver by receiver.
 class LiLayout {
  public:
-  /// `samples` of each receiver, in one replicate.
+  /// `samples` of each receiver, in one block.
   LiLayout(std::size_t receivers, std::uint32_t samples)
       : replicates_(1), each_(samples), size_(receivers * samples) {}
-  /// `replicates` of samples_per_replicate[r] samples of receiver r; one sample if that is 0.
-  LiLayout(std::span<const std::uint32_t> samples_per_replicate, std::uint32_t replicates);
+  /// `blocks` of samples_per_block[r] samples of receiver r; one sample if that is 0.
+  LiLayout(std::span<const std::uint32_t> samples_per_block, std::uint32_t blocks);
 
   std::size_t size() const { return size_; }
   LiPlace place(std::size_t i) const {
@@ -82,22 +82,22 @@ class LiSampler {
   MostIrradiance most(std::size_t receiver) const;
 
  private:
-  struct At {
+  struct LiReceiver {
     ScenePoint point;
     Vec3 normal{};  // unit or zero
   };
-  struct Pending;
+  struct UnwrittenSample;
 
   /// The light of all samples, if no random number chooses it and the query needs no visibility and
   /// no spectra.
   std::optional<std::uint32_t> plain_light() const;
   void put_only_choice(const LiLayout& layout, std::size_t begin, std::size_t end,
                        const SampleLiAnswer& answer) const;
-  inline At at(std::size_t receiver) const;
+  inline LiReceiver at(std::size_t receiver) const;
   Receiver receiver_of(const ScenePoint& point, const Vec3& normal) const;
   SampleSequence sequence_of(const LiPlace& place) const;
   inline std::optional<Vec2> point_of(const LiPlace& place, std::size_t i) const;
-  void prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const;
+  void prepare(const LiPlace& place, const LiReceiver& at, std::size_t i, UnwrittenSample& p) const;
   static LightSample sample(const Light& light, const Receiver& receiver, Vec2 u);
   inline bool put_point_light(const PointLight& light, std::size_t receiver, std::size_t i,
                               const LiAnswerWriter& writer) const;
@@ -105,17 +105,20 @@ class LiSampler {
                  std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const;
   void fill_each(const Light& light, const LiLayout& layout, std::size_t begin, std::size_t end,
                  const LiAnswerWriter& writer, LiShare* shares) const;
-  void prepare_all(const LiLayout& layout, std::size_t begin, std::vector<Pending>& chunk) const;
-  void sample(std::vector<Pending>& chunk) const;
-  LiShare share(const Pending& sampled) const;
+  void prepare_all(const LiLayout& layout, std::size_t begin,
+                   std::vector<UnwrittenSample>& chunk) const;
+  void sample(std::vector<UnwrittenSample>& chunk) const;
+  LiShare share(const UnwrittenSample& sampled) const;
   inline LiShare share(const Vec3& normal, double probability, const LightSample& s,
                        const Rgb& visible) const;
-  void put_spectral(std::size_t begin, std::vector<Pending>& chunk,
+  void put_spectral(std::size_t begin, std::vector<UnwrittenSample>& chunk,
                     const SampleLiAnswer& answer) const;
-  WorkCounts test(std::size_t first_bit, std::vector<Pending>& chunk, std::uint8_t* visible) const;
-  bool is_hidden(const Pending& sampled, const Ray& ray) const;
-  bool starts_loose() const;
-  std::optional<bool> by_map(const Pending& sampled, const Ray& ray, WorkCounts& work) const;
+  WorkCounts test(std::size_t first_bit, std::vector<UnwrittenSample>& chunk,
+                  std::uint8_t* visible) const;
+  bool is_hidden(const UnwrittenSample& sampled, const Ray& ray) const;
+  bool start_is_rounded() const;
+  std::optional<bool> by_map(const UnwrittenSample& sampled, const Ray& ray,
+                             WorkCounts& work) const;
 
   const Scene& scene_;
   const SampleLiQuery& q_;

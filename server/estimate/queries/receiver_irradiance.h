@@ -40,7 +40,7 @@ struct IrradianceSettings {
   /// Numbers of the points, counted from first_item; empty: 0, 1, 2, ...
   std::span<const std::uint32_t> numbers{};
   std::uint32_t samples_per_block = 1;  ///< at most 2^28
-  std::uint32_t block_count = 1;        ///< independent replicates; 1: no standard error
+  std::uint32_t block_count = 1;        ///< independent blocks; 1: no standard error
   /// If set, each point takes its own `samples_per_block`, as many as the target needs. The limit
   /// is max_samples / block_count, which must be 1 or more.  Intervals have the target's
   /// `confidence`, else kConfidence.

@@ -71,9 +71,9 @@ class PowerEstimator {
   }
 
   /// The interval of a mean of independent blocks.
-  ConfidenceInterval interval(const EstimateMoments& moments, std::uint64_t replicates,
+  ConfidenceInterval interval(const EstimateMoments& moments, std::uint64_t blocks,
                               std::uint64_t samples) const {
-    return IntervalRule(confidence_, replicates, samples).interval(moments);
+    return IntervalRule(confidence_, blocks, samples).interval(moments);
   }
 
   bool stopped() const { return stopped_; }
@@ -115,7 +115,7 @@ class PowerEstimator {
     return sum.value() / n;
   }
 
-  SampledPower estimate(const LightRun& run, const Blocks& these, std::uint64_t replicates) const {
+  SampledPower estimate(const LightRun& run, const Blocks& these, std::uint64_t blocks) const {
     const auto count = static_cast<double>(these.count);
     const auto total = run.stream.total();
     SampledPower e;
@@ -124,7 +124,7 @@ class PowerEstimator {
     e.samples = these.count * these.samples;
     e.interval_lm =
         interval({total[3].sum / count, e.standard_error_lm, run.sum_of_squares, run.largest},
-                 replicates, e.samples);
+                 blocks, e.samples);
     return e;
   }
 

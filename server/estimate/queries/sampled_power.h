@@ -17,7 +17,7 @@ namespace lucerna {
 struct SampledPowerSettings {
   std::uint64_t seed = 0;
   std::uint32_t samples_per_block = 1;  ///< at most 2^28
-  std::uint32_t block_count = 16;       ///< independent replicates; 1: no standard error
+  std::uint32_t block_count = 16;       ///< independent blocks; 1: no standard error
   /// If set, each light takes its own `samples_per_block`, as many as the target needs. The limit
   /// is max_samples / block_count, which must be 1 or more.  Intervals have the target's
   /// `confidence`, else kConfidence.

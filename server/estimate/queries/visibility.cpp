@@ -27,7 +27,7 @@ Vec3f start_of(const ScenePoint& from, const Vec3f& normal, const Vec3f& directi
 /// `result` has the reason.
 std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const ToScene& from_scene,
                           const std::optional<ToScene>& to_scene, std::size_t i, ItemResult& result,
-                          LooseEnds& ends) {
+                          EndTolerances& ends) {
   ScenePoint from = from_scene(i);
   result = from.result;
   Vec3f normal;
@@ -155,7 +155,7 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query,
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = order.empty() ? k : order[k];
       ItemResult result = ItemResult::kOk;
-      LooseEnds ends;
+      EndTolerances ends;
       const std::optional<Ray> ray = ray_of(scene, query, from, to, i, result, ends);
       answer.status[i] = static_cast<int>(result);
       if (result != ItemResult::kOk) continue;

@@ -8,7 +8,7 @@
 
 #include "server/estimate/lights/transmittance.h"
 #include "server/estimate/queries/queries.h"
-#include "server/shadows/loose_ends.h"
+#include "server/shadows/end_tolerance.h"
 
 namespace lucerna {
 

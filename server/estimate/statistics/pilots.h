@@ -27,7 +27,7 @@ struct Blocks {
 /// The estimate of a pilot.
 struct PilotEstimate {
   double value = 0;
-  /// For as many samples as the pilot has, in as many replicates as an answer has.
+  /// For as many samples as the pilot has, in as many blocks as an answer has.
   ConfidenceInterval interval;
   /// With fewer samples than this, intervals hold less often than stated.
   double least_samples = 0;
@@ -89,19 +89,19 @@ std::optional<double> needed_samples(const TargetError& target, Pilot&& pilot) {
   }
 }
 
-/// The limit of `samples_per_block` in this many replicates.
-inline std::uint32_t most_samples_per_block(const TargetError& target, std::uint32_t replicates) {
-  return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, target.max_samples / replicates));
+/// The limit of `samples_per_block` in this many blocks.
+inline std::uint32_t most_samples_per_block(const TargetError& target, std::uint32_t blocks) {
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, target.max_samples / blocks));
 }
 
-/// The samples of each of the replicates that `needed_samples` returns together; 1 for each pilot
+/// The samples of each of the blocks that `needed_samples` returns together; 1 for each pilot
 /// that was stopped.
 template <typename Pilot>
-std::uint32_t needed_samples_per_block(const TargetError& target, std::uint32_t replicates,
+std::uint32_t needed_samples_per_block(const TargetError& target, std::uint32_t blocks,
                                        Pilot&& pilot) {
   const double needed = needed_samples(target, pilot).value_or(1);
   return static_cast<std::uint32_t>(
-      std::min<double>(most_samples_per_block(target, replicates), std::ceil(needed / replicates)));
+      std::min<double>(most_samples_per_block(target, blocks), std::ceil(needed / blocks)));
 }
 
 }  // namespace lucerna

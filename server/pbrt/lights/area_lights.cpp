@@ -44,7 +44,7 @@ Vec3 tangent_of(const Mesh& mesh, F&& normal) {
   return {};
 }
 
-[[noreturn]] void refuse_profile(const Place& shape_place, std::string_view name) {
+[[noreturn]] void refuse_profile(const FilePosition& shape_place, std::string_view name) {
   std::string flat_names = "bilinearmesh, trianglemesh, plymesh";
   Quadrics::for_each([&]<typename Shape>() {
     if (FlatShape<Shape>) flat_names += fmt::format(", {}", Shape::kName);
@@ -53,7 +53,7 @@ Vec3 tangent_of(const Mesh& mesh, F&& normal) {
                                 flat_names));
 }
 
-Vec3 tangent_of(const Geometry& geometry, const Place& shape_place) {
+Vec3 tangent_of(const Geometry& geometry, const FilePosition& shape_place) {
   if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry))
     return tangent_of<3>(*mesh, [](const auto& p) { return Triangle{p[0], p[1], p[2]}.normal(); });
   if (const auto* mesh = std::get_if<PatchMeshData>(&geometry))
@@ -74,7 +74,7 @@ Vec3 tangent_of(const Geometry& geometry, const Place& shape_place) {
 }
 
 /// The emission image of "string filename"; nothing if there is none.  Fails if "L" is given too.
-std::optional<Picture> area_picture(Context& context, const ParameterSet& params) {
+std::optional<Picture> area_picture(LoadState& context, const ParameterSet& params) {
   const Parameter* filename = params.find("filename", {"string"});
   if (filename == nullptr) {
     check_without_picture(context, params, {"filter"});
@@ -88,8 +88,8 @@ std::optional<Picture> area_picture(Context& context, const ParameterSet& params
 
 /// The photometry of "string profile"; nothing if there is none.  Fails on files of other kinds,
 /// and on shapes that are not flat.
-std::optional<PanelProfile> area_profile(Context& context, const ParameterSet& params,
-                                         const Geometry& geometry, const Place& shape_place,
+std::optional<PanelProfile> area_profile(LoadState& context, const ParameterSet& params,
+                                         const Geometry& geometry, const FilePosition& shape_place,
                                          bool mirrored) {
   const Parameter* file = params.find("profile", {"string"});
   if (file == nullptr) return std::nullopt;
@@ -128,7 +128,7 @@ bool has_equal_texels(const Geometry& geometry) {
 }
 
 /// The area of the shape [m2].  0 for a curve: make_emission refuses it before.
-double area_of(const Place& place, const Geometry& geometry) {
+double area_of(const FilePosition& place, const Geometry& geometry) {
   return std::visit(
       [&]<typename Params>(const Params& params) -> double {
         double area = 0;
@@ -158,7 +158,7 @@ std::size_t primitives_of(const Geometry& geometry) {
 double sides(const ShapeDescription::Emission& emission) { return emission.two_sided ? 2 : 1; }
 
 /// A shape without area emits nothing, so a "power" for it is an error.
-void refuse_power_without_area(const ParameterSet& params, const Place& shape_place) {
+void refuse_power_without_area(const ParameterSet& params, const FilePosition& shape_place) {
   if (const Parameter* power = positive_parameter(params, "power"))
     fail(power->place,
          fmt::format("\"float power\" = {} lm for the shape at {}, which has no area{}",
@@ -167,7 +167,7 @@ void refuse_power_without_area(const ParameterSet& params, const Place& shape_pl
 
 /// Luminous flux of a panel at level 1 [lm].  Adds a remark if its back, which does not emit, loses
 /// a part.
-double panel_lumens(Context& context, const ParameterSet& params,
+double panel_lumens(LoadState& context, const ParameterSet& params,
                     const ShapeDescription::Emission& emission) {
   const PhotometricWeb& web = *emission.panel->web;
   const double lumens = emission.two_sided ? web.flux_lm() : web.downward_flux_lm();
@@ -183,7 +183,7 @@ double panel_lumens(Context& context, const ParameterSet& params,
 }
 
 /// Luminous flux of the shape at level 1 [lm].
-double lumens_of_unit_level(Context& context, const ParameterSet& params,
+double lumens_of_unit_level(LoadState& context, const ParameterSet& params,
                             const ShapeDescription::Emission& emission, double area) {
   // pbrt-v4 uses a picture's mean, as if all of its texels had the same area on the shape.
   const double mean = emission.picture ? luminance(emission.picture->image->mean()) : 1;
@@ -194,7 +194,7 @@ double lumens_of_unit_level(Context& context, const ParameterSet& params,
 /// Fails if the brightest radiance of a picture or a panel does not fit a float.
 void require_emission(const AreaLightDirective& light, const ShapeDescription::Emission& emission,
                       double lumens, double area) {
-  const Place place = level_place(light.params, "L", light.place);
+  const FilePosition place = level_place(light.params, "L", light.place);
   if (emission.picture)
     require_level(place,
                   fmt::format("the brightest texel of {} times the light's level",
@@ -209,7 +209,7 @@ void require_emission(const AreaLightDirective& light, const ShapeDescription::E
 }
 
 /// Adds remarks if "power" differs from pbrt-v4, or only approximates a picture.
-void remark_power(Context& context, const ParameterSet& params, const Geometry& geometry,
+void remark_power(LoadState& context, const ParameterSet& params, const Geometry& geometry,
                   bool has_picture) {
   const Parameter* power = positive_parameter(params, "power");
   if (power == nullptr) return;
@@ -233,10 +233,11 @@ bool needs_uv(const AreaLightDirective& light) {
          light.params.find("profile", {"string"}) != nullptr;
 }
 
-std::optional<ShapeDescription::Emission> make_emission(Context& context,
+std::optional<ShapeDescription::Emission> make_emission(LoadState& context,
                                                         const AreaLightDirective& light,
                                                         const Geometry& geometry,
-                                                        const Place& shape_place, bool mirrored) {
+                                                        const FilePosition& shape_place,
+                                                        bool mirrored) {
   const ParameterSet& params = light.params;
   if (std::holds_alternative<CurveData>(geometry)) {
     context.remark(shape_place, "a curve that emits is not modelled", "the curve emits nothing");

@@ -21,7 +21,7 @@ namespace lucerna::pbrt {
 struct AreaLightDirective {
   std::string type;
   ParameterSet params;
-  Place place;
+  FilePosition place;
 };
 
 /// Whether the light needs the (u, v) of shapes, for an image or a profile.
@@ -31,9 +31,10 @@ bool needs_uv(const AreaLightDirective& light);
 /// "power" is that of the whole mesh.  `mirrored`: the shape's transform mirrors the shape and the
 /// photometry of a profile.  Fails on invalid levels, on shapes that cannot emit, and on a profile
 /// for a shape that is not flat.
-std::optional<ShapeDescription::Emission> make_emission(Context& context,
+std::optional<ShapeDescription::Emission> make_emission(LoadState& context,
                                                         const AreaLightDirective& light,
                                                         const Geometry& geometry,
-                                                        const Place& shape_place, bool mirrored);
+                                                        const FilePosition& shape_place,
+                                                        bool mirrored);
 
 }  // namespace lucerna::pbrt

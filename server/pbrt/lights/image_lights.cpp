@@ -50,7 +50,7 @@ double illuminance_of(const Image& image, SphereMapping mapping) {
 }
 
 /// Factor from the picture at `scale` to the illuminance in `given`.
-double illuminance_factor(Context& context, const Parameter& given, double wanted, double scale,
+double illuminance_factor(LoadState& context, const Parameter& given, double wanted, double scale,
                           const Image& image, SphereMapping mapping) {
   const double of_picture = illuminance_of(image, mapping);
   if (!(of_picture > 0))
@@ -69,7 +69,7 @@ double illuminance_factor(Context& context, const Parameter& given, double wante
 }
 
 /// "scale" times the factor for "illuminance".
-double picture_level(Context& context, const ParameterSet& params, const Image& image,
+double picture_level(LoadState& context, const ParameterSet& params, const Image& image,
                      SphereMapping mapping) {
   const double scale = params.number("scale", 1);
   if (scale < 0)
@@ -88,8 +88,9 @@ double picture_level(Context& context, const ParameterSet& params, const Image& 
 }
 
 /// The picture of "string filename" with its level.  `otherwise`: the filter if none is given.
-ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, const Place& place,
-                                 const Transform& world_from_light, ImageFilter otherwise) {
+ImageInfiniteLightParams picture(LoadState& context, const ParameterSet& params,
+                                 const FilePosition& place, const Transform& world_from_light,
+                                 ImageFilter otherwise) {
   const Parameter& filename = *params.find("filename", {"string"});
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
     fail(l->place, "\"L\" and \"filename\" are both given, allowed: one of them");
@@ -123,7 +124,7 @@ SphereMapping sphere_mapping(const ParameterSet& params) {
        fmt::format("\"string mapping\" = \"{}\", allowed: equalarea, latlong", printable(name)));
 }
 
-void check_without_picture(Context& context, const ParameterSet& params,
+void check_without_picture(LoadState& context, const ParameterSet& params,
                            std::initializer_list<std::string_view> names) {
   for (const std::string_view name : names) {
     const Parameter* given = params.find(name, {"string"});
@@ -139,8 +140,9 @@ void check_without_picture(Context& context, const ParameterSet& params,
   }
 }
 
-ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& params,
-                                        const Place& place, const Transform& world_from_light) {
+ImageInfiniteLightParams image_infinite(LoadState& context, const ParameterSet& params,
+                                        const FilePosition& place,
+                                        const Transform& world_from_light) {
   ImageInfiniteLightParams infinite =
       picture(context, params, place, world_from_light, ImageFilter::kNearest);
   // Checks here, where the place in the file is known.
@@ -149,7 +151,7 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
   return infinite;
 }
 
-PortalLightParams portal(Context& context, const ParameterSet& params, const Place& place,
+PortalLightParams portal(LoadState& context, const ParameterSet& params, const FilePosition& place,
                          const Transform& world_from_light) {
   const Parameter& given = *params.find("portal", {"point3"});
   const bool has_picture = params.find("filename", {"string"}) != nullptr;

@@ -15,14 +15,15 @@ namespace lucerna::pbrt {
 /// LightSource "infinite" with "string filename": a texel of value 1 is 1 cd/m2 times "scale".
 /// Fails if "L" is given too, on a transform of unequal scale, and on a picture that the mapping
 /// cannot use.
-ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& params,
-                                        const Place& place, const Transform& world_from_light);
+ImageInfiniteLightParams image_infinite(LoadState& context, const ParameterSet& params,
+                                        const FilePosition& place,
+                                        const Transform& world_from_light);
 
 /// LightSource "infinite" with "point3 portal", with or without "string filename". The corners are
 /// in world space; the transform does not apply to them.  The radiance of a picture is set; without
 /// a picture the caller sets it.  Fails as `image_infinite` does, and on corners that are not a
 /// rectangle.
-PortalLightParams portal(Context& context, const ParameterSet& params, const Place& place,
+PortalLightParams portal(LoadState& context, const ParameterSet& params, const FilePosition& place,
                          const Transform& world_from_light);
 
 /// The "string mapping" of a light; equalarea if it is not given.
@@ -31,7 +32,7 @@ SphereMapping sphere_mapping(const ParameterSet& params);
 /// For a light without a picture: adds remarks that "string mapping" and "string filter" have no
 /// effect. Considers only those of `names` that the directive itself gives.  Fails on invalid
 /// values.
-void check_without_picture(Context& context, const ParameterSet& params,
+void check_without_picture(LoadState& context, const ParameterSet& params,
                            std::initializer_list<std::string_view> names);
 
 }  // namespace lucerna::pbrt

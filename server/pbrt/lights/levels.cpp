@@ -11,7 +11,7 @@ namespace lucerna::pbrt {
 namespace {
 
 /// Scales `level` so that a level of luminance 1 would reach the target in `given`.
-Rgb scaled_to_target(Context& context, const Parameter& given, const LevelTarget& target,
+Rgb scaled_to_target(LoadState& context, const Parameter& given, const LevelTarget& target,
                      double wanted, const Rgb& level) {
   if (!(luminance(level) > 0))
     fail(given.place, fmt::format("\"float {}\" = {} {} for a light of luminance 0{}", target.name,
@@ -31,8 +31,9 @@ Rgb scaled_to_target(Context& context, const Parameter& given, const LevelTarget
 
 }  // namespace
 
-Rgb light_level_with_target(Context& context, const ParameterSet& params, const Place& place,
-                            const char* name, const LevelTarget& target) {
+Rgb light_level_with_target(LoadState& context, const ParameterSet& params,
+                            const FilePosition& place, const char* name,
+                            const LevelTarget& target) {
   const Rgb colour = light_level(context, params, name);
   const double scale = params.number("scale", 1);
   if (scale < 0)
@@ -63,11 +64,12 @@ const Parameter* positive_parameter(const ParameterSet& params, std::string_view
   return given != nullptr && given->numbers().front() > 0 ? given : nullptr;
 }
 
-Place level_place(const ParameterSet& params, std::string_view name, const Place& directive) {
+FilePosition level_place(const ParameterSet& params, std::string_view name,
+                         const FilePosition& directive) {
   return params.place_of({"scale", "power", "illuminance", name, "filename"}, directive);
 }
 
-void require_level(const Place& place, std::string_view what, const Rgb& value) {
+void require_level(const FilePosition& place, std::string_view what, const Rgb& value) {
   if (is_finite(Rgbf(value))) return;
   fail(place,
        fmt::format("{} = ({:.6g}, {:.6g}, {:.6g}), allowed: each channel finite, at most "

@@ -23,9 +23,9 @@ using LightParams = decltype(LightDescription::params);
 
 /// A LightSource directive and the current transform.
 struct LightSource {
-  Context& context;
+  LoadState& context;
   const ParameterSet& params;
-  const Place& place;
+  const FilePosition& place;
   const Transform& world_from_light;
 
   Rgb level(const char* name, const LevelTarget& target) const {
@@ -35,7 +35,7 @@ struct LightSource {
 
 /// Fails if the light model refuses its parameters.
 template <typename Model, typename Params>
-Params checked(const Place& place, const Params& params) {
+Params checked(const FilePosition& place, const Params& params) {
   if (const auto made = Model::create(params); !made.ok()) fail(place, made.status());
   return params;
 }
@@ -192,7 +192,7 @@ constexpr auto kLightTypes = std::to_array<LightType>({
     {"projection", "I", true, projection_light},
 });
 
-const LightType& light_type(const std::string& name, const Place& place) {
+const LightType& light_type(const std::string& name, const FilePosition& place) {
   const auto* known = std::ranges::find(kLightTypes, std::string_view(name), &LightType::name);
   if (known != kLightTypes.end()) return *known;
   std::string names;
@@ -202,8 +202,8 @@ const LightType& light_type(const std::string& name, const Place& place) {
 
 }  // namespace
 
-LightDescription make_light(Context& context, const std::string& type, const ParameterSet& params,
-                            const Place& place, const Transform& world_from_light) {
+LightDescription make_light(LoadState& context, const std::string& type, const ParameterSet& params,
+                            const FilePosition& place, const Transform& world_from_light) {
   LightDescription light;
   light.where = location(place);
   light.samples = samples_of(params);

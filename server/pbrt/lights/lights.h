@@ -11,8 +11,8 @@ namespace lucerna::pbrt {
 
 /// The light of a LightSource directive of this type.  Fails on unknown types and on parameters
 /// that the light model refuses.
-LightDescription make_light(Context& context, const std::string& type, const ParameterSet& params,
-                            const Place& place, const Transform& world_from_light);
+LightDescription make_light(LoadState& context, const std::string& type, const ParameterSet& params,
+                            const FilePosition& place, const Transform& world_from_light);
 
 /// "integer samples": points on the light for each sample.  pbrt-v3 has this parameter, pbrt-v4
 /// does not.

@@ -14,14 +14,15 @@
 namespace lucerna::pbrt {
 namespace {
 
-void remark_note(Context& context, const Parameter& filename, const std::string& name,
+void remark_note(LoadState& context, const Parameter& filename, const std::string& name,
                  const PhotometricFile::Note& note) {
   context.remark(filename.place, fmt::format("{}:{}: {}", printable(name), note.line, note.what),
                  note.instead);
 }
 
 /// The picture that a parameter names; lights that use it in the same way share it.
-std::shared_ptr<const IntensityMap> read_intensity_map(Context& context, const Parameter& filename,
+std::shared_ptr<const IntensityMap> read_intensity_map(LoadState& context,
+                                                       const Parameter& filename,
                                                        SphereMapping mapping, ImageFilter filter,
                                                        std::string& name) {
   const NamedImage named = read_image(context, filename, kSrgb);
@@ -49,7 +50,7 @@ bool names_photometric_file(const std::string& name) {
   return ends_in(name, ".ies") || ends_in(name, ".ldt");
 }
 
-NamedPhotometricFile read_photometric_file(Context& context, const ParameterSet& params,
+NamedPhotometricFile read_photometric_file(LoadState& context, const ParameterSet& params,
                                            const Parameter& filename) {
   if (filename.strings().size() != 1)
     fail(filename.place, fmt::format("\"string {}\" takes one name", filename.name));
@@ -75,7 +76,7 @@ NamedPhotometricFile read_photometric_file(Context& context, const ParameterSet&
   return named;
 }
 
-GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
+GoniometricLightParams goniometric(LoadState& context, const ParameterSet& params,
                                    const Transform& world_from_light) {
   GoniometricLightParams light;
   light.position_m = world_from_light.point({0, 0, 0});

@@ -30,12 +30,12 @@ struct NamedPhotometricFile {
 /// The luminaire in the file that a parameter names; parameters that name the same file share it.
 /// Remarks and errors have the place of the parameter.  `params` are those of the light: if they
 /// set its "power", its flux is in lm, whatever the file's unit.
-NamedPhotometricFile read_photometric_file(Context& context, const ParameterSet& params,
+NamedPhotometricFile read_photometric_file(LoadState& context, const ParameterSet& params,
                                            const Parameter& filename);
 
 /// LightSource "goniometric" without its level: `intensity` is 1.  Fails on a picture that the
 /// mapping cannot use.
-GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
+GoniometricLightParams goniometric(LoadState& context, const ParameterSet& params,
                                    const Transform& world_from_light);
 
 }  // namespace lucerna::pbrt

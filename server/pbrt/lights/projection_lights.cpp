@@ -33,7 +33,7 @@ void apply_scale(const Vec3& scale, ProjectedPictureParams& picture) {
 }
 
 /// `own_space`: set for axes without right angles.
-Projection perspective(const ParameterSet& params, const Place& place, const Frame& axes,
+Projection perspective(const ParameterSet& params, const FilePosition& place, const Frame& axes,
                        std::shared_ptr<const Frame> own_space, const Vec3& position_m,
                        NamedImage named, ImageFilter filter) {
   const double fov = params.number("fov", 90);
@@ -85,7 +85,7 @@ Projection orthographic(const ParameterSet& params, const Frame& axes, const Vec
 
 }  // namespace
 
-Projection projection(Context& context, const ParameterSet& params, const Place& place,
+Projection projection(LoadState& context, const ParameterSet& params, const FilePosition& place,
                       const Transform& world_from_light) {
   const Frame axes = axes_of(world_from_light);
   const bool is_sheared = !check_right_angles("", axes).ok();
@@ -111,7 +111,7 @@ Projection projection(Context& context, const ParameterSet& params, const Place&
                    printable(name)));
 }
 
-void set_level(Context& context, const Place& level_place, const Place* power_place,
+void set_level(LoadState& context, const FilePosition& level_place, const FilePosition* power_place,
                const Rgb& level, Projection& projection) {
   if (power_place != nullptr &&
       std::fabs(projection.pbrt4_lumens - projection.lumens) > 1e-3 * projection.lumens)

@@ -21,12 +21,12 @@ struct Projection {
 
 /// Reads the directive.  Scale along the light's axes changes the area that the picture covers, as
 /// in pbrt-v4.  Fails on transforms that change the angles between the axes.
-Projection projection(Context& context, const ParameterSet& params, const Place& place,
+Projection projection(LoadState& context, const ParameterSet& params, const FilePosition& place,
                       const Transform& world_from_light);
 
 /// Sets the level.  `level_place`: place of an error about a level that is too high. `power_place`:
 /// place of "power", or null.  Adds a remark with the flux there if pbrt-v4 computes another flux.
-void set_level(Context& context, const Place& level_place, const Place* power_place,
+void set_level(LoadState& context, const FilePosition& level_place, const FilePosition* power_place,
                const Rgb& level, Projection& projection);
 
 }  // namespace lucerna::pbrt

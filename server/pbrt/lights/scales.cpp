@@ -42,7 +42,7 @@ std::string scales_text(const Transform& transform) {
   return fmt::format("scales {:.8g}, {:.8g} and {:.8g}", s[0], s[1], s[2]);
 }
 
-std::shared_ptr<const Frame> own_space_of(Context& context, const ParameterSet& params,
+std::shared_ptr<const Frame> own_space_of(LoadState& context, const ParameterSet& params,
                                           const Transform& world_from_light) {
   if (world_from_light.uniform_scale()) return nullptr;
   if (const Parameter* power = positive_parameter(params, "power"))
@@ -51,7 +51,8 @@ std::shared_ptr<const Frame> own_space_of(Context& context, const ParameterSet& 
   return std::make_shared<const Frame>(axes_of(world_from_light));
 }
 
-void require_equal_scale(const Place& place, std::string_view what, const Transform& transform) {
+void require_equal_scale(const FilePosition& place, std::string_view what,
+                         const Transform& transform) {
   if (!transform.uniform_scale())
     fail(place, fmt::format("{} under a transform of unequal {}, allowed: equal scale on all axes",
                             what, scales_text(transform)));

@@ -20,10 +20,11 @@ std::string scales_text(const Transform& transform);
 
 /// The `own_space` of a light model; null for equal scale.  Adds a remark if "power" is given,
 /// which pbrt-v4 measures without the transform.
-std::shared_ptr<const Frame> own_space_of(Context& context, const ParameterSet& params,
+std::shared_ptr<const Frame> own_space_of(LoadState& context, const ParameterSet& params,
                                           const Transform& world_from_light);
 
 /// Fails if `transform` scales lengths unequally.  `what`: "a spot".
-void require_equal_scale(const Place& place, std::string_view what, const Transform& transform);
+void require_equal_scale(const FilePosition& place, std::string_view what,
+                         const Transform& transform);
 
 }  // namespace lucerna::pbrt

@@ -20,7 +20,7 @@ double width(const ShapeDirective& shape, const char* name, double otherwise) {
 
 /// The factor from a length in the shape's own space to metres.  Adds a remark if there is no
 /// single one.
-double scale_of_widths(Context& context, const ShapeDirective& shape) {
+double scale_of_widths(LoadState& context, const ShapeDirective& shape) {
   const Transform& t = shape.world_from_object;
   const Vec3 x = t.vector({1, 0, 0}), y = t.vector({0, 1, 0}), z = t.vector({0, 0, 1});
   const double scale = std::cbrt(std::fabs(dot(cross(x, y), z)));
@@ -36,7 +36,7 @@ double scale_of_widths(Context& context, const ShapeDirective& shape) {
 
 }  // namespace
 
-CurveData make_curve(Context& context, const ShapeDirective& shape) {
+CurveData make_curve(LoadState& context, const ShapeDirective& shape) {
   shape.params.ignore({"splitdepth"});
   const auto one_of = [&](const char* name, const std::string& otherwise,
                           std::initializer_list<const char*> allowed) {
@@ -65,7 +65,7 @@ CurveData make_curve(Context& context, const ShapeDirective& shape) {
   curves.end_width_m = width(shape, "width1", both) * scale;
   curves.points = world_positions(shape, shape.params.take_vectors("P", "point3"));
   const std::vector<Vec3> normals = shape.params.take_vectors("N", "normal");
-  const Place normals_place = shape.params.place_of({"N"}, shape.place);
+  const FilePosition normals_place = shape.params.place_of({"N"}, shape.place);
   if (type != "ribbon") {
     if (!normals.empty())
       context.remark(normals_place, "\"normal N\" of a curve that is no ribbon", "not used");

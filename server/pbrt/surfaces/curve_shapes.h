@@ -6,6 +6,6 @@
 namespace lucerna::pbrt {
 
 /// The curves of a Shape directive in world space.  Fails on invalid parameters.
-CurveData make_curve(Context& context, const ShapeDirective& shape);
+CurveData make_curve(LoadState& context, const ShapeDirective& shape);
 
 }  // namespace lucerna::pbrt

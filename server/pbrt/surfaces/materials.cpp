@@ -18,7 +18,7 @@ namespace {
 bool is_interface(std::string_view type) { return is_one_of(type, {"interface", "none", ""}); }
 
 /// `type` as a string of static lifetime.  Fails if it is not a known type.
-std::string_view known_type(const std::string& type, const Place& place) {
+std::string_view known_type(const std::string& type, const FilePosition& place) {
   static constexpr std::array<std::string_view, 13> kTypes{"diffuse",
                                                            "coateddiffuse",
                                                            "diffusetransmission",
@@ -45,8 +45,8 @@ std::string_view known_type(const std::string& type, const Place& place) {
 /// Reads the parameters of one material.
 class Reader {
  public:
-  Reader(Context& context, const TextureTable& textures, const ParameterSet& params,
-         const Place& place)
+  Reader(LoadState& context, const TextureTable& textures, const ParameterSet& params,
+         const FilePosition& place)
       : context_(context), textures_(textures), params_(params), place_(place) {}
 
   ColourValue reflectance(const char* name, double otherwise) const {
@@ -136,17 +136,18 @@ class Reader {
     return {not_negative_rgb(context_, *p, RgbConversion::White::kAdapted)};
   }
 
-  Context& context_;
+  LoadState& context_;
   const TextureTable& textures_;
   const ParameterSet& params_;
-  const Place& place_;
+  const FilePosition& place_;
 };
 
 }  // namespace
 
 Materials::Materials() { add("diffuse", {}, {}); }
 
-std::uint32_t Materials::add(const std::string& type, ParameterSet params, const Place& place) {
+std::uint32_t Materials::add(const std::string& type, ParameterSet params,
+                             const FilePosition& place) {
   Entry entry;
   entry.type = known_type(type, place);
   entry.params = std::move(params);
@@ -156,7 +157,7 @@ std::uint32_t Materials::add(const std::string& type, ParameterSet params, const
   return static_cast<std::uint32_t>(materials_.size() - 1);
 }
 
-std::uint32_t Materials::named(const std::string& name, const Place& place) {
+std::uint32_t Materials::named(const std::string& name, const FilePosition& place) {
   const auto [it, added] = names_.try_emplace(name, static_cast<std::uint32_t>(materials_.size()));
   if (added) {
     Entry entry;
@@ -167,7 +168,8 @@ std::uint32_t Materials::named(const std::string& name, const Place& place) {
   return it->second;
 }
 
-void Materials::make_named(const std::string& name, ParameterSet params, const Place& place) {
+void Materials::make_named(const std::string& name, ParameterSet params,
+                           const FilePosition& place) {
   Entry& entry = materials_[named(name, place)];
   if (entry.defined)
     fail(place, fmt::format("material \"{}\" is already defined, at {}", printable(name),
@@ -190,7 +192,7 @@ bool Materials::may_need_uv(std::uint32_t reference) const {
          entry.params.find("interface.uroughness", {"float", "texture"}) != nullptr;
 }
 
-MixParams Materials::mix_of(Context& context, const Entry& entry) {
+MixParams Materials::mix_of(LoadState& context, const Entry& entry) {
   const Parameter* parts = entry.params.find("materials", {"string"});
   if (parts == nullptr)
     fail(entry.place,
@@ -215,7 +217,7 @@ MixParams Materials::mix_of(Context& context, const Entry& entry) {
   return mix;
 }
 
-Material Materials::material_of(Context& context, const Entry& entry) {
+Material Materials::material_of(LoadState& context, const Entry& entry) {
   const Reader read(context, textures_, entry.params, entry.place);
   const std::string owner = entry.name == nullptr
                                 ? fmt::format("material \"{}\"", entry.type)
@@ -262,7 +264,7 @@ Material Materials::material_of(Context& context, const Entry& entry) {
   return m;
 }
 
-std::optional<std::uint32_t> Materials::resolve(Context& context, std::uint32_t reference) {
+std::optional<std::uint32_t> Materials::resolve(LoadState& context, std::uint32_t reference) {
   if (!materials_[reference].defined)
     fail(materials_[reference].place, fmt::format("material \"{}\" is not defined in this scene",
                                                   printable(*materials_[reference].name)));

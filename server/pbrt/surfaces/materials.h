@@ -23,11 +23,11 @@ class Materials {
   static constexpr std::uint32_t kDefault = 0;
 
   /// Each returns a reference, which shapes store until `resolve`.
-  std::uint32_t add(const std::string& type, ParameterSet params, const Place& place);
-  std::uint32_t named(const std::string& name, const Place& place);
+  std::uint32_t add(const std::string& type, ParameterSet params, const FilePosition& place);
+  std::uint32_t named(const std::string& name, const FilePosition& place);
 
   /// Fails if the name is defined twice, or the parameter "type" is missing.
-  void make_named(const std::string& name, ParameterSet params, const Place& place);
+  void make_named(const std::string& name, ParameterSet params, const FilePosition& place);
 
   /// The number of references.
   std::size_t size() const { return materials_.size(); }
@@ -42,20 +42,20 @@ class Materials {
 
   /// Index into `context.scene.materials`, to which the material is added at its first use.
   /// Nothing for an interface between media, which is invisible.  Fails on unknown names.
-  std::optional<std::uint32_t> resolve(Context& context, std::uint32_t reference);
+  std::optional<std::uint32_t> resolve(LoadState& context, std::uint32_t reference);
 
  private:
   struct Entry {
     std::string_view type;  ///< a known type
     ParameterSet params;
-    Place place;  ///< of the directive that defines it; before that, of its first use
+    FilePosition place;  ///< of the directive that defines it; before that, of its first use
     const std::string* name = nullptr;  ///< null if made by Material
     bool defined = false;
     bool resolved = false;
     std::optional<std::uint32_t> index;
   };
-  Material material_of(Context& context, const Entry& entry);
-  MixParams mix_of(Context& context, const Entry& entry);
+  Material material_of(LoadState& context, const Entry& entry);
+  MixParams mix_of(LoadState& context, const Entry& entry);
 
   LongList<Entry> materials_;
   int nesting_ = 0;  ///< depth of mixes that are being resolved

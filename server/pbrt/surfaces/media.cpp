@@ -15,7 +15,7 @@ constexpr Rgb kDefaultAbsorption{.0011, .0024, .014};
 
 /// An absorption or scattering coefficient [1/m], before the medium's scale.  Nothing if it is not
 /// given.
-std::optional<Rgb> coefficient(Context& context, const ParameterSet& params, const char* name) {
+std::optional<Rgb> coefficient(LoadState& context, const ParameterSet& params, const char* name) {
   const Parameter* p = params.find(name, {"rgb", "spectrum"});
   if (p == nullptr) return std::nullopt;
   if (p->type == "rgb") return not_negative_rgb(context, *p, RgbConversion::White::kAdapted);
@@ -27,8 +27,8 @@ std::optional<Rgb> coefficient(Context& context, const ParameterSet& params, con
   return Rgb(std::fmax(c.r, 0), std::fmax(c.g, 0), std::fmax(c.b, 0));
 }
 
-Medium homogeneous(Context& context, const std::string& owner, const ParameterSet& params,
-                   const Place& place) {
+Medium homogeneous(LoadState& context, const std::string& owner, const ParameterSet& params,
+                   const FilePosition& place) {
   if (const Parameter* preset = params.find("preset", {"string"})) {
     context.remark(preset->place, fmt::format("the preset of {} is not modelled", owner),
                    "no absorption");
@@ -51,7 +51,7 @@ Medium homogeneous(Context& context, const std::string& owner, const ParameterSe
 
 }  // namespace
 
-Media::Entry& Media::entry(Context& context, const std::string& name, const Place& place) {
+Media::Entry& Media::entry(LoadState& context, const std::string& name, const FilePosition& place) {
   auto& media = context.scene.media;
   const auto [it, added] =
       media_.try_emplace(name, Entry{static_cast<std::int32_t>(media.size()), place});
@@ -59,8 +59,8 @@ Media::Entry& Media::entry(Context& context, const std::string& name, const Plac
   return it->second;
 }
 
-void Media::make(Context& context, const std::string& name, const ParameterSet& params,
-                 const Place& place) {
+void Media::make(LoadState& context, const std::string& name, const ParameterSet& params,
+                 const FilePosition& place) {
   Entry& medium = entry(context, name, place);
   if (medium.defined)
     fail(place, fmt::format("medium \"{}\" is already defined, at {}", printable(name),
@@ -84,7 +84,7 @@ void Media::make(Context& context, const std::string& name, const ParameterSet& 
   }
 }
 
-std::int32_t Media::named(Context& context, const std::string& name, const Place& place) {
+std::int32_t Media::named(LoadState& context, const std::string& name, const FilePosition& place) {
   return name.empty() ? -1 : entry(context, name, place).number;
 }
 

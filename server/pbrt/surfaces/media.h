@@ -15,20 +15,20 @@ namespace lucerna::pbrt {
 class Media {
  public:
   /// Fails if the name is defined twice, or on unknown types.
-  void make(Context& context, const std::string& name, const ParameterSet& params,
-            const Place& place);
+  void make(LoadState& context, const std::string& name, const ParameterSet& params,
+            const FilePosition& place);
   /// The number of a medium in `context.scene.media`; -1 for "", which is none.
-  std::int32_t named(Context& context, const std::string& name, const Place& place);
+  std::int32_t named(LoadState& context, const std::string& name, const FilePosition& place);
   /// Fails if a name was used and not defined.
   void finish() const;
 
  private:
   struct Entry {
     std::int32_t number;
-    Place place;  ///< of the directive that defines it; before that, of its first use
+    FilePosition place;  ///< of the directive that defines it; before that, of its first use
     bool defined = false;
   };
-  Entry& entry(Context& context, const std::string& name, const Place& place);
+  Entry& entry(LoadState& context, const std::string& name, const FilePosition& place);
 
   std::map<std::string, Entry> media_;
 };

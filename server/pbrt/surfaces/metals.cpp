@@ -141,7 +141,8 @@ Rgb under_d65(const SampledSpectrum& spectrum) {
   return under_d65([&](double nm) { return value_at(spectrum, nm); });
 }
 
-std::optional<MetalIndex> metal_index(Context& context, const Parameter* eta, const Parameter* k) {
+std::optional<MetalIndex> metal_index(LoadState& context, const Parameter* eta,
+                                      const Parameter* k) {
   const auto spectrum = [&](const Parameter* p,
                             std::string_view otherwise) -> std::optional<SampledSpectrum> {
     if (p == nullptr) return metal_spectrum(otherwise);
@@ -171,7 +172,7 @@ std::optional<MetalIndex> metal_index(Context& context, const Parameter* eta, co
   return index;
 }
 
-double index_at_sodium(Context& context, const Parameter& parameter) {
+double index_at_sodium(LoadState& context, const Parameter& parameter) {
   constexpr double kSodiumNm = 589.3;
   if (!parameter.strings().empty())
     for (const Glass& glass : kGlasses)

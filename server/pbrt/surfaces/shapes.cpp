@@ -47,7 +47,7 @@ std::vector<Vec3f> world_normals(const ShapeDirective& shape, const std::vector<
 
 /// Mends vertex normals, with a remark, and sets the winding of faces.
 template <std::size_t kCorners, typename Mesh, typename F>
-void orient(Context& context, const ShapeDirective& shape, Mesh& mesh, F&& geometric_normal) {
+void orient(LoadState& context, const ShapeDirective& shape, Mesh& mesh, F&& geometric_normal) {
   const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
   const std::size_t all = mesh.normals.size();
   if (const std::size_t mended = mend_normals<kCorners>(mesh, turned, geometric_normal); mended > 0)
@@ -86,7 +86,7 @@ void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
 }
 
 template <typename Mesh>
-Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
+Mesh make_mesh(LoadState& context, const ShapeDirective& shape, RawMesh raw) {
   constexpr bool kPatches = std::is_same_v<Mesh, PatchMeshData>;
   check_raw(shape, raw, kPatches ? 4 : 3);
   Mesh mesh;
@@ -131,7 +131,7 @@ RawMesh raw_mesh(const ShapeDirective& shape) {
 }
 
 /// Reports what a PLY file holds and the mesh does not.
-void remark_left_out(Context& context, const Place& place, const std::string& name,
+void remark_left_out(LoadState& context, const FilePosition& place, const std::string& name,
                      const PlyMesh& ply) {
   if (ply.short_faces > 0)
     context.remark(
@@ -162,7 +162,7 @@ std::size_t bent_quads(const PlyMesh& ply) {
   }));
 }
 
-TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
+TriangleMeshData ply_mesh(LoadState& context, const ShapeDirective& shape) {
   const Parameter* file = shape.params.find("filename", {"string"});
   if (file == nullptr) fail(shape.place, "Shape \"plymesh\" lacks \"string filename\"");
   if (const Parameter* map = shape.params.find("displacement", {"texture", "float"}))
@@ -180,8 +180,8 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   content.share.reset();
   // Normals in double and in float, and the (u, v) of each corner.
   LoadBudget::Share work(context.meter.budget());
-  Context::require(work.resize(ply->normals.size() * (sizeof(Vec3) + sizeof(Vec3f)) +
-                               (shape.needs_uv ? ply->indices.size() * sizeof(Vec2f) : 0)));
+  LoadState::require(work.resize(ply->normals.size() * (sizeof(Vec3) + sizeof(Vec3f)) +
+                                 (shape.needs_uv ? ply->indices.size() * sizeof(Vec2f) : 0)));
   RawMesh raw;
   remark_left_out(context, file->place, content.name, *ply);
   if (const std::size_t bent = bent_quads(*ply); bent > 0)
@@ -204,17 +204,17 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
 }
 
 /// The control mesh of a limit surface, refined.
-TriangleMeshData loop_surface(Context& context, const ShapeDirective& shape) {
+TriangleMeshData loop_surface(LoadState& context, const ShapeDirective& shape) {
   shape.params.ignore({"scheme"});  // "loop" is the only one of pbrt-v4
   const int levels = shape.params.integer("levels", 3);
-  const Place at = shape.params.place_of({"levels"}, shape.place);
+  const FilePosition at = shape.params.place_of({"levels"}, shape.place);
   if (levels < 0) fail(at, fmt::format("\"integer levels\" = {}, allowed: 0 and more", levels));
   RawMesh raw = raw_mesh(shape);
   check_raw(shape, raw, 3);
   // Measured: the last step takes about 100 bytes for each triangle.
   constexpr std::uint64_t kTriangleBytes = 100;
   LoadBudget::Share work(context.meter.budget());
-  Context::require(work.resize(
+  LoadState::require(work.resize(
       std::min(kMostLimitTriangles, (raw.indices.size() / 3) << (2 * std::min(levels, 12))) *
       kTriangleBytes));
   auto limit =
@@ -303,7 +303,7 @@ CylinderParams cylinder(const ShapeDirective& shape) {
   return cylinder;
 }
 
-std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shape) {
+std::optional<Geometry> geometry_of(LoadState& context, const ShapeDirective& shape) {
   if (shape.type == "sphere") return sphere(shape);
   if (shape.type == "disk") return disk(shape);
   if (shape.type == "cylinder") return cylinder(shape);
@@ -327,10 +327,10 @@ std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shap
 
 }  // namespace
 
-std::optional<Geometry> make_geometry(Context& context, const ShapeDirective& shape) {
+std::optional<Geometry> make_geometry(LoadState& context, const ShapeDirective& shape) {
   // The arrays of a mesh take at most twice the memory of its parameters.
   LoadBudget::Share work(context.meter.budget());
-  Context::require(work.resize(2 * shape.params.long_bytes()));
+  LoadState::require(work.resize(2 * shape.params.long_bytes()));
   auto geometry = geometry_of(context, shape);
   if (!geometry) return geometry;
   shape.params.ignore({"alpha"});  // the caller reads it

@@ -13,7 +13,7 @@ namespace lucerna::pbrt {
 struct ShapeDirective {
   std::string type;
   ParameterSet& params;  ///< long lists move out of it
-  Place place;
+  FilePosition place;
   Transform world_from_object;
   bool reverse_orientation = false;
   bool needs_uv = false;  ///< meshes then have the (u, v) of their corners
@@ -24,6 +24,6 @@ std::vector<Vec3> world_positions(const ShapeDirective& shape, std::vector<Vec3>
 
 /// The geometry of a Shape directive.  Nothing, and a remark, for shapes that are not modelled.
 /// Fails on unknown shapes and on invalid parameters.
-std::optional<Geometry> make_geometry(Context& context, const ShapeDirective& shape);
+std::optional<Geometry> make_geometry(LoadState& context, const ShapeDirective& shape);
 
 }  // namespace lucerna::pbrt

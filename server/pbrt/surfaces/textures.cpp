@@ -118,7 +118,7 @@ bool TextureTable::hides_only(const ParameterSet& params) const {
   return value.is_constant() && value.constant == 0 && !is_computed(params, "alpha");
 }
 
-ColourValue TextureTable::reflectance(Context& context, const ParameterSet& params,
+ColourValue TextureTable::reflectance(LoadState& context, const ParameterSet& params,
                                       const std::string& name, const ColourValue& otherwise) const {
   const Parameter* parameter = params.find(name, {"rgb", "spectrum", "texture", "float"});
   if (parameter == nullptr) return otherwise;
@@ -135,15 +135,15 @@ ColourValue TextureTable::reflectance(Context& context, const ParameterSet& para
 }
 
 /// A part of a texture.  Those of float textures are not reflectances and may exceed 1.
-ColourValue TextureTable::colour(Context& context, const ParameterSet& params,
+ColourValue TextureTable::colour(LoadState& context, const ParameterSet& params,
                                  const std::string& name, bool is_float, double otherwise) const {
   if (!is_float) return reflectance(context, params, name, {Rgb(otherwise)});
   const NumberValue value = number(params, name, otherwise);
   return {Rgb(value.constant), value.texture};
 }
 
-ImageTexture TextureTable::image(Context& context, const ParameterSet& params, const Place& place,
-                                 const TextureMapping& mapping) const {
+ImageTexture TextureTable::image(LoadState& context, const ParameterSet& params,
+                                 const FilePosition& place, const TextureMapping& mapping) const {
   const Parameter* file = params.find("filename", {"string"});
   if (file == nullptr) fail(place, "Texture \"imagemap\" lacks \"string filename\"");
   ImageTexture t;
@@ -170,9 +170,9 @@ ImageTexture TextureTable::image(Context& context, const ParameterSet& params, c
   return t;
 }
 
-void TextureTable::make(Context& context, const std::string& name, const std::string& kind,
-                        const std::string& type, const ParameterSet& params, const Place& place,
-                        const Transform& world_from_texture) {
+void TextureTable::make(LoadState& context, const std::string& name, const std::string& kind,
+                        const std::string& type, const ParameterSet& params,
+                        const FilePosition& place, const Transform& world_from_texture) {
   if (kind != "float" && kind != "spectrum")
     fail(place,
          fmt::format("texture \"{}\" has type \"{}\", expected \"float\" or \"spectrum\"{}",
@@ -224,7 +224,7 @@ void TextureTable::make(Context& context, const std::string& name, const std::st
       unreadable_.insert(kind + " " + name);
     } else {
       LoadBudget::Share levels(context.meter.budget());
-      if (uses_levels(made.filter)) Context::require(levels.resize(made.image->bytes()));
+      if (uses_levels(made.filter)) LoadState::require(levels.resize(made.image->bytes()));
       value = {{}, context.scene.textures.add(std::move(made), context.stop)};
       levels.reset();
     }

@@ -18,13 +18,13 @@ class TextureTable {
   /// A Texture directive.  `kind`: float or spectrum.  Adds a node to `context.scene.textures`
   /// unless the texture is constant.  Fails on unknown classes, on names that are defined twice,
   /// and on parts that are not defined before.
-  void make(Context& context, const std::string& name, const std::string& kind,
-            const std::string& type, const ParameterSet& params, const Place& place,
+  void make(LoadState& context, const std::string& name, const std::string& kind,
+            const std::string& type, const ParameterSet& params, const FilePosition& place,
             const Transform& world_from_texture);
 
   /// A parameter of type rgb, spectrum, float or texture.  Constants are clamped to [0, 1] with a
   /// remark.  Fails on textures that are not defined before.
-  ColourValue reflectance(Context& context, const ParameterSet& params, const std::string& name,
+  ColourValue reflectance(LoadState& context, const ParameterSet& params, const std::string& name,
                           const ColourValue& otherwise) const;
   /// A parameter of type float or texture.
   NumberValue number(const ParameterSet& params, const std::string& name, double otherwise) const;
@@ -39,10 +39,10 @@ class TextureTable {
   ColourValue texture(const Parameter& parameter) const;
 
  private:
-  ColourValue colour(Context& context, const ParameterSet& params, const std::string& name,
+  ColourValue colour(LoadState& context, const ParameterSet& params, const std::string& name,
                      bool is_float, double otherwise) const;
   bool is_computed(const ParameterSet& params, const std::string& name) const;
-  ImageTexture image(Context& context, const ParameterSet& params, const Place& place,
+  ImageTexture image(LoadState& context, const ParameterSet& params, const FilePosition& place,
                      const TextureMapping& mapping) const;
 
   std::map<std::string, ColourValue> values_;  ///< by "kind name"

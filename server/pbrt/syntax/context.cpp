@@ -8,13 +8,13 @@
 
 namespace lucerna::pbrt {
 
-void Context::remark(const Place& place, std::string what, std::string instead) {
+void LoadState::remark(const FilePosition& place, std::string what, std::string instead) {
   remarks_.add(location(place), std::move(what), std::move(instead));
 }
 
-void Context::finish_remarks() { scene.remarks = remarks_.take(scene_file); }
+void LoadState::finish_remarks() { scene.remarks = remarks_.take(scene_file); }
 
-absl::StatusOr<AssetContent> Context::find(const Place& place, const std::string& name) {
+absl::StatusOr<AssetContent> LoadState::find(const FilePosition& place, const std::string& name) {
   if (!is_printable(name))
     return absl::InvalidArgumentError("a file name must be UTF-8 without control characters");
   auto content = assets.read_unpacked(name, scene_file);
@@ -26,13 +26,13 @@ absl::StatusOr<AssetContent> Context::find(const Place& place, const std::string
   return content;
 }
 
-AssetContent Context::read(const Place& place, const std::string& name) {
+AssetContent LoadState::read(const FilePosition& place, const std::string& name) {
   auto content = find(place, name);
   if (!content.ok()) fail(place, content.status());
   return *std::move(content);
 }
 
-AssetContent Context::read(const Parameter& parameter) {
+AssetContent LoadState::read(const Parameter& parameter) {
   const std::string& name = parameter.strings().front();
   auto content = find(parameter.place, name);
   if (content.ok()) return *std::move(content);
@@ -49,7 +49,7 @@ AssetContent Context::read(const Parameter& parameter) {
                        missing ? ", allowed: a file inside the scene root" : "")));
 }
 
-void Context::poll() {
+void LoadState::poll() {
   if (stop.stop_requested()) throw StatusError(absl::CancelledError("loading was cancelled"));
   require(meter.count_lists());
 }

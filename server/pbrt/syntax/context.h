@@ -26,9 +26,9 @@ namespace lucerna::pbrt {
 
 struct Parameter;
 
-struct Context {
-  Context(AssetReader& assets, SceneDescription& scene, std::stop_token stop,
-          std::string scene_file, const LoadLimits& limits)
+struct LoadState {
+  LoadState(AssetReader& assets, SceneDescription& scene, std::stop_token stop,
+            std::string scene_file, const LoadLimits& limits)
       : assets(assets),
         scene(scene),
         stop(std::move(stop)),
@@ -56,13 +56,13 @@ struct Context {
       intensity_maps;
 
   /// Adds a remark that `what` at `place` is not modelled, and what happens instead.
-  void remark(const Place& place, std::string what, std::string instead);
+  void remark(const FilePosition& place, std::string what, std::string instead);
   /// Moves the remarks to the scene, in groups.
   void finish_remarks();
 
   /// The unpacked content of the file `name`.  Looks in the directory of the scene file first, as
   /// pbrt-v4 does, then in that of the file that names it.  Fails at `place`.
-  AssetContent read(const Place& place, const std::string& name);
+  AssetContent read(const FilePosition& place, const std::string& name);
   /// The file that the first string of `parameter` names.  Errors name the parameter too.
   AssetContent read(const Parameter& parameter);
 
@@ -82,7 +82,7 @@ struct Context {
   }
 
  private:
-  absl::StatusOr<AssetContent> find(const Place& place, const std::string& name);
+  absl::StatusOr<AssetContent> find(const FilePosition& place, const std::string& name);
 
   RemarkGroups remarks_;
   LoadBudget::Share tables_;

@@ -12,7 +12,7 @@ namespace {
 /// the content is no picture that the server reads.  Limits of the server and a file that is
 /// missing are still errors.
 template <typename Picture>
-std::optional<Picture> decoded(Context& context, const Parameter& filename,
+std::optional<Picture> decoded(LoadState& context, const Parameter& filename,
                                const AssetContent& content, Encoding encoding, const char* instead,
                                absl::StatusOr<Picture> (*decode)(const AssetContent&,
                                                                  const ImageOptions&)) {
@@ -38,7 +38,7 @@ std::optional<Picture> decoded(Context& context, const Parameter& filename,
   return *std::move(picture);
 }
 
-AssetContent content_of(Context& context, const Parameter& filename) {
+AssetContent content_of(LoadState& context, const Parameter& filename) {
   if (filename.strings().size() != 1)
     fail(filename.place, fmt::format("\"string {}\" takes one name", filename.name));
   return context.read(filename);
@@ -51,7 +51,7 @@ Texels texels_of(CodedImage codes) {
 
 }  // namespace
 
-NamedImage read_image(Context& context, const Parameter& filename, Encoding encoding) {
+NamedImage read_image(LoadState& context, const Parameter& filename, Encoding encoding) {
   const AssetContent content = content_of(context, filename);
   std::shared_ptr<const Image>& image = context.images[{content.name, encoding}];
   if (image == nullptr) {
@@ -60,12 +60,12 @@ NamedImage read_image(Context& context, const Parameter& filename, Encoding enco
     if (!picture) throw LightLeftOut();
     image = picture->image;
     // The tables from which lights draw points take up to as much as the picture.
-    Context::require(context.meter.keep(2 * image->bytes()));
+    LoadState::require(context.meter.keep(2 * image->bytes()));
   }
   return {content.name, image};
 }
 
-std::shared_ptr<const Texels> read_texels(Context& context, const Parameter& filename,
+std::shared_ptr<const Texels> read_texels(LoadState& context, const Parameter& filename,
                                           Encoding encoding, const char* instead) {
   const AssetContent content = content_of(context, filename);
   std::shared_ptr<const Texels>& texels = context.texels[{content.name, encoding}];
@@ -78,7 +78,7 @@ std::shared_ptr<const Texels> read_texels(Context& context, const Parameter& fil
     texels = textures.picture(content.name, texels_of(*std::move(picture.codes)), context.stop);
   } else {
     // Texels have at most the bytes of the picture.
-    Context::require(picture.share.grow(picture.image->bytes()));
+    LoadState::require(picture.share.grow(picture.image->bytes()));
     texels = textures.picture(content.name, Texels(*picture.image), context.stop);
   }
   picture.share.reset();

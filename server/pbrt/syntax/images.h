@@ -22,11 +22,11 @@ struct LightLeftOut {};
 
 /// The picture of a light that "string filename" (or such) names; lights that name the same file
 /// share it.  Remarks and errors have the place of the parameter.  Throws LightLeftOut.
-NamedImage read_image(Context& context, const Parameter& filename, Encoding encoding);
+NamedImage read_image(LoadState& context, const Parameter& filename, Encoding encoding);
 
 /// The same for the textures of the scene, whose memory has a limit.  Null for a picture that
 /// cannot be decoded, after a remark that says what happens `instead`.
-std::shared_ptr<const Texels> read_texels(Context& context, const Parameter& filename,
+std::shared_ptr<const Texels> read_texels(LoadState& context, const Parameter& filename,
                                           Encoding encoding, const char* instead);
 
 /// The "string filter" of a light, nearest or bilinear.  `otherwise` applies if it is not given.

@@ -147,8 +147,8 @@ Integers ParameterSet::take_indices(std::string_view name) {
   return indices;
 }
 
-Place ParameterSet::place_of(std::initializer_list<std::string_view> names,
-                             const Place& otherwise) const {
+FilePosition ParameterSet::place_of(std::initializer_list<std::string_view> names,
+                                    const FilePosition& otherwise) const {
   for (const std::string_view name : names)
     for (const Entry& entry : entries_)
       if (entry.parameter->name == name) return entry.parameter->place;
@@ -178,7 +178,7 @@ void ParameterSet::ignore(std::initializer_list<std::string_view> names) const {
       entry.used = true;
 }
 
-void ParameterSet::remark_unused(Context& context, const std::string& owner) const {
+void ParameterSet::remark_unused(LoadState& context, const std::string& owner) const {
   for (const Entry& entry : entries_) {
     if (entry.used || entry.inherited) continue;
     const Parameter& parameter = *entry.parameter;

@@ -44,7 +44,7 @@ using Strings = std::vector<std::string>;
 struct Parameter {
   std::string_view type;
   std::string name;
-  Place place;
+  FilePosition place;
   const RgbPrimaries* primaries = nullptr;  ///< of an rgb; null: Rec. 709
   std::variant<Numbers, Integers, Vectors, Strings> values{};
   LoadBudget::Share share{};  ///< of long lists of values
@@ -110,7 +110,8 @@ class ParameterSet {
   Integers take_indices(std::string_view name);  ///< fails on negative ones
 
   /// The place of the first of `names` that is given; `otherwise` if none is.
-  Place place_of(std::initializer_list<std::string_view> names, const Place& otherwise) const;
+  FilePosition place_of(std::initializer_list<std::string_view> names,
+                        const FilePosition& otherwise) const;
 
   /// Whether the directive itself gives the parameter, not an Attribute directive before it.
   bool is_own(const Parameter& parameter) const;
@@ -126,7 +127,7 @@ class ParameterSet {
 
   /// Adds a remark for every own parameter that was not used.  Fails if it is the picture of a
   /// light of an earlier pbrt.  `owner`: `Shape "sphere"`.
-  void remark_unused(Context& context, const std::string& owner) const;
+  void remark_unused(LoadState& context, const std::string& owner) const;
 
  private:
   struct Entry {

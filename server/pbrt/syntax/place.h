@@ -12,24 +12,24 @@
 namespace lucerna::pbrt {
 
 /// A place in a file.  The parser owns `file`, which outlives all references to it; null: no place.
-struct Place {
+struct FilePosition {
   const SharedText* file = nullptr;
   int line = 0;    ///< from 1
   int column = 0;  ///< from 1, in bytes
 };
 
-SourceLocation location(const Place& place);
+SourceLocation location(const FilePosition& place);
 
 /// "scene.pbrt:12:7".
-std::string to_string(const Place& place);
+std::string to_string(const FilePosition& place);
 
 using lucerna::is_printable;
 using lucerna::printable;
 
 /// Throws a StatusError: INVALID_ARGUMENT with the place before its message.
-[[noreturn]] void fail(const Place& place, const std::string& what);
+[[noreturn]] void fail(const FilePosition& place, const std::string& what);
 
 /// Throws `status` (not OK) with the place before its message.
-[[noreturn]] void fail(const Place& place, const absl::Status& status);
+[[noreturn]] void fail(const FilePosition& place, const absl::Status& status);
 
 }  // namespace lucerna::pbrt

@@ -15,7 +15,7 @@ namespace lucerna::pbrt {
 namespace {
 
 /// Samples from pairs of wavelength and value.  Fails if the numbers do not form such pairs.
-SampledSpectrum samples(const Place& place, const std::string& what,
+SampledSpectrum samples(const FilePosition& place, const std::string& what,
                         const std::vector<double>& numbers) {
   if (numbers.size() % 2 != 0)
     fail(place, fmt::format("{} has {} numbers, expected pairs of wavelength and value", what,
@@ -32,7 +32,7 @@ SampledSpectrum samples(const Place& place, const std::string& what,
 }
 
 /// The numbers of a text file; # begins a comment.
-std::vector<double> numbers_of(const Place& place, const AssetContent& file) {
+std::vector<double> numbers_of(const FilePosition& place, const AssetContent& file) {
   std::vector<double> numbers;
   std::string_view rest = without_byte_order_mark(file.bytes);
   for (int line = 1; !rest.empty(); ++line) {
@@ -59,7 +59,7 @@ std::vector<double> numbers_of(const Place& place, const AssetContent& file) {
 }
 
 template <typename Source>
-Spectrum made(const Place& place, const std::string& what, Source source) {
+Spectrum made(const FilePosition& place, const std::string& what, Source source) {
   absl::StatusOr<Spectrum> spectrum = Spectrum::create(std::move(source));
   if (!spectrum.ok())
     fail(place, fmt::format("{}: {}", what, std::string(spectrum.status().message())));
@@ -81,7 +81,7 @@ std::string key_of(const Parameter& p) {
   return fmt::format("{}:{}:{}", at.file.str(), at.line, at.column);
 }
 
-std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter& p) {
+std::shared_ptr<const Spectrum> read_spectrum(LoadState& context, const Parameter& p) {
   if (p.type == "blackbody") {
     if (p.numbers().size() != 1)
       fail(p.place,
@@ -118,7 +118,7 @@ std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter&
 }
 
 /// The spectrum, read once for all lights that share it.  Null for parameters without a spectrum.
-std::shared_ptr<const Spectrum> spectrum_of(Context& context, const Parameter* parameter) {
+std::shared_ptr<const Spectrum> spectrum_of(LoadState& context, const Parameter* parameter) {
   if (parameter == nullptr || parameter->type == "rgb") return nullptr;
   const auto [entry, is_new] = context.spectra.try_emplace(key_of(*parameter));
   if (is_new) entry->second = read_spectrum(context, *parameter);
@@ -127,7 +127,7 @@ std::shared_ptr<const Spectrum> spectrum_of(Context& context, const Parameter* p
 
 }  // namespace
 
-Rgb linear_rgb(Context& context, const Parameter& parameter, RgbConversion::White white) {
+Rgb linear_rgb(LoadState& context, const Parameter& parameter, RgbConversion::White white) {
   if (parameter.numbers().size() != 3)
     fail(parameter.place, fmt::format("parameter \"{}\" has {} values, expected 3", parameter.name,
                                       parameter.numbers().size()));
@@ -143,7 +143,7 @@ Rgb linear_rgb(Context& context, const Parameter& parameter, RgbConversion::Whit
   return edge;
 }
 
-Rgb not_negative_rgb(Context& context, const Parameter& parameter, RgbConversion::White white) {
+Rgb not_negative_rgb(LoadState& context, const Parameter& parameter, RgbConversion::White white) {
   const Rgb rgb = linear_rgb(context, parameter, white);
   if (std::ranges::min(parameter.numbers()) < 0)
     fail(parameter.place, fmt::format("\"rgb {}\" = [{:.4g}], allowed: not negative",
@@ -151,7 +151,7 @@ Rgb not_negative_rgb(Context& context, const Parameter& parameter, RgbConversion
   return rgb;
 }
 
-std::shared_ptr<const Spectrum> light_spectrum(Context& context, const ParameterSet& params,
+std::shared_ptr<const Spectrum> light_spectrum(LoadState& context, const ParameterSet& params,
                                                std::string_view name) {
   const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
   const std::shared_ptr<const Spectrum> spectrum = spectrum_of(context, parameter);
@@ -163,7 +163,7 @@ std::shared_ptr<const Spectrum> light_spectrum(Context& context, const Parameter
   return spectrum;
 }
 
-void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
+void remark_on_spectrum_of_picture(LoadState& context, const ParameterSet& params,
                                    std::string_view name) {
   const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
   if (const auto spectrum = spectrum_of(context, parameter))
@@ -175,7 +175,7 @@ void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
                     text(spectrum->rgb())));
 }
 
-Rgb light_level(Context& context, const ParameterSet& params, std::string_view name) {
+Rgb light_level(LoadState& context, const ParameterSet& params, std::string_view name) {
   const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
   if (parameter == nullptr) return Rgb(1);
   if (parameter->type == "rgb")
@@ -185,7 +185,7 @@ Rgb light_level(Context& context, const ParameterSet& params, std::string_view n
   return Rgb(named ? 1 : 0);
 }
 
-SampledSpectrum spectrum_samples(Context& context, const Parameter& parameter) {
+SampledSpectrum spectrum_samples(LoadState& context, const Parameter& parameter) {
   const std::string what = fmt::format("spectrum \"{}\"", parameter.name);
   if (!parameter.numbers().empty()) return samples(parameter.place, what, parameter.numbers());
   const std::vector<double> numbers = numbers_of(parameter.place, context.read(parameter));
@@ -214,7 +214,7 @@ Rgb colour_of(const SampledSpectrum& reflectance) {
 
 }  // namespace
 
-Rgb reflectance(Context& context, const Parameter& parameter) {
+Rgb reflectance(LoadState& context, const Parameter& parameter) {
   Rgb rgb(0.5);
   if (parameter.type == "rgb") {
     rgb = linear_rgb(context, parameter, RgbConversion::White::kAdapted);

@@ -108,7 +108,7 @@ Tokenizer::Tokenizer(const SharedText* file, std::string_view contents)
       end_(contents.data() + contents.size()),
       line_begin_(at_) {}
 
-Place Tokenizer::place_at(const char* at) const {
+FilePosition Tokenizer::place_at(const char* at) const {
   return {file_, line_, static_cast<int>(at - line_begin_) + 1};
 }
 
@@ -123,7 +123,7 @@ Token Tokenizer::next() {
     if (at_ == end_ || *at_ != '#') break;
     while (at_ != end_ && *at_ != '\n' && *at_ != '\r') ++at_;
   }
-  const Place place = place_at(at_);
+  const FilePosition place = place_at(at_);
   if (at_ == end_) return {Token::Kind::kEnd, {}, place};
   if (*at_ == '"') return string();
   const char* begin = at_++;
@@ -149,7 +149,7 @@ std::size_t Tokenizer::words_ahead() const {
 }
 
 Token Tokenizer::string() {
-  const Place place = place_at(at_);
+  const FilePosition place = place_at(at_);
   const char* begin = ++at_;
   while (at_ != end_ && *at_ != '"' && *at_ != '\n') {
     if (*at_ == '\\' && at_ + 1 != end_) ++at_;

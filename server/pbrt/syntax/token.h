@@ -20,7 +20,7 @@ struct Token {
   };
   Kind kind = Kind::kEnd;
   std::string_view text;
-  Place place;
+  FilePosition place;
 };
 
 /// A description for messages: `Shape`, `"sphere"`, `'['` or `the end of the file`.
@@ -46,7 +46,7 @@ class Tokenizer {
   std::size_t words_ahead() const;
 
  private:
-  Place place_at(const char* at) const;
+  FilePosition place_at(const char* at) const;
   Token string();
 
   const SharedText* file_;

@@ -14,7 +14,7 @@ constexpr double kLightSeconds = 1e-6, kEditSeconds = 10e-6, kRevisionSeconds = 
 
 }  // namespace
 
-Prepared handle_edit_lights(const Context& context, const v1::EditLightsRequest& request,
+Prepared handle_edit_lights(const CallContext& context, const v1::EditLightsRequest& request,
                             v1::EditLightsResponse* response) {
   if (request.has_lease_s()) LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
   LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());

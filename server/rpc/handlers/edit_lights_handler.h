@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_edit_lights(const Context& context, const v1::EditLightsRequest& request,
+Prepared handle_edit_lights(const CallContext& context, const v1::EditLightsRequest& request,
                             v1::EditLightsResponse* response);
 
 }  // namespace lucerna::rpc

@@ -55,7 +55,7 @@ absl::StatusOr<std::span<const double>> parse_wavelengths(
   return wavelengths_nm;
 }
 
-absl::StatusOr<IrradianceQuery> parse(const Context& context,
+absl::StatusOr<IrradianceQuery> parse(const CallContext& context,
                                       const v1::EstimateIrradianceRequest& request) {
   IrradianceQuery query;
   LUCERNA_ASSIGN_OR_RETURN(query.scene, find_scene(context, request.scene_id()));
@@ -81,7 +81,7 @@ absl::StatusOr<IrradianceQuery> parse(const Context& context,
   const StopRule& rule = query.stop_rule;
   settings.seed = request.seed().seed();
   settings.first_item = request.seed().first_item();
-  settings.block_count = rule.samples > 0 ? replicates_of(rule.samples) : kReplicates;
+  settings.block_count = rule.samples > 0 ? blocks_of(rule.samples) : kBlocks;
   settings.samples_per_block = rule.samples / settings.block_count;
   settings.target = rule.target;
   if (request.has_bounces()) settings.bounces = request.bounces();
@@ -275,7 +275,7 @@ absl::Status answer(const IrradianceQuery& query, const std::stop_token& stop,
 
 }  // namespace
 
-Prepared handle_estimate_irradiance(const Context& context,
+Prepared handle_estimate_irradiance(const CallContext& context,
                                     const v1::EstimateIrradianceRequest& request,
                                     v1::EstimateIrradianceResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const IrradianceQuery query, parse(context, request));

@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_estimate_irradiance(const Context& context,
+Prepared handle_estimate_irradiance(const CallContext& context,
                                     const v1::EstimateIrradianceRequest& request,
                                     v1::EstimateIrradianceResponse* response);
 

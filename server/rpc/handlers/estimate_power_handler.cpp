@@ -130,7 +130,8 @@ std::string power_list(const Scene& scene, v1::EstimatePowerRequest request) {
   return "power " + request.SerializeAsString();
 }
 
-absl::StatusOr<PowerQuery> parse(const Context& context, const v1::EstimatePowerRequest& request) {
+absl::StatusOr<PowerQuery> parse(const CallContext& context,
+                                 const v1::EstimatePowerRequest& request) {
   PowerQuery query;
   LUCERNA_ASSIGN_OR_RETURN(query.scene, find_scene(context, request.scene_id()));
   query.method = request.method();
@@ -199,7 +200,7 @@ std::optional<SampledPowers> sampled_powers(const PowerQuery& query, std::uint64
   SampledPowerSettings settings;
   settings.seed = seed;
   settings.target = rule.target;
-  settings.block_count = rule.samples > 0 ? replicates_of(rule.samples) : kReplicates;
+  settings.block_count = rule.samples > 0 ? blocks_of(rule.samples) : kBlocks;
   const auto run = [&](std::uint32_t each,
                        const std::stop_token& s) -> std::optional<SampledPowers> {
     settings.samples_per_block = each;
@@ -251,7 +252,7 @@ absl::Status answer(const PowerQuery& query, const v1::EstimatePowerRequest& req
 
 }  // namespace
 
-Prepared handle_estimate_power(const Context& context, const v1::EstimatePowerRequest& request,
+Prepared handle_estimate_power(const CallContext& context, const v1::EstimatePowerRequest& request,
                                v1::EstimatePowerResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const PowerQuery query, parse(context, request));
   // All lights are computed, for the total.

@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_estimate_power(const Context& context, const v1::EstimatePowerRequest& request,
+Prepared handle_estimate_power(const CallContext& context, const v1::EstimatePowerRequest& request,
                                v1::EstimatePowerResponse* response);
 
 }  // namespace lucerna::rpc

@@ -16,7 +16,7 @@ constexpr double kAssetSeconds = 1e-6;
 
 }  // namespace
 
-Prepared handle_find_missing_assets(const Context& context,
+Prepared handle_find_missing_assets(const CallContext& context,
                                     const v1::FindMissingAssetsRequest& request,
                                     v1::FindMissingAssetsResponse* response) {
   const auto n = static_cast<std::size_t>(request.sha256_size());

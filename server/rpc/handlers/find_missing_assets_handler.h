@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_find_missing_assets(const Context& context,
+Prepared handle_find_missing_assets(const CallContext& context,
                                     const v1::FindMissingAssetsRequest& request,
                                     v1::FindMissingAssetsResponse* response);
 

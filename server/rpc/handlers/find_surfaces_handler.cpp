@@ -10,7 +10,7 @@
 namespace lucerna::rpc {
 namespace {
 
-absl::StatusOr<SurfacesQuery> parse(const Context& context,
+absl::StatusOr<SurfacesQuery> parse(const CallContext& context,
                                     const v1::FindSurfacesRequest& request) {
   const auto numbers = static_cast<std::size_t>(request.places_size());
   if (numbers % 2 != 0)
@@ -23,7 +23,7 @@ absl::StatusOr<SurfacesQuery> parse(const Context& context,
 
 }  // namespace
 
-Prepared handle_find_surfaces(const Context& context, const v1::FindSurfacesRequest& request,
+Prepared handle_find_surfaces(const CallContext& context, const v1::FindSurfacesRequest& request,
                               v1::FindSurfacesResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const SurfacesQuery query, parse(context, request));

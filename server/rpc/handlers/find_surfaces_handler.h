@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_find_surfaces(const Context& context, const v1::FindSurfacesRequest& request,
+Prepared handle_find_surfaces(const CallContext& context, const v1::FindSurfacesRequest& request,
                               v1::FindSurfacesResponse* response);
 
 }  // namespace lucerna::rpc

@@ -13,7 +13,7 @@ constexpr double kEntrySeconds = 2e-6;
 
 }  // namespace
 
-Prepared handle_get_scene(const Context& context, const v1::GetSceneRequest& request,
+Prepared handle_get_scene(const CallContext& context, const v1::GetSceneRequest& request,
                           v1::GetSceneResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const StoredScene stored, find_stored(context, request.scene_id()));
   const std::size_t entries =

@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_get_scene(const Context& context, const v1::GetSceneRequest& request,
+Prepared handle_get_scene(const CallContext& context, const v1::GetSceneRequest& request,
                           v1::GetSceneResponse* response);
 
 }  // namespace lucerna::rpc

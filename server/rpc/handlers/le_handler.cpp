@@ -9,7 +9,7 @@
 namespace lucerna::rpc {
 namespace {
 
-absl::StatusOr<LeQuery> parse(const Context& context, const Scene& scene,
+absl::StatusOr<LeQuery> parse(const CallContext& context, const Scene& scene,
                               const v1::LeRequest& request) {
   LeQuery query;
   LUCERNA_ASSIGN_OR_RETURN(query.points, check_points(context, "points", request.points()));
@@ -37,7 +37,8 @@ LeAnswer sized_arrays(const LeQuery& query, v1::LeResponse* r) {
 
 }  // namespace
 
-Prepared handle_le(const Context& context, const v1::LeRequest& request, v1::LeResponse* response) {
+Prepared handle_le(const CallContext& context, const v1::LeRequest& request,
+                   v1::LeResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const LeQuery query, parse(context, *scene, request));
   const std::size_t n = query.points.size();

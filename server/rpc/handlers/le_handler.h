@@ -6,6 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_le(const Context& context, const v1::LeRequest& request, v1::LeResponse* response);
+Prepared handle_le(const CallContext& context, const v1::LeRequest& request,
+                   v1::LeResponse* response);
 
 }  // namespace lucerna::rpc

@@ -14,7 +14,7 @@ constexpr double kReleaseSeconds = 1;
 
 }  // namespace
 
-Prepared handle_renew_lease(const Context& context, const v1::RenewLeaseRequest& request,
+Prepared handle_renew_lease(const CallContext& context, const v1::RenewLeaseRequest& request,
                             v1::RenewLeaseResponse* response) {
   LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
   if (!(request.lease_s() > 0)) {
@@ -33,7 +33,7 @@ Prepared handle_renew_lease(const Context& context, const v1::RenewLeaseRequest&
   return Task{.predicted_s = kRenewSeconds, .run = run};
 }
 
-Prepared handle_release_scene(const Context& context, const v1::ReleaseSceneRequest& request,
+Prepared handle_release_scene(const CallContext& context, const v1::ReleaseSceneRequest& request,
                               v1::ReleaseSceneResponse* response) {
   LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
   if (request.break_leases() && !context.caller.admin) {

@@ -6,9 +6,9 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_renew_lease(const Context& context, const v1::RenewLeaseRequest& request,
+Prepared handle_renew_lease(const CallContext& context, const v1::RenewLeaseRequest& request,
                             v1::RenewLeaseResponse* response);
-Prepared handle_release_scene(const Context& context, const v1::ReleaseSceneRequest& request,
+Prepared handle_release_scene(const CallContext& context, const v1::ReleaseSceneRequest& request,
                               v1::ReleaseSceneResponse* response);
 
 }  // namespace lucerna::rpc

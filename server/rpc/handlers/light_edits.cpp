@@ -175,7 +175,7 @@ absl::Status too_large(const std::string& field, const absl::Status& status) {
 /// Applies edits one after another.
 class Editor {
  public:
-  Editor(const Context& context, const Scene& scene, const std::stop_token& stop)
+  Editor(const CallContext& context, const Scene& scene, const std::stop_token& stop)
       : context_(context), stop_(stop), ids_(scene.edits().added) {
     result_.edits = scene.edits();
     result_.memory = context.scenes.start_counting();
@@ -286,7 +286,7 @@ class Editor {
     result_.new_ids.push_back(id);
   }
 
-  const Context& context_;
+  const CallContext& context_;
   const std::stop_token& stop_;
   AddedLightIds ids_;
   std::uint64_t loaded_ids_;
@@ -295,7 +295,7 @@ class Editor {
 
 }  // namespace
 
-absl::Status check_edits(const Context& context, const LightEditList& edits) {
+absl::Status check_edits(const CallContext& context, const LightEditList& edits) {
   const auto n = static_cast<std::size_t>(edits.size());
   LUCERNA_RETURN_IF_ERROR(check_limit("edits", n, context.limits.max_batch_items));
   for (std::size_t i = 0; i < n; ++i) {
@@ -320,7 +320,7 @@ absl::Status check_edits(const Context& context, const LightEditList& edits) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<EditedLights> edited_lights(const Context& context, const Scene& scene,
+absl::StatusOr<EditedLights> edited_lights(const CallContext& context, const Scene& scene,
                                            const LightEditList& edits,
                                            const std::stop_token& stop) {
   Editor editor(context, scene, stop);

@@ -21,11 +21,11 @@ struct EditedLights {
 };
 
 /// Checks what can be checked without the scene, so that bad requests cost nothing.
-absl::Status check_edits(const Context& context, const LightEditList& edits);
+absl::Status check_edits(const CallContext& context, const LightEditList& edits);
 
 /// Applies edits to those that `scene` has.  Reads the files of lights that they add.  Requires
 /// check_edits().  Errors: a light that the scene does not have; those of reading a file.
-absl::StatusOr<EditedLights> edited_lights(const Context& context, const Scene& scene,
+absl::StatusOr<EditedLights> edited_lights(const CallContext& context, const Scene& scene,
                                            const LightEditList& edits, const std::stop_token& stop);
 
 }  // namespace lucerna::rpc

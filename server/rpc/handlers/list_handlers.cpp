@@ -26,7 +26,7 @@ std::string light_list(const Scene& scene) { return "lights of " + scene.id(); }
 
 }  // namespace
 
-Prepared handle_list_scenes(const Context& context, const v1::ListScenesRequest& request,
+Prepared handle_list_scenes(const CallContext& context, const v1::ListScenesRequest& request,
                             v1::ListScenesResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const Page page,
                            check_page(request, "scenes", context.limits.max_page_size));
@@ -41,7 +41,7 @@ Prepared handle_list_scenes(const Context& context, const v1::ListScenesRequest&
   return Task{.predicted_s = kListedSceneSeconds * static_cast<double>(most), .run = run};
 }
 
-Prepared handle_list_available_scenes(const Context& context,
+Prepared handle_list_available_scenes(const CallContext& context,
                                       const v1::ListAvailableScenesRequest& request,
                                       v1::ListAvailableScenesResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const Page page,
@@ -59,7 +59,7 @@ Prepared handle_list_available_scenes(const Context& context,
   return Task{.predicted_s = kListingSeconds, .run = run};
 }
 
-Prepared handle_list_lights(const Context& context, const v1::ListLightsRequest& request,
+Prepared handle_list_lights(const CallContext& context, const v1::ListLightsRequest& request,
                             v1::ListLightsResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const std::size_t page_size,
@@ -82,7 +82,7 @@ Prepared handle_list_lights(const Context& context, const v1::ListLightsRequest&
   return Task{.predicted_s = kListedLightSeconds * static_cast<double>(end - start), .run = run};
 }
 
-Prepared handle_list_leases(const Context& context, const v1::ListLeasesRequest& request,
+Prepared handle_list_leases(const CallContext& context, const v1::ListLeasesRequest& request,
                             v1::ListLeasesResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const Page page,
                            check_page(request, "leases", context.limits.max_page_size));

@@ -6,14 +6,14 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_list_scenes(const Context& context, const v1::ListScenesRequest& request,
+Prepared handle_list_scenes(const CallContext& context, const v1::ListScenesRequest& request,
                             v1::ListScenesResponse* response);
-Prepared handle_list_available_scenes(const Context& context,
+Prepared handle_list_available_scenes(const CallContext& context,
                                       const v1::ListAvailableScenesRequest& request,
                                       v1::ListAvailableScenesResponse* response);
-Prepared handle_list_lights(const Context& context, const v1::ListLightsRequest& request,
+Prepared handle_list_lights(const CallContext& context, const v1::ListLightsRequest& request,
                             v1::ListLightsResponse* response);
-Prepared handle_list_leases(const Context& context, const v1::ListLeasesRequest& request,
+Prepared handle_list_leases(const CallContext& context, const v1::ListLeasesRequest& request,
                             v1::ListLeasesResponse* response);
 
 }  // namespace lucerna::rpc

@@ -53,7 +53,7 @@ absl::StatusOr<LevelFactors> check_blender(const v1::BlenderLevels& blender,
 
 }  // namespace
 
-Prepared handle_load_scene(const Context& context, const v1::LoadSceneRequest& request,
+Prepared handle_load_scene(const CallContext& context, const v1::LoadSceneRequest& request,
                            v1::LoadSceneResponse* response) {
   if (request.has_lease_s()) LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
   LUCERNA_ASSIGN_OR_RETURN(Manifest manifest, check_scene_file(context, "", request));

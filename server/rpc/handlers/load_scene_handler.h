@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_load_scene(const Context& context, const v1::LoadSceneRequest& request,
+Prepared handle_load_scene(const CallContext& context, const v1::LoadSceneRequest& request,
                            v1::LoadSceneResponse* response);
 
 }  // namespace lucerna::rpc

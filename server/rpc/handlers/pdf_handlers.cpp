@@ -11,7 +11,7 @@
 namespace lucerna::rpc {
 namespace {
 
-absl::StatusOr<PdfLiQuery> parse(const Context& context, const Scene& scene,
+absl::StatusOr<PdfLiQuery> parse(const CallContext& context, const Scene& scene,
                                  const v1::PdfLiRequest& request) {
   PdfLiQuery query;
   LUCERNA_ASSIGN_OR_RETURN(query.receivers,
@@ -37,7 +37,7 @@ double predicted_seconds(const Scene& scene, std::uint32_t light, std::size_t it
 
 }  // namespace
 
-Prepared handle_pdf_li(const Context& context, const v1::PdfLiRequest& request,
+Prepared handle_pdf_li(const CallContext& context, const v1::PdfLiRequest& request,
                        v1::PdfLiResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const PdfLiQuery query, parse(context, *scene, request));
@@ -50,7 +50,7 @@ Prepared handle_pdf_li(const Context& context, const v1::PdfLiRequest& request,
   return batch_task(predicted_seconds(*scene, query.light, n), n, response, run);
 }
 
-Prepared handle_pdf_le(const Context& context, const v1::PdfLeRequest& request,
+Prepared handle_pdf_le(const CallContext& context, const v1::PdfLeRequest& request,
                        v1::PdfLeResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const PointArray points,

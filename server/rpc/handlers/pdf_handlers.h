@@ -6,9 +6,9 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_pdf_li(const Context& context, const v1::PdfLiRequest& request,
+Prepared handle_pdf_li(const CallContext& context, const v1::PdfLiRequest& request,
                        v1::PdfLiResponse* response);
-Prepared handle_pdf_le(const Context& context, const v1::PdfLeRequest& request,
+Prepared handle_pdf_le(const CallContext& context, const v1::PdfLeRequest& request,
                        v1::PdfLeResponse* response);
 
 }  // namespace lucerna::rpc

@@ -25,7 +25,7 @@ constexpr std::uint64_t kMostTiles = 1 << 16;
 
 /// The edge of the tiles.  INVALID_ARGUMENT or RESOURCE_EXHAUSTED for a picture or tiles over a
 /// limit.
-absl::StatusOr<int> check_tiles(const Context& context, const Camera& camera,
+absl::StatusOr<int> check_tiles(const CallContext& context, const Camera& camera,
                                 const v1::RenderImageRequest& request) {
   const std::uint64_t edge = request.has_tile_size() ? request.tile_size() : kDefaultTileSize;
   if (edge == 0 || edge * edge > context.limits.max_tile_pixels) {
@@ -50,7 +50,7 @@ absl::StatusOr<int> check_tiles(const Context& context, const Camera& camera,
 }  // namespace
 
 absl::StatusOr<RenderImageHandler> RenderImageHandler::create(
-    const Context& context, const v1::RenderImageRequest& request) {
+    const CallContext& context, const v1::RenderImageRequest& request) {
   RenderImageHandler render;
   LUCERNA_ASSIGN_OR_RETURN(render.scene_, find_scene(context, request.scene_id()));
   const Scene& scene = *render.scene_;

@@ -23,7 +23,7 @@ class RenderImageHandler {
  public:
   /// Its memory counts against the budget of scenes.  Errors: those of the request;
   /// RESOURCE_EXHAUSTED if the memory does not fit.
-  static absl::StatusOr<RenderImageHandler> create(const Context& context,
+  static absl::StatusOr<RenderImageHandler> create(const CallContext& context,
                                                    const v1::RenderImageRequest& request);
 
   bool done() const { return tile_ == tiles_.size(); }

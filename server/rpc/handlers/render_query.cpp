@@ -60,7 +60,7 @@ absl::Status put_blocks(const Request& request, RenderQuery& query) {
   if (request.has_samples_per_block() && samples % block != 0)
     return bad_field("accuracy.samples", samples, "a multiple of samples_per_block = {}", block);
   settings.samples_per_block =
-      request.has_samples_per_block() ? block : default_samples_per_block(samples, kTileReplicates);
+      request.has_samples_per_block() ? block : default_samples_per_block(samples, kTileBlocks);
   settings.block_count = samples / settings.samples_per_block;
   return absl::OkStatus();
 }
@@ -124,7 +124,7 @@ void set_intervals(const std::vector<FloatInterval>& intervals, v1::Tile* out) {
 }  // namespace
 
 template <typename Request>
-absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
+absl::StatusOr<RenderQuery> check_render(const CallContext& context, const Scene& scene,
                                          const Request& request, std::uint32_t proposed) {
   RenderQuery query;
   LUCERNA_RETURN_IF_ERROR(check_time(request.time_s()).status());
@@ -143,18 +143,18 @@ absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& sc
   return query;
 }
 
-template absl::StatusOr<RenderQuery> check_render(const Context&, const Scene&,
+template absl::StatusOr<RenderQuery> check_render(const CallContext&, const Scene&,
                                                   const v1::RenderTileRequest&, std::uint32_t);
-template absl::StatusOr<RenderQuery> check_render(const Context&, const Scene&,
+template absl::StatusOr<RenderQuery> check_render(const CallContext&, const Scene&,
                                                   const v1::RenderImageRequest&, std::uint32_t);
 
-std::uint32_t proposed_samples(const Context& context, const Scene& scene) {
+std::uint32_t proposed_samples(const CallContext& context, const Scene& scene) {
   const auto hint = static_cast<std::uint32_t>(scene.report().hints.samples_per_pixel.value_or(0));
   return std::min(hint > 0 ? hint : kPixelSamples, context.limits.max_samples);
 }
 
 std::uint32_t least_samples(const RenderQuery& query) {
-  return std::max(std::min(kReplicates, query.most_samples), query.samples_per_block.value_or(1));
+  return std::max(std::min(kBlocks, query.most_samples), query.samples_per_block.value_or(1));
 }
 
 std::uint64_t area(const PixelRect& rect) {

@@ -24,11 +24,11 @@ struct RenderQuery {
 /// Of RenderTile or RenderImage.  `proposed`: the default number of samples.  INVALID_ARGUMENT for
 /// a field out of range.
 template <typename Request>
-absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
+absl::StatusOr<RenderQuery> check_render(const CallContext& context, const Scene& scene,
                                          const Request& request, std::uint32_t proposed);
 
 /// The default number of samples: that of the scene file, else 64; at most the server's limit.
-std::uint32_t proposed_samples(const Context& context, const Scene& scene);
+std::uint32_t proposed_samples(const CallContext& context, const Scene& scene);
 
 /// The least number of samples with a time budget: a power of two, and a multiple of
 /// `samples_per_block` if that is set.

@@ -23,7 +23,7 @@ std::string text(const v1::PixelRect& r) {
   return fmt::format("[{}, {}) x [{}, {})", r.x0(), r.x1(), r.y0(), r.y1());
 }
 
-absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
+absl::StatusOr<PixelRect> check_rect(const CallContext& context, const Scene& scene,
                                      const v1::RenderTileRequest& request) {
   const int width = scene.camera().width(), height = scene.camera().height();
   PixelRect rect{0, 0, width, height};
@@ -79,7 +79,7 @@ struct TileQuery {
   RenderQuery render;
 };
 
-absl::StatusOr<TileQuery> parse(const Context& context, const v1::RenderTileRequest& request) {
+absl::StatusOr<TileQuery> parse(const CallContext& context, const v1::RenderTileRequest& request) {
   TileQuery query;
   LUCERNA_ASSIGN_OR_RETURN(query.scene, find_scene(context, request.scene_id()));
   const Scene& scene = *query.scene;
@@ -96,7 +96,7 @@ absl::StatusOr<TileQuery> parse(const Context& context, const v1::RenderTileRequ
 TileSettings with_samples(const RenderQuery& query, std::uint32_t samples) {
   TileSettings settings = query.settings;
   settings.samples_per_block =
-      query.samples_per_block.value_or(default_samples_per_block(samples, kTileReplicates));
+      query.samples_per_block.value_or(default_samples_per_block(samples, kTileBlocks));
   settings.block_count = samples / settings.samples_per_block;
   return settings;
 }
@@ -155,7 +155,7 @@ absl::Status answer(const TileQuery& query, SceneStore& scenes, const std::stop_
 
 }  // namespace
 
-Prepared handle_render_tile(const Context& context, const v1::RenderTileRequest& request,
+Prepared handle_render_tile(const CallContext& context, const v1::RenderTileRequest& request,
                             v1::RenderTileResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const TileQuery query, parse(context, request));
   Task task =

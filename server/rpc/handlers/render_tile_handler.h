@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_render_tile(const Context& context, const v1::RenderTileRequest& request,
+Prepared handle_render_tile(const CallContext& context, const v1::RenderTileRequest& request,
                             v1::RenderTileResponse* response);
 
 }  // namespace lucerna::rpc

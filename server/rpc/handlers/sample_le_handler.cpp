@@ -11,7 +11,7 @@
 namespace lucerna::rpc {
 namespace {
 
-absl::StatusOr<SampleLeQuery> parse(const Context& context, const Scene& scene,
+absl::StatusOr<SampleLeQuery> parse(const CallContext& context, const Scene& scene,
                                     const v1::SampleLeRequest& request) {
   SampleLeQuery query;
   query.rays = request.count();
@@ -44,7 +44,7 @@ SampleLeAnswer sized_arrays(const SampleLeQuery& query, v1::SampleLeResponse* r)
 
 }  // namespace
 
-Prepared handle_sample_le(const Context& context, const v1::SampleLeRequest& request,
+Prepared handle_sample_le(const CallContext& context, const v1::SampleLeRequest& request,
                           v1::SampleLeResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const SampleLeQuery query, parse(context, *scene, request));

@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_sample_le(const Context& context, const v1::SampleLeRequest& request,
+Prepared handle_sample_le(const CallContext& context, const v1::SampleLeRequest& request,
                           v1::SampleLeResponse* response);
 
 }  // namespace lucerna::rpc

@@ -6,7 +6,7 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_sample_li(const Context& context, const v1::SampleLiRequest& request,
+Prepared handle_sample_li(const CallContext& context, const v1::SampleLiRequest& request,
                           v1::SampleLiResponse* response);
 
 }  // namespace lucerna::rpc

@@ -12,7 +12,7 @@
 namespace lucerna::rpc {
 namespace {
 
-absl::Status parse_segments(const Context& context, const v1::Segments& segments,
+absl::Status parse_segments(const CallContext& context, const v1::Segments& segments,
                             VisibilityQuery& query) {
   LUCERNA_ASSIGN_OR_RETURN(const PointArray to,
                            check_points(context, "segments.to", segments.to()));
@@ -43,7 +43,7 @@ struct Parsed {
   bool is_partial = false;
 };
 
-absl::StatusOr<Parsed> parse(const Context& context, const Scene& scene,
+absl::StatusOr<Parsed> parse(const CallContext& context, const Scene& scene,
                              const v1::TestVisibilityRequest& request) {
   VisibilityQuery query;
   LUCERNA_ASSIGN_OR_RETURN(const Methods methods, check_methods(request.accuracy()));
@@ -72,7 +72,8 @@ absl::StatusOr<Parsed> parse(const Context& context, const Scene& scene,
 
 }  // namespace
 
-Prepared handle_test_visibility(const Context& context, const v1::TestVisibilityRequest& request,
+Prepared handle_test_visibility(const CallContext& context,
+                                const v1::TestVisibilityRequest& request,
                                 v1::TestVisibilityResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
   LUCERNA_ASSIGN_OR_RETURN(const Parsed parsed, parse(context, *scene, request));

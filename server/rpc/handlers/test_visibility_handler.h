@@ -6,7 +6,8 @@
 
 namespace lucerna::rpc {
 
-Prepared handle_test_visibility(const Context& context, const v1::TestVisibilityRequest& request,
+Prepared handle_test_visibility(const CallContext& context,
+                                const v1::TestVisibilityRequest& request,
                                 v1::TestVisibilityResponse* response);
 
 }  // namespace lucerna::rpc

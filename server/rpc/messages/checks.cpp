@@ -31,13 +31,13 @@ std::string ids_of(const Scene& scene, std::span<const std::uint32_t> lights) {
 
 }  // namespace
 
-absl::StatusOr<StoredScene> find_stored(const Context& context, const std::string& scene_id) {
+absl::StatusOr<StoredScene> find_stored(const CallContext& context, const std::string& scene_id) {
   std::optional<StoredScene> stored = context.scenes.stored(scene_id);
   if (!stored) return no_scene(scene_id);
   return *std::move(stored);
 }
 
-absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
+absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const CallContext& context,
                                                         const std::string& scene_id) {
   auto scene = context.scenes.find(scene_id);
   if (scene == nullptr) return no_scene(scene_id);
@@ -80,7 +80,7 @@ absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::optional<std::
   return find_named_light(scene, light_name, "light_name");
 }
 
-absl::StatusOr<PointArray> check_points(const Context& context, const std::string& field,
+absl::StatusOr<PointArray> check_points(const CallContext& context, const std::string& field,
                                         const v1::Points& points) {
   const int n = points.offsets_m_size();
   if (n % 3 != 0) {
@@ -145,8 +145,8 @@ absl::Status check_grey_media(const Scene& scene, std::span<const double> wavele
                    "none in this scene, since its media have a colour and no spectrum");
 }
 
-absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
-                                            std::uint32_t fallback) {
+absl::StatusOr<std::uint32_t> check_samples(const CallContext& context,
+                                            const v1::Accuracy& accuracy, std::uint32_t fallback) {
   if (!accuracy.has_samples()) return fallback;
   if (accuracy.samples() == 0 || accuracy.samples() > context.limits.max_samples) {
     return bad_field("accuracy.samples", accuracy.samples(), "[1, {}]", context.limits.max_samples);
@@ -154,7 +154,7 @@ absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Ac
   return accuracy.samples();
 }
 
-absl::Status check_answer_size(const Context& context, const std::string& field,
+absl::Status check_answer_size(const CallContext& context, const std::string& field,
                                std::uint64_t items, const AnswerSize& size) {
   const std::uint64_t most = size.items_within(context.limits.max_message_bytes);
   if (items <= most) return absl::OkStatus();

@@ -17,9 +17,9 @@
 namespace lucerna::rpc {
 
 /// INVALID_ARGUMENT if the id is empty, NOT_FOUND if the scene is not loaded.
-absl::StatusOr<StoredScene> find_stored(const Context& context, const std::string& scene_id);
+absl::StatusOr<StoredScene> find_stored(const CallContext& context, const std::string& scene_id);
 /// The same, and counts as a use of the scene.
-absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
+absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const CallContext& context,
                                                         const std::string& scene_id);
 /// The index of the light with this id.  NOT_FOUND if the scene does not have it.
 absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id);
@@ -50,7 +50,7 @@ absl::StatusOr<std::optional<std::uint32_t>> find_light_if_named(const Scene& sc
 }
 
 /// `field`: the name of the Points field.  Checks the number of offsets, not their values.
-absl::StatusOr<PointArray> check_points(const Context& context, const std::string& field,
+absl::StatusOr<PointArray> check_points(const CallContext& context, const std::string& field,
                                         const v1::Points& points);
 /// A view of the field.  Requires three numbers for each of `items`, or none if `optional`.
 absl::StatusOr<std::span<const float>> check_triples(
@@ -67,13 +67,13 @@ absl::StatusOr<std::span<const double>> check_wavelengths(
 /// INVALID_ARGUMENT for wavelengths in a scene whose media have a colour.
 absl::Status check_grey_media(const Scene& scene, std::span<const double> wavelengths_nm);
 /// `samples`, or `fallback` if unset.  INVALID_ARGUMENT if out of range.
-absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
-                                            std::uint32_t fallback);
+absl::StatusOr<std::uint32_t> check_samples(const CallContext& context,
+                                            const v1::Accuracy& accuracy, std::uint32_t fallback);
 
 /// RESOURCE_EXHAUSTED if the answer to this many `items` exceeds the message size.  So nothing is
 /// computed that cannot be sent, and an int can count the entries of every array.  `field` names
 /// the items in the error.
-absl::Status check_answer_size(const Context& context, const std::string& field,
+absl::Status check_answer_size(const CallContext& context, const std::string& field,
                                std::uint64_t items, const AnswerSize& size);
 
 template <typename Number>

@@ -31,7 +31,8 @@ absl::Status check_digest(const std::string& field, const std::string& digest) {
   return bad_field(field, fmt::format("{} bytes", digest.size()), "the 32 bytes of a SHA-256");
 }
 
-absl::Status check_path(const Context& context, const std::string& field, const std::string& path) {
+absl::Status check_path(const CallContext& context, const std::string& field,
+                        const std::string& path) {
   if (path.empty())
     return bad_field(field, "\"\"", "the name of a scene file under the server's scene root");
   if (path.size() <= context.limits.max_name_bytes) return absl::OkStatus();
@@ -39,7 +40,7 @@ absl::Status check_path(const Context& context, const std::string& field, const 
                    context.limits.max_name_bytes);
 }
 
-absl::StatusOr<Manifest> check_manifest(const Context& context, const std::string& field,
+absl::StatusOr<Manifest> check_manifest(const CallContext& context, const std::string& field,
                                         const v1::SceneManifest& given) {
   const auto n = static_cast<std::size_t>(given.assets_size());
   LUCERNA_RETURN_IF_ERROR(check_limit(field + ".assets", n, context.limits.max_batch_items));

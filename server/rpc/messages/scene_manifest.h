@@ -15,15 +15,16 @@ namespace lucerna::rpc {
 absl::Status check_digest(const std::string& field, const std::string& digest);
 
 /// The name of a scene file under the scene root.  `field`: its name, for errors.
-absl::Status check_path(const Context& context, const std::string& field, const std::string& path);
+absl::Status check_path(const CallContext& context, const std::string& field,
+                        const std::string& path);
 /// A manifest of a request.
-absl::StatusOr<Manifest> check_manifest(const Context& context, const std::string& field,
+absl::StatusOr<Manifest> check_manifest(const CallContext& context, const std::string& field,
                                         const v1::SceneManifest& given);
 
 /// The manifest of a message that has either `manifest` or `path`; empty if it has a path.
 /// `prefix`: of the names of its fields.
 template <typename Message>
-absl::StatusOr<Manifest> check_scene_file(const Context& context, const std::string& prefix,
+absl::StatusOr<Manifest> check_scene_file(const CallContext& context, const std::string& prefix,
                                           const Message& message) {
   if (message.has_manifest())
     return check_manifest(context, prefix + "manifest", message.manifest());

@@ -12,7 +12,7 @@
 namespace lucerna::rpc {
 namespace {
 
-absl::StatusOr<TargetError> check_target(const Context& context, const v1::TargetError& error) {
+absl::StatusOr<TargetError> check_target(const CallContext& context, const v1::TargetError& error) {
   const auto bad = [](const char* field, const auto& value, const std::string& allowed) {
     return bad_field(fmt::format("accuracy.target_error.{}", field), value, "{}", allowed);
   };
@@ -41,16 +41,16 @@ absl::StatusOr<TargetError> check_target(const Context& context, const v1::Targe
 
 }  // namespace
 
-std::uint32_t replicates_of(std::uint32_t samples) {
-  if (samples <= kReplicates) return samples;
-  for (std::uint32_t n = kReplicates; n <= samples / n; ++n)
+std::uint32_t blocks_of(std::uint32_t samples) {
+  if (samples <= kBlocks) return samples;
+  for (std::uint32_t n = kBlocks; n <= samples / n; ++n)
     if (samples % n == 0) return n;
-  for (std::uint32_t each = kReplicates; each > 1; --each)
-    if (samples % each == 0 && samples / each >= kReplicates) return samples / each;
+  for (std::uint32_t each = kBlocks; each > 1; --each)
+    if (samples % each == 0 && samples / each >= kBlocks) return samples / each;
   return samples;
 }
 
-absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accuracy& accuracy,
+absl::StatusOr<StopRule> check_stop_rule(const CallContext& context, const v1::Accuracy& accuracy,
                                          std::uint32_t fallback) {
   StopRule rule;
   if (accuracy.has_target_error()) {

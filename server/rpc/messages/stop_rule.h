@@ -20,11 +20,11 @@ struct StopRule {
 };
 
 /// `fallback`: the default number of samples.  INVALID_ARGUMENT for a field out of range.
-absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accuracy& accuracy,
+absl::StatusOr<StopRule> check_stop_rule(const CallContext& context, const v1::Accuracy& accuracy,
                                          std::uint32_t fallback);
 
-/// The least number of equal replicates, at least kReplicates, that divides `samples`.  If there
+/// The least number of equal blocks, at least kBlocks, that divides `samples`.  If there
 /// are fewer samples: `samples` itself.
-std::uint32_t replicates_of(std::uint32_t samples);
+std::uint32_t blocks_of(std::uint32_t samples);
 
 }  // namespace lucerna::rpc

@@ -18,7 +18,7 @@
 namespace lucerna::rpc {
 
 /// The data that handlers use.
-struct Context {
+struct CallContext {
   SceneStore& scenes;
   AssetStore& assets;
   RequestLimits limits;

@@ -49,10 +49,10 @@ TYPED_TEST_SUITE_P(LightWithIrradiance);
 template <typename Light>
 std::pair<double, double> mean_of_samples(const Light& light, const Receiver& receiver,
                                           std::uint64_t item) {
-  constexpr int kReplicates = 16;
+  constexpr int kBlocks = 16;
   constexpr std::uint32_t kSamples = 4096;
   double sum = 0, squares = 0;
-  for (int r = 0; r < kReplicates; ++r) {
+  for (int r = 0; r < kBlocks; ++r) {
     const SobolSequence sequence(7, item, static_cast<std::uint64_t>(r));
     double mean = 0;
     for (std::uint32_t i = 0; i < kSamples; ++i) {
@@ -63,8 +63,8 @@ std::pair<double, double> mean_of_samples(const Light& light, const Receiver& re
     }
     sum += mean, squares += mean * mean;
   }
-  const double mean = sum / kReplicates;
-  const double variance = std::fmax(0, squares / kReplicates - mean * mean) / (kReplicates - 1);
+  const double mean = sum / kBlocks;
+  const double variance = std::fmax(0, squares / kBlocks - mean * mean) / (kBlocks - 1);
   return {mean, std::sqrt(variance)};
 }
 

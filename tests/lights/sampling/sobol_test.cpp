@@ -144,8 +144,8 @@ double correlation_in_errors(int n, A&& a, B&& b) {
 // once in 1e7.
 TEST(SobolSequence, DimensionsPairsItemsAndReplicatesAreUncorrelated) {
   constexpr int kKeys = 1 << 16;
-  const auto at = [](int key, int item, int replicate, int pair, int index) {
-    return SobolSequence(key, item, replicate).pair(index, pair);
+  const auto at = [](int key, int item, int block, int pair, int index) {
+    return SobolSequence(key, item, block).pair(index, pair);
   };
   const auto base = [&](int i) { return at(i, 0, 0, 0, 3).x; };
   EXPECT_LT(

@@ -108,7 +108,7 @@ void WireQueries::estimates(const v1::ReceiverEstimates& r, const Items& items,
   for (std::size_t i = 0; i < n && failures_.empty(); ++i) {
     const int k = static_cast<int>(i);
     hold(r.samples(k) == 1 || (r.samples(k) >= 16 && r.samples(k) % 16 == 0), name, i,
-         "samples that are not 16 equal replicates");
+         "samples that are not 16 equal blocks");
     hold(r.lower_lx(k) <= r.upper_lx(k), name, i, "an interval that ends before it begins");
     if (status[i] == v1::ITEM_STATUS_OK) {
       // Each value is rounded separately, and the luminance of sums differs slightly from the sum

@@ -93,12 +93,12 @@ TEST(Accelerator, TakesRaysOfAnyLengthInTheirOwnUnits) {
   EXPECT_NEAR(hit->normal.z, -1, 1e-15);
 }
 
-LooseEnds ends_at(const LooseEnd& end) { return {.start = {}, .end = end}; }
+EndTolerances ends_at(const EndTolerance& end) { return {.start = {}, .end = end}; }
 
 TEST(Accelerator, TellsOtherObstaclesFromThoseThatAnEndMayLieOn) {
   const auto a = build_accelerator(triangle(1));
-  const auto met = [&](const LooseEnds& ends) {
-    return a->obstacle({{0.2F, 0.2F, 0}, {0, 0, 1}}, ends, Meets::kSurfaces);
+  const auto met = [&](const EndTolerances& ends) {
+    return a->obstacle({{0.2F, 0.2F, 0}, {0, 0, 1}}, ends, RayFilter::kSurfaces);
   };
   EXPECT_EQ(met({}), Obstacle::kOther);
   EXPECT_EQ(met(ends_at({{0.2, 0.2, 0}, 1e-6F})), Obstacle::kOther);
@@ -107,7 +107,7 @@ TEST(Accelerator, TellsOtherObstaclesFromThoseThatAnEndMayLieOn) {
   // Elsewhere in the plane too.
   EXPECT_EQ(met(ends_at({{90, 80, 1}, 1e-6F})), Obstacle::kPerhapsOwn);
   EXPECT_EQ(met({.start = {{0.2, 0.2, 1}, 1e-6F}, .end = {}}), Obstacle::kPerhapsOwn);
-  EXPECT_EQ(a->obstacle({{2, 2, 0}, {0, 0, 1}}, ends_at({{2, 2, 1}, 1}), Meets::kSurfaces),
+  EXPECT_EQ(a->obstacle({{2, 2, 0}, {0, 0, 1}}, ends_at({{2, 2, 1}, 1}), RayFilter::kSurfaces),
             Obstacle::kNone);
 }
 
@@ -115,10 +115,10 @@ TEST(Accelerator, ASurfaceBehindThatOfTheStartIsAnotherObstacle) {
   GeometrySet set = triangle(1);
   set.of<Sphere>() = {sphere(1, {0.2, 0.2, 5})};
   const auto a = build_accelerator(std::move(set));
-  const auto met = [&](const LooseEnds& ends, float t_max) {
-    return a->obstacle({{0.2F, 0.2F, 0}, {0, 0, 1}, 0, t_max}, ends, Meets::kSurfaces);
+  const auto met = [&](const EndTolerances& ends, float t_max) {
+    return a->obstacle({{0.2F, 0.2F, 0}, {0, 0, 1}, 0, t_max}, ends, RayFilter::kSurfaces);
   };
-  const LooseEnd on_triangle{{0.2, 0.2, 1}, 1e-6F}, on_sphere{{0.2, 0.2, 4}, 1e-6F};
+  const EndTolerance on_triangle{{0.2, 0.2, 1}, 1e-6F}, on_sphere{{0.2, 0.2, 4}, 1e-6F};
   EXPECT_EQ(met({.start = on_triangle, .end = {}}, 9), Obstacle::kOther);
   EXPECT_EQ(met({.start = on_triangle, .end = on_sphere}, 4.5F), Obstacle::kPerhapsOwn);
   EXPECT_EQ(met({.start = {}, .end = on_sphere}, 4.5F), Obstacle::kOther);
@@ -127,8 +127,9 @@ TEST(Accelerator, ASurfaceBehindThatOfTheStartIsAnotherObstacle) {
 TEST(Accelerator, TheSurfaceOfAnInstanceMayAlwaysBeThatOfAnEnd) {
   const auto a = build_accelerator({}, {triangle(0)}, {{0, Transform::translate({0, 0, 1})}});
   const Ray ray{{0.2F, 0.2F, 0}, {0, 0, 1}};
-  EXPECT_EQ(a->obstacle(ray, ends_at({{0.2, 0.2, 3}, 0}), Meets::kSurfaces), Obstacle::kPerhapsOwn);
-  EXPECT_EQ(a->obstacle(ray, {}, Meets::kSurfaces), Obstacle::kOther);
+  EXPECT_EQ(a->obstacle(ray, ends_at({{0.2, 0.2, 3}, 0}), RayFilter::kSurfaces),
+            Obstacle::kPerhapsOwn);
+  EXPECT_EQ(a->obstacle(ray, {}, RayFilter::kSurfaces), Obstacle::kOther);
 }
 
 TEST(Accelerator, ReportsTheInstanceThatWasHit) {

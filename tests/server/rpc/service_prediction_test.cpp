@@ -19,8 +19,8 @@ class Prediction : public ::testing::Test {
  protected:
   /// Predicted seconds for `request`, which names no scene yet, with this number of wavelengths.
   template <typename Request, typename Response>
-  double predicted(Prepared (*prepare)(const Context&, const Request&, Response*), Request request,
-                   int wavelengths) {
+  double predicted(Prepared (*prepare)(const CallContext&, const Request&, Response*),
+                   Request request, int wavelengths) {
     request.set_scene_id(scene_);
     for (int i = 0; i < wavelengths; ++i) request.add_wavelengths_nm(400 + i);
     Response response;
@@ -30,7 +30,7 @@ class Prediction : public ::testing::Test {
   }
   /// Expects that wavelengths count: each value of each item at each of them.
   template <typename Request, typename Response>
-  void expect_counted(Prepared (*prepare)(const Context&, const Request&, Response*),
+  void expect_counted(Prepared (*prepare)(const CallContext&, const Request&, Response*),
                       const Request& request, double values) {
     const double more = predicted(prepare, request, kWavelengths) - predicted(prepare, request, 0);
     EXPECT_GE(more, (1 - 1e-9) * values * kWavelengths * kWavelengthSeconds);

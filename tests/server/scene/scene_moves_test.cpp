@@ -135,7 +135,7 @@ TEST_P(Moved, SurfacesHaveTheBitsOfASceneBuiltThere) {
   EXPECT_EQ(built->geometry().surfaces().runs[0].size(),
             moved->geometry().surfaces().runs[0].size());
   if (ground > 1e3) {
-    EXPECT_FALSE(moved->geometry().accelerator().scene().wide.empty());
+    EXPECT_FALSE(moved->geometry().accelerator().scene().large.empty());
   }
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-3, 3);
@@ -147,10 +147,10 @@ TEST_P(Moved, SurfacesHaveTheBitsOfASceneBuiltThere) {
     const Vector from = point(), to = point();
     Ray ray{Vec3f(from), Vec3f(to - from)};
     ray.time_s = 0.1 * (i % 10);
-    for (const Meets meets : {Meets::kSurfaces, Meets::kOpaque}) {
-      ASSERT_EQ(moved->geometry().occluded(ray, meets), built->geometry().occluded(ray, meets))
+    for (const RayFilter filter : {RayFilter::kSurfaces, RayFilter::kOpaque}) {
+      ASSERT_EQ(moved->geometry().occluded(ray, filter), built->geometry().occluded(ray, filter))
           << i;
-      const auto a = moved->closest_hit(ray, meets), b = built->closest_hit(ray, meets);
+      const auto a = moved->closest_hit(ray, filter), b = built->closest_hit(ray, filter);
       ASSERT_EQ(a.has_value(), b.has_value()) << i;
       if (!a) continue;
       ASSERT_EQ(bits_of(*a), bits_of(*b)) << i;
@@ -158,7 +158,7 @@ TEST_P(Moved, SurfacesHaveTheBitsOfASceneBuiltThere) {
     }
     const auto all = [&](const Scene& scene) {
       std::multiset<std::tuple<int, std::uint32_t, std::int32_t>> hits;
-      for (const RawHit& hit : scene.geometry().accelerator().all_hits(ray, Meets::kSurfaces))
+      for (const RawHit& hit : scene.geometry().accelerator().all_hits(ray, RayFilter::kSurfaces))
         hits.emplace(static_cast<int>(hit.kind), hit.primitive, hit.instance);
       return hits;
     };
@@ -310,14 +310,14 @@ TEST(MovedSurfaces, NeedABuildIfOtherTrianglesAreNotWideAnyMore) {
   const double error_m = ray_error_of({a, b, c});
   ASSERT_GT(error_m, 0);
   // The light is the smallest shape.  Turned by 45 degrees, its box is 1.41 times as large.
-  const double side = error_m / kWideShare / 1.2;
+  const double side = error_m / kLargeShare / 1.2;
   SceneDescription d = testing::description();
   d.shapes = {
       testing::shape(TriangleMeshData{{a, b, c}, {}, {0, 1, 2}}),
       testing::emissive(
           testing::patch({0, 0, 1e4}, {side, 0, 1e4}, {0, side, 1e4}, {side, side, 1e4}), 1)};
   const auto loaded = build(std::move(d));
-  ASSERT_EQ(loaded->geometry().accelerator().scene().wide.size(), 1U);
+  ASSERT_EQ(loaded->geometry().accelerator().scene().large.size(), 1U);
   MovedSurfaces moves;
   moves[1] = {.shift_m = {1, 0, 0}};
   EXPECT_NE(value(edited(*loaded, {moves, {}})), nullptr);

@@ -112,7 +112,7 @@ TEST(Footprints, FollowTheDistanceOfTheCameraRay) {
       auto hit = scene->closest_hit(ray({}));
       EXPECT_TRUE(hit.has_value());
       const Vec3 up{0, 0, 1};
-      const SurfaceScattering s(*scene, *hit, Meets::kSurfaces, &rays);
+      const SurfaceScattering s(*scene, *hit, RayFilter::kSurfaces, &rays);
       most = std::max(most, std::fabs(s.value(up, up).r * std::numbers::pi - 0.5));
     }
     return most;

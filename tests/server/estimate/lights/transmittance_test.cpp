@@ -308,9 +308,9 @@ TEST(ThinGlass, PanesInARowMultiplyAlsoInStretchedInstances) {
   for (int i = 0; i < kRays; ++i) {
     const Ray ray{{0.001F * static_cast<float>(i % 100), 0.001F * static_cast<float>(i / 100), 0},
                   {0, 0, 1}};
-    passed += !scene->closest_hit(ray, Meets::kPanesByChance);
-    EXPECT_TRUE(scene->closest_hit(ray, Meets::kSurfaces));
-    EXPECT_FALSE(scene->closest_hit(ray, Meets::kOpaque));
+    passed += !scene->closest_hit(ray, RayFilter::kPanesByChance);
+    EXPECT_TRUE(scene->closest_hit(ray, RayFilter::kSurfaces));
+    EXPECT_FALSE(scene->closest_hit(ray, RayFilter::kOpaque));
   }
   EXPECT_NEAR(passed / double(kRays), one * one, 0.01);
 }

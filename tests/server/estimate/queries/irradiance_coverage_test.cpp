@@ -29,7 +29,7 @@ TEST(IrradianceCoverage, OfSmoothLightByACount) {
   for (const Question& q : {lamp(), furnace()})
     for (const std::uint32_t each : {4U, 16U, 64U})
       expect_covered(coverage_of(q, {.samples_per_block = each, .block_count = 16}),
-                     q.name + ", " + std::to_string(each) + " samples a replicate");
+                     q.name + ", " + std::to_string(each) + " samples a block");
 }
 
 TEST(IrradianceCoverage, OfSmoothLightByATarget) {
@@ -48,14 +48,14 @@ std::vector<Question> at_edges() {
   return result;
 }
 
-// Low-discrepancy points along a straight edge hide nearly as many samples in every replicate.  So
-// means of replicates take few values, and those that occur say little about the others.  Intervals
+// Low-discrepancy points along a straight edge hide nearly as many samples in every block.  So
+// means of blocks take few values, and those that occur say little about the others.  Intervals
 // may be too wide.
 TEST(IrradianceCoverage, OfLightAtAnEdgeByACount) {
   for (const Question& q : at_edges())
     for (const std::uint32_t each : {8U, 16U, 32U, 64U})
       expect_covered_at_least(coverage_of(q, {.samples_per_block = each, .block_count = 16}),
-                              q.name + ", " + std::to_string(each) + " samples a replicate");
+                              q.name + ", " + std::to_string(each) + " samples a block");
 }
 
 TEST(IrradianceCoverage, OfLightAtAnEdgeByATarget) {
@@ -71,7 +71,7 @@ TEST(IrradianceCoverage, OfLightThroughAPinholeByACount) {
   for (const std::uint32_t each : {1U, 16U, 64U, 256U, 1024U})
     if (each < 1024 || has_time_for_large_counts())
       expect_covered_at_least(coverage_of(q, {.samples_per_block = each, .block_count = 16}),
-                              std::to_string(each) + " samples a replicate");
+                              std::to_string(each) + " samples a block");
 }
 
 TEST(IrradianceCoverage, OfLightThroughAPinholeByATarget) {

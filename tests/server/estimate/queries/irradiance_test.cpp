@@ -167,7 +167,7 @@ TEST(Irradiance, OfChosenLightsIsTheSumOfAllLights) {
   }
 }
 
-/// The number of samples that a target needs at a point, with 16 replicates.  The answer equals
+/// The number of samples that a target needs at a point, with 16 blocks.  The answer equals
 /// that of a query for this number.
 std::uint64_t samples_for(const TargetError& target, const Scene& scene,
                           const IrradiancePoint& point) {

@@ -14,12 +14,12 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr std::uint32_t kReplicates = 16;
+constexpr std::uint32_t kBlocks = 16;
 
 /// Sampling by area.  Samples of the lamp by solid angle would be nearly equal.
 struct Settings {
   std::optional<TargetError> target{};
-  std::uint32_t samples_per_replicate = 0;  ///< without a target
+  std::uint32_t samples_per_block = 0;  ///< without a target
   bool normals = true;
   LightSelection light_selection = LightSelection::kAutomatic;
 };
@@ -41,16 +41,16 @@ Answered answer(const Question& q, const Settings& settings, std::uint64_t i) {
   query.methods.light_selection = settings.light_selection;
   const LiSampler sampler(*q.scene, query);
   WorkCounts work;
-  const auto each =
-      settings.target ? samples_needed(sampler, 1, *settings.target, kReplicates, {}, work).value()
-                      : equally_many(sampler, 1, settings.samples_per_replicate);
-  const LiLayout layout(each, kReplicates);
+  const auto each = settings.target
+                        ? samples_needed(sampler, 1, *settings.target, kBlocks, {}, work).value()
+                        : equally_many(sampler, 1, settings.samples_per_block);
+  const LiLayout layout(each, kBlocks);
   LiSamples samples(layout.size());
   std::vector<LiShare> shares(layout.size());
   fill_samples(sampler, layout, samples.answer(), shares, {});
-  const LiEstimates e = estimates_of(sampler, layout, 1, kReplicates,
-                                     settings.target.value_or(TargetError{}).confidence, shares,
-                                     samples.status, {}, 0);
+  const LiEstimates e =
+      estimates_of(sampler, layout, 1, kBlocks, settings.target.value_or(TargetError{}).confidence,
+                   shares, samples.status, {}, 0);
   EXPECT_EQ(e.results[0], ItemResult::kOk);
   return {e.points[0], layout.size()};
 }
@@ -104,8 +104,8 @@ TEST(SampleCoverage, OfSmoothLightByATarget) {
 TEST(SampleCoverage, OfSmoothLightByACount) {
   for (const Question& q : {lamp(), two_lamps()})
     for (const std::uint32_t each : {4U, 64U})
-      expect_covered(covered(q, {.samples_per_replicate = each}),
-                     q.name + ", " + std::to_string(each) + " samples a replicate");
+      expect_covered(covered(q, {.samples_per_block = each}),
+                     q.name + ", " + std::to_string(each) + " samples a block");
 }
 
 // As in tests/server/estimate/queries/irradiance_coverage_test.cpp.
@@ -114,7 +114,7 @@ TEST(SampleCoverage, OfLightAtAnEdge) {
     for (const double relative : {0.1, 0.02})
       expect_covered_at_least(covered(q, {.target = TargetError{.relative = relative}}),
                               q.name + " within " + std::to_string(relative));
-    expect_covered_at_least(covered(q, {.samples_per_replicate = 16}), q.name);
+    expect_covered_at_least(covered(q, {.samples_per_block = 16}), q.name);
   }
 }
 
@@ -124,8 +124,8 @@ TEST(SampleCoverage, OfLightThroughAPinholeByATarget) {
 
 TEST(SampleCoverage, OfLightThroughAPinholeByACount) {
   for (const std::uint32_t each : {1U, 16U, 256U})
-    expect_covered_at_least(covered(pinhole(), {.samples_per_replicate = each}),
-                            std::to_string(each) + " samples a replicate");
+    expect_covered_at_least(covered(pinhole(), {.samples_per_block = each}),
+                            std::to_string(each) + " samples a block");
 }
 
 // The coverage of intervals with a wrong variance.

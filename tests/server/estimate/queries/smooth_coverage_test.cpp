@@ -86,7 +86,7 @@ TEST(SmoothCoverage, IntervalsHoldTheTruth) {
       }
       const double n = static_cast<double>(r.points.size()), share = held / n;
       EXPECT_GE(share, 0.92 - 4 * std::sqrt(0.92 * 0.08 / n))
-          << t.file << ", " << each << " samples a replicate: " << r.points[0].illuminance_lx.lower
+          << t.file << ", " << each << " samples a block: " << r.points[0].illuminance_lx.lower
           << " to " << r.points[0].illuminance_lx.upper << ", right is " << t.lux;
       const bool is_ball = t.file.find("ball") != std::string::npos;
       if (each == 64) {

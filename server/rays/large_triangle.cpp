@@ -1,4 +1,4 @@
-#include "server/rays/wide_triangle.h"
+#include "server/rays/large_triangle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ double ray_error_of(const std::array<Vec3, 3>& corners) {
 // The ray passes all edges on one side: the triple products of the ray with each edge have one
 // sign.  Swapping the ends of an edge only changes the sign of its product, so triangles with a
 // common edge agree on its side.
-std::optional<WideHit> intersect(const WideTriangle& triangle, const Vec3& origin,
+std::optional<WideHit> intersect(const LargeTriangle& triangle, const Vec3& origin,
                                  const Vec3& direction, double t_min, double t_max) {
   const Vec3 a = triangle.corners[0] - origin, b = triangle.corners[1] - origin,
              c = triangle.corners[2] - origin;

@@ -1,4 +1,4 @@
-#include "server/shadows/loose_ends.h"
+#include "server/shadows/end_tolerance.h"
 
 #include <limits>
 
@@ -30,7 +30,7 @@ bool continues(const SurfaceHit& a, const SurfaceHit& b) {
 }
 
 /// Whether the surface of `hit` is found at `place` too, within `reach` along its normal.
-bool is_found_at(const Scene& scene, const Vec3& place, double reach, const LooseEnd& end,
+bool is_found_at(const Scene& scene, const Vec3& place, double reach, const EndTolerance& end,
                  const SurfaceHit& hit) {
   // Other surfaces may be equally near, such as a carpet or a sheet of paper.
   constexpr int kMostSurfaces = 16;
@@ -49,7 +49,7 @@ bool is_found_at(const Scene& scene, const Vec3& place, double reach, const Loos
 /// and the surface must be found near the point.  A ray that grazes the point's own surface comes
 /// within its error long before the end.  A distant shelf in the plane of the point is another
 /// surface, even if the point's error is large.
-bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
+bool lies_on(const Scene& scene, const EndTolerance& end, const SurfaceHit& hit) {
   if (!(end.error >= 0) || !plane_passes(hit, end.position, end.error)) return false;
   const Vec3 apart = hit.position - end.position;
   const double near = kStartWithoutNormal * (end.error + max_abs(hit.position_error));
@@ -62,7 +62,7 @@ bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
 
 /// Whether the ends are on different sides of the surface's plane.  A straight line crosses the
 /// plane at the hit only, so a hit between the ends separates them, also on a curved surface.
-bool separates(const SurfaceHit& hit, const LooseEnds& ends) {
+bool separates(const SurfaceHit& hit, const EndTolerances& ends) {
   const double start = dot(hit.ng, ends.start.position - hit.position);
   const double end = dot(hit.ng, ends.end.position - hit.position);
   return (start > 0 && end < 0) || (start < 0 && end > 0);
@@ -77,8 +77,8 @@ bool lies_in_plane(const Vec3& exact, const SurfaceHit& hit) {
 
 // An apparent obstacle may be the surface that an end of the ray lies on.  That surface has the
 // rounding of its vertices, while a point near zero has almost no error.
-std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends,
-                                              Meets meets) {
+std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray,
+                                              const EndTolerances& ends, RayFilter filter) {
   // A ray through a vertex may meet all of its triangles.  Few vertices have more than this.
   constexpr int kMostSurfaces = 16;
   // The step behind a surface at t = 0, relative to the position error and to the scene.  It keeps
@@ -87,9 +87,9 @@ std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const
   constexpr float kLeastT = std::numeric_limits<float>::min();
   std::optional<SurfaceHit> hit;
   for (int i = 0; i < kMostSurfaces; ++i) {
-    hit = scene.closest_hit(ray, meets);
+    hit = scene.closest_hit(ray, filter);
     if (!hit) return hit;
-    LooseEnd end = ends.end;
+    EndTolerance end = ends.end;
     // Its rounding is that of the surface, which is at the same place.
     if (ends.are_exact) end.error += static_cast<float>(rounding_of(*hit));
     const bool is_between = !ends.are_exact || separates(*hit, ends);
@@ -103,7 +103,7 @@ std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const
   return hit;
 }
 
-bool is_blocked(const Scene& scene, const Ray& ray, const LooseEnds& ends, Meets blocking) {
+bool is_blocked(const Scene& scene, const Ray& ray, const EndTolerances& ends, RayFilter blocking) {
   const Obstacle obstacle = scene.geometry().obstacle(ray, ends, blocking);
   return obstacle == Obstacle::kOther ||
          (obstacle == Obstacle::kPerhapsOwn && first_other_surface(scene, ray, ends, blocking));

@@ -11,15 +11,15 @@ namespace lucerna {
 
 /// A triangle that rays meet in double, with corners in double: one that is large compared with
 /// other shapes, and not in a plane of the axes.
-struct WideTriangle {
+struct LargeTriangle {
   std::uint32_t triangle = 0;     ///< its number in GeometrySet::triangles
   std::array<Vec3, 3> corners{};  ///< [m]
 };
 
-/// A triangle is wide if rays would find its plane with an error above this share of the smallest
-/// shape's extent, and less than this number of triangles of its set are wide already.
-inline constexpr double kWideShare = 1e-3;
-inline constexpr std::size_t kMostWideTriangles = 4096;
+/// A triangle is large if rays would find its plane with an error above this share of the smallest
+/// shape's extent, and less than this number of triangles of its set are large already.
+inline constexpr double kLargeShare = 1e-3;
+inline constexpr std::size_t kMostLargeTriangles = 4096;
 
 /// The largest error with which Embree finds the triangle's plane, along its normal [m].  0 in a
 /// plane of the axes (error_bounds.h).
@@ -32,7 +32,7 @@ struct WideHit {
 
 /// The point of the triangle on the ray from `origin` [m], at t in (t_min, t_max).  Two triangles
 /// with a common edge leave no gap there.
-std::optional<WideHit> intersect(const WideTriangle& triangle, const Vec3& origin,
+std::optional<WideHit> intersect(const LargeTriangle& triangle, const Vec3& origin,
                                  const Vec3& direction, double t_min, double t_max);
 
 }  // namespace lucerna

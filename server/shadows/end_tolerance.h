@@ -32,10 +32,11 @@ inline double normal_error_of(const SurfaceHit& hit) {
 bool lies_in_plane(const Vec3& exact, const SurfaceHit& hit);
 
 /// The first surface that `ray` meets, except those that its ends lie on.
-std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends,
-                                              Meets meets = Meets::kSurfaces);
+std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray,
+                                              const EndTolerances& ends,
+                                              RayFilter filter = RayFilter::kSurfaces);
 
 /// Whether `ray` meets a surface that its ends do not lie on.  In most cases one traversal decides.
-bool is_blocked(const Scene& scene, const Ray& ray, const LooseEnds& ends, Meets blocking);
+bool is_blocked(const Scene& scene, const Ray& ray, const EndTolerances& ends, RayFilter blocking);
 
 }  // namespace lucerna
