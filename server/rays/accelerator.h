@@ -74,7 +74,7 @@ struct GeometrySet {
   QuadricVectors quadrics{};
   std::vector<LargeTriangle> large{};  ///< of `triangles`, in ascending order
   double other_error_m = 0;            ///< the largest ray_error_of() of any other triangle
-  /// Set if rays pass some of its surfaces; null if none is non-opaque.
+  /// Set if rays pass some of its surfaces; null if all are opaque.
   const SurfaceTable* non_opaque = nullptr;
   /// The unit of Embree's space for this set (ray_limits.h).  The Accelerator chooses it.
   double unit_m = 1;

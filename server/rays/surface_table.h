@@ -77,7 +77,7 @@ struct SurfaceTable {
   std::vector<std::array<Vec2f, 3>> triangle_uv;
   std::vector<std::array<Vec2f, 4>> patch_uv;
 
-  /// Where the values of alpha textures are; null if no surface is non-opaque.
+  /// Where the values of alpha textures are; null if all are opaque.
   const Textures* textures = nullptr;
   /// World position of the zero of the set's coordinates, for textures of non-opaque surfaces.  For
   /// objects it is in the space of their definition, where pbrt-v4 evaluates alpha too.
