@@ -40,7 +40,7 @@ fuzz: deps
 	@deploy/install-deps.sh clang-16 llvm-16 libclang-rt-16-dev
 	@test -f build/fuzz/build.ninja || cmake --preset fuzz
 	@cmake --build --preset fuzz --target fuzz_targets
-	@tests/fuzz/run.py $(if $(RUNS),RUNS=$(RUNS),SHORT)
+	@tests/fuzz/run_fuzz.py $(if $(RUNS),RUNS=$(RUNS),SHORT)
 
 # Sends random extreme items to every light and every query of a server with AddressSanitizer and
 # UndefinedBehaviorSanitizer.
@@ -72,7 +72,7 @@ oracle: release
 # What takes long: ten times the items, ten times the rays in the shadow tests, four times the repeats in the interval
 # tests, four times the samples of reference pictures, all mutants, and the figures of docs/reliability.md.
 soak: release
-	@cmake --build --preset release --target server_extremes_test coverage_test paths_test reliability
+	@cmake --build --preset release --target server_extremes_test coverage_test estimate_test reliability
 	@ctest --preset release -C Soak -L soak
 	@$(MAKE) --no-print-directory reliability
 	@$(MAKE) --no-print-directory wire ITEMS=10000000
@@ -89,7 +89,7 @@ extremes: release
 
 # Works in a copy of the sources, build/mutants.
 mutants: release
-	@tests/mutants/run.py
+	@tests/mutants/run_mutants.py
 
 # Starts its own Slurm cluster on the loopback interface (tests/slurm).
 test-slurm: programs

@@ -5,14 +5,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "client/admin/commands.h"
-#include "client/bench/command.h"
-#include "client/conformance/command.h"
+#include "client/cli/admin_commands.h"
+#include "client/cli/bench_command.h"
+#include "client/lab/conformance_command.h"
+#include "client/lab/verify_command.h"
 #include "client/terminal/error.h"
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
-#include "client/terminal/signals.h"
-#include "client/verify/command.h"
+#include "client/terminal/stop_signals.h"
 
 namespace lucerna::cli {
 

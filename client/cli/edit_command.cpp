@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "client/cli/commands.h"
-#include "client/shell/print.h"
 #include "client/terminal/output.h"
+#include "client/terminal/print.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
 

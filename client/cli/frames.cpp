@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "client/files/write_picture.h"
-#include "client/shell/print.h"
+#include "client/terminal/print.h"
 #include "client/terminal/validators.h"
 
 namespace lucerna::cli {

@@ -9,7 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/cli/picture_files.h"
-#include "client/jobs/held_scene.h"
+#include "client/library/held_scene.h"
 #include "client/terminal/session.h"
 #include "lucerna/v1/render.pb.h"
 

@@ -17,10 +17,10 @@
 #include "client/cli/irradiance_output.h"
 #include "client/files/npy_file.h"
 #include "client/files/open_vectors.h"
-#include "client/jobs/irradiance_job.h"
-#include "client/shell/print.h"
+#include "client/library/irradiance_job.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/output.h"
+#include "client/terminal/print.h"
 #include "client/terminal/progress.h"
 
 namespace lucerna::cli {

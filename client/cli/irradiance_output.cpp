@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "client/files/map_file.h"
-#include "client/jobs/result_file.h"
+#include "client/library/result_file.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::cli {

@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/files/open_vectors.h"
-#include "client/jobs/irradiance_job.h"
+#include "client/library/irradiance_job.h"
 #include "client/terminal/certainty.h"
 
 namespace lucerna::cli {

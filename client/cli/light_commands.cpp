@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "client/cli/commands.h"
-#include "client/rpc/batch_parts.h"
+#include "client/library/batch_parts.h"
 #include "client/terminal/answer.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/light_option.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "client/cli/area_shape.h"
+#include "client/cli/area_light_shape.h"
 #include "client/terminal/luminance.h"
 #include "client/terminal/output.h"
 

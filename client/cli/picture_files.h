@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/files/write_picture.h"
-#include "client/jobs/picture.h"
+#include "client/library/picture.h"
 
 namespace CLI {
 class App;

@@ -8,11 +8,11 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/light_table.h"
-#include "client/rpc/pages.h"
-#include "client/shell/print.h"
+#include "client/library/pages.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/light_option.h"
 #include "client/terminal/output.h"
+#include "client/terminal/print.h"
 #include "client/terminal/session.h"
 #include "client/terminal/stop_option.h"
 #include "client/terminal/validators.h"

@@ -13,7 +13,7 @@
 #include <thread>
 #include <utility>
 
-#include "client/shell/print.h"
+#include "client/terminal/print.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"
 

@@ -1,6 +1,6 @@
 // render --tev and --preview: shows a picture while it is rendered.
 //
-// Neither slows the rendering.  One thread sends pixels to tev (client/view/tev.h), and another
+// Neither slows the rendering.  One thread sends pixels to tev (client/library/tev.h), and another
 // draws the files.  Both keep only the newest pixels.
 #pragma once
 
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "client/files/write_picture.h"
-#include "client/jobs/picture.h"
-#include "client/view/tev.h"
+#include "client/library/picture.h"
+#include "client/library/tev.h"
 
 namespace CLI {
 class App;

@@ -4,9 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/rpc/server_list.h"
-#include "client/rpc/upload.h"
-#include "client/shell/print.h"
+#include "client/library/server_list.h"
+#include "client/library/upload.h"
+#include "client/terminal/print.h"
 #include "client/terminal/progress.h"
 #include "client/terminal/server_address.h"
 #include "client/terminal/validators.h"

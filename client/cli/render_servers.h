@@ -4,8 +4,8 @@
 #include <string>
 
 #include "client/cli/preview.h"
-#include "client/jobs/held_scene.h"
-#include "client/jobs/render_job.h"
+#include "client/library/held_scene.h"
+#include "client/library/render_job.h"
 #include "client/terminal/progress.h"
 #include "client/terminal/session.h"
 

@@ -12,8 +12,8 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/light_table.h"
-#include "client/shell/print.h"
 #include "client/terminal/output.h"
+#include "client/terminal/print.h"
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
 #include "client/terminal/validators.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "client/cli/commands.h"
-#include "client/shell/completion.h"
+#include "client/terminal/completion.h"
 #include "client/terminal/session.h"
 
 namespace lucerna::cli {

@@ -6,16 +6,17 @@
 #include <functional>
 #include <string>
 
-#include "client/rpc/batches.h"
-#include "client/shell/print.h"
+#include "client/library/batches.h"
 #include "client/terminal/output.h"
+#include "client/terminal/print.h"
 #include "client/terminal/session.h"
 
 namespace lucerna::cli {
 
-/// Sends the request by `in_batches`, a function of client/rpc/batches.h, and prints the answer.
-/// With --json, prints JSON with the members of `json_more` (see to_json()).  Otherwise calls
-/// `print`, and then prints the scene's remarks.  The exit status is 1 if some item has no answer.
+/// Sends the request by `in_batches`, a function of client/library/batches.h, and prints the
+/// answer. With --json, prints JSON with the members of `json_more` (see to_json()).  Otherwise
+/// calls `print`, and then prints the scene's remarks.  The exit status is 1 if some item has no
+/// answer.
 template <class Request, class Response, class Print>
 void send_and_print(Session& session, const Request& request,
                     absl::StatusOr<Response> (*in_batches)(const client::Client&, const Request&,

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "client/shell/colour.h"
-#include "client/shell/print.h"
+#include "client/terminal/colour.h"
+#include "client/terminal/print.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "lucerna/client/client.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "client/shell/colour.h"
+#include "client/terminal/colour.h"
 #include "lucerna/v1/lighting.pb.h"
 #include "proto/common/plain_text.h"
 

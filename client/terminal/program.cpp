@@ -8,8 +8,8 @@
 #include <exception>
 #include <vector>
 
-#include "client/shell/completion.h"
-#include "client/shell/print.h"
+#include "client/terminal/completion.h"
+#include "client/terminal/print.h"
 #include "client/terminal/suggestion.h"
 
 namespace lucerna::cli {

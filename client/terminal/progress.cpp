@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "client/shell/print.h"
+#include "client/terminal/print.h"
 
 namespace lucerna::cli {
 

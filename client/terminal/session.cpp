@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "client/rpc/pages.h"
-#include "client/shell/print.h"
+#include "client/library/pages.h"
+#include "client/terminal/print.h"
 #include "client/terminal/validators.h"
 #include "proto/common/status_macros.h"
 

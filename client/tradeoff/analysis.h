@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/tradeoff/reference.h"
-#include "client/tradeoff/statistics.h"
+#include "client/tradeoff/study_statistics.h"
 #include "client/tradeoff/sweep.h"
 
 namespace lucerna::tradeoff {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "client/rpc/pages.h"
+#include "client/library/pages.h"
 #include "client/terminal/luminance.h"
 #include "client/tradeoff/question.h"
 #include "lucerna/client/batches.h"

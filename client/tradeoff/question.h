@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/tradeoff/errors.h"
 #include "client/tradeoff/settings.h"
+#include "client/tradeoff/study_errors.h"
 #include "lucerna/client/client.h"
 #include "lucerna/client/points.h"
 

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <utility>
 
-#include "client/tradeoff/report.h"
+#include "client/tradeoff/study_report.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::tradeoff {

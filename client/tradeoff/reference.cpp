@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/tradeoff/statistics.h"
+#include "client/tradeoff/study_statistics.h"
 #include "proto/common/confidence.h"
 #include "proto/common/status_macros.h"
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "client/rpc/batch_parts.h"
+#include "client/library/batch_parts.h"
 #include "client/terminal/luminance.h"
 #include "client/tradeoff/question.h"
 #include "lucerna/client/batches.h"

@@ -12,7 +12,7 @@
 #include <random>
 #include <utility>
 
-#include "client/tradeoff/statistics.h"
+#include "client/tradeoff/study_statistics.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::tradeoff {

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/tradeoff/errors.h"
 #include "client/tradeoff/reference.h"
 #include "client/tradeoff/settings.h"
+#include "client/tradeoff/study_errors.h"
 
 namespace lucerna::tradeoff {
 

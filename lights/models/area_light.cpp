@@ -9,12 +9,12 @@
 #include <numbers>
 #include <utility>
 
+#include "lights/maths/level_validation.h"
 #include "lights/models/all_lights.h"
 #include "lights/models/irradiance.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/inverse_square.h"
 #include "lights/sampling/sampling.h"
-#include "lights/spectra/level_validation.h"
 
 namespace lucerna {
 namespace {

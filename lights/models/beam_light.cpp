@@ -5,11 +5,11 @@
 #include <limits>
 
 #include "lights/maths/axes.h"
+#include "lights/maths/level_validation.h"
 #include "lights/maths/validation.h"
 #include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
 #include "lights/shapes/shape.h"
-#include "lights/spectra/level_validation.h"
 
 namespace lucerna {
 namespace {

@@ -3,10 +3,10 @@
 #include <limits>
 #include <numbers>
 
+#include "lights/maths/level_validation.h"
 #include "lights/maths/validation.h"
 #include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
-#include "lights/spectra/level_validation.h"
 
 namespace lucerna {
 

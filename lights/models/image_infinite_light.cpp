@@ -2,10 +2,10 @@
 
 #include <limits>
 
+#include "lights/maths/level_validation.h"
 #include "lights/maths/stop_poll.h"
 #include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
-#include "lights/spectra/level_validation.h"
 
 namespace lucerna {
 namespace {

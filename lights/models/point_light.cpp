@@ -2,10 +2,10 @@
 
 #include <numbers>
 
+#include "lights/maths/level_validation.h"
 #include "lights/maths/validation.h"
 #include "lights/models/all_lights.h"
 #include "lights/sampling/sampling.h"
-#include "lights/spectra/level_validation.h"
 
 namespace lucerna {
 

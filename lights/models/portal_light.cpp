@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "lights/maths/level_validation.h"
 #include "lights/maths/stop_poll.h"
 #include "lights/maths/validation.h"
 #include "lights/models/all_lights.h"
@@ -14,7 +15,6 @@
 #include "lights/pictures/rectified_map.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/projected_solid_angle.h"
-#include "lights/spectra/level_validation.h"
 
 namespace lucerna {
 namespace {

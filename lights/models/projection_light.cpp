@@ -6,11 +6,11 @@
 #include <numbers>
 
 #include "lights/maths/axes.h"
+#include "lights/maths/level_validation.h"
 #include "lights/maths/validation.h"
 #include "lights/models/all_lights.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/inverse_square.h"
-#include "lights/spectra/level_validation.h"
 
 namespace lucerna {
 

@@ -3,13 +3,13 @@
 #include <limits>
 #include <numbers>
 
+#include "lights/maths/level_validation.h"
 #include "lights/maths/validation.h"
 #include "lights/models/all_lights.h"
 #include "lights/models/irradiance.h"
 #include "lights/sampling/emission.h"
 #include "lights/sampling/projected_solid_angle.h"
 #include "lights/sampling/sampling.h"
-#include "lights/spectra/level_validation.h"
 
 namespace lucerna {
 

@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "lights/maths/rgb.h"
 #include "lights/maths/vec.h"
-#include "lights/spectra/rgb.h"
 
 namespace lucerna {
 

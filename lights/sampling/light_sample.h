@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include "lights/maths/density.h"
+#include "lights/maths/rgb.h"
 #include "lights/maths/vec.h"
 #include "lights/sampling/area_sampling.h"
-#include "lights/spectra/rgb.h"
 
 namespace lucerna {
 

@@ -19,7 +19,7 @@
 #include "lights/maths/normal_cone.h"
 #include "lights/pictures/image_distribution.h"
 #include "lights/sampling/light_sample.h"
-#include "lights/shapes/picture.h"
+#include "lights/shapes/shape_picture.h"
 
 namespace lucerna {
 

@@ -5,9 +5,9 @@
 
 #include <cstdint>
 
-#include "server/assets/load_budget.h"
-#include "server/assets/load_limits.h"
 #include "server/description/scene_description.h"
+#include "server/files/load_budget.h"
+#include "server/files/load_limits.h"
 
 namespace lucerna {
 

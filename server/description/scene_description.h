@@ -15,15 +15,15 @@
 #include <vector>
 
 #include "lights/maths/motion.h"
+#include "lights/maths/spectrum.h"
 #include "lights/maths/transform.h"
 #include "lights/models/all_lights.h"
 #include "lights/shapes/all_shapes.h"
-#include "lights/spectra/spectrum.h"
-#include "server/assets/asset.h"
-#include "server/assets/load_limits.h"
 #include "server/description/boxed.h"
 #include "server/description/pixel_filter.h"
 #include "server/description/source_location.h"
+#include "server/files/asset.h"
+#include "server/files/load_limits.h"
 #include "server/materials/material.h"
 
 namespace lucerna {
@@ -94,7 +94,7 @@ struct CurveData {
   double start_width_m = 1, end_width_m = 1;  ///< at least 0
   std::vector<Vec3> normals{};                ///< of a ribbon: unit, count() + 1; else empty
 
-  /// Requires as many points as check_curves() allows (server/meshes/curve_pieces.h).
+  /// Requires as many points as check_curves() allows (server/description/curve_pieces.h).
   std::size_t count() const {
     const auto d = static_cast<std::size_t>(degree);
     return is_b_spline ? points.size() - d : (points.size() - 1) / d;
@@ -170,7 +170,7 @@ struct LightDescription {
   /// Motion in the world; null if it does not move.  `params` are at the first key frame.
   std::shared_ptr<const Motion> motion{};
   std::uint32_t samples = 1;  ///< the same as in SceneLight
-  std::string name{};         ///< a light name (server/formats/light_name.h); empty: none
+  std::string name{};         ///< a light name (server/files/light_name.h); empty: none
 };
 
 /// How a camera maps film positions to rays.  [Pharr23, 5]

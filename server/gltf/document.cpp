@@ -11,7 +11,7 @@
 #include <iterator>
 
 #include "lights/maths/stop_poll.h"
-#include "server/formats/image_reader.h"
+#include "server/files/image_reader.h"
 #include "server/gltf/compression.h"
 #include "server/gltf/structure.h"
 

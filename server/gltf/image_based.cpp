@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
+#include "lights/maths/level_validation.h"
 #include "lights/pictures/sphere_map.h"
-#include "lights/spectra/level_validation.h"
-#include "server/formats/image_reader.h"
+#include "server/files/image_reader.h"
 #include "server/gltf/matrix.h"
 
 namespace lucerna::gltf {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "lights/maths/stop_poll.h"
-#include "server/gltf/materials.h"
+#include "server/gltf/gltf_materials.h"
 
 namespace lucerna::gltf {
 namespace {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/gltf/context.h"
+#include "server/gltf/gltf_load_state.h"
 
 namespace lucerna::gltf {
 

@@ -4,8 +4,8 @@
 #include <concepts>
 #include <optional>
 
+#include "lights/maths/rgb.h"
 #include "lights/maths/vec.h"
-#include "lights/spectra/rgb.h"
 
 namespace lucerna {
 

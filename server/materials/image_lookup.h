@@ -1,7 +1,7 @@
 // The value of a picture at texture coordinates.
 #pragma once
 
-#include "lights/spectra/rgb.h"
+#include "lights/maths/rgb.h"
 #include "server/materials/texture.h"
 
 namespace lucerna {

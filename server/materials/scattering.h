@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "lights/maths/density.h"
+#include "lights/maths/rgb.h"
 #include "lights/maths/vec.h"
-#include "lights/spectra/rgb.h"
 
 namespace lucerna {
 

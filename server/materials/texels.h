@@ -6,8 +6,8 @@
 #include <stop_token>
 #include <vector>
 
+#include "lights/maths/rgb.h"
 #include "lights/pictures/image.h"
-#include "lights/spectra/rgb.h"
 
 namespace lucerna {
 

@@ -15,10 +15,10 @@
 #include <variant>
 #include <vector>
 
+#include "lights/maths/rgb.h"
 #include "lights/maths/transform.h"
 #include "lights/maths/vec.h"
 #include "lights/pictures/image.h"
-#include "lights/spectra/rgb.h"
 #include "server/materials/texels.h"
 
 namespace lucerna {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/assets/asset_reader.h"
+#include "server/files/asset_reader.h"
 
 namespace lucerna {
 

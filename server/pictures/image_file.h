@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "proto/common/status_macros.h"
-#include "server/assets/load_budget.h"
-#include "server/formats/image_reader.h"
+#include "server/files/image_reader.h"
+#include "server/files/load_budget.h"
 #include "server/pictures/arrangement.h"
 #include "server/pictures/colour_layer.h"
 #include "server/pictures/picture_format.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "server/assets/asset_reader.h"
+#include "server/files/asset_reader.h"
 
 namespace lucerna {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "lights/spectra/rgb_primaries.h"
-#include "server/assets/asset_reader.h"
+#include "lights/maths/rgb_primaries.h"
+#include "server/files/asset_reader.h"
 #include "server/pictures/picture_format.h"
 
 namespace lucerna {

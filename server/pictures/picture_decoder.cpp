@@ -1,4 +1,4 @@
-#include "server/formats/picture_decoder.h"
+#include "server/files/picture_decoder.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "lights/maths/rgb_primaries.h"
 #include "lights/maths/stop_poll.h"
-#include "lights/spectra/rgb_primaries.h"
 #include "proto/common/status_macros.h"
 #include "server/pictures/image_file.h"
 #include "server/pictures/picture_checks.h"

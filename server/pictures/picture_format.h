@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "server/assets/asset_reader.h"
+#include "server/files/asset_reader.h"
 
 namespace lucerna {
 

@@ -1,7 +1,7 @@
 // Radiance pictures (.hdr, .pic).  [Ward91]  Only for the files of this room.
 #pragma once
 
-#include "lights/spectra/rgb.h"
+#include "lights/maths/rgb.h"
 #include "server/pictures/whole_picture.h"
 
 namespace lucerna {

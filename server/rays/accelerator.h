@@ -20,7 +20,7 @@
 #include "lights/maths/transform.h"
 #include "lights/shapes/all_shapes.h"
 #include "lights/shapes/bilinear_patch.h"
-#include "server/assets/load_budget.h"
+#include "server/files/load_budget.h"
 #include "server/rays/curve.h"
 #include "server/rays/large_triangle.h"
 #include "server/rays/ray.h"

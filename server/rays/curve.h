@@ -12,7 +12,7 @@
 
 #include "lights/maths/vec.h"
 #include "lights/shapes/shape.h"
-#include "server/meshes/curve_pieces.h"
+#include "server/description/curve_pieces.h"
 
 namespace lucerna {
 

@@ -24,8 +24,7 @@ struct ConnectionOptions {
   TlsFiles tls;
   /// Allows an address that other machines reach, without TLS.
   bool insecure = false;
-  std::string
-      token_file;  ///< see server/access/token_file.h; empty: every caller may do everything
+  std::string token_file;  ///< see server/rpc/token_file.h; empty: every caller may do everything
   ConnectionLimits limits;
   std::uint32_t streams = 1000;        ///< calls at once on one connection
   std::uint32_t idle_s = 1800;         ///< a connection without calls is closed; 0: never

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "lucerna/v1/admin.pb.h"
-#include "server/access/access.h"
 #include "server/monitor/call_statistics.h"
+#include "server/rpc/access.h"
 #include "server/rpc/connections.h"
 #include "server/rpc/messages/task.h"
 #include "server/rpc/serving_state.h"

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "server/assets/asset_store_options.h"
+#include "server/files/asset_store_options.h"
 #include "server/monitor/call_record.h"
 #include "server/rpc/connection_options.h"
 #include "server/rpc/messages/request_limits.h"

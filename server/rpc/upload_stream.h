@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "lucerna/v1/scene.pb.h"
-#include "server/assets/asset_store.h"
+#include "server/files/asset_store.h"
 #include "server/rpc/reactor.h"
 
 namespace lucerna::rpc {

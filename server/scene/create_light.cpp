@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
+#include "lights/maths/level_validation.h"
 #include "lights/maths/validation.h"
-#include "lights/spectra/level_validation.h"
 #include "proto/common/status_macros.h"
 #include "server/description/described_shape.h"
 #include "server/rays/surface_table.h"

@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <string>
 
-#include "server/assets/load_budget.h"
+#include "server/files/load_budget.h"
 #include "server/scene/scene_frame.h"
 #include "server/scene/scene_geometry.h"
 

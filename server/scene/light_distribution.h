@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "lights/choice/light_tree.h"
 #include "lights/maths/vec.h"
+#include "lights/models/light_tree.h"
 
 namespace lucerna {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "lights/choice/light_tree.h"
+#include "lights/models/light_tree.h"
 #include "server/scene/light_distribution.h"
 #include "server/scene/scene_part.h"
 

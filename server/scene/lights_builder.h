@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/assets/load_budget.h"
+#include "server/files/load_budget.h"
 #include "server/scene/scene_frame.h"
 #include "server/scene/scene_lights.h"
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "lights/maths/level_validation.h"
 #include "lights/models/area_light.h"
-#include "lights/spectra/level_validation.h"
 #include "proto/common/status_macros.h"
 #include "server/scene/create_light.h"
 #include "server/scene/lights_builder.h"

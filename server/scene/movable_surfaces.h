@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "server/description/scene_description.h"
 #include "lights/maths/bounds.h"
+#include "server/description/scene_description.h"
 
 namespace lucerna {
 

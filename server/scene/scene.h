@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "server/assets/load_budget.h"
 #include "server/description/scene_description.h"
+#include "server/files/load_budget.h"
 #include "server/scene/camera.h"
 #include "server/scene/light_edit.h"
 #include "server/scene/scene_geometry.h"

@@ -4,8 +4,8 @@
 
 #include <utility>
 
-#include "server/gltf/load.h"
-#include "server/pbrt/load.h"
+#include "server/gltf/load_gltf.h"
+#include "server/pbrt/load_pbrt.h"
 
 namespace lucerna {
 

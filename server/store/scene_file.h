@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "server/assets/asset_reader.h"
 #include "server/description/scene_description.h"
+#include "server/files/asset_reader.h"
 
 namespace lucerna {
 

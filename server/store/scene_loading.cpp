@@ -9,7 +9,7 @@
 #include "lights/maths/stop_poll.h"
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
-#include "server/assets/asset_reader.h"
+#include "server/files/asset_reader.h"
 #include "server/runtime/memory.h"
 #include "server/scene/moved_geometry.h"
 #include "server/store/scene_file.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "proto/common/status_macros.h"
-#include "server/assets/asset_reader.h"
+#include "server/files/asset_reader.h"
 #include "server/store/scene_file.h"
 #include "server/store/store_state.h"
 

@@ -13,8 +13,8 @@
 #include <variant>
 #include <vector>
 
-#include "server/assets/file_listing.h"
-#include "server/assets/manifest_source.h"
+#include "server/files/file_listing.h"
+#include "server/files/manifest_source.h"
 #include "server/scene/scene.h"
 #include "server/store/scene_store_options.h"
 

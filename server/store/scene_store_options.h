@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "server/assets/load_limits.h"
+#include "server/files/load_limits.h"
 
 namespace lucerna {
 

@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "server/assets/asset_reader.h"
-#include "server/pbrt/load.h"
+#include "server/files/asset_reader.h"
+#include "server/pbrt/load_pbrt.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {

@@ -30,13 +30,13 @@
 #include <vector>
 
 #include "proto/common/quantile.h"
-#include "server/assets/asset_reader.h"
-#include "server/estimate/paths/render.h"
-#include "server/pbrt/load.h"
+#include "server/estimate/render.h"
+#include "server/files/asset_reader.h"
+#include "server/pbrt/load_pbrt.h"
 #include "server/runtime/denormals.h"
 #include "server/scene/scene.h"
 #include "tests/paths.h"
-#include "tests/server/estimate/paths/compare.h"
+#include "tests/server/estimate/compare.h"
 
 namespace lucerna {
 namespace {

@@ -19,7 +19,7 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/quantile.h"
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/queries/receiver_irradiance.h"
 #include "tests/bench/bench_program.h"
 
 namespace lucerna {

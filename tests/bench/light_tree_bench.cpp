@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lights/choice/light_tree.h"
+#include "lights/models/light_tree.h"
 #include "lights/sampling/sobol.h"
 
 namespace lucerna {

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/queries/queries.h"
+#include "server/queries/queries.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/scene.h"
 #include "tests/bench/sample_li_arrays.h"

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "proto/common/quantile.h"
-#include "server/estimate/queries/queries.h"
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/queries/queries.h"
+#include "server/queries/receiver_irradiance.h"
 #include "server/runtime/denormals.h"
 #include "tests/server/scene/scenes.h"
 

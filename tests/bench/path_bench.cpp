@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "lights/sampling/sobol.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/render.h"
 #include "tests/bench/bench_program.h"
 
 namespace lucerna {

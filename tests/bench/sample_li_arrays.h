@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/estimate/queries/queries.h"
+#include "server/queries/queries.h"
 
 namespace lucerna {
 

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/queries/queries.h"
+#include "server/queries/queries.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/scene.h"

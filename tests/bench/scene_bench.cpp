@@ -1,9 +1,9 @@
 // Rays, tiles and irradiance in a scene with a ball, a box and a room around them.
 #include <benchmark/benchmark.h>
 
-#include "server/assets/asset_reader.h"
-#include "server/estimate/paths/render.h"
-#include "server/pbrt/load.h"
+#include "server/estimate/render.h"
+#include "server/files/asset_reader.h"
+#include "server/pbrt/load_pbrt.h"
 #include "server/scene/scene.h"
 #include "tests/paths.h"
 

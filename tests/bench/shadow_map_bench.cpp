@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "proto/common/quantile.h"
-#include "server/estimate/lights/light_visibility.h"
-#include "server/estimate/paths/render.h"
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/estimate/light_visibility.h"
+#include "server/estimate/render.h"
+#include "server/queries/receiver_irradiance.h"
 #include "server/runtime/parallel.h"
 #include "tests/bench/shipped_scene.h"
 

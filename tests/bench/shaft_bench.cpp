@@ -12,7 +12,7 @@
 #include "lights/sampling/sobol.h"
 #include "proto/common/quantile.h"
 #include "server/runtime/denormals.h"
-#include "server/shadows/shaft.h"
+#include "server/visibility/shaft.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {

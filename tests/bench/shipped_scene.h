@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "server/assets/asset_reader.h"
-#include "server/estimate/queries/receiver_irradiance.h"
-#include "server/pbrt/load.h"
+#include "server/files/asset_reader.h"
+#include "server/pbrt/load_pbrt.h"
+#include "server/queries/receiver_irradiance.h"
 #include "server/scene/scene.h"
 #include "tests/paths.h"
 

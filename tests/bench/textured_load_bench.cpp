@@ -25,8 +25,8 @@
 #include <string_view>
 #include <vector>
 
-#include "server/assets/asset_reader.h"
-#include "server/pbrt/load.h"
+#include "server/files/asset_reader.h"
+#include "server/pbrt/load_pbrt.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {

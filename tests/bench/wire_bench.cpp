@@ -22,15 +22,15 @@
 #include <thread>
 #include <vector>
 
-#include "client/bench/load.h"
-#include "client/bench/questions.h"
-#include "client/bench/server_target.h"
-#include "client/rpc/byte_calls.h"
+#include "client/cli/bench_load.h"
+#include "client/cli/bench_questions.h"
+#include "client/cli/server_target.h"
+#include "client/library/byte_calls.h"
 #include "client/testing/local_server.h"
 #include "proto/common/quantile.h"
-#include "server/assets/asset_reader.h"
-#include "server/estimate/paths/render.h"
-#include "server/pbrt/load.h"
+#include "server/estimate/render.h"
+#include "server/files/asset_reader.h"
+#include "server/pbrt/load_pbrt.h"
 #include "server/scene/scene.h"
 #include "tests/paths.h"
 #include "tests/temp_directory.h"

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "client/jobs/irradiance_job.h"
+#include "client/library/irradiance_job.h"
 #include "tests/e2e/cli_fixture.h"
 
 // This header removes macros that Protobuf's headers need, so it comes last.

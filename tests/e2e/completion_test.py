@@ -3,7 +3,7 @@
 
     tests/e2e/completion_test.py BUILD_DIR bash|zsh|fish
 
-The shells take the scripts of client/shell from folders such as those of an installation.  Exit status 77: the shell, or
+The shells take the scripts of client/terminal from folders such as those of an installation.  Exit status 77: the shell, or
 bash-completion for bash, is not installed.
 """
 import os
@@ -19,7 +19,7 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from server_process import ServerProcess  # noqa: E402
 
-SHELL = pathlib.Path(__file__).resolve().parents[2] / "client/shell"
+SHELL = pathlib.Path(__file__).resolve().parents[2] / "client/terminal"
 REFERENCE = SHELL.parents[1] / "tests/data/reference"
 TIMEOUT_S = 600  # ends a test that hangs
 BASH_COMPLETION = pathlib.Path("/usr/share/bash-completion/bash_completion")

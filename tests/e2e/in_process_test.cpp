@@ -7,9 +7,9 @@
 
 #include "lucerna/client/render_job.h"
 #include "lucerna/client/testing/local_server.h"
-#include "server/assets/asset_reader.h"
-#include "server/estimate/paths/render.h"
-#include "server/pbrt/load.h"
+#include "server/estimate/render.h"
+#include "server/files/asset_reader.h"
+#include "server/pbrt/load_pbrt.h"
 #include "server/scene/scene.h"
 #include "tests/paths.h"
 

@@ -1,8 +1,8 @@
 // A set of points has bitwise the same answers in one batch and in many.
 #include <gtest/gtest.h>
 
-#include "client/rpc/batches.h"
-#include "client/rpc/points.h"
+#include "client/library/batches.h"
+#include "client/library/points.h"
 #include "client/testing/local_server_test.h"
 #include "tests/paths.h"
 

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "server/formats/eulumdat.h"
-#include "server/formats/ies.h"
-#include "server/formats/ply.h"
-#include "server/pbrt/load.h"
+#include "server/files/eulumdat.h"
+#include "server/files/ies.h"
+#include "server/files/ply.h"
+#include "server/pbrt/load_pbrt.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/input_files.h"
-#include "tests/server/assets/limited_pool.h"
+#include "tests/server/files/limited_pool.h"
 
 namespace lucerna::fuzz {
 namespace {

@@ -1,5 +1,5 @@
 // Reads the input as the configuration file of lucernad.
-#include "server/config/configuration.h"
+#include "server/lucernad/configuration.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/input_files.h"
 

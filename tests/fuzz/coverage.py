@@ -20,20 +20,20 @@ SANITIZERS = {"ASAN_OPTIONS": "allocator_may_return_null=1:detect_leaks=0"}
 # What each target reads, and the files that do it.
 READERS = {
     "request_fuzz": ("requests", ["server/rpc/messages/*.cpp", "server/rpc/handlers/*.cpp"]),
-    "pbrt_fuzz": (".pbrt", ["server/pbrt/*.cpp", "server/pbrt/*/*.cpp"]),
-    "ply_fuzz": ("PLY", ["server/formats/ply*.cpp"]),
-    "ies_fuzz": ("IES", ["server/formats/ies.cpp", "server/formats/photometric_file.cpp"]),
+    "pbrt_fuzz": (".pbrt", ["server/pbrt/*.cpp"]),
+    "ply_fuzz": ("PLY", ["server/files/ply*.cpp"]),
+    "ies_fuzz": ("IES", ["server/files/ies.cpp", "server/files/photometric_file.cpp"]),
     "eulumdat_fuzz": ("EULUMDAT",
-                      ["server/formats/eulumdat.cpp", "server/formats/photometric_file.cpp"]),
+                      ["server/files/eulumdat.cpp", "server/files/photometric_file.cpp"]),
     "picture_fuzz": ("pictures", ["server/pictures/*.cpp"]),
     # pbrt_fuzz reads the words of textures; texture_fuzz writes them itself.
     "texture_fuzz": ("pictures of surfaces",
                      ["server/materials/texels.cpp", "server/materials/image_lookup.cpp"]),
     "gltf_fuzz": ("glTF", ["server/gltf/*.cpp"]),
     "config_fuzz": ("configuration file",
-                    ["server/config/" + name for name in
-                     ("configuration.cpp", "file.cpp", "schema.cpp", "setting.cpp")]),
-    "token_file_fuzz": ("token file", ["server/access/token_file.cpp"]),
+                    ["server/lucernad/" + name for name in
+                     ("configuration.cpp", "configuration_file.cpp", "setting.cpp", "setting_schema.cpp")]),
+    "token_file_fuzz": ("token file", ["server/rpc/token_file.cpp"]),
 }
 
 

@@ -1,5 +1,5 @@
 // Reads the input as a photometric file, and looks its intensities up.
-#include "server/formats/eulumdat.h"
+#include "server/files/eulumdat.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/input_files.h"
 #include "tests/fuzz/requirements.h"

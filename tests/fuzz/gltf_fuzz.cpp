@@ -1,5 +1,5 @@
 // Reads the input as a glTF file.  Its buffer may be a further file, or the file itself.
-#include "server/gltf/load.h"
+#include "server/gltf/load_gltf.h"
 #include "tests/fuzz/input_files.h"
 #include "tests/fuzz/requirements.h"
 

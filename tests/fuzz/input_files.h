@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/assets/file_source.h"
+#include "server/files/file_source.h"
 
 namespace lucerna::fuzz {
 

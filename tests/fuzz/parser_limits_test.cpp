@@ -5,10 +5,10 @@
 
 #include <string>
 
-#include "server/access/token_file.h"
-#include "server/config/configuration.h"
-#include "server/formats/ply.h"
-#include "server/pbrt/load.h"
+#include "server/files/ply.h"
+#include "server/lucernad/configuration.h"
+#include "server/pbrt/load_pbrt.h"
+#include "server/rpc/token_file.h"
 #include "server/runtime/text_file.h"
 #include "tests/fuzz/input_files.h"
 

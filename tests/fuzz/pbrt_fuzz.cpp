@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <string_view>
 
-#include "server/pbrt/load.h"
+#include "server/pbrt/load_pbrt.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/input_files.h"
 #include "tests/fuzz/requirements.h"
-#include "tests/server/assets/limited_pool.h"
+#include "tests/server/files/limited_pool.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "server/formats/image_reader.h"
+#include "server/files/image_reader.h"
 #include "tests/fuzz/input_files.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "server/formats/ply.h"
+#include "server/files/ply.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/input_files.h"
 

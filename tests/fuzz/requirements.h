@@ -10,8 +10,8 @@
 #include <variant>
 
 #include "server/description/scene_description.h"
-#include "server/formats/photometric_file.h"
-#include "server/formats/printable.h"
+#include "server/files/photometric_file.h"
+#include "server/files/printable.h"
 
 namespace lucerna::fuzz {
 

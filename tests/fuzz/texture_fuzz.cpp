@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <string>
 
-#include "server/pbrt/load.h"
+#include "server/pbrt/load_pbrt.h"
 #include "server/scene/emitter_alpha.h"
 #include "tests/fuzz/input_files.h"
 #include "tests/fuzz/requirements.h"

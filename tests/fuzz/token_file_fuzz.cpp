@@ -1,7 +1,7 @@
 // Reads the input as the file of tokens.
 #include <cstdlib>
 
-#include "server/access/token_file.h"
+#include "server/rpc/token_file.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/input_files.h"
 

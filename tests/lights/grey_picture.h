@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "lights/shapes/picture.h"
+#include "lights/shapes/shape_picture.h"
 
 namespace lucerna::testing {
 

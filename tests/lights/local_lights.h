@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "lights/choice/light_tree.h"
 #include "lights/models/all_lights.h"
+#include "lights/models/light_tree.h"
 #include "lights/shapes/all_shapes.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna::testing {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "tests/oracle/lights.h"
-#include "tests/oracle/shapes.h"
+#include "tests/oracle/oracle_lights.h"
+#include "tests/oracle/oracle_shapes.h"
 
 namespace lucerna::oracle {
 namespace {

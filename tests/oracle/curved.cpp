@@ -1,6 +1,6 @@
 #include "tests/oracle/curved.h"
 
-#include "tests/oracle/shapes.h"
+#include "tests/oracle/oracle_shapes.h"
 
 namespace lucerna::oracle {
 namespace {

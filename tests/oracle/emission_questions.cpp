@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "tests/oracle/numbers.h"
-#include "tests/oracle/shapes.h"
+#include "tests/oracle/oracle_shapes.h"
 #include "tests/oracle/wire_parts.h"
 
 namespace lucerna::testing {

@@ -3,7 +3,7 @@
 #include <complex>
 #include <numbers>
 
-#include "tests/oracle/gauss.h"
+#include "tests/oracle/oracle_gauss.h"
 #include "tests/oracle/square_integral.h"
 
 namespace lucerna::oracle {

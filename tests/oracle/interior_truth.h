@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tests/oracle/interior.h"
-#include "tests/oracle/truth.h"
+#include "tests/oracle/oracle_truth.h"
 
 namespace lucerna::oracle {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "tests/oracle/vec.h"
+#include "tests/oracle/oracle_vec.h"
 
 namespace lucerna::oracle {
 

@@ -9,8 +9,8 @@
 #include <iostream>
 #include <map>
 
+#include "tests/oracle/oracle_shapes.h"
 #include "tests/oracle/questioner.h"
-#include "tests/oracle/shapes.h"
 #include "tests/oracle/shrink.h"
 #include "tests/oracle/tally.h"
 #include "tests/server/extremes/wire_settings.h"

@@ -5,8 +5,8 @@
 #include <queue>
 #include <span>
 
-#include "tests/oracle/gauss.h"
-#include "tests/oracle/shapes.h"
+#include "tests/oracle/oracle_gauss.h"
+#include "tests/oracle/oracle_shapes.h"
 
 namespace lucerna::oracle {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "tests/oracle/lights.h"
-#include "tests/oracle/shapes.h"
+#include "tests/oracle/oracle_lights.h"
+#include "tests/oracle/oracle_shapes.h"
 #include "tests/oracle/wire_parts.h"
 
 namespace lucerna::testing {

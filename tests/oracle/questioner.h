@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "tests/oracle/question.h"
-#include "tests/oracle/truth.h"
+#include "tests/oracle/oracle_question.h"
+#include "tests/oracle/oracle_truth.h"
 #include "tests/server/rpc/service_fixture.h"
 
 namespace lucerna::testing {

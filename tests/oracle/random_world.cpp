@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "tests/oracle/oracle_shapes.h"
 #include "tests/oracle/random_lights.h"
-#include "tests/oracle/shapes.h"
 
 namespace lucerna::oracle {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <utility>
 
-#include "tests/oracle/question.h"
+#include "tests/oracle/oracle_question.h"
 
 namespace lucerna::oracle {
 

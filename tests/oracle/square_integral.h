@@ -5,8 +5,8 @@
 #include <cmath>
 #include <queue>
 
-#include "tests/oracle/gauss.h"
-#include "tests/oracle/truth.h"
+#include "tests/oracle/oracle_gauss.h"
+#include "tests/oracle/oracle_truth.h"
 
 namespace lucerna::oracle {
 

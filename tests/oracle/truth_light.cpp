@@ -1,10 +1,10 @@
 // Direct light by adaptive quadrature over emitters.
 #include <algorithm>
 
-#include "tests/oracle/lights.h"
+#include "tests/oracle/oracle_lights.h"
+#include "tests/oracle/oracle_shapes.h"
+#include "tests/oracle/oracle_truth.h"
 #include "tests/oracle/quadrature.h"
-#include "tests/oracle/shapes.h"
-#include "tests/oracle/truth.h"
 
 namespace lucerna::oracle {
 Amount Truth::from_light(const Light& light, const Place& at) const {

@@ -1,7 +1,7 @@
 // The luminous flux of sources.
-#include "tests/oracle/lights.h"
-#include "tests/oracle/shapes.h"
-#include "tests/oracle/truth.h"
+#include "tests/oracle/oracle_lights.h"
+#include "tests/oracle/oracle_shapes.h"
+#include "tests/oracle/oracle_truth.h"
 
 namespace lucerna::oracle {
 

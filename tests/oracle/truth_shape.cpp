@@ -1,7 +1,7 @@
 // Direct light from surfaces, and their solid angles.
+#include "tests/oracle/oracle_shapes.h"
+#include "tests/oracle/oracle_truth.h"
 #include "tests/oracle/quadrature.h"
-#include "tests/oracle/shapes.h"
-#include "tests/oracle/truth.h"
 
 namespace lucerna::oracle {
 namespace {

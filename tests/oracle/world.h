@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/oracle/vec.h"
+#include "tests/oracle/oracle_vec.h"
 
 namespace lucerna::oracle {
 

@@ -26,7 +26,7 @@ FILES = {
                 "usr/share/man/man1/lucerna-irradiance.1.gz", "usr/share/man/man1/lucerna-tradeoff.1.gz"],
     "lucernad": ["usr/bin/lucernad", "usr/lib/lucerna/lucerna-pictures-*.so", "etc/lucernad/lucernad.toml",
                  "lib/systemd/system/lucernad.service", "usr/share/man/man8/lucernad.8.gz"],
-    "liblucerna-dev": ["usr/include/lucerna/client/client.h", "usr/lib/liblucerna_client_rpc.a",
+    "liblucerna-dev": ["usr/include/lucerna/client/client.h", "usr/lib/liblucerna_client_library.a",
                        "usr/lib/cmake/lucerna/lucernaConfig.cmake", "usr/lib/pkgconfig/lucerna.pc",
                        "usr/share/lucerna/proto/lucerna/v1/lighting.proto"],
     "python3-lucerna": ["usr/lib/python3/dist-packages/lucerna/__init__.py"],

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "server/estimate/statistics/block_stream.h"
-#include "tests/server/estimate/paths/tiles.h"
+#include "server/estimate/block_stream.h"
+#include "tests/server/estimate/tiles.h"
 
 namespace lucerna {
 namespace {

@@ -10,7 +10,7 @@
 #include "proto/common/host_port.h"
 #include "proto/common/quantile.h"
 #include "tests/paths.h"
-#include "tests/reliability/report.h"
+#include "tests/reliability/reliability_report.h"
 #include "tests/reliability/subject.h"
 
 namespace lucerna::reliability {

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "proto/common/quantile.h"
-#include "tests/reliability/report.h"
+#include "tests/reliability/reliability_report.h"
 #include "tests/reliability/subject.h"
 
 namespace lucerna::reliability {

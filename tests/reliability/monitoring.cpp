@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "proto/common/quantile.h"
-#include "tests/reliability/report.h"
+#include "tests/reliability/reliability_report.h"
 #include "tests/reliability/subject.h"
 
 namespace lucerna::reliability {

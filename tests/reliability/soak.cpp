@@ -9,7 +9,7 @@
 #include <random>
 #include <thread>
 
-#include "tests/reliability/report.h"
+#include "tests/reliability/reliability_report.h"
 #include "tests/reliability/subject.h"
 
 namespace lucerna::reliability {

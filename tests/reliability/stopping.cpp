@@ -18,7 +18,7 @@
 
 #include "proto/common/quantile.h"
 #include "tests/reliability/long_calls.h"
-#include "tests/reliability/report.h"
+#include "tests/reliability/reliability_report.h"
 #include "tests/reliability/stream_call.h"
 
 namespace lucerna::reliability {

@@ -1,4 +1,4 @@
-"""Requests of any size in batches that the server accepts.  client/rpc/batches.h does the same in C++.
+"""Requests of any size in batches that the server accepts.  client/library/batches.h does the same in C++.
 
 The answer has the bits of a single request, since each batch states its position in the whole set (Seed.first_item).
 """

@@ -1,4 +1,4 @@
-"""Connections: TLS, tokens, retries, keep-alive.  client/rpc/channel.cpp does the same in C++."""
+"""Connections: TLS, tokens, retries, keep-alive.  client/library/channel.cpp does the same in C++."""
 from __future__ import annotations
 
 import dataclasses

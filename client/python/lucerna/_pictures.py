@@ -67,7 +67,7 @@ class Picture:
     @property
     def luminance(self) -> Doubles:
         """The luminance of `pixels`, in their unit, shape (height, width)."""
-        # The weights of Rec. 709 and D65, as in lights/spectra/rgb.h.
+        # The weights of Rec. 709 and D65, as in lights/maths/rgb.h.
         luminance: Doubles = self.pixels @ np.array([0.2126390058715104, 0.7151686787677559, 0.0721923153607337])
         return luminance
 
@@ -97,7 +97,7 @@ def _plane(data: bytes, dtype: str, *shape: int) -> NDArray[Any]:
 
 
 def _check(tile: render_pb2.Tile) -> None:
-    """As check_tile() in client/rpc/answer_checks.cpp."""
+    """As check_tile() in client/library/answer_checks.cpp."""
     r = tile.rect
     if not (r.x0 < r.x1 <= tile.image_width and r.y0 < r.y1 <= tile.image_height):
         raise _wire.Broken(f"{_name(r)} is empty, or outside of its picture")

@@ -103,7 +103,7 @@ def to_floats(array: NDArray[Any], width: int) -> _wire.Floats:
 
 
 def origin_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The origin that the C++ library chooses (client/rpc/points.h), so that both send the same floats.
+    """The origin that the C++ library chooses (client/library/points.h), so that both send the same floats.
 
     If all coordinates are equal, the middle is their value.  Otherwise the origin zero loses at most three bits, and
     keeps coordinates that are zero exact.

@@ -198,7 +198,7 @@ UploadProgress = Callable[[str, int, int], None]
 
 def upload(path: str | os.PathLike[str], root: str | os.PathLike[str] | None, request: scene_pb2.LoadSceneRequest,
            progress: UploadProgress | None) -> Steps[Loaded]:
-    """Loads a scene file of this machine.  client/rpc/upload.cpp does the same in C++."""
+    """Loads a scene file of this machine.  client/library/upload.cpp does the same in C++."""
     main = pathlib.Path(path).resolve()
     if not main.is_file():
         raise NotFound(f"{os.fspath(path)}: no such file")

@@ -9,10 +9,10 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
-#include "server/estimate/lights/missed_light.h"
-#include "server/estimate/queries/queries.h"
-#include "server/estimate/queries/receiver_irradiance.h"
-#include "server/estimate/queries/visibility.h"
+#include "server/estimate/missed_light.h"
+#include "server/queries/queries.h"
+#include "server/queries/receiver_irradiance.h"
+#include "server/queries/visibility.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
@@ -21,8 +21,8 @@
 #include "server/rpc/messages/stop_rule.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/time_budget.h"
-#include "server/shadows/inside_solid.h"
-#include "server/smooth/smooth_surfaces.h"
+#include "server/visibility/inside_solid.h"
+#include "server/visibility/smooth_surfaces.h"
 
 namespace lucerna::rpc {
 namespace {

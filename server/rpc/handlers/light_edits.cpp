@@ -9,8 +9,8 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
-#include "server/formats/light_name.h"
-#include "server/formats/printable.h"
+#include "server/files/light_name.h"
+#include "server/files/printable.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"

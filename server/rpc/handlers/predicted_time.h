@@ -7,9 +7,9 @@
 
 #include <cstddef>
 
-#include "server/estimate/lights/methods.h"
+#include "server/estimate/methods.h"
 #include "server/scene/scene.h"
-#include "server/shadows/shadow_maps.h"
+#include "server/visibility/shadow_maps.h"
 
 namespace lucerna::rpc {
 

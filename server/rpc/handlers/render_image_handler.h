@@ -7,7 +7,7 @@
 
 #include "lucerna/v1/render.pb.h"
 #include "proto/common/tile_statistics.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/render.h"
 #include "server/rpc/handlers/render_query.h"
 #include "server/rpc/handlers/tile_rows.h"
 #include "server/rpc/messages/task.h"

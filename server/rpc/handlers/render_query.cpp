@@ -10,11 +10,11 @@
 #include "proto/common/luminance_moments.h"
 #include "proto/common/sample_blocks.h"
 #include "proto/common/status_macros.h"
-#include "server/estimate/queries/queries.h"
+#include "server/queries/queries.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/requested_methods.h"
-#include "server/smooth/smooth_remarks.h"
+#include "server/visibility/smooth_remarks.h"
 
 namespace lucerna::rpc {
 namespace {

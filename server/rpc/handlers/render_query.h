@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "lucerna/v1/render.pb.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/render.h"
 #include "server/rpc/messages/stop_rule.h"
 #include "server/rpc/messages/task.h"
 

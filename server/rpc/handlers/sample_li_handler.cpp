@@ -8,8 +8,8 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
-#include "server/estimate/queries/li_estimates.h"
-#include "server/estimate/queries/queries.h"
+#include "server/queries/li_estimates.h"
+#include "server/queries/queries.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"

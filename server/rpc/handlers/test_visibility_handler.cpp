@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include "proto/common/status_macros.h"
-#include "server/estimate/queries/visibility.h"
+#include "server/queries/visibility.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"

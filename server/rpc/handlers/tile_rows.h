@@ -8,7 +8,7 @@
 #include <stop_token>
 #include <utility>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/render.h"
 
 namespace lucerna::rpc {
 

@@ -7,7 +7,7 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
-#include "server/formats/printable.h"
+#include "server/files/printable.h"
 #include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {

@@ -11,7 +11,7 @@
 #include "lucerna/v1/accuracy.pb.h"
 #include "proto/common/answer_size.h"
 #include "proto/common/status_macros.h"
-#include "server/estimate/queries/queries.h"
+#include "server/queries/queries.h"
 #include "server/rpc/messages/task.h"
 
 namespace lucerna::rpc {

@@ -1,7 +1,7 @@
 #include "server/rpc/messages/convert.h"
 
-#include "server/estimate/queries/queries.h"
-#include "server/smooth/smooth_remarks.h"
+#include "server/queries/queries.h"
+#include "server/visibility/smooth_remarks.h"
 
 namespace lucerna::rpc {
 

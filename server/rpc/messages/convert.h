@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "lights/maths/rgb.h"
 #include "lights/maths/vec.h"
-#include "lights/spectra/rgb.h"
 #include "lucerna/v1/light.pb.h"
 #include "lucerna/v1/scene.pb.h"
 #include "server/store/scene_store.h"

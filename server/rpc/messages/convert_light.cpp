@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "lights/shapes/all_shapes.h"
-#include "server/estimate/queries/queries.h"
+#include "server/queries/queries.h"
 #include "server/rpc/messages/convert.h"
 
 namespace lucerna::rpc {

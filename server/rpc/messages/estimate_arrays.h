@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "server/estimate/lights/spectral_values.h"
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/estimate/spectral_values.h"
+#include "server/queries/receiver_irradiance.h"
 #include "server/rpc/messages/checks.h"
 
 namespace lucerna::rpc {

@@ -7,7 +7,7 @@
 
 #include "lucerna/v1/lighting.pb.h"
 #include "proto/common/status_macros.h"
-#include "server/estimate/queries/queries.h"
+#include "server/queries/queries.h"
 #include "server/rpc/messages/checks.h"
 
 namespace lucerna::rpc {

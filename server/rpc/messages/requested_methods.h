@@ -4,7 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include "lucerna/v1/accuracy.pb.h"
-#include "server/estimate/lights/methods.h"
+#include "server/estimate/methods.h"
 
 namespace lucerna::rpc {
 

@@ -7,7 +7,7 @@
 
 #include "lucerna/v1/accuracy.pb.h"
 #include "proto/common/defaults.h"
-#include "server/estimate/statistics/pilots.h"
+#include "server/estimate/pilots.h"
 #include "server/rpc/messages/task.h"
 
 namespace lucerna::rpc {

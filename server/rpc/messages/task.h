@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "lucerna/v1/accuracy.pb.h"
-#include "server/assets/asset_store.h"
+#include "server/files/asset_store.h"
 #include "server/rpc/messages/request_limits.h"
 #include "server/runtime/lanes.h"
 #include "server/store/scene_store.h"

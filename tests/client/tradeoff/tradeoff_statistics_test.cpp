@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "client/tradeoff/statistics.h"
+#include "client/tradeoff/study_statistics.h"
 
 namespace lucerna::tradeoff {
 namespace {

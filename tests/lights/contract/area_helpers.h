@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lights/models/area_light.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna::testing {
 

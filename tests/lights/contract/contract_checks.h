@@ -10,7 +10,7 @@
 
 #include "lights/maths/transform.h"
 #include "lights/sampling/light_sample.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna::testing {
 

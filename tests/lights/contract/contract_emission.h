@@ -26,7 +26,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "lights/choice/light_tree.h"
+#include "lights/models/light_tree.h"
 #include "tests/lights/contract/contract.h"
 #include "tests/lights/contract/emission_checks.h"
 

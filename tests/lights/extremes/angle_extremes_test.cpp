@@ -6,7 +6,7 @@
 
 #include "lights/shapes/all_shapes.h"
 #include "tests/lights/extremes/area_extremes.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna::testing {
 namespace {

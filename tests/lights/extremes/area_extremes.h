@@ -10,8 +10,8 @@
 #include "lights/maths/gauss.h"
 #include "lights/models/all_lights.h"
 #include "lights/shapes/all_shapes.h"
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 

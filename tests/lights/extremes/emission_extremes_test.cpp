@@ -9,7 +9,7 @@
 #include "lights/models/all_lights.h"
 #include "lights/sampling/sampling.h"
 #include "lights/shapes/all_shapes.h"
-#include "tests/sweep.h"
+#include "tests/extremes_sweep.h"
 
 namespace lucerna::testing {
 namespace {

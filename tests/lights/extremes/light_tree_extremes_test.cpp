@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "lights/maths/vec.h"
+#include "tests/extremes_sweep.h"
 #include "tests/lights/local_lights.h"
-#include "tests/sweep.h"
 #include "tests/value_of.h"
 
 namespace lucerna::testing {

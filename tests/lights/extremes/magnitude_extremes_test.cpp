@@ -7,8 +7,8 @@
 
 #include "lights/models/all_lights.h"
 #include "lights/shapes/all_shapes.h"
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

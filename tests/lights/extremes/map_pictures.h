@@ -9,8 +9,8 @@
 
 #include "lights/models/goniometric_light.h"
 #include "lights/models/image_infinite_light.h"
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 

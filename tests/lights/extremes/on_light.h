@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "lights/sampling/light_sample.h"
+#include "tests/extremes_sweep.h"
 #include "tests/lights/extremes/area_extremes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "lights/models/portal_light.h"
-#include "tests/lights/statistics.h"
+#include "tests/extremes_sweep.h"
+#include "tests/lights/sample_statistics.h"
 #include "tests/reference_table.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "tests/lights/extremes/area_extremes.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna::testing {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "lights/models/spot_light.h"
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "lights/models/sun_light.h"
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

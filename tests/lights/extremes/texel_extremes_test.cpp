@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "tests/lights/extremes/map_pictures.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna::testing {
 namespace {

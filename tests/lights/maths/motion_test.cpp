@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lights/maths/vec.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna::testing {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "lights/maths/density.h"
-#include "lights/spectra/rgb.h"
-#include "tests/lights/statistics.h"
+#include "lights/maths/rgb.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna {
 namespace {

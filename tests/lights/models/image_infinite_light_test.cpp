@@ -8,7 +8,7 @@
 #include "lights/maths/vec.h"
 #include "lights/pictures/map_illuminance.h"
 #include "lights/sampling/sampling.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna {
 namespace {

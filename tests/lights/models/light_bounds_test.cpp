@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lights/maths/vec.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna::testing {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "lights/maths/vec.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna {
 namespace {

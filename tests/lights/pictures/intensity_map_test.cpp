@@ -7,7 +7,7 @@
 
 #include "lights/maths/normal_cone.h"
 #include "lights/maths/vec.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna {
 namespace {

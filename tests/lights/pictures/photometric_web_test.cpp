@@ -6,7 +6,7 @@
 #include "lights/maths/normal_cone.h"
 #include "lights/maths/vec.h"
 #include "tests/lights/pictures/angle_range.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna {
 namespace {

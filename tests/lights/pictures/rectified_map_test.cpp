@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna {
 namespace {

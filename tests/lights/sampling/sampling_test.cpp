@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna {
 namespace {

@@ -7,7 +7,7 @@
 #include <functional>
 #include <set>
 
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/estimate/queries/visibility.h"
+#include "server/queries/visibility.h"
 #include "tests/server/extremes/ray_counts.h"
 
 namespace lucerna::testing {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "server/scene/scene.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

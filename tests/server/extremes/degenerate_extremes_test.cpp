@@ -11,9 +11,9 @@
 
 #include "lights/models/area_light.h"
 #include "lights/shapes/all_shapes.h"
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

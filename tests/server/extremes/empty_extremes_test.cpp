@@ -6,11 +6,11 @@
 #include <limits>
 #include <numbers>
 
-#include "server/estimate/paths/render.h"
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/estimate/render.h"
+#include "server/queries/receiver_irradiance.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/extremes/file_scenes.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

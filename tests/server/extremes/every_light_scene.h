@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
-#include "server/assets/asset_reader.h"
-#include "server/pbrt/load.h"
+#include "server/files/asset_reader.h"
+#include "server/pbrt/load_pbrt.h"
 #include "server/scene/scene.h"
 #include "tests/paths.h"
 #include "tests/value_of.h"

@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "tests/server/formats/photometric_texts.h"
-#include "tests/server/formats/picture_texts.h"
+#include "tests/server/files/photometric_texts.h"
+#include "tests/server/files/picture_texts.h"
 
 namespace lucerna::testing {
 namespace {

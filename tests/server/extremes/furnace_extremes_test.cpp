@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/paths/path.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/path.h"
+#include "server/estimate/render.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

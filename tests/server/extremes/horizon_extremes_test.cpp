@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/queries/receiver_irradiance.h"
+#include "tests/extremes_sweep.h"
 #include "tests/lights/closed_forms.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

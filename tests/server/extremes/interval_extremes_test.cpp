@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "lights/spectra/rgb.h"
-#include "server/estimate/paths/render.h"
+#include "lights/maths/rgb.h"
+#include "server/estimate/render.h"
+#include "tests/extremes_sweep.h"
 #include "tests/lights/closed_forms.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

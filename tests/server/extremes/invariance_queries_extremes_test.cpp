@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
-#include "server/estimate/queries/emission_queries.h"
-#include "server/estimate/queries/queries.h"
-#include "server/estimate/queries/visibility.h"
-#include "tests/server/estimate/queries/li_samples.h"
+#include "server/estimate/render.h"
+#include "server/queries/emission_queries.h"
+#include "server/queries/queries.h"
+#include "server/queries/visibility.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/extremes/scaled_scene.h"
+#include "tests/server/queries/li_samples.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/extremes_sweep.h"
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/server/formats/photometric_texts.h"
-#include "tests/server/formats/picture_texts.h"
-#include "tests/sweep.h"
+#include "tests/server/files/photometric_texts.h"
+#include "tests/server/files/picture_texts.h"
 
 namespace lucerna::testing {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
+#include "tests/extremes_sweep.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 #include "tests/server/rpc/service_fixture.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

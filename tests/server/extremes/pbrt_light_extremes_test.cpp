@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "server/scene/create_light.h"
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

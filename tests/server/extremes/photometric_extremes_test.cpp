@@ -11,12 +11,12 @@
 #include <numbers>
 #include <sstream>
 
-#include "server/formats/eulumdat.h"
-#include "server/formats/ies.h"
+#include "server/files/eulumdat.h"
+#include "server/files/ies.h"
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/server/formats/photometric_texts.h"
-#include "tests/sweep.h"
+#include "tests/server/files/photometric_texts.h"
 
 namespace lucerna::testing {
 namespace {

@@ -6,10 +6,10 @@
 #include <functional>
 #include <limits>
 
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/server/formats/picture_texts.h"
-#include "tests/sweep.h"
+#include "tests/server/files/picture_texts.h"
 
 namespace lucerna::testing {
 namespace {

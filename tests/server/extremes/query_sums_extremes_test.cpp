@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/queries/receiver_irradiance.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/rpc/service_fixture.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna::testing {

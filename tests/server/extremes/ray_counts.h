@@ -11,9 +11,9 @@
 
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/extremes/everything.h"
 #include "tests/server/extremes/wire_settings.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/queries/queries.h"
-#include "tests/server/estimate/queries/li_samples.h"
+#include "server/queries/queries.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/extremes/file_scenes.h"
 #include "tests/server/extremes/quad.h"
-#include "tests/sweep.h"
+#include "tests/server/queries/li_samples.h"
 
 namespace lucerna::testing {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "lights/sampling/sampling.h"
 #include "lights/shapes/all_shapes.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/extremes/every_light_scene.h"
 #include "tests/server/extremes/quad.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

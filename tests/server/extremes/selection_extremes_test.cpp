@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "lights/sampling/sobol.h"
-#include "server/estimate/queries/queries.h"
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/queries/queries.h"
+#include "server/queries/receiver_irradiance.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

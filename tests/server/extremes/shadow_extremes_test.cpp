@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "server/estimate/queries/visibility.h"
+#include "server/queries/visibility.h"
 #include "tests/server/extremes/ray_counts.h"
 
 namespace lucerna::testing {

@@ -10,9 +10,9 @@
 #include <string>
 #include <utility>
 
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/queries/receiver_irradiance.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "server/estimate/queries/receiver_irradiance.h"
 #include "server/materials/fresnel.h"
+#include "server/queries/receiver_irradiance.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

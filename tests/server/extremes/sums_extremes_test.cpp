@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "proto/common/tile_statistics.h"
-#include "server/estimate/paths/render.h"
-#include "server/estimate/statistics/block_stream.h"
-#include "server/estimate/statistics/sample_sum.h"
+#include "server/estimate/block_stream.h"
+#include "server/estimate/render.h"
+#include "server/estimate/sample_sum.h"
+#include "tests/extremes_sweep.h"
 #include "tests/reference_table.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

@@ -11,13 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "server/estimate/queries/queries.h"
-#include "server/estimate/queries/receiver_irradiance.h"
-#include "server/estimate/queries/visibility.h"
 #include "server/materials/fresnel.h"
-#include "tests/server/estimate/queries/li_samples.h"
+#include "server/queries/queries.h"
+#include "server/queries/receiver_irradiance.h"
+#include "server/queries/visibility.h"
+#include "tests/extremes_sweep.h"
+#include "tests/server/queries/li_samples.h"
 #include "tests/server/scene/scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

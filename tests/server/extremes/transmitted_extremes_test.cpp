@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "lights/sampling/sobol.h"
-#include "server/estimate/queries/emission_queries.h"
-#include "server/estimate/queries/queries.h"
+#include "server/queries/emission_queries.h"
+#include "server/queries/queries.h"
+#include "tests/extremes_sweep.h"
 #include "tests/server/extremes/every_light_scene.h"
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {

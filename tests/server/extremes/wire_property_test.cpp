@@ -17,7 +17,7 @@
 #include "tests/server/extremes/wire_queries.h"
 #include "tests/server/extremes/wire_scenes.h"
 #include "tests/server/extremes/wire_settings.h"
-#include "tests/server/rpc/health.h"
+#include "tests/server/rpc/health_client.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna::testing {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "server/formats/photometric_file.h"
+#include "server/files/photometric_file.h"
 
 namespace lucerna::testing {
 

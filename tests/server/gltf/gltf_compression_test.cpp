@@ -10,7 +10,7 @@
 
 #include "gltf_fixture.h"
 #include "server/gltf/draco_mesh.h"
-#include "tests/server/assets/limited_pool.h"
+#include "tests/server/files/limited_pool.h"
 
 namespace lucerna {
 namespace {

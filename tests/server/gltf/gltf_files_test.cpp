@@ -6,8 +6,8 @@
 
 #include "gltf_fixture.h"
 #include "lights/pictures/sphere_map.h"
-#include "server/estimate/queries/receiver_irradiance.h"
-#include "server/pbrt/load.h"
+#include "server/pbrt/load_pbrt.h"
+#include "server/queries/receiver_irradiance.h"
 #include "server/scene/scene.h"
 #include "server/store/scene_store.h"
 

@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "server/gltf/load.h"
+#include "server/gltf/load_gltf.h"
 #include "tests/temp_directory.h"
 #include "tests/value_of.h"
 

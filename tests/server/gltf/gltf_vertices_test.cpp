@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "gltf_fixture.h"
-#include "server/estimate/lights/surface_scattering.h"
+#include "server/estimate/surface_scattering.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {

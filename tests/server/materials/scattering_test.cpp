@@ -6,7 +6,7 @@
 
 #include "lights/sampling/sampling.h"
 #include "server/materials/fresnel.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 #include "tests/server/materials/every_scattering.h"
 
 namespace lucerna::testing {

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/server/formats/picture_texts.h"
+#include "tests/server/files/picture_texts.h"
 
 namespace lucerna::testing {
 namespace {

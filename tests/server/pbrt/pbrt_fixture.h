@@ -8,7 +8,7 @@
 #include <string>
 #include <variant>
 
-#include "server/pbrt/load.h"
+#include "server/pbrt/load_pbrt.h"
 #include "tests/temp_directory.h"
 #include "tests/value_of.h"
 

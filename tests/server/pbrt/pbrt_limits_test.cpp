@@ -5,9 +5,9 @@
 #include <stop_token>
 #include <string>
 
-#include "server/pbrt/load.h"
-#include "tests/server/assets/gzip.h"
-#include "tests/server/assets/limited_pool.h"
+#include "server/pbrt/load_pbrt.h"
+#include "tests/server/files/gzip.h"
+#include "tests/server/files/limited_pool.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {

@@ -10,8 +10,8 @@
 
 #include "tests/paths.h"
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/server/formats/photometric_texts.h"
-#include "tests/server/formats/picture_texts.h"
+#include "tests/server/files/photometric_texts.h"
+#include "tests/server/files/picture_texts.h"
 
 namespace lucerna {
 namespace {

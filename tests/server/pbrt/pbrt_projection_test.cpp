@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/scene/scene.h"
-#include "tests/server/formats/picture_texts.h"
+#include "tests/server/files/picture_texts.h"
 
 namespace lucerna {
 namespace {

@@ -1,10 +1,11 @@
 // Errors of lights under transforms that stretch.
+#include "server/pbrt/pbrt_scales.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "server/pbrt/lights/scales.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pbrt_fixture.h"
-#include "tests/server/assets/gzip.h"
+#include "tests/server/files/gzip.h"
 
 namespace lucerna {
 namespace {

@@ -1,8 +1,8 @@
+#include "server/pbrt/pbrt_token.h"
+
 #include <gtest/gtest.h>
 
 #include <vector>
-
-#include "server/pbrt/syntax/token.h"
 
 namespace lucerna::pbrt {
 namespace {

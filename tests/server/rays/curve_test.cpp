@@ -8,7 +8,7 @@
 #include <random>
 
 #include "lights/shapes/cylinder.h"
-#include "server/shadows/shaft.h"
+#include "server/visibility/shaft.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/estimate/queries/queries.h"
-#include "server/estimate/queries/receiver_irradiance.h"
+#include "server/queries/queries.h"
+#include "server/queries/receiver_irradiance.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna::testing {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "every_light.h"
-#include "tests/lights/statistics.h"
+#include "tests/lights/sample_statistics.h"
 
 namespace lucerna::testing {
 namespace {

@@ -5,7 +5,7 @@
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/paging.h"
 #include "service_fixture.h"
-#include "tests/server/rpc/health.h"
+#include "tests/server/rpc/health_client.h"
 
 namespace lucerna::testing {
 namespace {

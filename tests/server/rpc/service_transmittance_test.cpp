@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "lights/spectra/rgb.h"
+#include "lights/maths/rgb.h"
 #include "service_fixture.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lights/spectra/cie.h"
-#include "lights/spectra/spectrum.h"
+#include "lights/maths/cie.h"
+#include "lights/maths/spectrum.h"
 #include "service_fixture.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 

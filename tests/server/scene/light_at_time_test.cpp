@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "server/assets/asset_reader.h"
-#include "server/pbrt/load.h"
+#include "server/files/asset_reader.h"
+#include "server/pbrt/load_pbrt.h"
 #include "tests/lights/area_lights.h"
 #include "tests/paths.h"
 #include "tests/server/scene/scenes.h"

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "server/runtime/parallel.h"
-#include "server/shadows/shaft.h"
 #include "server/store/scene_store.h"
+#include "server/visibility/shaft.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 #include "tests/server/scene/scenes.h"
 

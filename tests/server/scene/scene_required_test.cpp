@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/queries/receiver_irradiance.h"
-#include "server/shadows/shaft.h"
+#include "server/queries/receiver_irradiance.h"
+#include "server/visibility/shaft.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {

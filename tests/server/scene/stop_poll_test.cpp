@@ -5,17 +5,17 @@
 
 #include <functional>
 
+#include "lights/maths/spectrum.h"
 #include "lights/pictures/image_distribution.h"
 #include "lights/shapes/mesh.h"
-#include "lights/spectra/spectrum.h"
+#include "server/description/loop_subdivision.h"
 #include "server/description/mesh_census.h"
 #include "server/description/scene_contents.h"
-#include "server/meshes/loop_subdivision.h"
 #include "server/rays/surface_table.h"
 #include "server/runtime/parallel.h"
-#include "server/scene/light_edit.h"
 #include "server/scene/create_light.h"
-#include "server/smooth/smooth_surfaces.h"
+#include "server/scene/light_edit.h"
+#include "server/visibility/smooth_surfaces.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {

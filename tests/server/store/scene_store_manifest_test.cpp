@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "server/store/scene_store.h"
-#include "tests/server/assets/gzip.h"
+#include "tests/server/files/gzip.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {

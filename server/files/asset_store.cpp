@@ -1,0 +1,356 @@
+#include "server/files/asset_store.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include "server/files/asset_store_state.h"
+#include "server/runtime/scheduling.h"
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+constexpr int kBulkNiceness = 10;  // as in the bulk lane
+
+bool is_full(int error) { return error == ENOSPC || error == EDQUOT; }
+
+absl::Status taken_over() {
+  return absl::FailedPreconditionError("another client took over the upload of this asset");
+}
+
+absl::Status disk_error(int error) {
+  const std::string why = std::generic_category().message(error);
+  if (is_full(error))
+    return absl::ResourceExhaustedError("no space on the disk that keeps uploaded assets");
+  return absl::InternalError("cannot write an uploaded asset: " + why);
+}
+
+constexpr char kTemporaryName[] = "lucernad-assets-";
+
+/// The file whose lock says that a server uses the directory.
+Descriptor open_lock(const fs::path& directory, int flags) {
+  return Descriptor(::open((directory / "lock").c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0600));
+}
+bool take_lock(const Descriptor& lock) { return flock(lock.get(), LOCK_EX | LOCK_NB) == 0; }
+
+/// Removes what killed servers of this user left in `parent`.
+void remove_left_directories(const fs::path& parent) {
+  std::error_code error;
+  for (fs::directory_iterator at(parent, error), end; !error && at != end; at.increment(error)) {
+    if (!at->path().filename().string().starts_with(kTemporaryName)) continue;
+    struct stat found {};
+    if (lstat(at->path().c_str(), &found) != 0 || !S_ISDIR(found.st_mode) ||
+        found.st_uid != geteuid())
+      continue;
+    const Descriptor lock = open_lock(at->path(), O_RDWR);
+    std::error_code ignored;
+    if (lock.get() >= 0 && take_lock(lock)) fs::remove_all(at->path(), ignored);
+  }
+}
+
+/// A new directory in `parent` with its lock.  Empty if that is impossible.
+std::pair<fs::path, Descriptor> make_temporary_directory(const fs::path& parent) {
+  constexpr int kMostTries = 100;
+  for (int i = 0; i < kMostTries; ++i) {
+    std::string name = (parent / kTemporaryName).string() + "XXXXXX";
+    if (mkdtemp(name.data()) == nullptr) break;
+    Descriptor lock = open_lock(name, O_RDWR | O_CREAT);
+    struct stat found {};
+    // A server that starts now may have removed the directory before it was locked.
+    if (lock.get() >= 0 && take_lock(lock) && fstat(lock.get(), &found) == 0 && found.st_nlink > 0)
+      return {name, std::move(lock)};
+  }
+  return {fs::path(), Descriptor(-1)};
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOptions& options) {
+  auto state = std::make_unique<State>();
+  state->options = options;
+  std::error_code error;
+  if (options.directory.empty()) {
+    const fs::path parent = fs::temp_directory_path(error);
+    if (!error) {
+      remove_left_directories(parent);
+      std::tie(state->directory, state->lock) = make_temporary_directory(parent);
+    }
+    if (state->directory.empty())
+      return absl::InvalidArgumentError("cannot make a temporary directory for uploaded assets");
+    state->temporary = true;
+  } else {
+    state->directory = options.directory;
+    fs::create_directories(state->directory, error);
+    state->lock = open_lock(state->directory, O_RDWR | O_CREAT);
+    if (state->lock.get() < 0)
+      return absl::InvalidArgumentError(
+          fmt::format("asset directory \"{}\" cannot be written to", options.directory));
+    if (!take_lock(state->lock))
+      return absl::FailedPreconditionError(
+          fmt::format("asset directory \"{}\" is in use by another server", options.directory));
+  }
+  state->find_files();
+  state->remove_old_parts();
+  if (!state->free_space(0))
+    return absl::InternalError("deleting unused assets does not make enough room");
+  state->hashing = std::jthread([s = state.get()](const std::stop_token& stop) {
+    set_thread_niceness(kBulkNiceness);
+    s->hash_parts(stop);
+  });
+  return std::unique_ptr<AssetStore>(new AssetStore(std::move(state)));
+}
+
+AssetStore::AssetStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
+AssetStore::~AssetStore() {
+  if (!state_->temporary) return;
+  std::error_code ignored;
+  fs::remove_all(state_->directory, ignored);
+}
+
+AssetStore::Held AssetStore::held(const std::string& digest) const {
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->entries.find(digest);
+  if (found == state_->entries.end()) return {};
+  // A client that checks for an asset is about to use it.
+  state_->touch(found->second);
+  return {found->second.whole, found->second.bytes};
+}
+
+absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::uint64_t size,
+                                               std::uint64_t offset, const AssetOwner& sender,
+                                               const std::stop_token& stop) {
+  if (size > state_->options.max_asset_bytes)
+    return absl::ResourceExhaustedError(fmt::format("an asset of {} bytes, allowed: at most {}",
+                                                    size, state_->options.max_asset_bytes));
+  std::uint64_t writer = 0;
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->remove_old_parts();
+    State::Entry& entry = state_->entries[digest];
+    if (entry.whole) return absl::FailedPreconditionError("the server already has the asset");
+    if (entry.writer != 0 && State::Clock::now() - entry.written < state_->options.patience)
+      return absl::FailedPreconditionError("the asset is being uploaded by another client");
+    if (offset > entry.bytes || offset > size) {
+      const std::uint64_t held = std::min(entry.bytes, size);
+      if (entry.bytes == 0) state_->entries.erase(digest);
+      return absl::InvalidArgumentError(
+          fmt::format("header.offset_bytes = {}, allowed: [0, {}], the bytes that the server has",
+                      offset, held));
+    }
+    if (entry.unread && offset > 0)
+      return absl::FailedPreconditionError("the server still reads what it has of the asset");
+    entry.unread = false;
+    entry.writer = writer = ++state_->writers;  // free_space() does not delete it
+    entry.reserved = entry.bytes;
+    entry.coming = 0;
+    const std::uint64_t more = size > entry.bytes ? size - entry.bytes : 0;
+    absl::Status room = state_->free_quota(digest, entry.bytes + more, sender);
+    // Only bytes that arrive delete files of others.
+    if (room.ok() && !state_->may_fit(more)) {
+      room = absl::ResourceExhaustedError(
+          fmt::format("no room for an asset of {} bytes: assets in use fill this server's {}", size,
+                      state_->options.budget_bytes));
+    }
+    if (!room.ok()) {
+      entry.writer = 0;
+      if (entry.bytes == 0) state_->entries.erase(digest);
+      return room;
+    }
+    entry.reserved = entry.bytes + more;
+    entry.written = State::Clock::now();
+    state_->touch(entry);
+    state_->set_owner(digest, entry, sender.name);
+  }
+  const std::string part = state_->part(digest);
+  // ext4 waits for the disk when a file is closed that was truncated to nothing.
+  if (offset == 0) ::unlink(part.c_str());
+  AssetUpload upload(
+      *this, digest, size, writer,
+      Descriptor(::open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)));
+  if (upload.file_.get() < 0) return disk_error(errno);
+  {
+    const std::lock_guard lock(state_->mutex);
+    State::Entry* const entry = state_->entry_of(digest, writer);
+    if (entry == nullptr) return taken_over();
+    const std::uint64_t kept = std::min<std::uint64_t>(entry->marks.size(), offset / kMarkBytes);
+    entry->marks.resize(kept);
+    if (kept > 0) upload.sha_ = entry->marks.back().copy();
+    upload.bytes_ = kept * kMarkBytes;
+  }
+  ::lseek(upload.file_.get(), static_cast<off_t>(upload.bytes_), SEEK_SET);
+  std::string chunk(kReadBytes, '\0');
+  while (upload.bytes_ < offset && !stop.stop_requested()) {
+    const std::int64_t n = read_fully(
+        upload.file_.get(), chunk.data(),
+        static_cast<std::size_t>(std::min<std::uint64_t>(kReadBytes, offset - upload.bytes_)));
+    if (n <= 0) return absl::InternalError("cannot read the uploaded part of an asset");
+    upload.hash(std::string_view(chunk).substr(0, static_cast<std::size_t>(n)));
+  }
+  {
+    // Also of an upload that was stopped, so that the next one goes on from there.
+    const std::lock_guard lock(state_->mutex);
+    if (State::Entry* entry = state_->entry_of(digest, writer)) entry->take(upload.marks_);
+  }
+  if (upload.bytes_ < offset) return absl::CancelledError("the upload was cancelled");
+  if (offset > 0 && ftruncate(upload.file_.get(), static_cast<off_t>(offset)) != 0)
+    return disk_error(errno);
+  const std::lock_guard lock(state_->mutex);
+  if (State::Entry* entry = state_->entry_of(digest, writer)) entry->bytes = offset;
+  return upload;
+}
+
+absl::Status AssetUpload::append(std::string_view chunk) {
+  AssetStore::State& state = *store_->state_;
+  {
+    const std::lock_guard lock(state.mutex);
+    AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
+    if (entry == nullptr) return taken_over();
+    if (!state.free_space(chunk.size()))
+      return absl::ResourceExhaustedError(
+          fmt::format("no room for the next {} bytes of an asset: assets in use fill this "
+                      "server's {}",
+                      chunk.size(), state.options.budget_bytes));
+    entry->coming = chunk.size();  // other uploads must not take this room
+  }
+  // Written without the lock.  If another writer takes over meanwhile, the digest will not match.
+  const int error = write(chunk);
+  if (error == 0) hash(chunk);
+  std::unique_lock lock(state.mutex);
+  AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
+  if (entry == nullptr) return taken_over();
+  entry->coming = 0;
+  if (error != 0) {
+    // What arrived would keep smaller files from the disk.
+    if (is_full(error)) state.remove(state.entries.find(digest_));
+    if (is_full(error)) store_ = nullptr;
+    return disk_error(error);
+  }
+  entry->take(marks_);
+  entry->bytes = bytes_;
+  entry->written = AssetStore::State::Clock::now();
+  return absl::OkStatus();
+}
+
+void AssetUpload::hash(std::string_view chunk) {
+  while (!chunk.empty()) {
+    const std::string_view piece = chunk.substr(0, kMarkBytes - bytes_ % kMarkBytes);
+    sha_.add(piece);
+    bytes_ += piece.size();
+    if (bytes_ % kMarkBytes == 0) marks_.push_back(sha_.copy());
+    chunk.remove_prefix(piece.size());
+  }
+}
+
+int AssetUpload::write(std::string_view chunk) {
+  AssetStore::State& state = *store_->state_;
+  while (!chunk.empty()) {
+    const ssize_t n = state.options.write(file_.get(), chunk.data(), chunk.size());
+    if (n >= 0) {
+      chunk.remove_prefix(static_cast<std::size_t>(n));
+      continue;
+    }
+    const int error = errno;
+    if (error == EINTR) continue;
+    if (!is_full(error)) return error;
+    const std::lock_guard lock(state.mutex);
+    if (!state.remove_one()) return error;
+  }
+  return 0;
+}
+
+absl::Status AssetUpload::finish() {
+  AssetStore::State& state = *store_->state_;
+  const std::string found = sha_.finish();
+  if (found != digest_) {
+    std::exchange(store_, nullptr)->drop(digest_);
+    return absl::InvalidArgumentError(hexadecimal(found));
+  }
+  const std::lock_guard lock(state.mutex);
+  AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
+  if (entry == nullptr) return taken_over();
+  std::error_code error;
+  fs::rename(state.part(digest_), state.whole(digest_), error);
+  if (error) return disk_error(error.value());
+  entry->whole = true;
+  entry->marks = std::vector<Sha256>();
+  entry->reserved = entry->bytes;
+  entry->writer = 0;
+  store_ = nullptr;
+  return absl::OkStatus();
+}
+
+AssetUpload::~AssetUpload() {
+  if (store_ == nullptr) return;
+  AssetStore::State& state = *store_->state_;
+  const std::lock_guard lock(state.mutex);
+  AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
+  if (entry == nullptr) return;
+  entry->writer = 0;
+  entry->reserved = entry->bytes;
+  if (entry->bytes == 0) state.remove(state.entries.find(digest_));
+}
+
+absl::StatusOr<OpenFile> AssetStore::read(const std::string& digest) {
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->entries.find(digest);
+  if (found == state_->entries.end() || !found->second.whole)
+    return absl::NotFoundError("the server does not have the asset");
+  Descriptor file(::open(state_->whole(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (file.get() < 0) {
+    // Another program deleted the file.
+    state_->remove(found);
+    return absl::NotFoundError("the server does not have the asset");
+  }
+  state_->touch(found->second);
+  return OpenFile{std::move(file), found->second.bytes};
+}
+
+void AssetStore::drop(const std::string& digest) {
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->entries.find(digest);
+  if (found != state_->entries.end()) state_->remove(found);
+}
+
+AssetStore::Pins::Pins(AssetStore& store, std::vector<std::string> digests) : store_(store) {
+  const std::lock_guard lock(store_.state_->mutex);
+  for (std::string& digest : digests) {
+    const auto found = store_.state_->entries.find(digest);
+    if (found == store_.state_->entries.end()) continue;
+    ++found->second.pins;
+    digests_.push_back(std::move(digest));
+  }
+}
+
+AssetStore::Pins::~Pins() {
+  const std::lock_guard lock(store_.state_->mutex);
+  for (const std::string& digest : digests_) {
+    const auto found = store_.state_->entries.find(digest);
+    // It may have been dropped meanwhile, or uploaded again.
+    if (found != store_.state_->entries.end() && found->second.pins > 0) --found->second.pins;
+  }
+}
+
+std::uint64_t AssetStore::max_asset_bytes() const { return state_->options.max_asset_bytes; }
+
+std::chrono::seconds AssetStore::stall_time() const { return state_->options.stall_time; }
+
+std::uint64_t AssetStore::bytes() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->reserved();
+}
+
+}  // namespace lucerna

@@ -1,0 +1,221 @@
+#include "server/files/asset_store_state.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+
+#include <fstream>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kPart[] = ".part";
+constexpr char kOwner[] = ".owner";
+// Longer than any name of a token file.
+constexpr std::size_t kMostOwnerBytes = 256;
+
+bool is_digest(const std::string& name) {
+  return name.size() == 2 * kSha256Bytes &&
+         name.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+std::string bytes_of(const std::string& hexadecimal) {
+  std::string bytes;
+  for (std::size_t i = 0; i < hexadecimal.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(hexadecimal.substr(i, 2), nullptr, 16));
+  return bytes;
+}
+
+/// The content of the file; empty if it cannot be read.
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kMostOwnerBytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
+}
+
+}  // namespace
+
+fs::path AssetStore::State::whole(const std::string& digest) const {
+  return directory / hexadecimal(digest);
+}
+fs::path AssetStore::State::part(const std::string& digest) const { return whole(digest) += kPart; }
+fs::path AssetStore::State::owner(const std::string& digest) const {
+  return whole(digest) += kOwner;
+}
+
+void AssetStore::State::find_files() {
+  std::error_code error;
+  std::vector<std::string> owned;
+  for (const fs::directory_entry& file : fs::directory_iterator(directory, error)) {
+    const std::string name = file.path().stem().string(), extension = file.path().extension();
+    if (!is_digest(name)) continue;
+    if (extension == kOwner) owned.push_back(bytes_of(name));
+    if (!(extension.empty() || extension == kPart)) continue;
+    Entry entry;
+    entry.whole = extension.empty();
+    entry.bytes = entry.reserved = file.file_size(error);
+    const auto age = fs::file_time_type::clock::now() - file.last_write_time(error);
+    entry.touched = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
+    if (!entry.whole) entry.written = entry.touched;
+    entry.unread = !entry.whole && entry.bytes >= kMarkBytes;
+    // If both exist, the server ended between finish and removal.  The whole file is valid.
+    const auto [place, is_new] = entries.try_emplace(bytes_of(name), std::move(entry));
+    if (is_new) continue;
+    if (entry.whole) place->second = std::move(entry);
+    fs::remove(part(place->first), error);
+  }
+  for (const std::string& digest : owned) {
+    const auto found = entries.find(digest);
+    if (found == entries.end()) {
+      fs::remove(owner(digest), error);
+    } else {
+      found->second.owner = text_of(owner(digest));
+    }
+  }
+}
+
+void AssetStore::State::hash_parts(const std::stop_token& stop) {
+  std::vector<std::string> parts;
+  {
+    const std::lock_guard guard(mutex);
+    for (const auto& [digest, entry] : entries)
+      if (entry.unread) parts.push_back(digest);
+  }
+  std::string bytes(kMarkBytes, '\0');
+  for (const std::string& digest : parts) {
+    const Descriptor file(::open(part(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    Sha256 sha;
+    for (bool goes_on = true; goes_on && !stop.stop_requested();) {
+      goes_on = file.get() >= 0 && read_fully(file.get(), bytes.data(), bytes.size()) ==
+                                       static_cast<std::int64_t>(bytes.size());
+      if (goes_on) sha.add(bytes);
+      const std::lock_guard guard(mutex);
+      const auto found = entries.find(digest);
+      // Deleted, or sent again from the start.
+      if (found == entries.end() || !found->second.unread) break;
+      found->second.unread = goes_on;
+      if (goes_on) found->second.marks.push_back(sha.copy());
+    }
+  }
+}
+
+std::uint64_t AssetStore::State::reserved() const {
+  std::uint64_t sum = 0;
+  for (const auto& [digest, e] : entries) sum += e.reserved;
+  return sum;
+}
+
+void AssetStore::State::touch(Entry& entry) {
+  entry.used = ++uses;
+  entry.touched = Clock::now();
+}
+
+void AssetStore::State::remove(std::map<std::string, Entry>::iterator entry) {
+  std::error_code ignored;
+  fs::remove(entry->second.whole ? whole(entry->first) : part(entry->first), ignored);
+  if (!entry->second.owner.empty()) fs::remove(owner(entry->first), ignored);
+  entries.erase(entry);
+}
+
+bool AssetStore::State::remove_one() {
+  auto oldest = entries.end();
+  const auto later = [](const Entry& e) { return std::pair(e.whole, e.used); };
+  for (auto e = entries.begin(); e != entries.end(); ++e) {
+    if (in_use(e->second)) continue;
+    if (oldest == entries.end() || later(e->second) < later(oldest->second)) oldest = e;
+  }
+  if (oldest == entries.end()) return false;
+  remove(oldest);
+  return true;
+}
+
+void AssetStore::State::remove_old_parts() {
+  const Clock::time_point now = Clock::now();
+  for (auto e = entries.begin(); e != entries.end();) {
+    const auto entry = e++;
+    if (!entry->second.whole && !in_use(entry->second) &&
+        now - entry->second.written > options.keep_parts)
+      remove(entry);
+  }
+}
+
+bool AssetStore::State::may_fit(std::uint64_t size) const {
+  std::uint64_t needed = size;
+  for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
+  return needed <= options.budget_bytes;
+}
+
+bool AssetStore::State::free_space(std::uint64_t size) {
+  std::uint64_t sum = size;
+  for (const auto& [digest, e] : entries) sum += e.bytes + e.coming;
+  while (sum > options.budget_bytes) {
+    auto oldest = entries.end();
+    for (auto e = entries.begin(); e != entries.end(); ++e) {
+      if (!in_use(e->second) && (oldest == entries.end() || e->second.used < oldest->second.used))
+        oldest = e;
+    }
+    if (oldest == entries.end()) return false;
+    sum -= oldest->second.bytes;
+    remove(oldest);
+  }
+  return true;
+}
+
+absl::Status AssetStore::State::free_quota(const std::string& digest, std::uint64_t size,
+                                           const AssetOwner& sender) {
+  if (sender.most_bytes == 0) return absl::OkStatus();
+  const Clock::time_point now = Clock::now();
+  const auto may_go = [&](const Entry& e) {
+    return !in_use(e) && now - e.touched >= options.keep_owned;
+  };
+  std::uint64_t taken = 0, kept = 0;
+  for (const auto& [other, e] : entries) {
+    if (other == digest || e.owner != sender.name) continue;
+    taken += e.reserved;
+    kept += may_go(e) ? 0 : e.reserved;
+  }
+  if (size > sender.most_bytes || kept > sender.most_bytes - size) {
+    absl::Status status = absl::ResourceExhaustedError(fmt::format(
+        "a file of {} bytes: files of \"{}\" take {} bytes, {} of them lately used, allowed: {}",
+        size, sender.name, taken, kept, sender.most_bytes));
+    status.SetPayload(kOverQuotaPayload, absl::Cord());
+    return status;
+  }
+  while (taken > sender.most_bytes - size) {
+    auto oldest = entries.end();
+    for (auto e = entries.begin(); e != entries.end(); ++e) {
+      if (e->first == digest || e->second.owner != sender.name || !may_go(e->second)) continue;
+      if (oldest == entries.end() || e->second.used < oldest->second.used) oldest = e;
+    }
+    taken -= oldest->second.reserved;
+    remove(oldest);
+  }
+  return absl::OkStatus();
+}
+
+void AssetStore::State::set_owner(const std::string& digest, Entry& entry,
+                                  const std::string& name) {
+  if (entry.owner == name) return;
+  entry.owner = name;
+  std::error_code ignored;
+  if (name.empty()) {
+    fs::remove(owner(digest), ignored);
+  } else {
+    // If this fails, only the next server does not know the owner.
+    std::ofstream(owner(digest), std::ios::binary | std::ios::trunc) << name;
+  }
+}
+
+AssetStore::State::Entry* AssetStore::State::entry_of(const std::string& digest,
+                                                      std::uint64_t writer) {
+  const auto found = entries.find(digest);
+  return found == entries.end() || found->second.writer != writer ? nullptr : &found->second;
+}
+
+}  // namespace lucerna

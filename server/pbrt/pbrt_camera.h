@@ -1,0 +1,28 @@
+// The directives before WorldBegin: camera, film, and hints from integrator, sampler and filter.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/pbrt/pbrt_params.h"
+
+namespace lucerna::pbrt {
+
+/// A directive that a scene has once.
+struct Setting {
+  std::string type;
+  ParameterSet params;
+  FilePosition place;
+};
+
+struct Settings {
+  std::optional<Setting> camera, film, integrator, sampler, filter;
+  Transform camera_from_world;  ///< at the Camera directive, at the start of the exposure
+  std::shared_ptr<const Motion> camera_motion{};  ///< in the world; null if it does not move
+};
+
+/// Fills camera, film and hints of `context.scene`, with the defaults of pbrt-v4.
+void apply(LoadState& context, const Settings& settings);
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,29 @@
+// Converts Shape directives to geometry in world space (in an object definition: in object space).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/pbrt/pbrt_params.h"
+
+namespace lucerna::pbrt {
+
+/// A Shape directive and its graphics state.
+struct ShapeDirective {
+  std::string type;
+  ParameterSet& params;  ///< long lists move out of it
+  FilePosition place;
+  Transform world_from_object;
+  bool reverse_orientation = false;
+  bool needs_uv = false;  ///< meshes then have the (u, v) of their corners
+};
+
+/// The positions in world space.  Fails on one that is not finite.
+std::vector<Vec3> world_positions(const ShapeDirective& shape, std::vector<Vec3> positions);
+
+/// The geometry of a Shape directive.  Nothing, and a remark, for shapes that are not modelled.
+/// Fails on unknown shapes and on invalid parameters.
+std::optional<Geometry> make_geometry(LoadState& context, const ShapeDirective& shape);
+
+}  // namespace lucerna::pbrt
