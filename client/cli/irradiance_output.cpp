@@ -30,7 +30,7 @@ bool add_row(const float* row, TargetCheck& check) {
   return is_answered(static_cast<int>(status)) &&
          check.add(row[0], row[client::kLowerColumn],
                    row[client::kUpperColumn] - row[client::kUnsampledColumn],
-                   static_cast<std::uint64_t>(row[client::kSamplesColumn]) + kReplicates);
+                   static_cast<std::uint64_t>(row[client::kSamplesColumn]) + kDefaultBlocks);
 }
 
 absl::Status write_csv(const std::string& path, const client::ResultFile& results,

@@ -80,7 +80,7 @@ void power(Session& session, const PowerOptions& options) {
   if (request.accuracy().has_target_error()) {
     for (const v1::LightPower& light : response.lights())
       reached.push_back(check.add(light.power_lm(), light.lower_lm(), light.upper_lm(),
-                                  light.samples() + kReplicates));
+                                  light.samples() + kDefaultBlocks));
   }
   if (session.json()) {
     shell::print_text(stdout, "{}",

@@ -14,7 +14,7 @@
 namespace lucerna::verify {
 namespace {
 
-// Lucerna's standard errors come from 16 replicates.
+// Lucerna's standard errors come from 16 blocks.
 constexpr double kFreedom = 15;
 constexpr std::size_t kMostPlaces = 200;
 // A segment whose verdict depends on its ends by this share of its length is not judged.

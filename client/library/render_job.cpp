@@ -48,9 +48,8 @@ class Render final : public DistributedWork {
     const std::uint32_t samples =
         request.accuracy().has_samples() ? request.accuracy().samples() : hint;
     if (samples == 0) return absl::InvalidArgumentError("accuracy.samples = 0, allowed: 1 or more");
-    per_block_ = request.has_samples_per_block()
-                     ? request.samples_per_block()
-                     : default_samples_per_block(samples, kTileReplicates);
+    per_block_ = request.has_samples_per_block() ? request.samples_per_block()
+                                                 : default_samples_per_block(samples, kTileBlocks);
     if (!std::has_single_bit(per_block_) || samples % per_block_ != 0)
       return absl::InvalidArgumentError("samples_per_block = " + std::to_string(per_block_) +
                                         ", allowed: a power of two that divides " +

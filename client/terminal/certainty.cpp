@@ -68,7 +68,7 @@ std::string describe_overrun(const v1::Accuracy& accuracy, const v1::Cost& cost,
                              std::uint64_t samples, const std::string& item) {
   const double budget_s = accuracy.time_budget_s(), time_s = cost.wall_time_s();
   if (!accuracy.has_time_budget_s() || time_s <= budget_s || samples == 0 ||
-      samples > kReplicates) {
+      samples > kDefaultBlocks) {
     return {};
   }
   const double sample_s = time_s / static_cast<double>(samples);

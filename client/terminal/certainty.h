@@ -81,7 +81,7 @@ TargetCheck check_target(const Answers& answers,
     const bool good = has_answer(answers.status(), i) &&
                       check.add(answers.illuminance_lx(i), answers.lower_lx(i),
                                 double{answers.upper_lx(i)} - unsampled_bound(answers, i),
-                                std::uint64_t{samples[i]} + kReplicates);
+                                std::uint64_t{samples[i]} + kDefaultBlocks);
     if (reached != nullptr) reached->push_back(good);
   }
   return check;

@@ -19,7 +19,7 @@ constexpr double kCommon = 0.25;
 constexpr double kSpread = 0.6, kTwoValues = 0.8;
 /// Samples are equal if their standard deviation is at most this share of their mean.
 constexpr double kEqual = 0x1p-10;
-/// Means of replicates are equal up to rounding.
+/// Means of blocks are equal up to rounding.
 constexpr double kRounded = 1e-12;
 
 // Overflowed parameters are not an error; there is no interval then.
@@ -57,13 +57,13 @@ double student_p(double deviations, double freedom) {
   return std::min(1.0, 2 * cdf(complement(StudentsT(freedom), std::fabs(deviations))));
 }
 
-IntervalRule::IntervalRule(double confidence, std::uint64_t replicates, std::uint64_t samples)
+IntervalRule::IntervalRule(double confidence, std::uint64_t blocks, std::uint64_t samples)
     : confidence_(confidence),
       samples_(static_cast<double>(samples)),
-      per_replicate_(samples_ / static_cast<double>(std::max<std::uint64_t>(replicates, 1))),
-      student_(replicates < 2
+      per_replicate_(samples_ / static_cast<double>(std::max<std::uint64_t>(blocks, 1))),
+      student_(blocks < 2
                    ? std::numeric_limits<double>::infinity()
-                   : student_quantile(static_cast<double>(replicates - 1), (1 - confidence) / 2)),
+                   : student_quantile(static_cast<double>(blocks - 1), (1 - confidence) / 2)),
       rare_(-std::log1p(-confidence)) {}
 
 double IntervalRule::skewed(double skewness) const {
@@ -117,7 +117,7 @@ ConfidenceInterval IntervalRule::interval(const EstimateMoments& m) const {
   const double scatter = student_ * m.standard_error;
   double unseen = std::max(m.partly_hidden ? mean_square / m.mean : 0, jump(m));
   const double variance = mean_square - m.mean * m.mean;
-  // Without the shape: two values, one of them chosen at least once in each replicate.
+  // Without the shape: two values, one of them chosen at least once in each block.
   if (m.kurtosis == 0 && m.standard_error <= kRounded * m.mean && variance > kRounded * mean_square)
     unseen = std::max(unseen, std::sqrt(variance * per_replicate_));
   const double off = std::hypot(scatter, rare_ * unseen / samples_);

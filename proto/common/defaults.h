@@ -7,9 +7,9 @@
 
 namespace lucerna {
 
-/// Samples of a receiver or of a light come in this many independent replicates.  Their scatter
+/// Samples of a receiver or of a light come in this many independent blocks.  Their scatter
 /// gives the standard error to about a fifth.
-inline constexpr std::uint32_t kReplicates = 16;
+inline constexpr std::uint32_t kDefaultBlocks = 16;
 /// Samples for each receiver of EstimateIrradiance, unless the request says otherwise.
 inline constexpr std::uint32_t kIrradianceSamples = 256;
 /// TargetError.max_samples, unless the request says otherwise.

@@ -18,7 +18,7 @@ absl::StatusOr<SceneDescription> load_gltf(AssetReader& assets, const std::strin
   scene.textures = Textures(limits.texture_bytes);
   scene.level_factors = factors;
   try {
-    gltf::Context context(assets, scene, std::move(stop), name, limits);
+    gltf::LoadState context(assets, scene, std::move(stop), name, limits);
     const gltf::Document document(context);
     gltf::Materials materials(document);
     materials.read_pictures();

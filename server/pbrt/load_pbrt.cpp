@@ -14,7 +14,7 @@ absl::StatusOr<SceneDescription> load_pbrt(AssetReader& assets, const std::strin
   SceneDescription scene;
   scene.textures = Textures(limits.texture_bytes);
   try {
-    pbrt::Context context(assets, scene, std::move(stop), name, limits);
+    pbrt::LoadState context(assets, scene, std::move(stop), name, limits);
     pbrt::Builder builder(context);
     pbrt::Parser(context, builder).parse();
     context.finish_remarks();

@@ -97,7 +97,7 @@ struct Runtime {
   double max_call_s = 0;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 
-  Context context(const access::Caller& caller) {
+  CallContext context(const access::Caller& caller) {
     return {*scenes,
             *assets,
             limits.get(),

@@ -79,7 +79,7 @@ class SmoothSurfaces::Collector {
 
  private:
   /// Consecutive primitives of one kind and one surface.
-  struct PrimitiveRun {
+  struct SurfaceRun {
     std::uint32_t surface;
     HitKind kind;
     std::uint32_t first, count;
@@ -106,7 +106,7 @@ class SmoothSurfaces::Collector {
 
   void add(const GeometrySet& set, const SurfaceTable& table, std::int32_t instance) {
     if (table.smooth.empty()) return;
-    std::vector<PrimitiveRun> runs;
+    std::vector<SurfaceRun> runs;
     const auto counts = set.counts();
     for (std::size_t kind = 0; kind < kHitKinds; ++kind)
       for (std::size_t r = 0; r < table.runs[kind].size(); ++r) {
@@ -116,15 +116,15 @@ class SmoothSurfaces::Collector {
         runs.push_back({run.surface, static_cast<HitKind>(kind), run.first,
                         static_cast<std::uint32_t>(end - run.first)});
       }
-    std::ranges::stable_sort(runs, {}, &PrimitiveRun::surface);
+    std::ranges::stable_sort(runs, {}, &SurfaceRun::surface);
     for (const SurfaceTable::SmoothSurface& s : table.smooth) {
-      const auto of_surface = std::ranges::equal_range(runs, s.surface, {}, &PrimitiveRun::surface);
+      const auto of_surface = std::ranges::equal_range(runs, s.surface, {}, &SurfaceRun::surface);
       add(set, table, instance, s, {of_surface.begin(), of_surface.end()});
     }
   }
 
   void add(const GeometrySet& set, const SurfaceTable& table, std::int32_t instance,
-           const SurfaceTable::SmoothSurface& s, std::span<const PrimitiveRun> runs) {
+           const SurfaceTable::SmoothSurface& s, std::span<const SurfaceRun> runs) {
     const Surface& surface = table.surfaces[s.surface];
     const SmoothTraits traits = traits_of(surface.material);
     const GeometryInstance* placed =
@@ -139,13 +139,13 @@ class SmoothSurfaces::Collector {
                     .material = surface.material};
     const bool moves = placed != nullptr && placed->motion != nullptr;
     std::size_t faces = 0;
-    for (const PrimitiveRun& run : runs) faces += run.count;
+    for (const SurfaceRun& run : runs) faces += run.count;
     const bool bends = like.refracts && traits.eta != 1;
     const bool sends = traits.is_smooth() || traits.is_glossy();
     bool solved = sends && !moves && !traits.turns_normals && faces_ + faces <= kMostFaces &&
                   (!bends || (solves_refraction_ && traits.eta.has_value()));
     SurfacePlanes found;
-    for (const PrimitiveRun& run : runs)
+    for (const SurfaceRun& run : runs)
       solved = solved && find(set, table, placed, run, like, found);
     if (solved && planes_.size() + found.planes.size() <= kMostParts) {
       faces_ += faces;
@@ -160,7 +160,7 @@ class SmoothSurfaces::Collector {
                            (traits.has_roughness_texture && may_be_narrow(surface.material));
     if ((solved || !traits.is_smooth()) && !is_nearly) return;
     Bounds bounds;
-    for (const PrimitiveRun& run : runs)
+    for (const SurfaceRun& run : runs)
       add_bounds(set, placed, {run.kind, run.first, run.count}, bounds);
     using Kind = UnsolvedSurface::Kind;
     const Kind kind = traits.is_smooth() && !solved ? Kind::kSmooth : Kind::kNearlySmooth;
@@ -215,7 +215,7 @@ class SmoothSurfaces::Collector {
 
   /// Finds the planes of a run.  Returns false if it is curved or has too many.
   bool find(const GeometrySet& set, const SurfaceTable& table, const GeometryInstance* placed,
-            const PrimitiveRun& run, const SmoothPart& like, SurfacePlanes& found) const {
+            const SurfaceRun& run, const SmoothPart& like, SurfacePlanes& found) const {
     found.kinds.push_back({run.kind, run.first, {}});
     std::vector<std::int32_t>& planes = found.kinds.back().planes;
     StopPoll poll;

@@ -66,7 +66,7 @@ int run(const std::filesystem::path& file, const double (&corners)[5], double er
         int seeds) {
   const auto scene = load_scene(file);
   const std::vector<IrradiancePoint> points = grid(*scene, corners);
-  const IrradianceSettings settings{.block_count = kBlocks,
+  const IrradianceSettings settings{.block_count = kDefaultBlocks,
                                     .target = TargetError{.relative = error}};
   std::vector<double> wall, processor;
   IrradianceResult r;

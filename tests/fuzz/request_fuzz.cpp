@@ -40,7 +40,7 @@ namespace lucerna::fuzz {
 namespace {
 
 using monitor::Call;
-using rpc::Context;
+using rpc::CallContext;
 using rpc::Prepared;
 
 constexpr char kScene[] = "lights/every_light.pbrt";

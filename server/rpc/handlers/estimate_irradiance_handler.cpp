@@ -81,7 +81,7 @@ absl::StatusOr<IrradianceQuery> parse(const CallContext& context,
   const StopRule& rule = query.stop_rule;
   settings.seed = request.seed().seed();
   settings.first_item = request.seed().first_item();
-  settings.block_count = rule.samples > 0 ? blocks_of(rule.samples) : kBlocks;
+  settings.block_count = rule.samples > 0 ? blocks_of(rule.samples) : kDefaultBlocks;
   settings.samples_per_block = rule.samples / settings.block_count;
   settings.target = rule.target;
   if (request.has_bounces()) settings.bounces = request.bounces();

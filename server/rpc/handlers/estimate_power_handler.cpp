@@ -200,7 +200,7 @@ std::optional<SampledPowers> sampled_powers(const PowerQuery& query, std::uint64
   SampledPowerSettings settings;
   settings.seed = seed;
   settings.target = rule.target;
-  settings.block_count = rule.samples > 0 ? blocks_of(rule.samples) : kBlocks;
+  settings.block_count = rule.samples > 0 ? blocks_of(rule.samples) : kDefaultBlocks;
   const auto run = [&](std::uint32_t each,
                        const std::stop_token& s) -> std::optional<SampledPowers> {
     settings.samples_per_block = each;

@@ -154,7 +154,8 @@ std::uint32_t proposed_samples(const CallContext& context, const Scene& scene) {
 }
 
 std::uint32_t least_samples(const RenderQuery& query) {
-  return std::max(std::min(kBlocks, query.most_samples), query.samples_per_block.value_or(1));
+  return std::max(std::min(kDefaultBlocks, query.most_samples),
+                  query.samples_per_block.value_or(1));
 }
 
 std::uint64_t area(const PixelRect& rect) {

@@ -87,7 +87,7 @@ std::optional<v1::SampleLiResponse> estimate(const LiRequest& li, const LiSample
   const DenormalsAreZero denormals;
   const SampleLiQuery& query = li.query;
   const std::size_t wavelengths = query.wavelengths_nm.size();
-  const LiLayout layout(samples_per_block, kBlocks);
+  const LiLayout layout(samples_per_block, kDefaultBlocks);
   std::optional<v1::SampleLiResponse> response(std::in_place);
   const SampleLiAnswer answer = sized_arrays(*li.scene, query, layout.size(), &*response);
   std::vector<LiShare> shares(layout.size());
@@ -95,7 +95,7 @@ std::optional<v1::SampleLiResponse> estimate(const LiRequest& li, const LiSample
   if (stop.stop_requested()) return std::nullopt;
   const double confidence = li.stop_rule.target.value_or(TargetError{}).confidence;
   const LiEstimates estimates =
-      estimates_of(sampler, layout, query.receivers.size(), kBlocks, confidence, shares,
+      estimates_of(sampler, layout, query.receivers.size(), kDefaultBlocks, confidence, shares,
                    {answer.status, layout.size()},
                    {answer.spectral_value, layout.size() * wavelengths}, wavelengths);
   put_estimates(layout, estimates, wavelengths, response->mutable_estimates());
@@ -112,10 +112,10 @@ absl::Status answer_estimated(const LiRequest& li, const std::stop_token& stop,
   if (li.stop_rule.target) {
     WorkCounts pilots;
     const auto needed =
-        samples_needed(sampler, receivers, *li.stop_rule.target, kBlocks, stop, pilots);
+        samples_needed(sampler, receivers, *li.stop_rule.target, kDefaultBlocks, stop, pilots);
     if (needed) best = estimate(li, sampler, *needed, pilots, stop);
   } else {
-    const std::uint32_t most = sampler.needs_one_sample() ? 1 : li.most_samples / kBlocks;
+    const std::uint32_t most = sampler.needs_one_sample() ? 1 : li.most_samples / kDefaultBlocks;
     best = within_time(*li.stop_rule.time_budget_s, most, stop,
                        [&](std::uint32_t each, const std::stop_token& in_time) {
                          return estimate(li, sampler, equally_many(sampler, receivers, each), {},
@@ -156,7 +156,7 @@ absl::StatusOr<std::uint32_t> check_most_samples(const CallContext& context,
       return over("accuracy.target_error.max_samples", target->max_samples);
     return static_cast<std::uint32_t>(target->max_samples);
   }
-  const std::uint32_t least = certain ? 1 : target ? kLeastTargetSamples : kBlocks;
+  const std::uint32_t least = certain ? 1 : target ? kLeastTargetSamples : kDefaultBlocks;
   if (receivers * least > at_once)
     return over(fmt::format("{} samples, the least number for each", least), least);
   const std::uint64_t most = target ? target->max_samples : context.limits.max_samples;
@@ -223,7 +223,7 @@ double predicted_seconds(const LiRequest& li) {
     seconds += kWithPilots * li.most_samples * receivers * of_sample;
   } else if (li.stop_rule.time_budget_s) {
     // The least number of samples is always taken.
-    seconds += std::max(*li.stop_rule.time_budget_s, kBlocks * receivers * of_sample);
+    seconds += std::max(*li.stop_rule.time_budget_s, kDefaultBlocks * receivers * of_sample);
   } else {
     seconds += static_cast<double>(li.samples()) * of_sample;
   }

@@ -42,11 +42,11 @@ absl::StatusOr<TargetError> check_target(const CallContext& context, const v1::T
 }  // namespace
 
 std::uint32_t blocks_of(std::uint32_t samples) {
-  if (samples <= kBlocks) return samples;
-  for (std::uint32_t n = kBlocks; n <= samples / n; ++n)
+  if (samples <= kDefaultBlocks) return samples;
+  for (std::uint32_t n = kDefaultBlocks; n <= samples / n; ++n)
     if (samples % n == 0) return n;
-  for (std::uint32_t each = kBlocks; each > 1; --each)
-    if (samples % each == 0 && samples / each >= kBlocks) return samples / each;
+  for (std::uint32_t each = kDefaultBlocks; each > 1; --each)
+    if (samples % each == 0 && samples / each >= kDefaultBlocks) return samples / each;
   return samples;
 }
 

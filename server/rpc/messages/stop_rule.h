@@ -23,7 +23,7 @@ struct StopRule {
 absl::StatusOr<StopRule> check_stop_rule(const CallContext& context, const v1::Accuracy& accuracy,
                                          std::uint32_t fallback);
 
-/// The least number of equal blocks, at least kBlocks, that divides `samples`.  If there
+/// The least number of equal blocks, at least kDefaultBlocks, that divides `samples`.  If there
 /// are fewer samples: `samples` itself.
 std::uint32_t blocks_of(std::uint32_t samples);
 

@@ -257,7 +257,7 @@ TEST(GltfDraco, AttributesOverTheBudgetAreRefusedBeforeTheyAreDecoded) {
       auto reader = AssetReader::open(files.path().string());
       SceneDescription scene;
       LoadBudget budget(&pool);
-      gltf::Context context(*reader, scene, {}, "scene.gltf", {.budget = &budget});
+      gltf::LoadState context(*reader, scene, {}, "scene.gltf", {.budget = &budget});
       const Json json = Json::object();
       try {
         (void)gltf::decode_draco(gltf::View(context, json, "/here"),

@@ -70,19 +70,20 @@ TEST_F(SampleAccuracy, EstimatesHaveTheMeanOfTheSamplesAndTheErrorOfTheirReplica
     }
     EXPECT_EQ(e.status(p), v1::ITEM_STATUS_OK);
     EXPECT_GE(n, 64);
-    ASSERT_EQ(n % static_cast<int>(kBlocks), 0);
+    ASSERT_EQ(n % static_cast<int>(kDefaultBlocks), 0);
     // For illuminance and for two wavelengths.
     for (int k = 0; k < 3; ++k) {
-      std::array<double, kBlocks> mean{};
+      std::array<double, kDefaultBlocks> mean{};
       double sum = 0, squares = 0;
       for (int i = first; i < first + n; ++i) {
         const double value = k == 0 ? luminance_of(r.value().data() + 3 * i)
                                     : double{r.spectral_value(2 * i + k - 1)};
-        mean[static_cast<std::size_t>(i - first) * kBlocks / n] += share(r, i, value) * kBlocks / n;
+        mean[static_cast<std::size_t>(i - first) * kDefaultBlocks / n] +=
+            share(r, i, value) * kDefaultBlocks / n;
       }
-      for (const double m : mean) sum += m / kBlocks;
+      for (const double m : mean) sum += m / kDefaultBlocks;
       for (const double m : mean) squares += (m - sum) * (m - sum);
-      const double error = std::sqrt(squares / (kBlocks * (kBlocks - 1)));
+      const double error = std::sqrt(squares / (kDefaultBlocks * (kDefaultBlocks - 1)));
       const double reported = k == 0 ? e.illuminance_lx(p) : e.spectral_irradiance(2 * p + k - 1);
       const double reported_error =
           k == 0 ? e.standard_error_lx(p) : e.spectral_standard_error(2 * p + k - 1);
@@ -136,7 +137,7 @@ TEST_F(SampleAccuracy, TheFirstReplicateHasTheSamplesOfAQueryForItsCount) {
   v1::SampleLiRequest q = question();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.02);
   const v1::SampleLiResponse r = service_.answer(q);
-  const std::uint32_t each = r.estimates().samples(0) / kBlocks;
+  const std::uint32_t each = r.estimates().samples(0) / kDefaultBlocks;
   q.mutable_accuracy()->set_samples(each);
   const v1::SampleLiResponse count = service_.answer(q);
   EXPECT_FALSE(count.has_estimates());
@@ -178,15 +179,15 @@ TEST_F(SampleAccuracy, ATimeBudgetGivesEachReceiverEquallyManySamples) {
     q.mutable_accuracy()->set_time_budget_s(budget);
     const v1::SampleLiResponse r = service_.answer(q);
     const std::uint32_t n = r.estimates().samples(0);
-    EXPECT_EQ(n % kBlocks, 0U);
-    EXPECT_GE(n, kBlocks);
+    EXPECT_EQ(n % kDefaultBlocks, 0U);
+    EXPECT_GE(n, kDefaultBlocks);
     EXPECT_EQ(r.estimates().samples(1), n);
     EXPECT_EQ(r.estimates().samples(2), 1U);
     EXPECT_EQ(r.estimates().samples(3), n);
     EXPECT_EQ(r.pdf_per_sr_size(), static_cast<int>(3 * n + 1));
     EXPECT_GT(r.estimates().upper_lx(0), r.estimates().lower_lx(0));
     if (budget < 1e-6) {
-      EXPECT_EQ(n, kBlocks);
+      EXPECT_EQ(n, kDefaultBlocks);
     }
     // At most the number that the batch may hold, for any time budget.
     EXPECT_LE(4 * n, rpc::RequestLimits().max_batch_items);
