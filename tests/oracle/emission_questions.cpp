@@ -36,15 +36,14 @@ bool is_between_texels(const Truth& truth, const oracle::Shape& shape, const Vec
 /// Whether PdfLe returns the densities that SampleLe reported.
 bool Questioner::has_densities(const Truth& truth, const Question& question,
                                const v1::SampleLeResponse& rays, std::string& text) {
-  v1::PdfLeRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::PdfLeRequest>(id_);
   q.set_time_s(static_cast<double>(truth.world().time));
   q.set_light_id(static_cast<std::uint64_t>(question.source) + 1);
   *q.mutable_points() = rays.points();
   *q.mutable_directions() = rays.directions();
   v1::PdfLeResponse r;
   const oracle::Shape* shape = shape_of(truth.world(), question.source);
-  const grpc::Status s = call_status([&](auto* c) { return service_.lighting.PdfLe(c, q, &r); });
+  const grpc::Status s = call(q, &r);
   if (!s.ok()) {
     text = s.error_message();
     return false;
@@ -73,15 +72,14 @@ Verdict Questioner::rays(const Truth& truth, const Question& question) {
   const auto amount = truth.power(question.source);
   if (!amount || !amount->sure) return {amount ? Kind::kUnsure : Kind::kNoAnswer};
   constexpr int kRays = 128;
-  v1::SampleLeRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::SampleLeRequest>(id_);
   q.set_time_s(static_cast<double>(truth.world().time));
   q.set_light_id(static_cast<std::uint64_t>(question.source) + 1);
   q.set_count(kRays);
   q.mutable_seed()->set_seed(1);
   q.mutable_accuracy()->set_sampler(v1::SAMPLER_INDEPENDENT);
   v1::SampleLeResponse r;
-  const grpc::Status s = call_status([&](auto* c) { return service_.lighting.SampleLe(c, q, &r); });
+  const grpc::Status s = call(q, &r);
   if (!s.ok()) return {Kind::kWrong, s.error_message()};
   const oracle::Shape* shape = shape_of(truth.world(), question.source);
   const auto& origin = r.points().origin_m();
@@ -143,8 +141,7 @@ Verdict Questioner::le_of_portal(const Truth& truth, const Question& question) {
   // In units of the sides: rays through the portal and beside it.
   constexpr std::array<std::pair<Real, Real>, 4> kPoints{
       {{0.37L, 0.61L}, {0.97L, 0.04L}, {1.03L, 0.61L}, {0.37L, -0.04L}}};
-  v1::LeRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::LeRequest>(id_);
   q.set_time_s(static_cast<double>(truth.world().time));
   q.set_light_id(static_cast<std::uint64_t>(question.source) + 1);
   std::array<Way, 4> free{};
@@ -169,7 +166,7 @@ Verdict Questioner::le_of_portal(const Truth& truth, const Question& question) {
   }
   if (std::ranges::count(free, Way::kUnsure) > 0) return {};
   v1::LeResponse r;
-  const grpc::Status sent = call_status([&](auto* c) { return service_.lighting.Le(c, q, &r); });
+  const grpc::Status sent = call(q, &r);
   if (!sent.ok()) return {Kind::kWrong, sent.error_message()};
   if (r.status_size() > 0 && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
   const bool is_in_front = dot(portal.axes[2], from.at - portal.at) > 0;
@@ -210,14 +207,13 @@ Verdict Questioner::le(const Truth& truth, const Question& question) {
   const Way free = truth.way(from, Place{.at = p.at, .on = number, .s = kS, .t = kT});
   if (free == Way::kUnsure) return {};
   if (free == Way::kBlocked && !is_flat(shape)) return {Kind::kNoAnswer};  // perhaps by itself
-  v1::LeRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::LeRequest>(id_);
   q.set_time_s(static_cast<double>(truth.world().time));
   set_point(from, q.mutable_points());
   for (const Real x : {direction.x, direction.y, direction.z})
     q.add_directions(static_cast<float>(x));
   v1::LeResponse r;
-  const grpc::Status s = call_status([&](auto* c) { return service_.lighting.Le(c, q, &r); });
+  const grpc::Status s = call(q, &r);
   if (!s.ok()) return {Kind::kWrong, s.error_message()};
   if (r.status_size() > 0 && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
   const bool is_this = r.light_ids(0) == static_cast<std::uint64_t>(question.source) + 1;

@@ -63,12 +63,6 @@ std::vector<Request> requests_about(const Interior& room, std::uint64_t number) 
 
 class Interiors : public ::testing::Test {
  protected:
-  rpc::ServerOptions options() const {
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = root_.path();
-    return options;
-  }
-
   void check(std::uint64_t number) {
     const Interior room = oracle::random_interior(number);
     const grpc::Status loaded = questioner_.load(pbrt_text(room));
@@ -176,7 +170,7 @@ class Interiors : public ::testing::Test {
   }
 
   TempDirectory root_;
-  Service service_{options()};
+  Service service_{scenes_in(root_.path())};
   Questioner questioner_{service_, root_.path()};
   std::map<std::string, Tally> tallies_;
   std::uint64_t failures_ = 0;

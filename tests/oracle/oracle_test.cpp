@@ -21,12 +21,6 @@ namespace {
 
 class Oracle : public ::testing::Test {
  protected:
-  rpc::ServerOptions options() const {
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = root_.path();
-    return options;
-  }
-
   void check(std::uint64_t number) {
     const oracle::World world = oracle::random_world(number);
     count(world);
@@ -81,7 +75,7 @@ class Oracle : public ::testing::Test {
   }
 
   TempDirectory root_;
-  Service service_{options()};
+  Service service_{scenes_in(root_.path())};
   Questioner questioner_{service_, root_.path()};
   std::map<Question::Kind, Tally> tallies_;
   std::map<std::string, std::uint64_t> kinds_;

@@ -21,19 +21,17 @@ grpc::Status Questioner::load(const std::string& text) {
   v1::LoadSceneRequest q;
   q.set_path("scene.pbrt");
   v1::LoadSceneResponse r;
-  const grpc::Status s = call_status([&](auto* c) { return service_.scenes.LoadScene(c, q, &r); });
+  const grpc::Status s = call(q, &r);
   id_ = r.scene_id();
   return s;
 }
 
 void Questioner::release() {
   if (id_.empty()) return;  // the server refused the scene
-  v1::ReleaseSceneRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::ReleaseSceneRequest>(id_);
   v1::ReleaseSceneResponse r;
   const std::uint64_t before = repeats_;
-  const grpc::Status s =
-      call_status([&](auto* c) { return service_.scenes.ReleaseScene(c, q, &r); });
+  const grpc::Status s = call(q, &r);
   // A call that is sent again may find its work done.
   EXPECT_TRUE(s.ok() || (repeats_ > before && s.error_code() == grpc::StatusCode::NOT_FOUND))
       << s.error_message();
@@ -69,15 +67,13 @@ Verdict Questioner::judge(const Truth& truth, const Question& question) {
 Verdict Questioner::visibility(const Truth& truth, const Question& question) {
   const Way way = truth.way(question.from, question.to);
   if (way == Way::kUnsure) return {};
-  v1::TestVisibilityRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::TestVisibilityRequest>(id_);
   q.set_time_s(static_cast<double>(truth.world().time));
   set_point(question.from, q.mutable_segments()->mutable_from());
   set_point(question.to, q.mutable_segments()->mutable_to());
   if (length(question.from.normal) > 0) add_normal(question.from, q.mutable_normals());
   v1::TestVisibilityResponse r;
-  const grpc::Status s =
-      call_status([&](auto* c) { return service_.lighting.TestVisibility(c, q, &r); });
+  const grpc::Status s = call(q, &r);
   if (!s.ok()) return {Kind::kWrong, s.error_message()};
   if (r.status_size() > 0 && r.status(0) == v1::ITEM_STATUS_OUT_OF_RANGE) return {Kind::kNoAnswer};
   const bool visible = (r.visible()[0] & 1) != 0;
@@ -91,7 +87,7 @@ grpc::Status Questioner::irradiance(const Place& at, v1::EstimateIrradianceReque
   q.set_scene_id(id_);
   set_point(at, q.mutable_receivers());
   add_normal(at, q.mutable_normals());
-  return call_status([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
+  return call(q, r);
 }
 
 grpc::Status Questioner::direct(const Truth& truth, const Place& at,
@@ -180,12 +176,10 @@ Verdict Questioner::solid(const Truth& truth, const Question& question) {
 Verdict Questioner::power(const Truth& truth, const Question& question) {
   const auto amount = truth.power(question.source);
   if (!amount || !amount->sure) return {amount ? Kind::kUnsure : Kind::kNoAnswer};
-  v1::EstimatePowerRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::EstimatePowerRequest>(id_);
   q.add_light_ids(static_cast<std::uint64_t>(question.source) + 1);
   v1::EstimatePowerResponse r;
-  const grpc::Status s =
-      call_status([&](auto* c) { return service_.lighting.EstimatePower(c, q, &r); });
+  const grpc::Status s = call(q, &r);
   if (!s.ok()) return {Kind::kWrong, s.error_message()};
   const auto& light = r.lights(0);
   const Real slack = amount->bound + light.error_lm() + 1e-6L * amount->value;
@@ -197,8 +191,7 @@ Verdict Questioner::power(const Truth& truth, const Question& question) {
 
 v1::SampleLiResponse Questioner::sample(const Truth& truth, const Question& question,
                                         std::uint32_t samples, v1::AreaSampling sampling) {
-  v1::SampleLiRequest q;
-  q.set_scene_id(id_);
+  auto q = about<v1::SampleLiRequest>(id_);
   q.set_time_s(static_cast<double>(truth.world().time));
   q.set_light_id(static_cast<std::uint64_t>(question.source) + 1);
   set_point(question.from, q.mutable_receivers());
@@ -208,7 +201,7 @@ v1::SampleLiResponse Questioner::sample(const Truth& truth, const Question& ques
   q.mutable_accuracy()->set_area_sampling(sampling);
   q.mutable_accuracy()->set_sampler(v1::SAMPLER_INDEPENDENT);
   v1::SampleLiResponse r;
-  const grpc::Status s = call_status([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
+  const grpc::Status s = call(q, &r);
   EXPECT_TRUE(s.ok()) << s.error_message();
   return r;
 }

@@ -34,7 +34,8 @@ struct Verdict {
 template <typename Call>
 grpc::Status status_on_any_connection(Call&& call, std::uint64_t& repeats) {
   constexpr int kMostRepeats = 3;
-  grpc::Status status = status_of(call);
+  grpc::ClientContext first;
+  grpc::Status status = call(&first);
   for (int i = 0; i < kMostRepeats && status.error_code() == grpc::StatusCode::UNAVAILABLE; ++i) {
     ++repeats;
     grpc::ClientContext context;
@@ -66,9 +67,9 @@ class Questioner {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
-  template <typename Call>
-  grpc::Status call_status(Call&& call) {
-    return status_on_any_connection(call, repeats_);
+  template <typename Request>
+  grpc::Status call(const Request& q, ResponseTo<Request>* r) {
+    return status_on_any_connection([&](auto* c) { return service_.call(c, q, r); }, repeats_);
   }
   Verdict visibility(const oracle::Truth& truth, const Question& question);
   Verdict illuminance(const oracle::Truth& truth, const Question& question);

@@ -58,9 +58,7 @@ TEST(QuerySumsExtremes, TotalOfVeryDifferentFluxes) {
   Sweep sweep(24, "a light of 1e6 ... 1e30 cd, and 1000 lights of 4e-17 times its intensity",
               "exact and approximate", "total of EstimatePower");
   const TempDirectory folder;
-  auto options = service_options();
-  options.scenes.root = folder.path().string();
-  Service service(options);
+  Service service(scenes_in(folder.path()));
   for (const double large : {1e6, 1e12, 1e18, 1e24, 1e30}) {
     const double small = 4e-17 * large;
     const auto light = [](double cd) {

@@ -155,19 +155,13 @@ bool has_sheet(const std::string& text) {
 
 class WireParameters : public ::testing::Test {
  protected:
-  rpc::ServerOptions options() const {
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = root_.path();
-    return options;
-  }
-
   grpc::Status load(const std::string& text, std::string* id,
                     const std::string& name = "scene.pbrt") {
     std::ofstream(root_.path() / name) << text;
     v1::LoadSceneRequest q;
     q.set_path(name);
     v1::LoadSceneResponse r;
-    const grpc::Status s = status_of([&](auto* c) { return service_.scenes.LoadScene(c, q, &r); });
+    const grpc::Status s = service_.call(q, &r);
     *id = r.scene_id();
     return s;
   }
@@ -182,14 +176,11 @@ class WireParameters : public ::testing::Test {
     for (const v1::Light& light : queries.lights()) queries.query_light(light);
     with_pictures ? queries.query_scene() : queries.query_points();
     for (const std::string& failure : queries.failures()) ADD_FAILURE() << failure;
-    v1::ReleaseSceneRequest end;
-    end.set_scene_id(id);
-    v1::ReleaseSceneResponse ended;
-    status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, end, &ended); });
+    (void)service_.status(about<v1::ReleaseSceneRequest>(id));
   }
 
   TempDirectory root_;
-  Service service_{options()};
+  Service service_{scenes_in(root_.path())};
   ExtremeNumbers numbers_{20260202};
 };
 
@@ -366,12 +357,10 @@ TEST_F(WireParameters, OfEditsAreRefusedOrAnsweredWithFiniteNumbers) {
   for (const auto& [name, set_field] : kFields)
     for (const double value : {1e300, 1e-300, 1.7e308, -1.0, 1e9, 1e38, 3e38, 1e-45, 0.0}) {
       SCOPED_TRACE(fmt::format("{} = {}", name, value));
-      v1::EditLightsRequest q;
-      q.set_scene_id(id);
+      auto q = about<v1::EditLightsRequest>(id);
       set_field(q.add_edits(), value);
       v1::EditLightsResponse r;
-      const grpc::Status s =
-          status_of([&](auto* c) { return service_.scenes.EditLights(c, q, &r); });
+      const grpc::Status s = service_.call(q, &r);
       if (s.ok()) {
         if (r.scene_id() != id) query(r.scene_id());
       } else {

@@ -28,12 +28,6 @@ constexpr std::uint64_t kAllScenes = ~std::uint64_t{0};
 
 class WireProperty : public ::testing::Test {
  protected:
-  rpc::ServerOptions options() const {
-    rpc::ServerOptions options = service_options();
-    options.scenes.root = root_.path();
-    return options;
-  }
-
   /// Known by hand: 5 cd at 1 m.
   void expect_it_serves() {
     EXPECT_EQ(health(service_, ""), grpc::health::v1::HealthCheckResponse::SERVING);
@@ -43,9 +37,8 @@ class WireProperty : public ::testing::Test {
     q.set_scene_id(service_.load("calm.pbrt"));
     set(q.mutable_receivers()->mutable_offsets_m(), 0, 0, 2);
     q.mutable_seed()->set_seed(1);
-    v1::SampleLiResponse r;
-    const grpc::Status s = status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
-    ASSERT_TRUE(s.ok()) << s.error_message();
+    const auto r = service_.answer(q);
+    ASSERT_FALSE(HasFailure());
     EXPECT_EQ(Vec3f(5, 5, 5), triple(r.value(), 0));
     EXPECT_EQ(Vec3f(0, 0, 1), triple(r.wi(), 0));
     EXPECT_EQ(r.distance_m(0), 1);
@@ -99,25 +92,15 @@ class WireProperty : public ::testing::Test {
 
   /// Every method whose answers hold numbers was called.
   void expect_all_methods() {
-    v1::GetServerInfoResponse info;
-    const grpc::Status got =
-        status_of([&](auto* c) { return service_.admin.GetServerInfo(c, {}, &info); });
-    EXPECT_TRUE(got.ok()) << got.error_message();
-    for (const std::string& wrong : wrong_numbers(info)) ADD_FAILURE() << wrong;
-    ++items_["GetServerInfo"];
     for (const auto& [method, n] : scenes_.items()) items_[method] += n;
-    v1::GetStatsResponse stats;
-    const grpc::Status counted =
-        status_of([&](auto* c) { return service_.admin.GetStats(c, {}, &stats); });
-    EXPECT_TRUE(counted.ok()) << counted.error_message();
-    for (const std::string& wrong : wrong_numbers(stats)) ADD_FAILURE() << wrong;
-    ++items_["GetStats"];
-    v1::ListLeasesResponse leases;
-    const grpc::Status listed =
-        status_of([&](auto* c) { return service_.admin.ListLeases(c, {}, &leases); });
-    EXPECT_TRUE(listed.ok()) << listed.error_message();
-    for (const std::string& wrong : wrong_numbers(leases)) ADD_FAILURE() << wrong;
-    ++items_["ListLeases"];
+    const auto ask = [&](const std::string& method, const auto& request) {
+      for (const std::string& wrong : wrong_numbers(service_.answer(request)))
+        ADD_FAILURE() << wrong;
+      ++items_[method];
+    };
+    ask("GetServerInfo", v1::GetServerInfoRequest());
+    ask("GetStats", v1::GetStatsRequest());
+    ask("ListLeases", v1::ListLeasesRequest());
     for (const auto* method : all_methods()) {
       if (!holds_numbers(*method->output_type())) continue;
       EXPECT_GT(items_[method->name()], 0u) << method->full_name();
@@ -125,7 +108,7 @@ class WireProperty : public ::testing::Test {
   }
 
   TempDirectory root_;
-  Service service_{options()};
+  Service service_{scenes_in(root_.path())};
   WireScenes scenes_{service_, root_.path()};
   std::map<std::string, std::uint64_t> items_;   // by method
   std::map<std::string, std::uint64_t> lights_;  // by kind

@@ -24,9 +24,7 @@ namespace lucerna::testing {
 class Answers {
  public:
   Answers(Service& service, const std::string& scene) : service_(service), scene_(scene) {
-    auto list = about<v1::ListLightsRequest>(scene);
-    const grpc::Status listed = service_.call(list, &lights_);
-    EXPECT_TRUE(listed.ok()) << listed.error_message();
+    lights_ = service_.answer(about<v1::ListLightsRequest>(scene));
     for (v1::Light& light : *lights_.mutable_lights()) light.clear_source();
     add("lights", lights_);
     arriving();
@@ -47,12 +45,6 @@ class Answers {
  private:
   static constexpr int kPoints = 40;
 
-  template <typename Request>
-  Request request() const {
-    Request q;
-    q.set_scene_id(scene_);
-    return q;
-  }
   template <typename Response>
   void add(const std::string& name, Response response) {
     if constexpr (requires { response.clear_cost(); }) response.clear_cost();
@@ -61,17 +53,16 @@ class Answers {
     if constexpr (requires { response.clear_missed_surfaces(); }) response.clear_missed_surfaces();
     bytes_[name] = response.SerializeAsString();
   }
-  template <typename Response, typename Call>
-  Response call(const std::string& name, const Call& ask) {
-    Response response;
-    const grpc::Status s = status_of([&](auto* c) { return ask(c, &response); });
-    EXPECT_TRUE(s.ok()) << name << ": " << s.error_message();
+  template <typename Request>
+  ResponseTo<Request> call(const std::string& name, const Request& request) {
+    SCOPED_TRACE(name);
+    const auto response = service_.answer(request);
     add(name, response);
     return response;
   }
 
   void arriving() {
-    auto li = request<v1::SampleLiRequest>();
+    auto li = about<v1::SampleLiRequest>(scene_);
     for (int i = 0; i < kPoints; ++i) {
       const float x = 0.37F * static_cast<float>(i % 7) - 1;
       const float y = 0.41F * static_cast<float>(i % 5) - 1;
@@ -79,21 +70,18 @@ class Answers {
       for (const float v : {0.F, 0.F, 1.F}) li.add_normals(v);
     }
     li.set_test_visibility(true);
-    auto lux = request<v1::EstimateIrradianceRequest>();
-    auto pdf = request<v1::PdfLiRequest>();
+    auto lux = about<v1::EstimateIrradianceRequest>(scene_);
+    auto pdf = about<v1::PdfLiRequest>(scene_);
     *lux.mutable_receivers() = *pdf.mutable_receivers() = li.receivers();
     *lux.mutable_normals() = *pdf.mutable_normals() = li.normals();
-    call<v1::SampleLiResponse>(
-        "SampleLi", [&](auto* c, auto* r) { return service_.lighting.SampleLi(c, li, r); });
+    call("SampleLi", li);
     for (const v1::Light& light : lights_.lights()) {
       const std::string of = " of light " + std::to_string(light.id());
       li.set_light_id(light.id());
       pdf.set_light_id(light.id());
-      const auto samples = call<v1::SampleLiResponse>(
-          "SampleLi" + of, [&](auto* c, auto* r) { return service_.lighting.SampleLi(c, li, r); });
+      const auto samples = call("SampleLi" + of, li);
       *pdf.mutable_wi() = samples.wi();
-      call<v1::PdfLiResponse>("PdfLi" + of,
-                              [&](auto* c, auto* r) { return service_.lighting.PdfLi(c, pdf, r); });
+      call("PdfLi" + of, pdf);
     }
     lux.mutable_accuracy()->set_samples(64);
     std::vector<v1::Visibility> methods{v1::VISIBILITY_RAYS};
@@ -103,61 +91,48 @@ class Answers {
       for (const std::uint32_t bounces : {0U, 2U}) {
         lux.set_bounces(bounces);
         lux.mutable_accuracy()->set_visibility(visibility);
-        call<v1::EstimateIrradianceResponse>(
-            "EstimateIrradiance " + std::to_string(visibility) + " " + std::to_string(bounces),
-            [&](auto* c, auto* r) { return service_.lighting.EstimateIrradiance(c, lux, r); });
+        call("EstimateIrradiance " + std::to_string(visibility) + " " + std::to_string(bounces),
+             lux);
       }
     lux.mutable_accuracy()->clear_samples();
     lux.mutable_accuracy()->mutable_target_error()->set_relative(0.05);
     lux.set_per_light(true);
     lux.set_bounces(0);
-    call<v1::EstimateIrradianceResponse>("EstimateIrradiance by a target", [&](auto* c, auto* r) {
-      return service_.lighting.EstimateIrradiance(c, lux, r);
-    });
-    auto seen = request<v1::TestVisibilityRequest>();
+    call("EstimateIrradiance by a target", lux);
+    auto seen = about<v1::TestVisibilityRequest>(scene_);
     *seen.mutable_segments()->mutable_from() = li.receivers();
     for (int i = 0; i < kPoints; ++i)
       for (const float v : {0.1F * static_cast<float>(i), 1.F, 2.5F})
         seen.mutable_segments()->mutable_to()->add_offsets_m(v);
-    call<v1::TestVisibilityResponse>("TestVisibility", [&](auto* c, auto* r) {
-      return service_.lighting.TestVisibility(c, seen, r);
-    });
+    call("TestVisibility", seen);
   }
 
   void leaving() {
-    auto rays = request<v1::SampleLeRequest>();
-    auto pdf = request<v1::PdfLeRequest>();
-    auto value = request<v1::LeRequest>();
+    auto rays = about<v1::SampleLeRequest>(scene_);
+    auto pdf = about<v1::PdfLeRequest>(scene_);
+    auto value = about<v1::LeRequest>(scene_);
     rays.set_count(64);
-    call<v1::SampleLeResponse>(
-        "SampleLe", [&](auto* c, auto* r) { return service_.lighting.SampleLe(c, rays, r); });
+    call("SampleLe", rays);
     for (const v1::Light& light : lights_.lights()) {
       const std::string of = " of light " + std::to_string(light.id());
       rays.set_light_id(light.id());
       pdf.set_light_id(light.id());
       value.set_light_id(light.id());
-      const auto leaving = call<v1::SampleLeResponse>("SampleLe" + of, [&](auto* c, auto* r) {
-        return service_.lighting.SampleLe(c, rays, r);
-      });
+      const auto leaving = call("SampleLe" + of, rays);
       *pdf.mutable_points() = *value.mutable_points() = leaving.points();
       *pdf.mutable_directions() = *value.mutable_directions() = leaving.directions();
-      call<v1::PdfLeResponse>("PdfLe" + of,
-                              [&](auto* c, auto* r) { return service_.lighting.PdfLe(c, pdf, r); });
-      call<v1::LeResponse>("Le" + of,
-                           [&](auto* c, auto* r) { return service_.lighting.Le(c, value, r); });
+      call("PdfLe" + of, pdf);
+      call("Le" + of, value);
     }
-    call<v1::EstimatePowerResponse>("EstimatePower", [&](auto* c, auto* r) {
-      return service_.lighting.EstimatePower(c, request<v1::EstimatePowerRequest>(), r);
-    });
+    call("EstimatePower", about<v1::EstimatePowerRequest>(scene_));
   }
 
   void pictures() {
-    auto tile = request<v1::RenderTileRequest>();
+    auto tile = about<v1::RenderTileRequest>(scene_);
     set_rect(&tile, 16, 12);
     tile.mutable_accuracy()->set_samples(8);
     tile.set_bounces(2);
-    call<v1::RenderTileResponse>(
-        "RenderTile", [&](auto* c, auto* r) { return service_.render.RenderTile(c, tile, r); });
+    call("RenderTile", tile);
   }
 
   Service& service_;
@@ -174,8 +149,7 @@ class Edit : public ::testing::Test {
     std::filesystem::create_directory(root_.path() / "reference");
     for (const char* file : {"sky.exr", "slide.exr", "screen.exr"})
       std::filesystem::copy_file(data / "reference" / file, root_.path() / "reference" / file);
-    rpc::ServerOptions options = scenes_in(root_.path());
-    service_ = std::make_unique<Service>(options);
+    service_ = std::make_unique<Service>(scenes_in(root_.path()));
   }
 
   std::string write(const std::string& name, const std::string& text) {
@@ -202,10 +176,6 @@ class Edit : public ::testing::Test {
     v1::LightChange* const change = request.add_edits()->mutable_change();
     change->set_light_id(light);
     return change;
-  }
-  static v1::EditLightsRequest request_for(const std::string& scene) {
-    auto request = about<v1::EditLightsRequest>(scene);
-    return request;
   }
   /// A digest of the bits of a whole picture.
   std::string picture(const std::string& scene) {

@@ -12,7 +12,7 @@ constexpr std::size_t kNameBytes = 200;
 
 TEST_F(Edit, UnknownFieldsOfALightAreDropped) {
   const std::string scene = load("placed.pbrt", placed(""));
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   *request.add_edits()->mutable_put() = point_light(3);
   const std::string revision = edited(request);
   v1::Light* const light = request.mutable_edits(0)->mutable_put();
@@ -27,7 +27,7 @@ TEST_F(Edit, UnknownFieldsOfALightAreDropped) {
 // Each revision has a list of its own, so revisions of many lights would fill the memory.
 TEST_F(Edit, ListsOfEditsCountAgainstTheBudget) {
   const std::string scene = load("placed.pbrt", placed(""));
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   for (int i = 0; i < kManyLights; ++i) {
     v1::Light* const light = request.add_edits()->mutable_put();
     *light = point_light(1 + i);
@@ -57,7 +57,7 @@ TEST_F(Edit, AddedFilesThatDoNotFitAreRefusedWhileTheyAreRead) {
   rpc::ServerOptions options = scenes_in(root_.path());
   options.scenes.memory_budget_bytes = 32 << 20;
   service_ = std::make_unique<Service>(options);
-  v1::EditLightsRequest request = request_for(load("placed.pbrt", placed("")));
+  auto request = about<v1::EditLightsRequest>(load("placed.pbrt", placed("")));
   for (int i = 0; i < 200; ++i) request.add_edits()->mutable_add()->set_path("mesh.pbrt");
   const grpc::Status status = service_->status(request);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();

@@ -17,7 +17,7 @@ constexpr const char* kLampShapes[] = {
 
 TEST_F(Edit, ShiftedLightsHaveTheBitsOfAFileThatShiftsThem) {
   const std::string scene = load("placed.pbrt", placed(""));
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   for (const std::uint64_t light : {1, 2, 3, 4, 5, 6, 8}) {
     v1::Vector3* shift = change(request, light)->mutable_placement()->mutable_shift_m();
     shift->set_x(0.25), shift->set_y(0.5), shift->set_z(-0.125);
@@ -27,7 +27,7 @@ TEST_F(Edit, ShiftedLightsHaveTheBitsOfAFileThatShiftsThem) {
 
 TEST_F(Edit, TurnedLightsPointElsewhere) {
   const std::string scene = load("placed.pbrt", placed(""));
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   for (const std::uint64_t light : {2, 7}) {
     v1::LightPlacement* place = change(request, light)->mutable_placement();
     place->mutable_turn_axis()->set_z(2);
@@ -45,7 +45,7 @@ TEST_F(Edit, TurnedLightsPointElsewhere) {
 
 TEST_F(Edit, AShiftAndATurnKeepEachOther) {
   const std::string scene = load("placed.pbrt", placed(""));
-  v1::EditLightsRequest both = request_for(scene), shift = both;
+  auto both = about<v1::EditLightsRequest>(scene), shift = both;
   const auto turn = [this](v1::EditLightsRequest& r) {
     v1::LightPlacement* place = change(r, 2)->mutable_placement();
     place->mutable_turn_axis()->set_z(1);
@@ -55,12 +55,12 @@ TEST_F(Edit, AShiftAndATurnKeepEachOther) {
   turn(both)->mutable_shift_m()->set_x(0.25);
   const std::string at_once = edited(both);
   change(shift, 2)->mutable_placement()->mutable_shift_m()->set_x(0.25);
-  v1::EditLightsRequest after = request_for(edited(shift));
+  auto after = about<v1::EditLightsRequest>(edited(shift));
   turn(after);
   EXPECT_EQ(edited(after), at_once);
-  after = request_for(at_once);
+  after = about<v1::EditLightsRequest>(at_once);
   change(after, 2)->mutable_placement()->mutable_shift_m();  // a shift by 0
-  v1::EditLightsRequest turned = request_for(scene);
+  auto turned = about<v1::EditLightsRequest>(scene);
   turn(turned);
   EXPECT_EQ(edited(after), edited(turned));
   change(after, 2)->mutable_placement();
@@ -77,7 +77,7 @@ TEST_F(Edit, ShiftedSurfacesOfEveryKindHaveTheBitsOfAFileThatShiftsThem) {
     return all;
   };
   const std::string scene = load("surfaces.pbrt", text(""));
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   for (std::uint64_t light = 1; light <= 5; ++light) {
     v1::Vector3* shift = change(request, light)->mutable_placement()->mutable_shift_m();
     shift->set_x(0.25), shift->set_y(-0.5), shift->set_z(0.125);
@@ -86,21 +86,21 @@ TEST_F(Edit, ShiftedSurfacesOfEveryKindHaveTheBitsOfAFileThatShiftsThem) {
   expect_same(moved, load("moved.pbrt", text("Translate 0.25 -0.5 0.125\n")));
   // Another edit of the revision keeps the places, and shares the geometry.
   const std::uint64_t builds = service_->server->scenes().builds();
-  request = request_for(moved);
+  request = about<v1::EditLightsRequest>(moved);
   change(request, 1)->set_scale(0.5);
   EXPECT_NE(edited(request), moved);
   EXPECT_EQ(service_->server->scenes().builds(), builds);
   // Back at their places the surfaces are those of the file.
-  request = request_for(moved);
+  request = about<v1::EditLightsRequest>(moved);
   for (std::uint64_t light = 1; light <= 5; ++light) change(request, light)->mutable_placement();
   EXPECT_EQ(edited(request), scene);
   // A surface moves without the file.  If the scene gets another origin, all of it is built again,
   // which needs the file.
   write("surfaces.pbrt", text("Scale 2 2 2\n"));
-  request = request_for(scene);
+  request = about<v1::EditLightsRequest>(scene);
   change(request, 1)->mutable_placement()->mutable_shift_m()->set_x(3);
   EXPECT_NE(edited(request), scene);
-  request = request_for(scene);
+  request = about<v1::EditLightsRequest>(scene);
   change(request, 1)->mutable_placement()->mutable_shift_m()->set_x(1e6);
   EXPECT_EQ(service_->status(request).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
 }
@@ -110,7 +110,7 @@ TEST_F(Edit, TurnedSurfacesTurnAboutTheirMiddle) {
       load("pane.pbrt",
            "WorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n"
            "Shape \"bilinearmesh\" \"point3 P\" [1 1 2  3 1 2  1 3 2  3 3 2]\n");
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   v1::LightPlacement* place = change(request, 1)->mutable_placement();
   place->mutable_turn_axis()->set_x(1);
   place->set_turn_rad(std::numbers::pi / 2);
@@ -130,7 +130,7 @@ TEST_F(Edit, NewLightsShineAsThoseOfAFile) {
   const std::string scene = load("one.pbrt", start);
   write("lamp.pbrt",
         "WorldBegin\nLightSource \"point\" \"rgb I\" [100 100 100] \"point3 from\" [0 0 3]\n");
-  v1::EditLightsRequest by_message = request_for(scene), by_file = by_message;
+  auto by_message = about<v1::EditLightsRequest>(scene), by_file = by_message;
   *by_message.add_edits()->mutable_put() = point_light(3);
   by_file.add_edits()->mutable_add()->set_path("lamp.pbrt");
   const std::string fresh =
@@ -189,7 +189,7 @@ TEST_F(Edit, NewSurfacesOfEveryKindShineAsThoseOfAFile) {
   for (const std::string glass :
        {"", "Material \"dielectric\"\nShape \"disk\" \"float radius\" [3]\n"}) {
     const std::string scene = load("room.pbrt", start + glass);
-    v1::EditLightsRequest request = request_for(scene);
+    auto request = about<v1::EditLightsRequest>(scene);
     request.add_edits()->mutable_add()->set_path("lamps.pbrt");
     const std::string lit = edited(request);
     ASSERT_EQ(new_ids_.size(), 5U);
@@ -199,7 +199,7 @@ TEST_F(Edit, NewSurfacesOfEveryKindShineAsThoseOfAFile) {
     EXPECT_EQ(total_lux(lit), total_lux(fresh));
     EXPECT_NE(picture(lit), picture(scene));
     // The light of a new surface can change, move and go as any other.
-    request = request_for(lit);
+    request = about<v1::EditLightsRequest>(lit);
     for (const std::uint64_t id : ids) {
       change(request, id)->set_scale(0.5);
       v1::Vector3* shift = change(request, id)->mutable_placement()->mutable_shift_m();
@@ -210,7 +210,7 @@ TEST_F(Edit, NewSurfacesOfEveryKindShineAsThoseOfAFile) {
         "moved.pbrt", start + glass + in_order(ids, lamps("Translate 0.25 0 0.5", "[1.5 1 0.5]")));
     EXPECT_EQ(picture(moved), picture(elsewhere));
     EXPECT_EQ(total_lux(moved), total_lux(elsewhere));
-    request = request_for(moved);
+    request = about<v1::EditLightsRequest>(moved);
     for (const std::uint64_t id : ids) request.add_edits()->set_remove(id);
     EXPECT_EQ(edited(request), scene);
   }
@@ -222,7 +222,7 @@ TEST_F(Edit, NewSurfacesThatCannotBeAddedAreRefused) {
   const std::string light = "AreaLightSource \"diffuse\"\n";
   const auto refusal = [&](const std::string& text) {
     write("lamp.pbrt", "WorldBegin\n" + text);
-    v1::EditLightsRequest request = request_for(scene);
+    auto request = about<v1::EditLightsRequest>(scene);
     request.add_edits()->mutable_add()->set_path("lamp.pbrt");
     const grpc::Status s = service_->status(request);
     EXPECT_EQ(s.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << text;

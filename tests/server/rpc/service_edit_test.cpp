@@ -32,7 +32,7 @@ std::string dimmed(const std::string& text, double factor) {
 
 TEST_F(Edit, DimmedLightsOfEveryKindHaveTheBitsOfAFileThatDimsThem) {
   const std::string scene = service_->load("lights/every_light.pbrt");
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   const Answers before(*service_, scene);
   for (const v1::Light& light : before.lights().lights())
     change(request, light.id())->set_scale(0.5);
@@ -49,7 +49,7 @@ TEST_F(Edit, TintedLightsHaveTheBitsOfAFileThatTintsThem) {
   const std::string light = "LightSource \"point\" \"point3 from\" [0 0 2] ";
   const std::string scene =
       load("white.pbrt", "WorldBegin\nShape \"sphere\"\n" + light + "\"rgb I\" [8 8 8]\n");
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   v1::Rgb* tint = change(request, 1)->mutable_tint();
   tint->set_r(1), tint->set_g(0.5), tint->set_b(0.25);
   expect_same(edited(request), load("tinted.pbrt", "WorldBegin\nShape \"sphere\"\n" + light +
@@ -58,26 +58,26 @@ TEST_F(Edit, TintedLightsHaveTheBitsOfAFileThatTintsThem) {
 
 TEST_F(Edit, LightsThatAreOffAreBlackUntilTheyAreOn) {
   const std::string scene = load("placed.pbrt", placed(""));
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   for (std::uint64_t light = 1; light <= 8; ++light) change(request, light)->set_on(false);
   const std::string dark = edited(request);
   const Answers answers(*service_, dark);
   for (const v1::Light& light : answers.lights().lights()) EXPECT_EQ(light.power_lm(), 0);
-  request = request_for(dark);
+  request = about<v1::EditLightsRequest>(dark);
   for (std::uint64_t light = 1; light <= 8; ++light) change(request, light)->set_on(true);
   EXPECT_EQ(edited(request), scene);
 }
 
 TEST_F(Edit, RemovedLightsLeaveDarkSurfacesAndKeepTheIdsOfOthers) {
   const std::string scene = load("placed.pbrt", placed(""));
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   request.add_edits()->set_remove(8);
   std::string without = placed("");
   const std::size_t begin = without.find("AreaLightSource");
   without.erase(begin, without.find('\n', begin) - begin);
   const std::string last = edited(request);
   expect_same(last, load("without.pbrt", without));
-  request = request_for(last);
+  request = about<v1::EditLightsRequest>(last);
   request.add_edits()->set_remove(2);
   const Answers answers(*service_, edited(request));
   std::vector<std::uint64_t> ids;
@@ -92,7 +92,7 @@ TEST_F(Edit, ARemovedLampDoesNotShineAsTheNextLight) {
   };
   const std::string scene =
       load("lamps.pbrt", "WorldBegin\n" + lamp("-2 0 3", "[1 1 1]") + lamp("2 0 3", "[5 5 5]"));
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   request.add_edits()->set_remove(1);
   auto rays = about<v1::LeRequest>(edited(request));
   for (const float x : {-2.0F, 2.0F}) {
@@ -106,23 +106,23 @@ TEST_F(Edit, ARemovedLampDoesNotShineAsTheNextLight) {
 
 TEST_F(Edit, TheIdFollowsFromTheLightsAndNotFromTheWayToThem) {
   const std::string scene = load("placed.pbrt", placed(""));
-  v1::EditLightsRequest both = request_for(scene);
+  auto both = about<v1::EditLightsRequest>(scene);
   change(both, 1)->set_scale(0.5);
   *both.add_edits()->mutable_put() = point_light(2);
   const std::string at_once = edited(both);
   const std::uint64_t lamp = new_ids_.at(0);
 
-  v1::EditLightsRequest first = request_for(scene);
+  auto first = about<v1::EditLightsRequest>(scene);
   *first.add_edits()->mutable_put() = point_light(2);
   change(first, 1)->set_scale(7);
   change(first, 3)->set_on(false);
-  v1::EditLightsRequest second = request_for(edited(first));
+  auto second = about<v1::EditLightsRequest>(edited(first));
   EXPECT_EQ(new_ids_.at(0), lamp);
   change(second, 3)->set_on(true);
   change(second, 1)->set_scale(0.5);
   EXPECT_EQ(edited(second), at_once);
 
-  v1::EditLightsRequest back = request_for(at_once);
+  auto back = about<v1::EditLightsRequest>(at_once);
   back.add_edits()->set_remove(lamp);
   change(back, 1)->set_scale(1);
   EXPECT_EQ(edited(back), scene);
@@ -141,7 +141,7 @@ TEST_F(Edit, TheIdFollowsFromTheLightsAndNotFromTheWayToThem) {
 TEST_F(Edit, RevisionsShareMemoryAndOutliveTheirScene) {
   const std::string scene = load("placed.pbrt", placed(""));
   const std::uint64_t alone = service_->server->scenes().bytes();
-  v1::EditLightsRequest request = request_for(scene);
+  auto request = about<v1::EditLightsRequest>(scene);
   request.set_lease_s(60);
   change(request, 1)->set_scale(0.5);
   const std::string revision = edited(request);
@@ -164,13 +164,12 @@ TEST_F(Edit, RevisionsShareMemoryAndOutliveTheirScene) {
 // Trying one id after another would take minutes.
 TEST_F(Edit, AsManyEqualLightsAsARequestMayHaveGetIdsOneAfterAnother) {
   constexpr int kLights = 65536;
-  v1::EditLightsRequest request = request_for(load("placed.pbrt", placed("")));
+  auto request = about<v1::EditLightsRequest>(load("placed.pbrt", placed("")));
   for (int i = 0; i < kLights; ++i) *request.add_edits()->mutable_put() = point_light(2);
   v1::EditLightsResponse response;
-  const grpc::Status s = status_of([&](auto* c) {
-    c->set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
-    return service_->scenes.EditLights(c, request, &response);
-  });
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
+  const grpc::Status s = service_->call(&context, request, &response);
   ASSERT_TRUE(s.ok()) << s.error_message();
   ASSERT_EQ(response.light_ids_size(), kLights);
   for (int i = 1; i < kLights; ++i)
@@ -180,7 +179,7 @@ TEST_F(Edit, AsManyEqualLightsAsARequestMayHaveGetIdsOneAfterAnother) {
 TEST_F(Edit, WrongEditsNameTheirFieldAndMakeNothing) {
   const std::string scene = load("placed.pbrt", placed(""));
   const auto fails = [&](const std::function<void(v1::EditLightsRequest&)>& set) {
-    v1::EditLightsRequest request = request_for(scene);
+    auto request = about<v1::EditLightsRequest>(scene);
     change(request, 1)->set_scale(0.5);  // a good edit before the bad one
     set(request);
     return service_->status(request);
@@ -235,7 +234,7 @@ TEST_F(Edit, WrongEditsNameTheirFieldAndMakeNothing) {
   EXPECT_EQ(
       fails([](auto& r) { r.add_edits()->mutable_add()->set_path("none.pbrt"); }).error_code(),
       grpc::StatusCode::NOT_FOUND);
-  v1::EditLightsRequest request = request_for(std::string(64, '0'));
+  auto request = about<v1::EditLightsRequest>(std::string(64, '0'));
   EXPECT_EQ(service_->status(request).error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_EQ(service_->server->scenes().size(), 1U);
 }

@@ -189,13 +189,6 @@ inline double mean_of(const v1::Tile& tile) {
   return sum / static_cast<double>(n);
 }
 
-/// The status that `call(&context)` returns.
-template <typename Call>
-grpc::Status status_of(Call&& call) {
-  grpc::ClientContext context;
-  return call(&context);
-}
-
 /// The detail of one kind in an error; empty if there is none.
 template <typename Detail>
 Detail detail(const grpc::Status& status) {

@@ -49,7 +49,7 @@ class Stopped : public Edit {
 };
 
 TEST_F(Stopped, EditsOfManyLights) {
-  v1::EditLightsRequest request = request_for(load("placed.pbrt", placed("")));
+  auto request = about<v1::EditLightsRequest>(load("placed.pbrt", placed("")));
   for (int i = 0; i < 65536; ++i) *request.add_edits()->mutable_put() = point_light(2);
   expect_stops([&](grpc::ClientContext* c) {
     v1::EditLightsResponse response;
@@ -63,7 +63,7 @@ TEST_F(Stopped, EditsThatMoveManySurfaces) {
   for (int i = 0; i < kLamps; ++i)
     text += "Shape \"trianglemesh\" \"point3 P\" [" + std::to_string(i + 2) +
             " 0 0  1 0 0  0 1 0] \"integer indices\" [0 1 2]\n";
-  v1::EditLightsRequest request = request_for(load("lamps.pbrt", text));
+  auto request = about<v1::EditLightsRequest>(load("lamps.pbrt", text));
   for (int i = 1; i <= kLamps; ++i)
     change(request, i)->mutable_placement()->mutable_shift_m()->set_y(0.25);
   expect_stops([&](grpc::ClientContext* c) {
