@@ -11,8 +11,8 @@ namespace lucerna {
 /// How the points of an area light are chosen.  The first five differ only on triangles; other
 /// shapes use uniform sampling by area for each of them.  Every way has an exact density.  If a
 /// receiver cannot use a way (the solid angle does not fit a float, or the shape has no such way),
-/// it uses area sampling for samples and densities.  The way has no effect if
-/// Painted::is_by_picture().
+/// it uses area sampling for samples and densities.  The way has no effect where
+/// a picture chooses the points (Shape::distribution).
 enum class AreaSampling : std::uint8_t {
   kAutomatic = 0,     ///< by the rule in lights/sampling/area_sampling.cpp
   kSquareRoot,        ///< uniform by area, by the square root of one value
