@@ -278,13 +278,13 @@ class IrradianceEstimator {
 
   /// The samples in a block that pilots choose.
   std::uint32_t by_pilots(const Item& item, WorkCounts& work) {
-    const std::uint32_t blocks = settings_.block_count;
+    const std::uint32_t count = settings_.block_count;
     return needed_samples_per_block(
-        *settings_.target, blocks, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+        *settings_.target, count, [&](const Blocks& these) -> std::optional<PilotEstimate> {
           Sampled pilot = no_samples(0, 0);
           blocks(item, these, pilot, work);
           if (stopped_) return std::nullopt;
-          const IntervalRule rule(confidence_, blocks, these.count * these.samples);
+          const IntervalRule rule(confidence_, count, these.count * these.samples);
           const IrradianceEstimate e = pilot.total.result(
               item.exact.lx, static_cast<double>(these.count), rule,
               [&](bool missed) { return most(item, missed ? &pilot.found : nullptr); });
