@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Checks that tests can fail: removes one fix after another from a copy of the sources.
 
-    tests/mutants/run_mutants.py [NAME...]       puts in each mutant (all, or the named ones, such as 01), builds, and expects
-                                         its test to fail
+    tests/mutants/run_mutants.py [NAME...]       puts in each mutant (all, or the named ones, such as 01), builds, and
+                                                 expects its test to fail
     tests/mutants/run_mutants.py --oracle        only those that the oracle must find, with the oracle as the test
+    tests/mutants/run_mutants.py --others        names the other tests of its program that fail too
     tests/mutants/run_mutants.py --apply-only    checks that all mutants apply, and that each row of the page has one
 
 A mutant is a text file:
@@ -73,7 +74,7 @@ class Mutant:
         self.path, self.name, text = path, path.stem, path.read_text()
         head = HEAD.match(text)
         if not head or head[1] != (str(int(self.name[:2])) if self.name[0].isdigit() else None):
-            sys.exit(f"{path.relative_to(ROOT)}: does not begin with the lines that run.py describes")
+            sys.exit(f"{path.relative_to(ROOT)}: does not begin with the lines that run_mutants.py describes")
         self.about, self.fails_by = head[2], head[5] or "expectation"
         self.executable, self.filter = (head[3], head[4]) if head[3] else ORACLE
         self.is_for_oracle = not head[3] or head[6] is not None
@@ -168,7 +169,19 @@ def outcome(mutant):
     return "passes" if done.returncode == 0 else "expectation"
 
 
-def judge(mutant):
+def others(mutant):
+    """The tests of the mutant's program, other than its own, that fail in the current copy."""
+    program = next(p for p in BUILD.glob(f"tests/**/{mutant.executable}") if p.is_file())
+    try:
+        done = run(program, "--gtest_brief=1", f"--gtest_filter=*-{mutant.filter}", timeout=4 * TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        return ["a test that takes too long"]
+    if done.returncode < 0:
+        return ["a test that crashes"]
+    return sorted(set(re.findall(r"^\[  FAILED  \] ([\w./]+)", done.stdout, re.M)))
+
+
+def judge(mutant, with_others=False):
     """Puts in the mutant, builds, runs the test, takes it out; "killed", or an error."""
     try:
         changed = mutant.changed_files(COPY)
@@ -183,14 +196,15 @@ def judge(mutant):
             return "does not build: " + error
         now = outcome(mutant)
         if now == mutant.fails_by:
-            return "killed"
+            also = others(mutant) if with_others and not mutant.is_script else []
+            return "killed" + (", also by " + " ".join(also) if also else "")
         return "SURVIVED" if now == "passes" else f"fails by {now}, not by {mutant.fails_by}"
     finally:
         for file, text in before.items():
             (COPY / file).write_bytes(text)
 
 
-def run_mutants(mutants):
+def run_mutants(mutants, with_others):
     refresh_copy()
     if not (BUILD / "build.ninja").exists():
         run("cmake", "--preset", PRESET, cwd=COPY, check=True)
@@ -204,8 +218,8 @@ def run_mutants(mutants):
     for m in mutants:
         start = time.monotonic()
         was = before[m.executable, m.filter]
-        verdict = judge(m) if was == "passes" else f"without the mutant: {was}"
-        good &= verdict == "killed"
+        verdict = judge(m, with_others) if was == "passes" else f"without the mutant: {was}"
+        good &= verdict.startswith("killed")
         print(f"{m.name:4} {time.monotonic() - start:5.0f} s  {verdict:8}  {m.filter}: {m.about}", flush=True)
     print(f"{len(mutants)} mutants" + (", all killed" if good else ""))
     return good
@@ -233,6 +247,7 @@ def main():
     parser.add_argument("names", nargs="*")
     parser.add_argument("--apply-only", action="store_true")
     parser.add_argument("--oracle", action="store_true")
+    parser.add_argument("--others", action="store_true")
     options = parser.parse_args()
     mutants = [Mutant(p) for p in sorted(HERE.glob("*.mutant")) if not options.names or p.stem in options.names]
     if unknown := set(options.names) - {m.name for m in mutants}:
@@ -243,7 +258,7 @@ def main():
             sys.exit("none of these mutants is for the oracle")
         for m in mutants:
             m.use_oracle()
-    sys.exit(0 if (check if options.apply_only else run_mutants)(mutants) else 1)
+    sys.exit(0 if (check(mutants) if options.apply_only else run_mutants(mutants, options.others)) else 1)
 
 
 if __name__ == "__main__":
