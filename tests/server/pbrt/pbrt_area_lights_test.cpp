@@ -237,15 +237,15 @@ TEST(PbrtPanels, LevelsMultiplyTheFilesCandela) {
 TEST(PbrtPanels, APictureMultipliesTheProfile) {
   const std::string square = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0]";
   const std::string filename = "\"string filename\" \"four.pfm\" \"string filter\" \"nearest\" ";
-  const auto plain = panel_scene(kProfile + square);
-  const auto pictured = panel_scene(kProfile + filename + square);
+  const auto plain = scene_of(kProfile + square);
+  const auto pictured = scene_of(kProfile + filename + square);
   const Light &a = *plain->lights()[0].light, &b = *pictured->lights()[0].light;
   // The texels are 1 2 above 3 4.
   EXPECT_NEAR(luminance(b.power({}).lumens), 2.5 * luminance(a.power({}).lumens), 1e-9);
   const Vec3 w{kSlant, 0, kSlant};
   const Vec3 first = Vec3{0.5, 0.25, 0} - plain->origin();
   EXPECT_NEAR(b.le({first, {0, 0, 1}}, w).g, 3 * a.le({first, {0, 0, 1}}, w).g, 1e-9);
-  const auto with_power = panel_scene(kProfile + filename + "\"float power\" 100 " + square);
+  const auto with_power = scene_of(kProfile + filename + "\"float power\" 100 " + square);
   EXPECT_NEAR(luminance(with_power->lights()[0].light->power({}).lumens), 100, 1e-4);
 }
 
