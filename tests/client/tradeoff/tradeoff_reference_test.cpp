@@ -133,10 +133,10 @@ TEST(TradeoffReference, UsesTheBetterWayWithinItsTimeAndStatesItsError) {
   EXPECT_EQ(r->way, "second");
   EXPECT_LE(now, 17);
   EXPECT_GT(now, 15);
-  EXPECT_GE(r->blocks, 10U);
-  // The tolerance is a third of the standard error.  The scatter of dozens of blocks is more
+  EXPECT_GE(r->replicates, 10U);
+  // The tolerance is a third of the standard error.  The scatter of dozens of replicates is more
   // accurate than that.
-  const double samples = double(r->blocks) * r->samples_each;
+  const double samples = double(r->replicates) * r->samples_each;
   EXPECT_NEAR(r->rmse, 0.3 / std::sqrt(samples), 0.1 / std::sqrt(samples));
   // Five standard errors.
   EXPECT_NEAR(r->values[0], 5, 1.5 / std::sqrt(samples));
@@ -199,7 +199,7 @@ TEST(TradeoffReference, AWayThatDiffersFromItsCheckIsRejected) {
   EXPECT_EQ(r->way, "first");
   EXPECT_THAT(r->warning, HasSubstr("(second) was rejected"));
   EXPECT_NEAR(r->values[1], 10, 0.3);
-  EXPECT_GE(r->blocks, kFewestReplicates);
+  EXPECT_GE(r->replicates, kFewestReplicates);
   // Without a check it is accepted.
   question.checked = false;
   const auto unchecked = make_reference(question, 10, 2, [&] { return now; });
@@ -265,7 +265,7 @@ TEST(TradeoffReference, CountedAnswersDoNotDependOnTheirTime) {
     const MadeUp question({{3, cost}, {0.3, cost}}, &now);
     const auto r = make_counted_reference(question, 7, 64, 1, [&] { return now; });
     ASSERT_TRUE(r.ok()) << r.status();
-    EXPECT_EQ(r->blocks, 7U);
+    EXPECT_EQ(r->replicates, 7U);
     EXPECT_EQ(r->samples_each, 64U);
     EXPECT_EQ(r->way, "first");
     EXPECT_NEAR(r->seconds, 7 * 64 * cost, 1e-9 * r->seconds);
@@ -294,7 +294,7 @@ TEST(TradeoffReference, StopsWhenItIsAccurateEnough) {
   const MadeUp question({{1e-5, 1e-3}, {1e-5, 1e-3}}, &now);
   const auto r = make_reference(question, 100, 1, [&] { return now; });
   ASSERT_TRUE(r.ok()) << r.status();
-  EXPECT_EQ(r->blocks, kFewestReplicates);
+  EXPECT_EQ(r->replicates, kFewestReplicates);
   EXPECT_LT(r->relative_error, kGoodReference);
 }
 
