@@ -33,18 +33,18 @@ class Pilots {
  public:
   Pilots(const LiSampler& sampler, const TargetError& target, std::uint32_t blocks,
          const std::stop_token& stop)
-      : sampler_(sampler), target_(target), replicates_(blocks), stop_(stop) {}
+      : sampler_(sampler), target_(target), blocks_(blocks), stop_(stop) {}
 
   /// The number of samples in each block of an answer.
   std::uint32_t needed(std::size_t receiver, WorkCounts& work) {
     if (sampler_.receiver_result(receiver) != ItemResult::kOk) return 0;
     return needed_samples_per_block(
-        target_, replicates_, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+        target_, blocks_, [&](const Blocks& these) -> std::optional<PilotEstimate> {
           const std::vector<LiShare> shares = pilot(receiver, these, work);
           if (stopped_) return std::nullopt;
           const IrradianceEstimate e =
               estimate(sampler_, receiver, shares, these.samples,
-                       IntervalRule(target_.confidence, replicates_, shares.size()));
+                       IntervalRule(target_.confidence, blocks_, shares.size()));
           return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
         });
   }
@@ -74,7 +74,7 @@ class Pilots {
 
   const LiSampler& sampler_;
   const TargetError& target_;
-  const std::uint32_t replicates_;
+  const std::uint32_t blocks_;
   const std::stop_token& stop_;
   std::atomic<bool> stopped_ = false;
 };
@@ -160,11 +160,11 @@ LiEstimates estimates_of(const LiSampler& sampler, const LiLayout& layout, std::
       rule_samples = n;
       all.points[r] = estimate(sampler, r, own, n / blocks, *rule);
     }
-    const std::size_t blocks = exact ? 1 : blocks;
-    const auto count = static_cast<double>(blocks);
+    const std::size_t drawn = exact ? 1 : blocks;
+    const auto count = static_cast<double>(drawn);
     for (std::size_t k = 0; k < wavelengths; ++k) {
-      const BlockStatistics total = spectral_blocks(
-          own, blocks, spectral_value.data() + begin * wavelengths + k, wavelengths);
+      const BlockStatistics total =
+          spectral_blocks(own, drawn, spectral_value.data() + begin * wavelengths + k, wavelengths);
       all.spectral[r * wavelengths + k] = total.sum / count;
       if (!exact) all.spectral_error[r * wavelengths + k] = standard_error(total, count);
     }

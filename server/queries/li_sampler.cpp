@@ -33,7 +33,7 @@ void set_wire_wi(const Light& light, const Receiver& receiver, LightSample& samp
 }  // namespace
 
 LiLayout::LiLayout(std::span<const std::uint32_t> samples_per_block, std::uint32_t blocks)
-    : replicates_(blocks) {
+    : blocks_(blocks) {
   begins_.reserve(samples_per_block.size() + 1);
   for (const std::uint32_t each : samples_per_block) {
     begins_.push_back(size_);
@@ -46,7 +46,7 @@ LiPlace LiLayout::own_place(std::size_t i) const {
   const auto receiver =
       static_cast<std::size_t>(std::ranges::upper_bound(begins_, i) - begins_.begin() - 1);
   const std::size_t each =
-      std::max<std::size_t>(1, (begins_[receiver + 1] - begins_[receiver]) / replicates_);
+      std::max<std::size_t>(1, (begins_[receiver + 1] - begins_[receiver]) / blocks_);
   const std::size_t of_receiver = i - begins_[receiver];
   return {receiver, of_receiver / each, static_cast<std::uint32_t>(of_receiver % each)};
 }

@@ -35,7 +35,7 @@ class LiLayout {
  public:
   /// `samples` of each receiver, in one block.
   LiLayout(std::size_t receivers, std::uint32_t samples)
-      : replicates_(1), each_(samples), size_(receivers * samples) {}
+      : blocks_(1), each_(samples), size_(receivers * samples) {}
   /// `blocks` of samples_per_block[r] samples of receiver r; one sample if that is 0.
   LiLayout(std::span<const std::uint32_t> samples_per_block, std::uint32_t blocks);
 
@@ -51,7 +51,7 @@ class LiLayout {
  private:
   LiPlace own_place(std::size_t i) const;
 
-  std::uint32_t replicates_;
+  std::uint32_t blocks_;
   std::size_t each_ = 0;               // if all receivers have the same number
   std::vector<std::size_t> begins_{};  // of each receiver, and the end; if the numbers differ
   std::size_t size_ = 0;
