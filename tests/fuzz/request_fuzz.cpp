@@ -146,7 +146,8 @@ class World {
   }
 
   template <typename Request, typename Response>
-  void run(std::string_view bytes, Prepared (*handler)(const CallContext&, const Request&, Response*),
+  void run(std::string_view bytes,
+           Prepared (*handler)(const CallContext&, const Request&, Response*),
            double most_s = kMostSeconds) {
     Request request;
     Response response;
