@@ -156,6 +156,8 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::revise(std::shared_ptr<const
 }
 
 std::int32_t Scene::surface_number(const SceneLight& light) const {
+  // It may have the id of a lamp that it replaces.
+  if (!light.light->has_surface()) return kNoSurface;
   if (light.id <= without_edits().lights().size()) return static_cast<std::int32_t>(light.id - 1);
   const auto added = geometry_->edited_lights().find(light.id);
   return added != geometry_->edited_lights().end() ? added->second.number : kNoSurface;

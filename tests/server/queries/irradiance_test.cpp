@@ -37,6 +37,21 @@ TEST(Irradiance, OfAPointLightIsExact) {
   EXPECT_EQ(e.zero_bound_lx, 0);
 }
 
+// The surface of a lamp that a sky replaces stays, and is dark.
+TEST(Irradiance, OfASkyInPlaceOfALampIsShadowedByTheLamp) {
+  SceneDescription d = testing::description();
+  d.shapes = {testing::emissive(testing::floor(1, 1), 5)};
+  LightEdits edits;
+  edits.added[1] = {.light = {.params = UniformInfiniteLightParams{Rgb(1)}}, .content = "sky"};
+  const auto edited = Scene::revise(build(d), std::move(edits));
+  ASSERT_TRUE(edited.ok()) << edited.status();
+  const IrradianceEstimate e = one(**edited, at(0, 0, 0.5f));
+  // The lamp hides a square of half side 1 at a height of 0.5.
+  const double hidden = 4 * (2 / std::sqrt(5.0)) * std::atan(2 / std::sqrt(5.0));
+  EXPECT_NEAR(e.irradiance_lx.g, pi - hidden, 0.05);
+  EXPECT_FALSE(e.exact);
+}
+
 TEST(Irradiance, BehindAnObstacleIsExactlyZeroForPointLights) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9), testing::floor(1, 2)};
