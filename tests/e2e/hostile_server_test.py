@@ -128,7 +128,7 @@ class Text(unittest.TestCase):
         printing = re.compile(r"fmt::print|std::(cout|cerr|puts|fputs|fwrite|printf|putchar)\b")
         files = {str(f.relative_to(root)) for f in (*root.rglob("*.cpp"), *root.rglob("*.h"))
                  if printing.search(re.sub("//.*", "", f.read_text()))}
-        self.assertEqual(files, {"shell/print.h"})
+        self.assertEqual(files, {"terminal/print.h"})
 
     def test_json_means_what_the_server_sent(self):
         with Fake(hostile_names) as fake:

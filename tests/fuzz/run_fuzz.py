@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Runs the fuzz targets of build/fuzz one after the other.
 
-    run.py SHORT [TARGET...]          60 s each
-    run.py LONG [TARGET...]           a million runs each
-    run.py RUNS=N | SECONDS=N [TARGET...]
+    run_fuzz.py SHORT [TARGET...]          60 s each
+    run_fuzz.py LONG [TARGET...]           a million runs each
+    run_fuzz.py RUNS=N | SECONDS=N [TARGET...]
 
 New inputs of a run stay in build/fuzz/corpus.  An input that ends a target, takes longer than 25 s
 or 2 GB, or leaks is written to build/fuzz/findings, and the script ends with status 1.  Such an
@@ -34,7 +34,7 @@ def bound(word):
     name, _, number = word.partition("=")
     if name in ("RUNS", "SECONDS") and number.isdigit() and int(number) > 0:
         return f"-runs={number}" if name == "RUNS" else f"-max_total_time={number}"
-    sys.exit(f"run.py: {word}, allowed: SHORT, LONG, RUNS=N or SECONDS=N")
+    sys.exit(f"run_fuzz.py: {word}, allowed: SHORT, LONG, RUNS=N or SECONDS=N")
 
 
 def fuzz(target, limit):
@@ -80,9 +80,9 @@ def main():
     targets = sys.argv[2:] or known
     for target in targets:
         if target not in known:
-            sys.exit(f"run.py: {target}, allowed: {', '.join(known)}")
+            sys.exit(f"run_fuzz.py: {target}, allowed: {', '.join(known)}")
         if not (BUILD / "tests/fuzz" / target).exists():
-            sys.exit(f"run.py: {target} is not built; make fuzz builds it")
+            sys.exit(f"run_fuzz.py: {target} is not built; make fuzz builds it")
     ended_well = [fuzz(target, limit) for target in targets]
     return 0 if all(ended_well) else 1
 
