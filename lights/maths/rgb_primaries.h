@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "lights/maths/rgb.h"
 #include "lights/maths/vec.h"
@@ -43,7 +44,7 @@ class RgbConversion {
   }
 
  private:
-  explicit RgbConversion(const std::array<Vec3, 3>& rows) : rows_(rows) {}
+  explicit RgbConversion(std::array<Vec3, 3> rows) : rows_(std::move(rows)) {}
   std::array<Vec3, 3> rows_;
 };
 
