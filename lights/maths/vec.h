@@ -83,7 +83,7 @@ bool is_finite(const BasicVec3<T>& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// The relative rounding of input from rays and requests, which are floats for lights of any type.
+/// The relative rounding of input from rays and requests, which are floats.
 /// Positions and directions may be off by this, relative to their largest coordinate.
 inline constexpr double kInputRounding = std::numeric_limits<float>::epsilon();
 

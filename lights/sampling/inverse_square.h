@@ -26,10 +26,7 @@ struct Way {
   const double squared = dot(difference, difference);
   if (!is_safe_square(squared)) return std::nullopt;
   const double distance = std::sqrt(squared);
-  if constexpr (sizeof(double) < sizeof(double))
-    return Way{difference * (1 / distance), distance, squared};
-  else
-    return Way{difference / distance, distance, squared};
+  return Way{difference / distance, distance, squared};
 }
 
 /// The way along a vector that is not zero and whose square is not safe.  Not inlined, so that the

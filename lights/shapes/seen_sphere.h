@@ -5,7 +5,7 @@
 
 namespace lucerna {
 
-/// In double for lights of any type.  The caller rounds the result.
+/// A sphere as a viewpoint sees it.
 struct SeenSphere {
   Vec3 to_center;   ///< from the viewpoint [m]
   double distance;  ///< length of `to_center` [m]
