@@ -31,6 +31,7 @@ struct Estimate {
   std::uint64_t samples = 0;
   std::uint64_t lit = 0;  // samples with light, shadowed or not
 
+  /// Adds all light of one sample [lx].  Samples without light need no call.
   void add(const LightEstimate& e) {
     block_sum.add(e.value);
     const double lux = luminance(e.value);
@@ -38,15 +39,15 @@ struct Estimate {
     const double unshadowed = luminance(e.unshadowed);
     largest_unshadowed = std::max(largest_unshadowed, unshadowed);
     partly_hidden |= lux < unshadowed;
-    ++samples;
     lit += unshadowed > 0 ? 1 : 0;
   }
   /// Adds light to the mean of the current block [lx].
   void add_to_block(const Rgb& lx, std::uint32_t samples) {
     block_sum.add(lx * static_cast<double>(samples));
   }
-  void end_block(std::uint32_t samples) {
-    const Rgb v = block_sum.value() / samples;
+  void end_block(std::uint32_t block_samples) {
+    samples += block_samples;
+    const Rgb v = block_sum.value() / block_samples;
     blocks.add({v.r, v.g, v.b, luminance(v)});
     block_sum = {};
   }

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "server/estimate/manifold_walks.h"
 #include "server/estimate/missed_light.h"
@@ -44,7 +45,10 @@ struct Sampled {
   Estimate total;
   LightSet found;                // lights of which a sample found light, shadowed or not
   std::vector<Estimate> shares;  // of each light, with `per_light`
-  BySpectrum by_spectrum;        // of the current block
+  // Of the current sample, to which a light may add light in several ways [lx].
+  std::vector<LightEstimate> sample_shares;    // of each light
+  std::vector<std::uint32_t> lit_shares;       // lights that added some
+  BySpectrum by_spectrum;                      // of the current block
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
   FoundLight reflected;
 };
@@ -239,6 +243,8 @@ class IrradianceEstimator {
     return {none,
             {},
             std::vector<Estimate>(shares, none),
+            std::vector<LightEstimate>(shares),
+            {},
             exact_.no_spectra(),
             std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0)),
             {}};
@@ -318,6 +324,9 @@ class IrradianceEstimator {
       }
     }
     to.total.add(sum);
+    for (const std::uint32_t light : to.lit_shares)
+      to.shares[light].add(std::exchange(to.sample_shares[light], {}));
+    to.lit_shares.clear();
   }
 
   /// Adds light by way of curved smooth surfaces to a block.
@@ -331,13 +340,16 @@ class IrradianceEstimator {
                   });
   }
 
-  /// Adds the light of one light to the sum and to the light's share.
+  /// Adds the light of one light to the sum and to the light's share of the sample.
   void add(std::uint32_t light, const LightEstimate& e, LightEstimate& sum, Sampled& to) const {
     const LightEstimate lx{e.value * kPi, e.unshadowed * kPi};
     sum += lx;
-    if (!lx.unshadowed.is_black()) to.found.add(light);
-    if (!to.shares.empty()) to.shares[light].add(lx);
     exact_.add_to(to.by_spectrum, light, lx.value);
+    if (lx.unshadowed.is_black()) return;
+    to.found.add(light);
+    if (to.shares.empty()) return;
+    if (to.sample_shares[light].unshadowed.is_black()) to.lit_shares.push_back(light);
+    to.sample_shares[light] += lx;
   }
 
   /// Adds light that surfaces reflect, of which `left` arrives.

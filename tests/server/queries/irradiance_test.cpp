@@ -255,6 +255,20 @@ TEST(Irradiance, IsTheSumOfItsShares) {
   }
 }
 
+TEST(Irradiance, OfOneLightHasTheIntervalOfItsShare) {
+  // Half of the lamp is hidden.  Light samples find it, and directions that find it by chance.
+  SceneDescription d = testing::description(0);
+  d.shapes = {testing::emissive(testing::patch({-1, -1, 1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, 1}), 7),
+              testing::patch({0, -1, 0.9}, {0, 1, 0.9}, {1, -1, 0.9}, {1, 1, 0.9})};
+  const auto scene = build(std::move(d));
+  IrradianceSettings settings{.samples_per_block = 8, .block_count = 4, .bounces = 1};
+  settings.per_light = true;
+  const IrradianceResult r = estimate_irradiance(*scene, std::vector{at(0, 0, 0)}, settings, {});
+  EXPECT_FALSE(r.points[0].exact);
+  EXPECT_EQ(r.per_light[0].illuminance_lx.lower, r.points[0].illuminance_lx.lower);
+  EXPECT_EQ(r.per_light[0].illuminance_lx.upper, r.points[0].illuminance_lx.upper);
+}
+
 TEST(Irradiance, OfZeroSamplesBoundsTheLightThatTheyMissed) {
   // A lamp of 1 m2 above a lid with a hole of 1 mm that the samples miss.
   SceneDescription d = testing::description(0);
