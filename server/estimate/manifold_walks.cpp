@@ -18,20 +18,6 @@ constexpr int kMostTurns = 20, kMostHalvings = 8;
 /// The share of the angle of a surface by which the last step turns a path, without rounding.
 constexpr double kLastTurn = 1e-4;
 
-/// A lamp without a size, as a target of rays.
-struct Aim {
-  bool is_far;
-  Vec3 place;  ///< of the lamp, or the unit direction to it
-
-  Vec3 direction_from(const Vec3& p) const { return is_far ? place : normalized(place - p); }
-};
-
-Aim aim_of(const Light& light) {
-  const auto bounds = light.bounds();
-  if (bounds) return {false, bounds->lower * 0.5 + bounds->upper * 0.5};
-  return {true, light.sample_li(Receiver(Vec3{}), {}).wi};
-}
-
 /// The single direction of a surface on a side.
 std::optional<Vec3> single_direction(const SurfaceScattering& scattering, const SurfaceHit& hit,
                                      const Vec3& wo, bool passes) {
@@ -42,7 +28,26 @@ std::optional<Vec3> single_direction(const SurfaceScattering& scattering, const 
   return std::nullopt;
 }
 
+/// `start` after small turns about the two axes across it.
+Vec3 turned(const Vec3& start, double a, double b) {
+  const Frame around = Frame::around(start);
+  return normalized(start + around.s * a + around.t * b);
+}
+
 }  // namespace
+
+/// A lamp without a size, as a target of rays.
+struct ManifoldWalks::Aim {
+  bool is_far;
+  Vec3 place;  ///< of the lamp, or the unit direction to it
+
+  static Aim of(const Light& light) {
+    if (const auto bounds = light.bounds())
+      return {false, bounds->lower * 0.5 + bounds->upper * 0.5};
+    return {true, light.sample_li(Receiver(Vec3{}), {}).wi};
+  }
+  Vec3 direction_from(const Vec3& p) const { return is_far ? place : normalized(place - p); }
+};
 
 /// Uniform numbers that depend on the sample only.
 class ManifoldWalks::Numbers {
@@ -171,6 +176,72 @@ auto ManifoldWalks::follow(const SurfaceHit& receiver, const Vec3& start, const 
   return end;
 }
 
+auto ManifoldWalks::newton_step(const SurfaceHit& receiver, const Path& path, const Aim& aim,
+                                const End& end, double h, WorkCounts& work) const
+    -> std::optional<Step> {
+  // The last leg has to have the direction `wanted`.
+  const Vec3 wanted = aim.direction_from(end.hit.position);
+  const Frame across = Frame::around(wanted);
+  const auto off = [&](const End& e) {
+    const Vec3 d = e.along - aim.direction_from(e.hit.position);
+    return Vec2{dot(d, across.s), dot(d, across.t)};
+  };
+  Vec2 columns[2];
+  for (int k = 0; k < 2; ++k) {
+    const double a = k == 0 ? h : 0, b = h - a;
+    const auto more = follow(receiver, turned(path.start, a, b), path.links, work),
+               less = follow(receiver, turned(path.start, -a, -b), path.links, work);
+    if (!more || !less) return std::nullopt;
+    const Vec2 p = off(*more), m = off(*less);
+    columns[k] = {(p.x - m.x) / (2 * h), (p.y - m.y) / (2 * h)};
+  }
+  const Vec2 f = off(end);
+  const double determinant = columns[0].x * columns[1].y - columns[1].x * columns[0].y;
+  const double distance = aim.is_far ? 1 : length(aim.place - end.hit.position);
+  return Step{.a = (columns[1].x * f.y - columns[1].y * f.x) / determinant,
+              .b = (columns[0].y * f.x - columns[0].x * f.y) / determinant,
+              .spread = 1 / (std::fabs(determinant) * distance * distance)};
+}
+
+auto ManifoldWalks::closer(const SurfaceHit& receiver, Path& path, const Aim& aim, const End& end,
+                           Step step, WorkCounts& work) const -> std::optional<End> {
+  const double before = length(end.along - aim.direction_from(end.hit.position));
+  for (int half = 0; half < kMostHalvings; ++half, step.a /= 2, step.b /= 2) {
+    const Vec3 start = turned(path.start, step.a, step.b);
+    std::optional<End> next = follow(receiver, start, path.links, work);
+    if (!next || !(length(next->along - aim.direction_from(next->hit.position)) < before)) continue;
+    path.start = start;
+    return next;
+  }
+  return std::nullopt;
+}
+
+auto ManifoldWalks::solve(const SurfaceHit& receiver, const Aim& aim, double size, Path& path,
+                          WorkCounts& work) const -> std::optional<Solution> {
+  // Rays start at floats.  So their ends are off by about this share of the surface.
+  const double blur = kFloatRoundoff / size;
+  const double last_turn = (kLastTurn + 10 * blur) * size;
+  path.apart = 10 * last_turn;
+  // The square of the step is about its error by rounding.
+  const double h = std::cbrt(blur) * size;
+  std::optional<End> end = follow(receiver, path.start, path.links, work);
+  for (int turn = 0; end && turn < kMostTurns; ++turn) {
+    std::optional<Step> step = newton_step(receiver, path, aim, *end, h, work);
+    const double angle = step ? std::hypot(step->a, step->b) : 0;
+    if (!step || !std::isfinite(angle)) return std::nullopt;
+    if (angle < last_turn) {
+      if (!(dot(end->along, aim.direction_from(end->hit.position)) > 0)) return std::nullopt;
+      path.start = turned(path.start, step->a, step->b);
+      end = follow(receiver, path.start, path.links, work);
+      if (!end) return std::nullopt;
+      return Solution{*end, step->spread};
+    }
+    if (angle > size / 8) step->a *= size / 8 / angle, step->b *= size / 8 / angle;
+    end = closer(receiver, path, aim, *end, *step, work);
+  }
+  return std::nullopt;
+}
+
 auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::uint32_t most_steps,
                          Numbers& numbers, WorkCounts& work) const -> std::optional<Path> {
   // Points of the box show a flat one, such as water, as well as a ball.
@@ -186,78 +257,25 @@ auto ManifoldWalks::walk(const SurfaceHit& receiver, std::uint32_t light, std::u
   if (path.links.empty()) return std::nullopt;
 
   const LightAtTime at(scene_.lights()[light], receiver.time_s);
-  const Aim aim = aim_of(*at);
-  const double size = std::fmin(1, length(extent) / 2 / length(to));
-  // Rays start at floats.  So their ends are off by about this share of the surface.
-  const double blur = kFloatRoundoff / size;
-  const double last_turn = (kLastTurn + 10 * blur) * size;
-  path.apart = 10 * last_turn;
-  double spread = 0;
-  std::optional<End> end = follow(receiver, path.start, path.links, work);
-  for (int turn = 0;; ++turn) {
-    if (!end || turn == kMostTurns) return std::nullopt;
-    // The last leg has to have the direction `wanted`.
-    const Vec3 wanted = aim.direction_from(end->hit.position);
-    const Frame across = Frame::around(wanted), around = Frame::around(path.start);
-    const auto off = [&](const End& e) {
-      const Vec3 d = e.along - aim.direction_from(e.hit.position);
-      return Vec2{dot(d, across.s), dot(d, across.t)};
-    };
-    const auto turned = [&](double a, double b) {
-      return normalized(path.start + around.s * a + around.t * b);
-    };
-    // The square of the step is about its error by rounding.
-    const double h = std::cbrt(blur) * size;
-    Vec2 columns[2];
-    for (int k = 0; k < 2; ++k) {
-      const double a = k == 0 ? h : 0, b = h - a;
-      const auto more = follow(receiver, turned(a, b), path.links, work),
-                 less = follow(receiver, turned(-a, -b), path.links, work);
-      if (!more || !less) return std::nullopt;
-      const Vec2 p = off(*more), m = off(*less);
-      columns[k] = {(p.x - m.x) / (2 * h), (p.y - m.y) / (2 * h)};
-    }
-    const Vec2 f = off(*end);
-    const double determinant = columns[0].x * columns[1].y - columns[1].x * columns[0].y;
-    double a = (columns[1].x * f.y - columns[1].y * f.x) / determinant,
-           b = (columns[0].y * f.x - columns[0].x * f.y) / determinant;
-    const double angle = std::hypot(a, b);
-    if (!std::isfinite(angle)) return std::nullopt;
-    const double distance = aim.is_far ? 1 : length(aim.place - end->hit.position);
-    spread = 1 / (std::fabs(determinant) * distance * distance);
-    if (angle < last_turn) {
-      if (!(dot(end->along, wanted) > 0)) return std::nullopt;
-      path.start = turned(a, b);
-      end = follow(receiver, path.start, path.links, work);
-      break;
-    }
-    // A step must come closer.
-    if (angle > size / 8) a *= size / 8 / angle, b *= size / 8 / angle;
-    const double before = length(end->along - wanted);
-    std::optional<End> next;
-    for (int half = 0; half < kMostHalvings; ++half, a /= 2, b /= 2) {
-      next = follow(receiver, turned(a, b), path.links, work);
-      if (next && length(next->along - aim.direction_from(next->hit.position)) < before) break;
-      next.reset();
-    }
-    if (next) path.start = turned(a, b);
-    end = next;
-  }
+  const Aim aim = Aim::of(*at);
+  const auto solved =
+      solve(receiver, aim, std::fmin(1, length(extent) / 2 / length(to)), path, work);
+  if (!solved) return std::nullopt;
+  const End& end = solved->end;
   // SmoothLight counts paths by way of parts alone.
-  if (!end || !(end->met_curved ||
-                (smooth_surfaces_.tree().empty() && !smooth_.counts(end->before, light))))
+  if (!end.met_curved && (!smooth_surfaces_.tree().empty() || smooth_.counts(end.before, light)))
     return std::nullopt;
   const double cosine = dot(receiver.ns, path.start);
   if (!(cosine > 0)) return std::nullopt;
   // A receiver 1 m before a light without a size gets its intensity as illuminance.
-  const Vec3 last = end->hit.position, along = aim.direction_from(last);
+  const Vec3 last = end.hit.position, along = aim.direction_from(last);
   LightSample sample = at->sample_li(Receiver(aim.is_far ? last : aim.place - along), {});
   if (sample.reason != NoLight::kNone) return std::nullopt;
   sample.wi = along, sample.point = aim.place;
   sample.distance = aim.is_far ? std::numeric_limits<double>::infinity() : length(aim.place - last);
-  path.lx = sample.value * end->share * (cosine * spread);
-  const Ray ray = shadow_ray(end->hit, sample, scene_.lights()[light].reach_m());
-  path.lx = path.lx * visibility_.visible(light, last, end->hit.ng, ray, work);
+  path.lx = sample.value * end.share * (cosine * solved->spread);
+  const Ray ray = shadow_ray(end.hit, sample, scene_.lights()[light].reach_m());
+  path.lx = path.lx * visibility_.visible(light, last, end.hit.ng, ray, work);
   if (path.lx.is_black() || !is_finite(path.lx)) return std::nullopt;
   return path;
 }

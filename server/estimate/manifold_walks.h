@@ -61,10 +61,31 @@ class ManifoldWalks {
     SmoothLight::Before before;
     bool met_curved = false;
   };
+  /// A lamp without a size, as a target of rays.
+  struct Aim;
+  /// A turn of a path's start that should bring its last leg to the lamp.
+  struct Step {
+    double a, b;    ///< about the two axes across the start [rad]
+    double spread;  ///< the solid angle at the receiver for each m2 at the lamp, or for each sr
+  };
+  struct Solution {
+    End end;
+    double spread;
+  };
   class Numbers;
 
   std::optional<Path> walk(const SurfaceHit& receiver, std::uint32_t light,
                            std::uint32_t most_steps, Numbers& numbers, WorkCounts& work) const;
+  /// Turns the start of a path until it arrives at the lamp.  `size`: the angle of the surface
+  /// [rad].
+  std::optional<Solution> solve(const SurfaceHit& receiver, const Aim& aim, double size, Path& path,
+                                WorkCounts& work) const;
+  /// `h`: the turn for derivatives [rad].
+  std::optional<Step> newton_step(const SurfaceHit& receiver, const Path& path, const Aim& aim,
+                                  const End& end, double h, WorkCounts& work) const;
+  /// Takes a step, or half of it and so on, that comes closer.  Nothing if none does.
+  std::optional<End> closer(const SurfaceHit& receiver, Path& path, const Aim& aim, const End& end,
+                            Step step, WorkCounts& work) const;
   /// Chooses what a path does along a ray.  Empty if it meets no smooth surface.
   Links choose_links(const SurfaceHit& receiver, const Vec3& start, std::uint32_t most_steps,
                      Numbers& numbers, WorkCounts& work) const;

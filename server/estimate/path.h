@@ -90,6 +90,15 @@ class PathTracer {
   /// carry the light of many reflections (docs/decisions/055-russian-roulette.md).
   static constexpr double kWeight = 0.3;
 
+  struct Path;
+  struct Direction;
+  void add_closed_forms(Path& p) const;
+  static Direction diffuse_direction(const Path& p);
+  void add_samples(Path& p) const;
+  static bool scatter(Path& p, Direction& next);
+  bool survives(Path& p) const;
+  std::optional<SurfaceHit> follow(Path& p, const Direction& next, bool finds) const;
+
   const Scene& scene_;
   DirectLight direct_;
   SmoothLight smooth_;

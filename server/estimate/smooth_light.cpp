@@ -181,58 +181,67 @@ void SmoothLight::sample(const Vertex& v, const PathSample& s, WorkCounts& work,
   const std::size_t most = !v.is_receiver ? kMostFirstOnPaths : bends_ ? kMostBent : kMostVisited;
   Nexts nexts;
   add_next(v, root, nexts);
-  absl::InlinedVector<Sequence, 8> open;
-  if (nexts.size() <= most) {
-    for (const Next& next : nexts) open.push_back(extended(root, next));
-  } else {
-    // Chooses some, by the share of light and the size that they seem to have.
-    std::vector<double> sums;
-    double sum = 0;
-    for (const Next& next : nexts) {
-      const SmoothPart& part = *next.step.part;
-      const Vec3 away = part.middle - v.hit.position;
-      const double size2 = part.is_sphere ? part.radius_m * part.radius_m
-                                          : length(part.half_u) * length(part.half_v);
-      sums.push_back(sum += next.share * size2 / (dot(away, away) + size2));
-    }
-    const double offset = choices.uniform(), count = static_cast<double>(most);
-    for (std::size_t k = 0; k < most; ++k) {
-      const double at = (static_cast<double>(k) + offset) / count * sum;
-      const auto i = std::min<std::size_t>(
-          static_cast<std::size_t>(std::ranges::upper_bound(sums, at) - sums.begin()),
-          sums.size() - 1);
-      open.push_back(extended(root, nexts[i]));
-      open.back().weight *= sum / ((sums[i] - (i > 0 ? sums[i - 1] : 0)) * count);
-    }
-  }
+  Sequences open = first_sequences(v, root, nexts, most, choices);
   for (std::size_t i = 0; i < open.size(); ++i) {
     const Sequence sequence = open[i];  // `open` may move
     visit(v, sequence, static_cast<std::uint32_t>(i), s, work, found);
     nexts.clear();
     add_next(v, sequence, nexts);
-    // Visits all that leave enough light, and one of the others.
-    const bool all =
-        v.is_receiver && sequence.weight == 1 && open.size() + nexts.size() <= kMostVisited;
-    double rest = 0;
-    for (Next& next : nexts) {
-      if (all && sequence.share * next.share >= kLeastShare) {
-        open.push_back(extended(sequence, next));
-        next.share = 0;
-      }
-      rest += next.share;
+    extend(v, sequence, nexts, choices, open);
+  }
+}
+
+auto SmoothLight::first_sequences(const Vertex& v, const Sequence& root, const Nexts& nexts,
+                                  std::size_t most, Choices& choices) const -> Sequences {
+  Sequences open;
+  if (nexts.size() <= most) {
+    for (const Next& next : nexts) open.push_back(extended(root, next));
+    return open;
+  }
+  std::vector<double> sums;
+  double sum = 0;
+  for (const Next& next : nexts) {
+    const SmoothPart& part = *next.step.part;
+    const Vec3 away = part.middle - v.hit.position;
+    const double size2 =
+        part.is_sphere ? part.radius_m * part.radius_m : length(part.half_u) * length(part.half_v);
+    sums.push_back(sum += next.share * size2 / (dot(away, away) + size2));
+  }
+  const double offset = choices.uniform(), count = static_cast<double>(most);
+  for (std::size_t k = 0; k < most; ++k) {
+    const double at = (static_cast<double>(k) + offset) / count * sum;
+    const auto i = std::min<std::size_t>(
+        static_cast<std::size_t>(std::ranges::upper_bound(sums, at) - sums.begin()),
+        sums.size() - 1);
+    open.push_back(extended(root, nexts[i]));
+    open.back().weight *= sum / ((sums[i] - (i > 0 ? sums[i - 1] : 0)) * count);
+  }
+  return open;
+}
+
+void SmoothLight::extend(const Vertex& v, const Sequence& sequence, Nexts& nexts, Choices& choices,
+                         Sequences& open) const {
+  const bool all =
+      v.is_receiver && sequence.weight == 1 && open.size() + nexts.size() <= kMostVisited;
+  double rest = 0;
+  for (Next& next : nexts) {
+    if (all && sequence.share * next.share >= kLeastShare) {
+      open.push_back(extended(sequence, next));
+      next.share = 0;
     }
-    if (!(rest > 0)) continue;
-    // A walk gets a fair chance to go on, because few long walks carry much light of many steps.
-    const double survival = std::clamp(rest, 0.25, 0.75);
-    double u = choices.uniform() / survival * rest;
-    for (const Next& next : nexts) {
-      if (u < next.share) {
-        open.push_back(extended(sequence, next));
-        open.back().weight = sequence.weight * rest / (next.share * survival);
-        break;
-      }
-      u -= next.share;
+    rest += next.share;
+  }
+  if (!(rest > 0)) return;
+  // A walk gets a fair chance to go on, because few long walks carry much light of many steps.
+  const double survival = std::clamp(rest, 0.25, 0.75);
+  double u = choices.uniform() / survival * rest;
+  for (const Next& next : nexts) {
+    if (u < next.share) {
+      open.push_back(extended(sequence, next));
+      open.back().weight = sequence.weight * rest / (next.share * survival);
+      return;
     }
+    u -= next.share;
   }
 }
 

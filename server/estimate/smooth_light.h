@@ -131,6 +131,7 @@ class SmoothLight {
     double share;  ///< of light that it leaves, about
   };
   using Nexts = absl::InlinedVector<Next, 16>;
+  using Sequences = absl::InlinedVector<Sequence, 8>;
 
   /// `sample` where parts are many.
   void sample_crowd(const Vertex& v, const Sequence& root, Choices& choices, const PathSample& s,
@@ -140,6 +141,13 @@ class SmoothLight {
   void add_next(const Vertex& v, const Sequence& parent, Nexts& to) const;
   void add_next(const Vertex& v, const Sequence& parent, const SmoothPart& part, Nexts& to) const;
   static Sequence extended(const Sequence& parent, const Next& next);
+  /// The sequences of one step: at most `most`, chosen by the share of light and the size that they
+  /// seem to have.
+  Sequences first_sequences(const Vertex& v, const Sequence& root, const Nexts& nexts,
+                            std::size_t most, Choices& choices) const;
+  /// Adds those after `sequence` that leave enough light, and one of the others.
+  void extend(const Vertex& v, const Sequence& sequence, Nexts& nexts, Choices& choices,
+              Sequences& open) const;
   bool may_follow(const Vertex& v, const Sequence& parent, const SmoothPart& part, int& side) const;
   enum class Lights : std::uint8_t { kAll, kWithPlace, kWithoutPlace, kUnsized };
   void visit(const Vertex& v, const Sequence& sequence, std::uint32_t number, const PathSample& s,
