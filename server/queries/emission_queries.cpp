@@ -9,7 +9,6 @@
 #include "server/estimate/spectral_values.h"
 #include "server/estimate/wire_direction.h"
 #include "server/queries/visibility.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/light_at_time.h"
 
@@ -201,7 +200,6 @@ WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
 WorkCounts sample_le(const Scene& scene, const SampleLeQuery& query, const SampleLeAnswer& answer,
                      std::stop_token stop) {
   parallel_chunks(query.rays, kGrain, stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
     SpectralValues spectral(scene, query.wavelengths_nm);
     for (std::size_t i = begin; i < end; ++i) {
       answer.status[i] = static_cast<int>(sample_ray(scene, query, spectral, i, answer));
@@ -230,7 +228,6 @@ void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
     return ItemResult::kOk;
   };
   parallel_chunks(points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
     for (std::size_t i = begin; i < end; ++i) status[i] = static_cast<int>(ray(i));
   });
 }

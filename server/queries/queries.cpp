@@ -6,7 +6,6 @@
 
 #include "server/estimate/wire_direction.h"
 #include "server/queries/li_sampler.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/light_at_time.h"
 
@@ -66,7 +65,6 @@ void pdf_li(const Scene& scene, const PdfLiQuery& q, float* pdf_per_sr, int* sta
     return ItemResult::kOk;
   };
   parallel_chunks(q.receivers.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
     for (std::size_t i = begin; i < end; ++i) status[i] = static_cast<int>(item(i));
   });
 }

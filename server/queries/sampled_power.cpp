@@ -10,7 +10,6 @@
 #include "server/estimate/block_stream.h"
 #include "server/estimate/pilots.h"
 #include "server/estimate/sample_sum.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/light_at_time.h"
 
@@ -51,7 +50,6 @@ class PowerEstimator {
 
   /// Sets `block_lm` to the means of the blocks [lm].
   SampledPower light(std::uint32_t light, std::vector<double>& block_lm) {
-    const DenormalsAreZero denormals;
     std::uint32_t each = settings_.samples_per_block;
     if (settings_.target) {
       each = needed_samples_per_block(*settings_.target, settings_.block_count,

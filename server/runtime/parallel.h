@@ -73,8 +73,8 @@ class SharedProcessors {
   const SharedProcessors* previous_;
 };
 
-/// Calls `f(begin, end)` on chunks of [0, n), in any order and on any thread of the caller's arena.
-/// Uses only the caller's thread while SharedProcessors are busy.
+/// Calls `f(begin, end)` on chunks of [0, n) with denormals as zeros, in any order and on any
+/// thread of the caller's arena. Uses only the caller's thread while SharedProcessors are busy.
 /// Chunks are at most `grain` long and start at multiples of `grain`.  Skips chunks that have not
 /// started when `stop` is requested, and ends others at their next StopPoll.  A chunk should take
 /// 0.1 to 5 ms, so that threads can move to more urgent work between chunks.  Waiting threads do
@@ -84,6 +84,7 @@ void parallel_chunks(std::size_t n, std::size_t grain, const std::stop_token& st
   // A thread may take a chunk of another job while it waits within a scope.
   const auto chunk = [&](std::size_t begin, std::size_t end) {
     const StopScope scope(stop);
+    const DenormalsAreZero denormals;
     try {
       f(begin, end);
     } catch (const Stopped&) {
@@ -113,14 +114,12 @@ void parallel_chunks(std::size_t n, std::size_t grain, const std::stop_token& st
   });
 }
 
-/// Calls `f(begin, end, work)` in the same way, with denormals as zeros.  Returns the sum of the
-/// work that the calls count.
+/// Calls `f(begin, end, work)` in the same way.  Returns the sum of the work that the calls count.
 template <typename F>
 WorkCounts parallel_work(std::size_t n, std::size_t grain, const std::stop_token& stop, F&& f) {
   std::mutex mutex;
   WorkCounts sum;
   parallel_chunks(n, grain, stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
     WorkCounts work;
     f(begin, end, work);
     const std::lock_guard lock(mutex);

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <optional>
 
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/light_at_time.h"
 
@@ -268,7 +267,6 @@ std::vector<std::uint8_t> inside_solids(const Scene& scene, std::span<const Surf
                                         const std::stop_token& stop) {
   std::vector<std::uint8_t> inside(receivers.size());
   parallel_chunks(receivers.size(), kPointsPerChunk, stop, [&](std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
     for (std::size_t i = begin; i < end; ++i)
       inside[i] = is_inside_solid(scene, receivers[i]) ? 1 : 0;
   });

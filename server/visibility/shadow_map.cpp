@@ -8,7 +8,6 @@
 
 #include "lights/maths/stop_poll.h"
 #include "server/rays/error_bounds.h"
-#include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
 
 namespace lucerna {
@@ -73,7 +72,6 @@ ShadowMap::ShadowMap(const Scene& scene, const ShadowMapView& view, std::uint32_
   depths_.resize(view.face_count * per_face);
   parallel_chunks(
       depths_.size(), kRaysPerChunk, StopScope::token(), [&](std::size_t begin, std::size_t end) {
-        const DenormalsAreZero denormals;
         for (std::size_t i = begin; i < end; ++i) {
           const ShadowMapView::Face& f = view.faces[i / per_face];
           const std::size_t in_face = i % per_face;
