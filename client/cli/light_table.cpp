@@ -1,5 +1,6 @@
 #include "client/cli/light_table.h"
 
+#include <absl/strings/str_replace.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -123,6 +124,19 @@ std::string with_image(std::string text, bool has, const v1::ImageInfo& image) {
   return has ? text + " at 1, " + describe_light(image) : text;
 }
 
+/// The field of `kind` that is set; null: none.
+const google::protobuf::FieldDescriptor* kind_field(const v1::Light& light) {
+  return light.GetReflection()->GetOneofFieldDescriptor(
+      light, light.GetDescriptor()->FindOneofByName("kind"));
+}
+
+/// The words for a kind that has no others here.
+std::string fields_of(const v1::Light& light) {
+  const auto* kind = kind_field(light);
+  if (kind == nullptr) return "";
+  return "{" + light.GetReflection()->GetMessage(light, kind).ShortDebugString() + "}";
+}
+
 std::string describe_kind(const v1::Light& light) {
   switch (light.kind_case()) {
     case v1::Light::kPoint:
@@ -159,10 +173,9 @@ std::string describe_kind(const v1::Light& light) {
                             : radiance) +
              (sky.portal_m_size() > 0 ? ", through a portal" : "");
     }
-    case v1::Light::KIND_NOT_SET:
-      break;
+    default:
+      return fields_of(light);
   }
-  return "";
 }
 
 std::string pointing(const v1::Vector3& position, const v1::Vector3& axis) {
@@ -246,31 +259,10 @@ std::string place_of_sky(const v1::ImageInfiniteLight& sky) {
 }  // namespace
 
 std::string type_of(const v1::Light& light) {
-  switch (light.kind_case()) {
-    case v1::Light::kPoint:
-      return "point";
-    case v1::Light::kSpot:
-      return "spot";
-    case v1::Light::kDistant:
-      return "distant";
-    case v1::Light::kUniformInfinite:
-      return "uniform infinite";
-    case v1::Light::kDiffuseArea:
-      return "area";
-    case v1::Light::kProjection:
-      return "projection";
-    case v1::Light::kBeam:
-      return "beam";
-    case v1::Light::kGoniometric:
-      return "goniometric";
-    case v1::Light::kSun:
-      return "sun";
-    case v1::Light::kImageInfinite:
-      return light.image_infinite().has_map() ? "image infinite" : "infinite";
-    case v1::Light::KIND_NOT_SET:
-      break;
-  }
-  return "unknown";
+  if (light.has_diffuse_area()) return "area";
+  if (light.has_image_infinite() && !light.image_infinite().has_map()) return "infinite";
+  const auto* kind = kind_field(light);
+  return kind == nullptr ? "unknown" : absl::StrReplaceAll(kind->name(), {{"_", " "}});
 }
 
 std::string describe_light(const v1::Light& light) {
@@ -308,9 +300,10 @@ std::string place_of(const v1::Light& light) {
     case v1::Light::kImageInfinite:
       return place_of_sky(light.image_infinite());
     case v1::Light::KIND_NOT_SET:
-      break;
+      return "";
+    default:
+      return light.has_bounds() ? place_of_area(light) : "at infinity";
   }
-  return "";
 }
 
 bool is_at_infinity(const v1::Light& light) {

@@ -29,8 +29,9 @@ struct LightList {
 };
 
 /// The lights without a surface.  Each has:
-/// - `Params` and `create(params, origin_m)`, which checks them.  Positions are kept about
-///   `origin_m`.  What comes after `create` cannot fail.
+/// - `Params`, with the `level` that dims it and with how it moves (`apply`).
+/// - `create(params, origin_m)`, which checks them.  Positions are kept about `origin_m`.  What
+///   comes after `create` cannot fail.
 /// - `place(params)`: its LightPlace.
 /// - `params()`: those it was made from.
 using FreeLights =

@@ -26,6 +26,9 @@ struct BeamLightParams {
   std::shared_ptr<const Image> image{};        ///< null: value 1 all over
   ImageFilter filter = ImageFilter::kNearest;  ///< the border texels continue
   std::string image_name{};                    ///< reported by ListLights, else unused
+
+  Rgb& level() { return illuminance_lx; }
+  void apply(const LightMover& move) { move.point(position_m), move.frame(axes); }
 };
 
 /// The smallest box around the rectangle: world [m].

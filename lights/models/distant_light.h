@@ -13,6 +13,9 @@ namespace lucerna {
 struct DistantLightParams {
   Vec3 to_light{0, 0, 1};  ///< world, any length but 0: from the scene to the light
   Rgb illuminance_lx{};    ///< on a surface that faces it, per channel, finite, not negative
+
+  Rgb& level() { return illuminance_lx; }
+  void apply(const LightMover& move) { move.direction(to_light); }
 };
 
 class DistantLight final : public DeltaLight {

@@ -30,6 +30,11 @@ struct GoniometricLightParams {
   /// light's level comes from a flux in lm.
   std::string web_unit{}, flux_unit{};
   std::shared_ptr<const Frame> own_space{};  ///< see Deformable
+
+  Rgb& level() { return intensity; }
+  void apply(const LightMover& move) {
+    move.point(position_m), move.frame(axes), move.frame(own_space);
+  }
 };
 
 GoniometricLightParams in_space(GoniometricLightParams params, const Deformation& map);

@@ -20,6 +20,9 @@ struct ImageInfiniteLightParams {
   std::string image_name{};    ///< reported by ListLights, else unused
   Transform world_from_map{};  ///< its translation is not used
   Rgb radiance_cd_m2{1.0};     ///< of a texel of value 1, per channel, finite, not negative
+
+  Rgb& level() { return radiance_cd_m2; }
+  void apply(const LightMover& move) { move.rotation(world_from_map); }
 };
 
 class ImageInfiniteLight final : public LightBeyond {

@@ -13,6 +13,9 @@ namespace lucerna {
 
 struct UniformInfiniteLightParams {
   Rgb radiance_cd_m2{};  ///< per channel, finite, not negative
+
+  Rgb& level() { return radiance_cd_m2; }
+  void apply(const LightMover&) {}
 };
 
 class UniformInfiniteLight final : public LightBeyond {

@@ -8,6 +8,7 @@
 
 #include "lights/maths/bounds.h"
 #include "lights/models/light_bounds.h"
+#include "lights/models/light_mover.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
@@ -97,8 +98,8 @@ class Light {
   /// Radiance that a ray from `origin` meets when it leaves the scene towards `w` [cd/m2]; 0 for
   /// lights that are not seen beyond it.
   virtual Rgb le_escaped(const Vec3& origin, const Vec3& w) const = 0;
-  /// The `value` of the ray of `sample_le` that leaves the light at `origin` towards `w`.  0 unless
-  /// `leaves_freely`.
+  /// The `value` of the ray of `sample_le` that leaves the light at `origin` towards `w`, in the
+  /// unit of EmissionSample::value.  0 unless `leaves_freely`.
   virtual Rgb le_leaving(const Vec3& origin, const Vec3& w, double slack_m = 0) const = 0;
 
   /// A ray that leaves the light, drawn with two pairs of numbers in [0, 1]; or the reason why

@@ -8,6 +8,9 @@ namespace lucerna {
 struct PointLightParams {
   Vec3 position_m{};   ///< world
   Rgb intensity_cd{};  ///< per channel, finite, not negative
+
+  Rgb& level() { return intensity_cd; }
+  void apply(const LightMover& move) { move.point(position_m); }
 };
 
 /// The same intensity in all directions.

@@ -30,6 +30,12 @@ struct PortalLightParams {
   /// World, in order around the rectangle.  Light comes from the side to which cross(corner 3 -
   /// corner 0, corner 1 - corner 0) points.
   std::array<Vec3, 4> corners_m{};
+
+  Rgb& level() { return radiance_cd_m2; }
+  void apply(const LightMover& move) {
+    for (Vec3& corner : corners_m) move.point(corner);
+    move.rotation(world_from_map);
+  }
 };
 
 /// A receiver sees a rectangle of the directions (tan alpha, tan beta, 1) in the portal's axes,

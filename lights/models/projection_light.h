@@ -20,6 +20,11 @@ struct ProjectionLightParams {
   Rgb intensity_cd{};        ///< where the picture's value is 1, finite, not negative
   std::string image_name{};  ///< reported by ListLights, else unused
   std::shared_ptr<const Frame> own_space{};  ///< see Deformable
+
+  Rgb& level() { return intensity_cd; }
+  void apply(const LightMover& move) {
+    move.point(position_m), move.frame(axes), move.frame(own_space);
+  }
 };
 
 ProjectionLightParams in_space(ProjectionLightParams params, const Deformation& map);
@@ -62,12 +67,6 @@ class ProjectionIntensity {
  private:
   /// The picture's value towards `w`, of any length but 0, world axes.
   Rgb value_at(const Vec3& w) const;
-  /// Value and density of a direction after rounding to `double`.
-  struct Rounded {
-    Rgb value;
-    double per_sr;
-  };
-  Rounded at_rounded(const Vec3& w) const;
 
   Params params_;
   Frame axes_;  ///< of length 1

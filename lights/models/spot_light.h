@@ -24,6 +24,11 @@ struct SpotLightParams {
   double falloff_start_rad{};  ///< [0, cone_half_angle_rad]: full light inside; equal: a hard edge
   SpotProfile profile = SpotProfile::kSmoothstep;
   std::shared_ptr<const Frame> own_space{};  ///< see Deformable
+
+  Rgb& level() { return intensity_cd; }
+  void apply(const LightMover& move) {
+    move.point(position_m), move.direction(axis), move.frame(own_space);
+  }
 };
 
 SpotLightParams in_space(SpotLightParams params, const Deformation& map);
@@ -71,8 +76,6 @@ class SpotIntensity {
   double falloff(const Vec3& w) const;
   /// 1 - cos of the angle between the pole and `w`, of any length but 0.  Exact to rounding.
   double one_minus_cos_to_pole(const Vec3& w) const;
-  /// `falloff` of a direction after rounding to `double`.
-  double falloff_as_rounded(const Vec3& w) const;
 
   Params params_;
   // In double: the narrowest cones are not wider than the error of a direction in float.

@@ -16,6 +16,9 @@ struct SunLightParams {
   double angular_diameter_rad{};  ///< (0, pi]
   /// On a surface that faces its centre without occlusion, per channel, finite, not negative.
   Rgb illuminance_lx{};
+
+  Rgb& level() { return illuminance_lx; }
+  void apply(const LightMover& move) { move.direction(to_light); }
 };
 
 class SunLight final : public LightBeyond {

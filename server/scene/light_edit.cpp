@@ -21,91 +21,37 @@ constexpr std::uint64_t kFirstAddedId = std::uint64_t{1} << 32U;
 // rounding.
 constexpr std::uint64_t kNodeBytes = 48;
 
-/// The level of a light.  There is one overload for each kind, so a new kind does not compile until
-/// it can be dimmed.
-Rgb& level_of(PointLightParams& p) { return p.intensity_cd; }
-Rgb& level_of(SpotLightParams& p) { return p.intensity_cd; }
-Rgb& level_of(DistantLightParams& p) { return p.illuminance_lx; }
-Rgb& level_of(SunLightParams& p) { return p.illuminance_lx; }
-Rgb& level_of(UniformInfiniteLightParams& p) { return p.radiance_cd_m2; }
-Rgb& level_of(ImageInfiniteLightParams& p) { return p.radiance_cd_m2; }
-Rgb& level_of(GoniometricLightParams& p) { return p.intensity; }
-Rgb& level_of(ProjectionLightParams& p) { return p.intensity_cd; }
-Rgb& level_of(BeamLightParams& p) { return p.illuminance_lx; }
-Rgb& level_of(PortalLightParams& p) { return p.radiance_cd_m2; }
-
-/// Turns directions of a light, and moves points about the one that does not turn.
-class Mover {
- public:
-  Mover(const LightChange& change, const Vec3& anchor) : anchor_(anchor), shift_(change.shift_m) {
-    if (change.turn_rad != 0)
-      turn_ = Transform::rotate(change.turn_rad, change.turn_axis).value_or(Transform());
-  }
+/// Moves the geometry of a shape.
+struct ShapeMover {
+  const LightMover& move;
 
   void operator()(TriangleMeshData& mesh) const { vertices(mesh); }
   void operator()(PatchMeshData& mesh) const { vertices(mesh); }
   void operator()(CurveData&) const {}  // does not emit
   template <typename Params>
   requires requires { typename QuadricOf<Params>; }
-  void operator()(Params& p) const { p.world_from_object = map() * p.world_from_object; }
-  void direction(Vec3& w) const {
-    if (turn_) w = turn_->vector(w);
-  }
-
-  void operator()(PointLightParams& p) const { point(p.position_m); }
-  void operator()(SpotLightParams& p) const {
-    point(p.position_m), direction(p.axis), space(p.own_space);
-  }
-  void operator()(DistantLightParams& p) const { direction(p.to_light); }
-  void operator()(SunLightParams& p) const { direction(p.to_light); }
-  void operator()(UniformInfiniteLightParams&) const {}
-  void operator()(ImageInfiniteLightParams& p) const { turn_map(p.world_from_map); }
-  void operator()(GoniometricLightParams& p) const {
-    point(p.position_m), frame(p.axes), space(p.own_space);
-  }
-  void operator()(ProjectionLightParams& p) const {
-    point(p.position_m), frame(p.axes), space(p.own_space);
-  }
-  void operator()(BeamLightParams& p) const { point(p.position_m), frame(p.axes); }
-  void operator()(PortalLightParams& p) const {
-    for (Vec3& corner : p.corners_m) point(corner);
-    turn_map(p.world_from_map);
-  }
+  void operator()(Params& p) const { move.transform(p.world_from_object); }
 
  private:
   template <typename Mesh>
   void vertices(Mesh& mesh) const {
     StopPoll poll;
-    for (Vec3& p : mesh.positions) poll(), point(p);
-    if (!turn_) return;
-    const auto turn = [this](Vec3f& v) { v = Vec3f(turn_->vector(Vec3(v))); };
+    for (Vec3& p : mesh.positions) poll(), move.point(p);
+    if (!move.turns()) return;
+    const auto turn = [this](Vec3f& v) {
+      Vec3 w(v);
+      move.direction(w);
+      v = Vec3f(w);
+    };
     for (Vec3f& n : mesh.normals) poll(), turn(n);
     if constexpr (requires { mesh.tangents; })
       for (VertexTangent& t : mesh.tangents) poll(), turn(t.along_u);
   }
-  Transform map() const {
-    const Transform shift = Transform::translate(shift_);
-    if (!turn_) return shift;
-    return Transform::translate(anchor_ + shift_) * *turn_ * Transform::translate(-anchor_);
-  }
-  void point(Vec3& p) const {
-    // Exact without a turn, as a file with the new position is.
-    p = (turn_ ? anchor_ + turn_->vector(p - anchor_) : p) + shift_;
-  }
-  void frame(Frame& axes) const { direction(axes.s), direction(axes.t), direction(axes.n); }
-  void space(std::shared_ptr<const Frame>& axes) const {
-    if (axes == nullptr) return;
-    auto turned = std::make_shared<Frame>(*axes);
-    frame(*turned);
-    axes = std::move(turned);
-  }
-  void turn_map(Transform& world_from_map) const {
-    if (turn_) world_from_map = *turn_ * world_from_map;
-  }
-
-  Vec3 anchor_, shift_;
-  std::optional<Transform> turn_;
 };
+
+LightMover mover(const LightChange& change, const Vec3& anchor_m) {
+  return {anchor_m, change.shift_m, change.turn_axis, change.turn_rad};
+}
 
 void append(std::string& out, double value) { out += fmt::format("{}:", value); }
 void append(std::string& out, const Vec3& v) {
@@ -119,7 +65,7 @@ Rgb changed_level(const LightChange& change, const Rgb& level) {
 }
 
 Rgb& level_of(LightParams& params) {
-  return std::visit([](auto& p) -> Rgb& { return level_of(p); }, params);
+  return std::visit([](auto& p) -> Rgb& { return p.level(); }, params);
 }
 
 absl::Status apply(const LightChange& change, LightDescription& light) {
@@ -134,7 +80,8 @@ absl::Status apply(const LightChange& change, LightDescription& light) {
   const LightPlace place = place_of(light);
   if (!place.anchor_m && !(change.shift_m == Vec3()))
     return absl::InvalidArgumentError("the light is at infinity, allowed: turns");
-  std::visit(Mover(change, place.anchor_m.value_or(Vec3())), light.params);
+  const LightMover move = mover(change, place.anchor_m.value_or(Vec3()));
+  std::visit([&](auto& p) { p.apply(move); }, light.params);
   return absl::OkStatus();
 }
 
@@ -196,9 +143,9 @@ absl::Status move_surface(std::uint64_t id, const LightChange& change, ShapeDesc
     return absl::InvalidArgumentError(
         fmt::format("light {}: the light moves by itself, allowed: lights without motion", id));
   LUCERNA_ASSIGN_OR_RETURN(const Bounds bounds, shape_bounds(shape));
-  const Mover mover(change, bounds.lower * 0.5 + bounds.upper * 0.5);
-  std::visit(mover, shape.geometry);
-  if (shape.emission->panel) mover.direction(shape.emission->panel->tangent);
+  const LightMover move = mover(change, bounds.lower * 0.5 + bounds.upper * 0.5);
+  std::visit(ShapeMover{move}, shape.geometry);
+  if (shape.emission->panel) move.direction(shape.emission->panel->tangent);
   return absl::OkStatus();
 }
 
