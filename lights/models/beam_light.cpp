@@ -74,9 +74,7 @@ std::optional<Vec2> BeamLight::in_square(double x, double y, double slack_m) con
               std::clamp((1 - y / half_y) / 2, 0.0, 1.0)};
 }
 
-// Not inlined: GCC 12 at -O2 keeps a position in double where it has just been rounded to float.
-[[gnu::noinline]] std::optional<Vec2> BeamLight::locate(const Vec3& position,
-                                                        double slack_m) const {
+std::optional<Vec2> BeamLight::locate(const Vec3& position, double slack_m) const {
   if (!is_finite(position)) return std::nullopt;
   const Vec3 p(position);
   const Vec3 local = axes_.local_from_world(p - middle_);

@@ -98,10 +98,9 @@ void GoniometricIntensity::sample(Vec2 u_direction, EmissionSample& sample) cons
   const Vec3 w = axes_.world_from_local(
       distribution(sample_uniform_sphere(u), [&](const auto& d) { return d.sample(u); }));
   sample.direction = w;
-  // Value and density belong to the rounded direction, as in per_sr.
-  const Vec3 rounded(sample.direction);
-  sample.pdf_direction = {direction_pdf(rounded).per_sr};
-  sample.value = Rgb(params_.intensity * share(rounded));
+  // Both belong to the rounded direction.
+  sample.pdf_direction = {direction_pdf(w).per_sr};
+  sample.value = Rgb(params_.intensity * share(w));
   settle(sample.pdf_direction.per_sr, sample);
 }
 

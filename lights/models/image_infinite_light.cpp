@@ -61,9 +61,8 @@ ImageInfiniteLight::ImageInfiniteLight(const Params& params,
   compensated_ = compensated->empty() ? complete_ : std::move(compensated);
 }
 
-// Not inlined: GCC 12 at -O2 keeps a direction in double where it has just been rounded to float.
-[[gnu::noinline]] typename ImageInfiniteLight::Seen ImageInfiniteLight::look(
-    const SphereDistribution& distribution, const Vec3& w) const {
+ImageInfiniteLight::Seen ImageInfiniteLight::look(const SphereDistribution& distribution,
+                                                  const Vec3& w) const {
   const Vec3 direction = map_from_world(w);
   return {params_.map->lookup(direction) * params_.radiance_cd_m2,
           per_sr(distribution, w, direction)};

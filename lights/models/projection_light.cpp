@@ -49,25 +49,17 @@ std::optional<Rgb> ProjectionIntensity::towards(const Vec3& w, const Vec3&) cons
   return intensity_cd;
 }
 
-// Not inlined: GCC 12 at -O2 keeps a direction in double where it has just been rounded to float.
-[[gnu::noinline]] typename ProjectionIntensity::Rounded ProjectionIntensity::at_rounded(
-    const Vec3& w) const {
-  const Vec3 local = axes_.local_from_world(w);
-  return {value_at(w), params_.picture->per_sr(local)};
-}
-
 void ProjectionIntensity::sample(Vec2 u_direction, EmissionSample& sample) const {
   const Vec3 w = params_.picture->sample({double{u_direction.x}, double{u_direction.y}});
   sample.direction = axes_.world_from_local(w);
-  // Value and density belong to the rounded direction, as in per_sr.
-  const Rounded rounded = at_rounded(sample.direction);
-  sample.value = Rgb(params_.intensity_cd * rounded.value);
-  sample.pdf_direction = {rounded.per_sr};
+  // Both belong to the rounded direction.
+  sample.value = params_.intensity_cd * value_at(sample.direction);
+  sample.pdf_direction = {per_sr(sample.direction)};
   settle(sample.pdf_direction.per_sr, sample);
 }
 
 double ProjectionIntensity::per_sr(const Vec3& w) const {
-  return is_black() ? 0 : at_rounded(w).per_sr;
+  return is_black() ? 0 : params_.picture->per_sr(axes_.local_from_world(w));
 }
 
 Power ProjectionIntensity::power() const {

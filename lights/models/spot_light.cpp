@@ -183,14 +183,8 @@ double SpotIntensity::falloff(const Vec3& w) const {
   return profile_at(params_.profile, std::clamp(inside * per_edge_, 0.0, 1.0));
 }
 
-// Not inlined: GCC 12 at -O2 keeps the direction in double where it has just been rounded to float
-// (SLP vectorization).  The density in a sample then differs from the density of its direction.
-[[gnu::noinline]] double SpotIntensity::falloff_as_rounded(const Vec3& w) const {
-  return falloff(falloff_direction(w));
-}
-
 Rgb SpotIntensity::intensity(const Vec3& w) const {
-  // Normalised in double: the narrowest cones are not wider than the error of length in float.
+  // The narrowest cones are not wider than the error of the length of a direction in floats.
   const Vec3 direction = falloff_direction(w);
   if (!is_finite(direction) || direction == Vec3{}) return {};
   return Rgb(params_.intensity_cd * falloff(direction));
@@ -228,12 +222,12 @@ void SpotIntensity::sample(Vec2 u_direction, EmissionSample& sample) const {
     return Frame::around(axis_).world_from_local(local);
   };
   sample.direction = at(h);
-  double rounded = falloff_as_rounded(sample.direction);
+  double rounded = falloff(falloff_direction(sample.direction));
   // If rounding led out of the cone, move inwards by a few roundings, if the cone is that wide.
   constexpr double kInwards = 8 * std::numeric_limits<double>::epsilon();
   if (share > 0 && !(rounded > 0) && radius(h) > kInwards) {
     const Vec3 within = at(h - kInwards * radius(h));
-    rounded = falloff_as_rounded(within);
+    rounded = falloff(falloff_direction(within));
     if (rounded > 0) sample.direction = within;
   }
   // The density belongs to the rounded direction, as in per_sr.  If the cone is so narrow that

@@ -46,11 +46,10 @@ SunLight::SunLight(const Params& params, const Rgb& radiance_cd_m2)
   one_minus_cos_ = 2 * s * s;
 }
 
-// Not inlined: GCC 12 at -O2 keeps a direction in double where it has just been rounded to float.
-[[gnu::noinline]] bool SunLight::contains(const Vec3& w) const {
+bool SunLight::contains(const Vec3& w) const {
   // 1 - cos of the angle between unit vectors is half the square of their chord, exact near the
-  // axis.  Normalised first: directions in floats differ from unit length by as much as small suns
-  // are wide.
+  // axis.  Normalised first: directions of requests are floats, whose length is off by as much as
+  // small suns are wide.
   const Vec3 chord = normalized(w) - unit_axis_;
   return dot(chord, chord) / 2 <= one_minus_cos_;
 }
@@ -58,15 +57,14 @@ SunLight::SunLight(const Params& params, const Rgb& radiance_cd_m2)
 Vec3 SunLight::sample_direction(Vec2 u) const {
   const Vec3 local = sample_uniform_cone(Vec2{u.x, u.y}, one_minus_cos_);
   const Vec3 w = Frame::around(unit_axis_).world_from_local(local);
-  Vec3 rounded(w);
-  if (contains(rounded)) return rounded;
+  if (contains(w)) return w;
   // If rounding led out of the disk, move inwards by a few roundings, or to the centre of a
   // narrower disk.
   const double inwards = 8 * std::numeric_limits<double>::epsilon();
   const double radius = params_.angular_diameter_rad / 2;
   if (radius > inwards) {
-    rounded = normalized(unit_axis_ + (w - unit_axis_) * (1 - inwards / radius));
-    if (contains(rounded)) return rounded;
+    const Vec3 inside = normalized(unit_axis_ + (w - unit_axis_) * (1 - inwards / radius));
+    if (contains(inside)) return inside;
   }
   return axis_;
 }

@@ -45,9 +45,7 @@ struct CornerWeights : BilinearWeights {
   }
 };
 
-// Not inlined: GCC 12 at -O2 keeps a point in double where it has just been rounded to float.
-[[gnu::noinline]] SurfacePoint sample_area(const BilinearForm& p, const CornerWeights& weights,
-                                           Vec2 u) {
+SurfacePoint sample_area(const BilinearForm& p, const CornerWeights& weights, Vec2 u) {
   const auto [s, t] = weights.sample({u.x, u.y});
   return {p.at(s, t), normalized(p.area_vector(s, t))};
 }
