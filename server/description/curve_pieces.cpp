@@ -8,15 +8,13 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// The same curve with one degree more.
-std::array<Vector, 4> raised(const Vector& a, const Vector& b, const Vector& c) {
+std::array<Vec3, 4> raised(const Vec3& a, const Vec3& b, const Vec3& c) {
   return {a, (a + b * 2.0) / 3.0, (b * 2.0 + c) / 3.0, c};
 }
 
 /// The curve of a B-spline with even knots between two of its knots.
-std::array<Vector, 4> between_knots(const Vector* p, int degree) {
+std::array<Vec3, 4> between_knots(const Vec3* p, int degree) {
   if (degree == 2) return raised((p[0] + p[1]) * 0.5, p[1], (p[1] + p[2]) * 0.5);
   return {(p[0] + p[1] * 4.0 + p[2]) / 6.0, (p[1] * 2.0 + p[2]) / 3.0, (p[1] + p[2] * 2.0) / 3.0,
           (p[1] + p[2] * 4.0 + p[3]) / 6.0};
@@ -52,7 +50,7 @@ CubicCurve cubic_curve(const CurveData& curves, std::size_t i) {
     return curves.start_width_m * (1 - share) + curves.end_width_m * share;
   };
   CubicCurve curve;
-  const Vector* p = &curves.points[curves.is_b_spline ? i : i * degree];
+  const Vec3* p = &curves.points[curves.is_b_spline ? i : i * degree];
   if (curves.is_b_spline)
     curve.points = between_knots(p, curves.degree);
   else

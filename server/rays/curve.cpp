@@ -7,23 +7,22 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-using Controls = std::array<Vector, 4>;
+using Controls = std::array<Vec3, 4>;
 
 /// Neighbouring pieces overlap by this, so that no ray passes between them.
 constexpr double kOverlap = 1e-9;
 
-Vector mix(const Vector& a, const Vector& b, double u) { return a * (1 - u) + b * u; }
+Vec3 mix(const Vec3& a, const Vec3& b, double u) { return a * (1 - u) + b * u; }
 
 /// The two halves of a Bezier curve.
 std::pair<Controls, Controls> halves(const Controls& p) {
-  const Vector a = (p[0] + p[1]) * 0.5, b = (p[1] + p[2]) * 0.5, c = (p[2] + p[3]) * 0.5;
-  const Vector ab = (a + b) * 0.5, bc = (b + c) * 0.5, middle = (ab + bc) * 0.5;
+  const Vec3 a = (p[0] + p[1]) * 0.5, b = (p[1] + p[2]) * 0.5, c = (p[2] + p[3]) * 0.5;
+  const Vec3 ab = (a + b) * 0.5, bc = (b + c) * 0.5, middle = (ab + bc) * 0.5;
   return {{p[0], a, ab, middle}, {middle, bc, c, p[3]}};
 }
 
 /// A unit vector between two others, by even turns.
-Vector turned(const Vector& a, const Vector& b, double u) {
+Vec3 turned(const Vec3& a, const Vec3& b, double u) {
   const double angle = 2 * std::atan2(length(b - a), length(b + a));
   const double sine = std::sin(angle);
   if (!(sine > 1e-6)) return normalized(mix(a, b, u));
@@ -33,24 +32,23 @@ Vector turned(const Vector& a, const Vector& b, double u) {
 /// Finds the nearest hit of one ray.  Lengths along the ray are in metres.
 class Search {
  public:
-  Search(const CurvePiece& curve, const Vector& origin, const Vector& direction, double from,
-         double to)
+  Search(const CurvePiece& curve, const Vec3& origin, const Vec3& direction, double from, double to)
       : curve_(curve), o_(origin), d_(direction), from_(from), to_(to) {
     // Two axes across the ray.  The first is away from its largest component.
-    const Vector away = std::fabs(d_.x) < 0.6 ? Vector{1, 0, 0} : Vector{0, 1, 0};
+    const Vec3 away = std::fabs(d_.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
     x_ = normalized(cross(d_, away));
     y_ = cross(d_, x_);
   }
 
   struct Hit {
     double along = 0, u = 0, aside = 0;  ///< aside: of the axis, -1 to 1
-    Vector position, normal;
+    Vec3 position, normal;
   };
 
   std::optional<Hit> run() {
     Controls p;
     for (std::size_t i = 0; i < 4; ++i) {
-      const Vector v = curve_.points[i] - o_;
+      const Vec3 v = curve_.points[i] - o_;
       p[i] = {dot(v, x_), dot(v, y_), dot(v, d_)};
     }
     divide(p, 0, 1, 0);
@@ -65,12 +63,12 @@ class Search {
       const auto [least, most] = std::minmax({axis(p[0]), axis(p[1]), axis(p[2]), axis(p[3])});
       return least > high + reach || most < low - reach;
     };
-    if (outside([](const Vector& v) { return v.x; }, 0, 0) ||
-        outside([](const Vector& v) { return v.y; }, 0, 0) ||
-        outside([](const Vector& v) { return v.z; }, from_, best_ ? best_->along : to_))
+    if (outside([](const Vec3& v) { return v.x; }, 0, 0) ||
+        outside([](const Vec3& v) { return v.y; }, 0, 0) ||
+        outside([](const Vec3& v) { return v.z; }, from_, best_ ? best_->along : to_))
       return;
     // Second differences bound how much the curve bends across the ray.
-    const auto size = [](const Vector& v) { return std::hypot(v.x, v.y); };
+    const auto size = [](const Vec3& v) { return std::hypot(v.x, v.y); };
     const double bend = std::max(size(p[0] - p[1] * 2.0 + p[2]), size(p[1] - p[2] * 2.0 + p[3]));
     constexpr int kDeepest = 6;
     if (depth == kDeepest || bend <= 0.25 * size(p[3] - p[0]) || bend <= 0.05 * reach)
@@ -89,8 +87,8 @@ class Search {
         chord2 > 0 ? std::clamp(-(p[0].x * dx + p[0].y * dy) / chord2, 0.0, 1.0) : 0.5;
     double u = u0 + (u1 - u0) * share;
     for (int i = 0; i < 12; ++i) {
-      const Vector v = across_ray(curve_.at(u) - o_), slope = across_ray(curve_.derivative(u));
-      const Vector second = across_ray(second_derivative(u));
+      const Vec3 v = across_ray(curve_.at(u) - o_), slope = across_ray(curve_.derivative(u));
+      const Vec3 second = across_ray(second_derivative(u));
       const double slope2 = dot(slope, slope);
       if (!(slope2 > 0)) return std::nullopt;  // the ray runs along the axis
       const double whole = slope2 + dot(v, second);
@@ -106,12 +104,12 @@ class Search {
     const std::optional<double> u = nearest(p, u0, u1);
     if (!u) return;
     if (curve_.kind != CurveKind::kRibbon) {
-      const Vector axis = curve_.at(*u);
+      const Vec3 axis = curve_.at(*u);
       const double along = dot(axis - o_, d_);
-      const Vector position = o_ + d_ * along, from = position - axis;
+      const Vec3 position = o_ + d_ * along, from = position - axis;
       if (dot(from, from) > radius2(*u)) return;
-      const Vector tangent = normalized(curve_.derivative(*u));
-      const Vector facing = -normalized(d_ - tangent * dot(d_, tangent));
+      const Vec3 tangent = normalized(curve_.derivative(*u));
+      const Vec3 facing = -normalized(d_ - tangent * dot(d_, tangent));
       return keep(*u, along, position, facing);
     }
     // Finds the u whose cross-section contains the hit, by the secant method.
@@ -132,28 +130,28 @@ class Search {
   /// The hit of the ray with the surface if the axis were straight at u.
   struct Section {
     double along;
-    Vector position, normal;
+    Vec3 position, normal;
     double slip;  ///< of the hit along the axis, from the point at u
   };
   std::optional<Section> at_section(double u) const {
-    const Vector axis = curve_.at(u), tangent = normalized(curve_.derivative(u));
+    const Vec3 axis = curve_.at(u), tangent = normalized(curve_.derivative(u));
     const double near = dot(axis - o_, d_);
-    const Vector from_axis = o_ + d_ * near - axis;  // small numbers, so that nothing cancels
-    const Vector up = turned(Vector(curve_.normals[0]), Vector(curve_.normals[1]), u);
-    const Vector normal = normalized(up - tangent * dot(up, tangent));
+    const Vec3 from_axis = o_ + d_ * near - axis;  // small numbers, so that nothing cancels
+    const Vec3 up = turned(Vec3(curve_.normals[0]), Vec3(curve_.normals[1]), u);
+    const Vec3 normal = normalized(up - tangent * dot(up, tangent));
     const double facing = dot(d_, normal);
     if (!(std::fabs(facing) > 1e-9)) return std::nullopt;  // from the side
     const double further = -dot(from_axis, normal) / facing;
-    const Vector from = from_axis + d_ * further;
+    const Vec3 from = from_axis + d_ * further;
     return Section{near + further, axis + from, normal, dot(from, tangent)};
   }
 
-  void keep(double u, double along, const Vector& position, const Vector& normal) {
+  void keep(double u, double along, const Vec3& position, const Vec3& normal) {
     if (u < -kOverlap || u > 1 + kOverlap) return;
-    const Vector from = position - curve_.at(u);
+    const Vec3 from = position - curve_.at(u);
     if (curve_.kind == CurveKind::kRibbon && dot(from, from) > radius2(u)) return;
     if (!(along > from_ && along < (best_ ? best_->along : to_))) return;
-    const Vector side = cross(normalized(curve_.derivative(u)), normal);
+    const Vec3 side = cross(normalized(curve_.derivative(u)), normal);
     const double radius = curve_.radius_m(u);
     const double aside = radius > 0 ? std::clamp(dot(from, side) / radius, -1.0, 1.0) : 0;
     best_ = Hit{along, std::clamp(u, 0.0, 1.0), aside, position, normal};
@@ -164,14 +162,14 @@ class Search {
   }
 
   double radius2(double u) const { return curve_.radius_m(u) * curve_.radius_m(u); }
-  Vector across_ray(const Vector& v) const { return v - d_ * dot(v, d_); }
-  Vector second_derivative(double u) const {
+  Vec3 across_ray(const Vec3& v) const { return v - d_ * dot(v, d_); }
+  Vec3 second_derivative(double u) const {
     const Controls& p = curve_.points;
     return mix(p[0] - p[1] * 2.0 + p[2], p[1] - p[2] * 2.0 + p[3], u) * 6.0;
   }
 
   const CurvePiece& curve_;
-  Vector o_, d_, x_, y_;
+  Vec3 o_, d_, x_, y_;
   double from_, to_;
   std::optional<Hit> best_;
 };
@@ -179,16 +177,16 @@ class Search {
 }  // namespace
 
 Vec3 CurvePiece::at(double u) const {
-  const Vector a = mix(points[0], points[1], u), b = mix(points[1], points[2], u),
-               c = mix(points[2], points[3], u);
+  const Vec3 a = mix(points[0], points[1], u), b = mix(points[1], points[2], u),
+             c = mix(points[2], points[3], u);
   return mix(mix(a, b, u), mix(b, c, u), u);
 }
 
 Vec3 CurvePiece::derivative(double u) const {
-  const Vector a = points[1] - points[0], b = points[2] - points[1], c = points[3] - points[2];
-  const Vector tangent = mix(mix(a, b, u), mix(b, c, u), u) * 3.0;
+  const Vec3 a = points[1] - points[0], b = points[2] - points[1], c = points[3] - points[2];
+  const Vec3 tangent = mix(mix(a, b, u), mix(b, c, u), u) * 3.0;
   // Control points that coincide at an end: the direction to the next one.
-  return tangent == Vector{} ? points[3] - points[0] : tangent;
+  return tangent == Vec3{} ? points[3] - points[0] : tangent;
 }
 
 std::optional<ShapeHit> CurvePiece::intersect(const Vec3& origin, const Vec3& direction,
@@ -206,12 +204,12 @@ std::optional<ShapeHit> CurvePiece::intersect(const Vec3& origin, const Vec3& di
 
 std::pair<Vec3, Vec3> CurvePiece::bounds() const {
   const double r = std::max(start_radius_m, end_radius_m);
-  Vector lower = points[0], upper = points[0];
-  for (const Vector& p : points) {
+  Vec3 lower = points[0], upper = points[0];
+  for (const Vec3& p : points) {
     lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
     upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
   }
-  return {lower - Vector{r, r, r}, upper + Vector{r, r, r}};
+  return {lower - Vec3{r, r, r}, upper + Vec3{r, r, r}};
 }
 
 double CurvePiece::hit_error_m(double u) const {

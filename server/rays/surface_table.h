@@ -17,7 +17,7 @@ namespace lucerna {
 /// The data that all primitives of a shape share.
 struct Surface {
   std::uint32_t material = 0;
-  std::int32_t light = -1;
+  std::int32_t light = -1;  ///< as SceneLights::of_surface takes it; -1: does not emit
   NumberValue alpha{1};
   std::optional<NumberValue> pane_eta{};  ///< index of a smooth thin pane; else unset
   std::optional<MediumSides> media{};     ///< as in ShapeDescription

@@ -9,12 +9,10 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// (u, v), and how the point moves as they grow, in the space of the GeometrySet.
 struct Coordinates {
   Vec2 uv;
-  Vector dpdu, dpdv;
+  Vec3 dpdu, dpdv;
   Rgb colour{};
 };
 
@@ -29,8 +27,8 @@ auto at_vertices(const std::vector<Value>& values, const std::uint32_t* v, doubl
 Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const SurfaceHit& hit) {
   const auto& uv = table.uv_of_triangle(hit.primitive);
   const std::uint32_t* v = &set.triangles[3 * std::size_t{hit.primitive}];
-  const auto vertex = [&](int k) { return Vector(set.vertices[v[k]]) * set.unit_m; };
-  const Vector ab = vertex(1) - vertex(0), ac = vertex(2) - vertex(0);
+  const auto vertex = [&](int k) { return Vec3(set.vertices[v[k]]) * set.unit_m; };
+  const Vec3 ab = vertex(1) - vertex(0), ac = vertex(2) - vertex(0);
   const double b = hit.uv.x, c = hit.uv.y, ub = double{uv[1].x} - uv[0].x,
                uc = double{uv[2].x} - uv[0].x, vb = double{uv[1].y} - uv[0].y,
                vc = double{uv[2].y} - uv[0].y;
@@ -41,10 +39,10 @@ Coordinates on_triangle(const GeometrySet& set, const SurfaceTable& table, const
   if (const auto colour =
           at_vertices(table.vertex_colours, v, b, c, [](const Rgbf& x) { return Rgb(x); }))
     r.colour = *colour;
-  const auto along = [](const VertexTangent& t) { return Vector(t.along_u); };
-  if (const auto u = at_vertices(table.vertex_tangents, v, b, c, along); u && *u != Vector{}) {
+  const auto along = [](const VertexTangent& t) { return Vec3(t.along_u); };
+  if (const auto u = at_vertices(table.vertex_tangents, v, b, c, along); u && *u != Vec3{}) {
     // The normal of the corners tells the outside, also where a mirror turned it.
-    const Vector outside = cross(ab, ac);
+    const Vec3 outside = cross(ab, ac);
     r.dpdu = *u;
     r.dpdv = cross(outside, *u) * table.vertex_tangents[v[0]].turn;
   }
@@ -55,8 +53,8 @@ Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const Su
   const auto& uv = table.uv_of_patch(hit.primitive);
   const BilinearPatch& p = set.patches[hit.primitive];
   const double s = hit.uv.x, t = hit.uv.y;
-  const Vector dpds = (p.p10 - p.p00) * (1 - t) + (p.p11 - p.p01) * t,
-               dpdt = (p.p01 - p.p00) * (1 - s) + (p.p11 - p.p10) * s;
+  const Vec3 dpds = (p.p10 - p.p00) * (1 - t) + (p.p11 - p.p01) * t,
+             dpdt = (p.p01 - p.p00) * (1 - s) + (p.p11 - p.p10) * s;
   const auto along_s = [&](auto member) {
     return (double{uv[1].*member} - uv[0].*member) * (1 - t) +
            (double{uv[3].*member} - uv[2].*member) * t;
@@ -74,18 +72,18 @@ Coordinates on_patch(const GeometrySet& set, const SurfaceTable& table, const Su
 
 /// `position`: in the space of the set.
 template <typename Quadric>
-Coordinates on_quadric(const Quadric& quadric, const Vector& position, const Vector& normal) {
+Coordinates on_quadric(const Quadric& quadric, const Vec3& position, const Vec3& normal) {
   // u turns about the z axis of the quadric's own space.
   const Transform& to_set = quadric.world_from_object();
-  const Vector q = to_set.inverse().point(position);
-  const Vector turn = to_set.vector({-q.y, q.x, 0});
+  const Vec3 q = to_set.inverse().point(position);
+  const Vec3 turn = to_set.vector({-q.y, q.x, 0});
   Coordinates c{quadric.uv({position}), turn, {}};
   // (u, v) of near points give their derivatives along the surface.
-  const Vector along = normalized(turn);
+  const Vec3 along = normalized(turn);
   if (!is_finite(along)) return c;
-  const Vector across = normalized(cross(normal, along));
+  const Vec3 across = normalized(cross(normal, along));
   const double step = 1e-4 * length(turn);
-  const auto change = [&](const Vector& w) {
+  const auto change = [&](const Vec3& w) {
     const Vec2 a = quadric.uv({position - w * step}), b = quadric.uv({position + w * step});
     const auto per_m = [&](double x) { return (x - std::round(x)) / (2 * step); };  // past the seam
     return Vec2{per_m(b.x - a.x), per_m(b.y - a.y)};
@@ -113,7 +111,7 @@ SceneGeometry::ShadingPoint SceneGeometry::shading_point(const SurfaceHit& hit) 
       c = on_patch(set, table, hit);
       break;
     default: {
-      Vector position = hit.position, normal = hit.ng;
+      Vec3 position = hit.position, normal = hit.ng;
       if (instance != nullptr) {
         if (instance->motion) {
           position = pose().inverse_point(position);
@@ -132,7 +130,7 @@ SceneGeometry::ShadingPoint SceneGeometry::shading_point(const SurfaceHit& hit) 
     }
   }
   if (instance != nullptr) {
-    for (Vector* const v : {&c.dpdu, &c.dpdv}) {
+    for (Vec3* const v : {&c.dpdu, &c.dpdv}) {
       *v = instance->scene_from_object.vector(*v);
       if (instance->motion) *v = pose().vector(*v);
     }

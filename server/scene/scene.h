@@ -22,8 +22,9 @@
 
 namespace lucerna {
 
-/// A scene is its geometry, its lights, its camera and its report.  A revision has other lights,
-/// and shares the rest.  All const members may be called from any thread.
+/// A scene is its geometry, its lights, its camera and its report.  A revision has its own lights.
+/// It shares the report, and the geometry unless edits move or add surfaces.  All const members may
+/// be called from any thread.
 class Scene {
  public:
   /// Errors: parts of the description that cannot be built, with file:line:column; CANCELLED;

@@ -33,7 +33,7 @@ struct LightMotion {
 
 /// One light of the scene.
 struct SceneLight {
-  std::uint64_t id;    ///< stable, from 1, never reused
+  std::uint64_t id;    ///< stable: from 1 for lights of the file, from 2^32 for added ones
   LightPointer light;  ///< about the scene's origin; about its own if it moves
   std::shared_ptr<const LightMotion> moving;  ///< null if it does not move
   std::uint32_t samples = 1;  ///< points of each sample on it; the default of queries

@@ -47,7 +47,6 @@ class SceneLights {
   std::size_t size() const { return data_.all.size(); }
   bool empty() const { return data_.all.empty(); }
   const SceneLight& operator[](std::size_t i) const { return data_.all[i]; }
-  const SceneLight& back() const { return data_.all.back(); }
   auto begin() const { return data_.all.begin(); }
   auto end() const { return data_.all.end(); }
   /// What a revision is made from.

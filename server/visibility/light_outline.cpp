@@ -11,11 +11,9 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// The convex hull of points in a plane of unit normal `n`, in order.  A rectangle around it if the
 /// hull has too many corners.  [Andrew79]
-std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
+std::vector<Vec3> hull(const std::vector<Vec3>& points, const Vec3& n) {
   const auto frame = Frame::around(n);
   struct Point {
     double x, y;
@@ -23,7 +21,7 @@ std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
   };
   std::vector<Point> sorted;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vector v = frame.local_from_world(points[i] - points[0]);
+    const Vec3 v = frame.local_from_world(points[i] - points[0]);
     sorted.push_back({v.x, v.y, i});
   }
   std::ranges::sort(
@@ -43,7 +41,7 @@ std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
     chain.pop_back();
     if (!is_upper) std::ranges::reverse(sorted);
   }
-  std::vector<Vector> corners;
+  std::vector<Vec3> corners;
   if (chain.size() <= kOutlineCorners) {
     for (const Point& p : chain) corners.push_back(points[p.number]);
     return corners;
@@ -58,7 +56,7 @@ std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
 
 template <typename Mesh>
 LightOutline flat_mesh(const Mesh& mesh) {
-  std::vector<Vector> points;
+  std::vector<Vec3> points;
   std::size_t largest = 0;
   StopPoll poll;
   for (std::size_t i = 0; i < mesh.size(); ++i, poll()) {
@@ -139,8 +137,7 @@ LightOutline outline_of(const SceneLight& light) {
   return of_kind(*light.light);
 }
 
-std::array<Vector, kOutlineCorners> polygon_around(const Vector& center, const Vector& x,
-                                                   const Vector& y) {
+std::array<Vec3, kOutlineCorners> polygon_around(const Vec3& center, const Vec3& x, const Vec3& y) {
   static const auto kUnit = [] {
     constexpr double kStep = 2 * std::numbers::pi / kOutlineCorners;
     const double outside = 1 / std::cos(kStep / 2);
@@ -149,7 +146,7 @@ std::array<Vector, kOutlineCorners> polygon_around(const Vector& center, const V
       corners[i] = {outside * std::cos(i * kStep), outside * std::sin(i * kStep)};
     return corners;
   }();
-  std::array<Vector, kOutlineCorners> corners;
+  std::array<Vec3, kOutlineCorners> corners;
   for (int i = 0; i < kOutlineCorners; ++i) corners[i] = center + x * kUnit[i].x + y * kUnit[i].y;
   return corners;
 }

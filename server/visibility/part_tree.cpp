@@ -9,8 +9,6 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 double radius_of(const SmoothPart& part) {
   return part.is_sphere ? part.radius_m : length(part.half_u) + length(part.half_v);
 }
@@ -25,9 +23,9 @@ double weight_of(const SmoothPart& part) {
 
 /// Whether a normal of the node may halve the angle between two directions, each of which may be
 /// off by an angle.
-bool may_halve(const PartTree::Node& node, const Vector& a, double a_off_rad, const Vector& b,
+bool may_halve(const PartTree::Node& node, const Vec3& a, double a_off_rad, const Vec3& b,
                double b_off_rad) {
-  const Vector half = a + b;
+  const Vec3 half = a + b;
   // A change of both directions by the angles turns their sum by at most this.
   const double turned = (a_off_rad + b_off_rad) / length(half);
   if (!(turned < 1)) return true;
@@ -44,13 +42,13 @@ double half_angle(double radius_m, double distance_m) {
 }  // namespace
 
 double PartTree::Node::weight_from(const Vec3& from) const {
-  const Vector to = middle - from;
+  const Vec3 to = middle - from;
   return weight / std::fmax(dot(to, to), radius_m * radius_m);
 }
 
 bool PartTree::Node::may_mirror(const Vec3& to, const Vec3& light, double light_radius_m) const {
   if (has_others) return true;
-  const Vector a = to - middle, b = light - middle;
+  const Vec3 a = to - middle, b = light - middle;
   const double a_m = length(a), b_m = length(b);
   const double a_off = half_angle(radius_m, a_m),
                b_off = half_angle(radius_m + light_radius_m, b_m);
@@ -60,7 +58,7 @@ bool PartTree::Node::may_mirror(const Vec3& to, const Vec3& light, double light_
 
 bool PartTree::Node::may_mirror_from(const Vec3& to, const Vec3& from, double within_rad) const {
   if (has_others) return true;
-  const Vector a = to - middle;
+  const Vec3 a = to - middle;
   const double a_m = length(a), a_off = half_angle(radius_m, a_m);
   return a_off > kPi || may_halve(*this, a / a_m, a_off, from, within_rad);
 }
@@ -78,7 +76,7 @@ void PartTree::build(std::span<const SmoothPart> parts, std::span<std::uint32_t>
   const std::size_t at = nodes_.size();
   Node node;
   Bounds middles;
-  Vector sum{};
+  Vec3 sum{};
   StopPoll poll;
   for (const std::uint32_t i : numbers) {
     poll();
@@ -89,7 +87,7 @@ void PartTree::build(std::span<const SmoothPart> parts, std::span<std::uint32_t>
     sum += dot(sum, part.n) < 0 ? -part.n : part.n;
   }
   node.middle = middles.lower * 0.5 + middles.upper * 0.5;
-  node.axis = length(sum) > 0 ? normalized(sum) : Vector{0, 0, 1};
+  node.axis = length(sum) > 0 ? normalized(sum) : Vec3{0, 0, 1};
   for (const std::uint32_t i : numbers) {
     poll();
     const SmoothPart& part = parts[i];
@@ -100,10 +98,10 @@ void PartTree::build(std::span<const SmoothPart> parts, std::span<std::uint32_t>
   node.part = numbers[0];
   nodes_.push_back(node);
   if (numbers.size() == 1) return;
-  const Vector size = middles.upper - middles.lower;
+  const Vec3 size = middles.upper - middles.lower;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const auto place = [&](std::uint32_t i) {
-    const Vector& p = parts[i].middle;
+    const Vec3& p = parts[i].middle;
     return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
   };
   const std::size_t half = numbers.size() / 2;

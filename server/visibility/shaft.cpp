@@ -17,8 +17,6 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// The least sine of a ray over a horizon that floats can resolve.
 constexpr double kLeastRise = 4 * kFloatRoundoff;
 
@@ -43,7 +41,7 @@ bool overlaps(const Boundsf& box, const Bounds& other) {
 /// repeatedly, which adds half as many corners again.
 struct Clipped {
   static constexpr int kMostCorners = 48;
-  std::array<Vector, kMostCorners> corner;
+  std::array<Vec3, kMostCorners> corner;
   int count = 0;
 };
 
@@ -61,7 +59,7 @@ void clip(Clipped& polygon, const HalfSpace& h) {
   Clipped kept;
   for (int i = 0; i < polygon.count; ++i) {
     const int next = (i + 1) % polygon.count;
-    const Vector &a = polygon.corner[i], &b = polygon.corner[next];
+    const Vec3 &a = polygon.corner[i], &b = polygon.corner[next];
     if (beyond[i] <= 0) kept.corner[kept.count++] = a;
     if ((beyond[i] <= 0) != (beyond[next] <= 0))
       kept.corner[kept.count++] = a + (b - a) * (beyond[i] / (beyond[i] - beyond[next]));
@@ -76,7 +74,7 @@ bool is_level(const Clipped& polygon, const ShaftRegion& shaft,
   double highest = 0;
   Bounds box;
   for (int i = 0; i < polygon.count; ++i) {
-    const Vector p =
+    const Vec3 p =
         scene_from_object ? scene_from_object->point(polygon.corner[i]) : polygon.corner[i];
     highest = std::fmax(highest, dot(shaft.up, p - shaft.apex));
     box.add(p);
@@ -167,8 +165,8 @@ class SetBoxes {
   const BoxTree& tree() const { return tree_; }
 
  private:
-  Vector vertex(std::size_t corner) const {
-    return Vector(set_.vertices[set_.triangles[corner]]) * set_.unit_m;
+  Vec3 vertex(std::size_t corner) const {
+    return Vec3(set_.vertices[set_.triangles[corner]]) * set_.unit_m;
   }
 
   void add_to(std::vector<Boundsf>& boxes) const {
@@ -216,8 +214,8 @@ struct Shafts::Boxes {
     }
     own.emplace(accelerator.scene(), instance_boxes);
     if (!own->tree().empty()) {
-      hittable.add(Vector(own->tree().box().lower));
-      hittable.add(Vector(own->tree().box().upper));
+      hittable.add(Vec3(own->tree().box().lower));
+      hittable.add(Vec3(own->tree().box().upper));
     }
   }
 
@@ -303,7 +301,7 @@ std::size_t Shafts::bytes() const {
   std::size_t sum = sizeof *this + sizeof(State) +
                     state_->outlines.capacity() * sizeof(LightOutline) +
                     state_->light_surfaces.capacity() * sizeof(std::int32_t);
-  for (const LightOutline& o : state_->outlines) sum += o.corners.capacity() * sizeof(Vector);
+  for (const LightOutline& o : state_->outlines) sum += o.corners.capacity() * sizeof(Vec3);
   return sum;
 }
 

@@ -15,8 +15,6 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// A shape with faces in more planes than this counts as curved.  In a scene with more planes that
 /// refract, all of these do: their sequences are many, and each path must be solved.
 constexpr std::size_t kMostPlanes = 1024, kMostRefractingPlanes = 16;
@@ -46,7 +44,7 @@ std::pair<double, double> SmoothPart::heights_over(const SmoothPart& other) cons
 
 bool SmoothPart::may_contain(const Vec3& p) const {
   constexpr double kMargin = 1.001;
-  const auto within = [&](const Vector& half) {
+  const auto within = [&](const Vec3& half) {
     const double size2 = dot(half, half);
     return std::fabs(dot(p - middle, half)) <= kMargin * size2;
   };
@@ -180,7 +178,7 @@ class SmoothSurfaces::Collector {
   bool may_be_narrow(std::uint32_t material) const {
     constexpr int kLooks = 32;     // in u and in v
     constexpr double kNarrow = 2;  // [1/sr]
-    const Vector w{0.28, 0, 0.96};
+    const Vec3 w{0.28, 0, 0.96};
     bool is_narrow = false;
     for_each_of_mix(
         [&](std::uint32_t i) -> const Material& { return scene_.geometry().materials()[i]; },
@@ -197,7 +195,7 @@ class SmoothSurfaces::Collector {
   }
   /// The share that a material reflects along its normal.  Textures have other values elsewhere.
   double reflected(std::uint32_t material, double glossy_alpha) const {
-    constexpr Vector kNormal{0, 0, 1};
+    constexpr Vec3 kNormal{0, 0, 1};
     // GGX along the normal is 1 / (4 pi alpha^2) times this share.
     const double facets = 4 * kPi * glossy_alpha * glossy_alpha;
     double most = 0;
@@ -230,8 +228,8 @@ class SmoothSurfaces::Collector {
       }
       Face face = face_of(set, run.kind, i);
       if (face.empty() || has_other_normals(set, table, run.kind, i)) return false;
-      for (Vector& p : face) p = placed ? placed->scene_from_object.point(p) : p;
-      Vector n = face_normal(set, run.kind, i);
+      for (Vec3& p : face) p = placed ? placed->scene_from_object.point(p) : p;
+      Vec3 n = face_normal(set, run.kind, i);
       if (placed) n = placed->scene_from_object.normal(n);
       n = normalized(n);
       // No ray meets a face without area.
@@ -255,9 +253,9 @@ class SmoothSurfaces::Collector {
   bool may_hold_light(const SmoothPart& ball) const {
     constexpr std::size_t kFewLights = 64;
     const auto is_within = [&](const Bounds& box) {
-      const Vector nearest{std::clamp(ball.middle.x, box.lower.x, box.upper.x),
-                           std::clamp(ball.middle.y, box.lower.y, box.upper.y),
-                           std::clamp(ball.middle.z, box.lower.z, box.upper.z)};
+      const Vec3 nearest{std::clamp(ball.middle.x, box.lower.x, box.upper.x),
+                         std::clamp(ball.middle.y, box.lower.y, box.upper.y),
+                         std::clamp(ball.middle.z, box.lower.z, box.upper.z)};
       return length(nearest - ball.middle) < ball.radius_m;
     };
     if (scene_.lights().size() > kFewLights) return is_within(all_lights());
@@ -331,9 +329,9 @@ SmoothSurfaces::SmoothSurfaces(const Scene& scene) {
     UnsolvedSurface all{first_smooth(scene), {}, kind};
     for (const SmoothPart& p : parts_) {
       if (!has(p)) continue;
-      const Vector reach{p.radius_m + std::fabs(p.half_u.x) + std::fabs(p.half_v.x),
-                         p.radius_m + std::fabs(p.half_u.y) + std::fabs(p.half_v.y),
-                         p.radius_m + std::fabs(p.half_u.z) + std::fabs(p.half_v.z)};
+      const Vec3 reach{p.radius_m + std::fabs(p.half_u.x) + std::fabs(p.half_v.x),
+                       p.radius_m + std::fabs(p.half_u.y) + std::fabs(p.half_v.y),
+                       p.radius_m + std::fabs(p.half_u.z) + std::fabs(p.half_v.z)};
       all.bounds_m.add(p.middle - reach), all.bounds_m.add(p.middle + reach);
     }
     unsolved_.push_back(all);

@@ -5,19 +5,17 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
 /// A ray with its derivatives by two parameters of its start.
 struct Differential {
-  Vector p, w;
-  std::array<Vector, 2> dp{}, dw{};
+  Vec3 p, w;
+  std::array<Vec3, 2> dp{}, dw{};
 
   /// Moves it to where its distance is `t`, on a surface with the unit normal `n`.
-  void transfer(double t, const Vector& n) {
+  void transfer(double t, const Vec3& n) {
     const double towards = dot(n, w);
     p += w * t;
     for (int k = 0; k < 2; ++k) {
-      const Vector moved = dp[k] + dw[k] * t;
+      const Vec3 moved = dp[k] + dw[k] * t;
       dp[k] = moved - w * (dot(n, moved) / towards);
     }
   }
@@ -25,7 +23,7 @@ struct Differential {
 
 /// Meets the whole plane, before or behind the ray, or the outside of the sphere.  Returns the
 /// normal there, or nothing.  `is_ahead` becomes false if the plane is behind.
-std::optional<Vector> meet(const SmoothPart& part, Differential& ray, bool& is_ahead) {
+std::optional<Vec3> meet(const SmoothPart& part, Differential& ray, bool& is_ahead) {
   if (!part.is_sphere) {
     const double t = -part.height(ray.p) / dot(part.n, ray.w);
     if (!std::isfinite(t)) return std::nullopt;
@@ -33,23 +31,23 @@ std::optional<Vector> meet(const SmoothPart& part, Differential& ray, bool& is_a
     ray.transfer(t, part.n);
     return part.n;
   }
-  const Vector from = ray.p - part.middle;
+  const Vec3 from = ray.p - part.middle;
   const double b = dot(from, ray.w);
   // Of the closest point, without the cancellation of b^2 - c.
-  const Vector nearest = from - ray.w * b;
+  const Vec3 nearest = from - ray.w * b;
   const double root2 = (part.radius_m - length(nearest)) * (part.radius_m + length(nearest));
   if (!(root2 > 0)) return std::nullopt;
   const double t = -b - std::sqrt(root2);
   if (!(t > 0)) return std::nullopt;
-  const Vector n = (from + ray.w * t) / part.radius_m;
+  const Vec3 n = (from + ray.w * t) / part.radius_m;
   ray.transfer(t, n);
   return n;
 }
 
 /// Sends the ray on.  Returns false where light is totally reflected and must pass.
-bool send_on(const SmoothStep& step, const Vector& n, Differential& ray) {
+bool send_on(const SmoothStep& step, const Vec3& n, Differential& ray) {
   const double towards = dot(ray.w, n);
-  std::array<Vector, 2> dn{};
+  std::array<Vec3, 2> dn{};
   if (step.part->is_sphere)
     for (int k = 0; k < 2; ++k) dn[k] = ray.dp[k] / step.part->radius_m;
   const auto d_towards = [&](int k) { return dot(ray.dw[k], n) + dot(ray.w, dn[k]); };
@@ -75,17 +73,17 @@ bool send_on(const SmoothStep& step, const Vector& n, Differential& ray) {
 
 struct Traced {
   Differential end;
-  std::array<Vector, kMostSteps> points;
+  std::array<Vec3, kMostSteps> points;
   bool is_ahead = true;  ///< whether each surface is ahead of the one before
 };
 
-std::optional<Traced> trace(const Vector& from, const Vector& start,
+std::optional<Traced> trace(const Vec3& from, const Vec3& start,
                             std::span<const SmoothStep> steps) {
   Traced t;
   const Frame frame = Frame::around(start);
   t.end = {from, start, {}, {frame.s, frame.t}};
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const std::optional<Vector> n = meet(*steps[i].part, t.end, t.is_ahead);
+    const std::optional<Vec3> n = meet(*steps[i].part, t.end, t.is_ahead);
     if (!n) return std::nullopt;
     t.points[i] = t.end.p;
     if (!send_on(steps[i], *n, t.end)) return std::nullopt;
@@ -105,14 +103,14 @@ double squared(const Miss& m) { return m.a * m.a + m.b * m.b; }
 
 /// Newton's method from `start`.  `miss(traced)`: nothing if the ray cannot reach the target.
 template <typename F>
-std::optional<SpecularPath> solve(const Vector& from, Vector start,
-                                  std::span<const SmoothStep> steps, const F& miss) {
+std::optional<SpecularPath> solve(const Vec3& from, Vec3 start, std::span<const SmoothStep> steps,
+                                  const F& miss) {
   constexpr int kMostIterations = 16, kMostHalvings = 6;
   constexpr double kClose = 1e-12;
   std::optional<Traced> traced = trace(from, start, steps);
   // Beyond the angle of total reflection, the way is steeper than the first direction.
   for (int k = 0; !traced && k < 8 && !steps[0].part->is_sphere; ++k) {
-    const Vector& n = steps[0].part->n;
+    const Vec3& n = steps[0].part->n;
     start = normalized(start + n * std::copysign(0.5, dot(start, n)));
     traced = trace(from, start, steps);
   }
@@ -132,7 +130,7 @@ std::optional<SpecularPath> solve(const Vector& from, Vector start,
     double share = 1;
     bool moved = false;
     for (int half = 0; half < kMostHalvings && !moved; ++half, share /= 2) {
-      const Vector next = normalized(start + (frame.s * x + frame.t * y) * share);
+      const Vec3 next = normalized(start + (frame.s * x + frame.t * y) * share);
       const std::optional<Traced> there = trace(from, next, steps);
       if (!there) continue;
       const std::optional<Miss> then = miss(*there);
@@ -150,18 +148,18 @@ std::optional<SpecularPath> solve(const Vector& from, Vector start,
 }
 
 /// The first direction to try: that of a path that passes refracting planes straight on.
-Vector first_direction(const Vector& from, std::span<const SmoothStep> steps, Vector target,
-                       bool is_direction) {
+Vec3 first_direction(const Vec3& from, std::span<const SmoothStep> steps, Vec3 target,
+                     bool is_direction) {
   for (std::size_t i = steps.size(); i-- > 0;) {
     const SmoothPart& part = *steps[i].part;
     if (part.is_sphere) {
       // Its point whose normal halves the angle between both ends.
-      Vector before = from;
+      Vec3 before = from;
       for (std::size_t k = 0; k < i; ++k)
         if (!steps[k].passes && !steps[k].part->is_sphere)
           before = mirror_image(*steps[k].part, before);
-      const Vector onwards = is_direction ? target : normalized(target - part.middle);
-      const Vector half = normalized(before - part.middle) + onwards;
+      const Vec3 onwards = is_direction ? target : normalized(target - part.middle);
+      const Vec3 half = normalized(before - part.middle) + onwards;
       target = part.middle + normalized(half) * part.radius_m;
       is_direction = false;
     } else if (!steps[i].passes) {
@@ -181,7 +179,7 @@ std::optional<SpecularPath> path_to_point(const Vec3& from, std::span<const Smoo
                  const double t = dot(to - ray.p, ray.w);
                  ray.transfer(t, ray.w);
                  const Frame across = Frame::around(ray.w);
-                 const Vector off = ray.p - to;
+                 const Vec3 off = ray.p - to;
                  return Miss{dot(off, across.s),       dot(off, across.t),
                              dot(ray.dp[0], across.s), dot(ray.dp[1], across.s),
                              dot(ray.dp[0], across.t), dot(ray.dp[1], across.t),

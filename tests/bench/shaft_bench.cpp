@@ -20,19 +20,17 @@ namespace {
 
 using testing::emissive;
 using testing::patch;
-using Vector = Vec3;
-
 /// A quadrilateral from its corners in ring order.
-ShapeDescription around(const Vector& a, const Vector& b, const Vector& c, const Vector& d) {
+ShapeDescription around(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return patch(a, b, d, c);
 }
 
 /// The measured box, in metres: https://www.graphics.cornell.edu/online/box/data.html
 SceneDescription cornell_box() {
   SceneDescription d = testing::description();
-  const auto add = [&](std::initializer_list<Vector> corners) {
-    std::vector<Vector> v;
-    for (const Vector& c : corners) v.push_back(c * 1e-3);
+  const auto add = [&](std::initializer_list<Vec3> corners) {
+    std::vector<Vec3> v;
+    for (const Vec3& c : corners) v.push_back(c * 1e-3);
     d.shapes.push_back(around(v[0], v[1], v[2], v[3]));
   };
   add({{552.8, 0, 0}, {0, 0, 0}, {0, 0, 559.2}, {549.6, 0, 559.2}});
@@ -40,27 +38,26 @@ SceneDescription cornell_box() {
   add({{549.6, 0, 559.2}, {0, 0, 559.2}, {0, 548.8, 559.2}, {556, 548.8, 559.2}});
   add({{0, 0, 559.2}, {0, 0, 0}, {0, 548.8, 0}, {0, 548.8, 559.2}});
   add({{552.8, 0, 0}, {549.6, 0, 559.2}, {556, 548.8, 559.2}, {556, 548.8, 0}});
-  const auto block = [&](double height, const std::array<Vector, 4>& foot) {
-    const Vector up{0, height, 0};
+  const auto block = [&](double height, const std::array<Vec3, 4>& foot) {
+    const Vec3 up{0, height, 0};
     add({foot[0] + up, foot[1] + up, foot[2] + up, foot[3] + up});
     for (int i = 0; i < 4; ++i)
       add({foot[i], foot[i] + up, foot[(i + 1) % 4] + up, foot[(i + 1) % 4]});
   };
-  block(165, {Vector{130, 0, 65}, {82, 0, 225}, {240, 0, 272}, {290, 0, 114}});
-  block(330, {Vector{423, 0, 247}, {265, 0, 296}, {314, 0, 456}, {472, 0, 406}});
-  d.shapes.push_back(
-      emissive(around(Vector{343, 548.7, 227} * 1e-3, Vector{343, 548.7, 332} * 1e-3,
-                      Vector{213, 548.7, 332} * 1e-3, Vector{213, 548.7, 227} * 1e-3),
-               1, true));
+  block(165, {Vec3{130, 0, 65}, {82, 0, 225}, {240, 0, 272}, {290, 0, 114}});
+  block(330, {Vec3{423, 0, 247}, {265, 0, 296}, {314, 0, 456}, {472, 0, 406}});
+  d.shapes.push_back(emissive(around(Vec3{343, 548.7, 227} * 1e-3, Vec3{343, 548.7, 332} * 1e-3,
+                                     Vec3{213, 548.7, 332} * 1e-3, Vec3{213, 548.7, 227} * 1e-3),
+                              1, true));
   return d;
 }
 
 /// A room of 12 x 8 x 3 m with lamps of three kinds and this many boxes as furniture.
 SceneDescription room(int boxes) {
   SceneDescription d = testing::description();
-  const auto box = [&](const Vector& low, const Vector& high) {
+  const auto box = [&](const Vec3& low, const Vec3& high) {
     const auto c = [&](int i) {
-      return Vector{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+      return Vec3{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
     };
     for (const auto& f : {std::array{0, 1, 3, 2}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4},
                           std::array{2, 3, 7, 6}, std::array{0, 2, 6, 4}, std::array{1, 3, 7, 5}})
@@ -70,8 +67,8 @@ SceneDescription room(int boxes) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0, 1);
   for (int i = 0; i < boxes; ++i) {
-    const Vector low{11 * u(random), 7 * u(random), 0};
-    box(low, low + Vector{0.3 + u(random), 0.3 + u(random), 0.4 + 0.6 * u(random)});
+    const Vec3 low{11 * u(random), 7 * u(random), 0};
+    box(low, low + Vec3{0.3 + u(random), 0.3 + u(random), 0.4 + 0.6 * u(random)});
   }
   for (int i = 0; i < 6; ++i) {
     const double x = 1 + 2 * i, z = 2.98;
@@ -89,8 +86,8 @@ SceneDescription room(int boxes) {
   return d;
 }
 
-void measure(const std::string& name, SceneDescription description, const Vector& lower,
-             const Vector& upper) {
+void measure(const std::string& name, SceneDescription description, const Vec3& lower,
+             const Vec3& upper) {
   using Clock = std::chrono::steady_clock;
   const DenormalsAreZero denormals;
   const auto scene = testing::build(std::move(description));
@@ -106,10 +103,9 @@ void measure(const std::string& name, SceneDescription description, const Vector
   std::mt19937 random(1);
   std::uniform_real_distribution<double> u(0, 1);
   for (int i = 0; i < 400; ++i) {
-    const Vector from =
-        lower + Vector{u(random) * (upper.x - lower.x), u(random) * (upper.y - lower.y),
-                       u(random) * (upper.z - lower.z)};
-    const Vector w = normalized(Vector{u(random) - 0.5, u(random) - 0.5, u(random) - 0.5});
+    const Vec3 from = lower + Vec3{u(random) * (upper.x - lower.x), u(random) * (upper.y - lower.y),
+                                   u(random) * (upper.z - lower.z)};
+    const Vec3 w = normalized(Vec3{u(random) - 0.5, u(random) - 0.5, u(random) - 0.5});
     const auto hit = scene->closest_hit({Vec3f(from), Vec3f(w)});
     if (!hit || hit->light >= 0) continue;
     SurfaceHit r = *hit;

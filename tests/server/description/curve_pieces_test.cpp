@@ -7,9 +7,7 @@ namespace lucerna {
 namespace {
 
 using ::testing::HasSubstr;
-using Vector = Vec3;
-
-Vector at(const CubicCurve& c, double u) {
+Vec3 at(const CubicCurve& c, double u) {
   const double v = 1 - u;
   return c.points[0] * (v * v * v) + c.points[1] * (3 * v * v * u) + c.points[2] * (3 * v * u * u) +
          c.points[3] * (u * u * u);
@@ -29,10 +27,10 @@ std::string error_of(const CurveData& data) { return std::string(check_curves(da
 // The values of the uniform basis functions at the middle of a span: (1, 23, 23, 1) / 48 and
 // (1, 6, 1) / 8; those of Bezier: (1, 3, 3, 1) / 8 and (1, 2, 1) / 4.
 TEST(CurvePieces, HaveTheValuesOfTheirBasis) {
-  const std::vector<Vector> p{{0, 0, 0}, {1, 4, 0}, {3, -2, 5}, {7, 1, 1}};
-  const Vector cubic = p[0] + p[1] * 3.0 + p[2] * 3.0 + p[3];
+  const std::vector<Vec3> p{{0, 0, 0}, {1, 4, 0}, {3, -2, 5}, {7, 1, 1}};
+  const Vec3 cubic = p[0] + p[1] * 3.0 + p[2] * 3.0 + p[3];
   EXPECT_LT(length(at(curves_of({.points = p})[0], 0.5) - cubic / 8.0), 1e-14);
-  const std::vector<Vector> three(p.begin(), p.end() - 1);
+  const std::vector<Vec3> three(p.begin(), p.end() - 1);
   EXPECT_LT(length(at(curves_of({.points = three, .degree = 2})[0], 0.5) -
                    (p[0] + p[1] * 2.0 + p[2]) / 4.0),
             1e-14);
@@ -45,7 +43,7 @@ TEST(CurvePieces, HaveTheValuesOfTheirBasis) {
 }
 
 TEST(CurvePieces, JoinInPointAndWidth) {
-  std::vector<Vector> p;
+  std::vector<Vec3> p;
   for (int i = 0; i < 13; ++i) p.push_back({double(i), double(i * i % 7), double(i % 3)});
   for (const bool is_b_spline : {false, true})
     for (const int degree : {2, 3}) {
@@ -70,7 +68,7 @@ TEST(CurvePieces, JoinInPointAndWidth) {
 }
 
 TEST(CurvePieces, RefuseWrongNumbers) {
-  const auto points = [](std::size_t n) { return std::vector<Vector>(n); };
+  const auto points = [](std::size_t n) { return std::vector<Vec3>(n); };
   EXPECT_EQ(error_of({.points = points(3)}), "3 control points, allowed: at least 4 for degree 3");
   EXPECT_THAT(error_of({.points = points(6)}), HasSubstr("allowed: 1 more than a multiple of 3"));
   EXPECT_EQ(error_of({.points = points(7), .normals = points(2)}),

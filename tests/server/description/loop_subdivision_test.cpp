@@ -12,8 +12,6 @@ namespace lucerna {
 namespace {
 
 using ::testing::HasSubstr;
-using Vector = Vec3;
-
 std::string error_of(const ControlMesh& mesh, int levels = 1) {
   const absl::Status status = loop_subdivide(mesh, levels).status();
   return std::string(status.message());
@@ -27,7 +25,7 @@ LimitMesh limit_of(const ControlMesh& mesh, int levels) {
 
 /// A vertex at `top` with `valence` triangles about it, and a second ring about these, so that the
 /// vertex and its neighbours are inside.
-ControlMesh umbrella(int valence, const Vector& top) {
+ControlMesh umbrella(int valence, const Vec3& top) {
   ControlMesh mesh{{top}, {}};
   const auto n = static_cast<std::uint32_t>(valence);
   for (const double radius : {1.0, 2.0})
@@ -75,21 +73,21 @@ TEST(LoopSubdivision, FlatMeshStaysFlatAndRegularPointsStayInPlace) {
   EXPECT_EQ(limit.indices.size(), 3 * 2 * n * n * 64);
   for (std::size_t v = 0; v < limit.positions.size(); ++v) {
     EXPECT_EQ(limit.positions[v].z, 0);
-    const Vector normal = normalized(limit.normals[v]);
+    const Vec3 normal = normalized(limit.normals[v]);
     EXPECT_NEAR(normal.z, -1, 1e-12) << "vertex " << v << " points against the winding";
   }
   // The mesh is regular, so a linear function stays what it is: vertex (2, 3) does not move.
-  EXPECT_LT(length(limit.positions[3 * (n + 1) + 2] - Vector{2, 3, 0}), 1e-14);
+  EXPECT_LT(length(limit.positions[3 * (n + 1) + 2] - Vec3{2, 3, 0}), 1e-14);
 }
 
 // The boundary of the refined mesh is a cubic B-spline, so a straight edge stays straight.
 TEST(LoopSubdivision, BoundariesDependOnlyOnThemselves) {
   ControlMesh mesh = grid(4);
-  for (Vector& p : mesh.positions)
+  for (Vec3& p : mesh.positions)
     if (p.x > 0 && p.x < 4 && p.y > 0 && p.y < 4) p.z = 7;
   const LimitMesh limit = limit_of(mesh, 2);
   int on_boundary = 0;
-  for (const Vector& p : limit.positions)
+  for (const Vec3& p : limit.positions)
     if (p.y == 0) {
       EXPECT_EQ(p.z, 0);
       ++on_boundary;
@@ -97,7 +95,7 @@ TEST(LoopSubdivision, BoundariesDependOnlyOnThemselves) {
   // The corners of the square are rounded off, so fewer than all 17 points keep y = 0.
   EXPECT_GE(on_boundary, 9);
   // One corner by hand: (0, 0), neighbours (1, 0) and (0, 1), each with 1/5.
-  EXPECT_LT(length(limit_of(mesh, 0).positions[0] - Vector{0.2, 0.2, 0}), 1e-15);
+  EXPECT_LT(length(limit_of(mesh, 0).positions[0] - Vec3{0.2, 0.2, 0}), 1e-15);
 }
 
 TEST(LoopSubdivision, EveryBoundaryValenceHasANormalAcrossTheSurface) {
@@ -109,7 +107,7 @@ TEST(LoopSubdivision, EveryBoundaryValenceHasANormalAcrossTheSurface) {
     }
     for (int k = 1; k <= triangles; ++k)
       for (const int i : {0, k, k + 1}) fan.indices.push_back(static_cast<std::uint32_t>(i));
-    for (const Vector& n : limit_of(fan, 0).normals) EXPECT_NEAR(normalized(n).z, -1, 1e-12);
+    for (const Vec3& n : limit_of(fan, 0).normals) EXPECT_NEAR(normalized(n).z, -1, 1e-12);
   }
 }
 
@@ -122,7 +120,7 @@ TEST(LoopSubdivision, NormalsAreThoseOfTheLimitSurface) {
   EXPECT_EQ(limit.positions.size(), 2 + 4 * 1024U);  // Euler: V = F / 2 + 2
   for (int i = 0; i < 6; ++i)
     EXPECT_LT(length(normalized(limit.normals[i]) + octahedron.positions[i]), 1e-12);
-  std::vector<Vector> sums(limit.positions.size());
+  std::vector<Vec3> sums(limit.positions.size());
   for (std::size_t i = 0; i < limit.indices.size(); i += 3) {
     const auto p = [&](std::size_t k) { return limit.positions[limit.indices[i + k]]; };
     for (std::size_t k = 0; k < 3; ++k)
@@ -133,7 +131,7 @@ TEST(LoopSubdivision, NormalsAreThoseOfTheLimitSurface) {
 }
 
 TEST(LoopSubdivision, RefusesMeshesThatAreNoSurface) {
-  const std::vector<Vector> five{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}};
+  const std::vector<Vec3> five{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}};
   EXPECT_EQ(error_of({five, {0, 1, 5}}), "index 2 names vertex 5, but there are 5 vertices");
   EXPECT_EQ(error_of({five, {0, 1, 2, 3, 3, 4}}), "triangle 1 has vertex 3 twice");
   EXPECT_THAT(error_of({five, {0, 1, 2, 1, 0, 3, 0, 1, 4}}),

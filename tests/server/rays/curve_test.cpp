@@ -15,15 +15,13 @@ namespace lucerna {
 namespace {
 
 using testing::build;
-using Vector = Vec3;
-
-CubicCurve straight(const Vector& from, const Vector& to, double width) {
+CubicCurve straight(const Vec3& from, const Vec3& to, double width) {
   return {{from, from + (to - from) / 3.0, from + (to - from) * (2.0 / 3), to}, width, width, {}};
 }
 
 /// A quarter of a turn and more, thick enough to see its bend.
 CubicCurve bent(double width) {
-  return {{Vector{-1, 0, 0}, {-1, 0, 1.5}, {1, 0.5, 1.5}, {1, 0.5, 0}}, width, width / 2, {}};
+  return {{Vec3{-1, 0, 0}, {-1, 0, 1.5}, {1, 0.5, 1.5}, {1, 0.5, 0}}, width, width / 2, {}};
 }
 
 class Random {
@@ -31,10 +29,10 @@ class Random {
   double in(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine_);
   }
-  Vector in_cube(double half) { return {in(-half, half), in(-half, half), in(-half, half)}; }
-  Vector direction() {
+  Vec3 in_cube(double half) { return {in(-half, half), in(-half, half), in(-half, half)}; }
+  Vec3 direction() {
     for (;;)
-      if (const Vector v = in_cube(1); dot(v, v) < 1 && dot(v, v) > 0.01) return normalized(v);
+      if (const Vec3 v = in_cube(1); dot(v, v) < 1 && dot(v, v) > 0.01) return normalized(v);
   }
 
  private:
@@ -42,8 +40,8 @@ class Random {
 };
 
 /// The first hit on any piece.
-std::optional<ShapeHit> first_hit(const std::vector<CurvePiece>& pieces, const Vector& o,
-                                  const Vector& d) {
+std::optional<ShapeHit> first_hit(const std::vector<CurvePiece>& pieces, const Vec3& o,
+                                  const Vec3& d) {
   std::optional<ShapeHit> best;
   for (const CurvePiece& piece : pieces)
     if (const auto hit = piece.intersect(o, d, 0, best ? best->t : 1e30)) best = hit;
@@ -58,15 +56,15 @@ TEST(Curve, StraightTubeHidesWhatACylinderHides) {
   Random random;
   int hits = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Vector o = random.direction() * random.in(1.5, 30);
+    const Vec3 o = random.direction() * random.in(1.5, 30);
     if (std::hypot(o.x, o.y) < 0.5) continue;
-    const Vector d = (random.in_cube(0.8) - o) * random.in(0.1, 3);
+    const Vec3 d = (random.in_cube(0.8) - o) * random.in(0.1, 3);
     const auto expected = cylinder.intersect(o, d, 0, 1e30);
     const auto hit = first_hit(tube, o, d);
     ASSERT_EQ(hit.has_value(), expected.has_value()) << i;
     if (!hit) continue;
     ++hits;
-    const Vector p = hit->point.position;
+    const Vec3 p = hit->point.position;
     EXPECT_LE(std::hypot(p.x, p.y), 0.25 + 1e-9);
     EXPECT_NEAR(p.x * d.x + p.y * d.y, 0, 1e-7 * dot(d, d));  // nearest to the axis
     EXPECT_LT(dot(hit->point.normal, d), 1e-9 * length(d));
@@ -76,15 +74,15 @@ TEST(Curve, StraightTubeHidesWhatACylinderHides) {
 
 TEST(Curve, StraightRibbonIsARectangle) {
   CubicCurve strip = straight({0, -2, 0.5}, {0, 2, 0.5}, 0.6);
-  strip.normals = {Vector{0, 0, 1}, Vector{0, 0, 1}};
+  strip.normals = {Vec3{0, 0, 1}, Vec3{0, 0, 1}};
   const auto ribbon = pieces_of(strip, CurveKind::kRibbon, {});
   Random random;
   int hits = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Vector o = random.in_cube(3), d = random.direction();
+    const Vec3 o = random.in_cube(3), d = random.direction();
     if (std::fabs(d.z) < 1e-3) continue;
     const double t = (0.5 - o.z) / d.z;
-    const Vector p = o + d * t;
+    const Vec3 p = o + d * t;
     const double edge = std::max(std::fabs(p.x) - 0.3, std::fabs(p.y) - 2);
     if (std::fabs(edge) < 1e-6 || std::fabs(t) < 1e-6) continue;
     const auto hit = first_hit(ribbon, o, d);
@@ -92,7 +90,7 @@ TEST(Curve, StraightRibbonIsARectangle) {
     if (!hit) continue;
     ++hits;
     EXPECT_LT(length(hit->point.position - p), 1e-8);
-    EXPECT_LT(length(hit->point.normal - Vector{0, 0, 1}), 1e-9);
+    EXPECT_LT(length(hit->point.normal - Vec3{0, 0, 1}), 1e-9);
   }
   EXPECT_GT(hits, 300);
 }
@@ -103,8 +101,8 @@ TEST(Curve, FlatCurveFacesEveryRay) {
   Random random;
   for (int i = 0; i < 2000; ++i) {
     const double angle = random.in(0, 6.28), aside = random.in(-0.3, 0.3);
-    const Vector towards{-std::cos(angle), -std::sin(angle), 0}, across{towards.y, -towards.x, 0};
-    const Vector o = towards * -5.0 + across * aside + Vector{0, 0, random.in(-0.99, 0.99)};
+    const Vec3 towards{-std::cos(angle), -std::sin(angle), 0}, across{towards.y, -towards.x, 0};
+    const Vec3 o = towards * -5.0 + across * aside + Vec3{0, 0, random.in(-0.99, 0.99)};
     const auto hit = first_hit(flat, o, towards);
     ASSERT_EQ(hit.has_value(), std::fabs(aside) <= 0.1) << aside;
     if (!hit) continue;
@@ -117,13 +115,13 @@ TEST(Curve, FlatCurveFacesEveryRay) {
 TEST(Curve, BentCurveIsHitByRaysNearItsAxis) {
   const CubicCurve curve = bent(0.3);
   const auto tube = pieces_of(curve, CurveKind::kCylinder, {});
-  std::vector<std::pair<Vector, double>> axis;
+  std::vector<std::pair<Vec3, double>> axis;
   for (const CurvePiece& piece : tube)
     for (int i = 0; i <= 2000; ++i) axis.push_back({piece.at(i / 2e3), piece.radius_m(i / 2e3)});
   Random random;
   int hits = 0, misses = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Vector o = random.direction() * 4, d = normalized(random.in_cube(1.2) - o);
+    const Vec3 o = random.direction() * 4, d = normalized(random.in_cube(1.2) - o);
     double outside = 1e30;
     std::size_t nearest = 0;
     for (std::size_t k = 0; k < axis.size(); ++k) {
@@ -143,15 +141,15 @@ TEST(Curve, BentCurveIsHitByRaysNearItsAxis) {
 TEST(Curve, PiecesJoinWithoutGaps) {
   for (const CurveKind kind : {CurveKind::kFlat, CurveKind::kCylinder, CurveKind::kRibbon}) {
     CubicCurve curve = bent(0.1);
-    curve.normals = {Vector{0, 1, 0}, Vector{0, 1, 0}};
+    curve.normals = {Vec3{0, 1, 0}, Vec3{0, 1, 0}};
     const auto pieces = pieces_of(curve, kind, {});
     for (int i = 1; i < 4; ++i) {
       EXPECT_LT(length(pieces[i - 1].at(1) - pieces[i].at(0)), 1e-15);
       EXPECT_EQ(pieces[i - 1].radius_m(1), pieces[i].radius_m(0));
-      const Vector joint = pieces[i].at(0);
+      const Vec3 joint = pieces[i].at(0);
       Random random;
       for (int k = 0; k < 500; ++k) {
-        Vector d = random.direction();
+        Vec3 d = random.direction();
         if (std::fabs(d.y) < 0.3) continue;  // a ribbon is thin from the side
         EXPECT_TRUE(first_hit(pieces, joint - d * 2.0, d)) << i << " " << k;
       }
@@ -187,16 +185,16 @@ struct Spawned {
   int rays = 0, again = 0, lost = 0;
 };
 
-Spawned spawn(const Scene& scene, const Vector& middle, double size) {
+Spawned spawn(const Scene& scene, const Vec3& middle, double size) {
   Random random;
   Spawned count;
   for (int i = 0; i < 5000; ++i) {
-    const Vector o = middle + random.direction() * (size * random.in(1, 4)) - scene.origin();
-    const Vector target = middle + random.in_cube(size * 0.5) - scene.origin();
+    const Vec3 o = middle + random.direction() * (size * random.in(1, 4)) - scene.origin();
+    const Vec3 target = middle + random.in_cube(size * 0.5) - scene.origin();
     const auto hit = scene.closest_hit({Vec3f(o), Vec3f(target - o)});
     if (!hit) continue;
-    const Vector side = dot(hit->ng, o - hit->position) < 0 ? -hit->ng : hit->ng;
-    Vector d = random.direction();
+    const Vec3 side = dot(hit->ng, o - hit->position) < 0 ? -hit->ng : hit->ng;
+    Vec3 d = random.direction();
     if (i % 3 == 0) d = d - side * dot(d, side) * 0.999;  // nearly along the surface
     if (dot(d, side) < 0) d = -d;
     ++count.rays;
@@ -211,10 +209,10 @@ Spawned spawn(const Scene& scene, const Vector& middle, double size) {
 TEST(Curve, RaysThatLeaveDoNotHitItAgainAndRaysBackAreNotLost) {
   for (const CurveKind kind : {CurveKind::kFlat, CurveKind::kCylinder, CurveKind::kRibbon})
     for (const double width : {1e-3, 1e-2, 0.3})
-      for (const Vector& middle : {Vector{0, 0, 0}, Vector{3, -7, 11}, Vector{4000, 5000, -6000}}) {
+      for (const Vec3& middle : {Vec3{0, 0, 0}, Vec3{3, -7, 11}, Vec3{4000, 5000, -6000}}) {
         CubicCurve curve =
-            straight(middle - Vector{0.5, 0.3, 0.2}, middle + Vector{0.5, 0.3, 0.2}, width);
-        curve.normals = {normalized(Vector{-0.3, 0.5, 0}), normalized(Vector{-0.3, 0.5, 0})};
+            straight(middle - Vec3{0.5, 0.3, 0.2}, middle + Vec3{0.5, 0.3, 0.2}, width);
+        curve.normals = {normalized(Vec3{-0.3, 0.5, 0}), normalized(Vec3{-0.3, 0.5, 0})};
         SceneDescription d = testing::description();
         // A far triangle keeps the origin of the scene, so that floats round the curve's place.
         d.shapes = {shape_of(curve, kind), testing::floor(0.1, -9000)};
@@ -258,7 +256,7 @@ TEST(Curve, MovesWithItsShape) {
   const auto scene = build(d);
   for (const double time_s : {0.0, 0.5, 1.0})
     for (const double y : {0.0, 2.0, 4.0}) {
-      const Vector o = Vector{0, y + 0.2, 5} - scene->origin();
+      const Vec3 o = Vec3{0, y + 0.2, 5} - scene->origin();
       Ray ray{Vec3f(o), {0, 0, -1}};
       ray.time_s = time_s;
       EXPECT_EQ(scene->geometry().occluded(ray), y == 4 * time_s) << time_s << " " << y;
@@ -267,7 +265,7 @@ TEST(Curve, MovesWithItsShape) {
 
 TEST(Curve, BlocksShafts) {
   SceneDescription d = testing::description();
-  const Vector a{-0.2, -0.2, 2}, b{-0.2, 0.2, 2}, c{0.2, -0.2, 2}, e{0.2, 0.2, 2};
+  const Vec3 a{-0.2, -0.2, 2}, b{-0.2, 0.2, 2}, c{0.2, -0.2, 2}, e{0.2, 0.2, 2};
   d.shapes = {testing::floor(1), testing::emissive(testing::patch(a, b, c, e), 10),
               shape_of(straight({-1, 0.3, 1}, {1, 0.3, 1}, 0.02), CurveKind::kFlat)};
   const auto scene = build(std::move(d));

@@ -19,7 +19,6 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
 using testing::build;
 
 template <typename T>
@@ -34,14 +33,14 @@ absl::StatusOr<std::shared_ptr<const SceneGeometry>> edited(const Scene& loaded,
 }
 
 /// A sheet of triangles that is not flat, with normals, about `centre`.
-ShapeDescription wave(const Vector& centre, double size) {
+ShapeDescription wave(const Vec3& centre, double size) {
   TriangleMeshData mesh;
   constexpr int kSide = 5;
   for (int i = 0; i < kSide; ++i)
     for (int j = 0; j < kSide; ++j) {
       mesh.positions.push_back(
-          centre + Vector{i / 4.0 - 0.5, j / 4.0 - 0.5, 0.1 * std::sin(i + 2 * j)} * size);
-      mesh.normals.push_back(Vec3f(normalized(Vector{0.1 * i, 0.1 * j, 1})));
+          centre + Vec3{i / 4.0 - 0.5, j / 4.0 - 0.5, 0.1 * std::sin(i + 2 * j)} * size);
+      mesh.normals.push_back(Vec3f(normalized(Vec3{0.1 * i, 0.1 * j, 1})));
     }
   for (std::uint32_t i = 0; i + 1 < kSide; ++i)
     for (std::uint32_t j = 0; j + 1 < kSide; ++j) {
@@ -52,7 +51,7 @@ ShapeDescription wave(const Vector& centre, double size) {
 }
 
 template <typename Params>
-ShapeDescription at(const Vector& centre, double size) {
+ShapeDescription at(const Vec3& centre, double size) {
   Params params;
   params.world_from_object = Transform::translate(centre) * *Transform::scale({size, size, size});
   return testing::shape(params);
@@ -62,15 +61,15 @@ ShapeDescription at(const Vector& centre, double size) {
 /// that are horizontal and tilted.  The lights are 1 to 8.
 SceneDescription every_shape(double size, double ground) {
   SceneDescription d = testing::description();
-  const auto place = [&](double x, double y) { return Vector{x, y, 2} * size; };
+  const auto place = [&](double x, double y) { return Vec3{x, y, 2} * size; };
   ShapeDescription tilted = testing::patch(
-      Vector{-ground, -ground, -0.5 * ground} * size, Vector{ground, -ground, -0.5 * ground} * size,
-      Vector{-ground, ground, 0.3 * ground} * size, Vector{ground, ground, 0.3 * ground} * size);
-  const Vector c = place(1, -1);
+      Vec3{-ground, -ground, -0.5 * ground} * size, Vec3{ground, -ground, -0.5 * ground} * size,
+      Vec3{-ground, ground, 0.3 * ground} * size, Vec3{ground, ground, 0.3 * ground} * size);
+  const Vec3 c = place(1, -1);
   ShapeList lamps{
       wave(place(-1, -1), size),
-      testing::patch(c, c + Vector{size, 0, 0}, c + Vector{0, size, 0}, c + Vector{size, size, 0}),
-      testing::patch(place(-1, 1), place(0, 1), place(-1, 2), place(0, 2) + Vector{0, 0, size}),
+      testing::patch(c, c + Vec3{size, 0, 0}, c + Vec3{0, size, 0}, c + Vec3{size, size, 0}),
+      testing::patch(place(-1, 1), place(0, 1), place(-1, 2), place(0, 2) + Vec3{0, 0, size}),
       at<SphereParams>(place(1, 1), 0.25 * size),
       at<DiskParams>(place(0, 0), 0.5 * size),
       at<CylinderParams>(place(2, 2), 0.25 * size),
@@ -96,7 +95,7 @@ MovedSurfaces moves_of(double size) {
   MovedSurfaces moves;
   for (std::uint64_t light = 1; light <= 8; ++light) {
     if (light == 8) continue;  // stays where it is
-    moves[light] = {.shift_m = Vector{0.37, -0.21, 0.13} * (size * (light % 2 == 0 ? 1 : -1))};
+    moves[light] = {.shift_m = Vec3{0.37, -0.21, 0.13} * (size * (light % 2 == 0 ? 1 : -1))};
     // Flat patches of two triangles and disks turn too.
     if (light != 3) moves[light].turn_axis = {0, 0, 1}, moves[light].turn_rad = 0.1 * light;
   }
@@ -142,9 +141,9 @@ TEST_P(Moved, SurfacesHaveTheBitsOfASceneBuiltThere) {
   std::map<int, int> found;
   for (int i = 0; i < 40'000; ++i) {
     const auto point = [&] {
-      return Vector{uniform(random), uniform(random), 2 + 0.5 * uniform(random)} * size;
+      return Vec3{uniform(random), uniform(random), 2 + 0.5 * uniform(random)} * size;
     };
-    const Vector from = point(), to = point();
+    const Vec3 from = point(), to = point();
     Ray ray{Vec3f(from), Vec3f(to - from)};
     ray.time_s = 0.1 * (i % 10);
     for (const RayFilter filter : {RayFilter::kSurfaces, RayFilter::kOpaque}) {
@@ -177,7 +176,7 @@ TEST_P(Moved, LightsHaveTheBitsOfASceneBuiltThere) {
   const auto built = value(Scene::build_moved(every_shape(size, ground), moves));
   ASSERT_EQ(moved->lights().size(), built->lights().size());
   Receiver receiver;
-  receiver.position = Vector{0.1, 0.2, 0.3} * size;
+  receiver.position = Vec3{0.1, 0.2, 0.3} * size;
   for (std::uint32_t i = 0; i < moved->lights().size(); ++i) {
     const LightAtTime a(moved->lights()[i], 0), b(built->lights()[i], 0);
     const auto p = a->sample_li(receiver, {0.3, 0.6}), q = b->sample_li(receiver, {0.3, 0.6});
@@ -192,10 +191,10 @@ SceneDescription triangles(int count) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(4)};
   for (int i = 0; i < count; ++i) {
-    const Vector a = Vector{0.1 * i - 1, 0, 2};
+    const Vec3 a = Vec3{0.1 * i - 1, 0, 2};
     ShapeDescription lamp =
         testing::emissive(testing::shape(TriangleMeshData{
-                              {a, a + Vector{0.1, 0, 0}, a + Vector{0, 0.1, 0}}, {}, {0, 2, 1}}),
+                              {a, a + Vec3{0.1, 0, 0}, a + Vec3{0, 0.1, 0}}, {}, {0, 2, 1}}),
                           1 + i, i % 2 == 0);
     lamp.has_uv = i % 3 == 0;
     lamp.emission->name = fmt::format("lamp {}", i);
@@ -213,7 +212,7 @@ TEST(MovedSurfaces, OfPlainTrianglesKeepAllThatTheirFileSays) {
   constexpr int kCount = 4;
   MovedSurfaces moves;
   for (std::uint64_t light = 1; light <= kCount; ++light)
-    moves[light] = {.shift_m = Vector{0.3, -0.2, 0.1} * static_cast<double>(light)};
+    moves[light] = {.shift_m = Vec3{0.3, -0.2, 0.1} * static_cast<double>(light)};
   const auto loaded = build(triangles(kCount));
   const auto placed = value(edited(*loaded, {moves, {}}));
   ASSERT_NE(placed, nullptr);
@@ -249,7 +248,7 @@ TEST(MovedSurfaces, OfPlainTrianglesTakeLittleMemory) {
 
 TEST(MovedSurfaces, ShareTheMemoryOfAllOthers) {
   SceneDescription d = every_shape(1, 4);
-  TriangleMeshData many = testing::ball(6, [](const Vector& p) { return p * 0.5; });
+  TriangleMeshData many = testing::ball(6, [](const Vec3& p) { return p * 0.5; });
   d.shapes.push_back(testing::shape(std::move(many)));
   const auto loaded = build(std::move(d));
   const auto moved = value(Scene::revise(loaded, edits_of(moves_of(1))));
@@ -282,7 +281,7 @@ TEST(MovedSurfaces, NeedABuildIfTheShapesOfLightsTakeTooMuchMemory) {
   EXPECT_NE(value(edited(*build(d), {moves, {}})), nullptr);
   // 2 MB of vertices in a lamp.
   d.shapes.push_back(testing::emissive(
-      testing::shape(testing::ball(6, [](const Vector& p) { return p * 0.5; })), 1));
+      testing::shape(testing::ball(6, [](const Vec3& p) { return p * 0.5; })), 1));
   const auto loaded = build(std::move(d));
   const auto names = testing::part_names(*loaded);
   EXPECT_EQ(std::ranges::count(names, "movable surfaces"), 0);
@@ -292,11 +291,11 @@ TEST(MovedSurfaces, NeedABuildIfTheShapesOfLightsTakeTooMuchMemory) {
 TEST(MovedSurfaces, NeedABuildIfAFlatPatchIsNotFlatAnyMore) {
   // The rounding of floats hides the twist far from zero, and shows it near zero.
   SceneDescription d = testing::description();
-  const Vector c{1000, 1000, 1000};
+  const Vec3 c{1000, 1000, 1000};
   d.shapes = {
       testing::floor(2000),
       testing::emissive(
-          testing::patch(c, c + Vector{1, 0, 0}, c + Vector{0, 1, 0}, c + Vector{1, 1, 1e-5}), 1)};
+          testing::patch(c, c + Vec3{1, 0, 0}, c + Vec3{0, 1, 0}, c + Vec3{1, 1, 1e-5}), 1)};
   const auto loaded = build(std::move(d));
   MovedSurfaces moves;
   moves[1] = {.shift_m = {0, 0, 1}};
@@ -306,7 +305,7 @@ TEST(MovedSurfaces, NeedABuildIfAFlatPatchIsNotFlatAnyMore) {
 }
 
 TEST(MovedSurfaces, NeedABuildIfOtherTrianglesAreNotWideAnyMore) {
-  const Vector a{-1e5, -1e5, -1e4}, b{1e5, -1e5, -1e4}, c{-1e5, 1e5, 2e4};
+  const Vec3 a{-1e5, -1e5, -1e4}, b{1e5, -1e5, -1e4}, c{-1e5, 1e5, 2e4};
   const double error_m = ray_error_of({a, b, c});
   ASSERT_GT(error_m, 0);
   // The light is the smallest shape.  Turned by 45 degrees, its box is 1.41 times as large.

@@ -19,9 +19,7 @@ using testing::build;
 using testing::emissive;
 using testing::patch;
 using testing::shape;
-using Vector = Vec3;
-
-SurfaceHit receiver_at(const Vector& position, const Vector& normal, double error = 1e-7) {
+SurfaceHit receiver_at(const Vec3& position, const Vec3& normal, double error = 1e-7) {
   SurfaceHit hit;
   hit.position = position;
   const auto e = static_cast<float>(error * std::max(1.0, max_abs(position)));
@@ -161,7 +159,7 @@ TEST(Shaft, EachKindOfSurfaceAndLightCounts) {
                       t.point({0.1, 0.1, 0.05}));
        }},
       {"triangles", [](const Transform& t) {
-         return shape(testing::ball(1, [&](const Vector& p) { return t.point(p * 0.1); }));
+         return shape(testing::ball(1, [&](const Vec3& p) { return t.point(p * 0.1); }));
        }}};
   for (const auto& [lamp_name, lamp] : lamps)
     for (const auto& [name, obstacle] : obstacles)
@@ -183,7 +181,7 @@ TEST(Shaft, OfInfiniteLights) {
   };
   const SunLightParams sun{{0, 0, 1}, 0.01, Rgb(1)};
   PortalLightParams portal;
-  portal.corners_m = {Vector{-1, -1, 2}, {-1, 1, 2}, {1, 1, 2}, {1, -1, 2}};
+  portal.corners_m = {Vec3{-1, -1, 2}, {-1, 1, 2}, {1, 1, 2}, {1, -1, 2}};
   const UniformInfiniteLightParams sky{Rgb(1)};
   const SurfaceHit receiver = receiver_at({0, 0, 0}, {0, 0, 1});
   EXPECT_TRUE(is_empty(*scene_of(sun, 0.01), receiver));
@@ -220,7 +218,7 @@ TEST(Shaft, OfAWideSunFindsObstaclesOfItsLowestRays) {
 TEST(Shaft, IsUnknownForLightsWithoutAClosedFormAndForMotion) {
   SceneDescription d = testing::description();
   d.shapes = {emissive(shape(CylinderParams{}), 1),
-              emissive(shape(testing::ball(0, [](const Vector& p) { return p; })), 1),
+              emissive(shape(testing::ball(0, [](const Vec3& p) { return p; })), 1),
               emissive(testing::floor(1, 3), 1, true)};
   const std::vector<KeyTransform> keys{{0, Transform()}, {1, Transform::translate({0, 0, 1})}};
   d.shapes[2].motion = std::make_shared<const Motion>(*Motion::create(keys));
@@ -251,11 +249,9 @@ TEST(Shaft, InstancesCountWhereTheyAre) {
 
 /// Random shapes about the origin, some of them lamps, up to a size of about 1, times `scale` and
 /// moved by `offset`.
-SceneDescription clutter(std::mt19937& random, double scale, const Vector& offset) {
+SceneDescription clutter(std::mt19937& random, double scale, const Vec3& offset) {
   std::uniform_real_distribution<double> u(0, 1);
-  const auto vector = [&] {
-    return Vector{2 * u(random) - 1, 2 * u(random) - 1, 2 * u(random) - 1};
-  };
+  const auto vector = [&] { return Vec3{2 * u(random) - 1, 2 * u(random) - 1, 2 * u(random) - 1}; };
   const auto place = [&] {
     return Transform::translate(offset) * *Transform::scale({scale, scale, scale}) *
            Transform::translate(vector() * 2.0) * *Transform::rotate(6 * u(random), vector());
@@ -278,9 +274,9 @@ SceneDescription clutter(std::mt19937& random, double scale, const Vector& offse
   };
   for (int i = 0; i < 12; ++i) d.shapes.push_back(any(0.05 + 0.4 * u(random)));
   for (int i = 0; i < 8; ++i) d.shapes.push_back(emissive(any(0.02 + 0.3 * u(random)), 1, true));
-  d.objects = {{"ball", {{testing::ball(1, [](const Vector& p) { return p * 0.2; })}}}};
+  d.objects = {{"ball", {{testing::ball(1, [](const Vec3& p) { return p * 0.2; })}}}};
   for (int i = 0; i < 3; ++i) d.instances.push_back({0, place()});
-  const auto around = [&](Vector p) { return offset + p * scale; };
+  const auto around = [&](Vec3 p) { return offset + p * scale; };
   d.shapes.push_back(
       patch(around({-4, -4, -3}), around({4, -4, -3}), around({-4, 4, -3}), around({4, 4, -3})));
   const SunLightParams sun{vector(), 0.05, Rgb(1)};
@@ -288,7 +284,7 @@ SceneDescription clutter(std::mt19937& random, double scale, const Vector& offse
   return d;
 }
 
-class ShaftProperty : public ::testing::TestWithParam<std::pair<double, Vector>> {};
+class ShaftProperty : public ::testing::TestWithParam<std::pair<double, Vec3>> {};
 
 TEST_P(ShaftProperty, NoRayMeetsAnythingWhereItIsEmpty) {
   const auto [scale, offset] = GetParam();
@@ -301,16 +297,16 @@ TEST_P(ShaftProperty, NoRayMeetsAnythingWhereItIsEmpty) {
     for (int i = 0; i < 60; ++i) {
       // A hit of a ray, with its normal turned as bump maps turn normals.
       const auto w = sample_uniform_sphere(Vec2f{u(random), u(random)});
-      const Vector from = offset - scene->origin() +
-                          Vector{u(random) - 0.5, u(random) - 0.5, u(random) - 0.5} * (3 * scale);
+      const Vec3 from = offset - scene->origin() +
+                        Vec3{u(random) - 0.5, u(random) - 0.5, u(random) - 0.5} * (3 * scale);
       const auto hit = scene->closest_hit({Vec3f(from), w});
       if (!hit) continue;
       SurfaceHit receiver = *hit;
-      if (dot(receiver.ng, Vector(w)) > 0) receiver.ng = -receiver.ng;
+      if (dot(receiver.ng, Vec3(w)) > 0) receiver.ng = -receiver.ng;
       receiver.ns = receiver.ng;
       if (i % 5 == 0)
         receiver.ns = normalized(receiver.ns +
-                                 Vector(sample_uniform_sphere(Vec2f{u(random), u(random)}) * 0.3F));
+                                 Vec3(sample_uniform_sphere(Vec2f{u(random), u(random)}) * 0.3F));
       for (std::uint32_t l = 0; l < scene->lights().size(); ++l) {
         if (static_cast<std::int32_t>(l) == receiver.light) continue;
         const bool empty = shafts.is_empty(receiver, Vec3f(receiver.ns), l);
@@ -333,10 +329,10 @@ TEST_P(ShaftProperty, NoRayMeetsAnythingWhereItIsEmpty) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scales, ShaftProperty,
-                         ::testing::Values(std::pair{1.0, Vector{}},
-                                           std::pair{1.0, Vector{1e5, -2e5, 3e4}},
-                                           std::pair{1e-20, Vector{}}, std::pair{1e20, Vector{}},
-                                           std::pair{1e-3, Vector{1, 2, 3}}));
+                         ::testing::Values(std::pair{1.0, Vec3{}},
+                                           std::pair{1.0, Vec3{1e5, -2e5, 3e4}},
+                                           std::pair{1e-20, Vec3{}}, std::pair{1e20, Vec3{}},
+                                           std::pair{1e-3, Vec3{1, 2, 3}}));
 
 TEST(Shaft, OfAnEmptySceneIsEmpty) {
   SceneDescription d = testing::description();

@@ -10,9 +10,7 @@
 namespace lucerna {
 namespace {
 
-using Vector = Vec3;
-
-SmoothPart plane(const Vector& n, const Vector& at, double eta = 1) {
+SmoothPart plane(const Vec3& n, const Vec3& at, double eta = 1) {
   SmoothPart p;
   p.n = normalized(n);
   p.middle = at;
@@ -25,10 +23,10 @@ SmoothPart plane(const Vector& n, const Vector& at, double eta = 1) {
 TEST(SpecularPath, ByMirrorsLeadsToTheImage) {
   const SmoothPart a = plane({1, 0.05, 0}, {-1, 0, 0}), b = plane({0, 1, 0.05}, {0, -1, 0});
   const std::array<SmoothStep, 2> steps{SmoothStep{&a, false}, SmoothStep{&b, false}};
-  const Vector from{0.5, 0.2, 0.2}, to{0.8, 0, -0.6};
+  const Vec3 from{0.5, 0.2, 0.2}, to{0.8, 0, -0.6};
   const auto path = path_to_point(from, steps, to);
   ASSERT_TRUE(path);
-  const Vector image = mirror_image(a, mirror_image(b, to));
+  const Vec3 image = mirror_image(a, mirror_image(b, to));
   const double distance = length(image - from);
   EXPECT_LT(length(path->start - (image - from) / distance), 1e-12);
   EXPECT_NEAR(path->spread * distance * distance, 1, 1e-9);
@@ -70,7 +68,7 @@ TEST(SpecularPath, ToADirectionThroughASlabKeepsIt) {
   const SmoothPart bottom = plane({0, 0, -1}, {0, 0, 0.5}, 1.5),
                    top = plane({0, 0, 1}, {0, 0, 1}, 1.5);
   const std::array<SmoothStep, 2> steps{SmoothStep{&bottom, true}, SmoothStep{&top, true}};
-  const Vector w = normalized(Vector{0.6, 0.2, 0.5});
+  const Vec3 w = normalized(Vec3{0.6, 0.2, 0.5});
   const auto path = path_to_direction({0, 0, 0}, steps, w);
   ASSERT_TRUE(path);
   EXPECT_LT(length(path->start - w), 1e-10);
@@ -81,10 +79,10 @@ TEST(SpecularPath, EndsAtTotalReflection) {
   const SmoothPart top = plane({0, 0, 1}, {0, 0, 1}, 1.5);
   const std::array<SmoothStep, 1> steps{SmoothStep{&top, true}};
   // From inside of the glass, no direction beyond the surface is lower than this one.
-  EXPECT_FALSE(path_to_direction({0, 0, 0}, steps, normalized(Vector{1, 0, -0.1})));
+  EXPECT_FALSE(path_to_direction({0, 0, 0}, steps, normalized(Vec3{1, 0, -0.1})));
 }
 
-SmoothPart ball(const Vector& centre, double radius) {
+SmoothPart ball(const Vec3& centre, double radius) {
   SmoothPart p;
   p.is_sphere = true;
   p.middle = centre;
@@ -95,10 +93,10 @@ SmoothPart ball(const Vector& centre, double radius) {
 TEST(SpecularPath, AtABallHasEqualAngles) {
   const SmoothPart mirror = ball({0.1, -0.2, 0.9}, 0.4);
   const std::array<SmoothStep, 1> steps{SmoothStep{&mirror, false}};
-  const Vector from{1.4, 0.3, 0}, to{1.3, -0.8, 1.7};
+  const Vec3 from{1.4, 0.3, 0}, to{1.3, -0.8, 1.7};
   const auto path = path_to_point(from, steps, to);
   ASSERT_TRUE(path);
-  const Vector n = (path->points[0] - mirror.middle) / mirror.radius_m;
+  const Vec3 n = (path->points[0] - mirror.middle) / mirror.radius_m;
   EXPECT_NEAR(length(n), 1, 1e-12);
   EXPECT_LT(length(path->end - (path->start - n * (2 * dot(n, path->start)))), 1e-12);
   EXPECT_LT(length(normalized(to - path->points[0]) - path->end), 1e-10);
