@@ -53,7 +53,7 @@ std::string describe(const CallRecord& record, LogFormat format) {
   text("scene", record.scene_id);
   count("items", record.items);
   count("samples", record.samples);
-  if (record.queued) text("lane", record.lane == Lane::kBulk ? "bulk" : "interactive");
+  if (record.queued) text("lane", name_of(record.lane));
   milliseconds("queue_ms", record.queue_s);
   milliseconds("compute_ms", record.compute_s);
   milliseconds("total_ms", record.total_s);

@@ -9,6 +9,8 @@
 
 namespace lucerna::monitor {
 
+constexpr const char* name_of(Lane lane) { return lane == Lane::kBulk ? "bulk" : "interactive"; }
+
 /// Holds no content of a scene and no token.
 struct CallRecord {
   Call call{};

@@ -1,10 +1,13 @@
 // The calls: their names, and the role that each needs.
 #pragma once
 
+#include <absl/status/status.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <string>
 
 namespace lucerna::monitor {
 
@@ -98,6 +101,9 @@ constexpr Role role_of(Call call) { return kCallTable[static_cast<std::size_t>(c
 /// Number of gRPC's codes: OK is 0 and UNAUTHENTICATED is 16.
 inline constexpr std::size_t kCodes = 17;
 /// Name of a gRPC code, e.g. "INVALID_ARGUMENT".  "UNKNOWN" for numbers that are no code.
-const char* code_name(int code);
+inline std::string code_name(int code) {
+  const std::string name = absl::StatusCodeToString(static_cast<absl::StatusCode>(code));
+  return name.empty() ? "UNKNOWN" : name;
+}
 
 }  // namespace lucerna::monitor

@@ -3,9 +3,9 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <iterator>
-#include <string>
 #include <system_error>
 
 #include "server/runtime/memory.h"
@@ -31,19 +31,18 @@ std::uint64_t entries(const char* directory) {
 
 }  // namespace
 
-ProcessFigures process_figures() {
-  ProcessFigures figures;
+v1::ProcessStats process_figures() {
+  v1::ProcessStats figures;
   rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) == 0) {
-    figures.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-  }
+  if (getrusage(RUSAGE_SELF, &usage) == 0)
+    figures.set_cpu_s(seconds(usage.ru_utime) + seconds(usage.ru_stime));
   rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) == 0) figures.most_descriptors = limit.rlim_cur;
-  figures.resident_bytes = resident_bytes();
+  if (getrlimit(RLIMIT_NOFILE, &limit) == 0) figures.set_most_descriptors(limit.rlim_cur);
+  figures.set_resident_bytes(resident_bytes());
   // The listing itself opens one descriptor.
   const std::uint64_t open = entries("/proc/self/fd");
-  figures.open_descriptors = open - std::min<std::uint64_t>(open, 1);
-  figures.threads = entries("/proc/self/task");
+  figures.set_open_descriptors(open - std::min<std::uint64_t>(open, 1));
+  figures.set_threads(entries("/proc/self/task"));
   return figures;
 }
 

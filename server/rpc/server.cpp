@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "proto/common/status_macros.h"
+#include "server/monitor/metric_families.h"
 #include "server/monitor/metrics_server.h"
 #include "server/rays/accelerator.h"
 #include "server/rpc/address.h"
@@ -240,7 +241,8 @@ absl::Status Server::State::listen(const ServerOptions& options) {
 }
 
 absl::Status Server::State::serve_metrics(const std::string& address) {
-  auto started = monitor::MetricsServer::start(address, [this] { return figures(runtime); });
+  auto started = monitor::MetricsServer::start(
+      address, [this] { return monitor::metric_families(stats(runtime), runtime.info); });
   if (!started.ok()) {
     // The library's message does not say why.
     const std::string why(Listener::open(address, {}).status().message());

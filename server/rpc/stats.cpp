@@ -8,49 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "server/monitor/process_figures.h"
+
 namespace lucerna::rpc {
 namespace {
 
-void set_histogram(const monitor::TimeHistogram& histogram, v1::TimeHistogram* out) {
-  for (const double bound : monitor::kTimeBounds) out->add_bounds_s(bound);
-  for (const std::uint64_t count : histogram.counts) out->add_counts(count);
-  out->set_sum_s(histogram.sum_s);
-}
-
-void set_call(monitor::Call call, const monitor::CallFigures& figures, v1::CallStats* out) {
-  constexpr std::size_t kOk = 0;
-  out->set_method(monitor::name_of(call));
-  out->set_succeeded(figures.ended[kOk]);
-  out->set_failed(figures.calls() - figures.ended[kOk]);
-  out->set_seconds(figures.total_s);
-  for (std::size_t code = 0; code < monitor::kCodes; ++code) {
-    if (figures.ended[code] == 0) continue;
-    v1::CodeCount* count = out->add_codes();
-    count->set_code(monitor::code_name(static_cast<int>(code)));
-    count->set_calls(figures.ended[code]);
-  }
-  out->set_running(figures.running);
-  set_histogram(figures.compute, out->mutable_compute());
-  out->set_queue_s(figures.queue_s);
-  out->set_cpu_s(figures.cpu_s);
-  out->set_items(figures.items);
-  out->set_samples(figures.samples);
-  out->set_rays(figures.rays);
-  out->set_request_bytes(figures.request_bytes);
-  out->set_response_bytes(figures.response_bytes);
-}
-
-void set_process(const monitor::ProcessFigures& figures, v1::ProcessStats* out) {
-  out->set_cpu_s(figures.cpu_s);
-  out->set_resident_bytes(figures.resident_bytes);
-  out->set_open_descriptors(figures.open_descriptors);
-  out->set_most_descriptors(figures.most_descriptors);
-  out->set_threads(figures.threads);
-}
-
-/// Adds the memory of all scenes, by part.  Parts that revisions share count once.
-void add_parts(const std::vector<StoredScene>& scenes,
-               std::map<std::string, std::uint64_t>& bytes) {
+/// The memory of all scenes.  Parts that revisions share count once.
+std::map<std::string, std::uint64_t> bytes_by_part(const std::vector<StoredScene>& scenes) {
+  std::map<std::string, std::uint64_t> bytes;
   std::set<const void*> counted;
   const auto add = [&](const Scene& scene, const std::vector<ScenePart>& without) {
     if (!counted.insert(&scene).second) return;
@@ -73,76 +38,52 @@ void add_parts(const std::vector<StoredScene>& scenes,
       for (ScenePart& part : stored.scene->geometry().parts()) without.push_back(std::move(part));
     add(*stored.scene, without);
   }
-}
-
-void set_stats(const monitor::Figures& figures, v1::GetStatsResponse* out) {
-  out->set_uptime_s(figures.uptime_s);
-  out->set_time_s(figures.time_s);
-  for (std::size_t i = 0; i < monitor::kCalls; ++i) {
-    const monitor::CallFigures& call = figures.calls[i];
-    if (call.calls() + call.running == 0) continue;
-    set_call(static_cast<monitor::Call>(i), call, out->add_calls());
-  }
-  const auto requests = [&](std::size_t lane) {
-    return static_cast<std::uint32_t>(figures.lanes[lane].waiting + figures.lanes[lane].running);
-  };
-  out->set_interactive_requests(requests(0));
-  out->set_bulk_requests(requests(1));
-  for (std::size_t i = 0; i < figures.lanes.size(); ++i) {
-    v1::LaneStats* lane = out->add_lanes();
-    lane->set_name(monitor::lane_name(i));
-    lane->set_waiting(figures.lanes[i].waiting);
-    lane->set_running(figures.lanes[i].running);
-    set_histogram(figures.lanes[i].wait, lane->mutable_wait());
-  }
-  out->set_scenes(static_cast<std::uint32_t>(figures.scenes));
-  out->set_scene_bytes(figures.all_scene_bytes());
-  for (const auto& [part, bytes] : figures.scene_bytes) {
-    v1::PartBytes* entry = out->add_parts();
-    entry->set_name(part);
-    entry->set_bytes(bytes);
-  }
-  out->set_leases(figures.leases);
-  out->set_scenes_built(figures.scenes_built);
-  out->set_already_loaded(figures.already_loaded);
-  out->set_asset_bytes(figures.asset_bytes);
-  out->set_log_lines_left_out(figures.log_lines_left_out);
-  set_process(figures.process, out->mutable_process());
+  return bytes;
 }
 
 }  // namespace
 
-monitor::Figures figures(const Runtime& runtime) {
+v1::GetStatsResponse stats(const Runtime& runtime) {
   using std::chrono::duration;
-  monitor::Figures out;
-  out.version = runtime.info.version();
-  out.fingerprint = runtime.info.fingerprint().digest();
-  out.time_s = duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  out.uptime_s = duration<double>(std::chrono::steady_clock::now() - runtime.started).count();
+  v1::GetStatsResponse out;
+  out.set_time_s(duration<double>(std::chrono::system_clock::now().time_since_epoch()).count());
+  out.set_uptime_s(duration<double>(std::chrono::steady_clock::now() - runtime.started).count());
   runtime.statistics.read(out);
-  for (const Lane lane : {Lane::kInteractive, Lane::kBulk}) {
+  const auto requests = [&](Lane lane) {
     const LaneLoad load = runtime.lanes.load(lane);
-    out.lanes[static_cast<std::size_t>(lane)].waiting = load.waiting;
-    out.lanes[static_cast<std::size_t>(lane)].running = load.running;
-  }
+    v1::LaneStats& of = *out.mutable_lanes(static_cast<int>(lane));
+    of.set_waiting(load.waiting);
+    of.set_running(load.running);
+    return static_cast<std::uint32_t>(load.waiting + load.running);
+  };
+  out.set_interactive_requests(requests(Lane::kInteractive));
+  out.set_bulk_requests(requests(Lane::kBulk));
   const SceneStore& scenes = *runtime.scenes;
   const auto loaded = scenes.list("", std::numeric_limits<std::size_t>::max() - 1);
-  out.scenes = loaded.size();
-  add_parts(loaded, out.scene_bytes);
-  out.leases = scenes.leases();
-  out.scenes_built = scenes.builds();
-  out.memory_budget_bytes = runtime.info.limits().memory_budget_bytes();
-  out.asset_bytes = runtime.assets->bytes();
-  out.asset_budget_bytes = runtime.info.limits().asset_budget_bytes();
-  if (runtime.log_lines_left_out) out.log_lines_left_out = runtime.log_lines_left_out();
-  out.process = monitor::process_figures();
+  out.set_scenes(static_cast<std::uint32_t>(loaded.size()));
+  for (const auto& [part, bytes] : bytes_by_part(loaded)) {
+    v1::PartBytes* entry = out.add_parts();
+    entry->set_name(part);
+    entry->set_bytes(bytes);
+    out.set_scene_bytes(out.scene_bytes() + bytes);
+  }
+  out.set_leases(scenes.leases());
+  out.set_scenes_built(scenes.builds());
+  out.set_asset_bytes(runtime.assets->bytes());
+  if (runtime.log_lines_left_out) out.set_log_lines_left_out(runtime.log_lines_left_out());
+  *out.mutable_process() = monitor::process_figures();
   return out;
 }
 
 Prepared handle_get_stats(Runtime& runtime, const v1::GetStatsRequest&,
                           v1::GetStatsResponse* response) {
   return Task{.run = [&runtime, response](const std::stop_token&) {
-    set_stats(figures(runtime), response);
+    *response = stats(runtime);
+    const auto is_unused = [](const v1::CallStats& call) {
+      return call.codes_size() == 0 && call.running() == 0;
+    };
+    auto& calls = *response->mutable_calls();
+    calls.erase(std::remove_if(calls.begin(), calls.end(), is_unused), calls.end());
     return absl::OkStatus();
   }};
 }

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "lucerna/v1/admin.pb.h"
@@ -20,10 +23,18 @@ namespace {
 
 using ::testing::ElementsAre;
 
-CallFigures figures_of(const CallStatistics& statistics, Call call) {
-  Figures all;
+v1::GetStatsResponse read(const CallStatistics& statistics) {
+  v1::GetStatsResponse all;
   statistics.read(all);
-  return all.calls[static_cast<std::size_t>(call)];
+  return all;
+}
+
+v1::CallStats stats_of(const CallStatistics& statistics, Call call) {
+  return read(statistics).calls(static_cast<int>(call));
+}
+
+std::uint64_t count(const v1::TimeHistogram& histogram) {
+  return std::accumulate(histogram.counts().begin(), histogram.counts().end(), std::uint64_t{0});
 }
 
 // A call that the list lacks would have no statistics.
@@ -58,38 +69,40 @@ TEST(CallStatistics, AddUpTheRecordsOfEachCall) {
                   .cpu_s = 0.75,
                   .total_s = 1});
   statistics.end({.call = Call::kSampleLi, .code = 3, .items = 1, .total_s = 0.5});
-  const CallFigures li = figures_of(statistics, Call::kSampleLi);
-  EXPECT_EQ(li.ended[0], 1U);
-  EXPECT_EQ(li.ended[3], 1U);
-  EXPECT_EQ(li.calls(), 2U);
-  EXPECT_EQ(li.running, 1U);
-  EXPECT_EQ(li.items, 11U);
-  EXPECT_EQ(li.samples, 20U);
-  EXPECT_EQ(li.rays, 30U);
-  EXPECT_EQ(li.request_bytes, 40U);
-  EXPECT_EQ(li.response_bytes, 50U);
-  EXPECT_DOUBLE_EQ(li.queue_s, 0.25);
-  EXPECT_DOUBLE_EQ(li.cpu_s, 0.75);
-  EXPECT_DOUBLE_EQ(li.total_s, 1.5);
-  EXPECT_EQ(li.compute.count(), 1U);  // the refused call did not compute
-  EXPECT_DOUBLE_EQ(li.compute.sum_s, 0.5);
-  EXPECT_EQ(figures_of(statistics, Call::kPdfLi).calls(), 0U);
-  Figures all;
-  statistics.read(all);
-  EXPECT_EQ(all.lanes[0].wait.count(), 0U);
-  EXPECT_EQ(all.lanes[1].wait.count(), 1U);
-  EXPECT_DOUBLE_EQ(all.lanes[1].wait.sum_s, 0.25);
+  const v1::CallStats li = stats_of(statistics, Call::kSampleLi);
+  EXPECT_EQ(li.method(), "lucerna.v1.LightingService/SampleLi");
+  EXPECT_EQ(li.succeeded(), 1U);
+  EXPECT_EQ(li.failed(), 1U);
+  ASSERT_EQ(li.codes_size(), 2);
+  EXPECT_EQ(li.codes(1).code(), "INVALID_ARGUMENT");
+  EXPECT_EQ(li.codes(1).calls(), 1U);
+  EXPECT_EQ(li.running(), 1U);
+  EXPECT_EQ(li.items(), 11U);
+  EXPECT_EQ(li.samples(), 20U);
+  EXPECT_EQ(li.rays(), 30U);
+  EXPECT_EQ(li.request_bytes(), 40U);
+  EXPECT_EQ(li.response_bytes(), 50U);
+  EXPECT_DOUBLE_EQ(li.queue_s(), 0.25);
+  EXPECT_DOUBLE_EQ(li.cpu_s(), 0.75);
+  EXPECT_DOUBLE_EQ(li.seconds(), 1.5);
+  EXPECT_EQ(count(li.compute()), 1U);  // the refused call did not compute
+  EXPECT_DOUBLE_EQ(li.compute().sum_s(), 0.5);
+  EXPECT_EQ(stats_of(statistics, Call::kPdfLi).codes_size(), 0);
+  const v1::GetStatsResponse all = read(statistics);
+  EXPECT_EQ(count(all.lanes(0).wait()), 0U);
+  EXPECT_EQ(count(all.lanes(1).wait()), 1U);
+  EXPECT_DOUBLE_EQ(all.lanes(1).wait().sum_s(), 0.25);
 }
 
 TEST(CallStatistics, PutTimesIntoTheirClasses) {
   CallStatistics statistics;
   // On a bound, between two bounds, and above the last.
   for (const double s : {1e-5, 2e-5, 1000.0}) statistics.end({.call = Call::kLe, .compute_s = s});
-  const TimeHistogram h = figures_of(statistics, Call::kLe).compute;
-  EXPECT_EQ(h.counts[0], 1U);
-  EXPECT_EQ(h.counts[1], 1U);
-  EXPECT_EQ(h.counts.back(), 1U);
-  EXPECT_EQ(h.count(), 3U);
+  const v1::TimeHistogram h = stats_of(statistics, Call::kLe).compute();
+  EXPECT_EQ(h.counts(0), 1U);
+  EXPECT_EQ(h.counts(1), 1U);
+  EXPECT_EQ(h.counts(h.counts_size() - 1), 1U);
+  EXPECT_EQ(count(h), 3U);
 }
 
 TEST(CallStatistics, LoseNoCallOfManyThreads) {
@@ -104,20 +117,28 @@ TEST(CallStatistics, LoseNoCallOfManyThreads) {
     });
   }
   for (std::thread& t : threads) t.join();
-  const CallFigures pdf = figures_of(statistics, Call::kPdfLi);
-  EXPECT_EQ(pdf.ended[0], 40000U);
-  EXPECT_EQ(pdf.running, 0U);
-  EXPECT_EQ(pdf.items, 40000U);
-  EXPECT_EQ(pdf.compute.count(), 40000U);
+  const v1::CallStats pdf = stats_of(statistics, Call::kPdfLi);
+  EXPECT_EQ(pdf.succeeded(), 40000U);
+  EXPECT_EQ(pdf.running(), 0U);
+  EXPECT_EQ(pdf.items(), 40000U);
+  EXPECT_EQ(count(pdf.compute()), 40000U);
 }
 
 TEST(MetricFamilies, HaveTheFiguresUnderDistinctNames) {
-  Figures figures;
-  figures.calls[static_cast<std::size_t>(Call::kSampleLi)].ended[3] = 7;
-  figures.calls[static_cast<std::size_t>(Call::kSampleLi)].compute.counts = {1, 2};
-  figures.scene_bytes = {{"bvh", 100}, {"lights", 11}};
+  CallStatistics statistics;
+  for (int i = 0; i < 7; ++i)
+    statistics.end({.call = Call::kSampleLi,
+                    .code = 3,
+                    .compute_s = i == 0  ? 1e-6
+                                 : i < 3 ? 2e-5
+                                         : 0});
+  v1::GetStatsResponse stats = read(statistics);
+  for (const auto& [part, bytes] : {std::pair{"bvh", 100U}, std::pair{"lights", 11U}}) {
+    stats.add_parts()->set_name(part);
+    stats.mutable_parts(stats.parts_size() - 1)->set_bytes(bytes);
+  }
   std::set<std::string> names;
-  for (const prometheus::MetricFamily& family : metric_families(figures)) {
+  for (const prometheus::MetricFamily& family : metric_families(stats, {})) {
     EXPECT_TRUE(names.insert(family.name).second) << family.name;
     EXPECT_FALSE(family.help.empty()) << family.name;
     if (family.name == "lucerna_calls_total") {
