@@ -71,16 +71,15 @@ Log start_log(const lucerna::config::LogOptions& options) {
   const LogFormat format = options.format == "json" ? LogFormat::kJson : LogFormat::kText;
   const spdlog::level::level_enum level = spdlog::level::from_str(options.level);
   // The lines of calls have a limit of their own, so they never displace the server's other lines.
-  const auto limit = [&] {
-    return std::make_shared<lucerna::monitor::LogLimit>(options.lines_per_second);
-  };
   const auto out = std::make_shared<lucerna::monitor::UnblockingSink>(STDERR_FILENO);
   out->set_formatter(lucerna::monitor::make_formatter(format));
-  const auto logger =
-      std::make_shared<spdlog::logger>("lucernad", lucerna::monitor::limited(out, limit()));
+  const auto limit = [&] {
+    return std::make_shared<lucerna::monitor::LogLimit>(out, options.lines_per_second);
+  };
+  const auto logger = std::make_shared<spdlog::logger>("lucernad", limit());
   logger->set_level(level);
   spdlog::set_default_logger(logger);
-  return {std::make_shared<lucerna::monitor::CallLog>(out, format, level, limit()), out};
+  return {std::make_shared<lucerna::monitor::CallLog>(format, level, limit()), out};
 }
 
 /// One line for each error of the text.

@@ -4,7 +4,6 @@
 
 #include <cstring>
 #include <iterator>
-#include <optional>
 #include <utility>
 
 namespace lucerna::monitor {
@@ -61,21 +60,14 @@ std::string describe(const CallRecord& record, LogFormat format) {
   return fmt::to_string(line);
 }
 
-CallLog::CallLog(std::shared_ptr<spdlog::sinks::sink> out, LogFormat format,
-                 spdlog::level::level_enum level, std::shared_ptr<LogLimit> limit)
-    : format_(format), limit_(std::move(limit)), logger_(kMembersLogger, std::move(out)) {
+CallLog::CallLog(LogFormat format, spdlog::level::level_enum level, std::shared_ptr<LogLimit> limit)
+    : format_(format), limit_(std::move(limit)), logger_(kMembersLogger, limit_->out()) {
   logger_.set_level(level);
 }
 
 void CallLog::write(const CallRecord& record) {
-  if (!logger_.should_log(spdlog::level::info)) return;
-  const std::optional<std::uint64_t> left_out = limit_->take();
-  if (!left_out) return;
-  if (*left_out > 0) {
-    const std::string text = describe_left_out(*left_out);
-    logger_.warn(format_ == LogFormat::kJson ? "\"message\":" + json_string(text) : text);
-  }
-  logger_.info(describe(record, format_));
+  if (logger_.should_log(spdlog::level::info) && limit_->take())
+    logger_.info(describe(record, format_));
 }
 
 }  // namespace lucerna::monitor

@@ -20,8 +20,8 @@ std::string describe(const CallRecord& record, LogFormat format);
 /// their own.
 class CallLog {
  public:
-  CallLog(std::shared_ptr<spdlog::sinks::sink> out, LogFormat format,
-          spdlog::level::level_enum level, std::shared_ptr<LogLimit> limit);
+  /// Writes to the sink of `limit`.
+  CallLog(LogFormat format, spdlog::level::level_enum level, std::shared_ptr<LogLimit> limit);
 
   void write(const CallRecord& record);
   std::uint64_t left_out() const { return limit_->left_out(); }

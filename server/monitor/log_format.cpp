@@ -1,12 +1,10 @@
 #include "server/monitor/log_format.h"
 
-#include <fmt/format.h>
 #include <spdlog/details/log_msg.h>
 #include <spdlog/pattern_formatter.h>
 
 #include <nlohmann/json.hpp>
 #include <string_view>
-#include <utility>
 
 #include "proto/common/plain_text.h"
 
@@ -68,51 +66,15 @@ class JsonFormatter final : public spdlog::formatter {
   spdlog::pattern_formatter time_{kTime, spdlog::pattern_time_type::local, ""};
 };
 
-class LimitedSink final : public spdlog::sinks::sink {
- public:
-  LimitedSink(std::shared_ptr<spdlog::sinks::sink> out, std::shared_ptr<LogLimit> limit)
-      : out_(std::move(out)), limit_(std::move(limit)) {}
-
-  void log(const spdlog::details::log_msg& message) override {
-    const auto left_out = limit_->take();
-    if (!left_out) return;
-    if (*left_out > 0) {
-      const std::string text = describe_left_out(*left_out);
-      spdlog::details::log_msg missing(message.logger_name, spdlog::level::warn, text);
-      missing.time = message.time;
-      out_->log(missing);
-    }
-    out_->log(message);
-  }
-  void flush() override { out_->flush(); }
-  void set_pattern(const std::string& pattern) override { out_->set_pattern(pattern); }
-  void set_formatter(std::unique_ptr<spdlog::formatter> formatter) override {
-    out_->set_formatter(std::move(formatter));
-  }
-
- private:
-  std::shared_ptr<spdlog::sinks::sink> out_;
-  std::shared_ptr<LogLimit> limit_;
-};
-
 }  // namespace
 
 std::string json_string(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-std::string describe_left_out(std::uint64_t lines) {
-  return fmt::format("{} lines were left out, because there were too many in a second", lines);
-}
-
 std::unique_ptr<spdlog::formatter> make_formatter(LogFormat format) {
   if (format == LogFormat::kJson) return std::make_unique<JsonFormatter>();
   return std::make_unique<TextFormatter>();
-}
-
-std::shared_ptr<spdlog::sinks::sink> limited(std::shared_ptr<spdlog::sinks::sink> out,
-                                             std::shared_ptr<LogLimit> limit) {
-  return std::make_shared<LimitedSink>(std::move(out), std::move(limit));
 }
 
 }  // namespace lucerna::monitor
