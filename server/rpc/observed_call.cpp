@@ -48,6 +48,9 @@ constexpr std::uint64_t kLeastUnsentBytes = 16 << 20;
 // Processor time that an item may take without counting as more items.  Most take microseconds.
 constexpr double kItemSeconds = 0.01;
 
+// Of the parser's reason in an error.
+constexpr std::size_t kMostReasonBytes = 200;
+
 // What the parser reported on this thread; null while no message is parsed.
 thread_local std::string* parser_reason = nullptr;
 
@@ -221,7 +224,10 @@ absl::Status parse_message(const grpc::ByteBuffer& bytes, google::protobuf::Mess
     message.DiscardUnknownFields();
     return absl::OkStatus();
   }
-  return malformed_message(message.GetTypeName(), size, why);
+  return error(
+      Reason::kMalformedMessage,
+      fmt::format("{} bytes that are not a message of the type {}{}{}", size, message.GetTypeName(),
+                  why.empty() ? "" : ": ", shortened(why, kMostReasonBytes)));
 }
 
 absl::Status encode_message(const google::protobuf::Message& message, grpc::ByteBuffer& bytes) {

@@ -25,7 +25,7 @@ void Reactor::begin() { read(idle_time()); }
 
 absl::Status Reactor::admit() {
   in_flight_ = runtime_.calls.begin();
-  return in_flight_ ? observed_.admit() : draining();
+  return in_flight_ ? observed_.admit() : error(Reason::kDraining, "the server is shutting down");
 }
 
 void Reactor::read(std::chrono::steady_clock::duration patience) {

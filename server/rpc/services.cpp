@@ -25,7 +25,6 @@
 #include "server/rpc/handlers/test_visibility_handler.h"
 #include "server/rpc/health.h"
 #include "server/rpc/image_stream.h"
-#include "server/rpc/messages/errors.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/stats.h"
 #include "server/rpc/upload_stream.h"
@@ -41,7 +40,7 @@ class UnknownCall final : public Reactor {
   using Reactor::Reactor;
 
  private:
-  void begin() override { finish(no_such_call()); }
+  void begin() override { finish(absl::UnimplementedError("the server has no such call")); }
   void take(bool) override {}
 };
 

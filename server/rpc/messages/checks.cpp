@@ -16,8 +16,10 @@ namespace {
 
 /// The error for an id that no scene has.
 absl::Status no_scene(const std::string& scene_id) {
-  if (!scene_id.empty()) return unknown_scene(scene_id);
-  return bad_field("scene_id", "\"\"", "the scene_id of a LoadSceneResponse");
+  constexpr std::size_t kMostShown = 200;
+  if (scene_id.empty()) return bad_field("scene_id", "\"\"", "the scene_id of a LoadSceneResponse");
+  return error(Reason::kSceneNotLoaded, fmt::format("scene_id = \"{}\", which is not loaded",
+                                                    shortened(scene_id, kMostShown)));
 }
 
 /// The ids of lights with the same name, at most ten of them.
