@@ -26,15 +26,16 @@ bool same_files(const std::vector<Asset>& a, const std::vector<Asset>& b) {
   });
 }
 
-/// Differs from every path, since paths do not contain a zero byte.
-std::string key_of(const Manifest& manifest) {
-  std::string text = manifest.main + '\0';
-  for (const auto& [name, digest] : manifest.assets) text += name + '\0' + digest + '\0';
-  return '\0' + sha256(text);
-}
-
-/// Makes keys of one source differ for different factors.
-std::string with_factors(std::string key, const LoadOptions& options) {
+/// Equal only for one source with the same factors.  Paths do not contain a zero byte.
+std::string key_of(const SceneSource& source, const LoadOptions& options) {
+  std::string key;
+  if (const auto* manifest = std::get_if<Manifest>(&source)) {
+    std::string text = manifest->main + '\0';
+    for (const auto& [name, digest] : manifest->assets) text += name + '\0' + digest + '\0';
+    key = '\0' + sha256(text);
+  } else {
+    key = std::get<std::string>(source);
+  }
   const LevelFactors f = options.factors.value_or(LevelFactors());
   if (f != LevelFactors()) key += fmt::format("{}{}:{}:{}", '\0', f.lamps, f.suns, f.emission);
   return key;
@@ -87,25 +88,22 @@ absl::Status not_found(const std::string& path, const std::string& root, bool ha
 
 }  // namespace
 
-absl::StatusOr<LoadedScene> SceneStore::load(const std::string& path, const LoadOptions& options) {
-  std::string relative = path_under(state_->root, path);
-  if (relative.empty()) relative = path_under(state_->canonical_root, path);
-  if (relative.empty() && path.starts_with('/')) {
+absl::StatusOr<SceneSource> SceneStore::resolved(const SceneSource& source) const {
+  const auto* path = std::get_if<std::string>(&source);
+  if (path == nullptr) return source;
+  std::string relative = path_under(state_->root, *path);
+  if (relative.empty()) relative = path_under(state_->canonical_root, *path);
+  if (relative.empty() && path->starts_with('/'))
     return absl::InvalidArgumentError(
         fmt::format("file name \"{}\" leaves the scene root \"{}\", allowed: paths inside it; to "
                     "use another file, upload it (lucerna load --upload FILE)",
-                    path, state_->root));
-  }
-  const std::string name = relative.empty() ? normal_name(path) : relative;
-  return load_once(name, with_factors(name, options), options);
+                    *path, state_->root));
+  return relative.empty() ? normal_name(*path) : relative;
 }
 
-absl::StatusOr<LoadedScene> SceneStore::load(const Manifest& manifest, const LoadOptions& options) {
-  return load_once(manifest, with_factors(key_of(manifest), options), options);
-}
-
-absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const std::string& key,
-                                                  const LoadOptions& options) {
+absl::StatusOr<LoadedScene> SceneStore::load(const SceneSource& given, const LoadOptions& options) {
+  LUCERNA_ASSIGN_OR_RETURN(const SceneSource source, resolved(given));
+  const std::string key = key_of(source, options);
   if (options.lease_s > 0) {
     const std::lock_guard lock(state_->mutex);
     LUCERNA_RETURN_IF_ERROR(state_->check_leases(options.owner));
@@ -120,22 +118,51 @@ absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const st
   return loaded;
 }
 
-absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const std::string& key,
+absl::StatusOr<LoadedScene> SceneStore::load_alone(const SceneSource& source,
+                                                   const std::string& key,
                                                    const LoadOptions& options) {
+  LoadMemory memory(*state_);
+  const auto* path = std::get_if<std::string>(&source);
   std::optional<StoredScene> known;
   {
     const std::lock_guard lock(state_->mutex);
     if (const auto id = state_->by_source.find(key); id != state_->by_source.end()) {
       Entry& entry = state_->scenes.at(id->second);
       // Files of a manifest cannot have changed, since it names them by digest.
-      if (std::holds_alternative<Manifest>(source))
-        return state_->answer(entry, key, options, true);
+      if (path == nullptr) return state_->answer(entry, key, options, true);
       known = entry.stored;
     }
   }
-  if (const auto* manifest = std::get_if<Manifest>(&source))
-    return load_manifest(*manifest, key, options);
-  return load_path(std::get<std::string>(source), key, known, options);
+  if (known) {
+    LUCERNA_ASSIGN_OR_RETURN(AssetReader reader, open_root(options.stop, memory));
+    const absl::StatusOr<std::vector<Asset>> now = reader.rehash(known->scene->report().assets);
+    // If a file is gone, the load below fails with its name and place.
+    if (now.ok() && same_files(*now, known->scene->report().assets)) {
+      // If it is not found, another thread unloaded the scene while its files were read.
+      const std::lock_guard lock(state_->mutex);
+      const auto found = state_->scenes.find(known->scene->id());
+      if (found != state_->scenes.end()) return state_->answer(found->second, key, options, true);
+    }
+  }
+  absl::StatusOr<Read> found = read(source, options, memory);
+  if (path != nullptr && absl::IsNotFound(found.status())) {
+    // NOT_FOUND may also come from a file that the scene names.
+    LUCERNA_ASSIGN_OR_RETURN(AssetReader reader, open_root(options.stop, memory));
+    if (absl::IsNotFound(reader.read(*path).status())) return load_uploaded(*path, options);
+  }
+  LUCERNA_RETURN_IF_ERROR(found.status());
+  if (!found->description) {
+    LoadedScene incomplete;
+    incomplete.missing = std::move(found->missing);
+    return incomplete;
+  }
+  return build_once(*std::move(found->description), key,
+                    {.scene = nullptr,
+                     .path = main_file(source),
+                     .uploaded = path == nullptr,
+                     .source = source,
+                     .factors = options.factors.value_or(LevelFactors())},
+                    options, memory);
 }
 
 std::shared_ptr<SceneStore::LoadMemory> SceneStore::start_counting() const {
@@ -147,22 +174,36 @@ std::shared_ptr<LoadBudget> SceneStore::count_call(const Scene& scene) const {
   return {memory, &memory->budget()};
 }
 
-absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
+absl::StatusOr<AssetReader> SceneStore::open_root(const std::stop_token& stop,
+                                                  LoadMemory& memory) const {
+  absl::StatusOr<AssetReader> reader = AssetReader::open(
+      state_->options.root, reader_options(state_->load_limits(memory.budget()), stop));
+  if (!reader.ok()) return absl::InternalError(reader.status().ToString());
+  return reader;
+}
+
+absl::StatusOr<SceneStore::Read> SceneStore::read(const SceneSource& source,
                                                   const LoadOptions& options,
                                                   LoadMemory& memory) const {
   Read result;
   const LoadLimits limits = state_->load_limits(memory.budget());
-  AssetReader reader(std::make_unique<ManifestSource>(manifest, *state_->assets, result.missing),
-                     reader_options(limits, options.stop));
+  const auto* manifest = std::get_if<Manifest>(&source);
+  absl::StatusOr<AssetReader> reader =
+      manifest == nullptr ? open_root(options.stop, memory)
+                          : AssetReader(std::make_unique<ManifestSource>(*manifest, *state_->assets,
+                                                                         result.missing),
+                                        reader_options(limits, options.stop));
+  LUCERNA_RETURN_IF_ERROR(reader.status());
   absl::StatusOr<SceneDescription> description = stoppable(options.stop, [&] {
-    return load_scene_file(reader, manifest.main, options.stop, limits,
+    return load_scene_file(*reader, main_file(source), options.stop, limits,
                            options.factors.value_or(LevelFactors()));
   });
   if (absl::IsCancelled(description.status())) return description.status();
   if (!result.missing.empty()) return result;
   LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
   for (const Asset& asset : description->assets) {
-    const std::string& digest = manifest.assets.at(asset.name);
+    if (manifest == nullptr) break;
+    const std::string& digest = manifest->assets.at(asset.name);
     if (asset.sha256 == digest) continue;
     // The file on the disk was changed.
     state_->assets->drop(digest);
@@ -170,72 +211,6 @@ absl::StatusOr<SceneStore::Read> SceneStore::read(const Manifest& manifest,
   }
   if (result.missing.empty()) result.description = *std::move(description);
   return result;
-}
-
-absl::StatusOr<SceneStore::Read> SceneStore::read(const std::string& path,
-                                                  const LoadOptions& options,
-                                                  LoadMemory& memory) const {
-  const LoadLimits limits = state_->load_limits(memory.budget());
-  LUCERNA_ASSIGN_OR_RETURN(
-      AssetReader reader,
-      AssetReader::open(state_->options.root, reader_options(limits, options.stop)));
-  absl::StatusOr<SceneDescription> description = stoppable(options.stop, [&] {
-    return load_scene_file(reader, path, options.stop, limits,
-                           options.factors.value_or(LevelFactors()));
-  });
-  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
-  return Read{*std::move(description), {}};
-}
-
-absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
-                                                      const std::string& key,
-                                                      const LoadOptions& options) {
-  LoadMemory memory(*state_);
-  LUCERNA_ASSIGN_OR_RETURN(Read found, read(manifest, options, memory));
-  if (!found.description) {
-    LoadedScene incomplete;
-    incomplete.missing = std::move(found.missing);
-    return incomplete;
-  }
-  return build_once(*std::move(found.description), key,
-                    {.scene = nullptr,
-                     .path = manifest.main,
-                     .uploaded = true,
-                     .source = manifest,
-                     .factors = options.factors.value_or(LevelFactors())},
-                    options, memory);
-}
-
-absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const std::string& key,
-                                                  const std::optional<StoredScene>& known,
-                                                  const LoadOptions& options) {
-  LoadMemory memory(*state_);
-  const LoadLimits limits = state_->load_limits(memory.budget());
-  absl::StatusOr<AssetReader> reader =
-      AssetReader::open(state_->options.root, reader_options(limits, options.stop));
-  if (!reader.ok()) return absl::InternalError(reader.status().ToString());
-  if (known) {
-    const absl::StatusOr<std::vector<Asset>> now = reader->rehash(known->scene->report().assets);
-    // If a file is gone, the load below fails with its name and place.
-    if (now.ok() && same_files(*now, known->scene->report().assets)) {
-      // If it is not found, another thread unloaded the scene while its files were read.
-      const std::lock_guard lock(state_->mutex);
-      const auto found = state_->scenes.find(known->scene->id());
-      if (found != state_->scenes.end()) return state_->answer(found->second, key, options, true);
-    }
-  }
-  absl::StatusOr<SceneDescription> description = load_scene_file(
-      *reader, path, options.stop, limits, options.factors.value_or(LevelFactors()));
-  // NOT_FOUND may also come from a file that the scene names.
-  if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
-    return load_uploaded(path, options);
-  LUCERNA_RETURN_IF_ERROR(memory.explained(description.status()));
-  return build_once(*std::move(description), key,
-                    {.scene = nullptr,
-                     .path = path,
-                     .source = path,
-                     .factors = options.factors.value_or(LevelFactors())},
-                    options, memory);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
@@ -304,9 +279,7 @@ absl::StatusOr<SceneStore::Moved> SceneStore::moved(const StoredScene& of,
   if (geometry != nullptr) return Moved{std::move(loaded), std::move(geometry)};
   const LoadOptions options{.stop = stop, .factors = of.factors};
   LoadMemory memory(*state_);
-  LUCERNA_ASSIGN_OR_RETURN(
-      Read found,
-      std::visit([&](const auto& source) { return read(source, options, memory); }, of.source));
+  LUCERNA_ASSIGN_OR_RETURN(Read found, read(of.source, options, memory));
   if (!found.description ||
       scene_id(found.description->assets, found.description->textures.halved(),
                found.description->level_factors) != loaded->id())

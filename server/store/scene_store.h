@@ -20,9 +20,19 @@
 
 namespace lucerna {
 
+class AssetReader;
+
 /// Payload of a RESOURCE_EXHAUSTED after which a retry may succeed: the delay in milliseconds,
 /// decimal.
 inline constexpr char kRetryAfterPayload[] = "lucerna.retry_after_ms";
+
+/// The files of a scene: a path relative to the root, or uploaded files.
+using SceneSource = std::variant<std::string, Manifest>;
+/// The name of the scene file.
+inline const std::string& main_file(const SceneSource& source) {
+  const auto* manifest = std::get_if<Manifest>(&source);
+  return manifest != nullptr ? manifest->main : std::get<std::string>(source);
+}
 
 struct StoredScene {
   std::shared_ptr<const Scene> scene;
@@ -31,8 +41,7 @@ struct StoredScene {
   std::string path;
   bool uploaded = false;  ///< first loaded from a manifest
   double leased_s = 0;    ///< time from now until the last lease ends
-  /// The files that the scene was first loaded from.
-  std::variant<std::string, Manifest> source{};
+  SceneSource source{};   ///< that it was first loaded from
   LevelFactors factors{};
 };
 
@@ -83,11 +92,11 @@ class SceneStore {
                                                           AssetStore* assets = nullptr);
   ~SceneStore();
 
-  /// Reads and builds the scene file `path`, relative to the root, in the caller's oneTBB arena.
-  /// Blocks until it is done.  If the file was loaded before, the store only hashes it and its
-  /// files again.  Another path with the same content gives the same scene.  If several callers
-  /// load one scene at the same time, one builds and the others wait.  A failed load leaves nothing
-  /// behind.
+  /// Reads and builds a scene in the caller's oneTBB arena.  Returns the missing files of a
+  /// manifest if there are any.  Blocks until it is done.  If the file was loaded before, the store
+  /// only hashes it and its files again.  Another path with the same content gives the same scene.
+  /// If several callers load one scene at the same time, one builds and the others wait.  A failed
+  /// load leaves nothing behind.
   ///
   /// If scenes exceed the budget, the least recently used scenes without a lease are unloaded.  The
   /// size of a scene includes parts that queries built in it later; `find` checks the budget.  The
@@ -99,9 +108,7 @@ class SceneStore {
   /// Errors: those of load_scene_file and Scene::build; CANCELLED; RESOURCE_EXHAUSTED if leases
   /// leave no room (with kRetryAfterPayload), if the scene by itself exceeds the budget, or if the
   /// owner has too many leases or scenes.
-  absl::StatusOr<LoadedScene> load(const std::string& path, const LoadOptions& options = {});
-  /// The same for uploaded files.  Returns the missing files if there are any.
-  absl::StatusOr<LoadedScene> load(const Manifest& manifest, const LoadOptions& options = {});
+  absl::StatusOr<LoadedScene> load(const SceneSource& source, const LoadOptions& options = {});
 
   /// Memory that counts against the budget until `revise` has stored the scene, or the last pointer
   /// is gone.
@@ -127,9 +134,7 @@ class SceneStore {
     std::vector<MissingAsset> missing;
   };
   /// What is read counts in `memory`.  Errors: those of load_scene_file.
-  absl::StatusOr<Read> read(const std::string& path, const LoadOptions& options,
-                            LoadMemory& memory) const;
-  absl::StatusOr<Read> read(const Manifest& manifest, const LoadOptions& options,
+  absl::StatusOr<Read> read(const SceneSource& source, const LoadOptions& options,
                             LoadMemory& memory) const;
 
   /// Marks the scene as used.  Null if it is not loaded.
@@ -177,17 +182,13 @@ class SceneStore {
 
  private:
   struct State;
-  using Source = std::variant<std::string, Manifest>;
   explicit SceneStore(std::unique_ptr<State> state);
-  absl::StatusOr<LoadedScene> load_once(const Source& source, const std::string& key,
-                                        const LoadOptions& options);
-  absl::StatusOr<LoadedScene> load_alone(const Source& source, const std::string& key,
+  /// A path in its one form.  INVALID_ARGUMENT if it leads out of the root.
+  absl::StatusOr<SceneSource> resolved(const SceneSource& source) const;
+  /// Loads from a source that no other caller loads from now.
+  absl::StatusOr<LoadedScene> load_alone(const SceneSource& source, const std::string& key,
                                          const LoadOptions& options);
-  absl::StatusOr<LoadedScene> load_manifest(const Manifest& manifest, const std::string& key,
-                                            const LoadOptions& options);
-  absl::StatusOr<LoadedScene> load_path(const std::string& path, const std::string& key,
-                                        const std::optional<StoredScene>& known,
-                                        const LoadOptions& options);
+  absl::StatusOr<AssetReader> open_root(const std::stop_token& stop, LoadMemory& memory) const;
   absl::StatusOr<LoadedScene> load_uploaded(const std::string& name, const LoadOptions& options);
   struct Moved {
     std::shared_ptr<const Scene> loaded;

@@ -4,7 +4,6 @@
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
-#include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -30,19 +29,10 @@ Prepared handle_edit_lights(const CallContext& context, const v1::EditLightsRequ
   if (task.bulk) task.kind = JobKind::kLoad;
   task.cost = response->mutable_cost();
   task.run = [context, stored, &request, response](const std::stop_token& stop) -> absl::Status {
-    LUCERNA_ASSIGN_OR_RETURN(EditedLights edited,
-                             edited_lights(context, *stored.scene, request.edits(), stop));
-    absl::StatusOr<LoadedScene> revision;
-    if (!edited.missing.empty()) {
-      revision.emplace().missing = std::move(edited.missing);
-      edited.new_ids.clear();
-    } else {
-      revision =
-          context.scenes.revise(stored, std::move(edited.edits),
-                                {request.lease_s(), stop, {}, context.caller}, edited.memory.get());
-    }
-    if (!revision.ok()) return load_error(revision.status());
-    set_loaded(*revision, response);
+    LUCERNA_ASSIGN_OR_RETURN(
+        const EditedScene edited,
+        edited_scene(context, stored, request.edits(), request.lease_s(), stop));
+    set_loaded(edited.revision, response);
     for (const std::uint64_t id : edited.new_ids) response->add_light_ids(id);
     return absl::OkStatus();
   };

@@ -5,6 +5,7 @@
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "proto/common/defaults.h"
@@ -172,6 +173,13 @@ absl::Status too_large(const std::string& field, const absl::Status& status) {
   return load_error(std::move(named));
 }
 
+struct EditedLights {
+  LightEdits edits;                   ///< all of the scene's, not only the new ones
+  std::vector<MissingAsset> missing;  ///< of added files; if any, `edits` is incomplete
+  std::vector<std::uint64_t> new_ids;
+  std::shared_ptr<SceneStore::LoadMemory> memory;  ///< of added files
+};
+
 /// Applies edits one after another.
 class Editor {
  public:
@@ -245,14 +253,10 @@ class Editor {
   }
 
   absl::Status add(const std::string& field, const v1::LightFile& file) {
-    absl::StatusOr<SceneStore::Read> read = absl::InternalError("");
-    if (file.has_manifest()) {
-      LUCERNA_ASSIGN_OR_RETURN(const Manifest manifest,
-                               check_scene_file(context_, field + ".", file));
-      read = context_.scenes.read(manifest, {.stop = stop_}, *result_.memory);
-    } else {
-      read = context_.scenes.read(file.path(), {.stop = stop_}, *result_.memory);
-    }
+    LUCERNA_ASSIGN_OR_RETURN(const SceneSource source,
+                             check_scene_file(context_, field + ".", file));
+    absl::StatusOr<SceneStore::Read> read =
+        context_.scenes.read(source, {.stop = stop_}, *result_.memory);
     if (absl::IsResourceExhausted(read.status())) return too_large(field, read.status());
     LUCERNA_RETURN_IF_ERROR(read.status());
     for (MissingAsset& asset : read->missing) result_.missing.push_back(std::move(asset));
@@ -320,15 +324,26 @@ absl::Status check_edits(const CallContext& context, const LightEditList& edits)
   return absl::OkStatus();
 }
 
-absl::StatusOr<EditedLights> edited_lights(const CallContext& context, const Scene& scene,
-                                           const LightEditList& edits,
-                                           const std::stop_token& stop) {
-  Editor editor(context, scene, stop);
+absl::StatusOr<EditedScene> edited_scene(const CallContext& context, const StoredScene& scene,
+                                         const LightEditList& edits, double lease_s,
+                                         const std::stop_token& stop) {
+  Editor editor(context, *scene.scene, stop);
   for (int i = 0; i < edits.size(); ++i) {
     if (stop.stop_requested()) return absl::CancelledError("the edit was cancelled");
     LUCERNA_RETURN_IF_ERROR(editor.apply(fmt::format("edits[{}]", i), edits.Get(i)));
   }
-  return std::move(editor).take();
+  EditedLights edited = std::move(editor).take();
+  EditedScene result;
+  if (!edited.missing.empty()) {
+    result.revision.missing = std::move(edited.missing);
+    return result;
+  }
+  absl::StatusOr<LoadedScene> revision = context.scenes.revise(
+      scene, std::move(edited.edits), {lease_s, stop, {}, context.caller}, edited.memory.get());
+  if (!revision.ok()) return load_error(revision.status());
+  result.revision = *std::move(revision);
+  result.new_ids = std::move(edited.new_ids);
+  return result;
 }
 
 }  // namespace lucerna::rpc

@@ -56,38 +56,27 @@ absl::StatusOr<LevelFactors> check_blender(const v1::BlenderLevels& blender,
 Prepared handle_load_scene(const CallContext& context, const v1::LoadSceneRequest& request,
                            v1::LoadSceneResponse* response) {
   if (request.has_lease_s()) LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
-  LUCERNA_ASSIGN_OR_RETURN(Manifest manifest, check_scene_file(context, "", request));
+  LUCERNA_ASSIGN_OR_RETURN(SceneSource source, check_scene_file(context, "", request));
   std::optional<LevelFactors> factors;
   if (request.has_blender()) {
-    LUCERNA_ASSIGN_OR_RETURN(
-        factors,
-        check_blender(request.blender(), request.has_manifest() ? manifest.main : request.path()));
+    LUCERNA_ASSIGN_OR_RETURN(factors, check_blender(request.blender(), main_file(source)));
   }
   LUCERNA_RETURN_IF_ERROR(check_edits(context, request.edits()));
   Task task;
   task.bulk = true;
   task.kind = JobKind::kLoad;
   task.cost = response->mutable_cost();
-  task.run = [context, &request, manifest = std::move(manifest), factors,
+  task.run = [context, &request, source = std::move(source), factors,
               response](const std::stop_token& stop) -> absl::Status {
     // The lease is that of the revision, if there are edits.
     const double lease_s = request.lease_s();
     const LoadOptions options{request.edits().empty() ? lease_s : 0, stop, factors, context.caller};
-    absl::StatusOr<LoadedScene> loaded = request.has_manifest()
-                                             ? context.scenes.load(manifest, options)
-                                             : context.scenes.load(request.path(), options);
+    absl::StatusOr<LoadedScene> loaded = context.scenes.load(source, options);
     if (!loaded.ok()) return load_error(loaded.status());
     if (!request.edits().empty() && loaded->stored.scene != nullptr) {
-      LUCERNA_ASSIGN_OR_RETURN(EditedLights edited, edited_lights(context, *loaded->stored.scene,
-                                                                  request.edits(), stop));
-      if (!edited.missing.empty()) {
-        loaded->stored.scene = nullptr;
-        loaded->missing = std::move(edited.missing);
-      } else {
-        loaded = context.scenes.revise(loaded->stored, std::move(edited.edits),
-                                       {lease_s, stop, {}, context.caller}, edited.memory.get());
-        if (!loaded.ok()) return load_error(loaded.status());
-      }
+      LUCERNA_ASSIGN_OR_RETURN(EditedScene edited, edited_scene(context, loaded->stored,
+                                                                request.edits(), lease_s, stop));
+      loaded = std::move(edited.revision);
     }
     set_loaded(*loaded, response);
     if (loaded->stored.scene != nullptr)

@@ -21,15 +21,15 @@ absl::Status check_path(const CallContext& context, const std::string& field,
 absl::StatusOr<Manifest> check_manifest(const CallContext& context, const std::string& field,
                                         const v1::SceneManifest& given);
 
-/// The manifest of a message that has either `manifest` or `path`; empty if it has a path.
-/// `prefix`: of the names of its fields.
+/// The scene file of a message that has either `manifest` or `path`.  `prefix`: of the names of its
+/// fields.
 template <typename Message>
-absl::StatusOr<Manifest> check_scene_file(const CallContext& context, const std::string& prefix,
-                                          const Message& message) {
+absl::StatusOr<SceneSource> check_scene_file(const CallContext& context, const std::string& prefix,
+                                             const Message& message) {
   if (message.has_manifest())
     return check_manifest(context, prefix + "manifest", message.manifest());
   LUCERNA_RETURN_IF_ERROR(check_path(context, prefix + "path", message.path()));
-  return Manifest();
+  return message.path();
 }
 
 }  // namespace lucerna::rpc
