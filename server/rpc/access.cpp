@@ -24,30 +24,29 @@ const Token* find(const std::vector<Token>& tokens, const std::string& digest) {
 }  // namespace
 
 void Access::set_tokens(std::vector<Token> tokens) {
-  auto known = std::make_shared<const Known>(Known{std::move(tokens)});
+  auto known = std::make_shared<const std::vector<Token>>(std::move(tokens));
   const std::lock_guard lock(mutex_);
-  known_ = std::move(known);
+  tokens_ = std::move(known);
 }
 
 bool Access::open() {
   const std::lock_guard lock(mutex_);
-  return known_ == nullptr;
+  return tokens_ == nullptr;
 }
 
 absl::StatusOr<Admission> Access::admit(Call call, std::string_view authorization,
                                         std::string* name_of_token) {
-  std::shared_ptr<const Known> known;
+  std::shared_ptr<const std::vector<Token>> known;
   {
     const std::lock_guard lock(mutex_);
-    known = known_;
+    known = tokens_;
   }
   if (known == nullptr) return Admission{};
   if (!authorization.starts_with(kBearer)) {
     return absl::UnauthenticatedError(
         "the call has no token, and this server needs one: authorization: Bearer TOKEN");
   }
-  const Token* token =
-      find(known->tokens, sha256(std::string(authorization.substr(kBearer.size()))));
+  const Token* token = find(*known, sha256(std::string(authorization.substr(kBearer.size()))));
   if (token == nullptr) {
     return absl::UnauthenticatedError(
         "the server does not know this token; it is wrong or was revoked");
@@ -63,15 +62,11 @@ absl::StatusOr<Admission> Access::admit(Call call, std::string_view authorizatio
         name.substr(name.find('/') + 1), name_of(needed), token->name, fmt::join(roles, ", ")));
   }
   Admission admission{{token->name, token->roles.contains(Role::kAdmin), token->quota}, {}};
-  std::shared_ptr<Usage> usage;
   {
     const std::lock_guard lock(mutex_);
-    auto& slot = usages_[token->name];
-    if (slot == nullptr) slot = std::make_shared<Usage>();
-    usage = slot;
+    admission.in_flight.reset(&usages_[token->name]);
   }
-  const std::uint64_t before = usage->in_flight.fetch_add(1);
-  admission.in_flight = InFlight(std::move(usage));
+  const std::uint64_t before = admission.in_flight->in_flight.fetch_add(1);
   if (token->quota.requests > 0 && before >= token->quota.requests) {
     return absl::ResourceExhaustedError(
         fmt::format("{} requests of \"{}\" are in flight, allowed: {}", before, token->name,

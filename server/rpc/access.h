@@ -32,28 +32,11 @@ struct Usage {
   ItemBucket items;
 };
 
-/// Counts one request of a caller as in flight until it is destroyed.
-class InFlight {
- public:
-  InFlight() = default;
-  explicit InFlight(std::shared_ptr<Usage> usage) : usage_(std::move(usage)) {}
-  InFlight(InFlight&&) noexcept = default;
-  InFlight& operator=(InFlight&& other) noexcept {
-    release();
-    usage_ = std::move(other.usage_);
-    return *this;
-  }
-  ~InFlight() { release(); }
-
-  Usage* usage() const { return usage_.get(); }  ///< null: nothing is counted
-
- private:
-  void release() {
-    if (usage_ != nullptr) usage_->in_flight.fetch_sub(1);
-    usage_ = nullptr;
-  }
-  std::shared_ptr<Usage> usage_;
+/// Counts one request of a caller as in flight until it is destroyed.  Null: nothing is counted.
+struct EndRequest {
+  void operator()(Usage* usage) const { --usage->in_flight; }
 };
+using InFlight = std::unique_ptr<Usage, EndRequest>;
 
 struct Admission {
   Caller caller;
@@ -62,18 +45,16 @@ struct Admission {
   /// Takes `items` from the caller's items of this second.  Returns 0, or takes nothing and returns
   /// the time after which they are there.
   std::chrono::milliseconds take_items(std::uint64_t items) const {
-    Usage* usage = in_flight.usage();
-    if (usage == nullptr) return std::chrono::milliseconds(0);
-    return usage->items.take(items, caller.quota.items_per_second);
+    if (in_flight == nullptr) return std::chrono::milliseconds(0);
+    return in_flight->items.take(items, caller.quota.items_per_second);
   }
   /// Takes `items` that a call has computed.  Later calls wait until the rate has made up for them.
   void owe_items(std::uint64_t items) const {
-    Usage* usage = in_flight.usage();
-    if (usage != nullptr && caller.quota.items_per_second > 0) usage->items.owe(items);
+    if (in_flight != nullptr && caller.quota.items_per_second > 0) in_flight->items.owe(items);
   }
 };
 
-/// Thread-safe.
+/// Thread-safe.  Must outlive its admissions.
 class Access {
  public:
   /// Without tokens every caller may do everything.
@@ -94,12 +75,9 @@ class Access {
                                   std::string* name = nullptr);
 
  private:
-  struct Known {
-    std::vector<Token> tokens;
-  };
   std::mutex mutex_;
-  std::shared_ptr<const Known> known_;                    // null: no token file
-  std::map<std::string, std::shared_ptr<Usage>> usages_;  // by name
+  std::shared_ptr<const std::vector<Token>> tokens_;  // null: no token file
+  std::map<std::string, Usage> usages_;               // by name; never erased
 };
 
 }  // namespace lucerna::access

@@ -50,11 +50,6 @@ void HealthWatch::finish(absl::Status status) {
   Reactor::finish(std::move(status));
 }
 
-void HealthWatch::begin() {
-  if (const absl::Status status = slot_.take(runtime_); !status.ok()) return finish(status);
-  Reactor::begin();
-}
-
 void HealthWatch::take(bool ok) {
   if (!ok) return finish(no_message());
   HealthCheckRequest request;

@@ -20,17 +20,15 @@ class HealthCheck final : public Reactor {
 };
 
 /// Watch: sends the status, and again when it changes.
-class HealthWatch final : public Reactor {
+class HealthWatch final : public OpenStream {
  public:
-  HealthWatch(Runtime& runtime, grpc::CallbackServerContext& context, monitor::Call call)
-      : Reactor(runtime, context, call) {}
+  using OpenStream::OpenStream;
   ~HealthWatch() override { runtime_.serving.forget(this); }
 
   void OnCancel() override;
   void OnWriteDone(bool ok) override;
 
  private:
-  void begin() override;
   void take(bool ok) override;
   /// May be called again.
   void finish(absl::Status status) override;
@@ -40,7 +38,6 @@ class HealthWatch final : public Reactor {
   std::mutex mutex_;
   std::optional<int> next_;  // the status to send
   bool writing_ = false, cancelled_ = false, finished_ = false;
-  StreamSlot slot_;
 };
 
 }  // namespace lucerna::rpc

@@ -6,14 +6,12 @@
 
 namespace lucerna::rpc {
 
-absl::Status StreamSlot::take(Runtime& runtime) {
-  if (--runtime.stream_slots < 0) {
-    ++runtime.stream_slots;
-    return retry_after(absl::ResourceExhaustedError("too many streams of health and reflection"),
-                       Reason::kQueueFull, std::chrono::seconds(1));
-  }
-  slots_ = &runtime.stream_slots;
-  return absl::OkStatus();
+void OpenStream::begin() {
+  has_slot_ = --runtime_.stream_slots >= 0;
+  if (has_slot_) return Reactor::begin();
+  ++runtime_.stream_slots;
+  finish(retry_after(absl::ResourceExhaustedError("too many streams of health and reflection"),
+                     Reason::kQueueFull, std::chrono::seconds(1)));
 }
 
 void Reactor::OnCancel() {

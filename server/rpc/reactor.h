@@ -19,22 +19,6 @@
 
 namespace lucerna::rpc {
 
-/// A slot for a stream of the health or reflection service, which need no token.
-class StreamSlot {
- public:
-  StreamSlot() = default;
-  ~StreamSlot() {
-    if (slots_ != nullptr) ++*slots_;
-  }
-  StreamSlot(const StreamSlot&) = delete;
-  StreamSlot& operator=(const StreamSlot&) = delete;
-  /// RESOURCE_EXHAUSTED with a RetryInfo if none is free.  Call it once.
-  absl::Status take(Runtime& runtime);
-
- private:
-  std::atomic<std::int64_t>* slots_ = nullptr;
-};
-
 /// One call.  Lives until gRPC and the lanes have released it.
 ///
 /// A call gets the bytes of its messages, because gRPC answers bytes that it cannot parse with
@@ -91,6 +75,21 @@ class Reactor : public grpc::ServerGenericBidiReactor,
   std::shared_ptr<Reactor> self_;
   Waits::Wait wait_;
   std::atomic<std::uint64_t> reading_ = 0;  // id of the wait; 0: none.  Who takes it goes on.
+};
+
+/// A stream of the health or reflection service.  It needs no token, so there is a number of slots.
+/// RESOURCE_EXHAUSTED with a RetryInfo if none is free.
+class OpenStream : public Reactor {
+ public:
+  using Reactor::Reactor;
+  ~OpenStream() override {
+    if (has_slot_) ++runtime_.stream_slots;
+  }
+
+ private:
+  void begin() override;
+
+  bool has_slot_ = false;
 };
 
 }  // namespace lucerna::rpc

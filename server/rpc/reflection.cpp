@@ -64,11 +64,6 @@ ServerReflectionResponse answer(const ServerReflectionRequest& request,
 
 }  // namespace
 
-void Reflection::begin() {
-  if (const absl::Status status = slot_.take(runtime_); !status.ok()) return finish(status);
-  read(idle_time());
-}
-
 void Reflection::take(bool ok) {
   if (!ok) return finish(stop_.stop_requested() ? cancelled() : absl::OkStatus());
   ServerReflectionRequest request;

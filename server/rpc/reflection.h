@@ -9,17 +9,15 @@
 namespace lucerna::rpc {
 
 /// One stream: an answer for each request.
-class Reflection final : public Reactor {
+class Reflection final : public OpenStream {
  public:
-  using Reactor::Reactor;
+  using OpenStream::OpenStream;
 
   void OnWriteDone(bool ok) override;
 
  private:
-  void begin() override;
   void take(bool ok) override;
 
-  StreamSlot slot_;
   std::set<std::string> sent_;  // names of the files that the client has
 };
 
