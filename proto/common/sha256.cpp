@@ -1,5 +1,6 @@
 #include "proto/common/sha256.h"
 
+#include <absl/strings/escaping.h>
 #include <openssl/evp.h>
 
 namespace lucerna {
@@ -33,11 +34,7 @@ std::string sha256(std::string_view bytes) {
 }
 
 std::string hexadecimal(std::string_view bytes) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  text.reserve(2 * bytes.size());
-  for (const unsigned char c : bytes) text += {kDigits[c >> 4], kDigits[c & 15]};
-  return text;
+  return absl::BytesToHexString({bytes.data(), bytes.size()});
 }
 
 }  // namespace lucerna

@@ -1,5 +1,6 @@
 #include "server/lucernad/configuration.h"
 
+#include <absl/strings/str_split.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -20,12 +21,8 @@ constexpr char kFileVariable[] = "LUCERNAD_CONFIG";
 /// The texts of an environment variable.
 std::vector<std::string> split(const Setting& setting, const std::string& text) {
   if (!std::holds_alternative<Texts>(setting.value)) return {text};
-  std::vector<std::string> texts;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    texts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
+  std::vector<std::string> texts = absl::StrSplit(text, ',');
+  if (texts.back().empty()) texts.pop_back();
   return texts;
 }
 

@@ -1,4 +1,5 @@
 // lucernad: the server program.
+#include <absl/strings/str_split.h>
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -84,11 +85,8 @@ Log start_log(const lucerna::config::LogOptions& options) {
 
 /// One line for each error of the text.
 void print_errors(const std::string& text) {
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    fmt::print(stderr, "lucernad: {}\n", text.substr(begin, end - begin));
-    begin = end + 1;
-  }
+  for (const std::string& line : std::vector<std::string>(absl::StrSplit(text, '\n')))
+    fmt::print(stderr, "lucernad: {}\n", line);
 }
 
 /// Ends and reloads the server as signals ask for it.

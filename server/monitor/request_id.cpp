@@ -1,5 +1,6 @@
 #include "server/monitor/request_id.h"
 
+#include <absl/strings/ascii.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,18 +14,17 @@ constexpr std::size_t kMostIdBytes = 128;
 constexpr std::size_t kSceneIdDigits = 64;
 
 bool is_hexadecimal(std::string_view text) {
-  return std::all_of(text.begin(), text.end(),
-                     [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+  return text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 bool is_harmless(char c) {
   constexpr std::string_view kOthers = "-_.:+/=@";
-  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+  return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
          kOthers.find(c) != std::string_view::npos;
 }
 
 bool is_zero(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return c == '0'; });
+  return text.find_first_not_of('0') == std::string_view::npos;
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "server/rpc/token_file.h"
 
+#include <absl/strings/ascii.h>
+#include <absl/strings/escaping.h>
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
@@ -94,8 +96,8 @@ class Reader {
   void read_name(const toml::key& key, const toml::node& node, Token& token) {
     const auto* text = node.as_string();
     if (text == nullptr || text->get().empty() || text->get().size() > kLongestName ||
-        !std::all_of(text->get().begin(), text->get().end(), [](unsigned char c) {
-          return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+        !std::ranges::all_of(text->get(), [](unsigned char c) {
+          return absl::ascii_isalnum(c) || c == '-' || c == '_' || c == '.';
         })) {
       return error(key.source(),
                    fmt::format("name, allowed: 1 to {} letters, digits, - _ .", kLongestName));
@@ -106,11 +108,10 @@ class Reader {
   void read_secret(const toml::key& key, const toml::node& node, Token& token) {
     const auto* text = node.as_string();
     if (key.str() == "sha256") {
-      const std::string digest = text == nullptr ? "" : from_hexadecimal(text->get());
-      if (digest.size() != kSha256Bytes) {
+      if (text == nullptr || text->get().size() != 2 * kSha256Bytes ||
+          !std::ranges::all_of(text->get(), absl::ascii_isxdigit))
         return error(key.source(), "sha256, allowed: the 64 hexadecimal digits of a SHA-256");
-      }
-      token.sha256 = digest;
+      token.sha256 = absl::HexStringToBytes(text->get());
     } else if (text == nullptr || text->get().size() < kShortestToken) {
       error(key.source(), fmt::format("token, allowed: at least {} characters", kShortestToken));
     } else {
@@ -147,18 +148,6 @@ class Reader {
                                key.str(), shown(node)));
     }
     value = static_cast<std::uint64_t>(number->get());
-  }
-
-  static std::string from_hexadecimal(const std::string& text) {
-    std::string bytes;
-    for (std::size_t i = 0; i + 1 < text.size(); i += 2) {
-      if (std::isxdigit(static_cast<unsigned char>(text[i])) == 0 ||
-          std::isxdigit(static_cast<unsigned char>(text[i + 1])) == 0) {
-        return {};
-      }
-      bytes += static_cast<char>(std::stoi(text.substr(i, 2), nullptr, 16));
-    }
-    return text.size() % 2 == 0 ? bytes : "";
   }
 
   std::string path_;

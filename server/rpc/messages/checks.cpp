@@ -1,5 +1,7 @@
 #include "server/rpc/messages/checks.h"
 
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -25,10 +27,12 @@ absl::Status no_scene(const std::string& scene_id) {
 /// The ids of lights with the same name, at most ten of them.
 std::string ids_of(const Scene& scene, std::span<const std::uint32_t> lights) {
   constexpr std::size_t kMost = 10;
-  std::string text;
-  for (std::size_t i = 0; i < lights.size() && i < kMost; ++i)
-    text += fmt::format("{}{}", i == 0 ? "" : ", ", scene.lights()[lights[i]].id);
-  return lights.size() > kMost ? text + ", ..." : text;
+  const auto shown = lights.first(std::min(lights.size(), kMost));
+  return absl::StrJoin(shown, ", ",
+                       [&](std::string* out, std::uint32_t light) {
+                         absl::StrAppend(out, scene.lights()[light].id);
+                       }) +
+         (lights.size() > kMost ? ", ..." : "");
 }
 
 }  // namespace
@@ -62,12 +66,14 @@ absl::StatusOr<std::uint32_t> find_named_light(const Scene& scene, const std::st
                      "the name of one light; {} lights have this name: use an id, {}", found.size(),
                      ids_of(scene, found));
   constexpr std::size_t kMostSimilar = 5;
-  std::string similar;
-  for (const std::string_view other : names.similar(name, kMostSimilar))
-    similar += fmt::format("{}\"{}\"", similar.empty() ? "" : ", ", printable(other));
-  return unknown_light_name(
-      field, printable(name),
-      similar.empty() ? "none of its lights has a name" : "similar names: " + similar);
+  const std::string similar = absl::StrJoin(names.similar(name, kMostSimilar), ", ",
+                                            [](std::string* out, std::string_view other) {
+                                              absl::StrAppend(out, "\"", printable(other), "\"");
+                                            });
+  return error(
+      Reason::kNoSuchLight,
+      fmt::format("{} = \"{}\", which the scene does not have; {}", field, printable(name),
+                  similar.empty() ? "none of its lights has a name" : "similar names: " + similar));
 }
 
 absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::optional<std::uint64_t> light_id,

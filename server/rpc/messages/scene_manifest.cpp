@@ -1,8 +1,10 @@
 #include "server/rpc/messages/scene_manifest.h"
 
+#include <absl/strings/str_split.h>
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
@@ -15,13 +17,9 @@ namespace {
 bool is_plain(const std::string& name, std::size_t most_bytes) {
   if (name.empty() || name.size() > most_bytes || name.find('\0') != std::string::npos)
     return false;
-  for (std::size_t begin = 0; begin <= name.size();) {
-    const std::size_t end = std::min(name.find('/', begin), name.size());
-    const std::string part = name.substr(begin, end - begin);
-    if (part.empty() || part == "." || part == "..") return false;
-    begin = end + 1;
-  }
-  return true;
+  const std::vector<std::string> parts = absl::StrSplit(name, '/');
+  return std::ranges::none_of(
+      parts, [](const std::string& part) { return part.empty() || part == "." || part == ".."; });
 }
 
 }  // namespace
