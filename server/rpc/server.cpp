@@ -91,11 +91,11 @@ void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int 
   limits.set_asset_budget_bytes(options.assets.budget_bytes);
   limits.set_memory_budget_bytes(options.scenes.memory_budget_bytes);
   limits.set_max_lease_s(options.scenes.max_lease_s);
-  limits.set_max_scene_primitives(options.scenes.max_primitives);
-  limits.set_max_scene_bytes(options.scenes.max_scene_bytes);
-  limits.set_max_picture_texels(options.scenes.max_texels);
-  limits.set_max_include_depth(static_cast<std::uint32_t>(options.scenes.max_include_depth));
-  limits.set_max_tokens(options.scenes.max_tokens);
+  limits.set_max_scene_primitives(options.scenes.load.max_primitives);
+  limits.set_max_scene_bytes(options.scenes.load.max_scene_bytes);
+  limits.set_max_picture_texels(options.scenes.load.max_texels);
+  limits.set_max_include_depth(static_cast<std::uint32_t>(options.scenes.load.max_include_depth));
+  limits.set_max_tokens(options.scenes.load.max_tokens);
   limits.set_max_name_bytes(options.limits.max_name_bytes);
   limits.set_upload_timeout_s(static_cast<double>(options.assets.stall_time.count()));
   v1::NumericFingerprint& f = *info.mutable_fingerprint();

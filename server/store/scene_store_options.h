@@ -18,15 +18,7 @@ struct SceneStoreOptions {
   std::uint64_t memory_budget_bytes = 0;
   /// Memory of the pictures of surfaces in one scene; larger ones are halved.  0: no limit.
   std::uint64_t texture_bytes = std::uint64_t{1} << 30;
-  /// Texels of one picture.
-  std::uint64_t max_texels = LoadLimits().max_texels;
-  /// Triangles, patches, curves and other shapes of one scene.
-  std::uint64_t max_primitives = LoadLimits().max_primitives;
-  /// Bytes of the files of one scene.  Compressed files also count unpacked.
-  std::uint64_t max_scene_bytes = LoadLimits().max_scene_bytes;
-  std::uint64_t max_include_depth = LoadLimits().max_include_depth;
-  /// Words, strings and brackets of the .pbrt files of one scene.
-  std::uint64_t max_tokens = LoadLimits().max_tokens;
+  LoadLimits load{};  ///< without `texture_bytes` and `budget`
   /// The longest lease [s].
   double max_lease_s = 86400;
   /// The clock of leases.

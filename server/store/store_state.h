@@ -147,13 +147,8 @@ struct SceneStore::State {
   static constexpr std::uint64_t kLeastFreed = std::uint64_t{8} << 20, kFreedShare = 32;
 
   LoadLimits load_limits(LoadBudget& budget) const {
-    LoadLimits limits;
+    LoadLimits limits = options.load;
     if (options.texture_bytes > 0) limits.texture_bytes = options.texture_bytes;
-    limits.max_texels = options.max_texels;
-    limits.max_primitives = options.max_primitives;
-    limits.max_scene_bytes = options.max_scene_bytes;
-    limits.max_include_depth = options.max_include_depth;
-    limits.max_tokens = options.max_tokens;
     limits.budget = &budget;
     return limits;
   }

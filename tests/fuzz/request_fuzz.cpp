@@ -69,10 +69,10 @@ SceneStoreOptions store_options() {
   SceneStoreOptions options;
   options.root = test_data();
   options.memory_budget_bytes = kMemoryBytes;
-  options.max_texels = 1 << 16;
-  options.max_primitives = 20000;
-  options.max_scene_bytes = 1 << 22;
-  options.max_tokens = 1 << 16;
+  options.load.max_texels = 1 << 16;
+  options.load.max_primitives = 20000;
+  options.load.max_scene_bytes = 1 << 22;
+  options.load.max_tokens = 1 << 16;
   return options;
 }
 
