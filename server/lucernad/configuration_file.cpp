@@ -38,8 +38,7 @@ std::optional<std::vector<std::string>> texts_of(const Setting& setting, const t
     if (!node.is_boolean()) return std::nullopt;
     return {{node.as_boolean()->get() ? "true" : "false"}};
   }
-  const bool text =
-      std::holds_alternative<Text>(setting.value) || std::holds_alternative<Choice>(setting.value);
+  const bool text = std::holds_alternative<Text>(setting.value);
   const bool size = std::holds_alternative<Bytes>(setting.value);
   if (node.is_string()) {
     if (!text && !size) return std::nullopt;
@@ -53,7 +52,8 @@ std::optional<std::vector<std::string>> texts_of(const Setting& setting, const t
 }
 
 std::string type_of(const Setting& setting) {
-  if (std::holds_alternative<Text>(setting.value)) return "a text in quotes";
+  if (const auto* text = std::get_if<Text>(&setting.value); text != nullptr && text->names.empty())
+    return "a text in quotes";
   if (std::holds_alternative<Texts>(setting.value))
     return "a list of texts, such as [\"a\", \"b\"]";
   return allowed(setting);

@@ -1,11 +1,11 @@
 #include "server/lucernad/setting.h"
 
+#include <absl/strings/ascii.h>
+#include <absl/strings/str_replace.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
-#include <cmath>
 #include <optional>
 #include <string_view>
 
@@ -21,9 +21,10 @@ Overloaded(F...) -> Overloaded<F...>;
 
 constexpr std::string_view kUnits = "KMGTPE";
 
-/// The whole text as a number; nothing for a sign, a fraction or a number over 64 bits.
-std::optional<std::uint64_t> whole(std::string_view text) {
-  std::uint64_t value = 0;
+/// The whole text as a number.
+template <typename Number>
+std::optional<Number> number_of(std::string_view text) {
+  Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
@@ -32,13 +33,11 @@ std::optional<std::uint64_t> whole(std::string_view text) {
 /// "8", "8B", "8K", "8KB" or "8KiB", in any case, with spaces before the unit.
 std::optional<std::uint64_t> bytes(std::string_view text) {
   std::size_t digits = 0;
-  while (digits < text.size() && std::isdigit(static_cast<unsigned char>(text[digits]))) ++digits;
-  const std::optional<std::uint64_t> number = whole(text.substr(0, digits));
+  while (digits < text.size() && absl::ascii_isdigit(text[digits])) ++digits;
+  const auto number = number_of<std::uint64_t>(text.substr(0, digits));
   if (!number) return std::nullopt;
-  std::string unit;
-  for (const char c : text.substr(digits)) {
-    if (c != ' ') unit += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  }
+  std::string unit = absl::AsciiStrToUpper(std::string(text.substr(digits)));
+  std::erase(unit, ' ');
   if (unit.empty() || unit == "B") return number;
   const std::size_t power = kUnits.find(unit[0]);
   const std::string_view rest = std::string_view(unit).substr(1);
@@ -48,15 +47,6 @@ std::optional<std::uint64_t> bytes(std::string_view text) {
   const std::uint64_t factor = std::uint64_t{1} << (10 * (power + 1));
   if (*number > UINT64_MAX / factor) return std::nullopt;
   return *number * factor;
-}
-
-std::optional<double> real(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
 }
 
 /// The number with the largest unit that divides it.
@@ -73,25 +63,28 @@ std::uint64_t present(const Whole& value) {
   return std::visit([](const auto* to) { return static_cast<std::uint64_t>(*to); }, value.to);
 }
 
+template <typename Range, typename Number>
+bool is_within(const Range& range, const std::optional<Number>& number) {
+  return number && *number >= range.least && *number <= range.most;
+}
+
 bool assign(const Whole& value, const std::string& text) {
-  const std::optional<std::uint64_t> number = whole(text);
-  if (!number || *number < value.least || *number > value.most) return false;
+  const auto number = number_of<std::uint64_t>(text);
+  if (!is_within(value, number)) return false;
   std::visit([&](auto* to) { *to = static_cast<std::decay_t<decltype(*to)>>(*number); }, value.to);
   return true;
 }
 
 bool assign(const Bytes& value, const std::string& text) {
   const std::optional<std::uint64_t> number = bytes(text);
-  if (!number || *number < value.least || *number > value.most) return false;
-  *value.to = *number;
-  return true;
+  if (is_within(value, number)) *value.to = *number;
+  return is_within(value, number);
 }
 
 bool assign(const Real& value, const std::string& text) {
-  const std::optional<double> number = real(text);
-  if (!number || *number < value.least || *number > value.most) return false;
-  *value.to = *number;
-  return true;
+  const auto number = number_of<double>(text);
+  if (is_within(value, number)) *value.to = *number;
+  return is_within(value, number);
 }
 
 bool assign(const Switch& value, const std::string& text) {
@@ -101,12 +94,7 @@ bool assign(const Switch& value, const std::string& text) {
 }
 
 bool assign(const Text& value, const std::string& text) {
-  *value.to = text;
-  return true;
-}
-
-bool assign(const Choice& value, const std::string& text) {
-  if (std::ranges::find(value.names, text) == value.names.end()) return false;
+  if (!value.names.empty() && std::ranges::count(value.names, text) == 0) return false;
   *value.to = text;
   return true;
 }
@@ -116,17 +104,14 @@ bool assign(const Choice& value, const std::string& text) {
 std::string flag_name(const Setting& setting) { return "--" + setting.name; }
 
 std::string environment_name(const Setting& setting) {
-  std::string name = "LUCERNAD_";
-  for (const char c : setting.name) {
-    name += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  }
-  return name;
+  return "LUCERNAD_" + absl::AsciiStrToUpper(absl::StrReplaceAll(setting.name, {{"-", "_"}}));
 }
 
 std::string allowed(const Setting& setting) {
   return std::visit(
-      Overloaded{[](const Text&) { return std::string("a text"); },
-                 [](const Choice& v) { return fmt::format("{}", fmt::join(v.names, ", ")); },
+      Overloaded{[](const Text& v) {
+                   return v.names.empty() ? "a text" : fmt::format("{}", fmt::join(v.names, ", "));
+                 },
                  [](const Texts&) { return std::string("a list of texts"); },
                  [](const Switch&) { return std::string("true or false"); },
                  [](const Whole& v) { return fmt::format("{} to {}", v.least, v.most); },
@@ -158,7 +143,7 @@ absl::Status set(const Setting& setting, const std::vector<std::string>& texts) 
 
 std::string text_of(const Setting& setting) {
   return std::visit(
-      Overloaded{[](const Text& v) { return *v.to; }, [](const Choice& v) { return *v.to; },
+      Overloaded{[](const Text& v) { return *v.to; },
                  [](const Texts& v) { return fmt::format("{}", fmt::join(*v.to, ",")); },
                  [](const Switch& v) { return std::string(*v.to ? "true" : "false"); },
                  [](const Whole& v) { return fmt::format("{}", present(v)); },

@@ -11,14 +11,10 @@
 
 namespace lucerna::config {
 
-/// Any text.
+/// One of these texts; without names, any text.
 struct Text {
   std::string* to;
-};
-/// One of these texts.
-struct Choice {
-  std::string* to;
-  std::vector<std::string> names;
+  std::vector<std::string> names{};
 };
 /// A list of texts.  The flag may be repeated.
 struct Texts {
@@ -50,7 +46,7 @@ struct Setting {
   std::string name;  ///< such as "memory-budget"
   std::string type;  ///< of its value, for the help
   std::string help;
-  std::variant<Text, Choice, Texts, Switch, Whole, Bytes, Real> value;
+  std::variant<Text, Texts, Switch, Whole, Bytes, Real> value;
   /// Whether SIGHUP changes it while the server runs.
   bool reloads = false;
 };

@@ -2,12 +2,14 @@
 
 namespace lucerna::config {
 
-std::vector<Setting> settings(Options& options) {
-  rpc::ServerOptions& server = options.server;
-  const auto reloads = [](Setting setting) {
-    setting.reloads = true;
-    return setting;
-  };
+namespace {
+
+Setting reloads(Setting setting) {
+  setting.reloads = true;
+  return setting;
+}
+
+std::vector<Setting> connection_settings(rpc::ServerOptions& server) {
   return {
       {"listen", "HOST:PORT", "Address to listen on; port 0 chooses a free port",
        Text{&server.listen}},
@@ -40,6 +42,11 @@ std::vector<Setting> settings(Options& options) {
        Whole{&server.connections.ping_s, 1, 2000000}},
       {"min-ping-seconds", "SECONDS", "Disconnect a client that pings more often than this",
        Whole{&server.connections.least_ping_gap_s, 0, 3600}},
+  };
+}
+
+std::vector<Setting> scene_settings(rpc::ServerOptions& server) {
+  return {
       {"scene-root", "DIR", "Directory of the scenes", Text{&server.scenes.root}},
       {"load", "PATH", "Load this scene before serving; may be repeated", Texts{&server.load}},
       {"threads", "N", "Compute threads; 0: one for each processor",
@@ -75,6 +82,12 @@ std::vector<Setting> settings(Options& options) {
        Whole{&server.scenes.load.max_include_depth, 1, 1000}},
       {"max-tokens", "N", "Most words, strings and brackets of the .pbrt files of a scene",
        Whole{&server.scenes.load.max_tokens, 1, std::uint64_t{1} << 40}},
+  };
+}
+
+std::vector<Setting> other_settings(Options& options) {
+  rpc::ServerOptions& server = options.server;
+  return {
       {"asset-dir", "DIR",
        "Directory of uploaded files, kept for the next start; default: a temporary directory",
        Text{&server.assets.directory}},
@@ -98,15 +111,24 @@ std::vector<Setting> settings(Options& options) {
        "Address of the metrics for Prometheus, without encryption; default: no metrics",
        Text{&server.metrics}},
       {"log-format", "FORMAT", "Form of the log: text, or json (JSON lines)",
-       Choice{&options.log.format, {"text", "json"}}},
+       Text{&options.log.format, {"text", "json"}}},
       {"log-level", "LEVEL", "Least level of the lines in the log",
-       Choice{&options.log.level, {"debug", "info", "warning", "error", "off"}}},
+       Text{&options.log.level, {"debug", "info", "warning", "error", "off"}}},
       {"log-lines", "N",
        "Most lines of the log in a second, of calls and of other lines each; 0: no limit",
        Whole{&options.log.lines_per_second, 0, 1U << 20}},
       {"drain-seconds", "SECONDS", "How long calls may continue after SIGTERM [s]",
        Whole{&options.drain_seconds, 0, 86400}},
   };
+}
+
+}  // namespace
+
+std::vector<Setting> settings(Options& options) {
+  std::vector<Setting> all = connection_settings(options.server);
+  for (const auto& more : {scene_settings(options.server), other_settings(options)})
+    all.insert(all.end(), more.begin(), more.end());
+  return all;
 }
 
 }  // namespace lucerna::config

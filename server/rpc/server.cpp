@@ -105,6 +105,35 @@ void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int 
   f.set_libm(fingerprint.libm);
 }
 
+/// Sets what gRPC allows its connections.
+void set_arguments(const ServerOptions& options, grpc::ServerBuilder& builder) {
+  const ConnectionOptions& connections = options.connections;
+  const auto set = [&](const char* argument, std::uint64_t value) {
+    builder.AddChannelArgument(argument, static_cast<int>(std::min<std::uint64_t>(
+                                             value, std::numeric_limits<int>::max())));
+  };
+  // Clients send keepalive pings while a long call runs.
+  set(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
+      1000ULL * connections.least_ping_gap_s);
+  set(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  // A client that is gone without a word answers no ping, and its connection is closed.
+  set(GRPC_ARG_KEEPALIVE_TIME_MS, 1000ULL * connections.ping_s);
+  set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 1000ULL * kPingAnswerSeconds);
+  set(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  set(GRPC_ARG_MAX_CONCURRENT_STREAMS, connections.streams);
+  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 1000ULL * connections.handshake_s);
+  if (connections.idle_s > 0) set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 1000ULL * connections.idle_s);
+  const int bytes = static_cast<int>(
+      std::min<std::uint64_t>(options.limits.max_message_bytes, std::numeric_limits<int>::max()));
+  builder.SetMaxReceiveMessageSize(bytes);
+  builder.SetMaxSendMessageSize(bytes);
+  // A message of 1 MB may unpack to 1 GB before gRPC looks at its size.
+  set(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, 1U << GRPC_COMPRESS_NONE);
+  set(GRPC_ARG_MAX_METADATA_SIZE, kMaxHeaderBytes);
+  set(GRPC_ARG_TCP_READ_CHUNK_SIZE, kMaxReadBytes);
+  set(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE, kMaxReadBytes);
+}
+
 /// Once for the process.
 void set_up_grpc() {
   static const bool done = [] {
@@ -175,31 +204,8 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   service = make_service(runtime);
   LUCERNA_ASSIGN_OR_RETURN(listener, Listener::open(options.listen, options.connections.limits));
   grpc::ServerBuilder builder;
+  set_arguments(options, builder);
   const ConnectionOptions& connections = options.connections;
-  const auto set = [&](const char* argument, std::uint64_t value) {
-    builder.AddChannelArgument(argument, static_cast<int>(std::min<std::uint64_t>(
-                                             value, std::numeric_limits<int>::max())));
-  };
-  // Clients send keepalive pings while a long call runs.
-  set(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
-      1000ULL * connections.least_ping_gap_s);
-  set(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  // A client that is gone without a word answers no ping, and its connection is closed.
-  set(GRPC_ARG_KEEPALIVE_TIME_MS, 1000ULL * connections.ping_s);
-  set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 1000ULL * kPingAnswerSeconds);
-  set(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  set(GRPC_ARG_MAX_CONCURRENT_STREAMS, connections.streams);
-  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 1000ULL * connections.handshake_s);
-  if (connections.idle_s > 0) set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 1000ULL * connections.idle_s);
-  const int bytes = static_cast<int>(
-      std::min<std::uint64_t>(options.limits.max_message_bytes, std::numeric_limits<int>::max()));
-  builder.SetMaxReceiveMessageSize(bytes);
-  builder.SetMaxSendMessageSize(bytes);
-  // A message of 1 MB may unpack to 1 GB before gRPC looks at its size.
-  set(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, 1U << GRPC_COMPRESS_NONE);
-  set(GRPC_ARG_MAX_METADATA_SIZE, kMaxHeaderBytes);
-  set(GRPC_ARG_TCP_READ_CHUNK_SIZE, kMaxReadBytes);
-  set(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE, kMaxReadBytes);
   const std::uint64_t two_messages = 2ULL * options.limits.max_message_bytes;
   const std::uint64_t budget = options.scenes.memory_budget_bytes;
   const std::uint64_t message = std::max(options.limits.max_message_bytes, kLeastMessageBytes);
