@@ -26,6 +26,7 @@
 #include "server/monitor/log_limit.h"
 #include "server/monitor/unblocking_sink.h"
 #include "server/rpc/server.h"
+#include "server/rpc/tls.h"
 #include "server/runtime/scheduling.h"
 #include "server/runtime/service_manager.h"
 #include "server/runtime/signals.h"
@@ -51,7 +52,8 @@ void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::S
   spdlog::info(fmt::format("scene root {}: {} scene files{}, {} scenes loaded", serves.root,
                            serves.available_scenes, serves.listing_is_incomplete ? " or more" : "",
                            serves.loaded_scenes));
-  for (const std::string& warning : lucerna::rpc::option_warnings(options)) spdlog::warn(warning);
+  for (const std::string& warning : lucerna::rpc::certificate_warnings(options.connections.tls))
+    spdlog::warn(warning);
   const lucerna::rpc::ConnectionOptions& connections = options.connections;
   spdlog::info(fmt::format("{}, {}", connections.tls.given() ? "TLS" : "no TLS",
                            connections.token_file.empty()
@@ -148,7 +150,8 @@ class Control {
       spdlog::error(fmt::format("not reloaded: {}", std::string(status.message())));
       return;
     }
-    for (const std::string& warning : lucerna::rpc::option_warnings(now.options.server))
+    for (const std::string& warning :
+         lucerna::rpc::certificate_warnings(now.options.server.connections.tls))
       spdlog::warn(warning);
     for (std::size_t i = 0; i < now.held.size(); ++i) {
       if (now.held[i].value == held_[i].value) continue;
@@ -220,7 +223,8 @@ int run(int argc, char** argv) {
       print_errors(std::string(checked.message()));
       return 2;
     }
-    for (const std::string& warning : lucerna::rpc::option_warnings(configuration.options.server))
+    for (const std::string& warning :
+         lucerna::rpc::certificate_warnings(configuration.options.server.connections.tls))
       fmt::print(stderr, "lucernad: warning: {}\n", warning);
     fmt::print("{}", lucerna::config::describe(configuration));
     return 0;

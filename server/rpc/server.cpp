@@ -184,10 +184,6 @@ absl::Status check_options(const ServerOptions& options) {
   return errors.empty() ? absl::OkStatus() : all();
 }
 
-std::vector<std::string> option_warnings(const ServerOptions& options) {
-  return certificate_warnings(options.connections.tls);
-}
-
 absl::Status Server::State::load(const std::string& path, const std::stop_token& stop) {
   std::promise<absl::Status> result;
   const auto run = [&](const LaneJobStart& start) {

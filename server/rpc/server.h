@@ -49,9 +49,6 @@ struct ServerOptions {
 /// addresses with their TLS, the certificates and the token file.  INVALID_ARGUMENT with all
 /// errors, one a line.
 absl::Status check_options(const ServerOptions& options);
-/// What an operator should know of options that check_options() accepts: certificates that have
-/// expired.  One sentence each.
-std::vector<std::string> option_warnings(const ServerOptions& options);
 
 /// What a server serves, for its log.
 struct ServerSummary {

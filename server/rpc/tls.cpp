@@ -3,14 +3,12 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 #include <grpc/grpc.h>
-#include <grpc/grpc_security.h>
 #include <openssl/bio.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
 #include <ctime>
-#include <mutex>
 #include <utility>
 
 #include "proto/common/status_macros.h"
@@ -19,23 +17,15 @@
 namespace lucerna::rpc {
 namespace {
 
-template <class T, void (*free)(T*)>
+template <auto free>
 struct Free {
-  void operator()(T* object) const { free(object); }
+  void operator()(auto* object) const { free(object); }
 };
-using Certificate = std::unique_ptr<X509, Free<X509, X509_free>>;
-using PrivateKey = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY, EVP_PKEY_free>>;
-struct FreeBio {
-  void operator()(BIO* bio) const { BIO_free(bio); }
-};
-using Bio = std::unique_ptr<BIO, FreeBio>;
+using Certificate = std::unique_ptr<X509, Free<X509_free>>;
+using PrivateKey = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY_free>>;
+using Bio = std::unique_ptr<BIO, Free<BIO_free>>;
 
-/// The texts of the files.
-struct Material {
-  std::string certificate, key, client_ca;
-};
-
-absl::StatusOr<std::string> read(const char* setting, const std::string& path) {
+absl::StatusOr<std::string> read_setting(const char* setting, const std::string& path) {
   absl::StatusOr<std::string> text = read_text_file(path);
   if (text.ok()) return text;
   return absl::InvalidArgumentError(
@@ -93,19 +83,28 @@ void add_warnings(const char* setting, const std::string& path,
 /// A key with a password would otherwise ask for it on the terminal.
 int no_password(char*, int, int, void*) { return -1; }
 
-absl::StatusOr<Material> read_material(const TlsFiles& files) {
+}  // namespace
+
+std::vector<std::string> certificate_warnings(const TlsFiles& files) {
+  std::vector<std::string> warnings;
+  add_warnings("tls-cert", files.certificate, warnings);
+  add_warnings("tls-client-ca", files.client_ca, warnings);
+  return warnings;
+}
+
+absl::StatusOr<Tls::Texts> Tls::read(const TlsFiles& files) {
   if (files.certificate.empty() || files.key.empty()) {
     return absl::InvalidArgumentError("tls-cert and tls-key, allowed: both or neither");
   }
-  Material material;
-  LUCERNA_ASSIGN_OR_RETURN(material.certificate, read("tls-cert", files.certificate));
-  LUCERNA_ASSIGN_OR_RETURN(material.key, read("tls-key", files.key));
+  Texts texts;
+  LUCERNA_ASSIGN_OR_RETURN(texts.certificate, read_setting("tls-cert", files.certificate));
+  LUCERNA_ASSIGN_OR_RETURN(texts.key, read_setting("tls-key", files.key));
   Certificate own;
-  if (certificates(material.certificate, &own) == 0) {
+  if (certificates(texts.certificate, &own) == 0) {
     return absl::InvalidArgumentError(
         fmt::format("tls-cert: {} has no certificate in PEM", files.certificate));
   }
-  const Bio bio(BIO_new_mem_buf(material.key.data(), static_cast<int>(material.key.size())));
+  const Bio bio(BIO_new_mem_buf(texts.key.data(), static_cast<int>(texts.key.size())));
   const PrivateKey key(PEM_read_bio_PrivateKey(bio.get(), nullptr, no_password, nullptr));
   ERR_clear_error();
   if (key == nullptr) {
@@ -118,62 +117,49 @@ absl::StatusOr<Material> read_material(const TlsFiles& files) {
         "tls-key: {} is not the key of the certificate {}", files.key, files.certificate));
   }
   if (!files.client_ca.empty()) {
-    LUCERNA_ASSIGN_OR_RETURN(material.client_ca, read("tls-client-ca", files.client_ca));
-    if (certificates(material.client_ca, nullptr) == 0) {
+    LUCERNA_ASSIGN_OR_RETURN(texts.client_ca, read_setting("tls-client-ca", files.client_ca));
+    if (certificates(texts.client_ca, nullptr) == 0) {
       return absl::InvalidArgumentError(
           fmt::format("tls-client-ca: {} has no certificate in PEM", files.client_ca));
     }
   }
-  return material;
+  return texts;
 }
 
-class ReloadingTls final : public Tls, public std::enable_shared_from_this<ReloadingTls> {
- public:
-  ReloadingTls(const TlsFiles& files, Material material)
-      : material_(std::move(material)), needs_clients_(!files.client_ca.empty()) {}
+absl::StatusOr<std::shared_ptr<Tls>> Tls::open(const TlsFiles& files) {
+  LUCERNA_ASSIGN_OR_RETURN(Texts texts, read(files));
+  return std::shared_ptr<Tls>(new Tls(files, std::move(texts)));
+}
 
-  absl::Status reload(const TlsFiles& files) override {
-    if (needs_clients_ == files.client_ca.empty()) {
-      return absl::InvalidArgumentError(
-          "tls-client-ca: whether clients need a certificate changes only at a restart");
-    }
-    LUCERNA_ASSIGN_OR_RETURN(Material material, read_material(files));
-    const std::lock_guard lock(mutex_);
-    material_ = std::move(material);
-    ++version_;
-    return absl::OkStatus();
-  }
+absl::Status Tls::reload(const TlsFiles& files) {
+  if (needs_clients_ == files.client_ca.empty())
+    return absl::InvalidArgumentError(
+        "tls-client-ca: whether clients need a certificate changes only at a restart");
+  LUCERNA_ASSIGN_OR_RETURN(Texts texts, read(files));
+  const std::lock_guard lock(mutex_);
+  texts_ = std::move(texts);
+  ++version_;
+  return absl::OkStatus();
+}
 
-  std::shared_ptr<grpc::ServerCredentials> credentials() override;
-
-  bool needs_clients() const { return needs_clients_; }
-
-  /// The certificates, unless their version is `known`, which becomes theirs.
-  grpc_ssl_certificate_config_reload_status fetch(std::uint64_t& known,
-                                                  grpc_ssl_server_certificate_config** config) {
-    const std::lock_guard lock(mutex_);
-    if (std::exchange(known, version_) == version_)
-      return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
-    const grpc_ssl_pem_key_cert_pair pair{material_.key.c_str(), material_.certificate.c_str()};
-    // gRPC wants roots even if it asks clients for no certificate.  Then it does not use them.
-    const std::string& roots = needs_clients_ ? material_.client_ca : material_.certificate;
-    *config = grpc_ssl_server_certificate_config_create(roots.c_str(), &pair, 1);
-    return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
-  }
-
- private:
-  std::mutex mutex_;
-  Material material_;          // guarded by mutex_
-  std::uint64_t version_ = 1;  // guarded by mutex_; of material_
-  const bool needs_clients_;
-};
+grpc_ssl_certificate_config_reload_status Tls::fetch(std::uint64_t& known,
+                                                     grpc_ssl_server_certificate_config** config) {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(known, version_) == version_)
+    return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
+  const grpc_ssl_pem_key_cert_pair pair{texts_.key.c_str(), texts_.certificate.c_str()};
+  // gRPC wants roots even if it asks clients for no certificate.  Then it does not use them.
+  const std::string& roots = needs_clients_ ? texts_.client_ca : texts_.certificate;
+  *config = grpc_ssl_server_certificate_config_create(roots.c_str(), &pair, 1);
+  return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
+}
 
 /// gRPC's C++ interface has no credentials that reload and keep the certificates of before if the
 /// new ones are wrong.  Its C interface has.
-class Credentials final : public grpc::ServerCredentials {
+class Tls::Credentials final : public grpc::ServerCredentials {
  public:
-  explicit Credentials(std::shared_ptr<ReloadingTls> tls) : tls_(std::move(tls)) {
-    const auto request = tls_->needs_clients()
+  explicit Credentials(std::shared_ptr<Tls> tls) : tls_(std::move(tls)) {
+    const auto request = tls_->needs_clients_
                              ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
                              : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE;
     credentials_ = grpc_ssl_server_credentials_create_with_options(
@@ -198,27 +184,13 @@ class Credentials final : public grpc::ServerCredentials {
     return grpc_server_add_http2_port(server, address.c_str(), credentials_);
   }
 
-  std::shared_ptr<ReloadingTls> tls_;
+  std::shared_ptr<Tls> tls_;
   std::uint64_t known_ = 0;  // the version of the certificates that gRPC has
   grpc_server_credentials* credentials_;
 };
 
-std::shared_ptr<grpc::ServerCredentials> ReloadingTls::credentials() {
+std::shared_ptr<grpc::ServerCredentials> Tls::credentials() {
   return std::make_shared<Credentials>(shared_from_this());
-}
-
-}  // namespace
-
-std::vector<std::string> certificate_warnings(const TlsFiles& files) {
-  std::vector<std::string> warnings;
-  add_warnings("tls-cert", files.certificate, warnings);
-  add_warnings("tls-client-ca", files.client_ca, warnings);
-  return warnings;
-}
-
-absl::StatusOr<std::shared_ptr<Tls>> Tls::open(const TlsFiles& files) {
-  LUCERNA_ASSIGN_OR_RETURN(Material material, read_material(files));
-  return std::make_shared<ReloadingTls>(files, std::move(material));
 }
 
 }  // namespace lucerna::rpc
