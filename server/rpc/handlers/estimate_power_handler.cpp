@@ -20,7 +20,7 @@
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/paging.h"
-#include "server/rpc/messages/stop_rule.h"
+#include "server/rpc/messages/requested_accuracy.h"
 #include "server/runtime/time_budget.h"
 
 namespace lucerna::rpc {

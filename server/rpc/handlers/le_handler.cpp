@@ -4,7 +4,7 @@
 #include "server/queries/emission_queries.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
-#include "server/rpc/messages/requested_methods.h"
+#include "server/rpc/messages/requested_accuracy.h"
 
 namespace lucerna::rpc {
 namespace {

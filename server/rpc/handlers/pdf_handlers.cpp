@@ -5,7 +5,7 @@
 #include "server/queries/queries.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
-#include "server/rpc/messages/requested_methods.h"
+#include "server/rpc/messages/requested_accuracy.h"
 #include "server/scene/create_light.h"
 
 namespace lucerna::rpc {

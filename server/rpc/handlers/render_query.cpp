@@ -13,7 +13,7 @@
 #include "server/queries/queries.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
-#include "server/rpc/messages/requested_methods.h"
+#include "server/rpc/messages/requested_accuracy.h"
 #include "server/visibility/smooth_remarks.h"
 
 namespace lucerna::rpc {

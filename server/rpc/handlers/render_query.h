@@ -8,7 +8,7 @@
 
 #include "lucerna/v1/render.pb.h"
 #include "server/estimate/render.h"
-#include "server/rpc/messages/stop_rule.h"
+#include "server/rpc/messages/requested_accuracy.h"
 #include "server/rpc/messages/task.h"
 
 namespace lucerna::rpc {

@@ -15,8 +15,7 @@
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/estimate_arrays.h"
 #include "server/rpc/messages/randomness.h"
-#include "server/rpc/messages/requested_methods.h"
-#include "server/rpc/messages/stop_rule.h"
+#include "server/rpc/messages/requested_accuracy.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/time_budget.h"
 

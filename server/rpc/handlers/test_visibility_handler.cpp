@@ -7,7 +7,7 @@
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
-#include "server/rpc/messages/requested_methods.h"
+#include "server/rpc/messages/requested_accuracy.h"
 
 namespace lucerna::rpc {
 namespace {

@@ -153,15 +153,6 @@ absl::Status check_grey_media(const Scene& scene, std::span<const double> wavele
                    "none in this scene, since its media have a colour and no spectrum");
 }
 
-absl::StatusOr<std::uint32_t> check_samples(const CallContext& context,
-                                            const v1::Accuracy& accuracy, std::uint32_t fallback) {
-  if (!accuracy.has_samples()) return fallback;
-  if (accuracy.samples() == 0 || accuracy.samples() > context.limits.max_samples) {
-    return bad_field("accuracy.samples", accuracy.samples(), "[1, {}]", context.limits.max_samples);
-  }
-  return accuracy.samples();
-}
-
 absl::Status check_answer_size(const CallContext& context, const std::string& field,
                                std::uint64_t items, const AnswerSize& size) {
   const std::uint64_t most = size.items_within(context.limits.max_message_bytes);

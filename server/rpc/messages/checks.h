@@ -66,9 +66,6 @@ absl::StatusOr<std::span<const double>> check_wavelengths(
     const google::protobuf::RepeatedField<double>& wavelengths_nm);
 /// INVALID_ARGUMENT for wavelengths in a scene whose media have a colour.
 absl::Status check_grey_media(const Scene& scene, std::span<const double> wavelengths_nm);
-/// `samples`, or `fallback` if unset.  INVALID_ARGUMENT if out of range.
-absl::StatusOr<std::uint32_t> check_samples(const CallContext& context,
-                                            const v1::Accuracy& accuracy, std::uint32_t fallback);
 
 /// RESOURCE_EXHAUSTED if the answer to this many `items` exceeds the message size.  So nothing is
 /// computed that cannot be sent, and an int can count the entries of every array.  `field` names

@@ -1,4 +1,4 @@
-// When a computation stops.
+// The accuracy that a request asks for: when a computation stops, and by which methods.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "lucerna/v1/accuracy.pb.h"
-#include "proto/common/defaults.h"
+#include "server/estimate/methods.h"
 #include "server/estimate/pilots.h"
 #include "server/rpc/messages/task.h"
 
@@ -26,5 +26,8 @@ absl::StatusOr<StopRule> check_stop_rule(const CallContext& context, const v1::A
 /// The least number of equal blocks, at least kDefaultBlocks, that divides `samples`.  If there
 /// are fewer samples: `samples` itself.
 std::uint32_t blocks_of(std::uint32_t samples);
+
+/// An unset field is automatic.  INVALID_ARGUMENT for a field out of range.
+absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy);
 
 }  // namespace lucerna::rpc
