@@ -37,9 +37,13 @@ class UnaryCall : public Reactor {
   void compute(const Task& task);
 };
 
-/// `handler`: from the context of a request, or from the whole server, to its Task.
-template <typename Request, typename Response, auto handler>
-class TypedCall final : public UnaryCall {
+/// The call that `handler` answers: from the context of a request, or from the whole server, it
+/// makes a Task.
+template <auto handler>
+class TypedCall;
+template <typename Context, typename Request, typename Response,
+          Prepared (*handler)(Context&, const Request&, Response*)>
+class TypedCall<handler> final : public UnaryCall {
  public:
   using UnaryCall::UnaryCall;
 
@@ -51,7 +55,7 @@ class TypedCall final : public UnaryCall {
   }
   Prepared prepare() override {
     auto& [request, response] = *messages_;
-    if constexpr (std::is_invocable_v<decltype(handler), Runtime&, const Request&, Response*>) {
+    if constexpr (std::is_same_v<Context, Runtime>) {
       return handler(runtime_, request, &response);
     } else {
       return handler(runtime_.context(observed_.caller()), request, &response);

@@ -8,21 +8,7 @@
 #include <utility>
 
 #include "server/rpc/call.h"
-#include "server/rpc/handlers/edit_lights_handler.h"
-#include "server/rpc/handlers/estimate_irradiance_handler.h"
-#include "server/rpc/handlers/estimate_power_handler.h"
-#include "server/rpc/handlers/find_missing_assets_handler.h"
-#include "server/rpc/handlers/find_surfaces_handler.h"
-#include "server/rpc/handlers/get_scene_handler.h"
-#include "server/rpc/handlers/le_handler.h"
-#include "server/rpc/handlers/lease_handlers.h"
-#include "server/rpc/handlers/list_handlers.h"
-#include "server/rpc/handlers/load_scene_handler.h"
-#include "server/rpc/handlers/pdf_handlers.h"
-#include "server/rpc/handlers/render_tile_handler.h"
-#include "server/rpc/handlers/sample_le_handler.h"
-#include "server/rpc/handlers/sample_li_handler.h"
-#include "server/rpc/handlers/test_visibility_handler.h"
+#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/health.h"
 #include "server/rpc/image_stream.h"
 #include "server/rpc/reflection.h"
@@ -49,45 +35,37 @@ struct CallHandler {
   Reactor* (*start)(Runtime&, grpc::CallbackServerContext&, Call);
 };
 
-template <typename Request, typename Response, auto handler>
-constexpr auto unary = Reactor::start<TypedCall<Request, Response, handler>>;
+/// Begins a call that `handler` answers.
+template <auto handler>
+constexpr auto unary = Reactor::start<TypedCall<handler>>;
 
 /// What answers each call, in the order of Call: a function from a request, or a class for a
 /// stream.  The function predicts the time of the work, which chooses its lane.
 constexpr CallHandler kHandlers[] = {
-    {Call::kFindMissingAssets, unary<v1::FindMissingAssetsRequest, v1::FindMissingAssetsResponse,
-                                     handle_find_missing_assets>},
+    {Call::kFindMissingAssets, unary<handle_find_missing_assets>},
     {Call::kUploadAsset, Reactor::start<UploadStream>},
-    {Call::kLoadScene, unary<v1::LoadSceneRequest, v1::LoadSceneResponse, handle_load_scene>},
-    {Call::kGetScene, unary<v1::GetSceneRequest, v1::GetSceneResponse, handle_get_scene>},
-    {Call::kListScenes, unary<v1::ListScenesRequest, v1::ListScenesResponse, handle_list_scenes>},
-    {Call::kListAvailableScenes,
-     unary<v1::ListAvailableScenesRequest, v1::ListAvailableScenesResponse,
-           handle_list_available_scenes>},
-    {Call::kListLights, unary<v1::ListLightsRequest, v1::ListLightsResponse, handle_list_lights>},
-    {Call::kEditLights, unary<v1::EditLightsRequest, v1::EditLightsResponse, handle_edit_lights>},
-    {Call::kRenewLease, unary<v1::RenewLeaseRequest, v1::RenewLeaseResponse, handle_renew_lease>},
-    {Call::kReleaseScene,
-     unary<v1::ReleaseSceneRequest, v1::ReleaseSceneResponse, handle_release_scene>},
-    {Call::kSampleLi, unary<v1::SampleLiRequest, v1::SampleLiResponse, handle_sample_li>},
-    {Call::kPdfLi, unary<v1::PdfLiRequest, v1::PdfLiResponse, handle_pdf_li>},
-    {Call::kSampleLe, unary<v1::SampleLeRequest, v1::SampleLeResponse, handle_sample_le>},
-    {Call::kPdfLe, unary<v1::PdfLeRequest, v1::PdfLeResponse, handle_pdf_le>},
-    {Call::kLe, unary<v1::LeRequest, v1::LeResponse, handle_le>},
-    {Call::kEstimatePower,
-     unary<v1::EstimatePowerRequest, v1::EstimatePowerResponse, handle_estimate_power>},
-    {Call::kTestVisibility,
-     unary<v1::TestVisibilityRequest, v1::TestVisibilityResponse, handle_test_visibility>},
-    {Call::kEstimateIrradiance, unary<v1::EstimateIrradianceRequest, v1::EstimateIrradianceResponse,
-                                      handle_estimate_irradiance>},
-    {Call::kRenderTile, unary<v1::RenderTileRequest, v1::RenderTileResponse, handle_render_tile>},
+    {Call::kLoadScene, unary<handle_load_scene>},
+    {Call::kGetScene, unary<handle_get_scene>},
+    {Call::kListScenes, unary<handle_list_scenes>},
+    {Call::kListAvailableScenes, unary<handle_list_available_scenes>},
+    {Call::kListLights, unary<handle_list_lights>},
+    {Call::kEditLights, unary<handle_edit_lights>},
+    {Call::kRenewLease, unary<handle_renew_lease>},
+    {Call::kReleaseScene, unary<handle_release_scene>},
+    {Call::kSampleLi, unary<handle_sample_li>},
+    {Call::kPdfLi, unary<handle_pdf_li>},
+    {Call::kSampleLe, unary<handle_sample_le>},
+    {Call::kPdfLe, unary<handle_pdf_le>},
+    {Call::kLe, unary<handle_le>},
+    {Call::kEstimatePower, unary<handle_estimate_power>},
+    {Call::kTestVisibility, unary<handle_test_visibility>},
+    {Call::kEstimateIrradiance, unary<handle_estimate_irradiance>},
+    {Call::kRenderTile, unary<handle_render_tile>},
     {Call::kRenderImage, Reactor::start<ImageStream>},
-    {Call::kGetServerInfo,
-     unary<v1::GetServerInfoRequest, v1::GetServerInfoResponse, handle_get_server_info>},
-    {Call::kGetStats, unary<v1::GetStatsRequest, v1::GetStatsResponse, handle_get_stats>},
-    {Call::kListLeases, unary<v1::ListLeasesRequest, v1::ListLeasesResponse, handle_list_leases>},
-    {Call::kFindSurfaces,
-     unary<v1::FindSurfacesRequest, v1::FindSurfacesResponse, handle_find_surfaces>},
+    {Call::kGetServerInfo, unary<handle_get_server_info>},
+    {Call::kGetStats, unary<handle_get_stats>},
+    {Call::kListLeases, unary<handle_list_leases>},
+    {Call::kFindSurfaces, unary<handle_find_surfaces>},
     {Call::kHealthCheck, Reactor::start<HealthCheck>},
     {Call::kHealthWatch, Reactor::start<HealthWatch>},
     {Call::kReflection, Reactor::start<Reflection>},

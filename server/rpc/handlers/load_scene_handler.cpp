@@ -1,5 +1,3 @@
-#include "server/rpc/handlers/load_scene_handler.h"
-
 #include <fmt/core.h>
 
 #include <optional>
@@ -8,6 +6,7 @@
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
 #include "server/gltf/blender_levels.h"
+#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
