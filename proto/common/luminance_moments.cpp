@@ -12,9 +12,7 @@ namespace {
 constexpr float kLargestFloat = std::numeric_limits<float>::max();
 
 /// Powers of a larger number would not fit a double.
-double held(double v) {
-  return v > kLargestFloat ? kLargestFloat : v < -kLargestFloat ? -kLargestFloat : v;
-}
+double held(double v) { return std::clamp<double>(v, -kLargestFloat, kLargestFloat); }
 
 float rounded_down(double v) {
   const auto f = static_cast<float>(v);

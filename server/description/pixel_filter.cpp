@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <type_traits>
-#include <utility>
 
 #include "lights/sampling/sampling.h"
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <set>
+#include <span>
 #include <string_view>
 
 #include "lights/maths/stop_poll.h"
@@ -30,26 +31,12 @@ constexpr auto kShapes = [] {
   return names;
 }();
 
-/// Counts by the index of a variant.
-template <std::size_t kSize>
-class Kinds {
- public:
-  void add(std::size_t kind, std::uint64_t primitives = 0, std::uint64_t without_area = 0) {
-    ++counts_[kind];
-    primitives_[kind] += primitives;
-    without_area_[kind] += without_area;
-  }
-  std::vector<KindCount> by(const std::array<std::string_view, kSize>& names) const {
-    std::vector<KindCount> result;
-    for (std::size_t i = 0; i < kSize; ++i)
-      if (counts_[i] > 0)
-        result.push_back({std::string(names[i]), counts_[i], primitives_[i], without_area_[i]});
-    return result;
-  }
-
- private:
-  std::array<std::uint64_t, kSize> counts_{}, primitives_{}, without_area_{};
-};
+/// All kinds, by the index of a variant, without counts.
+std::vector<KindCount> kinds_of(std::span<const std::string_view> names) {
+  std::vector<KindCount> kinds;
+  for (const std::string_view name : names) kinds.push_back({std::string(name)});
+  return kinds;
+}
 
 std::uint64_t without_area(const ShapeDescription& shape) {
   return std::visit(
@@ -75,35 +62,37 @@ std::uint64_t primitives_of(const ShapeDescription& shape) {
 
 SceneContents contents_of(const SceneDescription& scene) {
   SceneContents contents;
-  Kinds<kShapes.size()> shapes;
+  contents.shapes = kinds_of(kShapes);
   std::set<std::uint32_t> used;
   const auto add = [&](const ShapeDescription& shape) {
-    shapes.add(shape.geometry.index(), primitives_of(shape), without_area(shape));
+    KindCount& kind = contents.shapes[shape.geometry.index()];
+    ++kind.count;
+    kind.primitives += primitives_of(shape);
+    kind.without_area += without_area(shape);
     used.insert(shape.material);
   };
   StopPoll poll;
   for (const ShapeDescription& shape : scene.shapes) poll(), add(shape);
   for (const ObjectDefinition& object : scene.objects)
     for (const ShapeDescription& shape : object.shapes) poll(), add(shape);
-  contents.shapes = shapes.by(kShapes);
   contents.objects = scene.objects.size();
   contents.instances = scene.instances.size();
 
   // Parts of a mix come before it, so one pass from the last to the first finds all.
-  Kinds<kMaterials.size()> materials;
+  contents.materials = kinds_of(kMaterials);
   for (std::size_t i = scene.materials.size(); i-- > 0; poll()) {
     if (!used.contains(static_cast<std::uint32_t>(i))) continue;
-    materials.add(scene.materials[i].params.index());
+    ++contents.materials[scene.materials[i].params.index()].count;
     if (const auto* mix = std::get_if<MixParams>(&scene.materials[i].params))
       used.insert(mix->materials.begin(), mix->materials.end());
   }
-  contents.materials = materials.by(kMaterials);
 
-  Kinds<kTextures.size()> textures;
-  for (const TextureNode& node : scene.textures.nodes()) textures.add(node.index());
+  contents.textures = kinds_of(kTextures);
+  for (const TextureNode& node : scene.textures.nodes()) ++contents.textures[node.index()].count;
   for (const Textures::Picture& p : scene.textures.pictures())
     contents.pictures.push_back({p.name, p.texels->width(), p.texels->height(), p.texels->bytes()});
-  contents.textures = textures.by(kTextures);
+  for (auto* const kinds : {&contents.shapes, &contents.materials, &contents.textures})
+    std::erase_if(*kinds, [](const KindCount& kind) { return kind.count == 0; });
 
   const auto projection = static_cast<std::size_t>(scene.camera.projection);
   contents.camera = kCameras[projection];

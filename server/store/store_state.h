@@ -38,30 +38,19 @@ inline std::string new_lease_id() {
 /// Admits one caller at a time for each key.
 class Turns {
  public:
-  class Turn {
-   public:
-    Turn(Turns& turns, std::string key) : turns_(turns), key_(std::move(key)) {}
-    ~Turn() {
-      {
-        const std::lock_guard lock(turns_.mutex_);
-        turns_.taken_.erase(key_);
-      }
-      turns_.over_.notify_all();
-    }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
-
-   private:
-    Turns& turns_;
-    std::string key_;
-  };
-
-  /// Null if `stop` is requested first.
-  std::unique_ptr<Turn> take(const std::string& key, const std::stop_token& stop) {
+  /// The turn ends with its last copy.  Null if `stop` is requested first.
+  std::shared_ptr<void> take(const std::string& key, const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     if (!over_.wait(lock, stop, [&] { return !taken_.contains(key); })) return nullptr;
     taken_.insert(key);
-    return std::make_unique<Turn>(*this, key);
+    lock.unlock();  // the deleter runs if there is no memory for the pointer
+    return {this, [this, key](void*) {
+              {
+                const std::lock_guard end(mutex_);
+                taken_.erase(key);
+              }
+              over_.notify_all();
+            }};
   }
 
  private:

@@ -82,12 +82,8 @@ class PowerTotal {
   std::string unit_;
 };
 
-/// The largest double instead of infinity.  Squares of extreme fluxes may overflow; the bound is
-/// still valid.
-double held(double v) {
-  constexpr double kLargest = std::numeric_limits<double>::max();
-  return v < kLargest ? v : kLargest;
-}
+/// Instead of infinity.  Squares of extreme fluxes may overflow; the bound is still valid.
+constexpr double kLargest = std::numeric_limits<double>::max();
 
 void set_power(const RadiantPower& radiant, v1::LightPower* out) {
   const Power& power = radiant.luminous;
@@ -95,15 +91,14 @@ void set_power(const RadiantPower& radiant, v1::LightPower* out) {
     const SampledPower& sampled = *radiant.sampled;
     // A single sample has no standard error and no interval.
     if (std::isfinite(sampled.interval_lm.upper) || std::isfinite(sampled.standard_error_lm)) {
-      out->set_standard_error_lm(held(sampled.standard_error_lm));
-      out->set_lower_lm(sampled.interval_lm.lower > 0 ? held(sampled.interval_lm.lower) : 0);
-      out->set_upper_lm(held(sampled.interval_lm.upper));
+      out->set_standard_error_lm(std::min(kLargest, sampled.standard_error_lm));
+      out->set_lower_lm(
+          sampled.interval_lm.lower > 0 ? std::min(kLargest, sampled.interval_lm.lower) : 0);
+      out->set_upper_lm(std::min(kLargest, sampled.interval_lm.upper));
     }
     out->set_samples(sampled.samples);
   }
-  out->mutable_rgb_lm()->set_r(power.lumens.r);
-  out->mutable_rgb_lm()->set_g(power.lumens.g);
-  out->mutable_rgb_lm()->set_b(power.lumens.b);
+  set(power.lumens, out->mutable_rgb_lm());
   out->set_power_lm(luminance(power.lumens));
   out->set_error_lm(power.error_lumens);
   if (radiant.watts) out->set_power_w(*radiant.watts);

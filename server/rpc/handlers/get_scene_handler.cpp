@@ -2,7 +2,6 @@
 #include "server/rpc/handlers/handlers.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
-#include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
 namespace {

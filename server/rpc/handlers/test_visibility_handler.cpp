@@ -36,18 +36,16 @@ absl::Status parse_rays(const v1::Rays& rays, VisibilityQuery& query) {
   return absl::OkStatus();
 }
 
-/// A query, and whether light may arrive in part.
-struct Parsed {
-  VisibilityQuery query;
-  bool is_partial = false;
-};
+/// Whether light may arrive in part.
+bool is_partial(const Scene& scene, const VisibilityQuery& query) {
+  return Transmittance(scene, query.thin_glass).is_partial();
+}
 
-absl::StatusOr<Parsed> parse(const CallContext& context, const Scene& scene,
-                             const v1::TestVisibilityRequest& request) {
+absl::StatusOr<VisibilityQuery> parse(const CallContext& context, const Scene& scene,
+                                      const v1::TestVisibilityRequest& request) {
   VisibilityQuery query;
   LUCERNA_ASSIGN_OR_RETURN(const Methods methods, check_methods(request.accuracy()));
   query.thin_glass = methods.thin_glass;
-  const bool is_partial = Transmittance(scene, query.thin_glass).is_partial();
   const bool segments = request.has_segments();
   if (!segments && !request.has_rays()) {
     return bad_field("between", "unset", "segments or rays");
@@ -57,7 +55,7 @@ absl::StatusOr<Parsed> parse(const CallContext& context, const Scene& scene,
                                segments ? request.segments().from() : request.rays().from()));
   const std::size_t n = query.from.size();
   LUCERNA_RETURN_IF_ERROR(check_answer_size(context, segments ? "segments" : "rays", n,
-                                            answer_size(request, is_partial)));
+                                            answer_size(request, is_partial(scene, query))));
   LUCERNA_RETURN_IF_ERROR(segments ? parse_segments(context, request.segments(), query)
                                    : parse_rays(request.rays(), query));
   LUCERNA_ASSIGN_OR_RETURN(query.time_s, check_time(request.time_s()));
@@ -66,7 +64,7 @@ absl::StatusOr<Parsed> parse(const CallContext& context, const Scene& scene,
   LUCERNA_ASSIGN_OR_RETURN(
       query.position_error_m,
       check_position_error(request.has_position_error_m(), request.position_error_m()));
-  return Parsed{query, is_partial};
+  return query;
 }
 
 }  // namespace
@@ -75,16 +73,16 @@ Prepared handle_test_visibility(const CallContext& context,
                                 const v1::TestVisibilityRequest& request,
                                 v1::TestVisibilityResponse* response) {
   LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
-  LUCERNA_ASSIGN_OR_RETURN(const Parsed parsed, parse(context, *scene, request));
-  const std::size_t n = parsed.query.from.size();
-  const auto run = [scene, parsed, n, response](const std::stop_token& stop) {
+  LUCERNA_ASSIGN_OR_RETURN(const VisibilityQuery query, parse(context, *scene, request));
+  const std::size_t n = query.from.size();
+  const auto run = [scene, query, n, response](const std::stop_token& stop) {
     response->set_count(static_cast<std::uint32_t>(n));
     const VisibilityAnswer answer{
         .visible = fill_bits(response->mutable_visible(), n),
         .transmittance =
-            parsed.is_partial ? fill(response->mutable_transmittance(), 3 * n) : nullptr,
+            is_partial(*scene, query) ? fill(response->mutable_transmittance(), 3 * n) : nullptr,
         .status = fill(response->mutable_status(), n)};
-    return finish_batch(response, test_visibility(*scene, parsed.query, answer, stop));
+    return finish_batch(response, test_visibility(*scene, query, answer, stop));
   };
   return batch_task(seconds_of(n, kRaySeconds), n, response, run);
 }

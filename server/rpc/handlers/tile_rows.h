@@ -3,7 +3,6 @@
 
 #include <absl/status/statusor.h>
 
-#include <chrono>
 #include <cstdint>
 #include <stop_token>
 #include <utility>
