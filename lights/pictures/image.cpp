@@ -72,7 +72,7 @@ Rgb Image::lookup(Vec2 p, ImageFilter filter, ImageBorder border) const {
   const BetweenCentres x = between_centres(p.x, width_);
   const BetweenCentres y = between_centres(p.y, height_);
   const auto corner = [&](int i, int j) {
-    const TexelIndex t = at_border(border, x.first + i, y.first + j);
+    const TexelIndex t = at_border(border, x.first + i, y.first + j, width_, height_);
     return Rgb(texel(t.x, t.y));
   };
   const auto row = [&](int j) { return corner(0, j) * (1 - x.share) + corner(1, j) * x.share; };

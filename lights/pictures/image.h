@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "lights/maths/rgb.h"
@@ -58,10 +59,8 @@ class Image {
     return texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                    static_cast<std::size_t>(x)];
   }
-  /// The texel at (x, y).  Each coordinate may be outside of the border by one.
-  TexelIndex at_border(ImageBorder border, int x, int y) const {
-    return lucerna::at_border(border, x, y, width_, height_);
-  }
+  /// All texels, rows from the top.
+  std::span<const Rgbf> texels() const { return texels_; }
   /// The value at a point of the unit square, (0, 0) the upper left corner. Points outside count as
   /// the nearest point of its edge.
   Rgb lookup(Vec2 p, ImageFilter filter, ImageBorder border) const;

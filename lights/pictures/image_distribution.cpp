@@ -37,18 +37,16 @@ double linear_share(double a, double b, double u) {
 
 double mix(double a, double b, double share) { return a * (1 - share) + b * share; }
 
-std::vector<double> luminances(const Image& image) {
+}  // namespace
+
+std::vector<double> luminances(const Image& image, double subtract) {
   std::vector<double> weights;
-  weights.reserve(static_cast<std::size_t>(image.width()) *
-                  static_cast<std::size_t>(image.height()));
+  weights.reserve(image.texels().size());
   StopPoll poll;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x, poll())
-      weights.push_back(luminance(Rgb(image.texel(x, y))));
+  for (const Rgbf& texel : image.texels())
+    poll(), weights.push_back(std::max(0.0, luminance(Rgb(texel)) - subtract));
   return weights;
 }
-
-}  // namespace
 
 ImageDistribution::Span ImageDistribution::span(int cell, int texels) const {
   const double n = texels;
@@ -111,9 +109,6 @@ ImageDistribution::ImageDistribution(int width, int height, std::vector<double> 
     rows_.push_back(rows_.back() + sum * row_densities_[r] * (y.end - y.begin));
   }
 }
-
-ImageDistribution::ImageDistribution(const Image& image, ImageFilter filter, ImageBorder border)
-    : ImageDistribution(image.width(), image.height(), luminances(image), filter, border) {}
 
 ImageDistribution::Sample ImageDistribution::sample(Vec2 u) const {
   if (!(integral() > 0)) return {{u.x, u.y}, 0};

@@ -10,6 +10,9 @@
 
 namespace lucerna {
 
+/// The luminance of each texel minus `subtract`, where that is positive.
+std::vector<double> luminances(const Image& image, double subtract = 0);
+
 /// Immutable.  Sums and cumulative distributions are in double.  So one texel of 1e9 in a picture
 /// of 1 does not reduce the others' probability to 0.
 ///
@@ -29,7 +32,8 @@ class ImageDistribution {
   ImageDistribution(int width, int height, std::vector<double> weights, ImageFilter filter,
                     ImageBorder border, std::vector<double> row_measures = {});
   /// By the luminance of an image.
-  ImageDistribution(const Image& image, ImageFilter filter, ImageBorder border);
+  ImageDistribution(const Image& image, ImageFilter filter, ImageBorder border)
+      : ImageDistribution(image.width(), image.height(), luminances(image), filter, border) {}
 
   /// For any u of the closed unit square.
   Sample sample(Vec2 u) const;

@@ -17,14 +17,13 @@ namespace {
 std::shared_ptr<const Image> grey(std::shared_ptr<const Image> image) {
   if (is_grey(*image)) return image;
   std::vector<Rgbf> texels;
-  texels.reserve(static_cast<std::size_t>(image->width()) *
-                 static_cast<std::size_t>(image->height()));
+  texels.reserve(image->texels().size());
   StopPoll poll;
-  for (int y = 0; y < image->height(); ++y)
-    for (int x = 0; x < image->width(); ++x, poll()) {
-      const Rgb t(image->texel(x, y));
-      texels.emplace_back(static_cast<float>((t.r + t.g + t.b) / 3));
-    }
+  for (const Rgbf& texel : image->texels()) {
+    poll();
+    const Rgb t(texel);
+    texels.emplace_back(static_cast<float>((t.r + t.g + t.b) / 3));
+  }
   // Means of valid texels are valid.
   return *Image::create(image->width(), image->height(), std::move(texels));
 }
@@ -48,10 +47,10 @@ double reach(const SphereMap& map) {
 
 bool is_grey(const Image& image) {
   StopPoll poll;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x, poll())
-      if (const Rgbf& t = image.texel(x, y); t.r != t.g || t.g != t.b) return false;
-  return true;
+  return std::ranges::all_of(image.texels(), [&](const Rgbf& t) {
+    poll();
+    return t.r == t.g && t.g == t.b;
+  });
 }
 
 absl::StatusOr<std::shared_ptr<const IntensityMap>> IntensityMap::create(

@@ -55,9 +55,6 @@ class PhotometricWeb {
   const EmissionCone& cone() const { return cone_; }
 
   PhotometricType type() const { return type_; }
-  /// Size of the grid after its symmetries are expanded.
-  std::size_t polar_angles() const { return polar_rad_.size(); }
-  std::size_t azimuths() const { return azimuth_rad_.size(); }
   std::uint64_t bytes() const;
 
  private:

@@ -54,6 +54,27 @@ double height_between(double begin, double end) {
   return 2 * std::sin(kPi * (begin + end) / 2) * std::sin(kPi * (end - begin) / 2);
 }
 
+/// A row of cells of a latitude-longitude map.
+struct Strip {
+  double begin, end;  ///< of the square
+  double height;      ///< in the cosine of the polar angle
+  /// Factor from a density by area of the square, with straightened strips, to one by solid angle.
+  double sr_from_square() const { return 1 / (2 * kPi * height / (end - begin)); }
+};
+
+/// Texels for the nearest filter, and what lies between centres for the bilinear filter.
+int strips_of(ImageFilter filter, int texels) {
+  return texels + (filter == ImageFilter::kNearest ? 0 : 1);
+}
+
+Strip strip_of(ImageFilter filter, int texels, int row) {
+  const double n = texels;
+  const double half = filter == ImageFilter::kNearest ? 0 : 0.5;
+  const double begin = std::max(0.0, (row - half) / n);
+  const double end = std::min(1.0, (row + 1 - half) / n);
+  return {begin, end, height_between(begin, end)};
+}
+
 /// sin d - d cos d, by its series where the difference cancels.
 double sin_less_d_cos(double d) {
   if (d > 0.02) return std::sin(d) - d * std::cos(d);
@@ -69,14 +90,12 @@ Rgb integrate_rows(const Image& image, ImageFilter filter) {
   if (filter == ImageFilter::kNearest) {
     StopPoll poll;
     for (int y = 0; y < height; ++y, poll())
-      measures[static_cast<std::size_t>(y)] =
-          height_between(static_cast<double>(y) / height, (y + 1.0) / height);
+      measures[static_cast<std::size_t>(y)] = strip_of(filter, height, y).height;
   } else {
     // Between the centres of two rows, the share is linear in the polar angle theta = m + t.  At
     // the poles both are the same row.  It is turned there, which does not change its sum.
     for (int strip = 0; strip <= height; ++strip) {
-      const double begin = std::max(0.0, (strip - 0.5) / height);
-      const double end = std::min(1.0, (strip + 0.5) / height);
+      const auto [begin, end, measure] = strip_of(filter, height, strip);
       const double m = kPi * (begin + end) / 2;
       const double d = kPi * (end - begin) / 2;
       const double constant = 2 * std::sin(m) * std::sin(d);
@@ -192,37 +211,15 @@ namespace {
 
 ImageDistribution distribution_of(const SphereMap& map, double subtract) {
   const Image& image = map.image();
-  std::vector<double> weights;
-  weights.reserve(static_cast<std::size_t>(image.width()) *
-                  static_cast<std::size_t>(image.height()));
-  StopPoll poll;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x, poll())
-      weights.push_back(std::max(0.0, luminance(Rgb(image.texel(x, y))) - subtract));
   std::vector<double> measures;
-  if (map.mapping() == SphereMapping::kLatitudeLongitude) {
-    const double h = image.height();
-    if (map.filter() == ImageFilter::kNearest)
-      for (int y = 0; y < image.height(); ++y)
-        measures.push_back(height_between(y / h, (y + 1) / h) / 2);
-    else
-      for (int y = 0; y <= image.height(); ++y)
-        measures.push_back(
-            height_between(std::max(0.0, (y - 0.5) / h), std::min(1.0, (y + 0.5) / h)) / 2);
-  }
-  return {image.width(), image.height(), std::move(weights),
+  if (map.mapping() == SphereMapping::kLatitudeLongitude)
+    for (int row = 0; row < strips_of(map.filter(), image.height()); ++row)
+      measures.push_back(strip_of(map.filter(), image.height(), row).height / 2);
+  return {image.width(), image.height(), luminances(image, subtract),
           map.filter(),  map.border(),   std::move(measures)};
 }
 
 }  // namespace
-
-/// A row of cells of a latitude-longitude map.
-struct SphereDistribution::Strip {
-  double begin, end;  ///< of the square
-  double height;      ///< in the cosine of the polar angle
-  /// Factor from a density by area of the square, with straightened strips, to one by solid angle.
-  double sr_from_square() const { return 1 / (2 * kPi * height / (end - begin)); }
-};
 
 SphereDistribution::SphereDistribution(const SphereMap& map, double subtract)
     : mapping_(map.mapping()),
@@ -236,19 +233,11 @@ int SphereDistribution::row_of(double y) const {
   return between_centres(y, height_).first + 1;
 }
 
-SphereDistribution::Strip SphereDistribution::strip(int row) const {
-  const double n = height_;
-  const double half = filter_ == ImageFilter::kNearest ? 0 : 0.5;
-  const double begin = std::max(0.0, (row - half) / n);
-  const double end = std::min(1.0, (row + 1 - half) / n);
-  return {begin, end, height_between(begin, end)};
-}
-
 SphereDistribution::Sample SphereDistribution::sample(Vec2 u) const {
   const ImageDistribution::Sample s = squares_.sample(u);
   if (mapping_ == SphereMapping::kEqualArea)
     return {equal_area_direction(s.position), s.position, s.pdf / (4 * kPi)};
-  const Strip row = strip(row_of(s.position.y));
+  const Strip row = strip_of(filter_, height_, row_of(s.position.y));
   const double share = std::clamp((s.position.y - row.begin) / (row.end - row.begin), 0.0, 1.0);
   // Half angles from the nearer pole, so that nothing cancels at either pole.
   const double sin_begin = std::sin(kPi * row.begin / 2);
@@ -267,7 +256,7 @@ SphereDistribution::Sample SphereDistribution::sample(Vec2 u) const {
 double SphereDistribution::per_sr(const Vec3& w) const {
   Vec2 p = square_from_direction(mapping_, w);
   if (mapping_ == SphereMapping::kEqualArea) return squares_.pdf(p) / (4 * kPi);
-  const Strip row = strip(row_of(p.y));
+  const Strip row = strip_of(filter_, height_, row_of(p.y));
   const double share = std::clamp(height_between(row.begin, p.y) / row.height, 0.0, 1.0);
   if (filter_ == ImageFilter::kBilinear) p.y = row.begin * (1 - share) + row.end * share;
   return squares_.pdf(p) * row.sr_from_square();

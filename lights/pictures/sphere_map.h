@@ -106,8 +106,6 @@ class SphereDistribution {
   std::size_t bytes() const { return sizeof(*this) + squares_.bytes(); }
 
  private:
-  struct Strip;
-  Strip strip(int row) const;
   int row_of(double y) const;
 
   SphereMapping mapping_;

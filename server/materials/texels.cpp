@@ -37,18 +37,15 @@ class Palette {
 
 }  // namespace
 
-Texels::Texels(const Image& image) : width_(image.width()), height_(image.height()) {
-  const auto for_each = [&](auto&& f) {
-    for (int y = 0; y < height_; ++y)
-      for (int x = 0; x < width_; ++x)
-        if (!f(image.texel(x, y))) return false;
-    return true;
-  };
-  is_grey_ = for_each([](const Rgbf& c) { return c.r == c.g && c.g == c.b; });
-  const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+Texels::Texels(const Image& image)
+    : width_(image.width()),
+      height_(image.height()),
+      is_grey_(std::ranges::all_of(image.texels(),
+                                   [](const Rgbf& c) { return c.r == c.g && c.g == c.b; })) {
+  const std::size_t values = image.texels().size() * (is_grey_ ? 1 : 3);
   Palette palette;
-  codes_.reserve(count * (is_grey_ ? 1 : 3));
-  const bool is_coded = for_each([&](const Rgbf& c) {
+  codes_.reserve(values);
+  const bool is_coded = std::ranges::all_of(image.texels(), [&](const Rgbf& c) {
     const auto r = palette.code(c.r), g = palette.code(c.g), b = palette.code(c.b);
     if (!r || !g || !b) return false;
     codes_.push_back(*r);
@@ -60,12 +57,11 @@ Texels::Texels(const Image& image) : width_(image.width()), height_(image.height
     return;
   }
   codes_ = std::vector<std::uint8_t>();  // = {} would keep the memory
-  values_.reserve(count * (is_grey_ ? 1 : 3));
-  for_each([&](const Rgbf& c) {
+  values_.reserve(values);
+  for (const Rgbf& c : image.texels()) {
     values_.push_back(c.r);
     if (!is_grey_) values_.push_back(c.g), values_.push_back(c.b);
-    return true;
-  });
+  }
 }
 
 Texels::Texels(int width, int height, bool is_grey, std::vector<std::uint8_t> codes,
