@@ -10,12 +10,9 @@
 namespace lucerna {
 namespace {
 
-/// A big-endian number of `count` bytes; those behind the end are 0.
+/// JPEG and PNG store the first byte of a number first.
 std::uint64_t number(std::string_view bytes, std::size_t at, std::size_t count) {
-  std::uint64_t value = 0;
-  for (std::size_t i = at; i < at + count; ++i)
-    value = value << 8U | (i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0U);
-  return value;
+  return number_at(bytes, at, count, std::endian::big);
 }
 
 }  // namespace

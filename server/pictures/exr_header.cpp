@@ -50,6 +50,10 @@ std::int64_t read(exr_const_context_t, void* file, void* to, std::uint64_t size,
   return static_cast<std::int64_t>(n);
 }
 
+std::uint32_t number(std::string_view bytes, std::size_t at) {
+  return static_cast<std::uint32_t>(number_at(bytes, at, 4, std::endian::little));
+}
+
 /// Whether the channels at `list` end where `size` bytes do.
 bool ends_after(std::string_view list, std::size_t size) {
   constexpr std::size_t kAfterName = 16;  // type, linearity and sampling
@@ -75,18 +79,9 @@ bool has_whole_channel_lists(std::string_view bytes) {
     const std::string_view rest(found, bytes.end());
     constexpr std::size_t kSizeBytes = 4;
     if (rest.size() < kSizeBytes) return false;
-    std::uint32_t size = 0;
-    for (std::size_t i = 0; i < kSizeBytes; ++i)
-      size |= std::uint32_t{static_cast<unsigned char>(rest[i])} << (8 * i);
+    const std::uint32_t size = number(rest, 0);
     if (size > rest.size() - kSizeBytes || !ends_after(rest.substr(kSizeBytes), size)) return false;
   }
-}
-
-std::uint32_t number(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 4; i-- > 0;)
-    value = value << 8U | (at + i < bytes.size() ? static_cast<unsigned char>(bytes[at + i]) : 0U);
-  return value;
 }
 
 /// The libraries take a time that grows with the square of these numbers, and cannot be stopped.

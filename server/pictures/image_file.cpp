@@ -37,24 +37,6 @@ absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec
   return absl::OkStatus();
 }
 
-/// The name of OpenImageIO for a format that it decodes.
-const char* library_name(PictureFormat format) {
-  switch (format) {
-    case PictureFormat::kExr:
-      return "openexr";
-    case PictureFormat::kJpeg:
-      return "jpeg";
-    case PictureFormat::kPnm:
-      return "pnm";
-    case PictureFormat::kTiff:
-      return "tiff";
-    case PictureFormat::kWebp:
-      return "webp";
-    default:
-      return "png";
-  }
-}
-
 /// Whether the rows of a PNG file are stored in several passes.
 bool is_interlaced_png(std::string_view bytes) {
   constexpr std::size_t kInterlace = 28;

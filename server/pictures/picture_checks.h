@@ -3,12 +3,26 @@
 
 #include <absl/status/status.h>
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "server/files/asset_reader.h"
 
 namespace lucerna {
+
+/// The number in `count` bytes from `at`, at most 8; those behind the end of `bytes` are 0.
+inline std::uint64_t number_at(std::string_view bytes, std::size_t at, std::size_t count,
+                               std::endian order) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t from = at + (order == std::endian::little ? count - 1 - i : i);
+    value = value << 8U | (from < bytes.size() ? static_cast<unsigned char>(bytes[from]) : 0U);
+  }
+  return value;
+}
 
 /// INVALID_ARGUMENT that begins with the name of the file.
 absl::Status bad_picture(const AssetContent& content, const std::string& what);

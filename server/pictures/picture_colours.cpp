@@ -23,9 +23,7 @@ bool are_rec709(const Chromaticities& c) {
 }
 
 std::uint32_t big_endian(std::string_view bytes) {
-  std::uint32_t value = 0;
-  for (const char c : bytes.substr(0, 4)) value = value << 8U | static_cast<unsigned char>(c);
-  return value;
+  return static_cast<std::uint32_t>(number_at(bytes, 0, 4, std::endian::big));
 }
 
 /// The body of the first chunk of this type before the texels, if it has `least` bytes.

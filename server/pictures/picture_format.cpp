@@ -1,5 +1,7 @@
 #include "server/pictures/picture_format.h"
 
+#include <absl/strings/match.h>
+
 #include <algorithm>
 #include <array>
 #include <initializer_list>
@@ -8,12 +10,26 @@
 namespace lucerna {
 namespace {
 
-bool ends_in_tga(std::string_view name) {
-  constexpr std::string_view kTga = ".tga";
-  return name.size() >= kTga.size() &&
-         std::ranges::equal(name.substr(name.size() - kTga.size()), kTga, [](char a, char b) {
-           return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b;
-         });
+/// The name for messages, and that of OpenImageIO if it decodes the format.
+struct Names {
+  const char* shown;
+  const char* library = nullptr;
+};
+
+const Names& names_of(PictureFormat format) {
+  // In the order of PictureFormat.
+  static constexpr auto kNames = std::to_array<Names>({{"OpenEXR", "openexr"},
+                                                       {"JPEG", "jpeg"},
+                                                       {"PNG", "png"},
+                                                       {"PFM, PPM, PGM or PBM", "pnm"},
+                                                       {"TIFF", "tiff"},
+                                                       {"WebP", "webp"},
+                                                       {"BMP"},
+                                                       {"QOI"},
+                                                       {"Radiance"},
+                                                       {"TGA"},
+                                                       {"unknown"}});
+  return kNames[static_cast<std::size_t>(format)];
 }
 
 /// Whether the bytes are a header of TGA, in which each field has few values.  [TGA2]
@@ -37,8 +53,8 @@ bool has_tga_header(std::string_view bytes) {
 
 bool is_tga(const AssetContent& content) {
   constexpr std::string_view kFooter("TRUEVISION-XFILE.\0", 18);  // [TGA2]
-  return std::string_view(content.bytes).ends_with(kFooter) || ends_in_tga(content.name) ||
-         has_tga_header(content.bytes);
+  return std::string_view(content.bytes).ends_with(kFooter) ||
+         absl::EndsWithIgnoreCase(content.name, ".tga") || has_tga_header(content.bytes);
 }
 
 }  // namespace
@@ -69,32 +85,7 @@ PictureFormat format_of(const AssetContent& content) {
   return is_tga(content) ? kTga : kUnknown;
 }
 
-const char* name_of(PictureFormat format) {
-  switch (format) {
-    case PictureFormat::kExr:
-      return "OpenEXR";
-    case PictureFormat::kJpeg:
-      return "JPEG";
-    case PictureFormat::kPng:
-      return "PNG";
-    case PictureFormat::kPnm:
-      return "PFM, PPM, PGM or PBM";
-    case PictureFormat::kTiff:
-      return "TIFF";
-    case PictureFormat::kWebp:
-      return "WebP";
-    case PictureFormat::kBmp:
-      return "BMP";
-    case PictureFormat::kQoi:
-      return "QOI";
-    case PictureFormat::kRadiance:
-      return "Radiance";
-    case PictureFormat::kTga:
-      return "TGA";
-    case PictureFormat::kUnknown:
-      break;
-  }
-  return "unknown";
-}
+const char* name_of(PictureFormat format) { return names_of(format).shown; }
+const char* library_name(PictureFormat format) { return names_of(format).library; }
 
 }  // namespace lucerna

@@ -33,6 +33,8 @@ PictureFormat format_of(const AssetContent& content);
 
 /// "TGA", for messages.
 const char* name_of(PictureFormat format);
+/// "openexr", for OpenImageIO; null for formats that this room decodes.
+const char* library_name(PictureFormat format);
 /// All of them, for messages.
 inline constexpr const char* kKnownFormats =
     "OpenEXR, Radiance, PFM, PPM, PGM, PBM, PNG, TIFF, JPEG, TGA, BMP, QOI, WebP";

@@ -15,7 +15,8 @@ constexpr std::size_t kQoiHeaderBytes = 14;
 
 absl::Status QoiPicture::read_header() {
   if (bytes().size() < kQoiHeaderBytes) return ends_early();
-  const std::uint32_t width = number(4, 4, false), height = number(8, 4, false);
+  const std::uint32_t width = number(4, 4, std::endian::big),
+                      height = number(8, 4, std::endian::big);
   const std::uint32_t channels = number(12, 1), space = number(13, 1);
   constexpr std::uint32_t kMost = std::numeric_limits<int>::max();
   if (width > kMost || height > kMost || (channels != 3 && channels != 4) || space > 1)

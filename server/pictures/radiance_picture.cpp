@@ -148,9 +148,9 @@ absl::Status RadiancePicture::decode_row(std::uint8_t* to) {
   const bool has_runs =
       width() >= kLeast && width() <= kMost && number(at_, 2) == 0x0202 && number(at_ + 2, 1) < 128;
   if (!has_runs) return decode_old_row(to);
-  if (number(at_ + 2, 2, false) != width())
-    return absl::InvalidArgumentError(
-        fmt::format("a row of {} texels, allowed: {}", number(at_ + 2, 2, false), width()));
+  if (number(at_ + 2, 2, std::endian::big) != width())
+    return absl::InvalidArgumentError(fmt::format("a row of {} texels, allowed: {}",
+                                                  number(at_ + 2, 2, std::endian::big), width()));
   at_ += 4;
   for (std::size_t channel = 0; channel < 4; ++channel)
     for (std::size_t x = 0; x < width();) {

@@ -32,15 +32,6 @@ bool WholePicture::read_native_scanline(int, int, int y, int, void* data) {
   return true;
 }
 
-std::uint32_t WholePicture::number(std::size_t at, std::size_t count, bool little_endian) const {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t from = at + (little_endian ? count - 1 - i : i);
-    value = value << 8U | (from < bytes_.size() ? static_cast<unsigned char>(bytes_[from]) : 0U);
-  }
-  return value;
-}
-
 void WholePicture::convert(const std::uint8_t* stored, void* to) const {
   std::memcpy(to, stored, width() * stored_bytes());
 }

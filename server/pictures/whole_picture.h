@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/pictures/picture_checks.h"
 #include "server/pictures/picture_format.h"
 
 namespace lucerna {
@@ -35,8 +36,11 @@ class WholePicture : public OIIO::ImageInput {
 
  protected:
   std::string_view bytes() const { return bytes_; }
-  /// `count` bytes from `at`; those behind the end of the file are 0.
-  std::uint32_t number(std::size_t at, std::size_t count, bool little_endian = true) const;
+  /// As number_at(), for at most 4 bytes of the file.
+  std::uint32_t number(std::size_t at, std::size_t count,
+                       std::endian order = std::endian::little) const {
+    return static_cast<std::uint32_t>(number_at(bytes_, at, count, order));
+  }
   bool stopped() const { return stop_.stop_requested(); }
   std::size_t width() const { return static_cast<std::size_t>(m_spec.width); }
   std::size_t height() const { return static_cast<std::size_t>(m_spec.height); }
