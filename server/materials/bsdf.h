@@ -22,9 +22,9 @@ requires(Scattering<Kinds>&&...) using ScatteringSet = std::variant<Kinds...>;
 /// One scattering function.  The members are those of the concept Scattering.
 class Bsdf {
  public:
-  using Set = detail::ScatteringSet<Diffuse, DiffuseTransmission, Conductor, Dielectric,
-                                    ThinDielectric, CoatedDiffuse, CoatedConductor,
-                                    MetallicRoughness, ThinMetallicRoughness>;
+  using Set =
+      detail::ScatteringSet<Diffuse, DiffuseTransmission, Conductor, Dielectric, ThinDielectric,
+                            CoatedDiffuse, CoatedConductor, MetallicRoughness>;
 
   template <typename Kind>
   requires std::is_constructible_v<Set, Kind>
@@ -47,7 +47,7 @@ class Bsdf {
     return std::visit([](const auto& s) { return s.all_delta(); }, set_);
   }
   Side sides() const {
-    return std::visit([](const auto& s) { return std::decay_t<decltype(s)>::kSides; }, set_);
+    return std::visit([](const auto& s) { return s.sides(); }, set_);
   }
   /// The member, for tests over the whole set.
   const Set& set() const { return set_; }

@@ -63,7 +63,7 @@ template <typename Base>
 double Coated<Base>::base_pdf(const Vec3& wo, const Vec3& wi) const {
   const double even = std::fabs(wi.z) * std::numbers::inv_pi;
   if constexpr (kMetal)
-    return double(kGuided) * guide_.pdf(wo, wi).per_sr + double(1 - kGuided) * even;
+    return kGuided * guide_.pdf(wo, wi).per_sr + (1 - kGuided) * even;
   else
     return even;
 }
@@ -101,7 +101,7 @@ std::optional<ScatterSample> Coated<Base>::sample(const Vec3& wo, const ScatterV
     }
   } else {
     const double rest = (u.choice - share) / (1 - share);
-    if (kMetal && rest < double(kGuided)) {
+    if (kMetal && rest < kGuided) {
       const auto guided = guide_.sample(up, {0, u.direction});
       if (!guided) return std::nullopt;
       s.wi = guided->wi;

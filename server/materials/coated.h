@@ -20,7 +20,7 @@ namespace lucerna {
 template <typename Base>
 class Coated {
  public:
-  static constexpr Side kSides = Side::kReflected;
+  static constexpr Side sides() { return Side::kReflected; }
 
   /// `thickness`: the coat's optical depth; light along the normal keeps exp(-thickness).
   struct Params {

@@ -9,7 +9,7 @@ namespace lucerna {
 /// Reflects by Fresnel's equations at smooth or microfaceted surfaces.  [Pharr23, 9.3.6, 9.6]
 class Conductor {
  public:
-  static constexpr Side kSides = Side::kReflected;
+  static constexpr Side sides() { return Side::kReflected; }
   /// `eta`, `k`: the complex index relative to the outside, at least 0.  `alpha_x`, `alpha_y`:
   /// roughness, at least 0; smooth if both are below Microfacets::kSmooth.
   Conductor(const Rgb& eta, const Rgb& k, double alpha_x, double alpha_y)

@@ -9,7 +9,7 @@ namespace lucerna {
 /// A boundary between two dielectrics, smooth or microfaceted.  [Walter07], [Pharr23, 9.5, 9.7]
 class Dielectric {
  public:
-  static constexpr Side kSides = Side::kBoth;
+  static constexpr Side sides() { return Side::kBoth; }
   /// `eta`: the index on the side to which -z points, over that to which +z points; above 0.
   /// Roughness as in Conductor.  A boundary of equal indices is smooth.
   Dielectric(double eta, double alpha_x, double alpha_y)
@@ -47,7 +47,7 @@ class Dielectric {
 /// reflections between its two sides.  [Pharr23, 9.5.2]
 class ThinDielectric {
  public:
-  static constexpr Side kSides = Side::kBoth;
+  static constexpr Side sides() { return Side::kBoth; }
   explicit ThinDielectric(double eta) : eta_(eta) {}
 
   bool all_delta() const { return true; }

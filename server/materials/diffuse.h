@@ -22,7 +22,7 @@ inline Vec3 sample_cosine_hemisphere(Vec2 u) {
 /// of the arriving light, at least 0, at most 1 together.
 class DiffuseTransmission {
  public:
-  static constexpr Side kSides = Side::kBoth;
+  static constexpr Side sides() { return Side::kBoth; }
   DiffuseTransmission(const Rgb& reflectance, const Rgb& transmittance)
       : reflectance_(reflectance), transmittance_(transmittance) {
     const double r = reflectance.max_component(), t = transmittance.max_component();
@@ -60,7 +60,7 @@ class DiffuseTransmission {
 /// Lambert's law: light returns to its side.
 class Diffuse {
  public:
-  static constexpr Side kSides = Side::kReflected;
+  static constexpr Side sides() { return Side::kReflected; }
   explicit Diffuse(const Rgb& reflectance) : reflectance_(reflectance) {}
 
   const Rgb& reflectance() const { return reflectance_; }

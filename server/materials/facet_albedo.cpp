@@ -114,14 +114,8 @@ const Table& table() {
 
 }  // namespace
 
-FacetAlbedo facet_albedo(double cosine, double alpha) {
-  const auto [all, schlick] = table().lookup(cosine, alpha);
-  return {all, schlick};
-}
+FacetAlbedo facet_albedo(double cosine, double alpha) { return table().lookup(cosine, alpha); }
 
-FacetAlbedo mean_facet_albedo(double alpha) {
-  const auto [all, schlick] = table().mean_lookup(alpha);
-  return {all, schlick};
-}
+FacetAlbedo mean_facet_albedo(double alpha) { return table().mean_lookup(alpha); }
 
 }  // namespace lucerna

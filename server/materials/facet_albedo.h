@@ -1,8 +1,6 @@
 // How much light a surface of GGX microfacets reflects in all, from a table.
 #pragma once
 
-#include <concepts>
-
 namespace lucerna {
 
 /// Shares of the light that arrives from all directions with the same radiance.

@@ -1,7 +1,6 @@
 // Reflection and refraction at the boundary of two media.
 #pragma once
 
-#include <concepts>
 #include <optional>
 
 #include "lights/maths/rgb.h"

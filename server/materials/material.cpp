@@ -53,9 +53,7 @@ class Maker {
                             .thickness = thickness(m.coat)});
   }
   Bsdf operator()(const GltfSurfaceParams& m) const {
-    const auto params = surface(m);
-    if (m.transmits()) return ThinMetallicRoughness(params);
-    return MetallicRoughness(params);
+    return MetallicRoughness(surface(m), m.transmits() ? Side::kBoth : Side::kReflected);
   }
   Bsdf operator()(const MixParams&) const { return Diffuse(Rgb(0)); }
 

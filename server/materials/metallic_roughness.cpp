@@ -19,15 +19,15 @@ double schlick_weight(double cosine) {
 
 double mean_of(const Rgb& c) { return (c.r + c.g + c.b) / 3; }
 
-double coat_reflected(double schlick) { return double(kCoatF0) + double(1 - kCoatF0) * schlick; }
+double coat_reflected(double schlick) { return kCoatF0 + (1 - kCoatF0) * schlick; }
 
 Vec3 below(const Vec3& w) { return {w.x, w.y, -w.z}; }
 
 }  // namespace
 
-template <Side kSide>
-MetallicRoughnessOn<kSide>::MetallicRoughnessOn(const MetallicRoughnessParams& p)
-    : f0_(p.base * p.metallic + p.f0 * (1 - p.metallic)),
+MetallicRoughness::MetallicRoughness(const MetallicRoughnessParams& p, Side sides)
+    : sides_(sides),
+      f0_(p.base * p.metallic + p.f0 * (1 - p.metallic)),
       f90_(Rgb(p.metallic + p.f90 * (1 - p.metallic))),
       diffuse_(p.base * (1 - p.metallic)),
       left_f0_(p.f0.max_component()),
@@ -39,7 +39,7 @@ MetallicRoughnessOn<kSide>::MetallicRoughnessOn(const MetallicRoughnessParams& p
       coat_facets_(Microfacets::rough(p.coat_alpha), Microfacets::rough(p.coat_alpha)),
       smooth_(Microfacets::is_smooth(p.alpha.x, p.alpha.y)),
       coat_smooth_(Microfacets::is_smooth(p.coat_alpha, p.coat_alpha)) {
-  if constexpr (kTransmits) {
+  if (transmits()) {
     passed_ = diffuse_ * p.transmission;
     diffuse_ = diffuse_ * (1 - p.transmission);
   }
@@ -47,7 +47,7 @@ MetallicRoughnessOn<kSide>::MetallicRoughnessOn(const MetallicRoughnessParams& p
   // The diffuse part between two directions is the product of what facets leave on both ways,
   // over its mean.  The mean is not below the true one, also if the axes differ in roughness.
   const auto mean_left = [&](double alpha) {
-    if (smooth_) return left(double(kMeanSchlick));
+    if (smooth_) return left(kMeanSchlick);
     return 1 - mean_facet_albedo(alpha).of(left_f0_, left_f90_);
   };
   const Vec2 alpha = facets_.alpha();
@@ -56,18 +56,15 @@ MetallicRoughnessOn<kSide>::MetallicRoughnessOn(const MetallicRoughnessParams& p
   diffuse_ = mean > 0 ? diffuse_ / mean : Rgb{};
 }
 
-template <Side kSide>
-Vec3 MetallicRoughnessOn<kSide>::turned(const Vec3& w) const {
+Vec3 MetallicRoughness::turned(const Vec3& w) const {
   return {w.x * cos_turn_ + w.y * sin_turn_, w.y * cos_turn_ - w.x * sin_turn_, w.z};
 }
 
-template <Side kSide>
-Vec3 MetallicRoughnessOn<kSide>::turned_back(const Vec3& w) const {
+Vec3 MetallicRoughness::turned_back(const Vec3& w) const {
   return {w.x * cos_turn_ - w.y * sin_turn_, w.y * cos_turn_ + w.x * sin_turn_, w.z};
 }
 
-template <Side kSide>
-double MetallicRoughnessOn<kSide>::left_in_all(const Vec3& w) const {
+double MetallicRoughness::left_in_all(const Vec3& w) const {
   if (left_f90_ == 0) return 1;
   if (smooth_) return left(schlick_weight(std::fabs(w.z)));
   const Vec2 a = facets_.alpha();
@@ -78,17 +75,15 @@ double MetallicRoughnessOn<kSide>::left_in_all(const Vec3& w) const {
   return 1 - facet_albedo(std::fabs(w.z), alpha).of(left_f0_, left_f90_);
 }
 
-template <Side kSide>
-double MetallicRoughnessOn<kSide>::below_coat(double cosine) const {
+double MetallicRoughness::below_coat(double cosine) const {
   if (coat_smooth_) return 1 - coat_ * coat_reflected(schlick_weight(cosine));
-  return 1 - coat_ * facet_albedo(cosine, coat_facets_.alpha().x).of(double(kCoatF0), 1.0);
+  return 1 - coat_ * facet_albedo(cosine, coat_facets_.alpha().x).of(kCoatF0, 1.0);
 }
 
-template <Side kSide>
-auto MetallicRoughnessOn<kSide>::shares(double cosine) const -> Shares {
+auto MetallicRoughness::shares(double cosine) const -> Shares {
   const double schlick = schlick_weight(cosine);
   // Facets that face away from the normal reflect more than those along it.
-  const double of_facets = std::max(schlick, double(kMeanSchlick));
+  const double of_facets = std::max(schlick, kMeanSchlick);
   Shares s{.coat = coat_ * coat_reflected(of_facets),
            .reflected = mean_of(reflected(of_facets)),
            .passed = mean_of(passed_) * left(schlick),
@@ -103,22 +98,19 @@ auto MetallicRoughnessOn<kSide>::shares(double cosine) const -> Shares {
   return s;
 }
 
-template <Side kSide>
-auto MetallicRoughnessOn<kSide>::facets_between(const Microfacets& facets, const Vec3& wo,
-                                                const Vec3& wi) -> Facets {
+auto MetallicRoughness::facets_between(const Microfacets& facets, const Vec3& wo, const Vec3& wi)
+    -> Facets {
   const Vec3 m = normalized(wo + wi);
   // The reflection stretches solid angles by 4 cos, and the density of visible normals has a cos.
   const double pdf = facets.seen_per_cosine(wo) * facets.density(m) / 4;
   return {pdf * facets.also_seen(wo, wi), pdf, schlick_weight(dot(wo, m))};
 }
 
-template <Side kSide>
-auto MetallicRoughnessOn<kSide>::evaluate(const Vec3& given_wo, const Vec3& given_wi) const
-    -> Evaluation {
+auto MetallicRoughness::evaluate(const Vec3& given_wo, const Vec3& given_wi) const -> Evaluation {
   Evaluation e;
   if (given_wo.z * given_wi.z == 0) return e;
   const bool reflects = same_side(given_wo, given_wi);
-  if (!reflects && !kTransmits) return e;
+  if (!reflects && !transmits()) return e;
   const Vec3 wo = turned(given_wo.z < 0 ? -given_wo : given_wo);
   Vec3 wi = turned(given_wo.z < 0 ? -given_wi : given_wi);
   // Light through a sheet is that of a reflection, on the other side.
@@ -145,13 +137,11 @@ auto MetallicRoughnessOn<kSide>::evaluate(const Vec3& given_wo, const Vec3& give
   return e;
 }
 
-template <Side kSide>
-bool MetallicRoughnessOn<kSide>::is_single(Lobe lobe) const {
+bool MetallicRoughness::is_single(Lobe lobe) const {
   return lobe == Lobe::kCoat ? coat_smooth_ : smooth_ && lobe != Lobe::kDiffuse;
 }
 
-template <Side kSide>
-Rgb MetallicRoughnessOn<kSide>::single(Lobe lobe, const Vec3& wo) const {
+Rgb MetallicRoughness::single(Lobe lobe, const Vec3& wo) const {
   const double cosine = std::fabs(wo.z), schlick = schlick_weight(cosine);
   Rgb light(coat_ * coat_reflected(schlick));
   if (lobe != Lobe::kCoat) {
@@ -161,15 +151,14 @@ Rgb MetallicRoughnessOn<kSide>::single(Lobe lobe, const Vec3& wo) const {
   return light;
 }
 
-template <Side kSide>
-Rgb MetallicRoughnessOn<kSide>::single(const Vec3& wo, Side side) const {
+Rgb MetallicRoughness::single(const Vec3& wo, Side side) const {
   Rgb sum;
   const auto add = [&](Lobe lobe) {
     if (is_single(lobe)) sum += single(lobe, wo);
   };
   if (wo.z == 0) return sum;
   if (side == Side::kTransmitted) {
-    if (kTransmits) add(Lobe::kPassed);
+    if (transmits()) add(Lobe::kPassed);
     return sum;
   }
   add(Lobe::kReflected);
@@ -177,9 +166,8 @@ Rgb MetallicRoughnessOn<kSide>::single(const Vec3& wo, Side side) const {
   return sum;
 }
 
-template <Side kSide>
-std::optional<ScatterSample> MetallicRoughnessOn<kSide>::sample(const Vec3& wo,
-                                                                const ScatterValues& u) const {
+std::optional<ScatterSample> MetallicRoughness::sample(const Vec3& wo,
+                                                       const ScatterValues& u) const {
   if (wo.z == 0) return std::nullopt;
   const Vec3 up = turned(wo.z < 0 ? -wo : wo);
   const Shares all = shares(up.z);
@@ -217,8 +205,5 @@ std::optional<ScatterSample> MetallicRoughnessOn<kSide>::sample(const Vec3& wo,
   s.pdf = {e.pdf};
   return s;
 }
-
-template class MetallicRoughnessOn<Side::kReflected>;
-template class MetallicRoughnessOn<Side::kBoth>;
 
 }  // namespace lucerna

@@ -25,20 +25,20 @@ struct MetallicRoughnessParams {
   /// What a dielectric's facets reflect along their normal, and at grazing angles.  f0 <= f90.
   Rgb f0{0.04};
   double f90 = 1;
-  double transmission =
-      0;            ///< share of the light beyond the facets that passes; the rest is diffuse
+  /// Share of the light beyond the facets that passes; the rest is diffuse.
+  double transmission = 0;
   double coat = 0;  ///< share of the surface with a clear coat of index 1.5
   double coat_alpha = 0;
 };
 
-/// All numbers of the parameters are in [0, 1], except the turn.  Without kTransmitted in `kSide`,
-/// `transmission` is not used.
-template <Side kSide>
-class MetallicRoughnessOn {
+/// All numbers of the parameters are in [0, 1], except the turn.
+class MetallicRoughness {
  public:
-  static constexpr Side kSides = kSide;
-  explicit MetallicRoughnessOn(const MetallicRoughnessParams& params);
+  /// `sides`: kBoth for a sheet: light that passes goes on in its direction, spread by the
+  /// roughness. Without kTransmitted, `transmission` is not used.
+  explicit MetallicRoughness(const MetallicRoughnessParams& params, Side sides = Side::kReflected);
 
+  Side sides() const { return sides_; }
   bool all_delta() const { return smooth_ && diffuse_.is_black() && (coat_ == 0 || coat_smooth_); }
   Rgb single(const Vec3& wo, Side side) const;
   Rgb value(const Vec3& wo, const Vec3& wi) const { return evaluate(wo, wi).value; }
@@ -46,8 +46,6 @@ class MetallicRoughnessOn {
   std::optional<ScatterSample> sample(const Vec3& wo, const ScatterValues& u) const;
 
  private:
-  static constexpr bool kTransmits = has(kSide, Side::kTransmitted);
-
   enum class Lobe : std::uint8_t { kCoat, kReflected, kPassed, kDiffuse };
   /// Probabilities of the lobes.
   struct Shares {
@@ -62,6 +60,7 @@ class MetallicRoughnessOn {
     double value{}, pdf{}, schlick{};
   };
 
+  bool transmits() const { return has(sides_, Side::kTransmitted); }
   Vec3 turned(const Vec3& w) const;
   Vec3 turned_back(const Vec3& w) const;
   Shares shares(double cosine) const;
@@ -78,6 +77,7 @@ class MetallicRoughnessOn {
   /// The share of light along a direction of this cosine that the coat leaves.
   double below_coat(double cosine) const;
 
+  Side sides_;
   Rgb f0_, f90_;  // of metal and dielectric together
   Rgb diffuse_, passed_;
   double left_f0_, left_f90_;
@@ -87,9 +87,5 @@ class MetallicRoughnessOn {
   Microfacets coat_facets_;
   bool smooth_, coat_smooth_;
 };
-
-using MetallicRoughness = MetallicRoughnessOn<Side::kReflected>;
-/// A sheet: light that passes goes on in its direction, spread by the roughness.
-using ThinMetallicRoughness = MetallicRoughnessOn<Side::kBoth>;
 
 }  // namespace lucerna

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <concepts>
 #include <numbers>
 
 #include "lights/maths/density.h"

@@ -54,7 +54,7 @@ enum class Carries : std::uint8_t { kRadiance, kImportance };
 /// the
 ///   mirror direction, or the refracted one.  Radiance, so refraction divides by the squared ratio
 ///   of indices.  0 without such a lobe.
-/// - `kSides`: where light may come from.  `all_delta()`: whether all lobes are single directions.
+/// - `sides()`: where light may come from.  `all_delta()`: whether all lobes are single directions.
 /// No call has an error, and none allocates.
 template <typename S>
 concept Scattering = requires(const S& s, const Vec3& w, const ScatterValues& u) {
@@ -63,7 +63,7 @@ concept Scattering = requires(const S& s, const Vec3& w, const ScatterValues& u)
   { s.sample(w, u) } -> std::same_as<std::optional<ScatterSample>>;
   { s.single(w, Side{}) } -> std::same_as<Rgb>;
   { s.all_delta() } -> std::same_as<bool>;
-  { S::kSides } -> std::convertible_to<Side>;
+  { s.sides() } -> std::same_as<Side>;
 };
 
 /// The mirror direction at the normal +z.

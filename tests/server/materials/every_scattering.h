@@ -53,7 +53,7 @@ inline std::vector<NamedScattering> every_scattering(double x = 0.3, double y = 
   };
   const auto sheet = [&](const std::string& name, MetallicRoughnessParams p) {
     p.base = base;
-    all.push_back({"glTF " + name, ThinMetallicRoughness(p)});
+    all.push_back({"glTF " + name, MetallicRoughness(p, Side::kBoth)});
   };
   gltf("metal", {.metallic = 1, .alpha = {x, y}, .turn_rad = 0.4});
   gltf("dielectric", {.alpha = {x, x}});

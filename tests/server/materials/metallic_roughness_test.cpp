@@ -13,7 +13,9 @@ namespace {
 
 using Params = MetallicRoughnessParams;
 using Surface = MetallicRoughness;
-using Sheet = ThinMetallicRoughness;
+struct Sheet : MetallicRoughness {
+  explicit Sheet(const Params& params) : MetallicRoughness(params, Side::kBoth) {}
+};
 using Direction = Vec3;
 using Colour = Rgb;
 
