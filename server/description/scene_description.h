@@ -170,7 +170,7 @@ struct LightDescription {
   /// Motion in the world; null if it does not move.  `params` are at the first key frame.
   std::shared_ptr<const Motion> motion{};
   std::uint32_t samples = 1;  ///< the same as in SceneLight
-  std::string name{};         ///< a light name (server/files/light_name.h); empty: none
+  std::string name{};         ///< a light name (server/files/printable.h); empty: none
 };
 
 /// How a camera maps film positions to rays.  [Pharr23, 5]

@@ -58,7 +58,7 @@ AssetReader::AssetReader(std::unique_ptr<FileSource> source, const AssetReaderOp
 
 absl::StatusOr<AssetReader> AssetReader::open(const std::string& root,
                                               const AssetReaderOptions& options) {
-  auto source = DirectorySource::open_root(root, {.use_openat2 = options.use_openat2});
+  auto source = DirectorySource::open_root(root, options.use_openat2);
   if (!source.ok()) return source.status();
   return AssetReader(*std::move(source), options);
 }

@@ -26,7 +26,7 @@ struct AssetReaderOptions {
   std::uint64_t max_unpacked_bytes = std::uint64_t{256} << 20;
   std::uint64_t max_unpacked_ratio = 64;
   std::stop_token stop{};        ///< ends reading and unpacking with CANCELLED
-  bool use_openat2 = true;       ///< as in DirectorySourceOptions
+  bool use_openat2 = true;       ///< as in DirectorySource::open_root
   LoadBudget* budget = nullptr;  ///< counts the bytes of contents; null: no limit
 };
 

@@ -15,6 +15,7 @@
 #include <tuple>
 #include <utility>
 
+#include "proto/common/status_macros.h"
 #include "server/files/asset_store_state.h"
 #include "server/runtime/scheduling.h"
 
@@ -133,47 +134,10 @@ AssetStore::Held AssetStore::held(const std::string& digest) const {
 absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::uint64_t size,
                                                std::uint64_t offset, const AssetOwner& sender,
                                                const std::stop_token& stop) {
-  if (size > state_->options.max_asset_bytes)
-    return absl::ResourceExhaustedError(fmt::format("an asset of {} bytes, allowed: at most {}",
-                                                    size, state_->options.max_asset_bytes));
   std::uint64_t writer = 0;
   {
     const std::lock_guard lock(state_->mutex);
-    state_->remove_old_parts();
-    State::Entry& entry = state_->entries[digest];
-    if (entry.whole) return absl::FailedPreconditionError("the server already has the asset");
-    if (entry.writer != 0 && State::Clock::now() - entry.written < state_->options.patience)
-      return absl::FailedPreconditionError("the asset is being uploaded by another client");
-    if (offset > entry.bytes || offset > size) {
-      const std::uint64_t held = std::min(entry.bytes, size);
-      if (entry.bytes == 0) state_->entries.erase(digest);
-      return absl::InvalidArgumentError(
-          fmt::format("header.offset_bytes = {}, allowed: [0, {}], the bytes that the server has",
-                      offset, held));
-    }
-    if (entry.unread && offset > 0)
-      return absl::FailedPreconditionError("the server still reads what it has of the asset");
-    entry.unread = false;
-    entry.writer = writer = ++state_->writers;  // free_space() does not delete it
-    entry.reserved = entry.bytes;
-    entry.coming = 0;
-    const std::uint64_t more = size > entry.bytes ? size - entry.bytes : 0;
-    absl::Status room = state_->free_quota(digest, entry.bytes + more, sender);
-    // Only bytes that arrive delete files of others.
-    if (room.ok() && !state_->may_fit(more)) {
-      room = absl::ResourceExhaustedError(
-          fmt::format("no room for an asset of {} bytes: assets in use fill this server's {}", size,
-                      state_->options.budget_bytes));
-    }
-    if (!room.ok()) {
-      entry.writer = 0;
-      if (entry.bytes == 0) state_->entries.erase(digest);
-      return room;
-    }
-    entry.reserved = entry.bytes + more;
-    entry.written = State::Clock::now();
-    state_->touch(entry);
-    state_->set_owner(digest, entry, sender.name);
+    LUCERNA_ASSIGN_OR_RETURN(writer, state_->start(digest, size, offset, sender));
   }
   const std::string part = state_->part(digest);
   // ext4 waits for the disk when a file is closed that was truncated to nothing.
@@ -182,35 +146,41 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
       *this, digest, size, writer,
       Descriptor(::open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)));
   if (upload.file_.get() < 0) return disk_error(errno);
+  LUCERNA_RETURN_IF_ERROR(upload.go_on_at(offset, stop));
+  return upload;
+}
+
+absl::Status AssetUpload::go_on_at(std::uint64_t offset, const std::stop_token& stop) {
+  AssetStore::State& state = *store_->state_;
   {
-    const std::lock_guard lock(state_->mutex);
-    State::Entry* const entry = state_->entry_of(digest, writer);
+    const std::lock_guard lock(state.mutex);
+    AssetStore::State::Entry* const entry = state.entry_of(digest_, writer_);
     if (entry == nullptr) return taken_over();
     const std::uint64_t kept = std::min<std::uint64_t>(entry->marks.size(), offset / kMarkBytes);
     entry->marks.resize(kept);
-    if (kept > 0) upload.sha_ = entry->marks.back().copy();
-    upload.bytes_ = kept * kMarkBytes;
+    if (kept > 0) sha_ = entry->marks.back().copy();
+    bytes_ = kept * kMarkBytes;
   }
-  ::lseek(upload.file_.get(), static_cast<off_t>(upload.bytes_), SEEK_SET);
+  ::lseek(file_.get(), static_cast<off_t>(bytes_), SEEK_SET);
   std::string chunk(kReadBytes, '\0');
-  while (upload.bytes_ < offset && !stop.stop_requested()) {
-    const std::int64_t n = read_fully(
-        upload.file_.get(), chunk.data(),
-        static_cast<std::size_t>(std::min<std::uint64_t>(kReadBytes, offset - upload.bytes_)));
+  while (bytes_ < offset && !stop.stop_requested()) {
+    const std::int64_t n =
+        read_fully(file_.get(), chunk.data(),
+                   static_cast<std::size_t>(std::min<std::uint64_t>(kReadBytes, offset - bytes_)));
     if (n <= 0) return absl::InternalError("cannot read the uploaded part of an asset");
-    upload.hash(std::string_view(chunk).substr(0, static_cast<std::size_t>(n)));
+    hash(std::string_view(chunk).substr(0, static_cast<std::size_t>(n)));
   }
   {
     // Also of an upload that was stopped, so that the next one goes on from there.
-    const std::lock_guard lock(state_->mutex);
-    if (State::Entry* entry = state_->entry_of(digest, writer)) entry->take(upload.marks_);
+    const std::lock_guard lock(state.mutex);
+    if (AssetStore::State::Entry* entry = state.entry_of(digest_, writer_)) entry->take(marks_);
   }
-  if (upload.bytes_ < offset) return absl::CancelledError("the upload was cancelled");
-  if (offset > 0 && ftruncate(upload.file_.get(), static_cast<off_t>(offset)) != 0)
+  if (bytes_ < offset) return absl::CancelledError("the upload was cancelled");
+  if (offset > 0 && ftruncate(file_.get(), static_cast<off_t>(offset)) != 0)
     return disk_error(errno);
-  const std::lock_guard lock(state_->mutex);
-  if (State::Entry* entry = state_->entry_of(digest, writer)) entry->bytes = offset;
-  return upload;
+  const std::lock_guard lock(state.mutex);
+  if (AssetStore::State::Entry* entry = state.entry_of(digest_, writer_)) entry->bytes = offset;
+  return absl::OkStatus();
 }
 
 absl::Status AssetUpload::append(std::string_view chunk) {

@@ -72,6 +72,8 @@ class AssetUpload {
         writer_(writer),
         file_(std::move(file)) {}
 
+  /// Hashes what the file has before `offset`, until `stop`, and drops the rest of it.
+  absl::Status go_on_at(std::uint64_t offset, const std::stop_token& stop);
   /// Writes all of the chunk; an error number, or 0.
   int write(std::string_view chunk);
   void hash(std::string_view chunk);

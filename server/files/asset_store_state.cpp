@@ -116,23 +116,30 @@ void AssetStore::State::touch(Entry& entry) {
   entry.touched = Clock::now();
 }
 
-void AssetStore::State::remove(std::map<std::string, Entry>::iterator entry) {
+void AssetStore::State::remove(Entries::iterator entry) {
   std::error_code ignored;
   fs::remove(entry->second.whole ? whole(entry->first) : part(entry->first), ignored);
   if (!entry->second.owner.empty()) fs::remove(owner(entry->first), ignored);
   entries.erase(entry);
 }
 
+template <typename MayGo>
+auto AssetStore::State::oldest(MayGo&& may_go) -> Entries::iterator {
+  auto found = entries.end();
+  for (auto e = entries.begin(); e != entries.end(); ++e)
+    if (may_go(*e) && (found == entries.end() || e->second.used < found->second.used)) found = e;
+  return found;
+}
+
 bool AssetStore::State::remove_one() {
-  auto oldest = entries.end();
-  const auto later = [](const Entry& e) { return std::pair(e.whole, e.used); };
-  for (auto e = entries.begin(); e != entries.end(); ++e) {
-    if (in_use(e->second)) continue;
-    if (oldest == entries.end() || later(e->second) < later(oldest->second)) oldest = e;
+  for (const bool whole : {false, true}) {
+    const auto entry =
+        oldest([&](const auto& e) { return e.second.whole == whole && !in_use(e.second); });
+    if (entry == entries.end()) continue;
+    remove(entry);
+    return true;
   }
-  if (oldest == entries.end()) return false;
-  remove(oldest);
-  return true;
+  return false;
 }
 
 void AssetStore::State::remove_old_parts() {
@@ -145,6 +152,48 @@ void AssetStore::State::remove_old_parts() {
   }
 }
 
+absl::StatusOr<std::uint64_t> AssetStore::State::start(const std::string& digest,
+                                                       std::uint64_t size, std::uint64_t offset,
+                                                       const AssetOwner& sender) {
+  if (size > options.max_asset_bytes)
+    return absl::ResourceExhaustedError(
+        fmt::format("an asset of {} bytes, allowed: at most {}", size, options.max_asset_bytes));
+  remove_old_parts();
+  Entry& entry = entries[digest];
+  if (entry.whole) return absl::FailedPreconditionError("the server already has the asset");
+  if (entry.writer != 0 && Clock::now() - entry.written < options.patience)
+    return absl::FailedPreconditionError("the asset is being uploaded by another client");
+  if (offset > entry.bytes || offset > size) {
+    const std::uint64_t held = std::min(entry.bytes, size);
+    if (entry.bytes == 0) entries.erase(digest);
+    return absl::InvalidArgumentError(fmt::format(
+        "header.offset_bytes = {}, allowed: [0, {}], the bytes that the server has", offset, held));
+  }
+  if (entry.unread && offset > 0)
+    return absl::FailedPreconditionError("the server still reads what it has of the asset");
+  entry.unread = false;
+  entry.writer = ++writers;  // free_space() does not delete it
+  entry.reserved = entry.bytes;
+  entry.coming = 0;
+  const std::uint64_t more = size > entry.bytes ? size - entry.bytes : 0;
+  absl::Status room = free_quota(digest, entry.bytes + more, sender);
+  // Only bytes that arrive delete files of others.
+  if (room.ok() && !may_fit(more))
+    room = absl::ResourceExhaustedError(
+        fmt::format("no room for an asset of {} bytes: assets in use fill this server's {}", size,
+                    options.budget_bytes));
+  if (!room.ok()) {
+    entry.writer = 0;
+    if (entry.bytes == 0) entries.erase(digest);
+    return room;
+  }
+  entry.reserved = entry.bytes + more;
+  entry.written = Clock::now();
+  touch(entry);
+  set_owner(digest, entry, sender.name);
+  return entry.writer;
+}
+
 bool AssetStore::State::may_fit(std::uint64_t size) const {
   std::uint64_t needed = size;
   for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
@@ -155,14 +204,10 @@ bool AssetStore::State::free_space(std::uint64_t size) {
   std::uint64_t sum = size;
   for (const auto& [digest, e] : entries) sum += e.bytes + e.coming;
   while (sum > options.budget_bytes) {
-    auto oldest = entries.end();
-    for (auto e = entries.begin(); e != entries.end(); ++e) {
-      if (!in_use(e->second) && (oldest == entries.end() || e->second.used < oldest->second.used))
-        oldest = e;
-    }
-    if (oldest == entries.end()) return false;
-    sum -= oldest->second.bytes;
-    remove(oldest);
+    const auto entry = oldest([](const auto& e) { return !in_use(e.second); });
+    if (entry == entries.end()) return false;
+    sum -= entry->second.bytes;
+    remove(entry);
   }
   return true;
 }
@@ -171,14 +216,17 @@ absl::Status AssetStore::State::free_quota(const std::string& digest, std::uint6
                                            const AssetOwner& sender) {
   if (sender.most_bytes == 0) return absl::OkStatus();
   const Clock::time_point now = Clock::now();
-  const auto may_go = [&](const Entry& e) {
-    return !in_use(e) && now - e.touched >= options.keep_owned;
+  const auto is_senders = [&](const auto& e) {
+    return e.first != digest && e.second.owner == sender.name;
+  };
+  const auto may_go = [&](const auto& e) {
+    return is_senders(e) && !in_use(e.second) && now - e.second.touched >= options.keep_owned;
   };
   std::uint64_t taken = 0, kept = 0;
-  for (const auto& [other, e] : entries) {
-    if (other == digest || e.owner != sender.name) continue;
-    taken += e.reserved;
-    kept += may_go(e) ? 0 : e.reserved;
+  for (const auto& e : entries) {
+    if (!is_senders(e)) continue;
+    taken += e.second.reserved;
+    kept += may_go(e) ? 0 : e.second.reserved;
   }
   if (size > sender.most_bytes || kept > sender.most_bytes - size) {
     absl::Status status = absl::ResourceExhaustedError(fmt::format(
@@ -188,13 +236,9 @@ absl::Status AssetStore::State::free_quota(const std::string& digest, std::uint6
     return status;
   }
   while (taken > sender.most_bytes - size) {
-    auto oldest = entries.end();
-    for (auto e = entries.begin(); e != entries.end(); ++e) {
-      if (e->first == digest || e->second.owner != sender.name || !may_go(e->second)) continue;
-      if (oldest == entries.end() || e->second.used < oldest->second.used) oldest = e;
-    }
-    taken -= oldest->second.reserved;
-    remove(oldest);
+    const auto entry = oldest(may_go);
+    taken -= entry->second.reserved;
+    remove(entry);
   }
   return absl::OkStatus();
 }

@@ -51,7 +51,8 @@ struct AssetStore::State {
   Descriptor lock{-1};
 
   mutable std::mutex mutex;
-  std::map<std::string, Entry> entries;
+  using Entries = std::map<std::string, Entry>;
+  Entries entries;
   std::uint64_t uses = 0, writers = 0;
 
   std::filesystem::path whole(const std::string& digest) const;
@@ -70,7 +71,10 @@ struct AssetStore::State {
 
   std::uint64_t reserved() const;
   void touch(Entry& entry);
-  void remove(std::map<std::string, Entry>::iterator entry);
+  void remove(Entries::iterator entry);
+  /// The least recently used of the files for which `may_go`; the end if there is none.
+  template <typename MayGo>
+  Entries::iterator oldest(MayGo&& may_go);
   static bool in_use(const Entry& e) { return e.pins > 0 || e.writer != 0; }
 
   /// Deletes the least recently used file that is not in use; parts come first, since no scene can
@@ -78,6 +82,10 @@ struct AssetStore::State {
   bool remove_one();
   /// Deletes the parts of uploads that nobody continued.
   void remove_old_parts();
+  /// A new writer of an asset of `size` bytes, who has sent `offset` of them.  Errors: those of
+  /// AssetStore::upload.
+  absl::StatusOr<std::uint64_t> start(const std::string& digest, std::uint64_t size,
+                                      std::uint64_t offset, const AssetOwner& sender);
   /// Whether files in use leave `size` bytes of the budget.
   bool may_fit(std::uint64_t size) const;
   /// Makes room on the disk for `size` bytes more.  False if files in use fill the budget.

@@ -68,20 +68,20 @@ absl::Status unreadable(const std::string& name) {
   return absl::InvalidArgumentError(fmt::format("file \"{}\" cannot be read", name));
 }
 
-absl::StatusOr<std::unique_ptr<DirectorySource>> DirectorySource::open_root(
-    const std::string& root, const DirectorySourceOptions& options) {
+absl::StatusOr<std::unique_ptr<DirectorySource>> DirectorySource::open_root(const std::string& root,
+                                                                            bool use_openat2) {
   const int fd = ::open(root.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0)
     return absl::NotFoundError(
         fmt::format("cannot open the scene root \"{}\" as a directory", root));
-  return std::unique_ptr<DirectorySource>(new DirectorySource(Descriptor(fd), options));
+  return std::unique_ptr<DirectorySource>(new DirectorySource(Descriptor(fd), use_openat2));
 }
 
 absl::StatusOr<OpenFile> DirectorySource::open(const std::string& path, const std::string& name) {
   // O_NONBLOCK: opening a FIFO must not wait for a writer.
   constexpr int kFlags = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
   std::optional<int> opened;
-  if (options_.use_openat2) opened = open_with_openat2(root_.get(), path, kFlags);
+  if (use_openat2_) opened = open_with_openat2(root_.get(), path, kFlags);
   Descriptor fd(opened ? *opened : open_without_links(root_.get(), path, kFlags));
   if (fd.get() < 0) {
     // EXDEV: openat2 would leave the root.  ELOOP: a link that must not be followed, or a circle of

@@ -11,26 +11,23 @@
 
 namespace lucerna {
 
-struct DirectorySourceOptions {
-  /// Uses openat2 (Linux 5.6) if the kernel has it: the kernel then keeps paths under the root.
-  /// Without openat2, all symbolic links are refused.
-  bool use_openat2 = true;
-};
-
 class DirectorySource final : public FileSource {
  public:
   /// NOT_FOUND if `root` is not a directory that can be opened.
-  static absl::StatusOr<std::unique_ptr<DirectorySource>> open_root(
-      const std::string& root, const DirectorySourceOptions& options = {});
+  ///
+  /// `use_openat2` uses openat2 (Linux 5.6) if the kernel has it: the kernel then keeps paths under
+  /// the root.  Without openat2, all symbolic links are refused.
+  static absl::StatusOr<std::unique_ptr<DirectorySource>> open_root(const std::string& root,
+                                                                    bool use_openat2);
 
   absl::StatusOr<OpenFile> open(const std::string& path, const std::string& name) override;
 
  private:
-  DirectorySource(Descriptor root, const DirectorySourceOptions& options)
-      : root_(std::move(root)), options_(options) {}
+  DirectorySource(Descriptor root, bool use_openat2)
+      : root_(std::move(root)), use_openat2_(use_openat2) {}
 
   Descriptor root_;
-  DirectorySourceOptions options_;
+  bool use_openat2_;
 };
 
 /// INVALID_ARGUMENT for a name that leads out of a scene's files.

@@ -10,7 +10,7 @@
 
 #include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
-#include "server/files/byte_order_mark.h"
+#include "server/files/printable.h"
 
 namespace lucerna {
 namespace {
@@ -339,6 +339,27 @@ Planes other_planes(const Lines& lines, Sizes& sizes, Planes planes, std::size_t
   return planes;
 }
 
+/// The planes whose intensities are read.  Fails if the file is too short for them.
+Planes planes_to_read(Lines& lines, Sizes& sizes, std::size_t angles_line, PhotometricFile& file) {
+  const auto [announced, angles, gammas] = sizes;
+  const std::size_t left = lines.size() >= angles_line ? lines.size() - angles_line + 1 : 0;
+  // The first C-angle is 0 or half a step.
+  Planes planes = planes_of(sizes, lines.number_or_0(angles_line) != 0);
+  const std::size_t divisor = announced == 2 ? 2 : announced >= 3 ? 4 : 1;
+  const std::size_t stored = numbers_from(lines, angles_line + angles + gammas);
+  if (angles <= left) planes = other_planes(lines, sizes, planes, angles_line, stored, file);
+  if (lines.status.ok() && angles % divisor != 0 && stored != angles * gammas)
+    lines.fail(4, fmt::format("the number Mc of C-planes = {}, allowed for symmetry {}: multiples "
+                              "of {}",
+                              angles, announced, divisor));
+  if (angles > left || gammas > left || planes.count > (left - angles) / gammas)
+    lines.fail(6,
+               fmt::format("{} angles and {} planes of {} intensities are announced, allowed: as "
+                           "many as fit in the remaining {} lines",
+                           angles, planes.count, gammas, left));
+  return planes;
+}
+
 /// Reads the C-angles (from `angles_line` on), the gamma-angles and the intensities.  `factor`
 /// multiplies the intensities.
 absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, Sizes sizes,
@@ -350,23 +371,9 @@ absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, Sizes sizes,
     // Some of these files have the angle of the plane.
     sizes.angles = numbers_from(lines, angles_line) % 2;
   }
-  const auto [announced, angles, gammas] = sizes;
-  const std::size_t left = lines.size() >= angles_line ? lines.size() - angles_line + 1 : 0;
+  const std::size_t angles = sizes.angles, gammas = sizes.gammas;
   const std::size_t gamma_line = angles_line + angles, intensity_line = gamma_line + gammas;
-  // The first C-angle is 0 or half a step.
-  Planes planes = planes_of(sizes, lines.number_or_0(angles_line) != 0);
-  const std::size_t divisor = announced == 2 ? 2 : announced >= 3 ? 4 : 1;
-  const std::size_t stored = numbers_from(lines, intensity_line);
-  if (angles <= left) planes = other_planes(lines, sizes, planes, angles_line, stored, file);
-  if (lines.status.ok() && angles % divisor != 0 && stored != angles * gammas)
-    lines.fail(4, fmt::format("the number Mc of C-planes = {}, allowed for symmetry {}: multiples "
-                              "of {}",
-                              angles, announced, divisor));
-  if (angles > left || gammas > left || planes.count > (left - angles) / gammas)
-    lines.fail(6,
-               fmt::format("{} angles and {} planes of {} intensities are announced, allowed: as "
-                           "many as fit in the remaining {} lines",
-                           angles, planes.count, gammas, left));
+  const Planes planes = planes_to_read(lines, sizes, angles_line, file);
   LUCERNA_RETURN_IF_ERROR(lines.status);
   const std::vector<double> c =
       lines.list(angles_line, angles, "a C-angle", 0, 360, "from 0 to 360 degrees");

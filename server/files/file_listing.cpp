@@ -6,29 +6,12 @@
 #include <system_error>
 #include <utility>
 
+#include "server/files/printable.h"
+
 namespace lucerna {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Checks lengths and continuation bytes, as messages require.
-bool is_utf8(const std::string& text) {
-  int following = 0;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (following > 0) {
-      if ((byte & 0xC0) != 0x80) return false;
-      --following;
-    } else if (byte >= 0x80) {
-      following = byte >= 0xC2 && byte < 0xE0 ? 1
-                  : (byte & 0xF0) == 0xE0     ? 2
-                  : byte >> 3 == 30           ? 3
-                                              : -1;
-      if (following < 0) return false;
-    }
-  }
-  return following == 0;
-}
 
 bool is_under(const fs::path& path, const fs::path& root) {
   return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();

@@ -1,5 +1,6 @@
 #include "server/files/ies.h"
 
+#include <absl/strings/ascii.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,9 +10,9 @@
 
 #include "lights/maths/stop_poll.h"
 #include "proto/common/status_macros.h"
-#include "server/files/byte_order_mark.h"
 #include "server/files/ies_numbers.h"
 #include "server/files/ies_unit.h"
+#include "server/files/printable.h"
 
 namespace lucerna {
 namespace {
@@ -27,24 +28,14 @@ constexpr Edition k2002{"IES LM-63-2002", 2002};
 constexpr Edition kEditions[] = {
     k1986, {"IES LM-63-1991", 1991}, {"IES LM-63-1995", 1995}, k2002, {"IES LM-63-2019", 2019}};
 
-bool equals_ignoring_case(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
-    const auto upper = [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; };
-    return upper(x) == upper(y);
-  });
-}
-
 /// The edition that the first line with text names: "IESNA91", "IESNA:LM-63-2002".  Files of 1986
 /// have no such line.
 Edition edition_of(std::string_view text, PhotometricFile& file) {
   std::string_view first;
   int line = 0;
   for (; !text.empty() && first.empty(); ++line) first = trimmed(take_line(text));
-  std::string label;
-  for (const char c : first) {
-    if (c >= 'a' && c <= 'z') label += static_cast<char>(c - 32);
-    if ((c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')) label += c;
-  }
+  std::string label = upper_case(first);
+  std::erase_if(label, [](char c) { return !absl::ascii_isalnum(static_cast<unsigned char>(c)); });
   std::string_view year = label;
   if (!year.starts_with("IES")) return k1986;
   for (const std::string_view part : {"IES", "NA", "LM63"})
@@ -76,7 +67,7 @@ absl::StatusOr<TiltLine> find_tilt(std::string_view text, std::string_view name)
     const std::string_view found = trimmed(take_line(text));
     ++line;
     const std::size_t equals = std::min(found.find('='), found.size());
-    if (equals < found.size() && equals_ignoring_case(trimmed(found.substr(0, equals)), "TILT"))
+    if (equals < found.size() && upper_case(trimmed(found.substr(0, equals))) == "TILT")
       return TiltLine{trimmed(found.substr(equals + 1)), text, line};
   }
   return photometric_error(name, line,
@@ -111,8 +102,8 @@ double read_tilt_table(IesNumbers& numbers, PhotometricFile& file) {
 absl::StatusOr<double> read_tilt(const TiltLine& tilt, std::string_view name, IesNumbers& numbers,
                                  PhotometricFile& file) {
   const auto& [value, rest, line] = tilt;
-  if (equals_ignoring_case(value, "NONE")) return 1;
-  if (equals_ignoring_case(value, "INCLUDE")) {
+  if (upper_case(value) == "NONE") return 1;
+  if (upper_case(value) == "INCLUDE") {
     numbers.skip();
     return read_tilt_table(numbers, file);
   }

@@ -1,5 +1,6 @@
 #include "server/files/ies_unit.h"
 
+#include <absl/strings/ascii.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,8 +17,7 @@ namespace {
 /// Lower case; micro signs and words become the letters of units; no blanks about a slash.
 std::string normalized(std::string_view line) {
   std::string text(line);
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
+  absl::AsciiStrToLower(&text);
   // The two micro signs, the dot and the exponent -1 in UTF-8, then micro and dot in Latin-1.
   for (const auto& [word, unit] : std::vector<std::pair<std::string_view, std::string_view>>{
            {"\xc2\xb5", "u"},   {"\xce\xbc", "u"},

@@ -1,5 +1,6 @@
 #include "server/files/photometric_file.h"
 
+#include <absl/strings/ascii.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,6 +22,12 @@ std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \t");
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+std::string upper_case(std::string_view text) {
+  std::string upper(text);
+  absl::AsciiStrToUpper(&upper);
+  return upper;
 }
 
 std::optional<double> parse_number(std::string_view text) {

@@ -68,6 +68,9 @@ std::string_view take_line(std::string_view& text);
 /// `text` without spaces and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
+/// ASCII letters in upper case.
+std::string upper_case(std::string_view text);
+
 /// The finite number in `text`, with an optional sign; nothing if `text` is not such a number.
 std::optional<double> parse_number(std::string_view text);
 

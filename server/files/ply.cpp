@@ -145,45 +145,21 @@ class Reader {
       if (has_normals_) mesh_.normals.resize(first + rows);
       if (has_uv_) mesh_.uv.resize(first + rows);
       for (std::size_t p = 0; p < role.size(); block += size_of(element.properties[p++].type)) {
-        const auto column = [&](auto&& set) {
+        const auto into = [&]<typename V, typename C>(std::vector<V>& values, C V::*component) {
           with_type(element.properties[p].type, [&]<typename T>() {
             const char* at = block;
             for (std::uint64_t i = first; i < first + rows; ++i, at += stride)
-              set(i, load<T>(at, swapped));
+              values[i].*component = static_cast<C>(load<T>(at, swapped));
           });
         };
-        const auto into = [&](auto& values, auto component) {
-          using Real = std::decay_t<decltype(values[0].*component)>;
-          column([&](std::uint64_t i, auto n) { values[i].*component = static_cast<Real>(n); });
-        };
-        switch (role[p]) {
-          case kX:
-            into(mesh_.positions, &Vec3::x);
-            break;
-          case kY:
-            into(mesh_.positions, &Vec3::y);
-            break;
-          case kZ:
-            into(mesh_.positions, &Vec3::z);
-            break;
-          case kNx:
-            if (has_normals_) into(mesh_.normals, &Vec3f::x);
-            break;
-          case kNy:
-            if (has_normals_) into(mesh_.normals, &Vec3f::y);
-            break;
-          case kNz:
-            if (has_normals_) into(mesh_.normals, &Vec3f::z);
-            break;
-          case kU:
-            into(mesh_.uv, &Vec2f::x);
-            break;
-          case kV:
-            into(mesh_.uv, &Vec2f::y);
-            break;
-          default:
-            break;
-        }
+        constexpr std::array kOfPosition{&Vec3::x, &Vec3::y, &Vec3::z};
+        constexpr std::array kOfNormal{&Vec3f::x, &Vec3f::y, &Vec3f::z};
+        if (role[p] <= kZ)
+          into(mesh_.positions, kOfPosition[role[p] - kX]);
+        else if (role[p] <= kNz && has_normals_)
+          into(mesh_.normals, kOfNormal[role[p] - kNx]);
+        else if (role[p] == kU || role[p] == kV)
+          into(mesh_.uv, role[p] == kU ? &Vec2f::x : &Vec2f::y);
       }
       for (std::uint64_t i = first; i < first + rows; ++i) check_vertex(i);
     }
@@ -258,10 +234,7 @@ class Reader {
         continue;
       }
       double n = 0;
-      const bool ok = property.count_type
-                          ? numbers_.next(*property.count_type, n) && skip(property.type, n)
-                          : numbers_.next(property.type, n);
-      if (!ok) return cut_off(element.name, i);
+      if (!next(property, n)) return cut_off(element.name, i);
       if (role[p] < kCorners) value[role[p]] = n;
     }
     if (element.name != "vertex") return absl::OkStatus();
@@ -315,10 +288,7 @@ class Reader {
       for (std::size_t p = 0; p < role.size(); ++p) {
         const Property& property = element.properties[p];
         double n = 0;
-        const bool ok = property.count_type
-                            ? numbers_.next(*property.count_type, n) && skip(property.type, n)
-                            : numbers_.next(property.type, n);
-        if (!ok) return cut_off(element.name, i);
+        if (!next(property, n)) return cut_off(element.name, i);
         if (p == corners && n == 4) ++quads;
       }
     }
@@ -330,17 +300,21 @@ class Reader {
 
   /// Quadrilaterals need more room than read_element() made.
   absl::Status make_room_for_quad() {
-    if (mesh_.quads.size() == mesh_.quads.capacity()) {
-      const std::size_t more = std::max<std::size_t>(mesh_.quads.capacity(), 1024);
+    const auto make_room = [&](std::vector<std::uint32_t>& list, std::size_t count) {
+      if (list.size() + count <= list.capacity()) return absl::OkStatus();
+      const std::size_t more = std::max<std::size_t>(list.capacity(), 1024);
       LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(more * sizeof(std::uint32_t)));
-      mesh_.quads.reserve(mesh_.quads.capacity() + more);
-    }
-    if (mesh_.indices.size() + 3 > mesh_.indices.capacity()) {
-      const std::size_t more = std::max<std::size_t>(mesh_.indices.capacity(), 1024);
-      LUCERNA_RETURN_IF_ERROR(mesh_.share.grow(more * sizeof(std::uint32_t)));
-      mesh_.indices.reserve(mesh_.indices.capacity() + more);
-    }
-    return absl::OkStatus();
+      list.reserve(list.capacity() + more);
+      return absl::OkStatus();
+    };
+    LUCERNA_RETURN_IF_ERROR(make_room(mesh_.quads, 1));
+    return make_room(mesh_.indices, 3);
+  }
+
+  /// Reads a number, or the length of a list whose numbers it skips.
+  bool next(const Property& property, double& value) {
+    if (!property.count_type) return numbers_.next(property.type, value);
+    return numbers_.next(*property.count_type, value) && skip(property.type, value);
   }
 
   bool skip(Type type, double count) {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "proto/common/status_macros.h"
-#include "server/files/byte_order_mark.h"
+#include "server/files/printable.h"
 
 namespace lucerna::ply {
 namespace {

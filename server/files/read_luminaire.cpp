@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <string>
 
-#include "server/files/byte_order_mark.h"
 #include "server/files/eulumdat.h"
 #include "server/files/ies.h"
+#include "server/files/printable.h"
 
 namespace lucerna {
 namespace {
@@ -26,13 +25,6 @@ std::string ascii_of_utf16(std::string_view bytes) {
   return text;
 }
 
-bool begins_with_ignoring_case(std::string_view text, std::string_view upper_case) {
-  if (text.size() < upper_case.size()) return false;
-  return std::equal(upper_case.begin(), upper_case.end(), text.begin(), [](char upper, char c) {
-    return upper == (c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c);
-  });
-}
-
 enum class Kind { kIes, kEulumdat, kUnknown };
 
 Kind kind_of(std::string_view text) {
@@ -40,8 +32,8 @@ Kind kind_of(std::string_view text) {
   bool numbers = true;
   for (int line = 1; !text.empty(); ++line) {
     const std::string_view found = trimmed(take_line(text));
-    if (line == 1 && begins_with_ignoring_case(found, "IES")) return Kind::kIes;
-    if (begins_with_ignoring_case(found, "TILT") && trimmed(found.substr(4)).starts_with('='))
+    if (line == 1 && upper_case(found.substr(0, 3)) == "IES") return Kind::kIes;
+    if (upper_case(found.substr(0, 4)) == "TILT" && trimmed(found.substr(4)).starts_with('='))
       return Kind::kIes;
     if (line == 3 || line == 4 || line == 6) numbers = numbers && parse_number(found).has_value();
     if (line == 6 && numbers) return Kind::kEulumdat;
@@ -51,14 +43,6 @@ Kind kind_of(std::string_view text) {
 
 }  // namespace
 
-bool ends_in(std::string_view name, std::string_view lower_case) {
-  if (name.size() < lower_case.size()) return false;
-  std::string upper(lower_case);
-  for (char& c : upper)
-    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 32);
-  return begins_with_ignoring_case(name.substr(name.size() - lower_case.size()), upper);
-}
-
 absl::StatusOr<PhotometricFile> read_luminaire(std::string_view bytes, std::string_view name) {
   const std::string decoded = ascii_of_utf16(bytes);
   std::string_view text = decoded.empty() ? without_byte_order_mark(bytes) : decoded;
@@ -66,11 +50,12 @@ absl::StatusOr<PhotometricFile> read_luminaire(std::string_view bytes, std::stri
   const std::size_t end = text.find_last_not_of(std::string_view(" \t\r\n\x1a\0", 6)) + 1;
   if (text.find_first_of(std::string_view("\x1a\0", 2), end) != std::string_view::npos)
     text = text.substr(0, end);
-  const bool named_eulumdat = ends_in(name, ".ldt");
+  const bool named_eulumdat = upper_case(name).ends_with(".LDT");
   const Kind kind = kind_of(text);
   const bool eulumdat = kind == Kind::kUnknown ? named_eulumdat : kind == Kind::kEulumdat;
   auto file = eulumdat ? parse_eulumdat(text, name) : parse_ies(text, name);
-  if (file.ok() && eulumdat != named_eulumdat && (named_eulumdat || ends_in(name, ".ies")))
+  if (file.ok() && eulumdat != named_eulumdat &&
+      (named_eulumdat || upper_case(name).ends_with(".IES")))
     file->notes.push_back({1,
                            fmt::format("the name of a file of {}", eulumdat ? "IES" : "EULUMDAT"),
                            fmt::format("read as {}", file->format)});

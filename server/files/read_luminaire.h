@@ -9,9 +9,6 @@
 
 namespace lucerna {
 
-/// Whether a name ends in an extension such as ".ldt", in letters of either case.
-bool ends_in(std::string_view name, std::string_view lower_case);
-
 /// The luminaire in the bytes of an IES LM-63 or EULUMDAT file.  The content decides which: "TILT="
 /// or numbers in the places of EULUMDAT; without both, the name does.  A note reports a name that
 /// says otherwise.  UTF-16 with a byte-order mark is read, and an end-of-file mark (Ctrl-Z) left

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "server/files/light_name.h"
+#include "server/files/printable.h"
 
 namespace lucerna::gltf {
 

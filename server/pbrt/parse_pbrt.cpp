@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/files/byte_order_mark.h"
+#include "server/files/printable.h"
 #include "server/pbrt/older_pbrt.h"
 
 namespace lucerna::pbrt {

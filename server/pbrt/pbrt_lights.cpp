@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "proto/common/defaults.h"
-#include "server/files/light_name.h"
+#include "server/files/printable.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/pbrt_levels.h"
 #include "server/pbrt/pbrt_scales.h"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "lights/maths/stop_poll.h"
-#include "server/files/byte_order_mark.h"
+#include "server/files/printable.h"
 #include "server/pbrt/older_pbrt.h"
 
 namespace lucerna::pbrt {

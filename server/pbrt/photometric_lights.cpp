@@ -1,5 +1,6 @@
 #include "server/pbrt/photometric_lights.h"
 
+#include <absl/strings/match.h>
 #include <fmt/format.h>
 
 #include <tuple>
@@ -47,7 +48,7 @@ std::shared_ptr<const IntensityMap> read_intensity_map(LoadState& context,
 }  // namespace
 
 bool names_photometric_file(const std::string& name) {
-  return ends_in(name, ".ies") || ends_in(name, ".ldt");
+  return absl::EndsWithIgnoreCase(name, ".ies") || absl::EndsWithIgnoreCase(name, ".ldt");
 }
 
 NamedPhotometricFile read_photometric_file(LoadState& context, const ParameterSet& params,

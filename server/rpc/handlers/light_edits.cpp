@@ -10,7 +10,6 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
-#include "server/files/light_name.h"
 #include "server/files/printable.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
