@@ -13,7 +13,7 @@ namespace {
 double width(const ShapeDirective& shape, const char* name, double otherwise) {
   const double width = shape.params.number(name, otherwise);
   if (!(width >= 0))
-    fail(shape.params.place_of({name, "width"}, shape.place),
+    fail(shape.params.place_of({name, "width"}),
          fmt::format("\"float {}\" = {} m, allowed: at least 0", name, width));
   return width;
 }
@@ -29,7 +29,7 @@ double scale_of_widths(LoadState& context, const ShapeDirective& shape) {
   const auto differs = [&](const Vec3& v) { return std::fabs(dot(v, v) - scale * scale) > s2; };
   if (differs(x) || differs(y) || differs(z) || std::fabs(dot(x, y)) > s2 ||
       std::fabs(dot(y, z)) > s2 || std::fabs(dot(z, x)) > s2)
-    context.remark(shape.place, "a transform that deforms the cross-section of a curve",
+    context.remark(shape.place(), "a transform that deforms the cross-section of a curve",
                    "the width is multiplied by the mean scale");
   return scale;
 }
@@ -46,7 +46,7 @@ CurveData make_curve(LoadState& context, const ShapeDirective& shape) {
       if (value == a) return value;
       list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", a);
     }
-    fail(shape.params.place_of({name}, shape.place),
+    fail(shape.params.place_of({name}),
          fmt::format("\"string {}\" = \"{}\", allowed: {}", name, printable(value), list));
   };
   const std::string type = one_of("type", "flat", {"flat", "cylinder", "ribbon"});
@@ -57,7 +57,7 @@ CurveData make_curve(LoadState& context, const ShapeDirective& shape) {
   curves.is_b_spline = one_of("basis", "bezier", {"bezier", "bspline"}) == "bspline";
   curves.degree = shape.params.integer("degree", 3);
   if (curves.degree != 2 && curves.degree != 3)
-    fail(shape.params.place_of({"degree"}, shape.place),
+    fail(shape.params.place_of({"degree"}),
          fmt::format("\"integer degree\" = {}, allowed: 2 or 3", curves.degree));
   const double scale = scale_of_widths(context, shape);
   const double both = width(shape, "width", 1);
@@ -65,12 +65,12 @@ CurveData make_curve(LoadState& context, const ShapeDirective& shape) {
   curves.end_width_m = width(shape, "width1", both) * scale;
   curves.points = world_positions(shape, shape.params.take_vectors("P", "point3"));
   const std::vector<Vec3> normals = shape.params.take_vectors("N", "normal");
-  const FilePosition normals_place = shape.params.place_of({"N"}, shape.place);
+  const FilePosition normals_place = shape.params.place_of({"N"});
   if (type != "ribbon") {
     if (!normals.empty())
       context.remark(normals_place, "\"normal N\" of a curve that is no ribbon", "not used");
   } else {
-    if (normals.empty()) fail(shape.place, "a ribbon lacks \"normal N\"");
+    if (normals.empty()) fail(shape.place(), "a ribbon lacks \"normal N\"");
     const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
     for (const Vec3& n : normals) {
       const Vec3 unit = normalized(shape.world_from_object.normal(n));
@@ -80,7 +80,7 @@ CurveData make_curve(LoadState& context, const ShapeDirective& shape) {
     }
   }
   if (const absl::Status status = check_curves(curves); !status.ok())
-    fail(shape.params.place_of({"P"}, shape.place), status);
+    fail(shape.params.place_of({"P"}), status);
   return curves;
 }
 

@@ -23,9 +23,6 @@ SourceLocation location(const FilePosition& place);
 /// "scene.pbrt:12:7".
 std::string to_string(const FilePosition& place);
 
-using lucerna::is_printable;
-using lucerna::printable;
-
 /// Throws a StatusError: INVALID_ARGUMENT with the place before its message.
 [[noreturn]] void fail(const FilePosition& place, const std::string& what);
 

@@ -71,26 +71,16 @@ double illuminance_factor(LoadState& context, const Parameter& given, double wan
 /// "scale" times the factor for "illuminance".
 double picture_level(LoadState& context, const ParameterSet& params, const Image& image,
                      SphereMapping mapping) {
-  const double scale = params.number("scale", 1);
-  if (scale < 0)
-    fail(params.find("scale", {"float"})->place,
-         fmt::format("\"float scale\" = {}, allowed: not negative", scale));
-  const Parameter* given = params.find("illuminance", {"float"});
-  if (given == nullptr) return scale;
-  const double wanted = params.number("illuminance", -1);
-  // pbrt-v4 uses -1 for "not given".
-  if (wanted < 0 && wanted != -1)
-    fail(given->place, fmt::format("\"float illuminance\" = {}, allowed: not negative", wanted));
-  if (wanted == 0)
-    context.remark(given->place, "\"illuminance\" 0 is taken as not given", "the picture's level");
+  const double scale = level_scale(params);
+  const double wanted = target_of(context, params, "illuminance", "the picture's level");
   if (!(wanted > 0)) return scale;
-  return scale * illuminance_factor(context, *given, wanted, scale, image, mapping);
+  const Parameter& given = *params.find("illuminance", {"float"});
+  return scale * illuminance_factor(context, given, wanted, scale, image, mapping);
 }
 
 /// The picture of "string filename" with its level.  `otherwise`: the filter if none is given.
 ImageInfiniteLightParams picture(LoadState& context, const ParameterSet& params,
-                                 const FilePosition& place, const Transform& world_from_light,
-                                 ImageFilter otherwise) {
+                                 const Transform& world_from_light, ImageFilter otherwise) {
   const Parameter& filename = *params.find("filename", {"string"});
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
     fail(l->place, "\"L\" and \"filename\" are both given, allowed: one of them");
@@ -108,7 +98,7 @@ ImageInfiniteLightParams picture(LoadState& context, const ParameterSet& params,
   infinite.world_from_map = world_from_light;
   infinite.radiance_cd_m2 = Rgb(picture_level(context, params, *named.image, mapping));
   require_level(
-      level_place(params, "L", place),
+      level_place(params, "L"),
       fmt::format("the brightest texel of {} times the light's level", printable(named.name)),
       infinite.map->brightest() * infinite.radiance_cd_m2);
   return infinite;
@@ -117,11 +107,9 @@ ImageInfiniteLightParams picture(LoadState& context, const ParameterSet& params,
 }  // namespace
 
 SphereMapping sphere_mapping(const ParameterSet& params) {
-  const std::string name = params.string("mapping", "equalarea");
-  if (name == "equalarea") return SphereMapping::kEqualArea;
-  if (name == "latlong") return SphereMapping::kLatitudeLongitude;
-  fail(params.find("mapping", {"string"})->place,
-       fmt::format("\"string mapping\" = \"{}\", allowed: equalarea, latlong", printable(name)));
+  return params.choice<SphereMapping>(
+      "mapping", "equalarea",
+      {{"equalarea", SphereMapping::kEqualArea}, {"latlong", SphereMapping::kLatitudeLongitude}});
 }
 
 void check_without_picture(LoadState& context, const ParameterSet& params,
@@ -141,17 +129,16 @@ void check_without_picture(LoadState& context, const ParameterSet& params,
 }
 
 ImageInfiniteLightParams image_infinite(LoadState& context, const ParameterSet& params,
-                                        const FilePosition& place,
                                         const Transform& world_from_light) {
   ImageInfiniteLightParams infinite =
-      picture(context, params, place, world_from_light, ImageFilter::kNearest);
+      picture(context, params, world_from_light, ImageFilter::kNearest);
   // Checks here, where the place in the file is known.
   if (const auto made = ImageInfiniteLight::create(infinite); !made.ok())
-    fail(level_place(params, "L", place), made.status());
+    fail(level_place(params, "L"), made.status());
   return infinite;
 }
 
-PortalLightParams portal(LoadState& context, const ParameterSet& params, const FilePosition& place,
+PortalLightParams portal(LoadState& context, const ParameterSet& params,
                          const Transform& world_from_light) {
   const Parameter& given = *params.find("portal", {"point3"});
   const bool has_picture = params.find("filename", {"string"}) != nullptr;
@@ -160,7 +147,7 @@ PortalLightParams portal(LoadState& context, const ParameterSet& params, const F
   const bool is_resampled = has_picture && params.find("filter", {"string"}) == nullptr &&
                             sphere_mapping(params) == SphereMapping::kEqualArea;
   if (has_picture && !is_resampled)
-    require_equal_scale(place, "a filtered or latitude-longitude picture behind a portal",
+    require_equal_scale(params.place(), "a filtered or latitude-longitude picture behind a portal",
                         world_from_light);
   const std::vector<Vec3> corners = params.vectors("portal", "point3");
   PortalLightParams light;
@@ -170,7 +157,7 @@ PortalLightParams portal(LoadState& context, const ParameterSet& params, const F
   light.world_from_map = world_from_light;
   if (has_picture) {
     ImageInfiniteLightParams infinite =
-        picture(context, params, place, world_from_light, ImageFilter::kBilinear);
+        picture(context, params, world_from_light, ImageFilter::kBilinear);
     light.map = std::move(infinite.map);
     light.image_name = std::move(infinite.image_name);
     light.radiance_cd_m2 = infinite.radiance_cd_m2;

@@ -16,14 +16,13 @@ namespace lucerna::pbrt {
 /// Fails if "L" is given too, on a transform of unequal scale, and on a picture that the mapping
 /// cannot use.
 ImageInfiniteLightParams image_infinite(LoadState& context, const ParameterSet& params,
-                                        const FilePosition& place,
                                         const Transform& world_from_light);
 
 /// LightSource "infinite" with "point3 portal", with or without "string filename". The corners are
 /// in world space; the transform does not apply to them.  The radiance of a picture is set; without
 /// a picture the caller sets it.  Fails as `image_infinite` does, and on corners that are not a
 /// rectangle.
-PortalLightParams portal(LoadState& context, const ParameterSet& params, const FilePosition& place,
+PortalLightParams portal(LoadState& context, const ParameterSet& params,
                          const Transform& world_from_light);
 
 /// The "string mapping" of a light; equalarea if it is not given.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include "lights/maths/cie.h"
 #include "server/pbrt/pbrt_spectra.h"
@@ -88,6 +89,17 @@ SampledSpectrum spectrum_of(const std::array<double, kSize>& values) {
   return result;
 }
 
+/// The spectrum that a name such as "metal-Cu-eta" or "metal-Cu-k" means: a metal's index, from 360
+/// to 830 nm.  Nothing for other names.  Silver, aluminium, gold, chromium, copper and tungsten
+/// (Ag Al Au Cr Cu W), measured.  [Palik85]
+std::optional<SampledSpectrum> metal_spectrum(std::string_view name) {
+  for (const Metal& metal : kMetals) {
+    if (name == fmt::format("metal-{}-eta", metal.name)) return spectrum_of(metal.eta);
+    if (name == fmt::format("metal-{}-k", metal.name)) return spectrum_of(metal.k);
+  }
+  return std::nullopt;
+}
+
 /// Linear between samples; the first and the last one continue.
 double value_at(const SampledSpectrum& s, double nm) {
   const auto& at = s.wavelengths_nm;
@@ -128,14 +140,6 @@ constexpr std::array<Glass, 7> kGlasses{{{"glass-BK7", 1.5168},
                                          {"glass-F11", 1.7847}}};
 
 }  // namespace
-
-std::optional<SampledSpectrum> metal_spectrum(std::string_view name) {
-  for (const Metal& metal : kMetals) {
-    if (name == fmt::format("metal-{}-eta", metal.name)) return spectrum_of(metal.eta);
-    if (name == fmt::format("metal-{}-k", metal.name)) return spectrum_of(metal.k);
-  }
-  return std::nullopt;
-}
 
 Rgb under_d65(const SampledSpectrum& spectrum) {
   return under_d65([&](double nm) { return value_at(spectrum, nm); });
@@ -184,7 +188,7 @@ double index_at_sodium(LoadState& context, const Parameter& parameter) {
       }
   const SampledSpectrum samples = spectrum_samples(context, parameter);
   const double eta = value_at(samples, kSodiumNm);
-  if (std::ranges::adjacent_find(samples.values, std::not_equal_to<>()) != samples.values.end())
+  if (!is_constant(samples))
     context.remark(parameter.place, "the dispersion of a spectrum \"eta\" is not modelled",
                    fmt::format("index {:.4g}, that of yellow light", eta));
   return eta;

@@ -2,17 +2,11 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 
 #include "lights/maths/spectrum.h"
 #include "server/pbrt/pbrt_params.h"
 
 namespace lucerna::pbrt {
-
-/// The spectrum that a name such as "metal-Cu-eta" or "metal-Cu-k" means: a metal's index, from 360
-/// to 830 nm.  Nothing for other names.  Silver, aluminium, gold, chromium, copper and tungsten
-/// (Ag Al Au Cr Cu W), measured.  [Palik85]
-std::optional<SampledSpectrum> metal_spectrum(std::string_view name);
 
 struct MetalIndex {
   Rgb eta, k;

@@ -192,9 +192,9 @@ double lumens_of_unit_level(LoadState& context, const ParameterSet& params,
 }
 
 /// Fails if the brightest radiance of a picture or a panel does not fit a float.
-void require_emission(const AreaLightDirective& light, const ShapeDescription::Emission& emission,
+void require_emission(const ParameterSet& params, const ShapeDescription::Emission& emission,
                       double lumens, double area) {
-  const FilePosition place = level_place(light.params, "L", light.place);
+  const FilePosition place = level_place(params, "L");
   if (emission.picture)
     require_level(place,
                   fmt::format("the brightest texel of {} times the light's level",
@@ -228,24 +228,23 @@ void remark_power(LoadState& context, const ParameterSet& params, const Geometry
 
 }  // namespace
 
-bool needs_uv(const AreaLightDirective& light) {
-  return light.params.find("filename", {"string"}) != nullptr ||
-         light.params.find("profile", {"string"}) != nullptr;
+bool needs_uv(const ParameterSet& params) {
+  return params.find("filename", {"string"}) != nullptr ||
+         params.find("profile", {"string"}) != nullptr;
 }
 
 std::optional<ShapeDescription::Emission> make_emission(LoadState& context,
-                                                        const AreaLightDirective& light,
+                                                        const ParameterSet& params,
                                                         const Geometry& geometry,
                                                         const FilePosition& shape_place,
                                                         bool mirrored) {
-  const ParameterSet& params = light.params;
   if (std::holds_alternative<CurveData>(geometry)) {
     context.remark(shape_place, "a curve that emits is not modelled", "the curve emits nothing");
     return std::nullopt;
   }
-  if (light.type != "diffuse")
-    fail(light.place,
-         fmt::format("unknown area light \"{}\", expected \"diffuse\"", printable(light.type)));
+  if (params.type() != "diffuse")
+    fail(params.place(),
+         fmt::format("unknown area light \"{}\", expected \"diffuse\"", printable(params.type())));
   ShapeDescription::Emission emission;
   try {
     emission.picture = area_picture(context, params);
@@ -253,7 +252,7 @@ std::optional<ShapeDescription::Emission> make_emission(LoadState& context,
     return std::nullopt;
   }
   emission.two_sided = params.boolean("twosided", false);
-  emission.where = location(light.place);
+  emission.where = location(params.place());
   emission.samples = samples_of(params);
   emission.name = name_of(params);
   const double area = area_of(shape_place, geometry);
@@ -263,9 +262,8 @@ std::optional<ShapeDescription::Emission> make_emission(LoadState& context,
   }
   emission.panel = area_profile(context, params, geometry, shape_place, mirrored);
   const double lumens = lumens_of_unit_level(context, params, emission, area);
-  emission.radiance_cd_m2 =
-      light_level_with_target(context, params, light.place, "L", {"power", "lm", lumens});
-  require_emission(light, emission, lumens, area);
+  emission.radiance_cd_m2 = light_level_with_target(context, params, "L", {"power", "lm", lumens});
+  require_emission(params, emission, lumens, area);
   emission.spectrum = light_spectrum(context, params, "L");
   remark_power(context, params, geometry, emission.picture.has_value());
   params.remark_unused(context, "AreaLightSource \"diffuse\"");

@@ -17,22 +17,15 @@
 
 namespace lucerna::pbrt {
 
-/// An AreaLightSource directive, kept for the shapes that follow it.
-struct AreaLightDirective {
-  std::string type;
-  ParameterSet params;
-  FilePosition place;
-};
-
 /// Whether the light needs the (u, v) of shapes, for an image or a profile.
-bool needs_uv(const AreaLightDirective& light);
+bool needs_uv(const ParameterSet& light);
 
-/// The emission of `geometry` with `light`.  Nothing, and a remark, if the shape has no area.
-/// "power" is that of the whole mesh.  `mirrored`: the shape's transform mirrors the shape and the
-/// photometry of a profile.  Fails on invalid levels, on shapes that cannot emit, and on a profile
-/// for a shape that is not flat.
+/// The emission of `geometry` with the AreaLightSource directive `light`.  Nothing, and a remark,
+/// if the shape has no area. "power" is that of the whole mesh.  `mirrored`: the shape's transform
+/// mirrors the shape and the photometry of a profile.  Fails on invalid levels, on shapes that
+/// cannot emit, and on a profile for a shape that is not flat.
 std::optional<ShapeDescription::Emission> make_emission(LoadState& context,
-                                                        const AreaLightDirective& light,
+                                                        const ParameterSet& light,
                                                         const Geometry& geometry,
                                                         const FilePosition& shape_place,
                                                         bool mirrored);

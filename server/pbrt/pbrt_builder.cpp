@@ -29,11 +29,6 @@ bool is_in_range(const Transform& t) {
   return true;
 }
 
-const char* name_of_opener(int kind) {
-  static constexpr const char* kNames[] = {"AttributeBegin", "ObjectBegin", "Import"};
-  return kNames[kind];
-}
-
 }  // namespace
 
 void Builder::require_world(const char* directive, const FilePosition& place) const {
@@ -105,7 +100,7 @@ std::shared_ptr<const Motion> Builder::motion(const char* directive, const Movin
 void Builder::setting(const std::string& directive, const std::string& type, Parameters params,
                       const FilePosition& place) {
   require_before_world(directive, place);
-  Setting setting{type, ParameterSet(std::move(params), {}), place};
+  ParameterSet setting(type, std::move(params), {}, place);
   if (directive == "Camera") {
     // The current transform maps world to camera.  The motion is that of the camera in the world.
     MovingTransform world_from_camera = state_.world_from_object;
@@ -143,14 +138,14 @@ void Builder::transform_times(double start_s, double end_s, const FilePosition& 
 
 void Builder::attribute_begin(const FilePosition& place) {
   require_world("AttributeBegin", place);
-  open(Opened::Kind::kAttribute, place);
+  open("AttributeBegin", place);
 }
 
-void Builder::open(Opened::Kind kind, const FilePosition& place) {
+void Builder::open(std::string_view opener, const FilePosition& place) {
   if (opened_.size() == kMostOpenBlocks)
     fail(place, fmt::format("blocks are open {} deep, allowed: at most {}", opened_.size() + 1,
                             kMostOpenBlocks));
-  opened_.push_back({kind, place, state_});
+  opened_.push_back({opener, place, state_});
 }
 
 void Builder::count_materials(std::size_t before, std::size_t parameters) {
@@ -158,13 +153,12 @@ void Builder::count_materials(std::size_t before, std::size_t parameters) {
   context_.count(added * (Materials::bytes_of_one() + kNodeBytes) + parameters * kParameterBytes);
 }
 
-void Builder::close(Opened::Kind kind, const char* directive, const FilePosition& place) {
-  if (opened_.empty() || opened_.back().kind == Opened::Kind::kImport)
+void Builder::close(std::string_view opener, const char* directive, const FilePosition& place) {
+  if (opened_.empty() || opened_.back().opener == "Import")
     fail(place, fmt::format("{} has nothing to close{}", directive,
                             opened_.empty() ? "" : " in this imported file"));
-  if (opened_.back().kind != kind)
-    fail(place, fmt::format("{} does not match the {} of {}", directive,
-                            name_of_opener(static_cast<int>(opened_.back().kind)),
+  if (opened_.back().opener != opener)
+    fail(place, fmt::format("{} does not match the {} of {}", directive, opened_.back().opener,
                             to_string(opened_.back().place)));
   state_ = std::move(opened_.back().saved);
   opened_.pop_back();
@@ -172,11 +166,10 @@ void Builder::close(Opened::Kind kind, const char* directive, const FilePosition
 
 void Builder::attribute_end(const FilePosition& place) {
   require_world("AttributeEnd", place);
-  close(Opened::Kind::kAttribute, "AttributeEnd", place);
+  close("AttributeBegin", "AttributeEnd", place);
 }
 
-void Builder::attribute(const std::string& target, const Parameters& params,
-                        const FilePosition& place) {
+void Builder::attribute(const std::string& target, Parameters params, const FilePosition& place) {
   Parameters* attributes = nullptr;
   if (target == "shape") attributes = &state_.shape_attributes;
   if (target == "light") attributes = &state_.light_attributes;
@@ -187,7 +180,7 @@ void Builder::attribute(const std::string& target, const Parameters& params,
     fail(place, fmt::format("unknown attribute target \"{}\", expected one of shape light material "
                             "medium texture",
                             printable(target)));
-  for (const auto& parameter : params) {
+  for (auto& parameter : params) {
     // A later parameter overrides an earlier one of the same name and type.
     std::erase_if(*attributes, [&](const auto& earlier) {
       return earlier->name == parameter->name && earlier->type == parameter->type;
@@ -195,7 +188,7 @@ void Builder::attribute(const std::string& target, const Parameters& params,
     if (attributes->size() == kMostAttributes)
       fail(parameter->place, fmt::format("more than {} attributes of \"{}\", allowed: at most {}",
                                          kMostAttributes, target, kMostAttributes));
-    attributes->push_back(parameter);
+    attributes->push_back(std::move(parameter));
   }
 }
 
@@ -208,7 +201,7 @@ void Builder::material(const std::string& type, Parameters params, const FilePos
   require_world("Material", place);
   const std::size_t before = materials_.size(), parameters = params.size();
   state_.material =
-      materials_.add(type, ParameterSet(std::move(params), state_.material_attributes), place);
+      materials_.add(ParameterSet(type, std::move(params), state_.material_attributes, place));
   count_materials(before, parameters);
 }
 
@@ -216,7 +209,8 @@ void Builder::make_named_material(const std::string& name, Parameters params,
                                   const FilePosition& place) {
   require_world("MakeNamedMaterial", place);
   const std::size_t before = materials_.size(), parameters = params.size();
-  materials_.make_named(name, ParameterSet(std::move(params), state_.material_attributes), place);
+  materials_.make_named(name,
+                        ParameterSet("", std::move(params), state_.material_attributes, place));
   count_materials(before, parameters);
 }
 
@@ -229,7 +223,7 @@ void Builder::named_material(const std::string& name, const FilePosition& place)
 
 void Builder::make_named_medium(const std::string& name, Parameters params,
                                 const FilePosition& place) {
-  media_.make(context_, name, ParameterSet(std::move(params), state_.medium_attributes), place);
+  media_.make(context_, name, ParameterSet("", std::move(params), state_.medium_attributes, place));
 }
 
 void Builder::medium_interface(const std::string& inside, const std::string& outside,
@@ -240,14 +234,14 @@ void Builder::medium_interface(const std::string& inside, const std::string& out
 void Builder::texture(const std::string& name, const std::string& kind, const std::string& type,
                       Parameters params, const FilePosition& place) {
   require_world("Texture", place);
-  materials_.textures().make(context_, name, kind, type,
-                             ParameterSet(std::move(params), state_.texture_attributes), place,
-                             still_transform("a texture", place));
+  materials_.textures().make(
+      context_, name, kind, ParameterSet(type, std::move(params), state_.texture_attributes, place),
+      still_transform("a texture", place));
 }
 
 void Builder::shape(const std::string& type, Parameters params, const FilePosition& place) {
   require_world("Shape", place);
-  ParameterSet set(std::move(params), state_.shape_attributes);
+  ParameterSet set(type, std::move(params), state_.shape_attributes, place);
   // A moving shape in an object would need one motion for each instance.
   const Transform& world_from_object =
       open_object_ ? still_transform("a shape within an object definition", place)
@@ -255,8 +249,8 @@ void Builder::shape(const std::string& type, Parameters params, const FilePositi
   const NumberValue alpha = materials_.textures().alpha(set);
   const bool with_uv = (state_.area_light && !open_object_ && needs_uv(*state_.area_light)) ||
                        materials_.may_need_uv(state_.material) || !alpha.is_constant();
-  auto geometry = make_geometry(
-      context_, {type, set, place, world_from_object, state_.reverse_orientation, with_uv});
+  auto geometry =
+      make_geometry(context_, {set, world_from_object, state_.reverse_orientation, with_uv});
   if (!geometry) return;
   ShapeDescription shape;
   if (!open_object_) shape.motion = motion("Shape", place);
@@ -284,10 +278,10 @@ void Builder::shape(const std::string& type, Parameters params, const FilePositi
 
 void Builder::light_source(const std::string& type, Parameters params, const FilePosition& place) {
   require_world("LightSource", place);
-  const ParameterSet set(std::move(params), state_.light_attributes);
+  const ParameterSet set(type, std::move(params), state_.light_attributes, place);
   LightDescription light;
   try {
-    light = make_light(context_, type, set, place, state_.world_from_object.start());
+    light = make_light(context_, set, state_.world_from_object.start());
   } catch (const LightLeftOut&) {
     return;
   }
@@ -301,8 +295,8 @@ void Builder::light_source(const std::string& type, Parameters params, const Fil
 void Builder::area_light_source(const std::string& type, Parameters params,
                                 const FilePosition& place) {
   require_world("AreaLightSource", place);
-  state_.area_light = std::make_shared<const AreaLightDirective>(
-      AreaLightDirective{type, ParameterSet(std::move(params), state_.light_attributes), place});
+  state_.area_light =
+      std::make_shared<const ParameterSet>(type, std::move(params), state_.light_attributes, place);
 }
 
 void Builder::object_begin(const std::string& name, const FilePosition& place) {
@@ -311,14 +305,14 @@ void Builder::object_begin(const std::string& name, const FilePosition& place) {
   auto& objects = context_.scene.objects;
   if (!objects_.try_emplace(name, static_cast<std::uint32_t>(objects.size())).second)
     fail(place, fmt::format("object \"{}\" was defined before", printable(name)));
-  open(Opened::Kind::kObject, place);
+  open("ObjectBegin", place);
   open_object_ = objects.size();
   objects.push_back({printable(name), {}});
 }
 
 void Builder::object_end(const FilePosition& place) {
   require_world("ObjectEnd", place);
-  close(Opened::Kind::kObject, "ObjectEnd", place);
+  close("ObjectBegin", "ObjectEnd", place);
   open_object_.reset();
 }
 
@@ -337,13 +331,13 @@ void Builder::object_instance(const std::string& name, const FilePosition& place
 
 void Builder::import_begin(const FilePosition& place) {
   require_world("Import", place);
-  open(Opened::Kind::kImport, place);
+  open("Import", place);
 }
 
 void Builder::import_end() {
-  if (opened_.back().kind != Opened::Kind::kImport)
-    fail(opened_.back().place, fmt::format("{} is not closed in this imported file",
-                                           name_of_opener(static_cast<int>(opened_.back().kind))));
+  if (opened_.back().opener != "Import")
+    fail(opened_.back().place,
+         fmt::format("{} is not closed in this imported file", opened_.back().opener));
   state_ = std::move(opened_.back().saved);
   opened_.pop_back();
 }
@@ -381,8 +375,7 @@ void Builder::resolve_materials(ShapeList& shapes) {
 void Builder::finish(const FilePosition& end) {
   if (!in_world_) fail(end, "expected WorldBegin, found the end of the file");
   if (!opened_.empty())
-    fail(opened_.back().place,
-         fmt::format("{} is not closed", name_of_opener(static_cast<int>(opened_.back().kind))));
+    fail(opened_.back().place, fmt::format("{} is not closed", opened_.back().opener));
   StopPoll poll;
   for (const Use& use : undefined_objects_) {
     poll();

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/pbrt/pbrt_area_lights.h"
@@ -57,7 +58,7 @@ struct GraphicsState {
   const RgbPrimaries* colour_space = nullptr;
   std::uint32_t material = Materials::kDefault;
   MediumSides media;
-  std::shared_ptr<const AreaLightDirective> area_light;
+  std::shared_ptr<const ParameterSet> area_light;
   Parameters shape_attributes, light_attributes, material_attributes, texture_attributes,
       medium_attributes;
 };
@@ -88,7 +89,7 @@ class Builder {
   // The world.
   void attribute_begin(const FilePosition& place);
   void attribute_end(const FilePosition& place);
-  void attribute(const std::string& target, const Parameters& params, const FilePosition& place);
+  void attribute(const std::string& target, Parameters params, const FilePosition& place);
   void reverse_orientation(const FilePosition& place);
   void material(const std::string& type, Parameters params, const FilePosition& place);
   void make_named_material(const std::string& name, Parameters params, const FilePosition& place);
@@ -115,8 +116,7 @@ class Builder {
 
  private:
   struct Opened {
-    enum class Kind : std::uint8_t { kAttribute, kObject, kImport };
-    Kind kind;
+    std::string_view opener;  ///< AttributeBegin, ObjectBegin or Import
     FilePosition place;
     GraphicsState saved;
   };
@@ -126,12 +126,12 @@ class Builder {
     FilePosition place;
   };
   /// Saves the state.  Fails if too many blocks are open.
-  void open(Opened::Kind kind, const FilePosition& place);
+  void open(std::string_view opener, const FilePosition& place);
   /// Counts the memory of materials that were added since `before`.
   void count_materials(std::size_t before, std::size_t parameters);
   void require_world(const char* directive, const FilePosition& place) const;
   void require_before_world(const std::string& directive, const FilePosition& place) const;
-  void close(Opened::Kind kind, const char* directive, const FilePosition& place);
+  void close(std::string_view opener, const char* directive, const FilePosition& place);
   /// The current transform at the start of the exposure.  Adds a remark if it moves.
   const Transform& still_transform(const char* directive, const FilePosition& place);
   /// The motion of the current transform; null if it does not move.  Fails on a motion that is not

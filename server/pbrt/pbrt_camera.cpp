@@ -15,20 +15,20 @@
 namespace lucerna::pbrt {
 namespace {
 
-void check_type(const Setting& setting, const char* directive,
+void check_type(const ParameterSet& setting, const char* directive,
                 std::initializer_list<std::string_view> types) {
-  if (!is_one_of(setting.type, types))
-    fail(setting.place,
-         fmt::format("unknown {} \"{}\", expected one of {}{}", directive, printable(setting.type),
-                     fmt::join(types, " "), hint_of_older_pbrt(directive, setting.type)));
+  if (!is_one_of(setting.type(), types))
+    fail(setting.place(), fmt::format("unknown {} \"{}\", expected one of {}{}", directive,
+                                      printable(setting.type()), fmt::join(types, " "),
+                                      hint_of_older_pbrt(directive, setting.type())));
 }
 
 /// Four values, each pair in ascending order; empty if the parameter is not given.
-std::vector<double> bounds_of(const Setting& setting, const char* name) {
-  std::vector<double> v = setting.params.numbers(name);
+std::vector<double> bounds_of(const ParameterSet& setting, const char* name) {
+  std::vector<double> v = setting.numbers(name);
   if (v.empty()) return v;
   if (v.size() != 4)
-    fail(setting.params.place_of({name}, setting.place),
+    fail(setting.place_of({name}),
          fmt::format("\"{}\" has {} values, expected four: x0 x1 y0 y1", name, v.size()));
   if (v[1] < v[0]) std::swap(v[0], v[1]);
   if (v[3] < v[2]) std::swap(v[2], v[3]);
@@ -37,14 +37,12 @@ std::vector<double> bounds_of(const Setting& setting, const char* name) {
 
 /// The part of the film that the picture shows.  As in pbrt-v4, the crop window counts if both are
 /// given.
-void apply_crop(LoadState& context, const Setting& setting) {
+void apply_crop(LoadState& context, const ParameterSet& setting) {
   Film& film = context.scene.film;
   const std::vector<double> window = bounds_of(setting, "cropwindow");
   const std::vector<double> bounds = bounds_of(setting, "pixelbounds");
   if (window.empty() && bounds.empty()) return;
-  const auto place = [&](const char* name) {
-    return setting.params.place_of({name}, setting.place);
-  };
+  const auto place = [&](const char* name) { return setting.place_of({name}); };
   FilmCrop crop{};
   if (!bounds.empty()) {
     if (!(bounds[0] >= 0 && bounds[2] >= 0 && bounds[1] <= film.width && bounds[3] <= film.height &&
@@ -76,105 +74,105 @@ void apply_crop(LoadState& context, const Setting& setting) {
 }
 
 /// The filter of a directive that is checked to be one of pbrt's.
-PixelFilterParams filter_params(const Setting& setting) {
-  const ParameterSet& params = setting.params;
+PixelFilterParams filter_params(const ParameterSet& setting) {
   const auto with_radius = [&](double radius, auto shape) {
-    return PixelFilterParams{{params.number("xradius", radius), params.number("yradius", radius)},
+    return PixelFilterParams{{setting.number("xradius", radius), setting.number("yradius", radius)},
                              shape};
   };
-  if (setting.type == "box") return with_radius(0.5, BoxFilter{});
-  if (setting.type == "triangle") return with_radius(2, TriangleFilter{});
-  if (setting.type == "mitchell")
-    return with_radius(2, MitchellFilter{params.number("B", 1.0 / 3), params.number("C", 1.0 / 3)});
-  if (setting.type == "sinc") return with_radius(4, SincFilter{params.number("tau", 3)});
-  return with_radius(1.5, GaussianFilter{params.number("sigma", 0.5)});
+  if (setting.type() == "box") return with_radius(0.5, BoxFilter{});
+  if (setting.type() == "triangle") return with_radius(2, TriangleFilter{});
+  if (setting.type() == "mitchell")
+    return with_radius(2,
+                       MitchellFilter{setting.number("B", 1.0 / 3), setting.number("C", 1.0 / 3)});
+  if (setting.type() == "sinc") return with_radius(4, SincFilter{setting.number("tau", 3)});
+  return with_radius(1.5, GaussianFilter{setting.number("sigma", 0.5)});
 }
 
 void apply_filter(LoadState& context, const Settings& settings) {
-  static const Setting kDefault{"gaussian", {}, {}};
-  const Setting& setting = settings.filter ? *settings.filter : kDefault;
+  static const ParameterSet kDefault("gaussian", {}, {}, {});
+  const ParameterSet& setting = settings.filter ? *settings.filter : kDefault;
   check_type(setting, "PixelFilter", {"box", "gaussian", "mitchell", "sinc", "triangle"});
   const PixelFilterParams params = filter_params(setting);
-  setting.params.remark_unused(context, fmt::format("PixelFilter \"{}\"", setting.type));
+  setting.remark_unused(context, fmt::format("PixelFilter \"{}\"", setting.type()));
   if (std::holds_alternative<BoxFilter>(params.shape) && params.radius_px == Vec2{0.5, 0.5}) return;
   auto filter = PixelFilter::create(params);
   if (!filter.ok())
-    fail(setting.place, fmt::format("PixelFilter \"{}\": {}", setting.type,
-                                    std::string(filter.status().message())));
+    fail(setting.place(), fmt::format("PixelFilter \"{}\": {}", setting.type(),
+                                      std::string(filter.status().message())));
   context.scene.film.filter = *std::move(filter);
 }
 
 void apply_film(LoadState& context, const Settings& settings) {
-  static const Setting kDefault{"rgb", {}, {}};
-  const Setting& setting = settings.film ? *settings.film : kDefault;
+  static const ParameterSet kDefault("rgb", {}, {}, {});
+  const ParameterSet& setting = settings.film ? *settings.film : kDefault;
   check_type(setting, "Film", {"rgb", "gbuffer", "spectral"});
-  const ParameterSet& params = setting.params;
   Film& film = context.scene.film;
-  film.width = params.integer("xresolution", film.width);
-  film.height = params.integer("yresolution", film.height);
+  film.width = setting.integer("xresolution", film.width);
+  film.height = setting.integer("yresolution", film.height);
   constexpr int kMaxPixels = 1 << 16;
   for (const int n : {film.width, film.height})
     if (n < 1 || n > kMaxPixels)
-      fail(setting.place, fmt::format("Film of {} by {} pixels, allowed 1 to {} each way",
-                                      film.width, film.height, kMaxPixels));
-  if (setting.type != "rgb")
-    context.remark(setting.place, fmt::format("Film \"{}\" is not modelled", setting.type),
+      fail(setting.place(), fmt::format("Film of {} by {} pixels, allowed 1 to {} each way",
+                                        film.width, film.height, kMaxPixels));
+  if (setting.type() != "rgb")
+    context.remark(setting.place(), fmt::format("Film \"{}\" is not modelled", setting.type()),
                    "linear RGB");
 
-  const std::string sensor = params.string("sensor", "cie1931");
+  const std::string sensor = setting.string("sensor", "cie1931");
   if (sensor != "cie1931")
-    context.remark(setting.place, fmt::format("sensor \"{}\" is not modelled", printable(sensor)),
+    context.remark(setting.place(), fmt::format("sensor \"{}\" is not modelled", printable(sensor)),
                    "cie1931");
-  if (params.number("whitebalance", 0) != 0)
-    context.remark(setting.place, "\"whitebalance\" is not modelled", "none");
-  if (params.number("maxcomponentvalue"))
-    context.remark(setting.place, "\"maxcomponentvalue\" is not modelled",
+  if (setting.number("whitebalance", 0) != 0)
+    context.remark(setting.place(), "\"whitebalance\" is not modelled", "none");
+  if (setting.number("maxcomponentvalue"))
+    context.remark(setting.place(), "\"maxcomponentvalue\" is not modelled",
                    "values are not clipped");
   // The imaging ratio of pbrt-v4: exposure time times ISO speed over 100.
   double exposure_s = 1;
   context.scene.hints.shutter_close_s = 1;
   if (settings.camera) {
-    const ParameterSet& camera = settings.camera->params;
+    const ParameterSet& camera = *settings.camera;
     RenderHints& hints = context.scene.hints;
     hints.shutter_open_s = camera.number("shutteropen", 0);
     hints.shutter_close_s = camera.number("shutterclose", 1);
     exposure_s = hints.shutter_close_s - hints.shutter_open_s;
     if (!(exposure_s > 0))
-      fail(settings.camera->place,
+      fail(settings.camera->place(),
            fmt::format("the shutter is open for {} s, allowed: more than 0", exposure_s));
   }
-  const double iso = params.number("iso", 100);
-  if (!(iso > 0)) fail(setting.place, fmt::format("\"float iso\" = {}, allowed: above 0", iso));
+  const double iso = setting.number("iso", 100);
+  if (!(iso > 0)) fail(setting.place(), fmt::format("\"float iso\" = {}, allowed: above 0", iso));
   film.scale = exposure_s * iso / 100;
   // The fourth power of a pixel's value must fit a double, for the intervals of pixels.
   constexpr double kMostScale = 1e30;
-  if (!(film.scale > 0 && film.scale <= kMostScale))
-    fail(params.place_of({"iso"}, settings.camera ? settings.camera->place : setting.place),
+  if (!(film.scale > 0 && film.scale <= kMostScale)) {
+    const ParameterSet& scaled =
+        settings.camera && !setting.number("iso") ? *settings.camera : setting;
+    fail(scaled.place_of({"iso"}),
          fmt::format("\"float iso\" = {} and a shutter open for {} s multiply pixels by {}, "
                      "allowed: more than 0, at most {:g}",
                      iso, exposure_s, film.scale, kMostScale));
+  }
 
   apply_crop(context, setting);
-  params.ignore({"filename", "savefp16", "diagonal", "coordinatesystem", "nbuckets", "lambdamin",
-                 "lambdamax"});
-  params.remark_unused(context, fmt::format("Film \"{}\"", setting.type));
+  setting.ignore({"filename", "savefp16", "diagonal", "coordinatesystem", "nbuckets", "lambdamin",
+                  "lambdamax"});
+  setting.remark_unused(context, fmt::format("Film \"{}\"", setting.type()));
 }
 
 /// The parameter, which must be within [low, high].
-double number_within(const Setting& setting, const char* name, double otherwise, double low,
-                     double high, const char* unit = "") {
-  const double v = setting.params.number(name, otherwise);
-  if (!(v >= low && v <= high))
-    fail(setting.params.place_of({name}, setting.place),
-         fmt::format("\"float {}\" = {}{}, allowed [{:g}, {:g}]", name, v, unit, low, high));
-  return v;
+double number_within(const ParameterSet& setting, const char* name, double otherwise, double low,
+                     double high) {
+  return setting.number(
+      name, otherwise, [&](double v) { return v >= low && v <= high; },
+      fmt::format(", allowed [{:g}, {:g}]", low, high));
 }
 
 /// x0 x1 y0 y1 of the screen.  Without a window, its shorter side spans -1 to 1.
-std::vector<double> screen_of(const Setting& setting, double aspect) {
+std::vector<double> screen_of(const ParameterSet& setting, double aspect) {
   constexpr double kMostAspect = 1e6, kMostScreen = 1e9;
   aspect = number_within(setting, "frameaspectratio", aspect, 1 / kMostAspect, kMostAspect);
-  std::vector<double> window = setting.params.numbers("screenwindow");
+  std::vector<double> window = setting.numbers("screenwindow");
   if (window.empty()) {
     const double x = std::max(aspect, 1.0), y = std::max(1 / aspect, 1.0);
     return {-x, x, -y, y};
@@ -182,7 +180,7 @@ std::vector<double> screen_of(const Setting& setting, double aspect) {
   const auto fits = [](double v) { return std::fabs(v) <= kMostScreen; };
   if (window.size() != 4 || !(window[0] < window[1]) || !(window[2] < window[3]) ||
       !std::all_of(window.begin(), window.end(), fits))
-    fail(setting.params.place_of({"screenwindow"}, setting.place),
+    fail(setting.place_of({"screenwindow"}),
          fmt::format("\"float screenwindow\" [{}], expected four values x0 < x1, y0 < y1 in "
                      "[-{:g}, {:g}]",
                      fmt::join(window, " "), kMostScreen, kMostScreen));
@@ -190,16 +188,12 @@ std::vector<double> screen_of(const Setting& setting, double aspect) {
 }
 
 /// A perspective or orthographic camera.
-void apply_lens_and_screen(LoadState& context, const Setting& setting) {
-  const ParameterSet& params = setting.params;
+void apply_lens_and_screen(LoadState& context, const ParameterSet& setting) {
   CameraDescription& camera = context.scene.camera;
   double fov = 90;
-  if (setting.type == "perspective") {
-    fov = params.number("fov", 90);
-    if (!(fov > 0 && fov < 180))
-      fail(params.place_of({"fov"}, setting.place),
-           fmt::format("\"float fov\" = {} degrees, allowed (0, 180)", fov));
-  }
+  if (setting.type() == "perspective")
+    fov = setting.number(
+        "fov", 90, [](double f) { return f > 0 && f < 180; }, " degrees, allowed (0, 180)");
   const auto window =
       screen_of(setting, static_cast<double>(context.scene.film.width) / context.scene.film.height);
   camera.lens_radius = number_within(setting, "lensradius", 0, 0, 1e6);
@@ -210,39 +204,39 @@ void apply_lens_and_screen(LoadState& context, const Setting& setting) {
   camera.screen_max = {window[1] * unit, window[3] * unit};
 }
 
-Projection spherical_projection(const Setting& setting) {
-  const std::string mapping = setting.params.string("mapping", "equalarea");
+Projection spherical_projection(const ParameterSet& setting) {
+  const std::string mapping = setting.string("mapping", "equalarea");
   if (mapping == "equirectangular") return Projection::kEquirectangular;
   if (mapping != "equalarea")
-    fail(setting.params.place_of({"mapping"}, setting.place),
+    fail(setting.place_of({"mapping"}),
          fmt::format("unknown mapping \"{}\", expected one of equalarea equirectangular",
                      printable(mapping)));
   return Projection::kEqualArea;
 }
 
 void apply_camera(LoadState& context, const Settings& settings) {
-  static const Setting kDefault{"perspective", {}, {}};
-  const Setting& setting = settings.camera ? *settings.camera : kDefault;
+  static const ParameterSet kDefault("perspective", {}, {}, {});
+  const ParameterSet& setting = settings.camera ? *settings.camera : kDefault;
   check_type(setting, "Camera", {"perspective", "orthographic", "realistic", "spherical"});
   CameraDescription& camera = context.scene.camera;
   camera.world_from_camera = settings.camera_from_world.inverse();
   camera.motion = settings.camera_motion;
-  if (setting.type == "realistic") {
-    context.remark(setting.place, "Camera \"realistic\" is not modelled",
+  if (setting.type() == "realistic") {
+    context.remark(setting.place(), "Camera \"realistic\" is not modelled",
                    "a perspective camera, 90 degrees across the shorter side");
-    apply_lens_and_screen(context, {"perspective", {}, setting.place});
+    apply_lens_and_screen(context, ParameterSet("perspective", {}, {}, setting.place()));
     return;
   }
-  if (setting.type == "spherical") {
+  if (setting.type() == "spherical") {
     camera.projection = spherical_projection(setting);
     // These have no effect in pbrt-v4 either.
-    setting.params.ignore({"lensradius", "focaldistance", "frameaspectratio", "screenwindow"});
+    setting.ignore({"lensradius", "focaldistance", "frameaspectratio", "screenwindow"});
   } else {
-    if (setting.type == "orthographic") camera.projection = Projection::kOrthographic;
+    if (setting.type() == "orthographic") camera.projection = Projection::kOrthographic;
     apply_lens_and_screen(context, setting);
   }
-  setting.params.ignore({"shutteropen", "shutterclose"});
-  setting.params.remark_unused(context, fmt::format("Camera \"{}\"", setting.type));
+  setting.ignore({"shutteropen", "shutterclose"});
+  setting.remark_unused(context, fmt::format("Camera \"{}\"", setting.type()));
 }
 
 void apply_hints(LoadState& context, const Settings& settings) {
@@ -250,45 +244,45 @@ void apply_hints(LoadState& context, const Settings& settings) {
   hints.max_depth = 5;
   hints.samples_per_pixel = 16;
   if (settings.integrator) {
-    const Setting& integrator = *settings.integrator;
+    const ParameterSet& integrator = *settings.integrator;
     check_type(integrator, "Integrator",
                {"path", "volpath", "simplepath", "simplevolpath", "bdpt", "mlt", "sppm",
                 "lightpath", "randomwalk", "ambientocclusion", "function"});
-    const int depth = integrator.params.integer("maxdepth", 5);
+    const int depth = integrator.integer("maxdepth", 5);
     if (depth < 0)
-      fail(integrator.place,
+      fail(integrator.place(),
            fmt::format("\"integer maxdepth\" = {}, allowed: not negative", depth));
     hints.max_depth = depth;
-    if (is_one_of(integrator.type, {"ambientocclusion", "function"}))
-      context.remark(integrator.place,
-                     fmt::format("Integrator \"{}\" is not modelled", integrator.type), "path");
-    if (integrator.params.boolean("regularize", false))
-      context.remark(integrator.place, "\"regularize\" is not modelled", "not regularised");
-    integrator.params.ignore({"lightsampler", "samplelights", "samplebsdf", "visualizestrategies",
-                              "visualizeweights", "mutationsperpixel", "chains", "bootstrapsamples",
-                              "sigma", "largestepprobability", "photonsperiteration", "radius",
-                              "seed", "cossample", "maxdistance", "function", "filename",
-                              "imagefilename", "skipbad"});
-    integrator.params.remark_unused(context, fmt::format("Integrator \"{}\"", integrator.type));
+    if (is_one_of(integrator.type(), {"ambientocclusion", "function"}))
+      context.remark(integrator.place(),
+                     fmt::format("Integrator \"{}\" is not modelled", integrator.type()), "path");
+    if (integrator.boolean("regularize", false))
+      context.remark(integrator.place(), "\"regularize\" is not modelled", "not regularised");
+    integrator.ignore({"lightsampler", "samplelights", "samplebsdf", "visualizestrategies",
+                       "visualizeweights", "mutationsperpixel", "chains", "bootstrapsamples",
+                       "sigma", "largestepprobability", "photonsperiteration", "radius", "seed",
+                       "cossample", "maxdistance", "function", "filename", "imagefilename",
+                       "skipbad"});
+    integrator.remark_unused(context, fmt::format("Integrator \"{}\"", integrator.type()));
   }
   if (settings.sampler) {
-    const Setting& sampler = *settings.sampler;
+    const ParameterSet& sampler = *settings.sampler;
     check_type(
         sampler, "Sampler",
         {"zsobol", "paddedsobol", "sobol", "halton", "pmj02bn", "independent", "stratified"});
     int samples = 0;
-    if (sampler.type == "stratified") {
-      const std::int64_t product = std::int64_t{sampler.params.integer("xsamples", 4)} *
-                                   sampler.params.integer("ysamples", 4);
+    if (sampler.type() == "stratified") {
+      const std::int64_t product =
+          std::int64_t{sampler.integer("xsamples", 4)} * sampler.integer("ysamples", 4);
       samples = static_cast<int>(std::clamp<std::int64_t>(product, 0, 1 << 30));
     } else {
-      samples = sampler.params.integer("pixelsamples", 16);
+      samples = sampler.integer("pixelsamples", 16);
     }
     if (samples < 1)
-      fail(sampler.place, fmt::format("{} samples for each pixel, allowed: 1 or more", samples));
+      fail(sampler.place(), fmt::format("{} samples for each pixel, allowed: 1 or more", samples));
     hints.samples_per_pixel = samples;
-    sampler.params.ignore({"seed", "randomization", "jitter"});
-    sampler.params.remark_unused(context, fmt::format("Sampler \"{}\"", sampler.type));
+    sampler.ignore({"seed", "randomization", "jitter"});
+    sampler.remark_unused(context, fmt::format("Sampler \"{}\"", sampler.type()));
   }
 }
 

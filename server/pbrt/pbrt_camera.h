@@ -9,15 +9,9 @@
 
 namespace lucerna::pbrt {
 
-/// A directive that a scene has once.
-struct Setting {
-  std::string type;
-  ParameterSet params;
-  FilePosition place;
-};
-
+/// The directives that a scene has once.
 struct Settings {
-  std::optional<Setting> camera, film, integrator, sampler, filter;
+  std::optional<ParameterSet> camera, film, integrator, sampler, filter;
   Transform camera_from_world;  ///< at the Camera directive, at the start of the exposure
   std::shared_ptr<const Motion> camera_motion{};  ///< in the world; null if it does not move
 };

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "server/pbrt/parse_pbrt.h"
 
@@ -110,50 +111,57 @@ bool Parser::settings_directive(const Token& word) {
   return true;
 }
 
+namespace {
+
+using WithParameters = void (Builder::*)(const std::string&, Parameters, const FilePosition&);
+using WithName = void (Builder::*)(const std::string&, const FilePosition&);
+using WithoutArguments = void (Builder::*)(const FilePosition&);
+
+struct Directive {
+  std::string_view name;
+  std::variant<WithParameters, WithName, WithoutArguments> take;
+};
+
+// TransformBegin and TransformEnd are the older names in pbrt-v4.
+constexpr auto kOfWorld = std::to_array<Directive>({
+    {"AttributeBegin", &Builder::attribute_begin},
+    {"TransformBegin", &Builder::attribute_begin},
+    {"AttributeEnd", &Builder::attribute_end},
+    {"TransformEnd", &Builder::attribute_end},
+    {"Attribute", &Builder::attribute},
+    {"ReverseOrientation", &Builder::reverse_orientation},
+    {"Shape", &Builder::shape},
+    {"LightSource", &Builder::light_source},
+    {"AreaLightSource", &Builder::area_light_source},
+    {"Material", &Builder::material},
+    {"MakeNamedMaterial", &Builder::make_named_material},
+    {"NamedMaterial", &Builder::named_material},
+    {"ObjectBegin", &Builder::object_begin},
+    {"ObjectEnd", &Builder::object_end},
+    {"ObjectInstance", &Builder::object_instance},
+    {"MakeNamedMedium", &Builder::make_named_medium},
+});
+
+}  // namespace
+
 bool Parser::world_directive(const Token& word) {
   const std::string name(word.text);
-  const FilePosition& place = word.place;
-  // Reads a name or type and then parameters.
-  const auto pass_on =
-      [&](void (Builder::*take)(const std::string&, Parameters, const FilePosition&)) {
-        const std::string type = string(name);
-        (builder_.*take)(type, parameters(), place);
-      };
-  // TransformBegin and TransformEnd are the older names in pbrt-v4.
-  if (name == "AttributeBegin" || name == "TransformBegin") {
-    builder_.attribute_begin(place);
-  } else if (name == "AttributeEnd" || name == "TransformEnd") {
-    builder_.attribute_end(place);
-  } else if (name == "Attribute") {
-    const std::string target = string(name);
-    builder_.attribute(target, parameters(), place);
-  } else if (name == "ReverseOrientation") {
-    builder_.reverse_orientation(place);
-  } else if (name == "Shape") {
-    pass_on(&Builder::shape);
-  } else if (name == "LightSource") {
-    pass_on(&Builder::light_source);
-  } else if (name == "AreaLightSource") {
-    pass_on(&Builder::area_light_source);
-  } else if (name == "Material") {
-    pass_on(&Builder::material);
-  } else if (name == "MakeNamedMaterial") {
-    pass_on(&Builder::make_named_material);
-  } else if (name == "NamedMaterial") {
-    builder_.named_material(string(name), place);
+  if (const auto* known = std::ranges::find(kOfWorld, name, &Directive::name);
+      known != kOfWorld.end()) {
+    if (const auto* take = std::get_if<WithoutArguments>(&known->take)) {
+      (builder_.**take)(word.place);
+      return true;
+    }
+    const std::string argument = string(name);
+    if (const auto* take = std::get_if<WithName>(&known->take))
+      (builder_.**take)(argument, word.place);
+    else
+      (builder_.*std::get<WithParameters>(known->take))(argument, parameters(), word.place);
   } else if (name == "Texture") {
     const std::string texture = string(name);
     const std::string kind = string(name);
     const std::string type = string(name);
-    builder_.texture(texture, kind, type, parameters(), place);
-  } else if (name == "ObjectBegin") {
-    builder_.object_begin(string(name), place);
-  } else if (name == "ObjectEnd") {
-    builder_.object_end(place);
-  } else if (name == "ObjectInstance") {
-    builder_.object_instance(string(name), place);
-  } else if (name == "MakeNamedMedium") {
-    pass_on(&Builder::make_named_medium);
+    builder_.texture(texture, kind, type, parameters(), word.place);
   } else if (name == "MediumInterface") {
     const std::string inside = string(name);
     std::string outside = inside;
@@ -162,7 +170,7 @@ bool Parser::world_directive(const Token& word) {
     } else {
       put_back(second);
     }
-    builder_.medium_interface(inside, outside, place);
+    builder_.medium_interface(inside, outside, word.place);
   } else {
     return false;
   }

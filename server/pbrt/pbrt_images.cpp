@@ -87,11 +87,9 @@ std::shared_ptr<const Texels> read_texels(LoadState& context, const Parameter& f
 }
 
 ImageFilter image_filter(const ParameterSet& params, const char* otherwise) {
-  const std::string name = params.string("filter", otherwise);
-  if (name == "nearest") return ImageFilter::kNearest;
-  if (name == "bilinear") return ImageFilter::kBilinear;
-  fail(params.find("filter", {"string"})->place,
-       fmt::format("\"string filter\" = \"{}\", allowed: nearest, bilinear", printable(name)));
+  return params.choice<ImageFilter>(
+      "filter", otherwise,
+      {{"nearest", ImageFilter::kNearest}, {"bilinear", ImageFilter::kBilinear}});
 }
 
 }  // namespace lucerna::pbrt

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -31,28 +32,32 @@ Rgb scaled_to_target(LoadState& context, const Parameter& given, const LevelTarg
 
 }  // namespace
 
-Rgb light_level_with_target(LoadState& context, const ParameterSet& params,
-                            const FilePosition& place, const char* name,
+double level_scale(const ParameterSet& params) {
+  return params.number(
+      "scale", 1, [](double scale) { return !(scale < 0); }, ", allowed: not negative");
+}
+
+double target_of(LoadState& context, const ParameterSet& params, const char* name,
+                 const std::string& instead) {
+  const Parameter* given = params.find(name, {"float"});
+  if (given == nullptr) return 0;
+  // pbrt-v4 uses -1 for "not given".
+  const double wanted = params.number(
+      name, 0, [](double w) { return !(w < 0 && w != -1); }, ", allowed: not negative");
+  if (wanted == 0)
+    context.remark(given->place, fmt::format("\"{}\" 0 is taken as not given", name), instead);
+  return std::max(wanted, 0.0);
+}
+
+Rgb light_level_with_target(LoadState& context, const ParameterSet& params, const char* name,
                             const LevelTarget& target) {
   const Rgb colour = light_level(context, params, name);
-  const double scale = params.number("scale", 1);
-  if (scale < 0)
-    fail(params.find("scale", {"float"})->place,
-         fmt::format("\"float scale\" = {}, allowed: not negative", scale));
-  Rgb result = colour * scale;
+  Rgb result = colour * level_scale(params);
+  const double wanted =
+      target_of(context, params, target.name, fmt::format("the level of \"{}\"", name));
   const Parameter* given = params.find(target.name, {"float"});
-  if (given != nullptr) {
-    const double wanted = params.number(target.name, 0);
-    // pbrt-v4 uses -1 for "not given".
-    if (wanted < 0 && wanted != -1)
-      fail(given->place,
-           fmt::format("\"float {}\" = {}, allowed: not negative", target.name, wanted));
-    if (wanted == 0)
-      context.remark(given->place, fmt::format("\"{}\" 0 is taken as not given", target.name),
-                     fmt::format("the level of \"{}\"", name));
-    if (wanted > 0) result = scaled_to_target(context, *given, target, wanted, result);
-  }
-  require_level(level_place(params, name, place),
+  if (wanted > 0) result = scaled_to_target(context, *given, target, wanted, result);
+  require_level(level_place(params, name),
                 fmt::format("the light's level, \"{}\" times \"scale\"{}", name,
                             given ? fmt::format(" and the factor for \"{}\"", given->name) : ""),
                 result);
@@ -64,9 +69,8 @@ const Parameter* positive_parameter(const ParameterSet& params, std::string_view
   return given != nullptr && given->numbers().front() > 0 ? given : nullptr;
 }
 
-FilePosition level_place(const ParameterSet& params, std::string_view name,
-                         const FilePosition& directive) {
-  return params.place_of({"scale", "power", "illuminance", name, "filename"}, directive);
+FilePosition level_place(const ParameterSet& params, std::string_view name) {
+  return params.place_of({"scale", "power", "illuminance", name, "filename"});
 }
 
 void require_level(const FilePosition& place, std::string_view what, const Rgb& value) {

@@ -25,18 +25,18 @@ using LightParams = decltype(LightDescription::params);
 struct LightSource {
   LoadState& context;
   const ParameterSet& params;
-  const FilePosition& place;
   const Transform& world_from_light;
 
   Rgb level(const char* name, const LevelTarget& target) const {
-    return light_level_with_target(context, params, place, name, target);
+    return light_level_with_target(context, params, name, target);
   }
 };
 
 /// Fails if the light model refuses its parameters.
 template <typename Model, typename Params>
-Params checked(const FilePosition& place, const Params& params) {
-  if (const auto made = Model::create(params); !made.ok()) fail(place, made.status());
+Params checked(const LightSource& source, const Params& params) {
+  if (const auto made = Model::create(params); !made.ok())
+    fail(source.params.place(), made.status());
   return params;
 }
 
@@ -46,7 +46,7 @@ void require_direction(const LightSource& source, const Vec3& direction) {
   const ParameterSet& params = source.params;
   const Vec3 from = params.point("from", {0, 0, 0}), to = params.point("to", {0, 0, 1});
   fail(
-      params.place_of({"to", "from"}, source.place),
+      params.place_of({"to", "from"}),
       fmt::format("\"point3 to\" = ({}, {}, {}) and \"from\" = ({}, {}, {}), which are ({}, {}, "
                   "{}) m apart in the world, allowed: a finite distance, not 0",
                   to.x, to.y, to.z, from.x, from.y, from.z, direction.x, direction.y, direction.z));
@@ -56,29 +56,17 @@ LightParams point_light(const LightSource& source) {
   PointLightParams point;
   point.position_m = source.world_from_light.point(source.params.point("from", {0, 0, 0}));
   point.intensity_cd = source.level("I", {"power", "lm", 4 * kPi});
-  return checked<PointLight>(source.place, point);
-}
-
-SpotProfile spot_profile(const ParameterSet& params) {
-  const std::string profile = params.string("profile", "smoothstep");
-  if (profile == "smoothstep") return SpotProfile::kSmoothstep;
-  if (profile == "quadratic") return SpotProfile::kQuadratic;
-  if (profile == "quartic") return SpotProfile::kQuartic;
-  fail(params.find("profile", {"string"})->place,
-       fmt::format("\"string profile\" = \"{}\", allowed: smoothstep, quadratic, quartic",
-                   printable(profile)));
+  return checked<PointLight>(source, point);
 }
 
 LightParams spot_light(const LightSource& source) {
   const ParameterSet& params = source.params;
-  const double cone = params.number("coneangle", 30);
+  const double cone = params.number(
+      "coneangle", 30, [](double c) { return c > 0 && c <= 180; }, " degrees, allowed (0, 180]");
   const double delta = params.number("conedeltaangle", 5);
-  if (!(cone > 0 && cone <= 180))
-    fail(params.place_of({"coneangle"}, source.place),
-         fmt::format("\"float coneangle\" = {} degrees, allowed (0, 180]", cone));
   // If "conedeltaangle" is not given, its default is too wide for the cone.
   if (!(delta >= 0 && delta <= cone))
-    fail(params.place_of({"conedeltaangle", "coneangle"}, source.place),
+    fail(params.place_of({"conedeltaangle", "coneangle"}),
          fmt::format("\"float conedeltaangle\" = {} degrees{}, allowed [0, coneangle], which is {}",
                      delta, params.number("conedeltaangle") ? "" : " unless it is given", cone));
   SpotLightParams spot;
@@ -88,24 +76,26 @@ LightParams spot_light(const LightSource& source) {
   require_direction(source, spot.axis);
   spot.cone_half_angle_rad = cone * kRadPerDegree;
   spot.falloff_start_rad = (cone - delta) * kRadPerDegree;
-  spot.profile = spot_profile(params);
+  spot.profile = params.choice<SpotProfile>("profile", "smoothstep",
+                                            {{"smoothstep", SpotProfile::kSmoothstep},
+                                             {"quadratic", SpotProfile::kQuadratic},
+                                             {"quartic", SpotProfile::kQuartic}});
   spot.own_space = own_space_of(source.context, params, source.world_from_light);
   spot.intensity_cd = source.level("I", {"power", "lm", effective_solid_angle_sr(spot)});
-  return checked<SpotLight>(source.place, spot);
+  return checked<SpotLight>(source, spot);
 }
 
 /// "float angulardiameter" is not in pbrt-v4.  It is the angular diameter of a disk of uniform
 /// radiance, 0.53 degrees for the sun.
 LightParams sun_light(const LightSource& source, const Parameter& diameter,
                       const DistantLightParams& distant) {
-  const double degrees = source.params.number("angulardiameter", 0);
-  if (!(degrees > 0 && degrees <= 180))
-    fail(diameter.place,
-         fmt::format("\"float angulardiameter\" = {} degrees, allowed (0, 180]", degrees));
+  const double degrees = source.params.number(
+      "angulardiameter", 0, [](double d) { return d > 0 && d <= 180; },
+      " degrees, allowed (0, 180]");
   // Unequal scale would turn the disk into an ellipse.
   require_equal_scale(diameter.place, "\"float angulardiameter\"", source.world_from_light);
-  return checked<SunLight>(source.place, SunLightParams{distant.to_light, degrees * kRadPerDegree,
-                                                        distant.illuminance_lx});
+  return checked<SunLight>(
+      source, SunLightParams{distant.to_light, degrees * kRadPerDegree, distant.illuminance_lx});
 }
 
 LightParams distant_light(const LightSource& source) {
@@ -117,7 +107,7 @@ LightParams distant_light(const LightSource& source) {
   distant.illuminance_lx = source.level("L", {"illuminance", "lx", 1});
   if (const Parameter* diameter = params.find("angulardiameter", {"float"}))
     return sun_light(source, *diameter, distant);
-  return checked<DistantLight>(source.place, distant);
+  return checked<DistantLight>(source, distant);
 }
 
 /// A uniform sky behind a portal; `through` has the corners.
@@ -130,7 +120,7 @@ LightParams uniform_portal_light(const LightSource& source, PortalLightParams th
         given->place, "\"illuminance\" of a portal; pbrt-v4 halves it",
         "the uniform sky without the portal gives half of it, the same as in pbrt-v4");
   through.radiance_cd_m2 = source.level("L", {"illuminance", "lx", 2 * kPi});
-  return checked<PortalLight>(source.place, through);
+  return checked<PortalLight>(source, through);
 }
 
 LightParams uniform_infinite_light(const LightSource& source) {
@@ -138,41 +128,41 @@ LightParams uniform_infinite_light(const LightSource& source) {
   UniformInfiniteLightParams infinite;
   // A hemisphere of luminance 1 gives illuminance pi on a surface that faces up.
   infinite.radiance_cd_m2 = source.level("L", {"illuminance", "lx", kPi});
-  return checked<UniformInfiniteLight>(source.place, infinite);
+  return checked<UniformInfiniteLight>(source, infinite);
 }
 
 LightParams infinite_light(const LightSource& source) {
-  const auto& [context, params, place, world_from_light] = source;
+  const auto& [context, params, world_from_light] = source;
   const bool has_picture = params.find("filename", {"string"}) != nullptr;
   if (params.find("portal", {"point3"}) != nullptr) {
-    PortalLightParams through = portal(context, params, place, world_from_light);
+    PortalLightParams through = portal(context, params, world_from_light);
     return has_picture ? LightParams(std::move(through))
                        : uniform_portal_light(source, std::move(through));
   }
-  if (has_picture) return image_infinite(context, params, place, world_from_light);
+  if (has_picture) return image_infinite(context, params, world_from_light);
   return uniform_infinite_light(source);
 }
 
 LightParams goniometric_light(const LightSource& source) {
-  const auto& [context, params, place, world_from_light] = source;
+  const auto& [context, params, world_from_light] = source;
   GoniometricLightParams luminaire = goniometric(context, params, world_from_light);
   luminaire.intensity = source.level("I", {"power", "lm", flux_of_unit_intensity_lm(luminaire)});
   if (luminaire.web || luminaire.map)
     require_level(
-        level_place(params, "I", place),
+        level_place(params, "I"),
         fmt::format("the largest intensity of {} times the light's level",
                     printable(luminaire.file)),
         luminaire.intensity * (luminaire.web ? luminaire.web->max_cd() : luminaire.map->max_cd()));
-  return checked<GoniometricLight>(place, luminaire);
+  return checked<GoniometricLight>(source, luminaire);
 }
 
 LightParams projection_light(const LightSource& source) {
-  const auto& [context, params, place, world_from_light] = source;
-  Projection projected = projection(context, params, place, world_from_light);
+  const auto& [context, params, world_from_light] = source;
+  Projection projected = projection(context, params, world_from_light);
   const Rgb level = source.level("I", {"power", "lm", projected.pbrt4_lumens});
   const Parameter* power = positive_parameter(params, "power");
-  set_level(context, level_place(params, "I", place), power != nullptr ? &power->place : nullptr,
-            level, projected);
+  set_level(context, level_place(params, "I"), power != nullptr ? &power->place : nullptr, level,
+            projected);
   return std::visit([](auto& light) { return LightParams(std::move(light)); }, projected.light);
 }
 
@@ -192,29 +182,31 @@ constexpr auto kLightTypes = std::to_array<LightType>({
     {"projection", "I", true, projection_light},
 });
 
-const LightType& light_type(const std::string& name, const FilePosition& place) {
-  const auto* known = std::ranges::find(kLightTypes, std::string_view(name), &LightType::name);
+const LightType& light_type(const ParameterSet& params) {
+  const auto* known =
+      std::ranges::find(kLightTypes, std::string_view(params.type()), &LightType::name);
   if (known != kLightTypes.end()) return *known;
   std::string names;
   for (const LightType& type : kLightTypes) names += fmt::format(" {}", type.name);
-  fail(place, fmt::format("unknown light \"{}\", expected one of{}", printable(name), names));
+  fail(params.place(),
+       fmt::format("unknown light \"{}\", expected one of{}", printable(params.type()), names));
 }
 
 }  // namespace
 
-LightDescription make_light(LoadState& context, const std::string& type, const ParameterSet& params,
-                            const FilePosition& place, const Transform& world_from_light) {
+LightDescription make_light(LoadState& context, const ParameterSet& params,
+                            const Transform& world_from_light) {
   LightDescription light;
-  light.where = location(place);
+  light.where = location(params.place());
   light.samples = samples_of(params);
   light.name = name_of(params);
-  const LightType& known = light_type(type, place);
-  light.params = known.make({context, params, place, world_from_light});
+  const LightType& known = light_type(params);
+  light.params = known.make({context, params, world_from_light});
   if (known.has_colour_picture && params.find("filename", {"string"}) != nullptr)
     remark_on_spectrum_of_picture(context, params, known.level);
   else
     light.spectrum = light_spectrum(context, params, known.level);
-  params.remark_unused(context, fmt::format("LightSource \"{}\"", type));
+  params.remark_unused(context, fmt::format("LightSource \"{}\"", params.type()));
   return light;
 }
 

@@ -9,10 +9,10 @@
 
 namespace lucerna::pbrt {
 
-/// The light of a LightSource directive of this type.  Fails on unknown types and on parameters
+/// The light of a LightSource directive.  Fails on unknown types and on parameters
 /// that the light model refuses.
-LightDescription make_light(LoadState& context, const std::string& type, const ParameterSet& params,
-                            const FilePosition& place, const Transform& world_from_light);
+LightDescription make_light(LoadState& context, const ParameterSet& params,
+                            const Transform& world_from_light);
 
 /// "integer samples": points on the light for each sample.  pbrt-v3 has this parameter, pbrt-v4
 /// does not.

@@ -45,9 +45,8 @@ std::string_view known_type(const std::string& type, const FilePosition& place) 
 /// Reads the parameters of one material.
 class Reader {
  public:
-  Reader(LoadState& context, const TextureTable& textures, const ParameterSet& params,
-         const FilePosition& place)
-      : context_(context), textures_(textures), params_(params), place_(place) {}
+  Reader(LoadState& context, const TextureTable& textures, const ParameterSet& params)
+      : context_(context), textures_(textures), params_(params) {}
 
   ColourValue reflectance(const char* name, double otherwise) const {
     return textures_.reflectance(context_, params_, name, {Rgb(otherwise)});
@@ -57,7 +56,7 @@ class Reader {
   NumberValue number(const std::string& name, double otherwise, double least) const {
     const NumberValue value = textures_.number(params_, name, otherwise);
     if (value.is_constant() && !(value.constant >= least))
-      fail(params_.place_of({name}, place_),
+      fail(params_.place_of({name}),
            fmt::format("\"float {}\" = {}, allowed: at least {}", name, value.constant, least));
     return value;
   }
@@ -139,20 +138,23 @@ class Reader {
   LoadState& context_;
   const TextureTable& textures_;
   const ParameterSet& params_;
-  const FilePosition& place_;
 };
 
 }  // namespace
 
-Materials::Materials() { add("diffuse", {}, {}); }
+Materials::Materials() { add(ParameterSet("diffuse", {}, {}, {})); }
 
-std::uint32_t Materials::add(const std::string& type, ParameterSet params,
-                             const FilePosition& place) {
-  Entry entry;
-  entry.type = known_type(type, place);
+void Materials::define(const std::string& type, ParameterSet params, Entry& entry) {
+  entry.type = known_type(type, params.place());
+  entry.place = params.place();
   entry.params = std::move(params);
-  entry.place = place;
   entry.defined = true;
+}
+
+std::uint32_t Materials::add(ParameterSet params) {
+  Entry entry;
+  const std::string type = params.type();
+  define(type, std::move(params), entry);
   materials_.push_back(std::move(entry));
   return static_cast<std::uint32_t>(materials_.size() - 1);
 }
@@ -168,8 +170,8 @@ std::uint32_t Materials::named(const std::string& name, const FilePosition& plac
   return it->second;
 }
 
-void Materials::make_named(const std::string& name, ParameterSet params,
-                           const FilePosition& place) {
+void Materials::make_named(const std::string& name, ParameterSet params) {
+  const FilePosition place = params.place();
   Entry& entry = materials_[named(name, place)];
   if (entry.defined)
     fail(place, fmt::format("material \"{}\" is already defined, at {}", printable(name),
@@ -177,10 +179,7 @@ void Materials::make_named(const std::string& name, ParameterSet params,
   const std::string type = params.string("type", "");
   if (type.empty())
     fail(place, fmt::format("material \"{}\" lacks \"string type\"", printable(name)));
-  entry.type = known_type(type, place);
-  entry.params = std::move(params);
-  entry.place = place;
-  entry.defined = true;
+  define(type, std::move(params), entry);
 }
 
 bool Materials::may_need_uv(std::uint32_t reference) const {
@@ -218,7 +217,7 @@ MixParams Materials::mix_of(LoadState& context, const Entry& entry) {
 }
 
 Material Materials::material_of(LoadState& context, const Entry& entry) {
-  const Reader read(context, textures_, entry.params, entry.place);
+  const Reader read(context, textures_, entry.params);
   const std::string owner = entry.name == nullptr
                                 ? fmt::format("material \"{}\"", entry.type)
                                 : fmt::format("material \"{}\"", printable(*entry.name));

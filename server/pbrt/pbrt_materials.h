@@ -23,11 +23,11 @@ class Materials {
   static constexpr std::uint32_t kDefault = 0;
 
   /// Each returns a reference, which shapes store until `resolve`.
-  std::uint32_t add(const std::string& type, ParameterSet params, const FilePosition& place);
+  std::uint32_t add(ParameterSet params);
   std::uint32_t named(const std::string& name, const FilePosition& place);
 
   /// Fails if the name is defined twice, or the parameter "type" is missing.
-  void make_named(const std::string& name, ParameterSet params, const FilePosition& place);
+  void make_named(const std::string& name, ParameterSet params);
 
   /// The number of references.
   std::size_t size() const { return materials_.size(); }
@@ -54,6 +54,7 @@ class Materials {
     bool resolved = false;
     std::optional<std::uint32_t> index;
   };
+  static void define(const std::string& type, ParameterSet params, Entry& entry);
   Material material_of(LoadState& context, const Entry& entry);
   MixParams mix_of(LoadState& context, const Entry& entry);
 

@@ -20,27 +20,23 @@ std::optional<Rgb> coefficient(LoadState& context, const ParameterSet& params, c
   if (p == nullptr) return std::nullopt;
   if (p->type == "rgb") return not_negative_rgb(context, *p, RgbConversion::White::kAdapted);
   const SampledSpectrum samples = spectrum_samples(context, *p);
-  if (std::ranges::adjacent_find(samples.values, std::not_equal_to<>()) == samples.values.end())
-    return Rgb(samples.values.front());
+  if (is_constant(samples)) return Rgb(samples.values.front());
   const Rgb c = under_d65(samples);
   // Colours out of the gamut.
   return Rgb(std::fmax(c.r, 0), std::fmax(c.g, 0), std::fmax(c.b, 0));
 }
 
-Medium homogeneous(LoadState& context, const std::string& owner, const ParameterSet& params,
-                   const FilePosition& place) {
+Medium homogeneous(LoadState& context, const std::string& owner, const ParameterSet& params) {
   if (const Parameter* preset = params.find("preset", {"string"})) {
     context.remark(preset->place, fmt::format("the preset of {} is not modelled", owner),
                    "no absorption");
     return {};
   }
-  const double scale = params.number("scale", 1);
-  if (!(scale >= 0))
-    fail(params.place_of({"scale"}, place),
-         fmt::format("\"float scale\" = {}, allowed: at least 0", scale));
+  const double scale = params.number(
+      "scale", 1, [](double s) { return s >= 0; }, ", allowed: at least 0");
   const auto scattering = coefficient(context, params, "sigma_s");
   if (scale > 0 && (!scattering || !scattering->is_black()))
-    context.remark(params.place_of({"sigma_s"}, place),
+    context.remark(params.place_of({"sigma_s"}),
                    fmt::format("scattering within {} is not modelled", owner), "absorption only");
   if (const Parameter* emission = params.find("Le", {"rgb", "spectrum", "blackbody"}))
     context.remark(emission->place, fmt::format("emission of {} is not modelled", owner),
@@ -59,8 +55,8 @@ Media::Entry& Media::entry(LoadState& context, const std::string& name, const Fi
   return it->second;
 }
 
-void Media::make(LoadState& context, const std::string& name, const ParameterSet& params,
-                 const FilePosition& place) {
+void Media::make(LoadState& context, const std::string& name, const ParameterSet& params) {
+  const FilePosition& place = params.place();
   Entry& medium = entry(context, name, place);
   if (medium.defined)
     fail(place, fmt::format("medium \"{}\" is already defined, at {}", printable(name),
@@ -71,13 +67,13 @@ void Media::make(LoadState& context, const std::string& name, const ParameterSet
   const std::string type = params.string("type", "");
   if (type == "homogeneous") {
     context.scene.media[static_cast<std::size_t>(medium.number)] =
-        homogeneous(context, owner, params, place);
+        homogeneous(context, owner, params);
     params.remark_unused(context, owner);
   } else if (is_one_of(type, {"uniformgrid", "rgbgrid", "nanovdb", "cloud"})) {
     context.remark(place, fmt::format("{} of type \"{}\" is not modelled", owner, type),
                    "no absorption");
   } else {
-    fail(params.place_of({"type"}, place),
+    fail(params.place_of({"type"}),
          fmt::format("\"string type\" = \"{}\" of {}, allowed: homogeneous uniformgrid rgbgrid "
                      "nanovdb cloud",
                      printable(type), owner));

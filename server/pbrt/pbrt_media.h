@@ -15,8 +15,7 @@ namespace lucerna::pbrt {
 class Media {
  public:
   /// Fails if the name is defined twice, or on unknown types.
-  void make(LoadState& context, const std::string& name, const ParameterSet& params,
-            const FilePosition& place);
+  void make(LoadState& context, const std::string& name, const ParameterSet& params);
   /// The number of a medium in `context.scene.media`; -1 for "", which is none.
   std::int32_t named(LoadState& context, const std::string& name, const FilePosition& place);
   /// Fails if a name was used and not defined.

@@ -37,8 +37,10 @@ std::size_t Parameter::count() const {
   return numbers().size() + integers().size() + 3 * vectors().size() + strings().size();
 }
 
-ParameterSet::ParameterSet(std::vector<std::shared_ptr<Parameter>> own,
-                           const std::vector<std::shared_ptr<Parameter>>& inherited) {
+ParameterSet::ParameterSet(std::string type, std::vector<std::shared_ptr<Parameter>> own,
+                           const std::vector<std::shared_ptr<Parameter>>& inherited,
+                           FilePosition place)
+    : type_(std::move(type)), place_(place) {
   for (auto& parameter : own) entries_.push_back({std::move(parameter), false});
   std::for_each(inherited.rbegin(), inherited.rend(), [&](const auto& parameter) {
     entries_.push_back({parameter, true});
@@ -50,7 +52,7 @@ const Parameter* ParameterSet::find(std::string_view name,
   for (const Entry& entry : entries_) {
     const Parameter& parameter = *entry.parameter;
     if (parameter.name != name) continue;
-    if (std::find(types.begin(), types.end(), parameter.type) == types.end()) {
+    if (!is_one_of(parameter.type, types)) {
       if (entry.inherited) continue;
       fail(
           parameter.place,
@@ -147,12 +149,23 @@ Integers ParameterSet::take_indices(std::string_view name) {
   return indices;
 }
 
-FilePosition ParameterSet::place_of(std::initializer_list<std::string_view> names,
-                                    const FilePosition& otherwise) const {
+void ParameterSet::refuse(std::string_view name, double value, std::string_view allowed) const {
+  const Parameter* given = find(name, {"float"});
+  fail(given != nullptr ? given->place : place_,
+       fmt::format("\"float {}\" = {}{}", name, value, allowed));
+}
+
+void ParameterSet::refuse(std::string_view name, const std::string& given,
+                          const std::vector<std::string_view>& words) const {
+  fail(find(name, {"string"})->place, fmt::format("\"string {}\" = \"{}\", allowed: {}", name,
+                                                  printable(given), fmt::join(words, ", ")));
+}
+
+FilePosition ParameterSet::place_of(std::initializer_list<std::string_view> names) const {
   for (const std::string_view name : names)
     for (const Entry& entry : entries_)
       if (entry.parameter->name == name) return entry.parameter->place;
-  return otherwise;
+  return place_;
 }
 
 bool ParameterSet::is_own(const Parameter& parameter) const {
@@ -174,8 +187,7 @@ std::uint64_t ParameterSet::long_bytes() const {
 
 void ParameterSet::ignore(std::initializer_list<std::string_view> names) const {
   for (const Entry& entry : entries_)
-    if (std::find(names.begin(), names.end(), entry.parameter->name) != names.end())
-      entry.used = true;
+    if (is_one_of(entry.parameter->name, names)) entry.used = true;
 }
 
 void ParameterSet::remark_unused(LoadState& context, const std::string& owner) const {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -79,15 +80,19 @@ inline bool is_one_of(std::string_view word, std::initializer_list<std::string_v
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// The parameters of one directive, and those that Attribute directives gave before it.  Records
-/// which parameters are used.
+/// A directive of a type: its parameters, and those that Attribute directives gave before it.
+/// Records which parameters are used.
 class ParameterSet {
  public:
   ParameterSet() = default;
   /// `own` parameters override `inherited` ones, and later inherited ones override earlier ones.
   /// Inherited ones may stay unused.
-  ParameterSet(std::vector<std::shared_ptr<Parameter>> own,
-               const std::vector<std::shared_ptr<Parameter>>& inherited);
+  ParameterSet(std::string type, std::vector<std::shared_ptr<Parameter>> own,
+               const std::vector<std::shared_ptr<Parameter>>& inherited, FilePosition place);
+
+  /// The type, such as "sphere", and the place of the directive.
+  const std::string& type() const { return type_; }
+  const FilePosition& place() const { return place_; }
 
   /// The parameter of this name if it has one of the types; null if there is none.  Fails if the
   /// directive itself gives it with another type.
@@ -96,9 +101,29 @@ class ParameterSet {
   /// A single value.  Fails on another type and on more than one value.
   double number(std::string_view name, double otherwise) const;
   std::optional<double> number(std::string_view name) const;
+  /// The same; fails unless `is_allowed(value)`, with `"float name" = value` and then `allowed`.
+  template <typename F>
+  double number(std::string_view name, double otherwise, F&& is_allowed,
+                std::string_view allowed) const {
+    const double value = number(name, otherwise);
+    if (!is_allowed(value)) refuse(name, value, allowed);
+    return value;
+  }
   int integer(std::string_view name, int otherwise) const;
   bool boolean(std::string_view name, bool otherwise) const;
   std::string string(std::string_view name, const std::string& otherwise) const;
+  /// What the string means.  Fails on words other than those of `choices`.
+  template <typename T>
+  T choice(std::string_view name, const char* otherwise,
+           std::initializer_list<std::pair<std::string_view, T>> choices) const {
+    const std::string given = string(name, otherwise);
+    std::vector<std::string_view> words;
+    for (const auto& [word, value] : choices) {
+      if (given == word) return value;
+      words.push_back(word);
+    }
+    refuse(name, given, words);
+  }
   Vec3 point(std::string_view name, const Vec3& otherwise) const;
 
   /// Any number of values; empty if it is not given.
@@ -109,9 +134,8 @@ class ParameterSet {
   Vectors take_vectors(std::string_view name, std::string_view type);
   Integers take_indices(std::string_view name);  ///< fails on negative ones
 
-  /// The place of the first of `names` that is given; `otherwise` if none is.
-  FilePosition place_of(std::initializer_list<std::string_view> names,
-                        const FilePosition& otherwise) const;
+  /// The place of the first of `names` that is given; that of the directive if none is.
+  FilePosition place_of(std::initializer_list<std::string_view> names) const;
 
   /// Whether the directive itself gives the parameter, not an Attribute directive before it.
   bool is_own(const Parameter& parameter) const;
@@ -136,8 +160,13 @@ class ParameterSet {
     mutable bool used = false;
   };
   const Parameter* one(std::string_view name, std::initializer_list<std::string_view> types) const;
+  [[noreturn]] void refuse(std::string_view name, double value, std::string_view allowed) const;
+  [[noreturn]] void refuse(std::string_view name, const std::string& given,
+                           const std::vector<std::string_view>& words) const;
   template <typename T>
   T take(const Parameter* parameter);
+  std::string type_;
+  FilePosition place_;
   std::vector<Entry> entries_;
 };
 

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/pbrt/pbrt_levels.h"
 
 namespace lucerna::pbrt {
+namespace {
 
+/// The scale factors of a transform along three perpendicular directions, ascending: the singular
+/// values of its linear part.  [Golub13]
 std::array<double, 3> scales_of(const Transform& transform) {
   const Transform::Matrix& m = transform.matrix();
   // Normalises the largest entry to 1, so that no square overflows or underflows.
@@ -35,6 +39,8 @@ std::array<double, 3> scales_of(const Transform& transform) {
   std::ranges::sort(scales);
   return scales;
 }
+
+}  // namespace
 
 std::string scales_text(const Transform& transform) {
   // As many digits as Transform::uniform_scale distinguishes.

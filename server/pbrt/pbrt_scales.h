@@ -1,7 +1,6 @@
 // Scale factors of transforms, for lights that only allow equal scale.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -11,11 +10,7 @@
 
 namespace lucerna::pbrt {
 
-/// The scale factors of a transform along three perpendicular directions, ascending: the singular
-/// values of its linear part.  [Golub13]
-std::array<double, 3> scales_of(const Transform& transform);
-
-/// "scales 1, 1 and 2".
+/// The scale factors along three perpendicular directions: "scales 1, 1 and 2".
 std::string scales_text(const Transform& transform);
 
 /// The `own_space` of a light model; null for equal scale.  Adds a remark if "power" is given,

@@ -24,8 +24,8 @@ std::vector<Vec3> world_positions(const ShapeDirective& shape, std::vector<Vec3>
   for (std::size_t i = 0; i < positions.size(); ++i, poll()) {
     positions[i] = shape.world_from_object.point(positions[i]);
     if (!is_finite(positions[i]))
-      fail(shape.place,
-           fmt::format("vertex {} of \"{}\" is not finite after its transform", i, shape.type));
+      fail(shape.place(),
+           fmt::format("vertex {} of \"{}\" is not finite after its transform", i, shape.type()));
   }
   return positions;
 }
@@ -52,7 +52,7 @@ void orient(LoadState& context, const ShapeDirective& shape, Mesh& mesh, F&& geo
   const std::size_t all = mesh.normals.size();
   if (const std::size_t mended = mend_normals<kCorners>(mesh, turned, geometric_normal); mended > 0)
     context.remark(
-        shape.place,
+        shape.place(),
         fmt::format("{} of {} vertex normals of this mesh have no direction", mended, all),
         mended == all ? "the mesh has no vertex normals" : "the mean of the faces around each");
   resolve_winding<kCorners>(mesh, turned, geometric_normal);
@@ -60,29 +60,29 @@ void orient(LoadState& context, const ShapeDirective& shape, Mesh& mesh, F&& geo
 
 void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
   if (raw.positions.empty())
-    fail(shape.place, fmt::format("Shape \"{}\" lacks \"point3 P\"", shape.type));
+    fail(shape.place(), fmt::format("Shape \"{}\" lacks \"point3 P\"", shape.type()));
   if (raw.indices.empty()) {
     if (raw.positions.size() != corners)
-      fail(shape.place,
+      fail(shape.place(),
            fmt::format("Shape \"{}\" lacks \"integer indices\", optional only for {} vertices",
-                       shape.type, corners));
+                       shape.type(), corners));
     for (std::uint32_t k = 0; k < corners; ++k) raw.indices.push_back(k);
   }
   if (raw.indices.size() % corners != 0)
-    fail(shape.place, fmt::format("Shape \"{}\" has {} indices, expected a multiple of {}",
-                                  shape.type, raw.indices.size(), corners));
+    fail(shape.place(), fmt::format("Shape \"{}\" has {} indices, expected a multiple of {}",
+                                    shape.type(), raw.indices.size(), corners));
   StopPoll poll;
   for (std::size_t i = 0; i < raw.indices.size(); ++i, poll())
     if (raw.indices[i] >= raw.positions.size())
-      fail(shape.place,
+      fail(shape.place(),
            fmt::format("Shape \"{}\": index {} names vertex {}, but there are {} vertices",
-                       shape.type, i, raw.indices[i], raw.positions.size()));
+                       shape.type(), i, raw.indices[i], raw.positions.size()));
   if (!raw.normals.empty() && raw.normals.size() != raw.positions.size())
-    fail(shape.place, fmt::format("Shape \"{}\" has {} normals for {} vertices", shape.type,
-                                  raw.normals.size(), raw.positions.size()));
+    fail(shape.place(), fmt::format("Shape \"{}\" has {} normals for {} vertices", shape.type(),
+                                    raw.normals.size(), raw.positions.size()));
   if (!raw.uv.empty() && raw.uv.size() != raw.positions.size())
-    fail(shape.place, fmt::format("Shape \"{}\" has {} \"uv\" for {} vertices", shape.type,
-                                  raw.uv.size(), raw.positions.size()));
+    fail(shape.place(), fmt::format("Shape \"{}\" has {} \"uv\" for {} vertices", shape.type(),
+                                    raw.uv.size(), raw.positions.size()));
 }
 
 template <typename Mesh>
@@ -106,7 +106,7 @@ Mesh make_mesh(LoadState& context, const ShapeDirective& shape, RawMesh raw) {
   if constexpr (kPatches) {
     if (const std::size_t crossed = census_of(mesh).crossed; crossed > 0)
       context.remark(
-          shape.place,
+          shape.place(),
           fmt::format(
               "the edges of {} of {} patches of this mesh cross, which suggests corners in ring "
               "order; \"point3 P\" of a bilinearmesh needs rows: (u, v) = (0, 0), (1, 0), (0, 1), "
@@ -164,7 +164,7 @@ std::size_t bent_quads(const PlyMesh& ply) {
 
 TriangleMeshData ply_mesh(LoadState& context, const ShapeDirective& shape) {
   const Parameter* file = shape.params.find("filename", {"string"});
-  if (file == nullptr) fail(shape.place, "Shape \"plymesh\" lacks \"string filename\"");
+  if (file == nullptr) fail(shape.place(), "Shape \"plymesh\" lacks \"string filename\"");
   if (const Parameter* map = shape.params.find("displacement", {"texture", "float"}))
     context.remark(map->place, "\"displacement\" is not modelled", "the mesh without it");
   shape.params.ignore({"displacement.edgelength", "edgelength", "displacement.uvscale"});
@@ -207,7 +207,7 @@ TriangleMeshData ply_mesh(LoadState& context, const ShapeDirective& shape) {
 TriangleMeshData loop_surface(LoadState& context, const ShapeDirective& shape) {
   shape.params.ignore({"scheme"});  // "loop" is the only one of pbrt-v4
   const int levels = shape.params.integer("levels", 3);
-  const FilePosition at = shape.params.place_of({"levels"}, shape.place);
+  const FilePosition at = shape.params.place_of({"levels"});
   if (levels < 0) fail(at, fmt::format("\"integer levels\" = {}, allowed: 0 and more", levels));
   RawMesh raw = raw_mesh(shape);
   check_raw(shape, raw, 3);
@@ -220,7 +220,7 @@ TriangleMeshData loop_surface(LoadState& context, const ShapeDirective& shape) {
   auto limit =
       loop_subdivide({std::move(raw.positions), std::move(raw.indices)}, levels, context.stop);
   if (!limit.ok())
-    fail(absl::IsResourceExhausted(limit.status()) ? at : shape.place, limit.status());
+    fail(absl::IsResourceExhausted(limit.status()) ? at : shape.place(), limit.status());
   return make_mesh<TriangleMeshData>(
       context, shape,
       {std::move(limit->positions), std::move(limit->normals), std::move(limit->indices), {}});
@@ -228,101 +228,87 @@ TriangleMeshData loop_surface(LoadState& context, const ShapeDirective& shape) {
 
 /// Radius [m].
 double radius(const ShapeDirective& shape) {
-  const double radius = shape.params.number("radius", 1);
-  if (!(radius > 0))
-    fail(shape.params.place_of({"radius"}, shape.place),
-         fmt::format("\"float radius\" = {} m, allowed: positive", radius));
-  return radius;
+  return shape.params.number(
+      "radius", 1, [](double r) { return r > 0; }, " m, allowed: positive");
 }
 
 /// Swept angle [rad].
 double swept_angle(const ShapeDirective& shape) {
-  const double degrees = shape.params.number("phimax", 360);
-  const double angle = degrees >= 360 ? 2 * std::numbers::pi : degrees * kRadPerDegree;
-  if (!(angle > 0))
-    fail(shape.params.place_of({"phimax"}, shape.place),
-         fmt::format(
-             "\"float phimax\" = {} degrees, allowed: positive; 360 and more is the whole turn",
-             degrees));
-  return angle;
+  const double degrees = shape.params.number(
+      "phimax", 360, [](double d) { return d >= 360 || d * kRadPerDegree > 0; },
+      " degrees, allowed: positive; 360 and more is the whole turn");
+  return degrees >= 360 ? 2 * std::numbers::pi : degrees * kRadPerDegree;
 }
 
 [[noreturn]] void refuse_heights(const ShapeDirective& shape, double z0, double z1,
                                  const std::string& allowed) {
-  fail(shape.params.place_of({"zmin", "zmax", "radius"}, shape.place),
+  fail(shape.params.place_of({"zmin", "zmax", "radius"}),
        fmt::format("\"float zmin\" = {} m and \"float zmax\" = {} m, allowed: two heights that {}",
                    z0, z1, allowed));
 }
 
+/// What all quadrics have.  Fails if `Quadric` refuses its parameters.
+template <typename Quadric, typename Params>
+Params completed(const ShapeDirective& shape, Params params) {
+  params.phi_max_rad = swept_angle(shape);
+  params.reverse_orientation = shape.reverse_orientation;
+  params.world_from_object = shape.world_from_object;
+  if (const auto made = Quadric::create(params); !made.ok()) fail(shape.place(), made.status());
+  return params;
+}
+
 SphereParams sphere(const ShapeDirective& shape) {
   SphereParams sphere;
-  sphere.radius_m = radius(shape);
-  const double z0 = shape.params.number("zmin", -sphere.radius_m);
-  const double z1 = shape.params.number("zmax", sphere.radius_m);
+  const double r = sphere.radius_m = radius(shape);
+  const double z0 = shape.params.number("zmin", -r), z1 = shape.params.number("zmax", r);
   sphere.z_min_m = std::min(z0, z1);
   sphere.z_max_m = std::max(z0, z1);
-  const double r = sphere.radius_m;
   if (!(sphere.z_min_m < r && sphere.z_max_m > -r && sphere.z_max_m > sphere.z_min_m))
     refuse_heights(shape, z0, z1, fmt::format("have a part of [{}, {}] between them", -r, r));
-  sphere.phi_max_rad = swept_angle(shape);
-  sphere.reverse_orientation = shape.reverse_orientation;
-  sphere.world_from_object = shape.world_from_object;
-  if (const auto made = Sphere::create(sphere); !made.ok()) fail(shape.place, made.status());
-  return sphere;
+  return completed<Sphere>(shape, sphere);
 }
 
 DiskParams disk(const ShapeDirective& shape) {
   DiskParams disk;
   disk.height_m = shape.params.number("height", 0);
   disk.radius_m = radius(shape);
-  disk.inner_radius_m = shape.params.number("innerradius", 0);
-  if (!(disk.inner_radius_m >= 0 && disk.inner_radius_m < disk.radius_m))
-    fail(shape.params.place_of({"innerradius"}, shape.place),
-         fmt::format(
-             "\"float innerradius\" = {} m, allowed: at least 0 and less than the radius, {} m",
-             disk.inner_radius_m, disk.radius_m));
-  disk.phi_max_rad = swept_angle(shape);
-  disk.reverse_orientation = shape.reverse_orientation;
-  disk.world_from_object = shape.world_from_object;
-  if (const auto made = Disk::create(disk); !made.ok()) fail(shape.place, made.status());
-  return disk;
+  disk.inner_radius_m = shape.params.number(
+      "innerradius", 0, [&](double r) { return r >= 0 && r < disk.radius_m; },
+      fmt::format(" m, allowed: at least 0 and less than the radius, {} m", disk.radius_m));
+  return completed<Disk>(shape, disk);
 }
 
 CylinderParams cylinder(const ShapeDirective& shape) {
   CylinderParams cylinder;
   cylinder.radius_m = radius(shape);
-  const double z0 = shape.params.number("zmin", -1);
-  const double z1 = shape.params.number("zmax", 1);
+  const double z0 = shape.params.number("zmin", -1), z1 = shape.params.number("zmax", 1);
   cylinder.z_min_m = std::min(z0, z1);
   cylinder.z_max_m = std::max(z0, z1);
   if (!(cylinder.z_max_m > cylinder.z_min_m)) refuse_heights(shape, z0, z1, "differ");
-  cylinder.phi_max_rad = swept_angle(shape);
-  cylinder.reverse_orientation = shape.reverse_orientation;
-  cylinder.world_from_object = shape.world_from_object;
-  if (const auto made = Cylinder::create(cylinder); !made.ok()) fail(shape.place, made.status());
-  return cylinder;
+  return completed<Cylinder>(shape, cylinder);
 }
 
 std::optional<Geometry> geometry_of(LoadState& context, const ShapeDirective& shape) {
-  if (shape.type == "sphere") return sphere(shape);
-  if (shape.type == "disk") return disk(shape);
-  if (shape.type == "cylinder") return cylinder(shape);
-  if (shape.type == "trianglemesh")
+  if (shape.type() == "sphere") return sphere(shape);
+  if (shape.type() == "disk") return disk(shape);
+  if (shape.type() == "cylinder") return cylinder(shape);
+  if (shape.type() == "trianglemesh")
     return make_mesh<TriangleMeshData>(context, shape, raw_mesh(shape));
-  if (shape.type == "bilinearmesh") {
+  if (shape.type() == "bilinearmesh") {
     RawMesh raw = raw_mesh(shape);
     return make_mesh<PatchMeshData>(context, shape, std::move(raw));
   }
-  if (shape.type == "plymesh") {
+  if (shape.type() == "plymesh") {
     TriangleMeshData mesh = ply_mesh(context, shape);
     if (mesh.indices.empty()) return std::nullopt;
     return mesh;
   }
-  if (shape.type == "loopsubdiv") return loop_surface(context, shape);
-  if (shape.type == "curve") return make_curve(context, shape);
-  fail(shape.place, fmt::format("unknown shape \"{}\", expected one of sphere disk trianglemesh "
-                                "plymesh bilinearmesh cylinder curve loopsubdiv{}",
-                                printable(shape.type), hint_of_older_pbrt("Shape", shape.type)));
+  if (shape.type() == "loopsubdiv") return loop_surface(context, shape);
+  if (shape.type() == "curve") return make_curve(context, shape);
+  fail(shape.place(),
+       fmt::format("unknown shape \"{}\", expected one of sphere disk trianglemesh "
+                   "plymesh bilinearmesh cylinder curve loopsubdiv{}",
+                   printable(shape.type()), hint_of_older_pbrt("Shape", shape.type())));
 }
 
 }  // namespace
@@ -334,7 +320,7 @@ std::optional<Geometry> make_geometry(LoadState& context, const ShapeDirective& 
   auto geometry = geometry_of(context, shape);
   if (!geometry) return geometry;
   shape.params.ignore({"alpha"});  // the caller reads it
-  shape.params.remark_unused(context, fmt::format("Shape \"{}\"", shape.type));
+  shape.params.remark_unused(context, fmt::format("Shape \"{}\"", shape.type()));
   return geometry;
 }
 

@@ -11,12 +11,13 @@ namespace lucerna::pbrt {
 
 /// A Shape directive and its graphics state.
 struct ShapeDirective {
-  std::string type;
   ParameterSet& params;  ///< long lists move out of it
-  FilePosition place;
   Transform world_from_object;
   bool reverse_orientation = false;
   bool needs_uv = false;  ///< meshes then have the (u, v) of their corners
+
+  const std::string& type() const { return params.type(); }
+  const FilePosition& place() const { return params.place(); }
 };
 
 /// The positions in world space.  Fails on one that is not finite.

@@ -72,6 +72,15 @@ bool of_no_light(const std::string& name) {
          name.starts_with("nikon_") || name.starts_with("sony_");
 }
 
+/// The colour of a surface under D65.
+Rgb colour_of(const SampledSpectrum& reflectance) {
+  const auto& [nm, values] = reflectance;
+  // The integral of a constant would give it to rounding.
+  return is_constant(reflectance) && nm.front() <= 360 && nm.back() >= 830
+             ? Rgb(values.front())
+             : reflected_rgb(nm, values);
+}
+
 /// A key for sharing spectra: the content if it is short, else the place in the file.
 std::string key_of(const Parameter& p) {
   if (p.type == "blackbody") return fmt::format("blackbody {}", p.numbers().front());
@@ -92,8 +101,7 @@ std::shared_ptr<const Spectrum> read_spectrum(LoadState& context, const Paramete
         made(p.place, fmt::format("\"blackbody {}\"", p.name), BlackBody{p.numbers().front()}));
   }
   const std::string what = fmt::format("spectrum \"{}\"", p.name);
-  std::vector<double> numbers = p.numbers();
-  if (numbers.empty()) {
+  if (!p.strings().empty()) {
     const std::string& name = p.strings().front();
     constexpr std::string_view kIlluminant = "stdillum-";
     if (name.starts_with(kIlluminant))
@@ -105,10 +113,8 @@ std::shared_ptr<const Spectrum> read_spectrum(LoadState& context, const Paramete
                      "linear RGB [1 1 1]");
       return nullptr;
     }
-    numbers = numbers_of(p.place, context.read(p));
-    if (numbers.empty()) fail(p.place, fmt::format("\"{}\" holds no numbers", printable(name)));
   }
-  absl::StatusOr<Spectrum> spectrum = Spectrum::create(samples(p.place, what, numbers));
+  absl::StatusOr<Spectrum> spectrum = Spectrum::create(spectrum_samples(context, p));
   if (absl::IsFailedPrecondition(spectrum.status())) {
     context.remark(p.place, fmt::format("{}: {}", what, std::string(spectrum.status().message())),
                    "black");
@@ -125,8 +131,7 @@ std::shared_ptr<const Spectrum> spectrum_of(LoadState& context, const Parameter*
   return entry->second;
 }
 
-}  // namespace
-
+/// As not_negative_rgb, with negative values.
 Rgb linear_rgb(LoadState& context, const Parameter& parameter, RgbConversion::White white) {
   if (parameter.numbers().size() != 3)
     fail(parameter.place, fmt::format("parameter \"{}\" has {} values, expected 3", parameter.name,
@@ -142,6 +147,8 @@ Rgb linear_rgb(LoadState& context, const Parameter& parameter, RgbConversion::Wh
         fmt::format("linear RGB {} of the same luminance", text(edge)));
   return edge;
 }
+
+}  // namespace
 
 Rgb not_negative_rgb(LoadState& context, const Parameter& parameter, RgbConversion::White white) {
   const Rgb rgb = linear_rgb(context, parameter, white);
@@ -195,24 +202,20 @@ SampledSpectrum spectrum_samples(LoadState& context, const Parameter& parameter)
   return samples(parameter.place, what, numbers);
 }
 
-namespace {
-
-/// Whether the name is a spectrum of pbrt-v4.  None of them is a reflectance.
-bool is_spectrum_name(const std::string& name) {
-  return of_no_light(name) || name.starts_with("stdillum-");
+bool is_constant(const SampledSpectrum& spectrum) {
+  return std::ranges::adjacent_find(spectrum.values, std::not_equal_to<>()) ==
+         spectrum.values.end();
 }
 
-/// The colour of a surface under D65.
-Rgb colour_of(const SampledSpectrum& reflectance) {
-  const auto& [nm, values] = reflectance;
-  const bool is_constant =
-      std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end() &&
-      nm.front() <= 360 && nm.back() >= 830;
-  // The integral would give it to rounding.
-  return is_constant ? Rgb(values.front()) : reflected_rgb(nm, values);
+Rgb clamped_reflectance(LoadState& context, const FilePosition& place, const std::string& what,
+                        const Rgb& rgb) {
+  const Rgb clamped{std::clamp(rgb.r, 0.0, 1.0), std::clamp(rgb.g, 0.0, 1.0),
+                    std::clamp(rgb.b, 0.0, 1.0)};
+  if (clamped != rgb)
+    context.remark(place, fmt::format("{}{} is not a valid reflectance", what, text(rgb)),
+                   fmt::format("clamped to {}", text(clamped)));
+  return clamped;
 }
-
-}  // namespace
 
 Rgb reflectance(LoadState& context, const Parameter& parameter) {
   Rgb rgb(0.5);
@@ -220,7 +223,9 @@ Rgb reflectance(LoadState& context, const Parameter& parameter) {
     rgb = linear_rgb(context, parameter, RgbConversion::White::kAdapted);
   } else if (parameter.type == "float") {
     rgb = Rgb(parameter.numbers().front());
-  } else if (!parameter.strings().empty() && is_spectrum_name(parameter.strings().front())) {
+  } else if (!parameter.strings().empty() &&
+             (of_no_light(parameter.strings().front()) ||
+              parameter.strings().front().starts_with("stdillum-"))) {
     context.remark(parameter.place,
                    fmt::format("\"{}\" is not the spectrum of a reflectance",
                                printable(parameter.strings().front())),
@@ -228,15 +233,9 @@ Rgb reflectance(LoadState& context, const Parameter& parameter) {
   } else {
     rgb = colour_of(spectrum_samples(context, parameter));
   }
-  const Rgb clamped{std::clamp(rgb.r, 0.0, 1.0), std::clamp(rgb.g, 0.0, 1.0),
-                    std::clamp(rgb.b, 0.0, 1.0)};
-  const bool is_spectral = parameter.type == "spectrum";
-  if (clamped != rgb)
-    context.remark(parameter.place,
-                   fmt::format("{}\"{}\" = {} is not a valid reflectance",
-                               is_spectral ? "the colour of " : "", parameter.name, text(rgb)),
-                   fmt::format("clamped to {}", text(clamped)));
-  return clamped;
+  const char* of_spectrum = parameter.type == "spectrum" ? "the colour of " : "";
+  return clamped_reflectance(context, parameter.place,
+                             fmt::format("{}\"{}\" = ", of_spectrum, parameter.name), rgb);
 }
 
 std::string text(const Rgb& c) { return fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b); }

@@ -29,9 +29,8 @@ void remark_on_spectrum_of_picture(LoadState& context, const ParameterSet& param
 Rgb light_level(LoadState& context, const ParameterSet& params, std::string_view name);
 
 /// The values of an rgb, converted to Rec. 709 from the colour space of the file.  A colour outside
-/// of Rec. 709 becomes the one at its edge of the same luminance, with a remark.
-Rgb linear_rgb(LoadState& context, const Parameter& parameter, RgbConversion::White white);
-/// The same; fails on negative values.
+/// of Rec. 709 becomes the one at its edge of the same luminance, with a remark.  Fails on negative
+/// values.
 Rgb not_negative_rgb(LoadState& context, const Parameter& parameter, RgbConversion::White white);
 
 /// The samples that a parameter of type spectrum gives, itself or in a file it names.  Fails on
@@ -42,6 +41,13 @@ SampledSpectrum spectrum_samples(LoadState& context, const Parameter& parameter)
 /// remark.  A spectrum becomes its colour under D65.  Grey, with a remark, for named spectra, none
 /// of which is a reflectance.  The caller handles textures.
 Rgb reflectance(LoadState& context, const Parameter& parameter);
+
+/// Whether all samples have one value.
+bool is_constant(const SampledSpectrum& spectrum);
+
+/// The colour with each channel clamped to [0, 1], with a remark that begins with `what`.
+Rgb clamped_reflectance(LoadState& context, const FilePosition& place, const std::string& what,
+                        const Rgb& rgb);
 
 /// The colour for a message.
 std::string text(const Rgb& c);

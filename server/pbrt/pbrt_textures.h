@@ -19,8 +19,7 @@ class TextureTable {
   /// unless the texture is constant.  Fails on unknown classes, on names that are defined twice,
   /// and on parts that are not defined before.
   void make(LoadState& context, const std::string& name, const std::string& kind,
-            const std::string& type, const ParameterSet& params, const FilePosition& place,
-            const Transform& world_from_texture);
+            const ParameterSet& params, const Transform& world_from_texture);
 
   /// A parameter of type rgb, spectrum, float or texture.  Constants are clamped to [0, 1] with a
   /// remark.  Fails on textures that are not defined before.
@@ -39,11 +38,8 @@ class TextureTable {
   ColourValue texture(const Parameter& parameter) const;
 
  private:
-  ColourValue colour(LoadState& context, const ParameterSet& params, const std::string& name,
-                     bool is_float, double otherwise) const;
+  class Maker;
   bool is_computed(const ParameterSet& params, const std::string& name) const;
-  ImageTexture image(LoadState& context, const ParameterSet& params, const FilePosition& place,
-                     const TextureMapping& mapping) const;
 
   std::map<std::string, ColourValue> values_;  ///< by "kind name"
   std::set<std::string> unreadable_;           ///< those without their pictures

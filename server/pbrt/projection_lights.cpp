@@ -33,13 +33,11 @@ void apply_scale(const Vec3& scale, ProjectedPictureParams& picture) {
 }
 
 /// `own_space`: set for axes without right angles.
-Projection perspective(const ParameterSet& params, const FilePosition& place, const Frame& axes,
+Projection perspective(const ParameterSet& params, const Frame& axes,
                        std::shared_ptr<const Frame> own_space, const Vec3& position_m,
                        NamedImage named, ImageFilter filter) {
-  const double fov = params.number("fov", 90);
-  if (!(fov > 0 && fov < 180))
-    fail(params.find("fov", {"float"})->place,
-         fmt::format("\"float fov\" = {} degrees, allowed (0, 180)", fov));
+  const double fov = params.number(
+      "fov", 90, [](double f) { return f > 0 && f < 180; }, " degrees, allowed (0, 180)");
   ProjectedPictureParams picture{
       .image = named.image, .filter = filter, .fov_rad = fov * (std::numbers::pi / 180)};
   if (named.image)
@@ -47,7 +45,7 @@ Projection perspective(const ParameterSet& params, const FilePosition& place, co
   if (own_space == nullptr) apply_scale(scale_of(axes), picture);
   auto projected = ProjectedPicture::create(picture);
   if (!projected.ok())
-    fail(params.place_of({"fov", "filename"}, place),
+    fail(params.place_of({"fov", "filename"}),
          fmt::format("\"float fov\" = {} degrees: {}", fov,
                      std::string(projected.status().message())));
   const double lumens = luminance((*projected)->integral_sr());
@@ -64,10 +62,8 @@ Projection perspective(const ParameterSet& params, const FilePosition& place, co
 
 Projection orthographic(const ParameterSet& params, const Frame& axes, const Vec3& position_m,
                         NamedImage named, ImageFilter filter) {
-  const double extent = params.number("extent", 1);
-  if (!(extent > 0))
-    fail(params.find("extent", {"float"})->place,
-         fmt::format("\"float extent\" = {} m, allowed: positive", extent));
+  const double extent = params.number(
+      "extent", 1, [](double e) { return e > 0; }, " m, allowed: positive");
   const double aspect =
       named.image ? static_cast<double>(named.image->width()) / named.image->height() : 1;
   const Vec3 scale = scale_of(axes);
@@ -85,7 +81,7 @@ Projection orthographic(const ParameterSet& params, const Frame& axes, const Vec
 
 }  // namespace
 
-Projection projection(LoadState& context, const ParameterSet& params, const FilePosition& place,
+Projection projection(LoadState& context, const ParameterSet& params,
                       const Transform& world_from_light) {
   const Frame axes = axes_of(world_from_light);
   const bool is_sheared = !check_right_angles("", axes).ok();
@@ -95,20 +91,19 @@ Projection projection(LoadState& context, const ParameterSet& params, const File
   if (filename == nullptr) check_without_picture(context, params, {"filter"});
   const ImageFilter filter = filename != nullptr ? image_filter(params) : ImageFilter::kNearest;
   const Vec3 position = world_from_light.point({0, 0, 0});
-  const std::string name = params.string("projection", "perspective");
-  if (name == "perspective")
-    return perspective(params, place, axes,
+  const bool is_beam = params.choice<bool>("projection", "perspective",
+                                           {{"perspective", false}, {"orthographic", true}});
+  if (!is_beam)
+    return perspective(params, axes,
                        is_sheared ? own_space_of(context, params, world_from_light) : nullptr,
                        position, std::move(named), filter);
-  if (name == "orthographic" && is_sheared)
-    fail(place, fmt::format(
-                    "an orthographic projection under a transform that shears, {} along other "
+  if (is_sheared)
+    fail(
+        params.place(),
+        fmt::format("an orthographic projection under a transform that shears, {} along other "
                     "axes than the light's own, allowed: rotations, mirrors, and scale along these",
                     scales_text(world_from_light)));
-  if (name == "orthographic") return orthographic(params, axes, position, std::move(named), filter);
-  fail(params.find("projection", {"string"})->place,
-       fmt::format("\"string projection\" = \"{}\", allowed: perspective, orthographic",
-                   printable(name)));
+  return orthographic(params, axes, position, std::move(named), filter);
 }
 
 void set_level(LoadState& context, const FilePosition& level_place, const FilePosition* power_place,

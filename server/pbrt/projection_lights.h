@@ -21,7 +21,7 @@ struct Projection {
 
 /// Reads the directive.  Scale along the light's axes changes the area that the picture covers, as
 /// in pbrt-v4.  Fails on transforms that change the angles between the axes.
-Projection projection(LoadState& context, const ParameterSet& params, const FilePosition& place,
+Projection projection(LoadState& context, const ParameterSet& params,
                       const Transform& world_from_light);
 
 /// Sets the level.  `level_place`: place of an error about a level that is too high. `power_place`:
