@@ -117,9 +117,9 @@ void apply_sparse(const Document& document, const std::string& pointer,
   }
 }
 
-}  // namespace
-
 std::string accessor_pointer(std::size_t index) { return fmt::format("/accessors/{}", index); }
+
+}  // namespace
 
 std::size_t components_of(const Document& document, std::size_t index) {
   return static_cast<std::size_t>(tinygltf::GetNumComponentsInType(

@@ -3,8 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "server/gltf/document.h"
@@ -25,8 +23,5 @@ std::size_t components_of(const Document& document, std::size_t index);
 
 /// The values of a SCALAR accessor of unsigned integers.
 std::vector<std::uint32_t> read_indices(const Document& document, std::size_t index);
-
-/// The place of an accessor in messages.
-std::string accessor_pointer(std::size_t index);
 
 }  // namespace lucerna::gltf

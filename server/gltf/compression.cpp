@@ -3,12 +3,6 @@
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
-#include <array>
-#include <cmath>
-
-#include "lights/maths/stop_poll.h"
-#include "server/gltf/draco_mesh.h"
-
 namespace lucerna::gltf {
 namespace {
 
@@ -64,45 +58,6 @@ std::string unpack_meshopt(const View& packed, std::string_view bytes) {
   if (error != 0)
     packed.fail(fmt::format("the {} bytes are not {} compressed elements", bytes.size(), count));
   filter_meshopt(packed, filter, result, count, stride);
-  return result;
-}
-
-DracoMesh unpack_draco(const View& packed, std::string_view bytes) {
-  const std::unique_ptr<draco::Mesh> mesh = decode_draco(packed, bytes);
-  DracoMesh result;
-  result.points = mesh->num_points();
-  const std::size_t faces = mesh->num_faces();
-  packed.context().claim(packed.pointer(), faces, 3 * sizeof(std::uint32_t));
-  result.indices.reserve(3 * faces);
-  StopPoll poll;
-  for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f, poll())
-    for (int k = 0; k < 3; ++k) result.indices.push_back(mesh->face(f)[k].value());
-
-  const View attributes = packed.at("attributes");
-  for (const auto& [name, id] : attributes.require_object().json().items()) {
-    const View place = attributes.at(name);
-    const draco::PointAttribute* from =
-        mesh->GetAttributeByUniqueId(static_cast<std::uint32_t>(place.integer(0, 0xffff'ffff)));
-    if (from == nullptr)
-      place.fail(fmt::format("found {}, which is no attribute of the compressed mesh",
-                             place.integer(0, 0xffff'ffff)));
-    const std::size_t components = static_cast<std::size_t>(from->num_components());
-    if (components < 1 || components > 4)
-      place.fail(fmt::format("the attribute has {} components, allowed: 1 to 4", components));
-    packed.context().claim(place.pointer(), result.points, components * sizeof(double));
-    DracoMesh::Attribute& to = result.attributes[name];
-    to.components = components;
-    to.values.resize(result.points * components);
-    std::array<float, 4> values{};
-    for (draco::PointIndex p(0); p < mesh->num_points(); ++p, poll()) {
-      // Normalised integers become their fractions.
-      if (!from->ConvertValue<float>(from->mapped_index(p), static_cast<std::int8_t>(components),
-                                     values.data()))
-        place.fail("the attribute has values that cannot be read");
-      for (std::size_t k = 0; k < components; ++k)
-        to.values[p.value() * components + k] = values[k];
-    }
-  }
   return result;
 }
 

@@ -141,9 +141,10 @@ bool has_scheme(std::string_view uri) {
   });
 }
 
-}  // namespace
-
+/// Whether the URI holds its data.  Schemes may be in capitals.  [RFC3986, 3.1]
 bool is_data_uri(const std::string& uri) { return absl::StartsWithIgnoreCase(uri, "data:"); }
+
+}  // namespace
 
 Document::Document(LoadState& context) : context_(context) {
   absl::StatusOr<AssetContent> content = context.assets.read(context.file);
@@ -162,6 +163,23 @@ Document::Document(LoadState& context) : context_(context) {
 std::size_t Document::count(std::string_view key) const {
   const auto found = root().find(key);
   return found ? found->require_array().size() : 0;
+}
+
+View Document::texture_of(const View& info) const {
+  return root().at("textures")[info.at("index").index(count("textures"), "texture")];
+}
+
+View Document::light_of(const char* extension, const View& use) const {
+  const auto at_root = root().extension(extension);
+  if (!at_root) use.fail(fmt::format("the file has no /extensions/{}", extension));
+  const View lights = at_root->at("lights");
+  return lights.require_array()[use.at("light").index(lights.size(), "light")];
+}
+
+std::string Document::picture_name(std::size_t index) const {
+  const View place = root().at("images")[index];
+  const std::string uri = place.text("uri", "");
+  return uri.empty() || is_data_uri(uri) ? context_.location(place.pointer()).file.str() : uri;
 }
 
 /// The JSON text; sets the binary chunk.
@@ -407,9 +425,8 @@ std::shared_ptr<const Texels> Document::texels(std::size_t index, PictureKind ki
     unreadable_.insert(key);
     return nullptr;
   }
-  std::string name = place.text("uri", "");
-  if (name.empty() || is_data_uri(name)) name = context_.location(place.pointer()).file;
-  texels = context_.scene.textures.picture(printable(name), *std::move(read), context_.stop);
+  texels = context_.scene.textures.picture(printable(picture_name(index)), *std::move(read),
+                                           context_.stop);
   share.reset();
   context_.poll();
   return texels;

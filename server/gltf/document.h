@@ -25,9 +25,6 @@ enum class PictureKind : std::uint8_t {
   kAlpha,   ///< alpha in all channels; 1 if the picture has none
 };
 
-/// Whether the URI holds its data.  Schemes may be in capitals.  [RFC3986, 3.1]
-bool is_data_uri(const std::string& uri);
-
 class Document {
  public:
   /// Reads and checks the file `context.file`, a .gltf or a .glb file, and all its buffers.
@@ -39,6 +36,10 @@ class Document {
   const tinygltf::Model& model() const { return model_; }
   /// The number of elements of an array of the root.
   std::size_t count(std::string_view key) const;
+  /// The texture to which `info` refers.
+  View texture_of(const View& info) const;
+  /// The light of an extension of the root to which `use` refers.
+  View light_of(const char* extension, const View& use) const;
 
   /// The bytes of a buffer view, unpacked.  Fails at `pointer` if the buffer is too short.
   std::string_view view_bytes(std::size_t view, const std::string& pointer) const;
@@ -48,6 +49,8 @@ class Document {
   const AssetContent* read(const View& thing) const;
   /// The index of the picture of a texture: that of EXT_texture_webp if it has one.
   std::optional<std::size_t> picture_of(const View& texture) const;
+  /// The URI of the picture images/`index`, or its place if the file holds it.
+  std::string picture_name(std::size_t index) const;
   /// The colours of the picture images/`index` for a light; null as above.  Null too, after a
   /// remark, if it cannot be decoded: the scene does without the light.
   std::shared_ptr<const Image> image(std::size_t index) const;

@@ -4,10 +4,15 @@
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
 #include <draco/core/decoder_buffer.h>
 #include <draco/core/varint_decoding.h>
+#include <draco/mesh/mesh.h>
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <utility>
+
+#include "lights/maths/stop_poll.h"
 
 namespace lucerna::gltf {
 namespace {
@@ -122,9 +127,7 @@ draco::Status decode(draco::DecoderBuffer& buffer, Allowance& allowance, draco::
   return BoundedDecoder<Counts>(allowance).Decode(options, &buffer, &mesh);
 }
 
-}  // namespace
-
-std::unique_ptr<draco::Mesh> decode_draco(const View& place, std::string_view bytes) {
+std::unique_ptr<draco::Mesh> decoded(const View& place, std::string_view bytes) {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
   draco::DecoderBuffer begin = buffer;
@@ -144,6 +147,47 @@ std::unique_ptr<draco::Mesh> decode_draco(const View& place, std::string_view by
   if (!allowance.error().ok()) place.fail(allowance.error());
   if (!status.ok()) place.fail(fmt::format("Draco: {}", printable(status.error_msg_string())));
   return mesh;
+}
+
+}  // namespace
+
+DracoMesh unpack_draco(const View& packed, std::string_view bytes) {
+  const std::unique_ptr<draco::Mesh> mesh = decoded(packed, bytes);
+  DracoMesh result;
+  const std::size_t points = mesh->num_points();
+  const std::size_t faces = mesh->num_faces();
+  packed.context().claim(packed.pointer(), faces, 3 * sizeof(std::uint32_t));
+  result.indices.reserve(3 * faces);
+  StopPoll poll;
+  for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f, poll())
+    for (int k = 0; k < 3; ++k) result.indices.push_back(mesh->face(f)[k].value());
+
+  const View attributes = packed.at("attributes");
+  for (const auto& [name, id] : attributes.require_object().json().items()) {
+    const View place = attributes.at(name);
+    const draco::PointAttribute* from =
+        mesh->GetAttributeByUniqueId(static_cast<std::uint32_t>(place.integer(0, 0xffff'ffff)));
+    if (from == nullptr)
+      place.fail(fmt::format("found {}, which is no attribute of the compressed mesh",
+                             place.integer(0, 0xffff'ffff)));
+    const std::size_t components = static_cast<std::size_t>(from->num_components());
+    if (components < 1 || components > 4)
+      place.fail(fmt::format("the attribute has {} components, allowed: 1 to 4", components));
+    packed.context().claim(place.pointer(), points, components * sizeof(double));
+    DracoMesh::Attribute& to = result.attributes[name];
+    to.components = components;
+    to.values.resize(points * components);
+    std::array<float, 4> values{};
+    for (draco::PointIndex p(0); p < mesh->num_points(); ++p, poll()) {
+      // Normalised integers become their fractions.
+      if (!from->ConvertValue<float>(from->mapped_index(p), static_cast<std::int8_t>(components),
+                                     values.data()))
+        place.fail("the attribute has values that cannot be read");
+      for (std::size_t k = 0; k < components; ++k)
+        to.values[p.value() * components + k] = values[k];
+    }
+  }
+  return result;
 }
 
 }  // namespace lucerna::gltf

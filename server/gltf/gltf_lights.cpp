@@ -29,14 +29,6 @@ Rgb intensity_cd(const View& light) {
   return level_of(light, "cd", light.context().scene.level_factors.lamps);
 }
 
-/// The light `index` of an extension of the root.
-View light_of(const Document& document, const char* extension, const View& use) {
-  const auto at_root = document.root().extension(extension);
-  if (!at_root) use.fail(fmt::format("the file has no /extensions/{}", extension));
-  const View lights = at_root->at("lights");
-  return lights.require_array()[use.at("light").index(lights.size(), "light")];
-}
-
 /// An angle of at least 0.  Beyond `least` and `most` it ends there, with a remark unless an
 /// exporter that holds floats made the difference.
 double angle_of(const View& angles, std::string_view key, double otherwise, double least,
@@ -81,7 +73,7 @@ void set_place(const Document& document, const PlacedNode& node, const View& def
 }
 
 void add_punctual(const Document& document, const PlacedNode& node, const View& use) {
-  const View light = light_of(document, "KHR_lights_punctual", use);
+  const View light = document.light_of("KHR_lights_punctual", use);
   const Matrix frame = without_scale(node.world_from_node);
   const Vec3 position = column(frame, 3), back = column(frame, 2);
   const std::string& type = light.at("type").text();
@@ -116,7 +108,7 @@ Frame luminaire_axes(const Matrix& frame, PhotometricType type) {
 }
 
 void add_photometric(const Document& document, const PlacedNode& node, const View& use) {
-  const View profile = light_of(document, "EXT_lights_ies", use);
+  const View profile = document.light_of("EXT_lights_ies", use);
   const AssetContent* content = document.read(profile);
   if (content == nullptr) return;
   const auto file = read_luminaire(content->bytes, content->name);

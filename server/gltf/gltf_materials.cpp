@@ -75,10 +75,8 @@ BaseColour base_colour(const View& material) {
 /// Reads the file of a texture, which may not be uploaded yet.
 void read_picture(const Document& document, const View& info) {
   check_texture(document, info);
-  const View root = document.root();
-  const View texture =
-      root.at("textures")[info.at("index").index(document.count("textures"), "texture")];
-  if (const auto source = document.picture_of(texture)) document.read(root.at("images")[*source]);
+  if (const auto source = document.picture_of(document.texture_of(info)))
+    document.read(document.root().at("images")[*source]);
 }
 
 std::optional<View> texture_at(const View& material, const Slot& slot) {
@@ -97,6 +95,89 @@ bool is_pane(const GltfSurfaceParams& s) {
   return is(s.transmission, 1.0) && is(s.base, white) && s.surface.is_constant() &&
          s.surface.constant.g == 0 && s.surface.constant.b == 0 && is(s.specular, 1.0) &&
          is(s.specular_colour, white) && is(s.coat, 0.0) && s.ior >= 1;
+}
+
+/// Of the extensions of a material.
+void set_layers(const View& material, TextureSet& textures, GltfSurfaceParams& s) {
+  if (const auto ior = material.extension(kIor)) {
+    s.ior = ior->number("ior", 1.5, kNotNegative);
+    if (s.ior != 0 && s.ior < 1)
+      ior->at("ior").fail(fmt::format("found {}, allowed: 0, or 1 or more", s.ior));
+  }
+  if (const auto specular = material.extension(kSpecular)) {
+    s.specular = textures.number(specular, "specularTexture", PictureKind::kAlpha,
+                                 specular->number("specularFactor", 1, kUnit));
+    const auto c = specular->numbers("specularColorFactor", {1, 1, 1}, kNotNegative);
+    s.specular_colour =
+        textures.colour(specular, "specularColorTexture", PictureKind::kColour, {c[0], c[1], c[2]});
+  }
+  if (const auto transmission = material.extension(kTransmission))
+    s.transmission = textures.number(transmission, "transmissionTexture", PictureKind::kData,
+                                     transmission->number("transmissionFactor", 0, kUnit));
+  if (const auto coat = material.extension(kCoat)) {
+    s.coat = textures.number(coat, "clearcoatTexture", PictureKind::kData,
+                             coat->number("clearcoatFactor", 0, kUnit));
+    s.coat_roughness = textures.colour(coat, "clearcoatRoughnessTexture", PictureKind::kData,
+                                       Rgb(coat->number("clearcoatRoughnessFactor", 0, kUnit)));
+  }
+  if (const auto anisotropy = material.extension(kAnisotropy)) {
+    s.anisotropy = anisotropy->number("anisotropyStrength", 0, kUnit);
+    s.anisotropy_turn_rad = anisotropy->number("anisotropyRotation", 0);
+  }
+}
+
+/// [glTF2, 3.9, appendix B]
+Material scattering(const View& material, TextureSet& textures, const Rgb& base, bool has_colours) {
+  const auto pbr = material.find(kPbr);
+  GltfSurfaceParams s;
+  const BaseColour colour = base_colour(material);
+  s.base = textures.colour(colour.parent, colour.texture(), PictureKind::kColour, base);
+  if (has_colours) {
+    Textures& all = material.context().scene.textures;
+    const std::int32_t colours = all.add(VertexColourTexture{});
+    s.base.texture = all.add(ScaleTexture{s.base, {{}, colours}});
+  }
+  double metallic = pbr ? pbr->number("metallicFactor", 1, kUnit) : 1;
+  double roughness = pbr ? pbr->number("roughnessFactor", 1, kUnit) : 1;
+  if (colour.is_glossiness) {
+    metallic = 0;
+    roughness = 1 - colour.parent->number("glossinessFactor", 1, kUnit);
+    // Without an index of refraction, the reflectance along the normal is 0.04 of this colour.
+    const auto f = colour.parent->numbers("specularFactor", {1, 1, 1}, kUnit);
+    s.specular_colour = {Rgb(f[0], f[1], f[2]) / 0.04};
+  }
+  Material result{.params = DiffuseParams{s.base}, .second_axis = FrameAlong::kV};
+  if (const auto normal = material.find("normalTexture")) {
+    result.normal_map =
+        textures.colour(material, "normalTexture", PictureKind::kNormal, Rgb(1)).texture;
+    result.normal_scale = normal->number("scale", 1);
+  }
+  if (material.extension(kUnlit)) return result;
+  s.surface = textures.colour(pbr, "metallicRoughnessTexture", PictureKind::kData,
+                              Rgb(1, roughness, metallic));
+  set_layers(material, textures, s);
+  const auto is_zero = [](const NumberValue& v) { return v.is_constant() && v.constant == 0; };
+  const bool is_diffuse = metallic == 0 && is_zero(s.specular) && !s.transmits() && is_zero(s.coat);
+  if (is_pane(s) && result.normal_map < 0)
+    result.params = ThinDielectricParams{{s.ior}};
+  else if (!is_diffuse)
+    result.params = std::move(s);
+  return result;
+}
+
+NumberValue alpha_of(const View& material, TextureSet& textures) {
+  const std::string mode = material.text("alphaMode", "OPAQUE");
+  if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+    material.at("alphaMode")
+        .fail(fmt::format("found \"{}\", allowed: OPAQUE, MASK, BLEND", printable(mode)));
+  const double cut_off = material.number("alphaCutoff", 0.5, kNotNegative);
+  if (mode == "OPAQUE") return {1};
+  const BaseColour base = base_colour(material);
+  NumberValue value =
+      textures.number(base.parent, base.texture(), PictureKind::kAlpha, base.factor()[3]);
+  if (mode == "BLEND") return value;
+  if (value.is_constant()) return {value.constant >= cut_off ? 1.0 : 0.0};
+  return {1, material.context().scene.textures.add(CutOffTexture{{{}, value.texture}, cut_off})};
 }
 
 }  // namespace
@@ -119,9 +200,7 @@ void Materials::read_pictures() {
 
 /// Sets the picture of `emission`; false if it was not uploaded yet, or cannot be decoded.
 bool Materials::apply_texture(const View& info, MaterialEmission& emission) {
-  const View root = document_.root();
-  const View texture =
-      root.at("textures")[info.at("index").index(document_.count("textures"), "texture")];
+  const View texture = document_.texture_of(info);
   emission.uv_set = static_cast<int>(info.integer("texCoord", 0, 0, 1000));
   if (const auto transform = info.extension("KHR_texture_transform"))
     apply_transform(*transform, emission);
@@ -138,10 +217,7 @@ bool Materials::apply_texture(const View& info, MaterialEmission& emission) {
   }
   picture.image = document_.image(*source);
   if (picture.image == nullptr) return false;
-  const View image = root.at("images")[*source];
-  picture.name = image.text("uri", "");
-  if (picture.name.empty() || is_data_uri(picture.name))
-    picture.name = image.context().location(image.pointer()).file;
+  picture.name = document_.picture_name(*source);
   emission.picture = std::move(picture);
   return true;
 }
@@ -193,87 +269,6 @@ void Materials::note_left_out(const View& material) {
                               "diffuse, with its base colour");
 }
 
-NumberValue Materials::alpha(const View& material, TextureSet& textures) {
-  const std::string mode = material.text("alphaMode", "OPAQUE");
-  if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
-    material.at("alphaMode")
-        .fail(fmt::format("found \"{}\", allowed: OPAQUE, MASK, BLEND", printable(mode)));
-  const double cut_off = material.number("alphaCutoff", 0.5, kNotNegative);
-  if (mode == "OPAQUE") return {1};
-  const BaseColour base = base_colour(material);
-  NumberValue value =
-      textures.number(base.parent, base.texture(), PictureKind::kAlpha, base.factor()[3]);
-  if (mode == "BLEND") return value;
-  if (value.is_constant()) return {value.constant >= cut_off ? 1.0 : 0.0};
-  return {1, material.context().scene.textures.add(CutOffTexture{{{}, value.texture}, cut_off})};
-}
-
-/// [glTF2, 3.9, appendix B]
-Material Materials::scattering(const View& material, TextureSet& textures, const Rgb& base,
-                               bool has_colours) {
-  const auto pbr = material.find(kPbr);
-  const auto coat = material.extension(kCoat), specular = material.extension(kSpecular),
-             transmission = material.extension(kTransmission);
-  GltfSurfaceParams s;
-  const BaseColour colour = base_colour(material);
-  s.base = textures.colour(colour.parent, colour.texture(), PictureKind::kColour, base);
-  if (has_colours) {
-    Textures& all = material.context().scene.textures;
-    const std::int32_t colours = all.add(VertexColourTexture{});
-    s.base.texture = all.add(ScaleTexture{s.base, {{}, colours}});
-  }
-  double metallic = pbr ? pbr->number("metallicFactor", 1, kUnit) : 1;
-  double roughness = pbr ? pbr->number("roughnessFactor", 1, kUnit) : 1;
-  if (colour.is_glossiness) {
-    metallic = 0;
-    roughness = 1 - colour.parent->number("glossinessFactor", 1, kUnit);
-    // Without an index of refraction, the reflectance along the normal is 0.04 of this colour.
-    const auto f = colour.parent->numbers("specularFactor", {1, 1, 1}, kUnit);
-    s.specular_colour = {Rgb(f[0], f[1], f[2]) / 0.04};
-  }
-  Material result{.params = DiffuseParams{s.base}, .second_axis = FrameAlong::kV};
-  if (const auto normal = material.find("normalTexture")) {
-    result.normal_map =
-        textures.colour(material, "normalTexture", PictureKind::kNormal, Rgb(1)).texture;
-    result.normal_scale = normal->number("scale", 1);
-  }
-  if (material.extension(kUnlit)) return result;
-  s.surface = textures.colour(pbr, "metallicRoughnessTexture", PictureKind::kData,
-                              Rgb(1, roughness, metallic));
-  if (const auto ior = material.extension(kIor)) {
-    s.ior = ior->number("ior", 1.5, kNotNegative);
-    if (s.ior != 0 && s.ior < 1)
-      ior->at("ior").fail(fmt::format("found {}, allowed: 0, or 1 or more", s.ior));
-  }
-  if (specular) {
-    s.specular = textures.number(specular, "specularTexture", PictureKind::kAlpha,
-                                 specular->number("specularFactor", 1, kUnit));
-    const auto c = specular->numbers("specularColorFactor", {1, 1, 1}, kNotNegative);
-    s.specular_colour =
-        textures.colour(specular, "specularColorTexture", PictureKind::kColour, {c[0], c[1], c[2]});
-  }
-  if (transmission)
-    s.transmission = textures.number(transmission, "transmissionTexture", PictureKind::kData,
-                                     transmission->number("transmissionFactor", 0, kUnit));
-  if (coat) {
-    s.coat = textures.number(coat, "clearcoatTexture", PictureKind::kData,
-                             coat->number("clearcoatFactor", 0, kUnit));
-    s.coat_roughness = textures.colour(coat, "clearcoatRoughnessTexture", PictureKind::kData,
-                                       Rgb(coat->number("clearcoatRoughnessFactor", 0, kUnit)));
-  }
-  if (const auto anisotropy = material.extension(kAnisotropy)) {
-    s.anisotropy = anisotropy->number("anisotropyStrength", 0, kUnit);
-    s.anisotropy_turn_rad = anisotropy->number("anisotropyRotation", 0);
-  }
-  const auto is_zero = [](const NumberValue& v) { return v.is_constant() && v.constant == 0; };
-  const bool is_diffuse = metallic == 0 && is_zero(s.specular) && !s.transmits() && is_zero(s.coat);
-  if (is_pane(s) && result.normal_map < 0)
-    result.params = ThinDielectricParams{{s.ior}};
-  else if (!is_diffuse)
-    result.params = std::move(s);
-  return result;
-}
-
 Materials::Use Materials::make(const View& material, bool has_colours) {
   Use use;
   use.emission = emission(material);
@@ -293,7 +288,7 @@ Materials::Use Materials::make(const View& material, bool has_colours) {
   const auto* surface = std::get_if<GltfSurfaceParams>(&made.params);
   use.needs_tangents = made.normal_map >= 0 || (surface != nullptr && surface->anisotropy != 0);
   note_left_out(material);
-  use.alpha = alpha(material, textures);
+  use.alpha = alpha_of(material, textures);
   use.uv_set = textures.uv_set();
   return use;
 }

@@ -51,9 +51,6 @@ class Materials {
  private:
   Use make(const View& material, bool has_colours);
   std::shared_ptr<const MaterialEmission> emission(const View& material);
-  Material scattering(const View& material, TextureSet& textures, const Rgb& base,
-                      bool has_colours);
-  NumberValue alpha(const View& material, TextureSet& textures);
   void note_left_out(const View& material);
   bool apply_texture(const View& texture, MaterialEmission& emission);
 

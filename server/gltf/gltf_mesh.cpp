@@ -8,7 +8,7 @@
 #include "lights/maths/stop_poll.h"
 #include "server/description/raw_mesh.h"
 #include "server/gltf/accessor.h"
-#include "server/gltf/compression.h"
+#include "server/gltf/draco_mesh.h"
 
 namespace lucerna::gltf {
 namespace {
@@ -308,6 +308,77 @@ std::vector<VertexTangent> tangents(LoadState& context, const std::string& point
   return result;
 }
 
+/// What a deformation moves, for each vertex.
+struct Vertices {
+  std::vector<Vec3> positions, normals, along_u;  ///< the last two may be missing
+  std::vector<double> tangents;                   ///< of the file, four for each of `along_u`
+};
+
+Vertices read_vertices(const Attributes& attributes, bool needs_tangents) {
+  Vertices v;
+  v.positions = vectors(attributes.numbers("POSITION", 3, std::nullopt));
+  const std::size_t count = v.positions.size();
+  if (attributes.has("NORMAL")) v.normals = vectors(attributes.numbers("NORMAL", 3, count));
+  // Tangents count only with normals.  [glTF2, 3.7.2.1]
+  if (!needs_tangents || !attributes.has("TANGENT") || v.normals.empty()) return v;
+  v.tangents = attributes.numbers("TANGENT", 4, count);
+  StopPoll poll;
+  for (std::size_t i = 0; i < v.tangents.size(); i += 4, poll())
+    v.along_u.emplace_back(v.tangents[i], v.tangents[i + 1], v.tangents[i + 2]);
+  return v;
+}
+
+/// Three indices for each triangle of a primitive of `count` vertices.
+std::vector<std::uint32_t> read_triangles(const Document& document,
+                                          const tinygltf::Primitive& primitive, int mode,
+                                          const std::string& pointer, const Attributes& attributes,
+                                          std::size_t count) {
+  LoadState& context = document.context();
+  std::vector<std::uint32_t> corners;
+  StopPoll poll;
+  if (attributes.draco()) {
+    corners = attributes.draco()->indices;
+    mode = TINYGLTF_MODE_TRIANGLES;
+  } else if (primitive.indices >= 0) {
+    corners = read_indices(document, static_cast<std::size_t>(primitive.indices));
+  } else {
+    context.claim(pointer, count, sizeof(std::uint32_t));
+    corners.resize(count);
+    for (std::size_t i = 0; i < count; ++i, poll()) corners[i] = static_cast<std::uint32_t>(i);
+  }
+  for (std::size_t i = 0; i < corners.size(); ++i, poll())
+    if (corners[i] >= count)
+      context.fail(
+          pointer + "/indices",
+          fmt::format("index {} names vertex {}, but there are {} vertices", i, corners[i], count));
+  context.claim(pointer, corners.size(), 3 * sizeof(std::uint32_t));
+  return triangles(mode, corners);
+}
+
+/// Moves the vertices as morph targets and joints say.
+void deform(const Document& document, const tinygltf::Primitive& primitive,
+            const std::string& pointer, const Attributes& attributes,
+            const std::vector<double>& weights, const std::vector<Matrix>& joints, Vertices& v) {
+  morph(document, primitive, pointer, weights, "POSITION", v.positions);
+  if (!v.normals.empty()) morph(document, primitive, pointer, weights, "NORMAL", v.normals);
+  if (!v.along_u.empty()) morph(document, primitive, pointer, weights, "TANGENT", v.along_u);
+  StopPoll poll;
+  if (!joints.empty()) {
+    const std::vector<Matrix> moved =
+        skinned(document, attributes, pointer, joints, v.positions.size());
+    for (std::size_t i = 0; i < moved.size(); ++i, poll()) {
+      v.positions[i] = point(moved[i], v.positions[i]);
+      if (!v.along_u.empty()) v.along_u[i] = vector(moved[i], v.along_u[i]);
+      if (v.normals.empty()) continue;
+      const auto transform = Transform::from_matrix(moved[i]);
+      v.normals[i] = transform ? transform->normal(v.normals[i]) : vector(moved[i], v.normals[i]);
+    }
+  }
+  for (std::size_t i = 0; i < v.positions.size(); ++i, poll())
+    if (!is_finite(v.positions[i]))
+      document.context().fail(pointer, fmt::format("vertex {} is not finite", i));
+}
+
 std::optional<Part> make_part(const Document& document, Materials& materials,
                               const tinygltf::Mesh& mesh, const tinygltf::Primitive& primitive,
                               const View& place, const Deformation& deformation) {
@@ -333,69 +404,19 @@ std::optional<Part> make_part(const Document& document, Materials& materials,
                                ? std::nullopt
                                : std::optional(static_cast<std::size_t>(primitive.material)),
                            attributes.has("COLOR_0"));
-  std::vector<Vec3> positions = vectors(attributes.numbers("POSITION", 3, std::nullopt));
-  std::vector<Vec3> normals;
-  const std::size_t count = positions.size();
-  if (attributes.has("NORMAL")) normals = vectors(attributes.numbers("NORMAL", 3, count));
-  // Tangents count only with normals.  [glTF2, 3.7.2.1]
-  std::vector<double> given_tangents;
-  std::vector<Vec3> along_u;
-  if (part.use.needs_tangents && attributes.has("TANGENT") && !normals.empty()) {
-    given_tangents = attributes.numbers("TANGENT", 4, count);
-    StopPoll poll;
-    for (std::size_t i = 0; i < count; ++i, poll())
-      along_u.emplace_back(given_tangents[4 * i], given_tangents[4 * i + 1],
-                           given_tangents[4 * i + 2]);
-  }
-
-  std::vector<std::uint32_t> corners;
-  if (attributes.draco()) {
-    corners = attributes.draco()->indices;
-  } else if (primitive.indices >= 0) {
-    corners = read_indices(document, static_cast<std::size_t>(primitive.indices));
-  } else {
-    context.claim(pointer, count, sizeof(std::uint32_t));
-    corners.resize(count);
-    StopPoll poll;
-    for (std::size_t i = 0; i < count; ++i, poll()) corners[i] = static_cast<std::uint32_t>(i);
-  }
-  StopPoll poll;
-  for (std::size_t i = 0; i < corners.size(); ++i, poll())
-    if (corners[i] >= count)
-      context.fail(
-          pointer + "/indices",
-          fmt::format("index {} names vertex {}, but there are {} vertices", i, corners[i], count));
-  context.claim(pointer, corners.size(), 3 * sizeof(std::uint32_t));
-  // Draco's faces are triangles already.
-  part.mesh.indices =
-      triangles(attributes.draco() ? static_cast<int>(TINYGLTF_MODE_TRIANGLES) : mode, corners);
+  Vertices vertices = read_vertices(attributes, part.use.needs_tangents);
+  const std::size_t count = vertices.positions.size();
+  part.mesh.indices = read_triangles(document, primitive, mode, pointer, attributes, count);
   if (part.mesh.indices.empty()) {
     context.remark(pointer, "a primitive without a triangle", "left out");
     return std::nullopt;
   }
-
-  const std::vector<double>& weights =
-      deformation.weights.empty() ? mesh.weights : deformation.weights;
-  morph(document, primitive, pointer, weights, "POSITION", positions);
-  if (!normals.empty()) morph(document, primitive, pointer, weights, "NORMAL", normals);
-  if (!along_u.empty()) morph(document, primitive, pointer, weights, "TANGENT", along_u);
-  if (!deformation.joints.empty()) {
-    const std::vector<Matrix> moved =
-        skinned(document, attributes, pointer, deformation.joints, count);
-    StopPoll poll;
-    for (std::size_t i = 0; i < count; ++i, poll()) {
-      positions[i] = point(moved[i], positions[i]);
-      if (!along_u.empty()) along_u[i] = vector(moved[i], along_u[i]);
-      if (normals.empty()) continue;
-      const auto transform = Transform::from_matrix(moved[i]);
-      normals[i] = transform ? transform->normal(normals[i]) : vector(moved[i], normals[i]);
-    }
-  }
-  for (std::size_t i = 0; i < count; ++i, poll())
-    if (!is_finite(positions[i])) context.fail(pointer, fmt::format("vertex {} is not finite", i));
-  part.mesh.positions = std::move(positions);
-  set_normals(context, normals, part);
-  part.mesh.tangents = tangents(context, pointer, along_u, given_tangents);
+  deform(document, primitive, pointer, attributes,
+         deformation.weights.empty() ? mesh.weights : deformation.weights, deformation.joints,
+         vertices);
+  part.mesh.positions = std::move(vertices.positions);
+  set_normals(context, vertices.normals, part);
+  part.mesh.tangents = tangents(context, pointer, vertices.along_u, vertices.tangents);
   if (attributes.has("COLOR_0")) set_colours(context, attributes, count, part);
   set_uv(context, attributes, count, part);
   return part;

@@ -77,9 +77,7 @@ bool TextureSet::fits(const View& info, const ImageTexture& texture, int set) {
 
 std::int32_t TextureSet::image(const View& info, PictureKind kind) {
   check_texture(document_, info);
-  const View root = document_.root();
-  const View texture =
-      root.at("textures")[info.at("index").index(document_.count("textures"), "texture")];
+  const View texture = document_.texture_of(info);
   const auto source = document_.picture_of(texture);
   if (!source) {
     texture.context().remark(texture.pointer(), "a texture without a picture in \"source\"",

@@ -74,9 +74,7 @@ std::vector<Rgbf> face_texels(const Document& document, const View& face, int si
   const auto alpha = decode_alpha(*document.read(document.root().at("images")[index]),
                                   document.context().image_options(kLinear));
   if (!alpha.ok()) face.fail(alpha.status());
-  std::vector<Rgbf> texels;
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) texels.push_back(image->texel(x, y));
+  std::vector<Rgbf> texels(image->texels().begin(), image->texels().end());
   for (std::size_t i = 0; i < alpha->values.size() && i < texels.size(); ++i) {
     // A divisor of 0 has no meaning.  Encoders write it only for black.
     if (alpha->values[i] > 0) texels[i] = texels[i] / alpha->values[i];
@@ -128,10 +126,7 @@ void add_environment(const Document& document, const Tree& tree) {
   const auto scene = tree.scene();
   const auto use = scene ? scene->extension(kName) : std::nullopt;
   if (!use) return;
-  const auto extension = document.root().extension(kName);
-  if (!extension) use->fail(fmt::format("the file has no /extensions/{}", kName));
-  const View lights = extension->at("lights");
-  const View light = lights[use->at("light").index(lights.require_array().size(), "light")];
+  const View light = document.light_of(kName, *use);
   const View faces = faces_of(light);
   Cube cube;
   cube.size = static_cast<int>(light.at("specularImageSize").integer(1, kMostFaceTexels));

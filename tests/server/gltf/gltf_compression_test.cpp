@@ -258,9 +258,9 @@ TEST(GltfDraco, AttributesOverTheBudgetAreRefusedBeforeTheyAreDecoded) {
       SceneDescription scene;
       LoadBudget budget(&pool);
       gltf::LoadState context(*reader, scene, {}, "scene.gltf", {.budget = &budget});
-      const Json json = Json::object();
+      const Json json{{"attributes", Json::object()}};
       try {
-        (void)gltf::decode_draco(gltf::View(context, json, "/here"),
+        (void)gltf::unpack_draco(gltf::View(context, json, "/here"),
                                  {buffer.data(), buffer.size()});
       } catch (const StatusError& failure) {
         return failure.status();
