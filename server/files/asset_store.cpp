@@ -16,7 +16,6 @@
 #include <utility>
 
 #include "proto/common/status_macros.h"
-#include "server/files/asset_store_state.h"
 #include "server/runtime/scheduling.h"
 
 namespace lucerna {
@@ -81,53 +80,51 @@ std::pair<fs::path, Descriptor> make_temporary_directory(const fs::path& parent)
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOptions& options) {
-  auto state = std::make_unique<State>();
-  state->options = options;
+  std::unique_ptr<AssetStore> store(new AssetStore(options));
   std::error_code error;
   if (options.directory.empty()) {
     const fs::path parent = fs::temp_directory_path(error);
     if (!error) {
       remove_left_directories(parent);
-      std::tie(state->directory, state->lock) = make_temporary_directory(parent);
+      std::tie(store->directory_, store->lock_) = make_temporary_directory(parent);
     }
-    if (state->directory.empty())
+    if (store->directory_.empty())
       return absl::InvalidArgumentError("cannot make a temporary directory for uploaded assets");
-    state->temporary = true;
+    store->temporary_ = true;
   } else {
-    state->directory = options.directory;
-    fs::create_directories(state->directory, error);
-    state->lock = open_lock(state->directory, O_RDWR | O_CREAT);
-    if (state->lock.get() < 0)
+    store->directory_ = options.directory;
+    fs::create_directories(store->directory_, error);
+    store->lock_ = open_lock(store->directory_, O_RDWR | O_CREAT);
+    if (store->lock_.get() < 0)
       return absl::InvalidArgumentError(
           fmt::format("asset directory \"{}\" cannot be written to", options.directory));
-    if (!take_lock(state->lock))
+    if (!take_lock(store->lock_))
       return absl::FailedPreconditionError(
           fmt::format("asset directory \"{}\" is in use by another server", options.directory));
   }
-  state->find_files();
-  state->remove_old_parts();
-  if (!state->free_space(0))
+  store->find_files();
+  store->remove_old_parts();
+  if (!store->free_space(0))
     return absl::InternalError("deleting unused assets does not make enough room");
-  state->hashing = std::jthread([s = state.get()](const std::stop_token& stop) {
+  store->hashing_ = std::jthread([s = store.get()](const std::stop_token& stop) {
     set_thread_niceness(kBulkNiceness);
     s->hash_parts(stop);
   });
-  return std::unique_ptr<AssetStore>(new AssetStore(std::move(state)));
+  return store;
 }
 
-AssetStore::AssetStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
 AssetStore::~AssetStore() {
-  if (!state_->temporary) return;
+  if (!temporary_) return;
   std::error_code ignored;
-  fs::remove_all(state_->directory, ignored);
+  fs::remove_all(directory_, ignored);
 }
 
-AssetStore::Held AssetStore::held(const std::string& digest) const {
-  const std::lock_guard lock(state_->mutex);
-  const auto found = state_->entries.find(digest);
-  if (found == state_->entries.end()) return {};
+AssetStore::Held AssetStore::held(const std::string& digest) {
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(digest);
+  if (found == entries_.end()) return {};
   // A client that checks for an asset is about to use it.
-  state_->touch(found->second);
+  touch(found->second);
   return {found->second.whole, found->second.bytes};
 }
 
@@ -136,25 +133,25 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
                                                const std::stop_token& stop) {
   std::uint64_t writer = 0;
   {
-    const std::lock_guard lock(state_->mutex);
-    LUCERNA_ASSIGN_OR_RETURN(writer, state_->start(digest, size, offset, sender));
+    const std::lock_guard lock(mutex_);
+    LUCERNA_ASSIGN_OR_RETURN(writer, start(digest, size, offset, sender));
   }
-  const std::string part = state_->part(digest);
+  const std::string path = part(digest);
   // ext4 waits for the disk when a file is closed that was truncated to nothing.
-  if (offset == 0) ::unlink(part.c_str());
+  if (offset == 0) ::unlink(path.c_str());
   AssetUpload upload(
       *this, digest, size, writer,
-      Descriptor(::open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)));
+      Descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)));
   if (upload.file_.get() < 0) return disk_error(errno);
   LUCERNA_RETURN_IF_ERROR(upload.go_on_at(offset, stop));
   return upload;
 }
 
 absl::Status AssetUpload::go_on_at(std::uint64_t offset, const std::stop_token& stop) {
-  AssetStore::State& state = *store_->state_;
+  AssetStore& store = *store_;
   {
-    const std::lock_guard lock(state.mutex);
-    AssetStore::State::Entry* const entry = state.entry_of(digest_, writer_);
+    const std::lock_guard lock(store.mutex_);
+    AssetStore::Entry* const entry = store.entry_of(digest_, writer_);
     if (entry == nullptr) return taken_over();
     const std::uint64_t kept = std::min<std::uint64_t>(entry->marks.size(), offset / kMarkBytes);
     entry->marks.resize(kept);
@@ -172,46 +169,46 @@ absl::Status AssetUpload::go_on_at(std::uint64_t offset, const std::stop_token& 
   }
   {
     // Also of an upload that was stopped, so that the next one goes on from there.
-    const std::lock_guard lock(state.mutex);
-    if (AssetStore::State::Entry* entry = state.entry_of(digest_, writer_)) entry->take(marks_);
+    const std::lock_guard lock(store.mutex_);
+    if (AssetStore::Entry* entry = store.entry_of(digest_, writer_)) entry->take(marks_);
   }
   if (bytes_ < offset) return absl::CancelledError("the upload was cancelled");
   if (offset > 0 && ftruncate(file_.get(), static_cast<off_t>(offset)) != 0)
     return disk_error(errno);
-  const std::lock_guard lock(state.mutex);
-  if (AssetStore::State::Entry* entry = state.entry_of(digest_, writer_)) entry->bytes = offset;
+  const std::lock_guard lock(store.mutex_);
+  if (AssetStore::Entry* entry = store.entry_of(digest_, writer_)) entry->bytes = offset;
   return absl::OkStatus();
 }
 
 absl::Status AssetUpload::append(std::string_view chunk) {
-  AssetStore::State& state = *store_->state_;
+  AssetStore& store = *store_;
   {
-    const std::lock_guard lock(state.mutex);
-    AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
+    const std::lock_guard lock(store.mutex_);
+    AssetStore::Entry* entry = store.entry_of(digest_, writer_);
     if (entry == nullptr) return taken_over();
-    if (!state.free_space(chunk.size()))
+    if (!store.free_space(chunk.size()))
       return absl::ResourceExhaustedError(
           fmt::format("no room for the next {} bytes of an asset: assets in use fill this "
                       "server's {}",
-                      chunk.size(), state.options.budget_bytes));
+                      chunk.size(), store.options_.budget_bytes));
     entry->coming = chunk.size();  // other uploads must not take this room
   }
   // Written without the lock.  If another writer takes over meanwhile, the digest will not match.
   const int error = write(chunk);
   if (error == 0) hash(chunk);
-  std::unique_lock lock(state.mutex);
-  AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
+  std::unique_lock lock(store.mutex_);
+  AssetStore::Entry* entry = store.entry_of(digest_, writer_);
   if (entry == nullptr) return taken_over();
   entry->coming = 0;
   if (error != 0) {
     // What arrived would keep smaller files from the disk.
-    if (is_full(error)) state.remove(state.entries.find(digest_));
+    if (is_full(error)) store.remove(store.entries_.find(digest_));
     if (is_full(error)) store_ = nullptr;
     return disk_error(error);
   }
   entry->take(marks_);
   entry->bytes = bytes_;
-  entry->written = AssetStore::State::Clock::now();
+  entry->written = AssetStore::Clock::now();
   return absl::OkStatus();
 }
 
@@ -226,9 +223,9 @@ void AssetUpload::hash(std::string_view chunk) {
 }
 
 int AssetUpload::write(std::string_view chunk) {
-  AssetStore::State& state = *store_->state_;
+  AssetStore& store = *store_;
   while (!chunk.empty()) {
-    const ssize_t n = state.options.write(file_.get(), chunk.data(), chunk.size());
+    const ssize_t n = store.options_.write(file_.get(), chunk.data(), chunk.size());
     if (n >= 0) {
       chunk.remove_prefix(static_cast<std::size_t>(n));
       continue;
@@ -236,24 +233,24 @@ int AssetUpload::write(std::string_view chunk) {
     const int error = errno;
     if (error == EINTR) continue;
     if (!is_full(error)) return error;
-    const std::lock_guard lock(state.mutex);
-    if (!state.remove_one()) return error;
+    const std::lock_guard lock(store.mutex_);
+    if (!store.remove_one()) return error;
   }
   return 0;
 }
 
 absl::Status AssetUpload::finish() {
-  AssetStore::State& state = *store_->state_;
+  AssetStore& store = *store_;
   const std::string found = sha_.finish();
   if (found != digest_) {
     std::exchange(store_, nullptr)->drop(digest_);
     return absl::InvalidArgumentError(hexadecimal(found));
   }
-  const std::lock_guard lock(state.mutex);
-  AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
+  const std::lock_guard lock(store.mutex_);
+  AssetStore::Entry* entry = store.entry_of(digest_, writer_);
   if (entry == nullptr) return taken_over();
   std::error_code error;
-  fs::rename(state.part(digest_), state.whole(digest_), error);
+  fs::rename(store.part(digest_), store.whole(digest_), error);
   if (error) return disk_error(error.value());
   entry->whole = true;
   entry->marks = std::vector<Sha256>();
@@ -265,62 +262,60 @@ absl::Status AssetUpload::finish() {
 
 AssetUpload::~AssetUpload() {
   if (store_ == nullptr) return;
-  AssetStore::State& state = *store_->state_;
-  const std::lock_guard lock(state.mutex);
-  AssetStore::State::Entry* entry = state.entry_of(digest_, writer_);
+  AssetStore& store = *store_;
+  const std::lock_guard lock(store.mutex_);
+  AssetStore::Entry* entry = store.entry_of(digest_, writer_);
   if (entry == nullptr) return;
   entry->writer = 0;
   entry->reserved = entry->bytes;
-  if (entry->bytes == 0) state.remove(state.entries.find(digest_));
+  if (entry->bytes == 0) store.remove(store.entries_.find(digest_));
 }
 
 absl::StatusOr<OpenFile> AssetStore::read(const std::string& digest) {
-  const std::lock_guard lock(state_->mutex);
-  const auto found = state_->entries.find(digest);
-  if (found == state_->entries.end() || !found->second.whole)
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(digest);
+  if (found == entries_.end() || !found->second.whole)
     return absl::NotFoundError("the server does not have the asset");
-  Descriptor file(::open(state_->whole(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  Descriptor file(::open(whole(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (file.get() < 0) {
     // Another program deleted the file.
-    state_->remove(found);
+    remove(found);
     return absl::NotFoundError("the server does not have the asset");
   }
-  state_->touch(found->second);
+  touch(found->second);
   return OpenFile{std::move(file), found->second.bytes};
 }
 
 void AssetStore::drop(const std::string& digest) {
-  const std::lock_guard lock(state_->mutex);
-  const auto found = state_->entries.find(digest);
-  if (found != state_->entries.end()) state_->remove(found);
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(digest);
+  if (found != entries_.end()) remove(found);
 }
 
 AssetStore::Pins::Pins(AssetStore& store, std::vector<std::string> digests) : store_(store) {
-  const std::lock_guard lock(store_.state_->mutex);
+  const std::lock_guard lock(store_.mutex_);
   for (std::string& digest : digests) {
-    const auto found = store_.state_->entries.find(digest);
-    if (found == store_.state_->entries.end()) continue;
+    const auto found = store_.entries_.find(digest);
+    if (found == store_.entries_.end()) continue;
     ++found->second.pins;
     digests_.push_back(std::move(digest));
   }
 }
 
 AssetStore::Pins::~Pins() {
-  const std::lock_guard lock(store_.state_->mutex);
+  const std::lock_guard lock(store_.mutex_);
   for (const std::string& digest : digests_) {
-    const auto found = store_.state_->entries.find(digest);
+    const auto found = store_.entries_.find(digest);
     // It may have been dropped meanwhile, or uploaded again.
-    if (found != store_.state_->entries.end() && found->second.pins > 0) --found->second.pins;
+    if (found != store_.entries_.end() && found->second.pins > 0) --found->second.pins;
   }
 }
 
-std::uint64_t AssetStore::max_asset_bytes() const { return state_->options.max_asset_bytes; }
-
-std::chrono::seconds AssetStore::stall_time() const { return state_->options.stall_time; }
-
 std::uint64_t AssetStore::bytes() const {
-  const std::lock_guard lock(state_->mutex);
-  return state_->reserved();
+  const std::lock_guard lock(mutex_);
+  std::uint64_t sum = 0;
+  for (const auto& [digest, e] : entries_) sum += e.reserved;
+  return sum;
 }
 
 }  // namespace lucerna

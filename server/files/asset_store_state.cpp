@@ -1,4 +1,4 @@
-#include "server/files/asset_store_state.h"
+// The entries of an AssetStore: their files, the room on the disk, and the quotas of owners.
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -7,6 +7,8 @@
 #include <system_error>
 #include <utility>
 #include <vector>
+
+#include "server/files/asset_store.h"
 
 namespace lucerna {
 namespace {
@@ -41,18 +43,16 @@ std::string text_of(const fs::path& path) {
 
 }  // namespace
 
-fs::path AssetStore::State::whole(const std::string& digest) const {
-  return directory / hexadecimal(digest);
+fs::path AssetStore::whole(const std::string& digest) const {
+  return directory_ / hexadecimal(digest);
 }
-fs::path AssetStore::State::part(const std::string& digest) const { return whole(digest) += kPart; }
-fs::path AssetStore::State::owner(const std::string& digest) const {
-  return whole(digest) += kOwner;
-}
+fs::path AssetStore::part(const std::string& digest) const { return whole(digest) += kPart; }
+fs::path AssetStore::owner(const std::string& digest) const { return whole(digest) += kOwner; }
 
-void AssetStore::State::find_files() {
+void AssetStore::find_files() {
   std::error_code error;
   std::vector<std::string> owned;
-  for (const fs::directory_entry& file : fs::directory_iterator(directory, error)) {
+  for (const fs::directory_entry& file : fs::directory_iterator(directory_, error)) {
     const std::string name = file.path().stem().string(), extension = file.path().extension();
     if (!is_digest(name)) continue;
     if (extension == kOwner) owned.push_back(bytes_of(name));
@@ -65,14 +65,14 @@ void AssetStore::State::find_files() {
     if (!entry.whole) entry.written = entry.touched;
     entry.unread = !entry.whole && entry.bytes >= kMarkBytes;
     // If both exist, the server ended between finish and removal.  The whole file is valid.
-    const auto [place, is_new] = entries.try_emplace(bytes_of(name), std::move(entry));
+    const auto [place, is_new] = entries_.try_emplace(bytes_of(name), std::move(entry));
     if (is_new) continue;
     if (entry.whole) place->second = std::move(entry);
     fs::remove(part(place->first), error);
   }
   for (const std::string& digest : owned) {
-    const auto found = entries.find(digest);
-    if (found == entries.end()) {
+    const auto found = entries_.find(digest);
+    if (found == entries_.end()) {
       fs::remove(owner(digest), error);
     } else {
       found->second.owner = text_of(owner(digest));
@@ -80,11 +80,11 @@ void AssetStore::State::find_files() {
   }
 }
 
-void AssetStore::State::hash_parts(const std::stop_token& stop) {
+void AssetStore::hash_parts(const std::stop_token& stop) {
   std::vector<std::string> parts;
   {
-    const std::lock_guard guard(mutex);
-    for (const auto& [digest, entry] : entries)
+    const std::lock_guard guard(mutex_);
+    for (const auto& [digest, entry] : entries_)
       if (entry.unread) parts.push_back(digest);
   }
   std::string bytes(kMarkBytes, '\0');
@@ -95,84 +95,77 @@ void AssetStore::State::hash_parts(const std::stop_token& stop) {
       goes_on = file.get() >= 0 && read_fully(file.get(), bytes.data(), bytes.size()) ==
                                        static_cast<std::int64_t>(bytes.size());
       if (goes_on) sha.add(bytes);
-      const std::lock_guard guard(mutex);
-      const auto found = entries.find(digest);
+      const std::lock_guard guard(mutex_);
+      const auto found = entries_.find(digest);
       // Deleted, or sent again from the start.
-      if (found == entries.end() || !found->second.unread) break;
+      if (found == entries_.end() || !found->second.unread) break;
       found->second.unread = goes_on;
       if (goes_on) found->second.marks.push_back(sha.copy());
     }
   }
 }
 
-std::uint64_t AssetStore::State::reserved() const {
-  std::uint64_t sum = 0;
-  for (const auto& [digest, e] : entries) sum += e.reserved;
-  return sum;
-}
-
-void AssetStore::State::touch(Entry& entry) {
-  entry.used = ++uses;
+void AssetStore::touch(Entry& entry) {
+  entry.used = ++uses_;
   entry.touched = Clock::now();
 }
 
-void AssetStore::State::remove(Entries::iterator entry) {
+void AssetStore::remove(Entries::iterator entry) {
   std::error_code ignored;
   fs::remove(entry->second.whole ? whole(entry->first) : part(entry->first), ignored);
   if (!entry->second.owner.empty()) fs::remove(owner(entry->first), ignored);
-  entries.erase(entry);
+  entries_.erase(entry);
 }
 
 template <typename MayGo>
-auto AssetStore::State::oldest(MayGo&& may_go) -> Entries::iterator {
-  auto found = entries.end();
-  for (auto e = entries.begin(); e != entries.end(); ++e)
-    if (may_go(*e) && (found == entries.end() || e->second.used < found->second.used)) found = e;
+auto AssetStore::oldest(MayGo&& may_go) -> Entries::iterator {
+  auto found = entries_.end();
+  for (auto e = entries_.begin(); e != entries_.end(); ++e)
+    if (may_go(*e) && (found == entries_.end() || e->second.used < found->second.used)) found = e;
   return found;
 }
 
-bool AssetStore::State::remove_one() {
+bool AssetStore::remove_one() {
   for (const bool whole : {false, true}) {
     const auto entry =
         oldest([&](const auto& e) { return e.second.whole == whole && !in_use(e.second); });
-    if (entry == entries.end()) continue;
+    if (entry == entries_.end()) continue;
     remove(entry);
     return true;
   }
   return false;
 }
 
-void AssetStore::State::remove_old_parts() {
+void AssetStore::remove_old_parts() {
   const Clock::time_point now = Clock::now();
-  for (auto e = entries.begin(); e != entries.end();) {
+  for (auto e = entries_.begin(); e != entries_.end();) {
     const auto entry = e++;
     if (!entry->second.whole && !in_use(entry->second) &&
-        now - entry->second.written > options.keep_parts)
+        now - entry->second.written > options_.keep_parts)
       remove(entry);
   }
 }
 
-absl::StatusOr<std::uint64_t> AssetStore::State::start(const std::string& digest,
-                                                       std::uint64_t size, std::uint64_t offset,
-                                                       const AssetOwner& sender) {
-  if (size > options.max_asset_bytes)
+absl::StatusOr<std::uint64_t> AssetStore::start(const std::string& digest, std::uint64_t size,
+                                                std::uint64_t offset, const AssetOwner& sender) {
+  if (size > options_.max_asset_bytes)
     return absl::ResourceExhaustedError(
-        fmt::format("an asset of {} bytes, allowed: at most {}", size, options.max_asset_bytes));
+        fmt::format("an asset of {} bytes, allowed: at most {}", size, options_.max_asset_bytes));
   remove_old_parts();
-  Entry& entry = entries[digest];
+  Entry& entry = entries_[digest];
   if (entry.whole) return absl::FailedPreconditionError("the server already has the asset");
-  if (entry.writer != 0 && Clock::now() - entry.written < options.patience)
+  if (entry.writer != 0 && Clock::now() - entry.written < options_.patience)
     return absl::FailedPreconditionError("the asset is being uploaded by another client");
   if (offset > entry.bytes || offset > size) {
     const std::uint64_t held = std::min(entry.bytes, size);
-    if (entry.bytes == 0) entries.erase(digest);
+    if (entry.bytes == 0) entries_.erase(digest);
     return absl::InvalidArgumentError(fmt::format(
         "header.offset_bytes = {}, allowed: [0, {}], the bytes that the server has", offset, held));
   }
   if (entry.unread && offset > 0)
     return absl::FailedPreconditionError("the server still reads what it has of the asset");
   entry.unread = false;
-  entry.writer = ++writers;  // free_space() does not delete it
+  entry.writer = ++writers_;  // free_space() does not delete it
   entry.reserved = entry.bytes;
   entry.coming = 0;
   const std::uint64_t more = size > entry.bytes ? size - entry.bytes : 0;
@@ -181,10 +174,10 @@ absl::StatusOr<std::uint64_t> AssetStore::State::start(const std::string& digest
   if (room.ok() && !may_fit(more))
     room = absl::ResourceExhaustedError(
         fmt::format("no room for an asset of {} bytes: assets in use fill this server's {}", size,
-                    options.budget_bytes));
+                    options_.budget_bytes));
   if (!room.ok()) {
     entry.writer = 0;
-    if (entry.bytes == 0) entries.erase(digest);
+    if (entry.bytes == 0) entries_.erase(digest);
     return room;
   }
   entry.reserved = entry.bytes + more;
@@ -194,36 +187,36 @@ absl::StatusOr<std::uint64_t> AssetStore::State::start(const std::string& digest
   return entry.writer;
 }
 
-bool AssetStore::State::may_fit(std::uint64_t size) const {
+bool AssetStore::may_fit(std::uint64_t size) const {
   std::uint64_t needed = size;
-  for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
-  return needed <= options.budget_bytes;
+  for (const auto& [digest, e] : entries_) needed += in_use(e) ? e.reserved : 0;
+  return needed <= options_.budget_bytes;
 }
 
-bool AssetStore::State::free_space(std::uint64_t size) {
+bool AssetStore::free_space(std::uint64_t size) {
   std::uint64_t sum = size;
-  for (const auto& [digest, e] : entries) sum += e.bytes + e.coming;
-  while (sum > options.budget_bytes) {
+  for (const auto& [digest, e] : entries_) sum += e.bytes + e.coming;
+  while (sum > options_.budget_bytes) {
     const auto entry = oldest([](const auto& e) { return !in_use(e.second); });
-    if (entry == entries.end()) return false;
+    if (entry == entries_.end()) return false;
     sum -= entry->second.bytes;
     remove(entry);
   }
   return true;
 }
 
-absl::Status AssetStore::State::free_quota(const std::string& digest, std::uint64_t size,
-                                           const AssetOwner& sender) {
+absl::Status AssetStore::free_quota(const std::string& digest, std::uint64_t size,
+                                    const AssetOwner& sender) {
   if (sender.most_bytes == 0) return absl::OkStatus();
   const Clock::time_point now = Clock::now();
   const auto is_senders = [&](const auto& e) {
     return e.first != digest && e.second.owner == sender.name;
   };
   const auto may_go = [&](const auto& e) {
-    return is_senders(e) && !in_use(e.second) && now - e.second.touched >= options.keep_owned;
+    return is_senders(e) && !in_use(e.second) && now - e.second.touched >= options_.keep_owned;
   };
   std::uint64_t taken = 0, kept = 0;
-  for (const auto& e : entries) {
+  for (const auto& e : entries_) {
     if (!is_senders(e)) continue;
     taken += e.second.reserved;
     kept += may_go(e) ? 0 : e.second.reserved;
@@ -243,8 +236,7 @@ absl::Status AssetStore::State::free_quota(const std::string& digest, std::uint6
   return absl::OkStatus();
 }
 
-void AssetStore::State::set_owner(const std::string& digest, Entry& entry,
-                                  const std::string& name) {
+void AssetStore::set_owner(const std::string& digest, Entry& entry, const std::string& name) {
   if (entry.owner == name) return;
   entry.owner = name;
   std::error_code ignored;
@@ -256,10 +248,9 @@ void AssetStore::State::set_owner(const std::string& digest, Entry& entry,
   }
 }
 
-AssetStore::State::Entry* AssetStore::State::entry_of(const std::string& digest,
-                                                      std::uint64_t writer) {
-  const auto found = entries.find(digest);
-  return found == entries.end() || found->second.writer != writer ? nullptr : &found->second;
+AssetStore::Entry* AssetStore::entry_of(const std::string& digest, std::uint64_t writer) {
+  const auto found = entries_.find(digest);
+  return found == entries_.end() || found->second.writer != writer ? nullptr : &found->second;
 }
 
 }  // namespace lucerna
