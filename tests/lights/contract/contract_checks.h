@@ -1,5 +1,5 @@
-// Checkers for every light, which return a verdict.  contract.h applies them to each light.
-// Companion tests show that they reject wrong inputs.
+// Checkers for samples of lights, which return a verdict.  checkers_test.cpp shows that they reject
+// wrong inputs.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
 // Checkers for the rays that leave a light, for its bounds and for its approximate power, which
-// return a verdict.  contract_emission.h applies them to each light.  Companion tests show that
-// they reject wrong inputs.
+// return a verdict.  checkers_test.cpp shows that they reject wrong inputs.
 #pragma once
 
 #include <algorithm>
@@ -31,10 +30,11 @@ inline Verdict check_well_formed(const EmissionSample& s) {
   return {};
 }
 
-/// Checks each ray to `tolerance`.  Its reported densities equal those of `pdf`.  Its value equals
-/// `value(origin, direction)`, which does not use the light's code.
+/// Checks each ray.  Its reported densities equal those of `pdf` to `tolerance`.  Its value equals
+/// `value(origin, direction)`, which does not use the light's code, to `value_tolerance`.
 template <typename Sample, typename Pdf, typename Value>
-Verdict check_emission_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double tolerance) {
+Verdict check_emission_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double tolerance,
+                              double value_tolerance) {
   RandomU random(0xe1);
   int with_light = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -52,7 +52,7 @@ Verdict check_emission_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double 
                           s.pdf_direction.per_sr, densities.direction.per_sr)};
     const Rgb got(s.value);
     const Rgb expected = value(Vec3(s.origin), Vec3(s.direction));
-    if (!(relative_difference(got, expected) <= tolerance))
+    if (!(relative_difference(got, expected) <= value_tolerance))
       return {fmt::format("ray {}: value ({}, {}, {}), should be ({}, {}, {})", i, got.r, got.g,
                           got.b, expected.r, expected.g, expected.b)};
   }

@@ -5,7 +5,7 @@
 
 #include "lights/models/all_lights.h"
 #include "lights/shapes/all_shapes.h"
-#include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/area_helpers.h"
 
 namespace lucerna::testing {
 namespace {

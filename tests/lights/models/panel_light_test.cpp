@@ -2,25 +2,29 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "lights/models/area_light.h"
 #include "lights/shapes/all_shapes.h"
-#include "tests/lights/contract/panel_cases.h"
+#include "tests/lights/contract/contract_checks.h"
 
 namespace lucerna::testing {
 namespace {
 
-Estimate at_distance(double d, const Vec3& to_panel) {
-  const auto panel = RectanglePanelCase::make({});
-  return illuminance(panel, -to_panel * d, to_panel, 7, 20000);
+PanelProfile profile(std::shared_ptr<const PhotometricWeb> of, const Vec3& tangent = {1, 0, 0}) {
+  PanelProfile made;
+  made.web = std::move(of);
+  made.tangent = tangent;
+  return made;
 }
 
-TEST(PanelLight, FarFieldEqualsThePhotometry) {
-  const Vec3 w = normalized(Vec3{0.5, -0.25, 1});
-  const double d = 2000;
-  // For a panel of 2 m, intensity and distance differ by a thousandth, because the angle does.
-  EXPECT_NEAR(at_distance(d, -w).mean * d * d, intensity(w), 2e-3 * intensity(w));
+/// 20 cd in all directions up to `widest_deg` from the normal.
+std::shared_ptr<const PhotometricWeb> even(double widest_deg) {
+  return *PhotometricWeb::create(
+      {.vertical_deg = {0, widest_deg}, .horizontal_deg = {0}, .intensity_cd = {20, 20}});
 }
 
 TEST(PanelLight, NearFieldEqualsThatOfAUniformOpening) {
@@ -51,17 +55,18 @@ TEST(PanelLight, NearFieldEqualsThatOfAUniformOpening) {
 }
 
 TEST(PanelLight, EmitsToItsFrontOnlyUnlessTwoSided) {
-  const auto panel = RectanglePanelCase::make({});
+  const auto panel =
+      *AreaLight::create({Rgb(1)}, *Disk::create({}), {.profile = profile(even(180))});
   const auto s = panel.sample_li(Vec3{0, 0, -2}, {0.5, 0.5});
   EXPECT_EQ(s.reason, NoLight::kBehind);
   EXPECT_TRUE(panel.le({{0, 0, 0}, {0, 0, 1}}, {0, 0, -1}).is_black());
-  // Some of the file's light goes up.  Those rays report that they carry no light.
+  // Half of the file's light goes up.  Those rays report that they carry no light.
   int behind = 0;
   RandomU random(9);
   for (int i = 0; i < 1000; ++i)
     behind += panel.sample_le(random.pair(), random.pair(), {}).reason == NoLight::kBehind ? 1 : 0;
-  EXPECT_GT(behind, 100);
-  EXPECT_LT(behind, 500);
+  EXPECT_GT(behind, 400);
+  EXPECT_LT(behind, 600);
 }
 
 TEST(PanelLight, DarkDirectionsGiveTheirReason) {
@@ -79,10 +84,8 @@ TEST(PanelLight, DarkDirectionsGiveTheirReason) {
 
 TEST(PanelLight, GrazingDirectionsHaveAValueOrAReason) {
   // 20 cd along the plane: the radiance is unbounded, the light that arrives is not.
-  const auto even = *PhotometricWeb::create(
-      {.vertical_deg = {0, 90}, .horizontal_deg = {0}, .intensity_cd = {20, 20}});
-  const auto panel =
-      *AreaLight::create({Rgb(1)}, *Disk::create({.radius_m = 0.5}), {.profile = profile(even)});
+  const auto panel = *AreaLight::create({Rgb(1)}, *Disk::create({.radius_m = 0.5}),
+                                        {.profile = profile(even(90))});
   for (const float z : {1e-3, 1e-10, 1e-20, 1e-30, 1e-38}) {
     Receiver receiver(Vec3{2, 0, z});
     receiver.area_sampling = AreaSampling::kLowDistortion;
@@ -96,11 +99,9 @@ TEST(PanelLight, GrazingDirectionsHaveAValueOrAReason) {
 
 TEST(PanelLight, NearlyFlatShapesEmitByTheirOwnNormals) {
   // Bent by less than 1e-3: a receiver near the mean plane sees each point at another angle.
-  const auto even = *PhotometricWeb::create(
-      {.vertical_deg = {0, 90}, .horizontal_deg = {0}, .intensity_cd = {20, 20}});
   const auto panel = *AreaLight::create(
       {Rgb(1), true}, *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.001}}}),
-      {.profile = profile(even)});
+      {.profile = profile(even(90))});
   Receiver receiver(Vec3{4, 0.5, 0.002});
   receiver.area_sampling = AreaSampling::kLowDistortion;
   RandomU random(5);
@@ -197,11 +198,11 @@ TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
 
 TEST(PanelLight, ShapesThatAreNotFlatAreRefused) {
   const auto bent = *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.1}}});
-  const auto status = photometric_axes(bent, profile(web())).status();
+  const auto status = photometric_axes(bent, profile(even(90))).status();
   EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("allowed for a profile: flat"));
   const auto flat = *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}});
   for (const Vec3& tangent : {Vec3{0, 0, 1}, {0, 0, 0}, {NAN, 0, 0}})
-    EXPECT_FALSE(photometric_axes(flat, profile(web(), tangent)).ok());
+    EXPECT_FALSE(photometric_axes(flat, profile(even(90), tangent)).ok());
 }
 
 TEST(PhotometricWebFlux, DownwardFluxIsTowardsPlusZ) {

@@ -9,7 +9,7 @@
 
 #include "lights/sampling/sampling.h"
 #include "lights/sampling/spherical_triangle.h"
-#include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/area_helpers.h"
 
 namespace lucerna::testing {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/area_helpers.h"
 #include "tests/lights/shapes/shape_helpers.h"
 
 namespace lucerna::testing {

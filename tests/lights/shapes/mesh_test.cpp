@@ -5,7 +5,7 @@
 
 #include <unordered_set>
 
-#include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/area_helpers.h"
 
 namespace lucerna::testing {
 namespace {

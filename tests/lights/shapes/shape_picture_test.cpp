@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/area_helpers.h"
 #include "tests/lights/grey_picture.h"
 
 namespace lucerna::testing {
