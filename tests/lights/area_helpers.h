@@ -1,5 +1,4 @@
-// Helpers for tests of shapes and area lights: illuminance by sampling, closed forms to compare
-// with, and a test of uniformity.
+// Helpers for tests of shapes and area lights: illuminance by sampling, and a test of uniformity.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -55,22 +54,6 @@ inline void expect_estimates(const Estimate& e, double closed_form, double relat
   EXPECT_LT(e.standard_error, relative * closed_form);
   EXPECT_LE(std::fabs(e.mean - closed_form), 5.5 * e.standard_error + 1e-6 * closed_form)
       << e.mean << " +- " << e.standard_error << ", should be " << closed_form;
-}
-
-/// Illuminance from a flat polygon of radiance 1 that lies wholly above the receiver's horizon.  It
-/// is half the sum over the edges.  The term of an edge is the angle that it subtends, times a
-/// cosine.  The cosine is between the receiver's normal and that of the plane through edge and
-/// receiver.  (Lambert, Photometria, 1760)
-inline double lambert_polygon(const std::vector<Vec3>& corners, const Vec3& receiver,
-                              const Vec3& n) {
-  double sum = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3 a = corners[i] - receiver;
-    const Vec3 b = corners[(i + 1) % corners.size()] - receiver;
-    const Vec3 c = cross(a, b);
-    sum += std::atan2(length(c), dot(a, b)) * dot(normalized(c), n);
-  }
-  return std::fabs(sum) / 2;
 }
 
 /// The p-value of a chi-square test of 16 x 16 bins: are values of [0, 1)^2 uniform?  `next()`

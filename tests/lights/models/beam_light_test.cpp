@@ -33,19 +33,6 @@ TEST(BeamLight, IlluminatesThePrismBeforeItsRectangleAtAnyDistance) {
   EXPECT_EQ(l.sample_li({1, 0.5, 2}, {}).reason, NoLight::kNone);
 }
 
-TEST(BeamLight, UpperLeftOfThePictureIsUpAndLeft) {
-  auto p = beam();
-  p.image = *Image::create(2, 2, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}});
-  const auto l = *BeamLight::create(p);
-  EXPECT_EQ(l.sample_li({-0.5, 0.25, 1}, {}).value, Rgb(10, 0, 0));
-  EXPECT_EQ(l.sample_li({0.5, 0.25, 1}, {}).value, Rgb(0, 10, 0));
-  EXPECT_EQ(l.sample_li({-0.5, -0.25, 1}, {}).value, Rgb(0, 0, 10));
-  EXPECT_EQ(l.sample_li({0.5, -0.25, 1}, {}).value, Rgb(10));
-  // E A times the mean of each channel, a half.
-  EXPECT_EQ(l.power(kScene).lumens, Rgb(10));
-  EXPECT_EQ(l.power(kScene).error_lumens, 0);
-}
-
 // Far from the scene's origin, the coordinates of a float are coarser than the rectangle.
 TEST(BeamLight, KeepsItsRaysWhereTheRectangleIsNarrowerThanARounding) {
   auto p = beam();

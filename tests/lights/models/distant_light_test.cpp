@@ -34,13 +34,6 @@ TEST(DistantLight, DirectionMayHaveAnyLength) {
   }
 }
 
-// E pi R^2, by hand for E = 2 lx, R = 3 m: 18 pi.
-TEST(DistantLight, PowerIsTheFluxThroughTheScenesDisk) {
-  const auto light = *DistantLight::create({.illuminance_lx = Rgb(2)});
-  EXPECT_DOUBLE_EQ(light.power({{5, 5, 5}, 3}).lumens.r, 56.548667764616276);
-  EXPECT_EQ(light.power({{}, 0}).lumens.r, 0);
-}
-
 TEST(DistantLight, BlackLightHasNoPowerEvenWithoutBounds) {
   const auto light = *DistantLight::create({.illuminance_lx = {}});
   EXPECT_EQ(light.sample_li({}, {}).reason, NoLight::kBlack);

@@ -100,27 +100,6 @@ TEST(ImageInfiniteLight, AnIncompleteDensityWithCosineDirectionsIsUnbiasedAndBet
   EXPECT_LT(incomplete.error, complete.error);
 }
 
-TEST(ImageInfiniteLight, ABlackMapGivesItsReasonAndHasNoPower) {
-  const auto light = *ImageInfiniteLight::create({.map = map_of(2, std::vector<Rgbf>(4))});
-  const auto s = light.sample_li({0, 0, 0}, {0.5, 0.5});
-  EXPECT_EQ(s.reason, NoLight::kBlack);
-  EXPECT_TRUE(s.value.is_black());
-  EXPECT_EQ(light.pdf_li({0, 0, 0}, {0, 0, 1}).per_sr, 0);
-  EXPECT_TRUE(light.power({{}, INFINITY}).lumens.is_black());
-  EXPECT_EQ(light.sample_le({0.5, 0.5}, {0.5, 0.5}, {{}, 1}).reason, NoLight::kBlack);
-}
-
-TEST(ImageInfiniteLight, ATexelOf1e9AndTheOthersAreSampledByTheirShares) {
-  std::vector<Rgbf> texels(16, Rgbf(1));
-  texels[0] = Rgbf(1e9);
-  const auto light = *ImageInfiniteLight::create({.map = map_of(4, texels)});
-  // 16 texels of 4 pi / 16: the density is 16 L / (4 pi sum L).
-  EXPECT_NEAR(light.pdf_li({0, 0, 0}, {0, 0, 1}).per_sr * (1e9 + 15) * (4 * kPi) / 16, 1, 1e-6);
-  const auto s = light.sample_li({0, 0, 0}, {0.5, 0.1});
-  EXPECT_EQ(s.value, Rgb(1e9));
-  EXPECT_NEAR(s.pdf.per_sr, 16 / (4 * kPi), 1e-5);
-}
-
 TEST(ImageInfiniteLight, ApproximatePowerOfLatitudeLongitudeLacksFourPi) {
   const auto map = map_of(2, std::vector<Rgbf>(4, Rgbf(3)), SphereMapping::kLatitudeLongitude);
   const auto light = *ImageInfiniteLight::create({.map = map});

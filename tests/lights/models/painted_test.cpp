@@ -78,34 +78,6 @@ TEST(Painted, PointsAreChosenInProportionWhereTheMapKeepsArea) {
   expect_no_variance(Painted<Sphere>(Sphere::create({}), grey(3, 2, values)));
 }
 
-TEST(Painted, CoordinatesAreThoseOfPbrt4) {
-  const auto uv_on = [](const auto& shape, const Vec3& p) { return shape.shape.uv({p}); };
-  const Picture one = grey(1, 1, {1});
-  const auto expect_uv = [](Vec2 uv, double u, double v) {
-    EXPECT_NEAR(uv.x, u, 1e-12);
-    EXPECT_NEAR(uv.y, v, 1e-12);
-  };
-  const auto disk = Painted<Disk>(Disk::create({.radius_m = 2, .inner_radius_m = 1}), one);
-  expect_uv(uv_on(disk, {0, 2, 0}), 0.25, 0);
-  expect_uv(uv_on(disk, {-1.5, 0, 0}), 0.5, 0.5);
-  const auto sphere = Painted<Sphere>(Sphere::create({}), one);
-  expect_uv(uv_on(sphere, {0, 0, -1}), 0, 0);
-  expect_uv(uv_on(sphere, {0, -1, 0}), 0.75, 0.5);
-  expect_uv(uv_on(sphere, {std::sqrt(0.5), 0, std::sqrt(0.5)}), 0, 0.75);
-  const auto tube =
-      Painted<Cylinder>(Cylinder::create({.z_min_m = 1, .z_max_m = 3, .phi_max_rad = kPi}), one);
-  expect_uv(uv_on(tube, {0, 1, 2.5}), 0.5, 0.75);
-  expect_uv(uv_on(screen(one), {1.5, 0.25, 0}), 0.75, 0.25);
-}
-
-TEST(Painted, TheFirstRowOfThePictureIsAtTheTop) {
-  const auto shape = screen(grey(2, 2, {1, 2, 3, 4}));
-  EXPECT_EQ(shape.tint({{0.5, 0.75, 0}, {0, 0, 1}}).r, 1);
-  EXPECT_EQ(shape.tint({{1.5, 0.75, 0}, {0, 0, 1}}).r, 2);
-  EXPECT_EQ(shape.tint({{0.5, 0.25, 0}, {0, 0, 1}}).r, 3);
-  EXPECT_EQ(shape.tint({{1.5, 0.25, 0}, {0, 0, 1}}).r, 4);
-}
-
 TEST(Painted, BlackTexelsAreNeverChosen) {
   const auto light = *screen(grey(4, 1, {0, 1e9, 1, 0})).light(Rgb(1));
   RandomU random(4);
@@ -142,14 +114,6 @@ TEST(Painted, PowerOfADiskWeighsRowsByTheirRings) {
   const Power phi = light.power_approximate({});
   EXPECT_NEAR(phi.lumens.g, 10 * kPi * kPi * 2.5, 1e-10);
   EXPECT_NEAR(phi.error_lumens, 10 * kPi * kPi * 0.75, 1e-10);
-}
-
-TEST(Painted, PowerOfASphereWeighsRowsByTheirZones) {
-  // Zones of 45 degrees.  Each polar zone has 1 - cos(45 degrees) of its hemisphere.
-  const auto light = *Painted<Sphere>(Sphere::create({}), grey(1, 4, {3, 1, 5, 7})).light(Rgb(1));
-  const double polar = (1 - std::sqrt(0.5)) / 2, equatorial = std::sqrt(0.5) / 2;
-  EXPECT_NEAR(light.power({}).lumens.r, 4 * kPi * kPi * ((3 + 7) * polar + (1 + 5) * equatorial),
-              1e-10);
 }
 
 /// The integral of `weight` times `area` over [from, to], by Simpson's rule in long double.  Both
@@ -306,36 +270,6 @@ TEST(Painted, ATexelTimesTheLevelMustFit) {
   const auto light = Painted<Disk>(Disk::create({}), grey(1, 1, {1e10})).light(Rgb(1e300));
   EXPECT_THAT(std::string(light.status().message()),
               HasSubstr("area.radiance of the brightest texel = (inf"));
-}
-
-/// A picture multiplies the radiance of the photometry at each point.
-TEST(Painted, APictureAndAProfileMultiply) {
-  const std::shared_ptr<const PhotometricWeb> web = *PhotometricWeb::create(
-      {.vertical_deg = {0, 60, 90}, .horizontal_deg = {0}, .intensity_cd = {10, 5, 0}});
-  PanelProfile profile;
-  profile.web = web;
-  const Painted<PatchMesh> shown = screen(grey(2, 1, {1, 3}));
-  const auto both =
-      *AreaLight::create({Rgb(2)}, shown.shape, {.picture = shown.picture, .profile = profile});
-  const auto panel = *AreaLight::create({Rgb(2)}, shown.shape, {.profile = profile});
-  RandomU random(12);
-  double lumens = 0;
-  constexpr int kRays = 20000;
-  for (int i = 0; i < kRays; ++i) {
-    const Receiver receiver(Vec3{4 * random.next() - 1, random.next(), 0.5 + random.next()});
-    const LightSample s = both.sample_li(receiver, random.pair());
-    const SurfacePoint p{s.point, s.normal, s.primitive};
-    EXPECT_NEAR(s.value.r, shown.tint(p).r * panel.le(p, -s.wi).r, 1e-12 * s.value.r);
-    EXPECT_EQ(s.pdf, both.pdf_li(receiver, p));
-    const EmissionSample ray = both.sample_le(random.pair(), random.pair(), {});
-    if (ray.reason == NoLight::kNone)
-      lumens += ray.value.r * std::fabs(dot(ray.normal, ray.direction)) /
-                (ray.pdf_position.per_m2 * ray.pdf_direction.per_sr);
-  }
-  const Power power = both.power({});
-  EXPECT_NEAR(power.lumens.r, 2 * 2 * web->downward_flux_lm(), 1e-9);  // a mean of 2, level 2
-  EXPECT_NEAR(lumens / kRays, power.lumens.r, 0.01 * power.lumens.r);
-  EXPECT_FALSE(both.irradiance(Receiver(Vec3{0, 0, 1})).has_value());
 }
 
 }  // namespace

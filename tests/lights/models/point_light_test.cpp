@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <random>
 
@@ -19,19 +18,6 @@ PointLight light_at(const Vec3& position, double intensity) {
   return *PointLight::create({.position_m = position, .intensity_cd = Rgb(intensity)});
 }
 
-TEST(PointLight, SampleIsIntensityOverDistanceSquared) {
-  const auto light = *PointLight::create({.position_m = {0, 0, 3}, .intensity_cd = {18, 9, 36}});
-  const auto s = light.sample_li({0, 4, 0}, {0.5, 0.5});
-  EXPECT_EQ(s.reason, NoLight::kNone);
-  EXPECT_TRUE(s.delta);
-  EXPECT_EQ(s.distance, 5);
-  EXPECT_EQ(s.value, Rgb(0.72, 0.36, 1.44));
-  EXPECT_EQ(s.wi, Vec3(0, -0.8, 0.6));
-  EXPECT_EQ(s.point, Vec3(0, 0, 3));
-  EXPECT_EQ(s.normal, Vec3());
-  EXPECT_EQ(s.pdf.per_sr, 0);
-}
-
 TEST(PointLight, PositionIsKeptAboutTheOrigin) {
   const Vec3 far{1e7, -1e7, 1e7};
   const auto light = *PointLight::create(
@@ -39,45 +25,10 @@ TEST(PointLight, PositionIsKeptAboutTheOrigin) {
   EXPECT_EQ(light.sample_li({0, 0, 0}, {}).point, Vec3(0.125, 0.25, 0.5));
 }
 
-TEST(PointLight, PowerIsFourPiTimesIntensity) {
-  EXPECT_DOUBLE_EQ(light_at({}, 1).power({}).lumens.g, 12.566370614359172);
-  EXPECT_EQ(light_at({}, 1).power({}).error_lumens, 0);
-}
-
-TEST(PointLight, ReceiverOnTheLightIsDegenerate) {
-  // 0.1 is not a float, so the light is at the nearest float.
-  const auto s = light_at({0.1, 0.2, 0.3}, 1).sample_li({0.1, 0.2, 0.3}, {});
-  EXPECT_EQ(s.reason, NoLight::kDegenerate);
-  EXPECT_TRUE(s.value.is_black());
-}
-
 TEST(PointLight, LightWithoutIntensityIsBlack) {
   const auto s = light_at({0, 0, 1}, 0).sample_li({0, 0, 0}, {});
   EXPECT_EQ(s.reason, NoLight::kBlack);
   EXPECT_TRUE(s.value.is_black());
-}
-
-// Squares of these distances exceed floats; the quotients do not.
-TEST(PointLight, DistancesFrom1eMinus23To1e19AreExact) {
-  struct Row {
-    float distance;
-    double intensity;
-  };
-  for (const Row row : {Row{1e-23, 1e-20},
-                        {1e-20, 1e-10},
-                        {1e-10, 1},
-                        {1e10, 1},
-                        {1e19, 1e3},
-                        {1e30, 1e30},
-                        {1e37, 1e37}}) {
-    const auto s = light_at({}, row.intensity).sample_li({0, row.distance, 0}, {});
-    EXPECT_EQ(s.reason, NoLight::kNone) << row.distance;
-    const long double expected =
-        static_cast<long double>(row.intensity) / row.distance / row.distance;
-    EXPECT_NEAR(double(s.value.r / expected), 1, 1e-7) << row.distance;
-    EXPECT_EQ(s.distance, row.distance);
-    EXPECT_EQ(s.wi, Vec3(0, -1, 0));
-  }
 }
 
 TEST(PointLight, ValuesThatADoubleCannotHoldAreOutOfRangeOrZero) {
@@ -111,13 +62,13 @@ void expect_same_bits(const LightSample& a, const LightSample& b, double at) {
   EXPECT_EQ(a.delta, b.delta) << at;
 }
 
-void expect_plain_samples(double least, double most) {
+TEST(PointLight, PlainSamplesHaveTheBitsOfSamples) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> component(-1, 1);
   const auto light =
       *PointLight::create({.position_m = {1, -2, 0.5}, .intensity_cd = {1, 20, 300}});
   int plain = 0, all = 0;
-  for (double size = least; size <= most; size *= 10)
+  for (double size = 1e-300; size <= 1e300; size *= 10)
     for (int k = 0; k < 20; ++k) {
       const Vec3 v{component(random), component(random), component(random)};
       const Vec3 receiver(v * size);
@@ -129,11 +80,6 @@ void expect_plain_samples(double least, double most) {
   for (const double no : {double(NAN), double(INFINITY)})
     EXPECT_FALSE(light.plain_sample_li({1, no, 0}));
   EXPECT_FALSE(light.plain_sample_li(light.position()));
-}
-
-TEST(PointLight, PlainSamplesHaveTheBitsOfSamples) {
-  expect_plain_samples(1e-45, 1e38);
-  expect_plain_samples(1e-300, 1e300);
 }
 
 TEST(PointLight, PlainSamplesExistOnlyWithinTheRangeOfNumbers) {
