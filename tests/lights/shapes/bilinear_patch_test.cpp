@@ -24,25 +24,6 @@ TEST(BilinearPatch, AreaOfFlatPatchesIsExact) {
   EXPECT_EQ(line.area(), 0);
 }
 
-TEST(BilinearPatch, AreaOfTheSaddleAgreesWithAFineGrid) {
-  constexpr int kGrid = 2000;
-  double sum = 0;
-  for (int i = 0; i < kGrid; ++i)
-    for (int j = 0; j < kGrid; ++j) {
-      const double x = (i + 0.5) / kGrid, y = (j + 0.5) / kGrid;
-      sum += std::sqrt(1 + x * x + y * y);
-    }
-  EXPECT_NEAR(kSaddle.area() / (sum / kGrid / kGrid), 1, 1e-6);
-}
-
-TEST(BilinearPatch, AreaOfAConcaveQuadrangleCountsItsFold) {
-  // The corner (1/4, 1/4) is dented within the triangle of the others.  dp/du x dp/dv is 1 - 3/4 (u
-  // + v).  The integral of its absolute value is 1/4 plus twice the integral of the negative part.
-  // That part is the triangle u + v > 4/3 of legs 2/3: 3/4 (2/3)^3 / 6 = 1/27.
-  const BilinearPatch dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
-  EXPECT_NEAR(dart.area(), 0.25 + 2. / 27, 1e-6);
-}
-
 TEST(BilinearPatch, AreaOfABowTieCountsBothLoops) {
   // Its sides cross in the middle: two triangles of base 1 and height 1/2, one of each orientation.
   const BilinearPatch bow{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
@@ -129,52 +110,6 @@ TEST(BilinearPatch, NormalIsTheCrossProductOfTheDerivatives) {
   EXPECT_EQ(kSaddle.at({0.25, 0.75}), Vec3(0.25, 0.75, 0.1875));
 }
 
-TEST(BilinearPatch, SamplesOfATrapezoidAreUniformByArea) {
-  // Shares of area: the part below the height z has z (4 + (4 - z)) / 2 of 7.5, and z / 3 along
-  // each side.
-  RandomU random(41);
-  const auto share = [](const Vec3& p) {
-    const double t = p.z / 3, left = t, right = 4 - 2 * t;
-    return Vec2{p.z * (8 - p.z) / 15, (p.y - left) / (right - left)};
-  };
-  EXPECT_GT(
-      uniformity_p_value([&] { return share(kTrapezoid.sample_area(random.pair()).position); }),
-      kUnlikely);
-  // The companion: (u, v) itself crowds the short side.
-  EXPECT_LT(uniformity_p_value([&] { return share(kTrapezoid.at(random.pair())); }), kUnlikely);
-}
-
-/// The p-value of the saddle's samples under `density(x, y)` by area, in 16 x 16 cells of (x, y).
-template <typename Density>
-double saddle_p_value(Density&& density) {
-  constexpr int kBins = 16, kSub = 8, kSamples = 100000;
-  std::vector<double> observed(kBins * kBins), expected(kBins * kBins);
-  RandomU random(42);
-  for (int i = 0; i < kSamples; ++i) {
-    const auto p = kSaddle.sample_area(random.pair()).position;
-    ++observed[std::min(int(p.x * kBins), kBins - 1) * kBins +
-               std::min(int(p.y * kBins), kBins - 1)];
-  }
-  constexpr int kFine = kBins * kSub;
-  for (int i = 0; i < kFine; ++i)
-    for (int j = 0; j < kFine; ++j) {
-      const double x = (i + 0.5) / kFine, y = (j + 0.5) / kFine;
-      expected[i / kSub * kBins + j / kSub] +=
-          density(x, y) * std::sqrt(1 + x * x + y * y) * kSamples / (kFine * kFine);
-    }
-  return chi_square_p_value(observed, expected);
-}
-
-TEST(BilinearPatch, SamplesOfTheSaddleFollowTheirDensity) {
-  EXPECT_GT(saddle_p_value([](double x, double y) {
-              return kSaddle.pdf_area({x, y, x * y}).per_m2;
-            }),
-            kUnlikely);
-  // The companion: the density of a uniform (u, v).
-  EXPECT_LT(saddle_p_value([](double x, double y) { return 1 / std::sqrt(1 + x * x + y * y); }),
-            kUnlikely);
-}
-
 TEST(BilinearPatch, DensityFindsItsPointForPatchesOfManyForms) {
   // Weights at the corners over the share of area.  Both are known from (u, v) itself.
   RandomU random(43);
@@ -252,15 +187,6 @@ TEST(BilinearPatch, EdgesBelongToItAndFarRaysStillHit) {
   EXPECT_FALSE(square.intersect({-1, 0.5, 0}, {1, 0, 0}, 0, INFINITY));
   EXPECT_FALSE(square.intersect({0.5, 0.5, NAN}, {0, 0, -1}, 0, INFINITY));
   EXPECT_FALSE(square.intersect({0.5, 0.5, 1}, {0, 0, 0}, 0, INFINITY));
-}
-
-TEST(BilinearPatch, SamplesLieOnThePatchForExtremeSampleValues) {
-  for (const double x : {0., 1 - 0x1p-24, 1.})
-    for (const double y : {0., 1 - 0x1p-24, 1.}) {
-      const auto p = kSaddle.sample_area({x, y}).position;
-      EXPECT_NEAR(p.z, p.x * p.y, 1e-15);
-      EXPECT_TRUE(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1);
-    }
 }
 
 }  // namespace

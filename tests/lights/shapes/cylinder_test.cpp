@@ -59,27 +59,6 @@ TEST(Cylinder, SamplesAreUniformByArea) {
   EXPECT_GT(p, kUnlikely);
 }
 
-TEST(Cylinder, UniformityTestRejectsHeightsThatAreThoseOfASphere) {
-  RandomU random(31);
-  const double p = uniformity_p_value([&] {
-    const auto u = random.pair();
-    return cylinder_share({std::cos(4 * u.y), std::sin(4 * u.y), std::cos(kPi * u.x)});
-  });
-  EXPECT_LT(p, kUnlikely);
-}
-
-TEST(Cylinder, DensityIsInverseAreaAsSeenFromTheReceiver) {
-  const auto tube = *Cylinder::create({.radius_m = 2});
-  // From (5, 4, 0) the point (2, 0, 0) is 5 away along (3, 4, 0): cosine 3/5, area 8 pi.
-  const SurfacePoint point{{2, 0, 0}, {1, 0, 0}};
-  EXPECT_DOUBLE_EQ(tube.pdf({5, 4, 0}, point).per_sr, 25 / 0.6 / (8 * kPi));
-  RandomU random(32);
-  for (int i = 0; i < 100; ++i) {
-    const auto s = tube.sample({5, 4, 0}, random.pair());
-    EXPECT_EQ(s.pdf, tube.pdf({5, 4, 0}, s.point));
-  }
-}
-
 TEST(Cylinder, NormalsPointOutwardsThroughMirrorsTooUnlessReversed) {
   const auto normal = [](const Transform& map, bool reverse) {
     // u.y = 0: the point above +x.
@@ -173,17 +152,6 @@ TEST(Cylinder, BoundsHoldItTightly) {
   EXPECT_LT(length(Vec3(upper) - high), 1e-5);
   EXPECT_TRUE(lower.x <= low.x && lower.y <= low.y && lower.z <= low.z);
   EXPECT_TRUE(upper.x >= high.x && upper.y >= high.y && upper.z >= high.z);
-}
-
-TEST(Cylinder, IlluminanceOnItsAxisEqualsTheClosedForm) {
-  // Seen from the middle of its lower end, facing along the axis.  The tube covers the hemisphere
-  // minus the open upper end, pi L (1 - R^2 / (R^2 + h^2)).  The fraction is the sine squared of
-  // that end's half-angle.
-  const auto light = *AreaLight::create(
-      {Rgb(3)},
-      *Cylinder::create({.radius_m = 2, .z_min_m = 0, .z_max_m = 4, .reverse_orientation = true}));
-  const auto e = illuminance(light, Vec3{0, 0, 0}, {0, 0, 1}, 34);
-  expect_estimates(e, 3 * kPi * (1 - 4. / 20), 0.01);
 }
 
 TEST(Cylinder, RefusesParametersOutsideTheirDomain) {

@@ -56,19 +56,6 @@ TEST(Disk, UniformityTestRejectsARadiusThatIsUniform) {
   EXPECT_LT(p, kUnlikely);
 }
 
-TEST(Disk, DensityByAreaIsInverseAreaAsSeenFromTheReceiver) {
-  const auto disk = *Disk::create({.radius_m = 2});
-  // At distance 5 along (3, 0, 4): cosine 4/5, 25 / (4/5) / (4 pi).
-  const auto receiver = by_area(Vec3{3, 0, 4});
-  const SurfacePoint center{{0, 0, 0}, {0, 0, 1}};
-  EXPECT_DOUBLE_EQ(disk.pdf(receiver, center).per_sr, 25 / 0.8 / (4 * kPi));
-  RandomU random(22);
-  for (int i = 0; i < 100; ++i) {
-    const auto s = disk.sample(receiver, random.pair());
-    EXPECT_EQ(s.pdf, disk.pdf(receiver, s.point));
-  }
-}
-
 /// A receiver that requests sampling by solid angle.
 Receiver by_solid_angle(const Vec3& position) {
   Receiver receiver(position);
@@ -155,14 +142,6 @@ TEST(Disk, HitsAboutADistantOriginStayInThePlane) {
   const auto [lower, upper] = disk.bounds();
   EXPECT_NEAR(lower.x, -2, 1e-6);
   EXPECT_NEAR(upper.y, 2, 1e-6);
-}
-
-TEST(Disk, CoaxialIlluminanceEqualsTheClosedForm) {
-  // pi L R^2 / (R^2 + h^2): the sine squared of the half-angle.
-  const auto light =
-      *AreaLight::create({Rgb(3)}, *Disk::create({.radius_m = 2, .reverse_orientation = true}));
-  const auto e = illuminance(light, Vec3{0, 0, -1}, {0, 0, 1}, 23);
-  expect_estimates(e, 3 * kPi * 4 / 5, 0.01);
 }
 
 TEST(Disk, RefusesParametersOutsideTheirDomain) {

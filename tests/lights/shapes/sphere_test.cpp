@@ -28,24 +28,6 @@ TEST(Sphere, UnequalScaleCannotEmitAndGivesTheReason) {
   EXPECT_THAT(std::string(sphere.emissive_error().message()), HasSubstr("(1, 2, 1)"));
 }
 
-TEST(Sphere, ConeDensityIsRightForSmallAndDistantSpheres) {
-  for (const double ratio : {1e-1, 1e-3, 3e-4, 1.7e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
-    const auto sphere = *Sphere::create({.radius_m = ratio});
-    // 4 pi sin^2(theta / 2) in long double, which differs from the code's formula.
-    const long double half = std::asin(static_cast<long double>(ratio)) / 2;
-    const long double solid_angle =
-        4 * std::numbers::pi_v<long double> * std::sin(half) * std::sin(half);
-    const Vec3 receiver{0, 0, 1};
-    RandomU random(31);
-    for (int i = 0; i < 50; ++i) {
-      const auto s = sphere.sample(receiver, random.pair());
-      EXPECT_NEAR(s.pdf.per_sr * solid_angle, 1, 1e-7) << ratio;
-      EXPECT_EQ(s.pdf, sphere.pdf(receiver, s.point));
-      EXPECT_NEAR(length(Vec3(s.point.position)) / ratio, 1, 2e-7);
-    }
-  }
-}
-
 TEST(Sphere, DensityOfEachSampleIsFoundAgainAwayFromTheOrigin) {
   // A sphere whose rounding in float is a tenth of its radius.
   const auto sphere =
@@ -70,76 +52,6 @@ TEST(Sphere, SamplesAtTheRimOfTheConeHaveTheDensityOfAllOthers) {
     const auto s = sphere.sample(receiver, {1, static_cast<float>(i) / 1000});
     EXPECT_EQ(s.pdf, sphere.pdf(receiver, s.point));
   }
-}
-
-TEST(Sphere, InsideAndOutsideMeetAtTheSurfaceForAnyRadius) {
-  for (const double radius : {1e-6, 5e-3, 1.0, 1e6}) {
-    const auto sphere = *Sphere::create({.radius_m = radius});
-    RandomU random(33);
-    for (const double relative : {-1e-1, -1e-6, -1e-12, 0., 1e-12, 1e-6, 1e-1, 1.2}) {
-      const Vec3 receiver{0, radius * (1 + relative), 0};
-      for (int i = 0; i < 200; ++i) {
-        const auto s = sphere.sample(receiver, random.pair());
-        ASSERT_TRUE(std::isfinite(s.pdf.per_sr)) << radius << " " << relative;
-        ASSERT_EQ(s.pdf, sphere.pdf(receiver, s.point));
-        ASSERT_NEAR(length(s.point.position) / radius, 1, 1e-14);
-        if (relative <= 0) continue;
-        const double sine = 1 / (1 + relative);
-        const double cosine = std::sqrt(relative * (2 + relative)) * sine;
-        ASSERT_NEAR(s.pdf.per_sr * 2 * kPi * (1 - cosine), 1, 1e-6);
-      }
-    }
-  }
-}
-
-TEST(Sphere, ConeSamplesAreTheNearIntersectionsAndUniformInSolidAngle) {
-  const auto sphere =
-      *Sphere::create({.radius_m = 2, .world_from_object = Transform::translate({1, 2, 3})});
-  for (const double distance : {2.0001, 3.0, 200.0}) {
-    const Vec3 receiver{1, 2, 3 + distance};
-    const double cos_cone = std::sqrt(1 - 4 / (distance * distance));
-    RandomU random(34);
-    const double p = uniformity_p_value([&] {
-      const auto s = sphere.sample(receiver, random.pair());
-      const Vec3 wi = normalized(s.point.position - receiver);
-      EXPECT_GT(dot(s.point.normal, wi), -1 - 1e-12);
-      EXPECT_LT(dot(s.point.normal, wi), 1e-7);
-      const double phi = std::atan2(wi.y, wi.x) / (2 * kPi);
-      return Vec2{(1 + wi.z) / (1 - cos_cone), phi < 0 ? phi + 1 : phi};
-    });
-    EXPECT_GT(p, kUnlikely) << distance;
-  }
-}
-
-/// The shares of a point in the area of the zone -0.5 < z < 1.5 of the sphere of radius 2 swept by
-/// 2 rad.
-Vec2 sphere_share(const Vec3& p) { return {(p.z + 0.5) / 2, std::atan2(p.y, p.x) / 2}; }
-
-TEST(Sphere, CutSpheresAreSampledUniformlyWithinTheirCuts) {
-  const Transform map = Transform::translate({1, 2, 3}) * *Transform::rotate(1, {1, 2, -1}) *
-                        *Transform::scale({0.5, 0.5, -0.5});
-  const auto sphere = *Sphere::create(
-      {.radius_m = 2, .z_min_m = -0.5, .z_max_m = 1.5, .phi_max_rad = 2, .world_from_object = map});
-  RandomU random(35);
-  const double p = uniformity_p_value([&] {
-    const auto s = sphere.sample({9, 9, 9}, random.pair());
-    const Vec3 object = map.inverse().point(s.point.position);
-    EXPECT_NEAR(length(object), 2, 1e-14);
-    return sphere_share(object);
-  });
-  EXPECT_GT(p, kUnlikely);
-}
-
-TEST(Sphere, UniformityTestRejectsAnAngleThatIsUniform) {
-  RandomU random(35);
-  const double low = std::acos(0.75), high = std::acos(-0.25);
-  const double p = uniformity_p_value([&] {
-    const auto u = random.pair();
-    const double theta = low + (high - low) * u.x;
-    return sphere_share({2 * std::sin(theta) * std::cos(2 * u.y),
-                         2 * std::sin(theta) * std::sin(2 * u.y), 2 * std::cos(theta)});
-  });
-  EXPECT_LT(p, kUnlikely);
 }
 
 TEST(Sphere, RaysMeetItAtTheExpectedPlaces) {
@@ -230,24 +142,6 @@ TEST(Sphere, BoundsHoldAllHitsAndAreTight) {
     }
   EXPECT_LT(length(most - Vec3(upper)), 1e-3);
   EXPECT_LT(length(least - Vec3(lower)), 1e-3);
-}
-
-TEST(Sphere, IlluminanceOfAWholeSphereEqualsTheClosedForm) {
-  // pi L sin^2 cos, with sin = 2 / 5 and the cosine 0.6 between normal and axis.
-  for (const bool mirrored : {false, true}) {
-    const Transform map =
-        Transform::translate({0, 0, 5}) * *Transform::scale({mirrored ? -1. : 1., 1, 1});
-    const auto light =
-        *AreaLight::create({Rgb(7)}, *Sphere::create({.radius_m = 2, .world_from_object = map}));
-    expect_estimates(illuminance(light, Vec3{}, {0.8, 0, 0.6}, 36), 7 * kPi * (4. / 25) * 0.6,
-                     0.01);
-  }
-}
-
-TEST(Sphere, InsideOfAnInwardSphereGivesPiL) {
-  const auto light =
-      *AreaLight::create({Rgb(7)}, *Sphere::create({.radius_m = 2, .reverse_orientation = true}));
-  expect_estimates(illuminance(light, Vec3{1, 0.5, -0.25}, {0, 0.6, 0.8}, 37), 7 * kPi, 0.02);
 }
 
 TEST(Sphere, RefusesParametersOutsideTheirDomain) {

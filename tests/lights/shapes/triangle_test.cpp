@@ -10,12 +10,6 @@ namespace {
 
 /// Barycentric coordinates (of b and of c) in the triangle a = 0, b = (2, 0, 1), c = (0, 4, 0).
 const Triangle kSkewed{{0, 0, 0}, {2, 0, 1}, {0, 4, 0}};
-Vec2 barycentric(const Vec3& p) { return {p.x / 2, p.y / 4}; }
-
-/// Maps equal areas of the triangle x, y > 0, x + y < 1 to equal areas of the unit square.  x is
-/// the share of area to the left of the line, y the place along it.
-Vec2 flattened(const Vec2& b) { return {1 - (1 - b.x) * (1 - b.x), b.y / (1 - b.x)}; }
-
 TEST(Triangle, AreaAndNormalFollowFromTheCrossProduct) {
   // (2, 0, 1) x (0, 4, 0) = (-4, 0, 8), of length sqrt(80).
   EXPECT_DOUBLE_EQ(kSkewed.area(), std::sqrt(20.0));
@@ -36,35 +30,6 @@ TEST(Triangle, AreaOfTinyHugeAndNeedleTrianglesIsExact) {
   const Triangle none{{1, 2, 3}, {2, 4, 6}, {3, 6, 9}};
   EXPECT_EQ(none.area(), 0);
   EXPECT_EQ(none.normal(), Vec3());
-}
-
-TEST(Triangle, SamplesAreUniformByArea) {
-  RandomU random(11);
-  const double p = uniformity_p_value(
-      [&] { return flattened(barycentric(kSkewed.sample_area(random.pair()).position)); });
-  EXPECT_GT(p, kUnlikely);
-}
-
-TEST(Triangle, UniformityTestRejectsASamplerThatScalesOneCoordinate) {
-  RandomU random(11);
-  const double p = uniformity_p_value([&] {
-    const auto u = random.pair();
-    return flattened({u.x, u.y * (1 - u.x)});  // uniform in x: dense at the vertex x = 1
-  });
-  EXPECT_LT(p, kUnlikely);
-}
-
-TEST(Triangle, SamplesLieOnTheTriangleForExtremeSampleValues) {
-  for (const float x : {0.0, 1 - 0x1p-24, 1.0})
-    for (const float y : {0.0, 1 - 0x1p-24, 1.0}) {
-      const auto p = kSkewed.sample_area({x, y}).position;
-      const auto b = barycentric(p);
-      EXPECT_GE(b.x, 0);
-      EXPECT_GE(b.y, 0);
-      EXPECT_LE(b.x + b.y, 1 + 1e-15);
-      EXPECT_NEAR(p.z, p.x / 2, 1e-15);
-    }
-  EXPECT_DOUBLE_EQ(kSkewed.pdf_area({}).per_m2, 1 / std::sqrt(20.0));
 }
 
 TEST(Triangle, RayHitsWhereItWasAimed) {
