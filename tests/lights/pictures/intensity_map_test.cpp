@@ -12,7 +12,6 @@
 namespace lucerna {
 namespace {
 
-using testing::integrate;
 using testing::RandomU;
 using testing::Region;
 
@@ -55,38 +54,6 @@ TEST(IntensityMap, TakesTheMeanOfChannelsAndSharesGreyPictures) {
       *IntensityMap::create(grey, SphereMapping::kEqualArea, ImageFilter::kBilinear);
   EXPECT_EQ(&shared->sphere_map().image(), grey.get());
   EXPECT_EQ(shared->at({0, 0, -3}), double{0.1F});
-}
-
-// The midpoint rule on n x n cells.  Edges of texels cut some of them.
-TEST(IntensityMap, FluxIsTheIntegralOverTheSphere) {
-  for (const auto mapping : kMappings)
-    for (const auto filter : kFilters)
-      for (const auto& lit : patterns()) {
-        const auto map = sparse(8, lit, mapping, filter);
-        const double expected =
-            integrate(Region{}, 1000, [&](const Vec3& w) { return map->at(w); });
-        EXPECT_NEAR(map->flux_lm() / expected, 1, 2e-3);
-      }
-}
-
-// The density's integral is 1, and it is positive where there is light.  The contract suites test
-// samples of it.
-TEST(IntensityMap, DensityIntegratesToOneAndIsPositiveWhereTheIntensityIs) {
-  RandomU random(42);
-  for (const auto mapping : kMappings)
-    for (const auto filter : kFilters)
-      for (const auto& lit : patterns()) {
-        const auto map = sparse(8, lit, mapping, filter);
-        const double whole =
-            integrate(Region{}, 700, [&](const Vec3& w) { return map->pdf(w).per_sr; });
-        EXPECT_NEAR(whole, 1, 4e-3);
-        for (int i = 0; i < 5000; ++i) {
-          const Vec3 w = Region{}.at(random.next(), random.next());
-          if (map->at(w) > 0) {
-            ASSERT_GT(map->pdf(w).per_sr, 0);
-          }
-        }
-      }
 }
 
 TEST(IntensityMap, ConeHoldsAllLightAndLittleMore) {

@@ -241,22 +241,6 @@ TEST(PhotometricWeb, ThePolesOfTypeBAreOnePoint) {
   EXPECT_NEAR(w->at({-1, 0, 1e-9}), 0, 1e-6);
 }
 
-// The standard's zonal method: the intensity at the middle of each zone times the zone's solid
-// angle.  For a cosine and zones of half width d it is 1 / cos(d) times the integral.  Straight
-// lines between angles h apart lose h^2 / 12 of a cosine, to 1e-7.
-TEST(PhotometricWeb, FluxAgreesWithTheZonalLumenSum) {
-  PhotometricWebParams p{PhotometricType::kC, range(0, 90, 2.5), {0}, {}};
-  for (const double v : p.vertical_deg) p.intensity_cd.push_back(800 * std::cos(v * kRad));
-  p.intensity_cd.back() = 0;
-  double zonal = 0;
-  for (int zone = 0; zone < 18; ++zone)
-    zonal += p.intensity_cd[static_cast<std::size_t>(2 * zone + 1)] * 2 * kPi *
-             (std::cos(5 * zone * kRad) - std::cos(5 * (zone + 1) * kRad));
-  const double lost = std::pow(2.5 * kRad, 2) / 12;
-  EXPECT_NEAR(web(p)->flux_lm() / zonal, std::cos(2.5 * kRad) * (1 - lost), 1e-6);
-  EXPECT_NEAR(web(p)->flux_lm() / (800 * kPi), 1 - lost, 1e-6);
-}
-
 TEST(PhotometricWeb, DensityIntegratesToOneAndIsPositiveWhereTheIntensityIs) {
   RandomU random(21);
   for (const auto& params : grids()) {

@@ -40,99 +40,20 @@ TEST(SphereMapping, IsInvertible) {
   }
 }
 
-TEST(SphereMapping, AxesLieAsInTheTextbooks) {
-  const auto equal_area = [](double x, double y) {
-    return direction_from_square(SphereMapping::kEqualArea, {x, y});
-  };
-  EXPECT_LT(length(equal_area(0.5, 0.5) - Vec3{0, 0, 1}), 1e-15);
-  EXPECT_LT(length(equal_area(1, 0.5) - Vec3{1, 0, 0}), 1e-15);
-  EXPECT_LT(length(equal_area(0.5, 1) - Vec3{0, 1, 0}), 1e-15);
-  for (const double x : {0., 1.})
-    for (const double y : {0., 1.}) EXPECT_LT(length(equal_area(x, y) - Vec3{0, 0, -1}), 1e-15);
-  const auto latlong = [](double x, double y) {
-    return direction_from_square(SphereMapping::kLatitudeLongitude, {x, y});
-  };
-  EXPECT_LT(length(latlong(0.3, 0) - Vec3{0, 1, 0}), 1e-15);
-  EXPECT_LT(length(latlong(0, 0.5) - Vec3{1, 0, 0}), 1e-15);
-  EXPECT_LT(length(latlong(0.25, 0.5) - Vec3{0, 0, 1}), 1e-15);
-  EXPECT_LT(length(latlong(0.7, 1) - Vec3{0, -1, 0}), 1e-15);
-}
-
-TEST(SphereMapping, EqualAreasAreEqualSolidAngles) {
-  // Uniform directions fall evenly into 8 x 8 squares.
-  RandomU random(2);
-  constexpr int kSamples = 200000;
-  std::vector<double> observed(64), expected(64, kSamples / 64.0);
-  for (int i = 0; i < kSamples; ++i) {
-    const Vec2 p = square_from_direction(SphereMapping::kEqualArea, random_direction(random));
-    ++observed[static_cast<std::size_t>(std::min(7, int(p.y * 8)) * 8 + std::min(7, int(p.x * 8)))];
-  }
-  EXPECT_GT(testing::chi_square_p_value(observed, expected), 1e-8);
-}
-
-std::shared_ptr<const Image> noise(int width, int height) {
-  RandomU random(3);
-  std::vector<Rgbf> texels;
-  for (int i = 0; i < width * height; ++i)
-    texels.emplace_back(random.next(), random.next(), random.next() < 0.5F ? 0.0F : 1.0F);
-  return *Image::create(width, height, std::move(texels));
-}
-
-TEST(SphereMap, BilinearLookupIsContinuousAcrossSeamsAndPoles) {
-  const auto equal_area =
-      *SphereMap::create(noise(8, 8), SphereMapping::kEqualArea, ImageFilter::kBilinear);
-  const auto latlong =
-      *SphereMap::create(noise(8, 4), SphereMapping::kLatitudeLongitude, ImageFilter::kBilinear);
-  RandomU random(4);
-  constexpr double kStep = 1e-9;
-  for (int i = 0; i < 500; ++i) {
-    const double t = 2 * random.next() - 1.0;
-    // Across the seam of longitudes, and that of the octahedron's lower half (x = 0 and y = 0).
-    const Vec3 a = normalized(Vec3{1, t, 0}), side{0, 0, kStep};
-    EXPECT_LT(std::fabs(luminance(latlong->lookup(a + side) - latlong->lookup(a - side))), 1e-7);
-    const Vec3 b = normalized(Vec3{t, 0, -1}), across{0, kStep, 0};
-    EXPECT_LT(std::fabs(luminance(equal_area->lookup(normalized(b + across)) -
-                                  equal_area->lookup(normalized(b - across)))),
-              1e-6);
-    // Along a meridian over the pole.
-    const double phi = kPi * t;
-    const Vec3 s{kStep * std::cos(phi), 0, kStep * std::sin(phi)};
-    for (const Vec3& pole : {Vec3{0, 1, 0}, {0, -1, 0}})
-      EXPECT_LT(std::fabs(luminance(latlong->lookup(pole + s) - latlong->lookup(pole - s))), 1e-6);
-  }
-}
-
-TEST(SphereMap, IntegralEqualsThatOfTheLookup) {
-  for (const auto filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
-    for (const auto& [width, height] : {std::pair{1, 1}, {6, 3}, {5, 1}, {8, 4}}) {
-      const auto map =
-          *SphereMap::create(noise(width, height), SphereMapping::kLatitudeLongitude, filter);
-      // The midpoint rule in the cosine and the longitude.  Boundaries of texels cut its cells.
-      constexpr int kRows = 1200, kColumns = 240;
-      Rgb sum;
-      for (int j = 0; j < kRows; ++j) {
-        const double y = 1 - 2 * (j + 0.5) / kRows, r = std::sqrt(1 - y * y);
-        for (int i = 0; i < kColumns; ++i) {
-          const double phi = 2 * kPi * (i + 0.5) / kColumns;
-          sum += map->lookup({r * std::cos(phi), y, r * std::sin(phi)});
-        }
-      }
-      const Rgb integral = sum * (4 * kPi / (kRows * kColumns));
-      EXPECT_NEAR(luminance(map->integral()), luminance(integral), 1e-3 * luminance(integral));
-    }
-    // A picture of 1: 4 pi, for any number of rows.
+TEST(SphereMap, IntegralOfOneIsThatOfTheSphereForAnyNumberOfRows) {
+  for (const auto filter : {ImageFilter::kNearest, ImageFilter::kBilinear})
     for (const int height : {1, 2, 7, 1000, 100000}) {
       const auto one = *SphereMap::create(
           *Image::create(1, height, std::vector<Rgbf>(static_cast<std::size_t>(height), Rgbf(1))),
           SphereMapping::kLatitudeLongitude, filter);
       EXPECT_NEAR(one->integral().r, 4 * kPi, 1e-10) << height;
     }
-  }
 }
 
 TEST(SphereMap, EqualAreaTakesSquarePicturesOnly) {
-  const auto status =
-      SphereMap::create(noise(4, 2), SphereMapping::kEqualArea, ImageFilter::kNearest).status();
+  const auto status = SphereMap::create(*Image::create(4, 2, std::vector<Rgbf>(8)),
+                                        SphereMapping::kEqualArea, ImageFilter::kNearest)
+                          .status();
   EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("4 x 2 texels, allowed: square"));
   EXPECT_FALSE(SphereMap::create(nullptr, SphereMapping::kEqualArea, ImageFilter::kNearest).ok());
 }
@@ -162,29 +83,6 @@ TEST(SphereDistribution, DensityIsPositiveWhereverTheValueIs) {
       }
     }
   }
-}
-
-TEST(SphereDistribution, NearestIsExactlyProportionalToLuminance) {
-  const auto map =
-      *SphereMap::create(noise(8, 8), SphereMapping::kLatitudeLongitude, ImageFilter::kNearest);
-  const SphereDistribution distribution(*map);
-  RandomU random(6);
-  for (int i = 0; i < 2000; ++i) {
-    const Vec3 w = random_direction(random);
-    EXPECT_NEAR(distribution.per_sr(w) * luminance(map->integral()), luminance(map->lookup(w)),
-                1e-12);
-    const auto s = distribution.sample(random.pair());
-    EXPECT_NEAR(s.per_sr * luminance(map->integral()), luminance(map->lookup(s.position)), 1e-12);
-  }
-}
-
-TEST(SphereDistribution, ABlackMapIsEmpty) {
-  const auto map = *SphereMap::create(*Image::create(2, 2, std::vector<Rgbf>(4)),
-                                      SphereMapping::kEqualArea, ImageFilter::kNearest);
-  const SphereDistribution distribution(*map);
-  EXPECT_TRUE(distribution.empty());
-  EXPECT_EQ(distribution.sample({0.5, 0.5}).per_sr, 0);
-  EXPECT_EQ(distribution.per_sr({0, 0, 1}), 0);
 }
 
 }  // namespace
