@@ -135,10 +135,8 @@ TEST(ClosedFormExtremes, PolygonsThatTheHorizonCuts) {
 }
 
 AreaLight disk_light(double radius, const Transform& world_from_object) {
-  DiskParams params;
-  params.radius_m = radius;
-  params.world_from_object = world_from_object;
-  return *AreaLight::create({Rgb(1), true}, *Disk::create(params));
+  return *AreaLight::create(
+      {Rgb(1), true}, *Disk::create({.radius_m = radius, .world_from_object = world_from_object}));
 }
 
 TEST(ClosedFormExtremes, SmallLowAndGrazingDisks) {
@@ -242,13 +240,12 @@ TEST(ClosedFormExtremes, Suns) {
               "irradiance");
   const ReferenceTable table("horizon_suns");
   for (const auto& row : table.rows()) {
-    SunLightParams params;
-    params.to_light = {row["x"], 0, row["z"]};
-    params.angular_diameter_rad = row["diameter_rad"];
-    params.illuminance_lx = Rgb(1);
     Receiver receiver(1, 2, 3);
     receiver.normal = {0, 0, 1};
-    sweep.compare(served(*SunLight::create(params), receiver), row["irradiance_lx"],
+    const auto sun = *SunLight::create({.to_light = {row["x"], 0, row["z"]},
+                                        .angular_diameter_rad = row["diameter_rad"],
+                                        .illuminance_lx = Rgb(1)});
+    sweep.compare(served(sun, receiver), row["irradiance_lx"],
                   row.text("diameter_rad") + " " + row.text("z"));
   }
   sweep.expect_within(1e-9);  // the same bound as above

@@ -33,13 +33,11 @@ float textbook_cosine(Vec2f u) {
 template <typename F>
 void for_each_level_light(bool two_sided, F&& f) {
   const DiffuseEmission one{Rgb(1), two_sided};
-  const std::vector<Triangle> triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
-  f(*AreaLight::create(one, *TriangleMesh::create(triangle)), "triangle");
-  const std::vector<BilinearPatch> patch{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}};
-  f(*AreaLight::create(one, *PatchMesh::create(patch)), "patch");
-  DiskParams disk;
-  disk.radius_m = 1;
-  f(*AreaLight::create(one, *Disk::create(disk)), "disk");
+  f(*AreaLight::create(one, *TriangleMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}})),
+    "triangle");
+  f(*AreaLight::create(one, *PatchMesh::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}})),
+    "patch");
+  f(*AreaLight::create(one, *Disk::create({})), "disk");
 }
 
 TEST(EmissionExtremes, CosinesOfRaysNearlyAlongTheSurface) {

@@ -160,14 +160,12 @@ TEST(GrazingExtremes, LightsSeenFromTheirPlaneAreDark) {
 
 TEST(GrazingExtremes, DisksSeenFromTheirPlaneAreDark) {
   Sweep sweep(8, "disk, tilted or not, receiver in its plane", "cosine 0", "answer");
-  DiskParams plain, tilted;
-  plain.world_from_object = Transform::translate({3, 0, 0});
-  tilted.world_from_object =
-      *Transform::from_matrix({{{1, 2, 2, 30}, {2, 1, -2, 0}, {2, -2, 1, 0}}});
-  for (const auto& [params, receivers] :
-       {std::pair{plain, std::vector<Vec3>{{0, 0, 0}, {5, 7, 0}, {-1e6, 1, 0}}},
+  const auto tilted = *Transform::from_matrix({{{1, 2, 2, 30}, {2, 1, -2, 0}, {2, -2, 1, 0}}});
+  for (const auto& [at, receivers] :
+       {std::pair{Transform::translate({3, 0, 0}),
+                  std::vector<Vec3>{{0, 0, 0}, {5, 7, 0}, {-1e6, 1, 0}}},
         std::pair{tilted, std::vector<Vec3>{{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}}}) {
-    const auto disk = *AreaLight::create({Rgb(1), true}, *Disk::create(params));
+    const auto disk = *AreaLight::create({Rgb(1), true}, *Disk::create({.world_from_object = at}));
     for (const Vec3& receiver : receivers) sample_within(disk, receiver, sweep);
   }
   sweep.expect_answers(NoLight::kBehind);
@@ -176,14 +174,11 @@ TEST(GrazingExtremes, DisksSeenFromTheirPlaneAreDark) {
 TEST(GrazingExtremes, PointsSeenFromTheirTangentPlaneAreDark) {
   Sweep sweep(8, "sphere or cylinder sampled by area, receiver in the tangent plane of the point",
               "cosine 0", "answer");
-  SphereParams ball;
-  ball.radius_m = 3;
-  ball.world_from_object = Transform::translate({1, 2, 3});
-  const auto sphere = *AreaLight::create({Rgb(1), true}, *Sphere::create(ball));
-  CylinderParams pipe;
-  pipe.radius_m = 3;
-  pipe.world_from_object = Transform::translate({1, 2, 3});
-  const auto tube = *AreaLight::create({Rgb(1), true}, *Cylinder::create(pipe));
+  const auto there = Transform::translate({1, 2, 3});
+  const auto sphere = *AreaLight::create(
+      {Rgb(1), true}, *Sphere::create({.radius_m = 3, .world_from_object = there}));
+  const auto tube = *AreaLight::create(
+      {Rgb(1), true}, *Cylinder::create({.radius_m = 3, .world_from_object = there}));
   const auto sample = [&](const auto& light, const Vec3& at, const Vec3& position, Vec2 u) {
     Receiver receiver(position);
     receiver.area_sampling = AreaSampling::kSquareRoot;
@@ -207,9 +202,7 @@ TEST(GrazingExtremes, SpheresByAreaUpToTheirRim) {
   Sweep sweep(8, "sphere sampled by area, up to its rim", "radius / distance 0.9 ... 1e-9",
               "irradiance");
   for (const double share : {0.9, 0.5, 1e-1, 1e-3, 1e-6, 1e-9}) {
-    SphereParams params;
-    params.radius_m = share;
-    const auto light = *AreaLight::create({Rgb(1)}, *Sphere::create(params));
+    const auto light = *AreaLight::create({Rgb(1)}, *Sphere::create({.radius_m = share}));
     Receiver receiver(0, 0, 1);
     receiver.normal = {0, 0, -1};
     receiver.area_sampling = AreaSampling::kLowDistortion;

@@ -31,45 +31,41 @@ TEST(MagnitudeExtremes, PointLights) {
   Sweep sweep(9, "point, spot and projection lights, positions and distances", kMagnitudes,
               "value");
   const ReferenceTable table("magnitude_points");
-  ProjectedPictureParams square;
-  square.fov_rad = 2.4;
+  const auto square = *ProjectedPicture::create({.fov_rad = 2.4});
   for (const auto& row : table.rows()) {
     const Vec3 position{row["px"], row["py"], row["pz"]}, receiver = receiver_of(row);
-    PointLightParams point;
-    point.position_m = position;
-    point.intensity_cd = Rgb(1);
-    SpotLightParams spot;
-    spot.position_m = position;
-    spot.intensity_cd = Rgb(1);
-    spot.cone_half_angle_rad = std::numbers::pi / 3;
-    ProjectionLightParams projection;
-    projection.position_m = position;
-    projection.intensity_cd = Rgb(1);
-    projection.picture = *ProjectedPicture::create(square);
     const std::string at = row.text("px") + ", " + row.text("x");
     const auto compare = [&](const auto& light, const char* column) {
       const auto sample = light->sample_li(receiver, {});
       EXPECT_EQ(sample.reason, NoLight::kNone) << at;
       sweep.compare(sample.value.r, row[column], at);
     };
-    compare(PointLight::create(point), "per_square");
-    compare(SpotLight::create(spot), "falloff_per_square");
-    compare(ProjectionLight::create(projection), "per_square");
+    compare(PointLight::create({.position_m = position, .intensity_cd = Rgb(1)}), "per_square");
+    compare(SpotLight::create({.position_m = position,
+                               .intensity_cd = Rgb(1),
+                               .cone_half_angle_rad = std::numbers::pi / 3}),
+            "falloff_per_square");
+    compare(ProjectionLight::create(
+                {.position_m = position, .picture = square, .intensity_cd = Rgb(1)}),
+            "per_square");
     sweep.compare_textbook(textbook_per_square(Vec3f(position) - Vec3f(receiver)),
                            row["per_square"]);
   }
   sweep.expect_within(kRoundings);
 }
 
+/// Calls `f` with a point light, a spot and a projection of this intensity.
+template <typename F>
+void for_each_point_light(const Rgb& intensity_cd, F&& f) {
+  f(PointLight::create({.intensity_cd = intensity_cd}));
+  f(SpotLight::create({.intensity_cd = intensity_cd, .cone_half_angle_rad = 1}));
+  f(ProjectionLight::create(
+      {.picture = *ProjectedPicture::create({.fov_rad = 2.4}), .intensity_cd = intensity_cd}));
+}
+
 TEST(MagnitudeExtremes, DistancesWhoseSquaresLeaveTheRangeOfDoubles) {
   Sweep sweep(9, "point, spot and projection lights of 1e-300 cd near and 1e300 cd far",
               "1e-161 ... 1e-100 m, 1e100 ... 1e161 m", "value");
-  SpotLightParams spot;
-  spot.cone_half_angle_rad = 1;
-  ProjectedPictureParams square;
-  square.fov_rad = 2.4;
-  ProjectionLightParams projection;
-  projection.picture = *ProjectedPicture::create(square);
   for (int e = -161; e <= 161; e += e == -100 ? 200 : 1) {
     const double distance = 3 * std::pow(10.0, e), intensity = e < 0 ? 1e-300 : 1e300;
     // The exponents of long doubles reach 2^16384.
@@ -80,11 +76,7 @@ TEST(MagnitudeExtremes, DistancesWhoseSquaresLeaveTheRangeOfDoubles) {
       EXPECT_EQ(sample.reason, NoLight::kNone) << distance;
       sweep.compare(sample.value.r, value, std::to_string(e));
     };
-    PointLightParams point;
-    point.intensity_cd = spot.intensity_cd = projection.intensity_cd = Rgb(intensity);
-    compare(PointLight::create(point));
-    compare(SpotLight::create(spot));
-    compare(ProjectionLight::create(projection));
+    for_each_point_light(Rgb(intensity), compare);
     sweep.compare_textbook(intensity / (distance * distance), value);
   }
   sweep.expect_within(kRoundings);
@@ -92,17 +84,6 @@ TEST(MagnitudeExtremes, DistancesWhoseSquaresLeaveTheRangeOfDoubles) {
 
 TEST(MagnitudeExtremes, ValuesThatUnderflowAreZero) {
   Sweep sweep(9, "point, spot and projection lights of 1e-300 cd", "1e13 ... 1e150 m", "value");
-  const Rgb faint(1e-300);
-  PointLightParams point;
-  point.intensity_cd = faint;
-  SpotLightParams spot;
-  spot.intensity_cd = faint;
-  spot.cone_half_angle_rad = 1;
-  ProjectedPictureParams square;
-  square.fov_rad = 2.4;
-  ProjectionLightParams projection;
-  projection.intensity_cd = faint;
-  projection.picture = *ProjectedPicture::create(square);
   for (double distance = 1e13; distance < 2e150; distance *= 10) {
     const auto answer = [&](const auto& light) {
       const auto sample = light->sample_li(Vec3{0, 0, distance}, {});
@@ -111,9 +92,7 @@ TEST(MagnitudeExtremes, ValuesThatUnderflowAreZero) {
                    : sample.value.is_black()       ? "0"
                                                    : "not 0");
     };
-    answer(PointLight::create(point));
-    answer(SpotLight::create(spot));
-    answer(ProjectionLight::create(projection));
+    for_each_point_light(Rgb(1e-300), answer);
   }
   sweep.textbook_answer("0");
   sweep.expect_answers("0");
@@ -124,25 +103,16 @@ template <typename F>
 void visit_shape(const std::string& name, double s, F&& f) {
   const DiffuseEmission both{Rgb(1), true};
   if (name == "triangle") {
-    std::vector<Triangle> one{{{0, 0, 0}, {s, 0, s / 4}, {s / 8, s, 0}}};
-    f(*AreaLight::create(both, *TriangleMesh::create(one)));
+    f(*AreaLight::create(both, *TriangleMesh::create({{{0, 0, 0}, {s, 0, s / 4}, {s / 8, s, 0}}})));
   } else if (name == "rectangle") {
-    std::vector<BilinearPatch> one{{{0, 0, 0}, {s, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}}};
-    f(*AreaLight::create(both, *PatchMesh::create(one)));
+    f(*AreaLight::create(
+        both, *PatchMesh::create({{{0, 0, 0}, {s, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}}})));
   } else if (name == "disk") {
-    DiskParams disk;
-    disk.radius_m = s;
-    f(*AreaLight::create(both, *Disk::create(disk)));
+    f(*AreaLight::create(both, *Disk::create({.radius_m = s})));
   } else if (name == "cylinder") {
-    CylinderParams cylinder;
-    cylinder.radius_m = s;
-    cylinder.z_min_m = -s;
-    cylinder.z_max_m = s;
-    f(*AreaLight::create(both, *Cylinder::create(cylinder)));
+    f(*AreaLight::create(both, *Cylinder::create({.radius_m = s, .z_min_m = -s, .z_max_m = s})));
   } else {
-    SphereParams sphere;
-    sphere.radius_m = s;
-    f(*AreaLight::create(both, *Sphere::create(sphere)));
+    f(*AreaLight::create(both, *Sphere::create({.radius_m = s})));
   }
 }
 
@@ -236,10 +206,8 @@ TEST(MagnitudeExtremes, DensityOfPortals) {
   const ReferenceTable table("magnitude_portals");
   for (const auto& row : table.rows()) {
     const double s = row["size"];
-    PortalLightParams params;
-    params.corners_m = {{{0, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}, {s, 0, 0}}};
-    params.radiance_cd_m2 = Rgb(1);
-    const auto light = PortalLight::create(params);
+    const auto light =
+        PortalLight::create({.corners_m = {{{0, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}, {s, 0, 0}}}});
     const Vec3 receiver = receiver_of(row);
     const auto pdf = light->pdf_li(receiver, normalized(Vec3{s / 2, s / 4, 0} - receiver));
     sweep.compare(pdf.per_sr, row["pdf_per_sr"], row.text("size") + ", " + row.text("x"));

@@ -16,22 +16,15 @@ TEST(OnLightExtremes, Points) {
     const Vec3 position = f.point(3, 5, -7);
     record_samples(*PointLight::create({.position_m = position, .intensity_cd = Rgb(1)}), position,
                    sweep);
-    SpotLightParams spot;
-    spot.position_m = position;
-    spot.intensity_cd = Rgb(1);
-    spot.cone_half_angle_rad = 1;
-    record_samples(*SpotLight::create(spot), position, sweep);
-    ProjectedPictureParams picture;
-    picture.fov_rad = 1;
-    ProjectionLightParams projection;
-    projection.position_m = position;
-    projection.intensity_cd = Rgb(1);
-    projection.picture = *ProjectedPicture::create(picture);
-    record_samples(*ProjectionLight::create(projection), position, sweep);
-    GoniometricLightParams goniometric;
-    goniometric.position_m = position;
-    goniometric.intensity = Rgb(1);
-    record_samples(*GoniometricLight::create(goniometric), position, sweep);
+    record_samples(*SpotLight::create(
+                       {.position_m = position, .intensity_cd = Rgb(1), .cone_half_angle_rad = 1}),
+                   position, sweep);
+    record_samples(*ProjectionLight::create({.position_m = position,
+                                             .picture = *ProjectedPicture::create({.fov_rad = 1}),
+                                             .intensity_cd = Rgb(1)}),
+                   position, sweep);
+    record_samples(*GoniometricLight::create({.position_m = position, .intensity = Rgb(1)}),
+                   position, sweep);
     const float d = 0;
     sweep.textbook_answer(std::isinf(1 / (d * d)) ? "infinite" : "a number");
   }
@@ -55,24 +48,17 @@ TEST(OnLightExtremes, PicturesAndPanels) {
       const auto triangle =
           *TriangleMesh::create({{at(0, 0), at(4, 0), at(0, 8)}}, {{0, 0}, {1, 0}, {0, 1}});
       const auto rectangle = *PatchMesh::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 8)}});
-      DiskParams params;
-      params.radius_m = 8 * f.size;
-      params.world_from_object = Transform::translate(f.point(1, 2, 3));
-      const auto disk = *Disk::create(params);
-      const auto all = [&](const Vec2& p, const auto&... light) {
-        (record_samples(light, at(p.x, p.y), sweep), ...);
-      };
-      const auto painted_triangle = *AreaLight::create(emission, triangle, {.picture = picture});
-      const auto painted_rectangle = *AreaLight::create(emission, rectangle, {.picture = picture});
-      const auto panel_triangle = *AreaLight::create(emission, triangle, {.profile = profile});
-      const auto panel_rectangle = *AreaLight::create(emission, rectangle, {.profile = profile});
-      for (const Vec2& p : {Vec2{0, 0}, {4, 0}, {0, 8}, {2, 0}, {0, 5}, {2, 4}, {1, 2}})
-        all(p, painted_triangle, painted_rectangle, panel_triangle, panel_rectangle);
-      const auto painted_disk = *AreaLight::create(emission, disk, {.picture = picture});
-      const auto panel_disk = *AreaLight::create(emission, disk, {.profile = profile});
-      for (const Vec2& p : {Vec2{0, 0}, {8, 0}, {0, -8}, {1, 2}, {-3, 0.5}}) {
-        record_samples(painted_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);
-        record_samples(panel_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);
+      const auto disk = *Disk::create(
+          {.radius_m = 8 * f.size, .world_from_object = Transform::translate(f.point(1, 2, 3))});
+      for (const EmissionPattern& pattern :
+           {EmissionPattern{.picture = picture}, EmissionPattern{.profile = profile}}) {
+        for (const Vec2& p : {Vec2{0, 0}, {4, 0}, {0, 8}, {2, 0}, {0, 5}, {2, 4}, {1, 2}}) {
+          record_samples(*AreaLight::create(emission, triangle, pattern), at(p.x, p.y), sweep);
+          record_samples(*AreaLight::create(emission, rectangle, pattern), at(p.x, p.y), sweep);
+        }
+        const auto round = *AreaLight::create(emission, disk, pattern);
+        for (const Vec2& p : {Vec2{0, 0}, {8, 0}, {0, -8}, {1, 2}, {-3, 0.5}})
+          record_samples(round, f.point(1 + p.x, 2 + p.y, 3), sweep);
       }
     }
   sweep.expect_answers(NoLight::kDegenerate);

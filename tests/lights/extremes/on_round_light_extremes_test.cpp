@@ -17,9 +17,8 @@ TEST(OnLightExtremes, CutSpheresAndRims) {
   Sweep sweep(7, "receiver on a sphere off its axes, on the rim of a cut sphere or a cylinder",
               kSwept, "answer");
   for (const Place& f : frames()) {
-    SphereParams whole;
-    whole.radius_m = 9 * f.size;
-    whole.world_from_object = Transform::translate(f.point(1, 2, 3));
+    const SphereParams whole{.radius_m = 9 * f.size,
+                             .world_from_object = Transform::translate(f.point(1, 2, 3))};
     const auto ball = *AreaLight::create({Rgb(1)}, *Sphere::create(whole));
     for (const Vec3& p : {Vec3{1, 4, 8}, {-4, 7, 4}, {6, -3, -6}, {8, 4, -1}})
       record_samples(ball, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
@@ -30,12 +29,11 @@ TEST(OnLightExtremes, CutSpheresAndRims) {
     const auto cut = *AreaLight::create({Rgb(1)}, *Sphere::create(part));
     for (const Vec3& p : {Vec3{4, 0, 3}, {0, -4, 3}, {-3, 0, -4}, {3, 4, 0}})
       record_samples(cut, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
-    CylinderParams cylinder;
-    cylinder.radius_m = 5 * f.size;
-    cylinder.z_min_m = -8 * f.size;
-    cylinder.z_max_m = 8 * f.size;
-    cylinder.world_from_object = whole.world_from_object;
-    const auto tube = *AreaLight::create({Rgb(1)}, *Cylinder::create(cylinder));
+    const auto tube = *AreaLight::create(
+        {Rgb(1)}, *Cylinder::create({.radius_m = 5 * f.size,
+                                     .z_min_m = -8 * f.size,
+                                     .z_max_m = 8 * f.size,
+                                     .world_from_object = whole.world_from_object}));
     for (const Vec3& p : {Vec3{5, 0, 8}, {3, 4, 8}, {-4, 3, -8}, {-3, -4, 1}})
       record_samples(tube, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
   }
@@ -46,10 +44,9 @@ TEST(OnLightExtremes, Disks) {
   Sweep sweep(7, "receiver on a disk: at the centre, on the rim, between", kSwept, "answer");
   for (const Place& f : frames())
     for (const bool two_sided : {false, true}) {
-      DiskParams params;
-      params.radius_m = 4 * f.size;
-      params.world_from_object = Transform::translate(f.point(1, 2, 3));
-      const auto light = AreaLight::create({Rgb(1), two_sided}, *Disk::create(params));
+      const auto at = Transform::translate(f.point(1, 2, 3));
+      const auto light = AreaLight::create(
+          {Rgb(1), two_sided}, *Disk::create({.radius_m = 4 * f.size, .world_from_object = at}));
       for (const Vec2& p : {Vec2{0, 0}, {4, 0}, {0, -4}, {-4, 0}, {1, 2}, {-3, 0.5}, {2, -2}}) {
         record_samples(*light, f.point(1 + p.x, 2 + p.y, 3), sweep);
         textbook(Vec3f(f.point(1, 2.5, 3)) - Vec3f(f.point(1 + p.x, 2 + p.y, 3)), {0, 0, 1},
@@ -62,16 +59,13 @@ TEST(OnLightExtremes, Disks) {
 TEST(OnLightExtremes, SpheresAndCylindersFromOutside) {
   Sweep sweep(7, "receiver on a sphere or a cylinder that emits outwards", kSwept, "answer");
   for (const Place& f : frames()) {
-    SphereParams sphere;
-    sphere.radius_m = 4 * f.size;
-    sphere.world_from_object = Transform::translate(f.point(1, 2, 3));
-    const auto ball = AreaLight::create({Rgb(1)}, *Sphere::create(sphere));
-    CylinderParams cylinder;
-    cylinder.radius_m = 4 * f.size;
-    cylinder.z_min_m = -8 * f.size;
-    cylinder.z_max_m = 8 * f.size;
-    cylinder.world_from_object = sphere.world_from_object;
-    const auto tube = AreaLight::create({Rgb(1)}, *Cylinder::create(cylinder));
+    const auto at = Transform::translate(f.point(1, 2, 3));
+    const auto ball = AreaLight::create(
+        {Rgb(1)}, *Sphere::create({.radius_m = 4 * f.size, .world_from_object = at}));
+    const auto tube = AreaLight::create({Rgb(1)}, *Cylinder::create({.radius_m = 4 * f.size,
+                                                                     .z_min_m = -8 * f.size,
+                                                                     .z_max_m = 8 * f.size,
+                                                                     .world_from_object = at}));
     for (const Vec2& p : {Vec2{4, 0}, {0, -4}, {-4, 0}}) {
       const Vec3 on = f.point(1 + p.x, 2 + p.y, 3);
       record_samples(*ball, on, sweep);
@@ -93,10 +87,9 @@ TEST(OnLightExtremes, SpheresFromWithin) {
   for (const Place& f : frames()) farthest = std::fmax(farthest, max_abs(f.offset) / f.size);
   for (const Place& f : frames())
     for (const bool two_sided : {false, true}) {
-      SphereParams params;
-      params.radius_m = 4 * f.size;
-      params.reverse_orientation = !two_sided;
-      params.world_from_object = Transform::translate(f.point(1, 2, 3));
+      const SphereParams params{.radius_m = 4 * f.size,
+                                .reverse_orientation = !two_sided,
+                                .world_from_object = Transform::translate(f.point(1, 2, 3))};
       const auto light = AreaLight::create({Rgb(1), two_sided}, *Sphere::create(params));
       for (const Vec3& outwards : {Vec3{1, 0, 0}, {0, -1, 0}, {-1, 0, 0}, {0, 0, 1}})
         for (const double x : {0.125, 0.4, 0.75})

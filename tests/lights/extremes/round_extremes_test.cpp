@@ -13,10 +13,9 @@ namespace {
 
 /// The disk of a row, seen from the origin.
 AreaLight disk_in(const ReferenceTable::Row& row) {
-  DiskParams params;
-  params.radius_m = row["radius_m"];
-  params.world_from_object = Transform::translate({row["offset_m"], 0, row["height_m"]});
-  return *AreaLight::create({Rgb(1), true}, *Disk::create(params));
+  const auto at = Transform::translate({row["offset_m"], 0, row["height_m"]});
+  return *AreaLight::create({Rgb(1), true},
+                            *Disk::create({.radius_m = row["radius_m"], .world_from_object = at}));
 }
 
 Receiver at_origin(const ReferenceTable::Row& row, AreaSampling way) {
@@ -104,10 +103,8 @@ TEST(DiskExtremes, DisksAsWideAsTheHemisphere) {
 TEST(DiskExtremes, TiltedGrazingDisks) {
   Sweep sweep(8, "disk in a tilted plane, receiver nearly in this plane", "cosine 1e-3 ... 1e-20",
               "irradiance");
-  DiskParams params;
-  params.world_from_object =
-      *Transform::from_matrix({{{1, 2, 2, -3}, {2, 1, -2, -6}, {2, -2, 1, -6}}});
-  const auto light = *AreaLight::create({Rgb(1), true}, *Disk::create(params));
+  const auto at = *Transform::from_matrix({{{1, 2, 2, -3}, {2, 1, -2, -6}, {2, -2, 1, -6}}});
+  const auto light = *AreaLight::create({Rgb(1), true}, *Disk::create({.world_from_object = at}));
   const ReferenceTable table("tilted_disks");
   for (const auto& row : table.rows()) {
     const Seen seen = seen_by<32>(light, receiver_in(row, AreaSampling::kLowDistortion), By::kRoot);
@@ -124,11 +121,9 @@ TEST(DiskExtremes, TiltedGrazingDisks) {
 }
 
 AreaLight cylinder_in(const ReferenceTable::Row& row) {
-  CylinderParams params;
-  params.radius_m = row["radius_m"];
-  params.z_min_m = row["z_min_m"];
-  params.z_max_m = row["z_max_m"];
-  return *AreaLight::create({Rgb(1)}, *Cylinder::create(params));
+  return *AreaLight::create({Rgb(1)}, *Cylinder::create({.radius_m = row["radius_m"],
+                                                         .z_min_m = row["z_min_m"],
+                                                         .z_max_m = row["z_max_m"]}));
 }
 
 void sweep_cylinders(const std::string& name, Sweep& sweep) {
@@ -167,11 +162,9 @@ TEST(CylinderExtremes, TubesSeenAlongTheirAxis) {
   Sweep sweep(8, "inside of a cylinder seen along its axis", "cosine 0.1 ... 1e-20", "irradiance");
   const ReferenceTable table("tubes");
   for (const auto& row : table.rows()) {
-    CylinderParams params;
-    params.radius_m = row["radius_m"];
-    params.z_min_m = 1;
-    params.z_max_m = 2;
-    const auto light = *AreaLight::create({Rgb(1), true}, *Cylinder::create(params));
+    const auto light = *AreaLight::create(
+        {Rgb(1), true},
+        *Cylinder::create({.radius_m = row["radius_m"], .z_min_m = 1, .z_max_m = 2}));
     Receiver receiver(0, 0, 0);
     receiver.normal = {0, 0, 1};
     const Seen seen = seen_by(light, receiver);

@@ -22,27 +22,22 @@ float textbook_pdf(float radius, float distance) {
   return 1 / (2 * std::numbers::pi_v<float> * (1 - cos_max));
 }
 
+AreaLight sphere_light(double radius_m) {
+  return *AreaLight::create({Rgb(1)}, *Sphere::create({.radius_m = radius_m}));
+}
+
 TEST(SphereExtremes, DensityOfFarSpheres) {
   Sweep sweep(1, "sphere light, radius / distance", "1e-12 ... 0.97", "density");
   const ReferenceTable table("sphere_cone");
   for (const auto& row : table.rows()) {
-    SphereParams params;
-    params.radius_m = row["radius_m"];
-    const auto light = AreaLight::create({Rgb(1)}, *Sphere::create(params));
     const Vec3 receiver(0, 0, row["distance_m"]);
-    const auto sample = light->sample_li(receiver, {0.5, 0.5});
+    const auto sample = sphere_light(row["radius_m"]).sample_li(receiver, {0.5, 0.5});
     sweep.compare(sample.pdf.per_sr, row["pdf_per_sr"], row.text("radius_m"));
     sweep.compare_textbook(
         textbook_pdf(static_cast<float>(row["radius_m"]), static_cast<float>(row["distance_m"])),
         row["pdf_per_sr"]);
   }
   sweep.expect_within(1e-14);
-}
-
-AreaLight sphere_light(double radius_m, bool two_sided = false) {
-  SphereParams params;
-  params.radius_m = radius_m;
-  return *AreaLight::create({Rgb(1), two_sided}, *Sphere::create(params));
 }
 
 /// The directions of samples from (0, 0, d) to a sphere about 0.
@@ -209,11 +204,11 @@ TEST(SphereExtremes, IrradianceInside) {
               "depth / radius 1 ... 1e-15", "irradiance");
   for (const Inside& place : places_inside())
     for (const bool two_sided : {true, false}) {
-      SphereParams params;
-      params.radius_m = place.radius;
-      params.reverse_orientation = !two_sided;
-      params.world_from_object = Transform::translate(place.center);
-      const auto light = *AreaLight::create({Rgb(1), two_sided}, *Sphere::create(params));
+      const auto light = *AreaLight::create(
+          {Rgb(1), two_sided},
+          *Sphere::create({.radius_m = place.radius,
+                           .reverse_orientation = !two_sided,
+                           .world_from_object = Transform::translate(place.center)}));
       Receiver receiver(place.center + Vec3{0, 0, place.side * place.radius * (1 - place.depth)});
       receiver.normal = {0, 0, -place.side};
       receiver.area_sampling = place.way;

@@ -30,46 +30,37 @@ std::string place(const ReferenceTable::Row& row) {
   return row.text("name") + ", " + row.text("solid_angle_sr") + " sr";
 }
 
-TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
-  Sweep sweep(4, "triangle of small solid angle: frontal, oblique, and with sides 1 : 1000",
-              "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "mean of 1 / density");
+/// Compares a sum over the samples of each small triangle with a column of the table.
+void sweep_small(Sweep& sweep, double Seen::*sum, const std::string& truth) {
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);
     for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle})
-      sweep.compare(seen_by(light, receiver_in(row, way), By::kShare, By::kRoot).solid_angle_sr,
-                    row["solid_angle_sr"], place(row));
-    sweep.compare(
-        seen_by(light, receiver_in(row, AreaSampling::kSquareRoot), By::kRoot).solid_angle_sr,
-        row["solid_angle_sr"], place(row));
-    sweep.compare(
-        seen_beside_diagonal(light, receiver_in(row, AreaSampling::kAutomatic)).solid_angle_sr,
-        row["solid_angle_sr"], place(row) + ", automatic");
-    sweep.compare_textbook(textbook_solid_angle(row), row["solid_angle_sr"]);
+      sweep.compare(seen_by(light, receiver_in(row, way), By::kShare, By::kRoot).*sum, row[truth],
+                    place(row));
+    sweep.compare(seen_by(light, receiver_in(row, AreaSampling::kSquareRoot), By::kRoot).*sum,
+                  row[truth], place(row));
+    sweep.compare(seen_beside_diagonal(light, receiver_in(row, AreaSampling::kAutomatic)).*sum,
+                  row[truth], place(row) + ", automatic");
+    const float solid_angle = textbook_solid_angle(row);
+    if (sum == &Seen::solid_angle_sr)
+      sweep.compare_textbook(solid_angle, row[truth]);
+    else if (row["solid_angle_sr"] < 1e-6)
+      sweep.compare_textbook(textbook_irradiance(solid_angle, row), row[truth]);
   }
   sweep.expect_within(1e-12);
+}
+
+TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
+  Sweep sweep(4, "triangle of small solid angle: frontal, oblique, and with sides 1 : 1000",
+              "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "mean of 1 / density");
+  sweep_small(sweep, &Seen::solid_angle_sr, "solid_angle_sr");
 }
 
 TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
   Sweep sweep(4, "triangle of small solid angle: frontal, oblique, and with sides 1 : 1000",
               "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "irradiance");
-  const ReferenceTable table("small_triangles");
-  for (const auto& row : table.rows()) {
-    const auto light = light_in(row);
-    for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle})
-      sweep.compare(seen_by(light, receiver_in(row, way), By::kShare, By::kRoot).irradiance_lx,
-                    row["irradiance_lx"], place(row));
-    sweep.compare(
-        seen_by(light, receiver_in(row, AreaSampling::kSquareRoot), By::kRoot).irradiance_lx,
-        row["irradiance_lx"], place(row));
-    sweep.compare(
-        seen_beside_diagonal(light, receiver_in(row, AreaSampling::kAutomatic)).irradiance_lx,
-        row["irradiance_lx"], place(row) + ", automatic");
-    if (row["solid_angle_sr"] < 1e-6)
-      sweep.compare_textbook(textbook_irradiance(textbook_solid_angle(row), row),
-                             row["irradiance_lx"]);
-  }
-  sweep.expect_within(1e-12);
+  sweep_small(sweep, &Seen::irradiance_lx, "irradiance_lx");
 }
 
 TEST(TriangleExtremes, SamplesOfSmallTrianglesHaveTheDensityOfTheirPoints) {
