@@ -28,19 +28,6 @@ Sphere sphere(double radius, const Vec3& centre) {
   return *Sphere::create({.radius_m = radius, .world_from_object = Transform::translate(centre)});
 }
 
-TEST(Accelerator, FindsATriangleAndItsBarycentrics) {
-  const auto a = build_accelerator(triangle(2));
-  const auto hit = a->closest_hit({{0.25f, 0.5f, 0}, {0, 0, 1}});
-  ASSERT_TRUE(hit);
-  EXPECT_EQ(hit->kind, HitKind::kTriangle);
-  EXPECT_EQ(hit->primitive, 0u);
-  EXPECT_EQ(hit->instance, -1);
-  EXPECT_FLOAT_EQ(hit->t, 2);
-  EXPECT_NEAR(hit->uv.x, 0.25, 1e-6);
-  EXPECT_NEAR(hit->uv.y, 0.5, 1e-6);
-  EXPECT_FALSE(a->closest_hit({{0.75f, 0.5f, 0}, {0, 0, 1}}));
-}
-
 TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
   GeometrySet set = triangle(5);
   // Along +z at (0.25, 0.25): sphere at 1..2, disk at 3, twisted patch at 4 + 1/16, triangle at 5,
@@ -185,13 +172,6 @@ TEST(Accelerator, AgreesWithTryingEveryTriangle) {
   }
   EXPECT_GT(hits, 500);
   EXPECT_LE(mismatches, 2);
-}
-
-TEST(Accelerator, IsEmptyWithoutGeometry) {
-  const auto a = build_accelerator({});
-  EXPECT_TRUE(a->empty());
-  EXPECT_FALSE(a->closest_hit({{0, 0, 0}, {0, 0, 1}}));
-  EXPECT_FALSE(a->occluded(Ray{{0, 0, 0}, {0, 0, 1}}));
 }
 
 TEST(Accelerator, TakesDirectionsOfAnyLengthAndRefusesInvalidRays) {

@@ -221,23 +221,5 @@ TEST(CutOuts, LampsWhoseAlphaFollowsThePlaceAreOpaqueAndReported) {
   EXPECT_NEAR(light_power(*scene, 0).lumens.g, 10 * std::numbers::pi, 1e-9);
 }
 
-TEST(CutOuts, LightFallsThroughHoles) {
-  SceneDescription d = description();
-  ShapeDescription screen = patch({0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1});
-  screen.alpha = {0, left_half(d)};
-  screen.has_uv = true;
-  d.shapes = {screen,
-              emissive(patch({0.2, 0.4, 3}, {0.2, 0.6, 3}, {0.4, 0.4, 3}, {0.4, 0.6, 3}), 1, true)};
-  const auto scene = build(std::move(d));
-  const auto lx = [&](double x) {
-    const IrradiancePoint point{Vec3{x, 0.5, 0} - scene->origin(), {}, {0, 0, 1}};
-    return estimate_irradiance(*scene, std::span(&point, 1), {.bounces = 0}, {})
-        .points[0]
-        .irradiance_lx.g;
-  };
-  EXPECT_EQ(lx(0.3), 0);
-  EXPECT_GT(lx(0.95), 0);
-}
-
 }  // namespace
 }  // namespace lucerna::testing

@@ -133,19 +133,5 @@ INSTANTIATE_TEST_SUITE_P(Places, SelfShadowing,
                                            Place{1e4, {0, 1e6, -1e6}}, Place{1, {5, -3, 4}},
                                            Place{0x1p-20, {}}, Place{1e7, {}}));
 
-TEST(ShadowRay, IsBlockedOnlyByObstaclesBetweenItsEnds) {
-  // A light 1e4 m away; obstacles of 1 cm just before it, just beyond it, just above the floor.
-  for (const double z : {9999.5, 10000.5, 0.5}) {
-    SceneDescription d = testing::description();
-    d.shapes = {testing::floor(1e4), testing::floor(5e3, z)};
-    d.lights = {testing::point_light({0, 0, 1e4}, 1)};
-    const auto scene = build(std::move(d));
-    const auto hit = scene->closest_hit({Vec3f{100, 100, 0.25f}, {0, 0, -1}});
-    ASSERT_TRUE(hit);
-    const auto s = scene->lights()[0].light->sample_li(hit->position, {});
-    EXPECT_EQ(scene->geometry().occluded(shadow_ray(*hit, s)), z < 1e4) << z;
-  }
-}
-
 }  // namespace
 }  // namespace lucerna

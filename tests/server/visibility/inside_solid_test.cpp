@@ -61,14 +61,6 @@ TEST(InsideSolid, APointInAClosedBoxIsFlagged) {
   EXPECT_FALSE(inside(*scene, {1.5, 0, 0.5}));
 }
 
-TEST(InsideSolid, APointInASphereIsFlagged) {
-  const auto scene = scene_of({testing::shape(
-      SphereParams{.radius_m = 1, .world_from_object = Transform::translate({0, 0, 1})})});
-  EXPECT_TRUE(inside(*scene, {0, 0, 1}));
-  EXPECT_TRUE(inside(*scene, {0.5, 0.5, 1.5}));
-  EXPECT_FALSE(inside(*scene, {0.8, 0.8, 1.8}));
-}
-
 TEST(InsideSolid, APointUnderATableIsNotFlagged) {
   // A board on two legs, one shape each, on the floor.
   const auto scene = scene_of({testing::floor(3), box({-1, -1, 0.7}, {1, 1, 0.75}),
