@@ -1,8 +1,8 @@
-# make demo | test | deb | test-deb | web | fuzz | tidy | tsan | soak | reliability | extremes | mutants | test-slurm | bench | parts
+# make demo | test | deb | test-deb | web | fuzz | tidy | tsan | soak | reliability | extremes | mutants | test-slurm | bench
 #    | tradeoff | automatic | fit | distributed | format
 # Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test deb test-deb web fuzz wire tidy tsan oracle soak reliability extremes mutants test-slurm bench parts tradeoff automatic fit distributed format
+.PHONY: deps release programs demo test deb test-deb web fuzz wire tidy tsan oracle soak reliability extremes mutants test-slurm bench tradeoff automatic fit distributed format
 
 deps:
 	@deploy/install-deps.sh
@@ -98,15 +98,9 @@ test-slurm: programs
 
 # Prints the table of docs/performance.md, and writes it there if it has all rows.  Requires an idle machine.  ROWS: some of them, such as "load version".
 bench: release
-	@cmake --build --preset release --target lucernad lucerna visibility_bench wire_bench textured_load_bench many_lights_bench \
+	@cmake --build --preset release --target lucernad lucerna visibility_bench wire_bench load_bench many_lights_bench \
 	  path_bench equal_error_bench
 	@tests/bench/performance.py build/release $(if $(ROWS),$(ROWS),--page docs/performance.md)
-
-# Prints the time of the parts: rays, tiles, lights, one light.
-parts: release
-	@cmake --build --preset release --target bench one_light_bench
-	@build/release/tests/bench/bench
-	@build/release/tests/bench/one_light_bench
 
 # Measures error against time in the five scenes.  Requires an idle machine.
 BUDGET ?= 240s

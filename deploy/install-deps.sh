@@ -13,7 +13,7 @@ packages=(
   libcli11-dev libspdlog-dev libfmt-dev libtomlplusplus-dev libsystemd-dev libjemalloc-dev libboost-dev nlohmann-json3-dev libjs-chart.js
   libtinygltf-dev libdraco-dev libmeshoptimizer-dev
   prometheus-cpp-dev
-  libgtest-dev libgmock-dev libbenchmark-dev assimp-testmodels openssl
+  libgtest-dev libgmock-dev assimp-testmodels openssl
   python3 python3-grpcio python3-protobuf python3-gmpy2 python3-mpmath python3-numpy python3-pytest python3-yaml
 )
 # What tests use beside it, but for Blender.  tests/test_packages_test.py compares them with the tests.

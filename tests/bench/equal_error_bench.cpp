@@ -21,7 +21,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <exception>
 #include <fstream>
 #include <numeric>
@@ -31,10 +30,8 @@
 
 #include "proto/common/quantile.h"
 #include "server/estimate/render.h"
-#include "server/files/asset_reader.h"
-#include "server/pbrt/load_pbrt.h"
 #include "server/runtime/denormals.h"
-#include "server/scene/scene.h"
+#include "tests/bench/bench_program.h"
 #include "tests/paths.h"
 #include "tests/server/estimate/compare.h"
 
@@ -48,13 +45,6 @@ const std::string kReference = test_data("reference/");
 constexpr std::uint32_t kBlocks = 8, kSamplesPerBlock = 8;  // 64 samples a pixel
 constexpr std::uint32_t kRepeats = 3;                       // with different seeds
 constexpr int kThreads = 2;                                 // of pbrt-v4's figures
-
-/// Seconds of the processor, which do not count other programs.
-double processor_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// Rays from just above a bumpy sheet to a plane above it.
 class Sheet {
@@ -143,16 +133,6 @@ std::vector<Theirs> read_times() {
   return out;
 }
 
-std::shared_ptr<const Scene> load(const std::string& name) {
-  auto assets = AssetReader::open(kReference);
-  if (!assets.ok()) throw std::runtime_error(assets.status().ToString());
-  auto description = load_pbrt(*assets, name + ".pbrt", {});
-  if (!description.ok()) throw std::runtime_error(description.status().ToString());
-  auto scene = Scene::build(*std::move(description));
-  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
-  return *scene;
-}
-
 /// Whether the scene shows a kind of light, and not a surface, a camera or a shape.
 bool about_lights(const std::string& scene) {
   constexpr std::array kCameras{"orthographic", "lens", "spherical", "gaussian", "mitchell"};
@@ -164,7 +144,7 @@ struct Ours {
 };
 
 Ours render(const std::string& name, bool in_blocks) {
-  const auto scene = load(name);
+  const auto scene = load_scene(kReference + name + ".pbrt");
   const Picture reference = read_picture(kReference + "pictures/" + name + ".exr");
   const Picture noise = read_picture(kReference + "pictures/" + name + ".stderr.exr");
   const auto count = static_cast<double>(reference.values.size());

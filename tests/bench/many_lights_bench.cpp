@@ -22,7 +22,6 @@
 #include "server/queries/queries.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/scene.h"
-#include "tests/bench/sample_li_arrays.h"
 
 namespace lucerna {
 namespace {
@@ -60,6 +59,41 @@ std::shared_ptr<const Scene> scene_of(const std::vector<Lamp>& lamps) {
   if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
   return *scene;
 }
+
+/// The arrays of an answer of `count` samples, without visibility.
+struct SampleLiArrays {
+  explicit SampleLiArrays(std::size_t count)
+      : value(3 * count),
+        wi(3 * count),
+        distance_m(count),
+        light_offsets_m(3 * count),
+        light_normals(3 * count),
+        pdf_per_sr(count),
+        delta(count / 8),
+        light_ids(count),
+        selection_probability(count),
+        status(count) {}
+
+  SampleLiAnswer answer() {
+    return {.value = value.data(),
+            .wi = wi.data(),
+            .distance_m = distance_m.data(),
+            .light_offsets_m = light_offsets_m.data(),
+            .light_normals = light_normals.data(),
+            .pdf_per_sr = pdf_per_sr.data(),
+            .delta = delta.data(),
+            .visible = nullptr,
+            .light_ids = light_ids.data(),
+            .selection_probability = selection_probability.data(),
+            .status = status.data()};
+  }
+
+  std::vector<float> value, wi, distance_m, light_offsets_m, light_normals, pdf_per_sr;
+  std::vector<std::uint8_t> delta;
+  std::vector<std::uint64_t> light_ids;
+  std::vector<double> selection_probability;
+  std::vector<int> status;
+};
 
 class Study {
  public:

@@ -61,5 +61,12 @@ int run(const std::filesystem::path& file, std::uint32_t samples, int repeats) {
 }  // namespace lucerna
 
 int main(int argc, char** argv) {
-  return lucerna::run_on_scene("path_bench", argc, argv, 1 << 20, 3, lucerna::run);
+  try {
+    if (argc < 2) throw std::runtime_error("SCENE.pbrt [SAMPLES [REPEATS]]");
+    return lucerna::run(argv[1], argc > 2 ? static_cast<std::uint32_t>(std::stoul(argv[2])) : 16,
+                        argc > 3 ? std::stoi(argv[3]) : 3);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "path_bench: {}\n", e.what());
+    return 1;
+  }
 }

@@ -76,7 +76,7 @@ def wire(name, target):
 def visibility(order, exact, target):
     def measure(bench):
         embree, plain, plain_ratio, with_error, error_ratio = bench.ratio(
-            "visibility_bench 5 leaves",
+            "visibility_bench 5",
             rf"{order}\s+Embree\s+([\d.]+) Mray/s; server\s+([\d.]+), ([\d.]+) times; "
             rf"position_error_m 0:\s+([\d.]+), ([\d.]+) times")
         ours, ratio = (with_error, error_ratio) if exact else (plain, plain_ratio)
@@ -87,11 +87,11 @@ def visibility(order, exact, target):
 def visibility_row(order, exact, target):
     how = ", `position_error_m` 0" if exact else ""
     return (f"TestVisibility, {order} segments{how}", f"a bare loop of `rtcOccluded1`: at least {target} times",
-            "visibility_bench 5 leaves", visibility(order, exact, target))
+            "visibility_bench 5", visibility(order, exact, target))
 
 
 def load(bench):
-    out = bench.output("textured_load_bench 9 plain")
+    out = bench.output("load_bench 9")
     rows = [[float(x) for x in line.split()] for line in out.splitlines()[1:-1]]
     ratio = float(out.split()[-1])
     server, hand = (statistics.median(column) for column in list(zip(*rows))[:2])
@@ -199,7 +199,7 @@ ROWS = {
     "tile": ("RenderTile, a picture in tiles over loopback", "the same render in process: at least 0.97 times",
              "wire_bench 5 tile", wire("tile", 0.97)),
     "load": ("loading a PLY of a million triangles", "its bytes and Embree's build: at most 1.5 times",
-             "textured_load_bench 9 plain", load),
+             "load_bench 9", load),
     "version": ("`lucerna --version`, processor time", "at most 20 ms", "lucerna --version", version),
     "one_point": ("`lucerna irradiance` of one point, processor time", "at most 40 ms",
                   "lucerna irradiance demo.pbrt --point 0,0,0 --normal 0,0,1 --samples 16", one_point),

@@ -1,24 +1,21 @@
 // Visibility queries over loopback, compared with a bare loop of Embree's rtcOccluded1.
 //
-//     visibility_bench [ROUNDS [leaves]]
+//     visibility_bench [ROUNDS]
 //
-// A million triangles: 200 bumpy balls in a box, or small triangles anywhere in it.  64 batches of
-// 16 384 segments, 4 in flight, to a lucernad of its own with two threads.  The bare loop has the
-// same segments in the given order and two threads, in a scene with Embree's default flags.  Both
-// take turns; the table has medians.
+// A million small triangles anywhere in a box.  64 batches of 16 384 segments, 4 in flight, to a
+// lucernad of its own with two threads.  The bare loop has the same segments in the given order and
+// two threads, in a scene with Embree's default flags.  Both take turns; the table has medians.
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <numbers>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -41,35 +38,6 @@ struct Mesh {
   std::vector<std::uint32_t> triangles;
 };
 
-Mesh balls() {
-  constexpr std::uint32_t kBalls = 200, kAcross = 50;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<float> uniform(0, 1);
-  Mesh mesh;
-  for (std::uint32_t b = 0; b < kBalls; ++b) {
-    const Vec3f middle{kSize * uniform(random), kSize * uniform(random), kSize * uniform(random)};
-    const float radius = 0.1F + 0.4F * uniform(random);
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (std::uint32_t i = 0; i <= kAcross; ++i) {
-      for (std::uint32_t j = 0; j <= kAcross; ++j) {
-        const float theta = std::numbers::pi_v<float> * static_cast<float>(i) / kAcross;
-        const float phi = 2 * std::numbers::pi_v<float> * static_cast<float>(j) / kAcross;
-        const float r = radius * (1 + 0.05F * std::sin(9 * theta) * std::cos(7 * phi));
-        mesh.vertices.push_back(middle + Vec3f{std::sin(theta) * std::cos(phi),
-                                               std::sin(theta) * std::sin(phi), std::cos(theta)} *
-                                             r);
-      }
-    }
-    for (std::uint32_t i = 0; i < kAcross; ++i) {
-      for (std::uint32_t j = 0; j < kAcross; ++j) {
-        const std::uint32_t a = first + i * (kAcross + 1) + j, c = a + kAcross + 1;
-        for (const std::uint32_t k : {a, c, a + 1, a + 1, c, c + 1}) mesh.triangles.push_back(k);
-      }
-    }
-  }
-  return mesh;
-}
-
 /// Small triangles anywhere in the box, in no order.
 Mesh leaves() {
   constexpr std::uint32_t kLeaves = 1'000'000;
@@ -88,7 +56,7 @@ Mesh leaves() {
 }
 
 void write_scene(const Mesh& mesh, const std::filesystem::path& folder) {
-  std::ofstream ply(folder / "balls.ply", std::ios::binary);
+  std::ofstream ply(folder / "leaves.ply", std::ios::binary);
   ply << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.size()
       << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
       << mesh.triangles.size() / 3 << "\nproperty list uchar int vertex_indices\nend_header\n";
@@ -100,7 +68,7 @@ void write_scene(const Mesh& mesh, const std::filesystem::path& folder) {
   }
   std::ofstream(folder / "scene.pbrt")
       << "Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n"
-         "Shape \"plymesh\" \"string filename\" \"balls.ply\"\n";
+         "Shape \"plymesh\" \"string filename\" \"leaves.ply\"\n";
 }
 
 /// The ends of segments, three numbers for each.
@@ -234,8 +202,8 @@ void measure(const client::Client& client, const std::string& scene, const Bare&
       rate(median(b)), median(ratio_b));
 }
 
-int run(int rounds, bool of_leaves) {
-  const Mesh mesh = of_leaves ? leaves() : balls();
+int run(int rounds) {
+  const Mesh mesh = leaves();
   std::string name = (std::filesystem::temp_directory_path() / "visibility_bench.XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
   const std::filesystem::path folder = name;
@@ -259,7 +227,7 @@ int run(int rounds, bool of_leaves) {
 
 int main(int argc, char** argv) {
   try {
-    return lucerna::run(argc > 1 ? std::atoi(argv[1]) : 9, argc > 2);
+    return lucerna::run(argc > 1 ? std::atoi(argv[1]) : 9);
   } catch (const std::exception& e) {
     fmt::print(stderr, "visibility_bench: {}\n", e.what());
     return 1;

@@ -1,14 +1,11 @@
-// Loads a textured mesh of a million triangles, and does by hand what any loader has to do: read
-// the bytes, decode the picture, let Embree build.
+// Loads a mesh of a million triangles, and does by hand what any loader has to do: read the bytes,
+// let Embree build.
 //
-//     textured_load_bench [PAIRS] [plain]
+//     load_bench [PAIRS]
 //
-// A plain mesh has no picture and no u, v.
 // The two run in turns.  The last line has the median of the ratios of the pairs.
-#include <OpenImageIO/imageio.h>
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
-#include <stdlib.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -21,51 +18,30 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
-#include <string>
-#include <string_view>
 #include <vector>
 
-#include "server/files/asset_reader.h"
-#include "server/pbrt/load_pbrt.h"
-#include "server/scene/scene.h"
+#include "tests/bench/bench_program.h"
+#include "tests/temp_directory.h"
 
 namespace lucerna {
 namespace {
 
 constexpr std::uint32_t kSide = 708;  // quads along a side: 1 002 528 triangles
-constexpr int kPicture = 2048;        // texels along a side
 constexpr std::size_t kFaceBytes = 1 + 3 * sizeof(std::int32_t);
 constexpr const char* kEnd = "end_header\n";
 
-struct Folder {
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "lucerna-load-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path = name;
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::filesystem::path path;
-};
-
-/// x, y, z, and u, v of a textured mesh.
-std::size_t vertex_floats(bool plain) { return plain ? 3 : 5; }
-
-void write_mesh(const std::filesystem::path& path, bool plain) {
+void write_mesh(const std::filesystem::path& path) {
   static_assert(std::endian::native == std::endian::little);
   std::ofstream file(path, std::ios::binary);
   file << "ply\nformat binary_little_endian 1.0\nelement vertex " << (kSide + 1) * (kSide + 1)
-       << "\nproperty float x\nproperty float y\nproperty float z\n"
-       << (plain ? "" : "property float u\nproperty float v\n") << "element face "
+       << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
        << 2 * kSide * kSide << "\nproperty list uchar int vertex_indices\n"
        << kEnd;
   for (std::uint32_t i = 0; i <= kSide; ++i)
     for (std::uint32_t j = 0; j <= kSide; ++j) {
       const float u = static_cast<float>(i) / kSide, v = static_cast<float>(j) / kSide;
-      const float vertex[] = {10 * u, 10 * v, 0.3F * std::sin(40 * u) * std::cos(37 * v), u, v};
-      file.write(reinterpret_cast<const char*>(vertex),
-                 static_cast<std::streamsize>(vertex_floats(plain) * sizeof(float)));
+      const float vertex[] = {10 * u, 10 * v, 0.3F * std::sin(40 * u) * std::cos(37 * v)};
+      file.write(reinterpret_cast<const char*>(vertex), sizeof vertex);
     }
   const auto face = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     file.put(3);
@@ -80,29 +56,13 @@ void write_mesh(const std::filesystem::path& path, bool plain) {
     }
 }
 
-void write_picture(const std::filesystem::path& path) {
-  std::vector<std::uint8_t> texels(std::size_t{3} * kPicture * kPicture);
-  std::uint32_t state = 1;
-  for (std::uint8_t& t : texels) {
-    state = state * 1664525U + 1013904223U;
-    t = static_cast<std::uint8_t>(state >> 28U);  // compresses somewhat, as pictures do
-  }
-  const auto out = OIIO::ImageOutput::create(path.string());
-  if (!out || !out->open(path.string(), {kPicture, kPicture, 3, OIIO::TypeDesc::UINT8}) ||
-      !out->write_image(OIIO::TypeDesc::UINT8, texels.data()) || !out->close())
-    throw std::runtime_error("cannot write the picture");
-}
-
-void write_scene(const std::filesystem::path& folder, bool plain) {
-  write_mesh(folder / "sheet.ply", plain);
-  if (!plain) write_picture(folder / "floor.png");
+void write_scene(const std::filesystem::path& folder) {
+  write_mesh(folder / "sheet.ply");
   std::ofstream(folder / "scene.pbrt") << R"(LookAt 5 5 20  5 5 0  0 1 0
 Camera "perspective"
 WorldBegin
 LightSource "point" "point3 from" [5 5 10]
-)" << (plain ? "" : R"(Texture "floor" "spectrum" "imagemap" "string filename" "floor.png"
-Material "diffuse" "texture reflectance" "floor"
-)") << R"(Shape "plymesh" "string filename" "sheet.ply"
+Shape "plymesh" "string filename" "sheet.ply"
 )";
 }
 
@@ -115,14 +75,7 @@ std::vector<char> bytes_of(const std::filesystem::path& path) {
 }
 
 /// Knows the layout of the file, so it only copies.
-void by_hand(const std::filesystem::path& folder, bool plain) {
-  std::vector<std::uint8_t> texels;
-  if (!plain) {
-    const auto picture = OIIO::ImageInput::open((folder / "floor.png").string());
-    texels.resize(std::size_t{3} * kPicture * kPicture);
-    if (!picture || !picture->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, texels.data()))
-      throw std::runtime_error("cannot read the picture");
-  }
+void by_hand(const std::filesystem::path& folder) {
   const std::vector<char> ply = bytes_of(folder / "sheet.ply");
   const char* at = std::search(ply.data(), ply.data() + ply.size(), kEnd, kEnd + std::strlen(kEnd));
   at += std::strlen(kEnd);
@@ -134,8 +87,7 @@ void by_hand(const std::filesystem::path& folder, bool plain) {
       mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), kVertices));
   auto* t = static_cast<char*>(rtcSetNewGeometryBuffer(
       mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), kFaces));
-  for (std::size_t i = 0; i < kVertices; ++i, at += vertex_floats(plain) * sizeof(float), v += 12)
-    std::memcpy(v, at, 12);
+  for (std::size_t i = 0; i < kVertices; ++i, at += 12, v += 12) std::memcpy(v, at, 12);
   for (std::size_t i = 0; i < kFaces; ++i, at += kFaceBytes, t += 12) std::memcpy(t, at + 1, 12);
   rtcCommitGeometry(mesh);
   const RTCScene scene = rtcNewScene(device);
@@ -148,15 +100,6 @@ void by_hand(const std::filesystem::path& folder, bool plain) {
   rtcReleaseDevice(device);
 }
 
-void by_server(const std::filesystem::path& folder) {
-  auto assets = AssetReader::open(folder.string());
-  if (!assets.ok()) throw std::runtime_error(assets.status().ToString());
-  auto description = load_pbrt(*assets, "scene.pbrt", {});
-  if (!description.ok()) throw std::runtime_error(description.status().ToString());
-  const auto scene = Scene::build(*std::move(description));
-  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
-}
-
 template <typename F>
 double seconds_of(const F& f) {
   const auto begin = std::chrono::steady_clock::now();
@@ -164,18 +107,19 @@ double seconds_of(const F& f) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-int run(int pairs, bool plain) {
+int run(int pairs) {
   const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
-  const Folder folder;
-  write_scene(folder.path, plain);
-  by_server(folder.path);  // both then find the files in the page cache
+  const TempDirectory folder;
+  write_scene(folder.path());
+  const auto by_server = [&] { (void)load_scene(folder.path() / "scene.pbrt"); };
+  by_server();  // both then find the files in the page cache
   std::vector<double> ratios;
   fmt::print("{:>12} {:>12} {:>8}\n", "server [s]", "by hand [s]", "ratio");
   for (int i = 0; i < pairs; ++i) {
     double server = 0, hand = 0;
-    if (i % 2 == 0) hand = seconds_of([&] { by_hand(folder.path, plain); });
-    server = seconds_of([&] { by_server(folder.path); });
-    if (i % 2 == 1) hand = seconds_of([&] { by_hand(folder.path, plain); });
+    if (i % 2 == 0) hand = seconds_of([&] { by_hand(folder.path()); });
+    server = seconds_of(by_server);
+    if (i % 2 == 1) hand = seconds_of([&] { by_hand(folder.path()); });
     ratios.push_back(server / hand);
     fmt::print("{:12.3f} {:12.3f} {:8.2f}\n", server, hand, ratios.back());
   }
@@ -189,10 +133,9 @@ int run(int pairs, bool plain) {
 
 int main(int argc, char** argv) {
   try {
-    return lucerna::run(argc > 1 ? std::stoi(argv[1]) : 9,
-                        argc > 2 && std::string_view(argv[2]) == "plain");
+    return lucerna::run(argc > 1 ? std::stoi(argv[1]) : 9);
   } catch (const std::exception& e) {
-    fmt::print(stderr, "textured_load_bench: {}\n", e.what());
+    fmt::print(stderr, "load_bench: {}\n", e.what());
     return 1;
   }
 }
