@@ -14,7 +14,6 @@ namespace {
 using testing::build;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::part_names;
 using ::testing::StartsWith;
 
 SurfaceHit hit_below(const Scene& scene, float x, float y, float z) {
@@ -161,32 +160,6 @@ TEST(Scene, BoundsTheErrorOfPositions) {
   }
 }
 
-TEST(Scene, ReportsOnlyBuiltParts) {
-  SceneDescription d = testing::description();
-  d.shapes = {testing::floor(1)};
-  d.lights = {testing::point_light({0, 0, 1}, 1)};
-  EXPECT_THAT(part_names(*build(d)),
-              ElementsAre("vertices", "triangles", "surfaces", "materials", "bvh", "lights"));
-  d.lights.push_back(testing::point_light({0, 1, 1}, 1));
-  EXPECT_THAT(part_names(*build(d)), ElementsAre("vertices", "triangles", "surfaces", "materials",
-                                                 "bvh", "lights", "light choice"));
-  d.shapes = {{SphereParams{}}};
-  d.lights.clear();
-  const auto scene = build(d);
-  EXPECT_THAT(part_names(*scene), ElementsAre("spheres", "surfaces", "materials", "bvh"));
-  for (const ScenePart& p : scene->parts()) EXPECT_GT(p.bytes, 0u) << p.name;
-}
-
-TEST(Scene, OfRgbLightsStoresNoSpectra) {
-  SceneDescription d = testing::description();
-  d.shapes = {testing::emissive(testing::floor(1), 1)};
-  d.lights = {testing::point_light({0, 0, 1}, 1)};
-  const auto scene = build(d);
-  EXPECT_TRUE(scene->lights().spectra().empty());
-  EXPECT_THAT(part_names(*scene), ::testing::Not(::testing::Contains("spectra")));
-  for (std::uint32_t l = 0; l < 2; ++l) EXPECT_EQ(scene->lights().spectrum(l), nullptr);
-}
-
 TEST(Scene, StoresEachSpectrumOnceAndReportsItsBytes) {
   const auto samples = std::make_shared<const Spectrum>(
       *Spectrum::create(SampledSpectrum{{400, 500, 700}, {1, 2, 3}}));
@@ -214,20 +187,6 @@ TEST(Scene, StoresEachSpectrumOnceAndReportsItsBytes) {
   EXPECT_EQ(part->bytes, samples->bytes() + body->bytes() + 2 * sizeof samples + 4 * 4);
 }
 
-TEST(Scene, ChoosesLightsByPower) {
-  SceneDescription d = testing::description();
-  d.lights = {testing::point_light({0, 0, 1}, 3), testing::point_light({0, 1, 1}, 1)};
-  const auto scene = build(d);
-  const Receiver r;
-  const auto how = LightSelection::kAutomatic;
-  EXPECT_NEAR(scene->lights().selector().probability(how, r, 0), 0.9 * 0.75 + 0.05, 1e-12);
-  EXPECT_EQ(scene->lights().choose(how, r, 0.99)->light, 1u);
-  EXPECT_EQ(scene->lights().choose_emitter(0.99).light, 1u);
-  d.lights.pop_back();
-  EXPECT_EQ(build(d)->lights().choose(how, r, 0.99)->probability, 1);
-  EXPECT_EQ(build(d)->lights().choose_emitter(0.99).probability, 1);
-}
-
 TEST(Scene, OfASinglePointChoosesInfiniteLights) {
   SceneDescription d = testing::description();
   d.lights = {testing::point_light({0, 0, 1}, 3), testing::point_light({0, 0, 1}, 3)};
@@ -237,31 +196,6 @@ TEST(Scene, OfASinglePointChoosesInfiniteLights) {
   EXPECT_EQ(scene->lights().choose(LightSelection::kAutomatic, {}, 0.01)->light, 1u);
   EXPECT_EQ(scene->lights().choose(LightSelection::kAutomatic, {}, 0.01)->probability, 0.5);
   EXPECT_EQ(scene->lights().choose_emitter(0.99).light, 1u);
-}
-
-TEST(Scene, HasASphereAroundGeometryAndLocalLights) {
-  SceneDescription d = testing::description();
-  EXPECT_EQ(build(d)->sphere().radius_m, 0);
-  d.shapes = {testing::floor(3)};
-  EXPECT_NEAR(build(d)->sphere().radius_m, 3 * std::numbers::sqrt2, 1e-12);
-  d.lights = {testing::point_light({3, 3, 8}, 1)};  // box 6 x 6 x 8
-  const auto scene = build(d);
-  EXPECT_NEAR(scene->sphere().radius_m, std::sqrt(9 + 9 + 16), 1e-12);
-  EXPECT_NEAR(scene->sphere().center_m.z, 4, 1e-12);
-}
-
-TEST(Scene, AnswersWithoutGeometryAndWithoutAnything) {
-  SceneDescription d = testing::description();
-  const auto nothing = build(d);
-  EXPECT_TRUE(nothing->geometry().empty());
-  EXPECT_FALSE(nothing->closest_hit({{0, 0, 0}, {0, 0, 1}}));
-  EXPECT_EQ(nothing->geometry().primitive_count(), 0u);
-  EXPECT_EQ(nothing->id().size(), 64u);
-  d.lights = {testing::point_light({5e6, 0, 1}, 3)};
-  const auto lit = build(d);
-  EXPECT_FALSE(lit->geometry().occluded(Ray{{0, 0, 0}, {0, 0, 1}}));
-  // The only light decides the origin, which is near it.
-  EXPECT_LE(std::fabs(lit->origin().x - 5e6), 1);
 }
 
 TEST(Scene, ErrorsOfLightsNameTheirPlaceInTheFile) {
