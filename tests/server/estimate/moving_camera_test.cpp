@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
-#include <vector>
 
 #include "server/estimate/render.h"
+#include "tests/server/estimate/tiles.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 #include "tests/server/scene/scenes.h"
 
@@ -132,68 +132,24 @@ TEST(MovingCamera, BlurIsTheMeanOverTime) {
   const auto scene = build(d);
   TileSettings s{
       .rect = {0, 0, 20, 2}, .seed = 3, .samples_per_block = 4, .block_count = 1024, .bounces = 0};
-  const TileResult blurred = render_tile(*scene, s, {});
-  constexpr int kMoments = 64;
-  std::vector<double> mean(blurred.channels.size()), variance(mean.size());
-  for (int k = 0; k < kMoments; ++k) {
-    TileSettings moment = s;
-    moment.seed = 100 + static_cast<std::uint64_t>(k);
-    moment.block_count = 64;
-    moment.time_s = (k + 0.5) / kMoments;
-    const TileResult still = render_tile(*scene, moment, {});
-    for (std::size_t c = 0; c < mean.size(); ++c) {
-      mean[c] += still.channels[c].sum / 64 / kMoments;
-      variance[c] += still.channels[c].deviation / (64.0 * 63) / (kMoments * kMoments);
-    }
-  }
-  for (std::size_t c = 0; c < mean.size(); ++c) {
-    const double v = variance[c] + blurred.channels[c].deviation / (1024.0 * 1023);
-    // Seven standard errors for 120 numbers, exceeded by chance less than once in 1e9.  The
-    // midpoint rule adds an error.  A pixel is 0.4 m wide.  Its view of the strip is linear in time
-    // between four kinks, with slopes up to 3 in 0.2 s.  The rule misses each kink by at most an
-    // eighth of a squared step.  The smooth rest adds 1e-3.
-    EXPECT_NEAR(blurred.channels[c].sum / 1024, mean[c],
-                7 * std::sqrt(v) + 4 * 15 / (8.0 * kMoments * kMoments) + 1e-3 * mean[c]);
-    EXPECT_GT(mean[c], 0);
-  }
+  // The midpoint rule adds an error.  A pixel is 0.4 m wide.  Its view of the strip is linear in
+  // time between four kinks, with slopes up to 3 in 0.2 s.  The rule misses each kink by at most an
+  // eighth of a squared step.
+  expect_mean_of_moments(render_tile(*scene, s, {}), *scene, s, 64,
+                         4 * 15 / (8.0 * kMoments * kMoments));
 }
 
-TEST(MovingCamera, EqualsARestingCameraAtItsKeyFrames) {
+TEST(MovingCamera, ShowsTheStillPictureOfItsFirstMoment) {
   SceneDescription d = passing();
-  const Transform places[] = {*Transform::look_at({0.3, -5.1, 2}, {0.1, 0, 1}, {0, 0.1, 1}),
-                              *Transform::look_at({4.7, 0.9, 3}, {-0.1, 0.2, 1}, {0, 0, 1})};
-  const KeyTransform keys[] = {{0.5, places[0]}, {2, places[1]}};
-  d.camera.motion = std::make_shared<const Motion>(*Motion::create(keys));
-  d.camera.world_from_camera = places[0];
   const auto moves = build(d);
   d.camera.motion = nullptr;
-  const auto first = build(d);
-  d.camera.world_from_camera = places[1];
-  const auto last = build(d);
+  const auto still = build(d);
   EXPECT_TRUE(moves->moves());
-  EXPECT_FALSE(first->moves());
-  EXPECT_EQ(first->camera().motion(), nullptr);
-  for (float y = 0; y <= 2; y += 0.25F) {
-    for (float x = 0; x <= 20; x += 0.25F) {
-      for (const double t : {-1.0, 0.5}) {
-        const Ray at = moves->camera().ray(x, y, t), there = first->camera().ray(x, y, t);
-        EXPECT_EQ(at.origin, there.origin);
-        EXPECT_EQ(at.direction, there.direction);
-      }
-      for (const double t : {2.0, 1e9}) {
-        const Ray at = moves->camera().ray(x, y, t), there = last->camera().ray(x, y, t);
-        EXPECT_EQ(at.origin, there.origin);
-        expect_near(at.direction, Vec3(there.direction), 0x1p-23);
-      }
-    }
-  }
-  // The picture of the first moment has the bits of the still scene's.
-  TileSettings s{.rect = {0, 0, 20, 2}, .samples_per_block = 4, .block_count = 4, .time_s = 0.5};
-  const TileResult a = render_tile(*moves, s, {}), b = render_tile(*first, s, {});
-  for (std::size_t c = 0; c < a.channels.size(); ++c) {
-    EXPECT_EQ(a.channels[c].sum, b.channels[c].sum);
-    EXPECT_EQ(a.channels[c].deviation, b.channels[c].deviation);
-  }
+  EXPECT_FALSE(still->moves());
+  EXPECT_EQ(still->camera().motion(), nullptr);
+  const TileSettings s{
+      .rect = {0, 0, 20, 2}, .samples_per_block = 4, .block_count = 4, .time_s = 0};
+  expect_part(render_tile(*moves, s, {}), s.rect, render_tile(*still, s, {}), 20);
 }
 
 TEST(MovingCamera, GivesTheSameBitsForAnyTiling) {
@@ -202,16 +158,7 @@ TEST(MovingCamera, GivesTheSameBitsForAnyTiling) {
   const TileResult all = render_tile(*scene, s, {});
   for (const PixelRect& r : {PixelRect{0, 0, 7, 2}, {7, 0, 20, 1}, {7, 1, 20, 2}}) {
     s.rect = r;
-    const TileResult part = render_tile(*scene, s, {});
-    std::size_t i = 0;
-    for (int y = r.y0; y < r.y1; ++y)
-      for (int x = r.x0; x < r.x1; ++x)
-        for (int c = 0; c < 3; ++c, ++i) {
-          const BlockStatistics& whole =
-              all.channels[static_cast<std::size_t>(3 * (20 * y + x) + c)];
-          EXPECT_EQ(part.channels[i].sum, whole.sum) << x << " " << y;
-          EXPECT_EQ(part.channels[i].deviation, whole.deviation);
-        }
+    expect_part(render_tile(*scene, s, {}), r, all, 20);
   }
 }
 

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <random>
-#include <vector>
 
 #include "server/queries/queries.h"
 #include "server/queries/receiver_irradiance.h"
@@ -134,32 +133,6 @@ TEST(MovingSurfaces, KeepMaterialsShadingNormalsAndLightNumbers) {
   EXPECT_LE(length(hit->ns - Vec3{-0.6, 0, 0.8}), 1e-6);
   EXPECT_EQ(scene->lights()[2].moving, nullptr);
   EXPECT_EQ(scene->geometry().shape_count(), 3U);
-}
-
-TEST(MovingSurfaces, ShadowPointsThatTheyPass) {
-  // A plate of a metre, 1.5 m up, under a light 3 m up.  Its place is x = 4 t - 4.
-  SceneDescription d = description();
-  d.shapes.push_back(floor(5));
-  d.shapes.push_back(floor(0.5, 1.5));
-  d.shapes.back().motion = sliding({8, 0, 0}, 2);
-  for (auto& p : std::get<PatchMeshData>(d.shapes.back().geometry).positions) p.x -= 4;
-  d.lights.push_back(point_light({0, 0, 3}, 9));
-  const auto scene = build(std::move(d));
-  const std::vector<float> from{0, 0, 0}, to{0, 0, 3};
-  const std::vector<IrradiancePoint> meter{{{0, 0, 0}, {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}}};
-  ASSERT_EQ(scene->origin(), Vec3{});
-  for (int i = 0; i <= 40; ++i) {
-    const double t = i / 20.0;
-    if (std::fabs(std::fabs(4 * t - 4) - 0.5) < 1e-3) continue;
-    const bool hidden = std::fabs(4 * t - 4) < 0.5;
-    std::uint8_t visible = 0;
-    int status = 0;
-    test_visibility(*scene, {.from = {{}, from}, .to = PointArray{{}, to}, .time_s = t},
-                    {&visible, nullptr, &status}, {});
-    EXPECT_EQ(visible, hidden ? 0 : 1) << t;
-    const auto lux = estimate_irradiance(*scene, meter, {.bounces = 0, .time_s = t}, {});
-    EXPECT_NEAR(lux.points[0].irradiance_lx.g, hidden ? 0 : 1, 1e-6) << t;
-  }
 }
 
 TEST(MovingSurfaces, BlurFollowsTheTimeAtEachPlace) {

@@ -108,23 +108,5 @@ TEST(ShippedScenes, AreTogetherUnder10Megabytes) {
   EXPECT_GT(bytes, 1'000'000U);
 }
 
-/// The interpolated lumens of each photometric file that the scene's point-like luminaires name.
-std::map<std::string, double> lumens_of_files(const SceneDescription& scene) {
-  std::map<std::string, double> lumens;
-  for (const LightDescription& light : scene.lights)
-    if (const auto* luminaire = std::get_if<GoniometricLightParams>(&light.params))
-      lumens[luminaire->file] = flux_of_unit_intensity_lm(*luminaire);
-  return lumens;
-}
-
-// The candela are some hundreds, written with one digit after the point.
-TEST(ShippedScenes, LuminairesHaveTheLumensOfTheirNames) {
-  const auto room = lumens_of_files(shipped("room")), street = lumens_of_files(shipped("street"));
-  ASSERT_EQ(room.size(), 1U);
-  EXPECT_NEAR(room.begin()->second, 900, 900 * 3e-4);
-  ASSERT_EQ(street.size(), 1U);
-  EXPECT_NEAR(street.begin()->second, 5200, 5200 * 3e-4);
-}
-
 }  // namespace
 }  // namespace lucerna

@@ -1,7 +1,12 @@
 // Helpers for tests of tiles: a scene, a division into tiles, and a comparison of pixels.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "proto/common/tile_statistics.h"
 #include "server/estimate/render.h"
@@ -27,6 +32,48 @@ inline constexpr std::array<PixelRect, 4> kTiles{
 
 inline bool same(const BlockStatistics& a, const BlockStatistics& b) {
   return a.sum == b.sum && a.deviation == b.deviation;
+}
+
+/// Expects the channels of pixels of `tile`, which has the rectangle `r` of the picture `all`.
+inline void expect_part(const TileResult& tile, const PixelRect& r, const TileResult& all,
+                        int width) {
+  std::size_t i = 0;
+  for (int y = r.y0; y < r.y1; ++y)
+    for (int x = r.x0; x < r.x1; ++x)
+      for (int c = 0; c < 3; ++c, ++i)
+        ASSERT_TRUE(
+            same(tile.channels[i], all.channels[static_cast<std::size_t>(3 * (y * width + x) + c)]))
+            << x << " " << y;
+}
+
+inline constexpr int kMoments = 64;
+
+/// Expects a picture of the time from 0 s to 1 s to be the mean of pictures of kMoments moments,
+/// with `blocks` blocks each.  Returns that mean.  `slack`: an error of the midpoint rule.
+inline std::vector<double> expect_mean_of_moments(const TileResult& blurred, const Scene& scene,
+                                                  const TileSettings& s, std::uint64_t blocks,
+                                                  double slack) {
+  const auto n = static_cast<double>(blocks), all = static_cast<double>(s.block_count);
+  std::vector<double> mean(blurred.channels.size()), variance(mean.size());
+  for (int k = 0; k < kMoments; ++k) {
+    TileSettings moment = s;
+    moment.seed = 100 + static_cast<std::uint64_t>(k);
+    moment.block_count = blocks;
+    moment.time_s = (k + 0.5) / kMoments;
+    const TileResult still = render_tile(scene, moment, {});
+    for (std::size_t c = 0; c < mean.size(); ++c) {
+      mean[c] += still.channels[c].sum / n / kMoments;
+      variance[c] += still.channels[c].deviation / (n * (n - 1)) / (kMoments * kMoments);
+    }
+  }
+  for (std::size_t c = 0; c < mean.size(); ++c) {
+    const double v = variance[c] + blurred.channels[c].deviation / (all * (all - 1));
+    // Seven standard errors for 120 numbers, exceeded by chance less than once in 1e9.  The smooth
+    // part of the midpoint rule's error is below 1e-3.
+    EXPECT_NEAR(blurred.channels[c].sum / all, mean[c], 7 * std::sqrt(v) + slack + 1e-3 * mean[c]);
+    EXPECT_GT(mean[c], 0);
+  }
+  return mean;
 }
 
 }  // namespace lucerna::testing

@@ -2,15 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <vector>
 
 #include "server/estimate/render.h"
 #include "server/queries/queries.h"
 #include "tests/server/estimate/moving_shapes.h"
+#include "tests/server/estimate/tiles.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
-#include "tests/server/queries/li_samples.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna::testing {
@@ -34,26 +33,6 @@ SceneDescription moving_point(bool moves = true) {
   return d;
 }
 
-/// Whether the only light is visible from `receiver`.
-bool is_lit(const Scene& scene, const std::array<float, 3>& receiver, double time_s) {
-  SampleLiQuery q;
-  q.receivers = {{}, receiver};
-  q.light = 0;
-  q.seed = SeedRange{};
-  q.test_visibility = true;
-  q.time_s = time_s;
-  return LiSamples(scene, q).is_visible(0);
-}
-
-TEST(MovingLights, ComeOutOfTheShadowAsTheyMove) {
-  const auto scene = build(moving_point());
-  // At 0 s the segment from (2.5, 0, 0.01) to (0, 0, 3) meets the wall 0.608 m above the floor.  At
-  // 2 s the light is on the receiver's side of the wall.
-  EXPECT_FALSE(is_lit(*scene, {2.5F, 0, 0.01F}, 0));
-  EXPECT_TRUE(is_lit(*scene, {2.5F, 0, 0.01F}, 2));
-  EXPECT_TRUE(is_lit(*scene, {1, 0, 0.01F}, 0));
-}
-
 /// The camera is 4 m in front of a wall that a light passes.
 SceneDescription wall() {
   SceneDescription d = description(0.8);
@@ -71,26 +50,7 @@ TEST(MovingLights, BlurIsTheMeanOverTime) {
   TileSettings s{
       .rect = {0, 0, 6, 4}, .seed = 3, .samples_per_block = 4, .block_count = 256, .bounces = 0};
   const TileResult blurred = render_tile(*scene, s, {});
-  constexpr int kMoments = 64;
-  std::vector<double> mean(blurred.channels.size()), variance(mean.size());
-  for (int k = 0; k < kMoments; ++k) {
-    TileSettings moment = s;
-    moment.seed = 100 + static_cast<std::uint64_t>(k);
-    moment.block_count = 16;
-    moment.time_s = (k + 0.5) / kMoments;
-    const TileResult still = render_tile(*scene, moment, {});
-    for (std::size_t c = 0; c < mean.size(); ++c) {
-      mean[c] += still.channels[c].sum / 16 / kMoments;
-      variance[c] += still.channels[c].deviation / (16.0 * 15) / (kMoments * kMoments);
-    }
-  }
-  for (std::size_t c = 0; c < mean.size(); ++c) {
-    const double v = variance[c] + blurred.channels[c].deviation / (256.0 * 255);
-    // Seven standard errors for 24 pixels, exceeded by chance less than once in 1e9.  1e-3 is for
-    // the midpoint rule.
-    EXPECT_NEAR(blurred.channels[c].sum / 256, mean[c], 7 * std::sqrt(v) + 1e-3 * mean[c]);
-    EXPECT_GT(mean[c], 0);
-  }
+  const std::vector<double> mean = expect_mean_of_moments(blurred, *scene, s, 16, 0);
   // It differs from the picture at the start.
   s.time_s = 0;
   const TileResult start = render_tile(*scene, s, {});
