@@ -24,19 +24,6 @@ IrradianceEstimate one(const Scene& scene, const IrradiancePoint& point,
   return estimate_irradiance(scene, std::span(&point, 1), settings, {}).points[0];
 }
 
-TEST(Irradiance, OfAPointLightIsExact) {
-  SceneDescription d = testing::description();
-  d.shapes = {testing::floor(9)};
-  d.lights = {testing::point_light({3, 0, 4}, 100)};
-  const auto scene = build(std::move(d));
-  // Distance 5, cosine 4/5.
-  const IrradianceEstimate e = one(*scene, at(0, 0, 0));
-  EXPECT_NEAR(e.irradiance_lx.g, 100.0 / 25 * 0.8, 1e-5);
-  EXPECT_TRUE(e.exact);
-  EXPECT_EQ(e.illuminance_error_lx, 0);
-  EXPECT_EQ(e.zero_bound_lx, 0);
-}
-
 // The surface of a lamp that a sky replaces stays, and is dark.
 TEST(Irradiance, OfASkyInPlaceOfALampIsShadowedByTheLamp) {
   SceneDescription d = testing::description();
@@ -50,16 +37,6 @@ TEST(Irradiance, OfASkyInPlaceOfALampIsShadowedByTheLamp) {
   const double hidden = 4 * (2 / std::sqrt(5.0)) * std::atan(2 / std::sqrt(5.0));
   EXPECT_NEAR(e.irradiance_lx.g, pi - hidden, 0.05);
   EXPECT_FALSE(e.exact);
-}
-
-TEST(Irradiance, BehindAnObstacleIsExactlyZeroForPointLights) {
-  SceneDescription d = testing::description();
-  d.shapes = {testing::floor(9), testing::floor(1, 2)};
-  d.lights = {testing::point_light({0, 0, 4}, 100)};
-  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0));
-  EXPECT_EQ(e.irradiance_lx.g, 0);
-  EXPECT_TRUE(e.exact);
-  EXPECT_EQ(e.zero_bound_lx, 0);
 }
 
 /// The same light without a closed form.
@@ -167,19 +144,6 @@ TEST(Irradiance, OfManyDeltaLightsIsExactWhereSamplesCostMore) {
   IrradianceSettings settings = direct(1, 5);
   settings.per_light = true;
   EXPECT_TRUE(one(*scene, at(0, 0, 0), settings).exact);
-}
-
-TEST(Irradiance, OfChosenLightsIsTheSumOfAllLights) {
-  const auto scene = build(lamps(12));
-  for (const LightSelection how :
-       {LightSelection::kUniform, LightSelection::kPower, LightSelection::kBvh}) {
-    IrradianceSettings settings = direct(256);
-    settings.methods.light_selection = how;
-    const IrradianceEstimate e = one(*scene, at(0, 0, 0), settings);
-    EXPECT_FALSE(e.exact);
-    EXPECT_NEAR(e.irradiance_lx.g, of_lamps(12), 5 * e.illuminance_error_lx);
-    EXPECT_LT(e.illuminance_error_lx, 0.02 * of_lamps(12));
-  }
 }
 
 /// The number of samples that a target needs at a point, with 16 blocks.  The answer equals
@@ -321,41 +285,6 @@ TEST(Irradiance, HasNoStandardErrorFromOneReplicate) {
   d.lights = {{UniformInfiniteLightParams{Rgb(2)}, {}}};
   const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), sampled(16, 1));
   EXPECT_TRUE(std::isinf(e.illuminance_error_lx));
-}
-
-TEST(Irradiance, GivesTheSameBitsForAnySplitOfABatch) {
-  SceneDescription d = lamps(12);
-  d.lights.push_back({UniformInfiniteLightParams{Rgb(1, 2, 3)}, {}});
-  const auto scene = build(std::move(d));
-  std::vector<IrradiancePoint> points;
-  for (int i = 0; i < 40; ++i) points.push_back(at(static_cast<float>(i) * 0.1f, 0, 0));
-  IrradianceSettings settings{.seed = 1, .samples_per_block = 4, .block_count = 4};
-  const auto all = estimate_irradiance(*scene, points, settings, {});
-  settings.first_item = 17;
-  const auto rest = estimate_irradiance(*scene, std::span(points).subspan(17), settings, {});
-  for (std::size_t i = 17; i < 40; ++i) {
-    EXPECT_EQ(all.points[i].irradiance_lx, rest.points[i - 17].irradiance_lx);
-    EXPECT_EQ(all.points[i].illuminance_error_lx, rest.points[i - 17].illuminance_error_lx);
-  }
-}
-
-TEST(Irradiance, StandardErrorMatchesTheScatter) {
-  // 2000 points under the same sky, half of which a wall hides.  By Student's t with 15 degrees of
-  // freedom, the error over its standard error has a mean square of (n - 1)/(n - 3) = 15/13.  The
-  // standard deviation over 2000 points is below 0.05: half to double allows 10 of them.
-  SceneDescription d = testing::description();
-  d.shapes = {testing::patch({0, -1e3, 0}, {0, 1e3, 0}, {0, -1e3, 1e3}, {0, 1e3, 1e3})};
-  d.lights = {{UniformInfiniteLightParams{Rgb(1)}, {}}};
-  const auto scene = build(std::move(d));
-  std::vector<IrradiancePoint> points(2000, at(0.1f, 0, 0.1f));
-  const auto r = estimate_irradiance(*scene, points, direct(4), {});
-  double mean = 0, square = 0;
-  for (const auto& e : r.points) mean += e.irradiance_lx.g / 2000;
-  EXPECT_NEAR(mean, pi / 2, 0.01);  // the half space x > 0
-  for (const auto& e : r.points)
-    square += std::pow((e.irradiance_lx.g - mean) / e.illuminance_error_lx, 2) / 2000;
-  EXPECT_GT(square, 15.0 / 13 / 2);
-  EXPECT_LT(square, 15.0 / 13 * 2);
 }
 
 TEST(Irradiance, OfDeltaLightsIsTheSameWithATargetAndWithWavelengths) {

@@ -26,21 +26,6 @@ SceneDescription one_point_light() {
   return d;
 }
 
-TEST(SampleLi, OfAPointLightIsIntensityOverDistanceSquared) {
-  const auto scene = build(one_point_light());
-  const std::vector<float> points{0, 0, 0, 4, 0, 0};
-  const std::vector<float> u(4, 0.5F);
-  const LiSamples a(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
-  EXPECT_FLOAT_EQ(a.value[0], 2);      // 18 cd / (3 m)^2
-  EXPECT_FLOAT_EQ(a.value[3], 0.72F);  // 18 / 25
-  EXPECT_FLOAT_EQ(a.distance_m[1], 5);
-  EXPECT_FLOAT_EQ(a.wi[3], -0.8F);
-  EXPECT_FLOAT_EQ(a.wi[5], 0.6F);
-  EXPECT_EQ(a.delta[0], 3);
-  EXPECT_EQ(a.pdf_per_sr[0], 0);
-  EXPECT_EQ(a.status, (std::vector<int>{1, 1}));
-}
-
 TEST(SampleLi, PlacesAreRelativeToTheOriginOfTheQuery) {
   SceneDescription d = description();
   const double far = 1e7;  // where floats are a metre apart

@@ -36,16 +36,6 @@ std::shared_ptr<const Scene> two_walls() {
   return build(d);
 }
 
-TEST(TestVisibility, AWallHidesPointsBehindIt) {
-  const std::vector<float> from{0, 0, 1, 0, 0, -1, 5, 0, -1, 0, 0, 1};
-  const std::vector<float> to{0, 0, 3, 0, 0, 1, 5, 0, 9, 0, 0, 9};
-  const Seen seen = answer_to(*two_walls(), {.from = {{}, from}, .to = PointArray{{}, to}});
-  EXPECT_TRUE(seen[0]);   // between the walls
-  EXPECT_FALSE(seen[1]);  // through the lower one
-  EXPECT_TRUE(seen[2]);   // past both
-  EXPECT_FALSE(seen[3]);  // through the upper one
-}
-
 TEST(TestVisibility, RaysEndAtTheirLength) {
   const std::vector<float> from{0, 0, 1, 0, 0, 1, 0, 0, 1};
   const std::vector<float> up{0, 0, 2, 0, 0, 0.5F, 0, 0, 7};
