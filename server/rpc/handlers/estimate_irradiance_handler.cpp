@@ -1,3 +1,5 @@
+#include "server/rpc/handlers/estimate_irradiance_handler.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,7 +12,6 @@
 #include "server/queries/queries.h"
 #include "server/queries/receiver_irradiance.h"
 #include "server/queries/visibility.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"

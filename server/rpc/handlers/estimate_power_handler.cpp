@@ -1,3 +1,5 @@
+#include "server/rpc/handlers/estimate_power_handler.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -13,7 +15,6 @@
 #include "server/estimate/spectral_values.h"
 #include "server/queries/queries.h"
 #include "server/queries/sampled_power.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"

@@ -1,9 +1,10 @@
+#include "server/rpc/handlers/find_missing_assets_handler.h"
+
 #include <fmt/core.h>
 
 #include <set>
 
 #include "proto/common/status_macros.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/messages/errors.h"
 #include "server/rpc/messages/scene_manifest.h"
 

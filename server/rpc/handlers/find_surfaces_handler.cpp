@@ -1,6 +1,7 @@
+#include "server/rpc/handlers/find_surfaces_handler.h"
+
 #include "proto/common/status_macros.h"
 #include "server/queries/surfaces.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"

@@ -1,5 +1,6 @@
+#include "server/rpc/handlers/get_scene_handler.h"
+
 #include "proto/common/status_macros.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 

@@ -1,9 +1,10 @@
+#include "server/rpc/handlers/list_handlers.h"
+
 #include <algorithm>
 #include <functional>
 #include <span>
 
 #include "proto/common/status_macros.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/paging.h"

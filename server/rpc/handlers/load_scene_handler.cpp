@@ -1,3 +1,5 @@
+#include "server/rpc/handlers/load_scene_handler.h"
+
 #include <fmt/core.h>
 
 #include <optional>
@@ -6,7 +8,6 @@
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
 #include "server/gltf/blender_levels.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/light_edits.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"

@@ -1,7 +1,8 @@
+#include "server/rpc/handlers/pdf_handlers.h"
+
 #include "proto/common/status_macros.h"
 #include "server/queries/emission_queries.h"
 #include "server/queries/queries.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/requested_accuracy.h"

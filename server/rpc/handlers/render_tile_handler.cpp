@@ -1,3 +1,5 @@
+#include "server/rpc/handlers/render_tile_handler.h"
+
 #include <fmt/core.h>
 
 #include <bit>
@@ -6,7 +8,6 @@
 
 #include "proto/common/sample_blocks.h"
 #include "proto/common/status_macros.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/render_query.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"

@@ -1,6 +1,7 @@
+#include "server/rpc/handlers/sample_le_handler.h"
+
 #include "proto/common/status_macros.h"
 #include "server/queries/emission_queries.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"

@@ -1,3 +1,5 @@
+#include "server/rpc/handlers/sample_li_handler.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include "proto/common/status_macros.h"
 #include "server/queries/li_estimates.h"
 #include "server/queries/queries.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"

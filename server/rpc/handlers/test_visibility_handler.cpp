@@ -1,8 +1,9 @@
+#include "server/rpc/handlers/test_visibility_handler.h"
+
 #include <fmt/core.h>
 
 #include "proto/common/status_macros.h"
 #include "server/queries/visibility.h"
-#include "server/rpc/handlers/handlers.h"
 #include "server/rpc/handlers/predicted_time.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"

@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "proto/common/sample_blocks.h"
-#include "server/rpc/handlers/handlers.h"
+#include "server/rpc/handlers/estimate_irradiance_handler.h"
+#include "server/rpc/handlers/le_handler.h"
 #include "server/rpc/handlers/predicted_time.h"
+#include "server/rpc/handlers/sample_le_handler.h"
+#include "server/rpc/handlers/sample_li_handler.h"
 #include "server/store/scene_store.h"
 #include "tests/paths.h"
 
