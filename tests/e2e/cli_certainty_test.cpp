@@ -260,43 +260,5 @@ TEST_F(CliCertainty, NumbersOutsideOfTheirRangeAreRefused) {
   EXPECT_THAT(said({"irradiance", "--help"}), HasSubstr("from 64 to the server's limit"));
 }
 
-TEST_F(CliCertainty, SharesOfOneOrMoreNeedThePercentSign) {
-  for (const char* share : {"5", "1", "95"}) {
-    for (const char* option : {"--error=", "--confidence="}) {
-      expect_wrong_use(
-          lucerna(irradiance(
-              std::string(option) == "--error="
-                  ? std::vector<std::string>{std::string(option) + share}
-                  : std::vector<std::string>{"--error=1%", std::string(option) + share})),
-          std::string("did you mean ") + share + "%?");
-    }
-  }
-  expect_wrong_use(lucerna(irradiance({"--error", "5"})), "5 is 500%; did you mean 5%?");
-  for (const char* share : {"0.5", "50%", "500%"}) said(irradiance({"--error", share}));
-}
-
-TEST_F(CliCertainty, TimesHaveUnits) {
-  std::ofstream(path("p.csv")) << "0.1,-1.3,0,0.2,0,1\n";
-  for (const char* time : {"0.006", "0.006s", "6ms", "0.0001m", "0h6ms"}) {
-    const std::string budget = std::string("--budget=") + time;
-    EXPECT_THAT(said(irradiance({budget})), HasSubstr(" samples per point; ")) << time;
-  }
-  EXPECT_EQ(lucerna({"render", "sphere.pbrt", "-o", path("a.pfm"), "--budget=6ms"}).status, 0);
-  EXPECT_EQ(lucerna({"power", "sphere.pbrt", "--method", "sampled", "--budget=6ms"}).status, 0);
-  // No machine answers a call in this time.
-  for (const char* time : {"6e-9", "6e-9s", "6e-6ms", "1e-10m"})
-    expect_wrong_use(lucerna({"tradeoff", "sphere.pbrt", "--points", path("p.csv"), "--out",
-                              path("out"), "--quiet", std::string("--budget=") + time}),
-                     "--budget 6e-09s is too short");
-  for (const char* time : {"0", "0s", "-1", "ms", "1 s", "1e308m", "nan", "1sm", "1s1h"}) {
-    expect_wrong_use(
-        lucerna({"irradiance", "sphere.pbrt", std::string("--budget=") + time}),
-        std::string(time) + " is not a time above 0, such as 60, 60s, 2m, 1h30m or 500ms");
-  }
-  for (const char* command : {"render", "power", "tradeoff"})
-    expect_wrong_use(lucerna({command, "sphere.pbrt", "--budget=1s1h"}),
-                     "1s1h is not a time above 0");
-}
-
 }  // namespace
 }  // namespace lucerna

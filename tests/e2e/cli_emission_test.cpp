@@ -1,4 +1,4 @@
-// lucerna emit, emit-pdf, power --method and lights, about one light of each kind.
+// lucerna emit, emit-pdf, power --method and lights, about one light of each kind; units of files.
 #include <algorithm>
 
 #include "tests/e2e/cli_fixture.h"
@@ -216,32 +216,30 @@ TEST_F(CliEmission, LightsOfEachKindHaveTheirUnits) {
                        "0\\.753982 +33\\.1619 +exact +no"));
 }
 
-TEST_F(CliEmission, LightsShowTheirOrientation) {
-  const std::string out = said({"lights", kScene});
-  const auto row = [](const std::string& what, const std::string& where, const std::string& rest) {
-    return ContainsRegex("\n *[0-9]+  " + what + " +" + where + " +" + rest + " +lights/every");
+// 20 mW/sr at a distance of 2 m.
+TEST_F(CliEmission, TheUnitOfTheFileIsInTheHeadings) {
+  const std::vector<std::string> at = {"--point", "0,0,2", "--normal", "0,0,-1", "--bounces", "0"};
+  const auto irradiance = [&](const std::string& scene, std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {"irradiance", "luminaires/" + scene};
+    words.insert(words.end(), at.begin(), at.end());
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = lucerna(words);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
   };
-  EXPECT_THAT(out, row("goniometric +lights/sconce\\.ldt \\(EULUMDAT, 856\\.637 lm\\), times 0\\.5",
-                       "101 -53 2 towards 0 0 -1, C0 to -0\\.866 0\\.5 0, within 90 deg of 0 0 -1",
-                       "428\\.319 +exact +yes"));
-  EXPECT_THAT(out,
-              row("goniometric +image reference/sky\\.exr \\(128 x 128 px, equal-area, nearest\\), "
-                  "0\\.1 cd at 1",
-                  "100 -50 0, \\+x to 1 0 0, \\+y to 0 0 1, \\+z to 0 1 0", "[0-9.]+ +exact +yes"));
-  EXPECT_THAT(out, row("goniometric +7 cd", "100 -50 1", "87\\.9646 +exact +yes"));
-  // pi L A: 4 cd/m2 through 3 m2.
-  EXPECT_THAT(out, row("infinite +4 cd/m2, through a portal",
-                       "through 96 -46 0\\.5, 98 -46 0\\.5, 98 -46 2, 96 -46 2",
-                       "\\*37\\.6991 +exact +no"));
+  const std::string alone = irradiance("radiant.pbrt", {"--per-light"});
+  EXPECT_THAT(alone, HasSubstr("illuminance [mW/m2]"));
+  EXPECT_THAT(alone, HasSubstr("RGB [mW/m2]"));
+  EXPECT_THAT(alone, HasSubstr("share [mW/m2]"));
+  EXPECT_THAT(alone, Not(HasSubstr("[lx]")));
+  const std::string two = irradiance("radiant_and_lamp.pbrt", {"--per-light"});
+  EXPECT_THAT(two, HasSubstr("illuminance [mixed]"));
+  EXPECT_THAT(two, ContainsRegex("1 .* 5 +exact +mW/m2\n"));
+  EXPECT_THAT(two, ContainsRegex("2 .* exact +lx\n"));
+  EXPECT_THAT(irradiance("radiant.pbrt", {"--output", "csv"}), HasSubstr("illuminance [mW/m2]"));
   EXPECT_THAT(
-      out,
-      row("area +cylinder of diameter 0\\.2 m, length 1 m, 180 deg of it, 4 cd/m2 at 1, "
-          "image reference/screen\\.exr \\(16 x 16 px, bilinear\\)",
-          "[-0-9. ]+ to [-0-9. ]+, along 0 -0\\.7071 0\\.7071", "0\\.314159 +[0-9.]+ +exact +no"));
-  EXPECT_THAT(out, row("area +disk of diameter 0\\.6 m, hole of 0\\.2 m, 1156\\.68 cd/m2, profile "
-                       "lights/downlight\\.ies \\([^)]*\\), flux times 2",
-                       "[-0-9. ]+ to [-0-9. ]+, facing 0 0 -1, C0 to 1 0 0",
-                       "0\\.251327 +913\\.274 +exact +no"));
+      said({"irradiance", "reference/point.pbrt", "--point", "1.2,-1.5,0", "--normal", "0,0,1"}),
+      HasSubstr("illuminance [lx]"));
 }
 
 }  // namespace

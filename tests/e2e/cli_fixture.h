@@ -46,8 +46,6 @@ class Cli : public ::testing::Test {
     std::ofstream(scenes / "named.pbrt")
         << "WorldBegin\nLightSource \"point\" \"rgb I\" [1 1 1] \"string name\" \"desk lamp\"\n"
            "LightSource \"point\" \"rgb I\" [2 2 2]\n";
-    std::ofstream(scenes / "flat.pbrt")
-        << "WorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [3 3 3]\nShape \"disk\"\n";
     auto server = testing::LocalServer::start({.scene_root = scenes.string()});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = std::make_unique<testing::LocalServer>(*std::move(server));

@@ -31,7 +31,6 @@ class Receivers final : public client::ReceiverSource {
   std::uint64_t size() const override { return points.size(); }
   absl::Status read(std::uint64_t first, std::size_t count, std::vector<Double3>& to,
                     std::vector<float>& to_normals) override {
-    if (++reads == fail_at) return absl::InvalidArgumentError("desks.csv:3: no number");
     const auto at = static_cast<long>(first), n = static_cast<long>(count);
     to.assign(points.begin() + at, points.begin() + at + n);
     to_normals.assign(normals.begin() + 3 * at, normals.begin() + 3 * (at + n));
@@ -40,7 +39,6 @@ class Receivers final : public client::ReceiverSource {
 
   std::vector<Double3> points;
   std::vector<float> normals;
-  int reads = 0, fail_at = 0;
 };
 
 class IrradianceJob : public ::testing::Test {
@@ -267,22 +265,6 @@ TEST_F(IrradianceJob, ATargetErrorGivesIntervalsAndSamplesOfEachReceiver) {
   options_.request.mutable_accuracy()->set_samples(48);
   EXPECT_EQ(client::run_irradiance_job(options_).status().code(),
             absl::StatusCode::kFailedPrecondition);
-}
-
-TEST_F(IrradianceJob, ReceiversThatCannotBeReadEndTheJob) {
-  receivers_.fail_at = 1;
-  options_.job.servers = []() -> absl::StatusOr<std::vector<std::string>> {
-    ADD_FAILURE() << "a server was called before all receivers were read";
-    return absl::UnavailableError("");
-  };
-  EXPECT_EQ(client::run_irradiance_job(options_).status().message(), "desks.csv:3: no number");
-  options_.job.servers = [this]() -> absl::StatusOr<std::vector<std::string>> { return targets_; };
-  receivers_.fail_at = receivers_.reads + 3;
-  options_.items_per_piece = 10;
-  EXPECT_EQ(client::run_irradiance_job(options_).status().message(), "desks.csv:3: no number");
-  receivers_ = {};
-  EXPECT_EQ(client::run_irradiance_job(options_).status().code(),
-            absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -29,18 +29,6 @@ TEST_F(Cli, SampledPowerStopsAtACountAnErrorOrATime) {
                    "--error and --budget require --method sampled");
 }
 
-TEST_F(Cli, LightsAreListedWithKindPlaceAndFlux) {
-  const Outcome outcome = lucerna({"lights", "point.pbrt"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out,
-              ContainsRegex(" 1  point +10 cd +1\\.2 -1\\.5 3\\.2 +125\\.66[34] +exact "
-                            "+yes +point\\.pbrt:"));
-  // A radius of 0.35 about (0.7, -1.2, 2.6): 4 pi 0.35^2 = 1.53938 m2.
-  EXPECT_THAT(lucerna({"lights", "sphere.pbrt"}).out,
-              ContainsRegex("area +sphere of diameter 0\\.7 m, 12 cd/m2 +0\\.35 -1\\.55 2\\.25 to "
-                            "1\\.05 -0\\.85 2\\.95 +1\\.53938 +58\\.033[0-9] +exact +no "));
-}
-
 TEST_F(Cli, NamesOfLightsAreListedIfThereAreAny) {
   EXPECT_THAT(lucerna({"lights", "named.pbrt"}).out,
               AllOf(ContainsRegex("id +name +type "), ContainsRegex(" 1  desk lamp +point +1 cd "),
@@ -95,40 +83,6 @@ TEST_F(Cli, ALightHasANameInPlaceOfItsId) {
               ContainsRegex(" 1 +desk lamp +1 1 1 +lx "));
 }
 
-TEST_F(Cli, PowerIsTheIntegralOfTheIntensity) {
-  const Outcome outcome = lucerna({"power", "point.pbrt"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  // 4 pi 10 lm
-  EXPECT_THAT(outcome.out, ContainsRegex(" 1  point +125\\.664 "));
-  EXPECT_THAT(outcome.out, ContainsRegex("all +125\\.664 "));
-  // pi L A = pi 12 4 pi 0.35^2 = 58.0331 lm
-  EXPECT_THAT(lucerna({"power", "sphere.pbrt"}).out, ContainsRegex(" 1  area +58\\.0333 "));
-  expect_no(lucerna({"power", "point.pbrt", "--light", "77"}), "77");
-}
-
-TEST_F(Cli, WrongNumbersOfPointsAndDirectionsAreRefused) {
-  const std::vector<std::string> pdf = {"pdf", "sphere.pbrt", "--light", "1"};
-  const auto with = [](std::vector<std::string> words, const std::vector<std::string>& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return lucerna(words);
-  };
-  expect_wrong_use(with(pdf, {"--point", "nan,0,0", "--direction", "0,0,1"}),
-                   "--point \"nan,0,0\", must be three finite numbers, such as 0,1.5,-2");
-  expect_wrong_use(with(pdf, {"--point", "0,0,0", "--direction", "0,0,0"}),
-                   "--direction \"0,0,0\", must be three finite floats, not all 0");
-  expect_wrong_use(with(pdf, {"--point", "0,0,0", "--direction", "0,0,1", "--normal", "0,inf,0"}),
-                   "--normal \"0,inf,0\", must be three finite floats, not all 0");
-  expect_wrong_use(
-      lucerna({"sample", "sphere.pbrt", "--light", "1", "--point", "0,0,0", "--u", "nan,0"}),
-      "--u \"nan,0\": u1 = nan, allowed: [0, 1]");
-  expect_wrong_use(lucerna({"sample", "sphere.pbrt", "--point", "0,0,0", "--u", "0,0,1"}),
-                   "--u \"0,0,1\": u_light = 1, allowed: [0, 1)");
-  expect_wrong_use(lucerna({"visible", "sphere.pbrt", "--point", "0,0,0", "--to", "0,nan,0"}),
-                   "--to \"0,nan,0\", must be three finite numbers, such as");
-  // The world's origin is a valid point.
-  EXPECT_EQ(lucerna({"visible", "sphere.pbrt", "--point", "0,0,1", "--to", "0,0,0"}).status, 0);
-}
-
 TEST_F(Cli, FluxOfALightAtInfinityIsMarked) {
   // A square of 2 m by 2 m about the origin has a sphere of R^2 = 2.  A distant light of 1 lx sends
   // pi R^2 = 6.28319 lm through its disk.  A sky of 1 cd/m2 sends that from 4 pi sr: 78.9568 lm.
@@ -146,11 +100,6 @@ TEST_F(Cli, FluxOfALightAtInfinityIsMarked) {
   EXPECT_THAT(lucerna({"power", "sky.pbrt", "--light", "3"}).out,
               AllOf(ContainsRegex("all +12\\.5664 "), Not(HasSubstr("*"))));
   EXPECT_THAT(lucerna({"lights", "point.pbrt"}).out, Not(HasSubstr("*")));
-}
-
-TEST_F(Cli, AFlatDiskAtZeroHasNoHeight) {
-  EXPECT_THAT(lucerna({"lights", "flat.pbrt"}).out,
-              ContainsRegex("disk of diameter 2 m, 3 cd/m2 +-1 -1 0 to 1 1 0, facing 0 0 1 "));
 }
 
 TEST_F(Cli, SampleOfAPointLightIsItsIlluminance) {
@@ -230,41 +179,6 @@ TEST_F(Cli, DensityFollowsTheAreaSamplingMethod) {
                             "0,0,1", "--area-sampling", "sideways"}),
                    "--area-sampling: sideways is not one of automatic, square-root, kraemer, "
                    "parallelogram, rejection, low-distortion, solid-angle, cosine-solid-angle; ");
-}
-
-TEST_F(Cli, SamplesFollowTheNormalWithoutVisibility) {
-  // Under a light that covers most of the sky, the cosine moves samples towards the normal.  The
-  // density of a sample equals the answer of `pdf` for its direction.
-  const auto sample = [](const std::string& way, std::vector<std::string> more) {
-    std::vector<std::string> words = {"sample",  "rectangle_near.pbrt", "--light", "1", "--u",
-                                      "0.5,0.5", "--area-sampling",     way};
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = lucerna(words, "-1.25,-0.75,1.25,1,0,0.25\n");
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    return without_cost(outcome.out);
-  };
-  const std::vector<std::string> point = {"--point", "-1.25,-0.75,1.25"};
-  const std::vector<std::string> with_normal = {"--point", "-1.25,-0.75,1.25", "--normal",
-                                                "1,0,0.25"};
-  const std::string followed = sample("cosine-solid-angle", with_normal);
-  EXPECT_NE(followed, sample("cosine-solid-angle", point));
-  EXPECT_EQ(sample("cosine-solid-angle", point), sample("solid-angle", point));
-  EXPECT_EQ(sample("solid-angle", with_normal), sample("solid-angle", point));
-  EXPECT_EQ(sample("cosine-solid-angle", {"--points", "-"}), followed);
-  // "... cd/m2  WI  DISTANCE  PDF"
-  const std::regex row("cd/m2 +([-0-9.e]+) ([-0-9.e]+) ([-0-9.e]+) +[0-9.]+ +([0-9.]+)");
-  std::smatch m;
-  ASSERT_TRUE(std::regex_search(followed, m, row)) << followed;
-  const std::string wi = m[1].str() + "," + m[2].str() + "," + m[3].str();
-  const Outcome pdf =
-      lucerna({"pdf", "rectangle_near.pbrt", "--light", "1", "--point", "-1.25,-0.75,1.25",
-               "--direction", wi, "--normal", "1,0,0.25", "--area-sampling", "cosine-solid-angle"});
-  EXPECT_EQ(pdf.status, 0) << pdf.err;
-  std::smatch n;
-  const std::regex density(m[3].str() + " +([0-9.]+)\n");
-  ASSERT_TRUE(std::regex_search(pdf.out, n, density)) << pdf.out;
-  // The direction was printed with six digits.
-  EXPECT_NEAR(std::stod(n[1]) / std::stod(m[4]), 1, 1e-4);
 }
 
 TEST_F(Cli, LeIsTheRadianceOfTheLightThatARayMeets) {

@@ -134,20 +134,6 @@ TEST_F(CliPreview, AnAnimationHasAPictureForEachFrameOverOneConnection) {
   for (const char* name : {"f.1.exr", "f.2.exr", "f.3.exr"}) EXPECT_TRUE(fs::remove(path(name)));
 }
 
-TEST_F(CliPreview, AWrongAddressIsRefusedBeforeRendering) {
-  const std::vector<std::string> before = files();
-  const auto refused = [&](std::vector<std::string> arguments, const std::string& what) {
-    arguments.insert(arguments.end(), {"--server", "127.0.0.1:1"});  // no server is called
-    expect_wrong_use(render(std::move(arguments)), what);
-  };
-  refused({"--tev", "127.0.0.1:0"}, "--tev: \"127.0.0.1:0\": port \"0\", allowed: 1 to 65535");
-  refused({"--tev", ":14158"}, "HOST:PORT");
-  refused({"--preview"}, "an -o must end in .png");
-  refused({"--preview=0"}, "0 is not a number of seconds from 0.1");
-  refused({"--preview=x", "-o", path("x.png")}, "x is not a number of seconds");
-  EXPECT_EQ(files(), before);
-}
-
 TEST_F(CliPreview, AFailedRenderKeepsItsLastPreview) {
   const std::vector<std::string> before = files();
   // The server dies when a preview is there.  The render would take minutes.

@@ -1,16 +1,9 @@
-// Small queries to several servers, one of which is killed, through the library and through
-// lucerna.
+// Small queries of lucerna to several servers, one of which is killed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <atomic>
-#include <thread>
-
-#include "lucerna/client/points.h"
-#include "lucerna/client/query_servers.h"
 #include "lucerna/client/testing/local_server.h"
-#include "proto/common/host_port.h"
 #include "tests/client/library/fake_server.h"
 #include "tests/e2e/run_program.h"
 #include "tests/paths.h"
@@ -28,9 +21,8 @@ class QueryServers : public ::testing::Test {
     for (int i = 0; i < 2; ++i) servers_.push_back(start());
   }
 
-  static std::unique_ptr<testing::LocalServer> start(int port = 0) {
-    auto server = testing::LocalServer::start(
-        {.scene_root = test_data("reference"), .threads = 1, .port = port});
+  static std::unique_ptr<testing::LocalServer> start() {
+    auto server = testing::LocalServer::start({.scene_root = test_data("reference"), .threads = 1});
     EXPECT_TRUE(server.ok()) << server.status();
     return std::make_unique<testing::LocalServer>(*std::move(server));
   }
@@ -45,36 +37,6 @@ class QueryServers : public ::testing::Test {
 
   std::vector<std::unique_ptr<testing::LocalServer>> servers_;
 };
-
-TEST_F(QueryServers, AKilledServerChangesNoAnswer) {
-  client::QueryServersOptions options{.servers = *client::server_list(both()), .load = {}};
-  options.load = [](const client::Client& client, const client::CallOptions& call) {
-    v1::LoadSceneRequest request;
-    request.set_path("point.pbrt");
-    return client.load_scene(request, call);
-  };
-  auto servers = client::QueryServers::connect(options);
-  ASSERT_TRUE(servers.ok()) << servers.status();
-  v1::SampleLiRequest request;
-  request.set_scene_id(servers->scene_id());
-  const client::Double3 points[] = {{0, 0, 0}};
-  *request.mutable_receivers() = client::make_points(points);
-  request.mutable_seed()->set_seed(1);
-  const auto query = [&](const client::Client& client) { return client.sample_li(request); };
-  const auto expected = servers->query(query);
-  ASSERT_TRUE(expected.ok()) << expected.status();
-  for (int i = 0; i < 2000; ++i) {
-    if (i == 500) ::kill(servers_[0]->process_id(), SIGKILL);
-    if (i == 1000) {
-      const int port = split_host_port(servers_[0]->target())->port;
-      servers_[0].reset();
-      servers_[0] = start(port);  // without the scene
-    }
-    const auto now = servers->query(query);
-    ASSERT_TRUE(now.ok()) << i << ": " << now.status();
-    ASSERT_THAT(now->value(), ::testing::ElementsAreArray(expected->value()));
-  }
-}
 
 TEST_F(QueryServers, TheProgramAnswersTheSameFromOneServerAndFromSeveral) {
   const Outcome one = lucerna(irradiance("point.pbrt"), servers_[0]->target());

@@ -25,14 +25,6 @@ TEST_F(Cli, VisibilityOfSegmentsAndRays) {
   EXPECT_THAT(ray("5"), Not(HasSubstr("yes")));
 }
 
-TEST_F(Cli, DirectIrradianceOfAPointLightIsExactByHand) {
-  const Outcome outcome = lucerna({"irradiance", "point.pbrt", "--point", "1.2,-1.5,0", "--normal",
-                                   "0,0,2", "--bounces", "0", "--per-light"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, ContainsRegex("1\\.2 +-1\\.5 +0 +0\\.97656[23] "));
-  EXPECT_THAT(outcome.out, ContainsRegex("light +x \\[m\\]"));
-}
-
 TEST_F(Cli, ItemWithoutAnswerIsShownInItsRowAndMakesTheStatusOne) {
   const Outcome outcome = lucerna({"irradiance", "point.pbrt", "--bounces", "0", "--points", "-"},
                                   "1.2,-1.5,0,0,0,1\n1.2,-1.5,0,0,0,0\nnan,0,0,0,0,1\n");

@@ -116,12 +116,6 @@ TEST_F(Cli, ErrorsAreJsonUnderJson) {
   EXPECT_EQ(error(outcome)["code"], "UNAVAILABLE");
 }
 
-TEST_F(Cli, HostsWithoutAPortHaveTheDefaultPort) {
-  expect_wrong_use(lucerna({"irradiance", "point.pbrt", "--point", "0,0,0", "--normal", "0,0,1",
-                            "--server", "localhost,[::1],x:y"}),
-                   "server \"x:y\": port \"y\", allowed: 1 to 65535");
-}
-
 TEST_F(Cli, SizesAndNumbersBelowTheirLeastAreRefused) {
   expect_wrong_use(lucerna({"render", "point.pbrt", "-o", "x.exr", "--tile-size", "-1"}),
                    "--tile-size: -1 is not a whole number from 1");

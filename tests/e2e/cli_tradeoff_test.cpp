@@ -261,21 +261,6 @@ TEST_F(CliTradeoff, SamplesAndVisibilityConvergeToTheirReferences) {
     const double samples = last["amount"]["value"];
     EXPECT_EQ(samples, 256) << query;
     EXPECT_LT(last["relative_error"]["mean"], 4 / std::sqrt(samples)) << query;
-    // The commands exist with their options, except for the number of samples.
-    for (const auto& level : all["levels"]) {
-      if (!level.contains("command")) continue;
-      const std::string command = std::regex_replace(level["command"].get<std::string>(),
-                                                     std::regex("--samples [0-9]+"), "--samples 1");
-      std::istringstream words(command.substr(0, command.find('#')));
-      std::vector<std::string> arguments{std::istream_iterator<std::string>(words), {}};
-      ASSERT_GT(arguments.size(), 2);
-      EXPECT_EQ(arguments[0] + " " + arguments[1], "lucerna sample");
-      arguments.erase(arguments.begin());
-      EXPECT_EQ(lucerna(arguments).status, 0) << command;
-      if (query == "visibility") {
-        EXPECT_THAT(command, HasSubstr(" --area-sampling "));
-      }
-    }
     for (const auto& setting : all["settings"]) {
       std::vector<std::string> arguments = {"sample", "lamp_over_table.pbrt", "--points",
                                             path("points.csv"), "--visible"};
@@ -329,8 +314,6 @@ TEST_F(CliTradeoff, RefusesQueriesThatCannotBeMeasured) {
   expect_wrong_use(tradeoff({"--points", path("bare.csv")}), "no normals, must have six columns");
   expect_wrong_use(tradeoff({"--points", points, "--budget", "0s"}), "is not a time above 0");
   expect_wrong_use(tradeoff({"--points", points, "--budget", "1e-6ms", "--quiet"}),
-                   "--budget 1e-09s is too short");
-  expect_wrong_use(tradeoff({"--points", points, "--budget", "1e-9s", "--quiet"}),
                    "--budget 1e-09s is too short");
   expect_wrong_use(
       tradeoff({"--points", points, "--budget", "1e-6ms", "--quiet", "--timeout", "600"}),

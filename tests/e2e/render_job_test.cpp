@@ -1,4 +1,4 @@
-// One picture on several servers, which are killed, halted, restarted and added during the job.
+// One picture on several servers, which are killed and halted during the job.
 #include "lucerna/client/render_job.h"
 
 #include <gmock/gmock.h>
@@ -7,11 +7,9 @@
 
 #include <filesystem>
 #include <fstream>
-#include <mutex>
 
 #include "lucerna/client/testing/local_server.h"
 #include "lucerna/client/upload.h"
-#include "proto/common/host_port.h"
 #include "tests/e2e/run_program.h"
 #include "tests/paths.h"
 #include "tests/temp_directory.h"
@@ -50,7 +48,6 @@ class RenderJob : public ::testing::Test {
     expected_ = whole.picture().value();
     options_.request = request_;
     options_.job.servers = [this]() -> absl::StatusOr<std::vector<std::string>> {
-      const std::lock_guard lock(mutex_);
       return targets_;
     };
     options_.job.load = [](const client::Client& client, const client::CallOptions& call) {
@@ -63,12 +60,11 @@ class RenderJob : public ::testing::Test {
     options_.job.on_event = [this](const std::string& event) { events_.push_back(event); };
   }
 
-  void add_server(int port = 0) {
-    auto server = testing::LocalServer::start(
-        {.scene_root = test_data("reference"), .threads = 1, .port = port});
+  void add_server() {
+    auto server = testing::LocalServer::start({.scene_root = test_data("reference"), .threads = 1});
     ASSERT_TRUE(server.ok()) << server.status();
     servers_.push_back(std::make_unique<testing::LocalServer>(*std::move(server)));
-    if (port == 0) targets_.push_back(servers_.back()->target());
+    targets_.push_back(servers_.back()->target());
   }
   void expect_the_same_bits(const absl::StatusOr<RenderJobResult>& result) {
     ASSERT_TRUE(result.ok()) << result.status();
@@ -93,7 +89,6 @@ class RenderJob : public ::testing::Test {
   const TempDirectory temporary_;  // outlives the servers
   const fs::path directory_ = temporary_.path();
   std::vector<std::unique_ptr<testing::LocalServer>> servers_;
-  std::mutex mutex_;
   std::vector<std::string> targets_;
   v1::RenderImageRequest request_;
   client::Picture expected_;
@@ -117,52 +112,16 @@ TEST_F(RenderJob, TheSameBitsFromAnyNumberOfServersAndAnySplit) {
   EXPECT_THAT(events_, Each(Not(HasSubstr("does not answer"))));
 }
 
-TEST_F(RenderJob, FinishesWithoutAServerThatIsKilled) {
+TEST_F(RenderJob, FinishesWithoutServersThatAreKilledOrHalt) {
   add_server();
   add_server();
   options_.request.set_tile_size(16);
-  when(20, [this] { ::kill(servers_[1]->process_id(), SIGKILL); });
-  expect_the_same_bits(client::run_render_job(options_));
-}
-
-TEST_F(RenderJob, FinishesWithoutAServerThatHalts) {
-  add_server();
-  add_server();
-  options_.request.set_tile_size(16);
-  when(20, [this] { ::kill(servers_[1]->process_id(), SIGSTOP); });
-  expect_the_same_bits(client::run_render_job(options_));
-  ::kill(servers_[1]->process_id(), SIGCONT);
-}
-
-TEST_F(RenderJob, WaitsWhileNoServerAnswers) {
-  options_.request.set_tile_size(16);
-  const int port = split_host_port(targets_[0])->port;
-  when(20, [this] { ::kill(servers_[0]->process_id(), SIGKILL); });
-  options_.job.on_event = [&](const std::string& event) {
-    events_.push_back(event);
-    if (event == "no server answers: waiting") add_server(port);
-  };
-  expect_the_same_bits(client::run_render_job(options_));
-  ASSERT_EQ(events_.size(), 3U);
-  EXPECT_THAT(events_[0], HasSubstr("does not answer"));
-  EXPECT_THAT(events_[2], HasSubstr(targets_[0] + " answers"));
-}
-
-TEST_F(RenderJob, AServerThatJoinsGetsTheSceneAndTakesPart) {
-  options_.request.set_tile_size(8);
-  add_server();
-  const std::string late = targets_.back();
-  targets_.pop_back();
-  when(10, [&] {
-    const std::lock_guard lock(mutex_);
-    targets_.push_back(late);
-    ::kill(servers_[0]->process_id(), SIGSTOP);
+  when(20, [this] {
+    ::kill(servers_[1]->process_id(), SIGKILL);
+    ::kill(servers_[2]->process_id(), SIGSTOP);
   });
   expect_the_same_bits(client::run_render_job(options_));
-  ::kill(servers_[0]->process_id(), SIGCONT);
-  const auto scenes = servers_[1]->client().list_scenes({});
-  ASSERT_TRUE(scenes.ok());
-  EXPECT_EQ(scenes->scenes_size(), 1);
+  ::kill(servers_[2]->process_id(), SIGCONT);
 }
 
 TEST_F(RenderJob, AnInterruptedJobResumesFromItsJournal) {
