@@ -146,7 +146,6 @@ Materials::Materials() { add(ParameterSet("diffuse", {}, {}, {})); }
 
 void Materials::define(const std::string& type, ParameterSet params, Entry& entry) {
   entry.type = known_type(type, params.place());
-  entry.place = params.place();
   entry.params = std::move(params);
   entry.defined = true;
 }
@@ -164,7 +163,7 @@ std::uint32_t Materials::named(const std::string& name, const FilePosition& plac
   if (added) {
     Entry entry;
     entry.name = &it->first;
-    entry.place = place;
+    entry.params = ParameterSet({}, {}, {}, place);
     materials_.push_back(std::move(entry));
   }
   return it->second;
@@ -175,7 +174,7 @@ void Materials::make_named(const std::string& name, ParameterSet params) {
   Entry& entry = materials_[named(name, place)];
   if (entry.defined)
     fail(place, fmt::format("material \"{}\" is already defined, at {}", printable(name),
-                            to_string(entry.place)));
+                            to_string(entry.params.place())));
   const std::string type = params.string("type", "");
   if (type.empty())
     fail(place, fmt::format("material \"{}\" lacks \"string type\"", printable(name)));
@@ -194,7 +193,7 @@ bool Materials::may_need_uv(std::uint32_t reference) const {
 MixParams Materials::mix_of(LoadState& context, const Entry& entry) {
   const Parameter* parts = entry.params.find("materials", {"string"});
   if (parts == nullptr)
-    fail(entry.place,
+    fail(entry.params.place(),
          fmt::format("material \"mix\" lacks \"string materials\"{}",
                      entry.params.find("namedmaterial1", {"string"}) != nullptr ? kIsOfPbrt3 : ""));
   if (parts->strings().size() != 2)
@@ -242,7 +241,7 @@ Material Materials::material_of(LoadState& context, const Entry& entry) {
     m.params = mix_of(context, entry);
   } else {
     const ColourValue value = read.reflectance("reflectance", 0.5);
-    context.remark(entry.place, fmt::format("material \"{}\" is not modelled", entry.type),
+    context.remark(entry.params.place(), fmt::format("material \"{}\" is not modelled", entry.type),
                    "diffuse, with its reflectance or 0.5");
     m.params = DiffuseParams{value};
     return m;
@@ -264,26 +263,25 @@ Material Materials::material_of(LoadState& context, const Entry& entry) {
 }
 
 std::optional<std::uint32_t> Materials::resolve(LoadState& context, std::uint32_t reference) {
-  if (!materials_[reference].defined)
-    fail(materials_[reference].place, fmt::format("material \"{}\" is not defined in this scene",
-                                                  printable(*materials_[reference].name)));
-  if (materials_[reference].resolved) return materials_[reference].index;
+  Entry& entry = materials_[reference];
+  const FilePosition place = entry.params.place();
+  if (!entry.defined)
+    fail(place,
+         fmt::format("material \"{}\" is not defined in this scene", printable(*entry.name)));
+  if (entry.resolved) return entry.index;
   constexpr int kMaxNesting = 64;
   if (nesting_ == kMaxNesting)
-    fail(materials_[reference].place,
-         fmt::format("material \"{}\" is a mix of itself, or of mixes more than {} deep",
-                     printable(*materials_[reference].name), kMaxNesting));
-  Entry& entry = materials_[reference];
-  if (!is_interface(entry.type)) {
-    ++nesting_;
-    Material made = material_of(context, entry);
-    --nesting_;
-    context.scene.materials.push_back(std::move(made));
-    entry.index = static_cast<std::uint32_t>(context.scene.materials.size() - 1);
-    entry.params = {};
-    constexpr std::size_t kMaterialsPerPoll = 256;
-    if (context.scene.materials.size() % kMaterialsPerPoll == 0) context.poll();
-  }
+    fail(place, fmt::format("material \"{}\" is a mix of itself, or of mixes more than {} deep",
+                            printable(*entry.name), kMaxNesting));
+  if (is_interface(entry.type)) return std::nullopt;
+  ++nesting_;
+  Material made = material_of(context, entry);
+  --nesting_;
+  context.scene.materials.push_back(std::move(made));
+  entry.index = static_cast<std::uint32_t>(context.scene.materials.size() - 1);
+  entry.params = ParameterSet({}, {}, {}, place);
+  constexpr std::size_t kMaterialsPerPoll = 256;
+  if (context.scene.materials.size() % kMaterialsPerPoll == 0) context.poll();
   entry.resolved = true;
   return entry.index;
 }

@@ -47,12 +47,12 @@ class Materials {
  private:
   struct Entry {
     std::string_view type;  ///< a known type
+    /// Of the directive that defines it.  Before that its place is that of the first use, and when
+    /// it is resolved only the place is left.
     ParameterSet params;
-    FilePosition place;  ///< of the directive that defines it; before that, of its first use
     const std::string* name = nullptr;  ///< null if made by Material
-    bool defined = false;
-    bool resolved = false;
-    std::optional<std::uint32_t> index;
+    std::uint32_t index = 0;            ///< when it is resolved
+    bool defined = false, resolved = false;
   };
   static void define(const std::string& type, ParameterSet params, Entry& entry);
   Material material_of(LoadState& context, const Entry& entry);
