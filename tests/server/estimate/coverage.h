@@ -31,14 +31,12 @@ class Coverage {
  public:
   explicit Coverage(double truth) : truth_(truth) {}
 
-  /// `widened`: factor of the interval's width about its estimate.
-  void add(double estimate, const ConfidenceInterval& interval, double widened = 1) {
+  void add(double estimate, const ConfidenceInterval& interval) {
     ++count_;
     const double off = (estimate - mean_) / static_cast<double>(count_);
     squares_ += (estimate - mean_) * (estimate - mean_ - off);
     mean_ += off;
-    held_ += estimate - widened * (estimate - interval.lower) <= truth_ &&
-             truth_ <= estimate + widened * (interval.upper - estimate);
+    held_ += interval.lower <= truth_ && truth_ <= interval.upper;
   }
 
   double held() const { return static_cast<double>(held_) / static_cast<double>(count_); }
@@ -74,13 +72,13 @@ struct Answer {
   ConfidenceInterval interval;
 };
 
-/// The i-th of repeats() answers is `answer(i)`.  Intervals are made `widened` times as wide.
+/// The i-th of repeats() answers is `answer(i)`.
 template <typename AnswerOf>
-Coverage repeated(double truth, double widened, const AnswerOf& answer) {
+Coverage repeated(double truth, const AnswerOf& answer) {
   std::vector<Answer> answers(repeats());
   tbb::parallel_for(std::size_t{0}, answers.size(), [&](std::size_t i) { answers[i] = answer(i); });
   Coverage c(truth);
-  for (const Answer& a : answers) c.add(a.value, a.interval, widened);
+  for (const Answer& a : answers) c.add(a.value, a.interval);
   return c;
 }
 
@@ -95,14 +93,6 @@ inline void expect_covered(const Coverage& c, const std::string& what) {
 inline void expect_covered_at_least(const Coverage& c, const std::string& what) {
   EXPECT_TRUE(c.holds_enough()) << what << ": " << c.held();
   EXPECT_LE(std::fabs(c.bias()), 4) << what;
-}
-
-/// Checks that a wrong variance is noticed: `coverage(widened)` has intervals with that factor.
-template <typename CoverageOf>
-void expect_sees_wrong_widths(CoverageOf&& coverage) {
-  const Coverage narrow = coverage(0.6), wide = coverage(1.8);
-  EXPECT_FALSE(narrow.holds_enough()) << narrow.held();
-  EXPECT_FALSE(wide.holds_no_more()) << wide.held();
 }
 
 /// How often a query with a target error is repeated.

@@ -31,10 +31,8 @@ std::shared_ptr<const Scene> lamps() {
   return build(std::move(d));
 }
 
-/// The coverage for every light; the last is for all lights together.  `widened`: factor of the
-/// intervals' width about their estimates.
-std::vector<Coverage> coverage_of(const Scene& scene, SampledPowerSettings settings,
-                                  double widened = 1) {
+/// The coverage for every light; the last is for all lights together.
+std::vector<Coverage> coverage_of(const Scene& scene, SampledPowerSettings settings) {
   std::vector<std::uint32_t> all;
   std::vector<Coverage> coverage;
   double total = 0;
@@ -53,7 +51,7 @@ std::vector<Coverage> coverage_of(const Scene& scene, SampledPowerSettings setti
   for (const SampledPowers& r : answers)
     for (std::size_t l = 0; l < coverage.size(); ++l) {
       const SampledPower& p = l < all.size() ? r.lights[l] : r.total;
-      coverage[l].add(luminance(p.lumens), p.interval_lm, widened);
+      coverage[l].add(luminance(p.lumens), p.interval_lm);
     }
   return coverage;
 }
@@ -75,13 +73,6 @@ TEST(PowerCoverage, ByATarget) {
     for (std::size_t l = 0; l < c.size(); ++l)
       expect_covered(c[l], "light " + std::to_string(l) + " within " + std::to_string(relative));
   }
-}
-
-// The coverage of intervals with a wrong variance.
-TEST(PowerCoverage, NoticesIntervalsThatAreTooNarrowOrTooWide) {
-  const auto scene = lamps();
-  expect_sees_wrong_widths(
-      [&](double widened) { return coverage_of(*scene, {.samples_per_block = 8}, widened)[0]; });
 }
 
 // Samples by the intensity, or by the cosine, are all equal.
