@@ -56,12 +56,16 @@ TEST(ScenePart, MeshesHaveOneVertexOfUnusedRoom) {
   }
   SceneDescription d = testing::description();
   d.shapes = {{.geometry = mesh}, {.geometry = mesh}};
+  for (const double bend : {0.0, 0.3})
+    for (int i = 0; i < 3; ++i)
+      d.shapes.push_back(testing::patch({0, 0, 2.0 + i}, {1, 0, 2.0 + i}, {0, 1, 2.0 + i},
+                                        {1, 1, 2.0 + i + bend}));
   const std::vector<ScenePart> parts = testing::build(d)->parts();
   const auto bytes = [&](const char* name) {
     return std::ranges::find(parts, name, &ScenePart::name)->bytes;
   };
-  EXPECT_EQ(bytes("vertices"), (2 * 900 + 1) * sizeof(Vec3f));
-  EXPECT_EQ(bytes("triangles"), 2 * 900 * sizeof(std::uint32_t));
+  EXPECT_EQ(bytes("vertices"), (2 * 900 + 6 * 4 + 1) * sizeof(Vec3f));
+  EXPECT_EQ(bytes("triangles"), (2 * 900 + 6 * 6) * sizeof(std::uint32_t));
 }
 
 TEST(LazyPart, IsMadeAgainAfterAFailure) {

@@ -180,31 +180,6 @@ TEST(OnlyWhatASceneRequires, AnEmptySceneHasNoParts) {
   EXPECT_FALSE(scene->geometry().isa().empty());
 }
 
-TEST(OnlyWhatASceneRequires, ArraysOfMeshesHaveNoUnusedRoom) {
-  // A strip of 400 triangles, and flat and bent patches.
-  TriangleMeshData strip;
-  for (int i = 0; i < 402; ++i) strip.positions.push_back({0.1 * i, i % 2 * 1.0, 1});
-  for (std::uint32_t i = 0; i < 400; ++i)
-    strip.indices.insert(strip.indices.end(), {i, i + 1, i + 2});
-  SceneDescription d = plain();
-  d.shapes.push_back(testing::shape(std::move(strip)));
-  for (const double bend : {0.0, 0.3})
-    for (int i = 0; i < 3; ++i)
-      d.shapes.push_back(testing::patch({0, 0, 2.0 + i}, {1, 0, 2.0 + i}, {0, 1, 2.0 + i},
-                                        {1, 1, 2.0 + i + bend}));
-  const auto scene = testing::build(std::move(d));
-  constexpr double kCorners = 402 + 4 + 6 * 4, kTriangles = 400 + 2 + 3 * 2;
-  for (const ScenePart& part : scene->parts()) {
-    if (part.name == "vertices") {
-      EXPECT_LE(part.bytes, 12 * kCorners * 17 / 16);
-    }
-    if (part.name == "triangles") {
-      EXPECT_LE(part.bytes, 12 * kTriangles * 17 / 16);
-    }
-  }
-  EXPECT_THAT(part_names(*scene), ::testing::IsSupersetOf({"vertices", "triangles"}));
-}
-
 TEST(OnlyWhatASceneRequires, ObjectsWithoutInstancesAreLeftOut) {
   SceneDescription d = testing::description();
   d.objects = {{"floor", {testing::floor(1)}}, {"ball", {testing::shape(SphereParams{})}}};
