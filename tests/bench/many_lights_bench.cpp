@@ -22,6 +22,7 @@
 #include "server/queries/queries.h"
 #include "server/runtime/parallel.h"
 #include "server/scene/scene.h"
+#include "tests/server/queries/li_samples.h"
 
 namespace lucerna {
 namespace {
@@ -60,41 +61,6 @@ std::shared_ptr<const Scene> scene_of(const std::vector<Lamp>& lamps) {
   return *scene;
 }
 
-/// The arrays of an answer of `count` samples, without visibility.
-struct SampleLiArrays {
-  explicit SampleLiArrays(std::size_t count)
-      : value(3 * count),
-        wi(3 * count),
-        distance_m(count),
-        light_offsets_m(3 * count),
-        light_normals(3 * count),
-        pdf_per_sr(count),
-        delta(count / 8),
-        light_ids(count),
-        selection_probability(count),
-        status(count) {}
-
-  SampleLiAnswer answer() {
-    return {.value = value.data(),
-            .wi = wi.data(),
-            .distance_m = distance_m.data(),
-            .light_offsets_m = light_offsets_m.data(),
-            .light_normals = light_normals.data(),
-            .pdf_per_sr = pdf_per_sr.data(),
-            .delta = delta.data(),
-            .visible = nullptr,
-            .light_ids = light_ids.data(),
-            .selection_probability = selection_probability.data(),
-            .status = status.data()};
-  }
-
-  std::vector<float> value, wi, distance_m, light_offsets_m, light_normals, pdf_per_sr;
-  std::vector<std::uint8_t> delta;
-  std::vector<std::uint64_t> light_ids;
-  std::vector<double> selection_probability;
-  std::vector<int> status;
-};
-
 class Study {
  public:
   explicit Study(std::uint32_t count) : lamps_(lamps(count)), scene_(scene_of(lamps_)) {
@@ -116,7 +82,7 @@ class Study {
   /// `rounds` calls with different seeds.
   Result measure(LightSelection selection, int rounds) const {
     constexpr std::size_t kN = std::size_t{kReceivers} * kSamples;
-    SampleLiArrays arrays(kN);
+    testing::LiSamples arrays(kN);
     SampleLiQuery query{.receivers = {{}, offsets_m_}, .samples = kSamples, .normals = normals_};
     query.methods.light_selection = selection;
     // Independent, so that the error of one sample has a meaning.
